@@ -25,8 +25,9 @@ from serpenoid.calibration.friction_result import ground_of, whole_ground
 from serpenoid.calibration.speed_samples import AMPLITUDE_SIGMA, sample_speeds, scaled, speed
 from serpenoid.calibration.taking.memory import MemoryRecord
 from serpenoid.calibration.taking.new_session import default_setup
-from serpenoid.calibration.taking.simulated import RUN_M, RUN_S, SimulatedTreadmill, drawn_truth
+from serpenoid.calibration.taking.simulated import SimulatedTreadmill, drawn_truth
 from serpenoid.calibration.taking.treadmill import take_all
+from serpenoid.calibration.taking.world import RUN_M, RUN_S
 from serpenoid.calibration.verdict import Judge, Measured
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot

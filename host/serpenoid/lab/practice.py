@@ -204,11 +204,10 @@ class PracticeTreadmill:
     def protractor(self) -> str:
         """Return what a protractor shows between the links at either end."""
         with self._lock:
-            true = self.belt.robot.true_joints(list(self._set_points()))
-            shown = [
-                180.0 - math.degrees(abs(true[k]) + self._protractor_rad * self._rng.normal())
-                for k in (0, -1)
-            ]
+            ends_rad = self.belt.robot.ends_rad(
+                list(self._set_points()), self._protractor_rad, self._rng
+            )
+            shown = [180.0 - math.degrees(end_rad) for end_rad in ends_rad]
             return f"protractor: {shown[0]:.1f} deg at the tail, {shown[1]:.1f} deg at the head"
 
     def turns(self) -> str:

@@ -93,6 +93,13 @@ class LabRobot:
         """Return where the joints stand when they are told to stand there."""
         return [a + e for a, e in zip(set_rad, self.joint_error_rad, strict=True)]
 
+    def ends_rad(
+        self, set_rad: Sequence[float], scatter_rad: float, rng: np.random.Generator
+    ) -> list[float]:
+        """Return by what a protractor shows the joints at tail and head bent."""
+        true = self.true_joints(set_rad)
+        return [abs(true[k]) + scatter_rad * float(rng.normal()) for k in (0, -1)]
+
 
 def pose_of(signs: Sequence[int], angle_rad: float) -> list[float]:
     """Return the joints' set-points, rad, of links at signs times an angle to the robot's axis."""

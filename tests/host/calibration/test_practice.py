@@ -11,7 +11,8 @@ from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.calibration.taking.person.practice import (
     USUAL,
     PracticeTerminal,
-    PracticeTruth,
+    belt_words,
+    drawn_belt,
     picture,
     practice_seed,
     practice_setup,
@@ -118,12 +119,12 @@ def test_time_at_the_treadmill_is_the_dialogues_clock():
 
 
 def test_a_seed_is_a_truth_near_the_robot_of_2005():
-    one, same, other = (PracticeTruth.drawn(s) for s in (7, 7, 8))
+    one, same, other = (drawn_belt(s) for s in (7, 7, 8))
     assert one == same
     assert one != other
     for name, usual in USUAL.items():
         assert 0.5 < getattr(one.ground, name) / usual < 2.0
-    assert "ft0" in one.in_words()
+    assert "ft0" in belt_words(one)
     assert abs(one.deck_rad) <= math.radians(0.2)
 
 

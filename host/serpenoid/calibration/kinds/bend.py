@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from .declaration import PLANNED, Field, Kind, Word, check_fields
-from .station import BENDS, MAX_LAMBDA_DEG
+from .declaration import Field, Kind, check_fields
+from .station import BEND_WORD, LAMBDA
 
 FIELDS = (
-    Field("lambda_deg", "the bend", "angle", 0.0, MAX_LAMBDA_DEG, source=PLANNED),
+    LAMBDA,
     Field("between_links_deg", "the protractor shows", "angle", 0.0, 180.0),
-    Word("bend", BENDS, of_plan=True),
+    BEND_WORD,
 )
 
 

@@ -7,15 +7,15 @@ from dataclasses import dataclass, field
 
 from ...model.errors import BadInput
 from .bend import bend_in_words
-from .declaration import DERIVED, PLANNED, Field, Kind, Word, check_fields
-from .station import BENDS, MAX_LAMBDA_DEG, STEERING
+from .declaration import DERIVED, Field, Kind, Word, check_fields
+from .station import BEND_WORD, LAMBDA, STEERING
 from .tracks import Track
 
 WAYS = ("there", "back")
 FACINGS = ("ahead", "back")  # head first; or tail first, where ratchet wheels roll backwards
 SOURCES = ("rest", "marks", "film")  # what a push is known by: tape and watch, marks passed, a film
 FIELDS = (
-    Field("lambda_deg", "the bend", "angle", 0.0, MAX_LAMBDA_DEG, source=PLANNED),
+    LAMBDA,
     Field(
         "distance_m",
         "way from where the hand let go to where it rests",
@@ -90,7 +90,7 @@ FIELDS = (
     Word("way", WAYS),
     Word("facing", FACINGS),
     Word("by", SOURCES, source=DERIVED),
-    Word("bend", BENDS, of_plan=True),
+    BEND_WORD,
     Word("place"),
     Word("file_sha256", source=DERIVED),
 )

@@ -12,9 +12,25 @@ from .declaration import DERIVED, PLANNED, Field, Kind, Word, check_fields
 from .instruments import MAX_SPEED_M_S, Stopwatch
 
 RUN_WAYS = ("level", "there", "back")  # along the line of the pushes, where a floor slopes
-FIELDS = (
+COMMANDED = (
     Field("alpha_deg", "alpha", "angle", 0.0, 180.0, source=PLANNED),
     Field("beta_deg", "beta", "angle", -360.0, 360.0, source=PLANNED),
+)
+SPEED = (
+    Field("speed_m_s", "the speed", "speed", 0.0, MAX_SPEED_M_S, source=DERIVED),
+    Field(
+        "speed_sigma_m_s",
+        "its standard deviation",
+        "speed",
+        0.0,
+        MAX_SPEED_M_S,
+        open_low=True,
+        source=DERIVED,
+    ),
+)
+WAY = Word("way", RUN_WAYS, source=DERIVED)
+FIELDS = (
+    *COMMANDED,
     Field(
         "omega_rad_s",
         "omega",
@@ -35,17 +51,8 @@ FIELDS = (
         optional=True,
     ),
     Field("duration_s", "time taken", "time", 0.0, 1e5, (1.0, 600.0), open_low=True, optional=True),
-    Field("speed_m_s", "the speed", "speed", 0.0, MAX_SPEED_M_S, source=DERIVED),
-    Field(
-        "speed_sigma_m_s",
-        "its standard deviation",
-        "speed",
-        0.0,
-        MAX_SPEED_M_S,
-        open_low=True,
-        source=DERIVED,
-    ),
-    Word("way", RUN_WAYS, source=DERIVED),
+    *SPEED,
+    WAY,
 )
 
 

@@ -6,11 +6,11 @@ import math
 from dataclasses import dataclass
 
 from .bend import bend_in_words
-from .declaration import PLANNED, Field, Kind, Word, check_fields
-from .station import BENDS, MAX_INCLINE_DEG, MAX_LAMBDA_DEG
+from .declaration import PLANNED, Field, Kind, check_fields
+from .station import BEND_WORD, LAMBDA, MAX_INCLINE_DEG
 
 FIELDS = (
-    Field("lambda_deg", "the bend", "angle", 0.0, MAX_LAMBDA_DEG, source=PLANNED),
+    LAMBDA,
     Field(
         "incline_deg",
         "the inclinometer shows on the board",
@@ -39,7 +39,7 @@ FIELDS = (
         source=PLANNED,
         optional=True,
     ),
-    Word("bend", BENDS, of_plan=True),
+    BEND_WORD,
 )
 
 
@@ -76,7 +76,7 @@ SLIDE = Kind("slide", Slide, FIELDS, _in_words, fitted=True)
 
 
 BREAKAWAY_FIELDS = (
-    Field("lambda_deg", "the bend", "angle", 0.0, MAX_LAMBDA_DEG, source=PLANNED),
+    LAMBDA,
     Field(
         "incline_deg",
         "the inclinometer shows where it begins to slide",
@@ -85,7 +85,7 @@ BREAKAWAY_FIELDS = (
         MAX_INCLINE_DEG,
         open_low=True,
     ),
-    Word("bend", BENDS, of_plan=True),
+    BEND_WORD,
 )
 
 

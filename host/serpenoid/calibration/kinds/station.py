@@ -20,11 +20,13 @@ MAX_LAMBDA_DEG, MAX_INCLINE_DEG = 60.0, 45.0
 # Slower than this a robot that is steered goes by jerks: every touch of the steering shakes wheels
 # loose that would rest, so that dry friction across is less than that of wheels which slide.
 LEAST_SLIP_M_S = 0.12
+LAMBDA = Field("lambda_deg", "the bend", "angle", 0.0, MAX_LAMBDA_DEG, source=PLANNED)
+BEND_WORD = Word("bend", BENDS, of_plan=True)
 STEERING = Field(
     "offset_deg", "steering, on every joint", "angle", -45.0, 45.0, source=PLANNED, optional=True
 )
 FIELDS = (
-    Field("lambda_deg", "the bend", "angle", 0.0, MAX_LAMBDA_DEG, source=PLANNED),
+    LAMBDA,
     Field("incline_deg", "the inclinometer shows", "incline", 0.0, MAX_INCLINE_DEG, open_low=True),
     Field(
         "belt_speed_m_s",
@@ -60,7 +62,7 @@ FIELDS = (
     ),
     Word("places", source=READ, tidy=tidy_places),
     Word("facing", FACINGS),
-    Word("bend", BENDS, of_plan=True),
+    BEND_WORD,
 )
 
 

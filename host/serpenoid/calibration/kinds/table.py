@@ -2,27 +2,16 @@
 
 from __future__ import annotations
 
-from .belt import BELT, BeltCheck
-from .bend import BEND, BendCheck
-from .coast import COAST, Coast
+from .belt import BELT
+from .bend import BEND
+from .coast import COAST
 from .declaration import Kind
-from .gait import GAIT, GaitRun
-from .slide import BREAKAWAY, SLIDE, BreakAway, Slide
-from .station import STATION, Reading
-from .video import VIDEO, FilmReading
-from .zero import ZERO, ZeroReading
+from .gait import GAIT
+from .slide import BREAKAWAY, SLIDE
+from .station import STATION
+from .video import VIDEO
+from .zero import ZERO
 
 KINDS: dict[str, Kind] = {
     kind.name: kind for kind in (STATION, BEND, ZERO, BELT, GAIT, VIDEO, COAST, SLIDE, BREAKAWAY)
 }
-AnyReading = (
-    Reading
-    | BendCheck
-    | ZeroReading
-    | BeltCheck
-    | GaitRun
-    | FilmReading
-    | Coast
-    | Slide
-    | BreakAway
-)

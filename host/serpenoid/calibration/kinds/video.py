@@ -7,31 +7,20 @@ from dataclasses import dataclass
 
 from ...model.errors import BadInput
 from ...model.gait import Gait
-from .declaration import DERIVED, PLANNED, Field, Kind, Word, check_fields
-from .gait import RUN_WAYS, GaitRun
-from .instruments import MAX_SPEED_M_S
+from .declaration import DERIVED, Field, Kind, Word, check_fields
+from .gait import COMMANDED, SPEED, WAY, GaitRun
 from .tracks import Track
 
 FIELDS = (
-    Field("alpha_deg", "alpha", "angle", 0.0, 180.0, source=PLANNED),
-    Field("beta_deg", "beta", "angle", -360.0, 360.0, source=PLANNED),
+    *COMMANDED,
     Field("omega_rad_s", "omega", "rate", 0.0, 1000.0, open_low=True, source=DERIVED),
-    Field("speed_m_s", "the speed", "speed", 0.0, MAX_SPEED_M_S, source=DERIVED),
-    Field(
-        "speed_sigma_m_s",
-        "its standard deviation",
-        "speed",
-        0.0,
-        MAX_SPEED_M_S,
-        open_low=True,
-        source=DERIVED,
-    ),
+    *SPEED,
     Field("offset_deg", "the bend of every joint", "angle", -180.0, 180.0, source=DERIVED),
     Field("gain_sigma", "standard deviation of a gain", "count", 0.0, 2.0, source=DERIVED),
     Word("gains", source=DERIVED),
     Word("shifts_deg", source=DERIVED),
     Word("film_sha256", source=DERIVED),
-    Word("way", RUN_WAYS, source=DERIVED),
+    WAY,
 )
 TRACK = ("t_s", "x_m", "y_m", "heading_rad", "joint*_rad")
 

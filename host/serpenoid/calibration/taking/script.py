@@ -20,9 +20,10 @@ from ...model.toml_table import Table, located
 from ..session import Setup
 from .journal import Journal, Listed
 from .parse_number import completed, listed_cells
-from .simulated import GaitSpeed, SimulatedTreadmill, Truth
+from .simulated import GaitSpeed, SimulatedTreadmill
 from .steps import Step
 from .treadmill import MOST_STEPS, Posture, Treadmill, take_step
+from .world import Truth
 
 _BACK = ("ct_back", "ft0_back")  # of ratchet wheels; as forwards unless given
 _TRUTH = (

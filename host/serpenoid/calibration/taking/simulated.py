@@ -10,100 +10,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ...lab.belt import Belt
 from ...lab.crawl import crawl_speed
-from ...lab.instruments import Instrument
-from ...lab.person import Display, Habits, Held, Person
-from ...lab.robot import LabRobot, pose_of
+from ...lab.person import Habits, Held, Person
+from ...lab.robot import pose_of
 from ...model.bends import balanced_signs
-from ...model.drives import Servo, ServoKind
+from ...model.drives import ServoKind
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
 from ..kinds.declaration import Cells, Field
-from ..kinds.instruments import Stopwatch
 from ..session import Session, Setup
 from .steps import Step
+from .world import Truth, between_links_deg, timed_crawl
 
 GaitSpeed = Callable[[Robot, Ground, Gait], float]
-RUN_M, RUN_S = 1.0, 40.0  # a gait run: so far, or so long at most
 TURNS, BELT_M = 10, 2.8  # of a belt check
 START_M_S = 0.3  # of the belt, where nothing tells better
-
-
-@dataclass(frozen=True)
-class RobotTruth:
-    """What a person does not know of a robot, at the treadmill and on a floor.
-
-    ground: of the whole snake. mass_scale: the robot's true mass over the one weighed.
-    joint_sigma_rad: of what each joint stands off its set-point, for good. link_spread: relative,
-    of each link's friction. rolling_kg, breakaway: of the wheels (`lab.robot`). amplitude: of the
-    joints in a gait, true over commanded. servo: what moves them in a gait; None: they follow it.
-    """
-
-    ground: Ground
-    mass_scale: float = 1.0
-    joint_sigma_rad: float = math.radians(0.5)
-    link_spread: float = 0.0
-    rolling_kg: float = 0.0
-    breakaway: float = 1.0
-    amplitude: float = 1.0
-    servo: Servo | None = None
-
-    def robot(self, body: Robot, rng: np.random.Generator) -> LabRobot:
-        """Return the robot as it truly is, its joint errors drawn."""
-        heavy = replace(
-            body,
-            link_mass_kg=body.link_mass_kg * self.mass_scale,
-            link_inertia_kg_m2=body.inertia_kg_m2 * self.mass_scale,
-        )
-        whole = LabRobot.whole(
-            heavy,
-            self.ground,
-            rolling_kg=self.rolling_kg,
-            breakaway=self.breakaway,
-            servo=self.servo,
-        )
-        return whole.drawn(rng, self.joint_sigma_rad, self.link_spread)
-
-
-def timed_crawl(
-    speed_m_s: float, watch: Stopwatch, rng: np.random.Generator
-) -> tuple[dict[str, float], float]:
-    """Return what tape and watch say of a crawl, and how long they took, s."""
-    distance = min(RUN_M, speed_m_s * RUN_S)
-    duration = distance / speed_m_s if speed_m_s > 0.0 else RUN_S
-    duration += float(rng.normal()) * watch.time_sigma_s
-    measured = max(distance + float(rng.normal()) * watch.distance_sigma_m, 0.0)
-    read = {"distance_m": round(measured, 3), "duration_s": round(max(duration, 0.1), 2)}
-    return read, duration
-
-
-@dataclass(frozen=True)
-class Truth(RobotTruth):
-    """What a person at the treadmill does not know.
-
-    incline_zero_rad: what the inclinometer shows where it is level.
-    belt_scale: true belt speed over shown. incline_scale: the treadmill's true steps of grade over
-    those stated. disturbance_m_s: of the robot when it is let go. misreads: share of readings that
-    are typed wrong. hasty: share that are read too early. steered: a person steers it while it
-    holds. guided: between rails, which keep it straight. short_s: bent, it is filmed for so long
-    while it drifts, instead of held; 0: it is held.
-    """
-
-    incline_zero_rad: float = 0.0
-    belt_scale: float = 1.0
-    incline_scale: float = 1.0
-    disturbance_m_s: float = 0.03
-    misreads: float = 0.0
-    hasty: float = 0.0
-    steered: bool = True
-    guided: bool = False
-    short_s: float = 0.0
 
 
 def drawn_truth(
@@ -154,17 +81,12 @@ class SimulatedTreadmill:
         self.robot = truth.robot(setup.robot, rng)
         self.belt = Belt(self.robot, gravity_m_s2=setup.procedure.gravity_m_s2)
         self.belt.guide(truth.guided)
-        steps, errs = setup.treadmill, setup.uncertainty
+        self._inclinometer_rad = truth.inclinometer_rad(setup)
         self.person = Person(
             self.belt,
             rng,
             _habits(truth),
-            Display(
-                steps.belt_step_m_s,
-                truth.belt_scale,
-                steps.belt_least_m_s,
-                errs.belt_speed_sigma_m_s,
-            ),
+            truth.display(setup),
         )
         # The deck does not lie level when the treadmill says 0.
         self._deck_rad = math.radians(float(rng.uniform(-0.15, 0.15)))
@@ -196,10 +118,7 @@ class SimulatedTreadmill:
         return float(self._rng.normal()) * sigma
 
     def _shown_deg(self, incline_rad: float) -> float:
-        """Return what the inclinometer shows: its zero on top, in its steps."""
-        step = self._setup.uncertainty.incline_sigma_rad * math.sqrt(12)
-        shown = Instrument(self.truth.incline_zero_rad, step=step).shows(incline_rad, self._rng)
-        return round(math.degrees(shown), 4)
+        return round(math.degrees(self._inclinometer_rad.shows(incline_rad, self._rng)), 4)
 
     def _zero(self, step: Step) -> Cells:
         slope_rad = math.radians(float(self._rng.uniform(-0.4, 0.4)))
@@ -225,16 +144,8 @@ class SimulatedTreadmill:
         self._pose(math.radians(step.lambda_deg), step.facing)
         # of each end, so that half the mean of both errs by what is stated of the bend
         scatter = 2 * math.sqrt(2) * self._setup.uncertainty.lambda_sigma_rad
-        ends = [
-            abs(2 * self._bent_rad + way * error) + self._normal(scatter)
-            for way, error in self._ends()
-        ]
-        return {"between_links_deg": round(180.0 - math.degrees(sum(ends) / 2), 1)}
-
-    def _ends(self) -> list[tuple[float, float]]:
-        """Return which way the joints at both ends are bent, and what they stand off."""
-        told, errors = self.belt.told_rad, self.robot.joint_error_rad
-        return [(math.copysign(1.0, told[k]), errors[k]) for k in (0, -1)]
+        ends = self.robot.ends_rad(self.belt.told_rad, scatter, self._rng)
+        return {"between_links_deg": between_links_deg(ends)}
 
     def _station(self, step: Step) -> Cells | None:
         """Set the nearest incline, find the belt speed that holds, wait, read what is left."""

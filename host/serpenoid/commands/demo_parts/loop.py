@@ -22,8 +22,9 @@ from ...calibration.speed_samples import speed_band
 from ...calibration.taking.board_run import board_gait
 from ...calibration.taking.journal import Journal
 from ...calibration.taking.new_session import create_session, default_setup
-from ...calibration.taking.simulated import SimulatedTreadmill, Truth
+from ...calibration.taking.simulated import SimulatedTreadmill
 from ...calibration.taking.treadmill import take_all
+from ...calibration.taking.world import Truth
 from ...gaits.least_power import least_power_gait
 from ...lab.crawl import crawl_speed
 from ...model.errors import BadInput

@@ -13,6 +13,7 @@ from .film_of_pushes import crawl_reader, film_reader
 if TYPE_CHECKING:
     from ...calibration.session import Session
     from ...calibration.taking.journal import Journal
+    from ...calibration.taking.person.dialogue import Dialogue
     from ...calibration.taking.person.session_robot import SessionRobot
     from ...calibration.taking.person.terminal import Console
     from ...robot.robot_match import RobotMatch
@@ -37,7 +38,7 @@ def with_a_person(
     from contextlib import ExitStack, suppress
 
     from ...calibration.taking.journal import Journal
-    from ...calibration.taking.person.dialogue import Dialogue, held_dialogue
+    from ...calibration.taking.person.dialogue import held_dialogue
     from ...calibration.taking.person.identity import ask_identity
     from ...calibration.taking.person.prompt_commands import Left
     from ...calibration.taking.person.session_robot import SessionRobot
@@ -66,17 +67,7 @@ def with_a_person(
             told.append(page)
             if robot is not None:
                 console.keys = keys
-        clock_s = getattr(console, "clock_s", None)
-        dialogue = Dialogue(
-            journal,
-            console,
-            robot,
-            _each(told),
-            patience_s,
-            clock_s,
-            film_reader(side_m := journal.session.setup.tag_side_m),
-            crawl_reader(side_m),
-        )
+        dialogue = _dialogue(journal, console, robot, told, patience_s)
         try:
             well = held_dialogue(dialogue, console)
         finally:
@@ -85,6 +76,25 @@ def with_a_person(
     if not well:
         raise SystemExit(1)
     return None
+
+
+def _dialogue(
+    journal: Journal, console: Any, robot: SessionRobot | None, told: list[Any], patience_s: float
+) -> Dialogue:
+    """Return the dialogue, whose films are measured here."""
+    from ...calibration.taking.person.dialogue import Dialogue
+
+    side_m = journal.session.setup.tag_side_m
+    return Dialogue(
+        journal,
+        console,
+        robot,
+        _each(told),
+        patience_s,
+        getattr(console, "clock_s", None),
+        film_reader(side_m),
+        crawl_reader(side_m),
+    )
 
 
 def _match(session: Session) -> RobotMatch:

@@ -65,7 +65,8 @@ def practice(
     from ...calibration.taking.person.practice import (
         HELP,
         PracticeTerminal,
-        PracticeTruth,
+        belt_words,
+        drawn_belt,
         practice_treadmill,
     )
     from ...calibration.taking.person.terminal import Console
@@ -89,7 +90,7 @@ def practice(
         room.stop()
         session = read_session(folder)
         if len(session.kept) >= 4:
-            terminal.say(f"\n{PracticeTruth.drawn(drawn).in_words()}; `serpenoid fit {folder}`")
+            terminal.say(f"\n{belt_words(drawn_belt(drawn))}; `serpenoid fit {folder}`")
 
 
 def _no_treadmill_options() -> None:
@@ -104,7 +105,7 @@ def _no_treadmill_options() -> None:
 def _on_floor(folder: Path, seed: int | None) -> None:
     """Practise pushes: films are made in the lab, and taken in as a phone's would be."""
     from ...calibration.session_file import read_session
-    from ...calibration.taking.person.floor_practice import HELP, FloorTerminal
+    from ...calibration.taking.person.floor_practice import HELP, FloorTerminal, floor_words
     from ...calibration.taking.person.terminal import Console
     from .calibrate_person import with_a_person
 
@@ -115,7 +116,7 @@ def _on_floor(folder: Path, seed: int | None) -> None:
         with_a_person(folder, None, 1e9, False, False, terminal, terminal.watch)
     finally:
         if len(read_session(folder).kept_pushes) >= ENOUGH:
-            terminal.say(f"\n{terminal.truth.in_words()}; `serpenoid fit {folder}`")
+            terminal.say(f"\n{floor_words(terminal.world.truth)}; `serpenoid fit {folder}`")
 
 
 def _begun(folder: Path, seed: int | None, place: str) -> tuple[Session, int]:

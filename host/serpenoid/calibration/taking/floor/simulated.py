@@ -8,15 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from ....lab.crawl import crawl_speed, filmed_crawl
-from ....lab.floor import Floor, Push
-from ....lab.recording import Camera, film, to_rest
-from ....lab.robot import pose_of
-from ....model.bends import balanced_signs
+from ....lab.recording import Camera, to_rest
 from ....model.drives import ServoKind
 from ....model.errors import BadInput
 from ....model.gait import Gait
@@ -25,37 +21,21 @@ from ...crawls.filmed import crawl_cells
 from ...floor.look import look_at
 from ...kinds.declaration import Cells, Field
 from ...session import Session, Setup
-from ..simulated import RobotTruth, timed_crawl
 from ..steps import Step, Tracked
+from ..world import RUN_S, FloorWorld, Truth, between_links_deg
 
-PHONE = Camera()
 SPEED, SPEED_SIGMA = 0.9, 0.12  # m/s, of pushes, and how they scatter, relative
 CROOKED_RAD, SPIN_RAD_S = 0.015, 0.06
 TRIES = 6  # of a push, until somebody gives up
-RUN_S = 40.0  # of a crawl that is filmed
 SPEED_OFF, GAIN_OFF = 0.002, 0.002  # of a filmed crawl: its scale, each joint's amplitude
 # What a person takes, s: to turn the robot round, push it and take the film in; to bend it and lay
 # the protractor on; to start a gait and lay the tape.
 PUSH_S, BEND_S, GAIT_S = 40.0, 90.0, 60.0
 
 
-@dataclass(frozen=True)
-class FloorTruth(RobotTruth):
-    """What a person on the floor does not know.
-
-    slope_rad, across_rad: of the floor, towards "there" and to the left of it. film_scale: lengths
-    seen over true. camera: what films; None: tape and watch.
-    """
-
-    slope_rad: float = 0.0
-    across_rad: float = 0.0
-    film_scale: float = 1.0
-    camera: Camera | None = PHONE
-
-
 def drawn_floor(
     setup: Setup, ground: Ground, rng: np.random.Generator, servo: ServoKind | None = None
-) -> FloorTruth:
+) -> Truth:
     """Draw the errors that all readings of a session share, as the set-up says they may be.
 
     servo: the kind of which the robot has one drawn; None: its joints follow the gait.
@@ -68,7 +48,7 @@ def drawn_floor(
         if wheels_kg is None
         else ((0.75 + 0.15 * shape) * wheels_kg)
     )
-    return FloorTruth(
+    return Truth(
         ground,
         slope_rad=setup.floor.slope_sigma_rad * slope,
         across_rad=setup.floor.slope_sigma_rad * across,
@@ -80,33 +60,22 @@ def drawn_floor(
     )
 
 
-def crawled_slopes(step: Step, slope_rad: float, across_rad: float) -> tuple[float, float]:
-    """Return by what a floor rises ahead of a step's crawl, and by what it falls to its left.
-
-    slope_rad, across_rad: by what it falls towards "there", and to the left of that way.
-    """
-    side = {"there": 1.0, "back": -1.0}.get(str(step.cells.get("way", "")), 0.0)
-    return -side * slope_rad, side * across_rad
-
-
 class SimulatedFloor:
     """Do each step of the procedure against a known truth; the same seed does the same.
 
     t_s: the lab's clock, with what a person takes.
     """
 
-    def __init__(self, setup: Setup, truth: FloorTruth, seed: int = 0):
+    def __init__(self, setup: Setup, truth: Truth, seed: int = 0):
         self.truth, self.t_s = truth, 0.0
         self._setup, self._rng = setup, np.random.default_rng(seed)
-        self.robot = truth.robot(setup.robot, self._rng)
-        self.floor = Floor(self.robot, truth.slope_rad, 0.0, truth.across_rad)
-        self._pose = [0.0] * (setup.robot.links - 1)
+        self._world = FloorWorld(setup, truth, self._rng, self._rng)
 
     def answer(self, step: Step, session: Session) -> Cells | None:
         """Do a step as a person would."""
         if step.kind == "straight":
             self.t_s += BEND_S
-            self._pose = [0.0] * (self._setup.robot.links - 1)
+            self._world.bend(0.0)
             return {}
         if step.kind == "bend":
             return self._bend(step)
@@ -127,14 +96,9 @@ class SimulatedFloor:
 
     def _bend(self, step: Step) -> Cells:
         self.t_s += BEND_S
-        signs = balanced_signs(self._setup.robot.links)
-        self._pose = pose_of(signs, math.radians(step.lambda_deg))
-        scatter = math.sqrt(2) * self._setup.uncertainty.lambda_sigma_rad
-        ends = [
-            abs(told + self.robot.joint_error_rad[k]) + self._normal(scatter)
-            for k, told in ((0, self._pose[0]), (-1, self._pose[-1]))
-        ]
-        return {"between_links_deg": round(180.0 - math.degrees(sum(ends) / 2), 1)}
+        self._world.bend(step.lambda_deg)
+        ends = self._world.ends_rad(math.sqrt(2) * self._setup.uncertainty.lambda_sigma_rad)
+        return {"between_links_deg": between_links_deg(ends)}
 
     def push(self, step: Step, speed_m_s: float = SPEED) -> Cells | None:
         """Push until a push is as it should be; return its track, or way and time to rest."""
@@ -146,17 +110,8 @@ class SimulatedFloor:
 
     def _once(self, step: Step, speed_m_s: float) -> Cells | None:
         self.t_s += PUSH_S
-        direction = 0.0 if step.cells["way"] == "there" else math.pi
-        track = self.floor.push(
-            self._pose,
-            Push(
-                speed_m_s,
-                direction,
-                self._normal(CROOKED_RAD),
-                self._normal(SPIN_RAD_S),
-                tail_first=step.cells.get("facing") == "back",
-            ),
-        )
+        crooked_rad, spin_rad_s = self._normal(CROOKED_RAD), self._normal(SPIN_RAD_S)
+        track = self._world.push(step, speed_m_s, crooked_rad, spin_rad_s)
         if self.truth.camera is None:
             way_m, time_s = to_rest(track, self._rng)
             return {
@@ -164,8 +119,7 @@ class SimulatedFloor:
                 "duration_s": time_s,
                 "turned_deg": round(math.degrees(track.turned_rad)),
             }
-        seen = film(track, replace(self.truth.camera, scale=self.truth.film_scale), self._rng)
-        samples = np.stack([seen.t_s, seen.x_m, seen.y_m], axis=1)
+        samples = self._world.film(track, self.truth.camera)
         look = look_at(*samples.T)
         if look.doubts:
             return None
@@ -175,21 +129,16 @@ class SimulatedFloor:
         gait = step.gait
         assert gait is not None  # a gait's step has one
         self.t_s += GAIT_S
-        true = replace(gait, alpha_rad=gait.alpha_rad * self.truth.amplitude)
-        slopes = crawled_slopes(step, self.truth.slope_rad, self.truth.across_rad)
         if self.truth.camera is not None:
-            return self._filmed(gait, true, self.truth.camera, slopes)
-        speed = crawl_speed(self.robot, true, slope_rad=slopes[0], across_rad=slopes[1])
-        read, duration_s = timed_crawl(speed, self._setup.stopwatch, self._rng)
+            return self._filmed(step, gait, self.truth.camera)
+        read, duration_s = self._world.time_crawl(step, gait)
         self.t_s += duration_s
         return read
 
-    def _filmed(
-        self, gait: Gait, true: Gait, camera: Camera, slopes_rad: tuple[float, float]
-    ) -> Cells:
+    def _filmed(self, step: Step, gait: Gait, camera: Camera) -> Cells:
         """Film a crawl, and measure the film: a scale and joints' gains are a little off."""
         self.t_s += RUN_S
-        seen = replace(camera, scale=1.0 + self._normal(SPEED_OFF))
-        rows = filmed_crawl(self.robot, true, seen, self._rng, *slopes_rad)
+        off = replace(camera, scale=1.0 + self._normal(SPEED_OFF))
+        rows = self._world.film_crawl(step, gait, off)
         rows[:, 4:] *= 1.0 + GAIN_OFF * self._rng.normal(size=rows.shape[1] - 4)
         return Tracked({**crawl_cells(rows, gait), "film_sha256": "simulated"}, rows, "video")

@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 import re
 import time
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
-from ....lab.instruments import Instrument
-from ....lab.person import Display
 from ....lab.practice import PracticeTreadmill, SetPoints
 from ....model.errors import BadInput
 from ....model.ground import Ground
@@ -19,8 +17,8 @@ from ...kinds.instruments import FloorTools
 from ...kinds.places import MOST_S
 from ...session import Session, Setup
 from ..new_session import on_place
-from ..simulated import Truth
-from .terminal import Terminal
+from ..world import Truth
+from .terminal import Terminal, WordTerminal
 
 SOURCE = re.compile(r"practice (treadmill|floor), seed (\d+)")
 USUAL = {"ct": 0.084, "cn": 1.2, "ft0": 0.14, "fn0": 0.27}  # the 2005 robot's, whole snake
@@ -55,34 +53,26 @@ def friction_words(g: Ground) -> str:
     )
 
 
-@dataclass(frozen=True)
-class PracticeTruth:
-    """What whoever practises is to find out."""
+def drawn_belt(seed: int) -> Truth:
+    """Draw what whoever practises at the treadmill is to find out; the same seed gives the same."""
+    rng = np.random.default_rng([seed, 2005])
+    ground = drawn_friction(rng)
+    zero, scale, deck = (float(x) for x in rng.normal(size=3))
+    return Truth(
+        ground,
+        joint_sigma_rad=JOINT_RAD,
+        incline_zero_rad=ZERO_RAD * zero,
+        belt_scale=1.0 + SCALE * scale,
+        deck_rad=math.radians(0.1 * min(max(deck, -2.0), 2.0)),
+    )
 
-    ground: Ground
-    zero_rad: float
-    belt_scale: float
-    deck_rad: float
 
-    @classmethod
-    def drawn(cls, seed: int) -> PracticeTruth:
-        """Draw one; the same seed gives the same."""
-        rng = np.random.default_rng([seed, 2005])
-        ground = drawn_friction(rng)
-        zero, scale, deck = rng.normal(size=3)
-        return cls(
-            ground,
-            ZERO_RAD * float(zero),
-            1.0 + SCALE * float(scale),
-            math.radians(0.1 * float(np.clip(deck, -2, 2))),
-        )
-
-    def in_words(self) -> str:
-        """Return it in a line."""
-        return (
-            f"{friction_words(self.ground)}; inclinometer's zero "
-            f"{math.degrees(self.zero_rad):+.2f} deg, belt {self.belt_scale:.3f} of shown"
-        )
+def belt_words(truth: Truth) -> str:
+    """Return a treadmill's truth in a line."""
+    return (
+        f"{friction_words(truth.ground)}; inclinometer's zero "
+        f"{math.degrees(truth.incline_zero_rad):+.2f} deg, belt {truth.belt_scale:.3f} of shown"
+    )
 
 
 def practice_setup(setup: Setup, seed: int, place: str = "treadmill") -> Setup:
@@ -115,35 +105,25 @@ def practice_treadmill(
     setup: Setup, seed: int, set_points: SetPoints, pace: float
 ) -> PracticeTreadmill:
     """Return the treadmill of a session, with the truth of its seed."""
-    drawn, steps, errs = PracticeTruth.drawn(seed), setup.treadmill, setup.uncertainty
-    robot = Truth(drawn.ground, joint_sigma_rad=JOINT_RAD).robot(
-        setup.robot, np.random.default_rng(seed)
-    )
+    truth = drawn_belt(seed)
     return PracticeTreadmill(
-        robot,
+        truth.robot(setup.robot, np.random.default_rng(seed)),
         set_points,
-        Display(
-            steps.belt_step_m_s,
-            drawn.belt_scale,
-            steps.belt_least_m_s,
-            errs.belt_speed_sigma_m_s / 2,
-        ),
-        Instrument(drawn.zero_rad, step=errs.incline_sigma_rad * math.sqrt(12)),
-        grade_step=steps.incline_step_rad,
-        deck_rad=drawn.deck_rad,
-        protractor_rad=errs.lambda_sigma_rad,
+        truth.display(setup, scatter=0.5),
+        truth.inclinometer_rad(setup),
+        grade_step=setup.treadmill.incline_step_rad,
+        deck_rad=truth.deck_rad,
+        protractor_rad=setup.uncertainty.lambda_sigma_rad,
         seed=seed,
         pace=pace,
     )
 
 
-class PracticeTerminal:
-    """A terminal that works the treadmill, too: what is no word of it goes to the dialogue."""
+class PracticeTerminal(WordTerminal):
+    """A terminal that works the treadmill, too."""
 
     def __init__(self, terminal: Terminal, treadmill: PracticeTreadmill, pace: float = 1.0):
-        self._terminal, self._treadmill, self._pace = terminal, treadmill, pace
-        self.keys: Mapping[str, Callable[[], str]] = {}
-        self._words = {
+        words: dict[str, Callable[[str], str]] = {
             "belt": self._belt,
             "incline": self._incline,
             "wait": self._wait,
@@ -158,29 +138,15 @@ class PracticeTerminal:
                 for name in ("take", "mark", "inclinometer", "turned", "protractor", "turns")
             },
         }
+        super().__init__(terminal, {name: self._telling(word) for name, word in words.items()})
+        self._treadmill, self._pace = treadmill, pace
+
+    def _telling(self, word: Callable[[str], str]) -> Callable[[str], None]:
+        return lambda given: self.say_aside(word(given))
 
     def clock_s(self) -> float:
         """Return the time at the treadmill, s, whatever its pace."""
         return self._treadmill.belt.t_s
-
-    def say(self, text: str) -> None:
-        """Show a line or more."""
-        self._terminal.say(text)
-
-    def forget(self) -> None:
-        """Drop what was typed ahead."""
-        self._terminal.forget()
-
-    def ask(self, prompt: str, patience_s: float, tick: Callable[[], None]) -> str | None:
-        """Return the next line that is not for the treadmill; None if none came in time."""
-        if hasattr(self._terminal, "keys"):
-            self._terminal.keys = self.keys  # type: ignore[attr-defined]
-        while True:
-            line = self._terminal.ask(prompt, patience_s, tick)
-            word, _, given = (line or "").strip().lower().partition(" ")
-            if line is None or word not in self._words:
-                return line
-            self.say("  " + self._words[word](given.strip()))
 
     def _button(self, name: str) -> Callable[[str], str]:
         return lambda given: self._treadmill.buttons[name]()

@@ -1,0 +1,182 @@
+"""What is true in the lab of a session and nobody there knows; and the floor robots roll along."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...lab.crawl import crawl_speed, filmed_crawl
+from ...lab.floor import Floor, Push, Track
+from ...lab.instruments import Instrument
+from ...lab.person import Display
+from ...lab.recording import Camera, film
+from ...lab.robot import LabRobot, pose_of
+from ...model.bends import balanced_signs
+from ...model.drives import Servo
+from ...model.gait import Gait
+from ...model.ground import Ground
+from ...model.robot import Robot
+from ..kinds.instruments import Stopwatch
+from ..session import Setup
+from .steps import Step
+
+PHONE = Camera()
+RUN_M, RUN_S = 1.0, 40.0  # a gait run: so far, or so long at most
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What a person at a treadmill or on a floor does not know.
+
+    Of the robot: ground, of the whole snake. mass_scale: its true mass over the one weighed.
+    joint_sigma_rad: of what each joint stands off its set-point, for good. link_spread: relative,
+    of each link's friction. rolling_kg, breakaway: of the wheels (`lab.robot`). amplitude: of the
+    joints in a gait, true over commanded. servo: what moves them in a gait; None: they follow it.
+
+    Of a treadmill: incline_zero_rad: what the inclinometer shows where it is level. belt_scale:
+    true belt speed over shown. incline_scale: its true steps of grade over those stated.
+    deck_rad: how the deck lies where it says 0.
+
+    Of a floor: slope_rad, across_rad: by what it falls towards "there" and to the left of it.
+    film_scale: lengths in films over true. camera: what films; None: tape and watch.
+
+    Of the person: disturbance_m_s: of the robot when it is let go. misreads: share of readings that
+    are typed wrong. hasty: share that are read too early. steered: the robot is steered while it
+    holds. guided: between rails, which keep it straight. short_s: bent, it is filmed for so long
+    while it drifts, instead of held; 0: it is held.
+    """
+
+    ground: Ground
+    mass_scale: float = 1.0
+    joint_sigma_rad: float = math.radians(0.5)
+    link_spread: float = 0.0
+    rolling_kg: float = 0.0
+    breakaway: float = 1.0
+    amplitude: float = 1.0
+    servo: Servo | None = None
+    incline_zero_rad: float = 0.0
+    belt_scale: float = 1.0
+    incline_scale: float = 1.0
+    deck_rad: float = 0.0
+    slope_rad: float = 0.0
+    across_rad: float = 0.0
+    film_scale: float = 1.0
+    camera: Camera | None = PHONE
+    disturbance_m_s: float = 0.03
+    misreads: float = 0.0
+    hasty: float = 0.0
+    steered: bool = True
+    guided: bool = False
+    short_s: float = 0.0
+
+    def robot(self, body: Robot, rng: np.random.Generator) -> LabRobot:
+        """Return the robot as it truly is, its joint errors drawn."""
+        heavy = replace(
+            body,
+            link_mass_kg=body.link_mass_kg * self.mass_scale,
+            link_inertia_kg_m2=body.inertia_kg_m2 * self.mass_scale,
+        )
+        whole = LabRobot.whole(
+            heavy,
+            self.ground,
+            rolling_kg=self.rolling_kg,
+            breakaway=self.breakaway,
+            servo=self.servo,
+        )
+        return whole.drawn(rng, self.joint_sigma_rad, self.link_spread)
+
+    def display(self, setup: Setup, scatter: float = 1.0) -> Display:
+        """Return the treadmill's display; scatter: of the belt, over what the set-up states."""
+        steps = setup.treadmill
+        return Display(
+            steps.belt_step_m_s,
+            self.belt_scale,
+            steps.belt_least_m_s,
+            scatter * setup.uncertainty.belt_speed_sigma_m_s,
+        )
+
+    def inclinometer_rad(self, setup: Setup) -> Instrument:
+        """Return the inclinometer: its zero on top, in its steps."""
+        step_rad = setup.uncertainty.incline_sigma_rad * math.sqrt(12)
+        return Instrument(self.incline_zero_rad, step=step_rad)
+
+
+def timed_crawl(
+    speed_m_s: float, watch: Stopwatch, rng: np.random.Generator
+) -> tuple[dict[str, float], float]:
+    """Return what tape and watch say of a crawl, and how long they took, s."""
+    distance = min(RUN_M, speed_m_s * RUN_S)
+    duration = distance / speed_m_s if speed_m_s > 0.0 else RUN_S
+    duration += float(rng.normal()) * watch.time_sigma_s
+    measured = max(distance + float(rng.normal()) * watch.distance_sigma_m, 0.0)
+    read = {"distance_m": round(measured, 3), "duration_s": round(max(duration, 0.1), 2)}
+    return read, duration
+
+
+def between_links_deg(ends_rad: list[float]) -> float:
+    """Return what is written down of a protractor at both ends."""
+    return round(180.0 - math.degrees(sum(ends_rad) / 2), 1)
+
+
+class FloorWorld:
+    """The robot on a floor, and what camera, tape and watch record of it.
+
+    robot_rng: draws the joints' errors, rng all else. step: where the session stands.
+    """
+
+    def __init__(
+        self,
+        setup: Setup,
+        truth: Truth,
+        rng: np.random.Generator,
+        robot_rng: np.random.Generator,
+    ):
+        self.truth, self.rng = truth, rng
+        self._setup = setup
+        self.robot = truth.robot(setup.robot, robot_rng)
+        self._floor = Floor(self.robot, truth.slope_rad, 0.0, truth.across_rad)
+        self._pose_rad = self._signs(0.0)
+
+    def _signs(self, bend_rad: float) -> list[float]:
+        return pose_of(balanced_signs(self._setup.robot.links), bend_rad)
+
+    def bend(self, bend_deg: float) -> None:
+        """Bend the robot, straight at 0."""
+        self._pose_rad = self._signs(math.radians(bend_deg))
+
+    def ends_rad(self, scatter_rad: float) -> list[float]:
+        """Return by what a protractor shows the joints at tail and head bent."""
+        return self.robot.ends_rad(self._pose_rad, scatter_rad, self.rng)
+
+    def push(self, step: Step, speed_m_s: float, crooked_rad: float, spin_rad_s: float) -> Track:
+        """Push the robot the way that a step says."""
+        direction = 0.0 if step.cells["way"] == "there" else math.pi
+        tail_first = step.cells.get("facing") == "back"
+        made = Push(speed_m_s, direction, crooked_rad, spin_rad_s, tail_first=tail_first)
+        return self._floor.push(self._pose_rad, made)
+
+    def film(self, track: Track, camera: Camera) -> NDArray[np.float64]:
+        """Return what a film shows of a push: t_s, x_m, y_m in rows."""
+        filmed = film(track, replace(camera, scale=self.truth.film_scale), self.rng)
+        return np.stack([filmed.t_s, filmed.x_m, filmed.y_m], axis=1)
+
+    def time_crawl(self, step: Step, gait: Gait) -> tuple[dict[str, float], float]:
+        """Return what tape and watch say of a crawl, and how long it took, s."""
+        rises, falls = self._slopes(step)
+        speed = crawl_speed(self.robot, self._made(gait), slope_rad=rises, across_rad=falls)
+        return timed_crawl(speed, self._setup.stopwatch, self.rng)
+
+    def film_crawl(self, step: Step, gait: Gait, camera: Camera) -> NDArray[np.float64]:
+        """Return what a film shows of a crawl, as `filmed_crawl` does."""
+        return filmed_crawl(self.robot, self._made(gait), camera, self.rng, *self._slopes(step))
+
+    def _made(self, gait: Gait) -> Gait:
+        return replace(gait, alpha_rad=gait.alpha_rad * self.truth.amplitude)
+
+    def _slopes(self, step: Step) -> tuple[float, float]:
+        """Return by what the floor rises ahead of a step's crawl, and falls to its left."""
+        side = {"there": 1.0, "back": -1.0}.get(str(step.cells.get("way", "")), 0.0)
+        return -side * self.truth.slope_rad, side * self.truth.across_rad
