@@ -27,14 +27,14 @@ struct ViscousSumsOf {
     }
 
     // D u + omega d.
-    Vec3 drag(const Vec3& u, double omega) const {
+    std::array<Real, 3> drag(const std::array<Real, 3>& u, double omega) const {
         return {D[0] * u[0] + D[1] * u[1] + D[2] * u[2] + omega * d[0],
                 D[1] * u[0] + D[3] * u[1] + D[4] * u[2] + omega * d[1],
                 D[2] * u[0] + D[4] * u[1] + D[5] * u[2] + omega * d[2]};
     }
 
-    double dissipation(const Vec3& u, double omega) const {
-        const Vec3 f = drag(u, omega);
+    Real dissipation(const std::array<Real, 3>& u, double omega) const {
+        const std::array<Real, 3> f = drag(u, omega);
         return f[0] * u[0] + f[1] * u[1] + f[2] * u[2] +
                omega * (d[0] * u[0] + d[1] * u[1] + d[2] * u[2] + omega * dd);
     }

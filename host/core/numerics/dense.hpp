@@ -93,19 +93,32 @@ using Mat3 = std::array<double, 9>;  // row major
 
 inline Mat3 identity3() { return {1, 0, 0, 0, 1, 0, 0, 0, 1}; }
 
-inline Mat3 multiply(const Mat3& a, const Mat3& b) {
-    Mat3 c{};
+template <class Real>
+std::array<Real, 9> multiply(const std::array<Real, 9>& a, const std::array<Real, 9>& b) {
+    std::array<Real, 9> c{};
     for (int i = 0; i < 3; ++i)
         for (int k = 0; k < 3; ++k)
             for (int j = 0; j < 3; ++j) c[3 * i + j] += a[3 * i + k] * b[3 * k + j];
     return c;
 }
 
-inline Vec3 multiply(const Mat3& a, const Vec3& x) {
-    Vec3 y{};
+template <class Real>
+std::array<Real, 3> multiply(const std::array<Real, 9>& a, const std::array<Real, 3>& x) {
+    std::array<Real, 3> y{};
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) y[i] += a[3 * i + j] * x[j];
     return y;
+}
+
+// By cofactors: for packs of matrices, which cannot exchange rows one by one.
+template <class Real>
+std::array<Real, 9> inverse3(const std::array<Real, 9>& a) {
+    const Real c0 = a[4] * a[8] - a[5] * a[7], c1 = a[5] * a[6] - a[3] * a[8],
+               c2 = a[3] * a[7] - a[4] * a[6];
+    const Real f = 1.0 / (a[0] * c0 + (a[1] * c1 + a[2] * c2));
+    return {f * c0, f * (a[2] * a[7] - a[1] * a[8]), f * (a[1] * a[5] - a[2] * a[4]),
+            f * c1, f * (a[0] * a[8] - a[2] * a[6]), f * (a[2] * a[3] - a[0] * a[5]),
+            f * c2, f * (a[1] * a[6] - a[0] * a[7]), f * (a[0] * a[4] - a[1] * a[3])};
 }
 
 }  // namespace serpenoid

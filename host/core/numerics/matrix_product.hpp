@@ -27,10 +27,16 @@ inline double log_spectral_radius(Mat3 M) {
     double scale = normalise(M), weight = 1;
     if (largest(M) == 0) return -HUGE_VAL;
     for (int k = 0; k < 30; ++k) {
+        const Mat3 before = M;
         M = multiply(M, M);
         weight /= 2;
-        scale += weight * normalise(M);
+        const double step = normalise(M);
+        scale += weight * step;
         if (largest(M) == 0) return -HUGE_VAL;
+        Mat3 change;
+        for (int i = 0; i < 9; ++i) change[i] = M[i] - before[i];
+        if (largest(change) < 1e-15)
+            return scale + weight * step;  // every further step is this one
     }
     return scale;
 }

@@ -7,12 +7,12 @@ namespace serpenoid {
 
 RatesOfShape::RatesOfShape(const Robot& robot, const Ground& ground, const Gait& gait)
     : robot_(robot), ground_(ground), gait_(gait) {
-    if (gait.offset == 0) packs_.emplace(robot, ground, gait);
+    if (ground.smooth() && gait.offset == 0) packs_.emplace(robot, ground, gait);
 }
 
 void RatesOfShape::solve(const double* omega, int count, const SteadyOptions& options,
                          SteadyState* to) {
-    const int width = packs_ ? SpectralViscous::kWidth : 1;
+    const int width = packs_ ? kPack : 1;
     for (int first = 0; first < count; first += width) {
         const int here = std::min(width, count - first);
         if (packs_) packs_->solve(omega + first, here, options, to + first);

@@ -1,4 +1,4 @@
-// Periodic states of one shape of gait on viscous ground, at any rates.
+// Periodic states of one shape of gait at any rates, by the solver that the ground allows.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace serpenoid {
 
-// Viscous ground: by packs, and by pieces what no pack resolves or steers.
+// On viscous ground by packs, unless none resolves the motion or the gait steers; else by pieces.
 class RatesOfShape {
   public:
     RatesOfShape(const Robot& robot, const Ground& ground, const Gait& gait);

@@ -2,13 +2,10 @@
 #include "periodic/sweep.hpp"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
-#include <cmath>
 #include <condition_variable>
 #include <mutex>
-#include <numeric>
 #include <thread>
 #include <utility>
 
@@ -25,45 +22,6 @@ void put(const SteadyState& s, double* to) {
     to[kPositivePowerError] = s.positive_power_error;
     to[kSlowest] = s.slowest, to[kSlowestError] = s.slowest_error;
     to[kConverged] = s.converged ? 1 : 0;
-}
-
-template <class Solver>
-void solve_rates(Solver&& solver, const std::vector<double>& omegas, const SteadyOptions& options,
-                 double* to) {
-    for (const double omega : omegas) put(solver.solve(omega, options), to), to += kSweepColumns;
-}
-
-// Rates in this order, so that packs start from rates beside theirs.
-void solve_viscous(const SweepShape& k, const std::vector<double>& omegas,
-                   const std::vector<std::size_t>& order, const SteadyOptions& options,
-                   double* to) {
-    std::vector<double> rates;
-    for (const std::size_t i : order) rates.push_back(omegas[i]);
-    std::vector<SteadyState> found(rates.size());
-    RatesOfShape(k.robot, k.ground, k.gait)
-        .solve(rates.data(), static_cast<int>(rates.size()), options, found.data());
-    for (std::size_t j = 0; j < order.size(); ++j) put(found[j], to + order[j] * kSweepColumns);
-}
-
-// The rates whose states the others are begun from come first: each the one that is farthest, as a
-// ratio, from all before it.
-std::vector<std::size_t> spread(const std::vector<double>& omegas) {
-    constexpr std::size_t kFirst = 16;
-    std::vector<std::size_t> order(omegas.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t a, std::size_t b) { return omegas[a] < omegas[b]; });
-    std::vector<double> gap(omegas.size(), HUGE_VAL);
-    for (std::size_t k = 0; k + 1 < std::min(kFirst, order.size()); ++k) {
-        std::size_t farthest = k + 1;
-        for (std::size_t i = k + 1; i < order.size(); ++i) {
-            double& g = gap[order[i]];
-            g = std::min(g, std::fabs(std::log(omegas[order[i]] / omegas[order[k]])));
-            if (g > gap[order[farthest]]) farthest = i;
-        }
-        std::rotate(order.begin() + k + 1, order.begin() + farthest, order.begin() + farthest + 1);
-    }
-    return order;
 }
 
 // Do `count` tasks in this thread; a task returns the number of gaits it solved.
@@ -115,25 +73,21 @@ void share_out(std::size_t count, int threads, const std::function<bool(long)>& 
 }  // namespace
 
 SteadyState steady_state(const SweepShape& k, const SteadyOptions& options) {
-    const double omega = k.gait.omega;
-    if (!k.ground.smooth()) return SteadyByPieces(k.robot, k.ground, k.gait).solve(omega, options);
-    SteadyState found;
-    RatesOfShape(k.robot, k.ground, k.gait).solve(&omega, 1, options, &found);
-    return found;
+    SteadyState state;
+    RatesOfShape(k.robot, k.ground, k.gait).solve(&k.gait.omega, 1, options, &state);
+    return state;
 }
 
 void sweep_shapes(const std::vector<SweepShape>& shapes, const std::vector<double>& omegas,
                   const SteadyOptions& options, int threads, const std::function<bool(long)>& go_on,
                   double* to) {
-    const std::vector<std::size_t> order = spread(omegas);
     share_out(shapes.size(), threads, go_on, [&](std::size_t k) {
-        double* own = to + k * omegas.size() * kSweepColumns;
         const auto& [robot, ground, gait] = shapes[k];
-        if (ground.smooth())
-            solve_viscous(shapes[k], omegas, order, options, own);
-        else
-            solve_rates(SteadyByPieces(robot, ground, gait), omegas, options, own);
-        return static_cast<long>(omegas.size());
+        const int rates = static_cast<int>(omegas.size());
+        std::vector<SteadyState> states(rates);
+        RatesOfShape(robot, ground, gait).solve(omegas.data(), rates, options, states.data());
+        for (int i = 0; i < rates; ++i) put(states[i], to + (k * rates + i) * kSweepColumns);
+        return long{rates};
     });
 }
 

@@ -1,5 +1,5 @@
-// Periodic states on viscous ground for many rates of one shape: collocation at equally spaced
-// phases, with SIMD batches of rates.
+// Periodic states on viscous ground for two rates of one shape at a time: collocation at equally
+// spaced phases.
 //
 // With g = 1/omega, v = V/omega, nu = w/omega (body_shape.hpp has V, w, D, d, J, K), ' by phase:
 //
@@ -8,7 +8,7 @@
 //
 // A gait that does not steer has v_x even and v_y, nu odd (spectral_mesh.hpp), so N nodes of half a
 // cycle hold three unknowns each. What the modes resolve is exact to the last digit, at the nodes
-// and not only in means: |P_i|, which has kinks, can be integrated from them.
+// and not only in means: |P_i|, which has kinks, can be integrated from them (torque_series.hpp).
 //
 // Newton's method would need a matrix of 3N each step. Instead: the change d of an iterate obeys
 // d' = A d + r, with r = f - y' its residual; Hermite's rule of fourth order
@@ -18,80 +18,54 @@
 // to the collocation's solution, one to three decades each step.
 //
 // Means are sums over nodes. The error of a mesh is its change from the mesh of half as many nodes,
-// times the factor by which the last modes have shrunk between both.
+// times the relative change of the motion between both: twice as many modes square its error.
 #pragma once
 
-#include <array>
-#include <vector>
-
-#include "model/gait.hpp"
-#include "model/params.hpp"
 #include "periodic/periodic_state.hpp"
-#include "periodic/viscous/cycle_table.hpp"
-#include "periodic/viscous/pack_memory.hpp"
-#include "periodic/viscous/spectral_mesh.hpp"
+#include "periodic/viscous/cycle_newton.hpp"
 
 namespace serpenoid {
 
 class SpectralViscous {
   public:
     // The gait must not steer (offset 0).
-    SpectralViscous(const Robot& robot, const Ground& ground, const Gait& gait);
+    SpectralViscous(const Robot& robot, const Ground& ground, const Gait& gait)
+        : robot_(robot),
+          ground_(ground),
+          alpha_(gait.alpha),
+          table_(robot.n, gait),
+          newton_(robot.n * robot.m) {}
 
-    static constexpr int kWidth = 2;  // of a batch
-
-    // States at up to kWidth rates. Where `converged` is false the state has no meaning: no mesh
-    // resolved the motion, or it is too stiff for the multiplier.
+    // States at up to kPack rates. Where `converged` is false the state has no meaning: no mesh
+    // resolved the motion, or its multiplier.
     void solve(const double* omega, int count, const SteadyOptions& options, SteadyState* to);
 
   private:
-    static constexpr int kCoarse = 3 * SpectralMesh::kCoarsest;  // unknowns of the coarsest mesh
-    static constexpr int kSeeds = 8;
-    // Tables of the shape on a mesh.
-    struct Level {
-        double *node = nullptr, *joint = nullptr;
-        std::vector<JointTurn> turns;
-        bool powers = false;
-        double stiffest = 0;  // largest sum of decay rates, times omega
-    };
-    // The result of a level for one gait; residual_error: of the state, relative.
+    // The result of a mesh for one gait. Of the motion, relative: change by Newton's first step on
+    // the mesh and by the last one, and the error that steps are missing.
     struct Solution {
-        double speed, power, still_power, abs_power, abs_error, tail, change, residual_error,
-            log_radius, heading;
-        std::array<double, 9> transfer;
-        int iterations;
+        double speed, heading, power, still_power, abs_power, abs_error;
+        double first_change, change, residual;
+        Mat3 transfer;
     };
-    using Batch = std::array<Solution, kWidth>;
+    using Batch = std::array<Solution, kPack>;
 
-    // A solved rate to start others from, with its weight in Lagrange's polynomial.
-    struct Seed {
-        double log_omega, weight;
-    };
-
-    void guess(const double* omega);
-    void remember(const double* omega, int count);
-    void tables(int level, bool powers);
-    std::vector<JointTurn> turns(int level) const;
-    bool iterate(int level, double enough, bool first, Batch& found);
-    void evaluate(int level, bool powers, const double* omega, Batch& found);
-    bool settle(int level, const double* omega, int count, const SteadyOptions& options,
-                const Batch& coarse, Batch& found, SteadyState* to);
-    SteadyState state_of(int level, const SteadyOptions& options, double omega,
-                         const Solution& coarse, const Solution& fine, int lane) const;
-    bool multipliers(int level, double omega, const Solution& coarse, const Solution& fine,
-                     SteadyState& to) const;
-    CycleTask task(int level) const;
+    bool iterate(double enough, Batch& batch);
+    void evaluate(bool powers, Batch& batch);
+    void add_powers(Batch& batch);
+    SteadyState state_of(const SteadyOptions& options, const Solution& coarse, const Solution& fine,
+                         int lane) const;
 
     Robot robot_;
     Ground ground_;
-    GaitTable table_;
     double alpha_;
-    std::array<Level, SpectralMesh::kLevels> level_;
-    std::array<Seed, kSeeds> seeds_;
-    int seed_count_ = 0;
-    PackMemory memory_;
-    double *y_, *seed_y_, *g_, *out_, *work_ = nullptr;  // seed_y_: on the coarsest mesh
-    int work_nodes_ = 0;
+    GaitTable table_;
+    std::array<std::vector<CycleNode>, SpectralMesh::kLevels> nodes_;
+    CycleNewton newton_;
+    int level_ = 0, iterations_ = 0;
+    Pack omega_{};
+    // the motions of the last rates on the coarsest mesh
+    std::vector<PackVec> last_ = std::vector<PackVec>(SpectralMesh::kCoarsest);
 };
 
 }  // namespace serpenoid

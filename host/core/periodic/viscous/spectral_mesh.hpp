@@ -5,33 +5,30 @@
 // 3, ..., N - 1.
 #pragma once
 
+#include <complex>
 #include <vector>
-
-#include "periodic/viscous/spectral_row.hpp"
 
 namespace serpenoid {
 
 struct SpectralMesh {
+    // Weights of a node for what is wanted at another one: the derivative there, the integral from
+    // there to the next node, and the value half way to it. Of even functions [0], and of odd ones.
+    struct Row {
+        double slope[2], integral[2], middle[2];
+    };
     int nodes;
-    double step;                                // of phase
-    std::vector<double> sine, cosine;           // of the nodes
-    std::vector<SpectralRow> rows;              // by row minus column, from 1 - nodes on
-    std::vector<FoldedRow> folded;              // [row < nodes/2][pair <= nodes/2]
-    std::vector<double> even_slope, odd_slope;  // the rows' derivatives once more, side by side
-    std::vector<double> modes;                  // [node][8]: CycleTask of cycle_table.hpp has them
-    std::vector<double> stencil;                // likewise
-    std::vector<double> even_half,
-        odd_half;  // at the middle of a cell, by cell minus node, likewise
+    double step;                              // of phase
+    std::vector<Row> rows;                    // by node wanted minus node, from 1 - nodes on
+    std::vector<std::complex<double>> modes;  // [mode][node]: coefficients of 1, 3, ... by values
+
+    const Row& row(int wanted, int node) const { return rows[wanted - node + nodes - 1]; }
 
     // Meshes of 12, 24, 48 and 96 nodes, which all threads share.
     static constexpr int kLevels = 4, kCoarsest = 12;
     static const SpectralMesh& level(int k);
 
   private:
-    explicit SpectralMesh(int nodes);
-    void matrices();
-    void fold();
-    void local_polynomial();
+    SpectralMesh(int nodes);
 };
 
 }  // namespace serpenoid

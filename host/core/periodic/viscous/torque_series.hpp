@@ -1,0 +1,117 @@
+// The torque of one joint over a cycle as a sum of modes, and its work.
+//
+// The torque T = Re sum t_p exp(i p tau) has odd modes only, the joint's rate is Re r exp(i tau).
+// So the power's integral is known in closed form, and that of its size is the sum of its changes
+// from one change of sign to the next, as absolute values. It hardly depends on where these are.
+#pragma once
+
+#include "numerics/mean_positive_part.hpp"
+#include "periodic/viscous/spectral_mesh.hpp"
+
+namespace serpenoid {
+
+class TorqueSeries {
+  public:
+    using Complex = std::complex<double>;
+
+    // From the torque at the nodes.
+    TorqueSeries(const SpectralMesh& mesh, const double* torque, Complex rate)
+        : mesh_(mesh), torque_(torque), rate_(rate), mode_(mesh.nodes / 2), work_(mode_.size()) {
+        for (std::size_t p = 0; p < mode_.size(); ++p)
+            for (int k = 0; k < mesh.nodes; ++k)
+                mode_[p] += torque[k] * mesh.modes[p * mesh.nodes + k];
+        mean_ = (mode_[0] * std::conj(rate)).real() / 2;
+        for (std::size_t p = 0; p < mode_.size(); ++p) {
+            const Complex next = p + 1 < mode_.size() ? mode_[p + 1] : 0;
+            work_[p] = (mode_[p] * rate + next * std::conj(rate)) / (4.0 * (p + 1));
+        }
+    }
+
+    // Mean of |T times rate|.
+    double mean_absolute() {
+        changes_.assign(1, M_PI / 2 - std::arg(rate_));
+        changes_[0] -= M_PI * std::floor(changes_[0] / M_PI);
+        find_changes();
+        std::sort(changes_.begin(), changes_.end());
+        double before = work(changes_.back()) - M_PI * mean_, sum = 0;
+        for (const double change : changes_) {
+            const double now = work(change);
+            sum += std::fabs(now - before);
+            before = now;
+        }
+        return sum / M_PI;
+    }
+
+    // How much of that the modes may hide that no node resolves, by the last two.
+    double hidden() const {
+        const auto last = mode_.end();
+        return 0.6 * std::abs(rate_) * std::sqrt(std::norm(last[-1]) + std::norm(last[-2]));
+    }
+
+  private:
+    // The sum of such modes times exp(2 i tau k), k = 0, 1, ...
+    static Complex sum(const std::vector<Complex>& modes, Complex once) {
+        const Complex twice = once * once;
+        Complex total = modes.back();
+        for (std::size_t p = modes.size() - 1; p-- > 0;) total = total * twice + modes[p];
+        return total;
+    }
+    double torque(double tau) const {
+        const Complex once = std::polar(1.0, tau);
+        return (sum(mode_, once) * once).real();
+    }
+    // Integral of the power.
+    double work(double tau) const {
+        const Complex once = std::polar(1.0, tau);
+        return mean_ * tau + (sum(work_, once) * once * once).imag();
+    }
+
+    // Where the torque changes its sign. A cubic has no more roots between two nodes than its
+    // Bezier points, of the nodes' values and slopes, have changes of sign.
+    void find_changes() {
+        for (int k = 0; k < mesh_.nodes; ++k) {
+            const double values[] = {at(k), at(k) + third_of_slope(k),
+                                     at(k + 1) - third_of_slope(k + 1), at(k + 1)};
+            int changes = 0;
+            for (int i = 0; i < 3; ++i) changes += (values[i] > 0) != (values[i + 1] > 0);
+            // at a node that is next to a root another one may be beside it
+            const double least = std::min(std::fabs(values[0]), std::fabs(values[3]));
+            const bool close = changes > 1 || least < 1e-4 * std::abs(mode_[0]);
+            if (changes > 0) search(k * mesh_.step, values[0], values[3], close ? 16 : 1);
+        }
+    }
+    // A third of the slope at a node, per step: centred, of fourth order.
+    double third_of_slope(int k) const {
+        return (at(k + 1) - at(k - 1)) * 2 / 9 - (at(k + 2) - at(k - 2)) / 36;
+    }
+    // Roots after a node, also close pairs, by the signs at so many places, denser at both ends.
+    void search(double tau, double before, double end, int parts) {
+        constexpr double kNear = 1e-6;  // of the torque: the work misses its square
+        const auto value = [this](double at) { return torque(at); };
+        double from = tau;
+        for (int i = 1; i <= parts; ++i) {
+            const double to = tau + mesh_.step * (1 - std::cos(M_PI * i / parts)) / 2,
+                         now = i < parts ? torque(to) : end;
+            if ((before > 0) != (now > 0))
+                changes_.push_back(
+                    bracketed_root(value, from, before, to, now, kNear * std::abs(mode_[0])));
+            from = to, before = now;
+        }
+    }
+    // The torque at a node, also beyond the half cycle: there it has changed its sign. Zero has
+    // one.
+    double at(int k) const {
+        const int here = (k + mesh_.nodes) % mesh_.nodes;
+        const double value = torque_[here] == 0 ? 1e-300 : torque_[here];
+        return here == k ? value : -value;
+    }
+
+    const SpectralMesh& mesh_;
+    const double* torque_;
+    Complex rate_;
+    std::vector<Complex> mode_, work_;
+    std::vector<double> changes_;  // of the power's sign
+    double mean_;
+};
+
+}  // namespace serpenoid
