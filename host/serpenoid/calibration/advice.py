@@ -1,12 +1,11 @@
 """Which reading to take next: the one that shrinks the speeds' bands most, by the fit's own sums.
 
-A reading that is yet to be taken is put beside the others at its expected value, at an incline that
-the treadmill can be set to: its row of the Jacobian adds to the information, a bend set anew brings
-its own offset with it, a set point read again its rounding error. Of speed, the
-sampled frictions give the share that goes with friction linearly (a regression of sampled speeds,
-not a tangent); the new covariance says what is left of it. That ranks the readings. What is told
-of the band, now and after the best reading, is sampled as `compare` samples it, since bands are
-skewed where wheels stick. A gait run tells of its own speed, but for the joints' amplitude, which
+A reading that is yet to be taken is put beside the others at its expected value: its row of the
+Jacobian adds to the information, a bend set anew brings its own offset with it, a set point read
+again its rounding error. Of speed, the sampled frictions give the share that goes with friction
+linearly (a regression of sampled speeds, not a tangent); the new covariance says what is left of
+it. That ranks the readings, by what each saves a minute. The band now is sampled as `compare`
+samples it. A gait run tells of its own speed, but for the joints' amplitude, which
 it shares with the gaits that matter; friction fits leave gait runs out, and so does this unless
 asked.
 """
@@ -14,37 +13,39 @@ asked.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-
-import numpy as np
 
 from ..model.checks import check_kind
 from ..model.drives import ServoKind
 from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..servos.catalogue import HOBBY
-from .advising.next_reading import Advice, NextReading, gaits_that_matter
-from .advising.on_floor import advise_on_floor
+from .advising.floor_readings import floor_options
+from .advising.next_reading import (
+    MOST_TIMES,
+    Advice,
+    NextReading,
+    Option,
+    Runs,
+    gaits_that_matter,
+)
 from .advising.speed_slopes import SpeedSlopes, speed_slopes
-from .advising.stations import places
+from .advising.stations import station_options
 from .filmed_joints import servo_seen
-from .fitting.unknowns import Floats
+from .fitting.posterior import Mode
 from .friction_fit import fit_friction
 from .friction_result import FrictionFit
-from .kinds.station import Reading
 from .session import Session
-from .session_posterior import information_at, linear_covariance
-from .speed_samples import (
-    Progress,
-    band_parts,
-    servo_fields,
-    servo_note,
-)
-from .taking.expected import Series
+from .session_posterior import covariance_after, mode_of
+from .speed_samples import Progress, band_parts, servo_note
 
 LAMBDAS_DEG = (0.0, 7.5, 15.0, 20.0, 30.0)  # further, the end joints stand beyond 60 degrees
-_MOST_TIMES, _WORTH_ANOTHER = 5, 0.1
+_WORTH_ANOTHER = 0.1
+_ON_FLOOR = (
+    "By minutes of work: the first saves most of the band a minute. Once pushes are filmed, what "
+    "joints really do is the larger part: a film of a crawl tells it (`serpenoid video`)."
+)
 
 
 def advise(
@@ -98,79 +99,58 @@ def advise(
     'station'
     """
     check_kind("session", session, Session)
-    if session.on_floor:
-        return advise_on_floor(session, gaits, samples=samples, servo=servo, progress=progress)
     wanted = gaits_that_matter(session, gaits)
-    if not session.kept:
+    if not session.kept and not session.on_floor:
         raise BadInput(f"{session.where}: no station was held, and no push; take one first")
-    fit = fit_friction(session)
-    whole = np.array(list(fit.whole_snake.values()))
+    fit, mode = fit_friction(session), mode_of(session)
     servo = servo and servo_seen(session.setup.driving(servo), session.kept_films, fit)
     slopes = speed_slopes(fit, wanted, samples, progress)
     ran = [_sigmas_of_runs(session, gait) if runs else [] for gait in wanted]
-    readings = [
-        _station(session, whole, (slopes, ran), at)
-        for at in places(session, whole, [math.radians(bend) for bend in lambdas_deg])
-    ]
-    covariance = _covariance(session, whole)
-    readings += [_gait_run(session, covariance, slopes, ran, j) for j in range(len(wanted)) if runs]
-    bands = slopes.band(covariance, ran), slopes.band(covariance)
-    return _ranked(session, fit, wanted, readings, bands, servo)
+    options = _options(session, mode, slopes, lambdas_deg, runs)
+    parts = band_parts(fit, wanted, servo)
+    linear = slopes.band(covariance_after(session, mode))
+
+    def band(grown: Session, sigmas: Runs) -> float:
+        left = slopes.band(covariance_after(grown, mode), sigmas)
+        return parts.with_friction(left / linear)
+
+    readings = [_after(option, ran, band) for option in options]
+    now = band(session, ran)
+    readings.sort(key=lambda r: (r.band - now) / (r.minutes or 1.0))
+    after = readings[0].band_after_times
+    told = _ON_FLOOR if session.on_floor else _ratchet_note(session, fit)
+    note = " ".join(filter(None, (told, servo_note(parts, servo, after))))
+    measured = None if servo is None or servo.drawn else parts.servo_measured
+    named = servo and servo.name
+    return Advice(wanted, now, after, tuple(readings), note, named, measured, fit.alarms)
 
 
-def _ranked(
-    session: Session,
-    fit: FrictionFit,
-    wanted: tuple[Gait, ...],
-    readings: list[NextReading],
-    bands: tuple[float, float],
-    servo: ServoKind | None,
-) -> Advice:
-    """Return the readings, best first; bands: by slopes now, with and without the runs taken."""
-    if not readings:
+def _options(
+    session: Session, mode: Mode, slopes: SpeedSlopes, lambdas_deg: Sequence[float], runs: bool
+) -> list[Option]:
+    """Return what could be taken next; raises BadInput where that is nothing."""
+    if session.on_floor:
+        return floor_options(session, mode)
+    options = station_options(session, mode, [math.radians(bend) for bend in lambdas_deg])
+    options += [_gait_run(session, slopes, j) for j in range(len(slopes.gaits)) if runs]
+    if not options:
         raise BadInput(
             f"{session.where}: no station that this treadmill can be set to tells more; take gait "
             "runs, or raise belt_speed_max_m_s in the plan"
         )
-    with_runs, linear = bands
-    parts = band_parts(fit, wanted, servo)
-    now = parts.with_friction(with_runs / linear)
-    total = [
-        replace(
-            r,
-            band=parts.with_friction(r.band / linear),
-            band_after_times=parts.with_friction(r.band_after_times / linear),
-        )
-        for r in sorted(readings, key=lambda r: r.band)
-    ]
-    then = _after(session, fit, total[0])
-    last = total[0].band_after_times
-    after = last if then is None else band_parts(then, wanted, servo, before=fit).whole
-    notes = filter(None, (_ratchet_note(session, fit), servo_note(parts, servo, after)))
-    fields = servo_fields(servo, parts)
-    return Advice(wanted, now, after, tuple(total), " ".join(notes), *fields, fit.alarms)
+    return options
 
 
-def _after(session: Session, fit: FrictionFit, told: NextReading) -> FrictionFit | None:
-    """Return the fit as a station taken as told would leave it, at the same values."""
-    if told.kind != "station":
-        return None
-    first = max(r.number for r in session.readings) + 1
-    more = (
-        Reading(
-            first + k,
-            told.lambda_rad or 0.0,
-            told.incline_rad or 0.0,
-            told.belt_speed_m_s or 0.0,
-            facing=told.facing,
-            bend=told.bend or "zigzag",
-        )
-        for k in range(told.times)
-    )
-    values = np.array(list(fit.whole_snake.values()))
-    before = _covariance(session, values)
-    after = _covariance(replace(session, readings=(*session.readings, *more)), values)
-    return fit.as_after(before, after)
+def _after(option: Option, ran: Runs, band: Callable[[Session, Runs], float]) -> NextReading:
+    """Return a reading with the bands after it, as often as once more saves a tenth."""
+    bands: list[float] = []
+    for grown, more in option.after:
+        left = band(grown, [[*a, *b] for a, b in zip(ran, more or [[]] * len(ran), strict=True)])
+        if bands and left > (1.0 - _WORTH_ANOTHER) * bands[-1]:
+            break
+        bands.append(left)
+    times = option.shown.times * len(bands)
+    return replace(option.shown, band=bands[0], times=times, band_after_times=bands[-1])
 
 
 def _ratchet_note(session: Session, fit: FrictionFit) -> str:
@@ -180,11 +160,6 @@ def _ratchet_note(session: Session, fit: FrictionFit) -> str:
         "The plan says that the wheels are ratchets, but nothing tells how they roll backwards: "
         "these bands take them to roll alike both ways. Hold two straight stations facing up first."
     )
-
-
-def _covariance(session: Session, whole: Floats) -> Floats:
-    """Return the parameters' covariance that a session's readings leave, near these values."""
-    return linear_covariance(session, information_at(session, whole))
 
 
 def _sigmas_of_runs(session: Session, gait: Gait) -> list[float]:
@@ -198,65 +173,16 @@ def _sigmas_of_runs(session: Session, gait: Gait) -> list[float]:
     ]
 
 
-def _station(
-    session: Session,
-    whole: Floats,
-    speeds: tuple[SpeedSlopes, list[list[float]]],
-    at: tuple[Series, float, float],
-) -> NextReading:
-    (slopes, ran), (series, incline, slip) = speeds, at
-    first = max(r.number for r in session.readings) + 1
-    bands = []
-    for times in range(1, _MOST_TIMES + 1):
-        more = (
-            Reading(
-                first + k, series.lambda_rad, incline, slip, facing=series.facing, bend=series.bend
-            )
-            for k in range(times)
-        )
-        after = replace(session, readings=(*session.readings, *more))
-        bands.append(slopes.band(_covariance(after, whole), ran))
-        if times > 1 and bands[-1] > (1.0 - _WORTH_ANOTHER) * bands[-2]:
-            break
-    times = _worth(bands)
-    return NextReading(
-        "station",
-        bands[0],
-        times,
-        bands[times - 1],
-        lambda_rad=series.lambda_rad,
-        incline_rad=incline,
-        belt_speed_m_s=slip,
-        facing=series.facing,
-        bend=series.bend if series.lambda_rad else "",
-    )
-
-
-def _worth(bands: list[float]) -> int:
-    """Return how often to take a reading: until once more shrinks the band by less than a tenth."""
-    times = 1
-    while times < len(bands) and bands[times] < (1.0 - _WORTH_ANOTHER) * bands[times - 1]:
-        times += 1
-    return times
-
-
-def _gait_run(
-    session: Session, covariance: Floats, slopes: SpeedSlopes, ran: list[list[float]], j: int
-) -> NextReading:
-    """Return what a run of gait j brings: it measures its own speed, with a stopwatch."""
+def _gait_run(session: Session, slopes: SpeedSlopes, j: int) -> Option:
+    """Return a run of gait j: it measures its own speed, with a stopwatch."""
     gait, v = slopes.gaits[j], float(slopes.speed_m_s[j])
     sigma = session.setup.stopwatch.speed(1.0, 1.0 / v)[1]
-    bands = []
-    for times in range(1, _MOST_TIMES + 1):
-        more = [[*s, *([sigma] * times if k == j else [])] for k, s in enumerate(ran)]
-        bands.append(slopes.band(covariance, more))
-    times = _worth(bands)
-    return NextReading(
+    shown = NextReading(
         "gait",
-        bands[0],
-        times,
-        bands[times - 1],
         alpha_rad=gait.alpha_rad,
         beta_rad=gait.beta_rad,
         frequency_hz=gait.omega_rad_s / (2 * math.pi),
     )
+    runs = range(1, MOST_TIMES + 1)
+    more = ([[sigma] * times if k == j else [] for k in range(len(slopes.gaits))] for times in runs)
+    return Option(shown, ((session, sigmas) for sigmas in more))

@@ -179,10 +179,11 @@ def _from_json(given: Mapping[str, Any]) -> FrictionFit:
     robot = Robot(**given["robot"])
     ends = list(map(_interval, names, whole))
     covariance = _covariance(given["covariance"]["values"], len(names))
-    draws = _draws(given, names)
-    if draws is None:
+    if given["format"] == 1 and not given.get("draws"):
         drawn = normal_draws(np.array(values), covariance, np.array(ends), _DRAWN)
         draws = FitDraws(tuple(names), drawn)
+    else:
+        draws = _draws(given, names)
     return FrictionFit(
         method=str(given["method"]),
         sigma=str(given["sigma"]),
@@ -233,10 +234,8 @@ def _covariance(values: Any, size: int) -> NDArray[np.float64]:
     return covariance
 
 
-def _draws(given: Mapping[str, Any], names: list[str]) -> FitDraws | None:
-    """Return a file's draws, the frictions first; None where an old one has none."""
-    if given["format"] == 1 and given.get("draws") is None:
-        return None
+def _draws(given: Mapping[str, Any], names: list[str]) -> FitDraws:
+    """Return a file's draws, the frictions first."""
     values: Any = given["draws"]
     if given["format"] == 1:
         values = {"order": [*names, AMPLITUDE], "values": values}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
@@ -246,27 +246,6 @@ class FrictionFit(Result):
             N s/m and N, in the order of parameters.
         """
         return np.asarray(self.draws.rows[self._picked(count, seed), : len(self.names)])
-
-    def as_after(self, before: Floats, after: Floats) -> FrictionFit:
-        """Return a fit of the same values whose errors are those after a further reading.
-
-        before, after: covariances (P, P) by the same linear step. Intervals and the draws of
-        sample_whole shrink with them.
-        """
-        values = np.array(list(self.whole_snake.values()))
-        ends = np.array([self.intervals[name] for name in self.names])
-        shrink = np.sqrt(np.diag(after) / np.diag(before))[:, None]
-        ends = np.maximum(values[:, None] + shrink * (ends - values[:, None]), 0.0)
-        scale = np.sqrt(np.diag(self.covariance) / np.diag(before))
-        pairs = map(tuple, ends.tolist())
-        moved = np.linalg.cholesky(after) @ np.linalg.inv(np.linalg.cholesky(before))
-        off = self.sample_whole() - values
-        return replace(
-            self,
-            covariance=after * np.outer(scale, scale),
-            intervals=WholeSnake(dict(zip(self.names, pairs, strict=True))),
-            draws=FitDraws(self.names, np.abs(values + off @ moved.T)),
-        )
 
     def sample_amplitudes(self, count: int = 64, seed: int = 2005) -> Floats | None:
         """Return the joints' amplitudes that go with sample_whole's rows, where crawls told one."""

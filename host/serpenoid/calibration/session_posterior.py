@@ -45,20 +45,19 @@ def scale_sigmas(session: Session) -> tuple[float, float]:
     return belt, session.mass_sigma
 
 
-def linear_covariance(session: Session, mode: Mode) -> Floats:
-    """Return the frictions' covariance (P, P) by the readings' slopes, belt and mass in it."""
-    of = mode.posterior.frictions
-    return mode.covariance[:of, :of] + shared_covariance(mode.x[:of], *scale_sigmas(session))
-
-
 def mode_of(session: Session) -> Mode:
     """Return the likeliest values that a session's readings leave. Raises NotConverged."""
     posterior = posterior_of(session)
     return posterior.mode(start_of(posterior))
 
 
-def information_at(session: Session, whole: Floats) -> Mode:
-    """Return what a session's readings tell about these frictions, all else as before them."""
+def covariance_after(session: Session, mode: Mode) -> Floats:
+    """Return the frictions' covariance (P, P) that a session's readings leave, by their slopes.
+
+    Belt and mass are in it. mode: where, of all or some of the readings; unknowns that it does not
+    have are as before them.
+    """
     posterior = posterior_of(session)
-    x = posterior.start(whole)
-    return posterior.near(x).near(x).at(x)
+    x = np.array([mode.values.get(name, np.zeros(1))[0] for name in posterior.names])
+    there, of = posterior.near(x).near(x).at(x), posterior.frictions
+    return there.covariance[:of, :of] + shared_covariance(x[:of], *scale_sigmas(session))

@@ -25,7 +25,6 @@ from .friction_result import FrictionFit
 
 Array = NDArray[np.float64]
 Progress = Callable[[int], None]
-_ALIKE = 0.5  # of the median speed: a servo's share is then that of other draws, to some 0.2 %
 SERVO_LEFT = 0.5  # of the servos' doubt, after a bench test of one joint
 MODEL_SIGMA = 0.01  # of a predicted speed: joints' centres that are off, wheels that turn
 AMPLITUDE_SIGMA = 0.03  # of the joints' true over commanded amplitude, common to all gaits
@@ -241,48 +240,15 @@ class BandParts:
         return math.sqrt(max(self.whole**2 - self.friction**2, 0.0) + (ratio * self.friction) ** 2)
 
 
-def band_parts(
-    fit: FrictionFit,
-    gaits: Sequence[Gait],
-    servo: ServoKind | None,
-    before: FrictionFit | None = None,
-) -> BandParts:
-    """Return the parts of the band that fit, joints and servos leave, by samples as `compare`.
-
-    before: a fit of the same values that knows less. Each draw's servo leaves the same share of the
-    speed there, so that it is not solved for again.
-    """
-    drawn = _with_servos(fit, gaits, servo, before)
+def band_parts(fit: FrictionFit, gaits: Sequence[Gait], servo: ServoKind | None) -> BandParts:
+    """Return the parts of the band that fit, joints and servos leave, by samples as `compare`."""
+    drawn = sample_speeds(fit, gaits, amplitude_sigma=AMPLITUDE_SIGMA, servo=servo)
     best = [max(speed(fit.robot, fit.ground, gait), 1e-9) for gait in gaits]
     halves = []
     for speeds in (drawn.both_m_s, drawn.joints_m_s, drawn.friction_m_s):
         ends = [band(of_gait) for of_gait in speeds.T]
         halves.append(np.mean([(b - a) / 2 / v for (a, b), v in zip(ends, best, strict=True)]))
     return BandParts(*map(float, halves))
-
-
-def _with_servos(
-    fit: FrictionFit, gaits: Sequence[Gait], servo: ServoKind | None, before: FrictionFit | None
-) -> SpeedSamples:
-    def drawn(of: FrictionFit, kind: ServoKind | None) -> SpeedSamples:
-        return sample_speeds(of, gaits, amplitude_sigma=AMPLITUDE_SIGMA, servo=kind)
-
-    if servo is None or before is None:
-        return drawn(fit, servo)
-    known = drawn(before, servo)
-    if np.any(known.joints_m_s < _ALIKE * np.median(known.joints_m_s, axis=0)):
-        return drawn(fit, servo)  # some grounds are so unlike that a servo's share is another
-    ideal = drawn(fit, None)
-    return replace(ideal, both_m_s=ideal.joints_m_s * known.shares)
-
-
-def servo_fields(
-    servo: ServoKind | None, parts: BandParts
-) -> tuple[None, None] | tuple[str, float | None]:
-    """Return `Advice.servo` and `Advice.band_servo_measured`."""
-    if servo is None:
-        return None, None
-    return servo.name, None if servo.drawn else parts.servo_measured
 
 
 def servo_note(parts: BandParts, servo: ServoKind | None, band_after_best: float) -> str:

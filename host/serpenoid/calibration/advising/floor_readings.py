@@ -1,25 +1,23 @@
-"""Readings that could be taken next on a floor, and the covariance that each would leave."""
+"""Readings that could be taken next on a floor."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..fitting.bends import Bends
 from ..fitting.posterior import Mode
 from ..fitting.rolling_law import slide_s, stop_s, way_m
-from ..fitting.unknowns import Floats
 from ..floor.block import Rolling
-from ..floor.notes import check_floor
 from ..kinds.coast import Coast
 from ..kinds.slide import Slide
 from ..kinds.station import bent_share
 from ..kinds.tracks import Track
 from ..session import Session
-from ..session_posterior import information_at, linear_covariance, mode_of
+from .next_reading import NextReading, Option
 
 SPEED_M_S, RATE_HZ, RESTED_S = 0.9, 30.0, 0.4
 BENDS_RAD = tuple(map(math.radians, (0.0, 20.0, 42.0)))
@@ -28,26 +26,9 @@ PUSH_MIN, BEND_MIN, SLIDE_MIN = 0.7, 1.5, 1.0  # what a person takes
 STEEPEST = math.sin(math.radians(30.0))
 
 
-@dataclass(frozen=True)
-class Candidate:
-    """A few readings: what they are in words, minutes they take, and the covariance after them."""
-
-    kind: str
-    told: str
-    lambda_rad: float
-    count: int
-    minutes: float
-    covariance: Floats
-
-
-def candidates(session: Session, by_film: bool) -> tuple[Floats, list[Candidate]]:
-    """Return the frictions' covariance now, and what could be taken next. Raises BadInput.
-
-    by_film: whether pushes are filmed; else they are timed to rest, by tape and watch.
-    """
-    mode = mode_of(session)
-    check_floor(session, mode)
-    now = linear_covariance(session, mode)
+def floor_options(session: Session, mode: Mode) -> list[Option]:
+    """Return pushes, seen as those before, and slides that could be taken next."""
+    by_film = any(push.track is not None for push in session.kept_pushes)
     last = session.kept_pushes[-1].lambda_rad if session.kept_pushes else math.nan
     out = []
     for bend in BENDS_RAD:
@@ -58,22 +39,18 @@ def candidates(session: Session, by_film: bool) -> tuple[Floats, list[Candidate]
             )
             if not made:
                 continue
-            grown = replace(session, further=(*session.further, *made))
             minutes = len(made) * (SLIDE_MIN if slide else PUSH_MIN)
-            minutes += 0.0 if angle == last else BEND_MIN
-            after = linear_covariance(grown, _after(grown, mode))
-            kind = "slide" if slide else "coast"
-            out.append(
-                Candidate(kind, _told(made, angle, by_film), angle, len(made), minutes, after)
+            shown = NextReading(
+                "slide" if slide else "coast",
+                times=len(made),
+                lambda_rad=angle,
+                bend=session.setup.procedure.bend,
+                minutes=minutes + (0.0 if angle == last else BEND_MIN),
+                told=_told(made, angle, by_film),
             )
-    return now, out
-
-
-def _after(grown: Session, mode: Mode) -> Mode:
-    """Return what is known with more readings, at the unknowns as they are."""
-    whole = information_at(grown, mode.x[: mode.posterior.frictions]).posterior
-    x = np.array([mode.values.get(name, np.zeros(1))[0] for name in whole.names])
-    return whole.near(x).at(x)
+            grown = replace(session, further=(*session.further, *made))
+            out.append(Option(shown, [(grown, ())]))
+    return out
 
 
 def _pose(session: Session, mode: Mode, angle: float) -> tuple[float, float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -14,6 +14,7 @@ from ..crawls.runs import as_run
 from ..session import Session
 
 _SHOWN = 5  # readings of a table
+MOST_TIMES = 5  # of one reading
 WORTH = 0.1  # of the band: a reading that saves less is not worth a table
 
 
@@ -28,9 +29,9 @@ class NextReading:
     """
 
     kind: str
-    band: float
-    times: int
-    band_after_times: float
+    band: float = math.nan
+    times: int = 1
+    band_after_times: float = math.nan
     lambda_rad: float | None = None
     incline_rad: float | None = None
     belt_speed_m_s: float | None = None
@@ -63,6 +64,20 @@ class NextReading:
         return what + (f", {self.times} times" if self.times > 1 else "")
 
 
+Runs = Sequence[Sequence[float]]  # per gait, the standard deviations of its runs' speeds
+
+
+@dataclass(frozen=True)
+class Option:
+    """A reading that could be taken next, its bands not yet known.
+
+    after: the session with it once, twice and so on, and the runs of gaits that this adds.
+    """
+
+    shown: NextReading
+    after: Iterable[tuple[Session, Runs]]
+
+
 @dataclass(frozen=True)
 class Advice(Result):
     """Hold the present speed band and the readings that would shrink it.
@@ -74,8 +89,7 @@ class Advice(Result):
     band
         Half of the 95 % band of speed, relative, mean over the gaits; `compare` shows the same.
     band_after_best
-        The same relative band, by samples, after the best reading has been taken as often as it is
-        worth.
+        The same relative band after the best reading has been taken as often as it is worth.
     readings
         Readings that can be taken next, best first.
     note

@@ -4,21 +4,50 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from ..fitting.bends import projections
 from ..fitting.identifiability import SAFE_BEND
+from ..fitting.posterior import Mode
 from ..fitting.rounding import nearest_shown
 from ..fitting.unknowns import Floats
-from ..kinds.station import LEAST_SLIP_M_S, bent_share
+from ..kinds.station import LEAST_SLIP_M_S, Reading, bent_share
 from ..session import Session, Setup
 from ..taking.expected import Series
+from .next_reading import MOST_TIMES, NextReading, Option
 
 MOST_INCLINE_RAD = math.atan(0.15)  # of home treadmills, unless this one stood steeper already
 SLIPS_M_S = (0.15, 0.3, 0.6, 1.0)
 _SAME_RAD = math.radians(0.5)  # bends that are one
 _AS_GOOD = 4.0  # sigmas of a bend from the one that the robot lies in
+
+
+def station_options(session: Session, mode: Mode, bends: Sequence[float]) -> list[Option]:
+    """Return the stations that could be held next, in these bends, each some times over."""
+    whole = mode.x[: mode.posterior.frictions]
+    return [_option(session, *at) for at in places(session, whole, bends)]
+
+
+def _option(session: Session, series: Series, incline: float, slip: float) -> Option:
+    first = max(r.number for r in session.readings) + 1
+    more = tuple(
+        Reading(first + k, series.lambda_rad, incline, slip, facing=series.facing, bend=series.bend)
+        for k in range(MOST_TIMES)
+    )
+    shown = NextReading(
+        "station",
+        lambda_rad=series.lambda_rad,
+        incline_rad=incline,
+        belt_speed_m_s=slip,
+        facing=series.facing,
+        bend=series.bend if series.lambda_rad else "",
+    )
+    times = range(1, MOST_TIMES + 1)
+    return Option(
+        shown, ((replace(session, readings=(*session.readings, *more[:n])), ()) for n in times)
+    )
 
 
 def places(
