@@ -34,7 +34,7 @@ MOST_TOKENS = {
     "host/serpenoid": 857,
     "host/serpenoid/_core": 2772,
     "host/serpenoid/bench": 13577,
-    "host/serpenoid/calibration": 100539,
+    "host/serpenoid/calibration": 99443,
     "host/serpenoid/commands": 30955,
     "host/serpenoid/exchange": 2226,
     "host/serpenoid/gaits": 11795,
