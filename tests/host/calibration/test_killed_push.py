@@ -5,8 +5,10 @@ Each write and each sync of the disk is cut short once: half of a line is then t
 
 from __future__ import annotations
 
+import io
 import os
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -42,7 +44,7 @@ def track(tmp_path_factory):
 
 def take(folder, path, kill_at=None):
     """Take the file in as a step says it, killed at the n-th write or sync; return the count."""
-    count, write, sync = 0, os.write, os.fsync
+    count, opened, sync = 0, Path.open, os.fsync
 
     def counted(kills):
         nonlocal count
@@ -51,16 +53,19 @@ def take(folder, path, kill_at=None):
             kills()
             raise Killed
 
-    def half(fd, data):
-        counted(lambda: write(fd, data[: len(data) // 2]))
-        return write(fd, data)
+    class Cut(io.FileIO):
+        def write(self, data):
+            counted(lambda: super(Cut, self).write(data[: len(data) // 2]))
+            return super().write(data)
 
     def synced(fd):
         counted(lambda: None)
         sync(fd)
 
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(os, "write", half)
+        patched.setattr(
+            Path, "open", lambda p, *a, **k: Cut(p, "r+") if a == ("r+b",) else opened(p, *a, **k)
+        )
         patched.setattr(os, "fsync", synced)
         with Journal(folder) as journal:
             way = "there" if not journal.session.kept_pushes else "back"  # as the plan goes on
