@@ -57,7 +57,7 @@ MOST_TOKENS = {
     "tests/golden": 3893,
     "tests/host": 819,
     "tests/host/bench": 2172,
-    "tests/host/calibration": 58741,
+    "tests/host/calibration": 58794,
     "tests/host/commands": 19481,
     "tests/host/exchange": 1699,
     "tests/host/gaits": 13708,
