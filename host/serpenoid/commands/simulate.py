@@ -186,9 +186,14 @@ def simulate(
     if saved_path is not None:
         save_scene(scene, saved_path)
         report.wrote(saved_path)
-    run = _watched(scene, accuracy, keep)
+    try:
+        run = _watched(scene, accuracy, keep)
+        if out is not None:
+            run.to_csv(out)
+    except KeyboardInterrupt:
+        say("nothing of this run is kept", err=True)
+        raise
     if out is not None:
-        run.to_csv(out)
         report.wrote(out)
     if figure is not None:
         from ..show.run_figure import draw_run
@@ -275,8 +280,4 @@ def _watched(scene: Scene, accuracy: float | None, keep: list[str]) -> Run:
     from ..simulation.simulate import simulate as run_scene
 
     with progress(scene.duration_s, "s simulated", so_far=True) as tell:
-        try:
-            return interruptible(lambda: run_scene(scene, tell, accuracy=accuracy, keep=keep))
-        except KeyboardInterrupt:
-            say("nothing of this run is kept", err=True)
-            raise
+        return interruptible(lambda: run_scene(scene, tell, accuracy=accuracy, keep=keep))

@@ -44,6 +44,9 @@ class TorqueDrive:
 
     torque_nm: Array
 
+    def __post_init__(self) -> None:
+        finite_vector("torque_nm", self.torque_nm, np.size(self.torque_nm))
+
 
 @dataclass(frozen=True, slots=True)
 class AngleDrive:
@@ -65,6 +68,9 @@ class AngleDrive:
     """
 
     acceleration_rad_s2: Array
+
+    def __post_init__(self) -> None:
+        finite_vector("acceleration_rad_s2", self.acceleration_rad_s2, np.size(self.acceleration_rad_s2))
 
     @classmethod
     def of(cls, robot: Robot, gait: Gait, t_s: float) -> AngleDrive:
