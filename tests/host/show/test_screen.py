@@ -56,7 +56,7 @@ def test_no_file_commands_the_terminal(tmp_path: Path) -> None:
     recording = tmp_path / "run.wire"
     recording.write_text(f"# serpenoid wire 1, begun x\n{EVIL} < hello\n")
     shown = on_a_terminal("view", recording)
-    assert b"no time in seconds" in shown
+    assert b"it is not `SECONDS < LINE`" in shown
     assert not obeyed(shown)
     fit = sn.save_fit(sn.fit_friction(sn.load_session(FOLDER_2005)), tmp_path / "fit.json")
     from serpenoid.calibration import fit_file
