@@ -70,6 +70,7 @@ class SimulatedFloor:
         self.truth, self.t_s = truth, 0.0
         self._setup, self._rng = setup, np.random.default_rng(seed)
         self._world = FloorWorld(setup, truth, self._rng, self._rng)
+        self.robot = self._world.robot
 
     def answer(self, step: Step, session: Session) -> Cells | None:
         """Do a step as a person would."""
