@@ -70,7 +70,8 @@ class AngleDrive:
     acceleration_rad_s2: Array
 
     def __post_init__(self) -> None:
-        finite_vector("acceleration_rad_s2", self.acceleration_rad_s2, np.size(self.acceleration_rad_s2))
+        given = self.acceleration_rad_s2
+        finite_vector("acceleration_rad_s2", given, np.size(given))
 
     @classmethod
     def of(cls, robot: Robot, gait: Gait, t_s: float) -> AngleDrive:
