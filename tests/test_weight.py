@@ -39,7 +39,7 @@ MOST_TOKENS = {
     "host/serpenoid/exchange": 2226,
     "host/serpenoid/gaits": 11795,
     "host/serpenoid/lab": 7990,
-    "host/serpenoid/model": 11117,
+    "host/serpenoid/model": 11118,
     "host/serpenoid/paper": 2937,
     "host/serpenoid/periodic": 11141,
     "host/serpenoid/robot": 21001,
