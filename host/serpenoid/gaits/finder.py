@@ -281,7 +281,7 @@ class Finder:
         for turn in range(ROUNDS):
             if gap < STATES:
                 break
-            starts = [replace(best, shape=side) for side in ring(best.shape, radius, 4, turn / 2)]
+            starts = sorted(self.ring(speed, best, radius), key=better)[:4]
             lows = sorted(
                 [self.descend(speed, start, -radius / 2, self.ends) for start in starts], key=better
             )
@@ -294,8 +294,7 @@ class Finder:
 
         A flat valley may have low places that are closer to each other than the table's starts.
         """
-        shapes = ring(best.shape, 2 * FIRST, AROUND)
-        points = [self.point(np.clip(shape, *self.bounds()), speed, best) for shape in shapes]
+        points = self.ring(speed, best, 2 * FIRST)
         low = [
             point
             for k, point in enumerate(points)
@@ -303,6 +302,13 @@ class Finder:
             and point.price < best.price + AS_LOW
         ]
         return [self.descend(speed, point, FIRST / 2, ROUGH) for point in low]
+
+    def ring(self, speed: float, best: Point, radius: float) -> list[Point]:
+        """Return points on a circle of shapes around the best, with its rate where none is known."""
+        angles = math.tau / AROUND * np.arange(AROUND)
+        shapes = best.shape + radius * np.column_stack([np.cos(angles), np.sin(angles)])
+        points = [self.point(np.clip(shape, *self.bounds()), speed, best) for shape in shapes]
+        return [replace(point, gait=point.gait or best.gait) for point in points]
 
     def in_order(self, speed: float, best: Point) -> Point:
         """Return the best gait, or a cheaper one that a search shows which must not beat it.
@@ -405,12 +411,6 @@ class Finder:
         way = "lower" if name == "omega_low_rad_s" else "higher"
         more = 100 * math.expm1(-short)
         return f"; the nearest of {len(gaits)} needs a {LIMIT_NAMES[name]} {more:.3g} % {way}"
-
-
-def ring(centre: Array, radius: float, count: int, turn: float = 0.0) -> Array:
-    """Return shapes on a circle around one; turn: by so many parts of it the first is moved on."""
-    angles = math.tau / count * (turn + np.arange(count))
-    return centre + radius * np.column_stack([np.cos(angles), np.sin(angles)])
 
 
 class Valley:
