@@ -295,13 +295,12 @@ class Finder:
         A flat valley may have low places that are closer to each other than the table's starts.
         """
         points = self.ring(speed, best, 2 * FIRST)
-        low = [
-            point
+        return [
+            self.descend(speed, point, FIRST / 2, ROUGH)
             for k, point in enumerate(points)
             if point.price <= min(points[k - 1].price, points[(k + 1) % AROUND].price)
             and point.price < best.price + AS_LOW
         ]
-        return [self.descend(speed, point, FIRST / 2, ROUGH) for point in low]
 
     def ring(self, speed: float, best: Point, radius: float) -> list[Point]:
         """Return points on a circle of shapes around the best, with its rate where none is known."""
