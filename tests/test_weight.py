@@ -37,7 +37,7 @@ MOST_TOKENS = {
     "host/serpenoid/calibration": 99452,
     "host/serpenoid/commands": 30961,
     "host/serpenoid/exchange": 2226,
-    "host/serpenoid/gaits": 11808,
+    "host/serpenoid/gaits": 11799,
     "host/serpenoid/lab": 7990,
     "host/serpenoid/model": 11118,
     "host/serpenoid/paper": 2937,
