@@ -303,7 +303,7 @@ class Finder:
         ]
 
     def ring(self, speed: float, best: Point, radius: float) -> list[Point]:
-        """Return points on a circle of shapes around the best, with its rate where none is known."""
+        """Return points on a circle of shapes around the best; its rate where they have none."""
         angles = math.tau / AROUND * np.arange(AROUND)
         shapes = best.shape + radius * np.column_stack([np.cos(angles), np.sin(angles)])
         points = [self.point(np.clip(shape, *self.bounds()), speed, best) for shape in shapes]
