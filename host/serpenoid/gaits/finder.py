@@ -271,14 +271,15 @@ class Finder:
     def closest(self, speed: float, ends: list[Point]) -> LeastPower | NotConverged:
         """Return the lowest of some valleys, searched more closely, or why there is none.
 
-        Descents from four sides start again from their lowest end while they gain. What the last
-        gained, and how far apart their lowest ends are, says what may be missed.
+        Descents from the four lowest shapes of a ring start again from their lowest end while they
+        gain. What the last gained, and how far apart their lowest ends are, says what may be
+        missed.
         """
         if not ends or ends[0].margin < 0:
             return self.unreachable(speed, ends)
         ends = sorted([*ends, *self.around(speed, ends[0])], key=better)
         best, radius, gap = self.in_order(speed, ends[0]), FIRST / 2, math.inf
-        for turn in range(ROUNDS):
+        for _ in range(ROUNDS):
             if gap < STATES:
                 break
             starts = sorted(self.ring(speed, best, radius), key=better)[:4]
