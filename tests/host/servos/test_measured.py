@@ -173,6 +173,7 @@ def test_the_command_writes_a_file_that_others_take(tmp_path: Path, monkeypatch)
     table.write_text("t_s,setpoint_deg,angle_deg\n" + "".join(f"{t},{s},{a}\n" for t, s, a in rows))
     told = CliRunner().invoke(cli, ["servo", "--test", str(table), "--out", str(out)])
     assert told.exit_code == 0, told.output
+    assert told.output.startswith("Without load the servo turns at about ")
     assert "does not tell" in told.output
     kind = sn.servo(out)
     assert len(kind.drawn) == 8

@@ -124,9 +124,18 @@ def read_test(path: Path, sigma_rad: float, inertia_kg_m2: float) -> BenchTest:
 
 
 def show(found: MeasuredServo, out: Path | None) -> None:
-    """Print what was told, and what was not."""
+    """Print how fast the servo is, what was measured of it, and what was not."""
+    import numpy as np
+
+    from ...model.rows import ranged, two_digits
     from ...show import report
 
+    rates = [servo.no_load_rad_s for servo in found.kind.drawn]
+    low, typical, high = np.quantile(rates, [0.025, 0.5, 0.975]).tolist()
+    report.console.print(
+        f"Without load the servo turns at about {ranged(typical, 'rad/s', low, high)}: "
+        f"{two_digits(math.pi / 3 / typical)} s for 60°."
+    )
     rows = [
         [
             name,
@@ -136,7 +145,7 @@ def show(found: MeasuredServo, out: Path | None) -> None:
         ]
         for name, (before, after) in found.told.items()
     ]
-    report.table(found.kind.source, ["told", "best", "sigma before", "after"], rows)
+    report.table(found.kind.source, ["measured", "best", "sigma before", "after"], rows)
     lines = [f"chi2 {found.chi2:.1f} of {found.readings} readings."]
     if found.untold:
         lines.append("It does not tell " + ", ".join(found.untold) + ".")
