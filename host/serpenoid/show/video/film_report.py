@@ -17,7 +17,7 @@ def show_film(found: FilmMeasurement) -> None:
     """Print speed, turn, rate, the joints and the remarks."""
     run, out = found.run, screen()
     out.print(_summary(run), highlight=False, soft_wrap=True)
-    out.print(table("joints", *_joints(found)))
+    out.print(table("joints, in degrees", *_joints(found)))
     film, camera = run.film, run.camera
     out.print(
         f"{film['frames']} frames of {film['width_px']} x {film['height_px']} px, "
@@ -51,7 +51,7 @@ def _summary(run: FilmedRun) -> str:
 def _joints(found: FilmMeasurement) -> tuple[list[str], list[list[str]]]:
     """Return heads and cells of the joints' table, with what was commanded where it is known."""
     gait, cells = found.gait, []
-    commanded = ["gain", "late (°)"] if gait else []
+    commanded = ["gain", "late"] if gait else []
     for joint in found.run.joints:
         row = [
             str(joint.joint),
@@ -63,9 +63,9 @@ def _joints(found: FilmMeasurement) -> tuple[list[str], list[list[str]]]:
             late = joint.phase_rad - (joint.joint - 1) * gait.beta_rad
             late = math.remainder(late, math.tau) if math.isfinite(late) else late
             share = joint.amplitude_rad / gait.alpha_rad if gait.alpha_rad else math.nan
-            row += [f"{100 * share:.2f} %", f"{math.degrees(late):+.2f}"]
-        cells.append([*row, f"{100 * joint.seen:.1f} %"])
-    return ["joint", "amplitude (°)", "centre (°)", "phase (°)", *commanded, "seen"], cells
+            row += [f"{100 * share:.0f} %", f"{math.degrees(late):+.2f}"]
+        cells.append([*row, f"{100 * joint.seen:.0f} %"])
+    return ["joint", "amplitude", "centre", "phase", *commanded, "seen"], cells
 
 
 def _pair(value_rad: float, sigma_rad: float) -> str:
