@@ -17,6 +17,7 @@ from ..model.drives import Servo, ServoKind
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..model.rows import two_digits
 from ..periodic.drawn_states import Draw, drawn_speeds, drawn_states
 from ..periodic.servo_steady import band, drawn_ripple_shares, drawn_servo_speeds, servo_speed
 from ..periodic.steady import steady_gait
@@ -255,8 +256,12 @@ def servo_note(parts: BandParts, servo: ServoKind | None, band_after_best: float
     """Return what to say where a servo is what to measure; "" where a reading tells more."""
     if servo is None or servo.drawn or parts.servo_measured >= band_after_best:
         return ""
+    servos, friction, measured, reading = (
+        f"±{two_digits(100 * part)} %"
+        for part in (parts.servos, parts.friction, parts.servo_measured, band_after_best)
+    )
     return (
-        f"Measure a servo next. Servos ({servo.name}) leave ±{parts.servos:.1%} of the speed, "
-        f"friction ±{parts.friction:.1%}. A bench test of one joint (`serpenoid servo --test`) "
-        f"leaves ±{parts.servo_measured:.1%} in all, the best reading ±{band_after_best:.1%}."
+        f"Measure a servo next. Servos ({servo.name}) leave {servos} of the speed, friction "
+        f"{friction}. A bench test of one joint (`serpenoid servo --test`) leaves {measured} in "
+        f"all, the best reading {reading}."
     )
