@@ -7,13 +7,15 @@ fitted again along each, and the camera's covariance is carried over.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from .fitting.bundle import Bundle
-from .fitting.chain import joint_angles
+from .fitting.chain import wrapped
 from .fitting.frames import Track
-from .motion import Fitted, basis, correlation_factor, fit_from, joint_slope, path_basis
+from .motion import Fitted, basis, fit_motion, mean_variance, path_basis, sine_covariance
 
 Array = NDArray[np.float64]
 # Below these no phone was ever held against a rule: the lens is not the two terms of the model.
@@ -30,97 +32,82 @@ FLOOR_AMPLITUDE, FLOOR_AMPLITUDE_RAD, CODED_PX = 6e-4, np.radians(0.02), 28.0
 
 def number_sigmas(
     bundle: Bundle,
-    t_s: Array,
     fitted: Fitted,
     some: Track,
     picked: NDArray[np.int64],
     side_px: float,
+    late_rad: Array,
+    held: Array,
     rate_sigma: float | None = None,
 ) -> Array:
     """Return the standard deviations of `Motion.numbers`, in their order.
 
-    t_s: times of all frames. some: the track in the frames `picked`, with how it follows the
-    camera's unknowns. side_px: of a tag. rate_sigma: of the rate, rad/s, where joints were assumed;
-    theirs else.
+    some: the track in the frames `picked`, with how it follows the camera's unknowns. side_px: of a
+    tag. late_rad: each joint's part of the readout, as a phase; to first order it is allowed for.
+    held: share of the frames that tell a joint. rate_sigma: of the rate, rad/s, where joints were
+    assumed; theirs else.
     """
-    pixels = _of_pixels(t_s, fitted)
+    pixels = _of_pixels(fitted)
     if rate_sigma is not None:
         pixels[0] = rate_sigma
-    camera = _of_camera(bundle, some, fitted, picked)
+    amplitude = fitted.motion.amplitude_rad
+    count = len(amplitude)
+    swings, apart = slice(1, count + 1), slice(count + 1, 2 * count)
     floor = np.full(len(pixels), FLOOR_ANGLE_RAD)
     floor[0], floor[-1] = 0.0, FLOOR_TURN_RAD_S
     floor[-2] = FLOOR_SPEED * fitted.motion.speed_m_s
-    amplitude = fitted.motion.amplitude_rad
-    floor[2 * len(amplitude) : 3 * len(amplitude)] = FLOOR_OFFSET_RAD
+    floor[2 * count : -3] = FLOOR_OFFSET_RAD
     coded = max(1.0, (CODED_PX / side_px) ** 2)
-    lag = coded * np.hypot(FLOOR_AMPLITUDE_RAD, FLOOR_AMPLITUDE * amplitude)
-    floor[1 : 1 + len(amplitude)] = lag
-    return np.sqrt(pixels**2 + camera**2 + floor**2)
-
-
-def widen(sigmas: Array, amplitude: Array, late_rad: Array, held: Array) -> None:
-    """Widen, in place, what a slow readout and missing tags leave of `Motion.numbers`.
-
-    late_rad: each joint's part of the readout, as a phase; to first order it is allowed for. held:
-    share of the frames that tell a joint.
-    """
-    count = len(amplitude)
-    own, apart = slice(1, count + 1), slice(count + 1, 2 * count)
-    sigmas[own] = np.hypot(sigmas[own], 0.5 * late_rad**2 * amplitude)
+    floor[swings] = coded * np.hypot(FLOOR_AMPLITUDE_RAD, FLOOR_AMPLITUDE * amplitude)
+    camera = _of_camera(bundle, some, fitted, picked)
+    sigmas = np.sqrt(pixels**2 + camera**2 + floor**2)
+    # What a slow readout and missing tags leave.
+    sigmas[swings] = np.hypot(sigmas[swings], 0.5 * late_rad**2 * amplitude)
     sigmas[apart] = np.hypot(sigmas[apart], LATE * (late_rad[1:] - late_rad[0]))
-    sigmas[own] /= np.maximum(held, 0.1)
+    sigmas[swings] /= np.maximum(held, 0.1)
     sigmas[apart] /= np.maximum(np.minimum(held[1:], held[0]), 0.1)
+    return sigmas
 
 
-def _of_pixels(t_s: Array, fitted: Fitted) -> Array:
+def _of_pixels(fitted: Fitted) -> Array:
     """Return what the residuals of joints and path leave open."""
-    t = t_s - t_s.mean()
     m = fitted.motion
-    columns = basis(t, m.omega_rad_s)
-    joints = fitted.joints_rest_rad.shape[1]
-    amplitude, phase, offset, rate = (np.zeros(joints) for _ in range(4))
+    joints = len(m.phase_rad)
+    amplitude, phase, offset, rate = np.zeros((4, joints))
     for i in range(joints):
-        variance, free = _variance(fitted.joints_rest_rad[:, i], fitted.weight[:, i], 8)
-        slope = joint_slope(t, fitted, i)
-        a = np.concatenate([columns, slope[:, None]], axis=1) * np.sqrt(fitted.weight[:, i, None])
-        cov = variance * np.linalg.pinv(a.T @ a) * free
+        sine, rest = fitted.coefficients[:, i], fitted.joints_rest_rad[:, i]
+        cov = sine_covariance(fitted.t_s, m.omega_rad_s, sine, rest, fitted.weight[:, i])
         s, c = np.sin(m.phase_rad[i]), np.cos(m.phase_rad[i])
-        offset[i] = np.sqrt(cov[0, 0])
-        along = np.zeros(len(cov))
-        along[1:3] = s, c
-        amplitude[i] = np.sqrt(along @ cov @ along)
-        along[1:3] = c, -s
-        phase[i] = np.sqrt(along @ cov @ along) / max(m.amplitude_rad[i], 1e-9)
-        rate[i] = np.sqrt(cov[-1, -1])
+        turned = np.array([[s, c], [c, -s]])
+        amplitude[i], phase[i] = np.sqrt(np.diag(turned @ cov[1:3, 1:3] @ turned.T))
+        offset[i], rate[i] = np.sqrt(np.diag(cov)[[0, -1]])
+    phase /= np.maximum(m.amplitude_rad, 1e-9)
     apart = np.hypot(phase[1:], phase[0])
     omega = 1 / np.sqrt(np.sum(1 / np.maximum(rate, 1e-12) ** 2))
-    along, across, turn = _of_path(t, fitted)
+    along, across, turn = _of_path(fitted)
     direction = across / max(m.speed_m_s, 1e-9)
     return np.concatenate([[omega], amplitude, apart, offset, [direction, along, turn]])
 
 
-def _variance(rest: Array, weight: Array, unknowns: int) -> tuple[float, float]:
-    """Return the weighted residuals' variance and the factor of their correlation."""
-    scaled = rest * np.sqrt(weight)
-    there = weight > 0
-    free = max(1, int(there.sum()) - unknowns)
-    return float(np.sum(scaled**2) / free), correlation_factor(scaled[there])
-
-
-def _of_path(t: Array, fitted: Fitted) -> tuple[float, float, float]:
+def _of_path(fitted: Fitted) -> list[float]:
     """Return sigma of the velocity along and across the path, and of the turn's rate."""
-    m = fitted.motion
+    m, t = fitted.motion, fitted.t_s
     weight = fitted.path_weight
-    a = path_basis(t, m.omega_rad_s, m.turn_rad_s) * np.sqrt(weight)[:, None]
+    root = np.sqrt(weight)[:, None]
+    a = path_basis(t, m.omega_rad_s, m.turn_rad_s) * root
     way = np.exp(-1j * np.arctan2(m.velocity_m_s[1], m.velocity_m_s[0]))
     rest = fitted.path_rest_m * way
-    cov = np.linalg.pinv((a.conj().T @ a).real)[1, 1]
-    sigmas = [np.sqrt(np.prod(_variance(part, weight, 5)) * cov) for part in (rest.real, rest.imag)]
-    columns = np.concatenate([basis(t, m.omega_rad_s), t[:, None]], axis=1)
-    b = columns * np.sqrt(weight)[:, None]
-    spread, slow = _variance(fitted.heading_rest_rad, weight, 8)
-    turn = np.sqrt(spread * slow * np.linalg.pinv(b.T @ b)[-1, -1])
-    return float(sigmas[0]), float(sigmas[1]), float(turn)
+    b = np.column_stack([basis(t, m.omega_rad_s), t]) * root
+    speed = np.linalg.pinv((a.conj().T @ a).real)[1, 1]
+    turn = np.linalg.pinv(b.T @ b)[-1, -1]
+    return [
+        np.sqrt(mean_variance(left, weight, unknowns) * spread)
+        for left, unknowns, spread in (
+            (rest.real, 5, speed),
+            (rest.imag, 5, speed),
+            (fitted.heading_rest_rad, 8, turn),
+        )
+    ]
 
 
 def _of_camera(bundle: Bundle, track: Track, fitted: Fitted, picked: NDArray[np.int64]) -> Array:
@@ -130,19 +117,18 @@ def _of_camera(bundle: Bundle, track: Track, fitted: Fitted, picked: NDArray[np.
     degrees, together by hundredths.
     """
     assert track.by_shared is not None
-    t = track.t_s - track.t_s.mean()
+    weights = fitted.weight[picked], fitted.path_weight[picked]
 
     def numbers(states: Array) -> Array:
-        phi = joint_angles(states)
-        weights = fitted.weight[picked], fitted.path_weight[picked]
-        return fit_from(t, states, phi, *weights, fitted.motion.omega_rad_s).motion.numbers()
+        moved = replace(track, states=states)
+        return fit_motion(moved, *weights, fitted.motion.omega_rad_s).motion.numbers()
 
     sizes, directions = _own_directions(bundle.covariance)
     here = numbers(track.states)
     variance = np.zeros(len(here))
     for size, direction in zip(sizes, directions.T, strict=True):
         change = numbers(track.states + STEP * size * (track.by_shared @ direction)) - here
-        change[1:-2] = (change[1:-2] + np.pi) % (2 * np.pi) - np.pi
+        change[1:-2] = wrapped(change[1:-2])
         variance += (change / STEP) ** 2
     return np.sqrt(variance)
 

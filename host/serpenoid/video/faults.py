@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ..model.errors import BadInput
@@ -55,8 +56,8 @@ class Check(Generic[T]):
     refused: float = math.inf
 
 
-def judged(checks: Iterable[Check[T]], known: T, name: str = "") -> list[Remark]:
-    """Return what is to be told; raise BadInput, with the film's name, for what is too bad."""
+def judged(checks: Iterable[Check[T]], known: T) -> list[Remark]:
+    """Return what is to be told; raise BadInput for what is too bad."""
     remarks = []
     for check in checks:
         value = check.measure(known)
@@ -64,7 +65,7 @@ def judged(checks: Iterable[Check[T]], known: T, name: str = "") -> list[Remark]
             continue
         text = check.words if isinstance(check.words, str) else check.words(known, value)
         if value > check.refused:
-            raise BadInput(f"{name}: {text}")
+            raise BadInput(text)
         remarks.append(Remark(check.name, text))
     return remarks
 
@@ -312,9 +313,9 @@ VIEW: tuple[Check[View], ...] = (
 )
 
 
-def view_remarks(watched: Watched, camera: Camera, side_m: float, name: str) -> list[Remark]:
+def view_remarks(watched: Watched, camera: Camera, side_m: float) -> list[Remark]:
     """Return what is to be told of camera, tags and file, whatever the robot does."""
-    return judged(VIEW, View(watched, camera, side_m), name) + judged(SEEN, watched, name)
+    return judged(VIEW, View(watched, camera, side_m)) + judged(SEEN, watched)
 
 
 def tag_order(centres: Array) -> list[int]:
@@ -393,10 +394,8 @@ def _jumps(m: Measured) -> tuple[Array, Array]:
     if len(m.track.t_s) <= len(STEP):
         return np.zeros(1), np.zeros(1)
     steps = np.abs(_steps(np.where(m.held, m.fitted.joints_rest_rad, np.nan)))
-    steps[np.isnan(steps).sum(axis=1) > steps.shape[1] // 2] = np.nan
-    joints = np.full(len(steps), np.nan)
-    some = np.isfinite(steps).any(axis=1)
-    joints[some] = np.nanmedian(steps[some], axis=1)
+    few = np.isnan(steps).sum(axis=1) > steps.shape[1] // 2
+    joints = np.where(few, np.nan, np.nanmedian(np.where(few[:, None], 0.0, steps), axis=1))
     known = m.fitted.path_weight > 0.3
     path = np.where(known, m.fitted.path_rest_m / m.bundle.camera.link_m, np.nan)
     return _unlike_others(joints), _unlike_others(np.abs(_steps(path)))
@@ -404,8 +403,7 @@ def _jumps(m: Measured) -> tuple[Array, Array]:
 
 def _steps(rest: NDArray[Any]) -> NDArray[Any]:
     """Return by how much residuals (frames, ...) step between the frames 3 and 4 of each eight."""
-    count = len(rest) - len(STEP) + 1
-    return np.asarray(sum(weight * rest[k : k + count] for k, weight in enumerate(STEP)))
+    return np.asarray(sliding_window_view(rest, len(STEP), axis=0) @ STEP)
 
 
 def _unlike_others(steps: Array) -> Array:

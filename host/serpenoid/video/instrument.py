@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.errors import BadInput
 from . import errors, motion, unseen
 from .fitting import bundle as bundles
 from .fitting import frames, start
@@ -16,7 +15,6 @@ from .fitting.chain import joint_angles
 from .seeing.sightings import Sightings
 
 Array = NDArray[np.float64]
-Frames = NDArray[np.int64]
 CALIBRATION_FRAMES = 120
 ROUGH_FRAMES, ROUGH_STEPS = 30, 15  # for the choice between starts
 EXPECTED_SIGMA_RAD = np.radians(15.0)  # of a link that no tag holds, from its neighbours in time
@@ -57,12 +55,12 @@ def calibrate(
         turns = start.quarter_turns(*start.tag_poses(plane, few))
         camera = plane.with_turns(turns)
         states = start.first_states(camera, few, turns)
-        found, _ = bundles.fit(camera, states, few, side_m, turns, ROUGH_STEPS, rough=True)
+        found = bundles.fit(camera, states, few, side_m, turns, ROUGH_STEPS, rough=True)
         rough.append((found.cost, found.camera, turns))
     _, camera, turns = min(rough, key=lambda tried: tried[0])
     picked = sightings.picked(_spread(sightings, CALIBRATION_FRAMES))
     states = start.first_states(camera, picked, turns)
-    return bundles.fit(camera, states, picked, side_m, turns, rough=still)[0], turns
+    return bundles.fit(camera, states, picked, side_m, turns, rough=still), turns
 
 
 def _spread(sightings: Sightings, most: int) -> NDArray[np.int64]:
@@ -78,36 +76,34 @@ def measure(sightings: Sightings, side_m: float, starts: list[Camera]) -> Measur
     fit, turns = calibrate(sightings, side_m, starts)
     seen = sightings.picked(np.asarray(sightings.seen.any(axis=1)))
     expected = start.first_states(fit.camera, seen, turns)
-    loose = np.full(len(expected), EXPECTED_SIGMA_RAD)
-    track = frames.fit_states(fit.camera, seen, expected, loose, fit.noise_px)
-    assumed = _too_few(track)
-    if assumed:
+    loose_rad = EXPECTED_SIGMA_RAD
+    track = frames.fit_states(fit.camera, seen, expected, loose_rad, fit.noise_px)
+    # A joint that is held so seldom has no sine to be fitted.
+    assumed = bool((_weights(track)[0] > 0).mean(axis=0).min() < HELD_SHARE)
+    for _ in range(GAIT_ROUNDS if assumed else 0):
         fit, track = _by_the_gait(fit, seen, expected, side_m, turns)
+        expected = track.states
     rate = _rate_of_ends(track, seen) if assumed else None
     fitted = _motion_of(track, rate)
     if not seen.seen.all():
         phi = joint_angles(track.states) - fitted.joints_rest_rad
         expected = unseen.expected_headings(track.states, seen.seen, phi)
-        loose = np.full(len(expected), unseen.KNOWN_RAD)
-        track = frames.fit_states(fit.camera, seen, expected, loose, fit.noise_px)
+        loose_rad = unseen.KNOWN_RAD
+        track = frames.fit_states(fit.camera, seen, expected, loose_rad, fit.noise_px)
         fitted = _motion_of(track, rate)
     some = np.arange(0, len(track.t_s), 1 + len(track.t_s) // SENSITIVE_FRAMES)
-    sensitive = _sensitive(fit, seen, track, loose, some)
+    few = seen.picked(some), track.states[some], loose_rad
+    sensitive = frames.fit_states(fit.camera, *few, fit.noise_px, sensitive=True)
     rate_sigma = None if rate is None else rate[1]
     side_px = float(np.nanmedian(seen.side_px))
-    sigmas = errors.number_sigmas(fit, track.t_s, fitted, sensitive, some, side_px, rate_sigma)
     held = _weights(track)[0] > 0
     rows = np.ma.masked_invalid(seen.corners_px[..., 1]).mean(axis=(0, 2)) / seen.image_px[1] - 0.5
     sweep = fitted.motion.omega_rad_s * fit.camera.shared[bundles.READOUT]
     late = np.ma.filled(sweep * 0.5 * (rows[1:] + rows[:-1]), 0.0)
-    errors.widen(sigmas, fitted.motion.amplitude_rad, late, held.mean(axis=0))
+    sigmas = errors.number_sigmas(
+        fit, fitted, sensitive, some, side_px, late, held.mean(axis=0), rate_sigma
+    )
     return Measured(fit, track, fitted, sigmas, held, assumed)
-
-
-def _too_few(track: frames.Track) -> bool:
-    """Tell whether a joint is held so seldom that its own sine cannot be fitted."""
-    held = _weights(track)[0] > 0
-    return bool(held.mean(axis=0).min() < HELD_SHARE)
 
 
 def _by_the_gait(
@@ -115,35 +111,11 @@ def _by_the_gait(
 ) -> tuple[bundles.Bundle, frames.Track]:
     """Fit camera and track anew, with unseen links where one travelling sine has them."""
     picked = _spread(seen, CALIBRATION_FRAMES)
-    track = None
-    for _ in range(GAIT_ROUNDS):
-        phi = unseen.travelling_sine(fit.camera, seen, turns)
-        if phi is None:
-            break
-        guess = unseen.expected_headings(expected, seen.seen, phi)
-        fit, _ = bundles.fit(
-            fit.camera,
-            guess[picked],
-            seen.picked(picked),
-            side_m,
-            turns,
-            known_rad=GAIT_RAD,
-        )
-        tight = np.full(len(guess), GAIT_RAD)
-        track = frames.fit_states(fit.camera, seen, guess, tight, fit.noise_px)
-        expected = track.states
-    if track is None:
-        raise BadInput("no tag is seen with another one: at least two must be seen together")
-    return fit, track
-
-
-def _sensitive(
-    fit: bundles.Bundle, seen: Sightings, track: frames.Track, loose: Array, some: Frames
-) -> frames.Track:
-    """Return the track of some frames, with how it follows the camera's unknowns."""
-    return frames.fit_states(
-        fit.camera, seen.picked(some), track.states[some], loose[some], fit.noise_px, sensitive=True
-    )
+    phi = unseen.travelling_sine(fit.camera, seen, turns)
+    guess = unseen.expected_headings(expected, seen.seen, phi)
+    few = seen.picked(picked)
+    fit = bundles.fit(fit.camera, guess[picked], few, side_m, turns, known_rad=GAIT_RAD)
+    return fit, frames.fit_states(fit.camera, seen, guess, GAIT_RAD, fit.noise_px)
 
 
 def _weights(track: frames.Track) -> tuple[Array, Array]:
@@ -176,7 +148,4 @@ def _motion_of(track: frames.Track, rate: tuple[float, float] | None = None) -> 
     joints, path = _weights(track)
     if rate is None:
         return motion.fit_motion(track, joints, path)
-    t_s = track.t_s - track.t_s.mean()
-    phi = joint_angles(track.states)
-    whole = np.ones_like(joints)
-    return motion.fit_from(t_s, track.states, phi, whole, path, rate[0], free_rate=False)
+    return motion.fit_motion(track, np.ones_like(joints), path, rate[0], free_rate=False)

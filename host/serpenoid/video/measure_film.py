@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 
@@ -22,8 +22,6 @@ from .seeing.sightings import Sightings
 from .seeing.tags import MOST_LINKS, tag_side_m
 from .seeing.watch import Watched, watch
 from .wiring import judge
-
-T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -53,10 +51,8 @@ def measure_film(
     film, or one that cannot be measured; the message says why and what to do.
     """
     film = seen_film(path, links, link_m, side_m, progress)
-    try:
-        return _measurement(film, str(path), gait, board_rate)
-    except BadInput as error:
-        raise film.damaged(error) from error
+    with refusals(film.watched):
+        return _measurement(film, gait, board_rate)
 
 
 @dataclass(frozen=True)
@@ -67,14 +63,21 @@ class SeenFilm:
     side_m: float
     starts: list[Camera]
 
-    def damaged(self, error: BadInput) -> BadInput:
-        """Return a refusal that names the file's damage, if it has any."""
-        if not self.watched.damage or _DAMAGED in str(error):
-            return error
-        return BadInput(f"{error}. {_DAMAGED}: {self.watched.damage}")
 
-
-_DAMAGED = "The file is damaged"
+@contextmanager
+def refusals(watched: Watched) -> Iterator[None]:
+    """Tell what cannot be measured with the film's name, and with its damage if it has any."""
+    try:
+        yield
+    except (np.linalg.LinAlgError, FloatingPointError, BadInput) as error:
+        words = (
+            str(error)
+            if isinstance(error, BadInput)
+            else f"the tags fit no camera ({error}); are they flat, matt and well lit, and is the "
+            "whole robot in the picture?"
+        )
+        damage = f". The file is damaged: {watched.damage}" if watched.damage else ""
+        raise BadInput(f"{watched.film.path}: {words}{damage}") from error
 
 
 def seen_film(
@@ -90,50 +93,33 @@ def seen_film(
     check_number("link_m", link_m, 0.005, 3.0)
     side = tag_side_m(link_m) if side_m is None else check_number("side_m", side_m, 0.003, link_m)
     watched = watch(Film.open(path), links, progress)
-    seen = SeenFilm(watched, side, [])
-    try:
-        judged(SEEN, watched, str(path))
+    with refusals(watched):
+        judged(SEEN, watched)
         starts = first_cameras(watched.sightings, link_m, side)
-        judged(ORDER, tag_poses(starts[0], watched.sightings)[0], str(path))
-    except BadInput as error:
-        raise seen.damaged(error) from error
-    return replace(seen, starts=starts)
+        judged(ORDER, tag_poses(starts[0], watched.sightings)[0])
+    return SeenFilm(watched, side, starts)
 
 
-def _measurement(film: SeenFilm, name: str, gait: Gait | None, board_rate: bool) -> FilmMeasurement:
+def _measurement(film: SeenFilm, gait: Gait | None, board_rate: bool) -> FilmMeasurement:
     """Measure and tell."""
     watched, side, starts = film.watched, film.side_m, film.starts
     sightings = watched.sightings
-    measured = solved(lambda: measure(sightings, side, starts), name)
+    measured = measure(sightings, side, starts)
     bent = bent_tags(measured.track)
     if bent.any():
         sightings = sightings.without(bent)
-        measured = solved(lambda: measure(sightings, side, starts), name)
+        measured = measure(sightings, side, starts)
     scale = 1.0
     if board_rate and gait is not None:
         scale = measured.fitted.motion.omega_rad_s / gait.omega_rad_s
-        there = _rescaled(sightings, scale)
-        measured = solved(lambda: measure(there, side, starts), name)
+        measured = measure(_rescaled(sightings, scale), side, starts)
     measured = replace(measured, sigmas=blurred(watched) * measured.sigmas)
-    remarks = judged(MOTION, measured, name)
-    remarks += view_remarks(watched, measured.bundle.camera, side, name)
+    remarks = judged(MOTION, measured)
+    remarks += view_remarks(watched, measured.bundle.camera, side)
     remarks += bent_remarks(bent)
     run = filmed_run(watched, measured, sha256_of(watched.film.path), scale, remarks)
     run = replace(run, remarks=(*run.remarks, *judge(run, gait)))
     return FilmMeasurement(run, watched, measured, gait)
-
-
-def solved(solve: Callable[[], T], name: str) -> T:
-    """Solve; what cannot be solved is told with the film's name."""
-    try:
-        return solve()
-    except (np.linalg.LinAlgError, FloatingPointError) as error:
-        raise BadInput(
-            f"{name}: the tags fit no camera ({error}); are they flat, matt and well lit, and is "
-            "the whole robot in the picture?"
-        ) from error
-    except BadInput as error:
-        raise BadInput(f"{name}: {error}") from error
 
 
 def _rescaled(s: Sightings, scale: float) -> Sightings:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .fitting.chain import joint_angles, mean_heading
+from .fitting.chain import joint_angles, mean_heading, wrapped
 from .fitting.frames import Track
 
 Array = NDArray[np.float64]
@@ -51,20 +51,18 @@ class Motion:
     def direction_rad(self) -> float:
         """Return the direction of travel from where the links point in the mean; 0: head first."""
         way = np.arctan2(self.velocity_m_s[1], self.velocity_m_s[0]) - self.heading_rad
-        return float((way + np.pi) % (2 * np.pi) - np.pi)
+        return float(wrapped(way))
 
     def numbers(self) -> Array:
         """Return what errors are wanted of.
 
         Rate, amplitudes, phases beside the tail joint's, offsets, direction, speed, turn.
         """
-        apart = self.phase_rad[1:] - self.phase_rad[0]
-        apart = (apart + np.pi) % (2 * np.pi) - np.pi
         return np.concatenate(
             [
                 [self.omega_rad_s],
                 self.amplitude_rad,
-                apart,
+                wrapped(self.phase_rad[1:] - self.phase_rad[0]),
                 self.offset_rad,
                 [self.direction_rad, self.speed_m_s, self.turn_rad_s],
             ]
@@ -90,7 +88,10 @@ def first_rate(t_s: Array, phi: Array, weight: Array) -> float:
         peak = _spectrum_peak(t_s, phi, weight, step)
         low, high = max(low, peak - 1.5 * unit), min(high, peak + 1.5 * unit)
     rates = np.arange(low, high, 0.1 * unit)
-    explained = [_explained(t_s, phi, weight, rate) for rate in rates]
+    explained = []
+    for rate in rates:
+        columns = basis(t_s, rate, 1)
+        explained.append(np.sum(weight * phi * (columns @ _weighted(columns, phi, weight))))
     return float(rates[int(np.argmax(explained))]) if len(rates) else 0.0
 
 
@@ -106,16 +107,6 @@ def _spectrum_peak(t_s: Array, phi: Array, weight: Array, step_s: float) -> floa
         values = np.interp(even, t_s[there], phi[there, i])
         power += np.abs(np.fft.rfft(np.where(seen, values - values[seen].mean(), 0.0))) ** 2
     return 2 * np.pi * float(power.argmax()) / (len(even) * step_s)
-
-
-def _explained(t_s: Array, phi: Array, weight: Array, rate: float) -> float:
-    columns = basis(t_s, rate, 1)
-    total = 0.0
-    for i in range(phi.shape[1]):
-        root = np.sqrt(weight[:, i])
-        a, y = columns * root[:, None], phi[:, i] * root
-        total += float(y @ (a @ np.linalg.lstsq(a, y, rcond=None)[0]))
-    return total
 
 
 def fit_joints(
@@ -158,20 +149,31 @@ def _weighted(columns: Array, values: Array, weight: Array) -> Array:
     return np.linalg.solve(normal, right[..., None])[..., 0].T
 
 
+def sine_covariance(t_s: Array, omega: float, sine: Array, rest: Array, weight: Array) -> Array:
+    """Return the covariance of a joint's coefficients and its rate, (2 + 2 HARMONICS,) squared.
+
+    sine: the coefficients; rest: what they leave, (frames,).
+    """
+    columns = np.column_stack([basis(t_s, omega), _slope(t_s, omega) @ sine])
+    a = columns * np.sqrt(weight)[:, None]
+    return mean_variance(rest, weight, columns.shape[1]) * np.linalg.pinv(a.T @ a)
+
+
+def mean_variance(rest: Array, weight: Array, unknowns: int) -> float:
+    """Return the weighted residuals' variance, times the factor of their correlation."""
+    scaled = rest * np.sqrt(weight)
+    there = weight > 0
+    free = max(1, int(there.sum()) - unknowns)
+    return float(np.sum(scaled**2) / free) * correlation_factor(scaled[there])
+
+
 def bend_rate(t_s: Array, bend: Array) -> tuple[float, float]:
     """Return the rate of a bend (frames,) that swings, and its standard deviation, rad/s."""
-    one, phi = np.ones((len(t_s), 1)), bend[:, None]
-    omega, found = fit_joints(t_s, phi, one, first_rate(t_s, phi, one))
-    columns = np.concatenate([basis(t_s, omega), _slope(t_s, omega) @ found], axis=1)
-    rest = bend - (columns[:, :-1] @ found)[:, 0]
-    variance = rest @ rest / max(1, len(rest) - columns.shape[1]) * correlation_factor(rest)
-    return omega, float(np.sqrt(variance * np.linalg.pinv(columns.T @ columns)[-1, -1]))
-
-
-def fit_path(t_s: Array, z: Complex, weight: Array, omega: float, turn: float) -> Complex:
-    """Return z_0, V and the periodic part's coefficients, complex, (2 + 2 HARMONICS,)."""
-    a = path_basis(t_s, omega, turn) * np.sqrt(weight)[:, None]
-    return np.linalg.lstsq(a, z * np.sqrt(weight), rcond=None)[0]
+    weight, phi = np.ones((len(t_s), 1)), bend[:, None]
+    omega, sine = fit_joints(t_s, phi, weight, first_rate(t_s, phi, weight))
+    rest = (phi - basis(t_s, omega) @ sine)[:, 0]
+    covariance = sine_covariance(t_s, omega, sine[:, 0], rest, weight[:, 0])
+    return omega, float(np.sqrt(covariance[-1, -1]))
 
 
 def path_basis(t_s: Array, omega: float, turn: float) -> Complex:
@@ -187,11 +189,13 @@ def path_basis(t_s: Array, omega: float, turn: float) -> Complex:
 class Fitted:
     """The motion with what is left over.
 
-    Residuals of joints (frames, joints), mean heading (frames,) rad, and path (frames,) m; the
-    weights of joints and of the path; the joints' coefficients (1 + 2 HARMONICS, joints).
+    t_s (frames,): about its middle. Residuals of joints (frames, joints), mean heading (frames,)
+    rad, and path (frames,) m; the weights of joints and of the path; the joints' coefficients
+    (1 + 2 HARMONICS, joints).
     """
 
     motion: Motion
+    t_s: Array
     joints_rest_rad: Array
     heading_rest_rad: Array
     path_rest_m: Complex
@@ -200,55 +204,48 @@ class Fitted:
     coefficients: Array
 
 
-def fit_motion(track: Track, weight_joints: Array, weight_path: Array) -> Fitted:
-    """Fit rate, sines, path and turn to a track; weights (frames, joints) and (frames,)."""
-    t_s, states = track.t_s - track.t_s.mean(), track.states
-    phi = joint_angles(states)
-    omega = first_rate(t_s, phi, weight_joints)
-    return fit_from(t_s, states, phi, weight_joints, weight_path, omega)
-
-
-def fit_from(
-    t_s: Array,
-    states: Array,
-    phi: Array,
-    weight_joints: Array,
-    weight_path: Array,
-    omega: float,
+def fit_motion(
+    track: Track,
+    weight: Array,
+    path_weight: Array,
+    omega: float | None = None,
     free_rate: bool = True,
 ) -> Fitted:
-    """Fit as fit_motion does, from a rate; t_s about its own middle."""
-    omega, found = fit_joints(t_s, phi, weight_joints, omega, free_rate)
-    rest = phi - basis(t_s, omega) @ found
+    """Fit rate, sines, path and turn to a track.
+
+    weight (frames, joints) of the joints, path_weight (frames,). omega: the rate to start from, or
+    to keep if it is not free.
+    """
+    t_s, states = track.t_s - track.t_s.mean(), track.states
+    phi = joint_angles(states)
+    omega = first_rate(t_s, phi, weight) if omega is None else omega
+    omega, sines = fit_joints(t_s, phi, weight, omega, free_rate)
     heading = mean_heading(states)
-    columns = np.concatenate([basis(t_s, omega), t_s[:, None]], axis=1)
-    headings = _weighted(columns, heading[:, None], weight_path[:, None])
-    turn = float(headings[-1, 0])
-    z = states[:, 0] + 1j * states[:, 1]
-    path = fit_path(t_s, z, weight_path, omega, turn)
+    columns = np.column_stack([basis(t_s, omega), t_s])
+    headings = _weighted(columns, heading[:, None], path_weight[:, None])[:, 0]
+    turn = float(headings[-1])
+    z, curve = states[:, 0] + 1j * states[:, 1], path_basis(t_s, omega, turn)
+    root = np.sqrt(path_weight)
+    path = np.linalg.lstsq(curve * root[:, None], z * root, rcond=None)[0]
     motion = Motion(
         omega,
-        np.hypot(found[1], found[2]),
-        np.arctan2(found[1], found[2]),
-        found[0],
+        np.hypot(sines[1], sines[2]),
+        np.arctan2(sines[1], sines[2]),
+        sines[0],
         np.array([path[1].real, path[1].imag]),
         turn,
-        float(headings[0, 0]),
+        float(headings[0]),
     )
     return Fitted(
         motion,
-        rest,
-        heading - (columns @ headings)[:, 0],
-        z - path_basis(t_s, omega, turn) @ path,
-        weight_joints,
-        weight_path,
-        found,
+        t_s,
+        phi - basis(t_s, omega) @ sines,
+        heading - columns @ headings,
+        z - curve @ path,
+        weight,
+        path_weight,
+        sines,
     )
-
-
-def joint_slope(t_s: Array, fitted: Fitted, joint: int) -> Array:
-    """Return how a joint's fitted angle changes with the rate, (frames,)."""
-    return _slope(t_s, fitted.motion.omega_rad_s) @ fitted.coefficients[:, joint]
 
 
 def correlation_factor(rest: Array) -> float:

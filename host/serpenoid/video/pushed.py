@@ -17,7 +17,7 @@ from .fitting.bundle import Bundle
 from .fitting.camera import LENS, Camera
 from .fitting.chain import joint_angles
 from .instrument import EXPECTED_SIGMA_RAD, calibrate
-from .measure_film import SeenFilm, seen_film, solved
+from .measure_film import SeenFilm, refusals, seen_film
 from .result import Remark
 from .seeing.sightings import Sightings
 from .unseen import KNOWN_RAD, expected_headings
@@ -72,20 +72,21 @@ def track_pushes(
         No film, one that cannot be measured, or joints that move; the message says what to do.
     """
     film = seen_film(path, links, link_m, side_m, progress)
-    try:
-        return _followed(film, str(path))
-    except BadInput as error:
-        raise film.damaged(error) from error
+    with refusals(film.watched):
+        return _followed(film)
 
 
-def _followed(film: SeenFilm, name: str) -> PushedRobot:
-    s = film.watched.sightings
-    fit, track = solved(lambda: _tracked(s, film.side_m, film.starts), name)
-    rows = _rows(track)
+def _followed(film: SeenFilm) -> PushedRobot:
+    fit, track = _tracked(film.watched.sightings, film.side_m, film.starts)
+    known = track.place_variance < PLACE_M**2
+    rows = np.column_stack([track.t_s, track.states[:, :2]])[known]
     if len(rows) < 2:
-        raise BadInput(f"{name}: no frame shows where the robot is; are the tags hidden?")
-    remarks = view_remarks(film.watched, fit.camera, film.side_m, name)
-    return PushedRobot(rows, _scale_sigma(fit), tuple(remarks))
+        raise BadInput("no frame shows where the robot is; are the tags hidden?")
+    remarks = view_remarks(film.watched, fit.camera, film.side_m)
+    # Joints that do not move tell the link length only as well as tags lie on the links: all
+    # lengths are known as the tags' printed side is.
+    side = LENS.index("log_side")
+    return PushedRobot(rows, float(np.sqrt(fit.covariance[side, side])), tuple(remarks))
 
 
 def _tracked(s: Sightings, side_m: float, starts: list[Camera]) -> tuple[Bundle, frames.Track]:
@@ -96,12 +97,10 @@ def _tracked(s: Sightings, side_m: float, starts: list[Camera]) -> tuple[Bundle,
     fit, turns = calibrate(s, side_m, starts, still=True)
     seen = s.picked(s.seen.sum(axis=1) >= 2)
     expected = start.first_states(fit.camera, seen, turns)
-    loose = np.full(len(expected), EXPECTED_SIGMA_RAD)
-    track = frames.fit_states(fit.camera, seen, expected, loose, fit.noise_px)
+    track = frames.fit_states(fit.camera, seen, expected, EXPECTED_SIGMA_RAD, fit.noise_px)
     phi = still_joints(joint_angles(track.states), seen.seen)
     expected = expected_headings(track.states, seen.seen, np.tile(phi, (len(expected), 1)))
-    tight = np.full(len(expected), KNOWN_RAD)
-    return fit, frames.fit_states(fit.camera, seen, expected, tight, fit.noise_px)
+    return fit, frames.fit_states(fit.camera, seen, expected, KNOWN_RAD, fit.noise_px)
 
 
 def still_joints(phi: Array, seen: NDArray[np.bool_]) -> Array:
@@ -121,18 +120,3 @@ def still_joints(phi: Array, seen: NDArray[np.bool_]) -> Array:
                 "video FILE`"
             )
     return held
-
-
-def _rows(track: frames.Track) -> Array:
-    """Return time and place of the frames that tell it."""
-    known = track.place_variance < PLACE_M**2
-    return np.column_stack([track.t_s, track.states[:, :2]])[known]
-
-
-def _scale_sigma(fit: Bundle) -> float:
-    """Return the relative standard deviation of all lengths: with the tags' printed side.
-
-    A robot whose joints do not move tells its link length only as well as tags lie on the links.
-    """
-    side = LENS.index("log_side")
-    return float(np.sqrt(fit.covariance[side, side]))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..model.files import write_csv
 from .fitting.camera import LENS
-from .fitting.chain import joint_angles, mean_heading
+from .fitting.chain import joint_angles, mean_heading, wrapped
 from .instrument import HELD_SHARE, Measured
 from .seeing.watch import Watched
 
@@ -86,7 +86,6 @@ def filmed_run(
 ) -> FilmedRun:
     """Gather the numbers of a measured film."""
     m, sigma = measured.fitted.motion, measured.sigmas
-    count = len(m.amplitude_rad)
     span_s = float(np.ptp(measured.track.t_s))
     camera = measured.bundle.camera
     rms_px = float(np.sqrt(np.nanmean(measured.track.rest_px**2)))
@@ -105,7 +104,7 @@ def filmed_run(
         omega_sigma_rad_s=float(sigma[0]),
         path_m=m.speed_m_s * span_s,
         periods=m.omega_rad_s * span_s / (2 * np.pi),
-        joints=tuple(_joint(measured, i, count) for i in range(count)),
+        joints=_joints(measured),
         tags_seen=tuple(float(share) for share in seen.mean(axis=0)),
         frames_used=float(seen.any(axis=1).mean()),
         residual_px=rms_px,
@@ -117,24 +116,19 @@ def filmed_run(
     )
 
 
-def _joint(measured: Measured, i: int, count: int) -> Joint:
-    m, sigma = measured.fitted.motion, measured.sigmas
-    seen = float(measured.held[:, i].mean())
-    if seen < HELD_SHARE:
-        none = float("nan")
-        return Joint(i + 1, none, none, none, none, none, none, seen)
-    phase = (m.phase_rad[i] - m.phase_rad[0] + np.pi) % (2 * np.pi) - np.pi
-    phase_sigma = float(sigma[count + i]) if i else 0.0
-    return Joint(
-        i + 1,
-        float(m.amplitude_rad[i]),
-        float(sigma[1 + i]),
-        float(phase),
-        phase_sigma,
-        float(m.offset_rad[i]),
-        float(sigma[2 * count + i]),
-        seen,
-    )
+def _joints(measured: Measured) -> tuple[Joint, ...]:
+    m, sigma, share = measured.fitted.motion, measured.sigmas, measured.held.mean(axis=0)
+    count = len(share)
+    columns = [
+        m.amplitude_rad,
+        sigma[1 : count + 1],
+        wrapped(m.phase_rad - m.phase_rad[0]),
+        np.append(0.0, sigma[count + 1 : 2 * count]),
+        m.offset_rad,
+        sigma[2 * count : -3],
+    ]
+    rows = np.where(share < HELD_SHARE, np.nan, columns).T.tolist()
+    return tuple(Joint(i + 1, *row, seen=float(share[i])) for i, row in enumerate(rows))
 
 
 def _camera(measured: Measured) -> dict[str, Any]:

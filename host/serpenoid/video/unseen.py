@@ -13,7 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.errors import BadInput
 from .fitting.camera import Camera
+from .fitting.chain import wrapped
 from .fitting.start import tag_poses
 from .motion import basis, first_rate
 from .seeing.sightings import Sightings
@@ -45,17 +47,12 @@ def expected_headings(states: Array, seen: NDArray[np.bool_], phi: Array) -> Arr
                 here = open_ & seen[:, j]
                 near = 1.0 / abs(k - j)
                 guess = theta[:, j] + turned[:, k] - turned[:, j]
-                total[here] += near * _near(guess, theta[:, k])[here]
+                total[here] += near * (theta[:, k] + wrapped(guess - theta[:, k]))[here]
                 weight[here] += near
                 open_ &= ~here
         filled = free & (weight > 0)
         out[filled, 2 + k] = total[filled] / weight[filled]
     return out
-
-
-def _near(angle: Array, other: Array) -> Array:
-    """Return angles on the branch that is nearest to others."""
-    return other + (angle - other + np.pi) % (2 * np.pi) - np.pi
 
 
 def outermost(sightings: Sightings) -> tuple[int, int]:
@@ -64,18 +61,16 @@ def outermost(sightings: Sightings) -> tuple[int, int]:
     return (int(often[0]), int(often[-1])) if len(often) else (0, 0)
 
 
-def travelling_sine(camera: Camera, sightings: Sightings, turns: Array) -> Array | None:
+def travelling_sine(camera: Camera, sightings: Sightings, turns: Array) -> Array:
     """Return joints phi (frames, joints) of one sine that explains the outermost tags' motion.
 
-    Unknown: amplitude, lag, phase, offset, and the scale of the picture. None where no frame shows
-    two tags.
+    Unknown: amplitude, lag, phase, offset, and the scale of the picture. Raises BadInput where
+    hardly a frame shows two tags.
     """
-    from scipy.optimize import least_squares
-
     first, last = outermost(sightings)
     both = sightings.seen[:, first] & sightings.seen[:, last]
     if first == last or both.sum() < TOGETHER:
-        return None
+        raise BadInput("no tag is seen with another one: at least two must be seen together")
     centres, headings = tag_poses(camera, sightings)
     theta = headings - turns
     t = sightings.t_s - sightings.t_s.mean()
@@ -85,14 +80,14 @@ def travelling_sine(camera: Camera, sightings: Sightings, turns: Array) -> Array
     gone = (gone[:, 0] + 1j * gone[:, 1]) * np.exp(-1j * theta[both, first]) / camera.link_m
     omega = first_rate(t[both], apart[:, None], np.ones((len(apart), 1)))
     few = slice(None, None, 1 + len(apart) // FITTED_FRAMES)
-    found = _fit(t[both][few], apart[few], gone[few], omega, last - first, least_squares)
+    a, lag, phase, offset, omega = _fit(t[both][few], apart[few], gone[few], omega, last - first)
     joints = np.arange(sightings.links - 1) - first
-    a, lag, phase, offset, omega = found
     return offset + a * np.sin(omega * t[:, None] + phase + lag * joints)
 
 
-def _fit(t: Array, apart: Array, gone: Complex, omega: float, joints: int, solve: object) -> Array:
+def _fit(t: Array, apart: Array, gone: Complex, omega: float, joints: int) -> Array:
     """Return amplitude, lag, phase, offset and rate of the sine."""
+    from scipy.optimize import least_squares
 
     def miss(x: Array) -> Array:
         phi = x[3] + x[0] * np.sin(x[4] * t[:, None] + x[2] + x[1] * np.arange(joints))
@@ -106,12 +101,9 @@ def _fit(t: Array, apart: Array, gone: Complex, omega: float, joints: int, solve
 
     columns = basis(t, omega, 1)
     _, c, s = np.linalg.lstsq(columns, apart, rcond=None)[0]
-    best = None
+    tried = []
     for amplitude, lag in product(AMPLITUDES, LAGS):
         sum_phase = np.angle(np.exp(1j * lag * np.arange(joints)).sum())
         x0 = np.array([amplitude, lag, np.arctan2(c, s) - sum_phase, 0.0, omega])
-        tried = solve(miss, x0, max_nfev=30)  # type: ignore[operator]
-        if best is None or tried.cost < best.cost:
-            best = tried
-    assert best is not None
-    return best.x
+        tried.append(least_squares(miss, x0, max_nfev=30))
+    return min(tried, key=lambda solved: solved.cost).x

@@ -53,19 +53,19 @@ def cut_out(gone_s: float) -> np.ndarray:
 def test_a_film_that_was_cut_is_refused(gone_s) -> None:
     """After a whole period the joints go on as before, and only the robot's place jumps."""
     found = followed(cut_out(gone_s), np.arange(66) * STEP_S)
-    with pytest.raises(BadInput, match=r"film.mp4: the robot jumps at 0\.7\d s: .* is cut there"):
-        judged(CUT, found, "film.mp4")
+    with pytest.raises(BadInput, match=r"^the robot jumps at 0\.7\d s: .* is cut there"):
+        judged(CUT, found)
 
 
 def test_a_gap_that_the_times_tell_is_no_cut() -> None:
-    judged(CUT, followed(cut_out(0.2), cut_out(0.2)), "film.mp4")
+    judged(CUT, followed(cut_out(0.2), cut_out(0.2)))
 
 
 def test_pictures_that_stand_still_for_a_while_are_refused() -> None:
     told = np.arange(66) * STEP_S
     held = np.where((told > 1.0) & (told < 1.25), 1.0, told)
     with pytest.raises(BadInput, match=r"jumps at 1\.2\d s: .* pictures are missing"):
-        judged(CUT, followed(held, told), "film.mp4")
+        judged(CUT, followed(held, told))
 
 
 def test_a_tag_that_peels_off_is_found_and_left_out() -> None:
@@ -98,7 +98,7 @@ def test_a_number_that_is_seen_twice_counts_for_neither(tmp_path) -> None:
     seen = watch(File.open(write(tmp_path / "film.mp4", two, times)), 6)
     assert not seen.sightings.seen.any()
     with pytest.raises(BadInput, match=r"same number .* \(numbers 1, 2, 3, 4, 5, 6\): another"):
-        judged(SEEN, seen, "film.mp4")
+        judged(SEEN, seen)
 
 
 def test_a_lamp_that_flickers_does_not_move_the_camera(tmp_path) -> None:

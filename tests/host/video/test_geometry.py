@@ -41,7 +41,7 @@ def test_a_link_that_is_off_by_a_whole_turn_turns_no_robot() -> None:
 
 def test_derivatives_are_those_of_small_steps() -> None:
     c, s, step = camera(), states(), 1e-6
-    _, by_state, by_shared = c.jacobians(s)
+    by_state, by_shared = c.jacobians(s)
 
     def image(shared: np.ndarray, state: np.ndarray) -> np.ndarray:
         moved = replace(c, shared=shared)

@@ -21,9 +21,6 @@ def film_reader(side_m: float | None = None) -> FilmReader:
     """
 
     def read(path: Path, robot: Robot) -> Tracked:
-        from ...video.seeing.extra import need_extra
-
-        need_extra()
         from ...calibration.taking.steps import Tracked
         from ...video.pushed import track_pushes
         from ..video import film_progress
@@ -48,9 +45,6 @@ def crawl_reader(side_m: float | None = None) -> CrawlReader:
     """
 
     def read(path: Path, robot: Robot, gait: Gait) -> Tracked:
-        from ...video.seeing.extra import need_extra
-
-        need_extra()
         from ...calibration.taking.steps import Tracked
         from ...video.measure_film import measure_film
         from ...video.reading import film_cells

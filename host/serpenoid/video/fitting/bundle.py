@@ -39,14 +39,13 @@ class Bundle:
     """What the fit found.
 
     camera; covariance of its shared unknowns, from the scatter of the frames; noise_px: standard
-    deviation of a corner; prior: what the unknowns were held to, and prior_sigma how tightly.
+    deviation of a corner; prior: what the unknowns were held to.
     """
 
     camera: Camera
     covariance: Array
     noise_px: float
     prior: Array
-    prior_sigma: Array
     cost: float
 
 
@@ -70,8 +69,8 @@ def fit(
     steps: int = STEPS,
     rough: bool = False,
     known_rad: float = LOOSE_RAD,
-) -> tuple[Bundle, Array]:
-    """Fit camera and states to the sightings; return the fit and the states.
+) -> Bundle:
+    """Fit camera and states to the sightings.
 
     rough: with a plain lens and a fixed noise, so that costs of several starts can be compared.
     known_rad: how well the headings of `states` are known; it decides about links without a tag.
@@ -79,7 +78,7 @@ def fit(
     held, sigma = priors(camera, side_m, turns)
     if rough:
         sigma[1:5] *= PLAIN
-    problem = _Problem(sightings, states.copy(), held, sigma, 1.0 / known_rad)
+    problem = _Problem(sightings, states, held, sigma, 1.0 / known_rad)
     damping, noise = 1e-3, NOISE_PX
     normal = problem.normal(camera, states, noise)
     for _ in range(steps):
@@ -98,75 +97,84 @@ def fit(
             damping *= 8
             if damping > 1e6:
                 break
-    return Bundle(camera, normal.covariance(), noise, held, sigma, normal.cost), states
+    return Bundle(camera, normal.covariance(), noise, held, normal.cost)
 
 
+def misses(camera: Camera, states: Array, s: Sightings) -> Array:
+    """Return found less expected pixels (frames, links, 4, 2), 0 where nothing was found."""
+    image = camera.image(camera.corners(states)) + camera.shared[READOUT] * s.skew
+    return np.where(s.seen[..., None, None], s.corners_px - image, 0.0)
+
+
+def rms(misses_px: Array) -> Array:
+    """Return the root mean square of each tag's misses, (frames, links), px."""
+    return np.sqrt(np.mean(misses_px**2, axis=(2, 3)))
+
+
+def equations(
+    camera: Camera, states: Array, s: Sightings, noise_px: float
+) -> tuple[Array, Array, Array]:
+    """Return derivatives by states and by what is shared, and misses, with each tag's weight.
+
+    Each (frames, 8 links, unknowns), the misses (frames, 8 links, 1). The weight is 1, less for
+    outliers, 0 for none.
+    """
+    by_state, by_shared = camera.jacobians(states)
+    by_shared[..., READOUT] = s.skew
+    off = misses(camera, states, s)
+    share = np.minimum(1.0, OUTLIER / np.maximum(rms(off) / noise_px, 1e-9))
+    root = (np.sqrt(s.seen * share) / noise_px)[..., None, None, None]
+    shape = len(states), 8 * s.links, -1
+    a, b, rest = ((part * root).reshape(shape) for part in (by_state, by_shared, off[..., None]))
+    return a, b, rest
+
+
+@dataclass(frozen=True)
 class _Problem:
     """Hold sightings and priors; make the normal equations of one step."""
 
-    def __init__(
-        self, sightings: Sightings, start: Array, held: Array, sigma: Array, loose: float
-    ) -> None:
-        self.seen = sightings.seen
-        self.found = np.where(self.seen[..., None, None], sightings.corners_px, 0.0)
-        self.skew = sightings.skew
-        self.start, self.held, self.sigma, self.loose = start, held, sigma, loose
-
-    def misses(self, camera: Camera, states: Array) -> Array:
-        """Return found less expected pixels, 0 where nothing was found."""
-        image = camera.image(camera.corners(states)) + camera.shared[READOUT] * self.skew
-        return np.where(self.seen[..., None, None], self.found - image, 0.0)
-
-    def weights(self, misses: Array, noise: float) -> Array:
-        """Return each tag's weight, (frames, links): 1, less for outliers, 0 for none."""
-        rms = np.sqrt(np.mean(misses**2, axis=(2, 3))) / noise
-        return self.seen * np.minimum(1.0, OUTLIER / np.maximum(rms, 1e-9))
+    sightings: Sightings
+    start: Array
+    held: Array
+    sigma: Array
+    loose: float
 
     def noise(self, camera: Camera, states: Array) -> float:
         """Return the standard deviation of a corner's coordinate, px, robustly."""
-        misses = self.misses(camera, states)[self.seen]
+        off = misses(camera, states, self.sightings)[self.sightings.seen]
         # Of 8 numbers a tag, some 3 go into its frame's state.
-        return max(0.02, 1.4826 * float(np.median(np.abs(misses))) * np.sqrt(8 / 6.5))
+        return max(0.02, 1.4826 * float(np.median(np.abs(off))) * np.sqrt(8 / 6.5))
 
-    def _own_prior(self, camera: Camera, states: Array) -> tuple[float, Array, Array]:
-        off = (camera.shared - self.held) / self.sigma
+    def _from_prior(self, camera: Camera, states: Array) -> tuple[Array, Array]:
         drift = (states - self.start) * self.loose
         drift[:, :2] = 0.0
-        return float(off @ off + np.sum(drift**2)), off, drift
+        return (camera.shared - self.held) / self.sigma, drift
 
     def cost(self, camera: Camera, states: Array, noise: float) -> float:
         """Return the sum of squares; an outlier's grows no faster than its distance."""
-        misses = self.misses(camera, states)
-        if not np.isfinite(misses).all():
+        far = rms(misses(camera, states, self.sightings)) / noise
+        if not np.isfinite(far).all():
             return np.inf
-        rms = np.sqrt(np.mean(misses**2, axis=(2, 3))) / noise
-        squares = np.where(rms < OUTLIER, rms**2, OUTLIER * (2 * rms - OUTLIER))
-        return 8 * float(squares[self.seen].sum()) + self._own_prior(camera, states)[0]
+        squares = np.where(far < OUTLIER, far**2, OUTLIER * (2 * far - OUTLIER))
+        priors = (np.sum(off**2) for off in self._from_prior(camera, states))
+        return 8 * float(squares.sum()) + float(sum(priors))
 
     def normal(self, camera: Camera, states: Array, noise: float, damping: float = 0.0) -> _Normal:
         """Return the normal equations at a point; damping holds the frames' states."""
-        _, by_state, by_shared = camera.jacobians(states)
-        by_shared[..., READOUT] = self.skew
-        misses = self.misses(camera, states)
-        root = np.sqrt(self.weights(misses, noise)) / noise
-        frames, n = root.shape
-        flat = (frames, 8 * n)
-        residual = (misses * root[..., None, None]).reshape(flat)
-        a = (by_state * root[..., None, None, None]).reshape(*flat, -1)
-        b = (by_shared * root[..., None, None, None]).reshape(*flat, -1)
-        _, off, drift = self._own_prior(camera, states)
-        loose = np.diag(np.r_[0.0, 0.0, np.full(n, self.loose**2)])
-        own = a.transpose(0, 2, 1) @ a + loose
-        own = own + (1e-9 + damping * np.einsum("fii->fi", own)[:, None]) * np.eye(n + 2)
-        pull = np.einsum("fki,fk->fi", a, residual) - self.loose * drift
-        cross = a.transpose(0, 2, 1) @ b
-        inside = np.linalg.solve(own, np.concatenate([cross, pull[..., None]], axis=-1))
-        back = cross.transpose(0, 2, 1)
-        shared = np.einsum("fki,fkj->ij", b, b) - np.sum(back @ inside[..., :-1], axis=0)
-        score = np.einsum("fki,fk->fi", b, residual) - np.einsum(
-            "fik,fk->fi", back, inside[..., -1]
-        )
-        return _Normal(shared, score, inside, off, self.sigma, self.cost(camera, states, noise))
+        a, b, rest = equations(camera, states, self.sightings, noise)
+        off, drift = self._from_prior(camera, states)
+        unit = np.eye(a.shape[-1])
+        own = a.transpose(0, 2, 1) @ a
+        own[:, 2:, 2:] += self.loose**2 * unit[2:, 2:]
+        own += (1e-9 + damping * np.einsum("fii->fi", own)[:, None]) * unit
+        wanted = np.concatenate([b, rest], axis=-1)
+        cross = a.transpose(0, 2, 1) @ wanted
+        cross[..., -1] -= self.loose * drift
+        inside = np.linalg.solve(own, cross)
+        reduced = b.transpose(0, 2, 1) @ wanted - cross[..., :-1].transpose(0, 2, 1) @ inside
+        cost = self.cost(camera, states, noise)
+        matrix = reduced[..., :-1].sum(axis=0)
+        return _Normal(matrix, reduced[..., -1], inside, off, self.sigma, cost)
 
 
 @dataclass(frozen=True)

@@ -34,12 +34,7 @@ LENS = (
 )
 MOUNTING = ("dx_m", "dy_m", "turn_rad", "height_m", "slope_x", "slope_y")
 CORNERS = 0.5 * np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
-_LOOKING_DOWN = np.diag([1.0, -1.0, -1.0])
-
-
-def rotation(tilt_x: float, tilt_y: float) -> Array:
-    """Return R, world to camera: a camera that looks straight down, then tilted, rad."""
-    return Rotation.from_rotvec([tilt_x, tilt_y, 0.0]).as_matrix() @ _LOOKING_DOWN
+LOOKING_DOWN = np.array([1.0, -1.0, -1.0])  # of a camera that is not tilted
 
 
 @dataclass(frozen=True)
@@ -75,7 +70,8 @@ class Camera:
     @cached_property
     def pose(self) -> tuple[Array, float]:
         """Return R, world to camera, and the distance D to the plane along the axis, m."""
-        return rotation(*self.shared[5:7]), float(np.exp(self.shared[7]))
+        tilted = Rotation.from_rotvec([*self.shared[5:7], 0.0]).as_matrix()
+        return tilted * LOOKING_DOWN, float(np.exp(self.shared[7]))
 
     @property
     def side_m(self) -> float:
@@ -103,14 +99,29 @@ class Camera:
 
     def image(self, world: Array) -> Array:
         """Return the pixels of world points (..., 3), (..., 2); behind the camera: NaN."""
+        return self._projected(world)[0]
+
+    def _projected(self, world: Array) -> tuple[Array, Array]:
+        """Return pixels (..., 2) and OpenCV's derivatives of them (..., 2, 14).
+
+        By rotation (3), camera point (3), focal lengths (2), principal point (2), k1, k2, 0, 0.
+        """
+        import cv2
+
         turn, distance = self.pose
-        p = world @ turn.T + np.array([0.0, 0.0, distance])
-        ahead = np.where(p[..., 2:] > 1e-6 * distance, p[..., 2:], np.nan)
-        q = p[..., :2] / ahead
-        r2 = np.sum(q * q, axis=-1, keepdims=True)
-        k1, k2 = self.shared[1:3]
         focal = self.scale_px * np.exp(self.shared[0])
-        return self._middle_px + focal * q * (1 + r2 * (k1 + k2 * r2))
+        matrix = np.diag([focal, focal, 1.0])
+        matrix[:2, 2] = self._middle_px
+        pixels, slopes = cv2.projectPoints(
+            world.reshape(-1, 3) * LOOKING_DOWN,
+            np.array([*self.shared[5:7], 0.0]),
+            np.array([0.0, 0.0, distance]),
+            matrix,
+            np.array([*self.shared[1:3], 0.0, 0.0]),
+        )
+        ahead = world @ turn[2] > -(1 - 1e-6) * distance
+        flat = np.where(ahead[..., None], pixels.reshape(*world.shape[:-1], 2), np.nan)
+        return flat, np.asarray(slopes, np.float64).reshape(*flat.shape, -1)
 
     @property
     def _middle_px(self) -> Array:
@@ -130,98 +141,40 @@ class Camera:
         start = -np.array([0.0, 0.0, distance]) @ turn
         return (start - ray * (start[2] / ray[..., 2:]))[..., :2]
 
-    def jacobians(self, states: Array) -> tuple[Array, Array, Array]:
-        """Return pixels and their derivatives by the states and by what is shared.
+    def jacobians(self, states: Array) -> tuple[Array, Array]:
+        """Return the pixels' derivatives by the states and by what is shared.
 
-        pixels (frames, links, 4, 2); by states (frames, links, 4, 2, links + 2); by shared
-        (frames, links, 4, 2, 10 + 6 links).
+        By states (frames, links, 4, 2, links + 2); by shared (frames, links, 4, 2, 10 + 6 links).
         """
-        world = self.corners(states)
-        turn, distance = self.pose
-        p = world @ turn.T + np.array([0.0, 0.0, distance])
-        q = p[..., :2] / p[..., 2:]
-        by_point = self._by_q(q) @ _by_p(p, q)  # pixels by camera point
-        by_world = by_point @ turn
-        by_state = by_world[..., :2] @ self._corners_by_state(states, world)
-        by_shared = np.concatenate(
-            [self._by_lens(world, q, p, by_point), self._by_mounting(states, by_world)], axis=-1
-        )
-        return self.image(world), by_state, by_shared
-
-    def _by_q(self, q: Array) -> Array:
-        """Return the pixels' derivative by the undistorted image point, (..., 2, 2)."""
-        k1, k2 = self.shared[1:3]
-        r2 = np.sum(q * q, axis=-1)[..., None, None]
-        outer = q[..., :, None] * q[..., None, :]
-        bent = (1 + r2 * (k1 + k2 * r2)) * np.eye(2) + 2 * (k1 + 2 * k2 * r2) * outer
-        return self.scale_px * np.exp(self.shared[0]) * bent
-
-    def _corners_by_state(self, states: Array, world: Array) -> Array:
-        """Return the corners' x, y by the state, (frames, links, 4, 2, links + 2)."""
-        frames, n = len(states), self.links
-        theta = states[:, 2:]
-        across = np.stack([-np.sin(theta), np.cos(theta)], axis=-1)
-        by = np.zeros((frames, n, 4, 2, n + 2))
-        by[..., 0, 0] = by[..., 1, 1] = 1.0
-        levers = self.link_m * lever_matrix(n)
-        by[..., 2:] = np.einsum("ij,fjk->fikj", levers, across)[:, :, None]
-        arm = world[..., :2] - link_centres(states, self.link_m)[:, :, None]
-        own = np.arange(n)
-        by[:, own, :, 0, 2 + own] -= np.moveaxis(arm[..., 1], 1, 0)
-        by[:, own, :, 1, 2 + own] += np.moveaxis(arm[..., 0], 1, 0)
-        return by
-
-    def _by_lens(self, world: Array, q: Array, p: Array, by_point: Array) -> Array:
-        r2 = np.sum(q * q, axis=-1, keepdims=True)
-        focal = self.scale_px * np.exp(self.shared[0])
-        k1, k2 = self.shared[1:3]
-        shift = np.broadcast_to(self.scale_px * np.eye(2), (*q.shape, 2))
-        step = 1e-6
-        tilts = []
-        for axis in np.eye(2):
-            ends = [rotation(*(self.shared[5:7] + sign * step * axis)) for sign in (1, -1)]
-            tilts.append(by_point @ (world @ (ends[0] - ends[1]).T / (2 * step))[..., None])
-        columns = [focal * q * (1 + r2 * (k1 + k2 * r2)), focal * q * r2, focal * q * r2 * r2]
-        farther = by_point[..., 2] * self.pose[1]
-        lens = [c[..., None] for c in columns] + [shift, *tilts, farther[..., None]]
-        return np.concatenate(lens, axis=-1)
-
-    def _by_mounting(self, states: Array, by_world: Array) -> Array:
-        """Return the pixels by the tags' common side and by every mounting."""
-        frames, n = len(states), self.links
-        _dx, _dy, turn, _h, slope_x, slope_y = self.mounting.T[:, :, None]
-        x, y = self.side_m * CORNERS.T
-        cos, sin, zero, one = np.cos(turn), np.sin(turn), np.zeros((n, 4)), np.ones((n, 4))
-        rx, ry = cos * x - sin * y, sin * x + cos * y
-        local = np.stack(
-            [  # columns: side, then dx, dy, turn, height, slopes
-                np.stack([rx, ry, slope_x * x + slope_y * y], axis=-1),
-                np.stack([one, zero, zero], axis=-1),
-                np.stack([zero, one, zero], axis=-1),
-                np.stack([-ry, rx, zero], axis=-1),
-                np.stack([zero, zero, one], axis=-1),
-                np.stack([zero, zero, zero + x], axis=-1),
-                np.stack([zero, zero, zero + y], axis=-1),
-            ],
-            axis=-1,
-        )
-        theta = states[:, 2:]
-        turned = np.zeros((frames, n, 3, 3))
-        turned[..., 0, 0] = turned[..., 1, 1] = np.cos(theta)
-        turned[..., 1, 0] = np.sin(theta)
-        turned[..., 0, 1] = -turned[..., 1, 0]
-        turned[..., 2, 2] = 1.0
-        by = by_world @ (turned[:, :, None] @ local[None])  # (frames, links, 4, 2, 7)
-        out = np.zeros((frames, n, 4, 2, 2 + 6 * n))  # readout_s: not the camera's to know
-        out[..., 0] = by[..., 0]
-        for i in range(n):
-            out[:, i, :, :, 2 + 6 * i : 8 + 6 * i] = by[:, i, :, :, 1:]
-        return out
-
-
-def _by_p(p: Array, q: Array) -> Array:
-    """Return q = (P_x, P_y) / P_z by P, (..., 2, 3)."""
-    by = np.zeros((*p.shape[:-1], 2, 3))
-    by[..., 0, 0] = by[..., 1, 1] = 1.0
-    by[..., 2] = -q
-    return by / p[..., 2, None, None]
+        _, slopes = self._projected(self.corners(states))
+        by_x, by_y, by_z = np.moveaxis(slopes[..., 3:6] @ self.pose[0], -1, 0)
+        theta = states[:, 2:, None, None]
+        # Of a shift of the link along itself, and to its left.
+        ahead = np.cos(theta) * by_x + np.sin(theta) * by_y
+        left = np.cos(theta) * by_y - np.sin(theta) * by_x
+        flat, up = self.on_link()
+        x, y, z = flat[..., None, 0], flat[..., None, 1], up[..., None]
+        dx, dy, _, height, _, _ = self.mounting.T[:, :, None, None]
+        side = (x - dx) * ahead + (y - dy) * left + (z - height) * by_z
+        turned = (x - dx) * left - (y - dy) * ahead
+        slants = self.side_m * CORNERS[:, None] * by_z[..., None]
+        mounting = np.concatenate([np.stack([ahead, left, turned, by_z], axis=-1), slants], axis=-1)
+        same = np.eye(self.links)[:, None, None]
+        heading = states[:, None, None, None, 2:]
+        across = np.cos(heading) * by_y[..., None] - np.sin(heading) * by_x[..., None]
+        across *= self.link_m * lever_matrix(self.links)[:, None, None]
+        across += same * (x * left - y * ahead)[..., None]
+        by_state = np.concatenate([by_x[..., None], by_y[..., None], across], axis=-1)
+        of_links = (same[..., None] * mounting[..., None, :]).reshape(*by_x.shape, -1)
+        focal = self.scale_px * np.exp(self.shared[0]) * slopes[..., 6:8].sum(axis=-1)
+        lens = [
+            focal[..., None],
+            slopes[..., 10:12],
+            self.scale_px * slopes[..., 8:10],
+            slopes[..., :2],
+            self.pose[1] * slopes[..., 5:6],
+            side[..., None],
+            np.zeros((*side.shape, 1)),  # readout_s: not the camera's to know
+            of_links,
+        ]
+        return by_state, np.concatenate(lens, axis=-1)

@@ -30,9 +30,14 @@ def link_centres(states: Array, link_m: float) -> Array:
     return states[..., None, :2] + np.einsum("ij,...jk->...ik", levers, along)
 
 
+def wrapped(angle: Array) -> Array:
+    """Return angles within half a turn."""
+    return (angle + np.pi) % (2 * np.pi) - np.pi
+
+
 def joint_angles(states: Array) -> Array:
     """Return phi_i = theta_{i+1} - theta_i, (..., links - 1), within half a turn."""
-    return (np.diff(states[..., 2:], axis=-1) + np.pi) % (2 * np.pi) - np.pi
+    return wrapped(np.diff(states[..., 2:], axis=-1))
 
 
 def mean_heading(states: Array) -> Array:

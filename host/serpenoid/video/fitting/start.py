@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..seeing.sightings import Sightings, in_chunks
 from .camera import LENS, MOUNTING, Camera
-from .chain import lever_matrix
+from .chain import lever_matrix, wrapped
 
 Array = NDArray[np.float64]
 FOCALS = (0.6, 0.75, 0.95, 1.3, 2.0)  # of the image's longer side: wide angle to telephoto
@@ -75,12 +75,12 @@ def _scaled(camera: Camera, corners: Array, side_m: float) -> Camera:
 def tag_poses(camera: Camera, sightings: Sightings) -> tuple[Array, Array]:
     """Return centre (frames, links, 2) and heading (frames, links) of every tag in the plane."""
 
-    def poses(corners_px: Array) -> tuple[Array, Array]:
-        flat = camera.on_plane(corners_px)
+    def poses(cut: slice) -> tuple[Array, Array]:
+        flat = camera.on_plane(sightings.corners_px[cut].astype(float))
         right = flat[..., 1, :] - flat[..., 0, :] + flat[..., 2, :] - flat[..., 3, :]
         return flat.mean(axis=-2), np.arctan2(right[..., 1], right[..., 0])
 
-    centres, headings = in_chunks(poses, sightings.corners_px)
+    centres, headings = in_chunks(poses, len(sightings.t_s))
     return centres, headings
 
 
@@ -109,12 +109,11 @@ def first_states(camera: Camera, sightings: Sightings, turns: Array) -> Array:
     theta = _never_seen_filled(theta)
     levers = camera.link_m * lever_matrix(theta.shape[1])
 
-    def states(centres: Array, theta: Array) -> tuple[Array]:
-        along = np.stack([np.cos(theta), np.sin(theta)], axis=-1)
-        middle = np.nanmean(centres - np.einsum("ij,fjk->fik", levers, along), axis=1)
-        return (np.concatenate([middle, theta], axis=1),)
+    def middles(cut: slice) -> tuple[Array]:
+        along = np.stack([np.cos(theta[cut]), np.sin(theta[cut])], axis=-1)
+        return (np.nanmean(centres[cut] - np.einsum("ij,fjk->fik", levers, along), axis=1),)
 
-    return in_chunks(states, centres, theta)[0]
+    return np.column_stack([*in_chunks(middles, len(theta)), theta])
 
 
 def filled(t_s: Array, angle: Array) -> Array:
@@ -128,15 +127,10 @@ def filled(t_s: Array, angle: Array) -> Array:
 def _never_seen_filled(theta: Array) -> Array:
     """Return headings where a link that was never seen points between those beside it."""
     seen = np.isfinite(theta).all(axis=0)
-    order = np.arange(theta.shape[1])
+    links = np.arange(theta.shape[1])
     base = theta[:, seen][:, :1]
-    near = base + (theta - base + np.pi) % (2 * np.pi) - np.pi  # one branch for a frame
+    near = base + wrapped(theta[:, seen] - base)  # one branch for a frame
+    shares = [np.interp(links[~seen], links[seen], one) for one in np.eye(seen.sum())]
     out = theta.copy()
-    for k in np.flatnonzero(~seen):
-        before, after = order[seen][order[seen] < k], order[seen][order[seen] > k]
-        if len(before) and len(after):
-            a, b = before[-1], after[0]
-            out[:, k] = near[:, a] + (near[:, b] - near[:, a]) * (k - a) / (b - a)
-        else:
-            out[:, k] = near[:, before[-1] if len(before) else after[0]]
+    out[:, ~seen] = near @ np.array(shares)
     return out

@@ -42,32 +42,42 @@ class Damage:
 class Film:
     """What the file says of itself; frames() reads it.
 
-    width, height: of the coded picture, px, before any rotation. duration_s, frames_told: as the
-    file tells, 0 where it does not. codec: such as h264. rotation_deg: how players turn it.
+    width, height: of the coded picture, px, before any rotation. duration_s: as the file
+    tells, 0 where it does not. codec: such as h264.
     """
 
     path: Path
     width: int
     height: int
     duration_s: float
-    frames_told: int
     codec: str
 
     @staticmethod
     def open(path: Path) -> Film:
         """Read what the file says. Raises BadInput: no film, damaged, or a single picture."""
-        av = _library()
+        need_extra()
+        import av
+        import av.error
+
         check_file(path, MOST_BYTES)
         try:
             with av.open(str(path)) as box:
-                stream = _stream(box, path)
-                size = stream.codec_context.width, stream.codec_context.height
-                duration = float(box.duration or 0) / 1e6
-                film = Film(
-                    path, *size, duration, int(stream.frames or 0), stream.codec_context.name
-                )
-        except (av.FFmpegError, ValueError) as error:
-            raise BadInput(_unreadable(path, error)) from error
+                coding = [stream.codec_context for stream in box.streams.video][:1]
+                duration_s = float(box.duration or 0) / 1e6
+        except (av.error.FFmpegError, ValueError) as error:
+            words = str(getattr(error, "strerror", None) or error)
+            raise BadInput(
+                f"{path}: cannot be read as a film ({words}); copy it from the phone again, as MP4 "
+                "or MOV"
+            ) from error
+        if not coding:
+            raise BadInput(f"{path}: holds no pictures (sound only?); name the film itself")
+        if coding[0] is None:
+            raise BadInput(
+                f"{path}: the pictures' coding is unknown or damaged; film as H.264 or HEVC, and "
+                "copy it from the phone again"
+            )
+        film = Film(path, coding[0].width, coding[0].height, duration_s, coding[0].name)
         if min(film.width, film.height) < 64:
             raise BadInput(
                 f"{path}: the picture is {film.width} x {film.height} px; no robot can "
@@ -82,10 +92,12 @@ class Film:
         that is drawn on a broken one is left out, until the next that stands alone. threads: of
         the decoder; 0 for one per core. What is drawn after damage depends on their number.
         """
-        av = _library()
+        import av
+        import av.error
+
         sound = _Sound(damage)
         with av.open(str(self.path)) as box:
-            stream = _stream(box, self.path)
+            stream: Any = box.streams.video[0]
             stream.thread_type = "AUTO"
             stream.codec_context.thread_count = threads
             packets = box.demux(stream)
@@ -94,11 +106,11 @@ class Film:
                 try:
                     packet = next(packets)
                     decoded = packet.decode()
-                except (StopIteration, av.EOFError) as error:
+                except (StopIteration, av.error.EOFError) as error:
                     ended = True
                     if not isinstance(error, StopIteration):
                         sound.lose(packet, error)
-                except av.FFmpegError as error:
+                except av.error.FFmpegError as error:
                     sound.lose(packet, error)
                 for frame in decoded:
                     sound.take(frame)
@@ -180,29 +192,3 @@ def _time_s(part: Any, unknown: float) -> float:
     if part is None or part.pts is None or part.time_base is None:
         return unknown
     return float(part.pts * part.time_base)
-
-
-def _stream(box: Any, path: Path) -> Any:
-    if not box.streams.video:
-        raise BadInput(f"{path}: holds no pictures (sound only?); name the film itself")
-    stream = box.streams.video[0]
-    if stream.codec_context is None:
-        raise BadInput(
-            f"{path}: the pictures' coding is unknown or damaged; film as H.264 or HEVC, and copy "
-            "it from the phone again"
-        )
-    return stream
-
-
-def _library() -> Any:
-    need_extra()
-    import av
-
-    return av
-
-
-def _unreadable(path: Path, error: Exception) -> str:
-    words = str(getattr(error, "strerror", None) or error)
-    return (
-        f"{path}: cannot be read as a film ({words}); copy it from the phone again, as MP4 or MOV"
-    )

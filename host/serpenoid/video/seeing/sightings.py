@@ -33,15 +33,17 @@ class Sightings:
     def of(t_s: Array, corners_px: NDArray[Any], image_px: tuple[int, int]) -> Sightings:
         """Return sightings; a row's time is off by its share of the readout, about the middle."""
         corners_px = corners_px.astype(np.float32, copy=False)
-        skew = np.zeros_like(corners_px)
-        for first in range(0, len(t_s), CHUNK):
-            begin, end = max(0, first - 1), first + CHUNK + 1  # with the neighbours
-            part = corners_px[begin:end].astype(float)
+
+        def skews(cut: slice) -> tuple[Single]:
+            begin = max(0, cut.start - 1)
+            beside = slice(begin, cut.stop + 1)
+            part = corners_px[beside].astype(float)
             row = part[..., 1:] / image_px[1] - 0.5
-            moved = row * _velocity(t_s[begin:end], part)
-            own = slice(first - begin, first - begin + CHUNK)
-            skew[first : first + CHUNK] = np.where(np.isfinite(moved), moved, 0.0)[own]
-        return Sightings(t_s, corners_px, image_px, skew)
+            moved = row * _velocity(t_s[beside], part)
+            skew = np.where(np.isfinite(moved), moved, 0.0).astype(np.float32)
+            return (skew[cut.start - begin :][:CHUNK],)
+
+        return Sightings(t_s, corners_px, image_px, in_chunks(skews, len(t_s))[0])
 
     @cached_property
     def seen(self) -> NDArray[np.bool_]:
@@ -71,30 +73,20 @@ class Sightings:
     def side_px(self) -> Array:
         """Return the mean side of each tag, (frames, links), px; NaN where it was not found."""
 
-        def sides(corners: Array) -> tuple[Array]:
+        def sides(cut: slice) -> tuple[Array]:
+            corners = self.corners_px[cut].astype(float)
             apart = np.roll(corners, -1, axis=2) - corners
             return (np.linalg.norm(apart, axis=-1).mean(axis=-1),)
 
-        return in_chunks(sides, self.corners_px)[0]
+        return in_chunks(sides, len(self.t_s))[0]
 
 
 def in_chunks(
-    function: Callable[..., tuple[NDArray[Any], ...]], *of_frames: NDArray[Any]
+    function: Callable[[slice], tuple[NDArray[Any], ...]], frames: int
 ) -> list[NDArray[Any]]:
-    """Return a function's arrays (frames, ...), from arrays (frames, ...): some frames at a time.
-
-    The function is given doubles.
-    """
-    whole: list[NDArray[Any]] = []
-    frames = len(of_frames[0])
-    for first in range(0, max(1, frames), CHUNK):
-        cut = slice(first, first + CHUNK)
-        parts = function(*(values[cut].astype(float) for values in of_frames))
-        if not whole:
-            whole = [np.empty((frames, *part.shape[1:]), part.dtype) for part in parts]
-        for array, part in zip(whole, parts, strict=True):
-            array[cut] = part
-    return whole
+    """Return a function's arrays (frames, ...), which it makes for some frames at a time."""
+    parts = [function(slice(first, first + CHUNK)) for first in range(0, max(1, frames), CHUNK)]
+    return [np.concatenate(part) for part in zip(*parts, strict=True)]
 
 
 def _velocity(t_s: Array, corners_px: Array) -> Array:
