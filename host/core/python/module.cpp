@@ -91,10 +91,10 @@ Array sweep(const std::vector<Model>& models, std::vector<double> omegas, double
 // Periodic states of models that are all like `middle`.
 std::vector<SteadyState> solve_neighbours(const Model& middle, const std::vector<Model>& models,
                                           double rtol, bool powers, int threads, bool rough,
-                                          const std::vector<Vec3>& starts) {
+                                          const std::vector<Vec3>& starts, nb::object progress) {
     if (!starts.empty() && starts.size() != models.size()) throw nb::value_error("starts");
     std::vector<SteadyState> found;
-    with_progress(nb::none(), [&](const auto& go_on) {
+    with_progress(progress, [&](const auto& go_on) {
         found = neighbours({middle.robot, middle.ground, middle.gait}, shapes_of(models),
                            {rtol, powers, rough}, threads, go_on, starts);
     });
@@ -314,7 +314,8 @@ NB_MODULE(_core, m) {
     m.def("steady", &steady, nb::call_guard<nb::gil_scoped_release>());
     m.attr("SPEED_FLOOR") = kSpeedFloor;
     m.def("neighbours", &solve_neighbours, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
-          nb::arg("rough") = false, nb::arg("starts") = std::vector<Vec3>{});
+          nb::arg("rough") = false, nb::arg("starts") = std::vector<Vec3>{},
+          nb::arg("progress") = nb::none());
     m.def("sweep", &sweep, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg().none(),
           nb::arg("rough") = false);
     bind_servos(m);

@@ -16,6 +16,7 @@ from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..model.time_limit import TimeLimit
 
 Array = NDArray[np.float64]
 Parts = tuple[Robot, Ground, Gait]
@@ -119,13 +120,17 @@ def differentiate(robot: Robot, ground: Ground, gait: Gait) -> Sensitivities:
     Each parameter is moved to both sides. The state there is solved for from the state here, which
     is so near that Newton's method needs one cycle or two. Where the two sides differ by more than
     a smooth function would, the step is halved until they agree; where they never do there is a
-    kink. Raises BadInput: a gait that does not move; NotConverged.
+    kink. Raises BadInput: a gait that does not move; NotConverged, after 20 s, too.
     """
     if gait.alpha_rad == 0:
         raise BadInput("alpha_rad is 0: a robot that does not move has no sensitivities")
+    limit = TimeLimit(
+        "the derivatives of this state",
+        "ask for the state without sensitivities, or for those of a gait a little aside",
+    )
     here, moved = (robot, ground, gait), parameters(robot, ground, gait)
     steps = np.array([p.step for p in moved])
-    sides, noise, at = _differences(here, moved, steps)
+    sides, noise, at = _differences(here, moved, steps, limit)
     unseen = _UNSEEN if ground.smooth else _BENT
     changes, side_changes = unseen * _jumps(sides), np.zeros_like(sides)
     kinked = np.zeros(changes.shape, bool)
@@ -134,7 +139,7 @@ def differentiate(robot: Robot, ground: Ground, gait: Gait) -> Sensitivities:
         if not rough.size:
             break
         steps[rough] /= 2
-        near, near_noise, _ = _differences(here, [moved[k] for k in rough], steps[rough])
+        near, near_noise, _ = _differences(here, [moved[k] for k in rough], steps[rough], limit)
         far = sides[rough]
         kinked[rough] = _jumps(near) > _SAME_JUMP * _jumps(far)
         changes[rough] = abs(near.mean(axis=2) - far.mean(axis=2)) + unseen * _jumps(near)
@@ -167,7 +172,9 @@ def _allowed(sides: Array, noise: Array) -> Array:
     return _SMOOTH * abs(sides).max(axis=2) + 2 * noise[..., 0]
 
 
-def _differences(here: Parts, moved: list[Parameter], steps: Array) -> tuple[Array, ...]:
+def _differences(
+    here: Parts, moved: list[Parameter], steps: Array, limit: TimeLimit
+) -> tuple[Array, ...]:
     """Return differences to both sides, their noise, both (P, Q, 2), and the state here, (Q,).
 
     Noise is what the claims of the states make of either side, and of the mean of both: the state
@@ -177,7 +184,7 @@ def _differences(here: Parts, moved: list[Parameter], steps: Array) -> tuple[Arr
         (p, p.value + sign * step) for p, step in zip(moved, steps, strict=True) for sign in (-1, 1)
     ]
     models = [core_model(*here), *(core_model(*p.moved(value)) for p, value in at)]
-    states = _core.neighbours(models[0], models, _RTOL, True, 1)
+    states = _core.neighbours(models[0], models, _RTOL, True, 1, progress=limit)
     values = np.array([[s.speed, s.power, s.positive_power, s.turn] for s in states])
     claims = np.array(
         [[s.speed_error, s.power_error, s.positive_power_error, s.turn_error] for s in states]

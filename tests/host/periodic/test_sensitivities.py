@@ -180,3 +180,11 @@ def test_what_cannot_be_differentiated_is_named() -> None:
     found = differentiate(OF_2005, sn.Ground(0.1, 10.0), replace(GAIT, alpha_rad=math.pi))
     assert "alpha_rad" not in found.names
     assert "fn0" not in found.names
+
+
+def test_derivatives_that_take_too_long_are_refused_with_a_way_out(monkeypatch) -> None:
+    from serpenoid.model import time_limit
+
+    monkeypatch.setattr(time_limit, "LIMIT_S", 0.0)
+    with pytest.raises(sn.NotConverged, match="longer than 0 s; ask for the state without"):
+        differentiate(OF_2005, DRY, GAIT)
