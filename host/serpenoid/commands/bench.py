@@ -7,16 +7,11 @@ from pathlib import Path
 import click
 
 from ..show.screen import say
+from .declare import flag, option
 from .group import Commands
 from .paths import EXISTING, directory
 
-OUT = click.option(
-    "--out",
-    type=directory,
-    show_default=True,
-    default=Path("bench-out"),
-    help="Folder for figures and numbers.",
-)
+OUT = option("--out", "Folder for figures and numbers.", type=directory, default=Path("bench-out"))
 
 
 @click.group(name="bench", cls=Commands)
@@ -30,12 +25,8 @@ def _tell(text: str) -> None:
 
 @BENCH_GROUP.command()
 @OUT
-@click.option("--quick", is_flag=True, help="Three scenes, three rounds: less than a minute.")
-@click.option(
-    "--page",
-    type=EXISTING,
-    help="A Markdown page whose table between the markers is renewed.",
-)
+@flag("--quick", "Three scenes, three rounds: less than a minute.")
+@option("--page", "A Markdown page whose table between the markers is renewed.", type=EXISTING)
 def accuracy(out: Path, quick: bool, page: Path | None) -> None:
     """Draw error against run time of every method and its peers: accuracy.png, .csv and .json."""
     from ..bench.accuracy.contenders import absent
@@ -64,7 +55,7 @@ def accuracy(out: Path, quick: bool, page: Path | None) -> None:
 
 @BENCH_GROUP.command()
 @OUT
-@click.option("--quick", is_flag=True, help="A coarse map, no long chains: less than a minute.")
+@flag("--quick", "A coarse map, no long chains: less than a minute.")
 def stability(out: Path, quick: bool) -> None:
     """Map where each fixed step is stable, and try extreme scenes; exit status 1 on a defect."""
     from ..bench.stability.files import defects, measure_and_write, summary

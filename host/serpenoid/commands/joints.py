@@ -6,8 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
+from .declare import option
 from .paths import FOLDER
 
 if TYPE_CHECKING:
@@ -15,11 +14,11 @@ if TYPE_CHECKING:
     from ..model.gait import Gait
 
 _SAME_RAD, _SAME_RATE = 1e-3, 0.01
-joints_option = click.option(
+joints_option = option(
     "--joints",
+    "Session with a film: its joints' gains and phases, in place of the commanded ones.",
     type=FOLDER,
     metavar="SESSION",
-    help="Session with a film: its joints' gains and phases, in place of the commanded ones.",
 )
 
 

@@ -19,6 +19,7 @@ from ..model.errors import BadInput, SerpenoidError
 from ..show.screen import say
 from .bench import BENCH_GROUP
 from .board import COMMANDS as BOARD_COMMANDS
+from .declare import option
 from .examples import examples
 from .friction.advise import advise
 from .friction.calibrate import calibrate
@@ -63,12 +64,8 @@ def cli() -> None:
 
 
 @cli.command()
-@click.option(
-    "--out",
-    type=directory,
-    default=Path("demo-out"),
-    show_default=True,
-    help="Folder for figures and figures' numbers.",
+@option(
+    "--out", "Folder for figures and figures' numbers.", type=directory, default=Path("demo-out")
 )
 @fit_options
 def demo(out: Path, **given: Any) -> None:

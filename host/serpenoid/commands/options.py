@@ -16,6 +16,7 @@ import click
 
 from ..model.checks import FORMULATIONS, check_number
 from ..show.screen import say
+from .declare import flag, number, option, stacked
 from .given import ALARMS, take_fit
 
 if TYPE_CHECKING:
@@ -26,18 +27,7 @@ if TYPE_CHECKING:
     from ..model.robot import Robot
 
 T = TypeVar("T")
-AS_JSON = click.option("--json", "as_json", is_flag=True, help="Answer with JSON.")
-
-
-def stacked(options: Sequence[Callable[[Any], Any]]) -> Callable[[Any], Any]:
-    """Return one decorator that adds options to a command in the order given."""
-
-    def add(command: Callable[..., Any]) -> Callable[..., Any]:
-        for option in reversed(options):
-            command = option(command)
-        return command
-
-    return add
+AS_JSON = flag("--json", "as_json", "Answer with JSON.")
 
 
 def _kept(context: click.Context, option: click.Parameter, value: Any) -> None:
@@ -47,16 +37,13 @@ def _kept(context: click.Context, option: click.Parameter, value: Any) -> None:
 
 # Of a command that answers with tables.
 AS_TABLES = stacked(
-    [
-        click.option(
-            "--verbose",
-            is_flag=True,
-            callback=_kept,
-            expose_value=False,
-            help="Print errors, margins and other powers, too.",
-        ),
-        AS_JSON,
-    ]
+    flag(
+        "--verbose",
+        "Print errors, margins and other powers, too.",
+        callback=_kept,
+        expose_value=False,
+    ),
+    AS_JSON,
 )
 
 # Per link: mass kg, full length m, then friction ct, cn (N s/m), ft0, fn0 (N).
@@ -85,112 +72,81 @@ BOTH_WAYS = click.types.FuncParamType(both_ways)
 BOTH_WAYS.name = "N[,N]"  # as help has it
 
 
-listed_gaits = click.option(
+listed_gaits = number(
     "--gait",
     "gaits",
+    "A gait to predict, beside the session's.",
     nargs=3,
-    type=float,
     multiple=True,
     metavar="ALPHA_DEG BETA_DEG HZ",
-    help="A gait to predict, beside the session's.",
 )
-formulation_option = click.option(
-    "--formulation",
-    type=click.Choice(FORMULATIONS),
-    default="explicit",
-    show_default=True,
-    help="Exact model, or the paper's springs.",
+formulation_option = option(
+    "--formulation", "Exact model, or the paper's springs.", choice=FORMULATIONS, default="explicit"
 )
 fit_options = stacked(
-    [
-        click.option(
-            "--session",
-            type=click.Path(path_type=Path),
-            help="Calibration session whose robot and fitted friction to take.",
-        ),
-        click.option(
-            "--ground",
-            "ground_file",
-            type=click.Path(path_type=Path),
-            help="fit.json whose robot and friction to take.",
-        ),
-    ]
+    option(
+        "--session",
+        "Calibration session whose robot and fitted friction to take.",
+        type=click.Path(path_type=Path),
+    ),
+    option(
+        "--ground",
+        "ground_file",
+        "fit.json whose robot and friction to take.",
+        type=click.Path(path_type=Path),
+    ),
 )
 
 robot_options = stacked(
-    [
-        click.option(
-            "--robot",
-            "preset",
-            type=click.Choice(list(PRESETS)),
-            help="Robot and ground to start from; 2005 unless given.",
-        ),
-        fit_options,
-        click.option("--links", type=int, help="Number of links; 6 unless given."),
-        click.option("--mass-kg", "link_mass_kg", type=float, help="Mass of a link."),
-        click.option(
-            "--length-m", "link_length_m", type=float, help="Length of a link, joint to joint."
-        ),
-        click.option(
-            "--inertia-kg-m2",
-            "link_inertia_kg_m2",
-            type=float,
-            help="Of a link; a uniform rod's unless given.",
-        ),
-        click.option(
-            "--ct",
-            type=BOTH_WAYS,
-            help="Viscous friction along a link, N s/m; ratchet: forwards,backwards.",
-        ),
-        click.option("--cn", type=float, help="Viscous friction across a link, N s/m."),
-        click.option(
-            "--ft0",
-            type=BOTH_WAYS,
-            help="Dry friction along a link, N; ratchet: forwards,backwards.",
-        ),
-        click.option("--fn0", type=float, help="Dry friction across a link, N."),
-    ]
+    option(
+        "--robot", "preset", "Robot and ground to start from; 2005 unless given.", choice=PRESETS
+    ),
+    fit_options,
+    option("--links", "Number of links; 6 unless given.", type=int),
+    number("--mass-kg", "link_mass_kg", "Mass of a link."),
+    number("--length-m", "link_length_m", "Length of a link, joint to joint."),
+    number("--inertia-kg-m2", "link_inertia_kg_m2", "Of a link; a uniform rod's unless given."),
+    option(
+        "--ct", "Viscous friction along a link, N s/m; ratchet: forwards,backwards.", type=BOTH_WAYS
+    ),
+    number("--cn", "Viscous friction across a link, N s/m."),
+    option("--ft0", "Dry friction along a link, N; ratchet: forwards,backwards.", type=BOTH_WAYS),
+    number("--fn0", "Dry friction across a link, N."),
 )
 
 gait_options = stacked(
-    [
-        click.option("--alpha-deg", type=float, help="Amplitude of the joints."),
-        click.option("--beta-deg", type=float, help="Phase lag joint to joint."),
-        click.option("--omega-rad-s", type=float, help="Angular rate; or give --frequency-hz."),
-        click.option("--frequency-hz", type=float, help="Gait frequency."),
-        click.option("--offset-deg", type=float, help="Bend of every joint: steers."),
-    ]
+    number("--alpha-deg", "Amplitude of the joints."),
+    number("--beta-deg", "Phase lag joint to joint."),
+    number("--omega-rad-s", "Angular rate; or give --frequency-hz."),
+    number("--frequency-hz", "Gait frequency."),
+    number("--offset-deg", "Bend of every joint: steers."),
 )
 
 
 plug_options = stacked(
-    [
-        click.option(
-            "--volts",
-            type=click.FloatRange(1.0, 60.0),
-            callback=_kept,
-            expose_value=False,
-            help="Voltage at the servos' plug; else the session's, or 4.8 to 6 V.",
-        ),
-        click.option(
-            "--frame-ms",
-            type=click.FloatRange(1.0, 100.0),
-            callback=_kept,
-            expose_value=False,
-            help="From setpoint to setpoint of the board; else the session's, or 20 ms.",
-        ),
-    ]
+    option(
+        "--volts",
+        "Voltage at the servos' plug; else the session's, or 4.8 to 6 V.",
+        type=click.FloatRange(1.0, 60.0),
+        callback=_kept,
+        expose_value=False,
+    ),
+    option(
+        "--frame-ms",
+        "From setpoint to setpoint of the board; else the session's, or 20 ms.",
+        type=click.FloatRange(1.0, 100.0),
+        callback=_kept,
+        expose_value=False,
+    ),
 )
 servo_option = stacked(
-    [
-        click.option(
-            "--servo",
-            "servo_name",
-            metavar="NAME|FILE|ideal",
-            help="Servos of the joints: hobby (any), SG90, MG996R, ..., a TOML file, or ideal.",
-        ),
-        plug_options,
-    ]
+    option(
+        "--servo",
+        "servo_name",
+        "Servos of the joints: hobby (any), SG90, MG996R, ..., a TOML file, or ideal.",
+        metavar="NAME|FILE|ideal",
+    ),
+    plug_options,
 )
 IDEAL = "ideal"
 
@@ -405,11 +361,11 @@ def as_typed(text: str, options: dict[str, str]) -> str:
     A name of several words is meant wherever it stands, but for arguments such as `alpha_rad=1`;
     one of one word (links, ct) only where the message begins with `ct is`.
     """
-    for field, option in options.items():
+    for field, typed in options.items():
         if "_" in field:
-            text = re.sub(rf"(?<![\w.-]){field}(?![\w=])", option, text)
+            text = re.sub(rf"(?<![\w.-]){field}(?![\w=])", typed, text)
         else:
-            text = re.sub(rf"^{field}((?: \w+)?) is ", rf"{option}\1 is ", text)
+            text = re.sub(rf"^{field}((?: \w+)?) is ", rf"{typed}\1 is ", text)
     return text
 
 

@@ -13,6 +13,7 @@ import click
 from ..model.checks import DRIVES, FORMULATIONS, GAPS, STARTS, check_number
 from ..show.screen import say
 from ..simulation.methods import METHODS
+from .declare import flag, number, option, refuse_typed, stacked
 from .options import (
     AS_TABLES,
     describe,
@@ -20,10 +21,8 @@ from .options import (
     interruptible,
     make_gait,
     make_robot,
-    options_of,
     robot_options,
     show_json,
-    stacked,
 )
 from .paths import FIGURES, out_file
 
@@ -59,82 +58,64 @@ def _pairs(parts: list[str]) -> list[tuple[str, float]]:
 
 
 scene_options = stacked(
-    [
-        click.option(
-            "--formulation",
-            type=click.Choice(FORMULATIONS),
-            help="Exact model (explicit, unless given), or the paper's springs.",
+    option(
+        "--formulation",
+        "Exact model (explicit, unless given), or the paper's springs.",
+        choice=FORMULATIONS,
+    ),
+    number("--stiffness-n-m", "joint_stiffness_n_m", "Implicit: k of the joints; 1000."),
+    number("--damping-n-s-m", "joint_damping_n_s_m", "Implicit: c of the joints; 1."),
+    number("--smoothing-m-s", "Width over which dry friction is smoothed."),
+    number("--incline-deg", "Slope of the ground."),
+    number("--incline-direction-deg", "Uphill, from the x axis."),
+    option("--drive", "What moves the joints; angle.", choice=DRIVES),
+    option(
+        "--servo-fields",
+        "servo",
+        "Servos follow the gait: default ones, or stiffness_nm_rad=3,... (no kind).",
+        metavar="[FIELD=VALUE,...]",
+        is_flag=False,
+        flag_value="none",
+        callback=_reader(lambda parts: dict(_pairs(parts)), "FIELD=VALUE,..."),
+    ),
+    option(
+        "--torque-nm",
+        "Constant torque of every joint, in place of the gait.",
+        metavar="T1,T2,...",
+        callback=_reader(lambda parts: [float(part) for part in parts], "0.1,0.2"),
+    ),
+    option(
+        "--limp",
+        "Joints without torque; from 1, at the tail.",
+        metavar="2,4",
+        callback=_reader(lambda parts: tuple(int(part) for part in parts), "2,4"),
+    ),
+    option(
+        "--locked-deg",
+        "locked",
+        "Joints that stay at an angle.",
+        metavar="3=10,5=-20",
+        callback=_reader(
+            lambda parts: {int(n): math.radians(v) for n, v in _pairs(parts)}, "3=10,5=-20"
         ),
-        click.option(
-            "--stiffness-n-m",
-            "joint_stiffness_n_m",
-            type=float,
-            help="Implicit: k of the joints; 1000.",
-        ),
-        click.option(
-            "--damping-n-s-m",
-            "joint_damping_n_s_m",
-            type=float,
-            help="Implicit: c of the joints; 1.",
-        ),
-        click.option(
-            "--smoothing-m-s", type=float, help="Width over which dry friction is smoothed."
-        ),
-        click.option("--incline-deg", type=float, help="Slope of the ground."),
-        click.option("--incline-direction-deg", type=float, help="Uphill, from the x axis."),
-        click.option("--drive", type=click.Choice(DRIVES), help="What moves the joints; angle."),
-        click.option(
-            "--servo-fields",
-            "servo",
-            metavar="[FIELD=VALUE,...]",
-            is_flag=False,
-            flag_value="none",
-            callback=_reader(lambda parts: dict(_pairs(parts)), "FIELD=VALUE,..."),
-            help="Servos follow the gait: default ones, or stiffness_nm_rad=3,... (no kind).",
-        ),
-        click.option(
-            "--torque-nm",
-            metavar="T1,T2,...",
-            callback=_reader(lambda parts: [float(part) for part in parts], "0.1,0.2"),
-            help="Constant torque of every joint, in place of the gait.",
-        ),
-        click.option(
-            "--limp",
-            metavar="2,4",
-            help="Joints without torque; from 1, at the tail.",
-            callback=_reader(lambda parts: tuple(int(part) for part in parts), "2,4"),
-        ),
-        click.option(
-            "--locked-deg",
-            "locked",
-            metavar="3=10,5=-20",
-            help="Joints that stay at an angle.",
-            callback=_reader(
-                lambda parts: {int(n): math.radians(v) for n, v in _pairs(parts)}, "3=10,5=-20"
-            ),
-        ),
-        click.option(
-            "--method",
-            type=click.Choice(list(METHODS)),
-            help="nonsmooth on dry ground, else rk4, unless given.",
-        ),
-        click.option("--dt-s", type=float, help="Time step; 0.001."),
-        click.option("--tolerance", type=float, help="Of methods that pick their steps; 1e-7."),
-        click.option("--duration-s", type=float, help="Length of the run; 10."),
-        click.option("--start", type=click.Choice(STARTS), help="State at time 0; zero_momentum."),
-        click.option("--gap", type=click.Choice(GAPS), help="Implicit: how the joints start open."),
-        click.option(
-            "--record",
-            metavar="joints,friction,energy",
-            callback=_reader(tuple, "energy"),
-            help="What to keep beside the motion.",
-        ),
-        click.option(
-            "--record-every",
-            type=int,
-            help="Time steps between records; 1, more where that is beyond 20 000 rows.",
-        ),
-    ]
+    ),
+    option("--method", "nonsmooth on dry ground, else rk4, unless given.", choice=METHODS),
+    number("--dt-s", "Time step; 0.001."),
+    number("--tolerance", "Of methods that pick their steps; 1e-7."),
+    number("--duration-s", "Length of the run; 10."),
+    option("--start", "State at time 0; zero_momentum.", choice=STARTS),
+    option("--gap", "Implicit: how the joints start open.", choice=GAPS),
+    option(
+        "--record",
+        "What to keep beside the motion.",
+        metavar="joints,friction,energy",
+        callback=_reader(tuple, "energy"),
+    ),
+    option(
+        "--record-every",
+        "Time steps between records; 1, more where that is beyond 20 000 rows.",
+        type=int,
+    ),
 )
 
 # Options that are angles; the values of all others are fields of Scene as they stand.
@@ -142,25 +123,22 @@ _ANGLES = {"incline_deg": (0.0, 90.0), "incline_direction_deg": (-360.0, 360.0)}
 
 
 @click.command()
-@click.option("--scene", "scene_path", type=_FILE, help="Scene file; other options override it.")
-@click.option(
-    "--save-scene", "saved_path", type=out_file(".toml"), help="Write the scene to this file too."
-)
+@option("--scene", "scene_path", "Scene file; other options override it.", type=_FILE)
+@option("--save-scene", "saved_path", "Write the scene to this file too.", type=out_file(".toml"))
 @robot_options
 @gait_options
 @scene_options
-@click.option(
+@number(
     "--accuracy",
-    type=float,
-    help="Pick what is not given of method and step for this error (body lengths, radians).",
+    "Pick what is not given of method and step for this error (body lengths, radians).",
 )
-@click.option("--no-error", is_flag=True, help="Save the one or two runs that tell the error.")
-@click.option("--out", type=out_file(".csv"), help="CSV of all links at all recorded times.")
-@click.option(
+@flag("--no-error", "Save the one or two runs that tell the error.")
+@option("--out", "CSV of all links at all recorded times.", type=out_file(".csv"))
+@option(
     "--plot",
     "figure",
+    "PNG, PDF or SVG of path, speed and energy if recorded.",
     type=out_file(*FIGURES),
-    help="PNG, PDF or SVG of path, speed and energy if recorded.",
 )
 @AS_TABLES
 def simulate(
@@ -178,11 +156,10 @@ def simulate(
     from ..show.progress import working
     from ..simulation.scene_file import load_scene, save_scene
 
-    names = options_of(click.get_current_context().command)
-    typed = {names[name] for name, value in given.items() if value is not None}
-    keep = [f for f in ("dt_s", "tolerance") if accuracy is not None and names[f] in typed]
+    steps = ("dt_s", "tolerance") if accuracy is not None else ()
+    keep = [name for name in steps if given[name] is not None]
     scene = make_scene(given, None if scene_path is None else load_scene(scene_path))
-    _check_that_all_apply(typed, scene, accuracy)
+    _check_that_all_apply(scene, accuracy)
     if saved_path is not None:
         save_scene(scene, saved_path)
         report.wrote(saved_path)
@@ -231,20 +208,21 @@ def _no_gait(given: dict[str, Any]) -> Gait | None:
     return None if given["torque_nm"] is None else Gait(0.0, 0.0, 1.0)
 
 
-def _check_that_all_apply(typed: set[str], scene: Scene, accuracy: float | None) -> None:
+def _check_that_all_apply(scene: Scene, accuracy: float | None) -> None:
     """Raise UsageError for an option that the scene has no use for: it would change nothing."""
-    pinned, springs = scene.formulation == "explicit", "the joints are pinned; give --formulation"
+    pinned, springs = (
+        scene.formulation == "explicit",
+        "the joints are pinned; give --formulation implicit too",
+    )
     steps = f"method {scene.method!r} takes fixed steps; give --dt-s, or a --method that picks them"
-    for option, no_use, why in (
-        ("--stiffness-n-m", pinned, f"{springs} implicit too"),
-        ("--damping-n-s-m", pinned, f"{springs} implicit too"),
-        ("--gap", pinned, f"{springs} implicit too"),
-        ("--smoothing-m-s", scene.ground.smooth, "the ground has no dry friction"),
-        ("--incline-direction-deg", scene.incline_rad == 0, "the ground is level"),
-        ("--tolerance", not (scene.adaptive or accuracy), steps),
+    for no_use, why, *names in (
+        (pinned, springs, "joint_stiffness_n_m", "joint_damping_n_s_m", "gap"),
+        (scene.ground.smooth, "the ground has no dry friction", "smoothing_m_s"),
+        (scene.incline_rad == 0, "the ground is level", "incline_direction_deg"),
+        (not (scene.adaptive or accuracy), steps, "tolerance"),
     ):
-        if no_use and option in typed:
-            raise click.UsageError(f"{option} has no effect: {why}")
+        if no_use:
+            refuse_typed(f"{{}} has no effect: {why}", *names)
 
 
 def _joint_drive(told: dict[str, Any], base: Scene | None) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..show.screen import say
+from .declare import number, option, stacked
 from .group import Commands
 from .options import AS_JSON, gait_options, make_gait, preset_robot, show_json
 from .paths import EXISTING, FIGURES, FOLDER, out_file
@@ -41,26 +42,18 @@ def VIDEO_GROUP() -> None:
     """
 
 
-_ROBOT = (
-    click.option(
+_ROBOT = stacked(
+    option(
         "--session",
+        "Session whose robot it is; a film becomes a reading of it.",
         type=FOLDER,
-        help="Session whose robot it is; a film becomes a reading of it.",
     ),
-    click.option("--links", type=int, help="Number of links, 2 to 13; 6 unless given."),
-    click.option("--length-m", type=float, help="Length of a link, joint to joint."),
-    click.option(
-        "--tag-mm",
-        type=float,
-        help="Side of a tag's black square; the session's, or of the sheet for such links.",
+    option("--links", "Number of links, 2 to 13; 6 unless given.", type=int),
+    number("--length-m", "Length of a link, joint to joint."),
+    number(
+        "--tag-mm", "Side of a tag's black square; the session's, or of the sheet for such links."
     ),
 )
-
-
-def _robot_options(command: Any) -> Any:
-    for option in reversed(_ROBOT):
-        command = option(command)
-    return command
 
 
 def _robot(given: dict[str, Any]) -> tuple[Robot, float | None]:
@@ -89,21 +82,9 @@ def _remember(session: Path | None, side_m: float | None) -> None:
 
 
 @VIDEO_GROUP.command()
-@_robot_options
-@click.option(
-    "--paper",
-    type=click.Choice(["a4", "letter"]),
-    default="a4",
-    show_default=True,
-    help="Size of the paper.",
-)
-@click.option(
-    "--out",
-    type=out_file(".pdf", ".png", ".svg"),
-    default=Path("tags.pdf"),
-    show_default=True,
-    help="File to write.",
-)
+@_ROBOT
+@option("--paper", "Size of the paper.", choice=["a4", "letter"], default="a4")
+@option("--out", "File to write.", type=out_file(".pdf", ".png", ".svg"), default=Path("tags.pdf"))
 def tags(paper: str, out: Path, **given: Any) -> None:
     """Write a sheet of tags to print: one for each link, with cut lines and a ruler."""
     from ..show.video.tag_sheet import tag_sheet
@@ -124,21 +105,19 @@ def tags(paper: str, out: Path, **given: Any) -> None:
 
 @VIDEO_GROUP.command()
 @click.argument("file", type=click.Path(path_type=Path))
-@_robot_options
+@_ROBOT
 @gait_options
-@click.option(
-    "--recording",
-    type=EXISTING,
-    help="The run's recording (.wire): its gait, and the board's time.",
+@option(
+    "--recording", "The run's recording (.wire): its gait, and the board's time.", type=EXISTING
 )
-@click.option(
+@option(
     "--way",
-    type=click.Choice(["there", "back"]),
-    help="With --session on a floor: which way along the line of the pushes; else level ground.",
+    "With --session on a floor: which way along the line of the pushes; else level ground.",
+    choice=["there", "back"],
 )
-@click.option("--track", type=out_file(".csv"), help="Write time, place, heading, joints.")
-@click.option("--plot", "picture", type=out_file(*FIGURES), help="Draw what was measured.")
-@click.option("--annotate", type=out_file(".mp4"), help="Write a film with the chain drawn in.")
+@option("--track", "Write time, place, heading, joints.", type=out_file(".csv"))
+@option("--plot", "picture", "Draw what was measured.", type=out_file(*FIGURES))
+@option("--annotate", "Write a film with the chain drawn in.", type=out_file(".mp4"))
 @AS_JSON
 def film(
     file: Path,
@@ -155,9 +134,6 @@ def film(
     Each with its standard deviation. With a gait or a recording, joints are compared with what
     was commanded.
     """
-    from ..video.seeing.extra import need_extra
-
-    need_extra()
     from ..video.measure_film import measure_film
 
     session = given["session"]

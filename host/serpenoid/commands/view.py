@@ -12,6 +12,7 @@ import click
 
 from ..model.errors import BadInput
 from ..show.screen import say
+from .declare import flag, option
 from .options import (
     AS_JSON,
     describe,
@@ -32,12 +33,12 @@ _VIRTUAL_S = 8.0
 @click.command()
 @click.argument("what", metavar="SCENE|RECORDING|virtual")
 @robot_options
-@click.option(
+@option(
     "--out",
+    "Page to write; it needs no other file. view.html, or a free view-N.html.",
     type=out_file(".html"),
-    help="Page to write; it needs no other file. view.html, or a free view-N.html.",
 )
-@click.option("--open", "open_it", is_flag=True, help="Open the page in the browser.")
+@flag("--open", "open_it", "Open the page in the browser.")
 @AS_JSON
 def view(what: str, out: Path | None, open_it: bool, as_json: bool, **given: Any) -> None:
     """Write a page in which the snake crawls: play, scrub, slow down; slip and sticking of wheels.

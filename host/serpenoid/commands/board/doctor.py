@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from ...show.screen import say
+from ..declare import flag, option
 from ..options import AS_JSON, show_json
 from ..paths import out_file
 from .port import PORT
@@ -16,19 +17,15 @@ MARKS = {"ok": "ok  ", "note": "note", "fix": "FIX "}
 
 @click.command()
 @PORT
-@click.option(
-    "--listen-s",
-    type=click.FloatRange(0, 600),
-    default=3.0,
-    show_default=True,
-    help="How long to listen to the board.",
+@option(
+    "--listen-s", "How long to listen to the board.", type=click.FloatRange(0, 600), default=3.0
 )
-@click.option(
+@option(
     "--report",
+    "Collect in some five minutes what board and host tell, for docs/first_day.md.",
     type=out_file(".json"),
-    help="Collect in some five minutes what board and host tell, for docs/first_day.md.",
 )
-@click.option("--move", is_flag=True, help="The report's limp test and slow gait, too: it asks.")
+@flag("--move", "The report's limp test and slow gait, too: it asks.")
 @AS_JSON
 def doctor(
     port: str | None, listen_s: float, report: Path | None, move: bool, as_json: bool

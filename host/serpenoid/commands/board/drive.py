@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ...show.screen import say
+from ..declare import flag, option
 from ..given import servo_as_filmed, take_fit
 from ..options import (
     AS_JSON,
@@ -39,17 +40,14 @@ if TYPE_CHECKING:
 @gait_options
 @fit_options
 @servo_option
-@click.option(
-    "--duration-s",
-    type=click.FloatRange(0, min_open=True),
-    help="How long; until Ctrl-C unless given.",
+@option(
+    "--duration-s", "How long; until Ctrl-C unless given.", type=click.FloatRange(0, min_open=True)
 )
 @PORT
-@click.option("--record", type=out_file(), help="New file for every line of the run.")
-@click.option(
+@option("--record", "New file for every line of the run.", type=out_file())
+@flag(
     "--page",
-    is_flag=True,
-    help="Show the robot live on a page of this machine's browser: where the model goes "
+    "Show the robot live on a page of this machine's browser: where the model goes "
     "with the joints as reported, for the 2005 robot and ground without a fit.",
 )
 @AS_JSON

@@ -7,35 +7,23 @@ from pathlib import Path
 import click
 
 from ...show.screen import say
+from ..declare import option
 from ..options import AS_JSON, show_json
 from ..paths import FOLDER
 
 
 @click.command()
-@click.option(
-    "--board",
-    type=click.Choice(["uno", "nano", "nano_old", "mega"]),
-    help="Needed where the USB id does not tell.",
+@option(
+    "--board", "Needed where the USB id does not tell.", choice=["uno", "nano", "nano_old", "mega"]
 )
-@click.option("--port", help="Serial port; found by its USB id unless given.")
-@click.option(
-    "--project",
-    type=FOLDER,
-    help="Folder of platformio.ini; found from here unless given.",
-)
-@click.option(
-    "--joints",
-    type=int,
-    default=5,
-    show_default=True,
-    help="How many joints the robot has: its links less one.",
-)
-@click.option(
+@option("--port", "Serial port; found by its USB id unless given.")
+@option("--project", "Folder of platformio.ini; found from here unless given.", type=FOLDER)
+@option("--joints", "How many joints the robot has: its links less one.", default=5)
+@option(
     "--output",
-    type=click.Choice(["servo", "pca9685"]),
+    "Where servos are wired. pca9685 has run on a simulated chip only.",
+    choice=["servo", "pca9685"],
     default="servo",
-    show_default=True,
-    help="Where servos are wired. pca9685 has run on a simulated chip only.",
 )
 @AS_JSON
 def flash(

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import click
 
+from ..declare import flag
 from .port import PORT
 
 
 @click.command()
 @PORT
-@click.option("--all", "everything", is_flag=True, help="Every telemetry line, not one a second.")
+@flag("--all", "everything", "Every telemetry line, not one a second.")
 def monitor(port: str | None, everything: bool) -> None:
     """Talk to the board: each line is checked, `!` stops the robot at once, Ctrl-C leaves.
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import click
+from ..declare import option
 
-PORT = click.option(
+PORT = option(
     "--port",
-    help="Serial port; found by its USB id unless given. `virtual` or `virtual:joints=9` needs no "
+    "Serial port; found by its USB id unless given. `virtual` or `virtual:joints=9` needs no "
     "robot.",
 )

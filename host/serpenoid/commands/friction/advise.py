@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from ..declare import flag, option
 from ..given import session_fit
 from ..options import AS_TABLES, listed_gait, listed_gaits, servo_option, take_servo, tell
 from ..paths import FOLDER
@@ -14,14 +15,8 @@ from ..paths import FOLDER
 @click.command()
 @click.argument("session", type=FOLDER)
 @listed_gaits
-@click.option(
-    "--samples",
-    type=click.IntRange(16, 4096),
-    default=48,
-    show_default=True,
-    help="Frictions drawn from the fit.",
-)
-@click.option("--runs", is_flag=True, help="Count gait runs, too, which no friction fit uses.")
+@option("--samples", "Frictions drawn from the fit.", type=click.IntRange(16, 4096), default=48)
+@flag("--runs", "Count gait runs, too, which no friction fit uses.")
 @servo_option
 @AS_TABLES
 def advise(

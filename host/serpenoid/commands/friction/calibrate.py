@@ -11,6 +11,7 @@ import click
 
 from ...model.errors import BadInput
 from ...show.screen import say
+from ..declare import flag, option, refuse_typed
 from ..group import Commands
 from ..options import AS_JSON, doubt_robot, show_json
 from ..paths import out_file
@@ -59,30 +60,25 @@ calibrate.add_command(push)
 
 @calibrate.command()
 @FOLDER
-@click.option(
+@option(
     "--on",
-    type=click.Choice(["treadmill", "floor"]),
-    help="Where: on a treadmill, or "
-    "by pushes along a floor; as the session's plan says unless given.",
+    "Where: on a treadmill, or by pushes along a floor; as the session's plan says unless given.",
+    choice=["treadmill", "floor"],
 )
-@click.option("--script", type=TOML, help="plan.toml that answers instead of a person.")
-@click.option("--dry-run", is_flag=True, help="Show the next steps; write nothing.")
-@click.option(
+@option("--script", "plan.toml that answers instead of a person.", type=TOML)
+@flag("--dry-run", "Show the next steps; write nothing.")
+@option(
     "--port",
-    help="The robot's serial port, to bend and drive it; `virtual` needs none. "
-    "By hand unless given.",
+    "The robot's serial port, to bend and drive it; `virtual` needs none. By hand unless given.",
 )
-@click.option(
+@option(
     "--patience-s",
+    "With nobody answering for so long, the servos' pulses end.",
     type=click.FloatRange(1, 86400),
     default=300.0,
-    show_default=True,
-    help="With nobody answering for so long, the servos' pulses end.",
 )
-@click.option(
-    "--page", "with_page", is_flag=True, help="Serve a page for whoever stands at the treadmill."
-)
-@click.option("--lan", is_flag=True, help="With --page: reachable from a phone in the same net.")
+@flag("--page", "with_page", "Serve a page for whoever stands at the treadmill.")
+@flag("--lan", "With --page: reachable from a phone in the same net.")
 def take(
     folder: Path,
     on: str | None,
@@ -96,30 +92,17 @@ def take(
     """Start or resume a session; `serpenoid calibrate DIR` is short for this."""
     if lan and not with_page:
         raise click.UsageError("--lan goes with --page")
-    if dry_run or script is not None:
-        _nobody_there("--dry-run" if dry_run else "--script")
+    unasked = "port", "patience_s", "with_page"
     if dry_run:
+        refuse_typed("{} has no effect with --dry-run; leave it out", "script", *unasked)
         return _dry_run(folder, on)
+    if script is not None:
+        refuse_typed("{} has no effect with --script; leave it out", *unasked)
     if on is not None:
         _carry_out_on(folder, on)
     if script is not None:
         return _scripted(folder, script)
     return with_a_person(folder, port, patience_s, with_page, lan)
-
-
-def _nobody_there(given: str) -> None:
-    """Refuse what is for a person at the prompt, where nobody is asked."""
-    context = click.get_current_context()
-    typed = click.core.ParameterSource.COMMANDLINE
-    needless = {"script": "--script"} if given == "--dry-run" else {}
-    needless |= {
-        "port": "--port",
-        "patience_s": "--patience-s",
-        "with_page": "--page",
-    }
-    for name, option in needless.items():
-        if context.get_parameter_source(name) is typed and context.params[name] is not False:
-            raise click.UsageError(f"{option} has no effect with {given}; leave it out")
 
 
 def _carry_out_on(folder: Path, place: str) -> None:
@@ -169,9 +152,9 @@ def _scripted(folder: Path, script: Path) -> None:
 @FOLDER
 @click.argument("kind", required=False)
 @click.argument("cells", nargs=-1, metavar="NAME=VALUE...")
-@click.option("--sheet", type=TOML, help="CSV of readings that were written down by hand.")
-@click.option("--replaces", type=int, default=0, help="Number of the reading that this redoes.")
-@click.option("--comment", default="", help="What was odd.")
+@option("--sheet", "CSV of readings that were written down by hand.", type=TOML)
+@option("--replaces", "Number of the reading that this redoes.", default=0)
+@option("--comment", "What was odd.", default="")
 def add(
     folder: Path,
     kind: str | None,
@@ -210,12 +193,11 @@ def _add_sheet(journal: Journal, path: Path) -> None:
 
 @calibrate.command()
 @FOLDER
-@click.option(
+@option(
     "--out",
+    "Page to print on A4; or CSV to type it into.",
     type=out_file(".html", ".csv"),
     default=Path("sheet.html"),
-    show_default=True,
-    help="Page to print on A4; or CSV to type it into.",
 )
 def sheet(folder: Path, out: Path) -> None:
     """Write a sheet to print and fill in by hand; `add --sheet` takes the readings in later."""
@@ -230,8 +212,8 @@ def sheet(folder: Path, out: Path) -> None:
 @calibrate.command()
 @FOLDER
 @click.argument("number", type=int)
-@click.option("--reason", default="", help="Why it is not to be used.")
-@click.option("--restore", is_flag=True, help="Use it again.")
+@option("--reason", "Why it is not to be used.", default="")
+@flag("--restore", "Use it again.")
 def void(folder: Path, number: int, reason: str, restore: bool) -> None:
     """Mark a reading as not to be used; its line stays."""
     from ...calibration.taking.journal import Journal
@@ -245,7 +227,7 @@ def void(folder: Path, number: int, reason: str, restore: bool) -> None:
 @FOLDER
 @click.argument("number", type=int)
 @click.argument("cells", nargs=-1, required=True, metavar="NAME=VALUE...")
-@click.option("--comment", default="", help="What was odd.")
+@option("--comment", "What was odd.", default="")
 def redo(folder: Path, number: int, cells: tuple[str, ...], comment: str) -> None:
     """Take a reading anew: the old one is void, what is not named stays as it was."""
     from ...calibration.session_rows import reading_rows

@@ -11,6 +11,7 @@ import click
 
 from ...model.errors import BadInput
 from ...show.screen import say
+from ..declare import flag, option
 from ..paths import FOLDER
 
 if TYPE_CHECKING:
@@ -58,42 +59,37 @@ def question_of(name: str) -> Question:
 
 @click.command()
 @click.argument("folder", type=FOLDER)
-@click.option(
+@option(
     "--template",
+    "Another session's folder, whose set-up is taken over unasked.",
     type=click.Path(exists=True, path_type=Path),
-    help="Another session's folder, whose set-up is taken over unasked.",
 )
-@click.option("--defaults", is_flag=True, help="Ask nothing: 2005 robot, a home treadmill.")
-@click.option("--surface", help="What the wheels roll on.")
-@click.option(
+@flag("--defaults", "Ask nothing: 2005 robot, a home treadmill.")
+@option("--surface", "What the wheels roll on.")
+@option(
     "--mass-kg",
+    "Mass of the whole robot, as it crawls; 480g does, too.",
     type=quantity_of("mass_kg"),
-    help="Mass of the whole robot, as it crawls; 480g does, too.",
 )
-@click.option(
+@option(
     "--on",
-    type=click.Choice(["treadmill", "floor"]),
+    "Where: a treadmill, or pushes along a floor.",
+    choice=["treadmill", "floor"],
     default="treadmill",
-    show_default=True,
-    help="Where: a treadmill, or pushes along a floor.",
 )
-@click.option(
+@option(
     "--wheels-kg",
+    "Mass of all wheels together, which a push sets turning.",
     type=quantity_of("wheels_kg"),
-    help="Mass of all wheels together, which a push sets turning.",
 )
-@click.option(
+@option(
     "--volts",
     "supply_v",
+    "Voltage at the servos' plug, measured while they move.",
     type=quantity_of("supply_v"),
-    help="Voltage at the servos' plug, measured while they move.",
 )
-@click.option("--simulated", is_flag=True, help="Say in the session that it is no measurement.")
-@click.option(
-    "--ratchet",
-    is_flag=True,
-    help="Its wheels roll harder backwards: hold stations facing up, too.",
-)
+@flag("--simulated", "Say in the session that it is no measurement.")
+@flag("--ratchet", "Its wheels roll harder backwards: hold stations facing up, too.")
 def new(
     folder: Path,
     template: Path | None,

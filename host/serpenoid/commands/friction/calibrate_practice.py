@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..declare import flag, option, refuse_typed
 from ..paths import FOLDER
 
 if TYPE_CHECKING:
@@ -24,33 +25,28 @@ ENOUGH = 4  # pushes, after which the truth may be told
 
 @click.command()
 @click.argument("folder", type=FOLDER, default=Path("practice-session"))
-@click.option(
+@option(
     "--on",
-    type=click.Choice(["treadmill", "floor"]),
+    "What to practise: stations, or pushes.",
+    choice=["treadmill", "floor"],
     default="treadmill",
-    show_default=True,
-    help="What to practise: stations, or pushes.",
 )
-@click.option(
-    "--seed",
-    type=click.IntRange(0, 10**6),
-    help="Of the truth that is to be found; drawn unless given.",
+@option(
+    "--seed", "Of the truth that is to be found; drawn unless given.", type=click.IntRange(0, 10**6)
 )
-@click.option(
+@option(
     "--pace",
+    "How many seconds pass at the treadmill in one of the clock.",
     type=click.FloatRange(0.1, 50.0),
     default=1.0,
-    show_default=True,
-    help="How many seconds pass at the treadmill in one of the clock.",
 )
-@click.option(
+@option(
     "--page/--no-page",
     "with_page",
+    "Serve the treadmill as a page: a picture, and buttons.",
     default=True,
-    show_default=True,
-    help="Serve the treadmill as a page: a picture, and buttons.",
 )
-@click.option("--lan", is_flag=True, help="The page is reachable from a phone in the same net.")
+@flag("--lan", "The page is reachable from a phone in the same net.")
 def practice(
     folder: Path, on: str, seed: int | None, pace: float, with_page: bool, lan: bool
 ) -> None:
@@ -76,7 +72,8 @@ def practice(
     if lan and not with_page:
         raise click.UsageError("--lan goes with --page")
     if on == "floor":
-        _no_treadmill_options()
+        words = "{} has no effect with --on floor; leave it out"
+        refuse_typed(words, "pace", "lan", "with_page")
         return _on_floor(folder, seed)
     session, drawn = _begun(folder, seed, on)
     link = VirtualLink(joints=session.setup.robot.links - 1)
@@ -91,15 +88,6 @@ def practice(
         session = read_session(folder)
         if len(session.kept) >= 4:
             terminal.say(f"\n{belt_words(drawn_belt(drawn))}; `serpenoid fit {folder}`")
-
-
-def _no_treadmill_options() -> None:
-    """Refuse what was typed for a treadmill's page and clock, which pushes have not."""
-    context = click.get_current_context()
-    typed = click.core.ParameterSource.COMMANDLINE
-    for name, option in (("pace", "--pace"), ("lan", "--lan"), ("with_page", "--page")):
-        if context.params[name] and context.get_parameter_source(name) is typed:
-            raise click.UsageError(f"{option} has no effect with --on floor; leave it out")
 
 
 def _on_floor(folder: Path, seed: int | None) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ...show.screen import say
+from ..declare import flag, number, option
 from ..paths import EXISTING, FOLDER
 
 if TYPE_CHECKING:
@@ -17,35 +18,26 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("folder", type=FOLDER)
 @click.argument("files", nargs=-1, required=True, type=EXISTING)
-@click.option(
+@option(
     "--lambda-deg",
+    "Bend of the robot, as the protractor showed it; 0 where straight.",
     type=click.FloatRange(0, 60),
     default=0.0,
     show_default=True,
-    help="Bend of the robot, as the protractor showed it; 0 where straight.",
 )
-@click.option(
+@option(
     "--way",
-    type=click.Choice(["there", "back"]),
+    "Of the first file's first push; the next files' go in turn.",
+    choice=["there", "back"],
     default="there",
-    show_default=True,
-    help="Of the first file's first push; the next files' go in turn.",
 )
-@click.option(
-    "--tail-first",
-    is_flag=True,
-    help="Its wheels rolled backwards: of ratchets, which roll harder so.",
+@flag("--tail-first", "Its wheels rolled backwards: of ratchets, which roll harder so.")
+@option(
+    "--unit", "Of lengths that do not name theirs.", choice=["m", "cm", "mm", "in"], default="m"
 )
-@click.option(
-    "--unit",
-    type=click.Choice(["m", "cm", "mm", "in"]),
-    default="m",
-    show_default=True,
-    help="Of lengths that do not name theirs.",
-)
-@click.option("--place", default="", help="Of the floor's line, where there is more than one.")
-@click.option("--marks", is_flag=True, help="Times taken by hand at marks, from the first mark on.")
-@click.option("--tag-mm", type=float, help="Side of a film's tags; the session's unless given.")
+@option("--place", "Of the floor's line, where there is more than one.", default="")
+@flag("--marks", "Times taken by hand at marks, from the first mark on.")
+@number("--tag-mm", "Side of a film's tags; the session's unless given.")
 def push(
     folder: Path,
     files: tuple[Path, ...],

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from ..declare import number, option
 from ..given import session_fit
 from ..options import (
     AS_TABLES,
@@ -22,28 +23,20 @@ from ..paths import FIGURES, FOLDER, out_file
 @click.command()
 @click.argument("session", type=FOLDER)
 @listed_gaits
-@click.option(
+@number(
     "--amplitude-sigma",
-    type=float,
+    "Standard deviation of the joints' true over commanded amplitude.",
     default=0.03,
-    show_default=True,
-    help="Standard deviation of the joints' true over commanded amplitude.",
 )
 @servo_option
-@click.option(
-    "--samples",
-    type=click.IntRange(16, 4096),
-    default=64,
-    show_default=True,
-    help="Frictions drawn from the fit.",
-)
-@click.option(
+@option("--samples", "Frictions drawn from the fit.", type=click.IntRange(16, 4096), default=64)
+@option(
     "--beside",
     "other",
+    "Another session of this robot: do both tell the same friction?",
     type=FOLDER,
-    help="Another session of this robot: do both tell the same friction?",
 )
-@click.option("--plot", "figure", type=out_file(*FIGURES), help="Draw it into this file.")
+@option("--plot", "figure", "Draw it into this file.", type=out_file(*FIGURES))
 @AS_TABLES
 def compare(
     session: Path,

@@ -10,6 +10,7 @@ import click
 
 from ...model.errors import SerpenoidError
 from ...show.screen import say
+from ..declare import flag, option
 from ..options import AS_TABLES, servo_option, show_json, take_servo
 from ..paths import FIGURES, FOLDER, out_file
 
@@ -22,30 +23,22 @@ MANY = 300  # readings, whose fit may take a second or more
 
 @click.command()
 @click.argument("session", type=FOLDER)
-@click.option(
+@option(
     "--method",
-    type=click.Choice(["joint", "robust", "naive"]),
+    "Honest intervals; the same with misreadings in it; or the paper's two lines.",
+    choice=["joint", "robust", "naive"],
     default="joint",
-    show_default=True,
-    help="Honest intervals; the same with misreadings in it; or the paper's two lines.",
 )
-@click.option(
-    "--crawls", is_flag=True, help="Fit the gait runs and films, too, or alone; some 20 s."
-)
+@flag("--crawls", "Fit the gait runs and films, too, or alone; some 20 s.")
 @servo_option
-@click.option(
+@option(
     "--plot",
     "figure",
+    "Draw the lines and readings into this PNG, PDF or SVG.",
     type=out_file(*FIGURES),
-    help="Draw the lines and readings into this PNG, PDF or SVG.",
 )
-@click.option("--influence", is_flag=True, help="List what every reading does to the fit.")
-@click.option(
-    "--save/--no-save",
-    default=True,
-    show_default=True,
-    help="Keep it as fit.json beside the readings (not if naive).",
-)
+@flag("--influence", "List what every reading does to the fit.")
+@option("--save/--no-save", "Keep it as fit.json beside the readings (not if naive).", default=True)
 @AS_TABLES
 def fit(
     session: Path,

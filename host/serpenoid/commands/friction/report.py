@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from ...show.screen import say
+from ..declare import option
 from ..given import session_fit
 from ..options import AS_JSON, servo_option, show_json, take_servo
 from ..paths import FOLDER, out_file
@@ -14,15 +15,9 @@ from ..paths import FOLDER, out_file
 
 @click.command()
 @click.argument("session", type=FOLDER)
-@click.option(
-    "--out", type=out_file(".html"), help="Where to; report.html in the session's folder."
-)
-@click.option("--bibtex", type=out_file(".bib"), help="Write what to cite into this file, too.")
-@click.option(
-    "--beside",
-    type=FOLDER,
-    help="Another session of this robot, to compare the frictions with.",
-)
+@option("--out", "Where to; report.html in the session's folder.", type=out_file(".html"))
+@option("--bibtex", "Write what to cite into this file, too.", type=out_file(".bib"))
+@option("--beside", "Another session of this robot, to compare the frictions with.", type=FOLDER)
 @servo_option
 @AS_JSON
 def report(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ..declare import number, option
 from ..given import session_fit
 from ..options import AS_JSON, plug_options, show_json, take_servo
 from ..paths import EXISTING, FOLDER, out_file
@@ -19,37 +20,24 @@ _COLUMNS = ("t_s", "setpoint_deg", "angle_deg")
 
 
 @click.command()
-@click.option(
+@option(
     "--test",
     "table",
+    "Bench test of one joint: columns t_s, setpoint_deg, angle_deg.",
     type=EXISTING,
     metavar="CSV",
-    help="Bench test of one joint: columns t_s, setpoint_deg, angle_deg.",
 )
-@click.option(
-    "--session",
-    type=FOLDER,
-    help="A session with gait runs or films.",
-)
-@click.option(
-    "--like", default="hobby", show_default=True, metavar="NAME|FILE", help="What is known before."
-)
+@option("--session", "A session with gait runs or films.", type=FOLDER)
+@option("--like", "What is known before.", default="hobby", metavar="NAME|FILE")
 @plug_options
-@click.option(
-    "--sigma-deg",
-    type=float,
-    default=0.5,
-    show_default=True,
-    help="Standard deviation of the angles of --test.",
-)
-@click.option(
+@number("--sigma-deg", "Standard deviation of the angles of --test.", default=0.5)
+@number(
     "--inertia-kg-m2",
-    type=float,
+    "Inertia of what the joint of --test turns, about it.",
     default=0.0,
     show_default=True,
-    help="Inertia of what the joint of --test turns, about it.",
 )
-@click.option("--out", type=out_file(".toml"), help="File for --servo of other commands.")
+@option("--out", "File for --servo of other commands.", type=out_file(".toml"))
 @AS_JSON
 def servo(
     table: Path | None,
@@ -109,14 +97,14 @@ def read_test(path: Path, sigma_rad: float, inertia_kg_m2: float) -> BenchTest:
             f"{path}:1: no column {', '.join(missing)}; needed are {', '.join(_COLUMNS)}"
         )
     columns: list[list[float]] = [[] for _ in _COLUMNS]
-    for number, row in enumerate(rows[1:], 2):
+    for line, row in enumerate(rows[1:], 2):
         if not any(cell.strip() for cell in row):
             continue
         for column, name in zip(columns, _COLUMNS, strict=True):
             try:
                 column.append(float(row[heading.index(name)]))
             except (ValueError, IndexError) as error:
-                raise BadInput(f"{path}:{number}: {name} is no number") from error
+                raise BadInput(f"{path}:{line}: {name} is no number") from error
     t, sent, seen = columns
     rad = math.radians
     with located(str(path)):

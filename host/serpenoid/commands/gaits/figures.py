@@ -12,6 +12,7 @@ import click
 
 from ...model.files import write_text
 from ...show.screen import say
+from ..declare import option
 from ..options import AS_JSON, finite, interruptible, show_json
 from ..paths import directory
 
@@ -28,33 +29,24 @@ CLIFF_M_S = 0.05  # speed of the two gaits whose cliffs are drawn
 
 
 @click.command()
-@click.option(
+@option(
     "--out",
+    "Folder for figures, their data and the page.",
     type=directory,
     default=Path("figures-out"),
-    show_default=True,
-    help="Folder for figures, their data and the page.",
 )
-@click.option(
-    "--power",
-    type=click.Choice(["net", "abs", "positive"]),
-    default="net",
-    show_default=True,
-    help="Mean of P, of |P| or of P+.",
-)
-@click.option(
+@option("--power", "Mean of P, of |P| or of P+.", choice=["net", "abs", "positive"], default="net")
+@option(
     "--angles",
-    type=click.Choice(["joint", "absolute"]),
+    "What Eq. 57 drives: joints, or links.",
+    choice=["joint", "absolute"],
     default="joint",
-    show_default=True,
-    help="What Eq. 57 drives: joints, or links.",
 )
-@click.option(
+@option(
     "--speed-along",
-    type=click.Choice(["mean", "x"]),
+    "Direction the speed counts in: of travel, or global x.",
+    choice=["mean", "x"],
     default="mean",
-    show_default=True,
-    help="Direction the speed counts in: of travel, or global x.",
 )
 @AS_JSON
 def figures(out: Path, power: str, angles: str, speed_along: str, as_json: bool) -> None:

@@ -14,6 +14,7 @@ import click
 from ...model.checks import check_number
 from ...model.errors import NotConverged
 from ...show.screen import say
+from ..declare import flag, number, option, refuse_typed, stacked
 from ..given import predicted_band, servo_as_filmed, take_fit
 from ..joints import joints_option, latest_film
 from ..options import (
@@ -30,7 +31,6 @@ from ..options import (
     robot_with_fit,
     servo_option,
     show_json,
-    stacked,
     take,
     take_servo,
 )
@@ -62,93 +62,70 @@ LIMITS = (
 )
 DOUBTS = ("amplitude", "common_amplitude", "lag_rad")  # of Uncertainty
 limit_options = stacked(
-    [
-        click.option(
-            "--joint-angle-deg",
-            "joint_angle_rad",
-            type=float,
-            callback=as_radians(180.0),
-            help="Most a joint may bend; 110 unless given.",
-        ),
-        click.option(
-            "--servo-speed-deg-s",
-            "servo_speed_rad_s",
-            type=float,
-            callback=as_radians(math.inf),
-            help="Most a servo turns; 500, a new board's limit, unless given; inf: no limit.",
-        ),
-        click.option("--servo-torque-nm", type=float, help="Most a servo holds."),
-        click.option("--omega-low-rad-s", type=float, help="Lowest rate of the gait."),
-        click.option("--omega-high-rad-s", type=float, help="Highest rate of the gait."),
-    ]
+    number(
+        "--joint-angle-deg",
+        "joint_angle_rad",
+        "Most a joint may bend; 110 unless given.",
+        callback=as_radians(180.0),
+    ),
+    number(
+        "--servo-speed-deg-s",
+        "servo_speed_rad_s",
+        "Most a servo turns; 500, a new board's limit, unless given; inf: no limit.",
+        callback=as_radians(math.inf),
+    ),
+    number("--servo-torque-nm", "Most a servo holds."),
+    number("--omega-low-rad-s", "Lowest rate of the gait."),
+    number("--omega-high-rad-s", "Highest rate of the gait."),
 )
 doubt_options = stacked(
-    [
-        click.option(
-            "--robust",
-            is_flag=True,
-            help="Keep 90 % of the speed for 95 % of the robots that may be the real one.",
-        ),
-        click.option(
-            "--amplitude-sigma", "amplitude", type=float, help="Of each joint, relative; 0.02."
-        ),
-        click.option(
-            "--common-amplitude-sigma",
-            "common_amplitude",
-            type=float,
-            help="Of all joints, relative; 0.03.",
-        ),
-        click.option(
-            "--lag-sigma-deg",
-            "lag_rad",
-            type=float,
-            callback=as_radians(57.0, open_low=False),
-            help="Of each joint's phase; 1.",
-        ),
-        joints_option,
-    ]
+    flag("--robust", "Keep 90 % of the speed for 95 % of the robots that may be the real one."),
+    number("--amplitude-sigma", "amplitude", "Of each joint, relative; 0.02."),
+    number("--common-amplitude-sigma", "common_amplitude", "Of all joints, relative; 0.03."),
+    number(
+        "--lag-sigma-deg",
+        "lag_rad",
+        "Of each joint's phase; 1.",
+        callback=as_radians(57.0, open_low=False),
+    ),
+    joints_option,
 )
 send_options = stacked(
-    [
-        click.option("--send", is_flag=True, help="Drive the gait on the robot, as `drive` does."),
-        click.option("--port", help="Serial port; found by its USB id unless given."),
-        click.option(
-            "--duration-s",
-            type=click.FloatRange(0, min_open=True),
-            help="With --send: how long; until Ctrl-C unless given.",
-        ),
-        click.option(
-            "--record", type=out_file(), help="With --send: new file for the run's lines."
-        ),
-    ]
+    flag("--send", "Drive the gait on the robot, as `drive` does."),
+    option("--port", "Serial port; found by its USB id unless given."),
+    option(
+        "--duration-s",
+        "With --send: how long; until Ctrl-C unless given.",
+        type=click.FloatRange(0, min_open=True),
+    ),
+    option("--record", "With --send: new file for the run's lines.", type=out_file()),
 )
 
 
 @click.command()
 @robot_options
-@click.option(
+@option(
     "--speed-m-s",
     "--speed",
     "speeds",
+    "Wanted speed; several, with commas, give the whole front.",
     required=True,
     metavar="M/S[,M/S...]",
-    help="Wanted speed; several, with commas, give the whole front.",
 )
-@click.option(
+@option(
     "--cost",
-    type=click.Choice(["power", "abs_power", "positive_power"]),
+    "Mean power to make least.",
+    choice=["power", "abs_power", "positive_power"],
     default="power",
-    show_default=True,
-    help="Mean power to make least.",
 )
 @formulation_option
 @limit_options
 @doubt_options
 @servo_option
-@click.option(
+@option(
     "--plot",
+    "Draw speed against amplitude and fn0 around the gait: the cliff.",
     type=out_file(*FIGURES),
-    help="Draw speed against amplitude and fn0 around the gait: the cliff.",
 )
 @send_options
 @AS_TABLES
@@ -162,7 +139,11 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
     With --session DIR or --ground FILE the friction is a fit's, and --robust takes its samples.
     """
     wanted = _speeds(speeds)
-    _refuse_idle(given, send, plot is not None)
+    if not send:
+        words = "{} is for --send, which is not there"
+        refuse_typed(words, "port", "duration_s", "record")
+    if not given["robust"] and plot is None:
+        refuse_typed("{} is for --robust or --plot; neither is there", *DOUBTS, "joints")
     servo_name = given.pop("servo_name")
     run = {name: given.pop(name) for name in ("port", "duration_s", "record")}
     if len(wanted) > 1 and (send or plot or servo_name):
@@ -219,17 +200,6 @@ def _check_board(port: str | None, record: Path | None) -> None:
         check_free(record)
     if port is None:
         find_port()
-
-
-def _refuse_idle(given: dict[str, Any], send: bool, plot: bool) -> None:
-    """Refuse options that would do nothing beside the others."""
-    for name in ("port", "duration_s", "record"):
-        if not send and given[name] is not None:
-            raise click.UsageError(f"--{name.replace('_', '-')} is for --send, which is not there")
-    typed = options_of(click.get_current_context().command)
-    for name in (*DOUBTS, "joints"):
-        if not (given["robust"] or plot) and given[name] is not None:
-            raise click.UsageError(f"{typed[name]} is for --robust or --plot; neither is there")
 
 
 def _speeds(text: str) -> list[float]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..declare import flag, number
 from ..given import predicted_band, servo_as_filmed, take_fit
 from ..joints import joints_option, was_filmed, with_joints
 from ..options import (
@@ -44,17 +45,16 @@ _FEW_LINKS = 20
 @click.command()
 @robot_options
 @gait_options
-@click.option("--rtol", type=float, default=1e-6, show_default=True, help="Relative accuracy.")
+@number("--rtol", "Relative accuracy.", default=1e-6)
 @formulation_option
-@click.option("--stiffness-n-m", type=float, help="Implicit: k; 1000 unless given.")
-@click.option("--damping-n-s-m", type=float, help="Implicit: c; 1 unless given.")
+@number("--stiffness-n-m", "Implicit: k; 1000 unless given.")
+@number("--damping-n-s-m", "Implicit: c; 1 unless given.")
 @servo_option
 @joints_option
-@click.option(
+@flag(
     "--sensitivities",
     "differentiated",
-    is_flag=True,
-    help="What 1 % of each parameter changes (ideal joints); with a fit, what each unknown leaves.",
+    "What 1 % of each parameter changes (ideal joints); with a fit, what each unknown leaves.",
 )
 @AS_TABLES
 def steady(

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ...show.screen import say
+from ..declare import number, option
 from ..options import (
     AS_JSON,
     GROUND,
@@ -116,30 +117,30 @@ def _designs(
 
 @click.command()
 @robot_options
-@click.option(
+@option(
     "--vary",
+    "Vary the robot, too: links, mass_kg, length_m, ct, cn, ft0 or fn0 (all per "
+    "link). May be given several times; wants a folder as --out.",
     multiple=True,
     metavar="NAME=FIRST:LAST:STEP",
-    help="Vary the robot, too: links, mass_kg, length_m, ct, cn, ft0 or fn0 (all per "
-    "link). May be given several times; wants a folder as --out.",
 )
-@click.option("--alpha-deg", default="5:75:5", show_default=True, help="FIRST:LAST:STEP.")
-@click.option("--beta-deg", default="20:90:5", show_default=True, help="FIRST:LAST:STEP.")
-@click.option("--omega-rad-s", help="FIRST:LAST:STEP; 1:20:1 unless given.")
-@click.option("--frequency-hz", help="FIRST:LAST:STEP, in place of --omega-rad-s.")
-@click.option("--rtol", type=float, default=1e-6, show_default=True, help="Relative accuracy.")
+@option("--alpha-deg", "FIRST:LAST:STEP.", default="5:75:5")
+@option("--beta-deg", "FIRST:LAST:STEP.", default="20:90:5")
+@option("--omega-rad-s", "FIRST:LAST:STEP; 1:20:1 unless given.")
+@option("--frequency-hz", "FIRST:LAST:STEP, in place of --omega-rad-s.")
+@number("--rtol", "Relative accuracy.", default=1e-6)
 @servo_option
-@click.option("--threads", type=int, help="Threads to solve in; one a processor unless given.")
-@click.option(
+@option("--threads", "Threads to solve in; one a processor unless given.", type=int)
+@option(
     "--scheduler",
+    "Solve on the Dask cluster with this address, e.g. tcp://10.0.0.1:8786.",
     metavar="ADDRESS",
-    help="Solve on the Dask cluster with this address, e.g. tcp://10.0.0.1:8786.",
 )
-@click.option(
+@option(
     "--out",
-    type=path,
-    help="CSV, npz or JSON file to write; or a folder, filled chunk by chunk and gone on "
+    "CSV, npz or JSON file to write; or a folder, filled chunk by chunk and gone on "
     "with if the same is asked for again.",
+    type=path,
 )
 @AS_JSON
 def sweep(
