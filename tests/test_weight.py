@@ -35,7 +35,7 @@ MOST_TOKENS = {
     "host/serpenoid/_core": 2787,
     "host/serpenoid/bench": 13577,
     "host/serpenoid/calibration": 99489,
-    "host/serpenoid/commands": 30998,
+    "host/serpenoid/commands": 29901,
     "host/serpenoid/exchange": 2226,
     "host/serpenoid/gaits": 11799,
     "host/serpenoid/lab": 7990,
