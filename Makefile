@@ -39,6 +39,7 @@ test: $(VENV)/built lint
 PART = @.ci/part $@ $(VENV)/bin/python -m pytest
 NUMBERS = $(addprefix tests/host/,model periodic simulation gaits calibration)
 HOST = tests/host tests/end_to_end
+GAITS = tests/host/gaits
 test-host:
 	$(PART) -m "not slow" $(HOST) $(addprefix --ignore=,$(NUMBERS))
 
@@ -57,10 +58,13 @@ quick-tests:
 test-slow: $(VENV)/built $(VENV)/dev
 	@sh .ci/need chromium=chromium chromedriver=chromium-driver em++=emscripten node=nodejs \
 		$$(cat tests/avr/packages.txt tests/arm/packages.txt) || echo "what needs these is skipped"
-	@$(MAKE) --no-print-directory --jobs=2 slow-host slow-board
+	@$(MAKE) --no-print-directory --jobs=2 slow-host slow-gaits slow-board
 
 slow-host:
-	$(PART) -m slow $(HOST)
+	$(PART) -m slow $(HOST) --ignore=$(GAITS)
+
+slow-gaits:
+	$(PART) -m slow $(GAITS)
 
 slow-board:
 	$(PART) -m slow $(addprefix --ignore=,$(HOST))
@@ -126,4 +130,4 @@ $(VENV)/built: $(SOURCES) constraints/run.txt
 	@$(MAKE) --no-print-directory --jobs=2 $(VENV)/core $(VENV)/run
 	@touch $@
 
-.PHONY: help demo test test-host test-numbers test-board quick quick-tests test-slow slow-host slow-board build lint format docs playground figures bench wheel clean
+.PHONY: help demo test test-host test-numbers test-board quick quick-tests test-slow slow-host slow-gaits slow-board build lint format docs playground figures bench wheel clean
