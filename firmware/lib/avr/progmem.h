@@ -4,7 +4,7 @@
 #include <stdint.h>
 
 // The link-time optimiser would inline what is called once, and keep all of it in one stack frame.
-#define OWN_FRAME __attribute__((noinline))
+#define OWN_FRAME [[gnu::noinline]]
 
 #ifdef __AVR__
 #include <avr/pgmspace.h>

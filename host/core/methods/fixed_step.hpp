@@ -40,7 +40,7 @@ class FixedStep : public Method {
 
   private:
     double t_ = 0, origin_ = 0;
-    long steps_ = 0;
+    long long steps_ = 0;
     std::vector<double> y_;
 };
 

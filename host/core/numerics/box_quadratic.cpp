@@ -28,7 +28,7 @@ void BoxQuadratic::solve() {
         factor_ = matrix_;
         for (std::size_t i = 0; i < size; ++i) factor_[i * size + i] *= 1 + more;
         cholesky(factor_.data(), rows);
-        if (std::isfinite(factor_.back())) break;
+        if (size == 0 || std::isfinite(factor_.back())) break;
     }
     x_.assign(size, 0.0);
     const auto residual = [&] {

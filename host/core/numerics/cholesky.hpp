@@ -3,22 +3,21 @@
 
 #include <cmath>
 
+#include "numerics/pack.hpp"
+
 namespace serpenoid {
 
-// Two numbers, for the vector instructions that every processor has.
-typedef double Pair __attribute__((vector_size(16), may_alias, aligned(8)));
-inline Pair& pair(double* x) { return *reinterpret_cast<Pair*>(x); }
-inline const Pair& pair(const double* x) { return *reinterpret_cast<const Pair*>(x); }
+inline Pack pair(const double* x) { return *reinterpret_cast<const Pair*>(x); }
 
 // to += a from
 [[gnu::always_inline]] inline void add(double* to, int size, double a, const double* from) {
     int i = 0;
-    for (; i + 1 < size; i += 2) pair(to + i) += a * pair(from + i);
+    for (; i + 1 < size; i += 2) *reinterpret_cast<Pair*>(to + i) += a * pair(from + i);
     if (i < size) to[i] += a * from[i];
 }
 
 [[gnu::always_inline]] inline double dot(const double* a, const double* b, int size) {
-    Pair sum{};
+    Pack sum{};
     int i = 0;
     for (; i + 1 < size; i += 2) sum += pair(a + i) * pair(b + i);
     return sum[0] + sum[1] + (i < size ? a[i] * b[i] : 0.0);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
 namespace serpenoid {
 
@@ -54,7 +55,7 @@ struct Gauss {
 
     // The i-th root of the Legendre polynomial P_s by Newton's method, and its weight.
     void node(int i) {
-        double x = -std::cos(M_PI * (i + 0.75) / (s + 0.5)), slope = 1;
+        double x = -std::cos(std::numbers::pi * (i + 0.75) / (s + 0.5)), slope = 1;
         for (int iteration = 0; iteration < 100; ++iteration) {
             double p0 = 1, p1 = x;
             for (int k = 2; k <= s; ++k) {

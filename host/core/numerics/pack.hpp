@@ -2,12 +2,23 @@
 #pragma once
 
 #include <cmath>
+#if !defined(__GNUC__) || defined(SERPENOID_PLAIN_PACKS)
+#include "numerics/plain_pack.hpp"
+#endif
 
 namespace serpenoid {
 
 constexpr int kPack = 2;
+#if defined(__GNUC__) && !defined(SERPENOID_PLAIN_PACKS)
 typedef double Pack __attribute__((vector_size(8 * kPack), may_alias));
 typedef long long PackBits __attribute__((vector_size(8 * kPack), may_alias));
+// Of any two doubles. No function returns a reference to it: Clang would align it as a pack.
+typedef Pack Pair __attribute__((aligned(8)));
+#else
+using Pack = PlainPack<double>;
+using PackBits = PlainPack<long long>;
+using Pair = Pack;
+#endif
 
 inline Pack all(double value) { return Pack{} + value; }
 
@@ -53,7 +64,7 @@ inline void sincos(Pack x, Pack& sine, Pack& cosine) {
     const PackBits quadrant = (PackBits)shifted, odd = -(quadrant & 1);
     sine = (Pack)((PackBits)choose(odd, c, s) ^ ((quadrant & 2) << 62));
     cosine = (Pack)((PackBits)choose(odd, s, c) ^ (((quadrant + 1) & 2) << 62));
-    if (__builtin_expect(any((x > kFar) | (x < -kFar)), 0))
+    if (any((x > kFar) | (-x > kFar))) [[unlikely]]
         for (int j = 0; j < kPack; ++j)
             if (std::fabs(x[j]) > kFar) sine[j] = std::sin(x[j]), cosine[j] = std::cos(x[j]);
 }

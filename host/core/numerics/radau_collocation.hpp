@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "numerics/dense.hpp"
 #include "numerics/gauss_rule.hpp"
@@ -86,7 +87,7 @@ struct RadauRule {
     // The i-th zero of P_s - P_{s-1} from the right, by Newton's method; the first is the end.
     static double node(int i) {
         if (i == 0) return 1;
-        double x = std::cos(2 * M_PI * i / (2 * s - 1));
+        double x = std::cos(2 * std::numbers::pi * i / (2 * s - 1));
         for (int iteration = 0; iteration < 100; ++iteration) {
             double p0 = 1, p1 = x, d0 = 0, d1 = 1;
             for (int k = 2; k <= s; ++k) {

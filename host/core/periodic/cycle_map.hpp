@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -103,8 +104,8 @@ class CycleMap {
     virtual bool smooth() const { return false; }
 
     bool mirrored() const { return mirrored_; }
-    double span() const { return mirrored_ ? M_PI : 2 * M_PI; }  // of phase
-    double time() const { return span() / gait_.omega; }         // of the span, s
+    double span() const { return mirrored_ ? std::numbers::pi : 2 * std::numbers::pi; }  // of phase
+    double time() const { return span() / gait_.omega; }  // of the span, s
     double nm() const { return nm_; }
     const Gait& gait() const { return gait_; }
     const Vec3& scale() const { return scale_; }  // of p

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "numerics/matrix_product.hpp"
 
@@ -39,7 +40,7 @@ SteadyState Refinement::report(const Orbit& orbit, double tolerance) const {
     };
     Path path{value(end.x, CycleState::kX), value(end.y, CycleState::kY),
               value(end.theta, CycleState::kTheta)};
-    const double period = 2 * M_PI / map_.gait().omega;
+    const double period = 2 * std::numbers::pi / map_.gait().omega;
     SteadyState out;
     Mat3 M = orbit.derivative;
     for (int i = 0; i < 9; ++i) M[i] *= scale[i / 3] / scale[i % 3];
@@ -47,7 +48,8 @@ SteadyState Refinement::report(const Orbit& orbit, double tolerance) const {
     if (map_.mirrored()) path = path.twice_mirrored();
     out.chord = path.length() / period, out.turn = path.turn;
     if (!map_.mirrored()) {
-        const auto arc = map_.follow(p, {tolerance, false, false, path.turn / (2 * M_PI)});
+        const auto arc =
+            map_.follow(p, {tolerance, false, false, path.turn / (2 * std::numbers::pi)});
         if (arc) path = {arc->state.x, arc->state.y, path.turn};
     }
     out.speed = path.length() / period, out.direction = path.direction();

@@ -270,8 +270,10 @@ NB_MODULE(_core, m) {
     m.doc() = "Compiled core of serpenoid; use the package's own functions instead.";
 #ifdef __clang__
     m.attr("compiler") = __VERSION__;  // "Clang ..."
-#else
+#elif defined(__GNUC__)
     m.attr("compiler") = "GCC " __VERSION__;
+#else
+    m.attr("compiler") = "MSVC";
 #endif
     nb::class_<Model>(m, "Model")
         .def("__init__",

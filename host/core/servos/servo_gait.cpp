@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "servos/servo_steps.hpp"
@@ -130,12 +131,12 @@ ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& 
                           const Servo& servo, const Vec3& start, const Mat3& monodromy,
                           const ServoGaitOptions& options) {
     const double least = 1e-4 * gait.omega * robot.n * 2 * robot.l;
-    const double frames = 2 * M_PI / (gait.omega * servo.frame);
+    const double frames = 2 * std::numbers::pi / (gait.omega * servo.frame);
     // the loop's spring is explicit in a step: its quickest swing bends the lightest joint alone
     const double swing = std::sqrt(servo.stiffness / (servo.armature + robot.I / 8));
     const double longest = std::min(options.longest, kSwing / swing);
     ServoGaitState out;
-    if (2 * M_PI / (gait.omega * longest) > kMostSteps) return out;
+    if (2 * std::numbers::pi / (gait.omega * longest) > kMostSteps) return out;
     ServoSteps steps(robot, ground, gait, servo, longest);
     steps.start(start[0], start[1], start[2]);
     Settling settling(steps, robot, monodromy, least);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -136,7 +137,7 @@ void ServoSteps::enter() {
 }
 
 void ServoSteps::cycle() {
-    const double T = 2 * M_PI / gait_.omega, heading = theta_[0];
+    const double T = 2 * std::numbers::pi / gait_.omega, heading = theta_[0];
     path_ = {}, squares_ = work_ = 0;
     samples_.clear();
     std::fill(wave_.begin(), wave_.end(), 0.0);
@@ -412,7 +413,7 @@ void ServoSteps::watch(std::vector<int> harmonics) {
 }
 
 std::vector<double> ServoSteps::lines() const {
-    const double T = 2 * M_PI / gait_.omega;
+    const double T = 2 * std::numbers::pi / gait_.omega;
     const int each = 2 * (n_ - 1);
     std::vector<double> rms;
     for (std::size_t k = 0; k < watched_.size(); ++k) {
@@ -423,7 +424,7 @@ std::vector<double> ServoSteps::lines() const {
 }
 
 void ServoSteps::finish(double turn) {
-    const double T = 2 * M_PI / gait_.omega;
+    const double T = 2 * std::numbers::pi / gait_.omega;
     double x = 0, y = 0;
     for (const Sample& at : samples_) {
         const double c = std::cos(turn * at.t / T), s = std::sin(turn * at.t / T);

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace serpenoid {
 
@@ -16,7 +17,7 @@ Collocation::Collocation(const Robot& robot, const Ground& ground, const Gait& g
       tolerance_(tolerance),
       mirrored_(gait.offset == 0),
       table_(robot.n, gait) {
-    span_ = mirrored_ ? M_PI : 2 * M_PI, coarsest_ = mirrored_ ? 1 : 2;
+    span_ = mirrored_ ? std::numbers::pi : 2 * std::numbers::pi, coarsest_ = mirrored_ ? 1 : 2;
     const double body = 2 * robot.l * robot.n;
     const double scale[] = {body * omega_, body * omega_, omega_, 1, body, body};  // L: times J
     std::copy_n(scale, PhaseElement::count, scale_);

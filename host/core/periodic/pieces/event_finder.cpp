@@ -10,9 +10,9 @@ namespace serpenoid {
 
 namespace {
 
-constexpr int s = SlidingPiece::kStages;
+constexpr int kStages = SlidingPiece::kStages;
 using Rule = SlidingPiece::Rule;
-using Polynomial = StagePolynomial<s>;
+using Polynomial = StagePolynomial<kStages>;
 
 // Margins that end a mode: at a stage, and between stages, where the polynomial is less accurate.
 // What lies between these and the aim is rounding.
@@ -29,8 +29,8 @@ void EventFinder::set_margins(const SlidingMode& mode) {
     for (int a = 0; a < mode.count; ++a) {
         const int wheel = mode.stuck[a];
         const double unit = piece_.grip(wheel) / force_eps_, bound = piece_.law(wheel).bound;
-        const double side = std::copysign(1 / bound, piece_.stage_force(s - 1, a));
-        for (int j = 0; j <= s; ++j) {
+        const double side = std::copysign(1 / bound, piece_.stage_force(kStages - 1, a));
+        for (int j = 0; j <= kStages; ++j) {
             const double f = j == 0 ? piece_.stuck_force(a, 0) : piece_.stage_force(j - 1, a);
             margin_[wheel].at[j] = unit * (1 - side * f);
         }
@@ -49,12 +49,12 @@ double EventFinder::end_of_wheel(const double* m, double first) const {
                               kNear);
     };
     double found = first, z = 0;
-    for (int j = 0; j < s && z < found; z = c[j++])
+    for (int j = 0; j < kStages && z < found; z = c[j++])
         if (m[j + 1] < kBeyond) found = std::min(found, between(z, m[j], c[j], m[j + 1]));
-    Stretch<s> whole{0, 1, p.bernstein()}, dip;
+    Stretch<kStages> whole{0, 1, p.bernstein()}, dip;
     if (found < 1) whole = whole.cut(found);
     if (whole.first_below(kFarBeyond, 1.0 / 64, dip))
-        found = std::min(found, between(dip.from, dip.b[0], dip.to, dip.b[s]));
+        found = std::min(found, between(dip.from, dip.b[0], dip.to, dip.b[kStages]));
     return found;
 }
 
@@ -64,9 +64,9 @@ double EventFinder::end_of_rest(int wheel, double first) const {
     const double* m = margin_[wheel].at;
     const double far = 2 * piece_.grip(wheel) / force_eps_;  // from one bound to the other
     const double end = lowest_[wheel] < kBeyond ? end_of_wheel(m, first) : first;
-    if (*std::max_element(m, m + s + 1) <= far / 2) return end;
+    if (*std::max_element(m, m + kStages + 1) <= far / 2) return end;
     Lanes other{};
-    for (int j = 0; j <= s; ++j) other.at[j] = far - m[j];
+    for (int j = 0; j <= kStages; ++j) other.at[j] = far - m[j];
     return end_of_wheel(other.at, end);
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "numerics/mean_positive_part.hpp"
 
@@ -13,10 +14,11 @@ namespace serpenoid {
 template <int s>
 double mean_positive_swing(const std::array<double, s>& torque, const std::array<double, s>& rate,
                            double tau, double h, double lag, double alpha) {
+    using std::numbers::pi;
     const double from = tau + lag;
-    const double root = M_PI * (std::ceil(from / M_PI - 0.5) + 0.5);  // the first at or after it
+    const double root = pi * (std::ceil(from / pi - 0.5) + 0.5);  // the first at or after it
     const double turn = 2 * (root - from) / h - 1;
-    const double before = alpha * std::cos(root - M_PI / 2);
+    const double before = alpha * std::cos(root - pi / 2);
     return mean_positive_product<s>(torque, rate, turn, before);
 }
 

@@ -8,7 +8,6 @@ namespace serpenoid {
 
 namespace {
 
-constexpr int s = SlidingPiece::kStages;
 constexpr double kBend = 10;       // times the curvature that Newton's last two steps show
 constexpr double kBetween = 0.73;  // fraction of a piece that is farthest from its stages
 

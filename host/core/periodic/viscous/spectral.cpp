@@ -97,7 +97,7 @@ SteadyState SpectralViscous::state_of(const SteadyOptions& options, const Soluti
     const double omega = omega_[lane];
     SteadyState to;
     to.speed = to.chord = std::fabs(fine.speed);
-    to.direction = fine.speed < 0 ? M_PI - fine.heading : -fine.heading;
+    to.direction = fine.speed < 0 ? std::numbers::pi - fine.heading : -fine.heading;
     to.power = fine.power;
     to.elements = SpectralMesh::level(level_).nodes, to.iterations = iterations_;
     for (int c = 0; c < 3; ++c) to.start[c] = omega * newton_.y[0][c][lane];

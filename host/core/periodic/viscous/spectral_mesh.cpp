@@ -12,7 +12,7 @@ const SpectralMesh& SpectralMesh::level(int k) {
     return all[k];
 }
 
-SpectralMesh::SpectralMesh(int count) : nodes(count), step(M_PI / count) {
+SpectralMesh::SpectralMesh(int count) : nodes(count), step(std::numbers::pi / count) {
     const double part = 2.0 / nodes;
     for (int d = 1 - nodes; d < nodes; ++d) {
         const double at = d * step;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <complex>
+#include <numbers>
 #include <vector>
 
 namespace serpenoid {

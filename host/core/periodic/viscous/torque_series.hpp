@@ -29,17 +29,17 @@ class TorqueSeries {
 
     // Mean of |T times rate|.
     double mean_absolute() {
-        changes_.assign(1, M_PI / 2 - std::arg(rate_));
-        changes_[0] -= M_PI * std::floor(changes_[0] / M_PI);
+        changes_.assign(1, std::numbers::pi / 2 - std::arg(rate_));
+        changes_[0] -= std::numbers::pi * std::floor(changes_[0] / std::numbers::pi);
         find_changes();
         std::sort(changes_.begin(), changes_.end());
-        double before = work(changes_.back()) - M_PI * mean_, sum = 0;
+        double before = work(changes_.back()) - std::numbers::pi * mean_, sum = 0;
         for (const double change : changes_) {
             const double now = work(change);
             sum += std::fabs(now - before);
             before = now;
         }
-        return sum / M_PI;
+        return sum / std::numbers::pi;
     }
 
     // How much of that the modes may hide that no node resolves, by the last two.
@@ -90,7 +90,7 @@ class TorqueSeries {
         const auto value = [this](double at) { return torque(at); };
         double from = tau;
         for (int i = 1; i <= parts; ++i) {
-            const double to = tau + mesh_.step * (1 - std::cos(M_PI * i / parts)) / 2,
+            const double to = tau + mesh_.step * (1 - std::cos(std::numbers::pi * i / parts)) / 2,
                          now = i < parts ? torque(to) : end;
             if ((before > 0) != (now > 0))
                 changes_.push_back(

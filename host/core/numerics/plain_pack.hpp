@@ -1,0 +1,43 @@
+// Packs in standard C++, for compilers without vectors; a mask has all bits of a lane, or none.
+#pragma once
+
+#include <bit>
+
+namespace serpenoid {
+
+template <class T>
+struct PlainPack {
+    T lane[2] = {};
+
+    PlainPack() = default;
+    PlainPack(T both) : lane{both, both} {}
+    PlainPack(T first, T second) : lane{first, second} {}
+    template <class Bits>
+    explicit PlainPack(const PlainPack<Bits>& of) : PlainPack(std::bit_cast<PlainPack>(of)) {}
+
+    T& operator[](int i) { return lane[i]; }
+    T operator[](int i) const { return lane[i]; }
+
+#define SERPENOID_LANES(operation)                                  \
+    friend PlainPack operator operation(PlainPack a, PlainPack b) { \
+        return {a[0] operation b[0], a[1] operation b[1]};          \
+    }
+    SERPENOID_LANES(+)
+    SERPENOID_LANES(-)
+    SERPENOID_LANES(*)
+    SERPENOID_LANES(/)
+    SERPENOID_LANES(&)
+    SERPENOID_LANES(|)
+    SERPENOID_LANES(^)
+    SERPENOID_LANES(<<)
+#undef SERPENOID_LANES
+    friend PlainPack operator~(PlainPack a) { return {~a[0], ~a[1]}; }
+    friend PlainPack operator-(PlainPack a) { return {-a[0], -a[1]}; }
+    friend PlainPack<long long> operator>(PlainPack a, PlainPack b) {
+        return {-(a[0] > b[0]), -(a[1] > b[1])};
+    }
+    PlainPack& operator+=(PlainPack b) { return *this = *this + b; }
+    PlainPack& operator-=(PlainPack b) { return *this = *this - b; }
+};
+
+}  // namespace serpenoid
