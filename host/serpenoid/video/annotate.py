@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from ..model.files import whole_file
 from .fitting.camera import Camera
-from .fitting.chain import link_centres
 from .measure_film import FilmMeasurement
 from .seeing.film import Damage
 
@@ -60,17 +59,15 @@ def annotate_film(found: FilmMeasurement, path: Path) -> None:
 def _draw(picture: Any, camera: Camera, states: Array, k: int) -> None:
     import cv2
 
-    def pixels(flat: Array) -> Any:
-        return camera.image(np.column_stack([flat, np.zeros(len(flat))])).round().astype(np.int32)
-
-    centres = link_centres(states[k], camera.link_m)
-    half = 0.5 * camera.link_m * np.stack([np.cos(states[k, 2:]), np.sin(states[k, 2:])], axis=-1)
-    joints = pixels(np.concatenate([centres[:1] - half[:1], centres + half]))
+    joints, path = (
+        places.round().astype(np.int32)
+        for places in (camera.joints_px(states[k]), camera.plane_px(states[: k + 1, :2]))
+    )
     thick = max(2, picture.shape[1] // 500)
-    cv2.polylines(picture, [pixels(states[: k + 1, :2])], False, PATH, thick, cv2.LINE_AA)
+    cv2.polylines(picture, [path], False, PATH, thick, cv2.LINE_AA)
     cv2.polylines(picture, [joints], False, CHAIN, thick, cv2.LINE_AA)
-    for x, y in joints:
-        cv2.circle(picture, (int(x), int(y)), 2 * thick, JOINT, -1, cv2.LINE_AA)
+    for joint in joints.tolist():
+        cv2.circle(picture, joint, 2 * thick, JOINT, -1, cv2.LINE_AA)
 
 
 def _words(picture: Any, found: FilmMeasurement, time_s: float) -> None:

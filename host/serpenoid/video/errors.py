@@ -101,8 +101,8 @@ def _of_path(fitted: Fitted) -> list[float]:
     speed = np.linalg.pinv((a.conj().T @ a).real)[1, 1]
     turn = np.linalg.pinv(b.T @ b)[-1, -1]
     return [
-        np.sqrt(mean_variance(left, weight, unknowns) * spread)
-        for left, unknowns, spread in (
+        np.sqrt(mean_variance(residual, weight, unknowns) * spread)
+        for residual, unknowns, spread in (
             (rest.real, 5, speed),
             (rest.imag, 5, speed),
             (fitted.heading_rest_rad, 8, turn),

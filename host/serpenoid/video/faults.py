@@ -318,48 +318,38 @@ def view_remarks(watched: Watched, camera: Camera, side_m: float) -> list[Remark
     return judged(VIEW, View(watched, camera, side_m)) + judged(SEEN, watched)
 
 
-def tag_order(centres: Array) -> list[int]:
-    """Return the shortest way through all tags, by their places (frames, links, 2); [] for none."""
+def _tag_order(centres: Array) -> tuple[list[int], float]:
+    """Return the shortest way through all tags, and how much longer that by their numbers is.
+
+    centres: the tags' places (frames, links, 2). [], 0 where there is no such way.
+    """
     from scipy.sparse.csgraph import depth_first_order, minimum_spanning_tree
 
-    tree = minimum_spanning_tree(_apart(centres)).toarray()
-    near = (tree + tree.T > 0).sum(axis=0)
-    if (near > 2).any() or not near.all():
-        return []
-    return depth_first_order(tree, int(near.argmin()), directed=False)[0].tolist()
-
-
-def _apart(centres: Array) -> Array:
-    """Return how far tags are from each other in the mean, (links, links); 0 where never seen."""
     gaps = np.linalg.norm(centres[:, :, None] - centres[:, None], axis=-1)
     there = np.isfinite(gaps)
-    return np.where(there, gaps, 0.0).sum(axis=0) / np.maximum(there.sum(axis=0), 1)
-
-
-def _mixed(centres: Array) -> float:
-    """Return the way through the tags by their numbers over the shortest one."""
-    apart, order = _apart(centres), tag_order(centres)
-    ways = (
+    apart = np.where(there, gaps, 0.0).sum(axis=0) / np.maximum(there.sum(axis=0), 1)
+    tree = minimum_spanning_tree(apart).toarray()
+    near = (tree + tree.T > 0).sum(axis=0)
+    if (near > 2).any() or not near.all():
+        return [], 0.0
+    order = depth_first_order(tree, int(near.argmin()), directed=False)[0].tolist()
+    far, least = (
         sum(apart[a, b] for a, b in itertools.pairwise(way)) for way in (range(len(apart)), order)
     )
-    return next(ways) / next(ways) if order else 0.0
+    return order if order[0] < order[-1] else order[::-1], far / least
 
 
 ORDER: tuple[Check[Array], ...] = (
     Check(
         "order",
-        _mixed,
+        lambda centres: _tag_order(centres)[1],
         lambda centres, _: (
-            f"the tags stand in the order {_numbers(_from_tail(tag_order(centres)))} along the "
+            f"the tags stand in the order {_numbers(_tag_order(centres)[0])} along the "
             "robot; number 1 belongs on the tail, then 2, 3, ...: put them on anew"
         ),
         refused=MIXED,
     ),
 )
-
-
-def _from_tail(order: list[int]) -> list[int]:
-    return order if order[0] < order[-1] else order[::-1]
 
 
 def _periods(m: Measured) -> float:

@@ -129,10 +129,8 @@ def _weights(track: frames.Track) -> tuple[Array, Array]:
 def _ambiguous(track: frames.Track) -> NDArray[np.bool_]:
     """Return which joints may bend either way, (frames, joints): two tags missing side by side."""
     missing = np.isnan(track.rest_px)
-    pair = missing[:, 1:] & missing[:, :-1]
-    none = np.zeros((len(pair), 1), bool)
-    lost = np.concatenate([none, pair], axis=1) | np.concatenate([pair, none], axis=1)
-    return lost[:, 1:] | lost[:, :-1]
+    pair = np.pad(missing[:, 1:] & missing[:, :-1], ((0, 0), (1, 1)))
+    return pair[:, :-2] | pair[:, 1:-1] | pair[:, 2:]
 
 
 def _rate_of_ends(track: frames.Track, seen: Sightings) -> tuple[float, float]:

@@ -112,7 +112,9 @@ def _measurement(film: SeenFilm, gait: Gait | None, board_rate: bool) -> FilmMea
     scale = 1.0
     if board_rate and gait is not None:
         scale = measured.fitted.motion.omega_rad_s / gait.omega_rad_s
-        measured = measure(_rescaled(sightings, scale), side, starts)
+        t_s = sightings.t_s[0] + (sightings.t_s - sightings.t_s[0]) * scale
+        there = Sightings.of(t_s, sightings.corners_px, sightings.image_px)
+        measured = measure(there, side, starts)
     measured = replace(measured, sigmas=blurred(watched) * measured.sigmas)
     remarks = judged(MOTION, measured)
     remarks += view_remarks(watched, measured.bundle.camera, side)
@@ -120,8 +122,3 @@ def _measurement(film: SeenFilm, gait: Gait | None, board_rate: bool) -> FilmMea
     run = filmed_run(watched, measured, sha256_of(watched.film.path), scale, remarks)
     run = replace(run, remarks=(*run.remarks, *judge(run, gait)))
     return FilmMeasurement(run, watched, measured, gait)
-
-
-def _rescaled(s: Sightings, scale: float) -> Sightings:
-    """Return sightings at the board's times."""
-    return Sightings.of(s.t_s[0] + (s.t_s - s.t_s[0]) * scale, s.corners_px, s.image_px)

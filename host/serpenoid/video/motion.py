@@ -115,11 +115,11 @@ def fit_joints(
     """Return rate and coefficients (1 + 2 HARMONICS, joints) of all joints' common rate."""
     for _ in range(12):
         columns = basis(t_s, omega)
-        found = _weighted(columns, phi, weight)
+        sines = _weighted(columns, phi, weight)
         if not free_rate:
-            return omega, found
-        slope = _slope(t_s, omega) @ found  # by the rate
-        rest = phi - columns @ found
+            return omega, sines
+        slope = _slope(t_s, omega) @ sines  # by the rate
+        rest = phi - columns @ sines
         # The rate's own share of the slope: less what the coefficients can take up.
         clean = slope - columns @ _weighted(columns, slope, weight)
         change = float(np.sum(weight * clean * rest) / np.sum(weight * clean * clean))

@@ -42,12 +42,12 @@ def _picture(ax: Any, film: FilmMeasurement) -> None:
     states = film.measured.track.states
     states = states[:: 1 + len(states) // MOST_POINTS]
     ax.imshow(film.watched.picture, cmap="gray", vmin=0, vmax=255)
-    middle = camera.image(np.column_stack([states[:, :2], np.zeros(len(states))]))
+    middle = camera.plane_px(states[:, :2])
     ax.plot(*middle.T, color=BLUE, lw=2, label="middle of the robot")
     head = camera.image(camera.corners(states)[:, -1].mean(axis=1))
     ax.plot(*head.T, color=ORANGE, lw=1.2, label="head")
     for k, style in ((0, "-"), (-1, ":")):
-        ends = chain_px(camera, states[k])
+        ends = camera.joints_px(states[k])
         ax.plot(
             *ends.T,
             style,
@@ -61,16 +61,6 @@ def _picture(ax: Any, film: FilmMeasurement) -> None:
     ax.set(xlim=(0, film.watched.picture.shape[1]), ylim=(film.watched.picture.shape[0], 0))
     ax.grid(False)
     ax.legend(loc="lower right", fontsize=7, frameon=True)
-
-
-def chain_px(camera: Any, state: np.ndarray) -> np.ndarray:
-    """Return tail end, joints and head end of one state in the picture, (links + 1, 2) px."""
-    from ...video.fitting.chain import link_centres
-
-    centres = link_centres(state, camera.link_m)
-    half = 0.5 * camera.link_m * np.stack([np.cos(state[2:]), np.sin(state[2:])], axis=-1)
-    ends = np.concatenate([centres[:1] - half[:1], centres + half])
-    return camera.image(np.column_stack([ends, np.zeros(len(ends))]))
 
 
 def _joints(ax: Any, film: FilmMeasurement) -> None:

@@ -164,13 +164,13 @@ class _Problem:
         a, b, rest = equations(camera, states, self.sightings, noise)
         off, drift = self._from_prior(camera, states)
         unit = np.eye(a.shape[-1])
-        own = a.transpose(0, 2, 1) @ a
-        own[:, 2:, 2:] += self.loose**2 * unit[2:, 2:]
-        own += (1e-9 + damping * np.einsum("fii->fi", own)[:, None]) * unit
+        of_frames = a.transpose(0, 2, 1) @ a
+        of_frames[:, 2:, 2:] += self.loose**2 * unit[2:, 2:]
+        of_frames += (1e-9 + damping * np.einsum("fii->fi", of_frames)[:, None]) * unit
         wanted = np.concatenate([b, rest], axis=-1)
         cross = a.transpose(0, 2, 1) @ wanted
         cross[..., -1] -= self.loose * drift
-        inside = np.linalg.solve(own, cross)
+        inside = np.linalg.solve(of_frames, cross)
         reduced = b.transpose(0, 2, 1) @ wanted - cross[..., :-1].transpose(0, 2, 1) @ inside
         cost = self.cost(camera, states, noise)
         matrix = reduced[..., :-1].sum(axis=0)

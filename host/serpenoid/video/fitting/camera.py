@@ -123,6 +123,16 @@ class Camera:
         flat = np.where(ahead[..., None], pixels.reshape(*world.shape[:-1], 2), np.nan)
         return flat, np.asarray(slopes, np.float64).reshape(*flat.shape, -1)
 
+    def joints_px(self, state: Array) -> Array:
+        """Return tail end, joints and head end of one state in the picture, (links + 1, 2) px."""
+        centres = link_centres(state, self.link_m)
+        half = 0.5 * self.link_m * np.stack([np.cos(state[2:]), np.sin(state[2:])], axis=-1)
+        return self.plane_px(np.concatenate([centres[:1] - half[:1], centres + half]))
+
+    def plane_px(self, places: Array) -> Array:
+        """Return the pixels of places (..., 2), m, in the plane of the tags."""
+        return self.image(np.insert(places, 2, 0.0, axis=-1))
+
     @property
     def _middle_px(self) -> Array:
         half = 0.5 * (np.array(self.image_px) - 1.0)

@@ -61,11 +61,11 @@ def fit_states(
             step = np.linalg.solve(a.transpose(0, 2, 1) @ a + held, pull[..., None])
             states = states + step[..., 0]
             a, b, rest = equations(camera, states, s, noise_px)
-        own = a.transpose(0, 2, 1) @ a + held
+        matrix = a.transpose(0, 2, 1) @ a + held
         miss = np.where(s.seen, rms(misses(camera, states, s)), np.nan)
-        found = (states, *_variances(np.linalg.inv(own)), miss)
-        follow = (-np.linalg.solve(own, a.transpose(0, 2, 1) @ b),) if sensitive else ()
-        return found + follow
+        fitted = (states, *_variances(np.linalg.inv(matrix)), miss)
+        follow = (-np.linalg.solve(matrix, a.transpose(0, 2, 1) @ b),) if sensitive else ()
+        return fitted + follow
 
     return Track(sightings.t_s, *in_chunks(of_frames, len(expected)))
 

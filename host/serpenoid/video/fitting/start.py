@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,17 +29,16 @@ def first_cameras(sightings: Sightings, link_m: float, side_m: float) -> list[Ca
     some = slice(None, None, max(1, len(frame) // SAMPLE))
     corners = sightings.corners_px[frame[some], link[some]].astype(float)
     tried = []
-    for focal in FOCALS:
-        ranked = []
-        for tilt in _tilts():
-            camera = _bare(sightings, link_m, side_m, focal, tilt)
-            ranked.append((_unevenness(camera.on_plane(corners)), camera))
-        tried.append(sorted(ranked, key=lambda pair: pair[0]))
-    best = sorted((ranked[0] for ranked in tried), key=lambda pair: pair[0])
-    lean = best[0][1].shared[5:7]
-    others = [pair for ranked in tried for pair in ranked if pair[1].shared[5:7] @ lean < 0]
-    starts = [*best, *([min(others, key=lambda pair: pair[0])] if others else [])]
-    return [_scaled(camera, corners, side_m) for _, camera in starts]
+    for focal, tilt in product(FOCALS, _tilts()):
+        camera = _bare(sightings, link_m, side_m, focal, tilt)
+        tried.append((_unevenness(camera.on_plane(corners)), focal, camera))
+    tried.sort(key=lambda trial: trial[0])
+    best: dict[float, Camera] = {}
+    for _, focal, camera in tried:
+        best.setdefault(focal, camera)
+    lean = tried[0][2].shared[5:7]
+    others = [camera for *_, camera in tried if camera.shared[5:7] @ lean < 0]
+    return [_scaled(camera, corners, side_m) for camera in [*best.values(), *others[:1]]]
 
 
 def _tilts() -> Array:
@@ -130,7 +130,7 @@ def _never_seen_filled(theta: Array) -> Array:
     links = np.arange(theta.shape[1])
     base = theta[:, seen][:, :1]
     near = base + wrapped(theta[:, seen] - base)  # one branch for a frame
-    shares = [np.interp(links[~seen], links[seen], one) for one in np.eye(seen.sum())]
+    shares = [np.interp(links[~seen], links[seen], unit) for unit in np.eye(seen.sum())]
     out = theta.copy()
     out[:, ~seen] = near @ np.array(shares)
     return out

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,6 @@ NEAR_PX = 2 * PATCH_PX + 1
 REACH_PX = 1.0  # a point that is so far off the floor's common motion is somebody's foot
 
 
-@dataclass
 class Background:
     """Follow the floor's points from the first frame to a later one, and back again.
 
@@ -25,46 +23,40 @@ class Background:
     deviation of that), of the looks in which enough points count. looks: all of them.
     """
 
-    window: tuple[int, int, int, int]
-    shifts: list[tuple[float, float, float, float]] = field(default_factory=list)
-    looks: int = 0
-    _first: NDArray[np.uint8] | None = None
-    _points: Any = None  # (points, 1, 2) float32
-    _next_s: float = 0.0
+    def __init__(
+        self, window: tuple[int, int, int, int], time_s: float, picture: NDArray[np.uint8]
+    ) -> None:
+        """Take the first frame; window: where the robot is, left, top, right, bottom, px."""
+        import cv2
 
-    def look(self, time_s: float, picture: NDArray[np.uint8]) -> None:
-        """Take a frame; most are passed over."""
-        if self._first is None:
-            self._start(picture)
-            self._next_s = time_s + EVERY_S
-        elif time_s >= self._next_s:
-            self._next_s = time_s + EVERY_S
-            self._compare(time_s, picture)
+        self.window = window
+        self.shifts: list[tuple[float, float, float, float]] = []
+        self.looks = 0
+        self._next_s = time_s + EVERY_S
+        free = np.full(picture.shape, 255, np.uint8)
+        left, top, right, bottom = window
+        free[top:bottom, left:right] = 0
+        whole = np.ascontiguousarray(picture)
+        self._first = _even(whole)
+        self._points: Any = cv2.goodFeaturesToTrack(  # (points, 1, 2) float32
+            whole, MOST_POINTS, 0.02, PATCH_PX, mask=free, blockSize=7
+        )
 
     @property
     def plain(self) -> bool:
         """Tell whether the floor shows too little to follow."""
         return len(self.shifts) <= self.looks / 2
 
-    def _start(self, picture: NDArray[np.uint8]) -> None:
+    def look(self, time_s: float, picture: NDArray[np.uint8]) -> None:
+        """Take a later frame; most are passed over."""
         import cv2
 
-        free = np.full(picture.shape, 255, np.uint8)
-        left, top, right, bottom = self.window
-        free[top:bottom, left:right] = 0
-        whole = np.ascontiguousarray(picture)
-        self._first = _even(whole)
-        self._points = cv2.goodFeaturesToTrack(
-            whole, MOST_POINTS, 0.02, PATCH_PX, mask=free, blockSize=7
-        )
-
-    def _compare(self, time_s: float, picture: NDArray[np.uint8]) -> None:
-        import cv2
-
+        if time_s < self._next_s:
+            return
+        self._next_s = time_s + EVERY_S
         self.looks += 1
         if self._points is None:
             return
-        assert self._first is not None
         now = _even(np.ascontiguousarray(picture))
         there, status = self._follow(self._first, now, self._points)
         back, again = self._follow(now, self._first, there)
@@ -97,8 +89,7 @@ class Background:
         """
         left, top, right, bottom = self.window
         corners = np.array([[x, y] for x in (left, right) for y in (top, bottom)], float)
-        a = _similar(points)
-        far = _similar(corners)
+        a, far = _similar(points), _similar(corners)
         inverse = np.linalg.inv(a.T @ a)
         way = inverse @ a.T @ moved.ravel()
         spread = np.sum((moved.ravel() - a @ way) ** 2) / (a.shape[0] - 4)

@@ -60,16 +60,13 @@ class TagFinder:
         if len(found) == self.links:
             self.patience = 0
         elif not found or self.patience <= 0:
-            found = self._whole(picture) | found
+            self.window, self.side_px = (0, 0, picture.shape[1], picture.shape[0]), 0.0
+            found = self._look(picture) | found
             self.patience = LOOK_AGAIN
         else:
             self.patience -= 1
         self._follow(found, picture.shape)
         return found
-
-    def _whole(self, picture: Grey) -> dict[int, Tag]:
-        self.window, self.side_px = (0, 0, picture.shape[1], picture.shape[0]), 0.0
-        return self._look(picture)
 
     def _look(self, picture: Grey) -> dict[int, Tag]:
         assert self.window is not None
@@ -78,14 +75,14 @@ class TagFinder:
         corners, ids, _ = self._detector(self.side_px).detectMarkers(part)
         found: dict[int, Tag] = {}
         double: set[int] = set()
-        edges: Array = np.zeros(0)
-        if ids is not None:
-            corners, edges = refine(part, np.array([q.reshape(4, 2) for q in corners], float))
-        for k, number in enumerate([] if ids is None else ids.ravel().tolist()):
+        if ids is None:
+            return found
+        corners, edges = refine(part, np.array([q.reshape(4, 2) for q in corners], float))
+        for number, quad, edge_px in zip(ids.ravel().tolist(), corners, edges, strict=True):
             if number >= self.links:
                 self.strangers[number] = self.strangers.get(number, 0) + 1
                 continue
-            tag = corners[k] + [left, top], float(edges[k])
+            tag = np.add(quad, [left, top]), float(edge_px)
             if number in found and _apart(found[number][0], tag[0]):
                 double.add(number)
             found[number] = tag
@@ -110,7 +107,3 @@ class TagFinder:
             min(shape[1], int(high[0]) + 1),
             min(shape[0], int(high[1]) + 1),
         )
-
-    def window_of(self, shape: tuple[int, ...]) -> tuple[int, int, int, int]:
-        """Return where the robot is: left, top, right, bottom, px."""
-        return self.window or (0, 0, shape[1], shape[0])

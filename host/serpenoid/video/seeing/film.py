@@ -106,11 +106,10 @@ class Film:
                 try:
                     packet = next(packets)
                     decoded = packet.decode()
-                except (StopIteration, av.error.EOFError) as error:
+                except StopIteration:
                     ended = True
-                    if not isinstance(error, StopIteration):
-                        sound.lose(packet, error)
                 except av.error.FFmpegError as error:
+                    ended = isinstance(error, av.error.EOFError)
                     sound.lose(packet, error)
                 for frame in decoded:
                     sound.take(frame)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from array import array
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -53,29 +52,30 @@ def watch(
     every machine sees the same pictures.
     """
     finder = TagFinder(links)
-    times, numbers, edges = array("d"), array("f"), array("f")
+    times: list[float] = []
+    quads: list[Single] = []
+    edges: list[Single] = []
     damage = Damage()
     ground: Background | None = None
     picture: NDArray[np.uint8] | None = None
     mirrored = rotation_deg = 0
     for time_s, grey, frame in film.frames(damage, threads):
-        rotation_deg = round(frame.rotation / 90) * 90 % 360 if picture is None else rotation_deg
+        if picture is None:
+            picture, rotation_deg = grey.copy(), round(frame.rotation / 90) * 90 % 360
         found = finder.find(grey)
         times.append(time_s)
         corners = np.full((links, 4, 2), np.nan, np.float32)
         width = np.full(links, np.nan, np.float32)
         for link, (quad, edge_px) in found.items():
             corners[link], width[link] = quad, edge_px
-        numbers.extend(corners.ravel().tolist())
-        edges.extend(width.tolist())
-        if ground is None and found:
-            picture, ground = grey.copy(), Background(finder.window_of(grey.shape))
+        quads.append(corners)
+        edges.append(width)
         if ground is not None:
             ground.look(time_s, grey)
+        elif found and finder.window:
+            picture, ground = grey.copy(), Background(finder.window, time_s, grey)
         elif len(times) % 15 == 1:
             mirrored += bool(TagFinder(links).find(np.ascontiguousarray(grey[:, ::-1])))
-        if picture is None:
-            picture = grey.copy()
         progress(time_s)
         if len(times) >= MOST_FRAMES:
             raise BadInput(
@@ -89,10 +89,8 @@ def watch(
             f"{film.path}: not one frame can be read ({'; '.join(damage.words[:2]) or 'empty'})"
             "; copy it from the phone again"
         )
-    shape = (len(times), links, 4, 2)
-    corners_px = np.frombuffer(numbers, np.float32).reshape(shape)
-    edge_px = np.frombuffer(edges, np.float32).reshape(shape[:2])
-    corners_px = _sharp(corners_px, edge_px)
+    edge_px = np.array(edges)
+    corners_px = _sharp(np.array(quads), edge_px)
     sightings = Sightings.of(np.array(times), corners_px, (film.width, film.height))
     shifts, plain = (tuple(ground.shifts), ground.plain) if ground is not None else ((), True)
     return Watched(
