@@ -28,7 +28,7 @@ def ratios(servo: sn.Servo) -> dict[str, float]:
     line = servo.torque_limit_nm / servo.speed_limit_rad_s
     return {
         "torque": servo.torque_limit_nm,
-        "speed": servo.speed_limit_rad_s,
+        "free speed": servo.no_load_rad_s,
         "stiffness": servo.stiffness_nm_rad / servo.torque_limit_nm,
         "damping": servo.damping_nms_rad / line,
         "rotor": servo.armature_kg_m2 / line,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,12 +14,12 @@ from ..model.drives import ServoKind
 from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
 from ..model.rows import Result
-from ..periodic.servo_steady import band
+from ..periodic.servo_steady import band, cannot_run
 from ..servos.catalogue import HOBBY
 from ..simulation.steady_springs import steady_springs
 from .crawls.level import floor_slope, on_level
-from .crawls.runs import runs_by_gait, same_gait
-from .filmed_joints import gaits_seen, seen_on_film, servo_seen
+from .crawls.runs import Crawls, crawls_by_command, same_command
+from .filmed_joints import seen_on_film, servo_seen, swapped_plugs
 from .friction_fit import fit_friction
 from .friction_result import FrictionFit
 from .kinds.gait import GaitRun
@@ -42,9 +42,9 @@ class ComparedGait:
     """One gait: predicted by exact and implicit model, with its 95 % bands, and measured.
 
     low_m_s, high_m_s: of the frictions that the fit allows. low_all_m_s, high_all_m_s: with the
-    joints' amplitude and the servos besides. runs: numbers of the measured runs; measured_m_s,
-    sigma_m_s: their mean and its standard deviation; none if not measured. residual_m_s: measured
-    less predicted.
+    joints' amplitude and the servos besides; None where most servos cannot run the gait. runs:
+    numbers of the measured runs; measured_m_s, sigma_m_s: their mean and its standard deviation;
+    none if not measured. residual_m_s: measured less predicted.
     implicit_m_s: None where the paper's springs never settle, or were not asked.
     """
 
@@ -55,21 +55,33 @@ class ComparedGait:
     implicit_m_s: float | None
     low_m_s: float
     high_m_s: float
-    low_all_m_s: float
-    high_all_m_s: float
+    low_all_m_s: float | None
+    high_all_m_s: float | None
     runs: tuple[int, ...] = ()
     measured_m_s: float | None = None
     sigma_m_s: float | None = None
     residual_m_s: float | None = None
 
+    @property
+    def name(self) -> str:
+        """Return the gait's angles and rate."""
+        degrees = f"{math.degrees(self.alpha_rad):.3g}°/{math.degrees(self.beta_rad):.3g}°"
+        return f"{degrees}, {self.frequency_hz:.3g} Hz"
+
+    @property
+    def band_in_words(self) -> str:
+        """Return the band with joints and servos, m/s, or that there is none."""
+        if self.low_all_m_s is None:
+            return "servos cannot follow"
+        return f"{self.low_all_m_s:.3g} to {self.high_all_m_s:.3g}"
+
     def cells(self) -> list[str]:
         """Return the gait and its speeds, m/s, as in the heads of a comparison."""
-        degrees = f"{math.degrees(self.alpha_rad):.3g}°/{math.degrees(self.beta_rad):.3g}°"
         measured = f"{self.measured_m_s:.4f} ± {self.sigma_m_s:.4f}" if self.runs else "–"
         return [
-            f"{degrees}, {self.frequency_hz:.3g} Hz",
+            self.name,
             measured,
-            f"{self.low_all_m_s:.3g} to {self.high_all_m_s:.3g}",
+            self.band_in_words,
             f"{self.exact_m_s:.4f}",
             f"{self.low_m_s:.3g} to {self.high_m_s:.3g}",
             "–" if self.implicit_m_s is None else f"{self.implicit_m_s:.4f}",
@@ -211,24 +223,31 @@ def compare(
     if not compared_gaits(session, gaits):
         raise BadInput(f"{session.where}: {NO_GAIT}")
     session, levelled = _levelled(session, fit)
-    runs, wanted = runs_by_gait(session), compared_gaits(session, gaits)
+    crawls = crawls_by_command(session)
+    runs, wanted = {c.gait: c.runs for c in crawls}, compared_gaits(session, gaits)
     servo = servo and servo_seen(session.setup.driving(servo), session.kept_films, fit, seed)
     drawn = sample_speeds(
         fit,
         wanted,
         amplitude_sigma=amplitude_sigma,
         servo=servo,
-        seen=gaits_seen(session),
+        seen={c.gait: c.commanded for c in crawls if c.films},
         count=samples,
         seed=seed,
         progress=progress,
     )
-    points = tuple(_point(fit, drawn, j, runs.get(g, [])) for j, g in enumerate(wanted))
+    points, words = [_point(fit, drawn, j, runs.get(g, ())) for j, g in enumerate(wanted)], []
+    for j, g in enumerate(wanted):
+        if g not in drawn.seen and (too_fast := cannot_run(g, servo, points[j].name)):
+            words.append(too_fast)
+            points[j] = replace(points[j], low_all_m_s=None, high_all_m_s=None)
     curve = _curve(fit, wanted, samples, seed, progress)
-    common = (session.setup.name, amplitude_sigma, points, curve, session.kept_crawls)
+    common = (session.setup.name, amplitude_sigma, tuple(points), curve, session.kept_crawls)
     stated = amplitude_sigma, seed, servo
-    judged = _judged(session, fit, drawn, points, stated, levelled)
-    return Comparison(*common, *judged, fit_alarms=fit.alarms)
+    judged = _judged(fit, drawn, points, crawls, stated, session.setup.weight_n)
+    found = Comparison(*common, *judged, fit_alarms=fit.alarms)
+    text = " ".join(filter(None, [*swapped_plugs(session), *words, found.verdict_text, levelled]))
+    return replace(found, verdict_text=text)
 
 
 def _levelled(session: Session, fit: FrictionFit) -> tuple[Session, str]:
@@ -236,21 +255,18 @@ def _levelled(session: Session, fit: FrictionFit) -> tuple[Session, str]:
     level = on_level(session, fit)
     if level is session:
         return session, ""
-    return level, " " + _LEVEL.format(*map(math.degrees, floor_slope(session, fit)))
+    return level, _LEVEL.format(*map(math.degrees, floor_slope(session, fit)))
 
 
 def _judged(
-    session: Session,
     fit: FrictionFit,
     drawn: SpeedSamples,
     points: Sequence[ComparedGait],
+    crawls: Sequence[Crawls],
     stated: tuple[float, int, ServoKind | None],
-    levelled: str,
+    weight_n: float,
 ) -> tuple[Any, ...]:
-    """Return what a Comparison holds from p_value on; stated: amplitude_sigma, seed and servo.
-
-    levelled: a sentence to add.
-    """
+    """Return what a Comparison holds from p_value on; stated: amplitude_sigma, seed and servo."""
     amplitude_sigma, _, servo = stated
     named = servo and servo.name
     ran = [j for j, p in enumerate(points) if p.measured_m_s is not None]
@@ -264,17 +280,17 @@ def _judged(
     found = Judge(fit, of_gaits(drawn, ran), *stated)(measured)
     causes = (found.friction, found.amplitude, found.servos)
     friction, amplitude, servos = (c and c.p_value for c in causes)
-    weight_n = session.setup.weight_n
     text = in_words(found, measured, fit, amplitude_sigma, weight_n, servo)
-    word, text = seen_on_film(session, fit, drawn, found.word, text)
-    text += levelled
+    word, text = seen_on_film(crawls, fit, drawn, measured, found.word, text)
     return found.p_value, friction, amplitude, word, text, named, servos
 
 
 def compared_gaits(session: Session, more: Sequence[Gait] = ()) -> list[Gait]:
     """Return the gaits run, or planned where none was, and further ones."""
-    own = list(runs_by_gait(session)) or list(session.setup.procedure.gaits)
-    return own + [g for g in more if not any(same_gait(known, g) for known in own)]
+    crawls = crawls_by_command(session)
+    commands = [crawl.commanded for crawl in crawls] or list(session.setup.procedure.gaits)
+    gaits = [crawl.gait for crawl in crawls] or commands
+    return gaits + [g for g in more if not any(same_command(known, g) for known in commands)]
 
 
 def gait_count(session: Session, more: Sequence[Gait] = ()) -> int:
@@ -291,7 +307,7 @@ def _by_springs(fit: FrictionFit, gait: Gait) -> float | None:
 
 
 def _point(
-    fit: FrictionFit, drawn: SpeedSamples, j: int, runs: list[GaitRun], springs: bool = True
+    fit: FrictionFit, drawn: SpeedSamples, j: int, runs: Sequence[GaitRun], springs: bool = True
 ) -> ComparedGait:
     gait = drawn.gaits[j]
     exact = speed(fit.robot, fit.ground, gait)
@@ -327,4 +343,4 @@ def _curve(
     grid = np.geomspace(0.5 * min(rates), 1.3 * max(rates), _CURVE_POINTS).tolist()
     gaits = [Gait(first.alpha_rad, first.beta_rad, rate) for rate in grid]
     drawn = sample_speeds(fit, gaits, count=samples, seed=seed, progress=progress)
-    return tuple(_point(fit, drawn, j, [], j % _SPRINGS_EVERY == 0) for j in range(len(gaits)))
+    return tuple(_point(fit, drawn, j, (), j % _SPRINGS_EVERY == 0) for j in range(len(gaits)))

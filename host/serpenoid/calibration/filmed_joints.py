@@ -11,23 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.drives import Servo, ServoKind
-from ..model.gait import Gait
 from ..model.plugs import plugs
 from ..periodic.servo_steady import servo_state
 from ..periodic.steady import steady_gait
+from .crawls.runs import Crawls
 from .friction_result import FrictionFit
 from .kinds.video import FilmReading
 from .session import Session
 from .speed_samples import AMPLITUDE_SIGMA, SpeedSamples, speed
+from .verdict import Measured
 
 AGREES = 2.0  # standard deviations
 DRAWS, LEAST_DRAWS = 128, 3.0
 Array = NDArray[np.float64]
-
-
-def gaits_seen(session: Session) -> dict[Gait, Gait]:
-    """Return the gaits as films showed the joints, and as they were commanded."""
-    return {film.gait: film.commanded for film in session.kept_films}
 
 
 def film_chi2(films: Sequence[FilmReading], amplitudes: Array) -> Array:
@@ -67,27 +63,33 @@ def servo_seen(
 
 
 def seen_on_film(
-    session: Session, fit: FrictionFit, drawn: SpeedSamples, word: str, text: str
+    crawls: Sequence[Crawls],
+    fit: FrictionFit,
+    drawn: SpeedSamples,
+    measured: Measured,
+    word: str,
+    text: str,
 ) -> tuple[str, str]:
     """Return the verdict with what the films say of the joints.
 
     It is `amplitude` where the joints as filmed explain the speed and as commanded do not.
     """
-    for film in session.kept_films:
-        column = next((j for j, g in enumerate(drawn.gaits) if g == film.gait), None)
-        if column is None:
+    for crawl in crawls:
+        if not crawl.films:
             continue
+        column, ran = drawn.gaits.index(crawl.gait), measured.gaits.index(crawl.gait)
         spread = float(np.std(drawn.both_m_s[:, column]))
-        sigma = float(np.hypot(film.speed_sigma_m_s, spread))
+        speed_m_s = float(measured.speed_m_s[ran])
+        sigma = float(np.hypot(measured.sigma_m_s[ran], spread))
         left = float(np.median(drawn.shares[:, column]))
         made, commanded = (
-            left * speed(fit.robot, fit.ground, g) for g in (film.gait, film.commanded)
+            left * speed(fit.robot, fit.ground, g) for g in (crawl.gait, crawl.commanded)
         )
-        text = f"{text} {_words(film, made, commanded)}"
-        explained = abs(film.speed_m_s - made) < AGREES * sigma
-        if explained and abs(film.speed_m_s - commanded) > AGREES * sigma:
+        text = f"{text} {_words(crawl.films, made, commanded, speed_m_s)}"
+        explained = abs(speed_m_s - made) < AGREES * sigma
+        if explained and abs(speed_m_s - commanded) > AGREES * sigma:
             word = "amplitude"
-    return word, " ".join([*swapped_plugs(session), text])
+    return word, text
 
 
 def swapped_plugs(session: Session) -> list[str]:
@@ -106,10 +108,14 @@ def swapped_plugs(session: Session) -> list[str]:
     return words
 
 
-def _words(film: FilmReading, made: float, commanded: float) -> str:
+def _words(films: Sequence[FilmReading], made: float, commanded: float, measured: float) -> str:
+    gains = np.array([film.mean_gain for film in films])
+    sigma = np.linalg.norm([film.gain_sigma for film in films]) / len(films)
+    numbers = " and ".join(str(film.number) for film in films)
     return (
-        f"Film {film.number} shows joints at {100 * film.mean_gain:.1f} ± "
-        f"{100 * film.gain_sigma:.1f} % of the commanded amplitude: with joints as seen "
+        f"Film{'s' if len(films) > 1 else ''} {numbers} "
+        f"show{'' if len(films) > 1 else 's'} joints at {100 * gains.mean():.1f} ± "
+        f"{100 * sigma:.1f} % of the commanded amplitude: with joints as seen "
         f"{1e3 * made:.2f} mm/s are predicted, as commanded {1e3 * commanded:.2f}, and "
-        f"{1e3 * film.speed_m_s:.2f} were measured."
+        f"{1e3 * measured:.2f} were measured."
     )

@@ -16,7 +16,7 @@ from ..model.drives import ServoKind
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..periodic.servo_steady import band, managed_hz
+from ..periodic.servo_steady import band, free_rad_s, managed_hz
 from ..periodic.steady import Steady, steady_gait
 from ..servos.catalogue import HOBBY
 from ..simulation.run import Run
@@ -105,7 +105,7 @@ def predict(
         implicit_error_m_s=springs.error_estimate * springs.speed_m_s,
         settling_time_s=s.settling_time_s,
         servo_m_s=likeliest_speed(fit, gait, servo),
-        managed_hz=math.inf if servo is None else managed_hz(gait, servo.servo.no_load_rad_s),
+        managed_hz=math.inf if servo is None else managed_hz(gait, free_rad_s(servo)),
     )
 
 

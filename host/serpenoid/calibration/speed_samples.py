@@ -19,7 +19,13 @@ from ..model.ground import Ground
 from ..model.robot import Robot
 from ..model.rows import two_digits
 from ..periodic.drawn_states import Draw, drawn_speeds, drawn_states
-from ..periodic.servo_steady import band, drawn_ripple_shares, drawn_servo_speeds, servo_speed
+from ..periodic.servo_steady import (
+    band,
+    cannot_run,
+    drawn_ripple_shares,
+    drawn_servo_speeds,
+    servo_speed,
+)
 from ..periodic.steady import steady_gait
 from ..servos.catalogue import HOBBY
 from .friction_result import FrictionFit
@@ -55,7 +61,8 @@ class SpeedBand:
     draws' quantiles by `band`. low_friction_m_s, high_friction_m_s: the narrower one, of friction
     alone and ideal joints; low_joints_m_s, high_joints_m_s: that with the amplitude's doubt. servo:
     the kind of servo; None: joints that follow the gait. filmed: the joints are as a film showed
-    them, so that their amplitude is in no doubt.
+    them, so that their amplitude is in no doubt. cannot_run: in words that most servos cannot run
+    the gait, so that low_m_s and high_m_s mean little; or "".
     """
 
     speed_m_s: float
@@ -67,13 +74,17 @@ class SpeedBand:
     high_joints_m_s: float
     servo: str | None = None
     filmed: bool = False
+    cannot_run: str = ""
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain values."""
-        return asdict(self)
+        """Return plain values; None for the ends of a band that means little."""
+        values = asdict(self)
+        return values | ({"low_m_s": None, "high_m_s": None} if values.pop("cannot_run") else {})
 
     def in_words(self) -> str:
-        """Return the speed with its band."""
+        """Return the speed with its band, or why it has none."""
+        if self.cannot_run:
+            return self.cannot_run
         ends = f"{self.low_m_s:.4f} to {self.high_m_s:.4f}"
         joints = ", joints as filmed" if self.filmed else " and joints"
         joints += "" if self.servo is None else f", servos: {self.servo}"
@@ -105,7 +116,8 @@ def speed_band(
     else:
         best = speed(fit.robot, fit.ground, gait) * float(np.median(drawn.shares))
     filmed = commanded is not None
-    return SpeedBand(best, *ends, servo=servo and servo.name, filmed=filmed)
+    words = "" if filmed else cannot_run(gait, servo)
+    return SpeedBand(best, *ends, servo=servo and servo.name, filmed=filmed, cannot_run=words)
 
 
 def likeliest_speed(fit: FrictionFit, gait: Gait, servo: ServoKind | None) -> float:

@@ -59,6 +59,23 @@ def managed_hz(gait: Gait, free_rad_s: float) -> float:
     return CANNOT * free_rad_s / asked * gait.omega_rad_s / math.tau if asked else math.inf
 
 
+def free_rad_s(servo: Servo | ServoKind) -> float:
+    """Return how fast a servo, or the typical one of a kind, turns without load, rad/s."""
+    servos = (servo,) if isinstance(servo, Servo) else servo.drawn or (servo.servo,)
+    return float(np.median([one.no_load_rad_s for one in servos]))
+
+
+def cannot_run(gait: Gait, servo: Servo | ServoKind | None, named: str = "this gait") -> str:
+    """Return in words that most servos of a kind cannot run a gait, else ""; named: the gait."""
+    if servo is None or asked_rad_s(gait) <= CANNOT * free_rad_s(servo):
+        return ""
+    kind, free = servo.name if isinstance(servo, ServoKind) else "such", free_rad_s(servo)
+    return (
+        f"Most {kind} servos cannot run {named}: it asks {asked_rad_s(gait):.2g} rad/s of their "
+        f"{free:.2g}; they manage {managed_hz(gait, free):.2g} Hz. So it has no band."
+    )
+
+
 @dataclass(frozen=True, slots=True)
 class ServoSteady(Result):
     """Hold the speed of a gait with ideal joints and with servos.
@@ -132,8 +149,7 @@ class ServoSteady(Result):
     @property
     def free_rad_s(self) -> float:
         """Return how fast the typical servo turns without load, rad/s."""
-        servo = self.servo.servo if isinstance(self.servo, ServoKind) else self.servo
-        return servo.no_load_rad_s
+        return free_rad_s(self.servo)
 
     @property
     def asked_over_free_speed(self) -> float:
@@ -143,7 +159,7 @@ class ServoSteady(Result):
     @property
     def follows(self) -> bool:
         """Tell whether the typical servo has the speed for the gait, and moves the robot."""
-        return self.asked_over_free_speed <= CANNOT and self.moves
+        return self.moves and not cannot_run(self.ideal.gait, self.servo)
 
     @property
     def moves(self) -> bool:
@@ -175,12 +191,8 @@ class ServoSteady(Result):
                 f"Typical {self.name} servos cannot move this robot: its joints reach "
                 f"{self.amplitude_ratio:.0%} of the gait's amplitude. So it has no band."
             )
-        if not self.follows:
-            return (
-                f"Most {self.name} servos cannot run this gait: it asks {self.asked_rad_s:.2g} "
-                f"rad/s of their {self.free_rad_s:.2g}; they manage {self.managed_hz:.2g} Hz. So "
-                "it has no band."
-            )
+        if words := cannot_run(self.ideal.gait, self.servo):
+            return words
         speed, low, high = map(two_digits, (self.speed_m_s, self.low_m_s, self.high_m_s))
         ideal = two_digits(self.ideal.speed_m_s)
         return f"About {speed} m/s with typical servos ({low} to {high}); ideal joints {ideal}."

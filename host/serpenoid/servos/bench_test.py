@@ -1,8 +1,7 @@
 """A servo from a test of one joint: setpoints that were sent, and the angles that were seen.
 
-Servos of a kind are drawn, and those kept that would have moved so. A sequential Monte Carlo
-sampler goes from the kind's doubt to what the readings leave of it, by rising powers of the
-likelihood, with Metropolis steps. All servos step through the test side by side.
+Servos of a kind are drawn, and those kept that would have moved so: tempered particles go from the
+kind's doubt to what the readings leave of it. All servos step through the test side by side.
 """
 
 from __future__ import annotations
@@ -17,12 +16,13 @@ from numpy.typing import ArrayLike, NDArray
 from ..model.checks import check_number
 from ..model.drives import UNCERTAIN, Servo, ServoKind
 from ..model.errors import BadInput
+from ..model.particles import tempered
 from ..model.vectors import finite_vector
 
 Array = NDArray[np.float64]
-PARTICLES, MOVES, KEPT = 192, 4, 48
+PARTICLES, MOVES, KEPT = 384, 10, 128
+_SHARE = 0.3  # of the unknowns that change in a move
 _STEP_S, _MOST_STEPS, _MOST_DELAY_S = 1e-3, 20_000, 0.03
-_STRIDE, _MOST_POWERS = 0.6, 40
 _NEVER = -1e9  # a log likelihood
 _FIELDS = (
     "stiffness_nm_rad",
@@ -107,10 +107,10 @@ def moved(test: BenchTest, servos: list[Servo], delay_s: Array) -> Array:
     looks = np.ones(heard.shape, dtype=bool)
     looks[1:] = (hz == 0) | (np.diff(np.floor((heard - test.t_s[0]) * hz), axis=0) != 0)
     spring, damper = K / S, D / S - 1 / w0
-    # implicit in the rate: the motor's line, and the gear's friction, which never turns it round
-    inert = J + test.inertia_kg_m2
-    mass = inert + h * (S / w0 + c)
-    slows, drives, holds = inert / mass, h * S / mass, h * dry / mass
+    # the motor's line is solved for exactly, and the gear's friction never turns the rate round
+    line = S / w0 + c
+    slows = np.exp(-h * line / np.maximum(J + test.inertia_kg_m2, 1e-12))
+    drives, holds = (1 - slows) * S / line, (1 - slows) * dry / line
     angle, rate, duty = np.full(len(K), test.angle_rad[0]), np.zeros(len(K)), np.zeros(len(K))
     seen = np.empty(heard.shape)
     for k in range(steps + 1):
@@ -122,99 +122,54 @@ def moved(test: BenchTest, servos: list[Servo], delay_s: Array) -> Array:
             duty = np.where(looks[k], asked, duty)
         # the one joint's load on the supply; the others rest
         supply = (1.0 + sag / w0 * duty * rate) / (1.0 + sag * duty * duty)
+        before = rate
         rate = slows * rate + drives * duty * np.minimum(np.maximum(supply, 0.0), 1.0)
         rate = rate - np.minimum(np.maximum(rate, -holds), holds)
-        angle = angle + h * rate
+        angle = angle + h / 2 * (before + rate)
     return np.array([np.interp(test.t_s, times, column) for column in seen.T])
 
 
-class _Sampler:
-    """Servos as unknowns of the kind's doubt: one normal each field, a delay, a rate of looking."""
+class _Posterior:
+    """Servos as normal unknowns of the kind's doubt: fields, a delay, and a rate of looking."""
 
-    def __init__(self, test: BenchTest, kind: ServoKind, seed: int):
-        self.test, self.kind, self.rng = test, kind, np.random.default_rng(seed)
+    def __init__(self, test: BenchTest, kind: ServoKind):
+        self.test, self.kind = test, kind
         self.rates = kind.updates_hz or (kind.servo.update_hz,)
         self.free = [k for k, n in enumerate(UNCERTAIN) if kind.sigma.get(n, 0.0) > 0]
 
-    def servos(self, x: Array, rate: NDArray[np.intp]) -> list[Servo | None]:
+    def servos(self, x: Array) -> list[Servo | None]:
         """Return the servo of each row; None where no such servo is sold."""
-        return [
-            self.kind.at(row[:-1].tolist(), self.rates[k]) for row, k in zip(x, rate, strict=True)
-        ]
-
-    def log_likely(self, x: Array, rate: NDArray[np.intp]) -> Array:
         from scipy.special import ndtr
 
-        servos = self.servos(x, rate)
-        sold = [k for k, servo in enumerate(servos) if servo is not None]
-        delay_s = _MOST_DELAY_S * ndtr(x[sold, -1])
-        off = moved(self.test, list(filter(None, servos)), delay_s) - self.test.angle_rad
-        likely = np.full(len(x), _NEVER)
-        likely[sold] = -0.5 * np.sum((off / self.test.sigma_rad) ** 2, axis=1)
-        return np.nan_to_num(likely, nan=_NEVER)
+        units = np.zeros((len(x), len(UNCERTAIN)))
+        units[:, self.free] = x[:, :-2]
+        rate = np.minimum(len(self.rates) * ndtr(x[:, -1]), len(self.rates) - 1).astype(int)
+        pairs = zip(units.tolist(), rate.tolist(), strict=True)
+        return [self.kind.at(row, self.rates[k]) for row, k in pairs]
 
-    def run(self) -> tuple[Array, NDArray[np.intp], Array]:
-        """Return unknowns, rates and log likelihoods of servos that the test leaves possible."""
-        x, rate = self._start()
-        likely, power = self.log_likely(x, rate), 0.0
-        for _ in range(_MOST_POWERS):
-            power, weight = self._next(likely, power)
-            pick = self.rng.choice(PARTICLES, PARTICLES, p=weight)
-            x, rate, likely = x[pick], rate[pick], likely[pick]
-            for _ in range(MOVES):
-                x, rate, likely = self._move(x, rate, likely, power)
-            if power >= 1.0:
-                break
-        return x, rate, likely
+    def start(self, count: int, rng: np.random.Generator) -> Array:
+        """Return unknowns of drawn servos, (count, D)."""
+        sold = np.empty((0, len(self.free) + 2))
+        while len(sold) < count:
+            x = rng.normal(size=(count, sold.shape[1]))
+            sold = np.vstack([sold, x[[servo is not None for servo in self.servos(x)]]])
+        return sold[:count]
 
-    def _start(self) -> tuple[Array, NDArray[np.intp]]:
-        """Return unknowns and rates of drawn servos, the delay last."""
-        servos = self.kind.draws(PARTICLES, int(self.rng.integers(2**31)))
-        units = [self.kind.units_of(one) for one in servos]
-        x = np.column_stack([units, self.rng.normal(size=PARTICLES)])
-        return x, np.array([self.rates.index(one.update_hz) for one in servos])
+    def log_before(self, x: Array) -> Array:
+        """Return the logarithm of the kind's density."""
+        unsold = [servo is None for servo in self.servos(x)]
+        return np.where(unsold, _NEVER, -0.5 * np.sum(x**2, axis=1))
 
-    def _next(self, likely: Array, power: float) -> tuple[float, Array]:
-        """Return the next power, at which half the servos still count, and their weights."""
+    def log_density(self, x: Array) -> Array:
+        """Return the logarithm of the density that the test leaves."""
+        from scipy.special import ndtr
 
-        def weights(to: float) -> Array:
-            w = np.exp((to - power) * (likely - likely.max()))
-            return w / w.sum()
-
-        low, high = power, 1.0
-        if 1 / np.sum(weights(1.0) ** 2) < PARTICLES / 2:
-            for _ in range(40):
-                middle = (low + high) / 2
-                enough = 1 / np.sum(weights(middle) ** 2) > PARTICLES / 2
-                low, high = (middle, high) if enough else (low, middle)
-        return high, weights(high)
-
-    def _move(
-        self, x: Array, rate: NDArray[np.intp], likely: Array, power: float
-    ) -> tuple[Array, NDArray[np.intp], Array]:
-        """Take a Metropolis step along the difference of two others, or draw one field anew.
-
-        A field that the test does not tell (the torque of a joint without load) then stays free.
-        """
-        one, other = (x[self.rng.permutation(PARTICLES)] for _ in range(2))
-        stride = _STRIDE * self.rng.choice([0.3, 1.0, 1.6], size=(PARTICLES, 1))
-        jitter = np.zeros_like(x)
-        jitter[:, [*self.free, x.shape[1] - 1]] = 0.02
-        to = x + stride * (one - other) + jitter * self.rng.normal(size=x.shape)
-        anew = self.rng.uniform(size=PARTICLES) < 0.3
-        to[anew] = x[anew]
-        to[anew, self.rng.choice(self.free, anew.sum())] = self.rng.normal(size=anew.sum())
-        swap = self.rng.integers(len(self.rates), size=PARTICLES)
-        new_rate = np.where(self.rng.uniform(size=PARTICLES) < 0.2, swap, rate)
-        new = self.log_likely(to, new_rate)
-        gain = power * (new - likely)
-        gain -= np.where(anew, 0.0, 0.5 * (np.sum(to**2, axis=1) - np.sum(x**2, axis=1)))
-        take = np.log(self.rng.uniform(size=PARTICLES)) < gain
-        return (
-            np.where(take[:, None], to, x),
-            np.where(take, new_rate, rate),
-            np.where(take, new, likely),
-        )
+        servos, log = self.servos(x), self.log_before(x)
+        sold = log > _NEVER
+        off = moved(self.test, list(filter(None, servos)), _MOST_DELAY_S * ndtr(x[sold, -2]))
+        off = (off - self.test.angle_rad) / self.test.sigma_rad
+        log[sold] -= np.nan_to_num(0.5 * np.sum(off**2, axis=1), nan=-_NEVER)
+        return log
 
 
 def servo_of_test(
@@ -225,20 +180,19 @@ def servo_of_test(
         raise BadInput(
             f"servo {like.name!r} has no doubt to fit in; take `hobby`, or a data sheet's"
         )
-    sampler = _Sampler(test, like, seed)
-    x, rate, likely = sampler.run()
-    servos = sampler.servos(x, rate)
-    best = int(np.argmax(likely))
-    order = np.random.default_rng(seed).permutation(PARTICLES)[:KEPT]
-    source = f"a bench test of one joint, from {like.name}"
-    kept = tuple(filter(None, (servos[k] for k in order)))
+    rng, posterior = np.random.default_rng(seed), _Posterior(test, like)
+    first = posterior.start(PARTICLES, rng)
+    x = tempered(first, posterior.log_before, posterior.log_density, rng, MOVES, _SHARE)[0]
+    servos, chi2 = posterior.servos(x), 2 * (posterior.log_before(x) - posterior.log_density(x))
+    best = int(np.argmin(chi2))
+    kept = tuple(filter(None, (servos[k] for k in rng.permutation(PARTICLES)[:KEPT])))
     return measured_servo(
         like,
         servos[best] or like.servo,
         kept,
         name,
-        source,
-        -2 * float(likely[best]),
+        f"a bench test of one joint, from {like.name}",
+        float(chi2[best]),
         test.t_s.size,
     )
 

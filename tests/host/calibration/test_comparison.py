@@ -10,7 +10,7 @@ import serpenoid as sn
 from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
 from serpenoid.calibration import comparison, verdict
 from serpenoid.calibration.kinds.gait import GaitRun
-from serpenoid.calibration.speed_samples import SpeedSamples, sample_speeds
+from serpenoid.calibration.speed_samples import SpeedSamples, sample_speeds, speed_band
 from serpenoid.calibration.verdict import Measured
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
@@ -92,11 +92,21 @@ def test_repeated_runs_are_one_mean(fitted):
     assert found.gaits[1].runs == (101,)
 
 
-def test_without_runs_it_predicts_and_says_so(fitted):
+def test_without_runs_it_predicts_and_says_what_servos_cannot_run(fitted):
+    """70 deg at 2 Hz asks 15 rad/s of some 6, which no film showed; half a hertz they follow."""
     made, fit = fitted
-    found = comparison.compare(made, fit, gaits=[gait(3.0)], samples=16, servo=None)
+    found = comparison.compare(made, fit, gaits=[gait(3.0), gait(12.6)], samples=16)
     assert found.verdict == "not measured"
     assert found.p_value is None
+    slow, quick = found.gaits
+    assert slow.low_all_m_s < slow.high_all_m_s
+    assert (quick.low_all_m_s, quick.high_all_m_s) == (None, None)
+    words = "Most hobby servos cannot run 70°/75°, 2.01 Hz: it asks 15 rad/s of their"
+    assert found.verdict_text.startswith(words)
+    assert [row[1] for row in found.table(verbose=False)[1]][1] == "servos cannot follow"
+    told = speed_band(fit, gait(12.6), count=16)
+    assert told.in_words().startswith("Most hobby servos cannot run this gait")
+    assert told.to_dict()["low_m_s"] is None
     with pytest.raises(sn.BadInput, match="no gait run and no gait planned"):
         comparison.compare(made, fit)
 

@@ -184,7 +184,6 @@ def test_the_command_writes_a_file_that_others_take(tmp_path: Path, monkeypatch)
     assert {s.speed_limit_rad_s for s in kind.draws(16)} == {
         s.speed_limit_rad_s for s in kind.drawn
     }
-    monkeypatch.setattr(bench_test, "_MOST_POWERS", 1)  # the words alone matter here
     found = CliRunner().invoke(cli, ["servo", "--test", str(table), "--json"])
     assert set(json.loads(found.output)) >= {"servo", "told", "untold", "chi2"}
 

@@ -17,6 +17,7 @@ from serpenoid.calibration.comparison import compare
 from serpenoid.calibration.filmed_joints import servo_seen
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import Estimate, FitDraws
+from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.video import VIDEO, FilmReading
 from serpenoid.calibration.session_file import load_session, read_session
 from serpenoid.calibration.speed_samples import sample_speeds, speed, speed_band
@@ -126,13 +127,15 @@ def of_2005():
     return session, fit_friction(session)
 
 
-def test_the_verdict_is_amplitude_because_it_was_seen(of_2005) -> None:
+@pytest.mark.parametrize(("gain", "verdict"), [(0.8, "amplitude"), (1.0, "agrees")])
+def test_the_verdict_is_amplitude_where_a_film_shows_it(of_2005, gain, verdict) -> None:
     session, fit = of_2005
-    made = speed(fit.robot, fit.ground, filmed(0.8, 0.1).gait)
-    with_film = session.with_reading(VIDEO, filmed(0.8, made))
+    made = speed(fit.robot, fit.ground, filmed(gain, 0.1).gait)
+    with_film = session.with_reading(VIDEO, filmed(gain, made))
     found = compare(with_film, fit, samples=16, servo=None)
-    assert found.verdict == "amplitude"
-    assert "shows joints at 80.0 ± 0.1 % of the commanded amplitude" in found.verdict_text
+    assert found.verdict == verdict
+    shown = f"Film 99 shows joints at {100 * gain:.1f} ± 0.1 % of the commanded amplitude"
+    assert shown in found.verdict_text
     assert found.gaits[0].residual_m_s == pytest.approx(0.0, abs=1e-4)
     assert found.gaits[0].low_all_m_s == pytest.approx(found.gaits[0].low_m_s)
 
@@ -171,11 +174,25 @@ def test_a_filmed_amplitude_is_in_no_doubt_again(of_2005, folder, serpenoid) -> 
     assert speed_band(of_crawls, gait, servo=None).speed_m_s != pytest.approx(made, rel=0.05)
 
 
-def test_joints_that_do_as_told_are_no_cause(of_2005) -> None:
+def test_films_and_timed_runs_of_one_command_are_one_gait(of_2005) -> None:
+    """The table has the gait once, with the mean speed that the verdict has, too."""
     session, fit = of_2005
-    made = speed(fit.robot, fit.ground, filmed(1.0, 0.1).gait)
-    found = compare(session.with_reading(VIDEO, filmed(1.0, made)), fit, samples=16, servo=None)
-    assert found.verdict == "agrees"
+    made = speed(fit.robot, fit.ground, filmed(0.9, 0.1).gait)
+    films = [
+        replace(filmed(0.88, 1.01 * made), number=7, omega_rad_s=3.005),
+        replace(filmed(0.92, 0.99 * made), number=8),
+    ]
+    commanded = films[1].commanded
+    timed = GaitRun(9, commanded.alpha_rad, commanded.beta_rad, 3.0, made, 1e-5)
+    both = replace(session, gait_runs=(timed,))
+    for film in films:
+        both = both.with_reading(VIDEO, film)
+    found = compare(both, fit, samples=16, servo=None, gaits=[commanded])
+    (row,) = found.gaits
+    assert sorted(row.runs) == [7, 8, 9]
+    assert row.exact_m_s == pytest.approx(made, rel=0.01)  # with the mean of the filmed joints
+    assert "Films 7 and 8 show joints at 90.0 ± 0.1 %" in found.verdict_text
+    assert f"{1e3 * made:.2f} were measured" in found.verdict_text
 
 
 def test_the_fit_keeps_films_out(of_2005) -> None:

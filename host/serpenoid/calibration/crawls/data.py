@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -17,7 +18,7 @@ from ..kinds.gait import RUN_WAYS, GaitRun
 from ..kinds.video import FilmReading
 from ..session import Session
 from ..speed_samples import MODEL_SIGMA, scaled
-from .runs import runs_by_gait, same_gait
+from .runs import crawls_by_command
 from .servos import ENDS, SERVO_DRAWS, ServoEffects, effects_of
 from .slope import sloped_speed
 from .speeds import Array, Speeds, SpeedSolver
@@ -30,7 +31,7 @@ GAIN_ELASTICITY = 1.5  # about: per cent of speed for one of amplitude
 
 @dataclass(frozen=True)
 class CrawlData:
-    """Measured speeds of G gaits, mean of their runs.
+    """Measured speeds of G gaits, mean of timed runs that went the same way; each film stands alone.
 
     sigma_m_s: standard deviations, what the model leaves out among them. seen: the gaits whose
     joints a film showed, so that the common amplitude does not count. numbers: of the readings.
@@ -51,22 +52,24 @@ class CrawlData:
     @classmethod
     def of(cls, session: Session) -> CrawlData:
         """Take a session's kept gait runs and films."""
-        films = {film.gait: film for film in session.kept_films}
-        runs = runs_by_gait(session)
-        asked = tuple(films[gait].commanded if gait in films else gait for gait in runs)
-        times = [sum(same_gait(one, other) for other in asked) for one in asked]
-        rows = [
-            _speed_of(of, films.get(gait), n)
-            for (gait, of), n in zip(runs.items(), times, strict=True)
-        ]
-        speeds, sigmas, ways = zip(*rows, strict=True) if rows else ((),) * 3
-        kept = [films[gait] for gait in runs if gait in films]
+        rows: list[tuple[Gait, Gait, Sequence[GaitRun], FilmReading | None, int]] = []
+        for crawl in crawls_by_command(session):
+            asked, ways = crawl.commanded, dict.fromkeys(run.way for run in crawl.timed)
+            count = len(crawl.films) + len(ways)
+            for way in ways:
+                timed = [run for run in crawl.timed if run.way == way]
+                rows.append((asked, asked, timed, None, count))
+            rows += [(crawl.gait, asked, [f.gait_run], f, count) for f in crawl.films]
+        gaits, asked, runs, films, counts = zip(*rows, strict=True) if rows else ((),) * 5
+        speeds = [_speed_of(*row) for row in zip(runs, films, counts, strict=True)]
+        speed_m_s, sigma_m_s, ways = zip(*speeds, strict=True) if rows else ((),) * 3
+        kept = [film for film in films if film]
         return cls(
-            tuple(runs),
-            np.array(speeds),
-            np.array(sigmas),
-            np.array([gait in films for gait in runs], dtype=bool),
-            tuple(tuple(r.number for r in of) for of in runs.values()),
+            gaits,
+            np.array(speed_m_s),
+            np.array(sigma_m_s),
+            np.array([film is not None for film in films], dtype=bool),
+            tuple(tuple(r.number for r in of) for of in runs),
             asked,
             np.array([film.mean_gain for film in kept]),
             np.array([film.gain_sigma for film in kept]),
@@ -77,13 +80,12 @@ class CrawlData:
         """Return how many gaits there are."""
         return len(self.gaits)
 
-    def of_robot(self, robot: Robot, at: Array, near: bool = False) -> Speeds:
+    def of_robot(self, robot: Robot, at: Array) -> Speeds:
         """Return what solves for the speeds of a robot whose joints follow the gait.
 
-        at: frictions, whole snake, (4,), about those that will be asked for; near: some per cent.
+        at: frictions, whole snake, (4,), about those that will be asked for.
         """
-        asked = self.asked or self.gaits
-        return SpeedSolver(robot, self.gaits, self.seen.tolist(), asked, at, near)
+        return SpeedSolver(robot, self.gaits, self.seen.tolist(), at)
 
     def effects(
         self,
@@ -155,7 +157,7 @@ class CrawlData:
 
 
 def _speed_of(
-    runs: list[GaitRun], film: FilmReading | None, films: int
+    runs: Sequence[GaitRun], film: FilmReading | None, films: int
 ) -> tuple[float, float, tuple[float, float]]:
     """Return the mean speed of a gait's runs, its sigma, and the shares that went there and back.
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fitting.particles import Student, tempered
+from ...model.particles import Student, tempered
 from .data import LEAST_M_S, CrawlData
 from .servos import ServoEffects, softened
 from .speeds import Array, Speeds

@@ -63,7 +63,7 @@ def fit_crawls(
     robot, before = session.setup.robot, _before(session, other)
     taken, slope = data, floor_slope(session, other)
     at, drawn, found = np.exp(before.mean), None, effects
-    solver = speeds or data.of_robot(robot, at, before.narrow)
+    solver = speeds or data.of_robot(robot, at)
     near = servo is not None and before.narrow and not servo.exact and not servo.drawn
     leads = servo is not None and any(data.sloped)  # what a slope does depends on the servo, too
     passes = 1 + (leads or (other is None and (servo is not None or open_pushes)))

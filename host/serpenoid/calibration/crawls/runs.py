@@ -3,33 +3,77 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from ...model.gait import Gait
 from ..kinds.gait import GaitRun
+from ..kinds.video import FilmReading
 from ..session import Session
 
-SAME_RATE = 1e-3  # rates closer than this, relative, are repeats of one gait
+# Commands that differ by less are one command: a film shows its rate, and may show its angles.
+_SAME_RATE, _SAME_RAD = 0.01, 0.01
 
 
-def runs_by_gait(session: Session) -> dict[Gait, list[GaitRun]]:
-    """Return the runs of every gait; the board's clock moves the rates of repeats by some ppm."""
-    found: dict[Gait, list[GaitRun]] = {}
-    runs = [(run.gait, run) for run in session.kept_gait_runs]
-    runs += [(film.gait, film.gait_run) for film in session.kept_films]
-    for gait, run in runs:
-        same = [known for known in found if same_gait(known, gait)]
-        found.setdefault(same[0] if same else gait, []).append(run)
-    return dict(sorted(found.items(), key=lambda item: item[0].omega_rad_s))
+@dataclass(frozen=True)
+class Crawls:
+    """All timed runs and films of one command."""
+
+    commanded: Gait
+    timed: tuple[GaitRun, ...] = ()
+    films: tuple[FilmReading, ...] = ()
+
+    @property
+    def runs(self) -> tuple[GaitRun, ...]:
+        """Return the timed runs, and what the films say as runs."""
+        return (*self.timed, *(film.gait_run for film in self.films))
+
+    @property
+    def gait(self) -> Gait:
+        """Return the gait with the mean of the joints as filmed; without films the command."""
+        return mean_gait([film.gait for film in self.films]) if self.films else self.commanded
+
+
+def crawls_by_command(session: Session) -> list[Crawls]:
+    """Return the crawls of every command, the slowest first; films there and back are of one."""
+    crawls: list[Crawls] = []
+    timed = [Crawls(run.gait, timed=(run,)) for run in session.kept_gait_runs]
+    for new in [*timed, *(Crawls(film.commanded, films=(film,)) for film in session.kept_films)]:
+        same = [k for k, c in enumerate(crawls) if same_command(c.commanded, new.commanded)]
+        if same:
+            known = crawls[same[0]]
+            both = known.timed + new.timed, known.films + new.films
+            crawls[same[0]] = Crawls(known.commanded, *both)
+        else:
+            crawls.append(new)
+    return sorted(crawls, key=lambda crawl: crawl.commanded.omega_rad_s)
 
 
 def as_run(session: Session, gaits: Sequence[Gait]) -> tuple[Gait, ...]:
     """Return the gaits, each with the rate at which it ran, if it ran."""
-    ran = list(runs_by_gait(session))
-    return tuple(next((own for own in ran if same_gait(own, gait)), gait) for gait in gaits)
+    ran = [crawl.commanded for crawl in crawls_by_command(session)]
+    return tuple(next((own for own in ran if same_command(own, gait)), gait) for gait in gaits)
 
 
-def same_gait(one: Gait, other: Gait) -> bool:
-    """Tell whether two gaits differ by no more than the board's clock does."""
-    apart = abs(one.omega_rad_s - other.omega_rad_s) / one.omega_rad_s
-    return replace(other, omega_rad_s=one.omega_rad_s) == one and apart < SAME_RATE
+def same_command(one: Gait, other: Gait) -> bool:
+    """Tell whether two commands differ by no more than a film may be off."""
+    angles = np.array([[g.alpha_rad, g.beta_rad, g.offset_rad] for g in (one, other)])
+    alike = (one.joint_gain, one.joint_shift_rad) == (other.joint_gain, other.joint_shift_rad)
+    near = np.abs(angles[0] - angles[1]).max() < _SAME_RAD
+    return alike and near and abs(other.omega_rad_s / one.omega_rad_s - 1.0) < _SAME_RATE
+
+
+def mean_gait(gaits: Sequence[Gait]) -> Gait:
+    """Return the gait of the mean joints."""
+    if len(gaits) == 1:
+        return gaits[0]
+    joints = max(len(gait.joint_gain) for gait in gaits)
+    gain, shift = np.mean([gait.joint_factors(joints) for gait in gaits], axis=0)
+    return replace(
+        gaits[0],
+        omega_rad_s=float(np.mean([g.omega_rad_s for g in gaits])),
+        offset_rad=float(np.mean([g.offset_rad for g in gaits])),
+        joint_gain=tuple(gain.tolist()),
+        joint_shift_rad=tuple(shift.tolist()),
+    )

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...model.errors import NotConverged
+from ...model.particles import Student, tempered
 from .bends import Bends
-from .particles import Student, tempered
 from .unknowns import Floats, Unknown, Values, Whole
 
 BAD_CHANCE, BAD_WIDTH = 0.05, 12.0  # of a misreading: its chance, and its width in sigmas

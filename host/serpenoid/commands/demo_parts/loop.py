@@ -150,9 +150,8 @@ def _compare(session: Session, fit: FrictionFit, out: Path) -> Comparison:
     gait = compared.gaits[1]
     step(
         3,
-        f"Its speed at {gait.frequency_hz:.2g} Hz: {gait.low_all_m_s:#.2g} to "
-        f"{gait.high_all_m_s:#.2g} m/s predicted with any hobby servos, {gait.measured_m_s:#.2g} "
-        f"measured; ideal joints {gait.exact_m_s:#.2g}.",
+        f"Its speed at {gait.frequency_hz:.2g} Hz, m/s: {gait.band_in_words} predicted with any "
+        f"hobby servos, {gait.measured_m_s:#.2g} measured; ideal joints {gait.exact_m_s:#.2g}.",
         "Both agree." if compared.verdict == "agrees" else compared.verdict_text,
     )
     return compared
@@ -177,13 +176,16 @@ def _drive_wanted(
     with working("the lab's robot crawls"):
         crawls = crawl_speed(truth.robot(session.setup.robot, np.random.default_rng(SEED)), driven)
     alpha, beta = math.degrees(driven.alpha_rad), math.degrees(driven.beta_rad)
+    with_servos = band.cannot_run or (
+        f"With typical servos about {band.speed_m_s:#.2g} m/s ({band.low_m_s:#.2g} to "
+        f"{band.high_m_s:#.2g})."
+    )
     frequency_hz = driven.omega_rad_s / (2 * math.pi)
     step(
         5,
         f"The cheapest gait for {speed_m_s:g} m/s with ideal joints: {alpha:.0f}°/{beta:.0f}° at "
-        f"{frequency_hz:.2g} Hz, {1000 * best.power_w:.0f} mW. With typical servos about "
-        f"{band.speed_m_s:#.2g} m/s ({band.low_m_s:#.2g} to {band.high_m_s:#.2g}); the lab's robot "
-        f"crawls at {crawls:#.2g}.",
+        f"{frequency_hz:.2g} Hz, {1000 * best.power_w:.0f} mW. {with_servos} The lab's "
+        f"robot crawls at {crawls:#.2g}.",
     )
     return {
         "alpha_deg": alpha,

@@ -57,6 +57,7 @@ def servo(
     from ...model.checks import check_number
     from ...servos.bench_test import servo_of_test
     from ...servos.servo_file import save_servo
+    from ...show.progress import working
 
     if (table is None) == (session is None):
         raise click.UsageError("give --test CSV or --session DIR, one of both")
@@ -70,7 +71,8 @@ def servo(
         check_number("--sigma-deg", sigma_deg, 0.0, 57.0, open_low=True)
         check_number("--inertia-kg-m2", inertia_kg_m2, 0.0)
         test = read_test(table, math.radians(sigma_deg), inertia_kg_m2)
-        found = servo_of_test(test, kind, name=name)
+        with working("trying servos"):
+            found = servo_of_test(test, kind, name=name)
     else:
         assert session is not None
         from ...calibration.servos.from_runs import servo_of_session
