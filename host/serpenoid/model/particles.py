@@ -80,8 +80,8 @@ def tempered(
         x, log_first, log_last = x[rows], log_first[rows], log_last[rows]
         for _ in range(moves if power < 1.0 else 2 * moves):
             pair = x[rng.permutation(count)] - x[rng.permutation(count)]
-            by = rng.choice(_LENGTHS, size=(count, 1)) * pair
-            by += _JITTER * x.std(axis=0) * rng.normal(size=x.shape)
+            jitter = _JITTER * x.std(axis=0) * rng.normal(size=x.shape)
+            by = rng.choice(_LENGTHS, size=(count, 1)) * pair + jitter
             tried = x + (by if share == 1.0 else by * (rng.random(x.shape) < share))
             new_first, new_last = first(tried), last(tried)
             gain = (1.0 - power) * (new_first - log_first) + power * (new_last - log_last)

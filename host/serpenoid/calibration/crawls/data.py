@@ -31,7 +31,7 @@ GAIN_ELASTICITY = 1.5  # about: per cent of speed for one of amplitude
 
 @dataclass(frozen=True)
 class CrawlData:
-    """Measured speeds of G gaits, mean of timed runs that went the same way; each film stands alone.
+    """Measured speeds of G gaits: means of timed runs that went the same way; films stand alone.
 
     sigma_m_s: standard deviations, what the model leaves out among them. seen: the gaits whose
     joints a film showed, so that the common amplitude does not count. numbers: of the readings.
