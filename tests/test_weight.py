@@ -39,7 +39,7 @@ MOST_TOKENS = {
     "host/serpenoid/exchange": 2226,
     "host/serpenoid/gaits": 11799,
     "host/serpenoid/lab": 7990,
-    "host/serpenoid/model": 12099,
+    "host/serpenoid/model": 12101,
     "host/serpenoid/paper": 2937,
     "host/serpenoid/periodic": 11290,
     "host/serpenoid/robot": 21001,
