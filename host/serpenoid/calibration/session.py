@@ -8,6 +8,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -149,6 +150,8 @@ class Session:
     >>> session = sn.load_session("calibration_data/nirakh-2005")
     >>> session.setup.robot.links
     6
+    >>> print(session)
+    nirakh-2005: 11 station
     """
 
     setup: Setup
@@ -160,6 +163,11 @@ class Session:
     further: tuple[Any, ...] = ()
     folder: Path | None = None
     notes: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        """Return the session's name, and how many readings of each kind it has."""
+        counts = Counter(kind.name for kind, _ in self.numbered)
+        return f"{self.setup.name}: " + ", ".join(f"{n} {name}" for name, n in counts.items())
 
     @property
     def kept(self) -> tuple[Reading, ...]:
