@@ -92,7 +92,7 @@ def neighbours(
     arg4: int,
     rough: bool = False,
     starts: Sequence[Sequence[float]] = [],
-    progress: Callable[[int], object] | None = None,
+    progress: object | None = None,
 ) -> list[SteadyState]: ...
 def sweep(
     arg0: Sequence[Model],
