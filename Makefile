@@ -57,7 +57,8 @@ quick-tests:
 
 test-slow: $(VENV)/built $(VENV)/dev
 	@sh .ci/need chromium=chromium chromedriver=chromium-driver em++=emscripten node=nodejs \
-		$$(cat $(addprefix tests/,$(addsuffix /packages.txt,avr arm portable))) || echo "what needs these is skipped"
+		$$(cat tests/avr/packages.txt tests/arm/packages.txt) || echo "what needs these is skipped"
+	@sh .ci/need $$(cat tests/portable/packages.txt) || echo "other compilers are skipped"
 	@$(MAKE) --no-print-directory --jobs=2 slow-host slow-gaits slow-board
 
 slow-host:
