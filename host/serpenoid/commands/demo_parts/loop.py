@@ -150,8 +150,9 @@ def _compare(session: Session, fit: FrictionFit, out: Path) -> Comparison:
     gait = compared.gaits[1]
     step(
         3,
-        f"Its speed at {gait.frequency_hz:.2g} Hz, m/s: {gait.band_in_words} predicted with any "
-        f"hobby servos, {gait.measured_m_s:#.2g} measured; ideal joints {gait.exact_m_s:#.2g}.",
+        f"Its speed at {gait.frequency_hz:.2g} Hz: {gait.low_all_m_s:#.2g} to "
+        f"{gait.high_all_m_s:#.2g} m/s predicted with any hobby servos, {gait.measured_m_s:#.2g} "
+        f"measured; ideal joints {gait.exact_m_s:#.2g}.",
         "Both agree." if compared.verdict == "agrees" else compared.verdict_text,
     )
     return compared
