@@ -35,7 +35,7 @@ MOST_TOKENS = {
     "host/serpenoid/_core": 2780,
     "host/serpenoid/bench": 13577,
     "host/serpenoid/calibration": 98755,
-    "host/serpenoid/commands": 29922,
+    "host/serpenoid/commands": 29923,
     "host/serpenoid/exchange": 2226,
     "host/serpenoid/gaits": 11799,
     "host/serpenoid/lab": 7990,
