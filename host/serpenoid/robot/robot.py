@@ -7,11 +7,12 @@ import os
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, NoReturn, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
-from ..model.bends import FEWEST_LINKS, bend_signs, joint_multiples
+from ..model.bends import bend_signs, joint_multiples
 from ..model.checks import check_number
 from ..model.errors import (
     BadInput,
@@ -27,7 +28,7 @@ from .recording.recorder import Recorder
 from .signals import SignalGuard
 from .wire.clock import Drift
 from .wire.dialogue import Answer, CloseResult, Dialogue
-from .wire.encoding import degrees, digits, word
+from .wire.encoding import degrees, digits
 from .wire.greeting import greet
 from .wire.inbox import Losses
 from .wire.link import Link, open_link
@@ -106,10 +107,6 @@ class RobotBoard:
         if os.getpid() == self._process:  # a fork that leaves must not stop its parent's robot
             self._leave(error)
 
-    def __reduce_ex__(self, protocol: object) -> NoReturn:
-        """Refuse to be copied or pickled: a copy would close the port when it goes."""
-        raise BadInput("a Robot cannot be copied or pickled: it has its port to itself; pass it on")
-
     @property
     def hello(self) -> Hello:
         """Return the board's greeting: firmware, board, boot id, cause of its last reset."""
@@ -126,7 +123,7 @@ class RobotBoard:
     @property
     def losses(self) -> Losses:
         """Return the counts of what did not arrive whole since opening."""
-        return self._dialogue.inbox.losses
+        return replace(self._dialogue.inbox.losses)
 
     @property
     def latest(self) -> Telemetry | None:
@@ -171,14 +168,11 @@ class RobotBoard:
 
         Links stand at lambda_rad times `balanced_signs` to the axis: six links at
         + - 0 0 - +, joints at -2, 1, 0, -1 and 2 lambda. Three links have no such bend:
-        CommandRefused.
+        BadInput.
 
         lambda_rad: the angle of each bent link to the belt, in rad. offset_rad: is added to every
         joint, in rad; to steer, call again with another one: the joints move there smoothly.
         """
-        links = self.hello.joints + 1
-        if links < FEWEST_LINKS:
-            raise refused("bent", "unbalanced")
         self._bend("balanced", lambda_rad, offset_rad)
 
     def zigzag(self, lambda_rad: float, offset_rad: float = 0.0) -> None:
@@ -220,7 +214,7 @@ class RobotBoard:
 
     def set(self, name: str, value: float) -> None:
         """Set a setting's value, in the unit of PROTOCOL.md; save() makes it outlive the power."""
-        self._obeyed(f"set {word(name)} {digits(value)}")
+        self._obeyed(f"set {name} {digits(value)}")
 
     def trims(self) -> tuple[Trim, ...]:
         """Return all servos' trims, tail first."""
@@ -229,7 +223,7 @@ class RobotBoard:
 
     def trim(self, joint: int, field: str, value: float) -> None:
         """Set a joint's centre, scale, dir, low or high to a value; units: PROTOCOL.md."""
-        self._obeyed(f"trim {digits(joint)} {word(field)} {digits(value)}")
+        self._obeyed(f"trim {digits(joint)} {field} {digits(value)}")
 
     def save(self, *, unattended: bool = False) -> None:
         """Write settings and trims to the board's EEPROM; return when they were read back.
@@ -342,8 +336,9 @@ class RobotBoard:
         failure = self._talk.failure if self._talk else None
         why = error or failure
         unwritten = None
+        how = f"{type(why).__name__}: {' '.join(str(why).split())}" if why else "closed"
         try:
-            self._recorder.close("closed" if why is None else _described(why))
+            self._recorder.close(how)
         except RecordingFailed as failed:
             unwritten = failed
         if self._talk is None or not self._talk.inbox.in_session:
@@ -364,15 +359,6 @@ def _told(
     for problem in filter(None, (unstopped, unwritten)):
         warnings.warn(str(problem), RuntimeWarning, stacklevel=4)
     return None
-
-
-def _described(error: BaseException) -> str:
-    """Return an error in one line, whatever its text is."""
-    try:
-        text = " ".join(str(error).split())
-    except Exception:  # a text that its own class cannot make
-        text = "without a text"
-    return f"{type(error).__name__}: {text}"
 
 
 def _obey(text: str, answer: Answer) -> None:

@@ -164,7 +164,7 @@ def test_board_and_recording_are_looked_for_before_the_search(
         raise AssertionError("searched")
 
     monkeypatch.setattr("serpenoid.gaits.least_power.least_power_gait", searched)
-    monkeypatch.setattr("serpenoid.robot.wire.link.serial_ports", list)
+    monkeypatch.setattr("serpenoid.robot.wire.ports.serial_ports", list)
     wish = ["optimize", "--robot", "paper", "--speed", "0.1", "--send"]
     missing = CliRunner().invoke(cli, wish, standalone_mode=False)
     assert "no board found" in str(missing.exception)

@@ -12,7 +12,7 @@ from robot.fake_board import FakeBoard, sealed
 from serpenoid.model.errors import BadInput, DamagedLine
 from serpenoid.model.toml_table import Table
 from serpenoid.robot import Robot
-from serpenoid.robot.wire import port_diagnosis
+from serpenoid.robot.wire import ports
 from serpenoid.robot.wire.protocol import Data, parse
 from serpenoid.robot.wire.reports import settings_of, status_of, trims_of
 
@@ -145,6 +145,6 @@ def test_a_file_without_end_is_refused():
 
 def test_nobody_is_told_to_join_root(monkeypatch):
     monkeypatch.setattr("grp.getgrgid", lambda _: SimpleNamespace(gr_name="root"))
-    said = port_diagnosis.why_forbidden("/dev/null")
+    said = ports.why_forbidden("/dev/null")
     assert "usermod -aG root" not in said
     assert "udev" in said

@@ -8,7 +8,7 @@ import pytest
 from robot.fake_board import sealed
 from serpenoid.calibration.taking.board_run import board_gait
 from serpenoid.model.bends import balanced_signs, joint_multiples
-from serpenoid.model.errors import BadInput, CommandRefused
+from serpenoid.model.errors import BadInput
 from serpenoid.model.gait import Gait
 from serpenoid.robot import Robot
 from serpenoid.robot.recording.stream import load_stream
@@ -133,7 +133,7 @@ def test_any_number_of_joints_takes_the_balanced_bend(number):
 
 def test_three_links_have_no_balanced_bend():
     with Robot("virtual:joints=2:fast") as robot:
-        with pytest.raises(CommandRefused, match=r"three links.*guide the robot"):
+        with pytest.raises(BadInput, match=r"3 links.*guide the robot"):
             robot.bent(0.1)
         robot.zigzag(0.1, 0.02)
         *_, frame = robot.frames(1.5)

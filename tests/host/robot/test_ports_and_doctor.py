@@ -13,7 +13,7 @@ import pytest
 from robot.fake_board import FakeBoard, eeprom_after, nothing, sealed
 from serpenoid.robot import Robot
 from serpenoid.robot.tools import doctor, first_day
-from serpenoid.robot.wire import port_diagnosis, ports
+from serpenoid.robot.wire import ports
 from serpenoid.robot.wire.virtual import VirtualLink
 
 FAST = {"listen_s": 0.3, "timeout_s": 2.0}
@@ -85,11 +85,10 @@ def test_a_board_on_a_port_is_well_and_never_moves(simulated_board, serpenoid):
     assert "0 frames missed" in found["timing"]["found"]
 
 
-def test_who_does_not_listen_is_not_told_to_flash(serpenoid):
-    status, said, _ = serpenoid("doctor", "--port", "virtual", "--listen-s", "0")
-    assert status == 0
-    assert "listen longer: --listen-s 3" in said
-    assert "serpenoid flash" not in said
+def test_listening_too_short_to_hear_a_frame_is_refused(serpenoid):
+    status, _, said = serpenoid("doctor", "--port", "virtual", "--listen-s", "0")
+    assert status == 2
+    assert "0.2<=x<=600" in said
 
 
 def test_a_report_moves_nothing_and_says_what_it_left_out(serpenoid, tmp_path):
@@ -131,7 +130,7 @@ def test_no_port_no_board_and_two_boards(plugged):
 
 
 def test_a_port_that_may_not_be_opened(monkeypatch):
-    monkeypatch.setattr(doctor, "allowed", lambda _: False)
+    monkeypatch.setattr(ports, "allowed", lambda _: False)
     with FakeBoard() as board:
         assert "usermod -aG" in fix_of("permission", board.port)
         assert "greeting" not in marks(board.port)
@@ -154,14 +153,14 @@ def test_a_port_in_use_names_who(monkeypatch):
 
 
 def test_of_a_crowd_some_are_named():
-    crowd = [port_diagnosis.Holder(10**7 + i, "cat") for i in range(30)]
-    said = port_diagnosis.why_held("/dev/ttyX", crowd)
+    crowd = {10**7 + i: "cat" for i in range(30)}
+    said = ports.why_held("/dev/ttyX", crowd)
     assert "(process 10000002) and 27 more; close it" in said
     assert "10000003" not in said
 
 
 def test_a_service_that_meddles_is_a_note(monkeypatch):
-    monkeypatch.setattr(doctor.port_diagnosis, "running", lambda name: name == "ModemManager")
+    monkeypatch.setattr(ports, "running", lambda name: name == "ModemManager")
     with FakeBoard() as board:
         found = {f.name: f for f in doctor.examine(board.port, **FAST)}
         assert found["ModemManager"].mark == "note"
@@ -221,18 +220,6 @@ def test_what_the_counters_and_the_timing_mean():
     assert doctor._timing(doctor.Status(**good)).mark == "ok"
     for late in ({"overruns": 1}, {"late_us": doctor.LATE_US + 1}):
         assert doctor._timing(doctor.Status(**good | late)).mark == "fix"
-
-
-def test_without_pyserial(monkeypatch):
-    real = doctor.find_spec
-    monkeypatch.setattr(doctor, "find_spec", lambda name: None if name == "serial" else real(name))
-    found = list(doctor.examine("virtual", **FAST))
-    assert (found[0].name, found[0].mark, found[0].fix) == (
-        "pyserial",
-        "fix",
-        "pip install pyserial",
-    )
-    assert [f.name for f in found] == ["pyserial", "platformio"]
 
 
 def test_listing_is_by_name_and_says_what_is_allowed(plugged, monkeypatch):

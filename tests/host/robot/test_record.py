@@ -263,18 +263,11 @@ def test_a_line_after_the_end_is_no_error(tmp_path):
     assert path.read_text().endswith("# end: closed\n")
 
 
-class Unsayable(Exception):
-    def __str__(self) -> str:
-        raise RuntimeError
-
-
-@pytest.mark.parametrize("error", [ValueError("caf\udce9 \ud800"), Unsayable()])
-def test_an_error_whose_text_cannot_be_written_is_passed_on(tmp_path, error):
+def test_an_error_whose_text_cannot_be_written_is_passed_on(tmp_path):
     path = tmp_path / "run.txt"
-    with pytest.raises(type(error)) as passed, Robot("virtual:fast", record=path):
-        raise error
-    assert passed.value is error
-    assert load_stream(path).end.startswith(type(error).__name__)
+    with pytest.raises(ValueError, match="caf"), Robot("virtual:fast", record=path):
+        raise ValueError("caf\udce9 \ud800")
+    assert load_stream(path).end.startswith("ValueError")
 
 
 TITLE = b"# serpenoid wire 1, begun 2026\n"

@@ -102,7 +102,7 @@ def test_settings_and_trims_are_kept_when_saved(kind, request):
             with pytest.raises(CommandRefused) as refused:
                 ask()
             assert refused.value.word == "name"
-        with pytest.raises(BadInput, match="no name"):
+        with pytest.raises(BadInput, match="printable ASCII"):
             robot.set("silence 1\n#9 gait", 3)
 
 

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import copy
 import math
-import pickle
 import threading
 
 import pytest
 from robot.fake_board import FakeBoard, nothing
 from robot.patience import LONG_S, until
 from serpenoid import Gait
-from serpenoid.model.errors import BadInput, NoAnswer, RobotClosed, RobotHeld
+from serpenoid.model.errors import NoAnswer, RobotClosed, RobotHeld
 from serpenoid.robot import Robot
 from serpenoid.robot.wire import dialogue
 
@@ -121,14 +119,6 @@ def test_eight_threads_share_the_frames():
             thread.join()
     assert not wrong
     assert len(seen) == len(set(seen)) > 10
-
-
-@pytest.mark.parametrize("how", [copy.copy, copy.deepcopy, pickle.dumps])
-def test_a_robot_is_not_copied(how):
-    with FakeBoard() as fake, Robot(fake.port) as robot:
-        with pytest.raises(BadInput, match="copied"):
-            how(robot)
-        robot.gait(GAIT)
 
 
 def test_a_robot_that_did_not_open_has_no_greeting():

@@ -18,7 +18,7 @@ MARKS = {"ok": "ok  ", "note": "note", "fix": "FIX "}
 @click.command()
 @PORT
 @option(
-    "--listen-s", "How long to listen to the board.", type=click.FloatRange(0, 600), default=3.0
+    "--listen-s", "How long to listen to the board.", type=click.FloatRange(0.2, 600), default=3.0
 )
 @option(
     "--report",

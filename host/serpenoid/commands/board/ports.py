@@ -12,8 +12,7 @@ from ..options import AS_JSON, show_json
 @AS_JSON
 def ports(as_json: bool) -> None:
     """List the serial ports: which may be the robot, and who has them open."""
-    from ...robot.wire.port_diagnosis import why_no_port
-    from ...robot.wire.ports import port_states
+    from ...robot.wire.ports import port_states, why_no_port
 
     found = port_states()
     if as_json:

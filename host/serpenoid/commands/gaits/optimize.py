@@ -194,7 +194,7 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
 def _check_board(port: str | None, record: Path | None) -> None:
     """Find the board and the recording's place before the search, not after it."""
     from ...robot.recording.recorder import check_free
-    from ...robot.wire.link import find_port
+    from ...robot.wire.ports import find_port
 
     if record is not None:
         check_free(record)

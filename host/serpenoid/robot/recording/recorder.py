@@ -9,6 +9,7 @@ import threading
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import datetime, timezone
+from io import FileIO
 from pathlib import Path
 
 from ...model.errors import BadInput, RecordingFailed
@@ -49,7 +50,7 @@ class Recorder:
         self._failure: RecordingFailed | None = None
         self._progress = threading.Condition()
         self._process = os.getpid()
-        self._fd = _open(path)
+        self._file = _open(path)
         self._thread = threading.Thread(target=self._write_on, name="serpenoid disk", daemon=True)
         try:
             self._begin()
@@ -137,18 +138,19 @@ class Recorder:
                 text = f"{row.text}\n".encode("utf-8", "backslashreplace")
             else:
                 last_s = max(last_s, row.host_s - self._start_s)  # threads may enter out of turn
-                text = _formatted(last_s, row.text, row.line)
+                line = row.line.rstrip(b"\r\n").decode("latin-1").encode("unicode_escape")
+                text = b"%.6f %b %b\n" % (last_s, row.text.encode(), line)
             if not self._failure:
                 self._write(text)
             with self._progress:
                 row.written = True
                 self._progress.notify_all()
-        os.close(self._fd)
+        self._file.close()
 
     def _write(self, text: bytes) -> None:
         try:
             while text:
-                text = text[os.write(self._fd, text) :]
+                text = text[self._file.write(text) :]
         except OSError as error:
             self._failure = self._failed(str(error))
 
@@ -165,15 +167,9 @@ def check_free(path: Path) -> None:
         raise BadInput(f"{path} holds something already; give the recording another name")
 
 
-def _open(path: Path) -> int:
+def _open(path: Path) -> FileIO:
     check_free(path)
     try:
-        binary = getattr(os, "O_BINARY", 0)  # of Windows, where line ends would change else
-        return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | binary, 0o666)
+        return FileIO(path, "w")
     except OSError as error:
         raise RecordingFailed(f"cannot record to {path}: {error}; choose another") from error
-
-
-def _formatted(seconds: float, direction: str, line: bytes) -> bytes:
-    text = line.rstrip(b"\r\n").decode("latin-1").encode("unicode_escape")
-    return b"%.6f %b %b\n" % (seconds, direction.encode(), text)

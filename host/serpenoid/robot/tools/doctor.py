@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib.util import find_spec
+from importlib.metadata import version
 from typing import Literal
 
 from ...model.errors import NoAnswer, ProtocolMismatch, RobotError
 from ..robot import RobotBoard
-from ..wire import link, port_diagnosis
+from ..wire import ports
 from ..wire.inbox import Losses
-from ..wire.ports import allowed
 from ..wire.protocol import PROTOCOL, Hello
 from ..wire.reports import Status
 from .first_day import RELEASED
+from .upload import find_platformio
 
 Mark = Literal["ok", "note", "fix"]
 SAVE_ANEW = "check each servo and save: serpenoid trim"
@@ -55,30 +55,25 @@ def examine(
 ) -> Iterator[Finding]:
     """Look at one thing after another, as far as what was found allows; None finds the port.
 
-    listen_s: how long to count frames; timeout_s: how long to wait for the board's greeting.
+    listen_s: how long to count frames, at least 0.2; timeout_s: how long to wait for a greeting.
     """
-    yield (here := _pyserial())
-    if here.mark == "ok":
-        try:
-            yield from _port(port, listen_s, timeout_s)
-        except RobotError as error:
-            yield Finding("port", "fix", "not usable", str(error))
-    yield _platformio()
-
-
-def _pyserial() -> Finding:
-    if not find_spec("serial"):
-        return Finding("pyserial", "fix", "not installed", "pip install pyserial")
-    from serial import VERSION
-
-    return Finding("pyserial", "ok", f"version {VERSION}")
+    yield Finding("pyserial", "ok", f"version {version('pyserial')}")
+    try:
+        yield from _port(port, listen_s, timeout_s)
+    except RobotError as error:
+        yield Finding("port", "fix", "not usable", str(error))
+    if pio := find_platformio():
+        yield Finding("platformio", "ok", pio)
+    else:
+        fix = "needed for flashing only: pip install platformio"
+        yield Finding("platformio", "note", "not installed", fix)
 
 
 def _port(port: str | None, listen_s: float, timeout_s: float) -> Iterator[Finding]:
     if port is not None and port.startswith("virtual"):
         yield Finding("port", "ok", f"{port}: the firmware in this process, no robot")
     else:
-        port = port or link.find_port()
+        port = port or ports.find_port()
         for finding in _access(port):
             yield finding
             if finding.mark == "fix":
@@ -88,18 +83,18 @@ def _port(port: str | None, listen_s: float, timeout_s: float) -> Iterator[Findi
 
 def _access(port: str) -> Iterator[Finding]:
     """Look whether the port is there, who may open it, and who has done so, up to what to fix."""
-    if not link.is_there(port):
-        here = f"serial ports here: {link.port_names()}"
+    if not ports.is_there(port):
+        here = f"serial ports here: {ports.port_names()}"
         yield Finding("port", "fix", f"there is no {port}", here)
     yield Finding("port", "ok", port)
-    if not allowed(port):
-        yield Finding("permission", "fix", "refused", port_diagnosis.why_forbidden(port))
+    if not ports.allowed(port):
+        yield Finding("permission", "fix", "refused", ports.why_forbidden(port))
     yield Finding("permission", "ok", f"this user may open {port}")
-    if holders := port_diagnosis.users(port):
-        yield Finding("other programs", "fix", "in use", port_diagnosis.why_held(port, holders))
+    if holders := ports.users(port):
+        yield Finding("other programs", "fix", "in use", ports.why_held(port, holders))
     yield Finding("other programs", "ok", f"none has {port} open")
-    for name, cure in port_diagnosis.MEDDLERS.items():
-        if port_diagnosis.running(name):
+    for name, cure in ports.MEDDLERS.items():
+        if ports.running(name):
             yield Finding(name, "note", "runs here and may take the port", cure)
 
 
@@ -129,19 +124,12 @@ def _settings(hello: Hello, settings: dict[str, float]) -> Iterator[Finding]:
         yield Finding("last reset", "fix", hello.reset, RESETS[hello.reset])
 
 
-_LISTEN_S = 0.2  # in which some frames must come
-
-
 def _running(robot: RobotBoard, listen_s: float) -> Iterator[Finding]:
     """Listen for a while, then judge losses, timing and clock."""
-    if robot.settings()["every"] != 1:
-        robot.set("every", 1)  # until the next reset, so that there is something to hear
+    robot.set("every", 1)  # until the next reset, so that there is something to hear
     heard = sum(1 for _ in robot.frames(listen_s))
     status = robot.status()
-    if heard or listen_s >= _LISTEN_S:
-        yield _counters(status, robot.losses, heard)
-    else:
-        yield Finding("counters", "note", "not measured", "listen longer: --listen-s 3")
+    yield _counters(status, robot.losses, heard)
     yield _timing(status)
     yield _drift(robot)
 
@@ -177,13 +165,3 @@ def _drift(robot: RobotBoard) -> Finding:
     if not drift.believable:
         return Finding("clock", "fix", found, "beyond any resonator: is the right board flashed?")
     return Finding("clock", "ok", found)
-
-
-def _platformio() -> Finding:
-    from .upload import find_platformio
-
-    pio = find_platformio()
-    if not pio:
-        fix = "needed for flashing only: pip install platformio"
-        return Finding("platformio", "note", "not installed", fix)
-    return Finding("platformio", "ok", pio)

@@ -76,7 +76,9 @@ class DrivenRun:
         with self.robot as robot:
             if self.match is not None:
                 self.match.check(robot)
-            _make_watchable(robot)
+            robot.set("every", 1)  # until the board's next reset, as its silence: nothing is saved
+            if not robot.settings()["silence"]:
+                robot.set("silence", SILENCE_S)  # the board stops if this program dies
             self._follow(duration_s, watch)
         if self.frames or not self.halted:
             self._check_frames(0.0 if self.halted else duration_s or 0.0)
@@ -155,15 +157,3 @@ class DrivenRun:
         self.frames += 1
         self.latest_us = max(self.latest_us, frame.late_us)
         self.clipped_frames += frame.clipped > 0
-
-
-def _make_watchable(robot: RobotBoard) -> None:
-    """See that every frame is told, and that the board stops if this program dies.
-
-    Both last until the board's next reset only; its EEPROM is left alone.
-    """
-    settings = robot.settings()
-    if settings["every"] != 1:
-        robot.set("every", 1)
-    if not settings["silence"]:
-        robot.set("silence", SILENCE_S)

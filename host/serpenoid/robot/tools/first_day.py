@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import asdict
-from itertools import islice, pairwise
+from itertools import islice
 
 from ...model.errors import CommandRefused, RobotError
 from ...model.gait import Gait
 from ..robot import RobotBoard
+from ..wire.protocol import Telemetry
 from .trimming import UNATTENDED_S, straighten
 
 FRAMES = 10_000
 FRAME_PATIENCE_S = 400.0
 QUESTIONS = 200
-LEFT_OUT = "limp test and slow gait: give --move, with the robot free to move"
 SLOW = Gait(math.radians(10), math.radians(60), 2.0)
 SLOW_S = 10.0
 RELEASED = {
@@ -47,9 +47,9 @@ def measure(port: str | None, ask: Ask | None) -> dict[str, object]:
             with suppress(CommandRefused):  # frames too short for a line in each
                 robot.set("every", 1)
             facts["round_trip_ms"] = _round_trip(robot)
-            facts["frames"] = _frames(robot, FRAMES)
+            facts["frames"] = _frames(islice(robot.frames(FRAME_PATIENCE_S), FRAMES))
             if ask is None:
-                facts["left_out"] = LEFT_OUT
+                facts["left_out"] = "limp test and slow gait: give --move, with the robot free"
             elif ask(FREE):
                 facts["released"] = limp_test(robot, ask)
                 facts["slow_gait"] = _slow_gait(robot)
@@ -73,16 +73,17 @@ def limp_test(robot: RobotBoard, ask: Ask) -> str:
 
 
 def _round_trip(robot: RobotBoard) -> dict[str, float]:
-    at_s = [time.perf_counter()]
+    times_ms = []
     for _ in range(QUESTIONS):
+        begun_s = time.perf_counter()
         robot.command("ping")
-        at_s.append(time.perf_counter())
-    return _spread([1e3 * (after - before) for before, after in pairwise(at_s)])
+        times_ms.append(1e3 * (time.perf_counter() - begun_s))
+    return _spread(times_ms)
 
 
-def _frames(robot: RobotBoard, count: int) -> dict[str, object]:
+def _frames(coming: Iterable[Telemetry]) -> dict[str, object]:
     """Return how late frames were, how long they took, in us, and how many joints were clipped."""
-    frames = list(islice(robot.frames(FRAME_PATIENCE_S), count))
+    frames = list(coming)
     return {
         "count": len(frames),
         "late_us": _spread([frame.late_us for frame in frames]),
@@ -93,8 +94,7 @@ def _frames(robot: RobotBoard, count: int) -> dict[str, object]:
 
 def _slow_gait(robot: RobotBoard) -> dict[str, object]:
     robot.gait(SLOW)
-    count = round(SLOW_S * 1e6 / robot.hello.frame_us)
-    frames = _frames(robot, count)
+    frames = _frames(robot.frames(SLOW_S))
     begun_s = time.perf_counter()
     robot.stop()
     stop_ms = 1e3 * (time.perf_counter() - begun_s)

@@ -34,7 +34,7 @@ class Trimming:
     def go(self, keyboard: Keyboard) -> None:
         """Obey keys until one says to leave."""
         self._show(HELP)
-        self._tell()
+        self._tell(self.chosen)
         while self.press(keyboard(WAIT_S)):
             pass
 
@@ -44,9 +44,9 @@ class Trimming:
         if key in MOVES:
             self._move(MOVES[key])
         elif key in TURNS:
-            self._choose((self.chosen + TURNS[key]) % len(self.trims))
+            self._tell((self.chosen + TURNS[key]) % len(self.trims))
         elif key in map(str, range(1, len(self.trims) + 1)):
-            self._choose(int(key) - 1)
+            self._tell(int(key) - 1)
         elif key == "s":
             self.robot.save()
             self.unsaved = False
@@ -65,14 +65,11 @@ class Trimming:
             return
         self.trims[self.chosen] = replace(trim, centre_us=centre_us)
         self.unsaved = True
-        self._tell()
+        self._tell(self.chosen)
 
-    def _choose(self, joint: int) -> None:
+    def _tell(self, joint: int) -> None:
         self.chosen = joint
-        self._tell()
-
-    def _tell(self) -> None:
-        trim = self.trims[self.chosen]
+        trim = self.trims[joint]
         saved = "  (not saved)" if self.unsaved else ""
         self._show(f"joint {trim.joint}  centre {trim.centre_us:g} us{saved}")
 

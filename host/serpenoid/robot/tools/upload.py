@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 import shutil
-import subprocess
 import sys
 from collections.abc import Callable
 from importlib.metadata import version
@@ -16,8 +15,7 @@ from ...model import system
 from ...model.errors import BadInput, FlashFailed
 from ..robot import RobotBoard
 from ..signals import SignalGuard
-from ..wire.link import find_port, serial_ports
-from ..wire.ports import check_free
+from ..wire.ports import check_free, find_port, serial_ports
 from ..wire.protocol import FEWEST_JOINTS, Hello
 
 # USB vendor and product ids of boards that say what they are; copies have their chip's ids.
@@ -125,8 +123,7 @@ def build_flags(joints: int, output: str) -> str:
 
 def find_platformio() -> str | None:
     """Return the path of `pio`: on PATH, or beside this Python; None if there is none."""
-    beside = Path(sys.executable).with_name("pio")
-    return shutil.which("pio") or (str(beside) if beside.exists() else None)
+    return shutil.which("pio") or shutil.which(str(Path(sys.executable).with_name("pio")))
 
 
 def find_project(given: Path | None) -> Path:
@@ -179,7 +176,13 @@ def _run(command: list[str], show: Callable[[str], None], flags: str) -> tuple[i
     """
     said = bytearray()
     guard = SignalGuard(lambda: None)  # SIGTERM and SIGHUP end it in order, too
-    with _started(command, flags) as process:
+    try:
+        started = system.start_group(command, {**os.environ, "PLATFORMIO_BUILD_FLAGS": flags})
+    except OSError as error:
+        raise FlashFailed(
+            f"PlatformIO cannot be started ({error}): `pip install --force-reinstall platformio`"
+        ) from error
+    with started as process:
         assert process.stdout is not None
         try:
             guard.install()
@@ -195,15 +198,6 @@ def _run(command: list[str], show: Callable[[str], None], flags: str) -> tuple[i
             raise
         finally:
             guard.restore()
-
-
-def _started(command: list[str], flags: str) -> subprocess.Popen[bytes]:
-    try:
-        return system.start_group(command, {**os.environ, "PLATFORMIO_BUILD_FLAGS": flags})
-    except OSError as error:
-        raise FlashFailed(
-            f"PlatformIO cannot be started ({error}): `pip install --force-reinstall platformio`"
-        ) from error
 
 
 def _why(said: str, status: int) -> str:

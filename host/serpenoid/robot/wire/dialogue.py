@@ -310,7 +310,7 @@ class Dialogue:
             if left_s < LEAST_S:
                 return None
             with self._changed:
-                self.inbox.lose(resent=1)
+                self.inbox.losses.resent += 1
 
     def _check_held(self, text: str) -> None:
         if self._held and text.split(maxsplit=1)[0] in MOTIONS:

@@ -18,13 +18,11 @@ PULSES_US = range(500, 2501)
 
 def digits(value: float) -> str:
     """Write a number as the wire takes it: at most 6 decimals, no exponent. Raises BadInput."""
-    if not isinstance(value, numbers.Real):
-        shown = repr(value)[:40]
-        raise BadInput(f"{shown} is no number, and only numbers are sent; give one, such as 3")
-    if not -MOST_SENT <= value <= MOST_SENT:  # NaN and integers beyond any float, too
-        shown = f"{value:g}" if isinstance(value, float) else "an integer"
+    number = isinstance(value, numbers.Real)
+    if not number or not -MOST_SENT <= value <= MOST_SENT:  # NaN and integers beyond any float, too
+        shown = "an integer" if isinstance(value, int) else repr(value)[:40]
         raise BadInput(
-            f"{shown} cannot be sent; every number must be finite, at most {MOST_SENT:g} in size"
+            f"{shown} cannot be sent; it must be a number, finite and at most {MOST_SENT:g} in size"
         )
     text = f"{value:.6f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
@@ -33,13 +31,6 @@ def digits(value: float) -> str:
 def degrees(angle_rad: float) -> str:
     """Write an angle in degrees."""
     return digits(math.degrees(angle_rad))
-
-
-def word(name: str) -> str:
-    """Return a name of the protocol's form, or raise BadInput."""
-    if not re.fullmatch(r"[a-z_]+", name):
-        raise BadInput(f"{name!r} is no name of a setting or field; see firmware/PROTOCOL.md")
-    return name
 
 
 def said(name: str, text: str, low: float, high: float) -> float:

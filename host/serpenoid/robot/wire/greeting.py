@@ -21,15 +21,15 @@ def greet(talk: Dialogue, timeout_s: float) -> None:
     begun_s, boot_s = now_s(), min(BOOT_S, timeout_s / 2)
     talk.wait(lambda: talk.inbox.heard, begun_s + boot_s)
     left_s = timeout_s - min(now_s() - begun_s, boot_s)
-    while left_s > LEAST_S:
+    opened = False
+    while not opened and left_s > LEAST_S:
         _check_protocol(talk)
         asked_s, ask_s = now_s(), min(ASK_S, left_s)
-        if talk.open_session(ask_s):
-            _check_protocol(talk)
-            return
+        opened = talk.open_session(ask_s)
         left_s -= min(now_s() - asked_s, ask_s)
     _check_protocol(talk)
-    raise _no_answer(talk, timeout_s)
+    if not opened:
+        raise _no_answer(talk, timeout_s)
 
 
 def _check_protocol(talk: Dialogue) -> None:

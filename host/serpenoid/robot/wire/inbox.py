@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import deque
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from ...model.errors import DamagedLine, ProtocolMismatch, RobotError, RobotReset
 from .clock import FRAME_US, BoardClock
@@ -18,7 +18,7 @@ _STATUS = re.compile(r"state=([a-z]+) .*\bboot=(\d{1,5})\b", re.ASCII)
 CHANGES_CADENCE = ("set every ", "set silence ", "load", "defaults")
 
 
-@dataclass(frozen=True)
+@dataclass
 class Losses:
     """What did not arrive whole: damaged lines, frames that never came or came twice.
 
@@ -97,11 +97,6 @@ class Inbox:
         self._counted, self.quiet_s = None, 0.0
         self.unread.clear()
 
-    def lose(self, **counts: int) -> None:
-        """Add to the losses."""
-        sums = {name: getattr(self.losses, name) + n for name, n in counts.items()}
-        self.losses = replace(self.losses, **sums)
-
     def take(self, line: bytes, host_s: float) -> None:
         """Sort in one line; raise RobotReset if it shows that the board started again."""
         try:
@@ -123,7 +118,7 @@ class Inbox:
             self._take_data(message)
 
     def _take_damaged(self, line: bytes) -> None:
-        self.lose(damaged_lines=1)
+        self.losses.damaged_lines += 1
         if not self.foreign or b"hello: " in line:
             self.foreign = line
         with suppress(DamagedLine):
@@ -187,21 +182,18 @@ class Inbox:
         if self.in_session and last and gap >= 1 << 31:
             raise _reset(f"the board's frames went back from {last.frame} to {frame.frame}")
         if not gap:
-            self.lose(repeated_frames=1)
+            self.losses.repeated_frames += 1
             return
-        self._count_missed(frame.frame)
+        if self.every and self._counted is not None:
+            passed = (frame.frame - self._counted) & 0xFFFFFFFF
+            self.losses.missed_frames += max(passed // self.every - 1, 0)
+        self._counted = frame.frame
         self.latest, self.quiet_s = frame, 0.0
         self._judge(frame.state)
         self.clock.add(host_s, frame.frame, frame.board_us)
         if len(self.unread) == MOST_UNREAD:
-            self.lose(unread_frames=1)
+            self.losses.unread_frames += 1
         self.unread.append(frame)
-
-    def _count_missed(self, frame: int) -> None:
-        if self.every and self._counted is not None:
-            gap = (frame - self._counted) & 0xFFFFFFFF
-            self.lose(missed_frames=max(gap // self.every - 1, 0))
-        self._counted = frame
 
 
 def _reset(what: str) -> RobotReset:

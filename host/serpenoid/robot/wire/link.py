@@ -1,25 +1,21 @@
-"""Bytes to and from a board over the serial port. Only this file imports pyserial."""
+"""Bytes to and from a board over the serial port. Only this file opens one."""
 
 from __future__ import annotations
 
 import errno
 import threading
 import time
-from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from ...model import system
 from ...model.errors import PortBusy, PortMissing, RobotLost
-from . import port_diagnosis
+from .ports import find_port, missing, port_names, users, why_forbidden, why_held
 
 if TYPE_CHECKING:
     import serial
-    from serial.tools.list_ports_common import ListPortInfo
 
 BAUD = 250_000
 WRITE_TIMEOUT_S = 1.0
-# USB vendors of these boards and of the serial chips on their copies.
-BOARD_VENDORS = {0x2341: "Arduino", 0x2A03: "Arduino", 0x1A86: "CH340", 0x0403: "FTDI"}
 
 
 class Link(Protocol):
@@ -43,47 +39,6 @@ class Link(Protocol):
     def close(self) -> None:
         """Give the port back; harmless when done twice."""
         ...
-
-
-def serial_ports() -> list[ListPortInfo]:
-    """List the serial ports of this computer, by name; vid and pid are None unless it is USB."""
-    from serial.tools.list_ports import comports
-
-    return sorted(comports(), key=lambda port: port.device)
-
-
-def board_chip(port: ListPortInfo) -> str | None:
-    """Name the maker of a likely board's USB chip."""
-    return BOARD_VENDORS.get(port.vid)
-
-
-def find_port() -> str:
-    """Return the one port with a likely board on it; raise PortMissing naming what is there."""
-    boards = [p for p in serial_ports() if board_chip(p)]
-    if len(boards) == 1:
-        return boards[0].device
-    if boards:
-        names = ", ".join(f"{p.device} ({board_chip(p)}, {p.description})" for p in boards)
-        raise PortMissing(f"{len(boards)} ports may be the robot: {names}; name one of them")
-    raise PortMissing(
-        f"no board found by its USB id; serial ports here: {port_names('none at all')}. "
-        f"{port_diagnosis.why_no_port()}"
-    )
-
-
-def port_names(none: str = "none") -> str:
-    """Return the serial ports of this computer in words; none: the word for none."""
-    return ", ".join(p.device for p in serial_ports()) or none
-
-
-def is_there(port: str) -> bool:
-    """Tell whether there is such a port."""
-    return any(p.device == port for p in serial_ports()) or Path(port).is_char_device()
-
-
-def missing(port: str) -> PortMissing:
-    """Return the error that there is no such port, naming those that there are."""
-    return PortMissing(f"there is no port {port}; serial ports here: {port_names()}")
 
 
 def open_link(port: str | Link | None) -> Link:
@@ -150,8 +105,8 @@ def _open(port: str) -> serial.Serial:
     import serial
 
     # Asked first because the opening itself would reset a robot that another program is driving.
-    if holders := port_diagnosis.users(port):
-        raise PortBusy(port_diagnosis.why_held(port, holders))
+    if holders := users(port):
+        raise PortBusy(why_held(port, holders))
     try:
         opened = serial.Serial(port, BAUD, exclusive=True, write_timeout=WRITE_TIMEOUT_S)
     except OSError as error:
@@ -163,9 +118,9 @@ def _open(port: str) -> serial.Serial:
 def _refused(port: str, error: OSError) -> PortBusy | PortMissing:
     said = str(error) if system.WINDOWS else ""  # there pyserial keeps no number
     if error.errno in (errno.EBUSY, errno.EAGAIN, errno.EWOULDBLOCK) or "PermissionError" in said:
-        return PortBusy(port_diagnosis.why_held(port, port_diagnosis.who_holds(port)))
+        return PortBusy(why_held(port, system.holders(port)))
     if error.errno in (errno.EACCES, errno.EPERM):
-        return PortBusy(port_diagnosis.why_forbidden(port))
+        return PortBusy(why_forbidden(port))
     if error.errno in (errno.ENOENT, errno.ENODEV, errno.ENXIO) or "FileNotFoundError" in said:
         return missing(port)
     return PortMissing(

@@ -1,15 +1,72 @@
-"""The serial ports of this computer: which may be the robot, and who has them."""
+"""The serial ports of this computer: which may be the robot, who has them, and the cure."""
 
 from __future__ import annotations
 
 import os
-from dataclasses import asdict
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from ...model import system
-from ...model.errors import PortBusy
-from . import port_diagnosis
-from .link import board_chip, is_there, missing, serial_ports
+from ...model.errors import PortBusy, PortMissing
+
+if TYPE_CHECKING:
+    from serial.tools.list_ports_common import ListPortInfo
+
+# USB vendors of these boards and of the serial chips on their copies.
+BOARD_VENDORS = {0x2341: "Arduino", 0x2A03: "Arduino", 0x1A86: "CH340", 0x0403: "FTDI"}
+MOST_NAMED = 3
+PRIVILEGED = ("root", "wheel", "admin", "sudo", "shadow", "disk")
+CH340 = "1a86"  # its USB vendor
+BRLTTY = (
+    "brltty, the driver for Braille displays, takes boards with a CH340 for one of them: "
+    "remove it with `sudo apt remove brltty` unless you need it, then plug the board in again"
+)
+MEDDLERS = {  # programs that take ports, and the cure
+    "brltty": BRLTTY,
+    "ModemManager": "ModemManager asks every new port whether it is a modem: wait half a minute, "
+    "or end it with `sudo systemctl stop ModemManager`",
+}
+
+
+def serial_ports() -> list[ListPortInfo]:
+    """List the serial ports of this computer, by name; vid and pid are None unless it is USB."""
+    from serial.tools.list_ports import comports
+
+    return sorted(comports(), key=lambda port: port.device)
+
+
+def board_chip(port: ListPortInfo) -> str | None:
+    """Name the maker of a likely board's USB chip."""
+    return BOARD_VENDORS.get(port.vid)
+
+
+def find_port() -> str:
+    """Return the one port with a likely board on it; raise PortMissing naming what is there."""
+    boards = [p for p in serial_ports() if board_chip(p)]
+    if len(boards) == 1:
+        return boards[0].device
+    if boards:
+        names = ", ".join(f"{p.device} ({board_chip(p)}, {p.description})" for p in boards)
+        raise PortMissing(f"{len(boards)} ports may be the robot: {names}; name one of them")
+    raise PortMissing(
+        f"no board found by its USB id; serial ports here: {port_names('none at all')}. "
+        f"{why_no_port()}"
+    )
+
+
+def port_names(none: str = "none") -> str:
+    """Return the serial ports of this computer in words; none: the word for none."""
+    return ", ".join(p.device for p in serial_ports()) or none
+
+
+def is_there(port: str) -> bool:
+    """Tell whether there is such a port."""
+    return any(p.device == port for p in serial_ports()) or Path(port).is_char_device()
+
+
+def missing(port: str) -> PortMissing:
+    """Return the error that there is no such port, naming those that there are."""
+    return PortMissing(f"there is no port {port}; serial ports here: {port_names()}")
 
 
 def port_states() -> list[dict[str, Any]]:
@@ -22,7 +79,9 @@ def port_states() -> list[dict[str, Any]]:
             "likely_board": board_chip(port) is not None,
             "chip": board_chip(port),
             "allowed": allowed(port.device),
-            "held_by": [asdict(holder) for holder in port_diagnosis.who_holds(port.device)],
+            "held_by": [
+                {"pid": pid, "name": name} for pid, name in system.holders(port.device).items()
+            ],
         }
         for port in serial_ports()
     ]
@@ -37,5 +96,60 @@ def check_free(device: str) -> None:
     """Raise PortMissing if there is no such port, PortBusy, naming who, if it is used."""
     if not is_there(device):
         raise missing(device)
-    if holders := port_diagnosis.users(device):
-        raise PortBusy(port_diagnosis.why_held(device, holders))
+    if holders := users(device):
+        raise PortBusy(why_held(device, holders))
+
+
+def users(port: str) -> dict[int, str]:
+    """Return process -> name of who has a port open, but not of those that play a board at it.
+
+    Of other users' programs only root sees that.
+    """
+    return {} if system.is_pseudo_terminal(port) else system.holders(port)
+
+
+def running(name: str) -> bool:
+    """Tell whether a program of that name runs here."""
+    return name in system.programs().values()
+
+
+def why_held(port: str, holders: dict[int, str]) -> str:
+    """Say who has the port, process -> name, and how to get it back."""
+    if not holders:
+        suspects = [cure for name, cure in MEDDLERS.items() if running(name)]
+        advice = suspects[0] if suspects else "close serial monitors, plotters and other scripts"
+        return f"{port} is taken by a program that this user may not see; {advice}"
+    named = [f"{name} (process {pid})" for pid, name in holders.items()]
+    who = ", ".join(named[:MOST_NAMED])
+    who += f" and {len(holders) - MOST_NAMED} more" if len(holders) > MOST_NAMED else ""
+    cures = [MEDDLERS[name] for name in holders.values() if name in MEDDLERS]
+    if next(iter(holders)) == os.getpid():
+        cures = ["this very program has it open: leave its other `with Robot` first"]
+    return f"{port} is in use by {who}; {cures[0] if cures else 'close it there first'}"
+
+
+def why_forbidden(port: str) -> str:
+    """Say which group may open the port and how to join it."""
+    group = system.group_of(port) or "dialout"
+    if group in PRIVILEGED:  # to join these would give away the whole computer
+        return (
+            f"this user may not open {port}, which belongs to {group} alone: give the port to "
+            'dialout with a udev rule (KERNEL=="ttyACM*", GROUP="dialout"), join that group '
+            "(`sudo usermod -aG dialout $USER`), plug the board in again and log in again"
+        )
+    return (
+        f"this user may not open {port}, which belongs to the group {group}: "
+        f"`sudo usermod -aG {group} $USER`, then log out and in again"
+    )
+
+
+def why_no_port() -> str:
+    """Say why a board that is plugged in may have no port."""
+    if running("brltty"):
+        return BRLTTY.replace("b", "B", 1)
+    if CH340 in system.usb_vendors():
+        return (
+            "A CH340 is plugged in but has no port: its driver ch341 is missing, or brltty took it"
+        )
+    driver = "; a copy with a CH340 needs its maker's driver" if system.WINDOWS else ""
+    return f"Plug the board in (with a cable that carries data), or name its port{driver}"

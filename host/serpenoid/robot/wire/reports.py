@@ -81,7 +81,8 @@ def status_of(data: list[Data]) -> Status:
 def settings_of(data: list[Data]) -> dict[str, float]:
     """Return name -> value from the lines that answer `set`; raise DamagedLine."""
     with _whole("a setting of the board"):
-        found = {n: said_field(firmware.SETTINGS, n, v) for n, v in map(_setting, data)}
+        said = [(line.text.split()[0], _values(line.text)["value"]) for line in data]
+        found = {name: said_field(firmware.SETTINGS, name, value) for name, value in said}
         return {name: found[name] for name in SETTINGS} | found
 
 
@@ -108,10 +109,6 @@ def _trim(text: str) -> Trim:
         value["low"],
         value["high"],
     )
-
-
-def _setting(line: Data) -> tuple[str, str]:
-    return line.text.split()[0], _values(line.text)["value"]
 
 
 def _values(text: str) -> dict[str, str]:

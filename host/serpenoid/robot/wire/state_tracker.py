@@ -5,7 +5,6 @@ from __future__ import annotations
 from ...model.errors import RobotError, RobotUnattended, StateUnasked
 
 LEADS_TO = {"gait": "gait", "pose": "pose", "idle": "idle"}
-STOPS = ("stop", "!")
 STOPPED = frozenset({"hold", "idle"})  # a stop does nothing to servos that are limp
 RESTING = frozenset({"hold", "idle", "safe"})
 SAFE = frozenset({"safing", "safe", "idle"})  # the way that silence leads
@@ -78,7 +77,7 @@ class StateTracker:
     def _after(self, text: str) -> frozenset[str]:
         """Return the states that a command leads to; none if it leaves the state as it is."""
         word = (text.split() or [""])[0]
-        if word in STOPS:
+        if word in ("stop", "!"):
             limp = self._states is None or "idle" in self._states
             return STOPPED if limp else STOPPED - {"idle"}
         return frozenset({LEADS_TO[word]} if word in LEADS_TO else ())
