@@ -29,7 +29,6 @@ from serpenoid.calibration.speed_samples import (
     speed,
 )
 from serpenoid.calibration.taking.floor.simulated import SimulatedFloor, drawn_floor
-from serpenoid.calibration.taking.memory import MemoryRecord
 from serpenoid.calibration.taking.new_session import CRAWL_RUNS, CRAWLS, PUSHES, default_setup
 from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.lab.crawl import crawl_speed
@@ -38,6 +37,7 @@ from serpenoid.model.drives import Servo, ServoKind
 from serpenoid.model.errors import SerpenoidError
 from serpenoid.model.gait import Gait
 from serpenoid.periodic.servo_steady import band
+from simulated_sessions import MemoryRecord
 from speed_table import SpeedTable
 from study import Study
 

@@ -18,9 +18,8 @@ from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import NAMES, ground_of
 from serpenoid.calibration.session import Setup
 from serpenoid.calibration.speed_samples import AMPLITUDE_SIGMA, scaled
-from serpenoid.calibration.taking.memory import MemoryRecord
 from serpenoid.calibration.taking.new_session import default_setup
-from serpenoid.calibration.taking.simulated import SimulatedTreadmill, drawn_truth
+from serpenoid.calibration.taking.simulated import SimulatedTreadmill
 from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.model.errors import SerpenoidError
@@ -30,6 +29,7 @@ from serpenoid.model.robot import Robot
 from serpenoid.periodic.servo_steady import band, servo_speeds
 from serpenoid.periodic.steady import steady_gait
 from serpenoid.servos.catalogue import servo
+from simulated_sessions import MemoryRecord, drawn_truth
 from speed_table import SpeedTable
 from study import Study
 

@@ -19,13 +19,13 @@ from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import NAMES
 from serpenoid.calibration.speed_samples import AMPLITUDE_SIGMA, sample_speeds, scaled, speed
 from serpenoid.calibration.taking.floor.simulated import SimulatedFloor, drawn_floor
-from serpenoid.calibration.taking.memory import MemoryRecord
 from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.model.errors import SerpenoidError
 from serpenoid.model.gait import Gait
 from serpenoid.model.ground import Ground
 from serpenoid.periodic.servo_steady import band
+from simulated_sessions import MemoryRecord
 
 CENTRE, SPREAD = {"ct": 0.084, "cn": 1.2, "ft0": 0.14, "fn0": 0.27}, 0.2
 

@@ -23,9 +23,8 @@ from numpy.typing import NDArray
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import ground_of, whole_ground
 from serpenoid.calibration.speed_samples import AMPLITUDE_SIGMA, sample_speeds, scaled, speed
-from serpenoid.calibration.taking.memory import MemoryRecord
 from serpenoid.calibration.taking.new_session import default_setup
-from serpenoid.calibration.taking.simulated import SimulatedTreadmill, drawn_truth
+from serpenoid.calibration.taking.simulated import SimulatedTreadmill
 from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.calibration.taking.world import RUN_M, RUN_S
 from serpenoid.calibration.verdict import Judge, Measured
@@ -35,6 +34,7 @@ from serpenoid.model.drives import Servo
 from serpenoid.model.gait import Gait
 from serpenoid.model.robot import Robot
 from serpenoid.servos.catalogue import servo
+from simulated_sessions import MemoryRecord, drawn_truth
 from study import Study
 
 Array = NDArray[np.float64]

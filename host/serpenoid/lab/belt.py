@@ -36,11 +36,11 @@ class Sight:
 class Belt:
     """Hold a treadmill and the robot on it. The frame is the room's, x downhill along the belt."""
 
-    def __init__(self, robot: LabRobot, *, gravity_m_s2: float = 9.81, step_s: float = STEP_S):
+    def __init__(self, robot: LabRobot, *, gravity_m_s2: float = 9.81):
         self.robot = robot
         self.t_s = 0.0
         self.moved_m = 0.0  # by the belt, uphill
-        self._chain, self._gravity, self._step_s = robot.chain(), gravity_m_s2, step_s
+        self._chain, self._gravity = robot.chain(), gravity_m_s2
         self._pose, self._offset = [0.0] * (robot.body.links - 1), 0.0
         self._facing_rad = 0.0
         self._speed = self._wanted = 0.0
@@ -108,7 +108,7 @@ class Belt:
             most = SLEW_M_S2 * dt
             self._speed += min(max(self._wanted - self._speed, -most), most)
             self._chain.set_ground_velocity(-self._speed, 0.0)
-            if not self._chain.advance(dt, self._step_s):
+            if not self._chain.advance(dt, STEP_S):
                 raise NotConverged("the lab's robot came to no answer; are its numbers sensible?")
             self.t_s += dt
             self.moved_m += self._speed * dt

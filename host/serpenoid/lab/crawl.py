@@ -25,9 +25,8 @@ def crawl_speed(
     """
     period_s = gait.period_s
     before = max(SETTLE_CYCLES, int(np.ceil(SETTLE_S / period_s)))
-    track = Floor(robot, slope_rad, np.pi, -across_rad).crawl(
-        gait, (before + CYCLES) * period_s, period_s / FRAMES
-    )
+    last_s = (before + CYCLES) * period_s
+    track, _ = Floor(robot, -slope_rad, across_rad).driven(gait, last_s, period_s / FRAMES)
     # of servos' frames there is no whole number in a cycle
     at = period_s * (before + np.arange(CYCLES + 1))
     x, y = (np.interp(at, track.t_s, way) for way in (track.x_m, track.y_m))
@@ -49,7 +48,7 @@ def filmed_crawl(
     """
     before = SETTLE_S + SETTLE_CYCLES * gait.period_s
     last = before + gait.period_s * max(3, np.ceil(FILMED_S / gait.period_s))
-    floor = Floor(robot, slope_rad, np.pi, -across_rad)
+    floor = Floor(robot, -slope_rad, across_rad)
     track, joints = floor.driven(gait, last, gait.period_s / FRAMES)
     t = before + np.arange(0.0, last - before, 1 / camera.rate_hz)
     t = t[rng.uniform(size=t.size) >= camera.missing]

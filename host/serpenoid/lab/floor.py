@@ -1,4 +1,4 @@
-"""A robot on a floor: pushed and let roll, put on a board to slide down, or driven to crawl."""
+"""A robot on a floor: pushed and let roll, or driven to crawl."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..model.errors import NotConverged
 from ..model.gait import Gait
 from .robot import LabRobot
 
-STEP_S = 0.001
+STEP_S, GRAVITY_M_S2 = 0.001, 9.81
 FRAME_S = 0.01  # between the rows of a track
 REST_M_S, REST_RAD_S = 1e-6, 1e-5
 LONGEST_S = 60.0
@@ -40,12 +40,6 @@ class Track:
         at = np.interp(self.released_s, self.t_s, self.heading_rad)
         return float(self.heading_rad[-1] - at)
 
-    def along(self, direction_rad: float) -> Array:
-        """Return the way along a direction, m, from where it began."""
-        c, s = math.cos(direction_rad), math.sin(direction_rad)
-        way = c * self.x_m + s * self.y_m
-        return way - way[0]
-
 
 @dataclass(frozen=True)
 class Push:
@@ -64,27 +58,11 @@ class Push:
 
 
 class Floor:
-    """Hold a floor, or a board.
+    """Hold a floor that falls by slope_rad towards the room's x, and by across_rad to its left."""
 
-    It falls by slope_rad towards slope_direction_rad of the room, and by across_rad to the left of
-    that direction.
-    """
-
-    def __init__(
-        self,
-        robot: LabRobot,
-        slope_rad: float = 0.0,
-        slope_direction_rad: float = 0.0,
-        across_rad: float = 0.0,
-        *,
-        gravity_m_s2: float = 9.81,
-        step_s: float = STEP_S,
-    ):
+    def __init__(self, robot: LabRobot, slope_rad: float = 0.0, across_rad: float = 0.0):
         self.robot = robot
-        ahead, left = (gravity_m_s2 * math.sin(slope) for slope in (slope_rad, across_rad))
-        c, s = math.cos(slope_direction_rad), math.sin(slope_direction_rad)
-        self._pull = ahead * c - left * s, ahead * s + left * c
-        self._step_s = step_s
+        self._pull = GRAVITY_M_S2 * math.sin(slope_rad), GRAVITY_M_S2 * math.sin(across_rad)
 
     def push(self, pose_rad: Sequence[float], push: Push) -> Track:
         """Push the robot, let it go, and follow it until it rests."""
@@ -98,17 +76,6 @@ class Floor:
         rolled = self._roll(pose_rad, heading, rates)
         rolled[:, 0] += hand_s
         return _track(np.concatenate([begun, rolled]), hand_s)
-
-    def slide(self, pose_rad: Sequence[float], length_m: float) -> float | None:
-        """Let the robot go at rest, head down the slope; return its time over a length, or None."""
-        down = math.atan2(self._pull[1], self._pull[0])
-        rolled = _track(self._roll(pose_rad, down, (0.0, 0.0, 0.0), length_m))
-        way = rolled.along(down)
-        return float(np.interp(length_m, way, rolled.t_s)) if way[-1] >= length_m else None
-
-    def crawl(self, gait: Gait, duration_s: float, frame_s: float = 0.002) -> Track:
-        """Drive the robot's joints through a gait from rest; return its track as `driven` does."""
-        return self.driven(gait, duration_s, frame_s)[0]
 
     def driven(self, gait: Gait, duration_s: float, frame_s: float = 0.002) -> tuple[Track, Array]:
         """Drive the robot's joints through a gait from rest; return its track and true angles.
@@ -138,7 +105,7 @@ class Floor:
         frame_s = self.robot.servo.frame_s
         chain.set_slope(*self._pull)
         chain.place(-_mean_bend(list(told[0])), told[0].tolist())
-        rows = chain.drive(told, max(1, math.ceil(frame_s / min(SERVO_STEP_S, self._step_s))))
+        rows = chain.drive(told, max(1, math.ceil(frame_s / SERVO_STEP_S)))
         if len(rows) < len(told) or not np.isfinite(rows).all():
             raise NotConverged("the lab's robot came to no answer; are its numbers sensible?")
         t = np.arange(1, len(rows) + 1, dtype=np.float64) * frame_s
@@ -148,7 +115,7 @@ class Floor:
     def follow(self, angles_rad: Array, frame_s: float) -> Track:
         """Lead the joints through rows of true angles (K, n-1), one each frame, from rest."""
         chain = self._placed(list(angles_rad[0]), 0.0, (0.0, 0.0, 0.0))
-        rows = chain.follow(np.ascontiguousarray(angles_rad[1:]), frame_s, self._step_s)
+        rows = chain.follow(np.ascontiguousarray(angles_rad[1:]), frame_s, STEP_S)
         if len(rows) < len(angles_rad) - 1:
             raise NotConverged("the lab's robot came to no answer; are its numbers sensible?")
         bend = np.cumsum(angles_rad[1:], axis=1).sum(axis=1) / self.robot.body.links
@@ -167,19 +134,17 @@ class Floor:
         pose_rad: Sequence[float],
         heading_rad: float,
         rates: tuple[float, float, float],
-        as_far_as_m: float = math.inf,
     ) -> Array:
-        """Return rows t, x, y, heading until the robot rests, or has gone so far."""
+        """Return rows t, x, y, heading until the robot rests."""
         joints = self.robot.true_joints(pose_rad)
         chain = self._placed(joints, heading_rad, rates)
         bend, rows = _mean_bend(joints), []
         for k in range(round(LONGEST_S / FRAME_S)):
             x, y, theta, vx, vy, w, _ = chain.state
             rows.append((k * FRAME_S, x, y, theta + bend))
-            rests = math.hypot(vx, vy) < REST_M_S and abs(w) < REST_RAD_S
-            if (rests and k) or math.hypot(x, y) > as_far_as_m:
+            if k and math.hypot(vx, vy) < REST_M_S and abs(w) < REST_RAD_S:
                 break
-            if not chain.advance(FRAME_S, self._step_s):
+            if not chain.advance(FRAME_S, STEP_S):
                 raise NotConverged("the lab's robot came to no answer; are its numbers sensible?")
         return np.array(rows)
 

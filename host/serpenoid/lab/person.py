@@ -7,13 +7,12 @@ one degree on every joint turns a robot by its speed over the length of a link. 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from .belt import HALF_LENGTH_M, Belt, Sight
-from .instruments import CLOCK_S, EYE_M, EYE_RAD, FILM_S, RULER_M, Instrument
+from .instruments import CLOCK_S, EYE_M, EYE_RAD, FILM_S, RULER_M
 
 LOOK_S = 0.5
 STEER_STEP_RAD = math.radians(0.25)
@@ -30,7 +29,6 @@ NEAR = 1.5  # times this, the belt is set once more
 PLACE_S, FEWEST_PLACES = 1.0, 3  # of a short reading
 DRIFT_M_S = 0.15  # it is gone too soon where it drifts more
 TURNED_RAD = math.radians(5.0)  # beyond it a robot is no longer held as the law has it
-Told = Callable[["Belt", str], None]
 
 
 @dataclass(frozen=True)
@@ -115,15 +113,10 @@ class Person:
         rng: np.random.Generator,
         habits: Habits = Habits(),
         display: Display = Display(),
-        ruler_m: Instrument = RULER_M,
-        clock_s: Instrument = CLOCK_S,
-        told: Told | None = None,
     ):
         self.belt, self.rng, self.habits, self.display = belt, rng, habits, display
-        self.ruler_m, self.clock_s = ruler_m, clock_s
         self.facing = "down"
         self.helm = Helm(belt.robot.body.link_length_m)
-        self._told = told
 
     def hold(self, guess_m_s: float, settle_s: float) -> Held | None:
         """Set the belt until the robot keeps its place, wait, read; None where it cannot be held.
@@ -184,7 +177,7 @@ class Person:
         held = self._held(shown_m_s, looks, self._drift(looks), looks[0].t_s - start_s)
         if len(seen) < FEWEST_PLACES:
             return held
-        found = [(FILM_S.shows(at.t_s, rng), -self.ruler_m.shows(at.along_m, rng)) for at in seen]
+        found = [(FILM_S.shows(at.t_s, rng), -RULER_M.shows(at.along_m, rng)) for at in seen]
         return replace(held, places=tuple((t - found[0][0], y) for t, y in found))
 
     def _again(self, shown_m_s: float, settle_s: float) -> Held | None:
@@ -242,8 +235,6 @@ class Person:
                 self._steer(seen[-1], shown_m_s)
             self.belt.wait(LOOK_S)
             seen.append(self.belt.look())
-            if self._told is not None:
-                self._told(self.belt, "")
             if self._leaves(seen[-1]):
                 break
         return seen
@@ -260,10 +251,8 @@ class Person:
     def _drift(self, seen: list[Sight]) -> float:
         """Return the drift, m/s, uphill, by ruler and clock between the ends of what was seen."""
         first, last = seen[0], seen[-1]
-        way = self.ruler_m.shows(last.along_m, self.rng) - self.ruler_m.shows(
-            first.along_m, self.rng
-        )
-        return -way / max(self.clock_s.shows(last.t_s - first.t_s, self.rng), 0.1)
+        way = RULER_M.shows(last.along_m, self.rng) - RULER_M.shows(first.along_m, self.rng)
+        return -way / max(CLOCK_S.shows(last.t_s - first.t_s, self.rng), 0.1)
 
     def _patience(self, settle_s: float) -> float:
         hasty = float(self.rng.uniform()) < self.habits.hasty

@@ -32,30 +32,23 @@ class Camera:
     missing: float = 0.0
 
 
-@dataclass(frozen=True)
-class Film:
-    """Places of the robot's centre in a film: t_s, x_m, y_m, heading_rad, all (F,)."""
+def film(track: Track, camera: Camera, rng: np.random.Generator, rest_s: float = 0.3) -> Array:
+    """Return what a film shows of a push, from the hand's first touch until after it rests.
 
-    t_s: Array
-    x_m: Array
-    y_m: Array
-    heading_rad: Array
-
-
-def film(track: Track, camera: Camera, rng: np.random.Generator, rest_s: float = 0.3) -> Film:
-    """Return what a film shows of a push, from the hand's first touch until after it rests."""
+    Rows t_s, x_m, y_m of the robot's centre, heading_rad; (pictures, 4).
+    """
     end = float(track.t_s[-1]) + rest_s
     gaps = 1 / camera.rate_hz + camera.jitter_s * np.clip(rng.normal(size=int(end * 100)), -3, 3)
     t = float(rng.uniform()) / camera.rate_hz + np.cumsum(gaps)
     t = t[(t < end) & (rng.uniform(size=t.size) >= camera.missing)]
-    found = [
-        camera.scale * np.interp(t, track.t_s, way) + camera.sigma_m * rng.normal(size=t.size)
-        for way in (track.x_m, track.y_m)
-    ]
-    heading = np.interp(t, track.t_s, track.heading_rad) + camera.sigma_rad * rng.normal(
-        size=t.size
-    )
-    return Film(t, found[0], found[1], heading)
+    rows = [t]
+    for way, scale, sigma in (
+        (track.x_m, camera.scale, camera.sigma_m),
+        (track.y_m, camera.scale, camera.sigma_m),
+        (track.heading_rad, 1.0, camera.sigma_rad),
+    ):
+        rows.append(scale * np.interp(t, track.t_s, way) + sigma * rng.normal(size=t.size))
+    return np.stack(rows, axis=1)
 
 
 def to_rest(

@@ -10,10 +10,10 @@ from calibration.synthetic_session import setup
 from serpenoid.calibration.fitting.bends import projections
 from serpenoid.calibration.kinds.station import Reading, bent_share
 from serpenoid.calibration.session import Session
-from serpenoid.calibration.taking.memory import MemoryRecord
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth
 from serpenoid.calibration.taking.treadmill import take_all
+from simulated_sessions import MemoryRecord
 
 TRUTH = np.array([0.084, 1.2, 0.14, 0.27])
 # Written down by hand: which links are bent, and to which side.

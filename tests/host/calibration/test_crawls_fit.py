@@ -19,8 +19,8 @@ from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import NAMES, Estimate, WholeSnake, weak_notes
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.speed_samples import sample_speeds
-from serpenoid.calibration.taking.memory import MemoryRecord
 from serpenoid.model.gait import Gait
+from simulated_sessions import MemoryRecord
 
 GAITS = tuple(Gait(math.radians(70), math.radians(60), math.pi * k) for k in (1, 2, 3, 4, 5, 6))
 ONE_SERVO = ServoEffects.none(len(GAITS), 0)

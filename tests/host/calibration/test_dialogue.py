@@ -74,18 +74,6 @@ def test_a_few_steps_by_hand(folder):
     assert "Inclinometer zero" not in heard  # it goes on, posing anew
 
 
-def test_it_settles_by_the_clock_of_the_treadmill(folder):
-    now = [100.0]
-
-    def later():
-        now[0] += 17.0
-        return "2.0"
-
-    heard, session = talk(folder, *ZERO, "", "", later, "0.2", "", "", clock_s=lambda: now[0])
-    assert "only" not in heard
-    assert session.kept[0].waited_s == 17.0
-
-
 def test_a_station_too_slow_for_the_law_is_asked_about(folder):
     slow = ("", "2.0", "0.10", "", "", "keep", "again")
     heard, session = talk(folder, *ZERO, "", *slow, *station("2.0", "0.16", "0.05"), "keep")
@@ -217,21 +205,21 @@ def test_a_robot_that_turned_is_held_again(folder):
     assert math.degrees(session.kept[0].turned_rad) == pytest.approx(12.0)
 
 
-def test_settling_counts_from_the_moment_that_the_belt_was_set(folder, monkeypatch):
-    import time
-
+def test_settling_counts_from_the_moment_that_the_belt_was_set_by_its_clock(folder):
     now = [1000.0]
-    monkeypatch.setattr(time, "monotonic", lambda: now[0])
 
     def later():
         now[0] += 15.0
         return "2.0"
 
-    heard, session = talk(folder, *ZERO, "", "", later, "0.2", "", "")
+    def by(*lines):
+        return talk(folder, *lines, clock_s=lambda: now[0])
+
+    heard, session = by(*ZERO, "", "", later, "0.2", "", "")
     assert "since the belt was set" not in heard
     assert [r.waited_s for r in session.kept] == [15.0]
     # Somebody who pressed Enter late says how long it really ran.
-    heard, session = talk(folder, "", "", "2.3", "0.5", "", "", "long", "20 s")
+    heard, session = by("", "", "2.3", "0.5", "", "", "long", "20 s")
     assert "only 0 s of 16 since the belt was set" in heard
     assert "'long' is no number" in heard
     assert session.kept[-1].waited_s == 20.0

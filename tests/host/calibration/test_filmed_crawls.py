@@ -21,7 +21,6 @@ from serpenoid.calibration.friction_result import Estimate
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.session_file import load_session
 from serpenoid.calibration.speed_samples import likeliest_speed, sample_speeds, speed
-from serpenoid.calibration.taking.memory import MemoryRecord
 from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
 from serpenoid.calibration.taking.procedure import next_step, progress
 from serpenoid.lab.crawl import crawl_speed
@@ -30,6 +29,7 @@ from serpenoid.model.drives import Servo, ServoKind
 from serpenoid.model.gait import Gait
 from serpenoid.model.ground import Ground
 from serpenoid.model.robot import Robot
+from simulated_sessions import MemoryRecord
 
 GAIT = Gait(math.radians(70), math.radians(60), 2 * math.pi * 0.8)
 GAINS, CENTRES_RAD, LAG_RAD = (0.95, 0.93, 0.97, 0.94, 0.96), (0.01, -0.02, 0.0, 0.03, 0.01), 0.4

@@ -30,7 +30,7 @@ from serpenoid.calibration.floor.block import Pushes, Slides, _film
 from serpenoid.calibration.floor.tracks import PushTrack
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.session_posterior import mode_of
-from serpenoid.calibration.taking.memory import MemoryRecord
+from simulated_sessions import MemoryRecord
 
 
 def one(*values):

@@ -15,13 +15,13 @@ from serpenoid.calibration.session_file import load_session
 from serpenoid.calibration.taking.floor.pushes import keep_pushes, way_after
 from serpenoid.calibration.taking.floor.simulated import SimulatedFloor, drawn_floor
 from serpenoid.calibration.taking.journal import Journal
-from serpenoid.calibration.taking.memory import MemoryRecord
 from serpenoid.calibration.taking.new_session import create_session
 from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.lab.floor import Floor, Push
 from serpenoid.lab.recording import Camera, film
 from serpenoid.lab.robot import LabRobot
 from serpenoid.model.ground import Ground
+from simulated_sessions import MemoryRecord
 
 WHOLE = Ground(*TRUTH)
 STRAIGHT = [0.0] * 5
@@ -32,8 +32,7 @@ def filmed(seed, speed=0.9, camera=None, **push):
     rng = np.random.default_rng(seed)
     robot = LabRobot.whole(floor_setup().robot, WHOLE).drawn(rng, math.radians(0.5))
     track = Floor(robot).push(STRAIGHT, Push(speed, **push))
-    seen = film(track, camera or Camera(), rng)
-    return np.stack([seen.t_s, seen.x_m, seen.y_m], axis=1), track.released_s
+    return film(track, camera or Camera(), rng)[:, :3], track.released_s
 
 
 def test_the_part_that_counts_begins_soon_after_the_hand_let_go():

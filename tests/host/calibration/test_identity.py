@@ -16,7 +16,7 @@ from serpenoid.calibration.taking.new_session import (
 )
 from serpenoid.calibration.taking.parse_number import amendment
 from serpenoid.calibration.taking.person.identity import ask_identity
-from serpenoid.calibration.taking.person.prompt_commands import Left
+from serpenoid.calibration.taking.person.prompt import Left
 from serpenoid.commands.friction.calibrate_person import begin
 
 ZERO = {"incline_deg": 0.1, "reversed_deg": -0.1}

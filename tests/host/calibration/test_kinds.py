@@ -1,83 +1,53 @@
 """A kind of reading is declared once: what is declared here goes through files, tables and hash."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from serpenoid import BadInput
-from serpenoid.calibration.kinds.declaration import PLANNED, Field, Kind, Word, check_fields
 from serpenoid.calibration.kinds.instruments import Stopwatch
+from serpenoid.calibration.kinds.slide import Slide
 from serpenoid.calibration.kinds.table import KINDS
-from serpenoid.calibration.kinds.tracks import Track
 from serpenoid.calibration.session_file import read_session
 from serpenoid.calibration.taking.journal import Journal
-from serpenoid.calibration.taking.memory import MemoryRecord
 from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.calibration.taking.parse_number import read_cells
 from serpenoid.show.session.table import rows
 
-FIELDS = (
-    Field("lambda_deg", "the bend", "angle", 0.0, 60.0, source=PLANNED),
-    Field("slope_deg", "the floor's slope", "incline", -5.0, 5.0, optional=True),
-    Word("way", ("there", "back")),
-)
-
-
-@dataclass(frozen=True)
-class Push:
-    number: int
-    lambda_rad: float
-    track: Track
-    way: str = "there"
-    slope_rad: float | None = None
-    voided: bool = False
-    comment: str = ""
-    time_utc: str = ""
-
-    def __post_init__(self):
-        check_fields(self, FIELDS)
-
-
-COAST = Kind(
-    "coast",
-    Push,
-    FIELDS,
-    lambda p: ("push", f"{len(p.track.values)} samples"),
-    fitted=True,
-    track=("t_s", "x_m"),
-)
-SAMPLES = [[0.0, 0.0], [0.1, 0.05], [0.2, 0.0911]]
+SAMPLES = [[0.0, 0.0, 0.0], [0.1, 0.05, 0.0], [0.2, 0.0911, 0.001]]
+FILMED = {"lambda_deg": 0.0, "by": "film"}
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch):
-    monkeypatch.setitem(KINDS, "coast", COAST)
+def folder(tmp_path):
     return create_session(tmp_path / "session", default_setup("made up"))
 
 
-def test_a_new_kind_is_kept_redone_shown_and_hashed(folder):
+def test_a_reading_is_kept_shown_voided_and_hashed(folder):
     with Journal(folder) as journal:
         before = journal.session.sha256
-        cells = read_cells("coast", ["lambda_deg=20", "slope_deg=1%"], journal.session.setup)
-        assert journal.add("coast", cells | {"way": "back"}, samples=SAMPLES) == 1
+        cells = read_cells("coast", ["lambda_deg=20", "turned_deg=2,5"], journal.session.setup)
+        assert journal.add("coast", cells | {"by": "film", "way": "back"}, samples=SAMPLES) == 1
         assert journal.session.sha256 != before
         (push,) = journal.session.of("coast")
         assert (push.way, push.number) == ("back", 1)
-        assert push.slope_rad == pytest.approx(math.atan(0.01))
+        assert push.turned_rad == pytest.approx(math.radians(2.5))
         assert push.track.values == pytest.approx(np.array(SAMPLES))
-        assert rows(journal.session) == [["1", "push", "3 samples", "", ""]]
+        ((number, what, values, *_),) = rows(journal.session)
+        assert (number, what) == ("1", "push back, bend 20°")
+        assert "3 places" in values
         journal.event("void", 1, "hit a chair")
         assert journal.session.of("coast")[0].voided
         assert journal.session.sha256 == before
-    assert (folder / "tracks" / "0001.csv").read_text().startswith("t_s,x_m\n0,0\n")
+    assert (folder / "tracks" / "0001.csv").read_text().startswith("t_s,x_m,y_m\n0,0,0\n")
     header = (folder / "readings.csv").read_text().splitlines()[0]
-    assert "slope_deg" not in header  # old programs still read the file
+    assert "turned_deg" not in header  # old programs still read the file
 
 
 def test_a_track_that_was_changed_or_lost_is_told(folder):
     with Journal(folder) as journal:
-        journal.add("coast", {"lambda_deg": 0.0}, samples=SAMPLES)
+        journal.add("coast", FILMED, samples=SAMPLES)
     path = folder / "tracks" / "0001.csv"
     text = path.read_text()
     path.write_text(text.replace("0.05", "0.06"))
@@ -93,29 +63,23 @@ def test_a_track_that_was_changed_or_lost_is_told(folder):
         read_session(folder)
 
 
-@pytest.mark.parametrize("bad", [[[0.0, 1.0]], [[0.0], [1.0]], [[0.0, math.nan], [1.0, 2.0]]])
+@pytest.mark.parametrize(
+    "bad", [[[0.0] * 3], [[0.0], [1.0]], [[0.0, math.nan, 0.0], [1.0, 2.0, 0.0]]]
+)
 def test_what_is_no_track_is_not_kept(folder, bad):
     with Journal(folder) as journal, pytest.raises(BadInput, match="a track"):
-        journal.add("coast", {"lambda_deg": 0.0}, samples=bad)
+        journal.add("coast", FILMED, samples=bad)
     assert not (folder / "tracks").exists()
     assert read_session(folder).further == ()
 
 
-def test_a_session_in_memory_holds_it_too(folder):
-    record = MemoryRecord(default_setup("made up"))
-    record.add("coast", {"lambda_deg": 0.0}, samples=SAMPLES)
-    record.add("coast", {"lambda_deg": 0.0}, samples=SAMPLES, replaces=1)
-    assert [p.voided for p in record.session.of("coast")] == [True, False]
-
-
 def test_limits_hold_for_files_and_for_objects(folder):
-    track = Track.of(("t_s", "x_m"), SAMPLES)
     with pytest.raises(BadInput, match=r"lambda_rad is 1\.2; it must be a finite number"):
-        Push(1, 1.2, track)
-    with pytest.raises(BadInput, match="way is 'up'; it must be one of there, back"):
-        Push(1, 0.2, track, way="up")
+        Slide(1, 1.2, 0.1, 1.0, 2.0)
+    with pytest.raises(BadInput, match="bend is 'up'; it must be one of zigzag, balanced"):
+        Slide(1, 0.2, 0.1, 1.0, 2.0, bend="up")
     with Journal(folder) as journal, pytest.raises(BadInput, match="lambda_deg is 61"):
-        journal.add("coast", {"lambda_deg": 61.0}, samples=SAMPLES)
+        journal.add("coast", FILMED | {"lambda_deg": 61.0}, samples=SAMPLES)
 
 
 def test_every_kind_is_declared_whole():

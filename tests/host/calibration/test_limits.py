@@ -10,11 +10,11 @@ from calibration.synthetic_session import session, setup
 from serpenoid import Ground
 from serpenoid.calibration.kinds.station import Reading
 from serpenoid.calibration.session import Session
-from serpenoid.calibration.taking.memory import MemoryRecord
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth
 from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.show import report
+from simulated_sessions import MemoryRecord
 
 SETUP = setup(15.0)
 

@@ -16,7 +16,6 @@ from robot.fake_board import FakeBoard, honest
 from robot.patience import LONG_S, until
 from serpenoid import Gait, Ground
 from serpenoid.calibration.taking.journal import Journal
-from serpenoid.calibration.taking.memory import MemoryRecord
 from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.calibration.taking.person.session_robot import SessionRobot
 from serpenoid.calibration.taking.procedure import next_step
@@ -28,6 +27,7 @@ from serpenoid.model.errors import RobotLost
 from serpenoid.robot.wire import dialogue
 from serpenoid.show.pages.server import MOST_STREAMS, Page
 from serpenoid.show.session.state import state_of
+from simulated_sessions import MemoryRecord
 from webdriver import Browser
 
 HTML = files("serpenoid.show.session").joinpath("beside.html").read_text(encoding="utf-8")

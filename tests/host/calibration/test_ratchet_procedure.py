@@ -8,7 +8,6 @@ import serpenoid as sn
 from calibration.test_dialogue import STATION, ZERO, station, talk
 from serpenoid.calibration.advice import advise
 from serpenoid.calibration.taking.journal import Journal
-from serpenoid.calibration.taking.memory import MemoryRecord
 from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.calibration.taking.procedure import next_step, progress
 from serpenoid.calibration.taking.sheet import add_sheet, sheet_text
@@ -17,6 +16,7 @@ from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.show.session.sheet import sheet
 from serpenoid.show.session.state import state_of
 from serpenoid.show.session.terminal_plot import picture
+from simulated_sessions import MemoryRecord
 
 TRUTH = sn.Ground((0.084, 0.2), 1.2, (0.14, 0.4), 0.27)
 

@@ -13,11 +13,11 @@ from serpenoid.calibration.kinds.instruments import Stopwatch
 from serpenoid.calibration.kinds.places import drifts, tidy_places
 from serpenoid.calibration.kinds.station import Reading
 from serpenoid.calibration.session_file import read_session
-from serpenoid.calibration.taking.memory import MemoryRecord
 from serpenoid.calibration.taking.new_session import create_session, default_setup
-from serpenoid.calibration.taking.simulated import SimulatedTreadmill, drawn_truth
+from serpenoid.calibration.taking.simulated import SimulatedTreadmill
 from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.commands.main import cli
+from simulated_sessions import MemoryRecord, drawn_truth
 
 from . import test_dialogue as dialogue
 from .synthetic_session import WHOLE_BODY_2005

@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 import serpenoid as sn
 from click.testing import CliRunner
-from serpenoid.calibration.taking.memory import MemoryRecord
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.calibration.taking.procedure import next_step
 from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth
@@ -19,6 +18,7 @@ from serpenoid.paper.study import Reading
 from serpenoid.show.gaits.paper_page import write_page
 from serpenoid.show.pages.server import Page
 from serpenoid.show.session.state import state_of
+from simulated_sessions import MemoryRecord
 from webdriver import Browser
 
 SESSION = Path(__file__).resolve().parents[3] / "calibration_data" / "nirakh-2005"

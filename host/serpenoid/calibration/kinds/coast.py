@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ...model.errors import BadInput
 from .bend import bend_in_words
 from .declaration import DERIVED, Field, Kind, Word, check_fields
@@ -150,15 +153,14 @@ class Coast:
             )
 
     @property
-    def counted(self) -> tuple[list[float], list[float], list[float]]:
-        """Return t_s, x_m and y_m of the samples that count, one list each."""
+    def counted(self) -> NDArray[np.float64]:
+        """Return t_s, x_m and y_m of the samples that count, (3, samples)."""
         if self.track is None:
-            return [], [], []
+            return np.empty((3, 0))
+        t = self.track.values[:, 0]
         low = -math.inf if self.start_s is None else self.start_s - 1e-9
         high = math.inf if self.end_s is None else self.end_s + 1e-9
-        rows = [row for row in self.track.values.tolist() if low <= row[0] <= high]
-        t, x, y = (list(column) for column in zip(*rows, strict=True)) if rows else ([], [], [])
-        return t, x, y
+        return self.track.values[(low <= t) & (t <= high)].T
 
 
 def _in_words(c: Coast) -> tuple[str, str]:

@@ -128,10 +128,6 @@ class Word:
             self.tidy(getattr(reading, self.name))
 
 
-def _as_it_is(cells: dict[str, Any], watch: Stopwatch) -> dict[str, Any]:
-    return cells
-
-
 @dataclass(frozen=True)
 class Kind:
     """A kind of reading.
@@ -150,7 +146,7 @@ class Kind:
     fields: tuple[Field | Word, ...]
     describe: Callable[[Any], tuple[str, str]]
     part: str = ""
-    derive: Callable[[dict[str, Any], Stopwatch], dict[str, Any]] = _as_it_is
+    derive: Callable[[dict[str, Any], Stopwatch], dict[str, Any]] = lambda cells, watch: cells
     fitted: bool = False
     track: tuple[str, ...] = ()
     track_may_miss: bool = False

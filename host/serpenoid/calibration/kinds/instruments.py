@@ -10,6 +10,12 @@ from ...model.checks import check_number
 MAX_SPEED_M_S = 10.0  # no treadmill runs faster: beyond it a number is a slip of units
 
 
+def check_all(made: object, names: str, *limits: float, open_low: bool = False) -> None:
+    """Raise BadInput if one of an object's numbers, named between blanks, is beyond the limits."""
+    for name in names.split():
+        check_number(name, getattr(made, name), *limits, open_low=open_low)
+
+
 @dataclass(frozen=True, slots=True)
 class Uncertainty:
     """What the instruments may be off by, as standard deviations.
@@ -31,13 +37,10 @@ class Uncertainty:
     joint_sigma_rad: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("incline_sigma_rad", "belt_speed_sigma_m_s"):
-            check_number(name, getattr(self, name), 0.0, open_low=True)
-        for name in ("incline_zero_sigma_rad", "lambda_sigma_rad"):
-            check_number(name, getattr(self, name), 0.0)
-        for name in ("belt_scale_sigma", "mass_sigma"):
-            check_number(name, getattr(self, name), 0.0, 0.5)
-        check_number("joint_sigma_rad", self.joint_sigma_rad, 0.0, 0.2)
+        check_all(self, "incline_sigma_rad belt_speed_sigma_m_s", 0.0, open_low=True)
+        check_all(self, "incline_zero_sigma_rad lambda_sigma_rad", 0.0)
+        check_all(self, "belt_scale_sigma mass_sigma", 0.0, 0.5)
+        check_all(self, "joint_sigma_rad", 0.0, 0.2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,9 +52,8 @@ class TreadmillSteps:
     belt_least_m_s: float = 0.0
 
     def __post_init__(self) -> None:
-        check_number("incline_step_rad", self.incline_step_rad, 0.0, open_low=True)
-        check_number("belt_step_m_s", self.belt_step_m_s, 0.0, open_low=True)
-        check_number("belt_least_m_s", self.belt_least_m_s, 0.0, MAX_SPEED_M_S)
+        check_all(self, "incline_step_rad belt_step_m_s", 0.0, open_low=True)
+        check_all(self, "belt_least_m_s", 0.0, MAX_SPEED_M_S)
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,8 +64,7 @@ class Stopwatch:
     time_sigma_s: float = 0.2
 
     def __post_init__(self) -> None:
-        check_number("distance_sigma_m", self.distance_sigma_m, 0.0)
-        check_number("time_sigma_s", self.time_sigma_s, 0.0)
+        check_all(self, "distance_sigma_m time_sigma_s", 0.0)
 
     def speed(self, distance_m: float, time_s: float) -> tuple[float, float]:
         """Return the mean speed over a distance and its standard deviation, m/s."""
@@ -88,7 +89,7 @@ class FloorTools:
 
     def __post_init__(self) -> None:
         if self.wheels_kg is not None:
-            check_number("wheels_kg", self.wheels_kg, 0.0, 100.0)
-        check_number("film_scale_sigma", self.film_scale_sigma, 0.0, 0.2)
-        check_number("push_time_sigma_s", self.push_time_sigma_s, 0.0, 10.0, open_low=True)
-        check_number("slope_sigma_rad", self.slope_sigma_rad, 0.0, 0.2, open_low=True)
+            check_all(self, "wheels_kg", 0.0, 100.0)
+        check_all(self, "film_scale_sigma", 0.0, 0.2)
+        check_all(self, "push_time_sigma_s", 0.0, 10.0, open_low=True)
+        check_all(self, "slope_sigma_rad", 0.0, 0.2, open_low=True)

@@ -54,25 +54,25 @@ def reading_row(name: str, cells: Cells, plan: object = None) -> dict[str, str]:
     plan: the session's, which tells the words that it has and the cells have not.
     """
     kind = kind_of(name)
+    words = {w.column: w for w in kind.words}
     if plan is not None:
-        planned = {w.column: getattr(plan, w.column) for w in kind.words if w.of_plan}
-        cells = planned | dict(cells)
-    usual = {w.column: w.usual for w in kind.words}
-    own = {LISTED, DOUBTFUL, *(f.column for f in kind.fields), *(TRACK_WORDS if kind.track else ())}
-    unknown = next((c for c in cells if c not in own and c not in READING_COLUMNS), None)
-    if unknown is not None:
-        known = ", ".join(f.column for f in kind.fields)
-        raise BadInput(f"unknown column {unknown!r}; a reading of kind {name} has {known}")
-    tidy = {w.column: w.tidy for w in kind.words if w.tidy}
-    texts = {c: v if isinstance(v, str) else f"{v:.10g}" for c, v in cells.items()}
-    texts |= {c: tidy[c](text) for c, text in texts.items() if c in tidy and text}
-    more = [
-        f"{c}={text}"
-        for c, text in texts.items()
-        if c not in READING_COLUMNS and text and text != usual.get(c)
-    ]
-    there = {c: text for c, text in texts.items() if c in READING_COLUMNS}
-    return dict.fromkeys(READING_COLUMNS, "") | {"kind": name, "more": " ".join(more)} | there
+        cells = {c: getattr(plan, c) for c, w in words.items() if w.of_plan} | dict(cells)
+    known = [f.column for f in kind.fields]
+    row, more = dict.fromkeys(READING_COLUMNS, "") | {"kind": name}, []
+    for column, value in cells.items():
+        text = value if isinstance(value, str) else f"{value:.10g}"
+        if column in row:
+            row[column] = text
+        elif column not in (LISTED, DOUBTFUL, *known, *(TRACK_WORDS if kind.track else ())):
+            known_words = ", ".join(known)
+            raise BadInput(f"unknown column {column!r}; a reading of kind {name} has {known_words}")
+        elif text and column in words:
+            word = words[column]
+            text = word.tidy(text) if word.tidy else text
+            more += [f"{column}={text}"] * (text != word.usual)
+        elif text:
+            more.append(f"{column}={text}")
+    return row | {"more": " ".join(more)}
 
 
 def words_of(row: Row) -> dict[str, str]:

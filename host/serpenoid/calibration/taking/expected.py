@@ -31,10 +31,9 @@ class Line:
 
     def at(self, sine: float) -> tuple[float, float]:
         """Return the speed expected and its standard deviation, a new reading's own noise in it."""
-        off = sine - self.mean_sine
-        speed = self.mean_m_s + self.slope * off
-        part = 1 / self.count + (off * off / self.spread if self.spread else 0.0)
-        return speed, self.sigma_m_s * math.sqrt(1 + part) + DOUBT * abs(speed - self.mean_m_s)
+        speed, open_m_s = self.through(sine)
+        doubt = DOUBT * abs(speed - self.mean_m_s)
+        return speed, math.hypot(self.sigma_m_s, open_m_s) + doubt
 
     def through(self, sine: float) -> tuple[float, float]:
         """Return the line's speed and what the readings leave it open by, one s.d."""
@@ -117,13 +116,13 @@ def line_of(session: Session, lambda_rad: float, facing: str = "down") -> Line |
     """Return the line through a bend's stations, None with fewer than two inclines."""
     stations = of_bend(session, lambda_rad, facing)
     gravity = session.setup.procedure.gravity_m_s2
-    sines = [r.balance_sine(gravity) for r in stations]
-    if len(stations) < 2 or max(sines) - min(sines) < 1e-4:
+    sines = np.array([r.balance_sine(gravity) for r in stations])
+    if len(sines) < 2 or np.ptp(sines) < 1e-4:
         return None
-    speeds = [r.slip_speed_m_s for r in stations]
-    x, y = sum(sines) / len(sines), sum(speeds) / len(speeds)
-    spread = sum((s - x) ** 2 for s in sines)
-    slope = sum((s - x) * (v - y) for s, v in zip(sines, speeds, strict=True)) / spread
+    speeds = np.array([r.slip_speed_m_s for r in stations])
+    x, y = float(sines.mean()), float(speeds.mean())
+    spread = float(np.sum((sines - x) ** 2))
+    slope = float((sines - x) @ (speeds - y)) / spread
     if slope <= 0.0:
         return None
     unsure = session.setup.uncertainty

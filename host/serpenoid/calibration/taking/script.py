@@ -18,13 +18,16 @@ from ...model.errors import BadInput
 from ...model.ground import Ground
 from ...model.toml_table import Table, located
 from ..session import Setup
+from ..settings import SETTINGS, changed, read_settings
 from .journal import Journal, Listed
 from .parse_number import completed, listed_cells
-from .simulated import GaitSpeed, SimulatedTreadmill
+from .simulated import SimulatedTreadmill
 from .steps import Step
-from .treadmill import MOST_STEPS, Posture, Treadmill, take_step
+from .treadmill import take_steps
 from .world import Truth
 
+IDENTITY = ("links", "link_mass_kg", "link_length_m", "surface")
+_FRICTIONS = ("ct", "cn", "ft0", "fn0")
 _BACK = ("ct_back", "ft0_back")  # of ratchet wheels; as forwards unless given
 _TRUTH = (
     "incline_zero_deg",
@@ -40,7 +43,6 @@ _TRUTH = (
     "short_s",
     "amplitude",
 )
-Told = Callable[[Step], None]
 
 
 def load_script(path: Path) -> Table:
@@ -52,63 +54,44 @@ def load_script(path: Path) -> Table:
     return top
 
 
-def wanted_setup(top: Table, session: Setup) -> Setup:
+def wanted_setup(top: Table, setup: Setup) -> Setup:
     """Return a session's set-up with what a script says of robot and laboratory put in."""
-    from dataclasses import replace
-
-    if "robot" in top.values:
-        table = top.table("robot")
-        table.only(optional=("links", "link_mass_kg", "link_length_m"))
-        with located(table.heading):
-            session = replace(session, robot=replace(session.robot, **dict(table.values)))
-    if "laboratory" in top.values:
-        table = top.table("laboratory")
-        table.only("surface")
-        session = replace(session, surface=table.string("surface"))
-    return session
+    for name in ("robot", "laboratory"):
+        if name in top.values:
+            table, rows = top.table(name), [s for s in SETTINGS[name] if s.key in IDENTITY]
+            table.only(optional=tuple(s.key for s in rows))
+            with located(table.heading):
+                setup = changed(setup, read_settings(table, rows))
+    return setup
 
 
-def simulated_treadmill(
-    top: Table, setup: Setup, gait_speed: GaitSpeed | None = None
-) -> SimulatedTreadmill:
+def simulated_treadmill(top: Table, setup: Setup) -> SimulatedTreadmill:
     """Return the treadmill that a script's [simulated] describes; raises BadInput."""
     table = top.table("simulated")
-    table.only("seed", "ct", "cn", "ft0", "fn0", optional=_TRUTH + _BACK)
-    ct, cn, ft0, fn0 = (table.number(name, 0.0) for name in ("ct", "cn", "ft0", "fn0"))
-    back = [table.number(n, 0.0) if n in table.values else None for n in _BACK]
-    ground = Ground(
-        ct if back[0] is None else (ct, back[0]),
-        cn,
-        ft0 if back[1] is None else (ft0, back[1]),
-        fn0,
-    )
+    table.only("seed", *_FRICTIONS, optional=_TRUTH + _BACK)
+
+    def friction(name: str) -> Any:  # a pair where it differs backwards
+        ahead, back = table.number(name, 0.0), f"{name}_back"
+        return (ahead, table.number(back, 0.0)) if back in table.values else ahead
+
+    ct, cn, ft0, fn0 = map(friction, _FRICTIONS)
     given = {n: table.number(n) for n in _TRUTH if n in table.values}
     in_si: dict[str, Any] = {
         n.replace("_deg", "_rad"): math.radians(v) if n.endswith("_deg") else v
         for n, v in given.items()
     }
-    truth = Truth(ground, **in_si)
-    return SimulatedTreadmill(setup, truth, table.whole("seed"), gait_speed)
+    return SimulatedTreadmill(setup, Truth(Ground(ct, cn, ft0, fn0), **in_si), table.whole("seed"))
 
 
-def run_script(
-    journal: Journal, top: Table, told: Told, gait_speed: GaitSpeed | None = None
-) -> int:
+def run_script(journal: Journal, top: Table, told: Callable[[Step], None]) -> int:
     """Take what is left of a session as a script says; return how many steps were done."""
     if "reading" in top.values:
         return _add_listed(journal, top)
-    treadmill = simulated_treadmill(top, journal.session.setup, gait_speed)
-    return _take(journal, treadmill, told)
-
-
-def _take(journal: Journal, treadmill: Treadmill, told: Told) -> int:
-    posture = Posture()
-    for done in range(MOST_STEPS):
-        step = take_step(journal, treadmill, posture)
-        if step.kind == "done":
-            return done
+    done = 0
+    for step in take_steps(journal, simulated_treadmill(top, journal.session.setup)):
         told(step)
-    raise BadInput(f"{journal.folder}: {MOST_STEPS} steps and no end; look at `calibrate status`")
+        done += 1
+    return done
 
 
 def _add_listed(journal: Journal, top: Table) -> int:

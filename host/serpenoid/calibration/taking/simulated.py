@@ -19,37 +19,14 @@ from ...lab.crawl import crawl_speed
 from ...lab.person import Habits, Held, Person
 from ...lab.robot import pose_of
 from ...model.bends import balanced_signs
-from ...model.drives import ServoKind
 from ...model.gait import Gait
-from ...model.ground import Ground
-from ...model.robot import Robot
 from ..kinds.declaration import Cells, Field
 from ..session import Session, Setup
 from .steps import Step
 from .world import Truth, between_links_deg, timed_crawl
 
-GaitSpeed = Callable[[Robot, Ground, Gait], float]
 TURNS, BELT_M = 10, 2.8  # of a belt check
 START_M_S = 0.3  # of the belt, where nothing tells better
-
-
-def drawn_truth(
-    setup: Setup, ground: Ground, rng: np.random.Generator, servo: ServoKind | None = None
-) -> Truth:
-    """Draw the errors that all readings of a session share, as the set-up says they may be.
-
-    servo: the kind of which the robot has one drawn; None: its joints follow the gait.
-    """
-    errs = setup.uncertainty
-    zero, scale, mass = (float(x) for x in rng.normal(size=3))
-    return Truth(
-        ground,
-        incline_zero_rad=zero * errs.incline_zero_sigma_rad,
-        belt_scale=1.0 + scale * errs.belt_scale_sigma,
-        mass_scale=1.0 + mass * errs.mass_sigma,
-        joint_sigma_rad=errs.joint_sigma_rad,
-        servo=servo and servo.draws(1, int(rng.integers(2**31)))[0],
-    )
 
 
 def _habits(truth: Truth) -> Habits:
@@ -61,9 +38,7 @@ def _habits(truth: Truth) -> Habits:
 class SimulatedTreadmill:
     """Do each step of the procedure against a known truth; the same seed does the same.
 
-    gait_speed: the true speed of a gait on ground per link, m/s; the lab's own robot's unless
-    given. run_gait: runs a gait on a board and returns the one that the board made of it, in true
-    seconds.
+    run_gait: runs a gait on a board and returns the one that the board made of it, in true seconds.
     """
 
     def __init__(
@@ -71,13 +46,12 @@ class SimulatedTreadmill:
         setup: Setup,
         truth: Truth,
         seed: int = 0,
-        gait_speed: GaitSpeed | None = None,
         run_gait: Callable[[Gait], Gait] | None = None,
     ):
         self.truth = truth
         self._setup = setup
         self._rng = rng = np.random.default_rng(seed)
-        self._gait_speed, self._run_gait = gait_speed, run_gait
+        self._run_gait = run_gait
         self.robot = truth.robot(setup.robot, rng)
         self.belt = Belt(self.robot, gravity_m_s2=setup.procedure.gravity_m_s2)
         self.belt.guide(truth.guided)
@@ -201,16 +175,9 @@ class SimulatedTreadmill:
         if gait not in self._ran:
             made = gait if self._run_gait is None else self._run_gait(gait)
             true = replace(made, alpha_rad=made.alpha_rad * self.truth.amplitude)
-            self._ran[gait] = made.omega_rad_s, self._crawls_at(true)
+            self._ran[gait] = made.omega_rad_s, crawl_speed(self.robot, true)
         omega, speed = self._ran[gait]
         return timed_crawl(speed, self._setup.stopwatch, self._rng)[0] | {"omega_rad_s": omega}
-
-    def _crawls_at(self, gait: Gait) -> float:
-        if self._gait_speed is None:
-            return crawl_speed(self.robot, gait)
-        robot, ground = self._setup.robot, self.truth.ground
-        per_link = Ground.whole_body(robot.links, ground.ct, ground.cn, ground.ft0, ground.fn0)
-        return self._gait_speed(robot, per_link, gait)
 
     def _typed(self, step: Step, read: Mapping[str, float | str]) -> Cells:
         """Return what is typed: now and then a figure is wrong."""

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Protocol
 
 from ...model.errors import NotConverged
 from ..kinds.declaration import Cells, Field
 from ..kinds.table import KINDS
-from ..kinds.tracks import Samples
 from ..session import Session
-from ..session_rows import Event
+from .journal import Journal
 from .procedure import doubts, next_step, skipped_keys
 from .steps import Step, Tracked
 
@@ -43,36 +42,6 @@ class Treadmill(Protocol):
         ...
 
 
-class Record(Protocol):
-    """Where readings go: a journal on disk, or memory."""
-
-    @property
-    def session(self) -> Session:
-        """Return all readings so far."""
-        ...
-
-    @property
-    def events(self) -> Sequence[Event]:
-        """Return all events so far."""
-        ...
-
-    def add(
-        self,
-        kind: str,
-        cells: Cells,
-        *,
-        replaces: int = 0,
-        comment: str = "",
-        samples: Samples | None = None,
-    ) -> int:
-        """Keep a reading; return its number. samples: of a kind with a track."""
-        ...
-
-    def event(self, event: str, reading: int = 0, detail: str = "") -> None:
-        """Keep an event."""
-        ...
-
-
 class Posture:
     """How the robot lies, in degrees of the plan's bend; None when that is not known; facing."""
 
@@ -88,7 +57,7 @@ class Posture:
             self.bend_deg = None
 
 
-def take_step(record: Record, treadmill: Treadmill, posture: Posture) -> Step:
+def take_step(record: Journal, treadmill: Treadmill, posture: Posture) -> Step:
     """Do the next step of a session and record it; return it, kind "done" at the end."""
     session = record.session
     step = next_step(session, skipped_keys(record.events), posture.bend_deg, posture.facing)
@@ -106,7 +75,7 @@ def take_step(record: Record, treadmill: Treadmill, posture: Posture) -> Step:
     return step
 
 
-def record_step(record: Record, step: Step, cells: Cells, replaces: int = 0) -> int:
+def record_step(record: Journal, step: Step, cells: Cells, replaces: int = 0) -> int:
     """Write what a step's fields came to; return the reading's number, 0 where none is kept."""
     if step.kind == "straight":
         return 0
@@ -119,13 +88,22 @@ def record_step(record: Record, step: Step, cells: Cells, replaces: int = 0) -> 
     return record.add(step.kind, values, replaces=replaces, samples=samples)
 
 
-def take_all(record: Record, treadmill: Treadmill) -> Session:
-    """Take every step that is left of a session; return the session. Raises NotConverged."""
+def take_steps(record: Journal, treadmill: Treadmill) -> Iterator[Step]:
+    """Take every step that is left of a session, and yield it when done. Raises NotConverged."""
     posture = Posture()
     for _ in range(MOST_STEPS):
-        if take_step(record, treadmill, posture).kind == "done":
-            return record.session
+        step = take_step(record, treadmill, posture)
+        if step.kind == "done":
+            return
+        yield step
     raise NotConverged(
         f"{MOST_STEPS} steps and no end: does the treadmill's incline rise at all? Look at the "
         "readings with `serpenoid calibrate status`"
     )
+
+
+def take_all(record: Journal, treadmill: Treadmill) -> Session:
+    """Take every step that is left of a session; return the session. Raises NotConverged."""
+    for _ in take_steps(record, treadmill):
+        pass
+    return record.session

@@ -12,7 +12,7 @@ from ...lab.crawl import crawl_speed, filmed_crawl
 from ...lab.floor import Floor, Push, Track
 from ...lab.instruments import Instrument
 from ...lab.person import Display
-from ...lab.recording import Camera, film
+from ...lab.recording import Camera, film, to_rest
 from ...lab.robot import LabRobot, pose_of
 from ...model.bends import balanced_signs
 from ...model.drives import Servo
@@ -25,6 +25,9 @@ from .steps import Step
 
 PHONE = Camera()
 RUN_M, RUN_S = 1.0, 40.0  # a gait run: so far, or so long at most
+SPEED, SPEED_SIGMA = 0.9, 0.12  # m/s, of pushes, and how they scatter, relative
+CROOKED_RAD, SPIN_RAD_S = 0.015, 0.06
+SPEED_OFF, GAIN_OFF = 0.002, 0.002  # of a filmed crawl: its scale, each joint's amplitude
 
 
 @dataclass(frozen=True)
@@ -137,7 +140,7 @@ class FloorWorld:
         self.truth, self.rng = truth, rng
         self._setup = setup
         self.robot = truth.robot(setup.robot, robot_rng)
-        self._floor = Floor(self.robot, truth.slope_rad, 0.0, truth.across_rad)
+        self._floor = Floor(self.robot, truth.slope_rad, truth.across_rad)
         self._pose_rad = self._signs(0.0)
 
     def _signs(self, bend_rad: float) -> list[float]:
@@ -151,17 +154,27 @@ class FloorWorld:
         """Return by what a protractor shows the joints at tail and head bent."""
         return self.robot.ends_rad(self._pose_rad, scatter_rad, self.rng)
 
-    def push(self, step: Step, speed_m_s: float, crooked_rad: float, spin_rad_s: float) -> Track:
-        """Push the robot the way that a step says."""
+    def _normal(self, sigma: float) -> float:
+        return float(self.rng.normal()) * sigma
+
+    def push(self, step: Step, speed_m_s: float) -> Track:
+        """Push the robot the way that a step says, as a hand does: about so fast, not straight."""
         direction = 0.0 if step.cells["way"] == "there" else math.pi
         tail_first = step.cells.get("facing") == "back"
+        speed_m_s *= max(1.0 + self._normal(SPEED_SIGMA), 0.3)
+        crooked_rad, spin_rad_s = self._normal(CROOKED_RAD), self._normal(SPIN_RAD_S)
         made = Push(speed_m_s, direction, crooked_rad, spin_rad_s, tail_first=tail_first)
         return self._floor.push(self._pose_rad, made)
 
     def film(self, track: Track, camera: Camera) -> NDArray[np.float64]:
         """Return what a film shows of a push: t_s, x_m, y_m in rows."""
-        filmed = film(track, replace(camera, scale=self.truth.film_scale), self.rng)
-        return np.stack([filmed.t_s, filmed.x_m, filmed.y_m], axis=1)
+        return film(track, replace(camera, scale=self.truth.film_scale), self.rng)[:, :3]
+
+    def tape(self, track: Track) -> dict[str, float]:
+        """Return what tape and watch say of a push, and by how much it turned."""
+        way_m, time_s = to_rest(track, self.rng)
+        turned_deg = round(math.degrees(track.turned_rad))
+        return {"distance_m": way_m, "duration_s": time_s, "turned_deg": turned_deg}
 
     def time_crawl(self, step: Step, gait: Gait) -> tuple[dict[str, float], float]:
         """Return what tape and watch say of a crawl, and how long it took, s."""
@@ -170,8 +183,14 @@ class FloorWorld:
         return timed_crawl(speed, self._setup.stopwatch, self.rng)
 
     def film_crawl(self, step: Step, gait: Gait, camera: Camera) -> NDArray[np.float64]:
-        """Return what a film shows of a crawl, as `filmed_crawl` does."""
-        return filmed_crawl(self.robot, self._made(gait), camera, self.rng, *self._slopes(step))
+        """Return what is measured in a film of a crawl, its scale and joints' gains a little off.
+
+        Rows as of `filmed_crawl`.
+        """
+        off = replace(camera, scale=1.0 + self._normal(SPEED_OFF))
+        rows = filmed_crawl(self.robot, self._made(gait), off, self.rng, *self._slopes(step))
+        rows[:, 4:] *= 1.0 + GAIN_OFF * self.rng.normal(size=rows.shape[1] - 4)
+        return rows
 
     def _made(self, gait: Gait) -> Gait:
         return replace(gait, alpha_rad=gait.alpha_rad * self.truth.amplitude)

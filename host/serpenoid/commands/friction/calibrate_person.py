@@ -40,7 +40,7 @@ def with_a_person(
     from ...calibration.taking.journal import Journal
     from ...calibration.taking.person.dialogue import held_dialogue
     from ...calibration.taking.person.identity import ask_identity
-    from ...calibration.taking.person.prompt_commands import Left
+    from ...calibration.taking.person.prompt import Left
     from ...calibration.taking.person.session_robot import SessionRobot
     from ...calibration.taking.person.terminal import Console
 

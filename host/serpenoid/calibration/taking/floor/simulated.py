@@ -8,26 +8,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
-from ....lab.recording import Camera, to_rest
 from ....model.drives import ServoKind
 from ....model.errors import BadInput
-from ....model.gait import Gait
 from ....model.ground import Ground
 from ...crawls.filmed import crawl_cells
 from ...floor.look import look_at
 from ...kinds.declaration import Cells, Field
 from ...session import Session, Setup
 from ..steps import Step, Tracked
-from ..world import RUN_S, FloorWorld, Truth, between_links_deg
+from ..world import RUN_S, SPEED, FloorWorld, Truth, between_links_deg
 
-SPEED, SPEED_SIGMA = 0.9, 0.12  # m/s, of pushes, and how they scatter, relative
-CROOKED_RAD, SPIN_RAD_S = 0.015, 0.06
 TRIES = 6  # of a push, until somebody gives up
-SPEED_OFF, GAIN_OFF = 0.002, 0.002  # of a filmed crawl: its scale, each joint's amplitude
 # What a person takes, s: to turn the robot round, push it and take the film in; to bend it and lay
 # the protractor on; to start a gait and lay the tape.
 PUSH_S, BEND_S, GAIT_S = 40.0, 90.0, 60.0
@@ -92,9 +86,6 @@ class SimulatedFloor:
         """Leave what was measured as it is: a push is over."""
         return cells
 
-    def _normal(self, sigma: float) -> float:
-        return float(self._rng.normal()) * sigma
-
     def _bend(self, step: Step) -> Cells:
         self.t_s += BEND_S
         self._world.bend(step.lambda_deg)
@@ -104,42 +95,24 @@ class SimulatedFloor:
     def push(self, step: Step, speed_m_s: float = SPEED) -> Cells | None:
         """Push until a push is as it should be; return its track, or way and time to rest."""
         for _ in range(TRIES):
-            cells = self._once(step, speed_m_s * max(1.0 + self._normal(SPEED_SIGMA), 0.3))
-            if cells is not None:
-                return cells
+            self.t_s += PUSH_S
+            track = self._world.push(step, speed_m_s)
+            if self.truth.camera is None:
+                return self._world.tape(track)
+            samples = self._world.film(track, self.truth.camera)
+            look = look_at(*samples.T)
+            if not look.doubts:
+                return Tracked({**look.cells(), "by": "film"}, samples)
         return None
-
-    def _once(self, step: Step, speed_m_s: float) -> Cells | None:
-        self.t_s += PUSH_S
-        crooked_rad, spin_rad_s = self._normal(CROOKED_RAD), self._normal(SPIN_RAD_S)
-        track = self._world.push(step, speed_m_s, crooked_rad, spin_rad_s)
-        if self.truth.camera is None:
-            way_m, time_s = to_rest(track, self._rng)
-            return {
-                "distance_m": way_m,
-                "duration_s": time_s,
-                "turned_deg": round(math.degrees(track.turned_rad)),
-            }
-        samples = self._world.film(track, self.truth.camera)
-        look = look_at(*samples.T)
-        if look.doubts:
-            return None
-        return Tracked({**look.cells(), "by": "film"}, samples)
 
     def _gait(self, step: Step) -> Cells:
         gait = step.gait
         assert gait is not None  # a gait's step has one
         self.t_s += GAIT_S
-        if self.truth.camera is not None:
-            return self._filmed(step, gait, self.truth.camera)
-        read, duration_s = self._world.time_crawl(step, gait)
-        self.t_s += duration_s
-        return read
-
-    def _filmed(self, step: Step, gait: Gait, camera: Camera) -> Cells:
-        """Film a crawl, and measure the film: a scale and joints' gains are a little off."""
+        if self.truth.camera is None:
+            read, duration_s = self._world.time_crawl(step, gait)
+            self.t_s += duration_s
+            return read
         self.t_s += RUN_S
-        off = replace(camera, scale=1.0 + self._normal(SPEED_OFF))
-        rows = self._world.film_crawl(step, gait, off)
-        rows[:, 4:] *= 1.0 + GAIN_OFF * self._rng.normal(size=rows.shape[1] - 4)
+        rows = self._world.film_crawl(step, gait, self.truth.camera)
         return Tracked({**crawl_cells(rows, gait), "film_sha256": "simulated"}, rows, "video")

@@ -22,8 +22,8 @@ from ..journal import Journal
 from ..parse_number import parse_number, span
 from ..procedure import doubts, likely_belt, next_step, skipped_keys
 from ..steps import Step
-from ..treadmill import Posture, record_step
-from .prompt_commands import Again, Left, PromptCommands, Values
+from ..treadmill import record_step
+from .prompt import PATIENCE_S, Again, Left, Prompt, Range, Values
 from .push_prompt import (
     CRAWL_QUESTION,
     QUESTION,
@@ -38,17 +38,16 @@ from .push_prompt import (
 from .session_robot import SessionRobot
 from .terminal import Terminal
 
-PATIENCE_S = 300.0
 LEFT = "Left. Everything read so far is kept; the same command goes on from here."
 Told = Callable[[Session, Step], None]
 
 
-class Dialogue:
+class Dialogue(Prompt):
     """Take a session step by step with a person.
 
-    robot: the robot, None if it is set by hand. told: called with session and step when a step
-    begins, for pictures and the page. patience_s: how long a prompt waits before the servos are
-    let go. clock_s: the time at the treadmill, by which it settles; this machine's unless given.
+    robot, patience_s: as of a Prompt. told: called with session and step when a step begins, for
+    pictures and the page. clock_s: the time at the treadmill, by which it settles; this machine's
+    unless given.
     """
 
     def __init__(
@@ -62,15 +61,9 @@ class Dialogue:
         film: FilmReader = no_films,
         crawl: CrawlReader = no_crawls,
     ):
-        self.journal = journal
-        self._film, self._crawl = film, crawl
-        self._terminal = terminal
-        self._robot = robot
-        self._told = told
-        self._patience_s = patience_s
+        super().__init__(journal, terminal, robot, patience_s)
+        self._told, self._film, self._crawl = told, film, crawl
         self._clock_s = clock_s or time.monotonic
-        self._posture = Posture()
-        self._commands = PromptCommands(self)
         if robot is not None:
             robot.offset_rad = steered_rad(journal.session) or 0.0
 
@@ -87,7 +80,7 @@ class Dialogue:
             self.say(f"\n{LEFT}")
             raise
         finally:
-            self._let_go()
+            self.let_go()
 
     def _check_plan(self) -> None:
         """Say at the start which bends of the plan the robot's joints cannot reach."""
@@ -133,7 +126,7 @@ class Dialogue:
 
     def _end_gait(self, step: Step) -> None:
         if step.kind == "gait":
-            self._let_go()
+            self.let_go()
 
     def _do(self, step: Step) -> None:
         if step.kind in ("straight", "bend"):
@@ -143,7 +136,7 @@ class Dialogue:
         values = self._values(step)
         if step.kind == "gait" and self._robot and step.gait:
             values["omega_rad_s"] = self._robot.rate(step.gait)
-            self._let_go()
+            self.let_go()
         number = record_step(self.journal, step, values)
         self._posture.after(step)
         if number:
@@ -225,7 +218,7 @@ class Dialogue:
             if field.column == "drift_m_s":
                 values |= self._drift(field, likely, step)
             else:
-                values[field.column] = self._number(field, likely, step)
+                values[field.column] = self.read(self.ask_for(field, step), field, likely, step)
         if step.kind == "station":
             if "places" not in values:
                 values["waited_s"] = self._waited(self._clock_s() - begun_s, step)
@@ -269,7 +262,7 @@ class Dialogue:
         """Return a step's numbers, the first of which was typed already."""
         first, *others = step.fields
         values: Values = {first.column: self.read(text, first, first.likely, step)}
-        values |= {f.column: self._number(f, f.likely, step) for f in others}
+        values |= {f.column: self.read(self.ask_for(f, step), f, f.likely, step) for f in others}
         return self._doubted(step, values)
 
     def _belt_set(self, step: Step) -> float:
@@ -287,7 +280,7 @@ class Dialogue:
             "it really ran (20 s), keep, or again: "
         )
         while True:
-            answer = self._word(question, step)
+            answer = self.answer(question, step)
             if answer == "keep":
                 return round(waited_s, 1)
             with self._telling():
@@ -302,14 +295,6 @@ class Dialogue:
         except BadInput as error:
             self.say(f"  ! {error}")
 
-    def _word(self, question: str, step: Step) -> str:
-        """Return an answer to a doubt, "keep" for its short forms; `again` raises Again."""
-        answer = self.ask(question, step).lower()
-        if answer in ("again", "a"):
-            self.say("  again, from the start of this step")
-            raise Again
-        return "keep" if answer in ("k", "keep") else answer
-
     def _doubted(self, step: Step, values: Values) -> Values:
         """Ask about each number that is not where it was expected, until a word keeps it."""
         kept: set[str] = set()
@@ -321,7 +306,7 @@ class Dialogue:
             field, likely = open_[0]
             value = float(values[field.column])
             why = f" ({field.why})" if field.why else ""
-            answer = self._word(
+            answer = self.answer(
                 f"  {field.words} {value:.4g} {field.unit}: expected {span(likely)}{why}. "
                 "Type it anew, keep, or again: ",
                 step,
@@ -331,7 +316,7 @@ class Dialogue:
             elif answer:
                 values[field.column] = self.read(answer, field, None, step)
 
-    def _drift(self, field: Field, likely: tuple[float, float] | None, step: Step) -> Values:
+    def _drift(self, field: Field, likely: Range, step: Step) -> Values:
         """Ask for the drift that is left; or for places over time, of a robot that still drifts."""
         question = f"  places in a film as s:m, {EXAMPLE}; or {field.words} ({field.unit}): "
         while True:
@@ -341,81 +326,6 @@ class Dialogue:
             with self._telling():
                 places = tidy_places(text)
                 return {"places": places, field.column: drifts(places)[0]}
-
-    def _number(self, field: Field, likely: tuple[float, float] | None, step: Step) -> float:
-        return self.read(self.ask(f"  {field.words} ({field.unit}): ", step), field, likely, step)
-
-    def read(
-        self, text: str, field: Field, likely: tuple[float, float] | None, step: Step
-    ) -> float:
-        """Return the number typed; what is none is told, and asked for again."""
-        while True:
-            try:
-                typed = parse_number(text, field, likely)
-                if not typed.question:
-                    return typed.value
-                answer = self._word(f"  {typed.question} Type yes, keep, or it anew: ", step)
-                if answer in ("y", "yes") and typed.meant is not None:
-                    return typed.meant
-                if answer == "keep":
-                    return typed.value
-                text = answer or text
-                continue
-            except BadInput as error:
-                self.say(f"  ! {error}")
-            text = self.ask(f"  {field.words} ({field.unit}): ", step)
-
-    def ask(self, prompt: str, step: Step) -> str:
-        """Return what was typed, once it is no command; raises Again and Left."""
-        while True:
-            line = self._terminal.ask(prompt, self._patience_s, self._tick)
-            if line is None:
-                self._nobody()
-                continue
-            if not self._commands.obey(line, step):
-                return line
-
-    def _nobody(self) -> None:
-        if self._robot is None or not self._robot.powered:
-            return
-        self._let_go()
-        text = f"nobody answered for {self._patience_s:g} s: {self._robot.without_pulses}"
-        self.say(f"! {text}; the pose is to be taken again")
-        self.journal.event("note", detail=text)
-        raise Again
-
-    def _tick(self) -> None:
-        if self._robot is None:
-            return
-        self._robot.tick()
-        if self._robot.stopped:
-            self._robot.stopped = False
-            self._let_go()
-            off = self._robot.without_pulses
-            self.say(f"\n! stopped from the page: {off}; the pose is to be taken again")
-            self.journal.event("note", detail="stopped from the page")
-            raise Again
-
-    def _let_go(self) -> None:
-        """Let the servos go limp; the pose is then no longer known."""
-        if self._robot is not None:
-            try:
-                self._robot.idle()
-            finally:
-                self._posture.bend_deg = None
-
-    def hold(self, why: str) -> None:
-        """Let the servos go until the person is back."""
-        self._let_go()
-        self.journal.event("pause", detail=why)
-        held = "" if self._robot is None else f"; {self._robot.without_pulses}"
-        while self._terminal.ask(f"  paused{held}. Enter goes on: ", math.inf, self._tick) is None:
-            pass
-        self.journal.event("resume")
-
-    def say(self, text: str) -> None:
-        """Show a line or more."""
-        self._terminal.say(text)
 
 
 def steered_rad(session: Session) -> float | None:

@@ -10,14 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....lab.floor import Track
-from ....lab.recording import to_rest
 from ....model.files import write_text
 from ....model.gait import Gait
 from ....servos.catalogue import servo
 from ...session import Session, Setup
-from ..floor.simulated import CROOKED_RAD, SPEED, SPIN_RAD_S
 from ..steps import Step
-from ..world import PHONE, FloorWorld, Truth
+from ..world import PHONE, SPEED, FloorWorld, Truth
 from .practice import FILM_SCALE, JOINT_RAD, WHEELS_KG, drawn_friction, friction_words
 from .push_prompt import CRAWL_COLUMNS, joint_columns
 from .terminal import Terminal, WordTerminal
@@ -102,9 +100,7 @@ class FloorTerminal(WordTerminal):
         if not 0.05 <= speed <= FASTEST_M_S:
             self.say_aside(f"say how fast in m/s, 0.05 to {FASTEST_M_S:g}: push 0.9")
             return None
-        crooked, spin, off = self.world.rng.normal(size=3).tolist()
-        speed *= max(1.0 + 0.1 * off, 0.3)
-        return self.world.push(self._step, speed, CROOKED_RAD * crooked, SPIN_RAD_S * spin)
+        return self.world.push(self._step, speed)
 
     def _push(self, given: str) -> str | None:
         track = self._rolled(given)
@@ -125,9 +121,10 @@ class FloorTerminal(WordTerminal):
     def _tape(self, given: str) -> None:
         track = self._rolled(given)
         if track is not None:
-            way_m, time_s = to_rest(track, self.world.rng)
-            turned = math.degrees(track.turned_rad)
-            self.say_aside(f"it rolled {way_m:.3f} m in {time_s:.2f} s, turned {turned:+.0f} deg")
+            read = (
+                "it rolled {distance_m:.3f} m in {duration_s:.2f} s, turned {turned_deg:+.0f} deg"
+            )
+            self.say_aside(read.format(**self.world.tape(track)))
 
     def _protractor(self, given: str) -> None:
         ends_rad = self.world.ends_rad(self._setup.uncertainty.lambda_sigma_rad)

@@ -13,7 +13,7 @@ from ...settings import quoted
 from ..journal import Journal
 from ..new_session import LENGTH, MASS, WORDS, identity_differences
 from ..parse_number import parse_number
-from .prompt_commands import Left
+from .prompt import Left
 from .terminal import Terminal
 
 LINKS = Field("links", "number of links", "count", 2.0, 100.0)

@@ -1,0 +1,255 @@
+"""A prompt: a line asked for, and words at every one to correct, to remark and to leave."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from ....model.errors import BadInput, RecordingFailed
+from ...kinds.declaration import READ, Field, Word
+from ...kinds.rows import cells_of, kind_of
+from ...session_rows import reading_rows
+from ..journal import Journal
+from ..parse_number import parse_number, redone
+from ..procedure import progress, skipped_keys, step_in_words
+from ..steps import Step
+from ..treadmill import Posture
+from .session_robot import SessionRobot
+from .terminal import Terminal
+
+HELP = """\
+  undo            void the last reading         redo [N]   take the last reading, or number N, anew
+  void N [why]    reading N is not to be used   restore N  use it again
+  skip            leave this step out           note TEXT  keep a remark
+  status          what was read so far          pause      pulses off, until Enter
+  quit            leave; go on any time         help       this"""
+SHORT = {"q": "quit", "exit": "quit", "?": "help", "u": "undo"}
+PATIENCE_S = 300.0
+Range = tuple[float, float] | None  # that a number is expected in
+Values = dict[str, float | str]
+
+
+class Again(Exception):
+    """Something else was done at a prompt: see where the session stands, and ask from there."""
+
+
+class Left(Exception):
+    """The person wants to leave."""
+
+
+class Prompt:
+    """Ask a person at a terminal, who may type a word of HELP instead of an answer.
+
+    robot: None if it is set by hand. patience_s: how long a prompt waits before its servos are let
+    go.
+    """
+
+    def __init__(
+        self,
+        journal: Journal,
+        terminal: Terminal,
+        robot: SessionRobot | None = None,
+        patience_s: float = PATIENCE_S,
+    ):
+        self.journal = journal
+        self._terminal, self._robot, self._patience_s = terminal, robot, patience_s
+        self._posture = Posture()
+
+    def say(self, text: str) -> None:
+        """Show a line or more."""
+        self._terminal.say(text)
+
+    def ask(self, prompt: str, step: Step) -> str:
+        """Return what was typed, once it is none of the words; raises Again and Left."""
+        while True:
+            line = self._terminal.ask(prompt, self._patience_s, self._tick)
+            if line is None:
+                self._nobody()
+            elif not self._obeyed(line, step):
+                return line
+
+    def answer(self, question: str, step: Step) -> str:
+        """Return an answer to a doubt, "keep" for its short forms; `again` raises Again."""
+        answer = self.ask(question, step).lower()
+        if answer in ("again", "a"):
+            self.say("  again, from the start of this step")
+            raise Again
+        return "keep" if answer in ("k", "keep") else answer
+
+    def ask_for(self, field: Field, step: Step) -> str:
+        """Ask for a field's number; return what was typed."""
+        return self.ask(f"  {field.words} ({field.unit}): ", step)
+
+    def read(self, text: str, field: Field, likely: Range, step: Step) -> float:
+        """Return the number typed; what is none is told, and asked for again."""
+        while True:
+            try:
+                typed = parse_number(text, field, likely)
+            except BadInput as error:
+                self.say(f"  ! {error}")
+                text = self.ask_for(field, step)
+                continue
+            if not typed.question:
+                return typed.value
+            answer = self.answer(f"  {typed.question} Type yes, keep, or it anew: ", step)
+            if answer in ("y", "yes") and typed.meant is not None:
+                return typed.meant
+            if answer == "keep":
+                return typed.value
+            text = answer or text
+
+    def let_go(self) -> None:
+        """Let the servos go limp; the pose is then no longer known."""
+        if self._robot is not None:
+            try:
+                self._robot.idle()
+            finally:
+                self._posture.bend_deg = None
+
+    def _nobody(self) -> None:
+        if self._robot is None or not self._robot.powered:
+            return
+        self.let_go()
+        text = f"nobody answered for {self._patience_s:g} s: {self._robot.without_pulses}"
+        self.say(f"! {text}; the pose is to be taken again")
+        self.journal.event("note", detail=text)
+        raise Again
+
+    def _tick(self) -> None:
+        if self._robot is None:
+            return
+        self._robot.tick()
+        if self._robot.stopped:
+            self._robot.stopped = False
+            self.let_go()
+            off = self._robot.without_pulses
+            self.say(f"\n! stopped from the page: {off}; the pose is to be taken again")
+            self.journal.event("note", detail="stopped from the page")
+            raise Again
+
+    def _obeyed(self, line: str, step: Step) -> bool:
+        """Do what a word says; return False if the line is none. Raises Again and Left."""
+        word, _, rest = line.partition(" ")
+        word = word.lower()
+        obey = getattr(self, f"_do_{SHORT.get(word, word)}", None)
+        if obey is None:
+            return False
+        try:
+            obey(rest.strip(), step)
+        except (BadInput, RecordingFailed) as error:
+            self.say(f"  ! {error}")
+        return True
+
+    def _do_help(self, rest: str, step: Step) -> None:
+        self.say(HELP)
+
+    def _do_quit(self, rest: str, step: Step) -> None:
+        raise Left
+
+    def _do_skip(self, rest: str, step: Step) -> None:
+        self.journal.event("skip", max(self.journal.numbers, default=0), step.key)
+        self.say(f"  left out: {step_in_words(step.key)}")
+        if step.kind == "zero":
+            self.say(
+                "  ! without a zero, 0.1 deg that nobody sees is 6 % of the 2005 robot's ft0; the "
+                "fit then counts the error that session.toml states. `undo` brings the step back."
+            )
+        raise Again
+
+    def _do_pause(self, rest: str, step: Step) -> None:
+        """Let the servos go until the person is back."""
+        self.let_go()
+        self.journal.event("pause", detail=rest)
+        held = "" if self._robot is None else f"; {self._robot.without_pulses}"
+        while self._terminal.ask(f"  paused{held}. Enter goes on: ", math.inf, self._tick) is None:
+            pass
+        self.journal.event("resume")
+        raise Again
+
+    def _do_note(self, rest: str, step: Step) -> None:
+        if not rest:
+            raise BadInput("type the remark after the word: note warm room")
+        self.journal.event("note", detail=rest)
+        self.say("  noted")
+
+    def _do_status(self, rest: str, step: Step) -> None:
+        session = self.journal.session
+        for kind, r in session.numbered[-8:]:
+            state = f"  void: {r.comment}" if r.voided else ""
+            self.say(f"  {r.number:4}  {'  '.join(kind.describe(r))}{state}")
+        parts = progress(session, skipped_keys(self.journal.events))
+        wide = max(len(name) for name, _ in parts)
+        for name, state in parts:
+            self.say(f"  {name:{wide}}  {state}")
+
+    def _do_undo(self, rest: str, step: Step) -> None:
+        skip = self._last_skip()
+        if skip:
+            self.journal.event("unskip", detail=skip)
+            self.say(f"  no longer left out: {step_in_words(skip)}")
+            raise Again
+        number = self._last_kept()
+        self.journal.event("undo", number)
+        self.say(f"  reading {number} is void")
+        raise Again
+
+    def _do_void(self, rest: str, step: Step) -> None:
+        text, _, why = rest.partition(" ")
+        self.journal.event("void", self._numbered(text), why)
+        self.say(f"  reading {text} is void")
+        raise Again
+
+    def _do_restore(self, rest: str, step: Step) -> None:
+        self.journal.event("restore", self._numbered(rest))
+        self.say(f"  reading {rest} is used again")
+        raise Again
+
+    def _do_redo(self, rest: str, step: Step) -> None:
+        number = self._numbered(rest) if rest else self._last_kept()
+        row = next(r for r in reading_rows(self.journal.folder) if int(r["reading"]) == number)
+        self.say(f"  reading {number} anew; Enter keeps a value as it was")
+        found = self._anew(row, step)
+        values = redone(row["kind"], row, found, self.journal.session.setup)
+        new = self.journal.redo(number, values)
+        self.say(f"  reading {new} is kept in place of {number}")
+        raise Again
+
+    def _anew(self, row: Mapping[str, str], step: Step) -> Values:
+        """Ask for a row's numbers again; what the plan or the protractor told stays."""
+        values: Values = {}
+        there = cells_of(row)
+        for field in kind_of(row["kind"]).fields:
+            if field.source != READ or not there.get(field.column):
+                continue
+            if isinstance(field, Word):
+                text = self.ask(f"  {field.column} ({there[field.column]}): ", step)
+                values |= {field.column: field.read(text)} if text else {}
+                continue
+            old = float(there[field.column])
+            text = self.ask(f"  {field.words} ({old:.4g} {field.unit}): ", step)
+            if text:
+                values[field.column] = self.read(text, field, None, step)
+        return values
+
+    def _numbered(self, text: str) -> int:
+        if not text.isdecimal() or int(text) not in self.journal.numbers:
+            there = max(self.journal.numbers, default=0)
+            known = f"there are 1 to {there}" if there else "there are none yet"
+            raise BadInput(f"{text!r} is no reading's number; {known}; try `status`")
+        return int(text)
+
+    def _last_skip(self) -> str:
+        """Return the step that was left out since the last reading, "" if none was.
+
+        By the number of that reading, which `skip` keeps: clocks may be set back.
+        """
+        last = max(self.journal.numbers, default=0)
+        skipped = skipped_keys(self.journal.events)
+        late = [e for e in self.journal.events if e.event == "skip" and e.reading == last]
+        return next((e.detail for e in reversed(late) if e.detail in skipped), "")
+
+    def _last_kept(self) -> int:
+        kept = [r.number for _, r in self.journal.session.numbered if not r.voided]
+        if not kept:
+            raise BadInput("there is no reading yet")
+        return max(kept)

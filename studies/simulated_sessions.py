@@ -1,0 +1,74 @@
+"""Sessions that are taken in memory alone, and truths for many of them: for studies and tests."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from serpenoid.calibration.kinds.declaration import Cells
+from serpenoid.calibration.kinds.rows import kind_of, make_reading, reading_row
+from serpenoid.calibration.kinds.tracks import Samples, Track
+from serpenoid.calibration.session import Session, Setup
+from serpenoid.calibration.session_rows import Event
+from serpenoid.calibration.taking.journal import Journal
+from serpenoid.calibration.taking.world import Truth
+from serpenoid.model.drives import ServoKind
+from serpenoid.model.ground import Ground
+
+
+class MemoryRecord(Journal):
+    """Keep readings as a journal does, but on no disk; begun: a session to be gone on with."""
+
+    def __init__(self, setup: Setup, begun: Session | None = None):
+        self.session = begun or Session(setup, ())
+        self.events = []
+        self._count = max((r.number for _, r in self.session.numbered), default=0)
+
+    def add(
+        self,
+        kind: str,
+        cells: Cells,
+        *,
+        replaces: int = 0,
+        comment: str = "",
+        samples: Samples | None = None,
+    ) -> int:
+        """Keep one reading; return its number. Parameters as for Journal.add."""
+        self._count += 1
+        common: dict[str, Any] = {"number": self._count, "comment": comment}
+        if samples is not None:
+            common["track"] = Track.of(kind_of(kind).track, samples)
+        made = make_reading(reading_row(kind, cells, self.session.setup.procedure), common)
+        if replaces:
+            part = kind_of(kind).part or "further"
+            kept = (
+                replace(r, voided=True) if r.number == replaces else r
+                for r in getattr(self.session, part)
+            )
+            self.session = replace(self.session, **{part: tuple(kept)})
+        self.session = self.session.with_reading(kind_of(kind), made)
+        return self._count
+
+    def event(self, event: str, reading: int = 0, detail: str = "") -> None:
+        """Keep one event."""
+        self.events.append(Event("", event, reading, detail))
+
+
+def drawn_truth(
+    setup: Setup, ground: Ground, rng: np.random.Generator, servo: ServoKind | None = None
+) -> Truth:
+    """Draw the errors that all readings of a session share, as the set-up says they may be.
+
+    servo: the kind of which the robot has one drawn; None: its joints follow the gait.
+    """
+    errs = setup.uncertainty
+    zero, scale, mass = (float(x) for x in rng.normal(size=3))
+    return Truth(
+        ground,
+        incline_zero_rad=zero * errs.incline_zero_sigma_rad,
+        belt_scale=1.0 + scale * errs.belt_scale_sigma,
+        mass_scale=1.0 + mass * errs.mass_sigma,
+        joint_sigma_rad=errs.joint_sigma_rad,
+        servo=servo and servo.draws(1, int(rng.integers(2**31)))[0],
+    )
