@@ -1,7 +1,8 @@
 """Tests of one joint with hidden servos: what they tell, and what the band of speeds becomes.
 
-For each hidden hobby servo: how far the measured ones are off in the logarithm of each field (mean,
-over their own scatter), and the speed of the 2005 robot with it beside the bands before and after.
+For each hidden hobby servo: how far the measured ones are off in the logarithm of each ratio (mean,
+also over their own scatter), and the speed of the 2005 robot with it beside the bands before and
+after.
 """
 
 from __future__ import annotations
@@ -27,26 +28,22 @@ def ratios(servo: sn.Servo) -> dict[str, float]:
     """Return what an unloaded joint can tell: all over the torque, and the speed."""
     line = servo.torque_limit_nm / servo.speed_limit_rad_s
     return {
-        "torque": servo.torque_limit_nm,
         "free speed": servo.no_load_rad_s,
         "stiffness": servo.stiffness_nm_rad / servo.torque_limit_nm,
-        "damping": servo.damping_nms_rad / line,
         "rotor": servo.armature_kg_m2 / line,
         "gear friction": servo.gear_friction_nm / servo.torque_limit_nm,
-        "gear damping": servo.gear_damping_nms_rad / line,
         "dead band": servo.dead_band_rad,
     }
 
 
-def off(true: sn.Servo, found: tuple[sn.Servo, ...]) -> dict[str, tuple[float, float]]:
-    """Return mean error and scatter of the logarithms, by name."""
-    rows = [ratios(one) for one in found]
-    logs = {n: np.log([max(r[n], 1e-12) for r in rows]) for n in rows[0]}
-    want = ratios(true)
-    return {n: (v.mean() - math.log(max(want[n], 1e-12)), v.std()) for n, v in logs.items()}
+def off(true: sn.Servo, found: tuple[sn.Servo, ...]) -> np.ndarray:
+    """Return mean error and scatter of the logarithms, (2, ratios)."""
+    rows = [list(ratios(one).values()) for one in (true, *found)]
+    first, *others = np.log(np.maximum(rows, 1e-12))
+    return np.array([np.mean(others - first, axis=0), np.std(others, axis=0)])
 
 
-def one(true: sn.Servo, test: BenchTest, before: sn.ServoSteady) -> tuple[dict, bool, float]:
+def one(true: sn.Servo, test: BenchTest, before: sn.ServoSteady) -> tuple[np.ndarray, bool, float]:
     """Return errors by field, whether the band holds the speed, and how much narrower it is."""
     found = servo_of_test(test, sn.servo()).kind
     crawls = sn.steady_gait(ROBOT, GROUND, GAIT, rtol=1e-3, servo=true).speed_m_s
@@ -69,10 +66,13 @@ def main() -> None:
             found.append(one(true, camera(true, seed), before))
         held, narrow = sum(f[1] for f in found), np.median([f[2] for f in found])
         print(f"{name}: speed in its band {held} of {count}; band {narrow:.2f} of the one before")
-        for field in found[0][0]:
-            error = np.sqrt(np.mean([f[0][field][0] ** 2 for f in found]))
-            scatter = np.median([f[0][field][1] for f in found])
-            print(f"  {field}: off by {100 * error:.0f} % (rms), stated {100 * scatter:.0f} %")
+        error, scatter = np.moveaxis([f[0] for f in found], 1, 0)
+        for field, e, sigma in zip(ratios(sn.Servo()), error.T, scatter.T, strict=True):
+            print(
+                f"  {field}: off by {100 * np.sqrt(np.mean(e**2)):.0f} % (rms), stated "
+                f"{100 * np.median(sigma):.0f} %; {np.sqrt(np.mean((e / sigma) ** 2)):.2f} of it "
+                f"(rms), {np.sum(abs(e) < 1.96 * sigma)} of {count} within 1.96"
+            )
 
 
 if __name__ == "__main__":

@@ -53,7 +53,6 @@ class PracticeTreadmill:
         self._grade_step, self._deck_rad, self._pace = grade_step, deck_rad, pace
         self._rng = np.random.default_rng(seed)
         self._grade = self._shown_steps = 0
-        self._facing = "down"
         self._lies = False  # on the belt; else in somebody's hand
         self._mark: tuple[float, float] | None = None
         self._lock = threading.RLock()
@@ -152,7 +151,7 @@ class PracticeTreadmill:
         """Lay the robot in the middle of the belt and let go of it."""
         with self._lock:
             normal = self._rng.normal(size=4)
-            self._facing, self._lies, self._mark = facing, True, None
+            self._lies, self._mark = True, None
             self.belt.put(
                 0.01 * normal[0],
                 LET_GO_RAD * normal[1],

@@ -415,7 +415,7 @@ class ServoKind:
         friction = _friction(typical) * factor["gear_friction_nm"]
         if friction > max(_MOST_FRICTION, _BEYOND_TYPICAL * _friction(typical)):
             return None
-        loss = (1 + _damping(typical) * factor["gear_damping_nms_rad"]) / (1 - friction)
+        loss = (1 + damping_of_line(typical) * factor["gear_damping_nms_rad"]) / (1 - friction)
         if loss > max(_MOST_LOSS, _BEYOND_TYPICAL * _loss(typical)):
             return None
         factor["torque_limit_nm"] *= (1 - _friction(typical)) / (1 - friction)
@@ -452,14 +452,14 @@ def _friction(servo: Servo) -> float:
     return servo.gear_friction_nm / servo.torque_limit_nm
 
 
-def _damping(servo: Servo) -> float:
+def damping_of_line(servo: Servo) -> float:
     """Return the gear's damping over the motor's S / w0."""
     return servo.gear_damping_nms_rad * servo.speed_limit_rad_s / servo.torque_limit_nm
 
 
 def _loss(servo: Servo) -> float:
     """Return the motor's free speed over the whole servo's no-load speed."""
-    return (1 + _damping(servo)) / (1 - _friction(servo))
+    return (1 + damping_of_line(servo)) / (1 - _friction(servo))
 
 
 def _ratios(servo: Servo) -> dict[str, float]:

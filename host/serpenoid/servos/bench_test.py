@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..model.checks import check_number
-from ..model.drives import UNCERTAIN, Servo, ServoKind
+from ..model.drives import UNCERTAIN, Servo, ServoKind, damping_of_line
 from ..model.errors import BadInput
 from ..model.particles import tempered
 from ..model.vectors import finite_vector
@@ -23,7 +23,8 @@ Array = NDArray[np.float64]
 PARTICLES, MOVES, KEPT = 384, 10, 128
 _SHARE = 0.3  # of the unknowns that change in a move
 _STEP_S, _MOST_STEPS, _MOST_DELAY_S = 1e-3, 20_000, 0.03
-_NEVER = -1e9  # a log likelihood
+_SAME_S = 1e-9  # a look at a setpoint's time has it
+_NEVER = 2e9  # a sum of squares
 _FIELDS = (
     "stiffness_nm_rad",
     "damping_nms_rad",
@@ -97,79 +98,95 @@ class MeasuredServo:
 
 def moved(test: BenchTest, servos: list[Servo], delay_s: Array) -> Array:
     """Return the angles (K, T) that each servo would have shown; delay_s: until it hears."""
-    columns = {name: np.array([getattr(s, name) for s in servos]) for name in _FIELDS}
-    K, D, S, w0, band, J, dry, c, hz, sag = columns.values()
+    fields = np.array([[getattr(s, name) for name in _FIELDS] for s in servos])
+    K, D, S, w0, band, J, dry, c, hz, sag = fields.T.copy()
     h, steps = _STEP_S, math.ceil(np.ptp(test.t_s) / _STEP_S) + 1
     times = test.t_s[0] + h * np.arange(steps + 1)
-    heard = times[:, None] - delay_s
-    at = np.searchsorted(test.t_s, heard.ravel(), side="right").reshape(heard.shape) - 1
-    setpoints = test.setpoint_rad[np.maximum(at, 0)]
-    looks = np.ones(heard.shape, dtype=bool)
-    looks[1:] = (hz == 0) | (np.diff(np.floor((heard - test.t_s[0]) * hz), axis=0) != 0)
+    # a step may have a look inside it: when, and what is asked there
+    hz = np.where(hz > 0, hz, 1 / h)
+    heard = times[1:, None] - delay_s
+    since = (heard - test.t_s[0] + _SAME_S) % (1 / hz) - _SAME_S
+    looks, shares = since < h, since / h
+    at = np.searchsorted(test.t_s, (heard - since + _SAME_S).ravel(), side="right") - 1
+    setpoints = test.setpoint_rad[np.maximum(at, 0)].reshape(heard.shape)
     spring, damper = K / S, D / S - 1 / w0
     # the motor's line is solved for exactly, and the gear's friction never turns the rate round
     line = S / w0 + c
     slows = np.exp(-h * line / np.maximum(J + test.inertia_kg_m2, 1e-12))
     drives, holds = (1 - slows) * S / line, (1 - slows) * dry / line
     angle, rate, duty = np.full(len(K), test.angle_rad[0]), np.zeros(len(K)), np.zeros(len(K))
-    seen = np.empty(heard.shape)
-    for k in range(steps + 1):
-        seen[k] = angle
-        if looks[k].any():
-            off = setpoints[k] - angle
-            off -= np.minimum(np.maximum(off, -band), band)
-            asked = np.minimum(np.maximum(spring * off - damper * rate, -1.0), 1.0)
-            duty = np.where(looks[k], asked, duty)
+    seen = np.tile(angle, (steps + 1, 1))
+    for k in range(steps):
+        off = setpoints[k] - angle - (1 - shares[k]) * h * rate
+        off -= np.minimum(np.maximum(off, -band), band)
+        asked = np.minimum(np.maximum(spring * off - damper * rate, -1.0), 1.0)
+        mean_duty = np.where(looks[k], duty + shares[k] * (asked - duty), duty)
+        duty = np.where(looks[k], asked, duty)
         # the one joint's load on the supply; the others rest
-        supply = (1.0 + sag / w0 * duty * rate) / (1.0 + sag * duty * duty)
+        supply = (1.0 + sag / w0 * mean_duty * rate) / (1.0 + sag * mean_duty * mean_duty)
         before = rate
-        rate = slows * rate + drives * duty * np.minimum(np.maximum(supply, 0.0), 1.0)
+        rate = slows * rate + drives * mean_duty * np.minimum(np.maximum(supply, 0.0), 1.0)
         rate = rate - np.minimum(np.maximum(rate, -holds), holds)
         angle = angle + h / 2 * (before + rate)
+        seen[k + 1] = angle
     return np.array([np.interp(test.t_s, times, column) for column in seen.T])
 
 
 class _Posterior:
-    """Servos as normal unknowns of the kind's doubt: fields, a delay, and a rate of looking."""
+    """Servos as unknowns: the kind's units of the fields in doubt, a delay, a rate of looking.
+
+    Two of them differ from the kind's. A joint shows its rotor over all that brakes it, motor and
+    gear, and its speed at the voltage of the test. So these are the unknowns: what a joint does not
+    show (the gear's damping alone, the voltage) then bends the scatter of no other.
+    """
 
     def __init__(self, test: BenchTest, kind: ServoKind):
         self.test, self.kind = test, kind
         self.rates = kind.updates_hz or (kind.servo.update_hz,)
-        self.free = [k for k, n in enumerate(UNCERTAIN) if kind.sigma.get(n, 0.0) > 0]
+        self.free = [kind.sigma.get(name, 0.0) > 0 for name in UNCERTAIN] + [True, True]
 
-    def servos(self, x: Array) -> list[Servo | None]:
-        """Return the servo of each row; None where no such servo is sold."""
+    def units(self, x: Array) -> Array:
+        """Return the kind's units (K, fields), and those of delay and rate, of unknowns (K, D)."""
+        from scipy.special import erf
+
+        units, sigma = np.zeros((len(x), len(self.free))), self.kind.sigma
+        units[:, self.free] = x
+        unit = dict(zip(UNCERTAIN, units.T, strict=False))
+        volts = sigma.get("supply_v", 0.0) * math.sqrt(3) * erf(unit["supply_v"] / math.sqrt(2))
+        gear = np.exp(sigma.get("gear_damping_nms_rad", 0.0) * unit["gear_damping_nms_rad"])
+        brake = np.log1p(damping_of_line(self.kind.servo) * gear)
+        for name, logarithm in (("speed_limit_rad_s", -volts), ("armature_kg_m2", brake)):
+            if sigma.get(name):
+                unit[name] += logarithm / sigma[name]
+        return units
+
+    def servos(self, units: Array) -> list[Servo | None]:
+        """Return the servo of each row of units; None where no such servo is sold."""
         from scipy.special import ndtr
 
-        units = np.zeros((len(x), len(UNCERTAIN)))
-        units[:, self.free] = x[:, :-2]
-        rate = np.minimum(len(self.rates) * ndtr(x[:, -1]), len(self.rates) - 1).astype(int)
-        pairs = zip(units.tolist(), rate.tolist(), strict=True)
+        rate = np.minimum(len(self.rates) * ndtr(units[:, -1]), len(self.rates) - 1).astype(int)
+        pairs = zip(units[:, :-2].tolist(), rate.tolist(), strict=True)
         return [self.kind.at(row, self.rates[k]) for row, k in pairs]
 
-    def start(self, count: int, rng: np.random.Generator) -> Array:
-        """Return unknowns of drawn servos, (count, D)."""
-        sold = np.empty((0, len(self.free) + 2))
-        while len(sold) < count:
-            x = rng.normal(size=(count, sold.shape[1]))
-            sold = np.vstack([sold, x[[servo is not None for servo in self.servos(x)]]])
-        return sold[:count]
+    def chi2(self, units: Array) -> Array:
+        """Return the sum of squares over the readings; _NEVER where no such servo is sold."""
+        from scipy.special import ndtr
 
-    def log_before(self, x: Array) -> Array:
-        """Return the logarithm of the kind's density."""
-        unsold = [servo is None for servo in self.servos(x)]
-        return np.where(unsold, _NEVER, -0.5 * np.sum(x**2, axis=1))
+        servos = self.servos(units)
+        tried = [servo or self.kind.servo for servo in servos]
+        off = moved(self.test, tried, _MOST_DELAY_S * ndtr(units[:, -2])) - self.test.angle_rad
+        squares = np.nan_to_num(np.sum(off**2, axis=1) / self.test.sigma_rad**2, nan=_NEVER)
+        return np.where([servo is None for servo in servos], _NEVER, squares)
 
     def log_density(self, x: Array) -> Array:
         """Return the logarithm of the density that the test leaves."""
-        from scipy.special import ndtr
+        units = self.units(x)
+        return log_normal(units) - 0.5 * self.chi2(units)
 
-        servos, log = self.servos(x), self.log_before(x)
-        sold = log > _NEVER
-        off = moved(self.test, list(filter(None, servos)), _MOST_DELAY_S * ndtr(x[sold, -2]))
-        off = (off - self.test.angle_rad) / self.test.sigma_rad
-        log[sold] -= np.nan_to_num(0.5 * np.sum(off**2, axis=1), nan=-_NEVER)
-        return log
+
+def log_normal(x: Array) -> Array:
+    """Return the logarithm of the normal density, but for its constant."""
+    return np.asarray(-0.5 * np.sum(x**2, axis=1))
 
 
 def servo_of_test(
@@ -181,9 +198,10 @@ def servo_of_test(
             f"servo {like.name!r} has no doubt to fit in; take `hobby`, or a data sheet's"
         )
     rng, posterior = np.random.default_rng(seed), _Posterior(test, like)
-    first = posterior.start(PARTICLES, rng)
-    x = tempered(first, posterior.log_before, posterior.log_density, rng, MOVES, _SHARE)[0]
-    servos, chi2 = posterior.servos(x), 2 * (posterior.log_before(x) - posterior.log_density(x))
+    x = rng.normal(size=(PARTICLES, sum(posterior.free)))
+    x = tempered(x, log_normal, posterior.log_density, rng, MOVES, _SHARE)[0]
+    units = posterior.units(x)
+    servos, chi2 = posterior.servos(units), posterior.chi2(units)
     best = int(np.argmin(chi2))
     kept = tuple(filter(None, (servos[k] for k in rng.permutation(PARTICLES)[:KEPT])))
     return measured_servo(

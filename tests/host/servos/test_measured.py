@@ -25,24 +25,36 @@ from serpenoid.lab.floor import Floor
 from serpenoid.lab.robot import LabRobot
 from serpenoid.periodic.servo_steady import servo_state
 from serpenoid.servos import bench_test
-from serpenoid.servos.bench_test import servo_of_test
+from serpenoid.servos.bench_test import moved, servo_of_test
 
 GROUND = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
 GAIT = sn.Gait(math.radians(70), math.radians(75), math.tau * 0.5)
 
 
-@pytest.mark.parametrize("seed", [102, pytest.param(103, marks=pytest.mark.slow)])
-def test_a_bench_test_tells_the_servo(seed: int, monkeypatch) -> None:
-    """It predicts the crawl's speed then, with half the doubt at most."""
+def test_the_models_joint_moves_as_the_labs() -> None:
+    """Loops look between the model's steps, too."""
+    off = []
+    for true in sn.servo().draws(12, 105):
+        film = filmed_by(true, 0, noise_rad=0.0)
+        off.append(np.std(moved(film, [true], np.zeros(1))[0] - film.angle_rad))
+    assert np.mean(off) < math.radians(0.04)
+
+
+@pytest.mark.parametrize(("camera", "seed"), [(shown_by, 102), (filmed_by, 104)])
+def test_a_bench_test_tells_the_servo(camera, seed: int, monkeypatch) -> None:
+    """It predicts the crawl's speed then, with half the doubt at most.
+
+    In a film pictures and setpoints fall at different times.
+    """
     monkeypatch.setattr(bench_test, "PARTICLES", 96)
     true = sn.servo().draws(1, seed)[0]
-    found = servo_of_test(shown_by(true, seed), sn.servo())
+    found = servo_of_test(camera(true, seed), sn.servo())
     drawn = found.kind.drawn
     for name, within in (("stiffness_nm_rad", 0.2), ("armature_kg_m2", 0.35)):
         ratios = [getattr(s, name) / s.torque_limit_nm for s in drawn]
         assert np.mean(ratios) == pytest.approx(getattr(true, name) / true.torque_limit_nm, within)
-    speeds = [s.speed_limit_rad_s for s in drawn]
-    assert np.mean(speeds) == pytest.approx(true.speed_limit_rad_s, rel=0.3)
+    free = [s.no_load_rad_s for s in drawn]
+    assert np.mean(free) == pytest.approx(true.no_load_rad_s, rel=0.05)
     assert "speed_limit_rad_s" in found.told
     crawls = sn.steady_gait(ROBOT, GROUND, GAIT, rtol=1e-3, servo=true).speed_m_s
     known = sn.steady_gait(ROBOT, GROUND, GAIT, rtol=1e-3, servo=found.kind)
@@ -51,26 +63,14 @@ def test_a_bench_test_tells_the_servo(seed: int, monkeypatch) -> None:
     assert known.high_m_s - known.low_m_s < 0.5 * (before.high_m_s - before.low_m_s)
 
 
-def test_a_film_of_240_frames_a_second_tells_the_servo(monkeypatch) -> None:
-    """Where the joint is inside a frame, too; pictures and setpoints fall at different times."""
-    monkeypatch.setattr(bench_test, "PARTICLES", 96)
-    true = sn.servo().draws(1, 104)[0]
-    film = filmed_by(true, 104)
-    assert len(film.t_s) > 4.8 * 100
-    found = servo_of_test(film, sn.servo())
-    assert {"speed_limit_rad_s", "stiffness_nm_rad"} <= set(found.told)
-    free = [s.no_load_rad_s for s in found.kind.drawn]
-    assert np.mean(free) == pytest.approx(true.no_load_rad_s, rel=0.03)
-    stiff = [s.stiffness_nm_rad / s.torque_limit_nm for s in found.kind.drawn]
-    assert np.mean(stiff) == pytest.approx(true.stiffness_nm_rad / true.torque_limit_nm, rel=0.2)
-
-
-def test_an_unloaded_joint_does_not_tell_the_torque(monkeypatch) -> None:
-    monkeypatch.setattr(bench_test, "PARTICLES", 96)
-    true = sn.servo().draws(1, 103)[0]
-    found = servo_of_test(replace(shown_by(true, 1), inertia_kg_m2=0.0), sn.servo())
-    torques = np.log([s.torque_limit_nm for s in found.kind.drawn])
-    assert torques.std() > 0.2  # 0.5 before; 0.33 to 0.48 by the sampler's seed
+def test_what_a_joint_does_not_show_is_an_unknown_by_itself() -> None:
+    """With more damping in the gear, or more volts, rotor and speed follow: it moves alike."""
+    posterior = bench_test._Posterior(shown_by(sn.servo().servo, 1), sn.servo())
+    unknowns = np.zeros((3, sum(posterior.free)))
+    unknowns[1, 4] = unknowns[2, 8] = 1.0  # gear, voltage; 1.2 and 3 degrees if nothing followed
+    servos = posterior.servos(posterior.units(unknowns))
+    angle, *others = moved(posterior.test, servos, np.zeros(3))
+    assert np.abs(others - angle).max() < math.radians(0.4)
 
 
 def crawled(fit: sn.FrictionFit, gait: sn.Gait, servo: sn.Servo) -> float:
@@ -174,7 +174,7 @@ def test_the_command_writes_a_file_that_others_take(tmp_path: Path, monkeypatch)
     told = CliRunner().invoke(cli, ["servo", "--test", str(table), "--out", str(out)])
     assert told.exit_code == 0, told.output
     assert told.output.startswith("Without load the servo turns at about ")
-    assert "does not tell" in told.output
+    assert "does not tell torque_limit_nm" in told.output
     kind = sn.servo(out)
     assert len(kind.drawn) == 8
     assert not kind.exact

@@ -87,6 +87,8 @@ def servo(
 
 def read_test(path: Path, sigma_rad: float, inertia_kg_m2: float) -> BenchTest:
     """Read a bench test's table. Raises BadInput."""
+    import numpy as np
+
     from ...model.errors import BadInput
     from ...model.files import csv_rows, read_text
     from ...model.toml_table import located
@@ -107,10 +109,9 @@ def read_test(path: Path, sigma_rad: float, inertia_kg_m2: float) -> BenchTest:
                 column.append(float(row[heading.index(name)]))
             except (ValueError, IndexError) as error:
                 raise BadInput(f"{path}:{line}: {name} is no number") from error
-    t, sent, seen = columns
-    rad = math.radians
+    t_s, *degrees = np.array(columns)
     with located(str(path)):
-        return BenchTest(t, list(map(rad, sent)), list(map(rad, seen)), sigma_rad, inertia_kg_m2)  # pyright: ignore[reportArgumentType]
+        return BenchTest(t_s, *np.radians(degrees), sigma_rad, inertia_kg_m2)
 
 
 def show(found: MeasuredServo, out: Path | None) -> None:
