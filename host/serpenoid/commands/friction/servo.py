@@ -109,9 +109,9 @@ def read_test(path: Path, sigma_rad: float, inertia_kg_m2: float) -> BenchTest:
                 column.append(float(row[heading.index(name)]))
             except (ValueError, IndexError) as error:
                 raise BadInput(f"{path}:{line}: {name} is no number") from error
-    t_s, *degrees = np.array(columns)
+    t, sent, seen = np.array(columns)
     with located(str(path)):
-        return BenchTest(t_s, *np.radians(degrees), sigma_rad, inertia_kg_m2)
+        return BenchTest(t, np.radians(sent), np.radians(seen), sigma_rad, inertia_kg_m2)
 
 
 def show(found: MeasuredServo, out: Path | None) -> None:
