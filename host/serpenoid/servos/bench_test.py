@@ -99,13 +99,13 @@ class MeasuredServo:
 def moved(test: BenchTest, servos: list[Servo], delay_s: Array) -> Array:
     """Return the angles (K, T) that each servo would have shown; delay_s: until it hears."""
     fields = np.array([[getattr(s, name) for name in _FIELDS] for s in servos])
-    K, D, S, w0, band, J, dry, c, hz, sag = fields.T.copy()
+    K, D, S, w0, band, J, dry, c, hz, sag = fields.T
     h, steps = _STEP_S, math.ceil(np.ptp(test.t_s) / _STEP_S) + 1
     times = test.t_s[0] + h * np.arange(steps + 1)
     # a step may have a look inside it: when, and what is asked there
     hz = np.where(hz > 0, hz, 1 / h)
-    heard = times[1:, None] - delay_s
-    since = (heard - test.t_s[0] + _SAME_S) % (1 / hz) - _SAME_S
+    heard = times[1:, None] - delay_s + _SAME_S
+    since = (heard - test.t_s[0]) % (1 / hz)
     looks, shares = since < h, since / h
     at = np.searchsorted(test.t_s, (heard - since + _SAME_S).ravel(), side="right") - 1
     setpoints = test.setpoint_rad[np.maximum(at, 0)].reshape(heard.shape)
@@ -151,7 +151,7 @@ class _Posterior:
 
         units, sigma = np.zeros((len(x), len(self.free))), self.kind.sigma
         units[:, self.free] = x
-        unit: dict[str, Array] = dict(zip(UNCERTAIN, units.T, strict=False))
+        unit = dict(zip(list(UNCERTAIN), units.T, strict=False))
         volts = sigma.get("supply_v", 0.0) * math.sqrt(3) * erf(unit["supply_v"] / math.sqrt(2))
         gear = np.exp(sigma.get("gear_damping_nms_rad", 0.0) * unit["gear_damping_nms_rad"])
         brake = np.log1p(damping_of_line(self.kind.servo) * gear)
