@@ -151,7 +151,7 @@ class _Posterior:
 
         units, sigma = np.zeros((len(x), len(self.free))), self.kind.sigma
         units[:, self.free] = x
-        unit = dict(zip(list(UNCERTAIN), units.T, strict=False))
+        unit = dict(zip(map(str, UNCERTAIN), units.T, strict=False))
         volts = sigma.get("supply_v", 0.0) * math.sqrt(3) * erf(unit["supply_v"] / math.sqrt(2))
         gear = np.exp(sigma.get("gear_damping_nms_rad", 0.0) * unit["gear_damping_nms_rad"])
         brake = np.log1p(damping_of_line(self.kind.servo) * gear)
