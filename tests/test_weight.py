@@ -43,7 +43,7 @@ MOST_TOKENS = {
     "host/serpenoid/paper": 2937,
     "host/serpenoid/periodic": 11290,
     "host/serpenoid/robot": 20500,
-    "host/serpenoid/servos": 4259,
+    "host/serpenoid/servos": 4261,
     "host/serpenoid/show": 38235,
     "host/serpenoid/simulation": 13797,
     "host/serpenoid/video": 24865,
