@@ -172,17 +172,17 @@ class Session:
     @property
     def kept(self) -> tuple[Reading, ...]:
         """Return the stations that were not voided."""
-        return tuple(r for r in self.readings if not r.voided)
+        return self._kept("station")
 
     @property
     def kept_gait_runs(self) -> tuple[GaitRun, ...]:
         """Return the gait runs that were not voided."""
-        return tuple(r for r in self.gait_runs if not r.voided)
+        return self._kept("gait")
 
     @property
     def kept_films(self) -> tuple[FilmReading, ...]:
         """Return the measured films that were not voided."""
-        return tuple(r for r in self.further if isinstance(r, FilmReading) and not r.voided)
+        return self._kept("video")
 
     @property
     def kept_crawls(self) -> tuple[GaitRun, ...]:
@@ -192,12 +192,12 @@ class Session:
     @property
     def kept_pushes(self) -> tuple[Coast, ...]:
         """Return the pushes along a floor that were not voided."""
-        return tuple(r for r in self.further if isinstance(r, Coast) and not r.voided)
+        return self._kept("coast")
 
     @property
     def kept_slides(self) -> tuple[Slide, ...]:
         """Return the slides down a board that were not voided."""
-        return tuple(r for r in self.further if isinstance(r, Slide) and not r.voided)
+        return self._kept("slide")
 
     @property
     def fitted(self) -> tuple[Reading | Coast | Slide, ...]:
@@ -220,6 +220,9 @@ class Session:
         if declared.part:
             return getattr(self, declared.part)  # type: ignore[no-any-return]
         return tuple(r for r in self.further if isinstance(r, declared.reading))
+
+    def _kept(self, kind: str) -> tuple[Any, ...]:
+        return tuple(r for r in self.of(kind) if not r.voided)
 
     @property
     def numbered(self) -> list[tuple[Kind, Any]]:
@@ -318,8 +321,8 @@ class Session:
         return [float(np.interp(r.number, at, found)) for r in readings]
 
     @property
-    def _kept_zeros(self) -> list[ZeroReading]:
-        return [z for z in self.zeros if not z.voided]
+    def _kept_zeros(self) -> tuple[ZeroReading, ...]:
+        return self._kept("zero")
 
     @property
     def _zero_sides(self) -> list[float]:

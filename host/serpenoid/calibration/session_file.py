@@ -6,7 +6,6 @@ Format 1 has one file of stations; format 2 (session_rows) has readings of every
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 from ..model.checks import check_choice
@@ -17,7 +16,7 @@ from ..model.toml_table import Table, check_names, located
 from .kinds.instruments import Uncertainty
 from .kinds.station import STATION, Reading
 from .session import Procedure, Session, Setup
-from .session_rows import change_of, read_format_2, time_of
+from .session_rows import change_of, read_format_2, time_of, whole_number
 from .settings import GRAVITY, SETTINGS, Setting, changed, read_settings
 
 FORMAT = 2
@@ -182,10 +181,8 @@ def _reading(header: list[str], cells: list[str]) -> Reading:
             "power cut may be deleted, and decimals take a point, not a comma"
         )
     row = {name: cell.strip() for name, cell in zip(header, cells, strict=True)}
-    if not re.fullmatch("[1-9][0-9]{0,8}", row["reading"]):
-        raise BadInput(f"reading is {row['reading']!r}; it must be a whole number from 1")
     return Reading(
-        number=int(row["reading"]),
+        number=whole_number("reading", row["reading"]),
         voided=check_choice("status", row["status"], STATUSES) == "void",
         comment=row["comment"],
         time_utc=time_of(row["time_utc"]),

@@ -85,7 +85,7 @@ def read_events(folder: Path, notes: list[str] | None = None) -> list[Event]:
     for row, where in _rows(path, EVENT_COLUMNS, [] if notes is None else notes):
         with located(where):
             event = check_choice("event", row["event"], EVENTS)
-            number = _whole("reading", row["reading"]) if row["reading"] else 0
+            number = whole_number("reading", row["reading"]) if row["reading"] else 0
             found.append(Event(time_of(row["time_utc"]), event, number, row["detail"]))
     return found
 
@@ -157,14 +157,14 @@ def _row(header: list[str], line: str) -> Row:
 
 
 def _take(row: Row, where: str, found: _Found) -> None:
-    number = _whole("reading", row["reading"])
+    number = whole_number("reading", row["reading"])
     if number in found.rows:
         raise BadInput(
             f"reading {number} is there already, at {found.rows[number][1]}; give a new reading a "
             "new number, and name in `replaces` the one it replaces"
         )
     if row["replaces"]:
-        old = _whole("replaces", row["replaces"])
+        old = whole_number("replaces", row["replaces"])
         if old not in found.rows:
             raise BadInput(f"replaces is {old}, but there is no such reading before this one")
         found.voided[old] = f"redone as {number}"
@@ -254,7 +254,7 @@ def _track(row: Row, kind: Kind, folder: Path) -> dict[str, Track]:
 
 
 def _setup_of(row: Row, setups: list[Setup]) -> Setup:
-    number = _whole("setup", row["setup"])
+    number = whole_number("setup", row["setup"])
     if number > len(setups):
         raise BadInput(
             f"setup is {number}, but events.csv tells of {len(setups) - 1} amendment(s), so the "
@@ -280,7 +280,8 @@ def reading_rows(folder: Path) -> list[Row]:
     return [row for row, _ in _rows(folder / "readings.csv", READING_COLUMNS, [])]
 
 
-def _whole(name: str, text: str) -> int:
+def whole_number(name: str, text: str) -> int:
+    """Return a cell's whole number from 1, or raise BadInput."""
     if not re.fullmatch("[1-9][0-9]{0,8}", text):
         raise BadInput(f"{name} is {text!r}; it must be a whole number from 1")
     return int(text)

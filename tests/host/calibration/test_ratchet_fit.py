@@ -125,35 +125,20 @@ def test_points_and_advice_know_both_ways() -> None:
     assert found.readings[0].band < found.band
 
 
-def test_both_formats_tell_which_way_it_faced(tmp_path) -> None:
+def test_a_reading_is_typed_kept_and_redone_with_its_facing() -> None:
     from serpenoid.calibration.kinds.rows import READING_COLUMNS, make_reading, reading_row
-
-    common = {"number": 1, "voided": False, "comment": "", "time_utc": ""}
-    row = dict.fromkeys(READING_COLUMNS, "") | {
-        "kind": "station",
-        "lambda_deg": "0",
-        "incline_deg": "3",
-        "belt_speed_m_s": "0.2",
-        "drift_m_s": "0",
-    }
-    assert make_reading(row, common).facing == "down"
-    assert make_reading(row | {"more": "facing=up"}, common).facing == "up"
-    with pytest.raises(sn.BadInput, match="facing is 'sideways'"):
-        make_reading(row | {"more": "facing=sideways"}, common)
-    cells = {"lambda_deg": 0.0, "incline_deg": 3.0, "belt_speed_m_s": 0.2, "drift_m_s": 0.0}
-    written = reading_row("station", cells | {"facing": "up"})
-    assert make_reading(written, common).facing == "up"
-    assert set(written) == set(READING_COLUMNS)
-
-
-def test_a_reading_is_typed_and_redone_with_its_facing() -> None:
-    from serpenoid.calibration.kinds.rows import reading_row
     from serpenoid.calibration.taking.parse_number import read_cells
 
     cells = ["lambda_deg=0", "incline_deg=3", "belt_speed_m_s=0.2"]
+    plain = reading_row("station", read_cells("station", cells, SETUP))
+    assert plain["more"] == ""
+    assert make_reading(plain, {"number": 1}).facing == "down"
     row = reading_row("station", read_cells("station", [*cells, "facing=up"], SETUP))
     assert row["more"] == "facing=up"
-    assert reading_row("station", read_cells("station", cells, SETUP))["more"] == ""
+    assert set(row) == set(READING_COLUMNS)
+    assert make_reading(row, {"number": 1}).facing == "up"
+    with pytest.raises(sn.BadInput, match="facing is 'sideways'"):
+        make_reading(row | {"more": "facing=sideways"}, {"number": 1})
     again = read_cells("station", ["incline_deg=3.1"], SETUP, row)
     assert reading_row("station", again)["more"] == "facing=up"
     with pytest.raises(sn.BadInput, match="facing is 'aside'"):

@@ -92,8 +92,7 @@ def _treadmill_step(
         incline_deg = next_incline_deg(session, series.lambda_rad, skipped, series.facing)
         if incline_deg is not None:
             shown_rad = shown_bend(session, series.lambda_rad)
-            lies = posed_deg is not None and abs(posed_deg - bend_deg) <= 1e-6
-            if not lies or facing != series.facing or shown_rad is None:
+            if posed_deg != bend_deg or facing != series.facing or shown_rad is None:
                 return _pose(series, session.setup)
             return _station(session, series, incline_deg, shown_rad)
     if session.kept and not (_zero_read(session, False) or ZERO_AFTER in skipped):

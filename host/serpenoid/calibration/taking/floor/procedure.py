@@ -32,8 +32,7 @@ def next_push(session: Session, skipped: frozenset[str], posed_deg: float | None
             continue
         bend_deg = round(math.degrees(bend_rad), 3)
         shown_rad = shown_bend(session, bend_rad)
-        lies = posed_deg is not None and abs(posed_deg - bend_deg) <= 1e-6
-        if not lies or shown_rad is None:
+        if posed_deg != bend_deg or shown_rad is None:
             return _pose(session.setup, bend_deg, f"pushes {name}")
         return _push(session, bend_rad, shown_rad, facing, done)
     return None
