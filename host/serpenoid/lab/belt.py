@@ -34,26 +34,20 @@ class Sight:
 
 
 class Belt:
-    """Hold a treadmill and the robot on it. The frame is the room's, x downhill along the belt."""
+    """Hold a treadmill and the robot on it. The frame is the room's, x downhill along the belt.
+
+    speed_m_s: the belt's true speed now, uphill. pose_rad: where the joints are told to stand, the
+    steering left out. moved_m: by the belt, uphill.
+    """
 
     def __init__(self, robot: LabRobot, *, gravity_m_s2: float = 9.81):
         self.robot = robot
         self.t_s = 0.0
-        self.moved_m = 0.0  # by the belt, uphill
+        self.moved_m = 0.0
         self._chain, self._gravity = robot.chain(), gravity_m_s2
-        self._pose, self._offset = [0.0] * (robot.body.links - 1), 0.0
+        self.pose_rad, self._offset = [0.0] * (robot.body.links - 1), 0.0
         self._facing_rad = 0.0
-        self._speed = self._wanted = 0.0
-
-    @property
-    def speed_m_s(self) -> float:
-        """Return the belt's true speed now, uphill, m/s."""
-        return self._speed
-
-    @property
-    def told_rad(self) -> list[float]:
-        """Return where the joints are told to stand, the steering left out."""
-        return self._pose
+        self.speed_m_s = self._wanted = 0.0
 
     def tilt(self, incline_rad: float) -> None:
         """Raise the belt to an incline."""
@@ -65,7 +59,7 @@ class Belt:
 
     def pose(self, set_rad: Sequence[float]) -> None:
         """Bend the robot, off the belt: what its joints are told."""
-        self._pose, self._offset = list(set_rad), 0.0
+        self.pose_rad, self._offset = list(set_rad), 0.0
         self._chain.set_joints(self._joints())
 
     def guide(self, guided: bool) -> None:
@@ -79,7 +73,7 @@ class Belt:
 
     def lead(self, set_rad: Sequence[float]) -> None:
         """Let the joints go to set-points that move, where the robot is."""
-        self._pose, self._offset = list(set_rad), 0.0
+        self.pose_rad, self._offset = list(set_rad), 0.0
         self._chain.aim(self._joints(), LEAD_RATE_RAD_S)
 
     def put(
@@ -91,10 +85,10 @@ class Belt:
         push_rad_s: float = 0.0,
     ) -> None:
         """Let the robot go in the middle of the belt, held still before but for the push."""
-        self._speed = self._wanted
+        self.speed_m_s = self._wanted
         self._facing_rad = math.pi if facing == "up" else 0.0
         chain = self._chain
-        chain.set_ground_velocity(-self._speed, 0.0)
+        chain.set_ground_velocity(-self.speed_m_s, 0.0)
         chain.set_joints(self._joints())
         chain.place(0.0, across_m, 0.0, 0.0, 0.0, 0.0)
         turned = self._facing_rad + heading_rad - _axis_rad(self.places(), self.robot)
@@ -104,14 +98,14 @@ class Belt:
         """Let time pass. Raises NotConverged."""
         left = duration_s
         while left > 1e-9:
-            dt = min(left, 0.1) if self._speed != self._wanted else left
+            dt = min(left, 0.1) if self.speed_m_s != self._wanted else left
             most = SLEW_M_S2 * dt
-            self._speed += min(max(self._wanted - self._speed, -most), most)
-            self._chain.set_ground_velocity(-self._speed, 0.0)
+            self.speed_m_s += min(max(self._wanted - self.speed_m_s, -most), most)
+            self._chain.set_ground_velocity(-self.speed_m_s, 0.0)
             if not self._chain.advance(dt, STEP_S):
                 raise NotConverged("the lab's robot came to no answer; are its numbers sensible?")
             self.t_s += dt
-            self.moved_m += self._speed * dt
+            self.moved_m += self.speed_m_s * dt
             left -= dt
 
     def look(self) -> Sight:
@@ -131,7 +125,7 @@ class Belt:
         return np.array(self._chain.places).reshape(-1, 3)
 
     def _joints(self) -> list[float]:
-        return self.robot.true_joints([a + self._offset for a in self._pose])
+        return self.robot.true_joints([a + self._offset for a in self.pose_rad])
 
 
 def _axis_rad(places: NDArray[np.float64], robot: LabRobot) -> float:

@@ -31,7 +31,7 @@ class PracticeTreadmill:
     set_points: where the robot's joints are told to stand now, rad, such as a virtual board's.
     inclinometer_rad: with the zero that is to be found. grade_step: of the treadmill's incline, as
     a tangent. deck_rad: how the deck lies where the treadmill says 0. pace: how many seconds pass
-    in one of the clock.
+    in one of the clock. lies: the robot is on the belt, else in somebody's hand.
     """
 
     def __init__(
@@ -48,12 +48,12 @@ class PracticeTreadmill:
         pace: float = 1.0,
     ):
         self.belt = Belt(robot)
-        self._set_points, self._display = set_points, display
+        self._set_points, self.display = set_points, display
         self._inclinometer_rad, self._protractor_rad = inclinometer_rad, protractor_rad
-        self._grade_step, self._deck_rad, self._pace = grade_step, deck_rad, pace
+        self.grade_step, self._deck_rad, self._pace = grade_step, deck_rad, pace
         self._rng = np.random.default_rng(seed)
         self._grade = self._shown_steps = 0
-        self._lies = False  # on the belt; else in somebody's hand
+        self.lies = False
         self._mark: tuple[float, float] | None = None
         self._lock = threading.RLock()
         self._ended = threading.Event()
@@ -95,41 +95,31 @@ class PracticeTreadmill:
         """Let the world's time pass, the joints going where they are told."""
         with self._lock:
             told = list(self._set_points())
-            if not self._lies:
+            if not self.lies:
                 self.belt.pose(told)
                 self.belt.t_s += duration_s
                 return
             self.belt.lead(told)
             self.belt.wait(max(duration_s, 1e-4))
             if self.belt.off:
-                self._lies = False
-
-    @property
-    def belt_step_m_s(self) -> float:
-        """Return the step of the belt's display."""
-        return self._display.step_m_s
-
-    @property
-    def grade_step(self) -> float:
-        """Return the step of the treadmill's incline, as a tangent."""
-        return self._grade_step
+                self.lies = False
 
     @property
     def belt_shown_m_s(self) -> float:
         """Return what the treadmill shows."""
-        return self._shown_steps * self._display.step_m_s
+        return self._shown_steps * self.display.step_m_s
 
     def set_belt(self, steps: int) -> str:
         """Set the belt, in steps of its display; return what it shows."""
         with self._lock:
-            least = math.ceil(self._display.least_m_s / self._display.step_m_s - 1e-9)
-            most = int(MOST_BELT_M_S / self._display.step_m_s)
+            least = math.ceil(self.display.least_m_s / self.display.step_m_s - 1e-9)
+            most = int(MOST_BELT_M_S / self.display.step_m_s)
             before, steps = self._shown_steps, min(max(steps, 0), most)
             if 0 < steps < least:
                 steps = least if steps > before else 0
             self._shown_steps = steps
-            off = self._display.scatter_m_s * float(self._rng.normal()) if steps else 0.0
-            self.belt.run(max(self.belt_shown_m_s * self._display.scale + off, 0.0))
+            off = self.display.scatter_m_s * float(self._rng.normal()) if steps else 0.0
+            self.belt.run(max(self.belt_shown_m_s * self.display.scale + off, 0.0))
             return self.belt_in_words()
 
     def belt_in_words(self) -> str:
@@ -141,17 +131,17 @@ class PracticeTreadmill:
         with self._lock:
             self._grade = min(max(steps, 0), MOST_GRADE_STEPS)
             self.belt.tilt(self._incline_rad)
-            return f"incline {100 * self._grade * self._grade_step:.1f} % by the treadmill"
+            return f"incline {100 * self._grade * self.grade_step:.1f} % by the treadmill"
 
     @property
     def _incline_rad(self) -> float:
-        return math.atan(self._grade * self._grade_step) + self._deck_rad
+        return math.atan(self._grade * self.grade_step) + self._deck_rad
 
     def put(self, facing: str = "down") -> str:
         """Lay the robot in the middle of the belt and let go of it."""
         with self._lock:
             normal = self._rng.normal(size=4)
-            self._lies, self._mark = True, None
+            self.lies, self._mark = True, None
             self.belt.put(
                 0.01 * normal[0],
                 LET_GO_RAD * normal[1],
@@ -164,13 +154,13 @@ class PracticeTreadmill:
     def take(self) -> str:
         """Take the robot off the belt."""
         with self._lock:
-            self._lies = False
+            self.lies = False
             return "the robot is in your hand"
 
     def mark(self) -> str:
         """Mark where the robot is and start the watch; the second time, read both."""
         with self._lock:
-            if not self._lies:
+            if not self.lies:
                 self._mark = None
                 return "the robot is not on the belt"
             at = self.belt.look()
@@ -182,11 +172,6 @@ class PracticeTreadmill:
             self._mark = None
             drift = uphill / since if since > 0.2 else 0.0
             return f"{1000 * uphill:+.0f} mm uphill in {since:.1f} s: drift {drift:+.3f} m/s"
-
-    @property
-    def lies(self) -> bool:
-        """Tell whether the robot is on the belt."""
-        return self._lies
 
     def place(self) -> tuple[float, float]:
         """Return the time, s, and where a film shows the robot against a ruler, m uphill."""
@@ -206,8 +191,8 @@ class PracticeTreadmill:
             ends_rad = self.belt.robot.ends_rad(
                 list(self._set_points()), self._protractor_rad, self._rng
             )
-            shown = [180.0 - math.degrees(end_rad) for end_rad in ends_rad]
-            return f"protractor: {shown[0]:.1f} deg at the tail, {shown[1]:.1f} deg at the head"
+            tail, head = (180.0 - math.degrees(end_rad) for end_rad in ends_rad)
+            return f"protractor: {tail:.1f} deg at the tail, {head:.1f} deg at the head"
 
     def turns(self) -> str:
         """Time ten turns of a mark on the belt, with a hand's error."""
@@ -216,7 +201,7 @@ class PracticeTreadmill:
             if not shown_m_s:
                 return "the belt stands"
             way_m = 10 * BELT_LENGTH_M
-            duration_s = way_m / (shown_m_s * self._display.scale) + 0.2 * float(self._rng.normal())
+            duration_s = way_m / (shown_m_s * self.display.scale) + 0.2 * float(self._rng.normal())
             return f"ten turns of {BELT_LENGTH_M:g} m, {way_m:g} m, in {duration_s:.1f} s"
 
     def look(self) -> str:
@@ -225,7 +210,7 @@ class PracticeTreadmill:
 
     def _where(self) -> str:
         with self._lock:
-            if not self._lies:
+            if not self.lies:
                 return "the robot is off the belt"
             at = self.belt.look()
             return (
@@ -242,10 +227,10 @@ class PracticeTreadmill:
             x, y, angle = places.T
             c, s = half * np.cos(angle), half * np.sin(angle)
             ends = np.stack([np.append(x - c, x[-1] + c[-1]), np.append(y - s, y[-1] + s[-1])])
-            grade = 100 * self._grade * self._grade_step
+            grade = 100 * self._grade * self.grade_step
             return {
                 "chain": np.round(ends.T, 4).tolist(),
-                "lies": self._lies,
+                "lies": self.lies,
                 "moved_m": round(self.belt.moved_m, 4),
                 "belt": self.belt_in_words(),
                 "incline": f"{grade:.1f} %",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -36,20 +36,22 @@ class LabRobot:
     rolling_kg: float = 0.0
     breakaway: float = 1.0
     servo: Servo | None = None
-    _links: tuple[Ground, ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         links = self.body.links
-        every = self.grounds * links if len(self.grounds) == 1 else self.grounds
-        if len(every) != links:
-            raise BadInput(f"grounds has {len(every)} entries; give one, or {links}, one a link")
+        if len(self._links) != links:
+            count = len(self.grounds)
+            raise BadInput(f"grounds has {count} entries; give one, or {links}, one a link")
         joints = self.joint_error_rad or (0.0,) * (links - 1)
         if len(joints) != links - 1:
             raise BadInput(f"joint_error_rad has {len(joints)} entries; give {links - 1}, or none")
         check_number("rolling_kg", self.rolling_kg, 0.0)
         check_number("breakaway", self.breakaway, 1.0, 10.0)
         object.__setattr__(self, "joint_error_rad", tuple(joints))
-        object.__setattr__(self, "_links", every)
+
+    @property
+    def _links(self) -> tuple[Ground, ...]:
+        return self.grounds * self.body.links if len(self.grounds) == 1 else self.grounds
 
     @classmethod
     def whole(

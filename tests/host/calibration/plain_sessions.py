@@ -10,16 +10,15 @@ from serpenoid.calibration.kinds.station import Reading
 from serpenoid.calibration.kinds.zero import ZeroReading
 from serpenoid.calibration.session import Procedure, Session, Setup
 
-G = 9.81
+G, STEPS_DEG, BEND_SIGMA_DEG = 9.81, 0.1, 0.5  # of gravity, inclinometer and protractor
 
 
 @dataclass(frozen=True)
 class World:
     """What is true: a robot's mass and friction, instruments, a treadmill, what goes wrong.
 
-    steps_deg: of the inclinometer. grade: the treadmill's step, 0 for any incline. zero_drift_deg:
-    over 24 stations, evenly. outliers: readings off by this many of their
-    standard deviations, one a session. misread_deg: one incline typed wrong by this.
+    grade: the treadmill's step, 0 for any incline. zero_drift_deg: over 24 stations, evenly.
+    misread_deg: one incline typed wrong by this.
     """
 
     mass_kg: float = 0.4536
@@ -27,12 +26,9 @@ class World:
     cn: float = 1.2
     ft0: float = 0.14
     fn0: float = 0.27
-    steps_deg: float = 0.1
     grade: float = 0.005
     speed_sigma: float = 0.012
-    bend_sigma_deg: float = 0.5
     zero_drift_deg: float = 0.0
-    outliers: tuple[float, ...] = ()
     misread_deg: float = 0.0
     bends_deg: tuple[float, ...] = (7.5, 15.0, 30.0)
     top_m_s: float = 1.0
@@ -49,9 +45,9 @@ class World:
         return pull / (self.ct * c**2 + self.cn * s**2)
 
 
-def shown(incline, steps_deg):
+def shown(incline):
     """Round as an inclinometer does."""
-    return np.radians(np.round(np.degrees(incline) / steps_deg) * steps_deg)
+    return np.radians(np.round(np.degrees(incline) / STEPS_DEG) * STEPS_DEG)
 
 
 def inclines(world, bend, deck, rng):
@@ -73,20 +69,19 @@ def plain_session(world, rng):
 
     def read_zero(number, now):
         slope = np.radians(rng.uniform(-0.4, 0.4))
-        ends = [float(shown(sign * slope + now, world.steps_deg)) for sign in (1, -1)]
+        ends = [float(shown(sign * slope + now)) for sign in (1, -1)]
         zeros.append(ZeroReading(number, *ends, before=not rows))
 
     read_zero(1, zero)
     number, count = 1, 0
-    planned = [(b, i) for b in (0.0, *world.bends_deg) for i in [None]]
     drift = np.radians(world.zero_drift_deg)
-    for bend_deg, _ in planned:
+    for bend_deg in (0.0, *world.bends_deg):
         bend = np.radians(bend_deg)
         true_bend = bend + (np.radians(rng.normal()) if bend_deg else 0.0)
         told = 0.0
         if bend_deg:
             number += 1
-            seen = np.degrees(true_bend) + rng.normal() * world.bend_sigma_deg
+            seen = np.degrees(true_bend) + rng.normal() * BEND_SIGMA_DEG
             between = round(180 - 2 * seen, 1)
             checks.append(BendCheck(number, float(bend), float(np.radians(between))))
             told = checks[-1].found_rad
@@ -95,36 +90,21 @@ def plain_session(world, rng):
             slip = world.slip(incline, true_bend) + rng.normal() * world.speed_sigma
             belt = np.round(slip / 0.02778) * 0.02778
             now = zero + drift * count / 24
-            seen = shown(incline + now, world.steps_deg)
+            seen = shown(incline + now)
             if slip > 0.0:
                 rows.append([number, told, float(seen), float(belt), float(belt - slip)])
     read_zero(number + 1, zero + drift * (count + 1) / 24)
-    _spoil(world, rows, rng)
+    misread = rng.permutation(len(rows))[0]
+    rows[misread][2] += float(np.radians(world.misread_deg))
     return _session(world, rows, checks, zeros)
-
-
-def _spoil(world, rows, rng):
-    """Put outliers and a misreading in."""
-    weight = world.mass_kg * G
-    picked = rng.permutation(len(rows))[: len(world.outliers) + 1]
-    for k, off in zip(picked, world.outliers, strict=False):
-        bend = rows[k][1]
-        slope = world.ct * np.cos(bend) ** 2 + world.cn * np.sin(bend) ** 2
-        by_incline = weight * np.radians(world.steps_deg) / np.sqrt(12) / slope
-        # to one side at random, unless the belt would then stand
-        shift = off * np.hypot(world.speed_sigma, by_incline) * rng.choice([-1, 1])
-        slip = rows[k][3] - rows[k][4]
-        rows[k][4] -= shift if slip + shift > 0.02 else -shift
-    if world.misread_deg:
-        rows[picked[-1]][2] += float(np.radians(world.misread_deg))
 
 
 def _session(world, rows, checks, zeros):
     unit = Uncertainty(
-        float(np.radians(world.steps_deg) / np.sqrt(12)),
+        float(np.radians(STEPS_DEG) / np.sqrt(12)),
         float(np.radians(0.1)),
         world.speed_sigma,
-        float(np.radians(world.bend_sigma_deg)),
+        float(np.radians(BEND_SIGMA_DEG)),
     )
     plan = Procedure(
         tuple(map(float, np.radians((0.0, *world.bends_deg)))), 0.03, 0.005, world.top_m_s, G

@@ -15,11 +15,6 @@ EXAMPLE = "0:0 2:0.045 4:0.13"
 _PAIR = re.compile(r"(\d+(?:[.,]\d*)?):([+-]?\d*[.,]?\d+)")
 
 
-def is_places(text: str) -> bool:
-    """Tell whether a line holds pairs of time and place, and no number."""
-    return ":" in text
-
-
 def tidy_places(text: str) -> str:
     """Return pairs as they are kept; raises BadInput unless they are a track.
 

@@ -71,14 +71,7 @@ class SimulatedTreadmill:
 
     def answer(self, step: Step, session: Session) -> Cells | None:
         """Do a step as a person would."""
-        read = {
-            "zero": self._zero,
-            "straight": self._straight,
-            "bend": self._bend,
-            "station": self._station,
-            "gait": self._gait,
-            "belt": self._belt,
-        }[step.kind](step)
+        read: Cells | None = getattr(self, f"_{step.kind}")(step)
         self._true = dict(read or {})
         return None if read is None else self._typed(step, read)
 
@@ -118,7 +111,7 @@ class SimulatedTreadmill:
         self._pose(math.radians(step.lambda_deg), step.facing)
         # of each end, so that half the mean of both errs by what is stated of the bend
         scatter = 2 * math.sqrt(2) * self._setup.uncertainty.lambda_sigma_rad
-        ends = self.robot.ends_rad(self.belt.told_rad, scatter, self._rng)
+        ends = self.robot.ends_rad(self.belt.pose_rad, scatter, self._rng)
         return {"between_links_deg": between_links_deg(ends)}
 
     def _station(self, step: Step) -> Cells | None:

@@ -49,12 +49,8 @@ def series_of_pushes(plan: Procedure) -> list[tuple[float, str]]:
 
 def series_name(bend_rad: float, facing: str) -> str:
     """Return what events call the pushes of a bend that went one way first."""
-    return bend_name(bend_rad) + (" tail first" if facing == "back" else "")
-
-
-def bend_name(bend_rad: float) -> str:
-    """Return what events call a bend."""
-    return f"{math.degrees(bend_rad):.5g}" if bend_rad else "straight"
+    bend = f"{math.degrees(bend_rad):.5g}" if bend_rad else "straight"
+    return bend + (" tail first" if facing == "back" else "")
 
 
 def of_push_bend(session: Session, bend_rad: float, facing: str = "ahead") -> list[Coast]:

@@ -12,7 +12,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from ....model.drives import ServoKind
-from ....model.errors import BadInput
 from ....model.ground import Ground
 from ...crawls.filmed import crawl_cells
 from ...floor.look import look_at
@@ -68,17 +67,13 @@ class SimulatedFloor:
 
     def answer(self, step: Step, session: Session) -> Cells | None:
         """Do a step as a person would."""
-        if step.kind == "straight":
-            self.t_s += BEND_S
-            self._world.bend(0.0)
-            return {}
-        if step.kind == "bend":
-            return self._bend(step)
-        if step.kind == "gait":
-            return self._gait(step)
-        if step.kind != "coast":
-            raise BadInput(f"nobody on a floor can do a step of kind {step.kind}")
-        return self.push(step)
+        kinds = {
+            "straight": self._bend,
+            "bend": self._bend,
+            "coast": self._push,
+            "gait": self._gait,
+        }
+        return kinds[step.kind](step)
 
     def look_again(
         self, step: Step, doubtful: Sequence[tuple[Field, tuple[float, float]]], cells: Cells
@@ -89,14 +84,16 @@ class SimulatedFloor:
     def _bend(self, step: Step) -> Cells:
         self.t_s += BEND_S
         self._world.bend(step.lambda_deg)
+        if not step.lambda_deg:
+            return {}
         ends = self._world.ends_rad(math.sqrt(2) * self._setup.uncertainty.lambda_sigma_rad)
         return {"between_links_deg": between_links_deg(ends)}
 
-    def push(self, step: Step, speed_m_s: float = SPEED) -> Cells | None:
+    def _push(self, step: Step) -> Cells | None:
         """Push until a push is as it should be; return its track, or way and time to rest."""
         for _ in range(TRIES):
             self.t_s += PUSH_S
-            track = self._world.push(step, speed_m_s)
+            track = self._world.push(step, SPEED)
             if self.truth.camera is None:
                 return self._world.tape(track)
             samples = self._world.film(track, self.truth.camera)

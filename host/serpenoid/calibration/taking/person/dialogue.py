@@ -14,7 +14,7 @@ from dataclasses import replace
 
 from ....model.errors import BadInput, CommandRefused, RecordingFailed, RobotError
 from ...kinds.declaration import Field
-from ...kinds.places import EXAMPLE, drifts, is_places, tidy_places
+from ...kinds.places import EXAMPLE, drifts, tidy_places
 from ...kinds.station import STATION
 from ...session import Session
 from ..bends import NEAR_DEG
@@ -321,7 +321,7 @@ class Dialogue(Prompt):
         question = f"  places in a film as s:m, {EXAMPLE}; or {field.words} ({field.unit}): "
         while True:
             text = self.ask(question, step)
-            if not is_places(text):
+            if ":" not in text:  # no pairs of time and place
                 return {field.column: self.read(text, field, likely, step)}
             with self._telling():
                 places = tidy_places(text)

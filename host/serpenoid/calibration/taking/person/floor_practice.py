@@ -128,10 +128,8 @@ class FloorTerminal(WordTerminal):
 
     def _protractor(self, given: str) -> None:
         ends_rad = self.world.ends_rad(self._setup.uncertainty.lambda_sigma_rad)
-        shown = [180.0 - math.degrees(end_rad) for end_rad in ends_rad]
-        self.say_aside(
-            f"protractor: {shown[0]:.1f} deg at the tail, {shown[1]:.1f} deg at the head"
-        )
+        tail, head = (180.0 - math.degrees(end_rad) for end_rad in ends_rad)
+        self.say_aside(f"protractor: {tail:.1f} deg at the tail, {head:.1f} deg at the head")
 
     def _gait(self) -> tuple[Step, Gait] | None:
         """Return the step and its gait, or say that there is none."""

@@ -31,7 +31,9 @@ def ask_identity(journal: Journal, terminal: Terminal) -> str:
     if not setup.weighed:
         _weigh(journal, terminal)
     if setup.surface == "not said":
-        _amend_word("surface", journal, terminal)
+        said = _ask(terminal, f"  {WORDS['surface']} [not now]: ")
+        if said:
+            journal.event("amend", detail=f"laboratory.surface = {quoted(said)}")
     if not journal.numbers:
         return setup.people
     people = _ask(terminal, f"Who measures now? Enter: {setup.people}. ")
@@ -91,12 +93,6 @@ def _weigh(journal: Journal, terminal: Terminal) -> None:
     mass_kg = _number(MASS.field, math.nan, terminal)
     if math.isfinite(mass_kg):
         journal.event("amend", detail=f"robot.mass_kg = {mass_kg!r}")
-
-
-def _amend_word(name: str, journal: Journal, terminal: Terminal) -> None:
-    said = _ask(terminal, f"  {WORDS[name]} [not now]: ")
-    if said:
-        journal.event("amend", detail=f"laboratory.{name} = {quoted(said)}")
 
 
 def _number(field: Field, usual: float, terminal: Terminal) -> float:

@@ -158,7 +158,7 @@ class PracticeTerminal(WordTerminal):
         shown = _number(given, ("km/h", "kmh"))
         if shown is None:
             return "say how fast in km/h: belt 1.6; or belt +, belt -"
-        return room.set_belt(round(shown / 3.6 / room.belt_step_m_s))
+        return room.set_belt(round(shown / 3.6 / room.display.step_m_s))
 
     def _incline(self, given: str) -> str:
         room = self._treadmill
