@@ -13,6 +13,7 @@ from .instruments import Instrument
 Array = NDArray[np.float64]
 TAPE_M = Instrument(step=0.005, scatter=0.003)
 WATCH_S = Instrument(step=0.01, scatter=0.12)
+REST_S = 0.3  # that a camera runs on after a push
 
 
 @dataclass(frozen=True)
@@ -32,12 +33,12 @@ class Camera:
     missing: float = 0.0
 
 
-def film(track: Track, camera: Camera, rng: np.random.Generator, rest_s: float = 0.3) -> Array:
+def film(track: Track, camera: Camera, rng: np.random.Generator) -> Array:
     """Return what a film shows of a push, from the hand's first touch until after it rests.
 
     Rows t_s, x_m, y_m of the robot's centre, heading_rad; (pictures, 4).
     """
-    end = float(track.t_s[-1]) + rest_s
+    end = float(track.t_s[-1]) + REST_S
     gaps = 1 / camera.rate_hz + camera.jitter_s * np.clip(rng.normal(size=int(end * 100)), -3, 3)
     t = float(rng.uniform()) / camera.rate_hz + np.cumsum(gaps)
     t = t[(t < end) & (rng.uniform(size=t.size) >= camera.missing)]

@@ -59,6 +59,10 @@ def test_another_robot_or_surface_is_refused_with_the_difference(folder, plan, s
     assert status == 2
     assert "link_mass_kg: the session has 0.0756, this has 0.08" in err
     assert "surface: the session has 'belt', this has 'carpet'" in err
+    plan.write_text("[robot]\nlinks = 'six'\n" + PLAN)
+    _, _, err = serpenoid("calibrate", str(folder), "--script", str(plan))
+    assert f" {plan}:2: links is 'six'" in err
+    assert err.count("plan.toml") == 1
 
 
 def test_listed_readings_are_added_once(folder, tmp_path, serpenoid):

@@ -60,8 +60,9 @@ def wanted_setup(top: Table, setup: Setup) -> Setup:
         if name in top.values:
             table, rows = top.table(name), [s for s in SETTINGS[name] if s.key in IDENTITY]
             table.only(optional=tuple(s.key for s in rows))
+            values = read_settings(table, rows)
             with located(table.heading):
-                setup = changed(setup, read_settings(table, rows))
+                setup = changed(setup, values)
     return setup
 
 

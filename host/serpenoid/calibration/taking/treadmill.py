@@ -75,17 +75,17 @@ def take_step(record: Journal, treadmill: Treadmill, posture: Posture) -> Step:
     return step
 
 
-def record_step(record: Journal, step: Step, cells: Cells, replaces: int = 0) -> int:
+def record_step(record: Journal, step: Step, cells: Cells) -> int:
     """Write what a step's fields came to; return the reading's number, 0 where none is kept."""
     if step.kind == "straight":
         return 0
     if isinstance(cells, Tracked) and cells.kind:
         way = {name: step.cells[name] for name in ("way",) if name in step.cells}
-        return record.add(cells.kind, {**cells, **way}, replaces=replaces, samples=cells.samples)
+        return record.add(cells.kind, {**cells, **way}, samples=cells.samples)
     watch = record.session.setup.stopwatch
     values = KINDS[step.kind].derive(dict(step.cells) | dict(cells), watch)
     samples = cells.samples if isinstance(cells, Tracked) else None
-    return record.add(step.kind, values, replaces=replaces, samples=samples)
+    return record.add(step.kind, values, samples=samples)
 
 
 def take_steps(record: Journal, treadmill: Treadmill) -> Iterator[Step]:

@@ -44,16 +44,14 @@ def keep_pushes(
     track: Floats,
     cells: Cells,
     *,
-    sigma_m: float | None = None,
     file_sha256: str = "",
 ) -> list[Kept]:
     """Keep every push of a track, t_s, x_m, y_m in rows.
 
     The first sound push goes the cells' way; the others there or back by where they go in the same
-    picture. A push with a doubt is kept, too, but void: nothing measured is lost. sigma_m: of a
-    place, where the instrument states it; else from the track's own scatter. file_sha256: of a file
-    that a kill may have cut short: what it had kept is not kept twice, and tells the way. Raises
-    BadInput where no push is, or all are there.
+    picture. A push with a doubt is kept, too, but void: nothing measured is lost. file_sha256: of a
+    file that a kill may have cut short: what it had kept is not kept twice, and tells the way.
+    Raises BadInput where no push is, or all are there.
     """
     looked = _looked_at(track)
     if not looked:
@@ -67,7 +65,7 @@ def keep_pushes(
         if k not in there:
             same = float(_heading(rows, look) @ _heading(*looked[anchor])) >= 0.0
             one_way = dict(cells) | {"way": way if same else other_way(way)}
-            found.append(_keep(journal, rows, one_way, look, sigma_m, file_sha256))
+            found.append(_keep(journal, rows, one_way, look, file_sha256))
     return found
 
 
@@ -129,12 +127,9 @@ def _keep(
     rows: Floats,
     cells: dict[str, float | str],
     look: Look,
-    sigma_m: float | None,
     file_sha256: str,
 ) -> Kept:
     told = {k: round(v, 9) for k, v in look.cells().items()}
-    if sigma_m is not None:
-        told["distance_sigma_m"] = max(sigma_m, told["distance_sigma_m"])
     whole = {**cells, **told, "by": "film", "file_sha256": file_sha256[:16]}
     whole |= {DOUBTFUL: "yes"} if look.doubts else {}
     number = journal.add("coast", whole, comment="; ".join(look.doubts), samples=rows)

@@ -209,9 +209,9 @@ def _number(text: str, units: tuple[str, ...]) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def picture(treadmill: PracticeTreadmill, columns: int = 61, rows: int = 9) -> str:
+def picture(treadmill: PracticeTreadmill) -> str:
     """Return the robot on the belt from above in characters, downhill to the right."""
-    state = treadmill.state()
+    state, columns, rows = treadmill.state(), 61, 9
     grid = [["."] * columns for _ in range(rows)]
     grid[rows // 2][columns // 2] = "+"
     if state["lies"]:
