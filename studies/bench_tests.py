@@ -7,7 +7,6 @@ after.
 
 from __future__ import annotations
 
-import argparse
 import math
 import sys
 from pathlib import Path
@@ -21,7 +20,7 @@ from serpenoid.servos.bench_test import BenchTest, servo_of_test
 
 GROUND = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
 GAIT = sn.Gait(math.radians(70), math.radians(75), math.tau * 0.5)
-FIRST_SEED = 200
+SEEDS = range(200, 210)
 
 
 def ratios(servo: sn.Servo) -> dict[str, float]:
@@ -55,23 +54,22 @@ def one(true: sn.Servo, test: BenchTest, before: sn.ServoSteady) -> tuple[np.nda
 
 def main() -> None:
     """Run the study."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--servos", type=int, default=10)
-    count = parser.parse_args().servos
     before = sn.steady_gait(ROBOT, GROUND, GAIT, rtol=1e-3, servo=sn.servo())
     for name, camera in (("50 frames a second", shown_by), ("240 frames a second", filmed_by)):
         found = []
-        for seed in range(FIRST_SEED, FIRST_SEED + count):
+        for seed in SEEDS:
             true = sn.servo().draws(1, seed)[0]
             found.append(one(true, camera(true, seed), before))
         held, narrow = sum(f[1] for f in found), np.median([f[2] for f in found])
-        print(f"{name}: speed in its band {held} of {count}; band {narrow:.2f} of the one before")
+        print(
+            f"{name}: speed in its band {held} of {len(SEEDS)}; band {narrow:.2f} of the one before"
+        )
         error, scatter = np.moveaxis([f[0] for f in found], 1, 0)
         for field, e, sigma in zip(ratios(sn.Servo()), error.T, scatter.T, strict=True):
             print(
                 f"  {field}: off by {100 * np.sqrt(np.mean(e**2)):.0f} % (rms), stated "
                 f"{100 * np.median(sigma):.0f} %; {np.sqrt(np.mean((e / sigma) ** 2)):.2f} of it "
-                f"(rms), {np.sum(abs(e) < 1.96 * sigma)} of {count} within 1.96"
+                f"(rms), {np.sum(abs(e) < 1.96 * sigma)} of {len(SEEDS)} within 1.96"
             )
 
 

@@ -14,7 +14,7 @@ from ..model.drives import ServoKind
 from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
 from ..model.rows import Result
-from ..periodic.servo_steady import band, cannot_run
+from ..periodic.servo_steady import band, cannot_run, free_rad_s, managed_hz
 from ..servos.catalogue import HOBBY
 from ..simulation.steady_springs import steady_springs
 from .crawls.level import floor_slope, on_level
@@ -118,6 +118,8 @@ class Comparison(Result):
         Name of the kind of servo; None for joints that follow the gait.
     fit_alarms
         Why the friction fit that this rests on is not to be trusted.
+    managed_hz
+        Frequency up to which most such servos follow the curve's gait, Hz; None without servos.
 
     Examples
     --------
@@ -141,6 +143,7 @@ class Comparison(Result):
     servo: str | None = None
     p_servos: float | None = None
     fit_alarms: tuple[str, ...] = ()
+    managed_hz: float | None = None
 
     def in_words(self) -> str:
         """Return the verdict."""
@@ -245,7 +248,8 @@ def compare(
     common = (session.setup.name, amplitude_sigma, tuple(points), curve, session.kept_crawls)
     stated = amplitude_sigma, seed, servo
     judged = _judged(fit, drawn, points, crawls, stated, session.setup.weight_n)
-    found = Comparison(*common, *judged, fit_alarms=fit.alarms)
+    managed = servo and managed_hz(wanted[0], free_rad_s(servo))
+    found = Comparison(*common, *judged, fit.alarms, managed)
     text = " ".join(filter(None, [*swapped_plugs(session), *words, found.verdict_text, levelled]))
     return replace(found, verdict_text=text)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..calibration.comparison import ComparedGait, Comparison
 from .figure_data import write_comparison
-from .plot import BLUE, GREY, HUGS, ORANGE, RED, columns, figure, save
+from .plot import BLUE, GREY, HUGS, ORANGE, RED, columns, figure, hatch_beyond, save
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,17 +29,22 @@ def draw_comparison(fig: Figure, found: Comparison) -> None:
     fig.clear()
     top, bottom = fig.subplots(2, 1, sharex=True, height_ratios=[3, 1])
     _predicted(top, found)
-    _measured(top, found.gaits)
-    _residuals(bottom, found.gaits)
+    ran = tuple(p for p in found.gaits if p.measured_m_s is not None)
+    if ran:
+        f, measured, sigma = columns(ran, "frequency_hz", "measured_m_s", "sigma_m_s")
+        top.errorbar(
+            f, measured, 1.96 * sigma, fmt="o", color=RED, capsize=3, ms=5, label="measured, 95 %"
+        )
+    _residuals(bottom, ran)
     first = found.curve[0]
-    top.set_title(
-        f"{found.session}: α = {np.degrees(first.alpha_rad):.3g}°, "
-        f"β = {np.degrees(first.beta_rad):.3g}°"
+    top.set(
+        title=f"{found.session}: α = {np.degrees(first.alpha_rad):.3g}°, "
+        f"β = {np.degrees(first.beta_rad):.3g}°",
+        ylabel="speed (m/s)",
+        ylim=(0, 1.2 * top.get_ylim()[1]),  # room for the legend
     )
-    top.set(ylabel="speed (m/s)")
-    top.set_ylim(bottom=0)
     top.legend(loc="upper left")
-    bottom.set_xlim(left=0)
+    bottom.set_xlim(0, 1.02 * found.curve[-1].frequency_hz)
     fig.align_ylabels()
     fig.supxlabel(HUGS, fontsize=8, color=GREY)
 
@@ -70,36 +75,23 @@ def _predicted(ax: Axes, found: Comparison) -> None:
         alpha=0.35,
         label=f"with the joints' amplitude, {found.amplitude_sigma:.0%}{servos}",
     )
+    hatch_beyond(ax, found.managed_hz, 1.02 * found.curve[-1].frequency_hz, str(found.servo))
 
 
-def _measured(ax: Axes, gaits: tuple[ComparedGait, ...]) -> None:
-    ran = tuple(p for p in gaits if p.measured_m_s is not None)
-    if not ran:
-        return
-    f, measured, sigma = columns(ran, "frequency_hz", "measured_m_s", "sigma_m_s")
-    ax.errorbar(
-        f, measured, 1.96 * sigma, fmt="o", color=RED, capsize=3, ms=5, label="measured, 95 %"
-    )
-
-
-def _residuals(ax: Axes, gaits: tuple[ComparedGait, ...]) -> None:
+def _residuals(ax: Axes, ran: tuple[ComparedGait, ...]) -> None:
     ax.axhline(0, color=BLUE)
     ax.set(xlabel="gait frequency (Hz)", ylabel="measured less\nexact (%)")
-    ran = tuple(p for p in gaits if p.measured_m_s is not None)
     if not ran:
-        ax.set_yticks([])
-        ax.text(
-            0.5,
-            0.5,
-            "no gait run measured yet",
-            transform=ax.transAxes,
-            ha="center",
-            va="bottom",
-            color=GREY,
-        )
+        ax.set(title="no gait run measured yet", yticks=[])
         return
-    names = ("frequency_hz", "residual_m_s", "sigma_m_s", "exact_m_s", "low_all_m_s")
-    f, residual, sigma, exact, low = columns(ran, *names)
-    (high,) = columns(ran, "high_all_m_s")
+    names = [
+        "frequency_hz",
+        "residual_m_s",
+        "sigma_m_s",
+        "exact_m_s",
+        "low_all_m_s",
+        "high_all_m_s",
+    ]
+    f, residual, sigma, exact, low, high = columns(ran, *names)
     ax.vlines(f, 100 * (low / exact - 1), 100 * (high / exact - 1), color=GREY, lw=6, alpha=0.35)
     ax.errorbar(f, 100 * residual / exact, 196 * sigma / exact, fmt="o", color=RED, capsize=3, ms=5)

@@ -153,9 +153,9 @@ def draw_friction(
             title=title,
             xlabel=f"speed $v_{axis}$ (m/s)",
             ylabel=f"friction $F_{axis}$ of the whole snake (N)",
+            xlim=(0, None),
+            ylim=(0, None),
         )
-        ax.set_xlim(left=0)
-        ax.set_ylim(bottom=0)
     axes[0].legend(loc="lower right", fontsize=8)
     if len(voided["bent"][0]):
         axes[1].legend(loc="lower right", fontsize=8)
@@ -199,13 +199,14 @@ def speed_against_frequency(points: Sequence[SpeedPoint], title: str, path: Path
             mew=1.6,
             label="the paper's implicit model, k = 1000 N/m, c = 1 N s/m",
         )
-        top.set(title=title, ylabel="speed (m/s)")
-        top.set_ylim(0, 1.5 * exact.max())  # room for the legend
+        most = 1.5 * exact.max()  # room for the legend
+        top.set(title=title, ylabel="speed (m/s)", ylim=(0, most))
         top.legend(loc="upper left", frameon=True, framealpha=0.95, edgecolor="none")
         bottom.axhline(0, color=BLUE)
         bottom.plot(f, 100 * (implicit / exact - 1), "o-", mfc="white", color=ORANGE, ms=5, lw=1)
-        bottom.set(xlabel="gait frequency (Hz)", ylabel="implicit less\nexact (%)")
-        bottom.set_xlim(0, 1.02 * f[-1])
+        bottom.set(
+            xlabel="gait frequency (Hz)", ylabel="implicit less\nexact (%)", xlim=(0, 1.02 * f[-1])
+        )
         fig.align_ylabels()
         fig.supxlabel(HUGS, fontsize=8, color=GREY)
         save(fig, path)
@@ -217,19 +218,24 @@ def _servos(ax: Axes, points: Sequence[SpeedPoint]) -> None:
     f, typical, low, high = columns([p for p in points if p.follows], *names)
     ax.fill_between(f, low, high, color=RED, alpha=0.25, lw=0, label="95 %, with servos besides")
     ax.plot(f, typical, color=RED, lw=2.2, label="typical hobby servos")
-    last, managed = 1.02 * points[-1].frequency_hz, points[-1].managed_hz
-    if managed < last:
-        ax.axvspan(
-            managed,
-            last,
-            facecolor="none",
-            edgecolor=GREY,
-            alpha=0.3,
-            hatch="//",
-            zorder=0,
-            lw=0,
-            label=f"beyond {managed:.2g} Hz most hobby servos cannot follow",
-        )
+    hatch_beyond(ax, points[-1].managed_hz, 1.02 * points[-1].frequency_hz, "hobby")
+
+
+def hatch_beyond(ax: Axes, managed_hz: float | None, last_hz: float, servos: str) -> None:
+    """Hatch the frequencies up to the last one that most servos of a kind cannot follow."""
+    if managed_hz is None or managed_hz >= last_hz:
+        return
+    ax.axvspan(
+        managed_hz,
+        last_hz,
+        facecolor="none",
+        edgecolor=GREY,
+        alpha=0.3,
+        hatch="//",
+        zorder=0,
+        lw=0,
+        label=f"beyond {managed_hz:.2g} Hz most {servos} servos cannot follow",
+    )
 
 
 def draw_links(ax: Axes, run: Run, index: int, lift_m: float, colour: Any) -> None:

@@ -65,9 +65,13 @@ def _rates(ax: Axes) -> None:
     phase = _GAIT.omega_rad_s * t + _JOINT * _GAIT.beta_rad
     ideal = _GAIT.alpha_rad * _GAIT.omega_rad_s * np.cos(phase)
     ax.plot(1e3 * (t - _FROM_S), ideal, color=GREY, ls="--", label="gait", lw=1.3)
-    ax.set(title="Rate of the third joint", xlabel="time (ms), frames of 20 ms", ylabel="rad/s")
-    ax.set_xticks(np.arange(0, 1e3 * _SHOWN_S + 1, 20))
-    ax.set_ylim(-6.0, 0.2)
+    ax.set(
+        title="Rate of the third joint",
+        xlabel="time (ms), frames of 20 ms",
+        ylabel="rad/s",
+        xticks=np.arange(0, 1e3 * _SHOWN_S + 1, 20),
+        ylim=(-6.0, 0.2),
+    )
     ax.legend(loc="upper right", fontsize=8)
 
 
@@ -88,6 +92,11 @@ def _speeds(ax: Axes, ideal: Steady) -> None:
         color=RED,
         label="servo without a rotor",
     )
-    ax.set(title="Speed over that of ideal joints", ylabel="share", xscale="log", ylim=(0.5, 1.05))
-    ax.set_xlabel("ripple of the joints' rates, rms (rad/s)")
+    ax.set(
+        title="Speed over that of ideal joints",
+        xlabel="ripple of the joints' rates, rms (rad/s)",
+        ylabel="share",
+        xscale="log",
+        ylim=(0.5, 1.05),
+    )
     ax.legend(loc="lower left", fontsize=8)

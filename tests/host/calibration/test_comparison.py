@@ -103,7 +103,8 @@ def test_without_runs_it_predicts_and_says_what_servos_cannot_run(fitted):
     assert (quick.low_all_m_s, quick.high_all_m_s) == (None, None)
     words = "Most hobby servos cannot run 70°/75°, 2.01 Hz: it asks 15 rad/s of their"
     assert found.verdict_text.startswith(words)
-    assert [row[1] for row in found.table(verbose=False)[1]][1] == "servos cannot follow"
+    assert found.table(verbose=False)[1][1][1] == "servos cannot follow"
+    assert slow.frequency_hz < found.managed_hz < quick.frequency_hz
     told = speed_band(fit, gait(12.6), count=16)
     assert told.in_words().startswith("Most hobby servos cannot run this gait")
     assert told.to_dict()["low_m_s"] is None

@@ -41,7 +41,7 @@ def test_the_models_joint_moves_as_the_labs() -> None:
 
 
 @pytest.mark.parametrize(("camera", "seed"), [(shown_by, 102), (filmed_by, 104)])
-def test_a_bench_test_tells_the_servo(camera, seed: int, monkeypatch) -> None:
+def test_a_bench_test_tells_the_servo(camera, seed, monkeypatch) -> None:
     """It predicts the crawl's speed then, with half the doubt at most.
 
     In a film pictures and setpoints fall at different times.
