@@ -248,8 +248,12 @@ def compare(
     common = (session.setup.name, amplitude_sigma, tuple(points), curve, session.kept_crawls)
     stated = amplitude_sigma, seed, servo
     judged = _judged(fit, drawn, points, crawls, stated, session.setup.weight_n)
-    managed = servo and managed_hz(wanted[0], free_rad_s(servo))
-    found = Comparison(*common, *judged, fit.alarms, managed)
+    found = Comparison(
+        *common,
+        *judged,
+        fit_alarms=fit.alarms,
+        managed_hz=servo and managed_hz(wanted[0], free_rad_s(servo)),
+    )
     text = " ".join(filter(None, [*swapped_plugs(session), *words, found.verdict_text, levelled]))
     return replace(found, verdict_text=text)
 
