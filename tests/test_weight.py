@@ -34,7 +34,7 @@ MOST_TOKENS = {
     "host/serpenoid": 857,
     "host/serpenoid/_core": 2780,
     "host/serpenoid/bench": 13577,
-    "host/serpenoid/calibration": 97205,
+    "host/serpenoid/calibration": 97207,
     "host/serpenoid/commands": 29914,
     "host/serpenoid/exchange": 2226,
     "host/serpenoid/gaits": 11799,

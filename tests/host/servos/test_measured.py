@@ -35,7 +35,7 @@ def test_the_models_joint_moves_as_the_labs() -> None:
     """Loops look between the model's steps, too."""
     off = []
     for true in sn.servo().draws(12, 105):
-        film = filmed_by(true, 0, noise_rad=0.0)
+        film = filmed_by(true, 0, 0.0)
         off.append(np.std(moved(film, [true], np.zeros(1))[0] - film.angle_rad))
     assert np.mean(off) < math.radians(0.04)
 
