@@ -66,7 +66,7 @@ MOST_TOKENS = {
     "tests/host/paper": 771,
     "tests/host/periodic": 19430,
     "tests/host/robot": 29458,
-    "tests/host/servos": 6185,
+    "tests/host/servos": 6183,
     "tests/host/show": 8360,
     "tests/host/simulation": 27665,
     "tests/host/video": 17265,
