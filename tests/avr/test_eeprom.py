@@ -54,10 +54,6 @@ def test_saved_settings_survive_power_loss(start, old_eeprom):
     assert listed(talk).items() >= (OLD | {"centre": OLD_CENTRE_US}).items()
 
 
-def test_a_fresh_board_says_so(start):
-    assert fields(opened(start()).greeting)["settings"] == "new"
-
-
 def save_cut(start, eeprom: bytes, nth: int, torn: str):
     """Save the new settings with the power cut at the n-th byte; return the board."""
     talk = opened(start(eeprom=eeprom))

@@ -1,11 +1,9 @@
 """All joints in one frame: no refresh mixes two, and a setpoint's age stays what it was."""
 
-import random
-
 import numpy as np
 import pytest
 from avr.board import F_CPU_HZ
-from avr.dialogue import Dialogue, fields, seal, telemetry
+from avr.dialogue import Dialogue, fields, telemetry
 from avr.toolchain import ToolchainError
 from avr.truth import line_errors_us
 
@@ -75,25 +73,6 @@ def test_a_shorter_frame_is_kept_as_well(start, name):
     assert talk.board.time_s - sent_s < 0.018
 
 
-@pytest.mark.parametrize(
-    ("joints", "output", "frame_us"), [(5, "servo", 16_670), (2, "pca9685", 3_290)]
-)
-def test_the_rate_is_right_at_frames_of_any_length(start, joints, output, frame_us):
-    talk = Dialogue(start("uno", joints=joints, output=output))
-    talk.hello()
-    for line in (f"set frame_ms {frame_us / 1000}", "save"):
-        assert talk.ask(line, 5.0).startswith("ok:")
-    talk.board.reset()
-    talk = running(talk.board, "gait 10 80 6")
-    assert fields(talk.greeting)["frame_us"] == str(frame_us)
-    first = len(talk.board.lines)
-    talk.board.run(4.0)
-    seen = telemetry(talk.board.lines[first:])
-    elapsed_s = (seen.frame - seen.frame[0]) * frame_us * 1e-6
-    turned_rad = np.unwrap(seen.phase_rad - seen.phase_rad[0])
-    assert turned_rad[-1] / elapsed_s[-1] == pytest.approx(6.0, rel=3e-6)  # ph has 0.001 degrees
-
-
 @pytest.mark.slow
 def test_no_refresh_mixes_frames_in_half_an_hour(start):
     talk = running(start("uno"), "gait 45 80 10")
@@ -127,20 +106,6 @@ def test_other_numbers_of_joints(start, name, joints):
     check_frames(talk, 4.0, joints, frame_us)
     after = Dialogue(start(name, talk.board.eeprom, joints=joints))
     assert fields(after.greeting)["settings"] == "ok"
-
-
-def test_answers_leave_the_longer_telemetry_its_place(start):
-    rng = random.Random(8)
-    talk = running(start("uno", joints=8), "gait 45 80 8")
-    first, delay_s = len(talk.board.lines), 0.0
-    while delay_s < 5.0:
-        talk.number += 1
-        talk.board.send(seal(f"#{talk.number} status"), delay_s)
-        delay_s += rng.uniform(0.005, 0.08)
-    talk.board.send(b"\n", 5.9)  # ends a line whose end was lost
-    talk.board.run(6.0)
-    assert np.all(np.diff(telemetry(talk.board.lines[first:]).frame) == 1)
-    assert talk.counters()["dropped"] == 0
 
 
 def test_more_joints_than_a_board_has_memory_for_are_not_built(firmware_elf):

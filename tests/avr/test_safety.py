@@ -71,14 +71,6 @@ def test_silence_leads_gently_to_the_straight_pose(start):
         assert np.max(np.abs(np.diff(width))) <= 100 + JITTER_US
 
 
-def test_silence_off_lets_an_untethered_robot_run(start):
-    board = start()
-    talk = crawling(board)
-    assert talk.ask("set silence 0").startswith("ok:")
-    board.run(5.0)
-    assert min(np.ptp(width) for width in widths(board, board.time_s - 2.0)) > 300
-
-
 @pytest.mark.parametrize(("cause", "word"), [("external", "external"), ("brown-out", "brownout")])
 def test_reset_in_mid_motion_is_told_and_leaves_the_servos_limp(start, cause, word):
     board = start()

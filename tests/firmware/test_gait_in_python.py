@@ -1,23 +1,14 @@
-"""The firmware's gait as compiled into the package, held to the same golden tables as in C++."""
+"""The firmware's gait as compiled into the package, held to the formula."""
 
 from __future__ import annotations
 
 import binascii
-import csv
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from serpenoid._core import firmware
-
-GOLDEN = Path(__file__).resolve().parents[1] / "golden"
-
-
-def golden(name: str) -> list[list[str]]:
-    with (GOLDEN / name).open(newline="") as file:
-        return list(csv.reader(file))[1:]
 
 
 def test_the_settled_gait_is_the_formula() -> None:
@@ -31,23 +22,6 @@ def test_the_settled_gait_is_the_formula() -> None:
         assert np.degrees(np.abs(got - truth).max()) < 0.0116
         mean = np.degrees((got - truth).mean(axis=0))  # cut in place of rounded, it is 9e-4
         assert np.abs(mean).max() < 1e-4
-
-
-def test_a_day_later_the_phase_is_the_golden_one() -> None:
-    """One frame of 90° amplitude at each golden count: 1.3e-3° of phase, 0.0116° of setpoint."""
-    quarter = np.pi / 2
-    for omega, frames, phase, frame_us in golden("phase.csv"):
-        if frame_us != "20000":
-            continue
-        sine, cosine = (
-            firmware.gait_setpoints_rad(
-                quarter, quarter, float(omega), first_frame=int(frames), joints=2
-            )[0]
-            / quarter
-        )
-        angle = 2 * np.pi * int(phase) / 2**32
-        assert sine == pytest.approx(np.sin(angle), abs=2e-4)
-        assert cosine == pytest.approx(np.cos(angle), abs=2e-4)
 
 
 @given(st.binary(max_size=300))

@@ -232,16 +232,6 @@ TEST_CASE("a bare stop is obeyed inside a session, anything else bare is not") {
     CHECK(b.state() == State::Hold);
 }
 
-TEST_CASE("a stop does not wait for a report") {
-    Bench b;
-    b.type("gait 30 80 5", 0.3);
-    b.board.put("help\n");
-    b.run(0.005);
-    b.board.put("!\n");
-    b.run(0.005);
-    CHECK(b.state() == State::Hold);
-}
-
 TEST_CASE("sequence numbers: lost, repeated, late, over the wrap") {
     Bench b;
     b.number = 65530;
@@ -421,18 +411,6 @@ TEST_CASE("a setting is taken within its limits, and a refusal names them") {
     }
 }
 
-TEST_CASE("telemetry is thinned") {
-    Bench b;
-    b.type("set every 10");
-    b.frames.clear();
-    b.run(2);
-    CHECK(b.frames.size() == 10);
-    b.type("set every 0");
-    b.frames.clear();
-    b.run(1);
-    CHECK(b.frames.empty());
-}
-
 TEST_CASE("answers leave room for telemetry however many lines ask for one; motion does not wait") {
     Bench b, quiet;
     for (Bench* bench : {&b, &quiet}) {
@@ -471,21 +449,6 @@ TEST_CASE("garbled and overlong lines are told and counted, slow ones are lines"
     CHECK(b.counters().garbled == 1);
     CHECK(b.counters().overlong == 1);
     CHECK(b.counters().crc == 1);
-}
-
-TEST_CASE("data lines come before their verdict") {
-    Bench b;
-    for (const char* word : {"status", "set", "trim", "help"}) {
-        b.lines.clear();
-        CHECK(b.type(word, 0.5) == "ok: #-");
-        CHECK(b.lines.size() >= 4);
-        CHECK(b.starts(b.lines.at(0), std::string(word) + ": "));
-        for (const std::string& line : b.lines) {  // nothing that a plotter would draw
-            const size_t colon = line.find(':');
-            CHECK(line.find(':', colon + 1) == std::string::npos);
-            CHECK(line.at(colon + 1) == ' ');
-        }
-    }
 }
 
 TEST_CASE("a held pose is steered by its offset, gently") {
@@ -597,14 +560,6 @@ TEST_CASE("silence off is saved when asked for twice, and told in the greeting")
     b.board.boot(Reset::Power);
     b.run(0.1);
     CHECK(b.lines.back().find(" settings=ok silence=off") != std::string::npos);
-}
-
-TEST_CASE("a typed bye ends a session, as the cure of nocrc says") {
-    Bench b;
-    b.ask("hello");
-    CHECK(b.starts(b.type("ping"), "err: #? nocrc"));
-    CHECK(b.type("bye") == "ok: #-");
-    CHECK(b.type("ping") == "ok: #-");
 }
 
 TEST_CASE("a stop overtakes what came before it, and nothing before it is obeyed after it") {

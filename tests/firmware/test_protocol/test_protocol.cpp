@@ -9,7 +9,6 @@
 #include "crc16.h"
 #include "doctest_main.h"
 #include "fields.h"
-#include "input.h"
 #include "line_reader.h"
 #include "lines.h"
 #include "telemetry.h"
@@ -100,13 +99,6 @@ TEST_CASE("an envelope is a number, a body and a CRC, the first and the last opt
          {"#65536 stop", "#", "# stop", "#1", "#x stop", "#-1 stop", "#123456 x"}) {
         CHECK(envelope_of(bad, e) == Error::Sequence);
     }
-}
-
-TEST_CASE("a line that ends in stop") {
-    CHECK(ends_in_stop("stop", 4));
-    CHECK(ends_in_stop("#9 pinstop", 10));
-    CHECK_FALSE(ends_in_stop("stop ", 5));
-    CHECK_FALSE(ends_in_stop("top", 3));
 }
 
 TEST_CASE("numbers are millionths, exactly, or nothing") {
@@ -219,52 +211,6 @@ TEST_CASE("80 bytes are a line, 81 are not; a fault is told once, at the line's 
         CHECK(reader.push(byte) == LineReader::kNothing);
         CHECK(reader.push('\n') == LineReader::kGarbled);
     }
-}
-
-namespace {
-
-// Stops seen among these bytes, in the order of their kinds: `!`, then `s`.
-std::string stops(Input& in, const std::string& bytes) {
-    for (const char c : bytes) in.push(static_cast<uint8_t>(c));
-    std::string found;
-    for (char c; (c = in.take_stop()) != 0;) found += c;
-    return found;
-}
-
-}  // namespace
-
-TEST_CASE("any ! is a stop as it arrives, so is the end of a line that ends in stop") {
-    for (const char* seen : {"!", "x!", "p!ng", "\xFF!\x80", "sto!p\n", "stop!", "#9 gait 3!0"}) {
-        Input in;
-        CHECK(stops(in, seen) == "!");
-    }
-    for (const char* seen : {"stop\n", "stop\r\n", "sto\nstop\n", "#9 pinstop\n", "\xFFstop\n",
-                             "sstop\r", "stostop\n", "stopstop\n"}) {
-        Input in;
-        CHECK(stops(in, seen) == "s");
-    }
-    for (const char* text : {"stop", "stop \n", "sto\n", "st op\n", "stop*\n"}) {
-        Input in;
-        CHECK(stops(in, text) == "");
-    }
-    Input in;
-    CHECK(stops(in, "stop\n!\nstop\n!!\n") == "!!!ss");
-}
-
-TEST_CASE("a stop is seen though the queue is full, and marks what came before it") {
-    Input in;
-    CHECK(stops(in, std::string(500, 'a') + "\n!\n") == "!");
-    CHECK(in.full() > 0);
-    int bytes = 0;
-    int16_t last = 0;
-    for (int16_t byte; (byte = in.pop()) != Input::kStopHere; last = byte, ++bytes) {
-        REQUIRE(byte >= 0);
-        CHECK(in.before_stop());
-    }
-    CHECK_FALSE(in.before_stop());
-    CHECK(bytes == int{Input::kSize} - 1);
-    CHECK(last == int{Input::kHole});  // the line that lost bytes is told to be damaged
-    CHECK(in.pop() == int{Input::kNothing});
 }
 
 TEST_CASE("numbers are written as they are read") {

@@ -310,7 +310,9 @@ def test_a_stale_fit_is_told_once(tmp_path: Path) -> None:
     last = rows.read_text().splitlines()[-1]
     with rows.open("a") as file:
         file.write(last.replace(",kept,", ",void,") + "\n")
-    words = run("optimize", "--ground", str(fit), "--ft0", "0", "--fn0", "0", "--speed", "0.1")
+    words = run(
+        "optimize", "--ground", str(fit), "--ft0", "0", "--fn0", "0", "--speed", "0.1", *IDEAL
+    )
     assert words.stderr.count("is older than the readings") == 1
 
 
