@@ -142,20 +142,6 @@ def pack(pose: Array, rates: Array) -> Array:
     return np.concatenate([pose[:, :2].ravel(), pose[:1, 2], rates[:, :2].ravel(), rates[:1, 2]])
 
 
-def torque_rate(
-    p: Params, spring: Spring, torque: Callable[[float], Array]
-) -> Callable[[float, Array], Array]:
-    """Return y' = f(t, y) under torques of time; y is pose then rates, (6n,)."""
-
-    def rate(t_s: float, y: Array) -> Array:
-        pose, rates = y.reshape(2, p.links, 3)
-        motion = torque_driven(p, spring, pose, rates, torque(t_s))
-        accel = np.column_stack([motion.accel_m_s2, motion.theta_ddot])
-        return np.concatenate([rates.ravel(), accel.ravel()])
-
-    return rate
-
-
 def integrate(
     rate: Callable[[float, Array], Array],
     y: Array,

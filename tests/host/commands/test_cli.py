@@ -69,16 +69,6 @@ def test_the_error_can_be_left_out() -> None:
     assert got["error_estimate"] is None
 
 
-def test_fit_and_its_figure(tmp_path) -> None:
-    got = answer("fit", "calibration_data/nirakh-2005", "--plot", str(tmp_path / "f.png"))
-    values = [
-        got["parameters"][name]["value"]
-        for name in ("ct_whole", "ft0_whole", "cn_whole", "fn0_whole")
-    ]
-    assert values == pytest.approx([0.084, 0.14, 1.2, 0.27], rel=1e-5)
-    assert (tmp_path / "f.png").read_bytes()[:4] == b"\x89PNG"
-
-
 def test_sweep_writes_every_gait(tmp_path) -> None:
     out = tmp_path / "sweep.csv"
     done = serpenoid(
@@ -103,15 +93,6 @@ def test_sweep_answers_with_json() -> None:
     assert got["alpha_deg"] == pytest.approx([30.0])
     assert got["speed_m_s"][0][0][0] == pytest.approx(0.292060796024, rel=1e-6)
     assert got["converged"] == [[[True, True]]]
-
-
-def test_json_stays_json_when_a_file_is_written_too(tmp_path) -> None:
-    out = tmp_path / "run.csv"
-    got = answer("simulate", *GAIT, "--duration-s", "1", "--record-every", "100", "--out", str(out))
-    assert got["speed_over_last_period_m_s"] is None  # a period is 1.26 s
-    lines = out.read_text().splitlines()
-    assert len(lines) == 1 + 11
-    assert len(lines[0].split(",")) == 1 + 6 * 6
 
 
 def test_a_run_of_no_length_says_so() -> None:

@@ -11,7 +11,7 @@ import sys
 
 import pytest
 from robot.fake_board import FakeBoard, nothing, sealed
-from robot.patience import LONG_S, until
+from robot.patience import LONG_S
 from robot.terminal import Person
 from serpenoid._core import firmware
 from serpenoid.model.errors import RobotLost, StopUnconfirmed
@@ -98,25 +98,6 @@ def test_saved_outlives_the_power(trimming):
     board.write(b"trim\n")
     board.run(0.2)
     assert b"trim: #1 centre=1510 " in board.read()
-
-
-@pytest.mark.avr
-def test_saved_outlives_a_reset_of_the_elf(simulated_board):
-    with Robot(simulated_board.port) as robot:
-        straighten(robot)
-        shown: list[str] = []
-        work = Trimming(robot, shown.append)
-        for key in ("3", "page down", "up", "s"):
-            assert work.press(key)
-        assert "saved" in shown[-1], shown
-
-    def after_a_reset() -> bool:
-        """Open the port anew, which resets the board unless its simulator saw no gap."""
-        with Robot(simulated_board.port) as robot:
-            saved = robot.hello.settings == "ok"
-            return saved and centres(robot) == [1500, 1500, 1491, 1500, 1500]
-
-    assert until(after_a_reset)
 
 
 def test_the_limit_is_told_and_nothing_changes(trimming):

@@ -75,16 +75,6 @@ def test_nothing_is_wrong_with_the_virtual_board(serpenoid, port):
     ]
 
 
-@pytest.mark.avr
-def test_a_board_on_a_port_is_well_and_never_moves(simulated_board, serpenoid):
-    said = serpenoid("doctor", "--port", simulated_board.port, "--listen-s", "2", "--json")[1]
-    found = {f["name"]: f for f in json.loads(said)["findings"]}
-    # on a busy machine a simulated board runs slow
-    assert [f for f in found.values() if f["mark"] == "fix" and f["name"] != "clock"] == []
-    assert found["greeting"]["found"].startswith("uno, boot")
-    assert "0 frames missed" in found["timing"]["found"]
-
-
 def test_listening_too_short_to_hear_a_frame_is_refused(serpenoid):
     status, _, said = serpenoid("doctor", "--port", "virtual", "--listen-s", "0")
     assert status == 2

@@ -9,7 +9,7 @@ import pytest
 from avr.live import LiveBoard
 from robot.patience import LONG_S
 from serpenoid import Gait
-from serpenoid.model.errors import BadInput, CommandRefused, RobotClosed, RobotLost, RobotReset
+from serpenoid.model.errors import BadInput, CommandRefused, RobotClosed, RobotReset
 from serpenoid.robot import Robot
 from serpenoid.robot.wire import inbox
 from serpenoid.robot.wire.protocol import PROTOCOL
@@ -137,14 +137,6 @@ def test_reset_and_hang_of_the_simulated_board_end_the_run(simulated_board):
                 robot.gait(GAIT)
                 harm()
                 list(robot.frames(60.0))
-
-
-@pytest.mark.avr
-def test_unplugging_the_simulated_board_is_a_loss(simulated_board):
-    with pytest.raises(RobotLost, match="cable"), Robot(simulated_board.port) as robot:
-        robot.gait(GAIT)
-        simulated_board.unplug()
-        list(robot.frames(60.0))
 
 
 @pytest.mark.avr

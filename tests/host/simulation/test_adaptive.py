@@ -9,10 +9,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
-from oracle import explicit, implicit
-from oracle.params import Array, Gait, Params
+from oracle import explicit
+from oracle.params import Array
 from serpenoid.model.errors import Diverged
-from serpenoid.simulation.starts import start_state
 
 from . import truth_cases as tc
 
@@ -139,36 +138,6 @@ def test_a_day_of_crawling_costs_nothing_and_goes_at_the_steady_speed() -> None:
     assert speed == pytest.approx(
         sn.steady_gait(SIX, VISCOUS, GAIT, rtol=1e-10).speed_m_s, rel=1e-8
     )
-
-
-@pytest.mark.parametrize("drive", ["angle", "torque"])
-def test_dop853_of_springs(drive: str) -> None:
-    """Both drives of the implicit model against its dense reference, ringing and all."""
-    torque = np.array([0.02, -0.01, 0.03, 0.0, 0.01])
-    scene = replace(
-        PAPER,
-        formulation="implicit",
-        method="dop853",
-        tolerance=1e-11,
-        gap="zero",
-        duration_s=0.3,
-        drive=drive,
-        torque=torque if drive == "torque" else None,
-    )
-    run = sn.simulate(scene)
-    p, spring = Params(6), implicit.Spring(1e3, 1.0)
-    first = start_state(scene)
-    pose = np.column_stack([first.x_m, first.y_m, first.theta_rad])
-    rates = np.column_stack([first.vx_m_s, first.vy_m_s, first.omega_rad_s])
-    if drive == "angle":
-        gait = Gait(GAIT.alpha_rad, GAIT.beta_rad, GAIT.omega_rad_s)
-        y0, rate = implicit.pack(pose, rates), implicit.gait_rate(p, spring, gait)
-    else:
-        y0 = np.concatenate([pose.ravel(), rates.ravel()])
-        rate = implicit.torque_rate(p, spring, lambda _t: torque)
-    end = implicit.integrate(rate, y0, np.array([0.3]))[0]
-    place = end[:12].reshape(6, 2) if drive == "angle" else end[:18].reshape(6, 3)[:, :2]
-    assert np.column_stack([run.x_m[-1], run.y_m[-1]]) == pytest.approx(place, abs=1e-9)
 
 
 def test_dop853_of_torques() -> None:

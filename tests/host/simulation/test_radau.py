@@ -8,8 +8,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
-from oracle import implicit
-from oracle.params import Params
 from scipy.integrate import solve_ivp
 from serpenoid.bench.problems import PAPER_GROUND, Problem
 from serpenoid.simulation.starts import start_state
@@ -64,45 +62,15 @@ def test_it_meets_its_tolerance(
         assert problem.error(radau_end(problem, tolerance), exact) < tolerance
 
 
-def test_torques_that_vary_in_time() -> None:
-    p, spring = Params(links=3), implicit.Spring(1e4, 10.0)
-    q, qdot = np.array([0.1, -0.2, 0.3, -0.4, 0.7]), np.array([0.05, -0.03, 1.1, -0.7, 0.4])
-    pose, rates = implicit.closed_links(p, q, qdot)
-
-    def torque(t: float) -> np.ndarray:
-        return 0.02 * np.sin(3 * t + np.arange(2))
-
-    rate = implicit.torque_rate(p, spring, torque)
-    first = np.concatenate([pose.ravel(), rates.ravel()])
-    pose, rates = implicit.integrate(rate, first, np.array([0.2]))[-1].reshape(2, 3, 3)
-    run = sn.simulate(
-        sn.Scene(
-            THREE,
-            PAPER_GROUND,
-            THREE_GAIT,
-            formulation="implicit",
-            joint_stiffness_n_m=1e4,
-            joint_damping_n_s_m=10.0,
-            drive="torque",
-            torque=torque,
-            method="radau",
-            tolerance=1e-7,
-            duration_s=0.2,
-            dt_s=0.2,
-            start=sn.LinkState.joined(THREE, q, qdot),
-        )
-    )
-    end = run.state()
-    assert np.abs(np.column_stack([end.x_m, end.y_m, end.theta_rad]) - pose).max() < 1e-7
-    assert np.abs(np.column_stack([end.vx_m_s, end.vy_m_s, end.omega_rad_s]) - rates).max() < 1e-6
-
-
-@pytest.mark.parametrize("case", ["servo", "smoothed", "incline", "offset"])
-def test_what_a_scene_may_have(case: str) -> None:
+@pytest.mark.parametrize("method", ["radau", "dop853"])
+@pytest.mark.parametrize("case", ["servo", "torque", "smoothed", "incline", "offset"])
+def test_what_a_scene_may_have(case: str, method: str) -> None:
     """Held to RK4 with small steps on springs that it can bear."""
     ground, gait, more = PAPER_GROUND, THREE_GAIT, {}
     if case == "servo":
         more = {"drive": "servo", "servo": sn.Servo(2.0, 0.05, 1.0, 6.0)}
+    elif case == "torque":
+        more = {"drive": "torque", "torque": lambda t: 0.02 * np.sin(3 * t + np.arange(2))}
     elif case == "smoothed":
         ground, more = sn.Ground(0.1, 10.0, 0.1, 0.3), {"smoothing_m_s": 1e-2}
     elif case == "incline":
@@ -129,7 +97,7 @@ def test_what_a_scene_may_have(case: str) -> None:
 
     # the kinks of a servo's limits inside a step cost order, not truth
     allowed = 1e-5 if case == "servo" else 1e-7
-    assert np.abs(end("radau", 0.01) - end("rk4", 2e-5)).max() < allowed
+    assert np.abs(end(method, 0.01) - end("rk4", 2e-5)).max() < allowed
 
 
 @pytest.mark.parametrize(("k", "c"), [(1e7, 1.0), (1e8, 1e3)])
@@ -260,8 +228,3 @@ def test_a_torque_beyond_numbers_ends_with_its_cause() -> None:
     )
     with pytest.raises(sn.Diverged, match="however short"):
         sn.simulate(scene)
-
-
-def test_same_bits_twice() -> None:
-    a, b = (sn.simulate(six(1e7, 1.0)).state().packed() for _ in range(2))
-    assert np.array_equal(a, b)

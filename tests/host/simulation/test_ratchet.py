@@ -221,27 +221,6 @@ def test_turning_round_is_swapping_the_values_and_reversing_the_wave() -> None:
     assert abs(plain.speed_m_s / here.speed_m_s - 1) > 0.1
 
 
-def test_periodic_powers_are_those_of_a_run_in_time() -> None:
-    for ground in (RATCHET, GROUNDS["viscous"]):
-        steady = sn.steady_gait(OF_2005, ground, GAIT, rtol=1e-6)
-        run = sn.simulate(
-            sn.Scene(
-                OF_2005,
-                ground,
-                GAIT,
-                start="steady",
-                duration_s=GAIT.period_s,
-                tolerance=1e-9,
-                record=("energy",),
-            )
-        )
-        _, _, _, joints, friction, _, positive = run.energy_j[-1] / GAIT.period_s
-        assert steady.speed_m_s == pytest.approx(travel_m_s(run), rel=3e-6)
-        assert steady.power_w == pytest.approx(friction, rel=1e-5)
-        assert steady.power_w == pytest.approx(joints, rel=1e-5)
-        assert steady.positive_power_w == pytest.approx(positive, rel=1e-5)
-
-
 def test_a_sweep_knows_ratchets() -> None:
     grid: dict[str, Any] = {"alpha_rad": [0.5, 0.9], "beta_rad": [1.0], "omega_rad_s": [2.0, 5.0]}
     grounds = [RATCHET, GROUNDS["viscous"]]

@@ -87,20 +87,15 @@ def test_the_quiet_failure_of_rk4_is_refused(k: float) -> None:
     ("change", "said"),
     [
         ({"dt_s": 0.0}, "dt_s is 0.0"),
-        ({"duration_s": math.inf}, "duration_s is inf"),
         ({"dt_s": 1e-12, "duration_s": 1e3}, "more than"),
         ({"dt_s": 1e-6, "duration_s": 1e3, "record_every": 1}, "recording would take 144 GB"),
         ({"formulation": "both"}, "formulation is 'both'"),
         ({"drive": "torque"}, "give torque with drive"),
         ({"drive": "torque", "torque": [0.0] * 2, "method": "collocation"}, "drive 'torque'"),
         ({"smoothing_m_s": 1e-3, "method": "nonsmooth"}, "law 'smoothed'"),
-        ({"method": "heun"}, "method is 'heun'"),
-        ({"record": ("power",)}, "record is 'power'"),
         ({"record": "joints"}, "give a tuple"),
         ({"record_every": 0}, "record_every is 0"),
-        ({"drive": "torque", "torque": [1.0]}, "torque has shape (1,)"),
         ({"drive": "torque", "torque": lambda _t: [math.nan] * 2}, "torque at 0 s[0] is nan"),
-        ({"start": "rest"}, "start is 'rest'"),
     ],
 )
 def test_bad_input_is_named(change: dict, said: str) -> None:
