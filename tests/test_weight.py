@@ -64,7 +64,7 @@ MOST_TOKENS = {
     "tests/host/lab": 8594,
     "tests/host/model": 4896,
     "tests/host/paper": 771,
-    "tests/host/periodic": 19430,
+    "tests/host/periodic": 19396,
     "tests/host/robot": 29025,
     "tests/host/servos": 6183,
     "tests/host/show": 8360,
