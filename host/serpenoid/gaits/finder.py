@@ -144,7 +144,7 @@ class Finder:
         check_choice("cost", cost, COSTS)
         smooth = ground.smooth and springs is None
         # of the searched states, of their speeds, and of places where a descent ends
-        precise = (1e-8, 1e-7, 1e-4) if smooth else (STATES, STATES / 10, ROUGH / 10)
+        precise = (1e-8, 1e-7, 1e-4) if smooth else (STATES, STATES / 10, ROUGH / 4)
         self.state_rtol, self.miss, self.ends = precise
         self.rounding = self.miss / 2  # e-folds beyond a limit that count as on it
         self.rtol = rtol or (
@@ -253,6 +253,18 @@ class Finder:
 
         Each is searched from the table, then from the gaits of the slower and the faster speed.
         """
+        if self.springs is None:
+            search, finder = self.closest, self
+        else:
+            search, finder = self.with_springs, copy(self)
+            finder.springs = None
+        return [
+            search(v, sorted(ends, key=better))
+            for v, ends in zip(speeds, finder.valleys(speeds), strict=True)
+        ]
+
+    def valleys(self, speeds: Sequence[float]) -> list[list[Point]]:
+        """Return where the first descents of each speed end."""
         ends = [
             [self.descend(v, start, FIRST, ROUGH) for start in self.table.starts(v)] for v in speeds
         ]
@@ -263,15 +275,32 @@ class Finder:
                 rate = best.rate * speeds[k] / speeds[known]
                 start = replace(best, gait=replace(best.gait, omega_rad_s=rate))
                 ends[k].append(self.descend(speeds[k], start, FIRST / 2, ROUGH))
-        return [
-            self.closest(v, sorted(valleys, key=better))
-            for v, valleys in zip(speeds, ends, strict=True)
+        return ends
+
+    def with_springs(self, speed: float, ends: list[Point]) -> LeastPower | NotConverged:
+        """Return the lowest gait by springs and dampers, from the exact model's valleys.
+
+        Springs move a valley little, and their states cost a hundred times as much: a descent is
+        short, and starts once more from the other side. What that gains may be missed again, and
+        what states err.
+        """
+        first = [
+            self.descend(speed, end, FIRST / 4, ROUGH)
+            for k, end in enumerate(ends)
+            if end.price < ends[0].price + AS_LOW
+            and all(math.dist(end.shape, other.shape) > FIRST for other in ends[:k])
         ]
+        if not first or min(first, key=better).margin < 0:
+            return self.unreachable(speed, first)
+        lowest, *others = sorted(first, key=better)
+        best = self.descend(speed, lowest, -FIRST / 8, self.ends)
+        gap = abs(lowest.value - best.value) + self.state_rtol
+        return self.finish(speed, min(best, lowest, key=better), gap, others)
 
     def closest(self, speed: float, ends: list[Point]) -> LeastPower | NotConverged:
         """Return the lowest of some valleys, searched more closely, or why there is none.
 
-        Descents from the four lowest shapes of a ring start again from their lowest end while they
+        Descents from the three lowest shapes of a ring start again from their lowest end while they
         gain. What the last gained, and how far apart their lowest ends are, says what may be
         missed.
         """
@@ -282,7 +311,7 @@ class Finder:
         for _ in range(ROUNDS):
             if gap < STATES:
                 break
-            starts = sorted(self.ring(speed, best, radius), key=better)[:4]
+            starts = sorted(self.ring(speed, best, radius), key=better)[:3]
             lows = sorted(
                 [self.descend(speed, start, -radius / 2, self.ends) for start in starts], key=better
             )
@@ -453,6 +482,7 @@ class Valley:
             places = near_root(lambda u: margin(base + u * normal), 0.0, miss, steep)
             return (self.point(base + places[0] * normal) if places else Point(base)).price
 
+        steps = 5 + 2 * round(math.log2(radius / ends))  # each halves what is left, or nearly
         minimize_scalar(
-            onto, bracket=(0.0, radius), method="brent", options={"xtol": ends, "maxiter": 20}
+            onto, bracket=(0.0, radius), method="brent", options={"xtol": ends, "maxiter": steps}
         )

@@ -14,8 +14,8 @@ from ..model.ground import Ground
 from ..model.robot import Robot
 from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
+from .shapes import STATES
 
-_ACTIVE = 2e-3  # a limit is called reached when this fraction of it, or less, is left
 LIMIT_NAMES = {
     "joint_angle_rad": "joint angle",
     "servo_speed_rad_s": "servo speed",
@@ -105,7 +105,7 @@ class GaitLimits:
     def active(self, gait: Gait, torque_nm: float = 0.0) -> tuple[str, ...]:
         """Return the limits that a gait, or torque_nm in N m, has reached, in words."""
         margins = self.margins(gait, torque_nm)
-        return tuple(LIMIT_NAMES[name] for name, left in margins.items() if left <= _ACTIVE)
+        return tuple(LIMIT_NAMES[name] for name, left in margins.items() if left <= 2 * STATES)
 
     def in_words(self) -> str:
         """Return the limits there are, with their units; angles in degrees."""

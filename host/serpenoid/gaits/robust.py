@@ -25,11 +25,8 @@ from .sampled_speeds import KEEP, Samples, low_speed, low_speed_error
 from .shapes import FINE, STATES, Array, Point, better
 from .uncertainty import Sample, Uncertainty
 
-# samples that choose the shape, half as many with servos; an eighth rank the table's shapes
-_FOR_SHAPE = 256
 _RANKED = 0.1, 30  # e-folds of shape between those that are ranked, and how many they are
 _DRIVEN = 512  # samples at most with servos, which cost ten times as much
-_SURE = 2.0  # standard errors between two sets of samples: more is no chance
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +119,7 @@ class RobustGait(Result):
     def confirmed(self) -> bool:
         """Tell whether both sets of samples agree, to two standard errors of their difference."""
         apart = abs(self.checked_low_m_s - self.low_speed_m_s)
-        return apart <= _SURE * math.sqrt(2) * self.low_error_m_s + STATES * self.low_speed_m_s
+        return apart <= 2 * math.sqrt(2) * self.low_error_m_s + STATES * self.low_speed_m_s
 
 
 def robust_gait(
@@ -178,7 +175,9 @@ def robust_gait(
     check_number("samples", samples, 20, 65536)
     uncertainty, wanted = uncertainty or Uncertainty(), float(speed_m_s)
     driven = uncertainty.servo is not None
-    count, for_shape = (min(samples, _DRIVEN), _FOR_SHAPE // 2) if driven else (samples, _FOR_SHAPE)
+    count = min(samples, _DRIVEN) if driven else samples
+    # as many choose the shape, and an eighth of these rank the table's shapes
+    for_shape = _DRIVEN // 4 if driven else _DRIVEN // 2
     finders = [Finder(robot, on, [wanted], cost, limits) for on in directions(ground)]
     fragile = cheaper(finders, [finder.front([wanted])[0] for finder in finders])
     if isinstance(fragile, NotConverged):

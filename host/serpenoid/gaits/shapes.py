@@ -21,7 +21,6 @@ COSTS = ("power", "abs_power", "positive_power")  # mean powers that a search ma
 _DEARER = 60.0  # e-folds of cost for an e-fold beyond a limit: cost never falls so fast beyond one
 RATE_STEP = 1.6  # from rate to rate of a table: lines between them err by a few per cent
 STATES, FINE = 1e-3, 1e-5  # accuracy of dry states while a search goes on, and of its answer
-_LEAST_STEP = 3e-3  # e-folds of rate: shorter ones drown in the errors of states
 
 
 def shape_of(alpha_rad: float, beta_rad: float) -> Array:
@@ -87,7 +86,8 @@ def near_root(
         return 0.0 if abs(known[x]) < most_miss else min(max(known[x], -9.0), 9.0)
 
     first = miss(guess)
-    step = math.copysign(max(1.5 * abs(first / slope), _LEAST_STEP), -first)
+    # shorter first steps drown in the errors of states
+    step = math.copysign(max(1.5 * abs(first / slope), 3 * STATES), -first)
     while abs(step) < math.log(RATE_STEP) and not miss(guess + step) * first <= 0:
         step *= -2
     with suppress(ValueError):  # no root between, or no value
