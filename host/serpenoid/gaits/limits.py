@@ -78,23 +78,13 @@ class GaitLimits:
 
     def margins(self, gait: Gait, torque_nm: float = 0.0) -> dict[str, float]:
         """Return by how many e-folds a gait, or torque in N m, is below each limit."""
-        bend = abs(gait.offset_rad) + gait.alpha_rad
-        return self.left(bend, gait.alpha_rad, gait.omega_rad_s, torque_nm)
-
-    def left(
-        self, bend_rad: float, alpha_rad: float, omega_rad_s: float, torque_nm: float
-    ) -> dict[str, float]:
-        """Return by how many e-folds these are below each limit.
-
-        bend_rad, alpha_rad: most that a joint bends, and its amplitude, rad. omega_rad_s: the rate,
-        rad/s. torque_nm: most that a servo holds, N m.
-        """
+        bend, rate = abs(gait.offset_rad) + gait.alpha_rad, gait.omega_rad_s
         used = {
-            "joint_angle_rad": (bend_rad, self.joint_angle_rad),
-            "servo_speed_rad_s": (alpha_rad * omega_rad_s, self.servo_speed_rad_s),
+            "joint_angle_rad": (bend, self.joint_angle_rad),
+            "servo_speed_rad_s": (gait.alpha_rad * rate, self.servo_speed_rad_s),
             "servo_torque_nm": (torque_nm, self.servo_torque_nm),
-            "omega_high_rad_s": (omega_rad_s, self.omega_high_rad_s),
-            "omega_low_rad_s": (self.omega_low_rad_s, omega_rad_s),
+            "omega_high_rad_s": (rate, self.omega_high_rad_s),
+            "omega_low_rad_s": (self.omega_low_rad_s, rate),
         }
         return {
             name: math.log(most / value) if value > 0 else math.inf

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -101,7 +100,7 @@ class Uncertainty:
         else:
             mix = np.linalg.cholesky(_AFTER_A_SESSION) if self.correlated else np.eye(4)
             factors = np.exp(points[:, :4] @ mix.T * np.array(self.friction))
-            grounds = [_scaled(ground, row) for row in factors]
+            grounds = [ground.scaled(*row) for row in factors.tolist()]
         seen = np.array(self.joint_gain or [1.0] * joints)
         late = np.array(self.joint_shift_rad or [0.0] * joints)
         for name, values in (("joint_gain", seen), ("joint_shift_rad", late)):
@@ -162,7 +161,3 @@ class Sample:
             self.joint_shift_rad[::-1],
             self.servo,
         )
-
-
-def _scaled(ground: Ground, factors: Sequence[float]) -> Ground:
-    return ground.scaled(*map(float, factors))
