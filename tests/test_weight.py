@@ -37,7 +37,7 @@ MOST_TOKENS = {
     "host/serpenoid/calibration": 97207,
     "host/serpenoid/commands": 29914,
     "host/serpenoid/exchange": 2226,
-    "host/serpenoid/gaits": 11799,
+    "host/serpenoid/gaits": 11987,
     "host/serpenoid/lab": 7501,
     "host/serpenoid/model": 12101,
     "host/serpenoid/paper": 2937,
