@@ -176,7 +176,7 @@ def robust_gait(
     uncertainty, wanted = uncertainty or Uncertainty(), float(speed_m_s)
     driven = uncertainty.servo is not None
     count = min(samples, _DRIVEN) if driven else samples
-    # as many choose the shape, and an eighth of these rank the table's shapes
+    # so many choose the shape, and an eighth of them rank the shapes of the table
     for_shape = _DRIVEN // 4 if driven else _DRIVEN // 2
     finders = [Finder(robot, on, [wanted], cost, limits) for on in directions(ground)]
     fragile = cheaper(finders, [finder.front([wanted])[0] for finder in finders])
