@@ -67,7 +67,7 @@ class Pulses:
 
 @cache
 def _library() -> ctypes.CDLL:
-    lib = ctypes.CDLL(str(build_simulator() / "libsimboard.so"))
+    lib = ctypes.CDLL(str(build_simulator()))
     board, u8, u32, u64 = ctypes.c_void_p, ctypes.c_char_p, ctypes.c_uint32, ctypes.c_uint64
     size = ctypes.c_size_t
     for name, result, *arguments in (
@@ -130,8 +130,8 @@ class Board:
             if self._lib.board_watch(self._board, pins[i].encode(), int(pins[i + 1])) < 0:
                 raise ValueError(f"no pin {pins[i : i + 2]} on {self.mcu}")
         self._edges: list[np.ndarray] = []
-        self.sent: list[tuple[int, int]] = []  # (cycle, byte), all that the board sent
-        self._line_start = 0
+        self._unread = bytearray()
+        self._line: list[tuple[int, int]] = []  # (cycle, byte) of the line that has not ended
         self.lines: list[Line] = []
         self.state = STATES[0]
 
@@ -186,6 +186,12 @@ class Board:
         """Put bytes on the wire at its true pace, behind those already queued."""
         at = self.cycle + round(delay_s * F_CPU_HZ)
         self._lib.board_wire(self._board, at, self.baud, data, len(data))
+
+    def read(self) -> bytes:
+        """Return what the board has said since the last call."""
+        said = bytes(self._unread)
+        self._unread.clear()
+        return said
 
     def reset(self, cause: str = "external") -> None:
         """Reset the processor; RAM and EEPROM keep their content."""
@@ -305,9 +311,9 @@ class Board:
         if len(edges):
             self._edges.append(edges)
         for cycle, value, _ in self._take(self._lib.board_take_sent, SENT).tolist():
-            self.sent.append((cycle, value))
+            self._unread.append(value)
+            self._line.append((cycle, value))
             if value == ord("\n"):
-                line = self.sent[self._line_start :]
-                text = bytes(v for _, v in line).decode("ascii", "replace").rstrip("\r\n")
-                self.lines.append(Line(line[0][0], cycle, text))
-                self._line_start = len(self.sent)
+                text = bytes(v for _, v in self._line).decode("ascii", "replace").rstrip("\r\n")
+                self.lines.append(Line(self._line[0][0], cycle, text))
+                self._line.clear()

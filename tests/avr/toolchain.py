@@ -235,23 +235,18 @@ def build_firmware(board: str, joints: int = 5, output: str = "servo") -> Path:
 
 
 def build_simulator() -> Path:
-    """Compile the simulated board and return its directory: libsimboard.so and simboard."""
+    """Compile the simulated board, a library; return its path."""
     require()
     sources = sorted((HERE / "simboard").glob("*.[ch]"))
     digest = hashlib.sha256(b"".join(p.read_bytes() for p in sources)).hexdigest()
+    built = BUILD / f"simboard-{digest[:16]}.so"
     with locked():
-        stamp = BUILD / "simboard.sha256"
-        if stamp.exists() and stamp.read_text() == digest:
-            return BUILD
-        flags = ["-std=gnu11", "-O2", "-Wall", "-Wextra", "-Wconversion", "-Werror"]
-        library = [str(p) for p in sources if p.suffix == ".c" and p.name != "main.c"]
-        libs = ["-lsimavr", "-lelf", "-lutil"]
-        shared = ["-shared", "-fPIC", "-o", str(BUILD / "libsimboard.so")]
-        run(["cc", *flags, *shared, *library, *libs])
-        main = str(HERE / "simboard" / "main.c")
-        run(["cc", *flags, "-o", str(BUILD / "simboard"), main, *library, *libs])
-        stamp.write_text(digest)
-    return BUILD
+        if not built.exists():
+            flags = ["-std=gnu11", "-O2", "-Wall", "-Wextra", "-Wconversion", "-Werror"]
+            files = [str(p) for p in sources if p.suffix == ".c"]
+            flags += ["-shared", "-fPIC", "-o", str(built)]
+            run(["cc", *flags, *files, "-lsimavr", "-lelf"])
+    return built
 
 
 def main() -> int:

@@ -64,7 +64,6 @@ size_t board_take_sent(struct board* b, struct sent_byte* out, size_t room);
 // Queue bytes on the wire to the board: the first starts at the given cycle or when the wire is
 // free.
 void board_wire(struct board* b, uint64_t at_cycle, uint32_t baud, const uint8_t* bytes, size_t n);
-double board_baud(const struct board* b);  // as the program has set its UART
 
 // A PCA9685 at the two wires, bits of one port.
 void board_add_pca9685(struct board* b, char port, int clock_bit, int data_bit);

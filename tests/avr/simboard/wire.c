@@ -6,17 +6,18 @@ DEFINE_FIFO(uint16_t, uart_fifo);
 
 enum { BITS_PER_BYTE = 10, UNREAD_ON_SILICON = 3 };  // two in the FIFO, one in the shift register
 
+// As the program has set its UART.
+static double baud(const struct board* b) {
+    const avr_uart_t* u = b->wire.uart;
+    const unsigned ubrr = b->avr->data[u->ubrrl.reg] | (b->avr->data[u->ubrrh.reg] & 0xfu) << 8;
+    return (double)b->avr->frequency / (avr_regbit_get(b->avr, u->u2x) ? 8 : 16) / (ubrr + 1);
+}
+
 // simavr counts 11 bits a byte; 8N1 has 10. Set it right each time the UART is about to use it.
 static void true_pace(struct board* b) {
     avr_uart_t* u = b->wire.uart;
     u->cycles_per_byte =
-        (avr_cycle_count_t)(BITS_PER_BYTE * (double)b->avr->frequency / board_baud(b));
-}
-
-double board_baud(const struct board* b) {
-    const avr_uart_t* u = b->wire.uart;
-    const unsigned ubrr = b->avr->data[u->ubrrl.reg] | (b->avr->data[u->ubrrh.reg] & 0xfu) << 8;
-    return (double)b->avr->frequency / (avr_regbit_get(b->avr, u->u2x) ? 8 : 16) / (ubrr + 1);
+        (avr_cycle_count_t)(BITS_PER_BYTE * (double)b->avr->frequency / baud(b));
 }
 
 static avr_cycle_count_t ready_to_send(avr_t* avr, avr_cycle_count_t when, void* param) {
