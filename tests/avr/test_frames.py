@@ -74,14 +74,15 @@ def test_a_shorter_frame_is_kept_as_well(start, name):
 
 
 @pytest.mark.slow
-def test_no_refresh_mixes_frames_in_half_an_hour(start):
+def test_no_refresh_mixes_frames_in_five_minutes(start):
+    """15 000 frames without a mixed one: fewer than one in 5000, of which 19 in 20 would show."""
     talk = running(start("uno"), "gait 45 80 10")
-    for _ in range(30):
+    for _ in range(5):
         check_frames(talk, 60.0, 5)
 
 
 @pytest.mark.parametrize(
-    ("name", "joints"), [("uno", 6), pytest.param("mega", 8, marks=pytest.mark.slow)]
+    ("name", "joints"), [pytest.param("uno", 6, marks=pytest.mark.slow), ("mega", 8)]
 )
 def test_other_numbers_of_joints(start, name, joints):
     talk = Dialogue(start(name, joints=joints))

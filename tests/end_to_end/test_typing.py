@@ -60,6 +60,7 @@ def test_pyright_strict(script) -> None:
     assert "1 file" in done.stdout or "0 errors" in done.stdout
 
 
+@pytest.mark.slow
 def test_mypy_strict(script) -> None:
     done = subprocess.run(
         [sys.executable, "-m", "mypy", "--strict", "--python-executable", sys.executable, script],

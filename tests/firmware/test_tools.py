@@ -16,6 +16,7 @@ def run(*command: str) -> None:
     assert done.returncode == 0, done.stdout + done.stderr[-4000:]
 
 
+@pytest.mark.slow
 @pytest.mark.avr
 @pytest.mark.skipif(
     not all(shutil.which(t) for t in ("avr-g++", "cppcheck", "clang-tidy")),

@@ -34,15 +34,15 @@ PLACES = {  # words of the lines below
 }
 GAIT = "--alpha-deg 70 --beta-deg 75 --omega-rad-s 5"
 GRID = "--alpha-deg 60:70:10 --beta-deg 75 --omega-rad-s 5"
+THREE_LINKS = "--links 3 --mass-kg 0.1 --length-m 0.1 --ct 0.01 --cn 1 --ft0 0 --fn0 0"
 NEXT = "--gait 70 75 0.5 --samples 16"
 ANSWERS = (  # MINE is a session with a crawl; BENCH a servo's test
-    f"steady {GAIT}",
+    f"steady {GAIT} --servo ideal",
     f"steady {GAIT} --formulation implicit",
     f"steady {GAIT} --session DIR --sensitivities",
-    f"steady {GAIT} --session DIR --servo SG90",
     f"sweep {GRID}",
-    f"sweep {GRID} --servo SG90",
-    "optimize --robot paper --speed-m-s 0.1",
+    f"sweep {GAIT} --servo SG90",
+    f"optimize {THREE_LINKS} --speed-m-s 0.03",
     "optimize --session DIR --speed-m-s 0.03 --servo ideal",
     "simulate --scene SCENE --duration-s 0.5",
     "fit DIR --influence",
@@ -159,12 +159,6 @@ def session_keys() -> Iterator[str]:
         yield f"kind {kind}: {names_in(refused.exception)}"
 
 
-def fit_keys() -> list[str]:
-    """Return the keys of fit.json, with crawls and servos."""
-    run("fit MINE --crawls --servo SG90")
-    return by_table(json.loads(Path("MINE", "fit.json").read_text()))
-
-
 def python_names() -> Iterator[str]:
     """Yield all that Python's users call, with parameters and members."""
     public = {f"serpenoid.model.errors.{n}": v for n, v in vars(errors).items() if ours(v)}
@@ -229,7 +223,7 @@ def sections() -> Iterator[tuple[str, Iterable[str]]]:
         yield f"JSON: {line}", by_table(json.loads(run(f"{line} --json")))
     yield "Files: a scene", dict.fromkeys(scene_keys())
     yield "Files: a session", session_keys()
-    yield "Files: fit.json", fit_keys()
+    yield "Files: fit.json", by_table(json.loads(Path("MINE", "fit.json").read_text()))
     yield "Python", python_names()
 
 

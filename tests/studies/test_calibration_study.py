@@ -64,15 +64,6 @@ def test_the_table_is_the_model(table):
     assert table(WHOLE[None])[0] == pytest.approx(exact, rel=0.03)
 
 
-def test_intervals_cover_sessions_of_the_real_procedure(table, driven):
-    case = Case((30.0,), None)
-    found = judged(case, [one(case, 1, k, (table, driven)) for k in range(20)])
-    # 15 of 20 at the least, which intervals of 95 % miss once in 3000: a gross error alone shows
-    # here, and the 600 sessions below tell 95 % from 90 %.
-    assert min(getattr(found, name) for name in (*NAMES, "driven")) >= 0.75
-    assert found.refused <= 1
-
-
 @pytest.mark.slow
 def test_intervals_cover_95_percent_of_600_sessions(table, driven):
     """Of such samples, 1 in 150 fails where 95 % is true, and 98 in 100 where 90 % is."""
@@ -98,6 +89,7 @@ def test_ratios_count_what_comes_after_the_opening():
     assert (found.ratio, found.after_opening) == (pytest.approx(0.7), pytest.approx(0.5))
 
 
+@pytest.mark.slow
 def test_the_figures_are_drawn(tmp_path, table, driven):
     case = Case((30.0,), 0.005)
     rows = [dataclasses.asdict(judged(case, [one(case, 1, k, (table, driven)) for k in range(3)]))]

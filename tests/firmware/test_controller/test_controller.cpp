@@ -616,34 +616,40 @@ TEST_CASE("a legal change of a legal gait never clips and keeps its bounds") {
                             {50, 60, 10, 0},   {10, 180, 30, -20}, {89, 0, 5.6, 0},
                             {30, 80, 1, 40},   {30, 80, 5, -40},   {5, 120, 2, 0}};
     const int n = sizeof shapes / sizeof shapes[0];
-    for (int from = 0; from < n; ++from) {
-        for (int to = 0; to < n; ++to) {
-            Bench b;
-            b.type("set silence off");
-            for (const int k : {from, to}) {
-                const Shape& s = shapes[k];
-                b.type("gait " + std::to_string(s.alpha) + " " + std::to_string(s.beta) + " " +
-                           std::to_string(s.omega) + " " + std::to_string(s.offset),
-                       k == from ? 12.0 : 0.03);
+    std::vector<int> tour;  // with each ordered pair once: 0 0 1 0 2 ... 1 1 2 1 3 ... 0
+    for (int one = 0; one < n; ++one) {
+        tour.push_back(one);
+        for (int other = one + 1; other < n; ++other) tour.insert(tour.end(), {one, other});
+    }
+    tour.push_back(0);
+    const auto strength = [&](int k) {
+        return shapes[k].alpha * shapes[k].omega * shapes[k].omega;
+    };
+    Bench b;
+    b.type("set silence off");
+    double before[kJoints] = {}, earlier[kJoints] = {};
+    int from = 0;
+    for (const int to : tour) {
+        const Shape& s = shapes[to];
+        b.type("gait " + std::to_string(s.alpha) + " " + std::to_string(s.beta) + " " +
+                   std::to_string(s.omega) + " " + std::to_string(s.offset),
+               0.02);
+        double worst = 0;
+        for (int frame = 0; frame < 700; ++frame) {
+            b.run(0.02);
+            for (uint8_t i = 0; i < kJoints; ++i) {
+                const double now = b.angle_deg(i);
+                const double bend = (now - 2 * before[i] + earlier[i]) / (0.02 * 0.02);
+                if (frame > 1) worst = std::max(worst, std::fabs(bend));
+                earlier[i] = before[i];
+                before[i] = now;
             }
-            const auto strength = [](const Shape& s) { return s.alpha * s.omega * s.omega; };
-            const double strongest = std::max(strength(shapes[from]), strength(shapes[to]));
-            double before[kJoints] = {}, earlier[kJoints] = {}, worst = 0;
-            for (int frame = 0; frame < 700; ++frame) {
-                b.run(0.02);
-                for (uint8_t i = 0; i < kJoints; ++i) {
-                    const double now = b.angle_deg(i);
-                    const double bend = (now - 2 * before[i] + earlier[i]) / (0.02 * 0.02);
-                    if (frame > 1) worst = std::max(worst, std::fabs(bend));
-                    earlier[i] = before[i];
-                    before[i] = now;
-                }
-            }
-            CAPTURE(from);
-            CAPTURE(to);
-            CHECK(b.counters().clipped == 0);
-            // Roundings of three setpoints to 0.0035 degrees, twice over in the blend: 35 deg/s².
-            CHECK(worst <= 2 * strongest + 35);
         }
+        CAPTURE(from);
+        CAPTURE(to);
+        CHECK(b.counters().clipped == 0);
+        // Roundings of three setpoints to 0.0035 degrees, twice over in the blend: 35 deg/s².
+        CHECK(worst <= 2 * std::max(strength(from), strength(to)) + 35);
+        from = to;
     }
 }
