@@ -16,8 +16,7 @@ static double baud(const struct board* b) {
 // simavr counts 11 bits a byte; 8N1 has 10. Set it right each time the UART is about to use it.
 static void true_pace(struct board* b) {
     avr_uart_t* u = b->wire.uart;
-    u->cycles_per_byte =
-        (avr_cycle_count_t)(BITS_PER_BYTE * (double)b->avr->frequency / baud(b));
+    u->cycles_per_byte = (avr_cycle_count_t)(BITS_PER_BYTE * (double)b->avr->frequency / baud(b));
 }
 
 static avr_cycle_count_t ready_to_send(avr_t* avr, avr_cycle_count_t when, void* param) {
