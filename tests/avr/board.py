@@ -25,9 +25,7 @@ SERVO_PINS = {
 ENABLE_PIN = {**dict.fromkeys(("uno", "nano", "nano_old"), "D4"), "mega": "G5"}
 TWO_WIRES = {**dict.fromkeys(("uno", "nano", "nano_old"), ("C", 5, 4)), "mega": ("D", 0, 1)}
 FAULTS = ("well", "silent", "data low", "clock low", "no ack")
-STATES = ("running", "power cut", "crashed")
 CAUSES = ("power-on", "external", "brown-out")
-TORN = ("old", "erased", "new")
 EDGE = np.dtype([("cycle", "u8"), ("pin", "u4"), ("level", "u4")])
 SENT = np.dtype([("cycle", "u8"), ("value", "u4"), ("unused", "u4")])
 
@@ -39,7 +37,6 @@ class Counts(ctypes.Structure):
         (name, ctypes.c_uint32)
         for name in (
             "resets",
-            "wire_bytes",
             "overrun_bytes",
             "eeprom_writes",
             "eeprom_ignored",
@@ -86,7 +83,6 @@ def _library() -> ctypes.CDLL:
         ("board_eeprom_size", size, board),
         ("board_read_eeprom", None, board, u8),
         ("board_write_eeprom", None, board, u8),
-        ("board_cut_power", None, board, u32, ctypes.c_int),
         ("board_add_pca9685", None, board, ctypes.c_char, ctypes.c_int, ctypes.c_int),
         ("board_fault_pca9685", None, board, ctypes.c_int, u32),
         ("board_read_pca9685", u32, board, u8),
@@ -133,7 +129,7 @@ class Board:
         self._unread = bytearray()
         self._line: list[tuple[int, int]] = []  # (cycle, byte) of the line that has not ended
         self.lines: list[Line] = []
-        self.state = STATES[0]
+        self.runs = True
 
     def __enter__(self) -> Board:
         return self
@@ -162,23 +158,22 @@ class Board:
         """What the simulated hardware has counted so far."""
         return self._lib.board_counts(self._board)
 
-    def run(self, seconds: float) -> str:
-        """Let simulated time pass; return the state (running, power cut, crashed)."""
+    def run(self, seconds: float) -> None:
+        """Let simulated time pass; `runs` is false once the program has crashed."""
         until = self.cycle + round(seconds * F_CPU_HZ)
-        self.state = STATES[self._lib.board_run(self._board, until)]
+        self.runs = bool(self._lib.board_run(self._board, until))
         self._collect()
-        return self.state
 
     def run_until(self, wanted: str, timeout_s: float, step_s: float = 0.002) -> Line:
         """Run until a new line starts with `wanted`; return it, or raise AssertionError."""
         seen, end = len(self.lines), self.time_s + timeout_s
         while self.time_s < end:
-            state = self.run(step_s)
+            self.run(step_s)
             for line in self.lines[seen:]:
                 if line.text.startswith(wanted):
                     return line
             seen = len(self.lines)
-            assert state == "running", f"board is in state {state!r} while waiting for {wanted!r}"
+            assert self.runs, f"the board crashed before {wanted!r}"
         last = "\n".join(line.text for line in self.lines[-10:])
         raise AssertionError(f"no line {wanted!r} within {timeout_s} s; the last ones:\n{last}")
 
@@ -253,10 +248,6 @@ class Board:
         if len(content) != size:
             raise ValueError(f"EEPROM content has {len(content)} bytes, the chip has {size}")
         self._lib.board_write_eeprom(self._board, content)
-
-    def cut_power(self, nth_write: int, torn: str = "erased") -> None:
-        """Stop at the n-th EEPROM byte write from now, leaving that byte old, erased or new."""
-        self._lib.board_cut_power(self._board, nth_write, TORN.index(torn))
 
     def add_pca9685(self, port: str, clock_bit: int, data_bit: int) -> None:
         """Connect a servo driver to the two wires, which are bits of one port."""

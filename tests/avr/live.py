@@ -59,7 +59,7 @@ class LiveBoard:
 
     def _serve(self) -> None:
         due_s = time.monotonic()
-        while not self._unplugged and self._board.state == "running":
+        while not self._unplugged and self._board.runs:
             self._hear()
             if self._reset_pressed:
                 self._reset_pressed = False

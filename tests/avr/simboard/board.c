@@ -93,17 +93,17 @@ static void begin_hang(struct board* b) {
     b->hung = 1;
 }
 
-enum board_state board_run(struct board* b, uint64_t until_cycle) {
-    while (b->state == BOARD_RUNNING && b->avr->cycle < until_cycle) {
+int board_run(struct board* b, uint64_t until_cycle) {
+    while (!b->crashed && b->avr->cycle < until_cycle) {
         const int state = avr_run(b->avr);
-        if (state == cpu_Done || state == cpu_Crashed) b->state = BOARD_CRASHED;
+        b->crashed = state == cpu_Done || state == cpu_Crashed;
         if (b->was_reset) {
             b->counts.resets++;
             after_reset(b);
         }
         if (b->hang_wanted) begin_hang(b);
     }
-    return b->state;
+    return !b->crashed;
 }
 
 void board_hang(struct board* b) { b->hang_wanted = 1; }

@@ -1,4 +1,4 @@
-// EEPROM that takes its time and can lose power in the middle of a byte.
+// EEPROM that takes its time: what is written meanwhile is lost.
 #include <stdlib.h>
 #include <string.h>
 
@@ -25,11 +25,6 @@ static void on_control(avr_t* avr, avr_io_addr_t addr, uint8_t v, void* param) {
     }
     b->counts.eeprom_writes++;
     e->busy_until = avr->cycle + (uint64_t)(WRITE_S * avr->frequency);
-    if (e->cut_at && b->counts.eeprom_writes == e->cut_at) {
-        if (e->torn == TORN_OLD) e->module->eeprom[at] = e->before[at];
-        if (e->torn == TORN_ERASED) e->module->eeprom[at] = 0xff;
-        b->state = BOARD_POWER_CUT;
-    }
     e->before[at] = e->module->eeprom[at];
 }
 
@@ -38,11 +33,6 @@ static uint8_t control_read(avr_t* avr, avr_io_addr_t addr, void* param) {
     const unsigned eepe = 1u << b->eeprom.module->eepe.bit;
     const unsigned busy = avr->cycle < b->eeprom.busy_until ? eepe : 0;
     return (uint8_t)((avr->data[addr] & ~eepe) | busy);
-}
-
-void board_cut_power(struct board* b, uint32_t nth, enum torn_byte torn) {
-    b->eeprom.cut_at = nth ? b->counts.eeprom_writes + nth : 0;
-    b->eeprom.torn = torn;
 }
 
 size_t board_eeprom_size(const struct board* b) { return b->eeprom.module->size; }

@@ -40,8 +40,6 @@ struct wire {
 struct eeprom {
     avr_eeprom_t* module;
     uint64_t busy_until;
-    uint32_t cut_at;  // number of the write that loses power, 0 = none
-    enum torn_byte torn;
     uint8_t* before;  // its content before the last write
 };
 
@@ -77,7 +75,7 @@ struct board {
     struct growing edges, sent;
     struct wire wire;
     struct eeprom eeprom;
-    enum board_state state;
+    int crashed;
     int was_reset, hang_wanted, hung;
     avr_flashaddr_t hung_at;
     uint8_t flash_before[2];

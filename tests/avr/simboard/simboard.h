@@ -2,18 +2,14 @@
 // CPU cycles.
 //
 // What simavr leaves out and this adds: bytes at true wire pace that overrun the receiver as they
-// do on silicon, EEPROM writes that take their 3.4 ms and can be cut by a power loss, a program
-// that hangs.
+// do on silicon, EEPROM writes that take their 3.4 ms, a program that hangs.
 #pragma once
 #include <stddef.h>
 #include <stdint.h>
 
 struct board;
 
-enum board_state { BOARD_RUNNING, BOARD_POWER_CUT, BOARD_CRASHED };
 enum reset_cause { RESET_POWER_ON, RESET_EXTERNAL, RESET_BROWN_OUT };
-// What a byte of EEPROM holds when the power went while it was being written.
-enum torn_byte { TORN_OLD, TORN_ERASED, TORN_NEW };
 // What ails a PCA9685: no power (it comes back as at power-up); it holds a wire low;
 // one byte is not acknowledged.
 enum pca9685_fault {
@@ -38,7 +34,6 @@ struct sent_byte {
 
 struct board_counts {
     uint32_t resets;         // of any cause, the power-on not counted
-    uint32_t wire_bytes;     // that reached the receiver
     uint32_t overrun_bytes;  // lost because three were waiting unread
     uint32_t eeprom_writes;  // bytes whose writing began
     uint32_t
@@ -49,7 +44,7 @@ struct board_counts {
 struct board* board_open(const char* elf, const char* mcu, uint32_t frequency_hz);
 void board_close(struct board* b);
 
-enum board_state board_run(struct board* b, uint64_t until_cycle);
+int board_run(struct board* b, uint64_t until_cycle);  // whether the program still runs
 uint64_t board_cycle(const struct board* b);
 void board_reset(struct board* b, enum reset_cause cause);
 void board_hang(
@@ -76,6 +71,3 @@ void board_read_ram(const struct board* b, uint16_t address, uint8_t* out, size_
 size_t board_eeprom_size(const struct board* b);
 void board_read_eeprom(const struct board* b, uint8_t* out);
 void board_write_eeprom(struct board* b, const uint8_t* bytes);
-// Cut the power while EEPROM byte number `nth` (from 1, counted from now; 0 never) is being
-// written.
-void board_cut_power(struct board* b, uint32_t nth, enum torn_byte torn);

@@ -50,7 +50,6 @@ static avr_cycle_count_t wire_tick(avr_t* avr, avr_cycle_count_t when, void* par
     const unsigned unread = uart_fifo_get_read_size(&w->uart->input);
     if (unread < UNREAD_ON_SILICON) {
         avr_raise_irq(w->input, queue[w->next].value);
-        b->counts.wire_bytes++;
     } else {
         b->counts.overrun_bytes++;
     }

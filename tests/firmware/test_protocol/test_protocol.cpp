@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "command.h"
-#include "crc16.h"
 #include "doctest_main.h"
 #include "fields.h"
 #include "line_reader.h"
@@ -43,29 +42,7 @@ std::string written(Output& out) {
     return line.substr(0, line.size() - 7);
 }
 
-// The textbook's CRC, a bit at a time.
-uint16_t slow_crc(const std::string& data) {
-    uint16_t crc = 0xFFFF;
-    for (char c : data) {
-        for (int bit = 7; bit >= 0; --bit) {
-            const bool one = ((crc >> 15) & 1) != ((static_cast<uint8_t>(c) >> bit) & 1);
-            crc = static_cast<uint16_t>((crc << 1) ^ (one ? 0x1021 : 0));
-        }
-    }
-    return crc;
-}
-
 }  // namespace
-
-TEST_CASE("the CRC is the textbook's") {
-    CHECK(crc16("123456789", 9) == 0x29B1);
-    std::mt19937 random(1);
-    for (int k = 0; k < 1000; ++k) {
-        std::string data(random() % 200, ' ');
-        for (char& c : data) c = static_cast<char>(random());
-        CHECK(crc16(data.data(), static_cast<uint8_t>(data.size())) == slow_crc(data));
-    }
-}
 
 TEST_CASE("every flip of one or two bits in a line is seen") {
     const std::string good = unended(sealed("#12 gait 30 80 5"));
