@@ -20,7 +20,7 @@ from serpenoid.calibration.advising.next_reading import NextReading
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.session import Session
 from serpenoid.calibration.taking.new_session import default_setup
-from serpenoid.calibration.taking.simulated import SimulatedTreadmill
+from serpenoid.calibration.taking.simulated import SimulatedPerson
 from serpenoid.calibration.taking.steps import Step
 from serpenoid.calibration.taking.treadmill import record_step, take_all
 from serpenoid.model.errors import BadInput
@@ -107,7 +107,7 @@ def opening(session: Session) -> Session:
 class Advised:
     """A session that goes on by advice, and the bend that its robot lies in; none at first."""
 
-    def __init__(self, record: MemoryRecord, treadmill: SimulatedTreadmill):
+    def __init__(self, record: MemoryRecord, treadmill: SimulatedPerson):
         self.record, self.treadmill = record, treadmill
         self.posed_rad = math.nan
 
@@ -141,7 +141,7 @@ class Advised:
         self.posed_rad = self.record.session.bends[-1].found_rad
 
 
-def planned(plan: str, seed: int) -> tuple[Session, SimulatedTreadmill]:
+def planned(plan: str, seed: int) -> tuple[Session, SimulatedPerson]:
     """Return a whole session of a plan, and the same treadmill with nothing done on it yet."""
     base = shown_in_steps(default_setup("advised"), INCLINE_STEP_DEG)
     bends_deg, step_deg = PLANS_DEG[plan]
@@ -152,8 +152,8 @@ def planned(plan: str, seed: int) -> tuple[Session, SimulatedTreadmill]:
         steps = replace(steps, incline_step_rad=math.tan(math.radians(step_deg)))
     setup = replace(base, kind="simulated", procedure=procedure, treadmill=steps)
     truth = drawn_truth(setup, WHOLE_2005, np.random.default_rng(seed))
-    taken = take_all(MemoryRecord(setup), SimulatedTreadmill(setup, truth, seed=seed))
-    return taken, SimulatedTreadmill(setup, truth, seed=seed)
+    taken = take_all(MemoryRecord(setup), SimulatedPerson(setup, truth, seed=seed))
+    return taken, SimulatedPerson(setup, truth, seed=seed)
 
 
 def plan_of(job: tuple[str, int, SpeedTable]) -> tuple[int, float, float]:

@@ -28,9 +28,10 @@ from serpenoid.calibration.speed_samples import (
     scaled,
     speed,
 )
-from serpenoid.calibration.taking.floor.simulated import SimulatedFloor, drawn_floor
 from serpenoid.calibration.taking.new_session import CRAWL_RUNS, CRAWLS, PUSHES, default_setup
+from serpenoid.calibration.taking.simulated import SimulatedPerson
 from serpenoid.calibration.taking.treadmill import take_all
+from serpenoid.calibration.taking.world import drawn_floor
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.recording import Camera
 from serpenoid.model.drives import Servo, ServoKind
@@ -137,7 +138,7 @@ def floor_setup(case: FloorCase) -> Setup:
 
 def drawn_person(
     case: FloorCase, rng: np.random.Generator, amplitude: float = 1.0
-) -> SimulatedFloor:
+) -> SimulatedPerson:
     """Return a person on a floor, the truth of both drawn, the robot's servos with it.
 
     amplitude: of its joints in a gait.
@@ -145,7 +146,7 @@ def drawn_person(
     setup = floor_setup(case)
     truth = drawn_floor(setup, WHOLE_2005, rng, case.kind)
     truth = replace(truth, camera=case.camera, amplitude=amplitude)
-    return SimulatedFloor(setup, truth, seed=int(rng.integers(2**31)))
+    return SimulatedPerson(setup, truth, seed=int(rng.integers(2**31)))
 
 
 class ServoPool:
@@ -215,7 +216,7 @@ def one_floor(case: FloorCase, seed: int, number: int, tables: FloorTables) -> l
 
 
 def _unseen(
-    fit: FrictionFit, case: FloorCase, person: SimulatedFloor, amplitude: float, gait: Gait
+    fit: FrictionFit, case: FloorCase, person: SimulatedPerson, amplitude: float, gait: Gait
 ) -> list[float]:
     """Return what an unseen gait's speed is off by, as the fit knows joints and as commanded."""
     ideal = crawl_speed(replace(person.robot, servo=None), scaled(gait, amplitude))

@@ -19,7 +19,7 @@ from serpenoid.calibration.friction_result import NAMES, ground_of
 from serpenoid.calibration.session import Setup
 from serpenoid.calibration.speed_samples import AMPLITUDE_SIGMA, scaled
 from serpenoid.calibration.taking.new_session import default_setup
-from serpenoid.calibration.taking.simulated import SimulatedTreadmill
+from serpenoid.calibration.taking.simulated import SimulatedPerson
 from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.model.errors import SerpenoidError
@@ -141,7 +141,7 @@ def one(
     )
     truth = drawn_truth(setup, WHOLE_2005, rng, SERVOS)
     truth = replace(truth, incline_scale=1.0 + STEP_SIGMA * float(rng.normal()))
-    treadmill = SimulatedTreadmill(setup, truth, seed=int(rng.integers(2**31)))
+    treadmill = SimulatedPerson(setup, truth, seed=int(rng.integers(2**31)))
     taken = take_all(MemoryRecord(setup), treadmill)
     try:
         fit = fit_friction(taken)

@@ -18,8 +18,9 @@ from coverage_floor import CASES, UNSEEN, floor_setup
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import NAMES
 from serpenoid.calibration.speed_samples import AMPLITUDE_SIGMA, sample_speeds, scaled, speed
-from serpenoid.calibration.taking.floor.simulated import SimulatedFloor, drawn_floor
+from serpenoid.calibration.taking.simulated import SimulatedPerson
 from serpenoid.calibration.taking.treadmill import take_all
+from serpenoid.calibration.taking.world import drawn_floor
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.model.errors import SerpenoidError
 from serpenoid.model.gait import Gait
@@ -62,7 +63,7 @@ def one(alone: bool, number: int) -> list[float] | None:
     friction = {k: v * math.exp(SPREAD * rng.normal()) for k, v in CENTRE.items()}
     amplitude = 1.0 + AMPLITUDE_SIGMA * float(rng.normal())
     truth = replace(drawn_floor(setup, Ground(**friction), rng), amplitude=amplitude)
-    person = SimulatedFloor(setup, truth, seed=int(rng.integers(2**31)))
+    person = SimulatedPerson(setup, truth, seed=int(rng.integers(2**31)))
     taken = take_all(MemoryRecord(setup), person)
     fits = []
     for crawls in (True,) if alone else (True, False):

@@ -24,7 +24,7 @@ from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import ground_of, whole_ground
 from serpenoid.calibration.speed_samples import AMPLITUDE_SIGMA, sample_speeds, scaled, speed
 from serpenoid.calibration.taking.new_session import default_setup
-from serpenoid.calibration.taking.simulated import SimulatedTreadmill
+from serpenoid.calibration.taking.simulated import SimulatedPerson
 from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.calibration.taking.world import RUN_M, RUN_S
 from serpenoid.calibration.verdict import Judge, Measured
@@ -185,7 +185,7 @@ def words(
     setup = replace(shown_in_steps(default_setup("verdicts"), INCLINE_STEP_DEG), kind="simulated")
     gaits, truth = setup.procedure.gaits, drawn_truth(setup, WHOLE_2005, rng)
     stations = replace(setup, procedure=replace(setup.procedure, gaits=()))
-    treadmill = SimulatedTreadmill(stations, truth, seed=int(rng.integers(2**31)))
+    treadmill = SimulatedPerson(stations, truth, seed=int(rng.integers(2**31)))
     fit = fit_friction(take_all(MemoryRecord(stations), treadmill))
     judges = {}
     for name in {f.stated for f in faults}:

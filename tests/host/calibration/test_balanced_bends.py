@@ -11,7 +11,7 @@ from serpenoid.calibration.fitting.bends import projections
 from serpenoid.calibration.kinds.station import Reading, bent_share
 from serpenoid.calibration.session import Session
 from serpenoid.calibration.taking.new_session import default_setup
-from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth
+from serpenoid.calibration.taking.simulated import SimulatedPerson, Truth
 from serpenoid.calibration.taking.treadmill import take_all
 from simulated_sessions import MemoryRecord
 
@@ -124,6 +124,6 @@ def test_a_guided_robot_whose_joints_are_exact_goes_through_the_plan(bend):
     plan = replace(base.procedure, gaits=(), bend=bend)
     setup = replace(base, kind="simulated", robot=sn.Robot(4, 0.1, 0.076), procedure=plan)
     truth = Truth(sn.Ground(0.084, 1.2, 0.14, 0.27), joint_sigma_rad=0.0, guided=True)
-    taken = take_all(MemoryRecord(setup), SimulatedTreadmill(setup, truth, seed=1))
+    taken = take_all(MemoryRecord(setup), SimulatedPerson(setup, truth, seed=1))
     assert len(taken.kept) > 15
     assert all(abs(r.turned_rad) < 0.07 for r in taken.kept)  # by eye

@@ -13,7 +13,7 @@ from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
 from serpenoid.calibration.taking.person.dialogue import Dialogue, held_dialogue
 from serpenoid.calibration.taking.person.session_robot import SessionRobot
-from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth
+from serpenoid.calibration.taking.simulated import SimulatedPerson, Truth
 from serpenoid.model.errors import RobotHeld, RobotLost
 from serpenoid.robot.wire.virtual import VirtualLink
 
@@ -87,7 +87,7 @@ class Led:
 
     def __init__(self, setup):
         truth = Truth(Ground(0.084, 1.2, 0.14, 0.27), incline_zero_rad=math.radians(0.1))
-        self.treadmill = SimulatedTreadmill(setup, truth, seed=4)
+        self.treadmill = SimulatedPerson(setup, truth, seed=4)
         self.heard, self.cells = "", {}
 
     def told(self, session, step):

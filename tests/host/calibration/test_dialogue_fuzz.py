@@ -4,13 +4,14 @@ import random
 import re
 import shutil
 from collections import deque
+from dataclasses import replace
 
 import pytest
 from calibration.test_dialogue import Person
 from serpenoid.calibration.session_file import read_session
 from serpenoid.calibration.session_rows import reading_rows
 from serpenoid.calibration.taking.journal import Journal
-from serpenoid.calibration.taking.new_session import create_session, default_setup
+from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
 from serpenoid.calibration.taking.person.dialogue import Dialogue
 
 WORDS = (
@@ -66,6 +67,8 @@ NONSENSE = (
     ",",
     ".",
     "½",
+    "~nobody",
+    "\x00.csv",
 )
 FITTING = (
     "2",
@@ -83,9 +86,11 @@ FITTING = (
 )
 
 
-@pytest.fixture(scope="module")
-def begun(tmp_path_factory):
-    return create_session(tmp_path_factory.mktemp("fuzz") / "session", default_setup("made up"))
+@pytest.fixture(scope="module", params=["treadmill", "floor"])
+def begun(tmp_path_factory, request):
+    setup = default_setup("made up")
+    setup = replace(setup, procedure=on_place(setup.procedure, request.param))
+    return create_session(tmp_path_factory.mktemp("fuzz") / "session", setup)
 
 
 def talk(folder, lines):
@@ -101,7 +106,7 @@ def talk(folder, lines):
     return person.heard
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(4))
 def test_anything_at_any_prompt(begun, tmp_path, seed):
     folder = shutil.copytree(begun, tmp_path / "session")
     made = random.Random(seed)
@@ -140,6 +145,7 @@ ROAD = (
 )
 
 
+@pytest.mark.parametrize("begun", ["treadmill"], indirect=True)
 @pytest.mark.parametrize("word", WORDS)
 def test_every_word_at_every_prompt(begun, tmp_path, word):
     for prompt in range(len(ROAD)):

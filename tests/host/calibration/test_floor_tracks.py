@@ -13,10 +13,11 @@ from serpenoid.calibration.floor.track_files import read_track_file
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.session_file import load_session
 from serpenoid.calibration.taking.floor.pushes import keep_pushes, way_after
-from serpenoid.calibration.taking.floor.simulated import SimulatedFloor, drawn_floor
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session
+from serpenoid.calibration.taking.simulated import SimulatedPerson
 from serpenoid.calibration.taking.treadmill import take_all
+from serpenoid.calibration.taking.world import drawn_floor
 from serpenoid.lab.floor import Floor, Push
 from serpenoid.lab.recording import Camera, film
 from serpenoid.lab.robot import LabRobot
@@ -225,7 +226,7 @@ def test_files_that_are_no_track_are_told(tmp_path):
 
 def test_a_session_by_the_whole_procedure_tells_all_four():
     setup = floor_setup()
-    person = SimulatedFloor(setup, drawn_floor(setup, WHOLE, np.random.default_rng(3)), 3)
+    person = SimulatedPerson(setup, drawn_floor(setup, WHOLE, np.random.default_rng(3)), 3)
     taken = take_all(MemoryRecord(setup), person)
     assert [p.way for p in taken.kept_pushes] == ["there", "back"] * 12
     assert len(taken.bends) == 2
@@ -238,7 +239,7 @@ def test_a_session_by_the_whole_procedure_tells_all_four():
 def test_by_tape_and_watch_nothing_is_made_up():
     setup = replace(floor_setup(), name="hand")
     truth = replace(drawn_floor(setup, WHOLE, np.random.default_rng(5)), camera=None)
-    taken = take_all(MemoryRecord(setup), SimulatedFloor(setup, truth, 5))
+    taken = take_all(MemoryRecord(setup), SimulatedPerson(setup, truth, 5))
     assert all(p.track is None for p in taken.kept_pushes)
     with pytest.raises(BadInput, match="cannot be told"):
         fit_friction(taken)

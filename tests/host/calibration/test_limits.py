@@ -11,7 +11,7 @@ from serpenoid import Ground
 from serpenoid.calibration.kinds.station import Reading
 from serpenoid.calibration.session import Session
 from serpenoid.calibration.taking.new_session import default_setup
-from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth
+from serpenoid.calibration.taking.simulated import SimulatedPerson, Truth
 from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.show import report
 from simulated_sessions import MemoryRecord
@@ -85,7 +85,7 @@ def test_the_lab_has_robots_on_ball_bearings():
     base = default_setup("bearings")
     base = replace(base, procedure=replace(base.procedure, gaits=()))
     truth = Truth(Ground(0.0, 1.2, 0.14, 0.27))
-    taken = take_all(MemoryRecord(base), SimulatedTreadmill(base, truth, seed=3))
+    taken = take_all(MemoryRecord(base), SimulatedPerson(base, truth, seed=3))
     assert sum(r.lambda_rad > 0 for r in taken.kept) > 5
 
 

@@ -19,7 +19,7 @@ from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.calibration.taking.person.session_robot import SessionRobot
 from serpenoid.calibration.taking.procedure import next_step
-from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth
+from serpenoid.calibration.taking.simulated import SimulatedPerson, Truth
 from serpenoid.calibration.taking.treadmill import Posture, take_step
 from serpenoid.commands.friction import calibrate_person
 from serpenoid.commands.friction.calibrate_person import steering
@@ -49,7 +49,7 @@ def session_in_progress(steps=12):
     setup = default_setup("made up")
     setup = replace(setup, procedure=replace(setup.procedure, gaits=()))
     record = MemoryRecord(setup)
-    treadmill = SimulatedTreadmill(setup, Truth(Ground(0.084, 1.2, 0.14, 0.27)), seed=2)
+    treadmill = SimulatedPerson(setup, Truth(Ground(0.084, 1.2, 0.14, 0.27)), seed=2)
     posture = Posture()
     for _ in range(steps):
         take_step(record, treadmill, posture)

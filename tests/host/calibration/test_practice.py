@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
+from pathlib import Path
 
+import numpy as np
 import pytest
+from serpenoid.calibration.crawls.filmed import crawl_cells
 from serpenoid.calibration.session import Session
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.calibration.taking.person.practice import (
     USUAL,
-    PracticeTerminal,
-    belt_words,
-    drawn_belt,
-    picture,
+    drawn_truth,
     practice_seed,
     practice_setup,
-    practice_treadmill,
+    truth_in_words,
 )
+from serpenoid.calibration.taking.person.practice_treadmill import TreadmillTerminal, picture
+from serpenoid.calibration.taking.steps import Step
 from serpenoid.model.errors import BadInput
 
 SETUP = practice_setup(default_setup("practice"), 7)
@@ -41,9 +44,8 @@ class Typed:
 
 def practised(*lines):
     typed = Typed(*lines)
-    room = practice_treadmill(SETUP, 7, lambda: [0.0] * 5, pace=50.0)
-    terminal = PracticeTerminal(typed, room, 50.0)
-    return typed, room, terminal
+    terminal = TreadmillTerminal(typed, SETUP, 7, Path("films"), lambda: [0.0] * 5, 50.0)
+    return typed, terminal.room, terminal
 
 
 def test_words_of_the_treadmill_are_obeyed_and_others_go_on():
@@ -101,6 +103,27 @@ def test_what_cannot_be_obeyed_is_said(line):
     assert room.belt_shown_m_s == 0.0
 
 
+def test_a_gait_is_run_and_filmed_on_level_ground_by_servos(tmp_path):
+    """The film is taken in as a phone's; its joints are those of a servo, not ideal ones."""
+    typed = Typed("crawl", "film")
+    setup = replace(SETUP, procedure=replace(SETUP.procedure, lambda_rad=(), gait_runs=1))
+    terminal = TreadmillTerminal(typed, setup, 7, tmp_path / "films", lambda: [0.0] * 5)
+    assert terminal.ask("", 1.0, lambda: None) is None  # no gait is to be run yet
+    assert typed.said.count("  no gait is to be run at this step; `treadmill` lists the words") == 1
+    assert typed.said[-1] == "  the robot is not on the belt"
+    typed.lines = ["crawl", "film"]
+    gait = setup.procedure.gaits[1]
+    step = Step("gait 2.1", "gait", "", gait=gait)
+    terminal.watch(Session(setup, ()), step)
+    path = Path(terminal.ask("", 1.0, lambda: None))
+    assert path.exists()
+    timed = re.search(r"it crawled ([\d.]+) m in ([\d.]+) s", typed.said[-2])
+    speed = float(timed[1]) / float(timed[2])
+    cells = crawl_cells(np.loadtxt(path, delimiter=",", skiprows=1), gait)
+    assert cells["speed_m_s"] == pytest.approx(speed, rel=0.05)
+    assert terminal.world.robot.servo is not None
+
+
 def test_steering_words_press_the_keys():
     typed, _, terminal = practised("left 3", "right", "")
     pressed = []
@@ -119,12 +142,12 @@ def test_time_at_the_treadmill_is_the_dialogues_clock():
 
 
 def test_a_seed_is_a_truth_near_the_robot_of_2005():
-    one, same, other = (drawn_belt(s) for s in (7, 7, 8))
+    one, same, other = (drawn_truth(s) for s in (7, 7, 8))
     assert one == same
     assert one != other
     for name, usual in USUAL.items():
         assert 0.5 < getattr(one.ground, name) / usual < 2.0
-    assert "ft0" in belt_words(one)
+    assert "ft0" in truth_in_words(one, "treadmill")
     assert abs(one.deck_rad) <= math.radians(0.2)
 
 

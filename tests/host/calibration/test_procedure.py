@@ -14,7 +14,7 @@ from serpenoid.calibration.taking.procedure import (
     settle_s,
     skipped_keys,
 )
-from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth
+from serpenoid.calibration.taking.simulated import SimulatedPerson, Truth
 from serpenoid.calibration.taking.treadmill import Posture, take_all, take_step
 from simulated_sessions import MemoryRecord
 
@@ -116,7 +116,7 @@ def test_the_settling_time_follows_the_readings(record):
 
 
 def test_a_session_on_the_simulated_treadmill_finds_its_truth(record):
-    treadmill = SimulatedTreadmill(
+    treadmill = SimulatedPerson(
         record.session.setup, Truth(WHOLE_BODY_2005, incline_zero_rad=0.002), seed=5
     )
     session = take_all(record, treadmill)
@@ -135,13 +135,13 @@ def test_a_session_on_the_simulated_treadmill_finds_its_truth(record):
 def test_the_same_seed_takes_the_same_session():
     setup = no_gaits(default_setup("made up"))
     taken = [
-        take_all(MemoryRecord(setup), SimulatedTreadmill(setup, Truth(WHOLE_BODY_2005), 3))
+        take_all(MemoryRecord(setup), SimulatedPerson(setup, Truth(WHOLE_BODY_2005), 3))
         for _ in range(2)
     ]
     assert taken[0].readings == taken[1].readings
 
 
-class Noted(SimulatedTreadmill):
+class Noted(SimulatedPerson):
     """Keeps what was typed wrong at first."""
 
     def __init__(self, *args, **more):
@@ -175,7 +175,7 @@ def test_belts_that_cannot_go_slowly_lose_stations_not_sessions():
     setup = no_gaits(default_setup("made up"))
     setup = replace(setup, treadmill=replace(setup.treadmill, belt_least_m_s=0.25))
     record = MemoryRecord(setup)
-    session = take_all(record, SimulatedTreadmill(setup, Truth(WHOLE_BODY_2005), 1))
+    session = take_all(record, SimulatedPerson(setup, Truth(WHOLE_BODY_2005), 1))
     least = min(r.belt_speed_m_s for r in session.kept)
     assert 0.25 <= least < 0.31  # belts are set in steps of 0.028 m/s
     assert skipped_keys(record.events)
@@ -185,7 +185,7 @@ def test_belts_that_cannot_go_slowly_lose_stations_not_sessions():
 def test_gait_runs_come_last_with_a_speed_and_its_doubt():
     setup = default_setup("made up")
     record = MemoryRecord(setup)
-    treadmill = SimulatedTreadmill(setup, Truth(WHOLE_BODY_2005), 1)
+    treadmill = SimulatedPerson(setup, Truth(WHOLE_BODY_2005), 1)
     session = take_all(record, treadmill)
     assert len(session.gait_runs) == 9
     for run in session.gait_runs:

@@ -11,7 +11,7 @@ from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.calibration.taking.procedure import next_step, progress
 from serpenoid.calibration.taking.sheet import add_sheet, sheet_text
-from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth
+from serpenoid.calibration.taking.simulated import SimulatedPerson, Truth
 from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.show.session.sheet import sheet
 from serpenoid.show.session.state import state_of
@@ -29,7 +29,7 @@ def ratchet_setup(ratchet=True):
 @pytest.fixture(scope="module")
 def taken():
     setup = ratchet_setup()
-    return take_all(MemoryRecord(setup), SimulatedTreadmill(setup, Truth(TRUTH), seed=2))
+    return take_all(MemoryRecord(setup), SimulatedPerson(setup, Truth(TRUTH), seed=2))
 
 
 def test_the_simulated_treadmill_finds_both_ways(taken):
@@ -46,7 +46,7 @@ def test_the_simulated_treadmill_finds_both_ways(taken):
 
 def test_a_plain_plan_never_turns_the_robot_round():
     setup = ratchet_setup(ratchet=False)
-    plain = take_all(MemoryRecord(setup), SimulatedTreadmill(setup, Truth(TRUTH), seed=2))
+    plain = take_all(MemoryRecord(setup), SimulatedPerson(setup, Truth(TRUTH), seed=2))
     assert {r.facing for r in plain.kept} == {"down"}
     assert "facing" not in sheet_text(plain)
 

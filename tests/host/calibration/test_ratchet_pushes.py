@@ -13,9 +13,9 @@ from serpenoid.calibration.friction_result import ground_of
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.speed_samples import speed
 from serpenoid.calibration.taking.floor.procedure import of_push_bend, series_of_pushes
-from serpenoid.calibration.taking.floor.simulated import SimulatedFloor
 from serpenoid.calibration.taking.procedure import next_step, progress
 from serpenoid.calibration.taking.sheet import sheet_text
+from serpenoid.calibration.taking.simulated import SimulatedPerson
 from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.calibration.taking.world import Truth
 from serpenoid.lab.floor import Floor, Push
@@ -93,7 +93,7 @@ def test_the_plan_of_a_ratchet_asks_for_both_and_a_person_can_do_it() -> None:
         (b, "ahead") for b in base.procedure.push_lambda_rad
     ]
     ground = Ground((TRUTH[0], CT_BACK), TRUTH[1], (TRUTH[2], FT0_BACK), TRUTH[3])
-    taken = take_all(MemoryRecord(setup), SimulatedFloor(setup, Truth(ground), 3))
+    taken = take_all(MemoryRecord(setup), SimulatedPerson(setup, Truth(ground), 3))
     tail = of_push_bend(taken, 0.0, "back")
     assert [p.way for p in tail] == ["there", "back"]
     assert max(p.counted[0][-1] for p in tail) < min(

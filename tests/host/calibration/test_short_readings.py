@@ -14,7 +14,7 @@ from serpenoid.calibration.kinds.places import drifts, tidy_places
 from serpenoid.calibration.kinds.station import Reading
 from serpenoid.calibration.session_file import read_session
 from serpenoid.calibration.taking.new_session import create_session, default_setup
-from serpenoid.calibration.taking.simulated import SimulatedTreadmill
+from serpenoid.calibration.taking.simulated import SimulatedPerson
 from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.commands.main import cli
 from simulated_sessions import MemoryRecord, drawn_truth
@@ -233,7 +233,7 @@ def taken(number, joint_deg, short_s=4.0):
     truth = drawn_truth(setup, WHOLE_BODY_2005, rng)
     rolling = max(0.0, 0.045 + 0.03 * float(rng.normal()))
     truth = replace(truth, short_s=short_s, rolling_kg=6 * setup.robot.link_mass_kg * rolling)
-    treadmill = SimulatedTreadmill(setup, truth, seed=int(rng.integers(2**31)))
+    treadmill = SimulatedPerson(setup, truth, seed=int(rng.integers(2**31)))
     return take_all(MemoryRecord(setup), treadmill)
 
 

@@ -10,7 +10,7 @@ import serpenoid as sn
 from click.testing import CliRunner
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.calibration.taking.procedure import next_step
-from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth
+from serpenoid.calibration.taking.simulated import SimulatedPerson, Truth
 from serpenoid.calibration.taking.treadmill import Posture, take_step
 from serpenoid.commands.main import cli
 from serpenoid.paper.claims import Claim, as_dict
@@ -55,7 +55,7 @@ def state() -> dict:
     """Return what the page beside a treadmill shows after some readings."""
     setup = default_setup("made up")
     record = MemoryRecord(setup)
-    treadmill = SimulatedTreadmill(setup, Truth(sn.Ground(0.084, 1.2, 0.14, 0.27)), seed=2)
+    treadmill = SimulatedPerson(setup, Truth(sn.Ground(0.084, 1.2, 0.14, 0.27)), seed=2)
     posture = Posture()
     for _ in range(30):
         take_step(record, treadmill, posture)

@@ -21,7 +21,7 @@ from ..session import Setup
 from ..settings import SETTINGS, changed, read_settings
 from .journal import Journal, Listed
 from .parse_number import completed, listed_cells
-from .simulated import SimulatedTreadmill
+from .simulated import SimulatedPerson
 from .steps import Step
 from .treadmill import take_steps
 from .world import Truth
@@ -66,7 +66,7 @@ def wanted_setup(top: Table, setup: Setup) -> Setup:
     return setup
 
 
-def simulated_treadmill(top: Table, setup: Setup) -> SimulatedTreadmill:
+def simulated_treadmill(top: Table, setup: Setup) -> SimulatedPerson:
     """Return the treadmill that a script's [simulated] describes; raises BadInput."""
     table = top.table("simulated")
     table.only("seed", *_FRICTIONS, optional=_TRUTH + _BACK)
@@ -81,7 +81,7 @@ def simulated_treadmill(top: Table, setup: Setup) -> SimulatedTreadmill:
         n.replace("_deg", "_rad"): math.radians(v) if n.endswith("_deg") else v
         for n, v in given.items()
     }
-    return SimulatedTreadmill(setup, Truth(Ground(ct, cn, ft0, fn0), **in_si), table.whole("seed"))
+    return SimulatedPerson(setup, Truth(Ground(ct, cn, ft0, fn0), **in_si), table.whole("seed"))
 
 
 def run_script(journal: Journal, top: Table, told: Callable[[Step], None]) -> int:

@@ -1,32 +1,39 @@
 """A person in the virtual lab who follows the procedure, with a truth that is known and seeded.
 
-The robot obeys the lab's equations of motion on the belt, not a law of the fit: it yaws and leaves
-the belt unless it is steered, and below its least pull the belt carries it away. Everything that is
-read goes through instruments that err as the set-up says they may, and now and then the person
-misreads, or reads too early.
+The robot obeys the lab's equations of motion, not a law of the fit: on a belt it yaws and leaves it
+unless it is steered, and below its least pull the belt carries it away; on a floor who pushes it
+lets go a little crooked. Everything that is read goes through instruments that err as the set-up
+says they may, and now and then the person misreads, or reads too early.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
 from ...lab.belt import Belt
-from ...lab.crawl import crawl_speed
 from ...lab.person import Habits, Held, Person
-from ...lab.robot import pose_of
-from ...model.bends import balanced_signs
 from ...model.gait import Gait
+from ..crawls.filmed import crawl_cells
+from ..floor.look import look_at
 from ..kinds.declaration import Cells, Field
 from ..session import Session, Setup
-from .steps import Step
-from .world import Truth, between_links_deg, timed_crawl
+from .steps import Step, Tracked
+from .world import RUN_S, Truth, World
 
-TURNS, BELT_M = 10, 2.8  # of a belt check
+TURNS, BELT_M, CHECKED_M_S = 10, 2.8, 0.5  # of a belt check
 START_M_S = 0.3  # of the belt, where nothing tells better
+TRIES = 6  # of a push, until somebody gives up
+# What a person on a floor takes, s: to turn the robot round, push it and take the film in; to bend
+# it and lay the protractor on; to start a gait and lay the tape.
+PUSH_S, BEND_S, GAIT_S = 40.0, 90.0, 60.0
+# Error of each end under a protractor, over what is stated of the bend: half the mean of both errs
+# by that at a treadmill, by half of it on a floor, where there is room and light.
+ENDS = {"treadmill": 2 * math.sqrt(2), "floor": math.sqrt(2)}
 
 
 def _habits(truth: Truth) -> Habits:
@@ -35,10 +42,11 @@ def _habits(truth: Truth) -> Habits:
     return replace(made, let_go_rad=0.0, let_go_rad_s=0.0) if truth.guided else made
 
 
-class SimulatedTreadmill:
+class SimulatedPerson:
     """Do each step of the procedure against a known truth; the same seed does the same.
 
     run_gait: runs a gait on a board and returns the one that the board made of it, in true seconds.
+    t_s: what a person on a floor has needed so far.
     """
 
     def __init__(
@@ -46,43 +54,36 @@ class SimulatedTreadmill:
         setup: Setup,
         truth: Truth,
         seed: int = 0,
-        run_gait: Callable[[Gait], Gait] | None = None,
+        run_gait: Callable[[Gait], Gait] = lambda gait: gait,
     ):
-        self.truth = truth
+        self.truth, self.t_s, self.misread = truth, 0.0, 0
         self._setup = setup
         self._rng = rng = np.random.default_rng(seed)
-        self._run_gait = run_gait
-        self.robot = truth.robot(setup.robot, rng)
-        self.belt = Belt(self.robot, gravity_m_s2=setup.procedure.gravity_m_s2)
-        self.belt.guide(truth.guided)
+        self._run_gait = lru_cache(run_gait)
+        self._world = World(setup, truth, rng)
+        self.robot = self._world.robot
+        self._belt_run = Belt(self.robot, gravity_m_s2=setup.procedure.gravity_m_s2)
+        self._belt_run.guide(truth.guided)
         self._inclinometer_rad = truth.inclinometer_rad(setup)
-        self.person = Person(
-            self.belt,
-            rng,
-            _habits(truth),
-            truth.display(setup),
-        )
+        self.person = Person(self._belt_run, rng, _habits(truth), truth.display(setup))
+        self._on_floor = setup.procedure.on == "floor"
         # The deck does not lie level when the treadmill says 0.
-        self._deck_rad = math.radians(float(rng.uniform(-0.15, 0.15)))
-        self._bent_rad, self._shown_m_s = 0.0, START_M_S
-        self._true: dict[str, float | str] = {}
-        self._ran: dict[Gait, tuple[float, float]] = {}  # true rate and speed
-        self.misread = 0
+        self._deck_rad = 0.0 if self._on_floor else math.radians(float(rng.uniform(-0.15, 0.15)))
+        self._shown_m_s = START_M_S
+        self._true: Cells = {}
 
     def answer(self, step: Step, session: Session) -> Cells | None:
         """Do a step as a person would."""
         read: Cells | None = getattr(self, f"_{step.kind}")(step)
-        self._true = dict(read or {})
+        self._true = read or {}
         return None if read is None else self._typed(step, read)
 
     def look_again(
         self, step: Step, doubtful: Sequence[tuple[Field, tuple[float, float]]], cells: Cells
     ) -> Cells:
-        """Read again what is doubted, with care."""
-        return self._bend(step) if step.kind == "bend" else self._true
-
-    def _normal(self, sigma: float) -> float:
-        return float(self._rng.normal()) * sigma
+        """Read again what is doubted, with care; on a floor what was measured is over."""
+        again = step.kind == "bend" and not self._on_floor
+        return self._bend(step) if again else self._true
 
     def _shown_deg(self, incline_rad: float) -> float:
         return round(math.degrees(self._inclinometer_rad.shows(incline_rad, self._rng)), 4)
@@ -95,24 +96,17 @@ class SimulatedTreadmill:
         }
 
     def _straight(self, step: Step) -> Cells:
-        self._pose(0.0, step.facing)
+        """Have the board put the robot in a step's pose, and lay it on the belt or the floor."""
+        self.t_s += BEND_S
+        self.person.facing = step.facing
+        self._belt_run.pose(self._world.bend(step.lambda_deg))
         return {}
-
-    def _pose(self, bent_rad: float, facing: str) -> None:
-        """Have the board put the robot in a pose, and lay it on the belt."""
-        links = self._setup.robot.links
-        zigzag = self._setup.procedure.bend == "zigzag"
-        signs = [(-1) ** k for k in range(links)] if zigzag else balanced_signs(links)
-        self._bent_rad, self.person.facing = bent_rad, facing
-        self.belt.pose(pose_of(signs, bent_rad))
 
     def _bend(self, step: Step) -> Cells:
         """Bend as planned; lay the protractor on the joints at both ends."""
-        self._pose(math.radians(step.lambda_deg), step.facing)
-        # of each end, so that half the mean of both errs by what is stated of the bend
-        scatter = 2 * math.sqrt(2) * self._setup.uncertainty.lambda_sigma_rad
-        ends = self.robot.ends_rad(self.belt.pose_rad, scatter, self._rng)
-        return {"between_links_deg": between_links_deg(ends)}
+        self._straight(step)
+        scatter = ENDS[self._setup.procedure.on] * self._setup.uncertainty.lambda_sigma_rad
+        return {"between_links_deg": round(sum(self._world.ends_deg(scatter)) / 2, 1)}
 
     def _station(self, step: Step) -> Cells | None:
         """Set the nearest incline, find the belt speed that holds, wait, read what is left."""
@@ -121,7 +115,7 @@ class SimulatedTreadmill:
         grade_step = steps.incline_step_rad * self.truth.incline_scale
         grade = round(math.tan(aim) / grade_step) * grade_step
         incline_rad = math.atan(grade) + self._deck_rad
-        self.belt.tilt(incline_rad)
+        self._belt_run.tilt(incline_rad)
         self.person.facing = step.facing
         held = self._read(step)
         if held is None or held.belt_shown_m_s - held.drift_m_s <= 0.0:
@@ -139,46 +133,54 @@ class SimulatedTreadmill:
 
     def _read(self, step: Step) -> Held | None:
         """Hold the robot until it settles; or only film how it drifts, where that is the plan."""
-        guess_m_s = self._guess_m_s(step)
-        if self._bent_rad and self.truth.short_s:
+        likely = next((f.likely for f in step.fields if f.column == "belt_speed_m_s"), None)
+        guess_m_s = sum(likely) / 2 if likely is not None else self._shown_m_s
+        if step.lambda_deg and self.truth.short_s:
             return self.person.film(guess_m_s, self.truth.short_s)
         return self.person.hold(guess_m_s, step.settle_s)
 
     def _belt(self, step: Step) -> Cells:
         """Time a mark on the belt over ten turns."""
-        shown = (
-            round(0.5 / self._setup.treadmill.belt_step_m_s) * self._setup.treadmill.belt_step_m_s
-        )
-        watch, way_m = self._setup.stopwatch, TURNS * BELT_M
-        duration = way_m / (shown * self.truth.belt_scale) + self._normal(watch.time_sigma_s)
+        step_m_s, watch = self._setup.treadmill.belt_step_m_s, self._setup.stopwatch
+        shown, way_m = round(CHECKED_M_S / step_m_s) * step_m_s, TURNS * BELT_M
+        off_s = self._world.normal(watch.time_sigma_s)
         return {
             "belt_speed_m_s": round(shown, 5),
-            "distance_m": round(way_m + self._normal(watch.distance_sigma_m), 3),
-            "duration_s": round(duration, 2),
+            "distance_m": round(way_m + self._world.normal(watch.distance_sigma_m), 3),
+            "duration_s": round(way_m / (shown * self.truth.belt_scale) + off_s, 2),
         }
 
-    def _guess_m_s(self, step: Step) -> float:
-        """Return where a person begins: what the dialogue lets expect, else where the belt was."""
-        likely = next((f.likely for f in step.fields if f.column == "belt_speed_m_s"), None)
-        return sum(likely) / 2 if likely is not None else self._shown_m_s
+    def _coast(self, step: Step) -> Cells | None:
+        """Push until a push is as it should be; return its track, or way and time to rest."""
+        for _ in range(TRIES):
+            self.t_s += PUSH_S
+            track = self._world.push(step)
+            if self.truth.camera is None:
+                return self._world.tape(track)
+            samples = self._world.film(track, self.truth.camera)
+            look = look_at(*samples.T)
+            if not look.doubts:
+                return Tracked({**look.cells(), "by": "film"}, samples)
+        return None
 
     def _gait(self, step: Step) -> Cells:
-        gait = step.gait
-        assert gait is not None  # a gait's step has one
-        if gait not in self._ran:
-            made = gait if self._run_gait is None else self._run_gait(gait)
-            true = replace(made, alpha_rad=made.alpha_rad * self.truth.amplitude)
-            self._ran[gait] = made.omega_rad_s, crawl_speed(self.robot, true)
-        omega, speed = self._ran[gait]
-        return timed_crawl(speed, self._setup.stopwatch, self._rng)[0] | {"omega_rad_s": omega}
+        """Run a gait, and film it on a floor; else time it between two marks."""
+        assert step.gait is not None  # a gait's step has one
+        gait = self._run_gait(step.gait)
+        self.t_s += GAIT_S
+        if self._on_floor and self.truth.camera is not None:
+            self.t_s += RUN_S
+            rows = self._world.film_crawl(step, gait, self.truth.camera)
+            return Tracked({**crawl_cells(rows, gait), "film_sha256": "simulated"}, rows, "video")
+        read, duration_s = self._world.time_crawl(step, gait)
+        self.t_s += duration_s
+        return read | {"omega_rad_s": gait.omega_rad_s}
 
-    def _typed(self, step: Step, read: Mapping[str, float | str]) -> Cells:
+    def _typed(self, step: Step, read: Cells) -> Cells:
         """Return what is typed: now and then a figure is wrong."""
-        typed = dict(read)
-        if step.kind == "station" and self._rng.uniform() < self.truth.misreads:
-            self.misread += 1
-            if self._rng.uniform() < 0.5:
-                typed["incline_deg"] = round(float(typed["incline_deg"]) + 1.0, 4)
-            else:
-                typed["belt_speed_m_s"] = round(float(typed["belt_speed_m_s"]) * 3.6, 5)  # km/h
-        return typed
+        if step.kind != "station" or self._rng.uniform() >= self.truth.misreads:
+            return read
+        self.misread += 1
+        if self._rng.uniform() < 0.5:
+            return {**read, "incline_deg": round(float(read["incline_deg"]) + 1.0, 4)}
+        return {**read, "belt_speed_m_s": round(float(read["belt_speed_m_s"]) * 3.6, 5)}  # km/h

@@ -1,4 +1,4 @@
-"""What is true in the lab of a session and nobody there knows; and the floor robots roll along."""
+"""The lab of a session: what is true there and nobody knows, the robot, and what records it."""
 
 from __future__ import annotations
 
@@ -14,12 +14,11 @@ from ...lab.instruments import Instrument
 from ...lab.person import Display
 from ...lab.recording import Camera, film, to_rest
 from ...lab.robot import LabRobot, pose_of
-from ...model.bends import balanced_signs
-from ...model.drives import Servo
+from ...model.bends import bend_signs
+from ...model.drives import Servo, ServoKind
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
-from ..kinds.instruments import Stopwatch
 from ..session import Setup
 from .steps import Step
 
@@ -107,27 +106,37 @@ class Truth:
         return Instrument(self.incline_zero_rad, step=step_rad)
 
 
-def timed_crawl(
-    speed_m_s: float, watch: Stopwatch, rng: np.random.Generator
-) -> tuple[dict[str, float], float]:
-    """Return what tape and watch say of a crawl, and how long they took, s."""
-    distance = min(RUN_M, speed_m_s * RUN_S)
-    duration = distance / speed_m_s if speed_m_s > 0.0 else RUN_S
-    duration += float(rng.normal()) * watch.time_sigma_s
-    measured = max(distance + float(rng.normal()) * watch.distance_sigma_m, 0.0)
-    read = {"distance_m": round(measured, 3), "duration_s": round(max(duration, 0.1), 2)}
-    return read, duration
+def drawn_floor(
+    setup: Setup, ground: Ground, rng: np.random.Generator, servo: ServoKind | None = None
+) -> Truth:
+    """Draw the errors that all readings on a floor share, as the set-up says they may be.
+
+    servo: the kind of which the robot has one drawn; None: its joints follow the gait.
+    """
+    slope, scale, mass, shape, across = (float(v) for v in rng.normal(size=5))
+    wheels_kg = setup.floor.wheels_kg
+    mass_kg = setup.robot.links * setup.robot.link_mass_kg
+    rolling = (
+        (0.045 + 0.03 * shape) * mass_kg
+        if wheels_kg is None
+        else ((0.75 + 0.15 * shape) * wheels_kg)
+    )
+    return Truth(
+        ground,
+        slope_rad=setup.floor.slope_sigma_rad * slope,
+        across_rad=setup.floor.slope_sigma_rad * across,
+        film_scale=1.0 + setup.floor.film_scale_sigma * scale,
+        mass_scale=1.0 + setup.uncertainty.mass_sigma * mass,
+        rolling_kg=max(rolling, 0.0),
+        joint_sigma_rad=setup.uncertainty.joint_sigma_rad,
+        servo=servo and servo.draws(1, int(rng.integers(2**31)))[0],
+    )
 
 
-def between_links_deg(ends_rad: list[float]) -> float:
-    """Return what is written down of a protractor at both ends."""
-    return round(180.0 - math.degrees(sum(ends_rad) / 2), 1)
+class World:
+    """A session's robot in the lab, and what camera, tape, watch and protractor record of it.
 
-
-class FloorWorld:
-    """The robot on a floor, and what camera, tape and watch record of it.
-
-    robot_rng: draws the joints' errors, rng all else. step: where the session stands.
+    robot_rng: draws the joints' errors; rng, for which it stands unless given, all else.
     """
 
     def __init__(
@@ -135,38 +144,40 @@ class FloorWorld:
         setup: Setup,
         truth: Truth,
         rng: np.random.Generator,
-        robot_rng: np.random.Generator,
+        robot_rng: np.random.Generator | None = None,
     ):
         self.truth, self.rng = truth, rng
         self._setup = setup
-        self.robot = truth.robot(setup.robot, robot_rng)
+        self.robot = truth.robot(setup.robot, robot_rng or rng)
         self._floor = Floor(self.robot, truth.slope_rad, truth.across_rad)
-        self._pose_rad = self._signs(0.0)
+        self._speeds: dict[tuple[Gait, tuple[float, float]], float] = {}
+        self.bend(0.0)
 
-    def _signs(self, bend_rad: float) -> list[float]:
-        return pose_of(balanced_signs(self._setup.robot.links), bend_rad)
+    def bend(self, bend_deg: float) -> list[float]:
+        """Bend the robot, straight at 0; return what its joints are told."""
+        signs = bend_signs(self._setup.procedure.bend, self._setup.robot.links)
+        self._pose_rad = pose_of(signs, math.radians(bend_deg))
+        return self._pose_rad
 
-    def bend(self, bend_deg: float) -> None:
-        """Bend the robot, straight at 0."""
-        self._pose_rad = self._signs(math.radians(bend_deg))
+    def ends_deg(self, scatter_rad: float) -> list[float]:
+        """Return what a protractor shows between the links at tail and head, each off by this."""
+        ends_rad = self.robot.ends_rad(self._pose_rad, scatter_rad, self.rng)
+        return [180.0 - math.degrees(end_rad) for end_rad in ends_rad]
 
-    def ends_rad(self, scatter_rad: float) -> list[float]:
-        """Return by what a protractor shows the joints at tail and head bent."""
-        return self.robot.ends_rad(self._pose_rad, scatter_rad, self.rng)
-
-    def _normal(self, sigma: float) -> float:
+    def normal(self, sigma: float) -> float:
+        """Return an error drawn."""
         return float(self.rng.normal()) * sigma
 
-    def push(self, step: Step, speed_m_s: float) -> Track:
+    def push(self, step: Step, speed_m_s: float = SPEED) -> Track:
         """Push the robot the way that a step says, as a hand does: about so fast, not straight."""
         direction = 0.0 if step.cells["way"] == "there" else math.pi
         tail_first = step.cells.get("facing") == "back"
-        speed_m_s *= max(1.0 + self._normal(SPEED_SIGMA), 0.3)
-        crooked_rad, spin_rad_s = self._normal(CROOKED_RAD), self._normal(SPIN_RAD_S)
+        speed_m_s *= max(1.0 + self.normal(SPEED_SIGMA), 0.3)
+        crooked_rad, spin_rad_s = self.normal(CROOKED_RAD), self.normal(SPIN_RAD_S)
         made = Push(speed_m_s, direction, crooked_rad, spin_rad_s, tail_first=tail_first)
         return self._floor.push(self._pose_rad, made)
 
-    def film(self, track: Track, camera: Camera) -> NDArray[np.float64]:
+    def film(self, track: Track, camera: Camera = PHONE) -> NDArray[np.float64]:
         """Return what a film shows of a push: t_s, x_m, y_m in rows."""
         return film(track, replace(camera, scale=self.truth.film_scale), self.rng)[:, :3]
 
@@ -177,17 +188,27 @@ class FloorWorld:
         return {"distance_m": way_m, "duration_s": time_s, "turned_deg": turned_deg}
 
     def time_crawl(self, step: Step, gait: Gait) -> tuple[dict[str, float], float]:
-        """Return what tape and watch say of a crawl, and how long it took, s."""
-        rises, falls = self._slopes(step)
-        speed = crawl_speed(self.robot, self._made(gait), slope_rad=rises, across_rad=falls)
-        return timed_crawl(speed, self._setup.stopwatch, self.rng)
+        """Return what tape and watch say of a step's crawl, and how long it took, s."""
+        key = gait, self._slopes(step)
+        if key not in self._speeds:
+            rises, falls = key[1]
+            self._speeds[key] = crawl_speed(
+                self.robot, self._made(gait), slope_rad=rises, across_rad=falls
+            )
+        speed_m_s, watch = self._speeds[key], self._setup.stopwatch
+        distance = min(RUN_M, speed_m_s * RUN_S)
+        duration = distance / speed_m_s if speed_m_s > 0.0 else RUN_S
+        duration += self.normal(watch.time_sigma_s)
+        measured = max(distance + self.normal(watch.distance_sigma_m), 0.0)
+        read = {"distance_m": round(measured, 3), "duration_s": round(max(duration, 0.1), 2)}
+        return read, duration
 
-    def film_crawl(self, step: Step, gait: Gait, camera: Camera) -> NDArray[np.float64]:
+    def film_crawl(self, step: Step, gait: Gait, camera: Camera = PHONE) -> NDArray[np.float64]:
         """Return what is measured in a film of a crawl, its scale and joints' gains a little off.
 
         Rows as of `filmed_crawl`.
         """
-        off = replace(camera, scale=1.0 + self._normal(SPEED_OFF))
+        off = replace(camera, scale=1.0 + self.normal(SPEED_OFF))
         rows = filmed_crawl(self.robot, self._made(gait), off, self.rng, *self._slopes(step))
         rows[:, 4:] *= 1.0 + GAIN_OFF * self.rng.normal(size=rows.shape[1] - 4)
         return rows

@@ -12,10 +12,11 @@ from ...calibration.advising.two_fits import two_fits
 from ...calibration.fit_file import save_fit
 from ...calibration.friction_fit import fit_friction
 from ...calibration.kinds.instruments import FloorTools
-from ...calibration.taking.floor.simulated import SimulatedFloor, drawn_floor
 from ...calibration.taking.journal import Journal
 from ...calibration.taking.new_session import default_setup, on_place
+from ...calibration.taking.simulated import SimulatedPerson
 from ...calibration.taking.treadmill import take_all
+from ...calibration.taking.world import drawn_floor
 from ...model.errors import BadInput
 from ...show.progress import working
 from ...show.session.floor_figure import push_figure
@@ -74,7 +75,7 @@ def _pushed(folder: Path, setup: Setup, ground: Ground) -> tuple[Session, float]
     """Take the session; return it and the minutes that a person would have needed."""
     begin_anew(folder, setup)
     truth = drawn_floor(setup, ground, np.random.default_rng(SEED))
-    person = SimulatedFloor(setup, truth, SEED)
+    person = SimulatedPerson(setup, truth, SEED)
     with Journal(folder) as journal, working("pushes"):
         return take_all(journal, person), person.t_s / 60
 

@@ -22,7 +22,7 @@ from ...calibration.speed_samples import speed_band
 from ...calibration.taking.board_run import board_gait
 from ...calibration.taking.journal import Journal
 from ...calibration.taking.new_session import create_session, default_setup
-from ...calibration.taking.simulated import SimulatedTreadmill
+from ...calibration.taking.simulated import SimulatedPerson
 from ...calibration.taking.treadmill import take_all
 from ...calibration.taking.world import Truth
 from ...gaits.least_power import least_power_gait
@@ -103,7 +103,7 @@ def take_session(folder: Path, truth: Truth = TRUTH, body: Body | None = None) -
     begin_anew(folder, setup if body is None else replace(setup, robot=body))
     with RobotBoard("virtual:fast") as robot, Journal(folder) as journal:
         setup = journal.session.setup
-        treadmill = SimulatedTreadmill(
+        treadmill = SimulatedPerson(
             setup, truth, SEED, run_gait=lambda gait: board_gait(robot, gait)
         )
         journal.event("start", detail="demo")

@@ -16,8 +16,7 @@ from ..paths import FOLDER
 
 if TYPE_CHECKING:
     from ...calibration.session import Session
-    from ...calibration.taking.person.practice import PracticeTerminal
-    from ...lab.practice import PracticeTreadmill
+    from ...calibration.taking.person.practice_treadmill import TreadmillTerminal
 
 PICTURE_S = 0.1
 ENOUGH = 4  # pushes, after which the truth may be told
@@ -58,13 +57,8 @@ def practice(
     friction is told at the end. The session goes on where it was left, as a real one.
     """
     from ...calibration.session_file import read_session
-    from ...calibration.taking.person.practice import (
-        HELP,
-        PracticeTerminal,
-        belt_words,
-        drawn_belt,
-        practice_treadmill,
-    )
+    from ...calibration.taking.person import practice_floor, practice_treadmill
+    from ...calibration.taking.person.practice import PracticeTerminal, truth_in_words
     from ...calibration.taking.person.terminal import Console
     from ...robot.wire.virtual import VirtualLink
     from .calibrate_person import with_a_person
@@ -74,37 +68,25 @@ def practice(
     if on == "floor":
         words = "{} has no effect with --on floor; leave it out"
         refuse_typed(words, "pace", "lan", "with_page")
-        return _on_floor(folder, seed)
     session, drawn = _begun(folder, seed, on)
-    link = VirtualLink(joints=session.setup.robot.links - 1)
-    room = practice_treadmill(session.setup, drawn, link.set_points_rad, pace).start()
-    terminal = PracticeTerminal(Console(), room, pace)
-    terminal.say(HELP + "\nThese words once more: treadmill.")
+    lab = Console(), session.setup, drawn, folder / "films"
+    terminal: PracticeTerminal
+    if on == "floor":
+        link, page, terminal = None, nullcontext(), practice_floor.FloorTerminal(*lab)
+        terminal.say(f"{practice_floor.HELP}\nThese words once more: floor.")
+    else:
+        link = VirtualLink(joints=session.setup.robot.links - 1)
+        terminal = practice_treadmill.TreadmillTerminal(*lab, link.set_points_rad, pace)
+        terminal.say(f"{practice_treadmill.HELP}\nThese words once more: treadmill.")
+        page = _running(terminal, with_page, lan)
     try:
-        with _page(room, terminal, lan) if with_page else nullcontext():
-            with_a_person(folder, link, 1e9, False, False, terminal)
+        with page:
+            with_a_person(folder, link, 1e9, False, False, terminal, terminal.watch)
     finally:
-        room.stop()
         session = read_session(folder)
-        if len(session.kept) >= 4:
-            terminal.say(f"\n{belt_words(drawn_belt(drawn))}; `serpenoid fit {folder}`")
-
-
-def _on_floor(folder: Path, seed: int | None) -> None:
-    """Practise pushes: films are made in the lab, and taken in as a phone's would be."""
-    from ...calibration.session_file import read_session
-    from ...calibration.taking.person.floor_practice import HELP, FloorTerminal, floor_words
-    from ...calibration.taking.person.terminal import Console
-    from .calibrate_person import with_a_person
-
-    session, drawn = _begun(folder, seed, "floor")
-    terminal = FloorTerminal(Console(), session.setup, drawn, folder / "films")
-    terminal.say(HELP + "\nThese words once more: floor.")
-    try:
-        with_a_person(folder, None, 1e9, False, False, terminal, terminal.watch)
-    finally:
-        if len(read_session(folder).kept_pushes) >= ENOUGH:
-            terminal.say(f"\n{floor_words(terminal.world.truth)}; `serpenoid fit {folder}`")
+        if len(session.kept) + len(session.kept_pushes) >= ENOUGH:
+            truth = truth_in_words(terminal.world.truth, on)
+            terminal.say(f"\n{truth}; `serpenoid fit {folder}`")
 
 
 def _begun(folder: Path, seed: int | None, place: str) -> tuple[Session, int]:
@@ -128,7 +110,18 @@ def _begun(folder: Path, seed: int | None, place: str) -> tuple[Session, int]:
 
 
 @contextmanager
-def _page(room: PracticeTreadmill, terminal: PracticeTerminal, lan: bool) -> Iterator[None]:
+def _running(terminal: TreadmillTerminal, with_page: bool, lan: bool) -> Iterator[None]:
+    """Let the treadmill's time pass while this lasts, and serve its page."""
+    room = terminal.room.start()
+    try:
+        with _page(terminal, lan) if with_page else nullcontext():
+            yield
+    finally:
+        room.stop()
+
+
+@contextmanager
+def _page(terminal: TreadmillTerminal, lan: bool) -> Iterator[None]:
     """Serve the treadmill while this lasts."""
     from importlib.resources import files
 
@@ -137,6 +130,7 @@ def _page(room: PracticeTreadmill, terminal: PracticeTerminal, lan: bool) -> Ite
     def steer(way: str) -> Any:
         return lambda: terminal.keys[way]() if way in terminal.keys else "no robot to steer yet"
 
+    room = terminal.room
     html = files("serpenoid.show.session").joinpath("practice.html").read_text(encoding="utf-8")
     buttons = room.buttons | {way: steer(way) for way in ("left", "right")}
     ended = threading.Event()

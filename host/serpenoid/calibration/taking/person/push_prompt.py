@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
+from os.path import isfile  # False, too, for what cannot be a name
 from pathlib import Path
 
 import numpy as np
@@ -34,8 +36,8 @@ def named_file(text: str) -> tuple[Path, str] | None:
     """Return the file that was typed and the unit of its lengths, None if it names none."""
     words = text.strip().strip("'\"").split()
     unit = words.pop() if len(words) > 1 and words[-1] in UNITS else "m"
-    path = Path(" ".join(words)).expanduser()
-    return (path, unit) if path.is_file() or path.suffix.lower() in (*TEXTS, *FILMS) else None
+    path = Path(os.path.expanduser(" ".join(words)))
+    return (path, unit) if isfile(path) or path.suffix.lower() in (*TEXTS, *FILMS) else None
 
 
 def no_films(path: Path, robot: Robot) -> Tracked:
@@ -48,7 +50,7 @@ def no_films(path: Path, robot: Robot) -> Tracked:
 
 def read_track(path: Path, unit: str) -> Track:
     """Return the track of a file, t_s, x_m, y_m in rows, and the file's hash; raises BadInput."""
-    if not path.is_file():
+    if not isfile(path):
         raise BadInput(f"{path}: no such file")
     return read_track_file(path, unit)
 
@@ -60,7 +62,7 @@ def take_track(
 
     film: what reads a film of the robot with tags, whose joints hold still.
     """
-    if path.suffix.lower() in TEXTS or not path.is_file():
+    if path.suffix.lower() in TEXTS or not isfile(path):
         track, sha256 = read_track(path, unit)
     else:
         sha256 = sha256_of(path)
@@ -83,7 +85,7 @@ def read_crawl(journal: Journal, path: Path, gait: Gait, film: CrawlReader = no_
 
     A track is a CSV file as `serpenoid video --track` writes it.
     """
-    if not path.is_file():
+    if not isfile(path):
         raise BadInput(f"{path}: no such file")
     sha256 = sha256_of(path)
     for taken in journal.session.kept_films:
