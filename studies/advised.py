@@ -152,8 +152,8 @@ def planned(plan: str, seed: int) -> tuple[Session, SimulatedPerson]:
         steps = replace(steps, incline_step_rad=math.tan(math.radians(step_deg)))
     setup = replace(base, kind="simulated", procedure=procedure, treadmill=steps)
     truth = drawn_truth(setup, WHOLE_2005, np.random.default_rng(seed))
-    taken = take_all(MemoryRecord(setup), SimulatedPerson(setup, truth, seed=seed))
-    return taken, SimulatedPerson(setup, truth, seed=seed)
+    taken = take_all(MemoryRecord(setup), SimulatedPerson(setup, truth, seed))
+    return taken, SimulatedPerson(setup, truth, seed)
 
 
 def plan_of(job: tuple[str, int, SpeedTable]) -> tuple[int, float, float]:

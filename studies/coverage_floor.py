@@ -146,7 +146,7 @@ def drawn_person(
     setup = floor_setup(case)
     truth = drawn_floor(setup, WHOLE_2005, rng, case.kind)
     truth = replace(truth, camera=case.camera, amplitude=amplitude)
-    return SimulatedPerson(setup, truth, seed=int(rng.integers(2**31)))
+    return SimulatedPerson(setup, truth, int(rng.integers(2**31)))
 
 
 class ServoPool:

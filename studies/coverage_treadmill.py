@@ -141,7 +141,7 @@ def one(
     )
     truth = drawn_truth(setup, WHOLE_2005, rng, SERVOS)
     truth = replace(truth, incline_scale=1.0 + STEP_SIGMA * float(rng.normal()))
-    treadmill = SimulatedPerson(setup, truth, seed=int(rng.integers(2**31)))
+    treadmill = SimulatedPerson(setup, truth, int(rng.integers(2**31)))
     taken = take_all(MemoryRecord(setup), treadmill)
     try:
         fit = fit_friction(taken)

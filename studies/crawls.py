@@ -63,7 +63,7 @@ def one(alone: bool, number: int) -> list[float] | None:
     friction = {k: v * math.exp(SPREAD * rng.normal()) for k, v in CENTRE.items()}
     amplitude = 1.0 + AMPLITUDE_SIGMA * float(rng.normal())
     truth = replace(drawn_floor(setup, Ground(**friction), rng), amplitude=amplitude)
-    person = SimulatedPerson(setup, truth, seed=int(rng.integers(2**31)))
+    person = SimulatedPerson(setup, truth, int(rng.integers(2**31)))
     taken = take_all(MemoryRecord(setup), person)
     fits = []
     for crawls in (True,) if alone else (True, False):

@@ -185,7 +185,7 @@ def words(
     setup = replace(shown_in_steps(default_setup("verdicts"), INCLINE_STEP_DEG), kind="simulated")
     gaits, truth = setup.procedure.gaits, drawn_truth(setup, WHOLE_2005, rng)
     stations = replace(setup, procedure=replace(setup.procedure, gaits=()))
-    treadmill = SimulatedPerson(stations, truth, seed=int(rng.integers(2**31)))
+    treadmill = SimulatedPerson(stations, truth, int(rng.integers(2**31)))
     fit = fit_friction(take_all(MemoryRecord(stations), treadmill))
     judges = {}
     for name in {f.stated for f in faults}:

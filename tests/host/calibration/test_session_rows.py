@@ -186,22 +186,6 @@ def test_no_amendment_changes_what_was_read_before_it(folder, change):
     assert load_session(folder).sha256 != with_new  # the same reading by other instruments
 
 
-def test_the_hash_sees_the_treadmill(folder):
-    append(folder, reading(1), reading(2))
-    first, file = load_session(folder).sha256, folder / "session.toml"
-    text = file.read_text()
-    assert text.count("[instruments]\n") == 1
-    file.write_text(text.replace("[instruments]\n", "[instruments]\nincline_step_percent = 0.7\n"))
-    assert load_session(folder).sha256 != first
-
-
-def test_the_plan_may_be_amended(folder):
-    append(folder, event("amend", detail='"plan.lambda_deg = [0, 30]"'), to="events.csv")
-    plan = read_session(folder).setup.procedure
-    assert plan.lambda_rad == (0.0, math.radians(30))
-    assert math.degrees(plan.incline_step_rad) == pytest.approx(0.3)
-
-
 def test_void_restore_and_redo(folder):
     append(folder, reading(1), reading(2), reading(3), reading(4, replaces=2, belt_speed_m_s=0.5))
     append(
@@ -280,9 +264,6 @@ def test_other_damage_is_told(folder):
     path = folder / "readings.csv"
     path.write_text(path.read_text().replace(",", ";"))
     with pytest.raises(BadInput, match="semicolons; a spreadsheet did that"):
-        load_session(folder)
-    path.write_text("")
-    with pytest.raises(BadInput, match="the file is empty"):
         load_session(folder)
 
 
