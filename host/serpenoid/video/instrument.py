@@ -11,7 +11,7 @@ from . import errors, motion, unseen
 from .fitting import bundle as bundles
 from .fitting import frames, start
 from .fitting.camera import Camera
-from .fitting.chain import joint_angles
+from .fitting.chain import filled_headings, joint_angles
 from .seeing.sightings import Sightings
 
 Array = NDArray[np.float64]
@@ -87,7 +87,7 @@ def measure(sightings: Sightings, side_m: float, starts: list[Camera]) -> Measur
     fitted = _motion_of(track, rate)
     if not seen.seen.all():
         phi = joint_angles(track.states) - fitted.joints_rest_rad
-        expected = unseen.expected_headings(track.states, seen.seen, phi)
+        expected = filled_headings(track.states, seen.seen, phi)
         loose_rad = unseen.KNOWN_RAD
         track = frames.fit_states(fit.camera, seen, expected, loose_rad, fit.noise_px)
         fitted = _motion_of(track, rate)
@@ -112,7 +112,7 @@ def _by_the_gait(
     """Fit camera and track anew, with unseen links where one travelling sine has them."""
     picked = _spread(seen, CALIBRATION_FRAMES)
     phi = unseen.travelling_sine(fit.camera, seen, turns)
-    guess = unseen.expected_headings(expected, seen.seen, phi)
+    guess = filled_headings(expected, seen.seen, phi)
     few = seen.picked(picked)
     fit = bundles.fit(fit.camera, guess[picked], few, side_m, turns, known_rad=GAIT_RAD)
     return fit, frames.fit_states(fit.camera, seen, guess, GAIT_RAD, fit.noise_px)

@@ -15,12 +15,12 @@ from .faults import view_remarks
 from .fitting import frames, start
 from .fitting.bundle import Bundle
 from .fitting.camera import LENS, Camera
-from .fitting.chain import joint_angles
+from .fitting.chain import filled_headings, joint_angles
 from .instrument import EXPECTED_SIGMA_RAD, calibrate
 from .measure_film import SeenFilm, refusals, seen_film
 from .result import Remark
 from .seeing.sightings import Sightings
-from .unseen import KNOWN_RAD, expected_headings
+from .unseen import KNOWN_RAD
 
 Array = NDArray[np.float64]
 STILL_RAD = math.radians(3.0)  # joints that move by more are driven, or loose
@@ -99,7 +99,7 @@ def _tracked(s: Sightings, side_m: float, starts: list[Camera]) -> tuple[Bundle,
     expected = start.first_states(fit.camera, seen, turns)
     track = frames.fit_states(fit.camera, seen, expected, EXPECTED_SIGMA_RAD, fit.noise_px)
     phi = still_joints(joint_angles(track.states), seen.seen)
-    expected = expected_headings(track.states, seen.seen, np.tile(phi, (len(expected), 1)))
+    expected = filled_headings(track.states, seen.seen, phi)
     return fit, frames.fit_states(fit.camera, seen, expected, KNOWN_RAD, fit.noise_px)
 
 

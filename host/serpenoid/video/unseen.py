@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from ..model.errors import BadInput
 from .fitting.camera import Camera
-from .fitting.chain import wrapped
 from .fitting.start import tag_poses
 from .motion import basis, first_rate
 from .seeing.sightings import Sightings
@@ -27,32 +26,6 @@ AMPLITUDES = np.radians([20.0, 40.0, 60.0])  # from which the fit starts
 LAGS = np.radians(np.arange(-150, 180, 30))
 OFTEN, TOGETHER = 0.3, 10  # share of the frames; frames with both ends
 FITTED_FRAMES = 600  # at most, spread over the film
-
-
-def expected_headings(states: Array, seen: NDArray[np.bool_], phi: Array) -> Array:
-    """Return states whose unseen links point as the joints phi (frames, joints) say.
-
-    From the nearest links that are seen, on both sides; the nearer one counts for more.
-    """
-    out = states.copy()
-    theta = states[:, 2:]
-    n = theta.shape[1]
-    turned = np.concatenate([np.zeros((len(phi), 1)), np.cumsum(phi, axis=1)], axis=1)
-    for k in range(n):
-        total, weight = np.zeros(len(theta)), np.zeros(len(theta))
-        free = ~seen[:, k]
-        for way in (-1, 1):
-            open_ = free.copy()
-            for j in range(k + way, n if way > 0 else -1, way):
-                here = open_ & seen[:, j]
-                near = 1.0 / abs(k - j)
-                guess = theta[:, j] + turned[:, k] - turned[:, j]
-                total[here] += near * (theta[:, k] + wrapped(guess - theta[:, k]))[here]
-                weight[here] += near
-                open_ &= ~here
-        filled = free & (weight > 0)
-        out[filled, 2 + k] = total[filled] / weight[filled]
-    return out
 
 
 def outermost(sightings: Sightings) -> tuple[int, int]:

@@ -80,24 +80,24 @@ def fit(
         sigma[1:5] *= PLAIN
     problem = _Problem(sightings, states, held, sigma, 1.0 / known_rad)
     damping, noise = 1e-3, NOISE_PX
-    normal = problem.normal(camera, states, noise)
+    cost = problem.cost(camera, states, noise)
     for _ in range(steps):
-        step, step_states = problem.normal(camera, states, noise, damping).solve(damping)
+        step, step_states = problem.step(camera, states, noise, damping)
         tried = replace(camera, shared=camera.shared + step)
         tried_states = states + step_states
-        cost = problem.cost(tried, tried_states, noise)
-        if cost < normal.cost:
-            gained = normal.cost - cost
+        lower = problem.cost(tried, tried_states, noise)
+        if lower < cost:
+            gained = cost - lower
             camera, states, damping = tried, tried_states, max(damping / 5, 1e-9)
             noise = noise if rough else problem.noise(camera, states)
-            normal = problem.normal(camera, states, noise)
-            if gained < 1e-5 * cost and damping < 1e-6:
+            cost = problem.cost(camera, states, noise)
+            if gained < 1e-5 * lower and damping < 1e-6:
                 break
         else:
             damping *= 8
             if damping > 1e6:
                 break
-    return Bundle(camera, normal.covariance(), noise, held, normal.cost)
+    return Bundle(camera, problem.covariance(camera, states, noise), noise, held, cost)
 
 
 def misses(camera: Camera, states: Array, s: Sightings) -> Array:
@@ -131,7 +131,7 @@ def equations(
 
 @dataclass(frozen=True)
 class _Problem:
-    """Hold sightings and priors; make the normal equations of one step."""
+    """Hold sightings and priors; take one step."""
 
     sightings: Sightings
     start: Array
@@ -159,45 +159,41 @@ class _Problem:
         priors = (np.sum(off**2) for off in self._from_prior(camera, states))
         return 8 * float(squares.sum()) + float(sum(priors))
 
-    def normal(self, camera: Camera, states: Array, noise: float, damping: float = 0.0) -> _Normal:
-        """Return the normal equations at a point; damping holds the frames' states."""
+    def _normal(
+        self, camera: Camera, states: Array, noise: float, damping: float = 0.0
+    ) -> tuple[Array, Array, Array]:
+        """Return the normal equations of the shared unknowns: matrix, scores, the frames' part.
+
+        The matrix has the priors, each frame's score has not. damping holds the frames' states.
+        """
         a, b, rest = equations(camera, states, self.sightings, noise)
-        off, drift = self._from_prior(camera, states)
         unit = np.eye(a.shape[-1])
         of_frames = a.transpose(0, 2, 1) @ a
         of_frames[:, 2:, 2:] += self.loose**2 * unit[2:, 2:]
         of_frames += (1e-9 + damping * np.einsum("fii->fi", of_frames)[:, None]) * unit
         wanted = np.concatenate([b, rest], axis=-1)
         cross = a.transpose(0, 2, 1) @ wanted
-        cross[..., -1] -= self.loose * drift
+        cross[..., -1] -= self.loose * self._from_prior(camera, states)[1]
         inside = np.linalg.solve(of_frames, cross)
         reduced = b.transpose(0, 2, 1) @ wanted - cross[..., :-1].transpose(0, 2, 1) @ inside
-        cost = self.cost(camera, states, noise)
-        matrix = reduced[..., :-1].sum(axis=0)
-        return _Normal(matrix, reduced[..., -1], inside, off, self.sigma, cost)
+        matrix = reduced[..., :-1].sum(axis=0) + np.diag(1 / self.sigma**2)
+        return matrix, reduced[..., -1], inside
 
+    def step(
+        self, camera: Camera, states: Array, noise: float, damping: float
+    ) -> tuple[Array, Array]:
+        """Return how far the shared unknowns and the states go."""
+        matrix, score, inside = self._normal(camera, states, noise, damping)
+        off, _ = self._from_prior(camera, states)
+        damped = matrix + damping * np.diag(np.diag(matrix))
+        step = np.linalg.solve(damped, score.sum(axis=0) - off / self.sigma)
+        return step, inside[..., -1] - inside[..., :-1] @ step
 
-@dataclass(frozen=True)
-class _Normal:
-    """Normal equations of the shared unknowns: matrix, each frame's score, the frames' part."""
-
-    matrix: Array
-    score: Array
-    inside: Array
-    off: Array
-    sigma: Array
-    cost: float
-
-    def solve(self, damping: float) -> tuple[Array, Array]:
-        matrix = self.matrix + np.diag(1 / self.sigma**2)
-        matrix = matrix + damping * np.diag(np.diag(matrix))
-        step = np.linalg.solve(matrix, self.score.sum(axis=0) - self.off / self.sigma)
-        return step, self.inside[..., -1] - self.inside[..., :-1] @ step
-
-    def covariance(self) -> Array:
+    def covariance(self, camera: Camera, states: Array, noise: float) -> Array:
         """Return the covariance from how the frames' scores scatter, and from the priors."""
-        known = np.diag(1 / self.sigma**2)
-        inverse = np.linalg.inv(self.matrix + known)
-        frames = len(self.score)
-        scatter = self.score - self.score.mean(axis=0)
-        return inverse @ (SLOW * scatter.T @ scatter * frames / (frames - 1) + known) @ inverse
+        matrix, score, _ = self._normal(camera, states, noise)
+        inverse = np.linalg.inv(matrix)
+        frames = len(score)
+        apart = score - score.mean(axis=0)
+        scatter = SLOW * apart.T @ apart * frames / (frames - 1)
+        return inverse @ (scatter + np.diag(1 / self.sigma**2)) @ inverse

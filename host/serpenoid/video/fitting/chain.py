@@ -48,3 +48,22 @@ def mean_heading(states: Array) -> Array:
     """
     bend = np.cumsum(joint_angles(states), axis=-1).sum(axis=-1) / (states.shape[-1] - 2)
     return np.unwrap(states[..., 2] + bend)
+
+
+def filled_headings(states: Array, seen: NDArray[np.bool_], phi: Array) -> Array:
+    """Return states whose unseen links point as the joints phi (frames, joints) say.
+
+    From the nearest links that are seen (frames, links), on both sides; the nearer one counts for
+    more.
+    """
+    out, links = states.copy(), np.arange(seen.shape[1])
+    turned = np.zeros(seen.shape)
+    turned[:, 1:] = np.cumsum(np.broadcast_to(phi, (len(seen), len(links) - 1)), axis=1)
+    for there in np.unique(seen, axis=0):
+        if there.all() or not there.any():
+            continue
+        rows = (seen == there).all(axis=1)
+        base = np.unwrap((states[rows, 2:] - turned[rows])[:, there], axis=1)
+        shares = [np.interp(links[~there], links[there], unit) for unit in np.eye(there.sum())]
+        out[np.ix_(rows, 2 + links[~there])] = base @ shares + turned[rows][:, ~there]
+    return out

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..seeing.sightings import Sightings, in_chunks
 from .camera import LENS, MOUNTING, Camera
-from .chain import lever_matrix, wrapped
+from .chain import filled_headings, link_centres
 
 Array = NDArray[np.float64]
 FOCALS = (0.6, 0.75, 0.95, 1.3, 2.0)  # of the image's longer side: wide angle to telephoto
@@ -102,35 +102,22 @@ def quarter_turns(centres: Array, headings: Array) -> Array:
 
 
 def first_states(camera: Camera, sightings: Sightings, turns: Array) -> Array:
-    """Return states (frames, links + 2) from the tags that are there; others by interpolation."""
+    """Return states (frames, links + 2) from the tags that are there; others by interpolation.
+
+    In time; a link that was never seen points between those beside it.
+    """
     centres, headings = tag_poses(camera, sightings)
-    theta = headings - turns
-    theta = np.stack([filled(sightings.t_s, theta[:, i]) for i in range(theta.shape[1])], axis=1)
-    theta = _never_seen_filled(theta)
-    levers = camera.link_m * lever_matrix(theta.shape[1])
+    states = np.full((len(headings), headings.shape[1] + 2), np.nan)
+    for i, theta in enumerate((headings - turns).T, 2):
+        there = np.isfinite(theta)
+        if there.any():
+            smooth = np.unwrap(theta[there])
+            states[:, i] = np.interp(sightings.t_s, sightings.t_s[there], smooth)
+    states = filled_headings(states, np.isfinite(states[:, 2:]), np.zeros(headings.shape[1] - 1))
+    states[:, :2] = 0.0
 
     def middles(cut: slice) -> tuple[Array]:
-        along = np.stack([np.cos(theta[cut]), np.sin(theta[cut])], axis=-1)
-        return (np.nanmean(centres[cut] - np.einsum("ij,fjk->fik", levers, along), axis=1),)
+        return (np.nanmean(centres[cut] - link_centres(states[cut], camera.link_m), axis=1),)
 
-    return np.column_stack([*in_chunks(middles, len(theta)), theta])
-
-
-def filled(t_s: Array, angle: Array) -> Array:
-    """Return an angle without jumps of a turn, NaN filled between its neighbours in time."""
-    there = np.isfinite(angle)
-    if not there.any():
-        return angle
-    return np.interp(t_s, t_s[there], np.unwrap(angle[there]))
-
-
-def _never_seen_filled(theta: Array) -> Array:
-    """Return headings where a link that was never seen points between those beside it."""
-    seen = np.isfinite(theta).all(axis=0)
-    links = np.arange(theta.shape[1])
-    base = theta[:, seen][:, :1]
-    near = base + wrapped(theta[:, seen] - base)  # one branch for a frame
-    shares = [np.interp(links[~seen], links[seen], unit) for unit in np.eye(seen.sum())]
-    out = theta.copy()
-    out[:, ~seen] = near @ np.array(shares)
-    return out
+    (states[:, :2],) = in_chunks(middles, len(states))
+    return states
