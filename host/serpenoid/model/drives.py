@@ -489,11 +489,8 @@ def loop_radius(servo: Servo) -> float:
     glide = (1 - decay) / rate  # angle by a unit of rate, rate by a unit of acceleration
     drift = (look - glide) / rate  # angle by a unit of acceleration
     spring, damper = servo.stiffness_nm_rad / J, (servo.damping_nms_rad - line) / J
-    # the step of angle and rate from look to look: half its trace, and its determinant
-    half = (1.0 - drift * spring + decay - glide * damper) / 2
-    product = (1.0 - drift * spring) * (decay - glide * damper) + (
-        (glide - drift * damper) * glide * spring
-    )
-    apart = half**2 - product
-    most = math.sqrt(product) if apart < 0 else abs(half) + math.sqrt(apart)
-    return most ** (0.02 / look)
+    look_to_look = [
+        [1 - drift * spring, glide - drift * damper],
+        [-glide * spring, decay - glide * damper],
+    ]
+    return float(np.abs(np.linalg.eigvals(look_to_look)).max()) ** (FRAME_S / look)
