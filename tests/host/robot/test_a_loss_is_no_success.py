@@ -24,9 +24,7 @@ from serpenoid.model.errors import (
 )
 from serpenoid.robot import Robot
 from serpenoid.robot.recording.stream import load_stream
-from serpenoid.robot.tools.driven_run import DrivenRun
 from serpenoid.robot.wire import dialogue
-from serpenoid.robot.wire.virtual import VirtualLink
 
 GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
 DRIVE = ["drive", "--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "5"]
@@ -324,25 +322,3 @@ def test_drive_interrupted_without_a_sure_stop_has_failed(serpenoid):
         fake.to_host = after_gait_frames(20, interrupt)
         status, _, errors = serpenoid(*DRIVE, "--port", fake.port)
     assert (status, "stop was not confirmed" in errors) == (1, True)
-
-
-def test_frames_that_are_missing_at_the_end_are_missed_too(monkeypatch):
-    """Even if the run ends before a second without a frame has passed."""
-    link = VirtualLink(fast=True)
-    monkeypatch.setattr("serpenoid.robot.robot.open_link", lambda _port: link)
-    run = DrivenRun(GAIT, "any", None)
-
-    read, rest = link.read, b""
-
-    def read_no_frames(timeout_s: float) -> bytes:
-        nonlocal rest
-        *lines, rest = (rest + read(timeout_s)).split(b"\n")
-        return b"".join(line + b"\n" for line in lines if not line.startswith(b"t:"))
-
-    def lose_the_rest(run: DrivenRun) -> None:
-        if run.frames == 25:
-            link.read = read_no_frames
-
-    with pytest.raises(FramesMissing, match="no telemetry for 1"):
-        run.run(1.0, lose_the_rest)
-    assert link.board.state == "hold"

@@ -11,7 +11,6 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -140,9 +139,3 @@ def test_refusals(serpenoid, args, status, said):
     found = serpenoid("drive", *args, "--port", "virtual:fast")
     assert found[0] == status
     assert said in found[2]
-
-
-def test_without_a_board(serpenoid, tmp_path: Path):
-    status, _, errors = serpenoid("drive", *GAIT, "--port", str(tmp_path / "nothing"))
-    assert status == 1
-    assert "there is no port" in errors

@@ -162,14 +162,7 @@ def test_what_cannot_be_flashed(pio, serpenoid, tmp_path):
     assert status == 2
 
 
-def test_a_port_that_is_not_there_is_told_before_anything_is_built(pio, serpenoid, tmp_path):
-    arguments = pio("exit 0")
-    status, _, errors = serpenoid("flash", "--board", "uno", "--port", str(tmp_path / "no"))
-    assert (status, "there is no port" in errors) == (1, True)
-    assert not arguments.exists()
-
-
-@pytest.mark.parametrize("port", ["ttyACM0", "a\x01b", "/tmp", "{folder}/file"])
+@pytest.mark.parametrize("port", ["ttyACM0", "a\x01b", "/tmp", "{folder}/file", "{folder}/no"])
 def test_what_is_no_port_is_told_before_anything_is_built(pio, serpenoid, tmp_path, port):
     arguments = pio("exit 0")
     (tmp_path / "file").touch()

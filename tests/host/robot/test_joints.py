@@ -12,9 +12,7 @@ from serpenoid.model.errors import BadInput
 from serpenoid.model.gait import Gait
 from serpenoid.robot import Robot
 from serpenoid.robot.recording.stream import load_stream
-from serpenoid.robot.tools.driven_run import DrivenRun
 from serpenoid.robot.tools.monitor import Monitor
-from serpenoid.robot.tools.trimming import Trimming, straighten
 from serpenoid.robot.wire.protocol import line_limit
 
 FRAME_US = {6: 20_000, 8: 22_500}
@@ -59,28 +57,11 @@ def test_a_person_may_type_lines_as_long_as_the_board_takes(joints, joints_link)
     assert any(f"at most {line_limit(joints)}" in line for line in shown)
 
 
-def test_a_run_and_its_time(joints, joints_link):
-    run = DrivenRun(GAIT, "any", None)
-    run.run(3.0, lambda _: None)
-    assert run.elapsed_s == pytest.approx(3.0, abs=0.1)
-    assert run.frames == pytest.approx(3e6 / FRAME_US[joints], abs=3)
-
-
 def test_telemetry_may_be_quiet_for_as_long_as_its_frames_take(joints, joints_link):
     with Robot("any") as robot:
         robot.set("every", 100)
         assert robot._dialogue.inbox.telemetry_s == pytest.approx(FRAME_US[joints] * 1e-4)
         assert len(list(robot.frames(10.0))) == pytest.approx(1e5 / FRAME_US[joints], abs=1)
-
-
-def test_every_servo_can_be_trimmed(joints, joints_link):
-    with Robot("any") as robot:
-        straighten(robot)
-        work = Trimming(robot, lambda _: None)
-        for key in ("left", "up", "x"):
-            work.press(key)
-        centres = [trim.centre_us for trim in robot.trims()]
-    assert centres == [1500] * (joints - 1) + [1501]
 
 
 def test_the_gait_that_a_board_really_drives(joints, joints_link):

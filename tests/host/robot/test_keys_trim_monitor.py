@@ -307,31 +307,29 @@ def test_monitor_whose_reader_goes_away_stops_the_robot():
         child.stdin.close()
 
 
-def test_monitor_from_a_pipe(any_live_port):
+def piped(port: str, typed: str) -> str:
+    """Return what the monitor says to a pipe that brings it some lines."""
     run = subprocess.run(
-        [sys.executable, "-m", "serpenoid", "monitor", "--port", any_live_port],
-        input="status\nfoo\n",
-        capture_output=True,
-        text=True,
-        timeout=LONG_S,
-        check=True,
-    )
-    assert "counters: good=2" in run.stdout
-    assert "err: #2 command - no such command; type help" in run.stdout
-    assert "\x1b" not in run.stdout
-
-
-@pytest.mark.parametrize("typed", ["ping\n!", "!ping\n", "ping\n!ping\n", "!"])
-def test_a_stop_typed_before_the_greeting_leaves_nothing_to_wait_for(any_live_port, typed):
-    run = subprocess.run(
-        [sys.executable, "-m", "serpenoid", "monitor", "--port", any_live_port],
+        [sys.executable, "-m", "serpenoid", "monitor", "--port", port],
         input=typed,
         capture_output=True,
         text=True,
         timeout=LONG_S,
         check=True,
     )
-    assert "ok: #!" in run.stdout
+    return run.stdout
+
+
+def test_monitor_from_a_pipe(any_live_port):
+    said = piped(any_live_port, "status\nfoo\n")
+    assert "counters: good=2" in said
+    assert "err: #2 command - no such command; type help" in said
+    assert "\x1b" not in said
+
+
+@pytest.mark.parametrize("typed", ["ping\n!", "!ping\n", "ping\n!ping\n", "!"])
+def test_a_stop_typed_before_the_greeting_leaves_nothing_to_wait_for(any_live_port, typed):
+    assert "ok: #!" in piped(any_live_port, typed)
 
 
 def test_the_stop_key_goes_out_before_the_board_has_greeted():

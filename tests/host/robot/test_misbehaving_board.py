@@ -8,7 +8,7 @@ import random
 import re
 
 import pytest
-from robot.fake_board import FakeBoard, honest, sealed
+from robot.fake_board import FakeBoard, honest, nothing, sealed
 from robot.patience import LONG_S, clock, until
 from serpenoid import Gait
 from serpenoid.model.errors import (
@@ -24,10 +24,6 @@ from serpenoid.robot.wire import dialogue
 from serpenoid.robot.wire.virtual import VirtualLink
 
 GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
-
-
-def nothing(_: bytes) -> bytes:
-    return b""
 
 
 def without(*words: str):

@@ -130,20 +130,13 @@ def test_several_boards_or_none_are_listed(plugged_in, processes):
 
 
 def test_a_robot_is_used_inside_its_block_only_and_once():
-    robot = Robot("virtual:fast")
-    with pytest.raises(RobotClosed, match="with Robot"):
-        robot.straight()
-    with robot:
-        robot.straight()
-    for use in (robot.straight, robot.__enter__):
-        with pytest.raises(RobotClosed):
-            use()
-
-
-def test_a_port_that_was_closed_is_not_called_lost():
-    with FakeBoard() as fake, Robot(fake.port) as robot:
-        robot.straight()
-    for use in (robot.stop, robot.idle, robot.status, lambda: next(robot.frames(1.0))):
+    with FakeBoard() as fake:
+        robot = Robot(fake.port)
+        with pytest.raises(RobotClosed, match="with Robot"):
+            robot.straight()
+        with robot:
+            robot.straight()
+    for use in (robot.straight, robot.stop, lambda: next(robot.frames(1.0)), robot.__enter__):
         with pytest.raises(RobotClosed):
             use()
 

@@ -9,7 +9,7 @@ import pytest
 from avr.live import LiveBoard
 from robot.patience import LONG_S
 from serpenoid import Gait
-from serpenoid.model.errors import BadInput, CommandRefused, RobotClosed, RobotReset
+from serpenoid.model.errors import BadInput, CommandRefused, RobotReset
 from serpenoid.robot import Robot
 from serpenoid.robot.wire import inbox
 from serpenoid.robot.wire.protocol import PROTOCOL
@@ -36,8 +36,6 @@ def test_a_run_from_opening_to_stop(any_port):
         assert (status.state, status.moving, status.crc, status.dropped) == ("hold", False, 0, 0)
         robot.idle()
         assert robot.losses.damaged_lines == robot.losses.missed_frames == 0
-    with pytest.raises(RobotClosed):
-        robot.straight()
 
 
 def test_the_gait_that_comes_is_the_one_asked_for(any_port):

@@ -23,19 +23,15 @@ SETTLED_S = 4.0  # the board has blended into the gait, the body has no start le
 
 @dataclass(frozen=True)
 class Servos:
-    """How joints follow set-points: lag_s of a first-order loop, limited rate, gain of the linkage.
-
-    plug: which set-point each joint's plug carries.
-    """
+    """How joints follow set-points: lag_s of a first-order loop, limited rate, linkage's gain."""
 
     lag_s: np.ndarray
     gain: np.ndarray
     rate_rad_s: float = 6.0
-    plug: tuple[int, ...] = (0, 1, 2, 3, 4)
 
     def angles(self, set_rad: np.ndarray) -> np.ndarray:
         """Return the joints' angles each STEP_S, from rows of set-points each FRAME_S."""
-        wanted = np.repeat(set_rad[:, list(self.plug)], round(FRAME_S / STEP_S), axis=0)
+        wanted = np.repeat(set_rad, round(FRAME_S / STEP_S), axis=0)
         phi, rows = wanted[0].copy(), []
         for row in wanted:
             rate = np.clip((row - phi) / self.lag_s, -self.rate_rad_s, self.rate_rad_s)

@@ -69,10 +69,3 @@ def test_a_film_of_the_labs_robot_says_what_the_lab_knows(filmed) -> None:
     assert reading.track.columns[-1] == "joint5_rad"
     assert reading.gait_run.way == "back"
     assert reading.commanded.alpha_rad == pytest.approx(GAIT.alpha_rad, abs=math.radians(0.1))
-
-
-@pytest.mark.slow
-def test_swapped_plugs_are_found_from_firmware_to_pixels(filmed) -> None:
-    run, *_ = filmed(Servos(LAG_S, GAIN, plug=(0, 2, 1, 3, 4)))
-    words = [r["text"] for r in run["remarks"] if r["name"] == "plugs"]
-    assert words == ["joints 2 and 3 move as if their plugs were swapped: swap them back"]
