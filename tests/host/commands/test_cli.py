@@ -22,6 +22,7 @@ from serpenoid.commands.main import cli
 
 PAPER = ["--robot", "paper", "--alpha-deg", "30", "--beta-deg", "80"]
 GAIT = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "5"]
+IDEAL = ["--servo", "ideal"]
 
 
 def answer(*args: str) -> dict:
@@ -31,15 +32,15 @@ def answer(*args: str) -> dict:
 
 
 def test_steady() -> None:
-    got = answer("steady", *GAIT)
+    got = answer("steady", *GAIT, *IDEAL)
     assert got["speed_m_s"] == pytest.approx(0.133205, rel=2e-4)
     assert got["error_estimate"] < 1e-6
-    assert serpenoid("steady", *GAIT).stdout.count("m/s") >= 1
+    assert serpenoid("steady", *GAIT, *IDEAL).stdout.count("m/s") >= 1
 
 
 def test_frequency_is_rate() -> None:
-    rate = answer("steady", *GAIT)
-    same = answer("steady", *GAIT[:4], "--frequency-hz", str(5 / (2 * math.pi)))
+    rate = answer("steady", *GAIT, *IDEAL)
+    same = answer("steady", *GAIT[:4], *IDEAL, "--frequency-hz", str(5 / (2 * math.pi)))
     assert same["speed_m_s"] == pytest.approx(rate["speed_m_s"], rel=1e-6)
 
 
@@ -169,16 +170,7 @@ def test_refusals(args: list[str], status: int, said: str) -> None:
 
 
 def test_a_terminal_without_our_letters_gets_question_marks() -> None:
-    asked = [
-        "compare",
-        "calibration_data/nirakh-2005",
-        "--gait",
-        "70",
-        "75",
-        "1",
-        "--samples",
-        "16",
-    ]
+    asked = ["optimize", "--robot", "paper", "--speed-m-s", "0.1", *IDEAL]
     done = subprocess.run(
         [sys.executable, "-m", "serpenoid", *asked],
         capture_output=True,
@@ -187,7 +179,7 @@ def test_a_terminal_without_our_letters_gets_question_marks() -> None:
         env=os.environ | {"PYTHONIOENCODING": "ascii"},
     )
     assert done.returncode == 0, done.stderr
-    assert "70?/75?, 1 Hz" in done.stdout
+    assert "32?/84? at 0.29 Hz" in done.stdout
 
 
 def test_help_tells_every_command_in_full() -> None:

@@ -94,7 +94,7 @@ def test_another_unit_is_doubted(typed: list[str], meant: str) -> None:
 
 
 def test_nothing_is_doubted_of_the_presets() -> None:
-    assert "were meant" not in warned("steady", "--robot", "paper", *GAIT)
+    assert "were meant" not in warned("steady", "--robot", "paper", *GAIT, "--servo", "ideal")
 
 
 def test_an_accuracy_that_springs_do_not_reach_is_told() -> None:
@@ -104,9 +104,10 @@ def test_an_accuracy_that_springs_do_not_reach_is_told() -> None:
 
 
 def test_degrees_come_back_as_typed() -> None:
-    done = CliRunner().invoke(cli, ["steady", "--robot", "paper", *GAIT, "--json"])
+    asked = ["--robot", "paper", *GAIT, "--json"]
+    done = CliRunner().invoke(cli, ["steady", *asked, "--servo", "ideal"])
     assert json.loads(done.stdout)["gait"]["alpha_deg"] == 30.0
-    done = CliRunner().invoke(cli, ["sweep", "--robot", "paper", *GAIT, "--json"])
+    done = CliRunner().invoke(cli, ["sweep", *asked])
     assert json.loads(done.stdout)["alpha_deg"] == [30.0]
 
 
@@ -135,13 +136,6 @@ def test_a_mass_in_grams_is_doubted_when_it_is_amended(tmp_path: Path) -> None:
     with pytest.warns(UserWarning, match="the mass-kg now: 80 kg for one link"):
         done = CliRunner().invoke(cli, ["calibrate", "amend", folder, "robot.mass_kg=480"])
     assert done.exit_code == 0
-
-
-def test_a_comparison_without_runs_says_so_in_its_picture(tmp_path: Path) -> None:
-    picture = tmp_path / "c.svg"
-    wish = ["compare", str(SESSION), "--gait", "70", "75", "1", "--samples", "16"]
-    assert CliRunner().invoke(cli, [*wish, "--plot", str(picture)]).exit_code == 0
-    assert "no gait run measured yet" in picture.read_text()
 
 
 def test_a_uniform_rod_of_another_length_stays_one() -> None:

@@ -60,21 +60,22 @@ def test_a_fit_of_many_readings_shows_that_it_works(folder):
 
 
 def test_a_session_or_its_fit_gives_friction_to_other_commands(folder):
-    asked = json.loads(run("steady", *GAIT, "--session", folder, "--json").stdout)["speed_m_s"]
+    steady = partial(run, "steady", *GAIT, "--servo", "ideal", "--json")
+    asked = json.loads(steady("--session", folder).stdout)["speed_m_s"]
     # the speed that the paper's lines give, known to 1e-6
     assert asked == pytest.approx(0.133205, rel=1e-4)
     run("fit", folder)
     file = folder / "fit.json"
     kept = file.read_text()
     file.write_text("{}")  # an older version's, or edited: the readings are there
-    anew = run("steady", *GAIT, "--session", folder, "--json")
+    anew = steady("--session", folder)
     assert json.loads(anew.stdout)["speed_m_s"] == pytest.approx(asked, rel=1e-9)
     assert "fitted anew" in anew.stderr
     file.write_text(kept)
-    again = json.loads(run("steady", *GAIT, "--ground", file, "--json").stdout)["speed_m_s"]
+    again = json.loads(steady("--ground", file).stdout)["speed_m_s"]
     assert again == pytest.approx(asked, rel=1e-9)
-    firm = run("steady", *GAIT, "--ground", file, "--fn0", "0.1", "--json").stdout
-    assert json.loads(firm)["speed_m_s"] > 1.05 * asked
+    firm = json.loads(steady("--ground", file, "--fn0", "0.1").stdout)["speed_m_s"]
+    assert firm > 1.05 * asked
     simulated = run("simulate", "--session", folder, *GAIT, "--duration-s", "0.1", "--json")
     assert json.loads(simulated.stdout)
 
@@ -135,7 +136,7 @@ def test_friction_from_two_places_or_none_is_refused(folder, extra, said):
     assert said in " ".join(failed.stderr.split())
 
 
-def test_compare_predicts_and_draws(folder, tmp_path):
+def test_compare_predicts_and_draws_what_is_not_measured_yet(folder, tmp_path):
     picture = tmp_path / "compare.svg"
     done = run(
         "compare", folder, "--gait", 70, 75, 1.0, "--samples", 16, "--plot", picture, "--json"
@@ -144,6 +145,7 @@ def test_compare_predicts_and_draws(folder, tmp_path):
     assert told["verdict"] == "not measured"
     assert told["gaits"][0]["exact_m_s"] == pytest.approx(0.152, rel=0.01)
     assert "<svg" in picture.read_text()
+    assert "no gait run measured yet" in picture.read_text()
     assert serpenoid("compare", folder).returncode == 2
 
 

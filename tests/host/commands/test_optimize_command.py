@@ -45,7 +45,8 @@ def test_optimum_with_its_error_and_margins() -> None:
 
 
 def test_limits_in_degrees_are_kept_and_told() -> None:
-    words = run("optimize", "--robot", "paper", "--speed", "0.5", "--servo-speed-deg-s", "229")
+    limit = ("--servo-speed-deg-s", "229")
+    words = run("optimize", "--robot", "paper", "--speed", "0.5", *limit, *IDEAL)
     assert "servo speed" in words.output
     words = run("optimize", "--robot", "paper", "--speed", "9", "--omega-high-rad-s", "6", code=1)
     assert "the fastest found makes 0.46" in str(words.exception)
@@ -295,10 +296,10 @@ def test_options_that_would_do_nothing_or_make_no_sense(words: list[str], told: 
 def test_a_speed_that_no_servo_makes_is_warned_of() -> None:
     viscous = ["--ft0", "0", "--fn0", "0"]
     lifted = [*viscous, "--servo-speed-deg-s", "inf"]
-    assert "no hobby servo does" in run("optimize", "--speed", "10", *lifted).stderr
+    assert "no hobby servo does" in run("optimize", "--speed", "10", *lifted, *IDEAL).stderr
     words = run("optimize", "--speed", "10", *viscous, code=1)  # a board refuses such a gait
     assert "servo speed 500 deg/s" in str(words.exception)
-    assert "no hobby servo" not in run("optimize", "--speed", "0.1", *viscous).stderr
+    assert "no hobby servo" not in run("optimize", "--speed", "0.1", *viscous, *IDEAL).stderr
 
 
 def test_a_stale_fit_is_told_once(tmp_path: Path) -> None:
