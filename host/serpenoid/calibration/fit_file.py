@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.checks import check_number, check_whole
+from ..model.checks import check_number
 from ..model.drives import Servo
 from ..model.errors import BadInput
 from ..model.files import read_json, write_text
@@ -23,7 +23,6 @@ from .fitting.shared import FRICTIONS
 from .fitting.suspects import Influence
 from .friction_result import (
     AMPLITUDE,
-    NAMES,
     WHOLE,
     Estimate,
     FitDraws,
@@ -154,16 +153,13 @@ def _hash(values: Mapping[str, Any]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _check_format(given: Mapping[str, Any]) -> None:
+def _check(given: Mapping[str, Any]) -> None:
+    """Raise BadInput where the file is of a later format, or not as a fit wrote it."""
     if check_number("format", given["format"], 1) > FORMAT:
         raise BadInput(
             f"format is {given['format']}; this version reads formats up to {FORMAT}; install a "
             "newer one"
         )
-
-
-def _check_hash(given: Mapping[str, Any]) -> None:
-    """Raise BadInput where the file is not as a fit wrote it."""
     if given.get("sha256") != _hash({k: v for k, v in given.items() if k != "sha256"}):
         raise BadInput(
             "sha256 is not that of its numbers: an older version wrote it, or it was edited"
@@ -171,96 +167,62 @@ def _check_hash(given: Mapping[str, Any]) -> None:
 
 
 def _from_json(given: Mapping[str, Any]) -> FrictionFit:
-    _check_format(given)
-    _check_hash(given)
-    names = [name for name in FRICTIONS if name in NAMES or name + WHOLE in given["parameters"]]
+    """Return the fit; its numbers are sound, since a fit wrote them."""
+    _check(given)
+    names = [name for name in FRICTIONS if name + WHOLE in given["parameters"]]
     whole = [given["parameters"][name + WHOLE] for name in names]
-    values = [check_number(n + WHOLE, p["value"], 0.0) for n, p in zip(names, whole, strict=True)]
+    values = [float(part["value"]) for part in whole]
+    ends = [(float(low), float(high)) for low, high in (part["interval"] for part in whole)]
+    covariance = number_array("covariance", given["covariance"]["values"])
+    covariance.flags.writeable = False
     robot = Robot(**given["robot"])
-    ends = list(map(_interval, names, whole))
-    covariance = _covariance(given["covariance"]["values"], len(names))
-    if given["format"] == 1 and not given.get("draws"):
-        drawn = normal_draws(np.array(values), covariance, np.array(ends), _DRAWN)
-        draws = FitDraws(tuple(names), drawn)
-    else:
-        draws = _draws(given, names)
     return FrictionFit(
-        method=str(given["method"]),
-        sigma=str(given["sigma"]),
-        parameters=_named(
-            Estimate(v, check_number("sigma", p["sigma"], 0.0))
-            for v, p in zip(values, whole, strict=True)
-        ),
+        method=given["method"],
+        sigma=given["sigma"],
+        parameters=_named(_estimate(part) for part in whole),
         intervals=_named(ends),
         covariance=covariance,
         robot=robot,
         ground=ground_of(robot.links, values),
-        chi2=check_number("chi2", given["chi2"], 0.0),
-        dof=check_whole("dof", given["dof"], -1000, 10**9),
-        nuisances=MappingProxyType({n: _estimate(n, e) for n, e in given["nuisances"].items()}),
-        residuals=tuple(check_number("residual", r) for r in given["residuals"]),
-        outliers=tuple(check_whole("outlier", k, 0, 10**9) for k in given["outliers"]),
+        chi2=given["chi2"],
+        dof=given["dof"],
+        nuisances=MappingProxyType({n: _estimate(e) for n, e in given["nuisances"].items()}),
+        residuals=tuple(given["residuals"]),
+        outliers=tuple(given["outliers"]),
         influence=tuple(map(_influence, given["influence"])),
-        notes=tuple(map(str, given["notes"])),
-        alarms=tuple(map(str, given["alarms"])),
-        session_name=str(given["session"]["name"]),
-        session_sha256=str(given["session"]["sha256"]),
-        draws=draws,
-        servos=_servos(given.get("servos"), len(draws)),
+        notes=tuple(given["notes"]),
+        alarms=tuple(given["alarms"]),
+        session_name=given["session"]["name"],
+        session_sha256=given["session"]["sha256"],
+        draws=_draws(given, names, np.array(values), covariance, np.array(ends)),
+        servos=_servos(given["servos"]) if "servos" in given else None,
     )
 
 
-def _interval(name: str, given: Mapping[str, Any]) -> tuple[float, float]:
-    """Return the ends of an interval that holds its value."""
-    low, high = (check_number(f"interval of {name}{WHOLE}", x, 0.0) for x in given["interval"])
-    if not low <= given["value"] <= high:
-        raise BadInput(f"{name}{WHOLE} is {given['value']}, outside its interval {low} to {high}")
-    return low, high
+def _estimate(given: Mapping[str, Any]) -> Estimate:
+    return Estimate(float(given["value"]), float(given["sigma"]))
 
 
-def _estimate(name: str, given: Mapping[str, Any]) -> Estimate:
-    return Estimate(
-        check_number(name, given["value"]), check_number(f"sigma of {name}", given["sigma"], 0.0)
-    )
+def _draws(
+    given: Mapping[str, Any],
+    names: list[str],
+    values: NDArray[np.float64],
+    covariance: NDArray[np.float64],
+    ends: NDArray[np.float64],
+) -> FitDraws:
+    """Return a file's draws; of a file of format 1 without them draws of its intervals."""
+    draws: Any = given.get("draws")
+    if given["format"] > 1:
+        return FitDraws(tuple(draws["order"]), number_array("draws", draws["values"]))
+    if draws:
+        return FitDraws((*names, AMPLITUDE), number_array("draws", draws))
+    return FitDraws(tuple(names), normal_draws(values, covariance, ends, _DRAWN))
 
 
-def _covariance(values: Any, size: int) -> NDArray[np.float64]:
-    """Return a covariance that is one."""
-    covariance = number_array("covariance", values)
-    well = covariance.shape == (size, size) and np.isfinite(covariance).all()
-    if not well or not (np.linalg.eigvalsh(covariance) > 0.0).all():
-        raise BadInput(f"covariance is not a positive definite matrix of {size} by {size} numbers")
-    covariance.flags.writeable = False
-    return covariance
-
-
-def _draws(given: Mapping[str, Any], names: list[str]) -> FitDraws:
-    """Return a file's draws, the frictions first."""
-    values: Any = given["draws"]
-    if given["format"] == 1:
-        values = {"order": [*names, AMPLITUDE], "values": values}
-    order = tuple(map(str, values["order"]))
-    rows = number_array("draws", values["values"])
-    well = rows.ndim == 2 and rows.shape[1] == len(order) and len(rows) > 0
-    if not well or not np.isfinite(rows).all() or order[: len(names)] != tuple(names):
-        raise BadInput(f"draws is not rows of {', '.join(names)} and what comes after them")
-    if rows[:, : len(names)].min() < 0.0:
-        raise BadInput("draws has a friction below 0")
-    return FitDraws(order, rows)
-
-
-def _servos(given: Any, draws: int) -> FittedServos | None:
+def _servos(given: Mapping[str, Any]) -> FittedServos:
     """Return the servos that go with the draws."""
-    if given is None:
-        return None
     drawn = tuple(Servo(**one) for one in given["drawn"])
-    last = len(drawn) - 1
-    index = tuple(check_whole("index of a servo", k, 0, last) for k in given["index"])
-    if len(index) != draws:
-        raise BadInput(f"servos has {len(index)} indices for {draws} draws")
-    return FittedServos(
-        str(given["kind"]), drawn, index, check_whole("best servo", given["best"], 0, last)
-    )
+    return FittedServos(given["kind"], drawn, tuple(given["index"]), given["best"])
 
 
 def _named(values: Any) -> WholeSnake[Any]:
@@ -268,11 +230,6 @@ def _named(values: Any) -> WholeSnake[Any]:
 
 
 def _influence(given: Mapping[str, Any]) -> Influence:
-    shift = given["shift_in_sigmas"]
-    return Influence(
-        check_whole("reading", given["reading"], 0, 10**9),
-        check_number("leverage", given["leverage"]),
-        check_number("studentised", given["studentised"]),
-        tuple(check_number(n, shift[n]) for n in FRICTIONS if n in NAMES or n in shift),
-        check_number("chi2_without", given["chi2_without"]),
-    )
+    shift = tuple(given["shift_in_sigmas"].values())
+    figures = {key: given[key] for key in ("reading", "leverage", "studentised", "chi2_without")}
+    return Influence(shift=shift, **figures)

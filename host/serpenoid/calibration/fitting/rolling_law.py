@@ -12,6 +12,7 @@ so, nothing cancels for c near 0. With f below 0 it never stops: a slope too ste
 from __future__ import annotations
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
@@ -77,24 +78,13 @@ def shapes(z: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     small = np.abs(z) < _SMALL
     far = np.where(small, 1.0, z)
     e = np.exp(-far)
-    p, q = (1.0 - e) / far, (far - 1.0 + e) / far**2
-    by_p, by_q = (e * (1.0 + far) - 1.0) / far**2, (2.0 - far - (far + 2.0) * e) / far**3
-    near = [_series(z, terms) for terms in _TERMS]
-    told = zip((p, q, by_p, by_q), near, strict=True)
-    p, q, by_p, by_q = (np.where(small, close, wide) for wide, close in told)
-    return p, q, by_p, by_q
+    q = np.where(small, polyval(z, _Q), (far - 1.0 + e) / far**2)
+    by_q = np.where(small, polyval(z, _BY_Q), (2.0 - far - (far + 2.0) * e) / far**3)
+    return 1.0 - z * q, q, -q - z * by_q, by_q
 
 
-_TERMS = (
-    (1.0, -1 / 2, 1 / 6, -1 / 24, 1 / 120, -1 / 720, 1 / 5040),
-    (1 / 2, -1 / 6, 1 / 24, -1 / 120, 1 / 720, -1 / 5040, 1 / 40320),
-    (-1 / 2, 1 / 3, -1 / 8, 1 / 30, -1 / 144, 1 / 840, -1 / 5760),
-    (-1 / 6, 1 / 12, -1 / 40, 1 / 180, -1 / 1008, 1 / 6720, -1 / 51840),
-)
-
-
-def _series(z: Floats, terms: tuple[float, ...]) -> Floats:
-    return np.asarray(np.polynomial.polynomial.polyval(z, np.array(terms)), dtype=np.float64)
+_Q = (1 / 2, -1 / 6, 1 / 24, -1 / 120, 1 / 720, -1 / 5040, 1 / 40320)
+_BY_Q = (-1 / 6, 1 / 12, -1 / 40, 1 / 180, -1 / 1008, 1 / 6720, -1 / 51840)
 
 
 def _log_over(w: Floats) -> tuple[Floats, Floats]:
@@ -103,7 +93,5 @@ def _log_over(w: Floats) -> tuple[Floats, Floats]:
     far = np.where(small, 1.0, w)
     log = np.log1p(far) / far
     by_w = (far / (1.0 + far) - np.log1p(far)) / far**2
-    near = _series(w, (1.0, -1 / 2, 1 / 3, -1 / 4, 1 / 5))
-    return np.where(small, near, log), np.where(
-        small, _series(w, (-1 / 2, 2 / 3, -3 / 4, 4 / 5)), by_w
-    )
+    near, by_near = (1.0, -1 / 2, 1 / 3, -1 / 4, 1 / 5), (-1 / 2, 2 / 3, -3 / 4, 4 / 5)
+    return np.where(small, polyval(w, near), log), np.where(small, polyval(w, by_near), by_w)
