@@ -36,7 +36,6 @@ from .session import Session
 
 FORMAT = 2  # 1 had draws only where crawls were fitted
 NAME = "fit.json"
-_DRAWN = 1024  # for a file of format 1
 
 
 def save_fit(fit: FrictionFit, path: str | Path) -> Path:
@@ -216,7 +215,7 @@ def _draws(
         return FitDraws(tuple(draws["order"]), number_array("draws", draws["values"]))
     if draws:
         return FitDraws((*names, AMPLITUDE), number_array("draws", draws))
-    return FitDraws(tuple(names), normal_draws(values, covariance, ends, _DRAWN))
+    return FitDraws(tuple(names), normal_draws(values, covariance, ends))
 
 
 def _servos(given: Mapping[str, Any]) -> FittedServos:

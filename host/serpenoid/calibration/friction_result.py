@@ -33,7 +33,6 @@ AMPLITUDE = "amplitude"  # of the joints, over the commanded one
 SURELY = 2.0  # errors of its difference, beyond which a zero that drifted is told
 _FEW = 4  # of the draws, one in so many or less
 _TAILS = 11  # shares below an interval that are tried
-_MOST_ROUNDS = 64  # of draws, of which those below 0 are left out
 DOUBTFUL = 0.01  # below this p-value the stated uncertainties and the readings do not agree
 
 
@@ -199,13 +198,13 @@ class FrictionFit(Result):
     covariance: Floats
     robot: Robot
     ground: Ground
-    chi2: float
-    dof: int
-    nuisances: Mapping[str, Estimate]
-    residuals: tuple[float, ...]
-    outliers: tuple[int, ...]
-    influence: tuple[Influence, ...]
-    notes: tuple[str, ...]
+    chi2: float = 0.0
+    dof: int = 0
+    nuisances: Mapping[str, Estimate] = field(default_factory=dict[str, Estimate])
+    residuals: tuple[float, ...] = ()
+    outliers: tuple[int, ...] = ()
+    influence: tuple[Influence, ...] = ()
+    notes: tuple[str, ...] = ()
     alarms: tuple[str, ...] = ()
     session_name: str = ""
     session_sha256: str = ""
@@ -384,34 +383,22 @@ class FrictionFit(Result):
 
 
 def normal_draws(
-    values: Floats, covariance: Floats, ends: Floats, count: int = 64, seed: int = 2005
+    values: Floats, covariance: Floats, ends: Floats, count: int = 1024, seed: int = 2005
 ) -> Floats:
     """Return draws (count, P) of a fit that is known by values, covariance and intervals alone.
 
     Each parameter alone is normal on either side of its value, scaled by its interval on that side,
-    or by the other side where the interval ends at 0. They are scrambled Sobol points, none under .
+    or by the other side where the interval ends at 0. None is below 0.
     """
-    from scipy.special import ndtri
-    from scipy.stats import qmc
-
     sigma = np.sqrt(np.diag(covariance))
-    sides = np.abs(ends - values[:, None])
-    below, above = 2.0 * sigma * sides.T / sides.sum(axis=1)
-    at_limit = ends[:, 0] == 0.0
-    below, above = (np.where(at_limit, sigma, side) for side in (below, above))
-    root = np.linalg.cholesky(covariance / np.outer(sigma, sigma))
-    sobol = qmc.Sobol(len(values), seed=seed)  # pyright: ignore[reportCallIssue] (older SciPy)
-    drawn = np.empty((0, len(values)))
-    for k in range(_MOST_ROUNDS):
-        size = 1 << (count - 1).bit_length()
-        units = ndtri(sobol.random(size)) @ root.T
-        more = values + units * np.where(units < 0.0, below, above)
-        if k == _MOST_ROUNDS - 1:  # two frictions at 0 whose errors are opposite
-            more = np.maximum(more, 0.0)
-        drawn = np.vstack([drawn, more[(more >= 0.0).all(axis=1)]])
-        if len(drawn) >= count:
-            break
-    return drawn[:count]
+    sides = np.abs(ends.T - values)
+    below, above = np.where(ends[:, 0] == 0.0, sigma, 2.0 * sigma * sides / sides.sum(axis=0))
+    correlation = covariance / np.outer(sigma, sigma)
+    rng = np.random.default_rng(seed)
+    units = rng.multivariate_normal(np.zeros(len(values)), correlation, 64 * count)
+    drawn = values + units * np.where(units < 0.0, below, above)
+    inside_first = np.argsort((drawn < 0.0).any(axis=1), kind="stable")[:count]
+    return np.maximum(drawn[inside_first], 0.0)
 
 
 def with_values(session: Session, values: Floats, covariance: Floats, ends: Floats) -> FrictionFit:
@@ -428,14 +415,6 @@ def with_values(session: Session, values: Floats, covariance: Floats, ends: Floa
         covariance=covariance,
         robot=robot,
         ground=ground_of(robot.links, values.tolist()),
-        chi2=0.0,
-        dof=0,
-        nuisances=MappingProxyType({}),
-        residuals=(),
-        outliers=(),
-        influence=(),
-        notes=(),
-        draws=FitDraws(names, np.empty((0, len(names)))),
         session_name=session.setup.name,
         session_sha256=session.sha256,
     )

@@ -18,10 +18,11 @@ TILT_RAD = math.radians(0.3)  # of a board tilted by hand, when the robot lets g
 
 def break_away_notes(fit: FrictionFit, session: Session) -> tuple[str, ...]:
     """Return what the checks say, one note a bend that was checked."""
-    checks = [r for r in session.of("breakaway") if not r.voided]
-    bends = sorted({round(math.degrees(c.lambda_rad), 2) for c in checks})
-    same = ([c for c in checks if round(math.degrees(c.lambda_rad), 2) == bend] for bend in bends)
-    return tuple(_note(fit, session, bend, own) for bend, own in zip(bends, same, strict=True))
+    bends: dict[float, list[BreakAway]] = {}
+    for check in sorted(session.of("breakaway"), key=lambda check: check.lambda_rad):
+        if not check.voided:
+            bends.setdefault(round(math.degrees(check.lambda_rad), 2), []).append(check)
+    return tuple(_note(fit, session, bend, checks) for bend, checks in bends.items())
 
 
 def ratio(fit: FrictionFit, session: Session, checks: list[BreakAway]) -> tuple[float, float]:
@@ -29,8 +30,8 @@ def ratio(fit: FrictionFit, session: Session, checks: list[BreakAway]) -> tuple[
     bend, links = checks[0].bend, session.setup.robot.links
     share = bent_share(bend, links) if checks[0].lambda_rad else 0.0
     whole = np.array(list(fit.whole_snake.values()))[:4]
-    rows = projections(np.array([share]), np.array([checks[0].lambda_rad]))
-    slopes = np.array([0.0, 0.0, rows[2][0], rows[3][0]])
+    _, _, by_ft0, by_fn0 = projections(share, checks[0].lambda_rad)
+    slopes = np.array([0.0, 0.0, by_ft0, by_fn0])
     force_n = float(slopes @ whole)
     tilts = [c.incline_rad - session.zero.value_rad for c in checks]
     held_n = session.setup.weight_n * float(np.mean(np.sin(tilts)))

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ...model.errors import BadInput
-from ..fitting.shared import FRICTIONS, shared_covariance
+from ..fitting.shared import FRICTIONS
 from ..friction_fit import fit_friction
 from ..friction_result import UNITS, Floats, FrictionFit
 from ..session import Session
@@ -109,7 +109,9 @@ def two_fits(first: FrictionFit, second: FrictionFit, mass_sigma: float = 0.0) -
     values = [np.array(list(fit.whole_snake.values()))[:common] for fit in (first, second)]
     off = values[1] - values[0]
     covariance = first.covariance[:common, :common] + second.covariance[:common, :common]
-    covariance = _covariance(covariance, values[0], values[1], mass_sigma)
+    # a mass that was weighed once errs in both alike
+    apart = sum(np.outer(v, v) for v in values)
+    covariance = covariance - mass_sigma**2 * (apart - np.outer(off, off))
     inverse = np.asarray(np.linalg.inv(covariance), dtype=np.float64)
     p_value = float(chdtrc(len(off), off @ inverse @ off))
     causes = () if p_value >= DOUBTFUL else _causes(off, inverse, (values[0] + values[1]) / 2)
@@ -137,13 +139,6 @@ def _alarms(*fits: FrictionFit) -> list[str]:
     ]
 
 
-def _covariance(covariances: Floats, one: Floats, other: Floats, mass_sigma: float) -> Floats:
-    """Return that of the differences; a mass that was weighed once errs in both alike."""
-    moved = other - one
-    apart = shared_covariance(one, 0.0, mass_sigma) + shared_covariance(other, 0.0, mass_sigma)
-    return covariances - apart + mass_sigma**2 * np.outer(moved, moved)
-
-
 def _causes(off: Floats, inverse: Floats, values: Floats) -> tuple[str, ...]:
     """Return the causes that leave the least, those that then agree."""
     from scipy.special import chdtrc
@@ -157,13 +152,13 @@ def _causes(off: Floats, inverse: Floats, values: Floats) -> tuple[str, ...]:
         "bend": values * [name in ("cn", "fn0") for name in names],
         **dict(zip(names, np.eye(len(names)), strict=True)),
     }
-    whole = float(off @ inverse @ off)
+    whole = off @ inverse @ off
     left = {
-        name: max(whole - float(way @ inverse @ off) ** 2 / float(way @ inverse @ way), 0.0)
+        name: max(whole - (way @ inverse @ off) ** 2 / (way @ inverse @ way), 0.0)
         for name, way in ways.items()
     }
-    able = [n for n, chi2 in left.items() if chdtrc(len(off) - 1, chi2) >= DOUBTFUL]
-    able = [n for n in able if left[n] <= min(left.values()) + _AS_GOOD]
+    most = min(left.values()) + _AS_GOOD
+    able = [n for n in left if left[n] <= most and chdtrc(len(off) - 1, left[n]) >= DOUBTFUL]
     return tuple(sorted(able, key=left.__getitem__)[:_MOST_CAUSES])
 
 

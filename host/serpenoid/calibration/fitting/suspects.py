@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -78,65 +77,55 @@ def _normal(chi2: float, rows: int) -> float:
     return float(-ndtri(max(chdtrc(rows, chi2), 1e-300) / 2))
 
 
-@dataclass(frozen=True)
-class _Suspect:
-    """Some rows that may be wrong together: in words, and as a subject of a sentence."""
-
-    words: str
-    rows: Rows
-
-
 def suspects_in_words(session: Session, mode: Mode) -> str:
     """Name what to look at first: without it the readings disagree least.
 
     Residuals would mislead, for a line follows its outlier. A suspect is one without which the
     others still tell every friction.
     """
-    scores = []
-    for suspect in _suspects(session, mode):
-        without = mode.without(suspect.rows)
+    suspects, scores = _suspects(session, mode), {}
+    for words, rows in suspects.items():
+        without = mode.without(rows)
         if without is not None:
-            scores.append((without[0] + 2.0 * suspect.rows.sum(), suspect))
-    scores.sort(key=lambda score: score[0])
+            scores[words] = without[0] + 2.0 * rows.sum()
     left = {}
-    for _, suspect in scores[:_REFITTED]:
+    for words in sorted(scores, key=scores.__getitem__)[:_REFITTED]:
         try:
-            again = mode.posterior.mode(mode.x, np.where(suspect.rows, 0.0, 1.0))
+            left[words] = mode.posterior.mode(mode.x, ~suspects[words] * 1.0).chi2
         except NotConverged:
             continue
-        left[suspect.words] = again.chi2 + 2.0 * (suspect.rows.sum() - 1), again.chi2
     if not left:
         numbers = mode.posterior.numbers
         worst = numbers[int(np.argmax(np.where(numbers >= 0, np.abs(mode.residuals), 0.0)))]
         return f"Look at reading {worst} first: it is furthest off."
-    least = min(score for score, _ in left.values())
-    return _named(
-        {words: chi2 for words, (score, chi2) in left.items() if score < least + _TOLD_APART}
-    )
+    score = {words: chi2 + 2.0 * suspects[words].sum() for words, chi2 in left.items()}
+    least = min(score.values())
+    return _named({w: chi2 for w, chi2 in left.items() if score[w] < least + _TOLD_APART})
 
 
-def _suspects(session: Session, mode: Mode) -> Iterator[_Suspect]:
+def _suspects(session: Session, mode: Mode) -> dict[str, Rows]:
+    """Return rows that may be wrong together, by what they are: readings, files, bends, zero."""
     posterior = mode.posterior
     numbers = posterior.numbers
-    for number in dict.fromkeys(numbers[numbers >= 0].tolist()):
-        yield _Suspect(f"reading {number}", numbers == number)
-    files: dict[str, list[int]] = {}
-    for push in session.kept_pushes:
-        files.setdefault(push.file_sha256, []).append(push.number)
-    for sha256, group in files.items():
+    readings = dict.fromkeys(numbers[numbers >= 0].tolist())
+    found = {f"reading {number}": numbers == number for number in readings}
+    pushes = session.kept_pushes
+    for sha256 in dict.fromkeys(push.file_sha256 for push in pushes):
+        group = [push.number for push in pushes if push.file_sha256 == sha256]
         if sha256 and len(group) > 1:
             named = ", ".join(map(str, group))
-            yield _Suspect(f"the file of readings {named}", np.isin(numbers, group))
-    first_prior = len(numbers) - (len(posterior.unknowns) - posterior.frictions)
-    bends = {
+            found[f"the file of readings {named}"] = np.isin(numbers, group)
+    shared = {
         name: f"the bend of {math.degrees(angle):.3g}°{block.bends.where} as it was set"
         for block in posterior.blocks
         for name, angle in zip(block.bends.names, block.bends.angle_rad, strict=True)
-    }
-    for k, unknown in enumerate(posterior.unknowns[posterior.frictions :]):
-        words = bends | {"zero": "the inclinometer's zero as it was read"}
-        if unknown.name in words:
-            yield _Suspect(words[unknown.name], np.arange(len(numbers)) == first_prior + k)
+    } | {"zero": "the inclinometer's zero as it was read"}
+    priors = zip(posterior.names[posterior.frictions :], np.flatnonzero(numbers < 0), strict=True)
+    for name, row in priors:
+        if name in shared:
+            words = shared[name]  # the same of two bends that were set alike
+            found[words] = found.get(words, False) | (np.arange(len(numbers)) == row)
+    return found
 
 
 def _named(left: dict[str, float]) -> str:
