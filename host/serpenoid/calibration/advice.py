@@ -13,8 +13,9 @@ asked.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from functools import partial
 
 from ..model.checks import check_kind
 from ..model.drives import ServoKind
@@ -27,8 +28,8 @@ from .advising.next_reading import (
     Advice,
     NextReading,
     Option,
-    Runs,
     gaits_that_matter,
+    next_number,
 )
 from .advising.speed_slopes import SpeedSlopes, speed_slopes
 from .advising.stations import station_options
@@ -36,6 +37,7 @@ from .filmed_joints import servo_seen
 from .fitting.posterior import Mode
 from .friction_fit import fit_friction
 from .friction_result import FrictionFit
+from .kinds.gait import GaitRun
 from .session import Session
 from .session_posterior import covariance_after, mode_of
 from .speed_samples import Progress, band_parts, servo_note
@@ -105,17 +107,16 @@ def advise(
     fit, mode = fit_friction(session), mode_of(session)
     servo = servo and servo_seen(session.setup.driving(servo), session.kept_films, fit)
     slopes = speed_slopes(fit, wanted, samples, progress)
-    ran = [_sigmas_of_runs(session, gait) if runs else [] for gait in wanted]
-    options = _options(session, mode, slopes, lambdas_deg, runs)
     parts = band_parts(fit, wanted, servo)
     linear = slopes.band(covariance_after(session, mode))
 
-    def band(grown: Session, sigmas: Runs) -> float:
-        left = slopes.band(covariance_after(grown, mode), sigmas)
-        return parts.with_friction(left / linear)
+    def band(grown: Session) -> float:
+        ran = [_sigmas_of_runs(grown, gait) for gait in wanted] if runs else ()
+        return parts.with_friction(slopes.band(covariance_after(grown, mode), ran) / linear)
 
-    readings = [_after(option, ran, band) for option in options]
-    now = band(session, ran)
+    options = _options(session, mode, slopes, lambdas_deg, runs)
+    readings = [_after(*option, band) for option in options]
+    now = band(session)
     readings.sort(key=lambda r: (r.band - now) / (r.minutes or 1.0))
     after = readings[0].band_after_times
     told = _ON_FLOOR if session.on_floor else _ratchet_note(session, fit)
@@ -130,9 +131,10 @@ def _options(
 ) -> list[Option]:
     """Return what could be taken next; raises BadInput where that is nothing."""
     if session.on_floor:
-        return floor_options(session, mode)
-    options = station_options(session, mode, [math.radians(bend) for bend in lambdas_deg])
-    options += [_gait_run(session, slopes, j) for j in range(len(slopes.gaits)) if runs]
+        return list(floor_options(session, mode))
+    options = list(station_options(session, mode, [math.radians(bend) for bend in lambdas_deg]))
+    if runs:
+        options += map(partial(_gait_run, session), slopes.gaits, slopes.speed_m_s.tolist())
     if not options:
         raise BadInput(
             f"{session.where}: no station that this treadmill can be set to tells more; take gait "
@@ -141,16 +143,17 @@ def _options(
     return options
 
 
-def _after(option: Option, ran: Runs, band: Callable[[Session, Runs], float]) -> NextReading:
+def _after(
+    shown: NextReading, grown: Iterable[Session], band: Callable[[Session], float]
+) -> NextReading:
     """Return a reading with the bands after it, as often as once more saves a tenth."""
     bands: list[float] = []
-    for grown, more in option.after:
-        left = band(grown, [[*a, *b] for a, b in zip(ran, more or [[]] * len(ran), strict=True)])
+    for left in map(band, grown):
         if bands and left > (1.0 - _WORTH_ANOTHER) * bands[-1]:
             break
         bands.append(left)
-    times = option.shown.times * len(bands)
-    return replace(option.shown, band=bands[0], times=times, band_after_times=bands[-1])
+    times = shown.times * len(bands)
+    return replace(shown, band=bands[0], times=times, band_after_times=bands[-1])
 
 
 def _ratchet_note(session: Session, fit: FrictionFit) -> str:
@@ -173,16 +176,17 @@ def _sigmas_of_runs(session: Session, gait: Gait) -> list[float]:
     ]
 
 
-def _gait_run(session: Session, slopes: SpeedSlopes, j: int) -> Option:
-    """Return a run of gait j: it measures its own speed, with a stopwatch."""
-    gait, v = slopes.gaits[j], float(slopes.speed_m_s[j])
-    sigma = session.setup.stopwatch.speed(1.0, 1.0 / v)[1]
+def _gait_run(session: Session, gait: Gait, speed_m_s: float) -> Option:
+    """Return a run of a gait: it measures its own speed, with a stopwatch."""
+    sigma = session.setup.stopwatch.speed(1.0, 1.0 / speed_m_s)[1]
     shown = NextReading(
         "gait",
         alpha_rad=gait.alpha_rad,
         beta_rad=gait.beta_rad,
         frequency_hz=gait.omega_rad_s / (2 * math.pi),
     )
-    runs = range(1, MOST_TIMES + 1)
-    more = ([[sigma] * times if k == j else [] for k in range(len(slopes.gaits))] for times in runs)
-    return Option(shown, ((session, sigmas) for sigmas in more))
+    run = GaitRun(
+        next_number(session), gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, speed_m_s, sigma
+    )
+    runs = [(*session.gait_runs, *[run] * times) for times in range(1, MOST_TIMES + 1)]
+    return shown, (replace(session, gait_runs=more) for more in runs)

@@ -17,7 +17,7 @@ from ..kinds.slide import Slide
 from ..kinds.station import bent_share
 from ..kinds.tracks import Track
 from ..session import Session
-from .next_reading import NextReading, Option
+from .next_reading import NextReading, Option, next_number
 
 SPEED_M_S, RATE_HZ, RESTED_S = 0.9, 30.0, 0.4
 BENDS_RAD = tuple(map(math.radians, (0.0, 20.0, 42.0)))
@@ -26,31 +26,27 @@ PUSH_MIN, BEND_MIN, SLIDE_MIN = 0.7, 1.5, 1.0  # what a person takes
 STEEPEST = math.sin(math.radians(30.0))
 
 
-def floor_options(session: Session, mode: Mode) -> list[Option]:
-    """Return pushes, seen as those before, and slides that could be taken next."""
+def floor_options(session: Session, mode: Mode) -> Iterator[Option]:
+    """Yield pushes, seen as those before, and slides that could be taken next."""
     by_film = any(push.track is not None for push in session.kept_pushes)
     last = session.kept_pushes[-1].lambda_rad if session.kept_pushes else math.nan
-    out = []
     for bend in BENDS_RAD:
-        for slide in (False, True):
-            angle = last if abs(last - bend) < math.radians(3.5) else bend
-            made = list(
-                _slides(session, mode, angle) if slide else _pushes(session, mode, angle, by_film)
-            )
-            if not made:
-                continue
-            minutes = len(made) * (SLIDE_MIN if slide else PUSH_MIN)
-            shown = NextReading(
-                "slide" if slide else "coast",
-                times=len(made),
-                lambda_rad=angle,
-                bend=session.setup.procedure.bend,
-                minutes=minutes + (0.0 if angle == last else BEND_MIN),
-                told=_told(made, angle, by_film),
-            )
-            grown = replace(session, further=(*session.further, *made))
-            out.append(Option(shown, [(grown, ())]))
-    return out
+        angle = last if abs(last - bend) < math.radians(3.5) else bend
+        pushes, slides = _pushes(session, mode, angle, by_film), _slides(session, mode, angle)
+        for kind, made, each_min in (
+            ("coast", tuple(pushes), PUSH_MIN),
+            ("slide", tuple(slides), SLIDE_MIN),
+        ):
+            if made:
+                shown = NextReading(
+                    kind,
+                    times=len(made),
+                    lambda_rad=angle,
+                    bend=session.setup.procedure.bend,
+                    minutes=len(made) * each_min + (0.0 if angle == last else BEND_MIN),
+                    told=_told(made, angle, by_film),
+                )
+                yield shown, [replace(session, further=(*session.further, *made))]
 
 
 def _pose(session: Session, mode: Mode, angle: float) -> tuple[float, float]:
@@ -66,7 +62,7 @@ def _pose(session: Session, mode: Mode, angle: float) -> tuple[float, float]:
 def _pushes(session: Session, mode: Mode, angle: float, by_film: bool) -> Iterator[Coast]:
     """Yield a push each way, as they would be seen."""
     c, f = (np.array([v]) for v in _pose(session, mode, angle))
-    speed, first = np.array([SPEED_M_S]), _next_number(session)
+    speed, first = np.array([SPEED_M_S]), next_number(session)
     stop = float(stop_s(speed, c, f)[0][0])
     places = [p.place for p in session.kept_pushes]
     known = [p.distance_sigma_m for p in session.kept_pushes if p.track and p.distance_sigma_m]
@@ -100,17 +96,13 @@ def _slides(session: Session, mode: Mode, angle: float) -> Iterator[Slide]:
             return
         time = slide_s(np.ones(1), np.array([c]), np.array([(times - 1.0) * f]))
         yield Slide(
-            _next_number(session) + k,
+            next_number(session) + k,
             angle,
             math.asin(sine) + session.zero.value_rad,
             1.0,
             float(time[0]),
             bend=session.setup.procedure.bend,
         )
-
-
-def _next_number(session: Session) -> int:
-    return 1 + max((r.number for _, r in session.numbered), default=0)
 
 
 def _told(made: Sequence[Coast | Slide], angle: float, by_film: bool) -> str:

@@ -64,18 +64,13 @@ class NextReading:
         return what + (f", {self.times} times" if self.times > 1 else "")
 
 
-Runs = Sequence[Sequence[float]]  # per gait, the standard deviations of its runs' speeds
+# A reading, and the session with it once, twice and so on.
+Option = tuple[NextReading, Iterable[Session]]
 
 
-@dataclass(frozen=True)
-class Option:
-    """A reading that could be taken next, its bands not yet known.
-
-    after: the session with it once, twice and so on, and the runs of gaits that this adds.
-    """
-
-    shown: NextReading
-    after: Iterable[tuple[Session, Runs]]
+def next_number(session: Session) -> int:
+    """Return a number that no reading has."""
+    return 1 + max((reading.number for _, reading in session.numbered), default=0)
 
 
 @dataclass(frozen=True)

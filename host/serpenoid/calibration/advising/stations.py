@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,38 +16,34 @@ from ..fitting.unknowns import Floats
 from ..kinds.station import LEAST_SLIP_M_S, Reading, bent_share
 from ..session import Session, Setup
 from ..taking.expected import Series
-from .next_reading import MOST_TIMES, NextReading, Option
+from .next_reading import MOST_TIMES, NextReading, Option, next_number
 
 MOST_INCLINE_RAD = math.atan(0.15)  # of home treadmills, unless this one stood steeper already
 SLIPS_M_S = (0.15, 0.3, 0.6, 1.0)
 _SAME_RAD = math.radians(0.5)  # bends that are one
+_STEEPEST = 0.7  # a sine, where no treadmill is as steep
 _AS_GOOD = 4.0  # sigmas of a bend from the one that the robot lies in
 
 
-def station_options(session: Session, mode: Mode, bends: Sequence[float]) -> list[Option]:
-    """Return the stations that could be held next, in these bends, each some times over."""
-    whole = mode.x[: mode.posterior.frictions]
-    return [_option(session, *at) for at in places(session, whole, bends)]
-
-
-def _option(session: Session, series: Series, incline: float, slip: float) -> Option:
-    first = max(r.number for r in session.readings) + 1
-    more = tuple(
-        Reading(first + k, series.lambda_rad, incline, slip, facing=series.facing, bend=series.bend)
-        for k in range(MOST_TIMES)
-    )
-    shown = NextReading(
-        "station",
-        lambda_rad=series.lambda_rad,
-        incline_rad=incline,
-        belt_speed_m_s=slip,
-        facing=series.facing,
-        bend=series.bend if series.lambda_rad else "",
-    )
-    times = range(1, MOST_TIMES + 1)
-    return Option(
-        shown, ((replace(session, readings=(*session.readings, *more[:n])), ()) for n in times)
-    )
+def station_options(session: Session, mode: Mode, bends: Sequence[float]) -> Iterator[Option]:
+    """Yield the stations that could be held next, in these bends, each some times over."""
+    whole, first = mode.x[: mode.posterior.frictions], next_number(session)
+    for series, incline, slip in places(session, whole, bends):
+        bend, facing = series.lambda_rad, series.facing
+        more = tuple(
+            Reading(first + k, bend, incline, slip, facing=facing, bend=series.bend)
+            for k in range(MOST_TIMES)
+        )
+        shown = NextReading(
+            "station",
+            lambda_rad=bend,
+            incline_rad=incline,
+            belt_speed_m_s=slip,
+            facing=facing,
+            bend=series.bend if bend else "",
+        )
+        grown = [(*session.readings, *more[: k + 1]) for k in range(MOST_TIMES)]
+        yield shown, (replace(session, readings=readings) for readings in grown)
 
 
 def places(
@@ -64,6 +60,8 @@ def places(
     fastest = session.setup.procedure.belt_speed_max_m_s
     steepest = max(MOST_INCLINE_RAD, float(shown.max()))
     near, (zero,) = _AS_GOOD * given.lambda_sigma_rad, session.zeros_rad(kept[-1:])
+    weight_n = session.setup.weight_n
+    grade_step = session.setup.treadmill.incline_step_rad
     found: dict[tuple[Series, float], float] = {}
     angles = [now if now and abs(bend - now) < near else bend for bend in bends]
     every = [
@@ -72,11 +70,11 @@ def places(
         if not angle or angle > SAFE_BEND * given.lambda_sigma_rad  # lesser ones bias cn
     ]
     for series in [*every, *([Series(0.0, "up", bent)] if len(whole) > 4 else [])]:
+        slope, least = _pull(whole, session.setup, series)
         for wanted_m_s in SLIPS_M_S:
-            aim = station_incline_rad(whole, session.setup, series, wanted_m_s) + zero
-            grade_step = session.setup.treadmill.incline_step_rad
+            aim = math.asin(min((slope * wanted_m_s + least) / weight_n, _STEEPEST)) + zero
             incline = nearest_shown(aim, shown, given.incline_sigma_rad, grade_step)
-            slip = station_slip_m_s(whole, session.setup, series, incline - zero)
+            slip = (weight_n * math.sin(incline - zero) - least) / max(slope, 1e-12)
             fits = LEAST_SLIP_M_S < slip <= fastest and 0.0 < incline <= steepest
             if fits and not _failed(session, series, incline):
                 found[series, round(incline, 6)] = slip
@@ -104,15 +102,3 @@ def _pull(whole: Floats, setup: Setup, series: Series) -> tuple[float, float]:
     share = bent_share(series.bend, setup.robot.links) if series.lambda_rad else 0.0
     by_ct, by_cn, by_ft0, by_fn0 = projections(share, series.lambda_rad)
     return float(ct * by_ct + cn * by_cn), float(ft0 * by_ft0 + fn0 * by_fn0)
-
-
-def station_incline_rad(whole: Floats, setup: Setup, series: Series, slip_m_s: float) -> float:
-    """Return the incline at which a snake of this friction holds its station at this slip."""
-    slope, least = _pull(whole, setup, series)
-    return math.asin(min((slope * slip_m_s + least) / setup.weight_n, 0.7))
-
-
-def station_slip_m_s(whole: Floats, setup: Setup, series: Series, incline_rad: float) -> float:
-    """Return the slip at which it holds its station at this incline, below 0 if it does not."""
-    slope, least = _pull(whole, setup, series)
-    return (setup.weight_n * math.sin(incline_rad) - least) / max(slope, 1e-12)
