@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from .fitting.bends import resistance
 from .fitting.paper_fit import points, two_lines
 from .fitting.posterior import Mode
 from .fitting.stations import Stations
@@ -81,11 +82,11 @@ def _against_the_law(data: Stations) -> list[str]:
 
 def _errors_n(data: Stations) -> dict[str, Floats]:
     """Return part -> standard deviation of each point's force, N; speeds' errors by their slope."""
-    (ct, _), cn = data.along(np.abs(two_lines(data)[0])), abs(two_lines(data)[0][1])
+    whole = np.abs(two_lines(data)[0])
+    slope = resistance(whole, data.bends.share, data.lambda_rad, data.back)[0]
     alone = data.alone
     pull = alone.weight_n * np.cos(alone.incline_rad) * alone.incline_sigma_rad
     sin = np.maximum(np.sin(data.lambda_rad), 1e-9)
-    slope = np.where(data.bent, ct + cn * sin**2, ct)
     force = np.hypot(pull, slope * data.speed_sigma_m_s)
     across = force / np.maximum(data.bends.share * sin, 1e-9)
     ahead, back = ~data.bent & ~data.back, ~data.bent & data.back

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..fitting.bends import projections
+from ..fitting.bends import resistance
 from ..fitting.identifiability import SAFE_BEND
 from ..fitting.posterior import Mode
 from ..fitting.rounding import nearest_shown
@@ -96,9 +96,6 @@ def _failed(session: Session, series: Series, incline_rad: float) -> bool:
 
 def _pull(whole: Floats, setup: Setup, series: Series) -> tuple[float, float]:
     """Return A and B: the whole snake's friction along the belt is A v + B."""
-    ct, cn, ft0, fn0 = whole[:4].tolist()
-    if series.facing == "up":
-        ct, ft0 = whole[4:6].tolist()
     share = bent_share(series.bend, setup.robot.links) if series.lambda_rad else 0.0
-    by_ct, by_cn, by_ft0, by_fn0 = projections(share, series.lambda_rad)
-    return float(ct * by_ct + cn * by_cn), float(ft0 * by_ft0 + fn0 * by_fn0)
+    law = resistance(whole, share, series.lambda_rad, series.facing == "up")
+    return float(law[0][0]), float(law[1][0])

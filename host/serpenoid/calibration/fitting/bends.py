@@ -13,6 +13,7 @@ from ..kinds.coast import Coast
 from ..kinds.slide import Slide
 from ..kinds.station import Reading
 from ..session import Session
+from .shared import FRICTIONS
 from .unknowns import Floats, Unknown, Values, Whole
 
 # Assumed correlation between the setting errors of two bends. They are set one by one, but by the
@@ -110,6 +111,30 @@ def projections(
     """
     q, cos, sin = np.asarray(bent_share, dtype=float), np.cos(angle_rad), np.sin(angle_rad)
     return 1.0 - q * sin**2, q * sin**2, 1.0 - q + q * cos, q * sin
+
+
+def resistance(
+    whole: Floats,
+    bent_share: Floats | float,
+    angle_rad: Floats | float,
+    back: NDArray[np.bool_] | bool = False,
+    astray_rad: Floats | float = 0.0,
+) -> tuple[Floats, Floats]:
+    """Return A, N s/m, and B, N, of friction A v + B along the way, whole snake, each (..., N).
+
+    whole: (..., P) frictions in the order of FRICTIONS. back: where wheels roll backwards.
+    astray_rad: the straight links' mean |angle| to the way, times their share.
+    """
+    ct, cn, ft0, fn0, *backward = np.moveaxis(whole, -1, 0)[..., None]
+    if backward:
+        ct, ft0 = np.where(back, backward[0], ct), np.where(back, backward[1], ft0)
+    by_ct, by_cn, by_ft0, by_fn0 = projections(bent_share, angle_rad)
+    return ct * by_ct + cn * by_cn, ft0 * by_ft0 + fn0 * (by_fn0 + astray_rad)
+
+
+def frictions_in(values: Values) -> Floats:
+    """Return the frictions (K, P) among values by name, in the order of FRICTIONS."""
+    return np.stack([values[name] for name in FRICTIONS if name in values], axis=-1)
 
 
 def _settings(session: Session, readings: Sequence[Reading | Coast | Slide]) -> Whole:

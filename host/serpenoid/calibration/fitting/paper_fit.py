@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .bends import projections
+from .bends import projections, resistance
+from .shared import FRICTIONS
 from .stations import Stations
 from .unknowns import Floats
 
@@ -23,12 +24,12 @@ def points(data: Stations, values: Floats) -> dict[str, tuple[Floats, Floats]]:
 
     values: the frictions, of which ct and ft0 are taken. "back" is "straight" facing up the belt.
     """
-    ct, ft0 = data.along(values)
     pull_n = data.weight_n * np.sin(data.incline_rad) - data.inertia_n
     b, sin = data.bent, np.sin(data.lambda_rad)
-    by_ct, _, by_ft0, by_fn0 = projections(data.bends.share, data.lambda_rad)
-    along_n = ct * data.slip_m_s * by_ct + ft0 * by_ft0
-    across_n = (pull_n[b] - along_n[b]) / by_fn0[b]
+    tangential = values * [name not in ("cn", "fn0") for name in FRICTIONS[: len(values)]]
+    viscous, dry = resistance(tangential, data.bends.share, data.lambda_rad, data.back)
+    by_fn0 = projections(data.bends.share, data.lambda_rad)[3]
+    across_n = (pull_n - viscous * data.slip_m_s - dry)[b] / by_fn0[b]
     return {
         "straight": (data.slip_m_s[~b & ~data.back], pull_n[~b & ~data.back]),
         "back": (data.slip_m_s[~b & data.back], pull_n[~b & data.back]),

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..session import Session
-from .bends import Bends, projections
+from .bends import Bends, frictions_in, resistance
 from .rounding import Drift, roundings
 from .shared import FRICTIONS, rolling_share, straightness_factors
 from .tracks import Tracks
@@ -144,16 +144,6 @@ class Stations:
         """Return itself: nothing in it is made linear."""
         return self
 
-    def along(self, whole: Floats) -> tuple[Floats, Floats]:
-        """Return each reading's ct and ft0 (..., N), of the way that its wheels roll.
-
-        whole: (..., P) frictions.
-        """
-        ct, ft0 = whole[..., 0:1] + np.zeros(len(self)), whole[..., 2:3] + np.zeros(len(self))
-        if whole.shape[-1] < 6:
-            return ct, ft0
-        return np.where(self.back, whole[..., 4:5], ct), np.where(self.back, whole[..., 5:6], ft0)
-
     def residuals(self, values: Values) -> Floats:
         """Return r_i (K, N): see the head of this file."""
         return np.asarray(np.divide(*self._balance(values, self._rounding_rad(values))[:2]))
@@ -170,14 +160,12 @@ class Stations:
 
     def _balance(self, values: Values, rounding_rad: Floats | float) -> tuple[Floats, ...]:
         """Return excess force, its standard deviation, and its slope by the incline, (K, N), N."""
-        whole = np.stack([values[name] for name in FRICTIONS if name in values], axis=-1)
-        ct, ft0 = self.along(whole)
-        cn, fn0 = whole[:, 1:2], whole[:, 3:4]
-        by_ct, by_cn, by_ft0, by_fn0 = projections(self.bends.share, self.bends.angles_rad(values))
-        by_fn0 = by_fn0 + self.astray_rad
+        astray = self.astray_rad
         if "astray" in values:
-            by_fn0 = by_fn0 + self.astray_sigma_rad * values["astray"][:, None]
-        viscous = ct * by_ct + cn * by_cn
+            astray = astray + self.astray_sigma_rad * values["astray"][:, None]
+        angles = self.bends.angles_rad(values)
+        law = frictions_in(values), self.bends.share, angles, self.back, astray
+        viscous, dry = resistance(*law)
         incline = self.incline_rad - self.zero_sigma_rad * values["zero"][:, None] - rounding_rad
         weight_n, belt = self.weight_n, 1.0
         if self.belt_sigma > 0.0:
@@ -185,7 +173,7 @@ class Stations:
         slip = belt * self.slip_m_s * np.ones_like(viscous)
         per_incline_n = weight_n * np.cos(incline)
         drag_n = self.tracks.drag(viscous, slip)
-        excess_n = weight_n * np.sin(incline) - drag_n - (ft0 * by_ft0 + fn0 * by_fn0)
+        excess_n = weight_n * np.sin(incline) - drag_n - dry
         alone_n = np.hypot(per_incline_n * self.incline_sigma_rad, self.inertia_sigma_n)
         spread_n = np.hypot(alone_n, belt * viscous * self.speed_sigma_m_s)
         return excess_n, np.maximum(spread_n, _LEAST_N), per_incline_n

@@ -26,7 +26,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fitting.bends import Bends, projections
+from ..fitting.bends import Bends, frictions_in, projections, resistance
 from ..fitting.rolling_law import slide_s, stop_s, way_m
 from ..fitting.shared import FRICTIONS, rolling_share, straightness_factors
 from ..fitting.unknowns import Floats, Unknown, Values, Whole
@@ -78,16 +78,14 @@ class Rolling:
         def value(name: str) -> Floats | float:
             return values[name][:, None] if name in values else 0.0
 
-        ct, cn, ft0, fn0 = (values[name][:, None] for name in FRICTIONS[:4])
-        if "ct_back" in values:
-            ct, ft0 = (np.where(back, value(b), a) for a, b in ((ct, "ct_back"), (ft0, "ft0_back")))
-        by_ct, by_cn, by_ft0, by_fn0 = projections(bends.share, bends.angles_rad(values))
         (off, off_sigma), (rolls, spread) = self.straightness_rad, self.rolling
-        by_fn0 = by_fn0 + (1.0 - bends.share) * (off + off_sigma * value("astray"))
-        mass = self.mass_kg
+        angles = bends.angles_rad(values)
+        astray = (1.0 - bends.share) * (off + off_sigma * value("astray"))
+        force, dry = resistance(frictions_in(values), bends.share, angles, back, astray)
+        by_ct = projections(bends.share, angles)[0]
         inert = 1.0 + (rolls + spread * value("rolling")) * by_ct
-        force, dry = ct * by_ct + cn * by_cn, ft0 * by_ft0 + fn0 * by_fn0
-        return force / (mass * inert), dry / (mass * inert), np.ones_like(force) / inert
+        mass = self.mass_kg * inert
+        return force / mass, dry / mass, np.ones_like(force) / inert
 
 
 @dataclass(frozen=True, eq=False)
