@@ -35,25 +35,6 @@ def test_a_small_bend_is_followed_by_a_larger_one(weak):
     assert bands == sorted(bands)
 
 
-def test_the_band_foretold_is_the_one_that_comes(weak):
-    bend, slip = math.radians(30), 0.3
-    c, s = math.cos(bend), math.sin(bend)
-    t = WHOLE_BODY_2005
-    pull = (t.ct * c * c + t.cn * s * s) * slip + t.ft0 * c + t.fn0 * s
-    incline = math.asin(pull / weak.setup.weight_n)
-    reading = Reading(len(weak.readings) + 1, bend, incline, slip)
-    after = sn.fit_friction(replace(weak, readings=(*weak.readings, reading)))
-    slopes = SpeedSlopes((GAIT,), np.array([0.05]), np.array([[0.0, 0.0, 0.0, 0.1]]))
-    told = advise(weak, [GAIT], samples=16, runs=False, servo=None)
-    same = [
-        r for r in told.readings if (r.lambda_rad, r.belt_speed_m_s) == pytest.approx((bend, slip))
-    ]
-    assert same[0].incline_rad == pytest.approx(incline, rel=1e-3)
-    # by the same linear share of speed that advise takes: fn0 leads it
-    ratio = slopes.band(after.covariance) / slopes.band(sn.fit_friction(weak).covariance)
-    assert same[0].band / told.band == pytest.approx(ratio, rel=0.25)
-
-
 def test_advise_promises_what_compare_then_shows(weak):
     """The band is that of `compare`, now, and once the best reading is taken as it is worth."""
 

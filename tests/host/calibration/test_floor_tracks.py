@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from calibration.floor_sessions import TRUTH, floor_setup, push_track, rolled_out
+from calibration.floor_sessions import TRUTH, floor_setup, push_track
 from serpenoid import BadInput
 from serpenoid.calibration.floor.look import look_at, pushes_in
 from serpenoid.calibration.floor.track_files import read_track_file
@@ -243,9 +243,3 @@ def test_by_tape_and_watch_nothing_is_made_up():
     assert all(p.track is None for p in taken.kept_pushes)
     with pytest.raises(BadInput, match="cannot be told"):
         fit_friction(taken)
-
-
-def test_ways_to_rest_of_the_reference_are_those_of_the_law():
-    t, way = rolled_out(0.9, TRUTH)
-    assert way[-1] == pytest.approx(0.978, abs=0.02)
-    assert t[-4001] == pytest.approx(2.37, abs=0.05)

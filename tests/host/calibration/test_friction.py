@@ -162,14 +162,6 @@ def test_naive_intervals_are_too_narrow(many):
 
 
 @pytest.mark.slow
-def test_scatter_is_what_the_study_found(many):
-    found = np.std([values(fit) for fit in many["joint"]], axis=0) / TRUTH
-    # The study: 6, 35, 6 and 13 %. Three standard deviations (2.2 %) of a scatter found from 1000
-    # sessions, and half a digit of the study's figures (0.5 of 6 is 8 %).
-    np.testing.assert_allclose(found, [0.06, 0.35, 0.06, 0.13], rtol=0.15)
-
-
-@pytest.mark.slow
 def test_chi2_is_distributed_as_it_should_be(many):
     chances = np.array([fit.p_value for fit in many["joint"]])
     # Even on 0 to 1: its mean scatters by 0.29 / sqrt(1000) = 0.009; three of these. An
@@ -205,36 +197,6 @@ def test_bends_check_each_other():
     # cn and fn0, the small ones are seen.
     assert known_deg(7.5) == pytest.approx([0.5], rel=0.03)  # by draws
     assert max(known_deg(7.5, 15.0, 30.0)[:2]) < 0.3
-
-
-def test_three_bends_let_chi2_see_a_wrong_bend():
-    def seen(*lambdas_deg):
-        rng, found = np.random.default_rng(11), 0
-        for _ in range(30):
-            made = session(setup(*lambdas_deg), WHOLE_BODY_2005, rng)
-            for k, reading in enumerate(made.readings):
-                error = math.radians(3.0) if reading.lambda_rad else 0.0
-                made = changed(made, k, lambda_rad=reading.lambda_rad + error)
-            found += fit_friction(made).p_value < 0.05
-        return found / 30
-
-    # The study: 62 % against 3 %, for an error it does not state; 3 degrees is six of the prior's
-    # standard deviations. Each share scatters by at most 9 %.
-    assert seen(7.5, 15.0, 30.0) > 0.4
-    assert seen(7.5) < 0.2
-
-
-def test_zero_of_the_inclinometer_moves_ft0_by_its_share():
-    exact = session(setup(7.5), WHOLE_BODY_2005)
-    off = replace(
-        exact,
-        readings=tuple(
-            replace(r, incline_rad=r.incline_rad + math.radians(0.1)) for r in exact.readings
-        ),
-    )
-    moved = fit_friction(off, method="naive").parameters["ft0"].value - WHOLE_BODY_2005.ft0
-    # m g cos(gamma) * 0.1 deg = 4.448 N * 1.745e-3 = 7.76e-3 N, 5.5 % of 0.14 N.
-    assert moved == pytest.approx(7.76e-3, rel=0.01)
 
 
 def test_drift_is_taken_off_the_belt_speed():
@@ -281,13 +243,16 @@ def test_friction_never_turns_negative():
 @pytest.mark.parametrize(
     ("spoil", "says"),
     [
-        (lambda s: [r for r in s.readings if r.lambda_rad == 0], "0 bent reading.*at least 2"),
+        (
+            lambda s: [r for r in s.readings if r.lambda_rad == 0],
+            "cn and fn0 cannot be told from 0 bent.*at least 2, with lambda_deg = 15",
+        ),
         (lambda s: [r for r in s.readings if r.lambda_rad > 0], "0 straight reading.*at least 2"),
-        (lambda s: s.readings[4:], "1 straight reading.*at least 2"),
+        (lambda s: s.readings[4:], "ct and ft0 cannot be told from 1 straight reading.*at least 2"),
         (lambda s: [replace(r, belt_speed_m_s=0.5) for r in s.readings], "span at least four"),
         (
             lambda s: [replace(r, lambda_rad=r.lambda_rad / 6) for r in s.readings],
-            "cn and fn0 cannot be told: lambda_deg is 1.25.*lambda_deg = 15 would do it",
+            r"cn and fn0 cannot be told: lambda_deg is 1\.25 with .* 0\.5; .*lambda_deg = 15",
         ),
     ],
 )

@@ -129,23 +129,6 @@ def test_a_reading_that_nothing_checks_is_told():
     assert [i.leverage > 0.97 for i in fit.influence][-2:] == [True, True]
 
 
-@pytest.mark.parametrize(
-    ("keep", "message"),
-    [
-        (
-            lambda r, first: not r.lambda_rad,
-            "cn and fn0 cannot be told from 0 bent.*lambda_deg = 15",
-        ),
-        (lambda r, first: r.lambda_rad or first, "ct and ft0 cannot be told from 1 straight"),
-    ],
-)
-def test_the_gate_names_parameters_and_the_reading_that_would_tell_them(keep, message):
-    made = session(setup(15.0), WHOLE_BODY_2005)
-    left = tuple(r for k, r in enumerate(made.readings) if keep(r, k == 0))
-    with pytest.raises(BadInput, match=message):
-        fit_friction(replace(made, readings=left))
-
-
 def test_speeds_too_close_are_told_apart_by_a_reading_that_is_named():
     made = session(setup(15.0), WHOLE_BODY_2005)
     for k, r in enumerate(made.readings):
@@ -155,15 +138,10 @@ def test_speeds_too_close_are_told_apart_by_a_reading_that_is_named():
         fit_friction(made)
 
 
-@pytest.mark.parametrize(("lambda_deg", "told"), [(2.0, "refused"), (4.0, "noted"), (7.5, "")])
-def test_a_bend_too_small_for_its_error_is_refused_or_told(lambda_deg, told):
-    made = session(setup(lambda_deg), WHOLE_BODY_2005)
-    if told == "refused":
-        with pytest.raises(BadInput, match=r"lambda_deg is 2 with a standard deviation of 0\.5"):
-            fit_friction(made)
-        return
-    notes = " ".join(fit_friction(made).notes)
-    assert ("cn comes out too large by about 5%" in notes) == (told == "noted")
+@pytest.mark.parametrize(("lambda_deg", "noted"), [(4.0, True), (7.5, False)])
+def test_a_bend_that_is_small_for_its_error_is_noted(lambda_deg, noted):
+    notes = " ".join(fit_friction(session(setup(lambda_deg), WHOLE_BODY_2005)).notes)
+    assert ("cn comes out too large by about 5%" in notes) == noted
 
 
 def test_a_large_session_that_disagrees_is_fitted_at_once():

@@ -66,18 +66,6 @@ def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
     assert (np.sum(held, axis=0) >= 18).all()
 
 
-def test_what_faces_down_alone_is_fitted_as_ever() -> None:
-    down = synthetic.session(SETUP, AHEAD, np.random.default_rng(1))
-    both = both_ways(np.random.default_rng(1))
-    fit = sn.fit_friction(down)
-    assert list(fit.whole_snake) == ["ct", "cn", "ft0", "fn0"]
-    assert not fit.ground.ratchet
-    assert (
-        both.sha256
-        != replace(both, readings=tuple(replace(r, facing="down") for r in both.readings)).sha256
-    )
-
-
 def test_bent_readings_one_way_are_enough() -> None:
     fit = sn.fit_friction(both_ways(bent_back=False))
     assert fit.whole_snake == pytest.approx(WANTED, rel=1e-5)
