@@ -91,7 +91,7 @@ def suspects_in_words(session: Session, mode: Mode) -> str:
     left = {}
     for words in sorted(scores, key=scores.__getitem__)[:_REFITTED]:
         try:
-            left[words] = mode.posterior.mode(mode.x, ~suspects[words] * 1.0).chi2
+            left[words] = mode.posterior.mode(mode.x, np.where(suspects[words], 0.0, 1.0)).chi2
         except NotConverged:
             continue
     if not left:
