@@ -9,14 +9,13 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup
-from command_runner import separate_runner
+from command_line import serpenoid
 from serpenoid.calibration.fitting.shared import straightness_factors
 from serpenoid.calibration.fitting.stations import Stations
 from serpenoid.calibration.friction_result import NO_BELT
 from serpenoid.calibration.kinds.belt import BeltCheck
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
-from serpenoid.commands.main import cli
 from serpenoid.show.session.state import agreement
 
 FOLDER_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
@@ -151,7 +150,7 @@ def test_every_prediction_notes_what_was_not_measured(tmp_path):
         ("sweep", sweep),
         ("optimize", ["--speed-m-s", "0.05", "--servo", "ideal"]),
     ):
-        done = separate_runner().invoke(cli, [command, "--session", str(folder), *typed, "--json"])
+        done = serpenoid(command, "--session", folder, *typed, "--json")
         weight, zero, belt = json.loads(done.stdout)["fit_notes"]
         assert weight.startswith("The robot was not weighed")
         assert "0.1 degrees are 0.0078 N of ft0" in zero

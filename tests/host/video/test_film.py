@@ -7,8 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from command_runner import separate_runner
-from serpenoid.commands.main import cli
+from command_line import serpenoid
 from serpenoid.video.fitting.start import first_cameras
 from serpenoid.video.instrument import measure
 from serpenoid.video.measure_film import measure_film
@@ -111,8 +110,7 @@ def test_the_command_tells_it_and_writes_what_was_asked_for(
     monkeypatch.setattr("serpenoid.video.measure_film.measure_film", once)
     names = {"--track": "track.csv", "--plot": "film.png", "--annotate": "drawn.mp4"}
     options = [part for option, name in names.items() for part in (option, str(tmp_path / name))]
-    done = separate_runner().invoke(cli, ["video", str(path), "--json", *options])
-    assert done.exit_code == 0, done.output
+    done = serpenoid("video", path, "--json", *options, check=True)
     told = json.loads(done.stdout)
     assert told["speed_m_s"] == pytest.approx(world.speed_m_s, rel=0.005)
     assert len(told["joints"]) == 5

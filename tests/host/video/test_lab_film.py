@@ -9,10 +9,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
-from command_runner import separate_runner
+from command_line import serpenoid
 from serpenoid.calibration.session_file import read_session
 from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
-from serpenoid.commands.main import cli
 from serpenoid.lab.robot import LabRobot
 from serpenoid.model.ground import Ground
 from serpenoid.model.robot import Robot
@@ -46,8 +45,7 @@ def filmed(tmp_path):
         shoot(world, film, LENS, seconds=2.2 * GAIT.period_s, rate_hz=20, up=2)
         folder = create_session(tmp_path / "session", replace(SETUP, procedure=ON_FLOOR))
         typed = ["video", film, "--recording", wire, "--session", folder, "--way", "back", "--json"]
-        done = separate_runner().invoke(cli, [str(part) for part in typed])
-        assert done.exit_code == 0, done.output
+        done = serpenoid(*typed, check=True)
         return json.loads(done.stdout), world, folder
 
     return measure
