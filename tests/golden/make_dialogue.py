@@ -258,7 +258,11 @@ def step(line: str) -> str:
     return written[word]() if word in written else f"< {answer(line)}"
 
 
-if __name__ == "__main__":
+def whole() -> str:
+    """Return the text of dialogue.txt."""
     rule = "# `>` to the board, `<` from it, `~` seconds; \\n, \\xHH bytes. By make_dialogue.py."
-    lines = [rule, *map(step, SCRIPT.splitlines())]
-    (HERE / "dialogue.txt").write_text("\n".join(lines) + "\n")
+    return "\n".join([rule, *map(step, SCRIPT.splitlines())]) + "\n"
+
+
+if __name__ == "__main__":
+    (HERE / "dialogue.txt").write_text(whole())

@@ -4,26 +4,16 @@ from __future__ import annotations
 
 import math
 import re
-import subprocess
-import sys
-from pathlib import Path
 
 import pytest
-from golden import dialogue
+from golden import dialogue, make_dialogue
 from serpenoid._core import firmware
 from serpenoid.robot.wire import protocol
 from serpenoid.robot.wire.protocol import ERRORS
 
 
-def test_the_file_is_what_its_script_writes(tmp_path: Path) -> None:
-    script = tmp_path / "tests" / "golden" / "make_dialogue.py"
-    script.parent.mkdir(parents=True)
-    script.write_text(dialogue.PATH.with_name("make_dialogue.py").read_text())
-    page = dialogue.PATH.parents[2] / "firmware" / "PROTOCOL.md"
-    (tmp_path / "firmware").mkdir()
-    (tmp_path / "firmware" / "PROTOCOL.md").write_text(page.read_text())
-    subprocess.run([sys.executable, script], check=True)
-    assert script.with_name("dialogue.txt").read_text() == dialogue.PATH.read_text()
+def test_the_file_is_what_its_script_writes() -> None:
+    assert make_dialogue.whole() == dialogue.PATH.read_text()
 
 
 def test_the_controller_says_it_byte_for_byte() -> None:
@@ -36,19 +26,13 @@ def test_the_controller_says_it_byte_for_byte() -> None:
 @pytest.mark.avr
 def test_the_elf_says_it_byte_for_byte(start) -> None:
     board = start("uno")
-    taken = 0
-
-    def take() -> bytes:
-        nonlocal taken
-        new, taken = board.lines[taken:], len(board.lines)
-        return "".join(f"{line.text}\n" for line in new).encode()
 
     def as_uno(line: bytes) -> bytes:
         body = line.rpartition(b" *")[0].replace(b"board=virtual", b"board=uno")
         body = body.replace(b"low=3 high=20 unit=ms", b"low=15 high=20 unit=ms")  # at its pins
         return body + f" *{protocol.crc(body.decode()):04X}".encode()
 
-    said = dialogue.play(board.send, board.run, take, timed=False, renamed=as_uno)
+    said = dialogue.play(board.send, board.run, board.read, timed=False, renamed=as_uno)
     assert said == sum(mark == "<" and text[:2] != b"t:" for mark, text in dialogue.steps())
 
 
