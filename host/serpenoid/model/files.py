@@ -54,22 +54,16 @@ def check_file(path: Path, most_bytes: int = MOST_BYTES) -> int:
     return found.st_size
 
 
-def read_bytes(path: Path, most_bytes: int = MOST_BYTES) -> bytes:
-    """Return the content of a regular file; raises BadInput, saying why it cannot be read."""
+def read_text(path: Path, most_bytes: int = MOST_BYTES) -> str:
+    """Return a UTF-8 file's text with line ends as LF; raises BadInput."""
     check_file(path, most_bytes)
     try:
         with path.open("rb") as file:
-            return file.read(most_bytes)
-    except OSError as error:
-        raise BadInput(f"{path}: {error.strerror or error}") from error
-
-
-def read_text(path: Path, most_bytes: int = MOST_BYTES) -> str:
-    """Return a UTF-8 file's text with line ends as LF; raises BadInput."""
-    try:
-        text = read_bytes(path, most_bytes).decode("utf-8-sig")
+            text = file.read(most_bytes).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise BadInput(f"{path}: not UTF-8 text at byte {error.start}; save it as UTF-8") from error
+    except OSError as error:
+        raise BadInput(f"{path}: {error.strerror or error}") from error
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 

@@ -6,6 +6,7 @@ import math
 import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import av
 import cv2
@@ -25,7 +26,7 @@ from serpenoid.video.faults import SEEN, judged
 from serpenoid.video.fitting.start import first_cameras
 from serpenoid.video.instrument import measure
 from serpenoid.video.measure_film import measure_film
-from serpenoid.video.result import FilmedRun, Joint
+from serpenoid.video.result import Joint
 from serpenoid.video.seeing.film import Film as File
 from serpenoid.video.seeing.sightings import Sightings
 from serpenoid.video.seeing.watch import watch
@@ -295,35 +296,14 @@ def test_a_picture_is_no_film(frames, tmp_path) -> None:
         measure_film(tmp_path, 6, LINK_M)
 
 
-def run_of(phase_deg: list[float], offset_deg: list[float] | None = None) -> FilmedRun:
+def run_of(phase_deg: list[float], offset_deg: list[float] | None = None) -> SimpleNamespace:
+    """Return what the joints of a film say, which is what servos are judged by."""
     offsets = offset_deg or [0.0] * len(phase_deg)
     joints = tuple(
         Joint(i + 1, math.radians(40), 1e-3, math.radians(p), 1e-3, math.radians(o), 1e-3, 1.0)
         for i, (p, o) in enumerate(zip(phase_deg, offsets, strict=True))
     )
-    count = len(joints) + 1
-    return FilmedRun(
-        count,
-        LINK_M,
-        0.05,
-        1e-4,
-        0.0,
-        1e-3,
-        0.0,
-        1e-4,
-        8.0,
-        1e-3,
-        0.1,
-        2.0,
-        joints,
-        (1.0,) * count,
-        1.0,
-        0.1,
-        1e-4,
-        1.0,
-        {},
-        {},
-    )
+    return SimpleNamespace(joints=joints, omega_rad_s=8.0, omega_sigma_rad_s=1e-3)
 
 
 @pytest.mark.parametrize("gait", [GAIT, None])
