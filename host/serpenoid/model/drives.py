@@ -407,28 +407,25 @@ class ServoKind:
         """
         *normal, plug = units
         even = math.sqrt(3) * math.erf(plug / math.sqrt(2))
-        factor = {
-            name: math.exp(self.sigma.get(name, 0.0) * x)
+        typical = _ratios(self.servo)
+        values = {
+            name: typical[name] * math.exp(self.sigma.get(name, 0.0) * x)
             for name, x in zip(UNCERTAIN, (*normal, even), strict=True)
         }
-        typical = self.servo
-        friction = _friction(typical) * factor["gear_friction_nm"]
-        if friction > max(_MOST_FRICTION, _BEYOND_TYPICAL * _friction(typical)):
+        friction, loss = values["gear_friction_nm"], _loss(values)
+        if friction > max(_MOST_FRICTION, _BEYOND_TYPICAL * typical["gear_friction_nm"]):
             return None
-        loss = (1 + damping_of_line(typical) * factor["gear_damping_nms_rad"]) / (1 - friction)
         if loss > max(_MOST_LOSS, _BEYOND_TYPICAL * _loss(typical)):
             return None
-        factor["torque_limit_nm"] *= (1 - _friction(typical)) / (1 - friction)
-        factor["speed_limit_rad_s"] *= loss / _loss(typical)
-        for name in _WITH_TORQUE:
-            factor[name] *= factor["torque_limit_nm"]
-        for name in _WITH_LINE:
-            factor[name] *= factor["torque_limit_nm"] / factor["speed_limit_rad_s"]
-        supply_v = typical.supply_v * factor.pop("supply_v")
-        values = {name: getattr(typical, name) * by for name, by in factor.items()}
+        torque = values["torque_limit_nm"] / (1 - friction)
+        speed = values["speed_limit_rad_s"] * loss
+        values |= {"torque_limit_nm": torque, "speed_limit_rad_s": speed}
+        values |= {name: values[name] * torque for name in _WITH_TORQUE}
+        values |= {name: values[name] * torque / speed for name in _WITH_LINE}
         values["supply_sag"] = min(values["supply_sag"], 1.0)
-        rate = typical.update_hz if update_hz is None else update_hz
-        servo = replace(typical, **values, update_hz=rate)
+        supply_v = values.pop("supply_v")
+        rate = self.servo.update_hz if update_hz is None else update_hz
+        servo = replace(self.servo, **values, update_hz=rate)
         if self.sigma.get("supply_v"):
             servo = servo.at_volts(supply_v)
         return None if loop_radius(servo) >= _HUNTS else servo
@@ -447,19 +444,14 @@ class ServoKind:
         return [*normal, NormalDist().inv_cdf((1 + even / math.sqrt(3)) / 2)]
 
 
-def _friction(servo: Servo) -> float:
-    """Return the gear's dry friction over the stalled torque."""
-    return servo.gear_friction_nm / servo.torque_limit_nm
-
-
 def damping_of_line(servo: Servo) -> float:
     """Return the gear's damping over the motor's S / w0."""
     return servo.gear_damping_nms_rad * servo.speed_limit_rad_s / servo.torque_limit_nm
 
 
-def _loss(servo: Servo) -> float:
+def _loss(ratios: Mapping[str, float]) -> float:
     """Return the motor's free speed over the whole servo's no-load speed."""
-    return (1 + damping_of_line(servo)) / (1 - _friction(servo))
+    return (1 + ratios["gear_damping_nms_rad"]) / (1 - ratios["gear_friction_nm"])
 
 
 def _ratios(servo: Servo) -> dict[str, float]:
