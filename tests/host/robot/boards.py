@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator
 
 import command_line
 import pytest
 from avr.board import Board
+from robot.fake_board import FakeBoard, honest
+from serpenoid import Gait
 from serpenoid.model.errors import RobotLost
+from serpenoid.robot import Robot
 from serpenoid.robot.wire.virtual import LEAST_S, STEP_S
 
 BOARDS = ["virtual", pytest.param("simulated", marks=pytest.mark.avr), "hardware"]
@@ -77,3 +81,12 @@ def hardware_port(request: pytest.FixtureRequest) -> str:
 def serpenoid() -> Callable[..., tuple[int, str, str]]:
     """Return the command line in this process: (exit status, standard output, standard error)."""
     return command_line.serpenoid
+
+
+@pytest.fixture
+def crawling() -> Iterator[tuple[FakeBoard, Robot]]:
+    """Drive a board behind a pseudo-terminal, and give both; it tells the truth at the end."""
+    with FakeBoard() as fake, Robot(fake.port) as robot:
+        robot.gait(Gait(math.radians(30), math.radians(80), 5.0))
+        yield fake, robot
+        fake.to_host = honest

@@ -131,15 +131,13 @@ def test_a_lost_stop_is_told_though_its_loss_was_caught():
                 list(robot.frames(5.0))
 
 
-def test_telemetry_that_ends_is_missed_in_the_hosts_time():
-    with FakeBoard() as fake, Robot(fake.port) as robot:
-        robot.gait(GAIT)
-        fake.to_host = lambda line: b"" if line.startswith(b"t:") else line
-        begun_s = clock()
-        with pytest.raises(FramesMissing, match=r"no telemetry for \d\.\d s.*0\.02 s"):
-            list(robot.frames(60.0))
-        assert clock() - begun_s < 10.0
-        fake.to_host = lambda line: line
+def test_telemetry_that_ends_is_missed_in_the_hosts_time(crawling):
+    fake, robot = crawling
+    fake.to_host = lambda line: b"" if line.startswith(b"t:") else line
+    begun_s = clock()
+    with pytest.raises(FramesMissing, match=r"no telemetry for \d\.\d s.*0\.02 s"):
+        list(robot.frames(60.0))
+    assert clock() - begun_s < 10.0
 
 
 def without_frames(clock_s: Callable[[float], bool]) -> Callable[[bytes], bytes]:
@@ -147,26 +145,23 @@ def without_frames(clock_s: Callable[[float], bool]) -> Callable[[bytes], bytes]
     return lambda line: b"" if line.startswith(b"t:") and clock_s(clock()) else line
 
 
-def test_telemetry_that_ends_just_before_the_frames_do_is_missed():
-    with FakeBoard() as fake, Robot(fake.port) as robot:
-        robot.gait(GAIT)
-        muted_s = clock() + 1.5 - 0.25
-        fake.to_host = without_frames(lambda now_s: now_s > muted_s)
-        with pytest.raises(FramesMissing, match=r"no telemetry for \d\.\d s"):
-            list(robot.frames(1.5))
-        fake.to_host = lambda line: line
+def test_telemetry_that_ends_just_before_the_frames_do_is_missed(crawling):
+    fake, robot = crawling
+    muted_s = clock() + 1.5 - 0.25
+    fake.to_host = without_frames(lambda now_s: now_s > muted_s)
+    with pytest.raises(FramesMissing, match=r"no telemetry for \d\.\d s"):
+        list(robot.frames(1.5))
 
 
-def test_frames_that_are_late_at_the_end_are_awaited_and_not_told():
-    with FakeBoard() as fake, Robot(fake.port) as robot:
-        robot.gait(GAIT)
-        robot.set("every", 1)
-        list(robot.frames(0.5))
-        end_s = clock() + 0.7
-        fake.to_host = without_frames(lambda now_s: now_s < end_s)
-        assert len(list(robot.frames(0.4))) <= 2
-        assert clock() >= end_s
-        assert next(robot.frames(LONG_S))
+def test_frames_that_are_late_at_the_end_are_awaited_and_not_told(crawling):
+    fake, robot = crawling
+    robot.set("every", 1)
+    list(robot.frames(0.5))
+    end_s = clock() + 0.7
+    fake.to_host = without_frames(lambda now_s: now_s < end_s)
+    assert len(list(robot.frames(0.4))) <= 2
+    assert clock() >= end_s
+    assert next(robot.frames(LONG_S))
 
 
 def test_thin_or_no_telemetry_is_not_missed():
@@ -190,28 +185,26 @@ def test_a_state_that_nobody_asked_for_ends_the_frames(state):
         fake.to_host = lambda line: line
 
 
-def test_a_key_that_somebody_else_sent_is_told_once():
-    with FakeBoard() as fake, Robot(fake.port) as robot:
-        robot.gait(GAIT)
-        fake.write(b"\n!\n")
-        with pytest.raises(StateUnasked, match="'hold'"):
-            list(robot.frames(20.0))
-        list(robot.frames(0.1))
-        robot.straight()
-        list(robot.frames(0.1))
+def test_a_key_that_somebody_else_sent_is_told_once(crawling):
+    fake, robot = crawling
+    fake.write(b"\n!\n")
+    with pytest.raises(StateUnasked, match="'hold'"):
+        list(robot.frames(20.0))
+    list(robot.frames(0.1))
+    robot.straight()
+    list(robot.frames(0.1))
 
 
-def test_a_safe_pose_shows_in_the_frames_alone_too():
-    with FakeBoard() as fake, Robot(fake.port) as robot:
-        robot.gait(GAIT)
-        fake.to_host = lambda line: b"" if line.startswith(b"state:") else line
-        with robot._dialogue._talking:
-            robot._dialogue._ping_s = 1e3
-            assert fake.await_state("safing")
-        with pytest.raises(RobotUnattended, match="silence time"):
-            list(robot.frames(20.0))
-        robot._dialogue._ping_s = dialogue.PING_S
-        robot.status()
+def test_a_safe_pose_shows_in_the_frames_alone_too(crawling):
+    fake, robot = crawling
+    fake.to_host = lambda line: b"" if line.startswith(b"state:") else line
+    with robot._dialogue._talking:
+        robot._dialogue._ping_s = 1e3
+        assert fake.await_state("safing")
+    with pytest.raises(RobotUnattended, match="silence time"):
+        list(robot.frames(20.0))
+    robot._dialogue._ping_s = dialogue.PING_S
+    robot.status()
 
 
 def test_what_the_program_asks_for_is_no_surprise():

@@ -16,22 +16,21 @@ from serpenoid.robot.wire import dialogue
 GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
 
 
-def test_a_stop_goes_out_at_once_though_another_thread_waits_for_a_verdict(monkeypatch):
+def test_a_stop_goes_out_at_once_though_another_thread_waits_for_a_verdict(monkeypatch, crawling):
     monkeypatch.setattr(dialogue, "PATIENCE_S", LONG_S)
-    with FakeBoard() as fake, Robot(fake.port) as robot:
-        robot.gait(GAIT)
-        fake.to_host = lambda line: b"" if line.startswith(b"ok: #") else line  # it waits long
-        waiting = threading.Thread(target=robot.status)
-        waiting.start()
-        assert until(lambda: b" status *" in fake.received)
-        stopper = threading.Thread(target=robot.stop)
-        stopper.start()
-        assert fake.await_state("hold")
-        assert waiting.is_alive()  # and would be for a minute
-        fake.to_host = lambda line: line
-        stopper.join()
-        waiting.join()
-        assert fake.received.index(b"\n!\n") < fake.received.index(b" stop *")
+    fake, robot = crawling
+    fake.to_host = lambda line: b"" if line.startswith(b"ok: #") else line  # it waits long
+    waiting = threading.Thread(target=robot.status)
+    waiting.start()
+    assert until(lambda: b" status *" in fake.received)
+    stopper = threading.Thread(target=robot.stop)
+    stopper.start()
+    assert fake.await_state("hold")
+    assert waiting.is_alive()  # and would be for a minute
+    fake.to_host = lambda line: line
+    stopper.join()
+    waiting.join()
+    assert fake.received.index(b"\n!\n") < fake.received.index(b" stop *")
 
 
 def test_stops_of_another_thread_lose_no_question_of_this_one():
@@ -55,50 +54,50 @@ def test_stops_of_another_thread_lose_no_question_of_this_one():
         assert sum(told) > 5
 
 
-def test_a_stop_that_is_to_stay_refuses_motion_until_it_is_released():
-    with FakeBoard() as fake, Robot(fake.port) as robot:
-        robot.gait(GAIT)
-        held = threading.Event()
+def test_a_stop_that_is_to_stay_refuses_motion_until_it_is_released(crawling):
+    fake, robot = crawling
+    held = threading.Event()
 
-        def press() -> None:
-            robot.stop(stay=True)
-            held.set()
+    def press() -> None:
+        robot.stop(stay=True)
+        held.set()
 
-        threading.Thread(target=press).start()
-        with pytest.raises(RobotHeld, match="release"):
-            while True:
-                robot.gait(GAIT)
-        assert held.wait(LONG_S)
-        assert fake.state == "hold"
-        with pytest.raises(RobotHeld):
-            robot.straight()
-        assert robot.status().state == "hold"
-        robot.release()
+    threading.Thread(target=press).start()
+    with pytest.raises(RobotHeld, match="release"):
+        while True:
+            robot.gait(GAIT)
+    assert held.wait(LONG_S)
+    assert fake.state == "hold"
+    with pytest.raises(RobotHeld):
         robot.straight()
-        assert fake.await_state("pose")
+    assert robot.status().state == "hold"
+    robot.release()
+    robot.straight()
+    assert fake.await_state("pose")
 
 
-def test_a_motion_that_waits_for_its_verdict_is_not_sent_again_after_such_a_stop(monkeypatch):
+def test_a_motion_that_waits_for_its_verdict_is_not_sent_again_after_such_a_stop(
+    monkeypatch, crawling
+):
     monkeypatch.setattr(dialogue, "RETRY_S", 0.3)  # in which the stop has come
-    with FakeBoard() as fake, Robot(fake.port) as robot:
-        robot.gait(GAIT)
-        stops: list[threading.Thread] = []
+    fake, robot = crawling
+    stops: list[threading.Thread] = []
 
-        def lose(line: bytes) -> bytes:
-            if b" pose " not in line:
-                return line
-            if not stops:
-                stops.append(threading.Thread(target=lambda: robot.stop(stay=True)))
-                stops[0].start()
-            return b""
+    def lose(line: bytes) -> bytes:
+        if b" pose " not in line:
+            return line
+        if not stops:
+            stops.append(threading.Thread(target=lambda: robot.stop(stay=True)))
+            stops[0].start()
+        return b""
 
-        fake.to_board = lose
-        with pytest.raises(RobotHeld):
-            robot.straight()
-        stops[0].join()
-        before, _, after = fake.received.partition(b"\n!\n")
-        assert b"pose straight" in before
-        assert b"pose straight" not in after
+    fake.to_board = lose
+    with pytest.raises(RobotHeld):
+        robot.straight()
+    stops[0].join()
+    before, _, after = fake.received.partition(b"\n!\n")
+    assert b"pose straight" in before
+    assert b"pose straight" not in after
 
 
 def test_eight_threads_share_the_frames():
