@@ -74,14 +74,6 @@ def _free_name() -> Path:
     return out_file(".html")(next(n for n in names if not Path(n).exists()))
 
 
-def _gait_words(gait: Gait) -> str:
-    bent = f", bent by {math.degrees(gait.offset_rad):.3g}°" if gait.offset_rad else ""
-    return (
-        f"α = {math.degrees(gait.alpha_rad):.3g}°, β = {math.degrees(gait.beta_rad):.3g}°, "
-        f"ω = {gait.omega_rad_s:.3g} rad/s{bent}"
-    )
-
-
 def _scene(path: Path, given: dict[str, Any]) -> tuple[Gait, str, str, dict[str, Any]]:
     from ..show.pages.view_page import of_run
     from ..show.run_figure import scene_words
@@ -99,6 +91,7 @@ def _scene(path: Path, given: dict[str, Any]) -> tuple[Gait, str, str, dict[str,
 def _recording(what: str, given: dict[str, Any]) -> tuple[Gait, str, str, dict[str, Any]]:
     from ..robot.recording.stream import load_stream
     from ..show.pages.view_page import of_recording
+    from ..show.plot import gait_title
 
     fitted = given["session"] or given["ground_file"]
     whose = (
@@ -109,7 +102,7 @@ def _recording(what: str, given: dict[str, Any]) -> tuple[Gait, str, str, dict[s
     gait, shown = interruptible(lambda: of_recording(stream, robot, ground))
     title = "the virtual robot" if what == "virtual" else Path(what).name
     about = (
-        f"{_gait_words(gait)}; the path is predicted for the {whose} "
+        f"{gait_title(gait)}; the path is predicted for the {whose} "
         "from the set-points that the firmware reported"
     )
     return gait, title, about, shown

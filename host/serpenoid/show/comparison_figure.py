@@ -3,31 +3,32 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..calibration.comparison import ComparedGait, Comparison
 from .figure_data import write_comparison
-from .plot import BLUE, GREY, HUGS, ORANGE, RED, columns, figure, hatch_beyond, save
+from .plot import BLUE, GREY, HUGS, ORANGE, RED, columns, figure, hatch_beyond
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+SIZE = 7.2, 6.0  # inches
+PANELS: dict[str, Any] = {"rows": 2, "sharex": True, "height_ratios": [3, 1]}
+
 
 def comparison_figure(found: Comparison, path: Path) -> None:
     """Draw a comparison into a file, its data beside."""
-    with figure(7.2, 6.0) as (fig, _unused):
-        draw_comparison(fig, found)
-        save(fig, path)
+    with figure(*SIZE, path=path, **PANELS) as (fig, axes):
+        draw_comparison(fig, axes, found)
     write_comparison(found, path)
 
 
-def draw_comparison(fig: Figure, found: Comparison) -> None:
+def draw_comparison(fig: Figure, axes: Any, found: Comparison) -> None:
     """Draw speed over frequency and residuals below it."""
-    fig.clear()
-    top, bottom = fig.subplots(2, 1, sharex=True, height_ratios=[3, 1])
+    top, bottom = axes
     _predicted(top, found)
     ran = tuple(p for p in found.gaits if p.measured_m_s is not None)
     if ran:
@@ -84,14 +85,9 @@ def _residuals(ax: Axes, ran: tuple[ComparedGait, ...]) -> None:
     if not ran:
         ax.set(title="no gait run measured yet", yticks=[])
         return
-    names = [
-        "frequency_hz",
-        "residual_m_s",
-        "sigma_m_s",
-        "exact_m_s",
-        "low_all_m_s",
-        "high_all_m_s",
-    ]
-    f, residual, sigma, exact, low, high = columns(ran, *names)
+    f, residual, sigma, exact = columns(
+        ran, "frequency_hz", "residual_m_s", "sigma_m_s", "exact_m_s"
+    )
+    low, high = columns(ran, "low_all_m_s", "high_all_m_s")
     ax.vlines(f, 100 * (low / exact - 1), 100 * (high / exact - 1), color=GREY, lw=6, alpha=0.35)
     ax.errorbar(f, 100 * residual / exact, 196 * sigma / exact, fmt="o", color=RED, capsize=3, ms=5)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -15,10 +16,11 @@ from ..calibration.friction_result import FrictionFit
 from ..calibration.prediction import SpeedPoint
 from ..calibration.session import Session
 from ..model.files import whole_file
+from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..simulation.run import Run
-from .figure_data import line, write_friction
+from .figure_data import LINES, line, write_friction
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -50,16 +52,29 @@ HUGS = (
 
 
 @contextmanager
-def figure(width_in: float, height_in: float, columns: int = 1) -> Iterator[tuple[Figure, Any]]:
-    """Give a figure and its axes in the house style, without a display."""
+def figure(
+    width_in: float,
+    height_in: float,
+    columns: int = 1,
+    rows: int = 1,
+    path: Path | None = None,
+    **grid: Any,
+) -> Iterator[tuple[Figure, Any]]:
+    """Give a figure and its axes in the house style, without a display.
+
+    path: file that it is written into at the end, whole or not at all. grid: as for `subplots`.
+    """
     import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     with mpl.rc_context(cast(Any, STYLE)):
-        made = Figure(figsize=(width_in, height_in))
-        FigureCanvasAgg(made)
-        yield made, made.subplots(1, columns)
+        drawn = Figure(figsize=(width_in, height_in))
+        FigureCanvasAgg(drawn)
+        yield drawn, drawn.subplots(rows, columns, **grid)
+        if path is not None:
+            with whole_file(path) as part:
+                drawn.savefig(part)
 
 
 def columns(points: Sequence[Any], *names: str) -> list[np.ndarray]:
@@ -67,50 +82,22 @@ def columns(points: Sequence[Any], *names: str) -> list[np.ndarray]:
     return [np.array([getattr(p, name) for p in points], dtype=float) for name in names]
 
 
-def save(fig: Figure, path: Path) -> None:
-    """Write a figure into a file, whole or not at all."""
-    with whole_file(path) as part:
-        fig.savefig(part)
+def heading(fig: Figure, text: str, size: float = 9, colour: str = GREY) -> None:
+    """Write a line above all axes, from the left."""
+    fig.suptitle(text, fontsize=size, color=colour, x=0.01, ha="left")
 
 
-def _line(ax: Axes, fit: FrictionFit, slope: str, rest: str, speeds_m_s: Any, colour: str) -> None:
-    """Draw F = slope v + rest and its 95 % band."""
-    v, force, _, sigma = line(fit, slope, rest, speeds_m_s).T
-    ax.fill_between(v, force - 1.96 * sigma, force + 1.96 * sigma, color=colour, alpha=0.16, lw=0)
-    ax.plot(v, force, color=colour)
-
-
-def _backwards(
-    ax: Axes, fit: FrictionFit, points: tuple[Any, Any], errors: tuple[Any, Any]
-) -> None:
-    """Draw what was read facing up the belt, and its line."""
-    (v, force), (dv, df) = points, errors
-    _line(ax, fit, "ct_back", "ft0_back", v, ORANGE)
-    ax.errorbar(
-        v,
-        force,
-        df,
-        dv,
-        fmt="s",
-        color="black",
-        mfc="white",
-        ms=4,
-        lw=0,
-        elinewidth=1,
-        label="facing up: wheels roll backwards",
-    )
-    law = (
-        f"$F_t = {fit.parameters['ct_back'].value:.3g}\\,v_t "
-        f"+ {fit.parameters['ft0_back'].value:.3g}$ N backwards"
-    )
-    ax.text(0.04, 0.88, law, transform=ax.transAxes, color=ORANGE, va="top", fontsize=11)
+def fit_heading(fig: Figure, session: Session, fit: FrictionFit) -> None:
+    """Write the session's name and how well the law fits it above all axes."""
+    p_value = "" if fit.p_value is None else f", p = {fit.p_value:.2g}"
+    words = f"$\\chi^2$ = {fit.chi2:.3g} for {fit.dof} dof{p_value}"
+    heading(fig, f"{session.setup.name}: {words}", 10, "black")
 
 
 def friction_lines(session: Session, fit: FrictionFit, path: Path, note: str = "") -> None:
     """Draw readings and fitted lines of friction along and across the links, their data beside."""
-    with figure(9.0, 4.2, 2) as (fig, axes):
+    with figure(9.0, 4.2, 2, path=path) as (fig, axes):
         draw_friction(fig, axes, session, fit, note)
-        save(fig, path)
     write_friction(session, fit, path)
 
 
@@ -118,36 +105,23 @@ def draw_friction(
     fig: Figure, axes: Any, session: Session, fit: FrictionFit, note: str = ""
 ) -> None:
     """Draw readings with their errors, voided ones crossed out, and the lines; whole snake."""
-    parts = (
-        ("straight", "Along the links", "t", "ct", "ft0", BLUE),
-        ("bent", "Across the links", "n", "cn", "fn0", RED),
-    )
     kept, voided = friction_points(session, fit), voided_points(session, fit)
     errors = point_errors(session)
-    for ax, (part, title, axis, slope, rest, colour) in zip(axes, parts, strict=True):
-        (v, force), (dv, df) = kept[part], errors[part]
-        _line(ax, fit, slope, rest, v, colour)
-        ax.errorbar(
-            v,
-            force,
-            df,
-            dv,
-            fmt="o",
-            color="black",
-            ms=4,
-            lw=0,
-            elinewidth=1,
-            label=f"readings, {session.setup.kind}, ± 1 sigma",
-        )
+    readings = f"readings, {session.setup.kind}, ± 1 sigma"
+    for ax, part, title, colour in zip(
+        axes,
+        ("straight", "bent"),
+        ("Along the links", "Across the links"),
+        (BLUE, RED),
+        strict=True,
+    ):
+        axis = _law(ax, fit, part, (*kept[part], *errors[part]), colour, label=readings)
         if len(voided[part][0]):
             ax.plot(*voided[part], "x", color=GREY, ms=7, label="voided")
-        law = (
-            f"$F_{axis} = {fit.parameters[slope].value:.3g}\\,v_{axis} "
-            f"+ {fit.parameters[rest].value:.3g}$ N"
-        )
-        ax.text(0.04, 0.95, law, transform=ax.transAxes, color=colour, va="top", fontsize=11)
         if part == "straight" and len(kept["back"][0]):
-            _backwards(ax, fit, kept["back"], errors["back"])
+            backwards = (*kept["back"], *errors["back"])
+            label = "facing up: wheels roll backwards"
+            _law(ax, fit, "back", backwards, ORANGE, fmt="s", mfc="white", label=label)
             ax.set_ylim(top=1.25 * ax.get_ylim()[1])  # room for two laws
         ax.set(
             title=title,
@@ -156,28 +130,41 @@ def draw_friction(
             xlim=(0, None),
             ylim=(0, None),
         )
-    axes[0].legend(loc="lower right", fontsize=8)
-    if len(voided["bent"][0]):
-        axes[1].legend(loc="lower right", fontsize=8)
-    p_value = "" if fit.p_value is None else f", p = {fit.p_value:.2g}"
-    fig.suptitle(
-        f"{session.setup.name}: $\\chi^2$ = {fit.chi2:.3g} for {fit.dof} dof{p_value}",
-        fontsize=10,
-        x=0.01,
-        ha="left",
-    )
+        if part == "straight" or len(voided[part][0]):
+            ax.legend(loc="lower right", fontsize=8)
+    fit_heading(fig, session, fit)
     fig.supxlabel(
         "band: 95 % interval of the line" + (f"; {note}" if note else ""), fontsize=8, color=GREY
     )
+
+
+def _law(
+    ax: Axes, fit: FrictionFit, part: str, points: Sequence[Any], colour: str, **dots: Any
+) -> str:
+    """Draw F = slope v + rest with its 95 % band, its points, and its words; return its axis."""
+    speed, force, speed_sigma, force_sigma = points
+    slope, rest = LINES[part]
+    axis = slope[1]
+    v, law, _, sigma = line(fit, part, speed).T
+    ax.fill_between(v, law - 1.96 * sigma, law + 1.96 * sigma, color=colour, alpha=0.16, lw=0)
+    ax.plot(v, law, color=colour)
+    style = {"fmt": "o", "color": "black", "ms": 4, "lw": 0, "elinewidth": 1} | dots
+    ax.errorbar(speed, force, force_sigma, speed_sigma, **style)
+    words = (
+        f"$F_{axis} = {fit.parameters[slope].value:.3g}\\,v_{axis} "
+        f"+ {fit.parameters[rest].value:.3g}$ N"
+    )
+    height, words = (0.88, f"{words} backwards") if part == "back" else (0.95, words)
+    ax.text(0.04, height, words, transform=ax.transAxes, color=colour, va="top", fontsize=11)
+    return axis
 
 
 def speed_against_frequency(points: Sequence[SpeedPoint], title: str, path: Path) -> None:
     """Draw predicted speed against gait frequency by both formulations (Fig. 17)."""
     names = "frequency_hz", "explicit_m_s", "low_ideal_m_s", "high_ideal_m_s", "implicit_m_s"
     f, exact, low_ideal, high_ideal, implicit = columns(points, *names)
-    with figure(7.2, 5.8) as (fig, _unused):
-        fig.clear()
-        top, bottom = fig.subplots(2, 1, sharex=True, height_ratios=[3, 1])
+    shared = {"sharex": True, "height_ratios": [3, 1]}
+    with figure(7.2, 5.8, rows=2, path=path, **shared) as (fig, (top, bottom)):
         top.fill_between(
             f,
             low_ideal,
@@ -209,7 +196,6 @@ def speed_against_frequency(points: Sequence[SpeedPoint], title: str, path: Path
         )
         fig.align_ylabels()
         fig.supxlabel(HUGS, fontsize=8, color=GREY)
-        save(fig, path)
 
 
 def _servos(ax: Axes, points: Sequence[SpeedPoint]) -> None:
@@ -250,26 +236,23 @@ def draw_links(ax: Axes, run: Run, index: int, lift_m: float, colour: Any) -> No
 def along_travel(run: Run) -> Run:
     """Turn a run so that it travels along x and starts at the origin."""
     x, y = run.centre_m.T
-    angle = np.arctan2(y[-1] - y[0], x[-1] - x[0])
-    c, s = np.cos(angle), np.sin(angle)
-    rx, ry = run.x_m - x[0], run.y_m - y[0]
-    vx, vy = run.vx_m_s, run.vy_m_s
+    turn = np.exp(-1j * np.arctan2(y[-1] - y[0], x[-1] - x[0]))
+    place = turn * (run.x_m - x[0] + 1j * (run.y_m - y[0]))
+    velocity = turn * (run.vx_m_s + 1j * run.vy_m_s)
     return replace(
         run,
-        x_m=c * rx + s * ry,
-        y_m=-s * rx + c * ry,
-        theta_rad=run.theta_rad - angle,
-        vx_m_s=c * vx + s * vy,
-        vy_m_s=-s * vx + c * vy,
+        x_m=place.real,
+        y_m=place.imag,
+        theta_rad=run.theta_rad + np.angle(turn),
+        vx_m_s=velocity.real,
+        vy_m_s=velocity.imag,
     )
 
 
 def path_and_poses(run: Run, title: str, path: Path) -> None:
     """Draw the path of head, tail and centre of mass (Fig. 12) and six poses (Fig. 13)."""
     run = along_travel(run)
-    with figure(9.0, 6.0) as (fig, _unused):
-        fig.clear()
-        top, bottom = fig.subplots(2, 1, height_ratios=[1, 1.9])
+    with figure(9.0, 6.0, rows=2, path=path, height_ratios=[1, 1.9]) as (fig, (top, bottom)):
         cycles = round(run.t_s[-1] / run.scene.gait.period_s)
         _paths(top, run)
         top.set_title(f"{cycles} cycles, y enlarged three times (Fig. 12)")
@@ -278,14 +261,16 @@ def path_and_poses(run: Run, title: str, path: Path) -> None:
             "six poses of one cycle to scale, x as y, set apart downwards; "
             "the dot is the head (Fig. 13)"
         )
-        fig.suptitle(
-            f"{title}: {robot_words(run.scene.robot, run.scene.ground)}",
-            fontsize=10,
-            color=GREY,
-            ha="left",
-            x=0.01,
-        )
-        save(fig, path)
+        heading(fig, f"{title}: {robot_words(run.scene.robot, run.scene.ground)}", 10)
+
+
+def gait_title(gait: Gait) -> str:
+    """Return a gait for a title."""
+    bent = f", bent by {math.degrees(gait.offset_rad):.3g}°" if gait.offset_rad else ""
+    return (
+        f"α = {math.degrees(gait.alpha_rad):.3g}°, β = {math.degrees(gait.beta_rad):.3g}°, "
+        f"ω = {gait.omega_rad_s:.3g} rad/s{bent}"
+    )
 
 
 def _both(value: float | tuple[float, float]) -> str:

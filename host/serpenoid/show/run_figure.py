@@ -9,7 +9,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..simulation.run import ENERGY_COLUMNS, Run
-from .plot import BLUE, GREEN, GREY, ORANGE, RED, along_travel, draw_links, figure, save
+from .plot import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    RED,
+    along_travel,
+    draw_links,
+    figure,
+    gait_title,
+    heading,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,9 +38,9 @@ def draw_run(run: Run, path: Path) -> None:
     ledger = run.energy_j.size > 0
     turned = along_travel(run)
     heights = [_height_in(turned), 2.0, 2.4][: 2 + ledger]
-    with figure(9.0, sum(heights) + 0.8 * len(heights) + 0.9) as (fig, _unused):
-        fig.clear()
-        axes = fig.subplots(len(heights), 1, height_ratios=heights)
+    high = sum(heights) + 0.8 * len(heights) + 0.9
+    panels = {"rows": len(heights), "height_ratios": heights}
+    with figure(9.0, high, path=path, **panels) as (fig, axes):
         _path(axes[0], turned)
         if run.scene.incline_rad:
             _uphill(axes[0], run)
@@ -37,19 +48,16 @@ def draw_run(run: Run, path: Path) -> None:
         if ledger:
             _energy(axes[2], run)
         axes[-1].set_xlabel("time (s)")
-        fig.suptitle(scene_words(run.scene), fontsize=9, color=GREY, ha="left", x=0.01)
-        save(fig, path)
+        heading(fig, scene_words(run.scene))
 
 
 def scene_words(scene: Scene) -> str:
     """Say what was run: robot, gait, drive, start, slope, faults, model, method."""
-    robot, gait = scene.robot, scene.gait
+    robot = scene.robot
     start = scene.start if isinstance(scene.start, str) else "a given state"
     parts = [
         f"{robot.links} links of {robot.link_mass_kg:g} kg, {robot.link_length_m:g} m",
-        f"α = {math.degrees(gait.alpha_rad):.3g}°, β = {math.degrees(gait.beta_rad):.3g}°, "
-        f"ω = {gait.omega_rad_s:.3g} rad/s"
-        + (f", bent by {math.degrees(gait.offset_rad):.3g}°" if gait.offset_rad else ""),
+        gait_title(scene.gait),
     ]
     if scene.incline_rad:
         parts.append(f"slope of {math.degrees(scene.incline_rad):.3g}°")

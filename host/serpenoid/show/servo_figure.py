@@ -18,7 +18,7 @@ from ..periodic.steady import Steady, steady_gait
 from ..servos.catalogue import servo
 from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
-from .plot import BLUE, GREEN, GREY, ORANGE, RED, figure, save
+from .plot import BLUE, GREEN, GREY, ORANGE, RED, figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,10 +34,9 @@ _JOINT = 2
 def servo_figure(path: Path) -> None:
     """Draw the 2005 robot's gait of 70°/75° at 0.5 Hz with servos, quick and heavy, into a file."""
     ideal = steady_gait(_ROBOT, _GROUND, _GAIT, powers=False)
-    with figure(9.6, 4.0, 2) as (fig, axes):
-        _rates(axes[0])
-        _speeds(axes[1], ideal)
-        save(fig, path)
+    with figure(9.6, 4.0, 2, path=path) as (_, (left, right)):
+        _rates(left)
+        _speeds(right, ideal)
 
 
 def _rates(ax: Axes) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...show.plot import GREY, figure, save
+from ...show.plot import figure, heading
 from .. import machine
 from ..problems import problems
 from ..reference import reference
@@ -77,9 +77,8 @@ def accuracy_figure(rows: Sequence[Row], path: Path, where: str | None = None) -
     columns = min(3, len(scenes))
     down = -(-len(scenes) // columns)
     styles = _styles(rows)
-    with figure(4.2 * columns, 3.4 * down + 1.2) as (fig, _unused):
-        fig.clear()
-        axes = fig.subplots(down, columns, squeeze=False, sharex=True, sharey=True)
+    panels = {"rows": down, "squeeze": False, "sharex": True, "sharey": True}
+    with figure(4.2 * columns, 3.4 * down + 1.2, columns, path=path, **panels) as (fig, axes):
         for ax, scene in zip(axes.flat, scenes, strict=False):
             _panel(ax, rows, scene, styles)
         for ax in axes.flat[len(scenes) :]:
@@ -93,5 +92,4 @@ def accuracy_figure(rows: Sequence[Row], path: Path, where: str | None = None) -
         for ax in axes[-1]:
             ax.set_xlabel("scaled error of the end state")
         fig.supylabel("processor time (s) per simulated second", fontsize=10)
-        fig.suptitle(f"{WORDS}{where}", fontsize=9, color=GREY, ha="left", x=0.01)
-        save(fig, path)
+        heading(fig, f"{WORDS}{where}")

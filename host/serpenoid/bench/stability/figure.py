@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...show.plot import GREY, figure, save
+from ...show.plot import figure, heading
 from .map import WORDS, Cell
 
 if TYPE_CHECKING:
@@ -52,9 +52,9 @@ def stability_figure(cells: Sequence[Cell], path: Path) -> None:
         panels.setdefault((cell.method, int(cell.links), cell.damping_n_s_m), []).append(cell)
     methods = list(dict.fromkeys(method for method, *_ in panels))
     columns = len(panels) // len(methods)
-    with figure(2.9 * columns + 0.8, 2.0 * len(methods) + 1.3) as (fig, _unused):
-        fig.clear()
-        axes = fig.subplots(len(methods), columns, squeeze=False, sharex=True, sharey=True)
+    size = 2.9 * columns + 0.8, 2.0 * len(methods) + 1.3
+    panels = {"rows": len(methods), "squeeze": False, "sharex": True, "sharey": True}
+    with figure(*size, columns, path=path, **panels) as (fig, axes):
         for ax, ((_, links, damping), inside) in zip(axes.flat, panels.items(), strict=True):
             _panel(ax, inside)
             ax.set_title(f"{links} links, c = {damping:g} N s/m", fontsize=9)
@@ -66,5 +66,4 @@ def stability_figure(cells: Sequence[Cell], path: Path) -> None:
         handles = [Patch(color=COLOURS[i], label=WORDS[i]) for i in present]
         handles += axes[0, 0].lines
         fig.legend(handles=handles, loc="outside lower center", ncols=len(handles), fontsize=9)
-        fig.suptitle(TITLE, fontsize=11, ha="left", x=0.01, color=GREY)
-        save(fig, path)
+        heading(fig, TITLE, 11)

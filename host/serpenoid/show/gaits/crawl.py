@@ -5,26 +5,25 @@ The camera goes along at the mean speed, so that the cycle closes in itself and 
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...model.files import write_csv, write_text
+from ...model.files import write_text
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
 from ...simulation.run import Run
 from ...simulation.scene import Scene
 from ...simulation.simulate import simulate
-from ..figure_data import beside
-from ..plot import BLUE, GREY, RED, along_travel, robot_words
-from .gait_figures import gait_words
+from ..figure_data import by_link, write_columns
+from ..plot import BLUE, GREY, RED, along_travel, gait_title, robot_words
 
 Array = NDArray[np.float64]
+Places = NDArray[np.complex128]  # m: along the way, across it as imaginary part
 FRAMES = 48
 _STUCK = 1e-6  # of body length x rate: a wheel slower than this across the link sticks
 _ARROW = 0.9  # link lengths that the largest force is drawn as
@@ -61,20 +60,23 @@ class Crawl:
     @property
     def title(self) -> str:
         """Return robot and gait."""
-        speed = self.way_m / self.gait.period_s
-        return f"{gait_words(self.gait)}: {speed:.3g} m/s"
+        return f"{gait_title(self.gait)}: {self.way_m / self.gait.period_s:.3g} m/s"
 
-    def ends(self) -> tuple[Array, Array]:
-        """Return tails and heads of the links, each (F, n, 2)."""
-        half = self.robot.link_length_m / 2
-        centre = np.stack([self.x_m, self.y_m], axis=2)
-        along = half * np.stack([np.cos(self.theta_rad), np.sin(self.theta_rad)], axis=2)
-        return centre - along, centre + along
+    @property
+    def centre(self) -> Places:
+        """Return the links' centres, (F, n): along the way, and across it as imaginary part."""
+        return self.x_m + 1j * self.y_m
 
-    def arrows(self) -> Array:
-        """Return where the arrows of force end, (F, n, 2), from the links' centres."""
+    def ends(self) -> Places:
+        """Return tail and head of each link, (F, n, 2)."""
+        along = self.robot.link_length_m / 2 * np.exp(1j * self.theta_rad)
+        return np.stack([self.centre - along, self.centre + along], axis=2)
+
+    def arrows(self) -> Places:
+        """Return where the arrow of each force begins and ends, (F, n, 2)."""
         size = _ARROW * self.robot.link_length_m / float(np.hypot(*self.force_n.T).max())
-        return np.stack([self.x_m, self.y_m], axis=2) + size * self.force_n
+        force = self.force_n[..., 0] + 1j * self.force_n[..., 1]
+        return np.stack([self.centre, self.centre + size * force], axis=2)
 
 
 def crawl(robot: Robot, ground: Ground, gait: Gait) -> Crawl:
@@ -98,10 +100,8 @@ def crawl(robot: Robot, ground: Ground, gait: Gait) -> Crawl:
 
 def _seen(robot: Robot, ground: Ground, gait: Gait, run: Run) -> Crawl:
     turned = along_travel(run)
-    angle = float((run.theta_rad - turned.theta_rad)[0, 0])
-    c, s = math.cos(angle), math.sin(angle)
-    fx, fy = run.friction_x_n, run.friction_y_n
-    force = np.stack([c * fx + s * fy, -s * fx + c * fy], axis=2)
+    turn = np.exp(1j * (turned.theta_rad - run.theta_rad)[0, 0])
+    force = turn * (run.friction_x_n + 1j * run.friction_y_n)
     slip = turned.vy_m_s * np.cos(turned.theta_rad) - turned.vx_m_s * np.sin(turned.theta_rad)
     centre = turned.centre_m
     way = float(centre[-1, 0] - centre[0, 0])
@@ -115,7 +115,7 @@ def _seen(robot: Robot, ground: Ground, gait: Gait, run: Run) -> Crawl:
         turned.x_m - with_camera[:, None],
         turned.y_m,
         turned.theta_rad,
-        force,
+        np.stack([force.real, force.imag], axis=2),
         slip,
         way / marks,
         way,
@@ -124,8 +124,7 @@ def _seen(robot: Robot, ground: Ground, gait: Gait, run: Run) -> Crawl:
 
 def write_data(found: Crawl, path: Path) -> None:
     """Write the frames: where each link is, what the ground does to it, how fast it slips."""
-    n = found.robot.links
-    parts = {
+    tables = {
         "x{}_m": found.x_m,
         "y{}_m": found.y_m,
         "theta{}_rad": found.theta_rad,
@@ -133,20 +132,18 @@ def write_data(found: Crawl, path: Path) -> None:
         "force_y{}_n": found.force_n[:, :, 1],
         "slip{}_m_s": found.slip_m_s,
     }
-    header = ["t_s", *(name.format(i + 1) for name in parts for i in range(n))]
-    write_csv(beside(path), header, np.column_stack([found.t_s, *parts.values()]).tolist())
+    write_columns(path, {"t_s": found.t_s} | by_link(tables))
 
 
 class _Canvas:
-    """Metres onto the SVG's units, y upwards."""
+    """Metres onto the SVG's units, y upwards, in a cycle of some seconds on the screen."""
 
-    def __init__(self, found: Crawl) -> None:
-        tails, heads = found.ends()
-        x = np.concatenate([tails[:, :, 0], heads[:, :, 0]])
-        margin = 1.2 * found.robot.link_length_m
-        self.left, self.right = float(x.min()) - margin, float(x.max()) + margin
+    def __init__(self, found: Crawl):
+        ends, margin = found.ends().real, 1.2 * found.robot.link_length_m
+        self.left, self.right = float(ends.min()) - margin, float(ends.max()) + margin
         self.scale = _WIDE / (self.right - self.left)
         self.middle = float((found.y_m.max() + found.y_m.min()) / 2)
+        self.seconds = max(2.0, min(found.gait.period_s, 6.0))
 
     def x(self, metres: Array) -> Array:
         """Return places along the way."""
@@ -156,65 +153,62 @@ class _Canvas:
         """Return places across it."""
         return _HIGH / 2 + _HEAD_ROOM - (metres - self.middle) * self.scale
 
+    def line(self, kind: str, ends: Places) -> str:
+        """Return a line that moves between two ends, (F, 2)."""
+        corners = {}
+        for number, end in enumerate(ends.T, 1):
+            corners |= {f"x{number}": self.x(end.real), f"y{number}": self.y(end.imag)}
+        return self.shape("line", kind, corners)
 
-def _moved(name: str, values: Iterable[float], seconds: float) -> str:
-    told = ";".join(f"{v:.1f}" for v in values)
-    return (
-        f'<animate attributeName="{name}" dur="{seconds:.3f}s" repeatCount="indefinite" '
-        f'values="{told}"/>'
-    )
+    def shape(
+        self, name: str, kind: str, moved: Mapping[str, Array], colours: Sequence[str] = ()
+    ) -> str:
+        """Return an element whose attributes follow their values (F,), and its fill the colours."""
+        frames = {key: [f"{v:.1f}" for v in values] for key, values in moved.items()}
+        now = " ".join(f'{key}="{values[0]}"' for key, values in frames.items())
+        moves = "".join(self._moved(key, values) for key, values in frames.items())
+        if colours:
+            now, moves = f'fill="{colours[0]}" {now}', moves + self._moved("fill", colours)
+        return f'<{name} class="{kind}" {now}>{moves}</{name}>\n'
 
-
-def _line(kind: str, ends: Sequence[Array], seconds: float) -> str:
-    """Return a line whose four coordinates move."""
-    names = ("x1", "y1", "x2", "y2")
-    now = " ".join(f'{name}="{v[0]:.1f}"' for name, v in zip(names, ends, strict=True))
-    moves = "".join(_moved(n, v.tolist(), seconds) for n, v in zip(names, ends, strict=True))
-    return f'<line class="{kind}" {now}>{moves}</line>\n'
-
-
-def _wheel(x: Array, y: Array, stuck: NDArray[np.bool_], seconds: float) -> str:
-    """Return a wheel: filled while it sticks, open while it slips sideways."""
-    shades = ["#111111" if s else "#ffffff" for s in stuck.tolist()]
-    fill = (
-        f'<animate attributeName="fill" calcMode="discrete" dur="{seconds:.3f}s" '
-        f'repeatCount="indefinite" values="{";".join(shades)}"/>'
-    )
-    return (
-        f'<circle class="wheel" r="5" fill="{shades[0]}" cx="{x[0]:.1f}" cy="{y[0]:.1f}">'
-        f"{_moved('cx', x.tolist(), seconds)}{_moved('cy', y.tolist(), seconds)}{fill}</circle>\n"
-    )
+    def _moved(self, name: str, values: Sequence[str]) -> str:
+        jumps = ' calcMode="discrete"' if name == "fill" else ""
+        return (
+            f'<animate attributeName="{name}"{jumps} dur="{self.seconds:.3f}s" '
+            f'repeatCount="indefinite" values="{";".join(values)}"/>'
+        )
 
 
 def write_svg(found: Crawl, path: Path) -> None:
-    """Write the animated SVG, which moves without any script."""
-    canvas, seconds = _Canvas(found), max(2.0, min(found.gait.period_s, 6.0))
-    tails, heads = found.ends()
-    tips = found.arrows()
+    """Write the animated SVG, which moves without any script.
+
+    A wheel is filled while it sticks, open while it slips sideways.
+    """
+    canvas = _Canvas(found)
+    parts = [_ground(found, canvas)]
+    ends, arrows = found.ends(), found.arrows()
+    for i in range(found.robot.links):
+        parts.append(canvas.line("head" if i == found.robot.links - 1 else "link", ends[:, i]))
+        place = {"cx": canvas.x(found.x_m[:, i]), "cy": canvas.y(found.y_m[:, i])}
+        shades = np.where(found.stuck[:, i], "#111111", "#ffffff").tolist()
+        parts.append(canvas.shape("circle", "wheel", place, shades))
+        parts.append(canvas.line("force", arrows[:, i]))
+    write_text(path, _HEAD + _words(found, canvas.seconds) + "".join(parts) + "</svg>\n")
+
+
+def _ground(found: Crawl, canvas: _Canvas) -> str:
+    """Return marks on the ground, which go by."""
     marks = np.arange(canvas.left, canvas.right + 2 * found.mark_m, found.mark_m)
-    ground = "".join(
+    lines = "".join(
         f'<line class="mark" x1="{x:.1f}" x2="{x:.1f}" y1="{_HIGH - 34}" y2="{_HIGH - 26}"/>'
         for x in canvas.x(marks).tolist()
     )
-    back = -found.way_m * canvas.scale
     turns = round(found.way_m / found.mark_m)
-    parts = [
-        f'<g>{ground}<animateTransform attributeName="transform" type="translate" from="0 0" '
-        f'to="{back / turns:.2f} 0" dur="{seconds / turns:.4f}s" repeatCount="indefinite"/></g>\n'
-    ]
-    for i in range(found.robot.links):
-        x, y = canvas.x(found.x_m[:, i]), canvas.y(found.y_m[:, i])
-        ends = [
-            canvas.x(tails[:, i, 0]),
-            canvas.y(tails[:, i, 1]),
-            canvas.x(heads[:, i, 0]),
-            canvas.y(heads[:, i, 1]),
-        ]
-        parts.append(_line("head" if i == found.robot.links - 1 else "link", ends, seconds))
-        parts.append(_wheel(x, y, found.stuck[:, i], seconds))
-        force = [x, y, canvas.x(tips[:, i, 0]), canvas.y(tips[:, i, 1])]
-        parts.append(_line("force", force, seconds))
-    write_text(path, _HEAD + _words(found, seconds) + "".join(parts) + "</svg>\n")
+    return (
+        f'<g>{lines}<animateTransform attributeName="transform" type="translate" from="0 0" '
+        f'to="{-found.way_m * canvas.scale / turns:.2f} 0" dur="{canvas.seconds / turns:.4f}s" '
+        'repeatCount="indefinite"/></g>\n'
+    )
 
 
 _HEAD = (
@@ -222,7 +216,7 @@ _HEAD = (
     'font-family="sans-serif" font-size="12">\n'
     f"<style>.link,.head{{stroke:{BLUE};stroke-width:9;stroke-linecap:round}} "
     f".head{{stroke:#003a5c}} .force{{stroke:{RED};stroke-width:2.5}} "
-    ".wheel{stroke:#111;stroke-width:1.5} .mark{stroke:#888}</style>\n"
+    ".wheel{r:5px;stroke:#111;stroke-width:1.5} .mark{stroke:#888}</style>\n"
     f'<rect width="{_WIDE}" height="{_HIGH}" fill="#ffffff"/>\n'
 )
 

@@ -2,62 +2,43 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...gaits.finder import LeastPower
 from ...gaits.margins import Cliff, cliff_around
 from ...gaits.uncertainty import Uncertainty
-from ...model.files import write_csv
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
 from ...periodic.sweep import Sweep
-from ..figure_data import beside
-from ..plot import BLUE, GREY, ORANGE, figure, robot_words, save
+from ..figure_data import write_columns
+from ..plot import BLUE, GREY, ORANGE, columns, figure, gait_title, heading, robot_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-Array = NDArray[np.float64]
-
-
-def gait_words(gait: Gait) -> str:
-    """Return a gait for a title."""
-    return (
-        f"α = {math.degrees(gait.alpha_rad):.1f}°, β = {math.degrees(gait.beta_rad):.1f}°, "
-        f"ω = {gait.omega_rad_s:.3g} rad/s"
-    )
 
 
 def cliff_figure(
     robot: Robot, ground: Ground, gait: Gait, uncertainty: Uncertainty, path: Path
 ) -> None:
-    """Draw speed against amplitude and grip around a gait, with its doubt and the edge."""
-    draw_cliff(cliff_around(robot, ground, gait, uncertainty), path)
+    """Draw speed against amplitude and grip around a gait, with its doubt and the edge.
+
+    Its numbers go into a CSV file beside the picture.
+    """
+    cliff = cliff_around(robot, ground, gait, uncertainty)
+    with figure(6.4, 5.2, path=path) as (fig, ax):
+        _draw_cliff(fig, ax, cliff)
+        fig.suptitle(robot_words(robot, ground), fontsize=8, color=GREY)
+    amplitude, factor = np.meshgrid(cliff.amplitude, cliff.factor, indexing="ij")
+    names = "amplitude_factor", f"{cliff.grip}_factor", "speed_m_s"
+    write_columns(path, dict(zip(names, (amplitude, factor, cliff.speed_m_s), strict=True)))
 
 
-def draw_cliff(cliff: Cliff, path: Path, title: str = "") -> None:
-    """Draw a cliff that was computed; its numbers go into a CSV file beside the picture."""
-    with figure(6.4, 5.2) as (fig, ax):
-        cliff_axes(fig, ax, cliff, title or gait_words(cliff.gait))
-        fig.suptitle(robot_words(cliff.robot, cliff.ground), fontsize=8, color=GREY)
-        save(fig, path)
-    rows = [
-        [a, f, cliff.speed_m_s[i, j]]
-        for i, a in enumerate(cliff.amplitude.tolist())
-        for j, f in enumerate(cliff.factor.tolist())
-    ]
-    write_csv(beside(path), ["amplitude_factor", f"{cliff.grip}_factor", "speed_m_s"], rows)
-
-
-def cliff_axes(fig: Any, ax: Axes, cliff: Cliff, title: str) -> None:
-    """Fill one pair of axes with a cliff."""
+def _draw_cliff(fig: Any, ax: Axes, cliff: Cliff) -> None:
     from matplotlib.patches import Ellipse
 
     x, y = 100 * (cliff.amplitude - 1), 100 * (cliff.factor - 1)
@@ -81,10 +62,13 @@ def cliff_axes(fig: Any, ax: Axes, cliff: Cliff, title: str) -> None:
         fontsize=8,
         color="white",
     )
-    ax.set(xlabel="amplitude of the joints, off by (%)", ylabel=f"{cliff.grip}, off by (%)")
-    ax.set_xlim(x[0], x[-1])
-    ax.set_ylim(y[0], y[-1])
-    ax.set_title(f"{title}: {cliff.full_m_s:.3g} m/s", fontsize=10)
+    ax.set(
+        xlabel="amplitude of the joints, off by (%)",
+        ylabel=f"{cliff.grip}, off by (%)",
+        xlim=(x[0], x[-1]),
+        ylim=(y[0], y[-1]),
+    )
+    ax.set_title(f"{gait_title(cliff.gait)}: {cliff.full_m_s:.3g} m/s", fontsize=10)
     ax.grid(visible=False)
 
 
@@ -102,25 +86,27 @@ def optimum_figure(
     amplitudes_deg: as they are to be counted; along: what part of each speed counts.
     """
     speed = [b.speed_m_s * part for b, part in zip(best, along, strict=True)]
-    parts = (
-        ("rate (Fig. 9)", "ω (rad/s)", [b.gait.omega_rad_s for b in best], None),
-        (
-            "phase lag (Fig. 10)",
-            "β (°)",
-            [math.degrees(b.gait.beta_rad) for b in best],
-            papers.get("beta_deg"),
-        ),
-        ("amplitude (Fig. 11)", "α (°)", list(amplitudes_deg), papers.get("alpha_deg")),
+    omega_rad_s, beta_rad = columns([b.gait for b in best], "omega_rad_s", "beta_rad")
+    optimum = {
+        "omega_rad_s": omega_rad_s,
+        "beta_deg": np.degrees(beta_rad),
+        "alpha_deg": np.array(amplitudes_deg),
+    }
+    words = (
+        ("rate (Fig. 9)", "ω (rad/s)"),
+        ("phase lag (Fig. 10)", "β (°)"),
+        ("amplitude (Fig. 11)", "α (°)"),
     )
-    with figure(10.5, 3.8, 3) as (fig, axes):
-        for ax, (name, unit, values, stated) in zip(axes, parts, strict=True):
+    with figure(10.5, 3.8, 3, path=path) as (fig, axes):
+        for ax, (name, unit), (key, values) in zip(axes, words, optimum.items(), strict=True):
+            stated = papers.get(key)
             ax.plot(speed, values, "o-", color=BLUE, ms=4, label="least power")
             if stated is not None:
                 ax.axhline(
                     stated, color=ORANGE, ls="--", label=f"the paper: {stated:g}° at every speed"
                 )
                 # as far about the claim as any optimum lies, and half of that more
-                reach = max(10.0, 1.5 * max(abs(v - stated) for v in values))
+                reach = max(10.0, 1.5 * float(np.abs(values - stated).max()))
                 ax.set_ylim(stated - reach, stated + reach)
             else:
                 slope = float(np.dot(speed, values) / np.dot(speed, speed))
@@ -136,10 +122,8 @@ def optimum_figure(
             ax.set_xlim(left=0)
             ax.yaxis.get_major_locator().set_params(steps=[1, 2, 5, 10])
             ax.legend(loc="upper left", fontsize=8)
-        fig.suptitle(title, fontsize=9, color=GREY, x=0.01, ha="left")
-        save(fig, path)
-    rows = [list(row) for row in zip(speed, *[values for _, _, values, _ in parts], strict=True)]
-    write_csv(beside(path), ["speed_m_s", "omega_rad_s", "beta_deg", "alpha_deg"], rows)
+        heading(fig, title)
+    write_columns(path, {"speed_m_s": speed} | optimum)
 
 
 def shape_maps(found: Sweep, at: int, title: str, path: Path) -> None:
@@ -157,7 +141,7 @@ def shape_maps(found: Sweep, at: int, title: str, path: Path) -> None:
         (MaxNLocator(14).tick_values(0, float(speed.max())), None, MaxNLocator(5)),
         (least * np.geomspace(1, 16, 17), LogNorm(), LogLocator(subs=(1, 2, 5))),
     )
-    with figure(9.6, 4.0, 2) as (fig, axes):
+    with figure(9.6, 4.0, 2, path=path) as (fig, axes):
         for ax, (name, values), (levels, norm, ticks) in zip(axes, parts, scales, strict=True):
             past = np.nanmax(values) > levels[-1]
             shade = ax.contourf(
@@ -173,10 +157,7 @@ def shape_maps(found: Sweep, at: int, title: str, path: Path) -> None:
             ax.set(xlabel="amplitude α (°)", ylabel="phase lag β (°)", title=name)
             ax.grid(visible=False)
         fig.suptitle(title, fontsize=9, color=GREY)
-        save(fig, path)
-    rows = [
-        [a, b, speed[i, j], power[i, j]]
-        for i, a in enumerate(alpha.tolist())
-        for j, b in enumerate(beta.tolist())
-    ]
-    write_csv(beside(path), ["alpha_deg", "beta_deg", "speed_m_s", "power_w"], rows)
+    grid = dict(
+        zip(("alpha_deg", "beta_deg"), np.meshgrid(alpha, beta, indexing="ij"), strict=True)
+    )
+    write_columns(path, grid | {"speed_m_s": speed, "power_w": power})

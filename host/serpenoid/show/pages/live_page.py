@@ -12,6 +12,7 @@ from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
 from ...robot.wire.protocol import frame_us
+from ..plot import gait_title
 from .server import Page
 from .twin import Motion, Twin, gait_joints
 from .view_page import constants, page_text, rounded, rows
@@ -39,11 +40,8 @@ class LivePage:
         shown = {"t_s": [0.0], "live": True, "asked_deg": [straight.tolist()]}
         shown |= constants(robot, ground, gait, _two_periods(robot, ground, gait))
         shown |= rows(ground, Twin(robot, ground, straight).now())
-        about = (
-            f"α = {math.degrees(gait.alpha_rad):.3g}°, β = {math.degrees(gait.beta_rad):.3g}°, "
-            f"ω = {gait.omega_rad_s:.3g} rad/s; predicted for the {whose} from the set-points "
-            "that the robot tells"
-        )
+        told = f"predicted for the {whose} from the set-points that the robot tells"
+        about = f"{gait_title(gait)}; {told}"
         self._page = Page(page_text("the robot, live", about, shown), self._stop)
         self.url = self._page.url
 

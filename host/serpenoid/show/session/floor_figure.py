@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...calibration.push_paths import PushPath, push_paths
-from ..plot import BLUE, GREY, RED, figure, save
+from ..plot import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, figure, fit_heading
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ...calibration.friction_result import FrictionFit
     from ...calibration.session import Session
 
-COLOURS = (BLUE, "#E69F00", RED, "#009E73", "#CC79A7")
+COLOURS = (BLUE, ORANGE, RED, GREEN, PURPLE)
 MOST_MM = 4.0  # of the residuals' axis, at least
 
 
@@ -46,13 +46,7 @@ def draw_pushes(fig: Figure, axes: Any, session: Session, fit: FrictionFit) -> N
     axes[0].set_xlim(left=0)
     if named:
         axes[0].legend(loc="lower right", fontsize=8, markerscale=3)
-    p_value = "" if fit.p_value is None else f", p = {fit.p_value:.2g}"
-    fig.suptitle(
-        f"{session.setup.name}: $\\chi^2$ = {fit.chi2:.3g} for {fit.dof} dof{p_value}",
-        fontsize=10,
-        x=0.01,
-        ha="left",
-    )
+    fit_heading(fig, session, fit)
 
 
 def _draw(axes: Any, path: PushPath, colour: str, name: str | None) -> None:
@@ -64,6 +58,5 @@ def _draw(axes: Any, path: PushPath, colour: str, name: str | None) -> None:
 
 def push_figure(session: Session, fit: FrictionFit, path: Path) -> None:
     """Write the drawing into a file."""
-    with figure(9.0, 4.2, 2) as (fig, axes):
+    with figure(9.0, 4.2, 2, path=path) as (fig, axes):
         draw_pushes(fig, axes, session, fit)
-        save(fig, path)

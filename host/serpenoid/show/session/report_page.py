@@ -17,7 +17,7 @@ from ...calibration.friction_result import FrictionFit
 from ...calibration.session import Session
 from ...calibration.session_rows import Event
 from ...calibration.taking.procedure import step_in_words
-from ..comparison_figure import draw_comparison
+from ..comparison_figure import PANELS, SIZE, draw_comparison
 from ..plot import draw_friction, figure
 from .floor_figure import draw_pushes
 
@@ -73,9 +73,8 @@ def session_page(
         *_notes(fit, session),
     ]
     if compared is not None:
-        drawn = _svg(
-            "speeds predicted and measured", 7.2, 6.0, 1, lambda f, _a: draw_comparison(f, compared)
-        )
+        what = "speeds predicted and measured"
+        drawn = _svg(what, draw_comparison, compared, size=SIZE, **PANELS)
         parts += ["<h2>Speed</h2>", drawn, _table(*compared.table(verbose=False))]
     if other is not None:
         head, rows = other.table()
@@ -101,50 +100,31 @@ def session_page(
 
 def _drawings(session: Session, fit: FrictionFit) -> list[str]:
     """Return the readings with the law: stations, pushes, or both."""
-    found = []
+    drawn = []
     if session.kept and not session.on_floor:
-        found.append(
-            _svg(
-                "friction against speed, readings and lines",
-                9.0,
-                4.2,
-                2,
-                lambda f, a: draw_friction(f, a, session, fit),
-            )
-        )
+        what = "friction against speed, readings and lines"
+        drawn.append(_svg(what, draw_friction, session, fit, size=(9.0, 4.2), columns=2))
     if session.kept_pushes:
-        found.append(
-            _svg(
-                "pushes: places over time with the law, and residuals",
-                9.1,
-                4.2,
-                2,
-                lambda f, a: draw_pushes(f, a, session, fit),
-            )
-        )
-    return found
+        what = "pushes: places over time with the law, and residuals"
+        drawn.append(_svg(what, draw_pushes, session, fit, size=(9.1, 4.2), columns=2))
+    return drawn
 
 
 def _svg(
-    what: str, width: float, height: float, columns: int, draw: Callable[[Any, Any], None]
+    what: str, draw: Callable[..., None], *shown: Any, size: tuple[float, float], **panels: Any
 ) -> str:
     """Return a drawing as inline SVG; ids are salted, so that the same drawing gives the same."""
     import matplotlib as mpl
 
     text = io.StringIO()
-    with (
-        mpl.rc_context({"svg.hashsalt": "serpenoid"}),
-        figure(width, height, columns) as (fig, axes),
-    ):
-        draw(fig, axes)
+    with mpl.rc_context({"svg.hashsalt": "serpenoid"}), figure(*size, **panels) as (fig, axes):
+        draw(fig, axes, *shown)
         fig.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
     drawn = text.getvalue()
     drawn = drawn[drawn.index("<svg") :]
     # two drawings in one page must not share ids
-    salt = f"w{width:g}".replace(".", "_")
-    drawn = re.sub(r'id="([^"]+)"', rf'id="{salt}-\1"', drawn)
-    drawn = re.sub(r'href="#([^"]+)"', rf'href="#{salt}-\1"', drawn)
-    drawn = re.sub(r"url[(]#", f"url(#{salt}-", drawn)
+    salt = f"w{size[0]:g}".replace(".", "_")
+    drawn = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{salt}-", drawn)
     drawn = drawn.replace("<svg", f'<svg role="img" aria-label="{escape(what)}"', 1)
     return f'<figure tabindex="0">{drawn}</figure>'
 
@@ -152,18 +132,18 @@ def _svg(
 def _table(
     head: Sequence[str],
     rows: Sequence[Sequence[str]],
-    classes: Sequence[str] = (),
+    readings: Sequence[Any] = (),
     words: bool = False,
     said: Sequence[str] = (),
 ) -> str:
-    """Return a table; classes: of its rows; words: it has text, not numbers; said: below each row.
+    """Return a table; readings: of its rows; words: it has text, not numbers; said: below each row.
 
     So a table has no more columns than a phone is wide.
     """
     top = "".join(f'<th scope="col">{escape(h)}</th>' for h in head)
     body = ""
     for k, row in enumerate(rows):
-        mark = f' class="{classes[k]}"' if classes and classes[k] else ""
+        mark = ' class="void"' if readings and readings[k].voided else ""
         body += f"<tr{mark}>" + "".join(f"<td>{escape(c)}</td>" for c in row) + "</tr>"
         if said and said[k]:
             body += f'<tr class="said"><td colspan="{len(head)}">{escape(said[k])}</td></tr>'
@@ -225,7 +205,7 @@ def _advice(advice: Advice) -> str:
 def _readings(session: Session, fit: FrictionFit) -> list[str]:
     if not session.readings:
         return []
-    off = dict(zip((r.number for r in session.fitted), fit.residuals, strict=True))
+    off = _off(session, fit)
     rows = [
         [
             str(r.number),
@@ -233,7 +213,7 @@ def _readings(session: Session, fit: FrictionFit) -> list[str]:
             f"{math.degrees(r.incline_rad):.4g}",
             f"{r.belt_speed_m_s:.4g}",
             r.drift_in_words if r.places else f"{r.drift_m_s + 0.0:.3g}",
-            f"{off[r.number]:+.1f}" if r.number in off else "voided",
+            off.get(r.number, "voided"),
         ]
         for r in session.readings
     ]
@@ -242,29 +222,28 @@ def _readings(session: Session, fit: FrictionFit) -> list[str]:
         for r in session.readings
     ]
     head = ["number", "λ (deg)", "incline (deg)", "belt (m/s)", "drift (m/s)", "off by (sigmas)"]
-    return [_table(head, rows, ["void" if r.voided else "" for r in session.readings], said=said)]
+    return [_table(head, rows, session.readings, said=said)]
 
 
 def _other_readings(session: Session, fit: FrictionFit) -> list[str]:
     """Return a table of all readings that are no stations."""
-    off = dict(zip((r.number for r in session.fitted), fit.residuals, strict=True))
+    off = _off(session, fit)
     others = [(kind, r) for kind, r in session.numbered if kind.name != "station"]
     if not others:
         return []
-    more = session.on_floor
-    rows = [
-        [str(r.number), *kind.describe(r), *([_off(off.get(r.number))] if more else [])]
-        for kind, r in others
-    ]
+    rows = [[str(r.number), *kind.describe(r), off.get(r.number, "")] for kind, r in others]
     said = [": ".join(filter(None, ["voided" if r.voided else "", r.comment])) for _, r in others]
-    marks = ["void" if r.voided else "" for _, r in others]
-    head = ["number", "what", "shown", *(["off by (sigmas)"] if more else [])]
-    table = _table(head, rows, marks, words=True, said=said)
+    head = ["number", "what", "shown", "off by (sigmas)"]
+    if not session.on_floor:  # no other reading is in the fit
+        head, rows = head[:-1], [row[:-1] for row in rows]
+    table = _table(head, rows, [r for _, r in others], words=True, said=said)
     return [*(["<h3>Other readings</h3>"] if session.readings else []), table]
 
 
-def _off(sigmas: float | None) -> str:
-    return "" if sigmas is None else f"{sigmas:+.1f}"
+def _off(session: Session, fit: FrictionFit) -> dict[int, str]:
+    """Return by how many sigmas each reading in the fit is off, by their numbers."""
+    fitted = zip(session.fitted, fit.residuals, strict=True)
+    return {reading.number: f"{residual:+.1f}" for reading, residual in fitted}
 
 
 def _told(events: Sequence[Event]) -> list[str]:

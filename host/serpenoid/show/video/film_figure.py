@@ -8,32 +8,28 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..plot import BLUE, GREEN, GREY, ORANGE, RED, figure, save
+from ..plot import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, figure, heading
 
 if TYPE_CHECKING:
     from ...video.measure_film import FilmMeasurement
 
 MOST_POINTS = 20_000  # of a path
-COLOURS = (BLUE, ORANGE, GREEN, RED, "#CC79A7", "#56B4E9", "#8B6914", GREY)
+COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE, "#56B4E9", "#8B6914", GREY)
 
 
 def film_figure(film: FilmMeasurement, path: Path) -> None:
     """Draw a measured film into a file."""
-    with figure(9.0, 11.0) as (fig, _unused):
-        fig.clear()
-        top, middle, bottom = fig.subplots(3, 1, height_ratios=[1.7, 1.4, 1.0])
+    panels = {"rows": 3, "height_ratios": [1.7, 1.4, 1.0]}
+    run = film.run
+    with figure(9.0, 11.0, path=path, **panels) as (fig, (top, middle, bottom)):
         _picture(top, film)
         _joints(middle, film)
         _residuals(bottom, film)
-        run = film.run
-        fig.suptitle(
+        words = (
             f"{run.film['name']}: {1e3 * run.speed_m_s:.2f} ± {1e3 * run.speed_sigma_m_s:.2f} "
-            f"mm/s, {run.omega_rad_s / (2 * math.pi):.4g} Hz, {run.periods:.2g} periods",
-            fontsize=11,
-            x=0.01,
-            ha="left",
+            f"mm/s, {run.omega_rad_s / (2 * math.pi):.4g} Hz, {run.periods:.2g} periods"
         )
-        save(fig, path)
+        heading(fig, words, 11, "black")
 
 
 def _picture(ax: Any, film: FilmMeasurement) -> None:
@@ -46,17 +42,8 @@ def _picture(ax: Any, film: FilmMeasurement) -> None:
     ax.plot(*middle.T, color=BLUE, lw=2, label="middle of the robot")
     head = camera.image(camera.corners(states)[:, -1].mean(axis=1))
     ax.plot(*head.T, color=ORANGE, lw=1.2, label="head")
-    for k, style in ((0, "-"), (-1, ":")):
-        ends = camera.joints_px(states[k])
-        ax.plot(
-            *ends.T,
-            style,
-            color=RED,
-            lw=1.5,
-            marker="o",
-            ms=3,
-            label="links and joints at the start" if k == 0 else "at the end",
-        )
+    for k, style, words in ((0, "o-", "links and joints at the start"), (-1, "o:", "at the end")):
+        ax.plot(*camera.joints_px(states[k]).T, style, color=RED, lw=1.5, ms=3, label=words)
     ax.set(title="path over the first frame", xticks=[], yticks=[])
     ax.set(xlim=(0, film.watched.picture.shape[1]), ylim=(film.watched.picture.shape[0], 0))
     ax.grid(False)
