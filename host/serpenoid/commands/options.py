@@ -347,14 +347,6 @@ def show_json(values: dict[str, Any]) -> None:
     say(json.dumps(finite(values | of_fit), indent=2, allow_nan=False))
 
 
-_TYPED = {
-    "speed_m_s": "--speed-m-s",
-    "joint_stiffness_n_m": "--stiffness-n-m",
-    "joint_damping_n_s_m": "--damping-n-s-m",
-    "amplitude_sigma": "--amplitude-sigma",
-}
-
-
 def as_typed(text: str, options: dict[str, str]) -> str:
     """Return a message with the names of fields replaced by their options.
 
@@ -371,6 +363,4 @@ def as_typed(text: str, options: dict[str, str]) -> str:
 
 def options_of(command: click.Command) -> dict[str, str]:
     """Return the options of a command by the fields that they fill."""
-    names = {p.name: p.opts[0] for p in command.params if isinstance(p, click.Option) and p.name}
-    typed = set(names.values())
-    return names | {field: option for field, option in _TYPED.items() if option in typed}
+    return {p.name: p.opts[0] for p in command.params if isinstance(p, click.Option) and p.name}

@@ -44,22 +44,26 @@ if TYPE_CHECKING:
     from ...gaits.margins import Margins
     from ...gaits.robust import RobustGait
     from ...gaits.uncertainty import Uncertainty
+    from ...model.gait import Gait
     from ...model.ground import Ground
     from ...model.robot import Robot
     from ...periodic.servo_steady import ServoSteady
 
-_Found = TypeVar("_Found")
+_Result = TypeVar("_Result")
 _GROUNDS = 4096  # frictions drawn from a fit: half choose the gait, half check it
 _BOARD_ANGLE_DEG, _BOARD_SPEED_DEG_S = 90.0, 500.0  # a new board's own limits
 
-# Options are stored under the names of the fields that they fill.
-LIMITS = (
-    "joint_angle_rad",
-    "servo_speed_rad_s",
-    "servo_torque_nm",
-    "omega_low_rad_s",
-    "omega_high_rad_s",
+_OF_LEAST_POWER = ("formulation", "solved_error_w", "active", "basins", "runner_up_w")
+_OF_ROBUST = (
+    "active",
+    "low_speed_m_s",
+    "checked_low_m_s",
+    "premium",
+    "premium_per_metre",
+    "fragile_low_m_s",
 )
+
+# Options are stored under the names of the fields that they fill.
 DOUBTS = ("amplitude", "common_amplitude", "lag_rad")  # of Uncertainty
 limit_options = stacked(
     number(
@@ -107,7 +111,7 @@ send_options = stacked(
 @option(
     "--speed-m-s",
     "--speed",
-    "speeds",
+    "speed_m_s",
     "Wanted speed; several, with commas, give the whole front.",
     required=True,
     metavar="M/S[,M/S...]",
@@ -129,7 +133,7 @@ send_options = stacked(
 )
 @send_options
 @AS_TABLES
-def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given: Any) -> None:
+def optimize(speed_m_s: str, as_json: bool, send: bool, plot: Path | None, **given: Any) -> None:
     """Find the gait that costs least power at a speed, and say how near to a cliff it stands.
 
     Gaits are searched with ideal joints. Beside the speed stands what servos leave of it: any hobby
@@ -138,7 +142,7 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
 
     With --session DIR or --ground FILE the friction is a fit's, and --robust takes its samples.
     """
-    wanted = _speeds(speeds)
+    wanted = _speeds(speed_m_s)
     if not send:
         words = "{} is for --send, which is not there"
         refuse_typed(words, "port", "duration_s", "record")
@@ -153,42 +157,47 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
     ask = _Asked(given, send, servo_name)
     if len(wanted) > 1:
         return _show_front(ask, wanted, as_json)
-    servo = ask.servo
-    found = _searched(lambda: ask.find(wanted[0]))
-    report_as = _robust_dict if ask.robust else _plain_dict
+    best = _searched(lambda: ask.find(wanted[0]))
     from ...gaits.margins import gait_margins
-    from ...show import report
 
-    margins = interruptible(lambda: gait_margins(ask.robot, ask.ground, found.gait))
+    margins = interruptible(lambda: gait_margins(ask.robot, ask.ground, best.gait))
     if plot is not None:
-        from ...show.gaits.gait_figures import cliff_figure
-
-        interruptible(
-            lambda: cliff_figure(ask.robot, ask.ground, found.gait, ask.uncertainty, plot)
-        )
-        report.wrote(plot, plot.with_suffix(".csv"))
-    moved = beside_servo(found.steady, ask.shown_servo)
-    told = report_as(found) | {"margins": margins.to_dict()}
-    told |= {"servo": moved.to_dict()} if moved else {}
+        _draw_cliff(ask, best.gait, plot)
+    moved = beside_servo(best.steady, ask.shown_servo)
     fit = None if send else ask.fit  # what is sent is predicted when it is driven
-    band = interruptible(lambda: predicted_band(fit, ask.robot, ask.ground, found.gait, servo))
-    told |= {"band": band.to_dict() | no_band(moved)} if band else {}
+    band = interruptible(lambda: predicted_band(fit, ask.robot, ask.ground, best.gait, ask.servo))
+    answer = _as_dict(best) | {"margins": margins.to_dict()}
+    answer |= {"servo": moved.to_dict()} if moved else {}
+    answer |= {"band": band.to_dict() | no_band(moved)} if band else {}
     if not as_json:
-        _print(found, margins, moved)
+        _print(best, margins, moved)
         if band is not None and not no_band(moved):
             say(f"predicted: {band.in_words()}")
     if send:
-        from ...robot.robot_match import RobotMatch
-        from ..board.drive import drive_gait
-
-        cure = "give its --links, or the session of this robot"
-        match = RobotMatch(ask.robot.links, "the gait", cure)
-        drive_gait(
-            found.gait, as_json=as_json, fit=ask.fit, match=match, before=told, servo=servo, **run
-        )
+        _send(ask, best.gait, as_json, answer, **run)
     elif as_json:
-        show_json(told)
+        show_json(answer)
     return None
+
+
+def _draw_cliff(ask: _Asked, gait: Gait, plot: Path) -> None:
+    from ...show import report
+    from ...show.gaits.gait_figures import cliff_figure
+
+    interruptible(lambda: cliff_figure(ask.robot, ask.ground, gait, ask.uncertainty, plot))
+    report.wrote(plot, plot.with_suffix(".csv"))
+
+
+def _send(ask: _Asked, gait: Gait, as_json: bool, before: dict[str, Any], **run: Any) -> None:
+    """Drive the gait, its robot checked against the board."""
+    from ...robot.robot_match import RobotMatch
+    from ..board.drive import drive_gait
+
+    cure = "give its --links, or the session of this robot"
+    match = RobotMatch(ask.robot.links, "the gait", cure)
+    drive_gait(
+        gait, as_json=as_json, fit=ask.fit, match=match, before=before, servo=ask.servo, **run
+    )
 
 
 def _check_board(port: str | None, record: Path | None) -> None:
@@ -213,72 +222,52 @@ def _speeds(text: str) -> list[float]:
 
 
 class _Asked:
-    """What the options ask for: robot, ground, limits, cost, doubt."""
+    """What the options ask for: robot, ground, servo, doubt, and how to search."""
 
     def __init__(self, given: dict[str, Any], send: bool, servo_name: str | None) -> None:
-        self.robust, self.cost = given.pop("robust"), given.pop("cost")
-        self.formulation = given.pop("formulation")
-        if self.robust and self.formulation == "implicit":
+        self._robust, cost = given.pop("robust"), given.pop("cost")
+        formulation = given.pop("formulation")
+        if self._robust and formulation == "implicit":
             raise click.UsageError("--robust runs on the exact model; leave --formulation out")
-        self.limits = _limits(given, send)
+        limits = _limits(given, send)
         session, fit = given.get("session"), take_fit(given)
-        self.fit = _as_measured(given, fit, self.robust)
+        self.fit = _as_measured(given, fit, self._robust)
         joints = given.pop("joints")
         uncertainty = _uncertainty(given, self.fit, filmed=joints is not None)
         # a film has shown what servos make of the joints
         ideal = self.fit is None or joints is not None
         servo = take_servo(servo_name, IDEAL if ideal else "hobby")
         self.servo = servo_as_filmed(servo, session, self.fit)
-        uncertainty = replace(uncertainty, servo=self.servo)
         self.robot: Robot
         self.ground: Ground
         self.robot, self.ground = robot_with_fit(given, fit)
-        self.uncertainty = _as_filmed(uncertainty, joints, self.robot)
+        self.uncertainty = _as_filmed(replace(uncertainty, servo=self.servo), joints, self.robot)
         shown = servo_name is None and joints is None and few_links(self.robot)
         self.shown_servo = take_servo("hobby") if shown and self.servo is None else self.servo
+        self._how = {"cost": cost, "limits": limits} | (
+            {"uncertainty": self.uncertainty} if self._robust else {"formulation": formulation}
+        )
 
     def find(self, speed: float) -> LeastPower | RobustGait:
         """Search for one speed."""
         from ...gaits.least_power import least_power_gait
         from ...gaits.robust import robust_gait
 
-        if self.robust:
-            return robust_gait(
-                self.robot,
-                self.ground,
-                speed_m_s=speed,
-                uncertainty=self.uncertainty,
-                cost=self.cost,
-                limits=self.limits,
-            )
-        return least_power_gait(
-            self.robot,
-            self.ground,
-            speed_m_s=speed,
-            cost=self.cost,
-            limits=self.limits,
-            formulation=self.formulation,
-        )
+        search = robust_gait if self._robust else least_power_gait
+        return search(self.robot, self.ground, speed_m_s=speed, **self._how)
 
     def front(self, speeds: list[float]) -> Sequence[LeastPower | RobustGait | None]:
         """Search for many speeds; None for one that no gait reaches."""
         from ...gaits.least_power import power_front
 
-        if self.robust:
-            return [
-                _searched(partial(self._find_or_none, speed), f", speed {k} of {len(speeds)}")
-                for k, speed in enumerate(speeds, 1)
-            ]
-        return _searched(
-            lambda: power_front(
-                self.robot,
-                self.ground,
-                speeds_m_s=speeds,
-                cost=self.cost,
-                limits=self.limits,
-                formulation=self.formulation,
+        if not self._robust:
+            return _searched(
+                lambda: power_front(self.robot, self.ground, speeds_m_s=speeds, **self._how)
             )
-        )
+        return [
+            _searched(partial(self._find_or_none, speed), f", speed {k} of {len(speeds)}")
+            for k, speed in enumerate(speeds, 1)
+        ]
 
     def _find_or_none(self, speed: float) -> LeastPower | RobustGait | None:
         try:
@@ -287,7 +276,7 @@ class _Asked:
             return None
 
 
-def _searched(work: Callable[[], _Found], which: str = "") -> _Found:
+def _searched(work: Callable[[], _Result], which: str = "") -> _Result:
     """Return work() and show that it goes on; Ctrl-C ends both, so this thread shows it."""
     from ...show.progress import working
 
@@ -302,7 +291,7 @@ def _limits(given: dict[str, Any], send: bool) -> GaitLimits:
     board = {"servo_speed_rad_s": math.radians(_BOARD_SPEED_DEG_S)}
     if send:
         board["joint_angle_rad"] = math.radians(_BOARD_ANGLE_DEG)
-    return GaitLimits(**board | take(given, LIMITS))
+    return GaitLimits(**board | take(given, GaitLimits.__match_args__))
 
 
 def _as_measured(
@@ -346,43 +335,26 @@ def _as_filmed(uncertainty: Uncertainty, joints: Path | None, robot: Robot) -> U
     return replace(uncertainty, joint_gain=seen.joint_gain, joint_shift_rad=seen.joint_shift_rad)
 
 
-def _plain_dict(found: Any) -> dict[str, Any]:
-    return {
-        "gait": describe(found.gait),
-        "cost": found.cost,
-        "formulation": found.formulation,
-        "cost_w": found.power_w,
-        "cost_error_w": found.power_error_w,
-        "solved_error_w": found.solved_error_w,
-        "active": found.active,
-        "basins": found.basins,
-        "runner_up_w": found.runner_up_w,
-    } | found.steady.to_dict()
+def _as_dict(best: LeastPower | RobustGait) -> dict[str, Any]:
+    from ...gaits.robust import RobustGait
+
+    answer = {"gait": describe(best.gait), "cost": best.cost, "cost_w": best.power_w}
+    if isinstance(best, RobustGait):
+        answer |= {"uncertainty": best.uncertainty.in_words(), "fragile": _as_dict(best.fragile)}
+        names = _OF_ROBUST
+    else:
+        answer |= {"cost_error_w": best.power_error_w}
+        names = _OF_LEAST_POWER
+    return answer | {name: getattr(best, name) for name in names} | best.steady.to_dict()
 
 
-def _robust_dict(found: Any) -> dict[str, Any]:
-    return {
-        "gait": describe(found.gait),
-        "cost": found.cost,
-        "cost_w": found.power_w,
-        "active": found.active,
-        "uncertainty": found.uncertainty.in_words(),
-        "low_speed_m_s": found.low_speed_m_s,
-        "checked_low_m_s": found.checked_low_m_s,
-        "premium": found.premium,
-        "premium_per_metre": found.premium_per_metre,
-        "fragile": _plain_dict(found.fragile),
-        "fragile_low_m_s": found.fragile_low_m_s,
-    } | found.steady.to_dict()
-
-
-def _print(found: LeastPower | RobustGait, margins: Margins, moved: ServoSteady | None) -> None:
+def _print(best: LeastPower | RobustGait, margins: Margins, moved: ServoSteady | None) -> None:
     from ...show import report
     from ...show.gaits import gait_report
 
-    report.answer(f"{found.in_words()} {(moved or found.steady).in_words()}")
-    report.show(found, *([moved] if moved else []), margins)
-    gait_report.warn(found)
+    report.answer(f"{best.in_words()} {(moved or best.steady).in_words()}")
+    report.show(best, *([moved] if moved else []), margins)
+    gait_report.warn(best)
     gait_report.warn_of_cliff(margins)
 
 
@@ -394,8 +366,7 @@ def _show_front(ask: _Asked, speeds: list[float], as_json: bool) -> None:
         raise NotConverged(
             f"no gait reaches {min(speeds):g} m/s within the limits; ask for less speed"
         )
-    as_dict = _robust_dict if ask.robust else _plain_dict
     if as_json:
-        show_json({"front": [None if best is None else as_dict(best) for best in front]})
+        show_json({"front": [None if best is None else _as_dict(best) for best in front]})
     else:
         gait_report.front(speeds, front)

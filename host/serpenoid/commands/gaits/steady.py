@@ -23,6 +23,7 @@ from ..options import (
     robot_with_fit,
     servo_option,
     show_json,
+    take,
     take_servo,
 )
 
@@ -47,8 +48,8 @@ _FEW_LINKS = 20
 @gait_options
 @number("--rtol", "Relative accuracy.", default=1e-6)
 @formulation_option
-@number("--stiffness-n-m", "Implicit: k; 1000 unless given.")
-@number("--damping-n-s-m", "Implicit: c; 1 unless given.")
+@number("--stiffness-n-m", "joint_stiffness_n_m", "Implicit: k; 1000 unless given.")
+@number("--damping-n-s-m", "joint_damping_n_s_m", "Implicit: c; 1 unless given.")
 @servo_option
 @joints_option
 @flag(
@@ -64,8 +65,6 @@ def steady(
     joints: Path | None,
     rtol: float,
     formulation: str,
-    stiffness_n_m: float | None,
-    damping_n_s_m: float | None,
     **given: Any,
 ) -> None:
     """Find the periodic state of one gait: speed, powers, settling time, margins.
@@ -73,8 +72,7 @@ def steady(
     The figures are those of joints that follow the gait exactly. Beside them stands the speed with
     servos: with any hobby servo unless --servo says which, or `ideal`.
     """
-    springs = {"joint_stiffness_n_m": stiffness_n_m, "joint_damping_n_s_m": damping_n_s_m}
-    springs = {name: value for name, value in springs.items() if value is not None}
+    springs = take(given, ("joint_stiffness_n_m", "joint_damping_n_s_m"))
     if springs and formulation == "explicit":
         raise click.UsageError(
             "--stiffness-n-m and --damping-n-s-m have no effect: the joints are pinned; give "
