@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import json
+import shlex
 import sys
 from contextlib import redirect_stderr, redirect_stdout
 from tempfile import TemporaryFile
@@ -20,10 +22,13 @@ class Done(NamedTuple):
     stderr: str
 
 
-def serpenoid(*words: object, typed: str = "", check: bool = False) -> Done:
-    """Run `serpenoid WORDS ...`; typed: its standard input. check: it must succeed."""
+def serpenoid(line: str, *words: object, typed: str = "", check: bool = False) -> Done:
+    """Run `serpenoid LINE`, its words split as a shell does, and further words as they are.
+
+    typed: its standard input. check: it must succeed.
+    """
     out, err, status = io.StringIO(), io.StringIO(), 0
-    argv = patch.object(sys, "argv", ["serpenoid", *map(str, words)])
+    argv = patch.object(sys, "argv", ["serpenoid", *shlex.split(line), *map(str, words)])
     with (
         TemporaryFile("w+") as file,
         argv,
@@ -40,3 +45,8 @@ def serpenoid(*words: object, typed: str = "", check: bool = False) -> Done:
     done = Done(status, out.getvalue(), err.getvalue())
     assert not (check and status), done.stdout + done.stderr
     return done
+
+
+def answer(line: str, *words: object) -> dict:
+    """Return what `serpenoid LINE ... --json` answers."""
+    return json.loads(serpenoid(line, *words, "--json", check=True).stdout)

@@ -12,13 +12,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import serpenoid as sn
-from command_line import serpenoid
+from command_line import answer, serpenoid
 from serpenoid.calibration.friction_result import FitDraws
 from serpenoid.commands.given import session_fit
 
 FOLDER_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
 run = partial(serpenoid, check=True)
-GAIT = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "5"]
+GAIT = "--alpha-deg 70 --beta-deg 75 --omega-rad-s 5"
 
 
 @pytest.fixture
@@ -31,7 +31,7 @@ def folder(tmp_path):
 
 
 def test_fit_shows_whole_and_per_link_values_and_keeps_them(folder):
-    shown = run("fit", folder, "--influence").stdout
+    shown = run("fit --influence", folder).stdout
     assert "ct_whole" in shown
     assert "each of 6 links" in shown
     assert "0.084" in shown
@@ -39,8 +39,7 @@ def test_fit_shows_whole_and_per_link_values_and_keeps_them(folder):
     assert "chi2 without" in shown
     kept = sn.load_fit(folder)
     assert kept.parameters["ct_whole"].value == pytest.approx(0.084, rel=1e-4)
-    told = json.loads(run("fit", folder, "--no-save", "--method", "robust", "--json").stdout)
-    assert told["method"] == "robust"
+    assert answer("fit --no-save --method robust", folder)["method"] == "robust"
     assert sn.load_fit(folder).method == "joint"
 
 
@@ -60,24 +59,21 @@ def test_a_fit_of_many_readings_shows_that_it_works(folder):
 
 
 def test_a_session_or_its_fit_gives_friction_to_other_commands(folder):
-    steady = partial(run, "steady", *GAIT, "--servo", "ideal", "--json")
-    asked = json.loads(steady("--session", folder).stdout)["speed_m_s"]
+    steady = f"steady {GAIT} --servo ideal"
+    asked = answer(steady, "--session", folder)["speed_m_s"]
     # the speed that the paper's lines give, known to 1e-6
     assert asked == pytest.approx(0.133205, rel=1e-4)
     run("fit", folder)
     file = folder / "fit.json"
     kept = file.read_text()
     file.write_text("{}")  # an older version's, or edited: the readings are there
-    anew = steady("--session", folder)
+    anew = run(steady, "--json", "--session", folder)
     assert json.loads(anew.stdout)["speed_m_s"] == pytest.approx(asked, rel=1e-9)
     assert "fitted anew" in anew.stderr
     file.write_text(kept)
-    again = json.loads(steady("--ground", file).stdout)["speed_m_s"]
-    assert again == pytest.approx(asked, rel=1e-9)
-    firm = json.loads(steady("--ground", file, "--fn0", "0.1").stdout)["speed_m_s"]
-    assert firm > 1.05 * asked
-    simulated = run("simulate", "--session", folder, *GAIT, "--duration-s", "0.1", "--json")
-    assert json.loads(simulated.stdout)
+    assert answer(steady, "--ground", file)["speed_m_s"] == pytest.approx(asked, rel=1e-9)
+    assert answer(f"{steady} --fn0 0.1", "--ground", file)["speed_m_s"] > 1.05 * asked
+    assert answer(f"simulate {GAIT} --duration-s 0.1", "--session", folder)
 
 
 SHEET = """kind,lambda_deg,bend,incline_deg,belt_speed_m_s
@@ -86,18 +82,19 @@ station,0,,2.66,0.8
 station,25,balanced,3.02,0.2
 station,25,balanced,4.40,0.8
 """
-CRAWL = ["gait", "alpha_deg=70", "beta_deg=75", "distance_m=2.5", "duration_s=20"]
+CRAWL = "gait alpha_deg=70 beta_deg=75 distance_m=2.5 duration_s=20"
 
 
 def test_a_fit_with_crawls_serves_predictions_but_not_their_test(tmp_path, capsys):
     """Until a reading comes: then the readings are fitted again, and what is left out is said."""
     folder, sheet = tmp_path / "session", tmp_path / "sheet.csv"
     sheet.write_text(SHEET)
-    run("calibrate", "new", folder, "--defaults", "--simulated")
-    run("calibrate", "add", folder, "--sheet", sheet)
-    run("calibrate", "add", folder, "zero", "incline_deg=0.1", "reversed_deg=0")
-    run("calibrate", "add", folder, "belt", "belt_speed_m_s=0.5", "distance_m=28", "duration_s=56")
-    run("calibrate", "add", folder, *CRAWL, "omega_rad_s=5")
+    run("calibrate new --defaults --simulated", folder)
+    add = f"calibrate add {folder}"
+    run(f"{add} --sheet {sheet}")
+    run(f"{add} zero incline_deg=0.1 reversed_deg=0")
+    run(f"{add} belt belt_speed_m_s=0.5 distance_m=28 duration_s=56")
+    run(f"{add} {CRAWL} omega_rad_s=5")
     session = sn.load_session(folder)
     plain = sn.fit_friction(session)
     sn.save_fit(
@@ -115,7 +112,7 @@ def test_a_fit_with_crawls_serves_predictions_but_not_their_test(tmp_path, capsy
     assert not capsys.readouterr().err
     assert not session_fit(folder, with_crawls=False).with_crawls
     assert "no test of them" in capsys.readouterr().err
-    run("calibrate", "add", folder, *CRAWL, "omega_rad_s=4")
+    run(f"{add} {CRAWL} omega_rad_s=4")
     assert not session_fit(folder).with_crawls
     assert "fitted anew, without crawls" in " ".join(capsys.readouterr().err.split())
 
@@ -123,77 +120,58 @@ def test_a_fit_with_crawls_serves_predictions_but_not_their_test(tmp_path, capsy
 @pytest.mark.parametrize(
     ("extra", "said"),
     [
-        (["--session", "a", "--ground", "b"], "one of --session and --ground"),
-        (["--ground", "nowhere.json"], "no such file"),
-        (["--ground", "fit.json", "--robot", "paper"], "both name robot and ground"),
+        ("--session a --ground b", "one of --session and --ground"),
+        ("--ground nowhere.json", "no such file"),
+        ("--ground {}/fit.json --robot paper", "both name robot and ground"),
     ],
 )
 def test_friction_from_two_places_or_none_is_refused(folder, extra, said):
     run("fit", folder)
-    extra = [str(folder / x) if x == "fit.json" else x for x in extra]
-    failed = serpenoid("steady", *GAIT, *extra)
+    failed = serpenoid(f"steady {GAIT} {extra.format(folder)}")
     assert failed.returncode == 2
     assert said in " ".join(failed.stderr.split())
 
 
 def test_compare_predicts_and_draws_what_is_not_measured_yet(folder, tmp_path):
     picture = tmp_path / "compare.svg"
-    done = run(
-        "compare", folder, "--gait", 70, 75, 1.0, "--samples", 16, "--plot", picture, "--json"
-    )
-    told = json.loads(done.stdout)
+    told = answer(f"compare {folder} --gait 70 75 1.0 --samples 16 --plot {picture}")
     assert told["verdict"] == "not measured"
     assert told["gaits"][0]["exact_m_s"] == pytest.approx(0.152, rel=0.01)
-    assert "<svg" in picture.read_text()
     assert "no gait run measured yet" in picture.read_text()
     assert serpenoid("compare", folder).returncode == 2
 
 
 def test_advise_names_the_next_reading(folder):
-    told = run("advise", folder, "--gait", 70, 75, 0.5, "--samples", 16).stdout
-    assert "Take next: " in told
+    assert "Take next: " in run(f"advise {folder} --gait 70 75 0.5 --samples 16").stdout
 
 
 def test_drive_tells_the_speed_that_the_friction_predicts(folder):
-    driven = [
-        "drive",
-        *GAIT[:4],
-        "--omega-rad-s",
-        "3",
-        "--port",
-        "virtual:fast",
-        "--duration-s",
-        "1",
-    ]
-    told = json.loads(run(*driven, "--session", folder, "--json").stdout)
-    steady = json.loads(
-        run("steady", *GAIT[:4], "--omega-rad-s", 3, "--session", folder, "--json").stdout
-    )
-    predicted = told["predicted"]
+    gait = "--alpha-deg 70 --beta-deg 75 --omega-rad-s 3"
+    drive = f"drive {gait} --port virtual:fast --duration-s 1"
+    fitted = f"{drive} --session {folder}"
+    predicted = answer(fitted)["predicted"]
+    steady = answer(f"steady {gait} --session {folder}")
     assert predicted["servo"] == "hobby"
     assert predicted["speed_m_s"] == pytest.approx(steady["servo"]["speed_m_s"], rel=5e-3)
     assert predicted["low_m_s"] < 0.9 * predicted["speed_m_s"] < predicted["high_m_s"]
-    plain = json.loads(run(*driven, "--session", folder, "--servo", "ideal", "--json").stdout)
-    assert plain["predicted"]["speed_m_s"] == pytest.approx(steady["speed_m_s"], rel=2e-3)
-    shown = run(*driven, "--session", folder).stdout
+    plain = answer(f"{fitted} --servo ideal")["predicted"]
+    assert plain["speed_m_s"] == pytest.approx(steady["speed_m_s"], rel=2e-3)
+    shown = run(fitted).stdout
     assert shown.startswith("predicted: 0.0")
     assert "predicted speed" in shown
-    assert "predicted" not in run(*driven).stdout
-    refused = serpenoid(*driven, "--session", folder, "--ground", folder)
-    assert "one of --session and --ground" in refused.stderr
+    assert "predicted" not in run(drive).stdout
 
 
 def test_friction_of_a_robot_with_other_links_drives_nothing(folder):
     text = (folder / "session.toml").read_text()
     (folder / "session.toml").write_text(text.replace("links = 6", "links = 9"))
-    driven = serpenoid("drive", *GAIT, "--port", "virtual:fast", "--session", folder)
+    driven = serpenoid(f"drive {GAIT} --port virtual:fast --session {folder}")
     assert driven.returncode == 2
     assert "a robot of 9 links, but this board moves 6 links" in driven.stderr
     assert "--port virtual:joints=8" in driven.stderr
 
 
 def test_robust_takes_the_fits_friction_or_none(folder):
-    asked = ["optimize", "--speed", "0.05", "--robust", "--session", folder, "--fn0", "0.1"]
-    refused = serpenoid(*asked)
+    refused = serpenoid(f"optimize --speed 0.05 --robust --session {folder} --fn0 0.1")
     assert refused.returncode == 2
     assert "draws the friction from the fit" in refused.stderr

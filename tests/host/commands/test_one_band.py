@@ -9,28 +9,26 @@ from pathlib import Path
 
 import pytest
 import serpenoid as sn
-from click.testing import CliRunner
+from command_line import serpenoid
 from serpenoid.calibration.servos import from_runs
 from serpenoid.calibration.session_file import load_session
 from serpenoid.calibration.taking.journal import Journal
-from serpenoid.commands.main import cli
 
 SESSION = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
-GAIT = ["--alpha-deg", "70", "--beta-deg", "75", "--frequency-hz", "0.5"]
-WISH = ["--gait", "70", "75", "0.5"]
-IDEAL = ["--servo", "ideal"]
+GAIT = "--alpha-deg 70 --beta-deg 75 --frequency-hz 0.5"
+WISH = "--gait 70 75 0.5"
+IDEAL = "--servo ideal"
 
 
-def told(*args):
+def told(line):
     """Return the answer of a command, and what it warned of."""
-    done = CliRunner().invoke(cli, [*map(str, args), "--json"])
-    assert done.exit_code == 0, done.output
+    done = serpenoid(line, "--json", check=True)
     return json.loads(done.stdout[done.stdout.index("{") :]), done.stderr
 
 
 def with_a_plan(folder):
     """Return the session of 2005 in a folder whose plan has gaits, GAIT among them."""
-    assert CliRunner().invoke(cli, ["calibrate", "new", str(folder), "--defaults"]).exit_code == 0
+    serpenoid("calibrate new --defaults", folder, check=True)
     with Journal(folder) as journal:
         for r in load_session(SESSION).readings:
             bend, incline = math.degrees(r.lambda_rad), math.degrees(r.incline_rad)
@@ -48,30 +46,30 @@ def with_a_plan(folder):
 
 def test_one_gait_has_one_band_whoever_shows_it(tmp_path):
     session = with_a_plan(tmp_path / "session")
-    of = ["--session", session]
-    steady = told("steady", *of, *GAIT, *IDEAL)[0]["band"]
+    of = f"--session {session} {IDEAL}"
+    steady = told(f"steady {of} {GAIT}")[0]["band"]
     low, high, speed = (steady[f"{name}_m_s"] for name in ("low", "high", "speed"))
     assert 0.3 * speed < low < steady["low_friction_m_s"] < speed
     assert speed < steady["high_friction_m_s"] < high
-    driven = told("drive", *of, *GAIT, *IDEAL, "--port", "virtual:fast", "--duration-s", "1")[0]
+    driven = told(f"drive {of} {GAIT} --port virtual:fast --duration-s 1")[0]
     assert driven["predicted"] == steady
-    rows = told("compare", session, *WISH, *IDEAL)[0]["gaits"]
+    rows = told(f"compare {session} {WISH} {IDEAL}")[0]["gaits"]
     rates = [round(row["frequency_hz"], 6) for row in rows]
     assert rates == [0.25, 0.5, 1.0]  # none is there twice
     compared = rows[1]
     found = [compared[name] for name in ("low_all_m_s", "high_all_m_s", "low_m_s", "high_m_s")]
     friction = [steady["low_friction_m_s"], steady["high_friction_m_s"]]
     assert found == pytest.approx([low, high, *friction], rel=1e-6)
-    advised = told("advise", session, *WISH, *IDEAL)[0]
+    advised = told(f"advise {session} {WISH} {IDEAL}")[0]
     assert advised["band"] == pytest.approx((high - low) / 2 / speed, rel=1e-6)
     page = tmp_path / "report.html"
-    told("report", session, *IDEAL, "--out", page)
+    told(f"report {session} {IDEAL} --out {page}")
     assert f"<td>{low:.3g} to {high:.3g}</td>" in page.read_text()
-    planned = told("advise", session, *IDEAL)[0]["band"]
+    planned = told(f"advise {session} {IDEAL}")[0]["band"]
     assert f"It is known to {100 * planned:.2g} % now" in page.read_text()
-    best = told("optimize", *of, *IDEAL, "--speed-m-s", "0.05")[0]
-    gait = [f"--{name.replace('_', '-')}={value}" for name, value in best["gait"].items()]
-    again, band = told("steady", *of, *gait, *IDEAL)[0]["band"], best["band"]
+    best = told(f"optimize {of} --speed-m-s 0.05")[0]
+    gait = " ".join(f"--{name.replace('_', '-')}={value}" for name, value in best["gait"].items())
+    again, band = told(f"steady {of} {gait}")[0]["band"], best["band"]
     ends = ["low_m_s", "high_m_s", "speed_m_s"]
     assert [again[x] for x in ends] == pytest.approx([band[x] for x in ends], rel=1e-4)
 
@@ -101,26 +99,26 @@ def test_a_fit_that_nobody_may_trust_is_told_by_all(contradictory, tmp_path, mon
     monkeypatch.setattr(
         from_runs, "servo_of_session", lambda *args, **more: taken.append(args[2]) or Measured()
     )
-    of = ["--session", folder]
-    sweep = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "3"]
-    calls = {
-        "fit": [folder],
-        "compare": [folder, *WISH, *IDEAL, "--samples", "16"],
-        "advise": [folder, *WISH, *IDEAL, "--samples", "16"],
-        "report": [folder, *IDEAL],
-        "optimize": [*of, *IDEAL, "--speed-m-s", "0.05"],
-        "steady": [*of, *GAIT, *IDEAL],
-        "simulate": [*of, *GAIT, "--duration-s", "0.2"],
-        "sweep": [*of, *sweep, "--out", tmp_path / "study.csv"],
-        "drive": [*of, *GAIT, *IDEAL, "--port", "virtual:fast", "--duration-s", "1"],
-        "servo": of,
-    }
-    for command, args in calls.items():
-        answer, warned = told(command, *args)
-        alarms = answer["alarms" if command == "fit" else "fit_alarms"]
-        assert f"Without reading {number} " in alarms[0], command
-        if command != "fit":  # whose answer it is
-            assert f"Without reading {number} " in " ".join(warned.split()), command
+    of = f"--session {folder}"
+    lines = (
+        f"fit {folder}",
+        f"compare {folder} {WISH} {IDEAL} --samples 16",
+        f"advise {folder} {WISH} {IDEAL} --samples 16",
+        f"report {folder} {IDEAL}",
+        f"optimize {of} {IDEAL} --speed-m-s 0.05",
+        f"steady {of} {GAIT} {IDEAL}",
+        f"simulate {of} {GAIT} --duration-s 0.2",
+        f"sweep {of} --alpha-deg 70 --beta-deg 75 --omega-rad-s 3 --out {tmp_path / 'study.csv'}",
+        f"drive {of} {GAIT} {IDEAL} --port virtual:fast --duration-s 1",
+        f"servo {of}",
+    )
+    for line in lines:
+        answer, warned = told(line)
+        if line.startswith("fit"):  # whose answer it is
+            assert f"Without reading {number} " in answer["alarms"][0]
+            continue
+        assert f"Without reading {number} " in answer["fit_alarms"][0], line
+        assert f"Without reading {number} " in " ".join(warned.split()), line
     assert f"Without reading {number} " in (folder / "report.html").read_text()
     assert taken[0].alarms
     session, gait = load_session(folder), sn.Gait(math.radians(70), math.radians(75), math.pi)

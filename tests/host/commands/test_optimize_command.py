@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from click.testing import CliRunner
+from command_line import serpenoid
 from serpenoid.calibration.friction_result import Estimate, FitDraws, FittedServos
 from serpenoid.commands.demo import session_folder
 from serpenoid.commands.main import cli
@@ -23,19 +24,23 @@ from serpenoid.paper import study as paper_study
 from serpenoid.show import progress
 from serpenoid.show.gaits import crawl
 
-IDEAL = ("--servo", "ideal")
-FRONT = ("optimize", "--robot", "paper", "--speed", "0.1,99", "--omega-high-rad-s", "20")
+OPTIMIZE = "optimize --robot paper --speed"
+IDEAL = f"{OPTIMIZE} 0.1 --servo ideal"  # joints that follow the gait
+FRONT = f"{OPTIMIZE} 0.1,99 --omega-high-rad-s 20"
 
 
-def run(*words: str, code: int = 0):
-    result = CliRunner().invoke(cli, words)
+def run(line: str, code: int = 0):
+    result = CliRunner().invoke(cli, line)
     assert result.exit_code == code, result.output
     return result
 
 
+def answer(line: str) -> dict:
+    return json.loads(run(f"{line} --json").stdout)
+
+
 def test_optimum_with_its_error_and_margins() -> None:
-    wish = ("optimize", "--robot", "paper", "--speed", "0.1", *IDEAL)
-    found = json.loads(run(*wish, "--json").output)
+    found = answer(IDEAL)
     assert found["gait"]["alpha_deg"] == pytest.approx(31.77, abs=0.05)
     assert found["cost_w"] == pytest.approx(7.63769e-3, rel=2e-5)
     assert 0 < found["cost_error_w"] < 1e-6
@@ -45,23 +50,16 @@ def test_optimum_with_its_error_and_margins() -> None:
 
 
 def test_limits_in_degrees_are_kept_and_told() -> None:
-    limit = ("--servo-speed-deg-s", "229")
-    words = run("optimize", "--robot", "paper", "--speed", "0.5", *limit, *IDEAL)
-    assert "servo speed" in words.output
-    words = run("optimize", "--robot", "paper", "--speed", "9", "--omega-high-rad-s", "6", code=1)
+    assert "servo speed" in run(f"{OPTIMIZE} 0.5 --servo-speed-deg-s 229 --servo ideal").output
+    words = run(f"{OPTIMIZE} 9 --omega-high-rad-s 6", code=1)
     assert "the fastest found makes 0.46" in str(words.exception)
 
 
 def test_several_speeds_are_a_front() -> None:
-    found = json.loads(
-        run("optimize", "--robot", "paper", "--speed-m-s", "0.1,0.5", "--json").output
-    )
-    assert [best["cost_w"] for best in found["front"]] == pytest.approx(
-        [7.63769e-3, 0.22733], rel=2e-5
-    )
-    run("optimize", "--robot", "paper", "--speed", "0.1,0.2", "--plot", "cliff.png", code=2)
-    run("optimize", "--robot", "paper", "--speed", "0.1,0.2", "--send", code=2)
-    run("optimize", "--robot", "paper", "--speed", "fast", code=2)
+    costs = [best["cost_w"] for best in answer(f"{OPTIMIZE} 0.1,0.5")["front"]]
+    assert costs == pytest.approx([7.63769e-3, 0.22733], rel=2e-5)
+    for refused in ("0.1,0.2 --plot cliff.png", "0.1,0.2 --send", "fast"):
+        run(f"{OPTIMIZE} {refused}", code=2)
 
 
 def test_what_shows_a_search_belongs_to_the_thread_that_ctrl_c_ends(monkeypatch) -> None:
@@ -75,11 +73,10 @@ def test_what_shows_a_search_belongs_to_the_thread_that_ctrl_c_ends(monkeypatch)
         yield
 
     monkeypatch.setattr(progress, "working", busy)
-    words = ("optimize", "--robot", "paper", "--speed")
-    run(*words, "0.1", *IDEAL)
-    run(*words, "0.1,0.2")
+    run(IDEAL)
+    run(f"{OPTIMIZE} 0.1,0.2")
     monkeypatch.setattr("serpenoid.gaits.robust.robust_gait", unreachable)
-    run(*words, "0.1,0.2", "--robust", code=1)
+    run(f"{OPTIMIZE} 0.1,0.2 --robust", code=1)
     assert shown == ["searching"] * 2 + [f"searching, speed {k} of 2" for k in (1, 2)]
 
 
@@ -88,8 +85,7 @@ def unreachable(*_: object, **__: object) -> None:
 
 
 def test_a_front_by_springs() -> None:
-    words = [*FRONT, "--formulation", "implicit", "--json"]
-    front = json.loads(run(*words).stdout)["front"]
+    front = answer(f"{FRONT} --formulation implicit")["front"]
     assert front[0]["formulation"] == "implicit"
     assert 7.637e-3 < front[0]["cost_w"] < 7.66e-3  # springs cost a little here
     assert front[1] is None
@@ -97,26 +93,13 @@ def test_a_front_by_springs() -> None:
 
 @pytest.mark.slow
 def test_a_front_of_robust_gaits() -> None:
-    robust = " ".join(run(*FRONT, "--robust").stdout.split())
+    robust = " ".join(run(f"{FRONT} --robust").stdout.split())
     assert "95 % make" in robust
     assert "out of" in robust
 
 
 def test_robust_says_what_it_costs_and_what_it_keeps() -> None:
-    found = json.loads(
-        run(
-            "optimize",
-            "--robot",
-            "paper",
-            "--speed",
-            "0.2",
-            "--robust",
-            "--amplitude-sigma",
-            "0.05",
-            *IDEAL,
-            "--json",
-        ).output
-    )
+    found = answer(f"{OPTIMIZE} 0.2 --robust --amplitude-sigma 0.05 --servo ideal")
     assert found["low_speed_m_s"] >= 0.179
     assert found["premium"] > 0
     assert -0.01 < found["premium_per_metre"] <= found["premium"] + 1e-5
@@ -124,14 +107,14 @@ def test_robust_says_what_it_costs_and_what_it_keeps() -> None:
 
 
 def test_steady_warns_at_a_cliff() -> None:
-    words = ["steady", "--alpha-deg", "66.7", "--beta-deg", "78.8", "--omega-rad-s", "1.6"]
-    assert "stands at a cliff" in run(*words, *IDEAL).stderr
-    assert json.loads(run(*words, *IDEAL, "--json").stdout)["margins"]["near_cliff"] is True
+    line = "steady --alpha-deg 66.7 --beta-deg 78.8 --omega-rad-s 1.6 --servo ideal"
+    assert "stands at a cliff" in run(line).stderr
+    assert answer(line)["margins"]["near_cliff"] is True
 
 
 def test_the_cliff_is_drawn_with_its_data(tmp_path: Path) -> None:
     picture = tmp_path / "cliff.png"
-    run("optimize", "--robot", "paper", "--speed", "0.1", *IDEAL, "--plot", str(picture))
+    run(f"{IDEAL} --plot {picture}")
     assert picture.read_bytes()[:4] == b"\x89PNG"
     rows = picture.with_suffix(".csv").read_text().splitlines()
     assert rows[0] == "amplitude_factor,cn_factor,speed_m_s"
@@ -139,21 +122,7 @@ def test_the_cliff_is_drawn_with_its_data(tmp_path: Path) -> None:
 
 
 def test_a_gait_goes_to_the_board() -> None:
-    words = run(
-        "optimize",
-        "--robot",
-        "paper",
-        "--speed",
-        "0.1",
-        *IDEAL,
-        "--send",
-        "--port",
-        "virtual",
-        "--duration-s",
-        "0.5",
-        "--json",
-    )
-    found = json.loads(words.stdout)  # one document
+    found = answer(f"{IDEAL} --send --port virtual --duration-s 0.5")  # one document
     assert found["drive"]["frames"] > 5
     assert found["drive"]["gait"] == found["gait"]
 
@@ -166,21 +135,18 @@ def test_board_and_recording_are_looked_for_before_the_search(
 
     monkeypatch.setattr("serpenoid.gaits.least_power.least_power_gait", searched)
     monkeypatch.setattr("serpenoid.robot.wire.ports.serial_ports", list)
-    wish = ["optimize", "--robot", "paper", "--speed", "0.1", "--send"]
-    missing = CliRunner().invoke(cli, wish, standalone_mode=False)
-    assert "no board found" in str(missing.exception)
+    send = f"{OPTIMIZE} 0.1 --send"
+    assert "no board found" in str(run(send, code=1).exception)
     kept = tmp_path / "run.wire"
     kept.write_text("kept")
-    again = CliRunner().invoke(
-        cli, [*wish, "--port", "virtual", "--record", str(kept)], standalone_mode=False
-    )
+    again = run(f"{send} --port virtual --record {kept}", code=1)
     assert "holds something already" in str(again.exception)
 
 
 @pytest.mark.parametrize("speed", ["1e6", "0.05,9e9"])
 def test_a_speed_without_sense_is_refused_at_once(speed: str) -> None:
     """Searched for, it took minutes of ever higher rates."""
-    words = run("optimize", "--speed", speed, code=1)
+    words = run(f"optimize --speed {speed}", code=1)
     assert isinstance(words.exception, sn.BadInput)
     assert "at most 4560" in str(words.exception)
 
@@ -188,15 +154,14 @@ def test_a_speed_without_sense_is_refused_at_once(speed: str) -> None:
 @pytest.mark.parametrize(
     ("limits", "told"),
     [
-        (["--links", "2"], "no gait travels at all"),
-        (["--joint-angle-deg", "1.2", "--omega-high-rad-s", "20"], "(joint angle 1.2 deg"),
-        (["--servo-torque-nm", "1e-5"], "more torque"),
-        (["--servo-speed-deg-s", "10"], "servo speed 10 deg/s"),
+        ("--links 2", "no gait travels at all"),
+        ("--joint-angle-deg 1.2 --omega-high-rad-s 20", "(joint angle 1.2 deg"),
+        ("--servo-torque-nm 1e-5", "more torque"),
+        ("--servo-speed-deg-s 10", "servo speed 10 deg/s"),
     ],
 )
-def test_why_there_is_no_gait(limits: list[str], told: str) -> None:
-    words = run("optimize", "--robot", "paper", "--speed", "0.1", *limits, code=1)
-    assert told in str(words.exception)
+def test_why_there_is_no_gait(limits: str, told: str) -> None:
+    assert told in str(run(f"{OPTIMIZE} 0.1 {limits}", code=1).exception)
 
 
 def test_claims_hang_on_the_reading() -> None:
@@ -216,7 +181,7 @@ def test_springs_errors_are_the_papers_for_angles_and_not_for_torques() -> None:
 
 @pytest.mark.slow
 def test_the_whole_study(tmp_path: Path) -> None:
-    found = json.loads(run("figures", "--out", str(tmp_path), "--json").stdout)
+    found = answer(f"figures --out {tmp_path}")
     verdicts = {c["where"]: c["verdict"] for c in found["claims"]}
     assert verdicts["Fig. 6"] == verdicts["Fig. 8"] == verdicts["Fig. 9"] == "agrees"
     assert verdicts["Fig. 10"] == "in part"  # near 80 deg at some of the speeds
@@ -240,7 +205,7 @@ def test_the_whole_study(tmp_path: Path) -> None:
     assert "crawl.svg" in page
     commands = {c["command"] for c in found["claims"]}
     for command in sorted(c for c in commands if not c.startswith(("figures", "demo"))):
-        run(*command.split(), "--json")
+        answer(command)
 
 
 def test_a_crawl_closes_in_itself_and_shows_what_the_ground_does(tmp_path: Path) -> None:
@@ -280,26 +245,23 @@ def test_the_start_explains_fig_6() -> None:
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (["--port", "virtual"], "--port is for --send"),
-        (["--duration-s", "3"], "--duration-s is for --send"),
-        (["--lag-sigma-deg", "3"], "--lag-sigma-deg is for --robust or --plot"),
-        (["--joint-angle-deg", "300"], "--joint-angle-deg is 300.0; it must be"),
-        (["--servo-speed-deg-s", "-3"], "--servo-speed-deg-s is -3.0; it must be"),
+        ("--port virtual", "--port is for --send"),
+        ("--duration-s 3", "--duration-s is for --send"),
+        ("--lag-sigma-deg 3", "--lag-sigma-deg is for --robust or --plot"),
+        ("--joint-angle-deg 300", "--joint-angle-deg is 300.0; it must be"),
+        ("--servo-speed-deg-s -3", "--servo-speed-deg-s is -3.0; it must be"),
     ],
 )
-def test_options_that_would_do_nothing_or_make_no_sense(words: list[str], told: str) -> None:
-    result = CliRunner().invoke(cli, ["optimize", "--speed", "0.1", *words])
-    assert result.exit_code != 0
-    assert told in result.output + str(result.exception)
+def test_options_that_would_do_nothing_or_make_no_sense(words: str, told: str) -> None:
+    assert told in serpenoid(f"optimize --speed 0.1 {words}").stderr
 
 
 def test_a_speed_that_no_servo_makes_is_warned_of() -> None:
-    viscous = ["--ft0", "0", "--fn0", "0"]
-    lifted = [*viscous, "--servo-speed-deg-s", "inf"]
-    assert "no hobby servo does" in run("optimize", "--speed", "10", *lifted, *IDEAL).stderr
-    words = run("optimize", "--speed", "10", *viscous, code=1)  # a board refuses such a gait
+    viscous = "optimize --ft0 0 --fn0 0 --servo ideal --speed"
+    assert "no hobby servo does" in run(f"{viscous} 10 --servo-speed-deg-s inf").stderr
+    words = run(f"{viscous} 10", code=1)  # a board refuses such a gait
     assert "servo speed 500 deg/s" in str(words.exception)
-    assert "no hobby servo" not in run("optimize", "--speed", "0.1", *viscous, *IDEAL).stderr
+    assert "no hobby servo" not in run(f"{viscous} 0.1").stderr
 
 
 def test_a_stale_fit_is_told_once(tmp_path: Path) -> None:
@@ -311,9 +273,7 @@ def test_a_stale_fit_is_told_once(tmp_path: Path) -> None:
     last = rows.read_text().splitlines()[-1]
     with rows.open("a") as file:
         file.write(last.replace(",kept,", ",void,") + "\n")
-    words = run(
-        "optimize", "--ground", str(fit), "--ft0", "0", "--fn0", "0", "--speed", "0.1", *IDEAL
-    )
+    words = run(f"optimize --ground {fit} --ft0 0 --fn0 0 --speed 0.1 --servo ideal")
     assert words.stderr.count("is older than the readings") == 1
 
 
@@ -342,11 +302,10 @@ def test_robust_samples_are_those_that_crawls_in_the_fit_leave(
 
     monkeypatch.setattr("serpenoid.gaits.robust.robust_gait", robust_gait)
     monkeypatch.setattr("serpenoid.commands.given.session_fit", lambda folder: fit)
-    words = ["optimize", "--session", str(session_folder()), "--robust", "--speed", "0.05"]
-    done = CliRunner().invoke(cli, words, standalone_mode=False)
+    line = f"optimize --session {session_folder()} --robust --speed 0.05"
+    done = run(line, code=1)
     assert "asked enough" in str(done.exception)
-    known = ["--common-amplitude-sigma", "0.01"]
-    CliRunner().invoke(cli, [*words, *known], standalone_mode=False)
+    run(f"{line} --common-amplitude-sigma 0.01", code=1)
     first, other = asked
     assert first.servo is not None
     assert sorted(map(kept.index, first.servo.drawn)) == (

@@ -9,8 +9,7 @@ from pathlib import Path
 
 import pytest
 import serpenoid as sn
-from click.testing import CliRunner
-from serpenoid.commands.main import cli
+from command_line import serpenoid
 from serpenoid.show import citation, report
 from serpenoid.show.screen import screen
 from serpenoid.show.session import table
@@ -26,8 +25,7 @@ def rows_of(path: Path) -> list[dict[str, str]]:
 
 def test_a_fits_picture_has_its_points_and_lines_beside(tmp_path: Path) -> None:
     picture = tmp_path / "fit.pdf"
-    done = CliRunner().invoke(cli, ["fit", str(FOLDER_2005), "--plot", str(picture), "--no-save"])
-    assert done.exit_code == 0
+    done = serpenoid(f"fit {FOLDER_2005} --plot {picture} --no-save", check=True)
     assert f"wrote {picture} and {tmp_path / 'fit.csv'}" in " ".join(done.stderr.split())
     assert picture.read_bytes().startswith(b"%PDF")
     rows = rows_of(tmp_path / "fit.csv")
@@ -43,20 +41,7 @@ def test_a_fits_picture_has_its_points_and_lines_beside(tmp_path: Path) -> None:
 
 def test_a_comparisons_picture_has_its_numbers_beside(tmp_path: Path) -> None:
     picture = tmp_path / "speeds.svg"
-    asked = [
-        "compare",
-        str(FOLDER_2005),
-        "--gait",
-        "40",
-        "75",
-        "2",
-        "--samples",
-        "20",
-        "--plot",
-        str(picture),
-    ]
-    done = CliRunner().invoke(cli, asked)
-    assert done.exit_code == 0, done.output
+    serpenoid(f"compare {FOLDER_2005} --gait 40 75 2 --samples 20 --plot {picture}", check=True)
     rows = rows_of(tmp_path / "speeds.csv")
     assert {row["kind"] for row in rows} == {"curve", "gait"}
     assert all(float(r["low_m_s"]) <= float(r["exact_m_s"]) * (1 + 1e-9) for r in rows)
@@ -87,8 +72,7 @@ def test_a_page_that_is_there_stays_unless_it_is_named(tmp_path: Path, monkeypat
     monkeypatch.chdir(tmp_path)
     Path("view.html").write_text("mine")
     for name in ("view-2.html", "view-3.html"):
-        done = CliRunner().invoke(cli, ["view", "virtual"])
-        assert f"wrote {name}" in done.output
+        assert f"wrote {name}" in serpenoid("view virtual").stdout
     assert Path("view.html").read_text() == "mine"
 
 
@@ -97,18 +81,11 @@ def test_what_to_cite_is_that_of_the_citation_file(tmp_path: Path) -> None:
     entries = citation.entries()
     assert f"name: {citation.AUTHORS.strip('{}')}\n" in words
     assert f'title: "{citation.TITLE}"' in words
-    for text in (
-        "An Implicit Model for Snake Robot Locomotion and Gait Optimization",
-        "IMECE2005-82742",
-        "Nirakh",
-        "Brennan",
-        "Gandhi",
-        "2005",
-    ):
+    title = "An Implicit Model for Snake Robot Locomotion and Gait Optimization"
+    for text in (title, "IMECE2005-82742", "Nirakh", "Brennan", "Gandhi", "2005"):
         assert text in words
         assert text in entries
     assert entries.count("{") == entries.count("}")
     file = tmp_path / "cite.bib"
-    asked = ["report", str(FOLDER_2005), "--out", str(tmp_path / "r.html"), "--bibtex", str(file)]
-    assert CliRunner().invoke(cli, asked).exit_code == 0
+    serpenoid(f"report {FOLDER_2005} --out {tmp_path / 'r.html'} --bibtex {file}", check=True)
     assert file.read_text() == entries

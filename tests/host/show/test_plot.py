@@ -39,31 +39,26 @@ def test_a_turned_run_travels_along_x_and_keeps_its_shape(run) -> None:
 
 
 def _points() -> list[SpeedPoint]:
+    shares = [0.08, 0.12, 0.09, 0.11, 0.099]
     return [
         SpeedPoint(
-            f,
-            0.1 * f,
-            1e-8,
-            0.01,
-            0.08 * f,
-            0.12 * f,
-            0.09 * f,
-            0.11 * f,
-            0.099 * f,
-            1e-6,
-            1.0,
-            servo_m_s=0.095 * f,
-            managed_hz=1.2,
+            f, 0.1 * f, 1e-8, 0.01, *(share * f for share in shares), 1e-6, 1.0, 1.2, 0.095 * f
         )
         for f in (0.5, 1.0, 2.0)
     ]
 
 
-@pytest.mark.parametrize("name", ["friction", "speed", "path"])
-def test_every_figure_has_units_and_ink(name, run, tmp_path, monkeypatch) -> None:
-    saved: list[Figure] = []
+@pytest.fixture
+def drawn(monkeypatch) -> list[Figure]:
+    """Return the figures that are saved, as they are."""
+    figures: list[Figure] = []
     save = Figure.savefig
-    monkeypatch.setattr(Figure, "savefig", lambda self, p: (saved.append(self), save(self, p)))
+    monkeypatch.setattr(Figure, "savefig", lambda self, p: (figures.append(self), save(self, p)))
+    return figures
+
+
+@pytest.mark.parametrize("name", ["friction", "speed", "path"])
+def test_every_figure_has_units_and_ink(name, run, tmp_path, drawn) -> None:
     path = tmp_path / f"{name}.png"
     if name == "friction":
         session = sn.load_session(SESSION)
@@ -72,7 +67,7 @@ def test_every_figure_has_units_and_ink(name, run, tmp_path, monkeypatch) -> Non
         plot.speed_against_frequency(_points(), "title", path)
     else:
         plot.path_and_poses(run, "title", path)
-    for ax in saved[0].axes:
+    for ax in drawn[0].axes:
         labels = [ax.get_xlabel(), ax.get_ylabel()]
         assert any(labels)
         assert all(text.endswith(("(m/s)", "(N)", "(Hz)", "(%)", "(m)")) for text in labels if text)
@@ -82,14 +77,11 @@ def test_every_figure_has_units_and_ink(name, run, tmp_path, monkeypatch) -> Non
     assert 0.01 < ink < 0.5
 
 
-def test_servos_that_cannot_follow_have_no_curve(tmp_path, monkeypatch) -> None:
-    saved: list[Figure] = []
-    save = Figure.savefig
-    monkeypatch.setattr(Figure, "savefig", lambda self, p: (saved.append(self), save(self, p)))
+def test_servos_that_cannot_follow_have_no_curve(tmp_path, drawn) -> None:
     plot.speed_against_frequency(_points(), "title", tmp_path / "speed.png")
-    (servos,) = (x for x in saved[0].axes[0].lines if x.get_label() == "typical hobby servos")
+    (servos,) = (x for x in drawn[0].axes[0].lines if x.get_label() == "typical hobby servos")
     assert list(servos.get_xdata()) == [0.5, 1.0]
-    (hatched,) = (x for x in saved[0].axes[0].patches if x.get_hatch())
+    (hatched,) = (x for x in drawn[0].axes[0].patches if x.get_hatch())
     assert hatched.get_bbox().x0 == pytest.approx(1.2)
 
 

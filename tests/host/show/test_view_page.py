@@ -11,22 +11,21 @@ import matplotlib.image
 import numpy as np
 import pytest
 import serpenoid as sn
-from click.testing import CliRunner
-from serpenoid.commands.main import cli
+from command_line import serpenoid
 from serpenoid.show.pages import twin as twins
 from serpenoid.show.pages.twin import Twin, gait_joints
 from serpenoid.show.pages.view_page import of_run, write_page
 from webdriver import Browser
 
 GAIT = sn.Gait(math.radians(70), math.radians(75), 5.0)
+ROBOT = sn.Robot(6, 0.0756, 0.076)
 GROUND = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
 
 
 @pytest.fixture(scope="module")
 def page(tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("view") / "virtual.html"
-    done = CliRunner().invoke(cli, ["view", "virtual", "--out", str(path)])
-    assert done.exit_code == 0, done.output
+    serpenoid(f"view virtual --out {path}", check=True)
     return path
 
 
@@ -36,16 +35,7 @@ def data(page: Path) -> dict:
 
 
 def test_a_run_is_shown_as_it_is() -> None:
-    scene = sn.Scene(
-        sn.Robot(6, 0.0756, 0.076),
-        GROUND,
-        GAIT,
-        start="steady",
-        method="nonsmooth",
-        dt_s=2e-3,
-        duration_s=2.0,
-    )
-    run = sn.simulate(scene)
+    run = sn.simulate(sn.Scene(ROBOT, GROUND, GAIT, start="steady", dt_s=2e-3, duration_s=2.0))
     shown = of_run(run)
     assert shown["t_s"][-1] == pytest.approx(2.0)
     assert np.array(shown["x_m"][-1]) == pytest.approx(run.x_m[-1], abs=1e-5)
@@ -56,17 +46,9 @@ def test_a_run_is_shown_as_it_is() -> None:
 
 
 def test_slow_wheels_stick_on_dry_ground_alone() -> None:
-    slow, robot = sn.Gait(1.2, 1.3, 0.8), sn.Robot(6, 0.0756, 0.076)
+    slow = sn.Gait(1.2, 1.3, 0.8)
     for ground, sticks in ((GROUND, True), (sn.Ground(0.1, 10.0), False)):
-        scene = sn.Scene(
-            robot,
-            ground,
-            slow,
-            start="steady",
-            dt_s=5e-3,
-            duration_s=4.0,
-            method="nonsmooth" if ground.dry else "rk4",
-        )
+        scene = sn.Scene(ROBOT, ground, slow, start="steady", dt_s=5e-3, duration_s=4.0)
         assert bool(np.any(of_run(sn.simulate(scene))["stuck"])) == sticks
 
 
@@ -82,18 +64,16 @@ def test_the_twin_of_the_virtual_robot_ramps_with_it_and_then_keeps_its_speed(pa
     centre = np.mean([shown["x_m"], shown["y_m"]], axis=2)
     began = [np.interp(t_s[-1] - 3 * GAIT.period_s, t_s, c) for c in centre]
     travelled = math.hypot(*(centre[:, -1] - began))
-    wanted = sn.steady_gait(sn.Robot(6, 0.0756, 0.076), GROUND, GAIT).speed_m_s
+    wanted = sn.steady_gait(ROBOT, GROUND, GAIT).speed_m_s
     assert travelled == pytest.approx(3 * GAIT.period_s * wanted, rel=2e-3)
 
 
 def test_a_twin_goes_as_the_simulator_says() -> None:
     """Its links, speeds and slip beside a run of the same joints by another method."""
-    robot, gait = sn.Robot(6, 0.0756, 0.076), sn.Gait(1.0, 1.3, 4.0, 0.1)
-    scene = sn.Scene(robot, GROUND, gait, method="nonsmooth", dt_s=1e-3, duration_s=2.0)
-    run = sn.simulate(scene)
+    gait = sn.Gait(1.0, 1.3, 4.0, 0.1)
+    run = sn.simulate(sn.Scene(ROBOT, GROUND, gait, dt_s=1e-3, duration_s=2.0))
     told = np.diff(run.theta_rad, axis=1)
-    twin = Twin(robot, GROUND, told[0])
-    motion = twin.follow(told[1:], np.diff(run.t_s))
+    motion = Twin(ROBOT, GROUND, told[0]).follow(told[1:], np.diff(run.t_s))
     turn = np.exp(1j * (motion.theta_rad[0, 0] - run.theta_rad[1, 0]))
     place, moved = motion.x_m + 1j * motion.y_m, turn * (run.x_m + 1j * run.y_m)[1:]
     assert np.abs((moved - moved[0].mean()) - (place - place[0].mean())).max() < 2e-3
@@ -102,11 +82,10 @@ def test_a_twin_goes_as_the_simulator_says() -> None:
 
 
 def test_a_gap_in_a_recording_is_bridged() -> None:
-    robot, gait = sn.Robot(6, 0.0756, 0.076), sn.Gait(0.5, 1.3, 2.0)
-    told = gait_joints(gait, np.linspace(0.0, 6.0, 151), 5)
-    whole = Twin(robot, GROUND, told[0]).follow(told[1:], np.full(150, 0.02))
+    told = gait_joints(sn.Gait(0.5, 1.3, 2.0), np.linspace(0.0, 6.0, 151), 5)
+    whole = Twin(ROBOT, GROUND, told[0]).follow(told[1:], np.full(150, 0.02))
     kept = np.r_[0:60, 64:151]
-    some = Twin(robot, GROUND, told[0]).follow(told[kept][1:], 0.02 * np.diff(kept))
+    some = Twin(ROBOT, GROUND, told[0]).follow(told[kept][1:], 0.02 * np.diff(kept))
     assert np.mean(some.x_m[-1]) == pytest.approx(np.mean(whole.x_m[-1]), rel=0.03)
 
 
@@ -117,27 +96,25 @@ def test_the_page_is_one_file(page) -> None:
 
 
 def test_a_title_cannot_break_the_page(tmp_path) -> None:
-    run = sn.simulate(
-        sn.Scene(sn.Robot(3, 1.0, 0.1), GROUND, GAIT, method="nonsmooth", duration_s=0.1)
-    )
+    run = sn.simulate(sn.Scene(sn.Robot(3, 1.0, 0.1), GROUND, GAIT, duration_s=0.1))
     write_page(tmp_path / "p.html", "</script><b>", "a & b", of_run(run))
     assert "</script><b>" not in (tmp_path / "p.html").read_text()
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("line", "said"),
     [
-        (["view", "absent.wire"], "'absent.wire' is no file"),
-        (["view", __file__], "no recording"),
-        (["view", "virtual", "--links", "4"], "of a robot of 6"),
-        (["view", "virtual", "--out", "view.txt"], "must end in .html"),
+        ("view absent.wire", "'absent.wire' is no file"),
+        (f"view {__file__}", "no recording"),
+        ("view virtual --links 4", "of a robot of 6"),
+        ("view virtual --out view.txt", "must end in .html"),
     ],
 )
-def test_refusals(arguments, said, serpenoid, tmp_path, monkeypatch) -> None:
+def test_refusals(line, said, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    status, _, errors = serpenoid(*arguments)
-    assert status in (1, 2)
-    assert said in errors
+    done = serpenoid(line)
+    assert done.returncode in (1, 2)
+    assert said in done.stderr
 
 
 @pytest.mark.parametrize("width", [390, 1100])
@@ -173,10 +150,10 @@ def test_a_long_recording_is_followed_in_pieces_to_the_same_place(monkeypatch) -
     monkeypatch.setattr(twins, "PIECE", 7)
     rng = np.random.default_rng(8)
     told = np.cumsum(rng.normal(0.0, 0.02, (60, 5)), axis=0)
-    robot, lasts_s = sn.Robot(6, 0.0756, 0.076), np.full(60, 0.02)
-    whole = Twin(robot, GROUND, told[0]).follow(told, lasts_s)
+    lasts_s = np.full(60, 0.02)
+    whole = Twin(ROBOT, GROUND, told[0]).follow(told, lasts_s)
     for step in (1, 3, 25):
         shown = np.arange(0, 60, step)
-        some = Twin(robot, GROUND, told[0]).follow_shown(told, lasts_s, shown)
+        some = Twin(ROBOT, GROUND, told[0]).follow_shown(told, lasts_s, shown)
         assert some.x_m == pytest.approx(whole.x_m[shown], abs=1e-12)
         assert some.vy_m_s == pytest.approx(whole.vy_m_s[shown], abs=1e-9)

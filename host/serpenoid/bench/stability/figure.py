@@ -53,8 +53,8 @@ def stability_figure(cells: Sequence[Cell], path: Path) -> None:
     methods = list(dict.fromkeys(method for method, *_ in panels))
     columns = len(panels) // len(methods)
     size = 2.9 * columns + 0.8, 2.0 * len(methods) + 1.3
-    panels = {"rows": len(methods), "squeeze": False, "sharex": True, "sharey": True}
-    with figure(*size, columns, path=path, **panels) as (fig, axes):
+    grid = {"rows": len(methods), "squeeze": False, "sharex": True, "sharey": True}
+    with figure(*size, columns, path=path, **grid) as (fig, axes):
         for ax, ((_, links, damping), inside) in zip(axes.flat, panels.items(), strict=True):
             _panel(ax, inside)
             ax.set_title(f"{links} links, c = {damping:g} N s/m", fontsize=9)
