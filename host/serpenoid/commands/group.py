@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import inspect
+import itertools
 import os
 import re
 from collections.abc import Mapping, Sequence
@@ -26,15 +27,20 @@ _CURES = {
     errno.EROFS: "choose a place that is yours",
     errno.ENAMETOOLONG: "take a shorter name",
 }
-Sections = Mapping[str, Sequence[str]]
+Sections = Mapping[str, Sequence[click.Command]]
 
 
 class Commands(click.Group):
-    """A group whose help tells the first paragraph of every command, section by section."""
+    """A group whose help tells the first paragraph of every command, section by section.
+
+    sections: its commands, unless they are added one by one.
+    """
 
     def __init__(self, *args: Any, sections: Sections | None = None, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
-        self.sections = sections
+        self.sections = sections or {}
+        for command in itertools.chain(*self.sections.values()):
+            self.add_command(command)
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Print the plain help where no command is given: versions of click differ here."""
@@ -42,9 +48,10 @@ class Commands(click.Group):
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the commands, each with its whole first paragraph."""
-        for title, names in (self.sections or {"Commands": self.list_commands(ctx)}).items():
+        every = {"Commands": [self.commands[name] for name in self.list_commands(ctx)]}
+        for title, commands in (self.sections or every).items():
             with formatter.section(title):
-                formatter.write_dl([(name, _told(self.commands[name])) for name in names])
+                formatter.write_dl([(command.name or "", _told(command)) for command in commands])
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command; an error of the package comes out in the words of its options."""

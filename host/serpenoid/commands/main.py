@@ -18,7 +18,12 @@ from ..model import system
 from ..model.errors import BadInput, SerpenoidError
 from ..show.screen import say
 from .bench import BENCH_GROUP
-from .board import COMMANDS as BOARD_COMMANDS
+from .board.doctor import doctor
+from .board.drive import drive
+from .board.flash import flash
+from .board.monitor import monitor
+from .board.ports import ports
+from .board.trim import trim
 from .declare import option
 from .examples import examples
 from .friction.advise import advise
@@ -39,31 +44,8 @@ from .simulate import simulate
 from .video import VIDEO_GROUP
 from .view import view
 
-SECTIONS = {
-    "See it work": ("demo", "examples", "view"),
-    "Predict": ("steady", "sweep", "optimize", "simulate"),
-    "Measure friction": ("calibrate", "fit", "advise", "compare", "report"),
-    "Measure a servo": ("servo",),
-    "Film the robot": ("video",),
-    "Run the robot": ("ports", "flash", "doctor", "trim", "drive", "monitor"),
-    "For developers of the model": ("bench", "figures"),
-}
 
-
-@click.group(
-    cls=Commands,
-    sections=SECTIONS,
-    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
-)
-@click.version_option(package_name="serpenoid")
-def cli() -> None:
-    """Predict, calibrate and drive a wheeled snake robot.
-
-    Try `serpenoid demo` first: it needs no robot.
-    """
-
-
-@cli.command()
+@click.command()
 @option(
     "--out", "Folder for figures and figures' numbers.", type=directory, default=Path("demo-out")
 )
@@ -80,26 +62,28 @@ def demo(out: Path, **given: Any) -> None:
     run_demo(out, take_fit(given))
 
 
-cli.add_command(BENCH_GROUP)
-cli.add_command(VIDEO_GROUP)
-for command in (
-    advise,
-    calibrate,
-    compare,
-    examples,
-    figures,
-    fit,
-    optimize,
-    report,
-    servo,
-    simulate,
-    steady,
-    sweep,
-    view,
-):
-    cli.add_command(command)
-for board_command in BOARD_COMMANDS:
-    cli.add_command(board_command)
+SECTIONS = {
+    "See it work": (demo, examples, view),
+    "Predict": (steady, sweep, optimize, simulate),
+    "Measure friction": (calibrate, fit, advise, compare, report),
+    "Measure a servo": (servo,),
+    "Film the robot": (VIDEO_GROUP,),
+    "Run the robot": (ports, flash, doctor, trim, drive, monitor),
+    "For developers of the model": (BENCH_GROUP, figures),
+}
+
+
+@click.group(
+    cls=Commands,
+    sections=SECTIONS,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)
+@click.version_option(package_name="serpenoid")
+def cli() -> None:
+    """Predict, calibrate and drive a wheeled snake robot.
+
+    Try `serpenoid demo` first: it needs no robot.
+    """
 
 
 def _show_warning(message: Warning | str, *_where: object) -> None:

@@ -292,21 +292,18 @@ def _tell(option: str, value: str, unit: str, *meant: float) -> None:
 
 def interruptible(work: Callable[[], T]) -> T:
     """Return work(), run in a thread: Python hears Ctrl-C only while it is not in the core."""
-    done: list[T] = []
-    failed: list[BaseException] = []
+    from concurrent.futures import Future
+
+    done: Future[T] = Future()
 
     def run() -> None:
         try:
-            done.append(work())
+            done.set_result(work())
         except BaseException as error:
-            failed.append(error)
+            done.set_exception(error)
 
-    thread = threading.Thread(target=run, daemon=True)
-    thread.start()
-    thread.join()
-    if failed:
-        raise failed[0]
-    return done[0]
+    threading.Thread(target=run, daemon=True).start()
+    return done.result()
 
 
 def describe(gait: Gait) -> dict[str, Any]:
@@ -325,7 +322,6 @@ def tell(found: Any, as_json: bool) -> None:
 
     if as_json:
         return show_json(found.to_dict())
-    report.answer(found.in_words())
     return report.show(found)
 
 

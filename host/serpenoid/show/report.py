@@ -32,8 +32,13 @@ def table(
     console.print(rows.table(title, heads, cells, text_columns))
 
 
-def show(*results: Result) -> None:
-    """Print the rows of results as one table; errors, margins and other powers with --verbose."""
+def show(*results: Result, answer: str | None = None) -> None:
+    """Print what a builder asks, then the rows of results as one table.
+
+    answer: the sentence, that of the first result unless given. Errors, margins and other powers
+    come with --verbose.
+    """
+    console.print(results[0].in_words() if answer is None else answer)
     context = click.get_current_context(silent=True)
     verbose = context is None or context.meta.get(VERBOSE, False)
     heads, cells = zip(*(result.table(verbose) for result in results), strict=True)
@@ -41,11 +46,6 @@ def show(*results: Result) -> None:
         table("", max(heads, key=len), [row for part in cells for row in part])
     if any(result.table() != result.table(verbose) for result in results):
         console.print("errors, margins and other powers: --verbose")
-
-
-def answer(text: str) -> None:
-    """Print what a builder asks, before all tables."""
-    console.print(text)
 
 
 def influence(found: FrictionFit) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..simulation.run import ENERGY_COLUMNS
 from ..simulation.scene_file import scene_values
-from .report import answer, notices, show
+from .report import notices, show
 
 if TYPE_CHECKING:
     from ..simulation.run import Run
@@ -53,7 +53,6 @@ def _recorded(run: Run) -> dict[str, Any]:
 
 def show_run(run: Run, summary: dict[str, Any]) -> None:
     """Print what a run in time came to; its errors are those of the summary."""
-    answer(run.in_words())
     show(run, *([] if summary["error_estimate"] is None else [run.error_estimate]))
     for warning in summary["warnings"]:
         notices.print(f"warning: {warning}")

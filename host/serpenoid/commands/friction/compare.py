@@ -93,5 +93,5 @@ def _sessions(first: Path, second: Path, as_json: bool) -> None:
     found = two_sessions(load_session(first), load_session(second))
     if as_json:
         return show_json(found.to_dict())
-    report.answer(f"p = {found.p_value:.2g}. {found.verdict}")
+    report.console.print(f"p = {found.p_value:.2g}. {found.verdict}")
     return report.table("friction in two sessions, whole snake", *found.table())

@@ -74,7 +74,6 @@ def fit(
     if as_json:
         show_json(found.to_dict())
     else:
-        report.answer(found.in_words())
         report.show(found)
         notes = [f"note: {note}" for note in break_away_notes(found, loaded)]
         say("\n".join([*found.remarks, *notes]))

@@ -352,8 +352,8 @@ def _print(best: LeastPower | RobustGait, margins: Margins, moved: ServoSteady |
     from ...show import report
     from ...show.gaits import gait_report
 
-    report.answer(f"{best.in_words()} {(moved or best.steady).in_words()}")
-    report.show(best, *([moved] if moved else []), margins)
+    answer = f"{best.in_words()} {(moved or best.steady).in_words()}"
+    report.show(best, *([moved] if moved else []), margins, answer=answer)
     gait_report.warn(best)
     gait_report.warn_of_cliff(margins)
 

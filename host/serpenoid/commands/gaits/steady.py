@@ -117,7 +117,6 @@ def _on_springs(
         )
     if as_json:
         return show_json({"gait": describe(gait)} | soft.to_dict())
-    report.answer(soft.in_words())
     return report.show(soft)
 
 
@@ -157,8 +156,7 @@ def _pinned(
         values |= {"band": band.to_dict() | no_band(moved)} if band else {}
         values |= {"doubts": doubts.to_dict()} if doubts else {}
         return show_json(values | ({"servo": moved.to_dict()} if moved else {}))
-    report.answer((moved or s).in_words())
-    report.show(s, *([moved] if moved else []), margins)
+    report.show(s, *([moved] if moved else []), margins, answer=(moved or s).in_words())
     if s.sensitivities is not None:
         floor_m_s = speed_floor_m_s(robot, gait.omega_rad_s)
         gait_report.sensitivities(s.sensitivities, floor_m_s)

@@ -28,6 +28,12 @@ LAST_WORD_S = 0.5
 POLICY = (
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'nonce-{nonce}'; connect-src 'self'"
 )
+HEADERS = {
+    "Cache-Control": "no-store",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+}
 State = dict[str, Any]
 
 
@@ -262,13 +268,10 @@ class _Request(BaseHTTPRequestHandler):
         self.wfile.write(data)
 
     def _headers(self, kind: str) -> None:
-        self.send_header("Content-Type", f"{kind}; charset=utf-8")
-        self.send_header("Cache-Control", "no-store")
-        self.send_header("Referrer-Policy", "no-referrer")
-        self.send_header("X-Content-Type-Options", "nosniff")
-        self.send_header("X-Frame-Options", "DENY")
         policy = POLICY.format(nonce=self.server.page.nonce)
-        self.send_header("Content-Security-Policy", policy)
+        kinds = {"Content-Type": f"{kind}; charset=utf-8", "Content-Security-Policy": policy}
+        for name, value in (HEADERS | kinds).items():
+            self.send_header(name, value)
 
     def _stream(self) -> None:
         page = self.server.page

@@ -9,12 +9,12 @@ import numpy as np
 from ...calibration.floor.arc import along
 from ...calibration.floor.look import look_at
 from ...model.errors import BadInput
-from .terminal_plot import framed
+from .terminal_plot import WIDE, chart
 
 if TYPE_CHECKING:
     from ...calibration.kinds.coast import Coast
 
-WIDE, HIGH = 64, 9
+HIGH = 9
 LEVELS = "▁▂▃▄▅▆▇█"
 LEAST_MM = 1.0  # off the law, at either end of LEVELS: where less is off, it is noise
 
@@ -34,19 +34,15 @@ def push_picture(push: Coast) -> str:
     t, x, y = track[(track[:, 0] >= look.start_s) & (track[:, 0] <= look.end_s)].T
     way = along(x, y, look.sigma_m)
     t, way = t - t[0], way - way[0]
-    grid = [[" "] * WIDE for _ in range(HIGH)]
-    column = np.rint(t / t[-1] * (WIDE - 1)).astype(int)
-    every = np.arange(WIDE)
-    law_m = np.interp(every, t / t[-1] * (WIDE - 1), look.law_m)
+    end_s = float(t[-1])
+    every = np.linspace(0.0, end_s, WIDE)
+    law_m = np.interp(every, t, look.law_m)
     top = max(1.05 * float(max(way.max(), law_m.max())), 1e-3)
-    for columns, places, mark in ((every, law_m, "·"), (column, way, "o")):
-        rows = HIGH - 1 - np.rint(places / top * (HIGH - 1)).astype(int)
-        for k, row in zip(columns.tolist(), np.clip(rows, 0, HIGH - 1).tolist(), strict=True):
-            grid[row][k] = mark
+    curves = [(every, law_m, "·"), (t, np.clip(way, 0.0, None), "o")]
+    column = np.rint(t / end_s * (WIDE - 1)).astype(int)
     legend = f"o push {push.number}, {push.way}   · law of this push alone"
     strip = _off_the_law(column, 1000 * (way - look.law_m))
-    axes = ("m", "s", f"{legend}\n        {strip}")
-    return framed(grid, 0.0, float(t[-1]), top, axes)
+    return chart(curves, (0.0, end_s), top, ("m", "s", f"{legend}\n        {strip}"), HIGH)
 
 
 def _off_the_law(column: np.ndarray, off_mm: np.ndarray) -> str:
