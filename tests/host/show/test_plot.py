@@ -39,12 +39,10 @@ def test_a_turned_run_travels_along_x_and_keeps_its_shape(run) -> None:
 
 
 def _points() -> list[SpeedPoint]:
-    shares = [0.08, 0.12, 0.09, 0.11, 0.099]
+    speeds = np.outer([0.5, 1.0, 2.0], [1.0, 0.08, 0.12, 0.09, 0.11, 0.099, 0.095])
     return [
-        SpeedPoint(
-            f, 0.1 * f, 1e-8, 0.01, *(share * f for share in shares), 1e-6, 1.0, 1.2, 0.095 * f
-        )
-        for f in (0.5, 1.0, 2.0)
+        SpeedPoint(f, 0.1 * f, 1e-8, 0.01, *others, 1e-6, 1.0, typical, 1.2)
+        for f, *others, typical in speeds.tolist()
     ]
 
 
