@@ -75,18 +75,6 @@ def set_points(
     return nearest[:, best].astype(np.intp)
 
 
-def sawteeth(set_point: Whole, step_rad: float, grade_step: float) -> Floats:
-    """Return (DRAWS, points) rounding errors in their standard deviations.
-
-    set_point: in rising order. One that comes twice showed now this, now that: it is not held
-    exactly, and goes with no other.
-    """
-    even, phase = _phases(set_point, step_rad, grade_step)
-    for k in np.flatnonzero(np.append(False, np.diff(set_point) == 0)):
-        phase[:, k] = np.random.default_rng(k).permutation(even)
-    return np.sqrt(12.0) * (np.round(phase) - phase)
-
-
 def _phases(set_point: Whole, step_rad: float, grade_step: float) -> tuple[Floats, Floats]:
     """Return the first point's (DRAWS,) phases, and those of all, (DRAWS, points), in steps."""
     even = (np.arange(DRAWS) + 0.5) / DRAWS
@@ -102,15 +90,18 @@ def _normal(irrational: float) -> Floats:
     return np.asarray(ndtri((np.arange(DRAWS) * irrational + 0.5) % 1.0), dtype=np.float64)
 
 
-def drifting_rounding(
+def shared_rounding(
     shown_rad: Floats, sigma_rad: float, grade_step: float, drift: Drift
 ) -> tuple[Whole, Floats] | None:
-    """Return what shared_rounding does where the zero drifts, the drift's own error with it.
+    """Return which rounding error each reading has, and (DRAWS, errors) draws of them, rad.
 
-    Readings of one set point that showed the same while the zero stood still share an error.
+    The drift's own error is in them. Readings of one set point that showed the same while the zero
+    stood still share an error; where one showed now this, now that, it is not held exactly, and
+    goes with no other. None where the readings do not lie on the inclinometer's steps, or not on
+    the treadmill's: then nothing tells that their errors go together.
     """
     step_rad = shown_step_rad(shown_rad, sigma_rad)
-    if step_rad is None or np.ptp(drift.zero_rad) == 0.0:
+    if step_rad is None:
         return None
     level, slack_rad = shown_rad - drift.zero_rad, 2.0 * drift.sigma_rad
     points = set_points(level, step_rad, grade_step, slack_rad)
@@ -118,34 +109,20 @@ def drifting_rounding(
         return None
     shown = np.round(shown_rad / step_rad).astype(np.intp)
     stood = np.round(drift.zero_rad / (_STILL * step_rad)).astype(np.intp)
-    groups, index = np.unique(np.column_stack([points, shown, stood]), axis=0, return_inverse=True)
+    groups, index = np.unique(np.column_stack([points, stood, shown]), axis=0, return_inverse=True)
     index = index.astype(np.intp).ravel()
     zero_rad = np.bincount(index, drift.zero_rad) / np.bincount(index)
-    share = (zero_rad - np.mean(drift.zero_rad)) / np.ptp(drift.zero_rad)
+    share = (zero_rad - np.mean(drift.zero_rad)) / (np.ptp(drift.zero_rad) or 1.0)
     moved = drift.sigma_rad * _normal(_PLASTIC)[:, None] * share
-    phase = _phases(groups[:, 0], step_rad, grade_step)[1] + (zero_rad + moved) / step_rad
+    even, phase = _phases(groups[:, 0], step_rad, grade_step)
+    phase = phase + (zero_rad + moved) / step_rad
+    for k in np.flatnonzero((np.diff(groups[:, :2], axis=0) == 0).all(axis=1)) + 1:
+        phase[:, k] = np.random.default_rng(k).permutation(even)
     return index, moved + step_rad * (np.round(phase) - phase)
 
 
-def shared_rounding(
-    shown_rad: Floats, sigma_rad: float, grade_step: float
-) -> tuple[Whole, Floats] | None:
-    """Return which rounding error each reading has, and draws of these errors, as sawteeth does.
-
-    None where the readings do not lie on the inclinometer's steps, or not on the treadmill's: then
-    nothing tells that their errors go together.
-    """
-    step_rad = shown_step_rad(shown_rad, sigma_rad)
-    points = None if step_rad is None else set_points(shown_rad, step_rad, grade_step)
-    if step_rad is None or points is None:
-        return None
-    shown = np.round(shown_rad / step_rad).astype(np.intp)
-    pairs, index = np.unique(np.column_stack([points, shown]), axis=0, return_inverse=True)
-    return index.astype(np.intp).ravel(), sawteeth(pairs[:, 0], step_rad, grade_step)
-
-
 def roundings(
-    shown_rad: Floats, sigma_rad: Floats, grade_step: Floats | float, drift: Drift | None = None
+    shown_rad: Floats, sigma_rad: Floats, grade_step: Floats | float, drift: Drift
 ) -> tuple[Whole, Floats, Floats]:
     """Return which shared rounding error each reading has (-1: none), their sigmas, draws.
 
@@ -154,24 +131,18 @@ def roundings(
     """
     steps = np.broadcast_to(np.asarray(grade_step, dtype=float), np.shape(sigma_rad))
     index = np.full(len(shown_rad), -1, dtype=np.intp)
-    sigmas: list[float] = []
     draws = np.empty((DRAWS, 0))
     for sigma, step in np.unique(np.column_stack([sigma_rad, steps]), axis=0).tolist():
         alike = np.flatnonzero((sigma_rad == sigma) & (steps == step))
-        if drift is None:
-            shared = shared_rounding(shown_rad[alike], sigma, step)
-            widths = [sigma] * (0 if shared is None else shared[1].shape[1])
-        else:
-            shared = drifting_rounding(shown_rad[alike], sigma, step, drift.of(alike))
-            widths = [] if shared is None else shared[1].std(axis=0).tolist()
-            shared = shared and (shared[0], shared[1] / widths)
+        shared = shared_rounding(shown_rad[alike], sigma, step, drift.of(alike))
         if shared is not None:
-            index[alike] = len(sigmas) + shared[0]
+            count = draws.shape[1]
+            index[alike] = count + shared[0]
             # another inclinometer's phase is another's: shuffled
-            shuffle = np.random.default_rng(len(sigmas)).permutation(DRAWS)
+            shuffle = np.random.default_rng(count).permutation(DRAWS)
             draws = np.column_stack([draws, shared[1][shuffle]])
-            sigmas += widths
-    return index, np.array(sigmas), draws
+    sigmas = draws.std(axis=0)
+    return index, sigmas, draws / sigmas
 
 
 def nearest_shown(

@@ -84,7 +84,8 @@ class Stations:
         incline_sigma_rad = np.array([g.incline_sigma_rad for g in given], dtype=float)
         zeros_rad = np.array(session.zeros_rad(kept))
         astray_rad, astray_sigma_rad = _astray(session, bends.share)
-        drift = Drift(zeros_rad, session.zero_drift_sigma_rad) if session.zero_drifts else None
+        drifts = session.zero_drifts
+        drift = Drift(zeros_rad * drifts, session.zero_drift_sigma_rad if drifts else 0.0)
         tracks = _tracks(session)
         inertia_n, inertia_sigma_n = tracks.inertia()
         rounding, sigma_rad, draws = roundings(shown_rad, incline_sigma_rad, steps, drift)
