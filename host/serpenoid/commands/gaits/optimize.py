@@ -13,7 +13,6 @@ import click
 
 from ...model.checks import check_number
 from ...model.errors import NotConverged
-from ...show.screen import say
 from ..declare import flag, number, option, refuse_typed, stacked
 from ..given import predicted_band, servo_as_filmed, take_fit
 from ..joints import joints_option, latest_film
@@ -35,7 +34,7 @@ from ..options import (
     take_servo,
 )
 from ..paths import FIGURES, out_file
-from .steady import beside_servo, few_links, no_band
+from .steady import beside_servo, few_links, say_band, speeds_as_dict
 
 if TYPE_CHECKING:
     from ...calibration.friction_result import FrictionFit
@@ -166,13 +165,10 @@ def optimize(speed_m_s: str, as_json: bool, send: bool, plot: Path | None, **giv
     moved = beside_servo(best.steady, ask.shown_servo)
     fit = None if send else ask.fit  # what is sent is predicted when it is driven
     band = interruptible(lambda: predicted_band(fit, ask.robot, ask.ground, best.gait, ask.servo))
-    answer = _as_dict(best) | {"margins": margins.to_dict()}
-    answer |= {"servo": moved.to_dict()} if moved else {}
-    answer |= {"band": band.to_dict() | no_band(moved)} if band else {}
+    answer = _as_dict(best) | {"margins": margins.to_dict()} | speeds_as_dict(moved, band)
     if not as_json:
         _print(best, margins, moved)
-        if band is not None and not no_band(moved):
-            say(f"predicted: {band.in_words()}")
+        say_band(moved, band)
     if send:
         _send(ask, best.gait, as_json, answer, **run)
     elif as_json:

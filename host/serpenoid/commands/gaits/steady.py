@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ...show.screen import say
 from ..declare import flag, number
 from ..given import predicted_band, servo_as_filmed, take_fit
 from ..joints import joints_option, was_filmed, with_joints
@@ -153,15 +154,13 @@ def _pinned(
     if as_json:
         told = margins.to_dict() | (sigmas or {})
         values = {"gait": describe(gait)} | s.to_dict() | {"margins": told}
-        values |= {"band": band.to_dict() | no_band(moved)} if band else {}
         values |= {"doubts": doubts.to_dict()} if doubts else {}
-        return show_json(values | ({"servo": moved.to_dict()} if moved else {}))
+        return show_json(values | speeds_as_dict(moved, band))
     report.show(s, *([moved] if moved else []), margins, answer=(moved or s).in_words())
     if s.sensitivities is not None:
         floor_m_s = speed_floor_m_s(robot, gait.omega_rad_s)
         gait_report.sensitivities(s.sensitivities, floor_m_s)
-    if band is not None and not no_band(moved):
-        report.console.print(f"predicted: {band.in_words()}")
+    say_band(moved, band)
     if doubts is not None:
         gait_report.doubts(doubts)
     return gait_report.warn_of_cliff(margins, sigmas)
@@ -192,9 +191,19 @@ def few_links(robot: Robot) -> bool:
     return robot.links <= _FEW_LINKS
 
 
-def no_band(moved: ServoSteady | None) -> dict[str, None]:
-    """Return what stands in place of a band's ends, where servos cannot run the gait."""
-    return {} if moved is None or moved.follows else {"low_m_s": None, "high_m_s": None}
+def speeds_as_dict(moved: ServoSteady | None, band: SpeedBand | None) -> dict[str, Any]:
+    """Return speed with servos and band, the band without ends where servos cannot run the gait."""
+    answer: dict[str, Any] = {"servo": moved.to_dict()} if moved else {}
+    if band is not None:
+        ends = {"low_m_s": None, "high_m_s": None} if moved and not moved.follows else {}
+        answer["band"] = band.to_dict() | ends
+    return answer
+
+
+def say_band(moved: ServoSteady | None, band: SpeedBand | None) -> None:
+    """Print a band, unless servos cannot run the gait."""
+    if band is not None and (moved is None or moved.follows):
+        say(f"predicted: {band.in_words()}")
 
 
 def beside_servo(ideal: Steady, servo: ServoKind | None) -> ServoSteady | None:

@@ -95,24 +95,23 @@ def _designs(
     robot: Robot, ground: Ground, varied: dict[str, list[float]]
 ) -> tuple[Robot | list[Robot], Ground | list[Ground]]:
     """Return all robots and all grounds of a study; one that does not vary stays alone."""
-    body = [name for name in _BODY if name in varied]
-    grip = [name for name in GROUND if name in varied]
-    uniform = robot == replace(robot, link_inertia_kg_m2=None)
-    robots = []
-    for values in product(*(varied[name] for name in body)):
-        changes: dict[str, Any] = {_BODY[n]: v for n, v in zip(body, values, strict=True)}
-        if float(changes.get("links", 2)) % 1:
-            raise click.BadParameter("links must be whole numbers", param_hint="--vary")
-        if "links" in changes:
-            changes["links"] = int(changes["links"])
-        if uniform:
-            changes["link_inertia_kg_m2"] = None
-        robots.append(replace(robot, **changes))
-    grounds = [
-        replace(ground, **dict(zip(grip, values, strict=True)))
-        for values in product(*(varied[name] for name in grip))
+    body: dict[str, list[Any]] = {_BODY[name]: varied[name] for name in _BODY if name in varied}
+    grip = {name: varied[name] for name in GROUND if name in varied}
+    if any(links % 1 for links in body.get("links", ())):
+        raise click.BadParameter("links must be whole numbers", param_hint="--vary")
+    if "links" in body:
+        body["links"] = [int(links) for links in body["links"]]
+    if body and robot == replace(robot, link_inertia_kg_m2=None):
+        body["link_inertia_kg_m2"] = [None]  # a uniform rod stays one
+    return _each(robot, body) if body else robot, _each(ground, grip) if grip else ground
+
+
+def _each(base: Any, varied: dict[str, list[Any]]) -> list[Any]:
+    """Return the base with every combination of the varied fields."""
+    return [
+        replace(base, **dict(zip(varied, values, strict=True)))
+        for values in product(*varied.values())
     ]
-    return robots if body else robots[0], grounds if grip else grounds[0]
 
 
 @click.command()
