@@ -60,6 +60,13 @@ def test_the_verdict_names_the_cause(fitted, amplitude, factor, verdict):
     json.dumps(found.to_dict(), allow_nan=False)
 
 
+def test_what_chance_makes_once_in_a_hundred_is_no_agreement(fitted):
+    made, fit = fitted
+    found = comparison.compare(measured(made, 0.885), fit, samples=24, servo=None)
+    assert 1e-3 < found.p_value < 0.02
+    assert found.verdict == "friction or amplitude"
+
+
 def test_another_surface_is_told_as_friction(fitted):
     made, fit = fitted
     # the robot crawled where friction along its links is 30 % more, five of the fit's sigmas
