@@ -17,8 +17,8 @@ from ..model.rows import Result
 from ..periodic.servo_steady import band, cannot_run, free_rad_s, managed_hz
 from ..servos.catalogue import HOBBY
 from ..simulation.steady_springs import steady_springs
-from .crawls.level import floor_slope, on_level
-from .crawls.runs import Crawls, crawls_by_command, same_command
+from .crawls.level import floor_slope, is_sloped, on_level
+from .crawls.runs import Crawls, crawls_by_command, mean_speed, same_command
 from .filmed_joints import seen_on_film, servo_seen, swapped_plugs
 from .friction_fit import fit_friction
 from .friction_result import FrictionFit
@@ -260,10 +260,11 @@ def compare(
 
 def _levelled(session: Session, fit: FrictionFit) -> tuple[Session, str]:
     """Return the session on level ground, and the sentence that says so where it sloped."""
-    level = on_level(session, fit)
-    if level is session:
+    if not is_sloped(session):
         return session, ""
-    return level, _LEVEL.format(*map(math.degrees, floor_slope(session, fit)))
+    slope = floor_slope(session, fit)
+    level = on_level(session, fit.robot, fit.ground, slope)
+    return level, _LEVEL.format(*map(math.degrees, slope))
 
 
 def _judged(
@@ -321,11 +322,7 @@ def _point(
     exact = speed(fit.robot, fit.ground, gait)
     low, high = band(drawn.friction_m_s[:, j])
     low_all, high_all = band(drawn.both_m_s[:, j])
-    measured = sigma = None
-    if runs:
-        weights = np.array([r.speed_sigma_m_s for r in runs]) ** -2.0
-        measured = float(weights @ np.array([r.speed_m_s for r in runs]) / weights.sum())
-        sigma = float(weights.sum() ** -0.5)
+    measured, sigma = mean_speed(runs) if runs else (None, None)
     return ComparedGait(
         gait.alpha_rad,
         gait.beta_rad,

@@ -20,7 +20,7 @@ from ..model.drives import ServoKind
 from ..model.gait import Gait
 from ..servos.catalogue import servo
 from .crawls.data import CrawlData
-from .crawls.posterior import Before, Posterior, about_minimum
+from .crawls.posterior import ROUGH_POINTS, Before, Posterior
 from .crawls.servos import ServoEffects
 from .crawls.speeds import Speeds
 from .friction_result import FrictionFit
@@ -36,7 +36,7 @@ EITHER = "friction or amplitude"
 # lose so many times as much.
 FREED_SERVOS, STRANGER = "hobby", 2.0
 TOLD_APART = math.log(10.0)  # of evidence
-_NOISE_DRAWS, _POINTS, _ROUNDS, _SERVO_DRAWS = 32, 256, 5, 48
+_NOISE_DRAWS, _SERVO_DRAWS = 32, 48
 _AMPLITUDES = 0.85, 1.0  # shares of the joints' amplitude, at which servos are looked at
 _GRAIN = 0.01  # of the speed: how far servos are apart of which some are drawn
 
@@ -135,14 +135,13 @@ class Judge:
         sigma = np.hypot(measured.sigma_m_s, math.hypot(MODEL_SIGMA, effects.sigma) * best_m_s)
         data = replace(self._data, speed_m_s=measured.speed_m_s, sigma_m_s=sigma)
         posterior = Posterior(data, before, self._speeds, replace(effects, sigma=0.0))
-        drawn = about_minimum(posterior, self._seed, _POINTS, _ROUNDS)
-        best = drawn.best[None]
-        shares = (before.whole(best)[0] / whole).tolist()
+        drawn = posterior.about_minimum(self._seed, ROUGH_POINTS)
+        shares = (drawn.best_whole / whole).tolist()
         return Cause(
-            float(chdtrc(len(data), posterior.chi2(best)[0])),
+            float(chdtrc(len(data), drawn.chi2)),
             drawn.evidence,
             dict(zip(self._fit.names, shares, strict=True)),
-            float(before.amplitude(best)[0]),
+            drawn.best_amplitude,
         )
 
     @cached_property
@@ -152,7 +151,7 @@ class Judge:
         nothing = np.zeros(len(gaits))
         filmed = np.array([gait in seen for gait in gaits], dtype=bool)
         asked = tuple(seen.get(gait, gait) for gait in gaits)
-        return CrawlData(gaits, nothing, nothing, filmed, ((),) * len(gaits), asked)
+        return CrawlData(gaits, asked, nothing, nothing, filmed)
 
     @cached_property
     def _speeds(self) -> Speeds:

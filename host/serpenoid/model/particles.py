@@ -52,6 +52,12 @@ class Student:
         return np.asarray(head - 0.5 * (size * math.log(FREEDOM * math.pi) + far))
 
 
+def alike(log: Floats) -> float:
+    """Return how many points that are alike are worth as much as weights of such logarithms."""
+    weight = np.exp(log - log.max())
+    return float(weight.sum() ** 2 / np.sum(weight**2))
+
+
 def tempered(
     x: Floats,
     first: LogDensity,
@@ -95,14 +101,10 @@ def tempered(
 def _step(rise: Floats, most: float) -> float:
     """Return how far the power may rise: half of the particles stay independent."""
 
-    def effective(step: float) -> float:
-        weight = np.exp(step * (rise - rise.max()))
-        return float(weight.sum() ** 2 / np.sum(weight**2))
-
-    if effective(most) >= len(rise) / 2:
+    if alike(most * rise) >= len(rise) / 2:
         return most
     low, high = 0.0, most
     for _ in range(40):
         middle = (low + high) / 2
-        low, high = (middle, high) if effective(middle) > len(rise) / 2 else (low, middle)
+        low, high = (middle, high) if alike(middle * rise) > len(rise) / 2 else (low, middle)
     return max(low, 1e-6)

@@ -11,7 +11,7 @@ from calibration.floor_sessions import MASS, TRUTH, floor_session, floor_setup, 
 from serpenoid import BadInput
 from serpenoid.calibration import speed_samples
 from serpenoid.calibration.crawls.data import CrawlData
-from serpenoid.calibration.crawls.posterior import Before, Posterior, draw
+from serpenoid.calibration.crawls.posterior import Before, Posterior
 from serpenoid.calibration.crawls.result import fit_crawls
 from serpenoid.calibration.crawls.servos import ServoEffects
 from serpenoid.calibration.fit_file import load_fit, save_fit
@@ -31,13 +31,8 @@ BY_AMPLITUDE = np.linspace(1.0, 2.0, len(GAITS))
 
 def crawls(speed_m_s, sigma_m_s):
     count = len(GAITS)
-    return CrawlData(
-        GAITS,
-        np.asarray(speed_m_s),
-        np.full(count, sigma_m_s),
-        np.zeros(count, bool),
-        ((1,),) * count,
-    )
+    sigmas, seen = np.full(count, sigma_m_s), np.zeros(count, bool)
+    return CrawlData(GAITS, GAITS, np.asarray(speed_m_s), sigmas, seen)
 
 
 def even_powers(whole, amplitude):
@@ -52,16 +47,17 @@ def test_draws_are_the_normal_answer_where_there_is_one() -> None:
     off = np.array([0.3, -0.1, 0.2, 0.0, -0.2, 0.1])
     measured, sigma = 50.0 * np.exp(off), 5.0
     made = Posterior(crawls(measured, sigma), before, even_powers, ONE_SERVO)
-    found = draw(made, before, 1024, 3)
+    drawn = made.draw(3)
+    whole, amplitude, _ = drawn.alike(1024, 3)
     slopes = np.column_stack([0.3 * BY_LOGS, 0.2 * BY_AMPLITUDE]) * (measured / sigma)[:, None]
     covariance = np.linalg.inv(slopes.T @ slopes + np.eye(5))
     mean = covariance @ slopes.T @ (off * measured / sigma)
-    u = np.column_stack([np.log(found.whole / TRUTH) / 0.3, (found.amplitude - 1) / 0.2])
+    u = np.column_stack([np.log(whole / TRUTH) / 0.3, (amplitude - 1) / 0.2])
     sd = np.sqrt(np.diag(covariance))
     np.testing.assert_allclose(u.mean(axis=0), mean, atol=0.15 * sd.max())
     np.testing.assert_allclose(u.std(axis=0), sd, rtol=0.12)
-    np.testing.assert_allclose(np.log(found.best_whole / TRUTH) / 0.3, mean[:4], atol=2e-3)
-    assert found.effective > 300
+    np.testing.assert_allclose(np.log(drawn.best_whole / TRUTH) / 0.3, mean[:4], atol=2e-3)
+    assert drawn.effective > 300
 
 
 def test_two_minima_are_both_drawn_by_their_weight() -> None:
@@ -75,8 +71,7 @@ def test_two_minima_are_both_drawn_by_their_weight() -> None:
     made = Posterior(
         crawls(50.0 * np.exp(np.full(len(GAITS), 0.8)), 3.0), before, folded, ONE_SERVO
     )
-    found = draw(made, before, 1024, 1)
-    logs = np.log(found.whole[:, 0] / TRUTH[0])
+    logs = np.log(made.draw(1).alike(1024, 1)[0][:, 0] / TRUTH[0])
     assert np.mean(logs > 0) == pytest.approx(0.5, abs=0.08)
     assert np.abs(logs).mean() == pytest.approx(0.8, abs=0.03)
 
@@ -86,11 +81,9 @@ def test_a_servo_that_is_in_doubt_leaves_more() -> None:
     data = crawls(np.full(len(GAITS), 45.0), 0.5)
     shares = np.repeat(np.linspace(0.7, 1.0, 16)[:, None], len(GAITS), axis=1)
     slow = ServoEffects((), shares, np.ones((16, 0)))
-    sure, doubtful = (
-        draw(Posterior(data, before, even_powers, effects), before, 1024, 2)
-        for effects in (ONE_SERVO, slow)
-    )
-    spread = [np.log(d.whole).std(axis=0).mean() for d in (sure, doubtful)]
+    both = (Posterior(data, before, even_powers, effects) for effects in (ONE_SERVO, slow))
+    drawn = (made.draw(2).alike(1024, 2)[0] for made in both)
+    spread = [np.log(whole).std(axis=0).mean() for whole in drawn]
     assert spread[1] > 1.1 * spread[0]
 
 
@@ -198,7 +191,7 @@ def test_real_speeds_tell_the_amplitude() -> None:
     """Crawls by the package's own solver: joints at 94 % of their amplitude are found."""
     session = floor_session(bends_deg=(0.0, 45.0), speeds=(0.7, 0.9))
     two = np.zeros(2)
-    data = CrawlData(GAITS[:2], two, two, np.zeros(2, bool), ((1,),) * 2)
+    data = CrawlData(GAITS[:2], GAITS[:2], two, two, np.zeros(2, bool))
     robot = session.setup.robot
     assert robot.links * robot.link_mass_kg == pytest.approx(MASS)
     slow = data.of_robot(robot, np.array(TRUTH))(np.array([TRUTH]), np.array([0.94]))[0]

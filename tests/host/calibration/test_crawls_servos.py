@@ -1,4 +1,4 @@
-"""Servos that crawls tell: drawn anew near those that explain what was seen."""
+"""What servos and slopes do to crawls."""
 
 from __future__ import annotations
 
@@ -8,38 +8,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from calibration.floor_sessions import TRUTH, floor_setup
-from serpenoid.calibration.crawls.data import CrawlData
-from serpenoid.calibration.crawls.servos import (
-    GRAIN,
-    ServoEffects,
-    effects_of,
-)
+from serpenoid.calibration.crawls.level import on_level
+from serpenoid.calibration.crawls.servos import GRAIN, effects_of
 from serpenoid.calibration.crawls.slope import sloped_speed
 from serpenoid.calibration.friction_result import Estimate, ground_of
+from serpenoid.calibration.kinds.gait import GaitRun
+from serpenoid.calibration.kinds.video import FilmReading
 from serpenoid.calibration.speed_samples import scaled
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
 from serpenoid.model.drives import Servo
 from serpenoid.model.gait import Gait
 from serpenoid.servos.catalogue import HOBBY
+from simulated_sessions import MemoryRecord
 
 ROBOT = floor_setup().robot
 GROUND = ground_of(ROBOT.links, TRUTH)
 FAST = Gait(math.radians(80), math.radians(75), 2 * math.pi * 0.8)
-SEEN = np.array([0.62, 0.55])  # a weak servo, of which few are drawn
-
-
-def moved(servos):
-    """Return what servos do to two gaits in a world of closed form: no solver, weak ones fail."""
-    speed, torque = (
-        np.array([getattr(s, n) for s in servos]) for n in ("speed_limit_rad_s", "torque_limit_nm")
-    )
-    weak = np.stack([1.0 / (1.0 + np.exp(2.5 - 0.6 * speed)), np.tanh(1.6 * torque**0.7)], axis=1)
-    return ServoEffects(tuple(servos), np.ones((len(servos), 2)), weak)
-
-
-def off(effects):
-    return (effects.amplitude - SEEN) / 0.01
 
 
 def test_a_weak_servo_does_not_follow_a_larger_amplitude() -> None:
@@ -57,19 +42,15 @@ def test_a_weak_servo_does_not_follow_a_larger_amplitude() -> None:
 def test_a_slope_acts_on_joints_as_they_were_filmed() -> None:
     """Joints that made 0.7 of their amplitude: a slope slows them more than commanded ones."""
     asked = Gait(math.radians(70), math.radians(60), 2 * math.pi * 0.8)
-    gait = replace(asked, joint_gain=(0.7,) * 5, joint_shift_rad=(0.0,) * 5)
-    data = CrawlData(
-        (gait,),
-        np.array([0.1]),
-        np.array([0.001]),
-        np.ones(1, bool),
-        ((1,),),
-        (asked,),
-        np.array([0.7]),
-        np.array([0.003]),
-        ((1.0, 0.0),),
+    shifts = ",".join("0" * 5)
+    film = FilmReading(
+        *(1, asked.alpha_rad, asked.beta_rad, asked.omega_rad_s, 0.1, 0.001, 0.0, 0.003),
+        *(",".join(["0.7"] * 5), shifts, "hash"),
+        way="there",
     )
-    level = data.on_slope(ROBOT, GROUND, Estimate(0.003, 1e-6)).speed_m_s[0]
+    session = replace(MemoryRecord(floor_setup()).session, further=(film,))
+    put_right = on_level(session, ROBOT, GROUND, Estimate(0.003, 1e-6)).kept_films[0]
+    level, gait = put_right.speed_m_s, film.gait
     slower, commanded = (
         sloped_speed(ROBOT, GROUND, g, -0.003) / sloped_speed(ROBOT, GROUND, g, 0.0)
         for g in (gait, asked)
@@ -96,17 +77,15 @@ def test_a_slope_with_a_weak_servo_is_that_of_the_lab() -> None:
     lab = LabRobot(ROBOT, (GROUND,), servo=weak)
     there, level = (crawl_speed(lab, gait, slope_rad=s) for s in (-slope, 0.0))
     back = crawl_speed(lab, gait, slope_rad=slope)
-    data = CrawlData(
-        (gait, gait),
-        np.array([there, back]),
-        np.full(2, 0.001),
-        np.zeros(2, bool),
-        ((1,), (2,)),
-        (gait, gait),
-        ways=((1.0, 0.0), (0.0, 1.0)),
+    runs = tuple(
+        GaitRun(k, gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, v, 0.001, way=way)
+        for k, (v, way) in enumerate(((there, "there"), (back, "back")), 1)
     )
+    session = replace(MemoryRecord(floor_setup()).session, gait_runs=runs)
     known = Estimate(slope, 1e-6)
-    put_right = data.on_slope(ROBOT, GROUND, known, weak).speed_m_s
-    assert put_right == pytest.approx([level, level], rel=0.02)
-    ideal = data.on_slope(ROBOT, GROUND, known).speed_m_s
+    moved, ideal = (
+        [run.speed_m_s for run in on_level(session, ROBOT, GROUND, known, by).gait_runs]
+        for by in (weak, None)
+    )
+    assert moved == pytest.approx([level, level], rel=0.02)
     assert np.ptp(ideal) > 0.05 * level

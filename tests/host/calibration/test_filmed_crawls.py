@@ -13,6 +13,7 @@ from serpenoid import BadInput
 from serpenoid.calibration.comparison import compare
 from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.crawls.filmed import crawl_cells
+from serpenoid.calibration.crawls.level import on_level
 from serpenoid.calibration.crawls.result import fit_crawls
 from serpenoid.calibration.crawls.servos import ServoEffects
 from serpenoid.calibration.fit_file import load_fit, save_fit
@@ -165,25 +166,18 @@ def test_crawls_on_a_slope_are_put_right_by_the_slope_that_pushes_told() -> None
     seen = [crawl_speed(lab, GAIT, slope_rad=s) for s in (-slope, slope)]
     assert seen[0] > 1.05 * level
     assert seen[1] < 0.95 * level
-    for ways, found in (((1.0, 0.0), seen[0]), ((0.0, 1.0), seen[1]), ((0.5, 0.5), sum(seen) / 2)):
-        one = CrawlData(
-            (GAIT,),
-            np.array([found]),
-            np.array([0.001]),
-            np.zeros(1, bool),
-            ((1,),),
-            (GAIT,),
-            ways=(ways,),
-        )
-        sure = one.on_slope(body, ground, Estimate(slope, 1e-5))
-        assert sure.speed_m_s[0] == pytest.approx(level, rel=0.01)
-        loose = one.on_slope(body, ground, Estimate(slope, 0.002))
-        share = (loose.sigma_m_s / sure.sigma_m_s)[0]
-        assert share > 1.5 if ways != (0.5, 0.5) else share < 8
-    flat = CrawlData(
-        (GAIT,), np.ones(1), np.ones(1), np.zeros(1, bool), ((1,),), (GAIT,), ways=((0.0, 0.0),)
+    record = MemoryRecord(floor_session().setup)
+    runs = tuple(
+        GaitRun(1 + k, GAIT.alpha_rad, GAIT.beta_rad, GAIT.omega_rad_s, v, 0.001, way=way)
+        for k, (way, v) in enumerate(zip(("there", "back"), seen, strict=True))
     )
-    assert flat.on_slope(body, ground, Estimate(slope, 0.002)) is flat
+    session = replace(record.session, gait_runs=runs)
+    sure, loose = (
+        on_level(session, body, ground, Estimate(slope, sigma)).gait_runs for sigma in (1e-5, 0.002)
+    )
+    for known, unsure in zip(sure, loose, strict=True):
+        assert known.speed_m_s == pytest.approx(level, rel=0.01)
+        assert unsure.speed_sigma_m_s > 1.5 * known.speed_sigma_m_s
 
 
 def test_compare_holds_crawls_on_a_slope_to_the_prediction_for_level_ground() -> None:

@@ -6,12 +6,18 @@ import math
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
+from ...model.drives import Servo
+from ...model.gait import Gait
+from ...model.ground import Ground
+from ...model.robot import Robot
 from ..friction_result import Estimate, FrictionFit
-from ..kinds.video import FilmReading
 from ..session import Session
-from .data import CrawlData
+from ..speed_samples import scaled
+from .runs import crawls_by_command
+from .slope import sloped_speed
+
+SLOPE_SIGMA = 0.2  # of what a slope does to a speed: friction is not yet as it will be fitted
+_LEAST_SHARE = 0.05  # of the level speed, that a slope leaves
 
 
 def floor_slope(session: Session, fit: FrictionFit | None) -> Estimate:
@@ -24,33 +30,56 @@ def floor_slope(session: Session, fit: FrictionFit | None) -> Estimate:
     return told[0] if told else Estimate(0.0, session.setup.floor.slope_sigma_rad)
 
 
-def on_level(session: Session, fit: FrictionFit) -> Session:
+def is_sloped(session: Session) -> bool:
+    """Tell whether a crawl went there or back along a floor."""
+    return any(r.way != "level" for r in session.kept_crawls)
+
+
+def on_level(
+    session: Session,
+    robot: Robot,
+    ground: Ground,
+    slope: Estimate,
+    servo: Servo | None = None,
+    amplitude: float = 1.0,
+) -> Session:
     """Return the session with crawls that went there or back brought to level ground.
 
-    What the slope does to a gait is simulated; its doubt is in the speeds' standard deviations. The
-    session as it is, where no crawl went there or back.
+    slope: of the floor, which falls towards "there". What it does to a crawl is simulated; its
+    doubt is added to the speeds' standard deviations. servo, amplitude: what moves the joints, and
+    their amplitude over the commanded one; None: joints do what was seen. A weak servo's crawl can
+    feel a slope twice as much.
     """
-    seen = CrawlData.of(session)
-    level = seen.on_slope(fit.robot, fit.ground, floor_slope(session, fit))
-    if level is seen:
-        return session
-    factors = level.speed_m_s / seen.speed_m_s
-    added = np.sqrt(np.maximum(level.sigma_m_s**2 - (factors * seen.sigma_m_s) ** 2, 0.0))
-    by_number = {
-        number: (factor, math.sqrt(len(numbers)) * off)
-        for numbers, factor, off in zip(seen.numbers, factors.tolist(), added.tolist(), strict=True)
-        for number in numbers
-    }
-
-    def brought(reading: Any) -> Any:
-        factor, off = by_number.get(reading.number, (1.0, 0.0))
-        sigma = math.hypot(factor * reading.speed_sigma_m_s, off)
-        return replace(
-            reading, speed_m_s=factor * reading.speed_m_s, speed_sigma_m_s=sigma, way="level"
-        )
-
+    level: dict[int, Any] = {}
+    for crawl in crawls_by_command(session):
+        ways = [run.way for run in crawl.timed]  # runs of a way share what is not known of it
+        readings = [(run, crawl.commanded, ways.count(run.way)) for run in crawl.timed]
+        readings += [(film, crawl.gait, 1) for film in crawl.films]
+        for reading, made, alike in readings:
+            if reading.way == "level":
+                continue
+            gait = made if servo is None else scaled(crawl.commanded, amplitude)
+            towards = Estimate((1.0 if reading.way == "back" else -1.0) * slope.value, slope.sigma)
+            mean, doubt = _share(robot, ground, gait, towards, servo)
+            v = reading.speed_m_s / mean
+            sigma = math.hypot(reading.speed_sigma_m_s / mean, math.sqrt(alike) * doubt / mean * v)
+            level[reading.number] = replace(
+                reading, speed_m_s=v, speed_sigma_m_s=sigma, way="level"
+            )
     return replace(
         session,
-        gait_runs=tuple(map(brought, session.gait_runs)),
-        further=tuple(brought(r) if isinstance(r, FilmReading) else r for r in session.further),
+        gait_runs=tuple(level.get(r.number, r) for r in session.gait_runs),
+        further=tuple(level.get(r.number, r) for r in session.further),
     )
+
+
+def _share(
+    robot: Robot, ground: Ground, gait: Gait, rises: Estimate, servo: Servo | None
+) -> tuple[float, float]:
+    """Return the speed up a slope over that on level ground, its mean and standard deviation."""
+    level = max(sloped_speed(robot, ground, gait, 0.0, servo), 1e-6)
+    ends = (rises.value + by * rises.sigma for by in (-1.0, 0.0, 1.0))
+    low, middle, high = (sloped_speed(robot, ground, gait, s, servo) / level for s in ends)
+    odd, even = high - low, high + low - 2 * middle
+    mean = max(middle + even / 2, _LEAST_SHARE)
+    return mean, math.hypot(odd / 2, even / math.sqrt(2), SLOPE_SIGMA * (1.0 - mean))

@@ -28,8 +28,8 @@ from ..session import Session
 from ..session_posterior import posterior_of
 from ..speed_samples import AMPLITUDE_SIGMA
 from .data import CrawlData
-from .level import floor_slope
-from .posterior import Before, Drawn, Posterior, draw
+from .level import floor_slope, is_sloped, on_level
+from .posterior import POINTS, ROUGH_POINTS, Before, Drawn, Posterior
 from .servos import ServoEffects, effects_of, with_near_ones
 from .speeds import Array, Speeds
 
@@ -37,7 +37,6 @@ from .speeds import Array, Speeds
 # e or so, and no two of them alike.
 USUAL, USUAL_N, USUAL_SIGMA = (0.084, 1.2, 0.14, 0.27, 0.084, 0.14), 4.4484, 1.0
 LEAST_GAITS = 4  # alone
-COUNT = 1024
 _FOLLOWING = 6  # steps of what follows given frictions
 _FEW = 60.0  # independent draws: fewer make no interval
 _OPEN = 2.0  # upper end over lower: such a friction is not told
@@ -61,24 +60,28 @@ def fit_crawls(
     data, open_pushes = CrawlData.of(session), other is None and session.on_floor
     _check(session, data, other)
     robot, before = session.setup.robot, _before(session, other)
-    taken, slope = data, floor_slope(session, other)
-    at, drawn, found = np.exp(before.mean), None, effects
+    slope, sloped = floor_slope(session, other), is_sloped(session)
+    at, found = np.exp(before.mean), effects
     solver = speeds or data.of_robot(robot, at)
     near = servo is not None and before.narrow and not servo.exact and not servo.drawn
-    leads = servo is not None and any(data.sloped)  # what a slope does depends on the servo, too
-    passes = 1 + (leads or (other is None and (servo is not None or open_pushes)))
-    for last in range(2 - passes, 2):  # what all this does depends on where the frictions are
+    leads = servo is not None and sloped  # what a slope does depends on the servo, too
+    again = leads or (other is None and (servo is not None or open_pushes))
+    drawn = None
+    for last in (False, True) if again else (True,):  # all this depends on where the frictions are
         if open_pushes:
             before, slope = _with_pushes(session, before, at)
         ground = ground_of(robot.links, at.tolist())
-        data = _on_level(taken, robot, ground, slope, drawn if leads else None, found)
+        if sloped:
+            level = _on_level(session, robot, ground, slope, drawn if leads else None, found)
+            data = CrawlData.of(level)
         if effects is None and (found is None or not before.narrow):
             found = data.effects(robot, ground, servo, seed=seed)
         assert found is not None
         if last and near:
             assert servo is not None
             found = _near_servos(data, before, solver, found, robot, servo, seed)
-        drawn = draw(Posterior(data, before, solver, found), before, COUNT, seed)
+        points = POINTS if last else ROUGH_POINTS
+        drawn = Posterior(data, before, solver, found).draw(seed, points)
         at = drawn.best_whole
     assert drawn is not None  # the loop runs once at least
     assert found is not None
@@ -87,36 +90,33 @@ def fit_crawls(
             f"{session.where}: the crawls' posterior was not found: {drawn.effective:.0f} "
             "independent draws; look for a crawl that was misread, or fit without crawls"
         )
-    fit = _result(session, other, data, drawn, seed)
+    whole, amplitude, index = drawn.alike(POINTS, seed)
+    fit = _result(session, other, data, drawn, whole, amplitude, seed)
     if open_pushes:
         told = dict(fit.nuisances) | {"floor_slope_rad": slope}
         fit = replace(fit, nuisances=MappingProxyType(told))
     if servo is None or servo.exact:
         return fit
-    return replace(
-        fit,
-        servos=FittedServos(
-            servo.name, found.servos, tuple(drawn.servo.tolist()), drawn.best_servo
-        ),
-    )
+    fitted = FittedServos(servo.name, found.servos, tuple(index.tolist()), drawn.best_servo)
+    return replace(fit, servos=fitted)
 
 
 def _on_level(
-    data: CrawlData,
+    session: Session,
     robot: Robot,
     ground: Ground,
     slope: Estimate,
     drawn: Drawn | None,
     effects: ServoEffects | None,
-) -> CrawlData:
-    """Return the crawls on level ground, as the likeliest servo drawn so far moves them."""
+) -> Session:
+    """Return the session on level ground, as the likeliest servo drawn so far moves the joints."""
     if drawn is not None and effects is not None and effects.servos:
-        servo, amplitude = effects.servos[drawn.best_servo], drawn.best_amplitude
+        servo = effects.servos[drawn.best_servo]
         try:
-            return data.on_slope(robot, ground, slope, servo, amplitude)
+            return on_level(session, robot, ground, slope, servo, drawn.best_amplitude)
         except (Diverged, NotConverged):
             pass  # as the films showed the joints
-    return data.on_slope(robot, ground, slope)
+    return on_level(session, robot, ground, slope)
 
 
 def _near_servos(
@@ -130,11 +130,11 @@ def _near_servos(
 ) -> ServoEffects:
     """Return the servos with others near those that explain the crawls, where few of them do."""
     ground = ground_of(robot.links, np.exp(before.mean).tolist())
-    asked, seen = data.asked or data.gaits, data.seen.tolist()
+    asked, seen = data.asked, data.seen.tolist()
 
     def left(found: ServoEffects) -> Array:
         posterior = Posterior(data, before, speeds, found)
-        return posterior.left(posterior.minimum())
+        return posterior.left(posterior.minimum()[0])
 
     def solve(servos: tuple[Servo, ...]) -> ServoEffects:
         return effects_of(robot, ground, asked, seen, servos)
@@ -196,10 +196,16 @@ def _with_pushes(session: Session, before: Before, at: Array) -> tuple[Before, E
 
 
 def _result(
-    session: Session, other: FrictionFit | None, data: CrawlData, drawn: Drawn, seed: int
+    session: Session,
+    other: FrictionFit | None,
+    data: CrawlData,
+    drawn: Drawn,
+    whole: Array,
+    amplitude: Array,
+    seed: int,
 ) -> FrictionFit:
-    mass = 1.0 + session.mass_sigma * np.random.default_rng(seed).normal(size=len(drawn.whole))
-    whole = drawn.whole * mass[:, None]
+    mass = 1.0 + session.mass_sigma * np.random.default_rng(seed).normal(size=len(whole))
+    whole = whole * mass[:, None]
     tail = (1.0 - LEVEL) / 2
     ends = np.quantile(whole, [tail, 1.0 - tail], axis=0)
     values = drawn.best_whole
@@ -217,16 +223,14 @@ def _result(
         dof=common.dof + len(data) + len(data.gain) + _open_readings(session, other),
         nuisances=MappingProxyType(
             dict(common.nuisances)
-            | {"joint_amplitude": Estimate(drawn.best_amplitude, float(drawn.amplitude.std()))}
+            | {"joint_amplitude": Estimate(drawn.best_amplitude, float(amplitude.std()))}
         ),
         session_sha256=session.sha256_with_crawls,
-        draws=FitDraws(
-            (*FRICTIONS[: len(values)], AMPLITUDE), np.column_stack([whole, drawn.amplitude])
-        ),
+        draws=FitDraws((*FRICTIONS[: len(values)], AMPLITUDE), np.column_stack([whole, amplitude])),
     )
     alarms = (*_contradicts(fit), *common.alarms)
     kept = [note for note in common.notes if note not in weak_notes(common)]
-    notes = (*_contradicts(fit), *_notes(fit, data, drawn, other), *kept)
+    notes = (*_contradicts(fit), *_notes(fit, data), *kept)
     return replace(fit, alarms=alarms, notes=notes)
 
 
@@ -248,7 +252,7 @@ def _open_readings(session: Session, other: FrictionFit | None) -> int:
     return int(np.sum(posterior.numbers >= 0)) - posterior.eliminated
 
 
-def _notes(fit: FrictionFit, data: CrawlData, drawn: Drawn, other: FrictionFit | None) -> list[str]:
+def _notes(fit: FrictionFit, data: CrawlData) -> list[str]:
     mean, sigma = fit.nuisances["joint_amplitude"]
     notes = [
         f"Crawls of {len(data)} gait(s) are fitted, too: `compare` with this fit is no test of "

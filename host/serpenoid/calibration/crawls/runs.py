@@ -50,6 +50,13 @@ def crawls_by_command(session: Session) -> list[Crawls]:
     return sorted(crawls, key=lambda crawl: crawl.commanded.omega_rad_s)
 
 
+def mean_speed(runs: Sequence[GaitRun]) -> tuple[float, float]:
+    """Return the weighted mean speed of some runs, and its standard deviation, m/s."""
+    weights = np.array([r.speed_sigma_m_s for r in runs]) ** -2.0
+    mean = weights @ np.array([r.speed_m_s for r in runs]) / weights.sum()
+    return float(mean), float(weights.sum() ** -0.5)
+
+
 def as_run(session: Session, gaits: Sequence[Gait]) -> tuple[Gait, ...]:
     """Return the gaits, each with the rate at which it ran, if it ran."""
     ran = [crawl.commanded for crawl in crawls_by_command(session)]
