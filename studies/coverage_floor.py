@@ -149,19 +149,6 @@ def drawn_person(
     return SimulatedPerson(setup, truth, int(rng.integers(2**31)))
 
 
-def some(effects: ServoEffects, servos: Any, gaits: Any, films: Any) -> ServoEffects:
-    """Return what some of the servos do to some of the gaits and films, by their indices."""
-    by_gait, by_film = np.ix_(servos, gaits), np.ix_(servos, films)
-    return replace(
-        effects,
-        servos=tuple(effects.servos[k] for k in servos),
-        share=effects.share[by_gait],
-        amplitude=effects.amplitude[by_film],
-        share_power=np.asarray(effects.share_power)[by_gait],
-        amplitude_power=np.asarray(effects.amplitude_power)[by_film],
-    )
-
-
 class ServoPool:
     """Many servos, and what each does to CRAWLS, filmed, and to GAIT on the ground of WHOLE_2005.
 
@@ -179,7 +166,7 @@ class ServoPool:
         """Return what a session's servos do to the crawls, and to GAIT."""
         every, films = self._every, np.repeat(np.arange(len(CRAWLS)), CRAWL_RUNS)
         own = rng.choice(len(every.servos), SERVO_DRAWS, replace=False)
-        return some(every, own, films, films), some(every, own, [len(CRAWLS)], [])
+        return every.some(own, films, films), every.some(own, [len(CRAWLS)], [])
 
     def shares(self, fit: FrictionFit, first: ServoEffects, count: int) -> NDArray[np.float64]:
         """Return what each draw's servo leaves of GAIT's speed; first: the session's servos."""

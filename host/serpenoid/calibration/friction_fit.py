@@ -105,10 +105,10 @@ def fit_friction(
     check_kind("session", session, Session)
     check_choice("method", method, METHODS)
     if crawls:
-        if method != "joint":
-            raise BadInput(f"crawls are fitted by method 'joint', not {method!r}")
-        servo = servo and session.setup.driving(servo)
-        return fit_crawls(session, _beside_crawls(session), servo, seed)
+        if method == "naive":
+            raise BadInput("crawls are fitted by method 'joint' or 'robust', not 'naive'")
+        servo, other = servo and session.setup.driving(servo), _beside_crawls(session, method)
+        return fit_crawls(session, other, servo, seed, misread=method == "robust")
     if session.kept or not session.on_floor:
         stations = Stations.of(session)
         if method == "naive" or not session.on_floor:
@@ -126,14 +126,14 @@ def fit_friction(
         raise NotConverged(f"{session.where}: {error}") from error
 
 
-def _beside_crawls(session: Session) -> FrictionFit | None:
+def _beside_crawls(session: Session, method: str) -> FrictionFit | None:
     """Return the fit of all other readings; None where there are none, or pushes that leave some
     frictions open, such as those by tape and watch.
     """
     if not session.fitted:
         return None
     try:
-        return fit_friction(session)
+        return fit_friction(session, method=method)
     except (BadInput, NotConverged):
         if session.on_floor and not session.kept:
             return None

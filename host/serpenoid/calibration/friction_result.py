@@ -148,7 +148,8 @@ class FrictionFit(Result):
     Attributes
     ----------
     method
-        "joint", "robust" or "naive"; "joint, with crawls" or "crawls" where those are fitted.
+        "joint", "robust" or "naive"; where crawls are fitted "joint, with crawls", "robust, with
+        crawls", or "crawls" alone.
     sigma
         "absolute": from the stated uncertainties of the instruments. "rescaled": from the scatter.
     parameters

@@ -125,6 +125,22 @@ def test_crawls_narrow_what_pushes_leave_but_never_the_mass(pushed) -> None:
     assert "no test" in after.notes[0]
 
 
+def test_a_robust_fit_names_the_crawl_that_was_misread(pushed) -> None:
+    first, *others = pushed.gait_runs
+    wrong = replace(pushed, gait_runs=(replace(first, speed_m_s=1.4 * first.speed_m_s), *others))
+    base = fit_friction(pushed, method="robust")
+    fit = fit_crawls(wrong, base, None, speeds=small_powers, misread=True)
+    assert fit.method == "robust, with crawls"
+    assert fit.outliers == (first.number,)
+    assert any(f"Crawl(s) {first.number} held for misread" in note for note in fit.notes)
+    for name, true in zip(NAMES, TRUTH, strict=True):
+        low, high = fit.intervals[name]
+        assert low < true < high
+    assert fit.p_value > 0.01 > fit_crawls(wrong, base, None, speeds=small_powers).p_value
+    with pytest.raises(BadInput, match="not 'naive'"):
+        fit_friction(pushed, method="naive", crawls=True)
+
+
 def test_crawls_take_readings_that_hardly_tell_ct_from_ft0(pushed) -> None:
     """Belt speeds close together: sigmas larger than the values, and errors that are opposite."""
     sigma = np.array([1.4, 1.2, 1.0, 0.8]) * TRUTH

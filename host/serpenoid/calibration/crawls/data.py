@@ -29,7 +29,7 @@ class CrawlData:
     asked: the gaits as commanded; gaits: as filmed, where they were. sigma_m_s: standard
     deviations, what the model leaves out among them. seen: the gaits whose joints a film showed, so
     that the common amplitude does not count. gain, gain_sigma: of those, the joints' mean amplitude
-    over the commanded one.
+    over the commanded one. numbers: of each gait's readings.
     """
 
     gaits: tuple[Gait, ...]
@@ -39,6 +39,7 @@ class CrawlData:
     seen: NDArray[np.bool_]
     gain: Array = field(default_factory=lambda: np.zeros(0))
     gain_sigma: Array = field(default_factory=lambda: np.zeros(0))
+    numbers: tuple[tuple[int, ...], ...] = ()
 
     @classmethod
     def of(cls, session: Session) -> CrawlData:
@@ -46,15 +47,21 @@ class CrawlData:
         rows = []
         for crawl in crawls_by_command(session):
             asked = crawl.commanded
-            timed = [(asked, asked, *mean_speed(crawl.timed), None)] if crawl.timed else []
+            timed = (
+                [(asked, None, *mean_speed(crawl.timed), tuple(r.number for r in crawl.timed))]
+                if crawl.timed
+                else []
+            )
             filmed = [
-                (crawl.gait, asked, film.speed_m_s, film.speed_sigma_m_s, film)
+                (crawl.gait, film, film.speed_m_s, film.speed_sigma_m_s, (film.number,))
                 for film in crawl.films
             ]
             # what the model leaves out is the same in all rows of a gait
             model = math.sqrt(len(timed) + len(filmed)) * MODEL_SIGMA
-            rows += [(*row, model) for row in timed + filmed]
-        gaits, asked, speeds, sigmas, films, model = zip(*rows, strict=True) if rows else ((),) * 6
+            rows += [(asked, model, *row) for row in timed + filmed]
+        asked, model, gaits, films, speeds, sigmas, numbers = (
+            zip(*rows, strict=True) if rows else ((),) * 7
+        )
         joints = [GAIN_ELASTICITY * film.gain_sigma if film else 0.0 for film in films]
         off = np.hypot(model, joints) * speeds
         kept = [film for film in films if film]
@@ -66,6 +73,7 @@ class CrawlData:
             np.array([film is not None for film in films], dtype=bool),
             np.array([film.mean_gain for film in kept]),
             np.array([film.gain_sigma for film in kept]),
+            numbers,
         )
 
     def __len__(self) -> int:

@@ -10,11 +10,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...model.particles import Student, tempered
+from ..fitting.posterior import BAD_CHANCE, BAD_WIDTH
 from .adapted import ENOUGH, adapted
 from .data import LEAST_M_S, CrawlData
 from .servos import ServoEffects
@@ -25,6 +27,7 @@ _SHIFTS = np.linspace(-2.5, 2.0, 15)  # of the amplitude, in sigmas: the search 
 _SERVO_CHANGES = 4  # of the likeliest servo, while the likeliest frictions are searched
 POINTS, ROUGH_POINTS, _MOVES = 1024, 256, 2
 _LOG_2PI = math.log(2 * math.pi)
+_EVEN = math.sqrt(2 * math.log((1 / BAD_CHANCE - 1) * BAD_WIDTH) / (1 - BAD_WIDTH**-2.0))
 _NARROW = 0.2  # of a logarithm: frictions that are known so well leave one minimum
 
 
@@ -62,18 +65,40 @@ class Drawn:
     """Points u (N, D) of a posterior and their weights, which sum to 1; the likeliest of all.
 
     evidence: the logarithm of the crawls' likelihood, its mean over what was known before and all
-    servos; that of no residual is 0. best_whole, best_amplitude, best_servo: the likeliest. chi2:
-    there, priors in it.
+    servos; that of no residual is 0. best, best_servo: the likeliest unknowns (D,) and servo.
     """
 
     posterior: Posterior
     u: Array
     weight: Array
     evidence: float
-    best_whole: Array
-    best_amplitude: float
+    best: Array
     best_servo: int
-    chi2: float
+
+    @cached_property
+    def best_whole(self) -> Array:
+        """Return the likeliest frictions (P,)."""
+        return self.posterior.before.whole(self.best[None])[0]
+
+    @property
+    def best_amplitude(self) -> float:
+        """Return the likeliest amplitude of the joints over the commanded one."""
+        return float(self.posterior.before.amplitude(self.best[None])[0])
+
+    @cached_property
+    def misread(self) -> NDArray[np.bool_]:
+        """Return of each crawl's and film's residual whether it is held for misread."""
+        return np.abs(self._rows[: self.posterior.crawls]) > self.posterior.doubted
+
+    @property
+    def chi2(self) -> float:
+        """Return the sum of squares of the others and of priors."""
+        counted = np.delete(self._rows, np.flatnonzero(self.misread))
+        return float(counted @ counted + self.best @ self.best)
+
+    @cached_property
+    def _rows(self) -> Array:
+        return np.asarray(self.posterior.residuals(self.best[None])[0, self.best_servo])
 
     @property
     def effective(self) -> float:
@@ -92,13 +117,24 @@ class Drawn:
 
 
 class Posterior:
-    """Logarithm of the posterior over unknowns u, its minimum, and draws."""
+    """Logarithm of the posterior over unknowns u, its minimum, and draws.
 
-    def __init__(self, data: CrawlData, before: Before, speeds: Speeds, effects: ServoEffects):
+    misread: a reading may be a misreading.
+    """
+
+    def __init__(
+        self,
+        data: CrawlData,
+        before: Before,
+        speeds: Speeds,
+        effects: ServoEffects,
+        misread: bool = False,
+    ):
         self._data, self.before, self._speeds, self._effects = data, before, speeds, effects
         from scipy.special import log_softmax
 
-        self.size = len(before.mean) + 1
+        self.size, self._misread = len(before.mean) + 1, misread
+        self.crawls = len(data) + len(data.gain)
         self._log_weight = log_softmax(np.zeros(len(effects.share)) + effects.log_weight)
 
     def residuals(self, u: Array) -> Array:
@@ -119,7 +155,13 @@ class Posterior:
         further = whole[:, : before.rows.shape[1]] @ before.rows.T + before.values
         shape = (*crawled.shape[:2], further.shape[1])
         beside = np.broadcast_to(further[:, None], shape)
-        return np.concatenate([crawled, swung, beside], axis=2)
+        rows = np.concatenate([crawled, swung], axis=2)
+        return np.concatenate([_in_doubt(rows) if self._misread else rows, beside], axis=2)
+
+    @property
+    def doubted(self) -> float:
+        """Return the residual beyond which a misreading is likelier."""
+        return float(_in_doubt(np.array(_EVEN))) if self._misread else math.inf
 
     def by_servo(self, u: Array) -> Array:
         """Return the logarithm of the posterior with each servo, (K, servos)."""
@@ -194,7 +236,7 @@ class Posterior:
         """Return weighted draws where there is one minimum; points: a power of two."""
         best, servo = self.minimum()
         drawn = adapted(self._about(best), self.log_density, seed, points)
-        return self._drawn(*drawn, best, servo)
+        return Drawn(self, *drawn, best, servo)
 
     def by_particles(self, seed: int, points: int = POINTS) -> Drawn:
         """Return draws by tempered particles that begin as what was known before."""
@@ -202,20 +244,7 @@ class Posterior:
         u = rng.normal(size=(points, self.size))
         u, evidence = tempered(u, _log_normal, self.log_density, rng, _MOVES)
         best, servo = self.minimum(u[np.argmax(self.log_density(u))])
-        return self._drawn(u, np.full(points, 1.0 / points), evidence, best, servo)
-
-    def _drawn(self, u: Array, weight: Array, evidence: float, best: Array, servo: int) -> Drawn:
-        rows = self.residuals(best[None])[0, servo]
-        return Drawn(
-            self,
-            u,
-            weight,
-            evidence,
-            self.before.whole(best[None])[0],
-            float(self.before.amplitude(best[None])[0]),
-            servo,
-            float(rows @ rows + best @ best),
-        )
+        return Drawn(self, u, np.full(points, 1.0 / points), evidence, best, servo)
 
     def draw(self, seed: int, points: int = POINTS) -> Drawn:
         """Return draws of whatever shape."""
@@ -228,3 +257,11 @@ class Posterior:
 
 def _log_normal(u: Array) -> Array:
     return np.asarray(-0.5 * np.sum(u**2 + _LOG_2PI, axis=1))
+
+
+def _in_doubt(rows: Array) -> Array:
+    """Return residuals whose squares say how likely readings are that may be misread."""
+    fine = math.log(1.0 - BAD_CHANCE) - 0.5 * rows**2
+    misread = math.log(BAD_CHANCE / BAD_WIDTH) - 0.5 * (rows / BAD_WIDTH) ** 2
+    most = math.log(1.0 - BAD_CHANCE + BAD_CHANCE / BAD_WIDTH)
+    return np.copysign(np.sqrt(2.0 * np.maximum(most - np.logaddexp(fine, misread), 0.0)), rows)

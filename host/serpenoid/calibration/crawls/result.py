@@ -39,6 +39,7 @@ USUAL, USUAL_N, USUAL_SIGMA = (0.084, 1.2, 0.14, 0.27, 0.084, 0.14), 4.4484, 1.0
 LEAST_GAITS = 4  # alone
 _FOLLOWING = 6  # steps of what follows given frictions
 _FEW = 60.0  # independent draws: fewer make no interval
+_MISREAD = "Crawl(s) {} held for misread: they count next to nothing. Look them up."
 _OPEN = 2.0  # upper end over lower: such a friction is not told
 
 
@@ -49,13 +50,15 @@ def fit_crawls(
     seed: int = 2005,
     speeds: Speeds | None = None,
     effects: ServoEffects | None = None,
+    misread: bool = False,
 ) -> FrictionFit:
     """Fit friction to crawls, with another fit of the session's pushes and stations or without.
 
     The fit's values are the likeliest; intervals and covariance are those of draws, which it keeps.
     other: None where there is nothing else, or pushes and slides that leave frictions open: these
     then count by their chi2. speeds, effects: predict the crawls, and what servos do to them;
-    solved for unless given. Raises BadInput where crawls are too few, NotConverged where draws are.
+    solved for unless given. misread: any crawl may be a misreading. Raises BadInput where crawls
+    are too few, NotConverged where draws are.
     """
     data, open_pushes = CrawlData.of(session), other is None and session.on_floor
     _check(session, data, other)
@@ -81,7 +84,7 @@ def fit_crawls(
             assert servo is not None
             found = _near_servos(data, before, solver, found, robot, servo, seed)
         points = POINTS if last else ROUGH_POINTS
-        drawn = Posterior(data, before, solver, found).draw(seed, points)
+        drawn = Posterior(data, before, solver, found, misread).draw(seed, points)
         at = drawn.best_whole
     assert drawn is not None  # the loop runs once at least
     assert found is not None
@@ -212,15 +215,18 @@ def _result(
     ends = np.stack([np.minimum(ends[0], values), np.maximum(ends[1], values)], axis=1)
     bare = with_values(session, values, np.cov(whole.T), ends)
     common = other or bare
+    doubted = zip(drawn.misread.tolist(), data.numbers, strict=False)
+    outliers = [number for bad, numbers in doubted if bad for number in numbers]
     fit = replace(
         common,
-        method="crawls" if other is None else "joint, with crawls",
+        method="crawls" if other is None else f"{other.method}, with crawls",
         parameters=bare.parameters,
         intervals=bare.intervals,
         covariance=bare.covariance,
         ground=bare.ground,
         chi2=common.chi2 + drawn.chi2,
-        dof=common.dof + len(data) + len(data.gain) + _open_readings(session, other),
+        dof=common.dof + int(np.sum(~drawn.misread)) + _open_readings(session, other),
+        outliers=(*common.outliers, *outliers),
         nuisances=MappingProxyType(
             dict(common.nuisances)
             | {"joint_amplitude": Estimate(drawn.best_amplitude, float(amplitude.std()))}
@@ -230,7 +236,8 @@ def _result(
     )
     alarms = (*_contradicts(fit), *common.alarms)
     kept = [note for note in common.notes if note not in weak_notes(common)]
-    notes = (*_contradicts(fit), *_notes(fit, data), *kept)
+    misread = [_MISREAD.format(", ".join(map(str, outliers)))] if outliers else []
+    notes = (*_contradicts(fit), *_notes(fit, data), *misread, *kept)
     return replace(fit, alarms=alarms, notes=notes)
 
 

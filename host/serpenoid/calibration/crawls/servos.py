@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import islice
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,6 +70,18 @@ class ServoEffects:
     def gains(self, amplitude: Array) -> Array:
         """Return filmed over commanded amplitudes, with common ones (K,): (K, S, films)."""
         return self.amplitude * amplitude[:, None, None] ** (1.0 + self.amplitude_power)
+
+    def some(self, servos: Any, gaits: Any, films: Any) -> ServoEffects:
+        """Return what some of the servos do to some of the gaits and films, by their indices."""
+        by_gait, by_film = np.ix_(servos, gaits), np.ix_(servos, films)
+        return replace(
+            self,
+            servos=tuple(self.servos[k] for k in servos),
+            share=self.share[by_gait],
+            amplitude=self.amplitude[by_film],
+            share_power=np.asarray(self.share_power)[by_gait],
+            amplitude_power=np.asarray(self.amplitude_power)[by_film],
+        )
 
 
 Effects = Callable[[tuple[Servo, ...]], ServoEffects]
