@@ -19,9 +19,8 @@ namespace {
 ServoGaitState servo_gait_of(const Model& m, const Servo& servo, const Vec3& start,
                              const Mat3& monodromy, double longest, bool rough,
                              std::vector<int> watch) {
-    ServoGaitOptions options;
-    options.longest = longest, options.rough = rough, options.watch = std::move(watch);
-    return servo_gait(m.robot, m.ground, m.gait, servo, start, monodromy, options);
+    return servo_gait(m.robot, m.ground, m.gait, servo, start, monodromy, longest, rough,
+                      std::move(watch));
 }
 
 }  // namespace
@@ -47,7 +46,7 @@ void bind_servos(nb::module_& m) {
         .def_ro("gain", &ServoGaitState::gain)
         .def_ro("shift", &ServoGaitState::shift)
         .def_ro("lines", &ServoGaitState::lines)
-        .def_ro("cycles", &ServoGaitState::cycles)
-        .def_ro("converged", &ServoGaitState::converged);
+        .def_ro("converged", &ServoGaitState::converged)
+        .def_ro("hunts", &ServoGaitState::hunts);
     m.def("servo_gait", &servo_gait_of, nb::call_guard<nb::gil_scoped_release>());
 }

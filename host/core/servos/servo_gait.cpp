@@ -6,19 +6,24 @@
 #include <numbers>
 #include <vector>
 
-#include "servos/servo_steps.hpp"
-
 namespace serpenoid {
 
 namespace {
 
-constexpr double kMany = 60;        // frames in a cycle: fewer, and a cut one shows in it
-constexpr double kMostSteps = 1e6;  // in a cycle
-constexpr double kLeast = 2e-3;     // of the speed: an error below it is not claimed
-constexpr double kSwing = 0.7;      // of a loop's quickest swing, rad: a step
-constexpr double kRough = 1e-2;     // of the speed: what a search may leave of the settling
-constexpr double kHunts = 0.05;     // of the speed, by the phase of the frames
-constexpr double kFarthest = 30;    // times the residual: a step of the secant method
+constexpr double kMany = 60;         // frames in a cycle: fewer, and a cut one shows in it
+constexpr double kMostSteps = 1e6;   // in a cycle
+constexpr double kLeast = 2e-3;      // of the speed: an error below it is not claimed
+constexpr double kSwing = 0.7;       // of a loop's quickest swing, rad: a step
+constexpr int kMostCycles = 60;      // to settle in
+constexpr double kNearFixed = 2e-3;  // of the speed: how far from the fixed point it may be
+constexpr double kRough = 1e-2;      // the same in a search
+constexpr int kFinest = 8;           // parts of a step, where the speed hangs on it
+constexpr double kByStep = 1e-2;     // of the speed: by how much it may
+constexpr double kHunts = 0.01;      // of the speed: half its range over the phases of the frames
+constexpr int kForgets = 8;          // cycles in which a loop that hunts leaves its start behind
+constexpr int kFollowed = 12;        // cycles whose mean speed is compared with others'
+constexpr double kOneSpeed = 0.25;   // of the speed: half the range that such means may have
+constexpr double kFarthest = 30;     // times the residual: a step of the secant method
 
 class Settling {
   public:
@@ -28,10 +33,10 @@ class Settling {
     }
 
     // Take cycles until the next step of the method changes less than a part of the speed.
-    bool run(double part, int most) {
+    bool run(double part) {
         steps_.cycle();  // the joints forget their start
         Vec3 r{}, d{};
-        for (cycles = 1; cycles <= most; ++cycles) {
+        for (int cycles = 1; cycles <= kMostCycles; ++cycles) {
             const Vec3 from = state();
             steps_.body(last.data());
             steps_.shift_frames(0.5);
@@ -50,7 +55,6 @@ class Settling {
         }
         return false;
     }
-    int cycles = 0;
     double left = 0;  // m/s
     Vec3 last{};      // the body's state before the last cycle
 
@@ -87,88 +91,114 @@ class Settling {
     Mat3 B_;
 };
 
-// Mean and range of the speeds of cycles.
+// Mean and range of the speeds of cycles; gains and shifts are those of the last one.
 class Mean {
   public:
-    void add(const ServoSteps::Path& p) {
-        low_ = count_ == 0 ? p.speed : std::min(low_, p.speed);
-        high_ = count_ == 0 ? p.speed : std::max(high_, p.speed);
+    using Path = ServoSteps::Path;
+    void add(const Path& p) {
+        low = std::min(low, p.speed), high = std::max(high, p.speed);
         ++count_;
-        sum_.speed += p.speed, sum_.turn += p.turn, sum_.power += p.power;
-        sum_.amplitude += p.amplitude, sum_.lag += p.lag, sum_.ripple += p.ripple;
+        for (double Path::* value : kValues) sum_.*value += p.*value;
         sum_.gain = p.gain, sum_.shift = p.shift;
     }
-    void report(ServoGaitState& to) const {
-        to.gain = sum_.gain, to.shift = sum_.shift;
-        to.speed = sum_.speed / count_, to.turn = sum_.turn / count_;
-        to.power = sum_.power / count_, to.amplitude = sum_.amplitude / count_;
-        to.lag = sum_.lag / count_, to.ripple = sum_.ripple / count_;
-        to.spread = 0.5 * (high_ - low_);
+    Path path() const {
+        Path mean = sum_;
+        for (double Path::* value : kValues) mean.*value /= count_;
+        return mean;
     }
-    double speed() const { return sum_.speed / count_; }
+    void report(ServoGaitState& to) const {
+        static_cast<Path&>(to) = path(), to.spread = 0.5 * (high - low);
+    }
+    double low = INFINITY, high = 0;
 
   private:
-    ServoSteps::Path sum_;
-    double low_ = 0, high_ = 0;
+    static constexpr double Path::* kValues[] = {&Path::speed,     &Path::turn, &Path::power,
+                                                 &Path::amplitude, &Path::lag,  &Path::ripple};
+    Path sum_;
     int count_ = 0;
 };
 
-// Cycles whose frames begin `phases` parts of a frame after one another.
-Mean measure(ServoSteps& steps, int phases, bool forget) {
-    Mean mean;
-    for (int j = 0; j < phases; ++j) {
-        steps.shift_frames(0.5 + static_cast<double>(j) / phases);
-        if (forget) steps.cycle();
-        steps.cycle();
-        mean.add(steps.path());
+// The cycles to take from one phase of the frames after another.
+struct Plan {
+    int phases, forget, keep;
+};
+struct Measured {
+    Mean cycles, phases;
+};
+Measured measure(ServoSteps& steps, const Plan& plan) {
+    Measured to;
+    for (int j = 0; j < plan.phases; ++j) {
+        Mean phase;
+        steps.shift_frames(0.5 + static_cast<double>(j) / plan.phases);
+        for (int k = 0; k < plan.forget; ++k) steps.cycle();
+        for (int k = 0; k < plan.keep; ++k) {
+            steps.cycle();
+            phase.add(steps.path()), to.cycles.add(steps.path());
+        }
+        to.phases.add(phase.path());
     }
-    return mean;
+    return to;
+}
+
+// A loop that hunts remembers more than a cycle, so frames and gait go on as they would from each
+// of four phases. Where their mean speeds, or those by longer steps or of single cycles, are far
+// apart, there is no one speed, but a range. `at`: measures and reports.
+template <class At>
+void follow(const At& at, double least, ServoGaitState& out) {
+    double low = out.speed, high = out.speed, apart = 0;
+    for (int split : {1, 2}) {
+        const double before = out.speed;
+        const Mean phases = at(split, {4, kForgets, kFollowed});
+        low = std::min(low, phases.low), high = std::max(high, phases.high);
+        apart = std::hypot(out.speed - before, phases.high - phases.low);
+    }
+    out.error = 2 * apart + kHunts * out.speed;
+    out.hunts = 0.5 * (high - low) > kOneSpeed * std::max(out.speed, least);
+    if (!out.hunts) return;
+    out.converged = false;
+    out.speed = 0.5 * (low + high), out.spread = out.error = 0.5 * (high - low);
 }
 
 }  // namespace
 
 ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& gait,
                           const Servo& servo, const Vec3& start, const Mat3& monodromy,
-                          const ServoGaitOptions& options) {
+                          double longest, bool rough, std::vector<int> watch) {
     const double least = 1e-4 * gait.omega * robot.n * 2 * robot.l;
-    const double frames = 2 * std::numbers::pi / (gait.omega * servo.frame);
+    const double T = 2 * std::numbers::pi / gait.omega;
     // the loop's spring is explicit in a step: its quickest swing bends the lightest joint alone
     const double swing = std::sqrt(servo.stiffness / (servo.armature + robot.I / 8));
-    const double longest = std::min(options.longest, kSwing / swing);
+    longest = std::min(longest, kSwing / swing);
     ServoGaitState out;
-    if (2 * std::numbers::pi / (gait.omega * longest) > kMostSteps) return out;
+    out.speed = NAN;
+    if (T > kMostSteps * longest) return out;
     ServoSteps steps(robot, ground, gait, servo, longest);
     steps.start(start[0], start[1], start[2]);
     Settling settling(steps, robot, monodromy, least);
-    out.converged = settling.run(options.rough ? kRough : options.settled, options.most_cycles);
-    out.cycles = settling.cycles;
-    const bool few = frames < kMany;
-    const int most = options.rough ? (options.phases + 1) / 2 : options.phases;
-    const int phases = few ? most : (most + 1) / 2;
+    out.converged = settling.run(rough ? kRough : kNearFixed);
+    const bool few = T < kMany * servo.frame;
+    const int phases = (few ? 4 : 2) / (rough ? 2 : 1);  // of the frames in the gait
     steps.set_body(settling.last.data());
     // Steps end at frames and looks of the loop, so a shorter limit alone may change little: each
     // step is cut in two.
-    const auto at = [&](int split) {
+    const auto at = [&](int split, const Plan& plan) {
         ServoSteps again = steps;
-        again.take_steps(2 * longest, split), again.watch(options.watch);
-        const Mean mean = measure(again, phases, few);
-        out.lines = again.lines();
-        return mean;
+        again.take_steps(2 * longest, split), again.watch(watch);
+        const Measured found = measure(again, plan);
+        found.cycles.report(out), out.lines = again.lines();
+        return found.phases;
     };
-    int split = 2;
-    Mean coarse = at(1);
-    coarse.report(out), out.error = NAN;
-    if (options.rough) return out;
-    Mean fine = at(split);
-    double by_step = fine.speed() - coarse.speed();
-    for (int finer = 0; finer < options.most_halvings; ++finer) {
-        if (std::fabs(by_step) <= options.rtol * std::max(fine.speed(), least)) break;
-        coarse = fine, fine = at(split *= 2), by_step = fine.speed() - coarse.speed();
+    const Plan plan{phases, few, 1};
+    at(1, plan), out.error = NAN;
+    if (rough) return out;
+    if (out.spread > kHunts * std::max(out.speed, least)) return follow(at, least, out), out;
+    double by_step = HUGE_VAL;
+    for (int split = 2; split <= kFinest; split *= 2) {
+        if (std::fabs(by_step) <= kByStep * std::max(out.speed, least)) break;
+        const double coarse = out.speed;
+        at(split, plan), by_step = out.speed - coarse;
     }
-    fine.report(out);
-    // A loop that hunts has states of its own, and the phases need not find the one that it takes.
-    const bool hunts = out.spread > kHunts * out.speed;
-    const double by_phase = hunts ? out.spread : out.spread / std::sqrt(3.0 * phases);
+    const double by_phase = out.spread / std::sqrt(3.0 * phases);
     // twice their sum of squares, and two thousandths: holds 95 % of 300 random cases
     const double apart = std::hypot(by_step, by_phase, settling.left);
     out.error = 2 * apart + kLeast * out.speed;

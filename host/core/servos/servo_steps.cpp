@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 #include "numerics/cholesky.hpp"
@@ -45,8 +44,8 @@ ServoSteps::ServoSteps(const Robot& robot, const Ground& ground, const Gait& gai
       still_(n_ - 1),
       slope_(n_ - 1),
       gap_(n_ - 1),
-      tick_(servo.update_hz > 0 ? 1 / servo.update_hz : 0),
-      wave_(2 * (n_ - 1)) {
+      tick_(servo.update_hz > 0 ? 1 / servo.update_hz : 0) {
+    watch({});
     // centres from that of link 1 in half lengths of links, then from their mean
     for (int i = 1; i < n_; ++i)
         for (int j = 0; j <= i; ++j) lever_[i * n_ + j] = j == 0 || j == i ? 1 : 2;
@@ -70,7 +69,6 @@ ServoSteps::ServoSteps(const Robot& robot, const Ground& ground, const Gait& gai
 }
 
 void ServoSteps::start(double vx, double vy, double rate) {
-    std::fill(theta_.begin(), theta_.end(), 0.0);
     u_[2] = rate;
     for (int i = 0; i + 1 < n_; ++i) {
         const GaitTable::Joint j = table_.at(i, 0.0, 1.0);
@@ -83,29 +81,27 @@ void ServoSteps::start(double vx, double vy, double rate) {
     shift_frames(0.5);
 }
 
-double ServoSteps::momentum() const {
+// With these rates of the links.
+double ServoSteps::momentum(const double* rate) const {
     double sum = 0;
     for (int i = 0; i < n_; ++i) {
-        sum += robot_.I * u_[i + 2];
+        sum += robot_.I * rate[i];
         for (int j = 0; j < n_; ++j)
-            sum += inertia_[i * n_ + j] * std::cos(theta_[i] - theta_[j]) * u_[j + 2];
+            sum += inertia_[i * n_ + j] * std::cos(theta_[i] - theta_[j]) * rate[j];
     }
     return sum;
 }
 
 void ServoSteps::body(double* v) const {
     const double c = std::cos(theta_[0]), s = std::sin(theta_[0]);
-    v[0] = c * u_[0] + s * u_[1], v[1] = c * u_[1] - s * u_[0], v[2] = momentum();
+    v[0] = c * u_[0] + s * u_[1], v[1] = c * u_[1] - s * u_[0], v[2] = momentum(&u_[2]);
 }
 
 void ServoSteps::set_body(const double* v) {
     const double c = std::cos(theta_[0]), s = std::sin(theta_[0]);
     u_[0] = c * v[0] - s * v[1], u_[1] = s * v[0] + c * v[1];
-    double whole = n_ * robot_.I;
-    for (int i = 0; i < n_; ++i)
-        for (int j = 0; j < n_; ++j)
-            whole += inertia_[i * n_ + j] * std::cos(theta_[i] - theta_[j]);
-    const double turn = (v[2] - momentum()) / whole;
+    const std::vector<double> ones(n_, 1.0);
+    const double turn = (v[2] - momentum(&u_[2])) / momentum(ones.data());
     for (int i = 0; i < n_; ++i) u_[i + 2] += turn;
     before_ = u_;
 }
@@ -140,7 +136,6 @@ void ServoSteps::cycle() {
     const double T = 2 * std::numbers::pi / gait_.omega, heading = theta_[0];
     path_ = {}, squares_ = work_ = 0;
     samples_.clear();
-    std::fill(wave_.begin(), wave_.end(), 0.0);
     std::fill(lines_.begin(), lines_.end(), 0.0);
     for (t_ = 0; t_ < T - 1e-9 * servo_.frame;) {
         enter();
@@ -303,12 +298,8 @@ void ServoSteps::push() {
     right_ = free_;
     resting_.clear();
     for (Contact& c : contact_) {
-        if (!c.dry()) continue;
-        if (c.mode == 0) {
-            resting_.push_back(&c);
-            continue;
-        }
-        add(right_.data(), size_, c.impulse, c.row.data());
+        if (c.dry() && c.mode == 0) resting_.push_back(&c);
+        if (c.dry() && c.mode != 0) add(right_.data(), size_, c.impulse, c.row.data());
     }
     forward(mass_.data(), size_, right_.data());
     hold();
@@ -386,10 +377,8 @@ bool ServoSteps::turn_round(double h) {
 void ServoSteps::tally(double h) {
     const double middle = t_ + 0.5 * h, phase = gait_.omega * middle;
     samples_.push_back({middle, h, 0.5 * (before_[0] + u_[0]), 0.5 * (before_[1] + u_[1])});
-    const double s = h * std::sin(phase), c = h * std::cos(phase);
     for (int i = 0; i + 1 < n_; ++i) {
         const double rate = 0.5 * (joint(before_, i) + joint(u_, i));
-        wave_[2 * i] += c * rate, wave_[2 * i + 1] += s * rate;
         squares_ += h * rate * rate;
         const double turns = 0.5 * (rotor(before_, i) + rotor(u_, i));
         work_ += h * (still_[i] - slope_[i] * turns) * turns;
@@ -409,6 +398,7 @@ void ServoSteps::tally(double h) {
 
 void ServoSteps::watch(std::vector<int> harmonics) {
     watched_ = std::move(harmonics);
+    watched_.insert(watched_.begin(), 1);
     lines_.assign(2 * (n_ - 1) * watched_.size(), 0.0);
 }
 
@@ -416,7 +406,7 @@ std::vector<double> ServoSteps::lines() const {
     const double T = 2 * std::numbers::pi / gait_.omega;
     const int each = 2 * (n_ - 1);
     std::vector<double> rms;
-    for (std::size_t k = 0; k < watched_.size(); ++k) {
+    for (std::size_t k = 1; k < watched_.size(); ++k) {
         const double* line = &lines_[k * each];
         rms.push_back(std::sqrt(2 * dot(line, line, each) / (n_ - 1)) / T);
     }
@@ -435,7 +425,7 @@ void ServoSteps::finish(double turn) {
     path_.gain.assign(n_ - 1, 1.0), path_.shift.assign(n_ - 1, 0.0);
     for (int i = 0; i + 1 < n_; ++i) {
         // rates a cos + b sin, over those of the gait: omega alpha gain cos(phase + lead)
-        const double a = wave_[2 * i] * 2 / T, b = wave_[2 * i + 1] * 2 / T;
+        const double a = lines_[2 * i] * 2 / T, b = lines_[2 * i + 1] * 2 / T;
         const double want = gait_.omega * gait_.alpha;
         const double cosine = want * table_.cosine(i), sine = -want * table_.sine(i);
         const double with = a * cosine + b * sine, beside = b * cosine - a * sine;

@@ -86,7 +86,7 @@ class ServoSteps {
     void setpoints(double t);
     void tally(double h);
     void finish(double turn);
-    double momentum() const;
+    double momentum(const double* rate) const;
 
     Robot robot_;
     Ground ground_;
@@ -113,9 +113,8 @@ class ServoSteps {
         double t, h, vx, vy;
     };
     std::vector<Sample> samples_;
-    std::vector<double> wave_;  // sums of cos, sin by joint
-    std::vector<int> watched_;
-    std::vector<double> lines_;  // the same by watched harmonic and joint
+    std::vector<int> watched_;   // the first harmonic and those asked for
+    std::vector<double> lines_;  // sums of cos, sin by watched harmonic and joint
     double squares_ = 0, work_ = 0;
     Path path_;
 };

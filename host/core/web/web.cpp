@@ -100,10 +100,8 @@ int serpenoid_servo(const double* ask, const double* servo, double longest, doub
         const SteadyState ideal = steady_state(s, {kServoRtol, false});
         Servo of;
         each_servo_field([&](const char*, double Servo::* field) { of.*field = *servo++; });
-        ServoGaitOptions options;
-        options.longest = longest;
         const ServoGaitState found =
-            servo_gait(s.robot, s.ground, s.gait, of, ideal.start, ideal.monodromy, options);
+            servo_gait(s.robot, s.ground, s.gait, of, ideal.start, ideal.monodromy, longest);
         const double values[] = {found.speed, found.spread, found.error, found.amplitude,
                                  found.lag};
         std::copy(std::begin(values), std::end(values), to);

@@ -268,12 +268,10 @@ def moved_by(ideal: Steady, servo: Servo, seen: bool, rough: bool = False) -> tu
     speed is held to that of ideal joints which make the same ones.
     """
     moved = servo_state(ideal, servo, rough)
-    speed_m_s = ideal.speed_m_s
     if seen:
         made = as_made(ideal.gait, moved)
-        found = steady_gait(ideal.robot, ideal.ground, made, rtol=1e-3, powers=False)
-        speed_m_s = found.speed_m_s
-    return moved.speed / max(speed_m_s, 1e-9), moved.amplitude
+        ideal = steady_gait(ideal.robot, ideal.ground, made, rtol=1e-3, powers=False)
+    return moved.speed / max(ideal.speed_m_s, 1e-9), moved.amplitude
 
 
 def as_made(gait: Gait, moved: Any) -> Gait:
@@ -295,7 +293,7 @@ def servo_speeds(pairs: Iterable[tuple[Steady, Servo]], rough: bool = False) -> 
     from concurrent.futures import ThreadPoolExecutor  # slow to import
 
     with ThreadPoolExecutor() as pool:
-        found = pool.map(lambda pair: servo_speed(pair[0], pair[1], rough), list(pairs))
+        found = pool.map(lambda pair: servo_speed(*pair, rough), pairs)
         return np.fromiter(found, float)
 
 
@@ -374,6 +372,14 @@ def with_servo(ideal: Steady, servo: Servo | ServoKind, draws: int = DRAWS) -> S
     )
     if s.converged:
         return found
+    if s.hunts:
+        raise NotConverged(
+            f"speed not defined: the servos' loops hunt, and {ideal.gait} moves at "
+            f"{s.speed - s.spread:.2g} to {s.speed + s.spread:.2g} m/s, by how it begins "
+            "(the middle is this exception's `best`); use servos with more damping, or a gait "
+            "that asks less of them",
+            best=found,
+        )
     raise NotConverged(
         f"the motion of {ideal.gait} with servos does not settle to a speed: the best is "
         f"{s.speed:.6g} m/s (it is this exception's `best`); follow it in time with simulate, "

@@ -28,23 +28,33 @@ GAIT = sn.Gait(math.radians(70), math.radians(75), math.tau * 0.5)
 VISCOUS = sn.Ground(0.1, 1.0)
 
 
+def solved(seed: int) -> sn.ServoSteady:
+    robot, ground, gait, servo = drawn_case(seed)
+    return sn.steady_gait(robot, ground, gait, rtol=1e-4, servo=servo)
+
+
 @pytest.mark.parametrize("seed", [4, 11, 14, 21, 28, 34])
 def test_the_speed_is_that_of_the_full_simulation(seed: int) -> None:
     """Other coordinates, other steps, other contacts: what both share is the servo's law alone."""
-    robot, ground, gait, servo = drawn_case(seed)
-    found = sn.steady_gait(robot, ground, gait, rtol=1e-4, servo=servo)
-    speeds, _ = full_speeds(found.ideal, servo, keep=4)
+    found = solved(seed)
+    speeds, _ = full_speeds(found.ideal, drawn_case(seed)[3], keep=4)
     assert found.speed_m_s == pytest.approx(speeds.mean(), rel=0.01)
     assert found.error_estimate < 0.05
 
 
-def test_a_creeping_robot_has_an_honest_error() -> None:
-    """A five-hundredth of what the joints could give: lengths of steps once agreed by chance."""
-    robot, ground, gait, servo = drawn_case(2198)
-    found = sn.steady_gait(robot, ground, gait, rtol=1e-4, servo=servo)
-    speeds, _ = full_speeds(found.ideal, servo, keep=4)
+@pytest.mark.parametrize(("seed", "keep"), [(2198, 4), (4096, 24)])
+def test_what_is_hard_to_tell_has_an_honest_error(seed: int, keep: int) -> None:
+    """A five-hundredth of what the joints could give; loops whose hunting outlasts a cycle."""
+    found = solved(seed)
+    speeds, _ = full_speeds(found.ideal, drawn_case(seed)[3], keep)
     assert found.speed_m_s == pytest.approx(speeds.mean(), rel=0.02)
     assert abs(found.speed_m_s / speeds.mean() - 1) < found.error_estimate < 0.05
+
+
+def test_a_speed_that_hangs_on_the_start_is_none() -> None:
+    """Full simulations go on at 0.004 or 0.021 m/s, by the phase of the frames alone."""
+    with pytest.raises(sn.NotConverged, match=r"not defined.* at 0\.004\d? to 0\.021 m/s"):
+        solved(4269)
 
 
 def test_what_a_servo_makes_of_each_joint_is_what_the_full_simulation_shows() -> None:
@@ -233,14 +243,11 @@ def test_the_power_is_what_the_full_simulation_gives_the_joints() -> None:
 
 
 def test_the_spread_is_that_of_a_full_simulations_cycles() -> None:
-    """Half their range: frames begin elsewhere in each cycle. The claimed error has its share."""
+    """Half their range: frames begin elsewhere in each cycle."""
     quick = replace(GAIT, omega_rad_s=math.tau * 1.3)
     found = sn.steady_gait(ROBOT, GROUND, quick, rtol=1e-3, servo=sn.Servo())
     speeds, _ = full_speeds(found.ideal, sn.Servo(), keep=16, seconds=4)
     assert 0.6 < found.spread_m_s / (0.5 * np.ptp(speeds)) < 1.2
-    faster = replace(GAIT, omega_rad_s=math.tau * 2.3)
-    found = sn.steady_gait(ROBOT, GROUND, faster, rtol=1e-3, servo=sn.Servo())
-    assert found.error_estimate * found.speed_m_s > 2 * found.spread_m_s / math.sqrt(12)
 
 
 def test_an_exact_servos_band_is_its_spread_over_the_frames() -> None:

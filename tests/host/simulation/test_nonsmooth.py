@@ -28,12 +28,6 @@ SOFT = sn.Scene(
 )
 
 
-def slips(run: sn.Run, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Return a vector of every link along and across it, (T, n, 2)."""
-    c, s = np.cos(run.theta_rad), np.sin(run.theta_rad)
-    return np.stack([c * x + s * y, -s * x + c * y], axis=2)
-
-
 def sliding_rod(v0: float, pull: float, kappa: float, mu: float, t: float) -> float:
     """Return the speed at t of v' = pull - kappa v - mu sgn v from v0 > 0, pull < 0."""
     rest = (mu - pull) / kappa
@@ -76,11 +70,11 @@ def test_thrown_uphill_it_stops_and_stays_or_slides_back(formulation: str, incli
     run = sn.simulate(scene)
     m, pull = OF_2005.link_mass_kg, -9.80665 * math.sin(incline)
     wanted = [sliding_rod(0.5, pull, BINGHAM.ct / m, BINGHAM.ft0 / m, t) for t in run.t_s]
-    along = slips(run, run.vx_m_s, run.vy_m_s)[:, :, 0]
+    along = tc.slips(run, run.vx_m_s, run.vy_m_s)[:, :, 0]
     # rounding; the explicit run lands on the stop within its tolerance
     within = 1e-12 if formulation == "implicit" else 1e-8
     assert along == pytest.approx(np.outer(wanted, np.ones(6)), abs=within)
-    grip = slips(run, run.friction_x_n, run.friction_y_n)[-1, :, 0]
+    grip = tc.slips(run, run.friction_x_n, run.friction_y_n)[-1, :, 0]
     stays = incline < 0.1
     assert (wanted[-1] == 0) == stays
     holds = -m * pull if stays else BINGHAM.ft0 - BINGHAM.ct * wanted[-1]
@@ -106,8 +100,8 @@ def test_a_wheel_at_rest_is_at_rest() -> None:
     """No creep: what the ground holds has no speed beyond rounding, and its force obeys the law."""
     scene = replace(SOFT, gait=replace(GAIT, omega_rad_s=1.0), duration_s=3.0)
     run = sn.simulate(replace(scene, record=("friction", "joints")))
-    slip = slips(run, run.vx_m_s, run.vy_m_s)
-    force = slips(run, run.friction_x_n, run.friction_y_n)
+    slip = tc.slips(run, run.vx_m_s, run.vy_m_s)
+    force = tc.slips(run, run.friction_x_n, run.friction_y_n)
     viscous, dry = np.array([BINGHAM.ct, BINGHAM.cn]), np.array([BINGHAM.ft0, BINGHAM.fn0])
     rests = np.abs(slip) < 1e-15
     assert 0.3 < rests[:, :, 1].mean() < 0.7
@@ -134,7 +128,7 @@ def test_explicit_forces_are_those_of_the_reference() -> None:
     world = tc.world(scene)
     pieces = list(contact_modes.pieces(world, tc.packed(run.state(0)), 2.0, rtol=1e-10))
     jumps = [a[0] for a, b in pairwise(pieces) if a[2] is not b[2]]
-    friction = slips(run, run.friction_x_n, run.friction_y_n)
+    friction = tc.slips(run, run.friction_x_n, run.friction_y_n)
     checked = 0
     for k, t in enumerate(run.t_s):
         if np.abs(np.array(jumps) - t).min() < 1e-4:

@@ -287,3 +287,9 @@ def _gear(robot: sn.Robot, limit_nm: float, rng: Generator) -> dict[str, float]:
         "supply_sag": float(rng.choice([0, 0.05])),
         "dead_band_rad": float(rng.choice([0, 0.01, 0.03])),
     }
+
+
+def slips(run: sn.Run, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Return a vector of every link along and across it, (T, n, 2)."""
+    c, s = np.cos(run.theta_rad), np.sin(run.theta_rad)
+    return np.stack([c * x + s * y, -s * x + c * y], axis=2)

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
+#include <utility>
 
 namespace serpenoid {
 
@@ -21,64 +23,75 @@ void ModeSteps::restart(double t, const double* y) {
     std::copy_n(y, y_.size(), y_.begin());
     modes_.find(t, y_.data());
     smooth_->restart(t, y_.data());
-    t_ = t, ends_ = margins_known_ = false;
+    t_ = t, ends_ = false, last_.reset();
 }
 
-const std::vector<double>& ModeSteps::margins(double t) {
+ModeSteps::Look ModeSteps::look(double t) {
+    Look at{t, {}};
     smooth_->dense(t, look_.data());
-    modes_.margins(t, look_.data(), margin_);
-    return margin_;
+    modes_.margins(t, look_.data(), at.margin);
+    return at;
 }
 
-static bool any_ended(const std::vector<double>& margin) {
+bool ModeSteps::Look::ended() const {
     return std::any_of(margin.begin(), margin.end(), [](double m) { return m < 0; });
 }
 
 // The first instant after an end: false position for the first part to end, halving in between.
-double ModeSteps::end_of_mode(double from, double to) {
-    for (int look = 0; look < 100; ++look) {
+double ModeSteps::end_of_mode(Look from, Look to) {
+    for (int looks = 0; looks < 100; ++looks) {
         double first = 1, deepest = 0;
-        for (std::size_t i = 0; i < after_.size(); ++i) {
-            if (!(after_[i] < 0)) continue;
-            deepest = std::min(deepest, after_[i]);
-            const double above = std::max(before_[i], 0.0);
-            first = std::min(first, (above + 0.5) / (above - after_[i]));
+        for (std::size_t i = 0; i < to.margin.size(); ++i) {
+            if (!(to.margin[i] < 0)) continue;
+            deepest = std::min(deepest, to.margin[i]);
+            const double above = std::max(from.margin[i], 0.0);
+            first = std::min(first, (above + 0.5) / (above - to.margin[i]));
         }
-        if (deepest >= -1 || to - from <= shortest_) break;
-        const double part = look % 3 == 2 ? 0.5 : std::clamp(first, 1e-9, 1 - 1e-9);
-        const double at = from + part * (to - from);
-        if (!(at > from && at < to)) break;
-        margins(at);
-        if (any_ended(margin_))
-            to = at, after_ = margin_;
-        else
-            from = at, before_ = margin_;
+        if (deepest >= -1 || to.t - from.t <= shortest_) break;
+        const double part = looks % 3 == 2 ? 0.5 : std::clamp(first, 1e-9, 1 - 1e-9);
+        const double t = from.t + part * (to.t - from.t);
+        if (!(t > from.t && t < to.t)) break;
+        Look at = look(t);
+        (at.ended() ? to : from) = std::move(at);
     }
-    return to;
+    return to.t;
 }
 
-// Look at a step for the first end of a mode; if there is one, t_ is set to it.
+// Look between b and c for a mode that ends and begins again: a margin falls before them and rises
+// after them, and the lines through a, b and c, d meet below 0. If there is one, t_ is set to its
+// end.
+bool ModeSteps::dips(const Look& a, const Look& b, const Look& c, const Look& d, int halvings) {
+    bool low = false;
+    for (std::size_t i = 0; i < b.margin.size() && halvings > 0; ++i) {
+        const double falls = (b.margin[i] - a.margin[i]) / (b.t - a.t);
+        const double rises = (d.margin[i] - c.margin[i]) / (d.t - c.t);
+        const double above = b.margin[i] - c.margin[i] + rises * (c.t - b.t);
+        low |= falls < 0 && rises > 0 && b.margin[i] * (rises - falls) + falls * above < 0;
+    }
+    if (!low) return false;
+    const Look middle = look(0.5 * (b.t + c.t));
+    if (!middle.ended())
+        return dips(a, b, middle, c, halvings - 1) || dips(b, middle, c, d, halvings - 1);
+    t_ = end_of_mode(b, middle);
+    return true;
+}
+
+// Look at a step for the first end of a mode; if there is one, t_ is set to it. The looks are
+// closer at both ends of the step, where there is no other beside them on one side.
 bool ModeSteps::ends_between(double from, double to) {
-    if (!margins_known_) before_ = margins(from);
-    margins_known_ = true;
+    std::vector<Look> looks{last_ ? *std::exchange(last_, {}) : look(from)};
     for (int k = 1; k <= kLooks; ++k) {
-        const double at = k == kLooks ? to : from + (to - from) * k / kLooks;
-        after_ = margins(at);
-        if (any_ended(after_)) {
-            t_ = end_of_mode(from + (to - from) * (k - 1) / kLooks, at);
+        const double part = 0.5 - 0.5 * std::cos(std::numbers::pi * k / kLooks);
+        looks.push_back(look(k == kLooks ? to : from + (to - from) * part));
+        if (k > 2 && dips(looks[k - 3], looks[k - 2], looks[k - 1], looks[k], kHalvings))
+            return true;
+        if (looks[k].ended()) {
+            t_ = end_of_mode(looks[k - 1], looks[k]);
             return true;
         }
-        before_ = after_;
     }
+    last_ = std::move(looks.back());
     return false;
-}
-
-// From the start of the next mode, in steps as long as the last ones would have been.
-void ModeSteps::go_on() {
-    if (smooth_ == &stiff_)
-        stiff_.begin(t_, y_.data(), stiff_.next_step());
-    else
-        explicit_.go_on(t_, y_.data());
 }
 
 // After explicit steps that had to follow fast decays more often than not, the run goes on in
@@ -99,8 +112,12 @@ StepOutcome ModeSteps::step(double t_limit) {
             return {false, "the wheels stick and slip too often to be followed"};
         ended_ = t_;
         modes_.find(t_, y_.data());
-        margins_known_ = false;
-        go_on();
+        last_.reset();
+        // in steps as long as the last ones would have been
+        if (smooth_ == &stiff_)
+            stiff_.begin(t_, y_.data(), stiff_.next_step());
+        else
+            explicit_.go_on(t_, y_.data());
     }
     const double from = t_;
     const StepOutcome out = smooth_->step(t_limit);

@@ -5,6 +5,7 @@
 // output, and the next step starts from it in the modes that follow.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "methods/adaptive/dop853.hpp"
@@ -30,15 +31,21 @@ class ModeSteps final : public Method {
     double local_error() const override { return smooth_->local_error(); }
 
   private:
-    static constexpr int kLooks = 8;  // at a step, for the end of a mode in it
+    static constexpr int kLooks = 7;      // at a step, for the end of a mode in it
+    static constexpr int kHalvings = 10;  // between two looks, for a margin's least value
     static constexpr int kMostAtOnce = 300;
     static constexpr int kStiffSteps = 12;
     static constexpr double kNothing = 1e3;  // times shortest: between two ends at once
-    void go_on();
+    struct Look {
+        double t;
+        std::vector<double> margin;
+        bool ended() const;
+    };
     void look_for_stiffness();
     bool ends_between(double from, double to);
-    double end_of_mode(double from, double to);
-    const std::vector<double>& margins(double t);
+    bool dips(const Look& a, const Look& b, const Look& c, const Look& d, int halvings);
+    double end_of_mode(Look from, Look to);
+    Look look(double t);
 
     Modes& modes_;
     Dop853 explicit_;
@@ -48,9 +55,9 @@ class ModeSteps final : public Method {
     int stiff_steps_ = 0;
     double shortest_, t_ = 0, ended_ = 0;
     int at_once_ = 0;
-    bool ends_ = false;           // the mode, at t_
-    bool margins_known_ = false;  // at the start of the next step
-    std::vector<double> y_, look_, before_, after_, margin_;
+    bool ends_ = false;         // the mode, at t_
+    std::optional<Look> last_;  // of the step before, in the same mode
+    std::vector<double> y_, look_;
 };
 
 }  // namespace serpenoid

@@ -48,14 +48,18 @@ void StiffSteps::begin(double t, const double* y, double first_step) {
 
 // Move of the rates over h seconds by one implicit Euler step.
 StiffSteps::Vector StiffSteps::push(double h) {
+    Vector move;
+    for (const Entry& e : entry_) move.push_back(h * start_rate_[e.rate]);
+    if (factor_filter(h)) filter_.solve(move);
+    return move;
+}
+
+bool StiffSteps::factor_filter(double h) {
     const int m = unknowns();
-    Vector move(m);
     Vector& A = filter_.begin(m);
     for (int r = 0; r < m; ++r)
         for (int c = 0; c < m; ++c) A[r * m + c] = (r == c) - h * slopes_[0].by_rate[r * m + c];
-    for (int r = 0; r < m; ++r) move[r] = h * start_rate_[entry_[r].rate];
-    if (filter_.factor()) filter_.solve(move);
-    return move;
+    return filter_.factor();
 }
 
 // A mode may begin with a fast decay, which steps must follow while it is larger than the
@@ -214,7 +218,6 @@ double StiffSteps::error(double h) {
     const Rule& rule = Rule::get();
     const int m = unknowns();
     const double b = h * rule.bump_height;
-    Vector& A = filter_.begin(m);
     defect_.resize(m);
     double most = 0;
     for (int r = 0; r < m; ++r) {
@@ -226,9 +229,8 @@ double StiffSteps::error(double h) {
         }
         most = std::max(most, b * std::fabs(rate - y_[e.rate]) * weight_[e.place]);
         defect_[r] = b * (slope - start_rate_[e.rate]);
-        for (int c = 0; c < m; ++c) A[r * m + c] = (r == c) - b * slopes_[0].by_rate[r * m + c];
     }
-    if (!filter_.factor()) return HUGE_VAL;
+    if (!factor_filter(b)) return HUGE_VAL;
     filter_.solve(defect_);
     for (int r = 0; r < m; ++r)
         most = std::max(most, std::fabs(defect_[r]) * weight_[entry_[r].rate]);

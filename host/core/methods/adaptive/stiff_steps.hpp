@@ -54,6 +54,7 @@ class StiffSteps final : public Method {
     Vector push(double h);
     double in_fast_decay(double h);
     bool factor(double h);
+    bool factor_filter(double h);  // 1 - h slopes_[0].by_rate
     double iterate(double h, bool first, bool anew);
     bool solve(double h);
     double error(double h);

@@ -32,6 +32,7 @@ constexpr const char* kNoAccuracy = "its error stays above the tolerance, howeve
 
 using Vector = std::vector<double>;
 using Moments = std::array<Vector, kMoments>;
+using Weights = std::array<double, kMoments>;  // of the moments
 
 template <class Model>
 class Radau final : public Method {
@@ -106,27 +107,28 @@ class Radau final : public Method {
 
     // Through the stages: of order 3, as the error estimate is.
     void dense(double t, double* y) const override {
-        const std::array<double, 4> w = weights((t - from_) / last_);
-        const auto mean = [&w](const Moments& m, std::size_t j) {
-            return w[0] * m[0][j] + w[1] * m[1][j] + w[2] * m[2][j] + w[3] * m[3][j];
-        };
+        const Weights w = weights((t - from_) / last_);
         for (int j = 0; j < dim_; ++j)
-            dense_q_[j] = mean(past_q_, j), dense_v_[j] = mean(past_v_, j);
+            dense_q_[j] = mean(w, past_q_, j), dense_v_[j] = mean(w, past_v_, j);
         model_.store(t, dense_q_.data(), dense_v_.data(), y);
-        for (int j = 0; j < sums_; ++j) y[2 * dim_ + j] = mean(past_sum_, j);
+        for (int j = 0; j < sums_; ++j) y[2 * dim_ + j] = mean(w, past_sum_, j);
     }
 
   private:
     // Lagrange's polynomials of the nodes 0, c_1, c_2, 1.
-    static std::array<double, 4> weights(double x) {
+    static Weights weights(double x) {
         const double node[4] = {0, kRadau.node[0], kRadau.node[1], 1};
-        std::array<double, 4> w;
+        Weights w;
         for (int i = 0; i < 4; ++i) {
             w[i] = 1;
             for (int j = 0; j < 4; ++j)
                 if (j != i) w[i] *= (x - node[j]) / (node[i] - node[j]);
         }
         return w;
+    }
+
+    static double mean(const Weights& w, const Moments& m, int j) {
+        return w[0] * m[0][j] + w[1] * m[1][j] + w[2] * m[2][j] + w[3] * m[3][j];
     }
 
     // By how much the next step may be longer; after a good step in the light of the one before
@@ -182,16 +184,13 @@ class Radau final : public Method {
 
     // Stage rates as the last step's polynomial continues them, and the places they lead to.
     void predict(double h) {
-        std::array<std::array<double, 4>, 3> w;
+        std::array<Weights, 3> w;
         for (int i = 0; i < 3; ++i)
-            w[i] = last_ > 0 ? weights(1 + kRadau.node[i] * h / last_) : std::array<double, 4>{};
+            w[i] = last_ > 0 ? weights(1 + kRadau.node[i] * h / last_) : Weights{};
         const Complex unpair = reciprocal(pair_s_);
         for (int j = 0; j < dim_; ++j) {
             Triple<double> V;
-            for (int i = 0; i < 3; ++i)
-                V[i] = last_ > 0 ? w[i][0] * past_v_[0][j] + w[i][1] * past_v_[1][j] +
-                                       w[i][2] * past_v_[2][j] + w[i][3] * past_v_[3][j]
-                                 : v_[j];
+            for (int i = 0; i < 3; ++i) V[i] = last_ > 0 ? mean(w[i], past_v_, j) : v_[j];
             z_[j] = dot(kRadau.left, V) / s_;
             pair_z_[j] = unpair * dot(kRadau.left_pair, V);
         }
@@ -205,11 +204,12 @@ class Radau final : public Method {
             const double z = z_[j], v = s_ * z, a = s_ * (v - one * v_[j]);
             const Complex pz = pair_z_[j], pv = pair_s_ * pz, pa = pair_s_ * (pv - v_[j] * ones);
             for (int i = 0; i < 3; ++i) {
-                const double r = kRadau.right[i];
-                const Complex p = kRadau.right_pair[i];
-                Q_[i + 1][j] = q_[j] + (r * z + 2 * (p.re * pz.re - p.im * pz.im));
-                V_[i + 1][j] = r * v + 2 * (p.re * pv.re - p.im * pv.im);
-                A_[i + 1][j] = r * a + 2 * (p.re * pa.re - p.im * pa.im);
+                const auto at_stage = [i](double own, Complex pair) {
+                    const Complex p = kRadau.right_pair[i];
+                    return kRadau.right[i] * own + 2 * (p.re * pair.re - p.im * pair.im);
+                };
+                Q_[i + 1][j] = q_[j] + at_stage(z, pz);
+                V_[i + 1][j] = at_stage(v, pv), A_[i + 1][j] = at_stage(a, pa);
             }
         }
     }

@@ -43,25 +43,15 @@ class SpringAngle {
         const int n = r_.n;
         q[2 * n] = y[4 * n], v[2 * n] = y[4 * n + 1];
         at(kMoments, t);
-        convert(q, v, [&](int i, double bx, double by, double bvx, double bvy) {
-            const bool gap = i > 0;
-            q[2 * i] = y[i] - (gap ? y[i - 1] + bx : 0);
-            q[2 * i + 1] = y[n + i] - (gap ? y[n + i - 1] + by : 0);
-            v[2 * i] = y[2 * n + i] - (gap ? y[2 * n + i - 1] + bvx : 0);
-            v[2 * i + 1] = y[3 * n + i] - (gap ? y[3 * n + i - 1] + bvy : 0);
-        });
+        const Turn turn(q[2 * n], v[2 * n], 0);
+        to_gaps(n, 2, y, q, v, [&](int i) { return arm_behind(i, turn); });
     }
     void store(double t, const double* q, const double* v, double* y) {
         const int n = r_.n;
         y[4 * n] = q[2 * n], y[4 * n + 1] = v[2 * n];
         at(kMoments, t);
-        convert(q, v, [&](int i, double bx, double by, double bvx, double bvy) {
-            const bool gap = i > 0;
-            y[i] = q[2 * i] + (gap ? y[i - 1] + bx : 0);
-            y[n + i] = q[2 * i + 1] + (gap ? y[n + i - 1] + by : 0);
-            y[2 * n + i] = v[2 * i] + (gap ? y[2 * n + i - 1] + bvx : 0);
-            y[3 * n + i] = v[2 * i + 1] + (gap ? y[3 * n + i - 1] + bvy : 0);
-        });
+        const Turn turn(q[2 * n], v[2 * n], 0);
+        to_centres(n, 2, q, v, y, [&](int i) { return arm_behind(i, turn); });
     }
 
     void enter(double) {}
@@ -164,19 +154,11 @@ class SpringAngle {
     // Changes of the gaps to changes of the centres, and back.
     template <class Scalar>
     void lift(Scalar* u) const {
-        const Scalar turn = u[2 * r_.n];
-        for (int i = 0; i + 1 < r_.n; ++i) {
-            u[2 * i + 2] += u[2 * i] + arm_[i][0] * turn;
-            u[2 * i + 3] += u[2 * i + 1] + arm_[i][1] * turn;
-        }
+        for (int i = 0; i + 1 < r_.n; ++i) shift(i, u, 1.0);
     }
     template <class Scalar>
     void drop(Scalar* u) const {
-        const Scalar turn = u[2 * r_.n];
-        for (int i = r_.n - 1; i-- > 0;) {
-            u[2 * i + 2] -= u[2 * i] + arm_[i][0] * turn;
-            u[2 * i + 3] -= u[2 * i + 1] + arm_[i][1] * turn;
-        }
+        for (int i = r_.n - 1; i-- > 0;) shift(i, u, -1.0);
     }
 
   private:
@@ -198,17 +180,14 @@ class SpringAngle {
         double c, s, w, dw;
     };
 
-    // Call each(i, arm of the joint behind link i, and its rate); theta_1 is in q and v.
-    template <class Each>
-    void convert(const double* q, const double* v, Each each) const {
-        const Turn turn(q[2 * r_.n], v[2 * r_.n], 0);
-        LinkMotion back{};
-        for (int i = 0; i < r_.n; ++i) {
-            const LinkMotion k = turn.of(shapes_[kMoments].link[i]);
-            each(i, r_.l * (back.c + k.c), r_.l * (back.s + k.s),
-                 -r_.l * (back.s * back.w + k.s * k.w), r_.l * (back.c * back.w + k.c * k.w));
-            back = k;
-        }
+    Arm arm_behind(int i, const Turn& turn) const {  // at kMoments
+        const std::vector<LinkAngle>& link = shapes_[kMoments].link;
+        return {turn.of(link[i - 1]), turn.of(link[i]), r_.l};
+    }
+    template <class Scalar>
+    void shift(int i, Scalar* u, double sign) const {
+        for (int axis : {0, 1})
+            u[2 * i + 2 + axis] += sign * (u[2 * i + axis] + arm_[i][axis] * u[2 * r_.n]);
     }
 
     Robot r_;

@@ -48,24 +48,16 @@ class SpringTorque {
         for (int i = 0; i < n; ++i) {
             q[3 * i + 2] = y[4 * n + i] + (i > 0 ? q[3 * i - 1] : 0);
             v[3 * i + 2] = y[5 * n + i] + (i > 0 ? v[3 * i - 1] : 0);
-            const Arm arm = arm_behind(i, q, v);
-            q[3 * i] = y[i] - (i > 0 ? y[i - 1] + arm.x : 0);
-            q[3 * i + 1] = y[n + i] - (i > 0 ? y[n + i - 1] + arm.y : 0);
-            v[3 * i] = y[2 * n + i] - (i > 0 ? y[2 * n + i - 1] + arm.vx : 0);
-            v[3 * i + 1] = y[3 * n + i] - (i > 0 ? y[3 * n + i - 1] + arm.vy : 0);
         }
+        to_gaps(n, 3, y, q, v, [&](int i) { return arm_behind(i, q, v); });
     }
     void store(double, const double* q, const double* v, double* y) const {
         const int n = r_.n;
         for (int i = 0; i < n; ++i) {
-            const Arm arm = arm_behind(i, q, v);
             y[4 * n + i] = q[3 * i + 2] - (i > 0 ? q[3 * i - 1] : 0);
             y[5 * n + i] = v[3 * i + 2] - (i > 0 ? v[3 * i - 1] : 0);
-            y[i] = q[3 * i] + (i > 0 ? y[i - 1] + arm.x : 0);
-            y[n + i] = q[3 * i + 1] + (i > 0 ? y[n + i - 1] + arm.y : 0);
-            y[2 * n + i] = v[3 * i] + (i > 0 ? y[2 * n + i - 1] + arm.vx : 0);
-            y[3 * n + i] = v[3 * i + 1] + (i > 0 ? y[3 * n + i - 1] + arm.vy : 0);
         }
+        to_centres(n, 3, q, v, y, [&](int i) { return arm_behind(i, q, v); });
     }
 
     void enter(double t) { source_->enter(t, chain_); }
@@ -186,19 +178,13 @@ class SpringTorque {
         double nx, ny;  // l n_i
         double pull;    // what turning it under the forces adds
     };
-    struct Arm {
-        double x, y, vx, vy;
-    };
 
     LinkMotion link(int i, const double* q, const double* v, const double* a) const {
         const int j = 3 * i + 2;
         return {std::cos(q[j]), std::sin(q[j]), v[j], a[j], 0, 0, 0, 0};
     }
     Arm arm_behind(int i, const double* q, const double* v) const {
-        if (i == 0) return {};
-        const LinkMotion a = link(i - 1, q, v, v), b = link(i, q, v, v);
-        return {r_.l * (a.c + b.c), r_.l * (a.s + b.s), -r_.l * (a.s * a.w + b.s * b.w),
-                r_.l * (a.c * a.w + b.c * b.w)};
+        return {link(i - 1, q, v, v), link(i, q, v, v), r_.l};
     }
     template <class Scalar>
     void shift(int i, Scalar* u, double sign) const {
