@@ -44,7 +44,8 @@ ServoSteps::ServoSteps(const Robot& robot, const Ground& ground, const Gait& gai
       still_(n_ - 1),
       slope_(n_ - 1),
       gap_(n_ - 1),
-      tick_(servo.update_hz > 0 ? 1 / servo.update_hz : 0) {
+      tick_(servo.update_hz > 0 ? 1 / servo.update_hz : 0),
+      period_(2 * std::numbers::pi / gait.omega) {
     watch({});
     // centres from that of link 1 in half lengths of links, then from their mean
     for (int i = 1; i < n_; ++i)
@@ -106,11 +107,6 @@ void ServoSteps::set_body(const double* v) {
     before_ = u_;
 }
 
-void ServoSteps::setpoints(double t) {
-    const double phase = gait_.omega * t, s = std::sin(phase), c = std::cos(phase);
-    for (int i = 0; i + 1 < n_; ++i) goal_[i] = table_.at(i, s, c).angle;
-}
-
 // The loop's duties from angles and rates as they stand.
 void ServoSteps::control(const std::vector<double>& u) {
     for (int i = 0; i + 1 < n_; ++i)
@@ -124,7 +120,9 @@ void ServoSteps::enter() {
     const double now = t_ + 1e-9 * servo_.frame;
     if (frame_ <= now) {
         while (frame_ + servo_.frame <= now) frame_ += servo_.frame;
-        setpoints(frame_), frame_ += servo_.frame;
+        const double phase = gait_.omega * frame_, s = std::sin(phase), c = std::cos(phase);
+        for (int i = 0; i + 1 < n_; ++i) goal_[i] = table_.at(i, s, c).angle;
+        frame_ += servo_.frame;
         before_ = u_;  // forces jump
     }
     if (tick_ == 0 || update_ > now) return;
@@ -133,20 +131,20 @@ void ServoSteps::enter() {
 }
 
 void ServoSteps::cycle() {
-    const double T = 2 * std::numbers::pi / gait_.omega, heading = theta_[0];
+    const double heading = theta_[0];
     path_ = {}, squares_ = work_ = 0;
     samples_.clear();
     std::fill(lines_.begin(), lines_.end(), 0.0);
-    for (t_ = 0; t_ < T - 1e-9 * servo_.frame;) {
+    for (t_ = 0; t_ < period_ - 1e-9 * servo_.frame;) {
         enter();
-        const double stop = std::min({T, frame_, tick_ > 0 ? update_ : T});
+        const double stop = std::min({period_, frame_, tick_ > 0 ? update_ : period_});
         const double whole = std::ceil((stop - t_) / longest_ - 1e-6);
         const int parts = split_ * std::max(1, static_cast<int>(whole));
         const double h = (stop - t_) / parts;
         for (int p = 0; p < parts; ++p) step(h);
         t_ = stop;
     }
-    frame_ -= T, update_ -= T;
+    frame_ -= period_, update_ -= period_;
     finish(theta_[0] - heading);
 }
 
@@ -403,29 +401,27 @@ void ServoSteps::watch(std::vector<int> harmonics) {
 }
 
 std::vector<double> ServoSteps::lines() const {
-    const double T = 2 * std::numbers::pi / gait_.omega;
     const int each = 2 * (n_ - 1);
     std::vector<double> rms;
     for (std::size_t k = 1; k < watched_.size(); ++k) {
         const double* line = &lines_[k * each];
-        rms.push_back(std::sqrt(2 * dot(line, line, each) / (n_ - 1)) / T);
+        rms.push_back(std::sqrt(2 * dot(line, line, each) / (n_ - 1)) / period_);
     }
     return rms;
 }
 
 void ServoSteps::finish(double turn) {
-    const double T = 2 * std::numbers::pi / gait_.omega;
     double x = 0, y = 0;
     for (const Sample& at : samples_) {
-        const double c = std::cos(turn * at.t / T), s = std::sin(turn * at.t / T);
+        const double c = std::cos(turn * at.t / period_), s = std::sin(turn * at.t / period_);
         x += at.h * (c * at.vx + s * at.vy), y += at.h * (c * at.vy - s * at.vx);
     }
-    path_.speed = std::hypot(x, y) / T, path_.turn = turn, path_.power = work_ / T;
+    path_.speed = std::hypot(x, y) / period_, path_.turn = turn, path_.power = work_ / period_;
     double along = 0, across = 0, waves = 0, asked = 0;
     path_.gain.assign(n_ - 1, 1.0), path_.shift.assign(n_ - 1, 0.0);
     for (int i = 0; i + 1 < n_; ++i) {
         // rates a cos + b sin, over those of the gait: omega alpha gain cos(phase + lead)
-        const double a = lines_[2 * i] * 2 / T, b = lines_[2 * i + 1] * 2 / T;
+        const double a = lines_[2 * i] * 2 / period_, b = lines_[2 * i + 1] * 2 / period_;
         const double want = gait_.omega * gait_.alpha;
         const double cosine = want * table_.cosine(i), sine = -want * table_.sine(i);
         const double with = a * cosine + b * sine, beside = b * cosine - a * sine;
@@ -438,7 +434,7 @@ void ServoSteps::finish(double turn) {
     }
     if (asked > 0) path_.amplitude = std::sqrt(waves / asked);
     path_.lag = std::atan2(across, along);
-    path_.ripple = std::sqrt(std::max(0.0, squares_ / T - 0.5 * waves) / (n_ - 1));
+    path_.ripple = std::sqrt(std::max(0.0, squares_ / period_ - 0.5 * waves) / (n_ - 1));
 }
 
 }  // namespace serpenoid

@@ -83,7 +83,6 @@ class ServoSteps {
     bool turn_round(double h);
     double bound(const Contact& c, int mode, double h) const;
     void enter();
-    void setpoints(double t);
     void tally(double h);
     void finish(double turn);
     double momentum(const double* rate) const;
@@ -107,7 +106,7 @@ class ServoSteps {
     std::vector<Contact> contact_;
     std::vector<Contact*> resting_;
     double t_ = 0, frame_ = 0, update_ = 0;  // the next ones, from the cycle's start
-    double tick_;
+    double tick_, period_;
 
     struct Sample {
         double t, h, vx, vy;

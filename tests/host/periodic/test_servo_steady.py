@@ -244,8 +244,9 @@ def test_the_power_is_what_the_full_simulation_gives_the_joints() -> None:
 
 def test_the_spread_is_that_of_a_full_simulations_cycles() -> None:
     """Half their range: frames begin elsewhere in each cycle."""
-    quick = replace(GAIT, omega_rad_s=math.tau * 1.3)
-    found = sn.steady_gait(ROBOT, GROUND, quick, rtol=1e-3, servo=sn.Servo())
+    found = sn.steady_gait(
+        ROBOT, GROUND, replace(GAIT, omega_rad_s=math.tau * 1.3), rtol=1e-3, servo=sn.Servo()
+    )
     speeds, _ = full_speeds(found.ideal, sn.Servo(), keep=16, seconds=4)
     assert 0.6 < found.spread_m_s / (0.5 * np.ptp(speeds)) < 1.2
 

@@ -12,9 +12,8 @@ import serpenoid as sn
 from oracle import contact_modes
 
 from . import truth_cases as tc
+from .truth_cases import BINGHAM, OF_2005
 
-OF_2005 = sn.Robot(6, 0.0756, 0.076)
-BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
 GAIT = sn.Gait(math.radians(70), math.radians(75), 3.0)
 SOFT = sn.Scene(
     OF_2005,
@@ -171,7 +170,7 @@ def test_what_other_methods_make_of_sticking() -> None:
 
 def test_hours_of_sticking_and_slipping() -> None:
     """By the phase within a turn, and again where an event is missed: half an hour, 1432 cycles."""
-    robot, ground = sn.Robot(6, 0.0756, 0.076), sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
+    robot, ground = OF_2005, BINGHAM
     gait = sn.Gait(math.radians(70), math.radians(75), 5.0)
     scene = sn.Scene(
         robot,

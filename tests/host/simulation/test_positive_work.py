@@ -77,8 +77,8 @@ def test_springs_at_every_recorded_time(method: str) -> None:
 
 @pytest.mark.parametrize("dry", [False, True])
 def test_the_periodic_state_has_the_same_positive_power(dry: bool) -> None:
-    ground = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27) if dry else PAPER.ground
-    robot = sn.Robot(6, 0.0756, 0.076) if dry else PAPER.robot
+    ground = tc.BINGHAM if dry else PAPER.ground
+    robot = tc.OF_2005 if dry else PAPER.robot
     gait = replace(tc.PAPER_GAIT, alpha_rad=math.radians(70)) if dry else tc.PAPER_GAIT
     steady = sn.steady_gait(robot, ground, gait, rtol=1e-7 if dry else 1e-10)
     period = gait.period_s

@@ -15,10 +15,8 @@ import pytest
 import serpenoid as sn
 from serpenoid.simulation.judge import difference
 
-from . import truth_cases as tc
+from .truth_cases import BINGHAM, OF_2005, slips
 
-OF_2005 = sn.Robot(6, 0.0756, 0.076)
-BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
 GAIT = sn.Gait(math.radians(70), math.radians(75), 1.5)
 SCENE = sn.Scene(
     OF_2005,
@@ -60,8 +58,8 @@ def test_smoothed_friction_tends_to_it(name: str) -> None:
 def test_the_law_holds_at_every_recorded_time(name: str) -> None:
     """What slides has its whole force against it, what rests at most that, and truly rests."""
     run = sn.simulate(of(name, record=("friction",)))
-    v = tc.slips(run, run.vx_m_s, run.vy_m_s)
-    f = tc.slips(run, run.friction_x_n, run.friction_y_n)
+    v = slips(run, run.vx_m_s, run.vy_m_s)
+    f = slips(run, run.friction_x_n, run.friction_y_n)
     for way, viscous, dry in ((0, BINGHAM.ct, BINGHAM.ft0), (1, BINGHAM.cn, BINGHAM.fn0)):
         left = f[..., way] + viscous * v[..., way]
         moves = np.abs(v[..., way]) > 1e-7

@@ -20,6 +20,8 @@ from serpenoid.bench.problems import Problem
 from serpenoid.simulation.starts import start_state
 
 Array = np.ndarray
+OF_2005 = sn.Robot(6, 0.0756, 0.076)
+BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
 PAPER_GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
 
 
