@@ -8,7 +8,6 @@ import pytest
 from serpenoid import BadInput
 from serpenoid.calibration.kinds.instruments import Stopwatch
 from serpenoid.calibration.kinds.slide import Slide
-from serpenoid.calibration.kinds.table import KINDS
 from serpenoid.calibration.session_file import read_session
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
@@ -80,13 +79,6 @@ def test_limits_hold_for_files_and_for_objects(folder):
         Slide(1, 0.2, 0.1, 1.0, 2.0, bend="up")
     with Journal(folder) as journal, pytest.raises(BadInput, match="lambda_deg is 61"):
         journal.add("coast", FILMED | {"lambda_deg": 61.0}, samples=SAMPLES)
-
-
-def test_every_kind_is_declared_whole():
-    """Each field is an attribute of the reading, and every kind can be told in words."""
-    for kind in KINDS.values():
-        there = set(kind.reading.__dataclass_fields__)
-        assert {f.name for f in kind.fields} | {"number", "voided", "comment", "time_utc"} <= there
 
 
 def test_a_belt_check_tells_the_scale(folder):

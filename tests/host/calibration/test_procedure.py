@@ -88,6 +88,28 @@ def test_inclines_rise_faster_where_the_belt_hardly_does(record):
     ) == pytest.approx(2.6)
 
 
+def test_a_first_bend_is_asked_where_the_robot_of_2005_would_hold(record):
+    """Straight stations tell ct and ft0; four of six links are bent."""
+    weight_n = record.session.setup.weight_n
+    for belt in (0.2, 0.5):
+        station(record, math.degrees(math.asin((0.084 * belt + 0.14) / weight_n)), belt)
+    q, c, s, v = 2 / 3, math.cos(math.radians(15)), math.sin(math.radians(15)), 1 / 6
+    drag = (1 - q * s * s) * 0.084 + q * s * s * 1.2
+    force_n = drag * v + (1 - q + q * c) * 0.14 + q * s * 0.27
+    expected_deg = math.degrees(math.asin(force_n / weight_n))
+    assert next_incline_deg(record.session, math.radians(15)) == pytest.approx(
+        expected_deg, abs=2e-3
+    )
+    # Whatever a line of slips says, an incline is asked at which a robot may hold.
+    for belt, asked_deg in ((0.1, 12.0), (0.9, 2.0)):
+        slips = [
+            replace(record.session.readings[0], incline_rad=at, belt_speed_m_s=belt + at / 100)
+            for at in (0.035, 0.4)
+        ]
+        found = next_incline_deg(replace(record.session, readings=tuple(slips)), math.radians(15))
+        assert found == pytest.approx(asked_deg, abs=0.01)
+
+
 def test_a_skipped_station_is_passed_over(record):
     assert next_incline_deg(record.session, 0.0, frozenset({"station 0 2.00"})) == 2.3
     assert next_incline_deg(record.session, 0.0, frozenset({"station 0 11.90"})) is None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,10 +12,11 @@ from ..fitting.bends import projections
 from ..fitting.paper_fit import parts, two_lines
 from ..fitting.stations import Stations
 from ..kinds.station import Reading, bent_share
-from ..session import Procedure, Session
+from ..session import Procedure, Session, Setup
 
 SIGMAS = 3.5  # beyond which a reading is asked about: once in 2000 honest ones
 FIRST = 0.6  # of the top speed, above which the very first station is asked about
+USUAL = (0.084, 1.2, 0.14, 0.27)  # ct, cn, ft0, fn0 of the 2005 robot, before any of this one
 DOUBT = 0.12  # of the speed: stations are expected from few readings, and wheels are not ideal
 
 
@@ -130,19 +132,32 @@ def line_of(session: Session, lambda_rad: float, facing: str = "down") -> Line |
     return Line(slope, x, y, noise, spread, len(stations))
 
 
+def pull_of(setup: Setup, frictions: Sequence[float], lambda_rad: float) -> tuple[float, float]:
+    """Return the drag, N s/m, and the dry force, N, of a robot that rolls bent as planned."""
+    ct, cn, ft0, fn0 = frictions
+    share = bent_share(setup.procedure.bend, setup.robot.links)
+    by_ct, by_cn, by_ft0, by_fn0 = map(float, projections(share, lambda_rad))
+    return ct * by_ct + cn * by_cn, ft0 * by_ft0 + fn0 * by_fn0
+
+
 def law_sine(session: Session, lambda_rad: float, speed_m_s: float) -> float:
     """Return the sine of the incline at which a bend should hold at a speed past the snake.
 
-    By the frictions of all stations so far; 0 where they do not tell them.
+    By the frictions of all stations so far. Before any of a bend by the straight line, and by what
+    a bend adds to the pull of the robot of 2005; 0 where there is no line.
     """
     data = Stations.of(session) if session.kept else None
-    if data is None or min(parts(data)[::2]) < 2:
+    setup = session.setup
+    if data is not None and min(parts(data)[::2]) >= 2:
+        frictions = np.maximum(two_lines(data)[0][:4], 0.0).tolist()
+        drag, dry_n = pull_of(setup, frictions, lambda_rad)
+        return (drag * speed_m_s + dry_n) / setup.weight_n
+    straight = line_of(session, 0.0)
+    if straight is None:
         return 0.0
-    ct, cn, ft0, fn0 = np.maximum(two_lines(data)[0][:4], 0.0)
-    share = bent_share(session.setup.procedure.bend, session.setup.robot.links)
-    by_ct, by_cn, by_ft0, by_fn0 = projections(share, lambda_rad)
-    viscous = ct * by_ct + cn * by_cn
-    return float(viscous * speed_m_s + ft0 * by_ft0 + fn0 * by_fn0) / session.setup.weight_n
+    bent, plain = (pull_of(setup, USUAL, x) for x in (lambda_rad, 0.0))
+    more = (bent[0] * speed_m_s + bent[1]) / (plain[0] * speed_m_s + plain[1])
+    return max(more * straight.sine_at(speed_m_s), 0.0)
 
 
 def expected_speed(

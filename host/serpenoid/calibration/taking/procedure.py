@@ -177,7 +177,8 @@ def _first_incline_deg(session: Session, lambda_rad: float, facing: str) -> floa
     lesser = [of_bend(session, x) for x in plan.lambda_rad if x < lambda_rad + less]
     held = [min(r.incline_rad for r in stations) for stations in lesser if stations]
     law = law_sine(session, lambda_rad, plan.belt_speed_max_m_s / SERIES)
-    return math.degrees(max([plan.incline_start_rad, math.asin(min(law, 1.0)), *held]))
+    law_deg = min(math.degrees(math.asin(min(law, 1.0))), MOST_DEG)
+    return max(law_deg, *map(math.degrees, [plan.incline_start_rad, *held]))
 
 
 def doubts(

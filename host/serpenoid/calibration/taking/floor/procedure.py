@@ -8,16 +8,14 @@ from __future__ import annotations
 
 import math
 
-from ....model.bends import balanced_signs
 from ...kinds.coast import COAST, FACINGS, Coast
 from ...session import Procedure, Session, Setup
 from ..bends import bend_step
-from ..expected import planned_bend, shown_bend
+from ..expected import USUAL, planned_bend, pull_of, shown_bend
 from ..steps import Step
 
 SPEED_M_S = 0.9  # to be pushed at: slower ones tell little of viscous friction
-USUAL = (0.084, 1.2, 0.14, 0.27)  # the 2005 robot's, to say how far one rolls before any has
-USUAL_KG = 0.4536
+USUAL_KG = 0.4536  # of the 2005 robot
 SPARE = 1.6  # of the way that is expected: room to leave for it
 
 
@@ -117,11 +115,6 @@ def _push(
 
 def expected_way_m(setup: Setup, bend_rad: float, speed_m_s: float) -> float:
     """Return how far a robot as that of 2005 would roll, its friction scaled by the weight."""
-    ct, cn, ft0, fn0 = USUAL
-    share = sum(map(abs, balanced_signs(setup.robot.links))) / setup.robot.links
-    c, s = math.cos(bend_rad), math.sin(bend_rad)
-    drag = (1 - share * s * s) * ct + share * s * s * cn
-    dry = (1 - share + share * c) * ft0 + share * s * fn0
-    c, f = drag / USUAL_KG, dry / USUAL_KG
+    c, f = (pull / USUAL_KG for pull in pull_of(setup, USUAL, bend_rad))
     stop = math.log(1 + c * speed_m_s / f) / c
     return (speed_m_s - f * stop) / c
