@@ -253,14 +253,11 @@ class Finder:
 
         Each is searched from the table, then from the gaits of the slower and the faster speed.
         """
-        if self.springs is None:
-            search, finder = self.closest, self
-        else:
-            search, finder = self.with_springs, copy(self)
-            finder.springs = None
+        search, exact = self.with_springs if self.springs else self.closest, copy(self)
+        exact.springs = None
         return [
             search(v, sorted(ends, key=better))
-            for v, ends in zip(speeds, finder.valleys(speeds), strict=True)
+            for v, ends in zip(speeds, exact.valleys(speeds), strict=True)
         ]
 
     def valleys(self, speeds: Sequence[float]) -> list[list[Point]]:

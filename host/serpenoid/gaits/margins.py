@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, replace
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.core_model import check_parts
 from ..model.errors import NotConverged
@@ -19,10 +19,9 @@ from ..model.robot import Robot
 from ..model.rows import Result, Row, detail
 from ..periodic.steady import speed_floor_m_s, steady_gait
 from .sampled_speeds import KEEP
-from .shapes import FINE, STATES, on_threads
+from .shapes import FINE, STATES, Array
 from .uncertainty import FRICTION, Uncertainty
 
-Array = NDArray[np.float64]
 LESS_AMPLITUDE, LESS_GRIP = 0.10, 0.13  # servos under load; one sigma of a 7.5 deg session
 BELOW = 1.0, 3.0  # gaining more than this by 10 % or 60 % of amplitude it lies below one
 CLIFF = 0.25  # a gait that loses more than this of its speed to either stands at a cliff
@@ -239,10 +238,9 @@ def cliff_around(
         except NotConverged as error:
             return error.best.speed_m_s if error.best is not None else math.nan
 
-    pairs = [(a, f) for a in amplitude.tolist() for f in factor.tolist()]
-    speeds = np.array(on_threads(speed, pairs)).reshape(amplitude.size, factor.size)
-    joints = robot.links - 1
-    of_all = math.hypot(uncertainty.common_amplitude, uncertainty.amplitude / math.sqrt(joints))
+    with ThreadPoolExecutor() as pool:  # the core lets go of Python's lock
+        speeds = list(pool.map(speed, product(amplitude.tolist(), factor.tolist())))
+    own = uncertainty.amplitude / math.sqrt(robot.links - 1)
     return Cliff(
         robot,
         ground,
@@ -250,9 +248,9 @@ def cliff_around(
         grip,
         amplitude,
         factor,
-        speeds,
+        np.reshape(speeds, (amplitude.size, factor.size)),
         speed((1.0, 1.0)),
-        (of_all, _sigma(uncertainty, grip)),
+        (math.hypot(uncertainty.common_amplitude, own), _sigma(uncertainty, grip)),
     )
 
 

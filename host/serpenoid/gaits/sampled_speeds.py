@@ -6,19 +6,15 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .. import _core
-from ..model.core_model import core_model
 from ..model.gait import Gait
 from ..model.robot import Robot
-from ..periodic.grid import threads_to_use
+from ..periodic.drawn_states import neighbours
 from ..periodic.servo_steady import servo_speeds
 from ..periodic.steady import from_core
-from .shapes import STATES
+from .shapes import Array
 from .uncertainty import Sample
 
-Array = NDArray[np.float64]
 QUANTILE, KEEP = 0.05, 0.9  # so many robots may make less than this share of the wanted speed
 _SLOWEST = 2.5  # times as many as make the percentile: their order changes with gait and accuracy
 
@@ -47,7 +43,7 @@ class Samples:
     def low(self, gait: Gait, smooth: bool = True) -> float:
         """Return the 5th percentile of their speeds, smoothed or plain, good to a thousandth."""
         speeds = self.speeds(gait, rough=True)
-        return smooth_low_speed(speeds, self.count) if smooth else low_speed(speeds, self.count)
+        return (smooth_low_speed if smooth else low_speed)(speeds, self.count)
 
     def speeds(self, gait: Gait, rough: bool = False) -> Array:
         """Return the speed of each, m/s, with its servo; 0 where none was found.
@@ -63,20 +59,14 @@ class Samples:
     def _solve(self, which: Sequence[int], gait: Gait, rough: bool) -> Array:
         """Return the speeds of some of them."""
         samples = [self.samples[k] for k in which]
-        gaits = [sample.gait(gait) for sample in samples]
-        models = [
-            core_model(self.robot, sample.ground, one)
-            for sample, one in zip(samples, gaits, strict=True)
-        ]
-        threads = min(threads_to_use(None), len(models))
-        states = _core.neighbours(models[0], models, STATES, False, threads, rough=rough)
+        draws = [(sample.ground, sample.gait(gait)) for sample in samples]
+        states = neighbours(self.robot, draws[0], draws, rough)
         self.solved += len(states)
         speeds = np.array([s.speed if s.converged else 0.0 for s in states])
         driven = [k for k, s in enumerate(samples) if s.servo is not None and speeds[k] > 0]
         if driven:
             pairs = [
-                (from_core(self.robot, samples[k].ground, gaits[k], states[k]), samples[k].servo)
-                for k in driven
+                (from_core(self.robot, *draws[k], states[k]), samples[k].servo) for k in driven
             ]
             speeds[driven] = np.nan_to_num(servo_speeds(pairs, rough))  # pyright: ignore
         return speeds

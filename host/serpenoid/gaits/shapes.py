@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
@@ -119,9 +118,3 @@ def rate_at_speed(
         return x, state(x)[1], abs(state(x)[0])
     part = y / (y - y0)
     return places[0] + part * (places[1] - places[0]), cost + part * (cost0 - cost), 0.0
-
-
-def on_threads(work: Callable[[Any], Any], items: Iterable[Any]) -> list[Any]:
-    """Return work(item) for every item, in order; the core lets go of Python's lock."""
-    with ThreadPoolExecutor() as pool:
-        return list(pool.map(work, items))

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.checks import check_number
 from ..model.drives import Servo, ServoKind
@@ -15,7 +14,6 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 
-Array = NDArray[np.float64]
 FRICTION = ("ct", "cn", "ft0", "fn0")
 # How the errors of the four hang together after a session with one bend of 7.5 deg.
 _AFTER_A_SESSION = np.array(

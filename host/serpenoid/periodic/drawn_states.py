@@ -25,7 +25,7 @@ def drawn_states(robot: Robot, near: Draw, draws: Sequence[Draw]) -> list[Steady
 
     Raises BadInput and NotConverged as `steady_gait` does.
     """
-    found = _solved(robot, near, draws, rough=False)
+    found = neighbours(robot, near, draws, rough=False)
     return [
         from_core(robot, *draw, s)
         if s.converged
@@ -52,15 +52,16 @@ def drawn_speeds(
             return unfound_m_s
         return steady_gait(robot, *draw, rtol=_RTOL, powers=False).speed_m_s
 
-    found = _solved(robot, near, draws, rough)
+    found = neighbours(robot, near, draws, rough)
     return np.array(
         [s.speed if s.converged else alone(draw) for draw, s in zip(draws, found, strict=True)]
     )
 
 
-def _solved(
+def neighbours(
     robot: Robot, near: Draw, draws: Sequence[Draw], rough: bool
 ) -> list[_core.SteadyState]:
+    """Return the core's states of draws to 1e-3, also those that did not converge."""
     for ground, _ in (near, *draws):
         check_ground(ground, _RTOL)
     middle, *models = (core_model(robot, *draw) for draw in (near, *draws))

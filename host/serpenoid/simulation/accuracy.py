@@ -8,10 +8,10 @@ from dataclasses import replace
 
 from ..model.checks import check_choice, check_number
 from ..model.errors import BadInput, NotConverged
-from .methods import METHODS, OwnChoice, default_method, objection
+from .methods import METHODS, OwnChoice
 from .related_scenes import exact_scene
 from .run import Run
-from .scene import Scene
+from .scene import Scene, default_method, objection
 from .stability import largest_stable_step_s
 
 _TRIES = 6

@@ -12,8 +12,7 @@ from ..model.drives import TorqueTable, core_servo
 from ..model.errors import Diverged
 from ..model.link_state import LinkState
 from ..model.vectors import finite_vector
-from .methods import objection
-from .scene import MAX_LINK_STEPS, Scene
+from .scene import MAX_LINK_STEPS, Scene, objection
 
 STANDARD_GRAVITY_M_S2 = 9.80665
 

@@ -17,10 +17,9 @@ from numpy.typing import NDArray
 
 from ..model.errors import Diverged, StepTooLarge
 from .error import Difference, RunError
-from .methods import objection
 from .related_scenes import FinerScenes, exact_scene, finer_scenes
 from .run import ENERGY_COLUMNS, Run
-from .scene import Scene
+from .scene import Scene, objection
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -33,21 +32,6 @@ _BELIEVED = 0.01  # body lengths and radians
 _CHAOS = 1e4  # times its tolerance: what a smooth motion of a few cycles does not make of it
 _RESTS = 1e-4  # body lengths a period: a robot that goes less has no speed worth a share
 _UNKNOWN = Difference(math.inf, math.inf, math.inf)
-
-
-@dataclass(frozen=True, slots=True)
-class RunJudge:
-    """Judge runs by further runs of related scenes, which `simulate` makes."""
-
-    simulate: Callable[[Scene], Run]
-
-    def error(self, run: Run) -> RunError:
-        """Estimate the error of a run by two more runs, or three for the implicit formulation."""
-        return estimate(run, self.simulate)
-
-    def warnings(self, run: Run) -> tuple[str, ...]:
-        """Return what somebody who uses a run must know."""
-        return warnings_of(run, run.error_estimate)
 
 
 def _common(run: Run, other: Run) -> tuple[Indices, Indices]:
@@ -138,24 +122,6 @@ def _integration(run: Run, simulate: Callable[[Scene], Run]) -> RunError:
     return found or RunError(_UNKNOWN, None, word, False, 0.0)
 
 
-def estimate(run: Run, simulate: Callable[[Scene], Run]) -> RunError:
-    """Estimate the error of a run by two more runs, or three for the implicit formulation."""
-    scene, found = run.scene, _integration(run, simulate)
-    if scene.formulation == "explicit":
-        return found
-    exact = exact_scene(scene, min(scene.tolerance, 1e-6))
-    word = f"modelling: difference to the explicit formulation by {exact.method}"
-    springs = difference(run, simulate(exact))
-    return RunError(
-        found.integration,
-        springs,
-        f"{found.how}; {word}",
-        found.settled,
-        found.believed_s,
-        found.chaotic,
-    )
-
-
 def _unsettled(run: Run, error: RunError) -> str:
     """Return what to say of a run whose finer runs do not agree."""
     until = f"believe it up to t = {error.believed_s:.3g} s"
@@ -168,27 +134,6 @@ def _unsettled(run: Run, error: RunError) -> str:
         "the error estimate is no bound: finer runs disagree as much among themselves as with "
         f"this one; {until}, or take a smaller " + ("tolerance" if run.scene.adaptive else "dt_s")
     )
-
-
-def warnings_of(run: Run, error: RunError) -> tuple[str, ...]:
-    """Return what somebody who uses this run must know."""
-    scene, found = run.scene, []
-    if not error.settled:
-        found.append(_unsettled(run, error))
-    if error.modelling is not None:
-        found += _springs_too_soft(scene, error.modelling)
-    found += _steps_too_long(run, error.integration)
-    if scene.law == "dry" and scene.method != "nonsmooth":
-        found.append(
-            f"method {scene.method!r} knows nothing of sticking: at rest its wheels chatter, and "
-            f"joint torques may be wrong by a third at any step; take {_sticking(scene)}"
-        )
-    if scene.law == "smoothed":
-        found.append(
-            f"smoothing_m_s {scene.smoothing_m_s:g} lets stuck wheels creep; take smoothing_m_s 0 "
-            f"and {_sticking(replace(scene, smoothing_m_s=0.0, method='rk4'))}"
-        )
-    return tuple(found)
 
 
 def _springs_too_soft(scene: Scene, off: Difference) -> list[str]:
@@ -229,3 +174,40 @@ def _sticking(scene: Scene) -> str:
     """Return how to have exact sticking in a scene on dry ground."""
     soft = objection("nonsmooth", scene) is not None
     return "method 'nonsmooth'" + (" with formulation 'explicit'" if soft else "")
+
+
+@dataclass(frozen=True, slots=True)
+class RunJudge:
+    """Judge runs by further runs of related scenes, which `simulate` makes."""
+
+    simulate: Callable[[Scene], Run]
+
+    def error(self, run: Run) -> RunError:
+        """Estimate the error of a run by two more runs, or three for the implicit formulation."""
+        scene, found = run.scene, _integration(run, self.simulate)
+        if scene.formulation == "explicit":
+            return found
+        exact = exact_scene(scene, min(scene.tolerance, 1e-6))
+        word = f"modelling: difference to the explicit formulation by {exact.method}"
+        springs = difference(run, self.simulate(exact))
+        return replace(found, modelling=springs, how=f"{found.how}; {word}")
+
+    def warnings(self, run: Run) -> tuple[str, ...]:
+        """Return what somebody who uses a run must know."""
+        scene, error, found = run.scene, run.error_estimate, []
+        if not error.settled:
+            found.append(_unsettled(run, error))
+        if error.modelling is not None:
+            found += _springs_too_soft(scene, error.modelling)
+        found += _steps_too_long(run, error.integration)
+        if scene.law == "dry" and scene.method != "nonsmooth":
+            found.append(
+                f"method {scene.method!r} knows nothing of sticking: at rest its wheels chatter, "
+                f"and joint torques may be wrong by a third at any step; take {_sticking(scene)}"
+            )
+        if scene.law == "smoothed":
+            found.append(
+                f"smoothing_m_s {scene.smoothing_m_s:g} lets stuck wheels creep; take "
+                f"smoothing_m_s 0 and {_sticking(replace(scene, smoothing_m_s=0.0, method='rk4'))}"
+            )
+        return tuple(found)

@@ -14,12 +14,8 @@ _LEAST = 1e-13
 
 def plain(scene: Scene) -> bool:
     """Tell whether all joints follow the gait, on the level."""
-    return follows_gait(scene) and not scene.incline_rad
-
-
-def follows_gait(scene: Scene) -> bool:
-    """Tell whether all joints follow the gait."""
-    return scene.drive == "angle" and not (scene.limp or scene.locked)
+    sound = not (scene.limp or scene.locked)
+    return scene.drive == "angle" and sound and not scene.incline_rad
 
 
 def exact_scene(scene: Scene, tolerance: float) -> Scene:

@@ -18,12 +18,15 @@ from ..model.ground import Ground
 from ..model.link_state import LinkState
 from ..model.robot import Robot
 from ..model.vectors import finite_vector
-from .methods import GONE, METHODS, OwnChoice, default_method, objection, ways_out
+from .methods import GONE, METHODS, OwnChoice
 
 MAX_LINK_STEPS = 10**11
 LEAST_SMOOTHING_M_S = 1e-12  # far below what any wheel shows, far above what overflows
 MAX_RECORDED_BYTES = 4_000_000_000
 DEFAULT_ROWS = 20_000
+_FIRST_ADVISED = ("dop853", "rk4", "radau")  # behind the one that suits a scene
+_ANY_WAY = "formulation 'explicit' without smoothing_m_s, and leave the method to the scene"
+_HAVE_PLAY = (("explicit", "nonsmooth"), ("explicit", "dop853"))
 _FIRMWARE_LIMITS = {
     "alpha_rad": math.pi / 2,
     "beta_rad": math.pi,
@@ -165,9 +168,8 @@ class Scene:
 
     def _check_counts(self) -> None:
         every, links = self.record_every, self.robot.links
-        if every is not None and (isinstance(every, bool) or not isinstance(every, int)):
-            raise BadInput(f"record_every is {every!r}; it must be a whole number, 1 or more")
-        if every is not None and every < 1:
+        whole = isinstance(every, int) and not isinstance(every, bool)
+        if every is not None and not (whole and every >= 1):
             raise BadInput(f"record_every is {every!r}; it must be a whole number, 1 or more")
         if self.duration_s / self.dt_s * links > MAX_LINK_STEPS:
             raise BadInput(
@@ -267,3 +269,65 @@ class Scene:
     def adaptive(self) -> bool:
         """Tell whether the method picks its own steps."""
         return self.formulation in METHODS[self.method].adaptive
+
+
+def objection(
+    name: str, scene: Scene, formulation: str | None = None, record: tuple[str, ...] | None = None
+) -> str | None:
+    """Return why a method does not run a scene, or None if it does; what is given replaces."""
+    kind = METHODS[name]
+    formulation = formulation or scene.formulation
+    for what, value, runs in (
+        ("formulation", formulation, kind.formulations),
+        ("drive", scene.drive, kind.drives),
+        ("law", scene.law, kind.laws),
+    ):
+        if value not in runs:
+            return f"does not run with {what} {value!r}"
+    if (why := _servo_objection(name, formulation, scene.servo)) is not None:
+        return why
+    if (scene.limp or scene.locked) and (kind.plain or not kind.faults):
+        return "does not run with limp or locked joints"
+    if scene.incline_rad > 0 and kind.plain:
+        return "does not run with an incline"
+    asked = scene.record if record is None else record
+    lacks = [one for one in asked if one not in kind.records]
+    return f"cannot record {lacks[0]!r}" if lacks else None
+
+
+def _servo_objection(name: str, formulation: str, servo: Servo | None) -> str | None:
+    if servo is None:
+        return None
+    if servo.backlash_rad > 0 and (formulation, name) not in _HAVE_PLAY:
+        return f"with formulation {formulation!r} does not run gears with play, whose teeth hit"
+    if name == "radau" and not servo.simple:
+        return "does not run with rotors, gear friction, a loop that holds or a supply that sags"
+    if name == "dop853" and servo.gear_friction_nm > 0:
+        return "does not run with gear friction"
+    return None
+
+
+def default_method(scene: Scene) -> str:
+    """Return the method for a scene that names none: exact sticking on dry ground, else rk4."""
+    servo = scene.servo
+    gears = servo is not None and (servo.gear_friction_nm > 0 or servo.backlash_rad > 0)
+    dry = (scene.law == "dry" or gears) and objection("nonsmooth", scene) is None
+    return "nonsmooth" if dry else "rk4"
+
+
+def ways_out(name: str, scene: Scene) -> str:
+    """Return what to take where a method does not run a scene: each has been found to run."""
+    methods = dict.fromkeys((default_method(scene), *_FIRST_ADVISED))
+    runs = [repr(m) for m in methods if objection(m, scene) is None][:2]
+    ways = [f"method {' or '.join(runs)}"] if runs else []
+    ways += [
+        f"formulation {one!r}"
+        for one in ("explicit", "implicit")
+        if objection(name, scene, formulation=one) is None
+    ]
+    ways += [
+        f"record without {one!r}"
+        for one in scene.record
+        if objection(name, scene, record=tuple(r for r in scene.record if r != one)) is None
+    ]
+    return ", or ".join(ways) or _ANY_WAY

@@ -16,7 +16,7 @@ too long may stay finite and be a metre wrong, without any NaN.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -28,8 +28,7 @@ from ..model.evaluation import TorqueDrive, acceleration
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.link_state import LinkState
-from .methods import objection
-from .scene import Scene
+from .scene import Scene, objection
 
 Array = NDArray[np.float64]
 _PHASES, _MOST_LINKS = 8, 60
@@ -48,14 +47,15 @@ def joint_modes(scene: Scene, any_shape: bool = False) -> Array:
     turning = 4 * half**2 / robot.inertia_kg_m2
     if any_shape or n > _MOST_LINKS:
         return np.array([4 / m + turning, 0.0])
-    found = []
+    every = [np.linalg.eigvalsh(_compliance(scene, state.theta_rad)) for state in _shapes(scene)]
+    return np.array([np.max(every), np.min(every)])
+
+
+def _shapes(scene: Scene) -> Iterator[LinkState]:
+    """Yield states of a robot in the gait at eight phases, its link 1 at rest."""
     for phase in np.arange(_PHASES) * math.pi / _PHASES:
-        state = LinkState.in_gait(
-            robot, scene.gait, phase / scene.gait.omega_rad_s, [0] * 3, [0] * 3
-        )
-        found.append(np.linalg.eigvalsh(_compliance(scene, state.theta_rad)))
-    every = np.array(found)
-    return np.array([every.max(), every.min()])
+        t = phase / scene.gait.omega_rad_s
+        yield LinkState.in_gait(scene.robot, scene.gait, t, [0] * 3, [0] * 3)
 
 
 def _compliance(scene: Scene, theta_rad: Array) -> Array:
@@ -84,9 +84,7 @@ def _mobility(scene: Scene) -> Array:
     if scene.formulation == "implicit" or robot.links > _MOST_LINKS:
         return np.array([4 / robot.inertia_kg_m2, 0.0])
     ground, found = Ground(0.0, 0.0), []
-    for phase in np.arange(_PHASES) * math.pi / _PHASES:
-        t = phase / scene.gait.omega_rad_s
-        state = LinkState.in_gait(robot, scene.gait, t, [0] * 3, [0] * 3)
+    for state in _shapes(scene):
         still = replace(
             state, vx_m_s=0 * state.x_m, vy_m_s=0 * state.x_m, omega_rad_s=0 * state.x_m
         )
@@ -200,9 +198,9 @@ def stability_test(scene: Scene, any_shape: bool = False) -> Callable[[float], b
     return stable
 
 
-def largest_stable_step_s(scene: Scene) -> float:
+def largest_stable_step_s(scene: Scene, any_shape: bool = False) -> float:
     """Return the largest stable fixed step of a scene, s; inf where nothing limits it."""
-    stable = stability_test(scene)
+    stable = stability_test(scene, any_shape)
     high = scene.dt_s
     while stable is not None and stable(high) and high < _LONGEST_S:
         high *= 2

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from .simulate import simulate
 from .stability import largest_stable_step_s
 
 _MOST_CYCLES = 4096
-_STEPS_A_CYCLE = 1000
+_STEPS_A_CYCLE = 1000  # for powers to 1e-4 or closer; a tenth of them for speeds to 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,12 +80,25 @@ class SteadySprings(Result):
         return asdict(self) | {"abs_power_error_w": self.abs_power_error_w}
 
 
-def _cycle_scene(scene: Scene) -> Scene:
-    """Return the scene with a stable step that divides a cycle."""
-    period = scene.gait.period_s
-    most = min(period / _STEPS_A_CYCLE, largest_stable_step_s(scene) / 2)
-    steps = 2 * math.ceil(period / most / 2)
-    return replace(scene, dt_s=period / steps, record_every=steps)
+@lru_cache
+def _longest_step_s(
+    robot: Robot, ground: Ground, springs: tuple[float, float], method: str
+) -> float:
+    """Return the largest step that is stable in whatever shape, s."""
+    scene = Scene(robot, ground, Gait(0.0, 0.0, 1.0), "implicit", *springs, method=method)
+    return largest_stable_step_s(scene, any_shape=True)
+
+
+def _cycles(
+    robot: Robot, ground: Ground, gait: Gait, springs: tuple[float, float], rtol: float
+) -> Scene:
+    """Return a scene whose step divides a cycle: stable, and short enough for rtol."""
+    period, method = gait.period_s, "rk4" if ground.smooth else "nonsmooth"
+    wanted = _STEPS_A_CYCLE * min(max(1e-4 / rtol, 0.1), 1.0)
+    stable = 2 * period / _longest_step_s(robot, ground, springs, method)
+    steps = 2 * math.ceil(max(wanted, stable) / 2)
+    step = {"dt_s": period / steps, "record_every": steps}
+    return Scene(robot, ground, gait, "implicit", *springs, method=method, start="steady", **step)
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,8 +115,9 @@ class _Settled:
     cycles: int
 
 
-def _settle(scene: Scene, rtol: float, floor_m_s: float) -> _Settled:
+def _settle(scene: Scene, rtol: float) -> _Settled:
     """Follow the motion until its speed is the periodic state's to rtol."""
+    floor_m_s = speed_floor_m_s(scene.robot, scene.gait.omega_rad_s)
     cycles, count, change = 0, 8, math.inf
     while cycles < _MOST_CYCLES:
         run = simulate(replace(scene, duration_s=count * scene.gait.period_s))
@@ -122,13 +137,13 @@ def _settle(scene: Scene, rtol: float, floor_m_s: float) -> _Settled:
     )
 
 
-def _powers(run: Run, cycles: int) -> NDArray[np.float64]:
-    """Return net, absolute and positive mean power of each joint, (3, n - 1), in each cycle.
+def _powers(run: Run) -> NDArray[np.float64]:
+    """Return net, absolute and positive mean power of each joint over a cycle, (3, n - 1).
 
     A period's samples: net powers' means are as good as the steps.
     """
-    power = run.joint_power_w[1:].reshape(cycles, -1, run.joint_power_w.shape[1])
-    return np.stack([power, np.abs(power), np.maximum(power, 0)], 1).mean(axis=2)
+    power = run.joint_power_w[1:]
+    return np.stack([power, np.abs(power), np.maximum(power, 0)]).mean(axis=1)
 
 
 def steady_springs(
@@ -176,27 +191,16 @@ def steady_springs(
     """
     check_number("rtol", rtol, 1e-9, 0.1)
     exact = steady_gait(robot, ground, gait, powers=False)
-    scene = _cycle_scene(
-        Scene(
-            robot,
-            ground,
-            gait,
-            formulation="implicit",
-            start="steady",
-            joint_stiffness_n_m=joint_stiffness_n_m,
-            joint_damping_n_s_m=joint_damping_n_s_m,
-            method="rk4" if ground.smooth else "nonsmooth",
-        )
-    )
+    springs = joint_stiffness_n_m, joint_damping_n_s_m
+    settled = _settle(_cycles(robot, ground, gait, springs, rtol), rtol)
     floor = speed_floor_m_s(robot, gait.omega_rad_s)
-    settled = _settle(scene, rtol, floor)
-    (net, absolute, positive), errors, steps = _last_cycle(scene, settled)
+    (net, absolute, positive), errors, steps = _last_cycle(settled)
     return SteadySprings(
         settled.speed_m_s,
         net,
         absolute,
         positive,
-        (settled.change_m_s + steps) / max(settled.speed_m_s, floor),
+        (settled.change_m_s + steps * (1 + settled.ahead)) / max(settled.speed_m_s, floor),
         errors[0],
         errors[2],
         settled.speed_m_s / max(exact.speed_m_s, floor) - 1,
@@ -204,18 +208,22 @@ def steady_springs(
     )
 
 
-def _last_cycle(scene: Scene, settled: _Settled) -> tuple[list[float], list[float], float]:
+def _last_cycle(settled: _Settled) -> tuple[list[float], list[float], float]:
     """Return the three powers and their errors, W, and the steps' error of the speed, m/s."""
-    period = scene.gait.period_s
+    scene = settled.run.scene
     once = replace(
-        scene, start=settled.run.state(), duration_s=period, record=("joints",), record_every=1
+        scene,
+        start=settled.run.state(),
+        duration_s=scene.gait.period_s,
+        record=("joints",),
+        record_every=1,
     )
     last = simulate(once)
-    finer = simulate(replace(once, dt_s=scene.dt_s / 2))
+    finer = simulate(replace(once, dt_s=once.dt_s / 2))
     next_one = simulate(replace(once, start=last.state()))
-    order = 16 / 15 if scene.ground.smooth else 2.0
-    steps = abs(last.travel_m - finer.travel_m) / period * order
-    power, fine, later = (_powers(run, 1)[0] for run in (last, finer, next_one))
+    order = 16 / 15 if once.ground.smooth else 2.0
+    steps = abs(last.travel_m - finer.travel_m) / once.duration_s * order
+    power, fine, later = (_powers(run) for run in (last, finer, next_one))
     change = np.abs((later - power).sum(axis=1)) * (1 + settled.ahead)
     errors = change + np.abs(fine - power).sum(axis=1) * 2  # kinks between samples: order two
     return power.sum(axis=1).tolist(), errors.tolist(), steps
