@@ -293,7 +293,7 @@ def servo_speeds(pairs: Iterable[tuple[Steady, Servo]], rough: bool = False) -> 
     from concurrent.futures import ThreadPoolExecutor  # slow to import
 
     with ThreadPoolExecutor() as pool:
-        found = pool.map(lambda pair: servo_speed(*pair, rough), pairs)
+        found = pool.map(lambda pair: servo_speed(pair[0], pair[1], rough), pairs)
         return np.fromiter(found, float)
 
 
