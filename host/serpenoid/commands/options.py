@@ -7,7 +7,7 @@ import math
 import re
 import threading
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -16,7 +16,7 @@ import click
 
 from ..model.checks import FORMULATIONS, check_number
 from ..show.screen import say
-from .declare import flag, number, option, stacked
+from .declare import Options, angle, flag, number, option, radians
 from .given import ALARMS, take_fit
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def _kept(context: click.Context, option: click.Parameter, value: Any) -> None:
 
 
 # Of a command that answers with tables.
-AS_TABLES = stacked(
+AS_TABLES = Options(
     flag(
         "--verbose",
         "Print errors, margins and other powers, too.",
@@ -51,10 +51,7 @@ PRESETS = {
     "paper": (1.0, 0.12, 0.1, 10.0, 0.0, 0.0),
     "2005": (0.0756, 0.076, 0.084 / 6, 1.2 / 6, 0.14 / 6, 0.27 / 6),
 }
-# Options of robot and ground are stored under the names of the fields that they fill.
-ROBOT = ("links", "link_mass_kg", "link_length_m", "link_inertia_kg_m2")
-GROUND = ("ct", "cn", "ft0", "fn0")
-_DEGREES = {"alpha": (0.0, 180.0), "beta": (-360.0, 360.0), "offset": (-180.0, 180.0)}  # Gait's
+ALPHA_DEG, BETA_DEG = (0.0, 180.0), (-360.0, 360.0)  # Gait's limits
 _LONG_M, _HEAVY_KG = 3.0, 50.0  # of one link: beyond what anybody puts on wheels
 _FAST_RAD_S = 60.0  # ten waves a second
 
@@ -72,6 +69,19 @@ BOTH_WAYS = click.types.FuncParamType(both_ways)
 BOTH_WAYS.name = "N[,N]"  # as help has it
 
 
+def _listed(_ctx: click.Context, _option: click.Parameter, gaits: Any) -> list[Gait]:
+    from ..model.gait import Gait
+
+    return [
+        Gait(
+            radians("--gait ALPHA_DEG", alpha_deg, *ALPHA_DEG),
+            radians("--gait BETA_DEG", beta_deg, *BETA_DEG),
+            math.tau * check_number("--gait HZ", hertz, 0.0, open_low=True),
+        )
+        for alpha_deg, beta_deg, hertz in gaits
+    ]
+
+
 listed_gaits = number(
     "--gait",
     "gaits",
@@ -79,11 +89,12 @@ listed_gaits = number(
     nargs=3,
     multiple=True,
     metavar="ALPHA_DEG BETA_DEG HZ",
+    callback=_listed,
 )
 formulation_option = option(
     "--formulation", "Exact model, or the paper's springs.", choice=FORMULATIONS, default="explicit"
 )
-fit_options = stacked(
+fit_options = Options(
     option(
         "--session",
         "Calibration session whose robot and fitted friction to take.",
@@ -97,15 +108,13 @@ fit_options = stacked(
     ),
 )
 
-robot_options = stacked(
-    option(
-        "--robot", "preset", "Robot and ground to start from; 2005 unless given.", choice=PRESETS
-    ),
-    fit_options,
+ROBOT = Options(
     option("--links", "Number of links; 6 unless given.", type=int),
     number("--mass-kg", "link_mass_kg", "Mass of a link."),
     number("--length-m", "link_length_m", "Length of a link, joint to joint."),
     number("--inertia-kg-m2", "link_inertia_kg_m2", "Of a link; a uniform rod's unless given."),
+)
+GROUND = Options(
     option(
         "--ct", "Viscous friction along a link, N s/m; ratchet: forwards,backwards.", type=BOTH_WAYS
     ),
@@ -113,17 +122,24 @@ robot_options = stacked(
     option("--ft0", "Dry friction along a link, N; ratchet: forwards,backwards.", type=BOTH_WAYS),
     number("--fn0", "Dry friction across a link, N."),
 )
-
-gait_options = stacked(
-    number("--alpha-deg", "Amplitude of the joints."),
-    number("--beta-deg", "Phase lag joint to joint."),
-    number("--omega-rad-s", "Angular rate; or give --frequency-hz."),
-    number("--frequency-hz", "Gait frequency."),
-    number("--offset-deg", "Bend of every joint: steers."),
+robot_options = Options(
+    option(
+        "--robot", "preset", "Robot and ground to start from; 2005 unless given.", choice=PRESETS
+    ),
+    fit_options,
+    ROBOT,
+    GROUND,
 )
 
+gait_options = Options(
+    angle("--alpha-deg", "Amplitude of the joints.", low=ALPHA_DEG[0], high=ALPHA_DEG[1]),
+    angle("--beta-deg", "Phase lag joint to joint.", low=BETA_DEG[0], high=BETA_DEG[1]),
+    number("--omega-rad-s", "Angular rate; or give --frequency-hz."),
+    number("--frequency-hz", "Gait frequency."),
+    angle("--offset-deg", "Bend of every joint: steers.", low=-180.0, high=180.0),
+)
 
-plug_options = stacked(
+plug_options = Options(
     option(
         "--volts",
         "Voltage at the servos' plug; else the session's, or 4.8 to 6 V.",
@@ -139,23 +155,28 @@ plug_options = stacked(
         expose_value=False,
     ),
 )
-servo_option = stacked(
+servo_option = Options(
     option(
         "--servo",
-        "servo_name",
         "Servos of the joints: hobby (any), SG90, MG996R, ..., a TOML file, or ideal.",
         metavar="NAME|FILE|ideal",
+        callback=_kept,
+        expose_value=False,
     ),
     plug_options,
 )
 IDEAL = "ideal"
 
 
-def take_servo(name: str | None, default: str = IDEAL) -> ServoKind | None:
+def typed(option: str) -> Any:
+    """Return the value of an option that was kept, None where it was not given."""
+    return click.get_current_context().meta.get(f"serpenoid.{option}")
+
+
+def take_servo(default: str = IDEAL) -> ServoKind | None:
     """Return the servo of --servo, --volts and --frame-ms; None for joints that follow the gait."""
+    name, volts, frame_ms = map(typed, ("servo", "volts", "frame_ms"))
     wanted = default if name is None else name
-    meta = click.get_current_context().meta
-    volts, frame_ms = (meta.get(f"serpenoid.{option}") for option in ("volts", "frame_ms"))
     if wanted.lower() == IDEAL:
         if volts or frame_ms:
             raise click.UsageError("--volts and --frame-ms need servos: give --servo NAME")
@@ -165,23 +186,6 @@ def take_servo(name: str | None, default: str = IDEAL) -> ServoKind | None:
     kind = servo(wanted)
     kind = kind if volts is None else kind.at_volts(volts)
     return kind if frame_ms is None else kind.at_frames(frame_ms / 1e3)
-
-
-def take(given: dict[str, Any], options: Sequence[str]) -> dict[str, Any]:
-    """Take the options that were given out of `given`."""
-    taken = {option: given.pop(option) for option in options}
-    return {option: value for option, value in taken.items() if value is not None}
-
-
-def as_radians(most_deg: float, open_low: bool = True) -> Callable[..., float | None]:
-    """Return a callback that takes an option's degrees, above 0, as radians; inf: no limit."""
-
-    def callback(_ctx: click.Context, option: click.Parameter, degrees: float | None) -> Any:
-        if degrees is None or degrees == most_deg == math.inf:
-            return degrees
-        return math.radians(check_number(option.opts[0], degrees, 0.0, most_deg, open_low=open_low))
-
-    return callback
 
 
 def preset_robot(name: str) -> tuple[Robot, Ground]:
@@ -215,47 +219,30 @@ def robot_with_fit(
     if preset is not None or base is None:
         base = preset_robot(preset or "2005")
     robot, ground = base
-    changes = take(given, ROBOT)
+    changes = ROBOT.take(given)
     if robot == Robot(robot.links, robot.link_mass_kg, robot.link_length_m):
         changes.setdefault("link_inertia_kg_m2", None)  # a uniform rod stays one
-    return replace(robot, **changes), replace(ground, **take(given, GROUND))
-
-
-def radians(name: str, degrees: float) -> float:
-    """Return an angle of a gait in radians; what is out of range is told in degrees."""
-    return math.radians(check_number(f"--{name}-deg", degrees, *_DEGREES[name]))
+    return replace(robot, **changes), replace(ground, **GROUND.take(given))
 
 
 def make_gait(given: dict[str, Any], base: Gait | None = None) -> Gait:
-    """Take a gait from degrees and either rate or frequency, over `base` if there is one."""
+    """Take a gait with either rate or frequency, over `base` if there is one."""
     from ..model.gait import Gait
 
-    _doubt_gait(given)
-    degrees = take(given, [f"{name}_deg" for name in _DEGREES])
-    names = [option.removesuffix("_deg") for option in degrees]
-    changes: dict[str, Any] = {f"{n}_rad": radians(n, degrees[f"{n}_deg"]) for n in names}
-    rates = take(given, ("omega_rad_s", "frequency_hz"))
+    fields = gait_options.take(given)
+    _doubt_gait(fields)
+    rates = [name for name in ("omega_rad_s", "frequency_hz") if name in fields]
     if len(rates) > 1 or not (rates or base):
         raise click.UsageError("give one of --omega-rad-s and --frequency-hz")
-    if "frequency_hz" in rates:
-        frequency = check_number("--frequency-hz", rates.pop("frequency_hz"), 0.0, open_low=True)
-        rates["omega_rad_s"] = 2 * math.pi * frequency
+    if "frequency_hz" in fields:
+        hertz = check_number("--frequency-hz", fields.pop("frequency_hz"), 0.0, open_low=True)
+        fields["omega_rad_s"] = math.tau * hertz
     if base is not None:
-        return replace(base, **changes, **rates)
+        return replace(base, **fields)
     for name in ("alpha", "beta"):
-        if f"{name}_rad" not in changes:
+        if f"{name}_rad" not in fields:
             raise click.UsageError(f"give --{name}-deg")
-    return Gait(**changes, **rates)
-
-
-def listed_gait(alpha_deg: float, beta_deg: float, frequency_hz: float) -> Gait:
-    """Return a gait of the option --gait ALPHA_DEG BETA_DEG HZ."""
-    from ..model.gait import Gait
-
-    alpha = check_number("--gait ALPHA_DEG", alpha_deg, *_DEGREES["alpha"])
-    beta = check_number("--gait BETA_DEG", beta_deg, *_DEGREES["beta"])
-    frequency = check_number("--gait HZ", frequency_hz, 0.0, open_low=True)
-    return Gait(math.radians(alpha), math.radians(beta), math.tau * frequency)
+    return Gait(**fields)
 
 
 # Figures that look as if typed in another unit are told, not refused: they may be meant.
@@ -273,14 +260,14 @@ def doubt_robot(given: Mapping[str, Any], names: str = "--{}") -> None:
             _tell(option, f"{value:g} {unit} for one link", small, value / 1e3)
 
 
-def _doubt_gait(given: Mapping[str, Any]) -> None:
+def _doubt_gait(fields: Mapping[str, Any]) -> None:
     """Warn of a gait whose options look like radians, degrees a second or turns a minute."""
-    alpha, beta = given.get("alpha_deg"), given.get("beta_deg")
+    alpha, beta = (math.degrees(fields.get(name, 0.0)) for name in ("alpha_rad", "beta_rad"))
     if alpha and beta and 0 < alpha <= math.pi and abs(beta) <= math.pi:
         told = f"{alpha:g} and {beta:g} degrees"
         _tell("--alpha-deg, --beta-deg", told, "radians", math.degrees(alpha), math.degrees(beta))
-    omega = given.get("omega_rad_s")
-    if omega is not None and _FAST_RAD_S < omega < math.inf:
+    omega = fields.get("omega_rad_s", 0.0)
+    if _FAST_RAD_S < omega < math.inf:
         told = f"{omega:g} rad/s, {omega / math.tau:.3g} waves a second"
         _tell("--omega-rad-s", told, "degrees a second", math.radians(omega))
 

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..model.checks import DRIVES, FORMULATIONS, GAPS, STARTS, check_number
+from ..model.checks import DRIVES, FORMULATIONS, GAPS, STARTS
 from ..show.screen import say
 from ..simulation.methods import METHODS
-from .declare import flag, number, option, refuse_typed, stacked
+from .declare import Options, angle, flag, number, option, refuse_typed
 from .options import (
     AS_TABLES,
     describe,
@@ -57,7 +57,7 @@ def _pairs(parts: list[str]) -> list[tuple[str, float]]:
     return [(name.strip(), float(value)) for name, value in halves]
 
 
-scene_options = stacked(
+scene_options = Options(
     option(
         "--formulation",
         "Exact model (explicit, unless given), or the paper's springs.",
@@ -66,8 +66,8 @@ scene_options = stacked(
     number("--stiffness-n-m", "joint_stiffness_n_m", "Implicit: k of the joints; 1000."),
     number("--damping-n-s-m", "joint_damping_n_s_m", "Implicit: c of the joints; 1."),
     number("--smoothing-m-s", "Width over which dry friction is smoothed."),
-    number("--incline-deg", "Slope of the ground."),
-    number("--incline-direction-deg", "Uphill, from the x axis."),
+    angle("--incline-deg", "Slope of the ground.", high=90.0),
+    angle("--incline-direction-deg", "Uphill, from the x axis.", low=-360.0, high=360.0),
     option("--drive", "What moves the joints; angle.", choice=DRIVES),
     option(
         "--servo-fields",
@@ -117,9 +117,6 @@ scene_options = stacked(
         type=int,
     ),
 )
-
-# Options that are angles; the values of all others are fields of Scene as they stand.
-_ANGLES = {"incline_deg": (0.0, 90.0), "incline_direction_deg": (-360.0, 360.0)}
 
 
 @click.command()
@@ -192,12 +189,8 @@ def make_scene(given: dict[str, Any], base: Scene | None) -> Scene:
     robot, ground = make_robot(given, base and (base.robot, base.ground))
     gait = make_gait(given, base.gait if base else _no_gait(given))
     parts: dict[str, Any] = {"robot": robot, "ground": ground, "gait": gait}
-    told = {name: value for name, value in given.items() if value is not None}
+    told = scene_options.take(given)
     parts |= _joint_drive(told, base)
-    for name, limits in _ANGLES.items():
-        if name in told:
-            degrees = check_number(f"--{name.replace('_', '-')}", told.pop(name), *limits)
-            told[f"{name.removesuffix('_deg')}_rad"] = math.radians(degrees)
     return replace(base, **parts | told) if base is not None else Scene(**parts, **told)
 
 
@@ -218,7 +211,7 @@ def _check_that_all_apply(scene: Scene, accuracy: float | None) -> None:
     for no_use, why, *names in (
         (pinned, springs, "joint_stiffness_n_m", "joint_damping_n_s_m", "gap"),
         (scene.ground.smooth, "the ground has no dry friction", "smoothing_m_s"),
-        (scene.incline_rad == 0, "the ground is level", "incline_direction_deg"),
+        (scene.incline_rad == 0, "the ground is level", "incline_direction_rad"),
         (not (scene.adaptive or accuracy), steps, "tolerance"),
     ):
         if no_use:

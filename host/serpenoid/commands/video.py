@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..show.screen import say
-from .declare import number, option, stacked
+from .declare import Options, number, option
 from .group import Commands
 from .options import AS_JSON, gait_options, make_gait, preset_robot, show_json
 from .paths import EXISTING, FIGURES, FOLDER, out_file
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from ..model.gait import Gait
     from ..model.robot import Robot
     from ..video.measure_film import FilmMeasurement
-
-_GAIT = ("alpha_deg", "beta_deg", "omega_rad_s", "frequency_hz", "offset_deg")
 
 
 class _FilmOrTags(Commands):
@@ -42,7 +40,7 @@ def VIDEO_GROUP() -> None:
     """
 
 
-_ROBOT = stacked(
+_ROBOT = Options(
     option(
         "--session",
         "Session whose robot it is; a film becomes a reading of it.",
@@ -197,7 +195,7 @@ def film_progress(file: Path) -> Iterator[Callable[[float], None]]:
 
 def _commanded(given: dict[str, Any], recording: Path | None, links: int) -> Gait | None:
     """Return the gait of the options or of the recording, None without either."""
-    typed = {name: given.get(name) for name in _GAIT if given.get(name) is not None}
+    typed = any(given[name] is not None for name in gait_options.names)
     if recording is not None:
         if typed:
             raise click.UsageError("--recording has the gait; leave the gait's options out")

@@ -57,7 +57,6 @@ def drive(
     record: Path | None,
     page: bool,
     as_json: bool,
-    servo_name: str | None,
     **given: Any,
 ) -> None:
     """Drive a gait and watch it; Ctrl-C stops the robot first. Lay it straight before.
@@ -70,18 +69,19 @@ def drive(
     """
     session = given.get("session")
     fit = take_fit(given)
-    servo = servo_as_filmed(take_servo(servo_name, "hobby"), session, fit)
-    drive_gait(make_gait(given), duration_s, port, record, as_json, fit, page=page, servo=servo)
+    servo = servo_as_filmed(take_servo("hobby"), session, fit)
+    gait, run = make_gait(given), {"duration_s": duration_s, "port": port, "record": record}
+    drive_gait(gait, as_json, fit, page=page, servo=servo, **run)
 
 
 def drive_gait(
     gait: Gait,
-    duration_s: float | None,
-    port: str | None,
-    record: Path | None,
     as_json: bool,
     fit: FrictionFit | None = None,
     *,
+    duration_s: float | None = None,
+    port: str | None = None,
+    record: Path | None = None,
     match: RobotMatch | None = None,
     page: bool = False,
     before: dict[str, Any] | None = None,

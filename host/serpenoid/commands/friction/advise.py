@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from ..declare import flag, option
 from ..given import session_fit
-from ..options import AS_TABLES, listed_gait, listed_gaits, servo_option, take_servo, tell
+from ..options import AS_TABLES, listed_gaits, servo_option, take_servo, tell
 from ..paths import FOLDER
+
+if TYPE_CHECKING:
+    from ...model.gait import Gait
 
 
 @click.command()
@@ -21,10 +25,9 @@ from ..paths import FOLDER
 @AS_TABLES
 def advise(
     session: Path,
-    gaits: tuple[tuple[float, float, float], ...],
+    gaits: list[Gait],
     samples: int,
     runs: bool,
-    servo_name: str | None,
     as_json: bool,
 ) -> None:
     """Tell which reading to take next: the one that shrinks the predicted speeds' band most.
@@ -35,10 +38,9 @@ def advise(
     from ...calibration.session_file import load_session
     from ...show.progress import progress
 
-    wanted = [listed_gait(*gait) for gait in gaits]
     loaded = load_session(session)
     session_fit(session)  # tells its alarms
-    with progress(len(wanted) or len(loaded.setup.procedure.gaits), "gaits") as advance:
-        servo = take_servo(servo_name, "hobby")
-        found = ask(loaded, wanted, samples=samples, runs=runs, servo=servo, progress=advance)
+    with progress(len(gaits) or len(loaded.setup.procedure.gaits), "gaits") as advance:
+        servo = take_servo("hobby")
+        found = ask(loaded, gaits, samples=samples, runs=runs, servo=servo, progress=advance)
     tell(found, as_json)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -10,7 +11,6 @@ from ..declare import number, option
 from ..given import session_fit
 from ..options import (
     AS_TABLES,
-    listed_gait,
     listed_gaits,
     servo_option,
     show_json,
@@ -18,6 +18,9 @@ from ..options import (
     tell,
 )
 from ..paths import FIGURES, FOLDER, out_file
+
+if TYPE_CHECKING:
+    from ...model.gait import Gait
 
 
 @click.command()
@@ -40,9 +43,8 @@ from ..paths import FIGURES, FOLDER, out_file
 @AS_TABLES
 def compare(
     session: Path,
-    gaits: tuple[tuple[float, float, float], ...],
+    gaits: list[Gait],
     amplitude_sigma: float,
-    servo_name: str | None,
     samples: int,
     other: Path | None,
     figure: Path | None,
@@ -63,17 +65,16 @@ def compare(
     from ...show import report
     from ...show.progress import progress
 
-    more = [listed_gait(*gait) for gait in gaits]
     loaded = load_session(session)
     fit = session_fit(session, with_crawls=False)
-    with progress(comparison.gait_count(loaded, more), "gaits") as advance:
+    with progress(comparison.gait_count(loaded, gaits), "gaits") as advance:
         found = comparison.compare(
             loaded,
             fit,
-            gaits=more,
+            gaits=gaits,
             amplitude_sigma=amplitude_sigma,
             samples=samples,
-            servo=take_servo(servo_name, "hobby"),
+            servo=take_servo("hobby"),
             progress=advance,
         )
     if figure is not None:

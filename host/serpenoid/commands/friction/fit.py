@@ -44,7 +44,6 @@ def fit(
     session: Path,
     method: str,
     crawls: bool,
-    servo_name: str | None,
     figure: Path | None,
     influence: bool,
     save: bool,
@@ -65,7 +64,7 @@ def fit(
 
     loaded = load_session(session)
     count = len(loaded.kept)
-    servo = take_servo(servo_name, "hobby") if crawls else None
+    servo = take_servo("hobby") if crawls else None
     with working(f"fitting {count} readings") if count > MANY or crawls else nullcontext():
         found = fit_friction(loaded, method=method, crawls=crawls, servo=servo)
     if figure is not None:

@@ -25,7 +25,6 @@ def report(
     out: Path | None,
     bibtex: Path | None,
     beside: Path | None,
-    servo_name: str | None,
     as_json: bool,
 ) -> None:
     """Write a session's report: one self-contained HTML file, the same bytes when made again.
@@ -41,7 +40,7 @@ def report(
 
     out = out or session / "report.html"
     compared = advised = None
-    servo = take_servo(servo_name, "hobby")
+    servo = take_servo("hobby")
     loaded = load_session(session)
     fit = session_fit(session)
     if comparison.compared_gaits(loaded):

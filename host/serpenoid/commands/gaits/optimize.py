@@ -13,7 +13,7 @@ import click
 
 from ...model.checks import check_number
 from ...model.errors import NotConverged
-from ..declare import flag, number, option, refuse_typed, stacked
+from ..declare import Options, angle, flag, number, option, refuse_typed
 from ..given import predicted_band, servo_as_filmed, take_fit
 from ..joints import joints_option, latest_film
 from ..options import (
@@ -21,17 +21,15 @@ from ..options import (
     GROUND,
     IDEAL,
     ROBOT,
-    as_radians,
     describe,
     formulation_option,
     interruptible,
-    options_of,
     robot_options,
     robot_with_fit,
     servo_option,
     show_json,
-    take,
     take_servo,
+    typed,
 )
 from ..paths import FIGURES, out_file
 from .steady import beside_servo, few_links, say_band, speeds_as_dict
@@ -52,49 +50,53 @@ _Result = TypeVar("_Result")
 _GROUNDS = 4096  # frictions drawn from a fit: half choose the gait, half check it
 _BOARD_ANGLE_DEG, _BOARD_SPEED_DEG_S = 90.0, 500.0  # a new board's own limits
 
-_OF_LEAST_POWER = ("formulation", "solved_error_w", "active", "basins", "runner_up_w")
-_OF_ROBUST = (
+# Keys of answers, in their order; each is an attribute's name, or stands here beside it.
+_KEYS = {"cost_w": "power_w", "cost_error_w": "power_error_w"}
+_OF_LEAST_POWER = (
+    "gait",
+    "cost",
+    "formulation",
+    "cost_w",
+    "cost_error_w",
+    "solved_error_w",
     "active",
+    "basins",
+    "runner_up_w",
+)
+_OF_ROBUST = (
+    "gait",
+    "cost",
+    "cost_w",
+    "active",
+    "uncertainty",
     "low_speed_m_s",
     "checked_low_m_s",
     "premium",
     "premium_per_metre",
+    "fragile",
     "fragile_low_m_s",
 )
 
-# Options are stored under the names of the fields that they fill.
-DOUBTS = ("amplitude", "common_amplitude", "lag_rad")  # of Uncertainty
-limit_options = stacked(
-    number(
-        "--joint-angle-deg",
-        "joint_angle_rad",
-        "Most a joint may bend; 110 unless given.",
-        callback=as_radians(180.0),
+LIMITS = Options(  # of GaitLimits
+    angle(
+        "--joint-angle-deg", "Most a joint may bend; 110 unless given.", high=180.0, open_low=True
     ),
-    number(
+    angle(
         "--servo-speed-deg-s",
-        "servo_speed_rad_s",
         "Most a servo turns; 500, a new board's limit, unless given; inf: no limit.",
-        callback=as_radians(math.inf),
+        high=math.inf,
+        open_low=True,
     ),
     number("--servo-torque-nm", "Most a servo holds."),
     number("--omega-low-rad-s", "Lowest rate of the gait."),
     number("--omega-high-rad-s", "Highest rate of the gait."),
 )
-doubt_options = stacked(
-    flag("--robust", "Keep 90 % of the speed for 95 % of the robots that may be the real one."),
+DOUBTS = Options(  # of Uncertainty
     number("--amplitude-sigma", "amplitude", "Of each joint, relative; 0.02."),
     number("--common-amplitude-sigma", "common_amplitude", "Of all joints, relative; 0.03."),
-    number(
-        "--lag-sigma-deg",
-        "lag_rad",
-        "Of each joint's phase; 1.",
-        callback=as_radians(57.0, open_low=False),
-    ),
-    joints_option,
+    angle("--lag-sigma-deg", "lag_rad", "Of each joint's phase; 1.", high=57.0),
 )
-send_options = stacked(
-    flag("--send", "Drive the gait on the robot, as `drive` does."),
+RUN = Options(  # of drive_gait
     option("--port", "Serial port; found by its USB id unless given."),
     option(
         "--duration-s",
@@ -122,15 +124,18 @@ send_options = stacked(
     default="power",
 )
 @formulation_option
-@limit_options
-@doubt_options
+@LIMITS
+@flag("--robust", "Keep 90 % of the speed for 95 % of the robots that may be the real one.")
+@DOUBTS
+@joints_option
 @servo_option
 @option(
     "--plot",
     "Draw speed against amplitude and fn0 around the gait: the cliff.",
     type=out_file(*FIGURES),
 )
-@send_options
+@flag("--send", "Drive the gait on the robot, as `drive` does.")
+@RUN
 @AS_TABLES
 def optimize(speed_m_s: str, as_json: bool, send: bool, plot: Path | None, **given: Any) -> None:
     """Find the gait that costs least power at a speed, and say how near to a cliff it stands.
@@ -144,16 +149,15 @@ def optimize(speed_m_s: str, as_json: bool, send: bool, plot: Path | None, **giv
     wanted = _speeds(speed_m_s)
     if not send:
         words = "{} is for --send, which is not there"
-        refuse_typed(words, "port", "duration_s", "record")
+        refuse_typed(words, *RUN.names)
     if not given["robust"] and plot is None:
-        refuse_typed("{} is for --robust or --plot; neither is there", *DOUBTS, "joints")
-    servo_name = given.pop("servo_name")
-    run = {name: given.pop(name) for name in ("port", "duration_s", "record")}
-    if len(wanted) > 1 and (send or plot or servo_name):
+        refuse_typed("{} is for --robust or --plot; neither is there", *DOUBTS.names, "joints")
+    run = RUN.take(given)
+    if len(wanted) > 1 and (send or plot or typed("servo")):
         raise click.UsageError("--send, --plot and --servo take one speed")
     if send:
-        _check_board(run["port"], run["record"])
-    ask = _Asked(given, send, servo_name)
+        _check_board(run.get("port"), run.get("record"))
+    ask = _Asked(given, send)
     if len(wanted) > 1:
         return _show_front(ask, wanted, as_json)
     best = _searched(lambda: ask.find(wanted[0]))
@@ -220,7 +224,7 @@ def _speeds(text: str) -> list[float]:
 class _Asked:
     """What the options ask for: robot, ground, servo, doubt, and how to search."""
 
-    def __init__(self, given: dict[str, Any], send: bool, servo_name: str | None) -> None:
+    def __init__(self, given: dict[str, Any], send: bool) -> None:
         self._robust, cost = given.pop("robust"), given.pop("cost")
         formulation = given.pop("formulation")
         if self._robust and formulation == "implicit":
@@ -232,13 +236,13 @@ class _Asked:
         uncertainty = _uncertainty(given, self.fit, filmed=joints is not None)
         # a film has shown what servos make of the joints
         ideal = self.fit is None or joints is not None
-        servo = take_servo(servo_name, IDEAL if ideal else "hobby")
+        servo = take_servo(IDEAL if ideal else "hobby")
         self.servo = servo_as_filmed(servo, session, self.fit)
         self.robot: Robot
         self.ground: Ground
         self.robot, self.ground = robot_with_fit(given, fit)
         self.uncertainty = _as_filmed(replace(uncertainty, servo=self.servo), joints, self.robot)
-        shown = servo_name is None and joints is None and few_links(self.robot)
+        shown = typed("servo") is None and joints is None and few_links(self.robot)
         self.shown_servo = take_servo("hobby") if shown and self.servo is None else self.servo
         self._how = {"cost": cost, "limits": limits} | (
             {"uncertainty": self.uncertainty} if self._robust else {"formulation": formulation}
@@ -287,15 +291,16 @@ def _limits(given: dict[str, Any], send: bool) -> GaitLimits:
     board = {"servo_speed_rad_s": math.radians(_BOARD_SPEED_DEG_S)}
     if send:
         board["joint_angle_rad"] = math.radians(_BOARD_ANGLE_DEG)
-    return GaitLimits(**board | take(given, GaitLimits.__match_args__))
+    return GaitLimits(**board | LIMITS.take(given))
 
 
 def _as_measured(
     given: dict[str, Any], fit: FrictionFit | None, robust: bool
 ) -> FrictionFit | None:
     """Return the fit, None where there is none or options change its friction or robot."""
-    options = options_of(click.get_current_context().command)
-    changed = [options[name] for name in (*ROBOT, *GROUND) if given.get(name) is not None]
+    command = click.get_current_context().command
+    fields = *ROBOT.names, *GROUND.names
+    changed = [p.opts[0] for p in command.params if p.name in fields and given[p.name] is not None]
     if fit is None or not changed:
         return fit
     if robust:
@@ -313,7 +318,7 @@ def _uncertainty(given: dict[str, Any], fit: FrictionFit | None, filmed: bool) -
     """
     from ...gaits.uncertainty import Uncertainty
 
-    changes: dict[str, Any] = take(given, DOUBTS)
+    changes: dict[str, Any] = DOUBTS.take(given)
     if fit is not None:
         changes["grounds"] = fit.sample(_GROUNDS)
         if fit.with_crawls and not filmed:
@@ -334,14 +339,13 @@ def _as_filmed(uncertainty: Uncertainty, joints: Path | None, robot: Robot) -> U
 def _as_dict(best: LeastPower | RobustGait) -> dict[str, Any]:
     from ...gaits.robust import RobustGait
 
-    answer = {"gait": describe(best.gait), "cost": best.cost, "cost_w": best.power_w}
-    if isinstance(best, RobustGait):
+    robust = isinstance(best, RobustGait)
+    names = _OF_ROBUST if robust else _OF_LEAST_POWER
+    answer = {name: getattr(best, _KEYS.get(name, name)) for name in names}
+    answer["gait"] = describe(best.gait)
+    if robust:
         answer |= {"uncertainty": best.uncertainty.in_words(), "fragile": _as_dict(best.fragile)}
-        names = _OF_ROBUST
-    else:
-        answer |= {"cost_error_w": best.power_error_w}
-        names = _OF_LEAST_POWER
-    return answer | {name: getattr(best, name) for name in names} | best.steady.to_dict()
+    return answer | best.steady.to_dict()
 
 
 def _print(best: LeastPower | RobustGait, margins: Margins, moved: ServoSteady | None) -> None:

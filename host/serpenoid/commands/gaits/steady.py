@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ...show.screen import say
-from ..declare import flag, number
+from ..declare import Options, flag, number
 from ..given import predicted_band, servo_as_filmed, take_fit
 from ..joints import joints_option, was_filmed, with_joints
 from ..options import (
@@ -24,8 +24,8 @@ from ..options import (
     robot_with_fit,
     servo_option,
     show_json,
-    take,
     take_servo,
+    typed,
 )
 
 if TYPE_CHECKING:
@@ -44,13 +44,18 @@ if TYPE_CHECKING:
 _FEW_LINKS = 20
 
 
+_SPRINGS = Options(
+    number("--stiffness-n-m", "joint_stiffness_n_m", "Implicit: k; 1000 unless given."),
+    number("--damping-n-s-m", "joint_damping_n_s_m", "Implicit: c; 1 unless given."),
+)
+
+
 @click.command()
 @robot_options
 @gait_options
 @number("--rtol", "Relative accuracy.", default=1e-6)
 @formulation_option
-@number("--stiffness-n-m", "joint_stiffness_n_m", "Implicit: k; 1000 unless given.")
-@number("--damping-n-s-m", "joint_damping_n_s_m", "Implicit: c; 1 unless given.")
+@_SPRINGS
 @servo_option
 @joints_option
 @flag(
@@ -62,7 +67,6 @@ _FEW_LINKS = 20
 def steady(
     as_json: bool,
     differentiated: bool,
-    servo_name: str | None,
     joints: Path | None,
     rtol: float,
     formulation: str,
@@ -73,7 +77,7 @@ def steady(
     The figures are those of joints that follow the gait exactly. Beside them stands the speed with
     servos: with any hobby servo unless --servo says which, or `ideal`.
     """
-    springs = take(given, ("joint_stiffness_n_m", "joint_damping_n_s_m"))
+    springs = _SPRINGS.take(given)
     if springs and formulation == "explicit":
         raise click.UsageError(
             "--stiffness-n-m and --damping-n-s-m have no effect: the joints are pinned; give "
@@ -84,18 +88,17 @@ def steady(
     robot, ground = robot_with_fit(given, fit)
     told = make_gait(given)
     gait = with_joints(told, joints, robot.links)
-    if joints is not None and servo_name is None:
-        servo_name = IDEAL  # the film shows what servos make of it
     if formulation == "implicit":
-        if servo_name not in (None, IDEAL):
+        if typed("servo") not in (None, IDEAL):
             raise click.UsageError("--servo has no effect on --formulation implicit; leave one out")
         if differentiated:
             raise click.UsageError(
                 "--sensitivities are those of the exact model; leave --formulation implicit out"
             )
         return _on_springs(robot, ground, gait, as_json, rtol=rtol, **springs)
-    usual = "hobby" if few_links(robot) else IDEAL
-    servo = servo_as_filmed(take_servo(servo_name, usual), session, fit)
+    # a film shows what servos make of the joints
+    usual = "hobby" if joints is None and few_links(robot) else IDEAL
+    servo = servo_as_filmed(take_servo(usual), session, fit)
     commanded = told if joints and was_filmed(told, joints, robot.links) else None
     return _pinned(robot, ground, gait, as_json, rtol, servo, fit, differentiated, commanded)
 

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ...show.screen import say
-from ..declare import number, option
+from ..declare import number, option, radians
 from ..options import (
+    ALPHA_DEG,
     AS_JSON,
+    BETA_DEG,
     GROUND,
-    IDEAL,
     make_robot,
-    radians,
     robot_options,
     servo_option,
     show_json,
@@ -76,12 +76,12 @@ def path(value: str) -> Path:
 def _varied(given: tuple[str, ...], fixed: dict[str, Any]) -> dict[str, list[float]]:
     """Read each NAME=FIRST:LAST:STEP; fixed: the robot's other options, None if not given."""
     found: dict[str, list[float]] = {}
+    names = *_BODY, *GROUND.names
     for text in given:
         name, equals, span = text.partition("=")
-        if not equals or name not in (*_BODY, *GROUND):
+        if not equals or name not in names:
             raise click.BadParameter(
-                f"{text!r} is not NAME=FIRST:LAST:STEP with a NAME of "
-                + ", ".join((*_BODY, *GROUND)),
+                f"{text!r} is not NAME=FIRST:LAST:STEP with a NAME of " + ", ".join(names),
                 param_hint="--vary",
             )
         if name in found or fixed[_BODY.get(name, name)] is not None:
@@ -96,7 +96,7 @@ def _designs(
 ) -> tuple[Robot | list[Robot], Ground | list[Ground]]:
     """Return all robots and all grounds of a study; one that does not vary stays alone."""
     body: dict[str, list[Any]] = {_BODY[name]: varied[name] for name in _BODY if name in varied}
-    grip = {name: varied[name] for name in GROUND if name in varied}
+    grip = {name: varied[name] for name in GROUND.names if name in varied}
     if any(links % 1 for links in body.get("links", ())):
         raise click.BadParameter("links must be whole numbers", param_hint="--vary")
     if "links" in body:
@@ -153,7 +153,6 @@ def sweep(
     rtol: float,
     threads: int | None,
     scheduler: str | None,
-    servo_name: str | None,
     **given: Any,
 ) -> None:
     """Solve every gait of a grid (the paper's 4500 unless told), into files or as JSON.
@@ -168,14 +167,16 @@ def sweep(
         raise click.UsageError("--vary writes a study: give --out a folder, without a suffix")
     if whole and as_json:
         raise click.UsageError("--json is for a sweep that fits on a screen; a study is a folder")
-    servo = take_servo(servo_name, IDEAL)
+    servo = take_servo()
     if whole and servo is not None:
         raise click.UsageError("--servo is for one robot's sweep: give --out a file, or --json")
     varied = _varied(vary, given)
     robot, ground = make_robot(given)
     grid = {
-        "alpha_rad": [radians("alpha", a) for a in _span(alpha_deg, "--alpha-deg")],
-        "beta_rad": [radians("beta", b) for b in _span(beta_deg, "--beta-deg")],
+        "alpha_rad": [
+            radians("--alpha-deg", a, *ALPHA_DEG) for a in _span(alpha_deg, "--alpha-deg")
+        ],
+        "beta_rad": [radians("--beta-deg", b, *BETA_DEG) for b in _span(beta_deg, "--beta-deg")],
         "omega_rad_s": _rates(omega_rad_s, frequency_hz),
     }
     how = {"rtol": rtol, "threads": threads, "scheduler": scheduler}
