@@ -14,13 +14,12 @@ STORED = Path(__file__).parents[3] / "docs" / "_static" / "balanced_bend.svg"
     ("bend", "links"), [("balanced", 4), ("balanced", 6), ("balanced", 11), ("zigzag", 3)]
 )
 def test_what_is_labelled_is_what_is_drawn(bend, links):
-    shape = bend_shape(bend, links, 20.0)
-    points = shape["points"]
+    points, labels = bend_shape(bend, links, 20.0)
     lengths = [math.dist(a, b) for a, b in pairwise(points)]
     assert len(lengths) == links
     assert max(lengths) - min(lengths) < 0.3  # points are rounded to a tenth
     for (a, b, c), (_, _, text) in zip(
-        zip(points, points[1:], points[2:], strict=False), shape["labels"], strict=True
+        zip(points, points[1:], points[2:], strict=False), labels, strict=True
     ):
         ahead, behind = (math.atan2(q[1] - p[1], q[0] - p[0]) for p, q in ((b, c), (a, b)))
         between = 180.0 - abs(math.degrees(ahead - behind))
@@ -28,5 +27,5 @@ def test_what_is_labelled_is_what_is_drawn(bend, links):
 
 
 def test_the_picture_in_the_documentation_is_this_drawing():
-    drawn = bend_svg(bend_shape("balanced", 6, 15.0), "balanced bend of six links")
+    drawn = bend_svg("balanced", 6, 15.0, "balanced bend of six links")
     assert STORED.read_text() == drawn + "\n"

@@ -1,4 +1,4 @@
-// What pages beside a robot share: the stream of states, its loss, and buttons.
+// What pages beside a robot share: the stream of states, its loss, buttons, and parts of pictures.
 const at = id => document.getElementById(id);
 let heard = 0;
 function link(text, lost) { at("link").textContent = text; at("link").className = lost ? "lost" : ""; }
@@ -14,4 +14,10 @@ setInterval(() => {
 async function press(name) { // the answer of a button
   try { return await (await fetch(name, { method: "POST" })).json(); }
   catch { return { error: "no connection." }; }
+}
+function shape(kind, values, text) {
+  const made = document.createElementNS("http://www.w3.org/2000/svg", kind);
+  for (const [name, value] of Object.entries(values)) made.setAttribute(name, value);
+  if (text !== undefined) made.textContent = text;
+  return made;
 }

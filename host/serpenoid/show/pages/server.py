@@ -16,10 +16,10 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from pathlib import Path
 from typing import Any
 
 from ...model.errors import BadInput, SerpenoidError
+from .filled import filled
 
 BEAT_S = 1.0  # a stream that is silent for three of these is lost, the page says
 MOST_STREAMS = 16
@@ -40,7 +40,8 @@ State = dict[str, Any]
 class Page:
     """Serve one page while `with Page(...) as page:` lasts; publish() sends it a new state.
 
-    html: the page, with @NONCE@ in its script's tag and @LIVE@ where live.js belongs. stop: stops
+    html: the page, with @NONCE@ in its script's tag, @STYLE@ and @LIVE@ where page.css and live.js
+    belong. stop: stops
     the robot now, from any thread; None where there is no robot. lan: reachable from other
     machines, too. buttons: what other buttons do, by their names; each returns what to show.
     """
@@ -56,8 +57,7 @@ class Page:
     ):
         self.buttons = dict(buttons or {})
         self.token = secrets.token_urlsafe(18)
-        script = Path(__file__).with_name("live.js").read_text(encoding="utf-8")
-        self.html, self.stop = html.replace("@LIVE@", script), stop
+        self.html, self.stop = filled(html, STYLE="page.css", LIVE="live.js"), stop
         self.nonce = secrets.token_urlsafe(12)
         self.streams = threading.BoundedSemaphore(MOST_STREAMS)
         self._changed = threading.Condition()

@@ -17,6 +17,7 @@ from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
 from ...robot.recording.run_gait import longest_gait
+from .filled import filled
 from .twin import Motion, Twin, gait_joints
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ def write_page(path: Path, title: str, about: str, shown: dict[str, Any]) -> Non
 
 def page_text(title: str, about: str, shown: dict[str, Any]) -> str:
     """Return the page, the nonce of its scripts still to be filled in."""
-    text = Path(__file__).with_name("view.html").read_text(encoding="utf-8")
+    text = filled("@PAGE@", PAGE="view.html", STYLE="page.css")
     data = json.dumps(shown, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
     for mark, value in (("TITLE", html.escape(title)), ("ABOUT", html.escape(about))):
         text = text.replace(f"@{mark}@", value)

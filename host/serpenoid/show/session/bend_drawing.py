@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from ...model.bends import balanced_signs, joint_multiples
 
 WIDE, HIGH = 640, 150
 
 
-def bend_shape(bend: str, links: int, lambda_deg: float) -> dict[str, Any]:
+Point = tuple[float, float]
+
+
+def bend_shape(
+    bend: str, links: int, lambda_deg: float
+) -> tuple[list[Point], list[tuple[float, float, str]]]:
     """Return the chain of a bent robot in a picture of WIDE by HIGH, tail left, and its labels.
 
-    points: (x, y) of tail, joints and head. labels: (x, y, text) a joint, the angle between links.
+    The chain is (x, y) of tail, joints and head; a label (x, y, text) a joint, its angle.
     """
     signs = _signs(bend, links)
     x, y, chain = 0.0, 0.0, [(0.0, 0.0)]
@@ -24,25 +28,25 @@ def bend_shape(bend: str, links: int, lambda_deg: float) -> dict[str, Any]:
     ys = [p[1] for p in chain]
     scale = min(0.82 * WIDE / x, 0.5 * HIGH / max(max(ys) - min(ys), 1e-9))
     left, middle = (WIDE - scale * x) / 2, HIGH / 2 + 8 - scale * (max(ys) + min(ys)) / 2
-    points = [[round(left + scale * px, 1), round(middle + scale * py, 1)] for px, py in chain]
+    points = [(round(left + scale * px, 1), round(middle + scale * py, 1)) for px, py in chain]
     labels = [
-        [px, py - 12 if m <= 0 else py + 26, f"{180 - abs(m) * lambda_deg:g}°"]
+        (px, py - 12 if m <= 0 else py + 26, f"{180 - abs(m) * lambda_deg:g}°")
         for (px, py), m in zip(points[1:-1], joint_multiples(signs), strict=True)
     ]
-    return {"points": points, "labels": labels}
+    return points, labels
 
 
-def bend_svg(shape: dict[str, Any], name: str) -> str:
+def bend_svg(bend: str, links: int, lambda_deg: float, name: str = "") -> str:
     """Return the drawing as SVG; name: what it shows, for those who do not see it."""
-    line = " ".join(f"{x},{y}" for x, y in shape["points"])
-    dots = "".join(f'<circle cx="{x}" cy="{y}" r="5"/>' for x, y in shape["points"][1:-1])
-    x, y = shape["points"][-1]
+    points, named = bend_shape(bend, links, lambda_deg)
+    line = " ".join(f"{x},{y}" for x, y in points)
+    dots = "".join(f'<circle cx="{x}" cy="{y}" r="5"/>' for x, y in points[1:-1])
+    x, y = points[-1]
     labels = "".join(
-        f'<text x="{lx}" y="{ly}" text-anchor="middle">{text}</text>'
-        for lx, ly, text in shape["labels"]
+        f'<text x="{lx}" y="{ly}" text-anchor="middle">{text}</text>' for lx, ly, text in named
     )
     return (
-        f'<svg viewBox="0 0 {WIDE} {HIGH}" role="img" aria-label="{name}" '
+        f'<svg viewBox="0 0 {WIDE} {HIGH}" role="img" aria-label="{name or f"{bend} bend"}" '
         'xmlns="http://www.w3.org/2000/svg" font-family="sans-serif" font-size="17" '
         f'style="color-scheme:light"><polyline points="{line}" fill="none" stroke="#0072B2" '
         f'stroke-width="7" stroke-linejoin="round"/><g fill="#333">{dots}</g>'

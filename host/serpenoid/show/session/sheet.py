@@ -13,7 +13,7 @@ from ...calibration.taking.floor.procedure import SPEED_M_S, expected_way_m, ser
 from ...calibration.taking.procedure import settle_s
 from ...calibration.taking.sheet import LINES, SLIDES, sheet_text, ways_of
 from ...model.files import write_text
-from .bend_drawing import bend_shape, bend_svg
+from .bend_drawing import bend_svg
 
 if TYPE_CHECKING:
     from ...calibration.session import Session
@@ -104,7 +104,7 @@ def _pushes(session: Session, bend_rad: float, facing: str) -> str:
         heading = f"Pushes, bend {bend:g}° (kind coast)"
         words = bend_in_words(name, bend, setup.robot.links).replace(" deg", "°")
         check = f"{words[0].upper()}{words[1:]} At an end it showed (kind bend): ________ ° "
-        drawn = bend_svg(bend_shape(name, setup.robot.links, bend), f"{name} bend")
+        drawn = bend_svg(name, setup.robot.links, bend)
     ways = ways_of(setup.procedure)
     columns = ["way", "distance (m)", "time to rest (s)", "turned, + left (°)", "or film", "remark"]
     lines = _table(columns, len(ways) + SPARE_LINES, ways)
@@ -134,7 +134,7 @@ def _bend(series: Series, links: int) -> str:
         check = "Head downhill, belt uphill. Raise the belt until the robot holds; wait; read."
     else:
         heading = f"Bend {bend:g}° (kind station)"
-        drawn = bend_svg(bend_shape(series.bend, links, bend), f"{series.bend} bend")
+        drawn = bend_svg(series.bend, links, bend)
         words = bend_in_words(series.bend, bend, links).replace(" deg", "°")
         check = f"{words[0].upper()}{words[1:]} At an end it showed (kind bend): ________ °{drawn}"
     return f"<section><h2>{heading}</h2><p>{check}</p>{_table(columns, LINES)}</section>"

@@ -11,7 +11,7 @@ from ...calibration.taking.expected import Series, line_of, of_bend, series_of
 from ...calibration.taking.procedure import belt_range, progress
 from ...calibration.taking.steps import Step
 from ...model.errors import SerpenoidError
-from .bend_drawing import bend_shape
+from .bend_drawing import bend_svg
 
 if TYPE_CHECKING:
     from ...calibration.friction_result import FrictionFit
@@ -70,11 +70,11 @@ def _aim(step: Step) -> str:
     }[step.kind]
 
 
-def _shape(session: Session, step: Step) -> dict[str, Any] | None:
-    """Return the robot's outline where it is to be bent."""
+def _shape(session: Session, step: Step) -> str:
+    """Return the robot's outline where it is to be bent, as SVG."""
     if step.kind != "bend":
-        return None
-    return bend_shape(step.bend, session.setup.robot.links, step.lambda_deg)
+        return ""
+    return bend_svg(step.bend, session.setup.robot.links, step.lambda_deg)
 
 
 def _last(session: Session) -> str:
