@@ -194,13 +194,13 @@ def steady_springs(
     springs = joint_stiffness_n_m, joint_damping_n_s_m
     settled = _settle(_cycles(robot, ground, gait, springs, rtol), rtol)
     floor = speed_floor_m_s(robot, gait.omega_rad_s)
-    (net, absolute, positive), errors, steps = _last_cycle(settled)
+    (net, absolute, positive), errors = _last_cycle(settled)
     return SteadySprings(
         settled.speed_m_s,
         net,
         absolute,
         positive,
-        (settled.change_m_s + steps * (1 + settled.ahead)) / max(settled.speed_m_s, floor),
+        (settled.change_m_s + _steps_m_s(settled)) / max(settled.speed_m_s, floor),
         errors[0],
         errors[2],
         settled.speed_m_s / max(exact.speed_m_s, floor) - 1,
@@ -208,8 +208,16 @@ def steady_springs(
     )
 
 
-def _last_cycle(settled: _Settled) -> tuple[list[float], list[float], float]:
-    """Return the three powers and their errors, W, and the steps' error of the speed, m/s."""
+def _steps_m_s(settled: _Settled) -> float:
+    """Return the steps' error of the speed, m/s: twice what half as long ones change in eight cycles."""
+    scene, period = settled.run.scene, settled.run.scene.gait.period_s
+    steps = {"dt_s": scene.dt_s / 2, "record_every": 2 * scene.record_every}
+    finer = simulate(replace(scene, start=settled.run.state(), duration_s=8 * period, **steps))
+    return 2 * abs(float(finer.mean_speed_m_s(period)[-1]) - settled.speed_m_s)
+
+
+def _last_cycle(settled: _Settled) -> tuple[list[float], list[float]]:
+    """Return the three powers and their errors, W."""
     scene = settled.run.scene
     once = replace(
         scene,
@@ -221,9 +229,7 @@ def _last_cycle(settled: _Settled) -> tuple[list[float], list[float], float]:
     last = simulate(once)
     finer = simulate(replace(once, dt_s=once.dt_s / 2))
     next_one = simulate(replace(once, start=last.state()))
-    order = 16 / 15 if once.ground.smooth else 2.0
-    steps = abs(last.travel_m - finer.travel_m) / once.duration_s * order
     power, fine, later = (_powers(run) for run in (last, finer, next_one))
     change = np.abs((later - power).sum(axis=1)) * (1 + settled.ahead)
     errors = change + np.abs(fine - power).sum(axis=1) * 2  # kinks between samples: order two
-    return power.sum(axis=1).tolist(), errors.tolist(), steps
+    return power.sum(axis=1).tolist(), errors.tolist()

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <utility>
 
 namespace serpenoid {
@@ -33,8 +32,8 @@ ModeSteps::Look ModeSteps::look(double t) {
     return at;
 }
 
-bool ModeSteps::Look::ended() const {
-    return std::any_of(margin.begin(), margin.end(), [](double m) { return m < 0; });
+bool ModeSteps::Look::ended(double depth) const {
+    return std::any_of(margin.begin(), margin.end(), [=](double m) { return m < -depth; });
 }
 
 // The first instant after an end: false position for the first part to end, halving in between.
@@ -59,7 +58,8 @@ double ModeSteps::end_of_mode(Look from, Look to) {
 
 // Look between b and c for a mode that ends and begins again: a margin falls before them and rises
 // after them, and the lines through a, b and c, d meet below 0. If there is one, t_ is set to its
-// end.
+// end. What dips no deeper than the ends of modes are known, 1, is none: it would begin again at
+// once.
 bool ModeSteps::dips(const Look& a, const Look& b, const Look& c, const Look& d, int halvings) {
     bool low = false;
     for (std::size_t i = 0; i < b.margin.size() && halvings > 0; ++i) {
@@ -70,19 +70,17 @@ bool ModeSteps::dips(const Look& a, const Look& b, const Look& c, const Look& d,
     }
     if (!low) return false;
     const Look middle = look(0.5 * (b.t + c.t));
-    if (!middle.ended())
+    if (!middle.ended(1))
         return dips(a, b, middle, c, halvings - 1) || dips(b, middle, c, d, halvings - 1);
     t_ = end_of_mode(b, middle);
     return true;
 }
 
-// Look at a step for the first end of a mode; if there is one, t_ is set to it. The looks are
-// closer at both ends of the step, where there is no other beside them on one side.
+// Look at a step for the first end of a mode; if there is one, t_ is set to it.
 bool ModeSteps::ends_between(double from, double to) {
     std::vector<Look> looks{last_ ? *std::exchange(last_, {}) : look(from)};
     for (int k = 1; k <= kLooks; ++k) {
-        const double part = 0.5 - 0.5 * std::cos(std::numbers::pi * k / kLooks);
-        looks.push_back(look(k == kLooks ? to : from + (to - from) * part));
+        looks.push_back(look(k == kLooks ? to : from + (to - from) * k / kLooks));
         if (k > 2 && dips(looks[k - 3], looks[k - 2], looks[k - 1], looks[k], kHalvings))
             return true;
         if (looks[k].ended()) {

@@ -31,7 +31,7 @@ class ModeSteps final : public Method {
     double local_error() const override { return smooth_->local_error(); }
 
   private:
-    static constexpr int kLooks = 7;      // at a step, for the end of a mode in it
+    static constexpr int kLooks = 8;      // at a step, for the end of a mode in it
     static constexpr int kHalvings = 10;  // between two looks, for a margin's least value
     static constexpr int kMostAtOnce = 300;
     static constexpr int kStiffSteps = 12;
@@ -39,7 +39,7 @@ class ModeSteps final : public Method {
     struct Look {
         double t;
         std::vector<double> margin;
-        bool ended() const;
+        bool ended(double depth = 0) const;
     };
     void look_for_stiffness();
     bool ends_between(double from, double to);
