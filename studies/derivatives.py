@@ -1,10 +1,9 @@
-"""Hold derivatives of periodic states to differences of tight solutions, at kinks to both sides."""
+"""Hold derivatives of random periodic states to differences of tight solutions."""
 
 from __future__ import annotations
 
 import argparse
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -17,7 +16,6 @@ from serpenoid.periodic.sensitivities import QUANTITIES, Parts, differentiate, p
 Array = NDArray[np.float64]
 KINDS = ("viscous", "dry", "ratchet")
 TIGHT = {"viscous": 1e-12, "dry": 1e-9, "ratchet": 1e-9}
-STEPS = 2.0 ** -np.arange(2, 9)  # over the step of a parameter: one-sided differences
 
 
 def drawn(rng: np.random.Generator, kind: str) -> Parts:
@@ -81,26 +79,6 @@ class Count:
             )
 
 
-def one_sided(
-    parts: Parts, move: Callable[[float], Parts], value: float, step: float, kind: str
-) -> tuple[Array, Array]:
-    """Return derivatives to both sides, (2, Q), and their doubts.
-
-    Beside a kink a difference over h is off by the root of h where a wheel rests for a moment, by h
-    elsewhere, and by 1/h as the kink is not quite here: all are fitted and taken off.
-    """
-    h = step * STEPS
-    states = tight([parts, *(move(value + sign * each) for sign in (-1, 1) for each in h)], kind)
-    slopes = (states[1:].reshape(2, len(h), -1) - states[0]) / h[:, None]
-    slopes[0] *= -1
-    basis = np.column_stack([np.ones(len(h)), np.sqrt(STEPS), STEPS, 0.01 / STEPS])
-    fit = np.linalg.pinv(basis)
-    found = np.einsum("k,skq->sq", fit[0], slopes)
-    missed = slopes - np.einsum("jk,kl,slq->sjq", basis, fit, slopes)
-    noise = abs(fit[0] / h).sum() * TIGHT[kind] * abs(states[0])
-    return found, 10 * abs(missed).max(axis=1) + noise
-
-
 def hold_random(kind: str, seed: int, count: int, total: Count) -> None:
     """Hold all derivatives of random states to central differences of tight solutions."""
     for k in range(count):
@@ -127,69 +105,16 @@ def hold_random(kind: str, seed: int, count: int, total: Count) -> None:
             total.hold(kind, told.derivatives[i], room, truth, where)
 
 
-def grazing(parts: Parts, name: str, kind: str) -> float | None:
-    """Return a value of a parameter at which a wheel's mode just changes, or None.
-
-    The widest second difference of the speed is where a slope changes; it is closed in on.
-    """
-    p = next(p for p in parameters(*parts) if p.name == name)
-    low, high, points = p.value - 80 * p.step, p.value + 80 * p.step, 129
-    for _ in range(7):
-        grid = np.linspace(low, high, points)
-        speed = tight([p.moved(v) for v in grid.tolist()], kind)[:, 0]
-        bends = abs(np.diff(speed, 2))
-        if not np.isfinite(bends).all():
-            return None
-        k = int(bends.argmax())
-        if bends[k] < 6 * np.median(bends) or k in (0, len(bends) - 1):
-            return None
-        low, high, points = grid[k], grid[k + 2], 9
-    return float((low + high) / 2)
-
-
-def hold_grazing(kind: str, seed: int, count: int, total: Count) -> None:
-    """Hold both sides of derivatives to one-sided differences at states where a mode changes."""
-    for k in range(count):
-        rng = np.random.default_rng([seed, k])
-        parts = drawn(rng, kind)
-        name = ("omega_rad_s", "alpha_rad", "fn0", "beta_rad")[int(rng.integers(4))]
-        try:
-            at = grazing(parts, name, kind)
-            if at is None:
-                continue
-            parts = next(p for p in parameters(*parts) if p.name == name).moved(at)
-            told = differentiate(*parts)
-        except (sn.NotConverged, sn.BadInput):
-            total.held["no state"] += 1
-            continue
-        total.held["grazing states"] += 1
-        by_name = {p.name: p for p in parameters(*parts)}
-        for i, each in enumerate(told.names):
-            p = by_name[each]
-            truth, doubt = one_sided(parts, p.moved, p.value, p.step, kind)
-            for side, word in enumerate(("less", "more")):
-                room = told.side_errors[i, :, side] + doubt[side]
-                where = f"{kind} {seed} {k} {name}: {each}{' (kink)' if told.kinks[i] else ''}"
-                total.hold(f"{kind} {word}", told.sides[i, :, side], room, truth[side], where)
-            jump, noise = abs(truth[1] - truth[0]), doubt.sum(axis=0)
-            sure = jump > 0.05 * abs(truth).max(axis=0) + 2 * noise
-            total.held["true kinks"] += int(sure.any())
-            if sure.any() and not told.kinks[i]:
-                total.off.append(f"kink not told: {kind} {seed} {k} {name}: {each}")
-
-
 def main() -> None:
     """Count what is outside of what is told."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("what", choices=["random", "grazing"])
     parser.add_argument("--count", type=int, default=500, help="states to draw of each kind")
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
-    hold = hold_random if given.what == "random" else hold_grazing
-    for kind in KINDS if given.what == "random" else KINDS[1:]:
+    for kind in KINDS:
         total = Count()
         for k in range(0, given.count, 20):
-            hold(kind, given.seed * 1000 + k, min(20, given.count - k), total)
+            hold_random(kind, given.seed * 1000 + k, min(20, given.count - k), total)
             print(kind, k + 20, dict(total.held), "off:", len(total.off), flush=True)
         print(*total.off, sep="\n", flush=True)
 

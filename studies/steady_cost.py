@@ -1,44 +1,27 @@
-"""Time periodic states: against a run in time, the paper's grid, n, and the error asked for.
+"""Time periodic states: the paper's grid, one gait alone, a run in time; and count their floor.
 
-python studies/steady_cost.py OUT       some minutes
+The floor is the least arithmetic, at this core's best.
+
+python studies/steady_cost.py       some two minutes
 """
 
 from __future__ import annotations
 
-import csv
 import math
 import statistics
-import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import serpenoid as sn
 
-PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
-OF_2005 = sn.Robot(6, 0.0756, 0.076)
-BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
-CASES = {"viscous": (PAPER, VISCOUS), "dry": (OF_2005, BINGHAM)}
-LINKS = (3, 6, 12, 25, 50, 100)
-RTOLS = {
-    "viscous": (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12),
-    "dry": (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7),
+PAPER, OF_2005 = sn.Robot(6, 1.0, 0.12), sn.Robot(6, 0.0756, 0.076)
+CASES = {
+    "viscous": (PAPER, sn.Ground(0.1, 10.0)),
+    "dry": (OF_2005, sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)),
 }
 GRID_RTOL = {"viscous": 1e-6, "dry": 1e-4}
-
-
-@dataclass(frozen=True, slots=True)
-class Cost:
-    """Hold what one kind of gait costs: seconds of processor time for each, and how many."""
-
-    what: str  # "grid", "gait", "run", "links" or "error"
-    ground: str  # "viscous" or "dry"
-    links: int
-    rtol: float
-    error: float  # of the speed, relative, against a much finer one; nan where not asked
-    seconds: float  # a gait
+GAIT_RTOL = {"viscous": 1e-8, "dry": 1e-6}
 
 
 def processor_s(work: Callable[[], object], runs: int) -> float:
@@ -56,22 +39,10 @@ def processor_s(work: Callable[[], object], runs: int) -> float:
     return statistics.median(times)
 
 
-def _gaits(links: int) -> list[sn.Gait]:
-    """Return four gaits with about one wave along the body, whose links swing equally far.
-
-    A joint's amplitude shrinks with the links, or a long chain would roll up.
-    """
-    lag = min(math.radians(80), 2 * math.pi / links)
-    alpha = 2 * math.sin(lag / 2)  # links swing by alpha / (2 sin(lag / 2))
-    return [sn.Gait(a * alpha, lag, w) for a in (0.4, 0.9) for w in (2.0, 7.0)]
-
-
 def grid(ground: str) -> sn.Sweep:
     """Solve the paper's 4500 gaits with all powers."""
-    robot, friction = CASES[ground]
     return sn.sweep(
-        robot,
-        friction,
+        *CASES[ground],
         alpha_rad=np.radians(np.arange(5, 76, 5)),
         beta_rad=np.radians(np.arange(20, 91, 5)),
         omega_rad_s=np.arange(1.0, 21.0),
@@ -80,13 +51,19 @@ def grid(ground: str) -> sn.Sweep:
     )
 
 
-def _grid_cost(ground: str) -> Cost:
-    count = grid(ground).speed_m_s.size
-    taken = processor_s(lambda: grid(ground), 25 if ground == "viscous" else 1)
-    return Cost("grid", ground, 6, GRID_RTOL[ground], math.nan, taken / count)
+def alone_s(ground: str) -> float:
+    """Return what one steady_gait for the speed alone costs, from Python; the gait is at hand."""
+    robot, friction = CASES[ground]
+    gait, rtol = sn.Gait(math.radians(30), math.radians(80), 5.0), GAIT_RTOL[ground]
+
+    def solve() -> None:
+        for _ in range(50):
+            sn.steady_gait(robot, friction, gait, rtol=rtol, powers=False)
+
+    return processor_s(solve, 41) / 50
 
 
-def _run_cost(ground: str) -> Cost:
+def run_s(ground: str) -> float:
     """Return what following one gait in time costs until its start is forgotten to 1e-3."""
     robot, friction = CASES[ground]
     gait = sn.Gait(math.radians(70), math.radians(75), 5.0)
@@ -101,97 +78,60 @@ def _run_cost(ground: str) -> Cost:
         duration_s=(cycles + 1) * gait.period_s,
         record_every=300,
     )
-    return Cost("run", ground, 6, 1e-3, math.nan, processor_s(lambda: sn.simulate(scene), 3))
+    return processor_s(lambda: sn.simulate(scene), 3)
 
 
-def _error_cost(ground: str, rtol: float) -> Cost:
-    """Return cost and true error of four gaits at an accuracy."""
-    robot, friction = CASES[ground]
-    errors = []
-    for gait in _gaits(6):
-        fine = sn.steady_gait(robot, friction, gait, rtol=RTOLS[ground][-1]).speed_m_s
-        rough = sn.steady_gait(robot, friction, gait, rtol=rtol).speed_m_s
-        errors.append(abs(rough / fine - 1))
-    return Cost("error", ground, 6, rtol, max(errors), _solve_s(ground, 6, rtol))
+def product_s() -> float:
+    """Return the time of one multiply-add at this core's best, s.
+
+    NumPy's matrix product reaches it (60 wide: larger ones use several threads).
+    """
+    size, runs = 60, 1000
+    a = np.ones((size, size))
+    return processor_s(lambda: [a @ a for _ in range(runs)], 9) / size**3 / runs
 
 
-def _solve_s(ground: str, links: int, rtol: float) -> float:
-    robot = sn.Robot(links, CASES[ground][0].link_mass_kg, CASES[ground][0].link_length_m)
-    friction, gaits = CASES[ground][1], _gaits(links)
+def viscous_products() -> int:
+    """Return the multiply-adds of one step of Newton's method, the means and the joints' powers.
 
-    def solve() -> None:
-        for gait in gaits:
-            sn.steady_gait(robot, friction, gait, rtol=rtol)
-
-    return processor_s(solve, 5) / len(gaits)
-
-
-def measure() -> list[Cost]:
-    """Measure everything, in one process and one thread."""
-    rows = []
-    for ground in CASES:
-        rows += [_grid_cost(ground), _run_cost(ground)]
-        rows.append(Cost("gait", ground, 6, 1e-8, math.nan, alone_s(ground)))
-        rows += [
-            Cost(
-                "links",
-                ground,
-                n,
-                GRID_RTOL[ground],
-                math.nan,
-                _solve_s(ground, n, GRID_RTOL[ground]),
-            )
-            for n in LINKS
-        ]
-        rows += [_error_cost(ground, rtol) for rtol in RTOLS[ground]]
-    return rows
+    24 nodes. Each joint's power has a kink where its rate changes sign, which weights of the shape
+    correct, and one or two where its torque changes sign. In all some 14 000, powers 3500 of them.
+    """
+    nodes, joints = 24, PAPER.links - 1
+    motion = nodes * (6 * nodes + 240) + nodes * (nodes + 40)
+    return motion + joints * (16 * nodes + 32 + round(1.5 * 190))
 
 
-def alone_s(ground: str) -> float:
-    """Return what one steady_gait for the speed alone costs, from Python; the gait is at hand."""
-    robot, friction = CASES[ground]
-    gait, rtol = (
-        sn.Gait(math.radians(30), math.radians(80), 5.0),
-        1e-8 if ground == "viscous" else 1e-6,
-    )
-    return (
-        processor_s(
-            lambda: [
-                sn.steady_gait(robot, friction, gait, rtol=rtol, powers=False) for _ in range(50)
-            ],
-            41,
+def dry_products() -> int:
+    """Return the multiply-adds of following half a cycle once, from the right start.
+
+    A half cycle has 19 pieces between changes of mode (mean of the last pass over the grid at
+    1e-4; the solver makes 2.9 passes a gait). Each piece needs one evaluation of its five stages
+    and one Newton step, with four right sides for the derivative. It then needs the test whether
+    a wheel's mode ends, integrals, joint powers, and the convex step to the next mode: some 7000.
+    """
+    pieces, stages, links, wheels, joints = 19, 5, OF_2005.links, 2 * OF_2005.links, 5
+    shape, sums = 60 * links, 14 * wheels  # of a stage: sines, places, rates; drag and its matrix
+    unknowns = 3 * stages
+    newton = unknowns**3 // 3 + 4 * unknowns**2
+    modes = wheels * (4 * (stages + 1) + (stages + 1) ** 2)  # speeds, bounds of their polynomials
+    powers, integrals = joints * (25 * stages + 100), 60 * stages
+    change = shape + sums + 150
+    return pieces * (stages * (shape + sums) + newton + modes + powers + integrals + change)
+
+
+def main() -> None:
+    """Print a line for each ground, ratios within this one run."""
+    for ground, products, runs in (("viscous", viscous_products(), 25), ("dry", dry_products(), 1)):
+        count = grid(ground).speed_m_s.size
+        each = processor_s(lambda ground=ground: grid(ground), runs) / count
+        print(
+            f"{ground}: {count} gaits at {GRID_RTOL[ground]:g}, all powers: {count * each:.3g} s, "
+            f"{each / (products * product_s()):.1f} times the least arithmetic; one gait alone, "
+            f"for its speed: {1e6 * alone_s(ground):.0f} us; a run in time until the start is "
+            f"forgotten: {run_s(ground) / each:.0f} times a gait of the grid"
         )
-        / 50
-    )
-
-
-def summary(rows: list[Cost]) -> list[str]:
-    """Return a line for each kind, ratios within this one run."""
-    lines = []
-    for ground in CASES:
-        own = [r for r in rows if r.ground == ground]
-        cost = {r.what: r.seconds for r in own if r.what in ("grid", "run", "gait")}
-        each = cost["grid"]
-        lines += [
-            f"{ground}: the paper's grid at {GRID_RTOL[ground]:g}, all powers: {each * 1e6:.3g} us "
-            f"a gait, {4500 * each:.3f} s for 4500 on one core",
-            f"{ground}: one gait alone, for the speed: {cost['gait'] * 1e6:.0f} us; a run in time "
-            f"until the start is forgotten takes {cost['run'] / each:.0f} times a grid's gait",
-        ]
-    return lines
-
-
-def write(rows: list[Cost], folder: Path) -> None:
-    """Write steady.csv."""
-    folder.mkdir(parents=True, exist_ok=True)
-    names = ("what", "ground", "links", "rtol", "error", "seconds")
-    with (folder / "steady.csv").open("w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow([*names[:-1], "seconds_per_gait"])
-        writer.writerows([getattr(row, name) for name in names] for row in rows)
 
 
 if __name__ == "__main__":
-    costs = measure()
-    write(costs, Path(sys.argv[1]))
-    print(*summary(costs), sep="\n")
+    main()

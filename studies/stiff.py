@@ -18,7 +18,6 @@ from serpenoid.bench.peers import compiled as peers
 from serpenoid.bench.peers.numba_equations import dop853_run, parameters
 from serpenoid.bench.problems import PAPER_GROUND, Array, Problem, problems
 from serpenoid.simulation.core_run import core_request
-from serpenoid.simulation.starts import start_state
 
 WANTED = 1e-6  # largest error of the end state, scaled as in Problem.error
 TOLERANCES = tuple(10.0 ** np.arange(-3.0, -11.5, -0.5))
@@ -113,39 +112,9 @@ def report(problem: Problem) -> float:
     return min(t for name, t in median.items() if "radau" not in name) / median["radau"]
 
 
-def links() -> None:
-    """Print the cost of a step per link: linear in n is a constant here."""
-    print("\nsteps of 0.1 ms, k = 1e7, c = 1: time per step and link")
-    for n in (6, 20, 100, 1000):
-        gait = sn.Gait(np.pi / 6, 4 * np.pi / max(n - 1, 9), 5.0)
-        scene = sn.Scene(
-            sn.Robot(n, 1.0, 0.12),
-            PAPER_GROUND,
-            gait,
-            formulation="implicit",
-            joint_stiffness_n_m=1e7,
-            method="radau",
-            duration_s=0.01,
-            tolerance=1e-2,
-            dt_s=0.01,
-        )
-        steps = 8000 // n
-        request = core_request(scene)
-        request.tolerance, request.dt_s, request.duration_s = 0.0, 1e-4, steps * 1e-4
-        request.steps = request.every = steps
-        start = start_state(scene).packed()
-        taken = []
-        for _ in range(9):
-            begin = time.process_time()
-            _core.run(request, start, None)
-            taken.append(time.process_time() - begin)
-        print(f"  n = {n:4d}   {statistics.median(taken) / steps / n * 1e6:6.3f} us")
-
-
 def main() -> int:
     """Print everything; the exit status tells whether ours is ten times faster everywhere."""
     worst = min(report(stiff(k, c)) for k, c in SPRINGS)
-    links()
     print(f"\nat error {WANTED:.0e} the best other takes at least {worst:.0f} x the time of radau")
     return 0 if worst >= 10 else 1
 
