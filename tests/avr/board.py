@@ -38,7 +38,6 @@ class Counts(ctypes.Structure):
         for name in (
             "resets",
             "overrun_bytes",
-            "eeprom_writes",
             "eeprom_ignored",
             "twi_misused",
         )

@@ -1,6 +1,7 @@
-"""Settings in the EEPROM of the chip: they outlive a power loss; nothing is written in motion.
+"""Settings in the EEPROM of the chip: they outlive a power loss.
 
-firmware/test_settings cuts the power at every byte of every save.
+firmware/test_settings cuts the power at every byte of every save; firmware/test_controller refuses
+one in motion.
 """
 
 import pytest
@@ -31,14 +32,3 @@ def test_saved_settings_survive_power_loss(start):
     listed = [*again.ask_data("set")[0], *again.ask_data("trim")[0]]
     for row in ("set: angle_ramp value=61.5 ", "set: silence value=7.25 ", "trim: #3 centre=1420 "):
         assert any(line.startswith(row) for line in listed), row
-
-
-def test_nothing_is_written_in_motion(start):
-    board = start()
-    talk = opened(board)
-    assert talk.ask("gait 20 60 4").startswith("ok:")
-    writes = board.counts.eeprom_writes
-    for command, error in (("save", "motion"), ("load", "attached"), ("defaults", "attached")):
-        assert f" {error} " in talk.ask(command), command
-    talk.keep_alive(1.0)
-    assert board.counts.eeprom_writes == writes

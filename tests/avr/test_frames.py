@@ -44,13 +44,13 @@ def check_frames(talk: Dialogue, seconds: float, joints: int, frame_us: int = 20
     assert np.max(np.abs(errors)) <= PULSE_US
 
 
-@pytest.mark.parametrize("name", ["uno", "mega"])
+@pytest.mark.parametrize("name", ["uno", pytest.param("mega", marks=pytest.mark.slow)])
 def test_no_refresh_mixes_frames_and_age_is_constant(start, name):
     """At 10 rad/s neighbouring frames are 60 us apart at the steepest: a mixed one shows."""
     check_frames(running(start(name), "gait 45 80 10"), 6.0, 5)
 
 
-@pytest.mark.parametrize("name", ["uno", "mega"])
+@pytest.mark.parametrize("name", ["uno", pytest.param("mega", marks=pytest.mark.slow)])
 def test_a_shorter_frame_is_kept_as_well(start, name):
     """Five pulses of 2.5 ms and a gap fit into 15 ms: taken at the next start, then as exact."""
     talk = Dialogue(start(name))
@@ -81,9 +81,8 @@ def test_no_refresh_mixes_frames_in_five_minutes(start):
         check_frames(talk, 60.0, 5)
 
 
-@pytest.mark.parametrize(
-    ("name", "joints"), [pytest.param("uno", 6, marks=pytest.mark.slow), ("mega", 8)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "joints"), [("uno", 6), ("mega", 8)])
 def test_other_numbers_of_joints(start, name, joints):
     talk = Dialogue(start(name, joints=joints))
     said = fields(talk.greeting)

@@ -59,7 +59,9 @@ def limp(board) -> bool:
     return not enabled(board) and board.lines[-1].text.count("p=0,0,0,0,0") == 1
 
 
-@pytest.mark.parametrize(("name", "joints"), [("uno", 5), ("mega", 12)])
+@pytest.mark.parametrize(
+    ("name", "joints"), [("uno", 5), pytest.param("mega", 12, marks=pytest.mark.slow)]
+)
 def test_the_registers_are_the_pulses_of_telemetry(start, name, joints):
     board = start(name, joints=joints, output="pca9685")
     talk = opened(board)
@@ -156,7 +158,10 @@ def test_a_lost_driver_ends_all_pulses_and_is_found_again(start, fault):
     assert np.all(np.abs(outputs_us(board) - 1500) < 3)
 
 
-@pytest.mark.parametrize(("name", "joints", "frame_ms"), [("uno", 5, 20.0), ("mega", 12, 9.2)])
+@pytest.mark.parametrize(
+    ("name", "joints", "frame_ms"),
+    [("uno", 5, 20.0), pytest.param("mega", 12, 9.2, marks=pytest.mark.slow)],
+)
 def test_one_lost_acknowledgement_costs_neither_pulse_nor_frame(start, name, joints, frame_ms):
     talk = opened(start(name, joints=joints, output="pca9685"))
     obeyed(talk, f"set frame_ms {frame_ms}", "save")

@@ -23,7 +23,6 @@ static void on_control(avr_t* avr, avr_io_addr_t addr, uint8_t v, void* param) {
         e->module->eeprom[at] = e->before[at];
         return;
     }
-    b->counts.eeprom_writes++;
     e->busy_until = avr->cycle + (uint64_t)(WRITE_S * avr->frequency);
     e->before[at] = e->module->eeprom[at];
 }

@@ -35,7 +35,6 @@ struct sent_byte {
 struct board_counts {
     uint32_t resets;         // of any cause, the power-on not counted
     uint32_t overrun_bytes;  // lost because three were waiting unread
-    uint32_t eeprom_writes;  // bytes whose writing began
     uint32_t
         eeprom_ignored;    // writes begun while the last one was still going on: silicon drops them
     uint32_t twi_misused;  // steps of the two-wire unit begun before the last one had ended
