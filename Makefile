@@ -14,6 +14,9 @@ LONG := $(addprefix tests/,avr docs end_to_end firmware oracle golden studies) \
 	friction.py honest_fit.py page.py prediction.py procedure.py ratchet_fit.py \
 	ratchet_procedure.py rounding.py shared_errors.py short_readings.py speed_doubts.py)
 
+# Modules are compiled once, not anew in each of the hundred processes that tests start.
+unexport PYTHONDONTWRITEBYTECODE
+
 help:
 	@echo "make demo       from the 2005 treadmill to a predicted speed; no robot needed"
 	@echo "make test       lint, and every test but the slow ones (some eight minutes)"
@@ -29,13 +32,13 @@ help:
 demo: $(VENV)/built
 	$(VENV)/bin/serpenoid demo --out demo-out
 
-test: $(VENV)/built lint
+test: $(VENV)/built $(VENV)/dev
 	@sh .ci/need chromium=chromium chromedriver=chromium-driver node=nodejs \
 		$$(cat tests/avr/packages.txt) \
 		|| echo "what needs these is skipped"
-	@$(MAKE) --no-print-directory --jobs=2 test-host test-numbers test-board
+	@$(MAKE) --no-print-directory --jobs=2 test-numbers test-host lint test-board
 
-# The parts of `make test`, two beside each other; each line says whose it is.
+# The parts of `make test`, two beside each other, the longest first; each line says whose it is.
 PART = @.ci/part $@ $(VENV)/bin/python -m pytest
 NUMBERS = $(addprefix tests/host/,model periodic simulation gaits calibration)
 HOST = tests/host tests/end_to_end

@@ -69,6 +69,15 @@ def test_mass_and_speed_count_together() -> None:
         assert other.gait.omega_rad_s == pytest.approx(2 * one.gait.omega_rad_s, rel=2e-3)
 
 
+SPEEDS = np.geomspace(0.05, 1.2, 6).tolist()
+
+
+@pytest.fixture(scope="module")
+def free() -> tuple:
+    """Return the front without limits."""
+    return sn.power_front(PAPER, VISCOUS, speeds_m_s=SPEEDS)
+
+
 @pytest.mark.parametrize(
     ("limits", "where"),
     [
@@ -81,25 +90,22 @@ def test_mass_and_speed_count_together() -> None:
     ids=["free", "servo speed", "highest rate", "joint angle", "lowest rate"],
 )
 def test_power_rises_along_the_front_and_limits_set_in_once(
-    limits: sn.GaitLimits, where: str
+    limits: sn.GaitLimits, where: str, free: tuple
 ) -> None:
     """Joints bend less and turn faster as speed grows: a limit is met on one side of a speed.
 
     Where it is not the gait is that without limits; where it is power is higher.
     """
-    speeds = np.geomspace(0.05, 1.2, 9).tolist()
-    front = sn.power_front(PAPER, VISCOUS, speeds_m_s=speeds, limits=limits)
+    front = sn.power_front(PAPER, VISCOUS, speeds_m_s=SPEEDS, limits=limits)
     reached = [best for best in front if best is not None]
     assert front[: len(reached)] == tuple(reached)  # what is out of reach is all faster
     watts = [best.power_w for best in reached]
-    steps = np.diff(np.log(watts)) / np.diff(np.log(speeds[: len(reached)]))
+    steps = np.diff(np.log(watts)) / np.diff(np.log(SPEEDS[: len(reached)]))
     assert steps.min() > 0.5  # it rises, and has no steps down
     active = [bool(best.active) for best in reached]
     assert active == sorted(active, reverse=where == "slow")
     assert any(active) == (where != "")
-    free = sn.power_front(PAPER, VISCOUS, speeds_m_s=speeds[: len(reached)])
-    for best, other in zip(reached, free, strict=True):
-        assert other is not None
+    for best, other in zip(reached, free, strict=False):
         dearer = best.power_w / other.power_w - 1
         assert dearer > -1e-6
         assert abs(dearer) < 1e-6 or best.active
@@ -107,8 +113,8 @@ def test_power_rises_along_the_front_and_limits_set_in_once(
 
 def test_a_torque_limit_is_met_before_it_ends_the_front() -> None:
     limits = sn.GaitLimits(servo_torque_nm=0.2)
-    front = sn.power_front(PAPER, VISCOUS, speeds_m_s=[0.3, 0.39, 0.6], limits=limits)
-    assert [best and best.active for best in front] == [(), ("servo torque",), None]
+    front = sn.power_front(PAPER, VISCOUS, speeds_m_s=[0.3, 0.39], limits=limits)
+    assert [best and best.active for best in front] == [(), ("servo torque",)]
     with pytest.raises(sn.NotConverged, match=r"nearest of \d needs a servo torque \d+ % higher"):
         sn.least_power_gait(PAPER, VISCOUS, speed_m_s=0.6, limits=limits)
 

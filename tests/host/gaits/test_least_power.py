@@ -9,7 +9,6 @@ import serpenoid as sn
 from serpenoid.gaits.limits import peak_torque_nm
 
 PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
-SMALL = sn.Robot(6, 0.0756, 0.076)
 OF_2005 = sn.Robot(6, 0.0756, 0.076)
 BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
 
@@ -107,12 +106,12 @@ def test_wheels_on_rails_cost_less_the_less_they_bend() -> None:
     rails = sn.Ground(0.0, 0.2, 0.0, 0.045)
     watts = []
     for alpha in (0.04, 0.02):
-        s = sn.steady_gait(SMALL, rails, sn.Gait(alpha, 0.3, 0.2))
-        assert s.speed_m_s == pytest.approx(0.2 * SMALL.link_length_m / 0.3, rel=0.03)
+        s = sn.steady_gait(OF_2005, rails, sn.Gait(alpha, 0.3, 0.2))
+        assert s.speed_m_s == pytest.approx(0.2 * OF_2005.link_length_m / 0.3, rel=0.03)
         watts.append(s.abs_power_w)
     assert watts[1] < 0.5 * watts[0]
     with pytest.raises(sn.BadInput, match="less the joints bend, the less power"):
-        sn.least_power_gait(SMALL, rails, speed_m_s=0.05)
+        sn.least_power_gait(OF_2005, rails, speed_m_s=0.05)
 
 
 def test_out_of_reach_of_the_servos_names_the_fastest_there_is() -> None:

@@ -215,6 +215,7 @@ def test_no_shape_around_a_robust_gait_costs_less(speed: float) -> None:
         assert state.power_w > 0.985 * best.power_w
 
 
+@pytest.mark.slow
 def test_a_robust_gait_survives_a_servo_that_shakes() -> None:
     """One known servo without a rotor: the gait costs more, and keeps the speed with it."""
     shaking = sn.ServoKind("no rotor", sn.Servo())

@@ -164,15 +164,6 @@ def test_frames_that_are_late_at_the_end_are_awaited_and_not_told(crawling):
     assert next(robot.frames(LONG_S))
 
 
-def test_thin_or_no_telemetry_is_not_missed():
-    with Robot("virtual:fast") as robot:
-        for every in (100, 0):
-            robot.set("every", every)
-            list(robot.frames(5.0))
-        robot.set("every", 1)
-        assert len(list(robot.frames(1.0))) > 45
-
-
 @pytest.mark.parametrize("state", ["hold", "idle"])
 def test_a_state_that_nobody_asked_for_ends_the_frames(state):
     by_itself = after_gait_frames(

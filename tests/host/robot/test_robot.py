@@ -107,9 +107,9 @@ def test_settings_and_trims_are_kept_when_saved(kind, request):
 def test_telemetry_thinned_out_is_not_counted_as_missed():
     with Robot("virtual:fast") as robot:
         list(robot.frames(0.1))
-        for every, most in ((10, 6), (0, 0), (3, 18), (1, 51)):
+        for every, most in ((100, 3), (10, 26), (0, 0), (3, 85), (1, 251)):
             robot.set("every", every)
-            assert most - 2 <= len(list(robot.frames(1.0))) <= most
+            assert most - 2 <= len(list(robot.frames(5.0))) <= most
             assert robot.losses.missed_frames == 0
         verdict, data = robot.command("set every 7")
         assert verdict.accepted
