@@ -46,6 +46,7 @@ def test_the_2005_session_is_what_the_paper_describes():
     setup = session.setup
     assert setup.kind == "regenerated"
     assert "lost" in setup.note
+    assert setup == load_session(FOLDER_2005).setup != replace(setup, note="")
     assert setup.robot == Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
     assert setup.weight_n == pytest.approx(6 * 0.0756 * 9.80665, rel=1e-15)
     assert [math.degrees(x) for x in setup.procedure.lambda_rad] == pytest.approx([0.0, 7.5])
@@ -55,7 +56,6 @@ def test_the_2005_session_is_what_the_paper_describes():
     assert [math.degrees(r.incline_rad) for r in bent] == pytest.approx(
         [2.4, 2.6, 2.8, 3, 3.2, 3.4]
     )
-    assert all(0.0 < r.slip_speed_m_s <= 1.0 for r in session.kept)
 
 
 def test_every_2005_reading_balances_gravity_and_the_published_lines():
@@ -227,12 +227,7 @@ def test_spreadsheet_habits_are_read(folder):
 
 @pytest.mark.parametrize(
     "changes",
-    [
-        {"number": 0},
-        {"lambda_rad": 7.5},
-        {"incline_rad": math.nan},
-        {"drift_m_s": 0.5},
-    ],
+    [{"number": 0}, {"lambda_rad": 7.5}, {"incline_rad": math.nan}, {"drift_m_s": 0.5}],
 )
 def test_readings_made_in_python_are_held_to_the_same(changes):
     good = Reading(number=1, lambda_rad=0.0, incline_rad=0.04, belt_speed_m_s=0.5)
