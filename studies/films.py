@@ -2,13 +2,11 @@
 
 python studies/films.py plain --films 216 --seed 3   some 3 s of processor time a film
 python studies/films.py worlds --films 8        the hard worlds, 8 films each
-python studies/films.py plain --films 216 --out films.jsonl      each film's errors, as they come
 """
 
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import sys
 import tempfile
@@ -185,9 +183,7 @@ def errors(found: FilmMeasurement, world: World) -> tuple[Errors, Errors]:
     return size, z
 
 
-def measured(
-    world: str, films: range, seed: int, out: Path | None
-) -> Iterator[tuple[Errors, Errors]]:
+def measured(world: str, films: range, seed: int) -> Iterator[tuple[Errors, Errors]]:
     """Render and measure films of a world; those that are refused are told."""
     with tempfile.TemporaryDirectory() as folder:
         for k in films:
@@ -196,21 +192,9 @@ def measured(
             try:
                 found = measure_film(path, scene.body.links, LINK_M)
             except BadInput as error:
-                words = str(error)[len(str(path)) :]
-                print(f"{world} {k}: refused: {words}", flush=True)
-                _noted(out, {"world": world, "film": k, "refused": words})
+                print(f"{world} {k}: refused: {str(error)[len(str(path)) :]}", flush=True)
                 continue
             size, z = errors(found, scene.world)
-            _noted(
-                out,
-                {
-                    "world": world,
-                    "film": k,
-                    "errors": {name: value.tolist() for name, value in size.items()},
-                    "in_sigmas": {name: value.tolist() for name, value in z.items()},
-                    "remarks": [remark.name for remark in found.run.remarks],
-                },
-            )
             lost = 1 - found.watched.sightings.seen.mean()
             print(
                 f"{world} {k}: {len(found.measured.track.t_s)} frames, {100 * lost:.0f} % of the "
@@ -220,13 +204,6 @@ def measured(
                 flush=True,
             )
             yield size, z
-
-
-def _noted(out: Path | None, line: dict[str, object]) -> None:
-    """Add one film's line to the file of results."""
-    if out is not None:
-        with out.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(line) + "\n")
 
 
 def summary(films: list[tuple[Errors, Errors]]) -> str:
@@ -253,11 +230,10 @@ def main() -> None:
     parser.add_argument("--films", type=int, default=8)
     parser.add_argument("--first", type=int, default=0, help="number of the first film")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--out", type=Path, help="a file of JSON lines to add each film to")
     given = parser.parse_args()
     numbers = range(given.first, given.first + given.films)
     for world in list(WORLDS)[1:] if given.world == "worlds" else [given.world]:
-        films = list(measured(world, numbers, given.seed, given.out))
+        films = list(measured(world, numbers, given.seed))
         if films:
             print(f"{world}: {summary(films)}\n", flush=True)
 
