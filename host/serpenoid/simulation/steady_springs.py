@@ -209,7 +209,7 @@ def steady_springs(
 
 
 def _steps_m_s(settled: _Settled) -> float:
-    """Return the steps' error of the speed, m/s: twice what half as long ones change in eight cycles."""
+    """Return the steps' error of the speed, m/s: twice what half steps change in eight cycles."""
     scene, period = settled.run.scene, settled.run.scene.gait.period_s
     steps = {"dt_s": scene.dt_s / 2, "record_every": 2 * scene.record_every}
     finer = simulate(replace(scene, start=settled.run.state(), duration_s=8 * period, **steps))
