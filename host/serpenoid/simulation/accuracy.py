@@ -45,8 +45,7 @@ def _first(scene: Scene, accuracy: float, keep: Collection[str]) -> tuple[Scene,
 def _method(scene: Scene) -> str:
     """Return the method that gets a scene most accurate, of those that record what it asks."""
     if scene.formulation == "explicit":
-        best = exact_scene(scene, scene.tolerance).method
-        return next(m for m in (best, "dop853", "nonsmooth", "rk4") if not objection(m, scene))
+        return exact_scene(scene, scene.tolerance).method
     if scene.law == "dry":
         return default_method(scene)
     return "dop853" if objection("radau", scene) else "radau"

@@ -92,5 +92,4 @@ class RunError(Result):
 
     def worst(self, body_m: float) -> float:
         """Return the largest error, positions in body lengths and angles in radians."""
-        parts = [self.integration] + ([self.modelling] if self.modelling else [])
-        return sum(part.size(body_m) for part in parts)
+        return sum(part.size(body_m) for part in (self.integration, self.modelling) if part)

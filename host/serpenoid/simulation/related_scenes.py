@@ -5,28 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from .scene import Scene
+from .scene import Scene, objection
 from .stability import stability_test
 
 _TIGHT, _TIGHTEST = 1e-8, 1e-10  # of methods that pick their steps
 _LEAST = 1e-13
-
-
-def plain(scene: Scene) -> bool:
-    """Tell whether all joints follow the gait, on the level."""
-    sound = not (scene.limp or scene.locked)
-    return scene.drive == "angle" and sound and not scene.incline_rad
+_MOST_ACCURATE = ("collocation", "dop853", "nonsmooth", "rk4")
 
 
 def exact_scene(scene: Scene, tolerance: float) -> Scene:
     """Return a scene in the explicit formulation, by the most accurate method for it."""
-    record = _ledger(scene)
-    if scene.law == "dry" or (scene.servo is not None and scene.servo.gear_friction_nm > 0):
-        method = "nonsmooth"
-    else:
-        fast = plain(scene) and scene.law == "viscous" and not record
-        method = "collocation" if fast else "dop853"
-    return replace(scene, formulation="explicit", tolerance=tolerance, record=record, method=method)
+    bare = replace(scene, formulation="explicit", record=_ledger(scene), method="auto")
+    method = next(name for name in _MOST_ACCURATE if objection(name, bare) is None)
+    return replace(bare, tolerance=tolerance, method=method)
 
 
 def _ledger(scene: Scene) -> tuple[str, ...]:
@@ -102,8 +93,7 @@ def _with_closer(pair: FinerScenes) -> Iterator[FinerScenes]:
     yield pair
     scene, tight = pair.finest, pair.finest.tolerance
     if scene.formulation == "explicit" and tight / 10 >= _least_tolerance(scene):
-        word = f"runs by {scene.method} at tolerance {tight:.3g} and {tight / 10:.3g}"
-        yield FinerScenes(scene, replace(scene, tolerance=tight / 10), 1.0, tight, word)
+        yield replace(_pair(scene, tight, tight / 10), finer=scene)
 
 
 def _by_tolerance(scene: Scene, tolerance: float) -> Iterator[FinerScenes]:

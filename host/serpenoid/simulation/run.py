@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
@@ -234,6 +235,4 @@ class Run(Result):
 
 def _numbered(name: str, number: int) -> str:
     """Put the number of a link or joint before the unit: vx_m_s of link 2 is vx2_m_s."""
-    units = ("_m_s", "_rad_s", "_nm", "_rad", "_m", "_n")
-    unit = next(unit for unit in units if name.endswith(unit))
-    return f"{name.removesuffix(unit)}{number}{unit}"
+    return re.sub("_(m_s|rad_s|nm|rad|m|n)$", rf"{number}_\1", name)

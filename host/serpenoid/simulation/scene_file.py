@@ -30,15 +30,6 @@ _HEAD = """\
 _PARTS = {"robot": Robot, "ground": Ground, "gait": Gait, "servo": Servo}
 # Where a file's key is not the field's name: its unit is spelt out.
 _KEYS = {"ct": "ct_n_s_m", "cn": "cn_n_s_m", "ft0": "ft0_n", "fn0": "fn0_n", "locked": "locked_rad"}
-_ANGLES = (
-    "alpha_rad",
-    "beta_rad",
-    "offset_rad",
-    "incline_rad",
-    "incline_direction_rad",
-    "dead_band_rad",
-    "locked_rad",
-)
 
 
 def load_scene(path: str | Path) -> Scene:
@@ -78,11 +69,7 @@ def load_scene(path: str | Path) -> Scene:
     """
     top = Table.load(Path(path))
     top.check_format(FORMAT)
-    fields = _fields_of(Scene)
-    _check_keys(top, "", fields)
-    values = {name: _value(top, name, key) for name, key in _present(top, fields)}
-    with _blaming(top, fields):
-        return Scene(**values)
+    return _made(top, "")
 
 
 def save_scene(scene: Scene, path: str | Path) -> None:
@@ -164,7 +151,8 @@ def _needed(kind: type) -> set[str]:
 
 def _in_degrees(key: str) -> str:
     """Return the key of an angle in degrees; any other key unchanged."""
-    return key.removesuffix("_rad") + "_deg" if key in _ANGLES else key
+    angle = key.endswith("_rad") and "_nm" not in key
+    return key.removesuffix("_rad") + "_deg" if angle else key
 
 
 def _present(table: Table, fields: Mapping[str, str]) -> Iterator[tuple[str, str]]:
@@ -217,10 +205,20 @@ def _blaming(table: Table, fields: Mapping[str, str]) -> Iterator[None]:
         raise BadInput(f"{where}: {error}{typed}") from error
 
 
+def _made(table: Table, section: str) -> Any:
+    """Make Scene ("") or one of its parts of its table."""
+    kind = _PARTS.get(section, Scene)
+    fields = _fields_of(kind)
+    _check_keys(table, section, fields)
+    values = {name: _value(table, name, key) for name, key in _present(table, fields)}
+    with _blaming(table, fields):
+        return kind(**values)
+
+
 def _value(top: Table, name: str, key: str) -> Any:
-    """Read one field of Scene."""
+    """Read one field of Scene or of a part."""
     if name in _PARTS:
-        return _part(top.table(key), name)
+        return _made(top.table(key), name)
     if name == "torque":
         return _torque(top.table(key))
     if name == "start" and isinstance(top.values[key], dict):
@@ -230,16 +228,6 @@ def _value(top: Table, name: str, key: str) -> Any:
     if name in ("limp", "record"):
         return _listed(top, key)
     return _angle(top, key)
-
-
-def _part(table: Table, section: str) -> Any:
-    """Make Robot, Ground, Gait or Servo of its table."""
-    kind = _PARTS[section]
-    fields = _fields_of(kind)
-    _check_keys(table, section, fields)
-    values = {name: _angle(table, key) for name, key in _present(table, fields)}
-    with _blaming(table, fields):
-        return kind(**values)
 
 
 def _angle(table: Table, key: str) -> Any:
@@ -281,7 +269,7 @@ def _torque(table: Table) -> Any:
 
 
 def _start(table: Table) -> LinkState:
-    names = tuple(f.name for f in dataclasses.fields(LinkState))
+    names = LinkState.__slots__
     table.only(*names)
     with located(table.heading):
         return LinkState(*(table.numbers(name) for name in names))  # pyright: ignore[reportArgumentType]

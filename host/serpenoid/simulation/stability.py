@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,52 +27,50 @@ from ..model.errors import StepTooLarge
 from ..model.evaluation import TorqueDrive, acceleration
 from ..model.gait import Gait
 from ..model.ground import Ground
+from ..model.kinematics import joint_motion
 from ..model.link_state import LinkState
+from ..model.robot import Robot
 from .scene import Scene, objection
 
 Array = NDArray[np.float64]
 _PHASES, _MOST_LINKS = 8, 60
-_LONGEST_S = 1e9
+_SHORTEST_S, _LONGEST_S = 1e-15, 1e9
 _SLACK = 1e-9  # rounding on the edge, where undamped modes live
 
 
-def joint_modes(scene: Scene, any_shape: bool = False) -> Array:
-    """Return the largest mu of the chain's joints over a cycle and the smallest, 1/kg, (2,).
+@lru_cache
+def _joint_modes(robot: Robot, gait: Gait, imposed: bool) -> tuple[float, float]:
+    """Return the smallest and the largest mu of the chain's joints over a cycle, 1/kg.
 
-    Exact for up to 60 links at eight phases of the gait; above, or for any_shape, the bound that
-    holds for any shape and costs nothing.
+    Exact for up to 60 links at eight phases of the gait; above, a bound that holds for any shape.
     """
-    robot = scene.robot
-    n, m, half = robot.links, robot.link_mass_kg, robot.link_length_m / 2
-    turning = 4 * half**2 / robot.inertia_kg_m2
-    if any_shape or n > _MOST_LINKS:
-        return np.array([4 / m + turning, 0.0])
-    every = [np.linalg.eigvalsh(_compliance(scene, state.theta_rad)) for state in _shapes(scene)]
-    return np.array([np.max(every), np.min(every)])
+    if robot.links > _MOST_LINKS:
+        return 0.0, 4 / robot.link_mass_kg + robot.link_length_m**2 / robot.inertia_kg_m2
+    every = [
+        np.linalg.eigvalsh(_compliance(robot, state.theta_rad, imposed))
+        for state in _shapes(robot, gait)
+    ]
+    return float(np.min(every)), float(np.max(every))
 
 
-def _shapes(scene: Scene) -> Iterator[LinkState]:
-    """Yield states of a robot in the gait at eight phases, its link 1 at rest."""
+def _shapes(robot: Robot, gait: Gait) -> Iterator[LinkState]:
+    """Yield a robot at rest in the shapes of a gait at eight phases."""
     for phase in np.arange(_PHASES) * math.pi / _PHASES:
-        t = phase / scene.gait.omega_rad_s
-        yield LinkState.in_gait(scene.robot, scene.gait, t, [0] * 3, [0] * 3)
+        phi = joint_motion(gait, robot.links - 1, phase / gait.omega_rad_s)[0]
+        yield LinkState.joined(robot, [0, 0, 0, *phi.cumsum()], np.zeros(robot.links + 2))
 
 
-def _compliance(scene: Scene, theta_rad: Array) -> Array:
-    """Return J M^-1 J^T, (2(n-1), 2(n-1)), joint by joint, x and y."""
-    robot = scene.robot
+def _compliance(robot: Robot, theta_rad: Array, imposed: bool) -> Array:
+    """Return J M^-1 J^T, (2(n-1), 2(n-1)), joint by joint, x and y; imposed: links turn as one."""
     n, half = robot.links, robot.link_length_m / 2
     normal = half * np.stack([-np.sin(theta_rad), np.cos(theta_rad)], axis=1)
-    laplacian = 2 * np.eye(n - 1) - np.eye(n - 1, k=1) - np.eye(n - 1, k=-1)
-    matrix = np.kron(laplacian / robot.link_mass_kg, np.eye(2))
-    arm = np.zeros((2 * (n - 1), n))  # of each gap by each link's own angle
-    for i in range(n - 1):
-        arm[2 * i : 2 * i + 2, i] = normal[i]
-        arm[2 * i : 2 * i + 2, i + 1] = normal[i + 1]
-    if scene.drive == "angle" and not scene.limp:
-        together = arm.sum(axis=1, keepdims=True)
-        return matrix + together @ together.T / (n * robot.inertia_kg_m2)
-    return matrix + arm @ arm.T / robot.inertia_kg_m2
+    meets = np.eye(n - 1, n) + np.eye(n - 1, n, k=1)  # of joints and links
+    arm = np.einsum("il,ld->idl", meets, normal).reshape(-1, n)  # of each gap by each link's angle
+    if imposed:
+        arm = arm.sum(axis=1, keepdims=True) / math.sqrt(n)
+    apart = np.eye(n - 1, n, k=1) - np.eye(n - 1, n)
+    shifts = np.kron(apart @ apart.T / robot.link_mass_kg, np.eye(2))
+    return shifts + arm @ arm.T / robot.inertia_kg_m2
 
 
 def _mobility(scene: Scene) -> Array:
@@ -84,12 +82,9 @@ def _mobility(scene: Scene) -> Array:
     if scene.formulation == "implicit" or robot.links > _MOST_LINKS:
         return np.array([4 / robot.inertia_kg_m2, 0.0])
     ground, found = Ground(0.0, 0.0), []
-    for state in _shapes(scene):
-        still = replace(
-            state, vx_m_s=0 * state.x_m, vy_m_s=0 * state.x_m, omega_rad_s=0 * state.x_m
-        )
+    for state in _shapes(robot, scene.gait):
         bends = [
-            np.diff(acceleration(robot, ground, still, drive=TorqueDrive(-one)).alpha_rad_s2)
+            np.diff(acceleration(robot, ground, state, drive=TorqueDrive(-one)).alpha_rad_s2)
             for one in np.eye(joints)
         ]
         found.append(np.linalg.eigvalsh(np.array(bends)))
@@ -155,7 +150,7 @@ def friction_rate(scene: Scene) -> float:
     return slope / scene.robot.link_mass_kg
 
 
-def modes(scene: Scene, any_shape: bool = False) -> tuple[Array, Array]:
+def modes(scene: Scene) -> tuple[Array, Array]:
     """Return stiff (1/s^2) and damped (1/s) of the scene's modes s^2 + damped s + stiff = 0.
 
     Springs of the implicit joints, servos, and friction (stiff = 0).
@@ -163,8 +158,8 @@ def modes(scene: Scene, any_shape: bool = False) -> tuple[Array, Array]:
     friction = 0.0 if scene.method == "nonsmooth" else friction_rate(scene)  # 0: implicit there
     stiff, damped = [np.zeros(1)], [np.array([friction])]
     if scene.formulation == "implicit":
-        most, least = joint_modes(scene, any_shape)
-        mu = np.linspace(least, most, 64)
+        imposed = scene.drive == "angle" and not scene.limp
+        mu = np.linspace(*_joint_modes(scene.robot, scene.gait, imposed), 64)
         stiff.append(scene.joint_stiffness_n_m * mu)
         damped.append(scene.joint_damping_n_s_m * mu)
     if scene.servo is not None:
@@ -180,14 +175,14 @@ def modes(scene: Scene, any_shape: bool = False) -> tuple[Array, Array]:
     return np.concatenate(stiff), np.concatenate(damped)
 
 
-def stability_test(scene: Scene, any_shape: bool = False) -> Callable[[float], bool] | None:
+def stability_test(scene: Scene) -> Callable[[float], bool] | None:
     """Return the question `is this step stable?`, or None for a method that picks its own.
 
     It is where the step's matrix, as the method itself takes it, has no eigenvalue beyond 1.
     """
     if scene.adaptive:
         return None
-    stiff, damped = modes(scene, any_shape)
+    stiff, damped = modes(scene)
 
     def stable(dt_s: float) -> bool:
         with np.errstate(all="ignore"):
@@ -198,18 +193,12 @@ def stability_test(scene: Scene, any_shape: bool = False) -> Callable[[float], b
     return stable
 
 
-def largest_stable_step_s(scene: Scene, any_shape: bool = False) -> float:
+def largest_stable_step_s(scene: Scene) -> float:
     """Return the largest stable fixed step of a scene, s; inf where nothing limits it."""
-    stable = stability_test(scene, any_shape)
-    high = scene.dt_s
-    while stable is not None and stable(high) and high < _LONGEST_S:
-        high *= 2
-    if stable is None or high >= _LONGEST_S:
+    stable, low, high = stability_test(scene), _SHORTEST_S, _LONGEST_S
+    if stable is None or stable(high):
         return math.inf
-    low = high / 2
-    while not stable(low):
-        low, high = low / 2, low
-    for _ in range(40):
+    for _ in range(60):
         middle = math.sqrt(low * high)
         low, high = (middle, high) if stable(middle) else (low, middle)
     return low
@@ -217,10 +206,9 @@ def largest_stable_step_s(scene: Scene, any_shape: bool = False) -> float:
 
 def check_step(scene: Scene) -> None:
     """Raise StepTooLarge, naming a step that works, when a scene's fixed step is unstable."""
-    for any_shape in (True, False):  # the modes of the shapes only where the bound does not do
-        stable = stability_test(scene, any_shape)
-        if stable is None or stable(scene.dt_s):
-            return
+    stable = stability_test(scene)
+    if stable is None or stable(scene.dt_s):
+        return
     limit = largest_stable_step_s(scene)
     springs = (
         f" with k = {scene.joint_stiffness_n_m:g} N/m, c = {scene.joint_damping_n_s_m:g} N s/m"

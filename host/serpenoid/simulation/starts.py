@@ -13,11 +13,11 @@ from ..model.kinematics import joint_motion
 from ..model.link_state import LinkState
 from ..periodic.steady import steady_gait
 from .core_run import run_core
+from .related_scenes import exact_scene
 from .scene import Scene
 from .stability import friction_rate
 
 Array = NDArray[np.float64]
-_FOLLOWS = {"viscous": "rk4", "smoothed": "dop853", "dry": "nonsmooth"}  # a law closely enough
 _FORWARD = np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12.0  # derivative from five points, order 4
 
 
@@ -66,32 +66,25 @@ def _steady_start(scene: Scene) -> LinkState:
 
 def check_imposed(scene: Scene, start: LinkState) -> None:
     """Raise BadInput unless a start has the angles and rates of the joints that are imposed."""
-    phi, rate = _joints_at_start(scene)
-    for i in range(scene.robot.links - 1):
-        if (scene.drive != "angle" or i + 1 in scene.limp) and i + 1 not in scene.locked:
-            continue
-        found = (
-            start.theta_rad[i + 1] - start.theta_rad[i],
-            start.omega_rad_s[i + 1] - start.omega_rad_s[i],
-        )
-        for what, unit, has, wants in zip(
-            ("angle", "rate"), ("rad", "rad/s"), found, (phi[i], rate[i]), strict=True
-        ):
-            if abs(has - wants) > 1e-6 * (1 + abs(wants)):
-                raise BadInput(
-                    f"start has joint {i + 1} at {what} {has:.6g} {unit}, where it is imposed to "
-                    f"be {wants:.6g}; take the state from LinkState.in_gait, or another drive"
-                )
+    joints = np.arange(1, scene.robot.links)
+    by_angle = scene.drive == "angle"
+    imposed = ~np.isin(joints, scene.limp) if by_angle else np.isin(joints, list(scene.locked))
+    found = np.diff(start.theta_rad), np.diff(start.omega_rad_s)
+    names = "angle {:.6g} rad", "rate {:.6g} rad/s"
+    for name, has, wants in zip(names, found, _joints_at_start(scene), strict=True):
+        off = imposed & (np.abs(has - wants) > 1e-6 * (1 + np.abs(wants)))
+        for i in np.nonzero(off)[0]:
+            raise BadInput(
+                f"start has joint {i + 1} at {name.format(has[i])}, where it is imposed to "
+                f"be {wants[i]:.6g}; take the state from LinkState.in_gait, or another drive"
+            )
 
 
 def _explicit_start(scene: Scene) -> LinkState:
     if isinstance(scene.start, LinkState):
         return scene.start
-    if scene.start == "zero_momentum":
-        return _zero_momentum(scene)
-    if scene.start == "steady":
-        return _steady_start(scene)
-    return _placed(scene, 0, 0, 0)
+    begin = {"zero_momentum": _zero_momentum, "steady": _steady_start}.get(scene.start)
+    return begin(scene) if begin else _placed(scene, 0, 0, 0)
 
 
 def _on_slow_manifold(scene: Scene, start: LinkState) -> LinkState:
@@ -107,17 +100,8 @@ def _on_slow_manifold(scene: Scene, start: LinkState) -> LinkState:
     h = min(1e-3 / scene.gait.omega_rad_s, max(1e-2 / braking, 1e-12) if braking else math.inf)
     if scene.drive != "angle":
         h = min(h, 1e-5)
-    exact = replace(
-        scene,
-        formulation="explicit",
-        method=_FOLLOWS[scene.law],
-        start=start,
-        dt_s=h,
-        duration_s=4 * h,
-        tolerance=1e-9,
-        record=("joints",),
-        record_every=1,
-    )
+    short = replace(scene, start=start, dt_s=h, duration_s=4 * h, record_every=1)
+    exact = replace(exact_scene(short, 1e-9), record=("joints",))
     out = run_core(exact, start)
     force = np.stack([out["joint_force_x_n"], out["joint_force_y_n"]], axis=2)  # (5, n-1, 2)
     rate = np.tensordot(_FORWARD, force, axes=1) / h

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass, replace
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -80,25 +79,15 @@ class SteadySprings(Result):
         return asdict(self) | {"abs_power_error_w": self.abs_power_error_w}
 
 
-@lru_cache
-def _longest_step_s(
-    robot: Robot, ground: Ground, springs: tuple[float, float], method: str
-) -> float:
-    """Return the largest step that is stable in whatever shape, s."""
-    scene = Scene(robot, ground, Gait(0.0, 0.0, 1.0), "implicit", *springs, method=method)
-    return largest_stable_step_s(scene, any_shape=True)
-
-
 def _cycles(
     robot: Robot, ground: Ground, gait: Gait, springs: tuple[float, float], rtol: float
 ) -> Scene:
     """Return a scene whose step divides a cycle: stable, and short enough for rtol."""
     period, method = gait.period_s, "rk4" if ground.smooth else "nonsmooth"
+    scene = Scene(robot, ground, gait, "implicit", *springs, method=method, start="steady")
     wanted = _STEPS_A_CYCLE * min(max(1e-4 / rtol, 0.1), 1.0)
-    stable = 2 * period / _longest_step_s(robot, ground, springs, method)
-    steps = 2 * math.ceil(max(wanted, stable) / 2)
-    step = {"dt_s": period / steps, "record_every": steps}
-    return Scene(robot, ground, gait, "implicit", *springs, method=method, start="steady", **step)
+    steps = 2 * math.ceil(max(wanted, 2 * period / largest_stable_step_s(scene)) / 2)
+    return replace(scene, dt_s=period / steps, record_every=steps)
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,9 +198,9 @@ def steady_springs(
 
 
 def _steps_m_s(settled: _Settled) -> float:
-    """Return the steps' error of the speed, m/s: twice what half steps change in eight cycles."""
+    """Return the steps' error of the speed, m/s: twice what half as long ones change it by."""
     scene, period = settled.run.scene, settled.run.scene.gait.period_s
-    steps = {"dt_s": scene.dt_s / 2, "record_every": 2 * scene.record_every}
+    steps = {"dt_s": scene.dt_s / 2, "record_every": 2 * scene.every}
     finer = simulate(replace(scene, start=settled.run.state(), duration_s=8 * period, **steps))
     return 2 * abs(float(finer.mean_speed_m_s(period)[-1]) - settled.speed_m_s)
 

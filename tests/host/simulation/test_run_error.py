@@ -196,3 +196,26 @@ def test_the_stiffness_that_an_accuracy_asks_for_is_enough() -> None:
     advised = float(re.search(r"joint_stiffness_n_m ([\d.e+]+)", str(refused.value))[1])
     run = sn.simulate(replace(scene, joint_stiffness_n_m=advised), accuracy=1e-3)
     assert run.error_estimate.worst(scene.robot.body_length_m) <= 1e-3
+
+
+def many_links(links: int, tolerance: float, duration_s: float = 0.5) -> sn.Scene:
+    robot, gait = sn.Robot(links, 0.0756, 0.076), sn.Gait(0.5, 9.4 / links, 4.0)
+    steps = {"tolerance": tolerance, "dt_s": 5e-3, "duration_s": duration_s}
+    return sn.Scene(robot, sn.Ground(0.014, 0.2, 0.02, 0.045), gait, start="link1_at_rest", **steps)
+
+
+@pytest.mark.parametrize("links", [6, 20, 40])
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
+def test_the_estimate_of_many_links_that_stick_is_a_bound(links: int, tolerance: float) -> None:
+    run = sn.simulate(many_links(links, tolerance))
+    truth = sn.simulate(replace(run.scene, tolerance=1e-11 if links < 40 else 1e-10))
+    off, said, rounding = difference(run, truth), run.error_estimate, 1e-11
+    assert said.settled
+    assert off.position_m <= said.integration.position_m + rounding
+    assert off.angle_rad <= said.integration.angle_rad + rounding
+
+
+def test_ninety_nine_links_have_an_error_that_is_finite() -> None:
+    run = sn.simulate(many_links(99, 1e-7, duration_s=0.2))
+    assert run.error_estimate.settled
+    assert run.error_estimate.worst(run.scene.robot.body_length_m) < 1e-6

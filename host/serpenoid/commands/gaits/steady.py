@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from ...calibration.advising.speed_doubts import SpeedDoubts
     from ...calibration.friction_result import FrictionFit
     from ...calibration.speed_samples import SpeedBand
-    from ...gaits.margins import Margins
     from ...model.drives import ServoKind
     from ...model.gait import Gait
     from ...model.ground import Ground
@@ -104,7 +103,7 @@ def steady(
 
 
 def _on_springs(
-    robot: Robot, ground: Ground, gait: Gait, as_json: bool, rtol: float = 1e-6, **springs: float
+    robot: Robot, ground: Ground, gait: Gait, as_json: bool, rtol: float, **springs: float
 ) -> None:
     """Tell the periodic state of the implicit model."""
     from ...show import report
@@ -145,6 +144,7 @@ def _pinned(
     from ...show import report
     from ...show.gaits import gait_report
     from ...show.progress import working
+    from ...simulation.from_rest import elsewhere
 
     with working("solving"):
         s = interruptible(
@@ -153,9 +153,15 @@ def _pinned(
         moved = beside_servo(s, servo)
         margins = interruptible(lambda: gait_margins(robot, ground, gait))
         band = interruptible(lambda: predicted_band(fit, robot, ground, gait, servo, commanded))
-        doubts, sigmas = _doubts(s, fit, band), _margins_in_sigmas(margins, fit, band)
+        doubts, sigmas = _doubts(s, fit, band), {}
+    if fit and band:
+        from ...calibration.advising.speed_doubts import margin_sigmas
+
+        sigmas = margins.in_sigmas(*margin_sigmas(fit, band.filmed))
+    if other := interruptible(lambda: elsewhere(s)):
+        warnings.warn(other, stacklevel=2)
     if as_json:
-        told = margins.to_dict() | (sigmas or {})
+        told = margins.to_dict() | sigmas
         values = {"gait": describe(gait)} | s.to_dict() | {"margins": told}
         values |= {"doubts": doubts.to_dict()} if doubts else {}
         return show_json(values | speeds_as_dict(moved, band))
@@ -167,17 +173,6 @@ def _pinned(
     if doubts is not None:
         gait_report.doubts(doubts)
     return gait_report.warn_of_cliff(margins, sigmas)
-
-
-def _margins_in_sigmas(
-    margins: Margins, fit: FrictionFit | None, band: SpeedBand | None
-) -> dict[str, float] | None:
-    """Return the margins over what a fit leaves in doubt, None without one."""
-    if fit is None or band is None:
-        return None
-    from ...calibration.advising.speed_doubts import margin_sigmas
-
-    return margins.in_sigmas(*margin_sigmas(fit, band.filmed))
 
 
 def _doubts(s: Steady, fit: FrictionFit | None, band: SpeedBand | None) -> SpeedDoubts | None:
