@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.drives import Servo, ServoKind
+from ..model.particles import alike
 from ..model.plugs import plugs
 from ..periodic.servo_steady import servo_state
 from ..periodic.steady import steady_gait
@@ -18,19 +16,11 @@ from .crawls.runs import Crawls
 from .friction_result import FrictionFit
 from .kinds.video import FilmReading
 from .session import Session
-from .speed_samples import AMPLITUDE_SIGMA, SpeedSamples, speed
+from .speed_samples import AMPLITUDE_SIGMA, SpeedSamples, in_threads, speed
 from .verdict import Measured
 
 AGREES = 2.0  # standard deviations
 DRAWS, LEAST_DRAWS = 128, 3.0
-Array = NDArray[np.float64]
-
-
-def film_chi2(films: Sequence[FilmReading], amplitudes: Array) -> Array:
-    """Return how far servos' amplitudes, (servos, films), are from those filmed: chi2, (servos,)"""
-    seen = np.array([film.mean_gain for film in films])
-    sigma = np.hypot([film.gain_sigma for film in films], AMPLITUDE_SIGMA)
-    return np.sum(((seen - amplitudes) / sigma) ** 2, axis=1)
 
 
 def servo_seen(
@@ -52,13 +42,13 @@ def servo_seen(
     def amplitudes(one: Servo) -> list[float]:
         return [servo_state(state, one, rough=True).amplitude for state in ideal]
 
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        chi2 = film_chi2(films, np.array(list(pool.map(amplitudes, servos))))
-    weight = np.exp(-0.5 * (chi2 - chi2.min()))
-    weight /= weight.sum()
-    if chi2.min() > AGREES**2 * len(films) or 1 / np.sum(weight**2) < LEAST_DRAWS:
+    off = np.array(in_threads(amplitudes, servos)) - [film.mean_gain for film in films]
+    sigma = np.hypot([film.gain_sigma for film in films], AMPLITUDE_SIGMA)
+    chi2 = np.sum((off / sigma) ** 2, axis=1)
+    if chi2.min() > AGREES**2 * len(films) or alike(-0.5 * chi2) < LEAST_DRAWS:
         return kind
-    chosen = np.random.default_rng(seed).choice(DRAWS, DRAWS, p=weight)
+    weight = np.exp(-0.5 * (chi2 - chi2.min()))
+    chosen = np.random.default_rng(seed).choice(DRAWS, DRAWS, p=weight / weight.sum())
     return replace(kind, drawn=tuple(servos[k] for k in chosen))
 
 

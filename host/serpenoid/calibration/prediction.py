@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,7 +22,7 @@ from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
 from ..simulation.steady_springs import steady_springs
 from .friction_result import FrictionFit
-from .speed_samples import AMPLITUDE_SIGMA, likeliest_speed, sample_speeds
+from .speed_samples import AMPLITUDE_SIGMA, Progress, in_threads, likeliest_speed, sample_speeds
 
 STIFFNESS_N_M, DAMPING_N_S_M = 1000.0, 1.0  # the paper's
 SPRINGS_RTOL = 1e-3
@@ -115,19 +113,10 @@ def predict_all(
     gaits: Sequence[Gait],
     *,
     servo: ServoKind | None = HOBBY,
-    progress: Callable[[int], None] | None = None,
+    progress: Progress | None = None,
 ) -> list[SpeedPoint]:
-    """Predict every gait of a list as `predict` does; progress is called with 1 after each.
-
-    As many threads as the machine has cores: the core computes without Python's lock.
-    """
-    points = []
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for point in pool.map(lambda gait: predict(robot, fit, gait, servo), gaits):
-            points.append(point)
-            if progress is not None:
-                progress(1)
-    return points
+    """Predict every gait of a list as `predict` does; progress is called with 1 after each."""
+    return in_threads(lambda gait: predict(robot, fit, gait, servo), gaits, progress)
 
 
 def one_cycle(robot: Robot, ground: Ground, gait: Gait, cycles: int = 3) -> tuple[Steady, Run]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field, replace
 from functools import lru_cache
@@ -35,6 +35,22 @@ Progress = Callable[[int], None]
 SERVO_LEFT = 0.5  # of the servos' doubt, after a bench test of one joint
 MODEL_SIGMA = 0.01  # of a predicted speed: joints' centres that are off, wheels that turn
 AMPLITUDE_SIGMA = 0.03  # of the joints' true over commanded amplitude, common to all gaits
+
+
+def in_threads(
+    work: Callable[[Any], Any], items: Iterable[Any], progress: Progress | None = None
+) -> list[Any]:
+    """Return what each item gives, by as many threads as the machine has cores.
+
+    The core computes without Python's lock. progress: called with 1 after each.
+    """
+    found = []
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        for one in pool.map(work, items):
+            found.append(one)
+            if progress is not None:
+                progress(1)
+    return found
 
 
 def speed(robot: Robot, ground: Ground, gait: Gait, servo: Servo | None = None) -> float:
@@ -177,7 +193,7 @@ def sample_speeds(
     servo: the kind that moves the joints, one for each friction; None: they follow the gait. seen:
     gaits as films showed the joints, and as commanded; only the ripple of a servo counts there.
 
-    progress is called with the gaits done. As many threads as the machine has cores.
+    progress is called with the gaits done.
     """
     whole, grounds = fit.sample_whole(count, seed), fit.sample(count, seed)
     servos = [] if servo is None else fit.sample_servos(servo, count, seed)
@@ -199,13 +215,8 @@ def sample_speeds(
             return alone, joints, joints
         return alone, *_driven(fit.robot, near, tuple(draws), tuple(servos))
 
-    found = []
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for speeds in pool.map(of, gaits):
-            found.append(speeds)
-            if progress is not None:
-                progress(1)
-    alone, joints, both = (np.array(part, dtype=float).T for part in zip(*found, strict=True))
+    found = zip(*in_threads(of, gaits, progress), strict=True)
+    alone, joints, both = (np.array(part, dtype=float).T for part in found)
     if fit.with_crawls and amplitude_sigma:  # else the amplitude's doubt is far larger
         left = 1.0 + MODEL_SIGMA * np.random.default_rng(seed).normal(size=joints.shape)
         joints, both = joints * left, both * left

@@ -19,10 +19,9 @@ from numpy.typing import NDArray
 from ..model.drives import ServoKind
 from ..model.gait import Gait
 from ..servos.catalogue import servo
-from .crawls.data import CrawlData
+from .crawls.data import CrawlData, Speeds, servos_of
 from .crawls.posterior import ROUGH_POINTS, Before, Posterior
 from .crawls.servos import ServoEffects
-from .crawls.speeds import Speeds
 from .friction_result import FrictionFit
 from .speed_samples import MODEL_SIGMA, SpeedSamples
 
@@ -181,9 +180,8 @@ class Judge:
         )
 
     def _effects_of(self, kind: ServoKind | None) -> ServoEffects:
-        effects = self._data.effects(
-            self._fit.robot, self._fit.ground, kind, _AMPLITUDES, count=_SERVO_DRAWS
-        )
+        servos = servos_of(kind, _SERVO_DRAWS)
+        effects = self._data.effects(self._fit.robot, self._fit.ground, servos, _AMPLITUDES)
         # A film's joints count in the gait itself, not once more.
         return replace(effects, amplitude=effects.amplitude[:, :0], amplitude_power=0.0)
 

@@ -35,6 +35,19 @@ def test_a_small_bend_is_followed_by_a_larger_one(weak):
     assert bands == sorted(bands)
 
 
+def test_the_band_foretold_is_the_one_that_comes(weak):
+    """Of any station, not of the best alone: it is taken, and all is fitted again."""
+    told = advise(weak, [GAIT], samples=16, runs=False, servo=None)
+    station = next(r for r in told.readings if r.lambda_rad == pytest.approx(math.radians(30)))
+    where = station.lambda_rad, station.incline_rad, station.belt_speed_m_s
+    more = tuple(Reading(len(weak.readings) + 1 + k, *where) for k in range(station.times))
+    after = sn.fit_friction(replace(weak, readings=(*weak.readings, *more)))
+    then = speed_band(after, GAIT, count=256, servo=None)
+    half = (then.high_m_s - then.low_m_s) / 2 / then.speed_m_s
+    assert station.band < 0.95 * told.band
+    assert half == pytest.approx(station.band, rel=0.25)
+
+
 def test_advise_promises_what_compare_then_shows(weak):
     """The band is that of `compare`, now, and once the best reading is taken as it is worth."""
 

@@ -76,6 +76,21 @@ def test_two_minima_are_both_drawn_by_their_weight() -> None:
     assert np.abs(logs).mean() == pytest.approx(0.8, abs=0.03)
 
 
+def test_the_minimum_is_found_though_the_likeliest_amplitude_leads_elsewhere() -> None:
+    """Of two amplitudes the second fits better, until friction follows, which helps the first."""
+    before = Before(np.log(TRUTH), 0.19 * np.eye(4), 0.2)
+
+    def speeds(whole, amplitude):
+        u = (amplitude[:, None] - 1) / 0.2
+        off = 0.5 - 0.2 * np.exp(-4 * (u + 1.2) ** 2) - 0.3 * np.exp(-4 * (u - 1.0) ** 2)
+        helps = 1 / (1 + np.exp(8 * u))
+        return 50.0 * np.exp(np.tile(off + helps * np.log(whole[:, :1] / TRUTH[0]), 6))
+
+    drawn = Posterior(crawls(np.full(6, 50.0), 2.5), before, speeds, ONE_SERVO).about_minimum(1)
+    assert drawn.best_amplitude < 0.9
+    assert drawn.chi2 < 5.0  # the other leaves 96
+
+
 def test_a_servo_that_is_in_doubt_leaves_more() -> None:
     before = Before(np.log(TRUTH), 0.3 * np.eye(4), 0.03)
     data = crawls(np.full(len(GAITS), 45.0), 0.5)

@@ -6,14 +6,13 @@ import math
 
 import numpy as np
 
-from ...model.particles import LogDensity, Student, alike
-from .speeds import Array
+from ...model.particles import Floats, LogDensity, Student, alike
 
 ENOUGH = 0.3  # of the points: as many independent ones
 _SOFT, _ROUNDS = 0.2, 5  # of the points, softened, for moments; and how often those are taken
 
 
-def softened(log: Array, least: float) -> Array:
+def softened(log: Floats, least: float) -> Floats:
     """Return weights, sum 1, by the highest power of exp(log) that leaves so many alike."""
     power = 1.0
     while alike(power * log) < least:
@@ -22,7 +21,9 @@ def softened(log: Array, least: float) -> Array:
     return np.asarray(weight / weight.sum())
 
 
-def adapted(about: Student, last: LogDensity, seed: int, count: int) -> tuple[Array, Array, float]:
+def adapted(
+    about: Student, last: LogDensity, seed: int, count: int
+) -> tuple[Floats, Floats, float]:
     """Return points (N, D) of a density with one mode, their weights, and its log integral.
 
     They are drawn from a distribution about the mode, which then follows their moments, until

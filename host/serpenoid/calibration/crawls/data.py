@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...model.drives import ServoKind
+from ...model.drives import Servo, ServoKind
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
+from ...periodic.drawn_states import drawn_speeds
+from ..friction_result import ground_of
 from ..session import Session
-from ..speed_samples import MODEL_SIGMA
+from ..speed_samples import MODEL_SIGMA, scaled
 from .runs import crawls_by_command, mean_speed
-from .servos import ENDS, SERVO_DRAWS, ServoEffects, effects_of
-from .speeds import Array, Speeds, SpeedSolver
+from .servos import ENDS, ServoEffects, effects_of
+
+Array = NDArray[np.float64]
+Speeds = Callable[[Array, Array], Array]  # (K, P) frictions, (K,) amplitudes -> (K, gaits), m/s
 
 LEAST_M_S = 0.001  # of a predicted speed, beside MODEL_SIGMA
 GAIN_ELASTICITY = 1.5  # about: per cent of speed for one of amplitude
@@ -83,21 +88,40 @@ class CrawlData:
     def of_robot(self, robot: Robot, at: Array) -> Speeds:
         """Return what solves for the speeds of a robot whose joints follow the gait.
 
-        at: frictions, whole snake, (4,), about those that will be asked for.
+        at: frictions, whole snake, (P,), from whose states the others are sought. A speed that is
+        not found is 0, so that strange frictions are not the answer.
         """
-        return SpeedSolver(robot, self.gaits, self.seen.tolist(), at)
+        pairs = list(zip(self.gaits, self.seen.tolist(), strict=True))
+        near = ground_of(robot.links, at.tolist())
+
+        def speeds(whole: Array, amplitude: Array) -> Array:
+            grounds = [ground_of(robot.links, own) for own in whole.tolist()]
+
+            def of(gait: Gait, seen: bool) -> Array:
+                made = [gait if seen else scaled(gait, a) for a in amplitude.tolist()]
+                draws = list(zip(grounds, made, strict=True))
+                return drawn_speeds(robot, (near, made[0]), draws, unfound_m_s=0.0)
+
+            solved = {pair: of(*pair) for pair in dict.fromkeys(pairs)}
+            return np.stack([solved[pair] for pair in pairs], axis=1)
+
+        return speeds
 
     def effects(
         self,
         robot: Robot,
         ground: Ground,
-        kind: ServoKind | None,
+        servos: tuple[Servo, ...],
         ends: tuple[float, float] = ENDS,
-        seed: int = 0,
-        count: int = SERVO_DRAWS,
     ) -> ServoEffects:
-        """Return what some servos of a kind do to these gaits; ends: see `effects_of`."""
-        if kind is None:
+        """Return what some servos do to these gaits; none of them: joints follow the gait."""
+        if not servos:
             return ServoEffects.none(len(self), int(self.seen.sum()))
-        servos = (kind.servo,) if kind.exact else tuple(kind.draws(count, seed))
         return effects_of(robot, ground, self.asked, self.seen.tolist(), servos, ends)
+
+
+def servos_of(kind: ServoKind | None, count: int, seed: int = 0) -> tuple[Servo, ...]:
+    """Return so many servos of a kind, the typical one if it is exact, or none."""
+    if kind is None:
+        return ()
+    return (kind.servo,) if kind.exact else tuple(kind.draws(count, seed))

@@ -18,12 +18,13 @@ from numpy.typing import NDArray
 from ...model.particles import Student, tempered
 from ..fitting.posterior import BAD_CHANCE, BAD_WIDTH
 from .adapted import ENOUGH, adapted
-from .data import LEAST_M_S, CrawlData
+from .data import LEAST_M_S, Array, CrawlData, Speeds
 from .servos import ServoEffects
-from .speeds import Array, Speeds
 
 _STEP = 0.02  # of an unknown, for slopes
-_SHIFTS = np.linspace(-2.5, 2.0, 15)  # of the amplitude, in sigmas: the search begins at the best
+_SHIFTS = np.linspace(-2.5, 2.0, 15)  # of the amplitude, in sigmas: the search begins at the peaks
+_STARTS = 256  # further ones, all over, where frictions are in doubt
+_SETTLED = 0.005  # of the logarithm of a density
 _SERVO_CHANGES = 4  # of the likeliest servo, while the likeliest frictions are searched
 POINTS, ROUGH_POINTS, _MOVES = 1024, 256, 2
 _LOG_2PI = math.log(2 * math.pi)
@@ -65,7 +66,7 @@ class Drawn:
     """Points u (N, D) of a posterior and their weights, which sum to 1; the likeliest of all.
 
     evidence: the logarithm of the crawls' likelihood, its mean over what was known before and all
-    servos; that of no residual is 0. best, best_servo: the likeliest unknowns (D,) and servo.
+    servos; that of no residual is 0. best: the likeliest unknowns (D,).
     """
 
     posterior: Posterior
@@ -73,7 +74,11 @@ class Drawn:
     weight: Array
     evidence: float
     best: Array
-    best_servo: int
+
+    @cached_property
+    def best_servo(self) -> int:
+        """Return the likeliest servo there."""
+        return int(np.argmax(self.posterior.by_servo(self.best[None])[0]))
 
     @cached_property
     def best_whole(self) -> Array:
@@ -130,7 +135,7 @@ class Posterior:
         effects: ServoEffects,
         misread: bool = False,
     ):
-        self._data, self.before, self._speeds, self._effects = data, before, speeds, effects
+        self._data, self.before, self._speeds, self.effects = data, before, speeds, effects
         from scipy.special import log_softmax
 
         self.size, self._misread = len(before.mean) + 1, misread
@@ -143,7 +148,7 @@ class Posterior:
         In logarithms of speed and LEAST_M_S together: at the foot of a cliff they still tell where
         it is, and what crawls slower than that is as good as at rest.
         """
-        data, before, effects = self._data, self.before, self._effects
+        data, before, effects = self._data, self.before, self.effects
         whole, amplitude = before.whole(u), before.amplitude(u)
         ideal = self._speeds(whole, amplitude)
         predicted = np.log(ideal[:, None] * effects.shares(amplitude) + LEAST_M_S)
@@ -205,22 +210,29 @@ class Posterior:
         spread = np.linalg.inv(normal) + np.einsum("ki,kj->kij", ends - centre, ends - centre)
         return Student(centre, np.linalg.cholesky(np.tensordot(weight, spread, 1)))
 
-    def minimum(self, start: Array | None = None) -> tuple[Array, int]:
-        """Return the likeliest unknowns (D,) near a start (D,), and the servo there.
+    def minimum(self) -> Array:
+        """Return the likeliest unknowns (D,), from each amplitude better than those beside it.
 
-        None: from the best amplitude; nothing leads back from the foot of a cliff.
+        Nothing leads back from the foot of a cliff.
         """
+        starts = _SHIFTS[:, None] * np.eye(self.size)[-1]
+        beside = np.pad(self.log_density(starts), 1, constant_values=-np.inf)
+        peaks = (beside[1:-1] > beside[:-2]) & (beside[1:-1] >= beside[2:])
+        starts = starts[peaks]
+        if not self.before.narrow:
+            further = np.random.default_rng(_STARTS).normal(size=(_STARTS, self.size))
+            starts = np.vstack([starts, further[np.argmax(self.log_density(further))]])
+        ends = np.array([self.minimum_near(start) for start in starts])
+        return ends[np.argmax(self.by_servo(ends).max(axis=1))]
+
+    def minimum_near(self, start: Array) -> Array:
+        """Return the likeliest unknowns (D,) near a start (D,)."""
         from scipy.optimize import least_squares
 
-        if start is None:
-            starts = _SHIFTS[:, None] * np.eye(self.size)[-1]
-            start = starts[np.argmax(self.log_density(starts))]
-        u, servo = np.asarray(start), -1
+        best, most = start, float(self.by_servo(start[None]).max())
         for _ in range(_SERVO_CHANGES):
-            followed = np.sum(self.left(u) ** 2, axis=1) - 2.0 * self._log_weight
-            before, servo = servo, int(np.argmin(followed))
-            if servo == before:
-                break
+            followed = np.sum(self.left(best) ** 2, axis=1) - 2.0 * self._log_weight
+            servo = int(np.argmin(followed))
 
             def rows(x: Array, servo: int = servo) -> Array:
                 return np.append(self.residuals(x[None])[0, servo], x)
@@ -228,23 +240,25 @@ class Posterior:
             def slopes(x: Array, servo: int = servo) -> Array:
                 return np.vstack([self._slopes(x)[1][servo], np.eye(self.size)])
 
-            found = least_squares(rows, u, jac=slopes, ftol=1e-3, xtol=1e-3, max_nfev=12)  # pyright: ignore[reportArgumentType]
-            u = np.asarray(found.x)
-        return u, servo
+            found = least_squares(rows, best, jac=slopes, ftol=1e-3, xtol=1e-3, max_nfev=12)  # pyright: ignore[reportArgumentType]
+            before, most = most, float(self.by_servo(found.x[None]).max())
+            if most < before + _SETTLED:
+                break
+            best = np.asarray(found.x)
+        return best
 
     def about_minimum(self, seed: int, points: int = POINTS) -> Drawn:
         """Return weighted draws where there is one minimum; points: a power of two."""
-        best, servo = self.minimum()
-        drawn = adapted(self._about(best), self.log_density, seed, points)
-        return Drawn(self, *drawn, best, servo)
+        best = self.minimum()
+        return Drawn(self, *adapted(self._about(best), self.log_density, seed, points), best)
 
     def by_particles(self, seed: int, points: int = POINTS) -> Drawn:
         """Return draws by tempered particles that begin as what was known before."""
         rng = np.random.default_rng(seed)
         u = rng.normal(size=(points, self.size))
         u, evidence = tempered(u, _log_normal, self.log_density, rng, _MOVES)
-        best, servo = self.minimum(u[np.argmax(self.log_density(u))])
-        return Drawn(self, u, np.full(points, 1.0 / points), evidence, best, servo)
+        best = self.minimum_near(u[np.argmax(self.log_density(u))])
+        return Drawn(self, u, np.full(points, 1.0 / points), evidence, best)
 
     def draw(self, seed: int, points: int = POINTS) -> Drawn:
         """Return draws of whatever shape."""

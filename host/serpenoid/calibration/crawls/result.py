@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from types import MappingProxyType
 
 import numpy as np
 
-from ...model.drives import Servo, ServoKind
+from ...model.drives import ServoKind
 from ...model.errors import BadInput, Diverged, NotConverged
 from ...model.ground import Ground
 from ...model.robot import Robot
@@ -27,11 +28,10 @@ from ..friction_result import (
 from ..session import Session
 from ..session_posterior import posterior_of
 from ..speed_samples import AMPLITUDE_SIGMA
-from .data import CrawlData
+from .data import Array, CrawlData, Speeds, servos_of
 from .level import floor_slope, is_sloped, on_level
 from .posterior import POINTS, ROUGH_POINTS, Before, Drawn, Posterior
-from .servos import ServoEffects, effects_of, with_near_ones
-from .speeds import Array, Speeds
+from .servos import SERVO_DRAWS, ServoEffects, with_near_ones
 
 # Where nothing else is known: the 2005 robot's frictions, scaled by the weight, within a factor of
 # e or so, and no two of them alike.
@@ -75,10 +75,10 @@ def fit_crawls(
             before, slope = _with_pushes(session, before, at)
         ground = ground_of(robot.links, at.tolist())
         if sloped:
-            level = _on_level(session, robot, ground, slope, drawn if leads else None, found)
+            level = _on_level(session, robot, ground, slope, drawn if leads else None)
             data = CrawlData.of(level)
         if effects is None and (found is None or not before.narrow):
-            found = data.effects(robot, ground, servo, seed=seed)
+            found = data.effects(robot, ground, servos_of(servo, SERVO_DRAWS, seed))
         assert found is not None
         if last and near:
             assert servo is not None
@@ -105,16 +105,11 @@ def fit_crawls(
 
 
 def _on_level(
-    session: Session,
-    robot: Robot,
-    ground: Ground,
-    slope: Estimate,
-    drawn: Drawn | None,
-    effects: ServoEffects | None,
+    session: Session, robot: Robot, ground: Ground, slope: Estimate, drawn: Drawn | None
 ) -> Session:
     """Return the session on level ground, as the likeliest servo drawn so far moves the joints."""
-    if drawn is not None and effects is not None and effects.servos:
-        servo = effects.servos[drawn.best_servo]
+    if drawn is not None and drawn.posterior.effects.servos:
+        servo = drawn.posterior.effects.servos[drawn.best_servo]
         try:
             return on_level(session, robot, ground, slope, servo, drawn.best_amplitude)
         except (Diverged, NotConverged):
@@ -133,16 +128,12 @@ def _near_servos(
 ) -> ServoEffects:
     """Return the servos with others near those that explain the crawls, where few of them do."""
     ground = ground_of(robot.links, np.exp(before.mean).tolist())
-    asked, seen = data.asked, data.seen.tolist()
 
     def left(found: ServoEffects) -> Array:
         posterior = Posterior(data, before, speeds, found)
-        return posterior.left(posterior.minimum()[0])
+        return posterior.left(posterior.minimum())
 
-    def solve(servos: tuple[Servo, ...]) -> ServoEffects:
-        return effects_of(robot, ground, asked, seen, servos)
-
-    return with_near_ones(effects, kind, left, solve, seed)
+    return with_near_ones(effects, kind, left, partial(data.effects, robot, ground), seed)
 
 
 def _check(session: Session, data: CrawlData, other: FrictionFit | None) -> None:

@@ -8,9 +8,7 @@ kind's density over the mean density of all draws.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any
@@ -25,10 +23,10 @@ from ...model.particles import Student, alike
 from ...model.robot import Robot
 from ...periodic.servo_steady import moved_by
 from ...periodic.steady import steady_gait
-from ..speed_samples import scaled
+from ..speed_samples import in_threads, scaled
 from .adapted import softened
-from .speeds import Array
 
+Array = NDArray[np.float64]
 SERVO_DRAWS = 128
 SERVO_SIGMA = 0.005  # relative, of what a servo is predicted to do
 GRAIN = 0.01  # the same, where few servos are drawn of many; a rough state is off by 0.003
@@ -107,8 +105,7 @@ def effects_of(
         for g, film in own
     ]
     each = [(state, one, film, many) for state, film in jobs for one in servos]
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        found = np.array(list(pool.map(lambda job: moved_by(*job), each)))
+    found = np.array(in_threads(lambda job: moved_by(*job), each))
     rows = [own.index(pair) for pair in zip(gaits, seen, strict=True)]
     found = found.reshape(2, len(own), len(servos), 2)[:, rows].swapaxes(1, 2)
     logs = np.log(np.maximum(found, 1e-3))

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +18,7 @@ from ..friction_fit import fit_friction
 from ..friction_result import DOUBTFUL, FrictionFit
 from ..kinds.video import FilmReading
 from ..session import Session
+from ..speed_samples import in_threads
 
 Array = NDArray[np.float64]
 LEAST_DRAWS = 3.0
@@ -80,8 +79,7 @@ def _ripple_chi2(
                 total += ripple.chi2(math.hypot(*mine))
             return total
 
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            chi2[used] += list(pool.map(off, used.tolist()))
+        chi2[used] += in_threads(off, used.tolist())
     return chi2 - chi2[used].min()
 
 
