@@ -175,43 +175,26 @@ def test_servos_that_nobody_told_are_in_the_band_or_named(fitted):
     json.dumps(told.to_dict(), allow_nan=False)
 
 
+def chance(drawn, speeds, sigma):
+    return verdict._chance(drawn, Measured(drawn.gaits, speeds, sigma), np.random.default_rng(5))
+
+
 def test_a_sound_robots_servo_is_doubted_as_often_as_stated():
     """Servos of which none was drawn: p is uniform, though few draws fill the space of servos."""
     rng = np.random.default_rng(3)
 
-    def made(count):
-        share = 1 - 0.3 * rng.random((count, 3))  # what servos leave of three gaits
+    def made(count, lost):
+        share = 1 - lost * rng.random((count, 3))  # what servos leave of three gaits
         ideal = np.array([0.05, 0.1, 0.15]) * np.exp(0.05 * rng.normal(size=(count, 1)))
         return SpeedSamples(
             tuple(gait(r) for r in RATES), np.zeros((count, 4)), ideal, ideal, ideal * share
         )
 
-    drawn, robots = made(64), made(150)
-    sigma = 0.01 * robots.both_m_s
-    chances = [
-        verdict._chance(
-            drawn, Measured(drawn.gaits, v + s * rng.normal(size=3), s), np.random.default_rng(5)
-        )
-        for v, s in zip(robots.both_m_s, sigma, strict=True)
-    ]
+    drawn, robots = made(64, 0.3), made(150, 0.3).both_m_s
+    chances = [chance(drawn, v + 0.01 * v * rng.normal(size=3), 0.01 * v) for v in robots]
     assert np.mean(np.array(chances) < 0.05) < 0.1
     assert np.quantile(chances, [0.25, 0.5, 0.75]) == pytest.approx([0.25, 0.5, 0.75], abs=0.12)
-
-
-def test_the_chance_of_a_verdict_ends_at_1_and_is_0_far_off():
-    """In the middle of all draws nothing is likelier; ten standard deviations off nothing less."""
-    rng = np.random.default_rng(4)
-    ideal = np.array([0.05, 0.1, 0.15]) * np.exp(0.05 * rng.normal(size=(64, 1)))
-    drawn = SpeedSamples(
-        tuple(gait(r) for r in RATES), np.zeros((64, 4)), ideal, ideal, ideal * 1.0
-    )
-    sigma, middle = 0.002 * ideal.mean(axis=0), ideal.mean(axis=0)
-
-    def chance(speeds):
-        seen = Measured(drawn.gaits, speeds, sigma)
-        return verdict._chance(drawn, seen, np.random.default_rng(5))
-
-    assert chance(middle) > 0.99
-    assert chance(middle + [0, 0, 10] * sigma) < 1e-3
-    # as a normal cloud would have it: common factors count as they scatter, single speeds as noise
-    assert chance(1.098 * middle) == pytest.approx(0.28, abs=0.08)
+    sure = made(64, 0.0)  # the ends: in the middle nothing is likelier, and far off nothing less
+    middle = sure.both_m_s.mean(axis=0)
+    assert chance(sure, middle, 0.002 * middle) > 0.99
+    assert chance(sure, middle * [1, 1, 1.02], 0.002 * middle) < 1e-3

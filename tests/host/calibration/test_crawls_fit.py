@@ -102,7 +102,15 @@ def test_a_servo_that_is_in_doubt_leaves_more() -> None:
     assert spread[1] > 1.1 * spread[0]
 
 
-def with_runs(session, speeds, sigma=0.001):
+def small_powers(whole, amplitude):
+    """Speeds that hang on friction over mass alone, as every true one does."""
+    return even_powers(whole, amplitude) / 500
+
+
+SPEEDS = small_powers(np.array([TRUTH]), np.ones(1))[0]
+
+
+def with_runs(session, speeds=SPEEDS, sigma=0.001):
     runs = tuple(
         GaitRun(900 + k, g.alpha_rad, g.beta_rad, g.omega_rad_s, float(v), sigma)
         for k, (g, v) in enumerate(zip(GAITS, speeds, strict=True))
@@ -110,15 +118,19 @@ def with_runs(session, speeds, sigma=0.001):
     return replace(session, gait_runs=runs)
 
 
-def small_powers(whole, amplitude):
-    """Speeds that hang on friction over mass alone, as every true one does."""
-    return even_powers(whole, amplitude) / 500
+def crawls_fit(session, other=None, **more):
+    return fit_crawls(session, other, None, speeds=small_powers, **more)
+
+
+def holds_truth(fit):
+    low, high = np.transpose(list(fit.intervals.values()))
+    return np.all((low < TRUTH) & (high > TRUTH))
 
 
 @pytest.fixture(scope="module")
 def pushed():
     session = floor_session(bends_deg=(0.0, 45.0), speeds=(0.7, 0.9))
-    return with_runs(session, small_powers(np.array([TRUTH]), np.ones(1))[0])
+    return with_runs(session)
 
 
 def test_crawls_narrow_what_pushes_leave_but_never_the_mass(pushed) -> None:
@@ -128,11 +140,10 @@ def test_crawls_narrow_what_pushes_leave_but_never_the_mass(pushed) -> None:
     )
     before, after = (
         fit_friction(heavy),
-        fit_crawls(heavy, fit_friction(heavy), None, speeds=small_powers),
+        crawls_fit(heavy, fit_friction(heavy)),
     )
+    assert holds_truth(after)
     for name, true in zip(NAMES, TRUTH, strict=True):
-        low, high = after.intervals[name]
-        assert low < true < high
         assert after.parameters[name].sigma < 1.03 * before.parameters[name].sigma
         assert after.parameters[name].sigma > 0.045 * true  # the mass alone
     ratio = [f.sample_whole(1024)[:, 0] / f.sample_whole(1024)[:, 3] for f in (before, after)]
@@ -144,14 +155,12 @@ def test_a_robust_fit_names_the_crawl_that_was_misread(pushed) -> None:
     first, *others = pushed.gait_runs
     wrong = replace(pushed, gait_runs=(replace(first, speed_m_s=1.4 * first.speed_m_s), *others))
     base = fit_friction(pushed, method="robust")
-    fit = fit_crawls(wrong, base, None, speeds=small_powers, misread=True)
+    fit = crawls_fit(wrong, base, misread=True)
     assert fit.method == "robust, with crawls"
     assert fit.outliers == (first.number,)
     assert any(f"Crawl(s) {first.number} held for misread" in note for note in fit.notes)
-    for name, true in zip(NAMES, TRUTH, strict=True):
-        low, high = fit.intervals[name]
-        assert low < true < high
-    assert fit.p_value > 0.01 > fit_crawls(wrong, base, None, speeds=small_powers).p_value
+    assert holds_truth(fit)
+    assert fit.p_value > 0.01 > crawls_fit(wrong, base).p_value
     with pytest.raises(BadInput, match="not 'naive'"):
         fit_friction(pushed, method="naive", crawls=True)
 
@@ -172,17 +181,16 @@ def test_crawls_take_readings_that_hardly_tell_ct_from_ft0(pushed) -> None:
     )
     weak = replace(weak, notes=tuple(weak_notes(weak)))
     assert weak.notes
-    fit = fit_crawls(pushed, weak, None, speeds=small_powers)
-    for name, true, before in zip(NAMES, TRUTH, sigma, strict=True):
-        low, high = fit.intervals[name]
-        assert low < true < high
+    fit = crawls_fit(pushed, weak)
+    assert holds_truth(fit)
+    for name, before in zip(NAMES, sigma, strict=True):
         assert fit.parameters[name].sigma < 0.5 * before
     assert not any("Known only roughly" in note for note in fit.notes)
 
 
 def test_crawls_alone_say_that_they_tell_speeds_only() -> None:
     record = MemoryRecord(floor_setup())
-    session = with_runs(record.session, small_powers(np.array([TRUTH]), np.ones(1))[0], 0.01)
+    session = with_runs(record.session, sigma=0.01)
     fit = fit_crawls(session, None, None, speeds=lambda w, a: small_powers(w, a)[:, [0] * 6])
     assert "Speeds only" in fit.notes[0]
     assert fit.dof == len(GAITS)
@@ -191,7 +199,7 @@ def test_crawls_alone_say_that_they_tell_speeds_only() -> None:
 
 
 def test_draws_are_kept_in_the_file_and_with_the_crawls_they_rest_on(pushed, tmp_path) -> None:
-    fit = fit_crawls(pushed, fit_friction(pushed), None, speeds=small_powers)
+    fit = crawls_fit(pushed, fit_friction(pushed))
     kept = load_fit(save_fit(fit, tmp_path / "f.json"))
     np.testing.assert_array_equal(kept.draws.rows, fit.draws.rows)
     np.testing.assert_allclose(kept.sample_whole(64), fit.sample_whole(64), rtol=1e-5)
@@ -205,15 +213,13 @@ def test_predictions_take_the_amplitude_that_crawls_told(pushed, monkeypatch) ->
 
     Beside what the model leaves out, 1 % of each speed.
     """
-    fit = fit_crawls(pushed, fit_friction(pushed), None, speeds=small_powers)
+    fit = crawls_fit(pushed, fit_friction(pushed))
     gait = Gait(math.radians(70), math.radians(75), math.pi)
     more = sample_speeds(fit, [gait], amplitude_sigma=0.03, count=256).joints_m_s
     monkeypatch.setattr(speed_samples, "MODEL_SIGMA", 0.0)
     less = sample_speeds(fit, [gait], amplitude_sigma=0.03, count=256).joints_m_s
     assert np.std(more / less) == pytest.approx(0.01, rel=0.2)
-    drawn = sample_speeds(
-        fit, [Gait(math.radians(70), math.radians(75), math.pi)], amplitude_sigma=0.03, count=32
-    )
+    drawn = sample_speeds(fit, [gait], amplitude_sigma=0.03, count=32)
     added = (drawn.joints_m_s / drawn.friction_m_s)[:, 0] - 1.0
     assert abs(np.corrcoef(added, fit.sample_amplitudes(32) - 1.0)[0, 1]) > 0.9
 
@@ -221,8 +227,7 @@ def test_predictions_take_the_amplitude_that_crawls_told(pushed, monkeypatch) ->
 def test_real_speeds_tell_the_amplitude() -> None:
     """Crawls by the package's own solver: joints at 94 % of their amplitude are found."""
     session = floor_session(bends_deg=(0.0, 45.0), speeds=(0.7, 0.9))
-    two = np.zeros(2)
-    data = CrawlData(GAITS[:2], GAITS[:2], two, two, np.zeros(2, bool))
+    data = CrawlData(GAITS[:2], GAITS[:2], np.zeros(2), np.zeros(2), np.zeros(2, bool))
     robot = session.setup.robot
     assert robot.links * robot.link_mass_kg == pytest.approx(MASS)
     slow = data.of_robot(robot, np.array(TRUTH))(np.array([TRUTH]), np.array([0.94]))[0]
@@ -261,13 +266,11 @@ def test_tape_and_watch_tell_frictions_with_crawls_and_not_without() -> None:
     session = by_hand()
     with pytest.raises(BadInput, match="fit --crawls"):
         fit_friction(session)
-    speeds = small_powers(np.array([TRUTH]), np.ones(1))[0]
-    fit = fit_crawls(with_runs(session, speeds), None, None, speeds=small_powers)
+    fit = crawls_fit(with_runs(session))
     alone = MemoryRecord(floor_setup()).session
-    crawled = fit_crawls(with_runs(alone, speeds), None, None, speeds=small_powers)
-    for name, true in zip(NAMES, TRUTH, strict=True):
-        low, high = fit.intervals[name]
-        assert low < true < high
+    crawled = crawls_fit(with_runs(alone))
+    assert holds_truth(fit)
+    for name in NAMES:
         assert fit.parameters[name].sigma < 1.15 * crawled.parameters[name].sigma  # by 1024 draws
     assert fit.chi2 < 0.5 * fit.dof  # nothing errs
 
@@ -275,10 +278,9 @@ def test_tape_and_watch_tell_frictions_with_crawls_and_not_without() -> None:
 def test_open_pushes_tell_crawls_the_floors_slope() -> None:
     """By tape and watch, both ways: the slope is in the fit, and surer than before."""
     session, true = by_hand(slope_rad=0.006), 0.006
-    speeds = small_powers(np.array([TRUTH]), np.ones(1))[0]
-    fit = fit_crawls(with_runs(session, speeds), None, None, speeds=small_powers)
+    fit = crawls_fit(with_runs(session))
     slope = fit.nuisances["floor_slope_rad"]
     assert slope.value == pytest.approx(true, abs=slope.sigma)
     assert slope.sigma < 0.5 * session.setup.floor.slope_sigma_rad
-    level = fit_crawls(with_runs(by_hand(), speeds), None, None, speeds=small_powers)
+    level = crawls_fit(with_runs(by_hand()))
     assert abs(level.nuisances["floor_slope_rad"].value) < 0.2 * true

@@ -159,48 +159,53 @@ def test_a_step_takes_a_crawl_from_its_track_once(tmp_path) -> None:
     assert session.kept_films[0].mean_gain == pytest.approx(np.mean(GAINS), abs=2e-3)
 
 
-def test_crawls_on_a_slope_are_put_right_by_the_slope_that_pushes_told() -> None:
-    """What the lab's robot does on 0.25 degrees, there, back or both, against the level state."""
-    body, ground, slope = Robot(6, 0.0756, 0.076), Ground.whole_body(6, *TRUTH), 0.0045
-    lab, level = LabRobot(body, (ground,)), speed(body, ground, GAIT)
-    seen = [crawl_speed(lab, GAIT, slope_rad=s) for s in (-slope, slope)]
-    assert seen[0] > 1.05 * level
-    assert seen[1] < 0.95 * level
-    record = MemoryRecord(floor_session().setup)
-    runs = tuple(
-        GaitRun(1 + k, GAIT.alpha_rad, GAIT.beta_rad, GAIT.omega_rad_s, v, 0.001, way=way)
-        for k, (way, v) in enumerate(zip(("there", "back"), seen, strict=True))
+SLOPE_RAD = 0.0045
+
+
+@pytest.fixture(scope="module")
+def sloped():
+    """Return two runs by the lab's robot on 0.25 degrees, there and back, as of one command."""
+    lab = LabRobot(Robot(6, 0.0756, 0.076), (Ground.whole_body(6, *TRUTH),))
+    return tuple(
+        GaitRun(
+            900 + k,
+            GAIT.alpha_rad,
+            GAIT.beta_rad,
+            (1.0 + 0.002 * k) * GAIT.omega_rad_s,
+            crawl_speed(lab, GAIT, slope_rad=rises),
+            0.0005,
+            way=way,
+        )
+        for k, (way, rises) in enumerate((("there", -SLOPE_RAD), ("back", SLOPE_RAD)))
     )
-    session = replace(record.session, gait_runs=runs)
+
+
+def test_crawls_on_a_slope_are_put_right_by_the_slope_that_pushes_told(sloped) -> None:
+    """What the lab's robot does, there, back or both, against the level state."""
+    body, ground = Robot(6, 0.0756, 0.076), Ground.whole_body(6, *TRUTH)
+    level = speed(body, ground, GAIT)
+    assert sloped[0].speed_m_s > 1.05 * level
+    assert sloped[1].speed_m_s < 0.95 * level
+    session = replace(floor_session(), gait_runs=sloped)
     sure, loose = (
-        on_level(session, body, ground, Estimate(slope, sigma)).gait_runs for sigma in (1e-5, 0.002)
+        on_level(session, body, ground, Estimate(SLOPE_RAD, sigma)).gait_runs
+        for sigma in (1e-5, 0.002)
     )
     for known, unsure in zip(sure, loose, strict=True):
         assert known.speed_m_s == pytest.approx(level, rel=0.01)
         assert unsure.speed_sigma_m_s > 1.5 * known.speed_sigma_m_s
 
 
-def test_compare_holds_crawls_on_a_slope_to_the_prediction_for_level_ground() -> None:
+def test_compare_holds_crawls_on_a_slope_to_the_prediction_for_level_ground(sloped) -> None:
     """The lab's crawls there and back are 8 % apart; no friction and no joint is to blame."""
-    slope = 0.0045
-    lab = LabRobot(Robot(6, 0.0756, 0.076), (Ground.whole_body(6, *TRUTH),))
-    pushed = floor_session(bends_deg=(0.0, 45.0), speeds=(0.7, 0.9), slope_rad=slope)
-    speeds = {
-        way: crawl_speed(lab, GAIT, slope_rad=rises)
-        for way, rises in (("there", -slope), ("back", slope))
-    }
-    rates = (GAIT.omega_rad_s, 1.002 * GAIT.omega_rad_s)  # as two films of a command
-    runs = tuple(
-        GaitRun(900 + k, GAIT.alpha_rad, GAIT.beta_rad, rate, v, 0.0005, way=way)
-        for k, ((way, v), rate) in enumerate(zip(speeds.items(), rates, strict=True))
-    )
-    assert speeds["there"] > 1.08 * speeds["back"]
-    found = compare(replace(pushed, gait_runs=runs), servo=None, samples=32)
+    pushed = floor_session(bends_deg=(0.0, 45.0), speeds=(0.7, 0.9), slope_rad=SLOPE_RAD)
+    assert sloped[0].speed_m_s > 1.08 * sloped[1].speed_m_s
+    found = compare(replace(pushed, gait_runs=sloped), servo=None, samples=32)
     assert found.verdict == "agrees"
-    assert f"falls by {math.degrees(slope):.2f} ± 0.0" in found.verdict_text
+    assert f"falls by {math.degrees(SLOPE_RAD):.2f} ± 0.0" in found.verdict_text
     (once,) = found.gaits
     assert all(abs(run.speed_m_s / once.exact_m_s - 1) < 0.02 for run in found.measured)
-    level = replace(runs[0], way="level")  # the mean of both is that of level ground
+    level = replace(sloped[0], way="level")  # the mean of both is that of level ground
     blamed = compare(replace(pushed, gait_runs=(level,)), servo=None, samples=32)
     assert blamed.verdict != "agrees"
     assert "level ground" not in blamed.verdict_text

@@ -22,17 +22,20 @@ def fit() -> sn.FrictionFit:
 
 def test_speed_of_the_2005_robot(fit) -> None:
     gait = sn.Gait(math.radians(70), math.radians(75), 5.0)
-    point = predict(sn.Robot(6, 0.0756, 0.076), fit, gait)
+    point = predict(fit.robot, fit, gait)
     assert point.explicit_m_s == pytest.approx(0.133205, rel=2e-4)
     assert point.explicit_error_m_s < 1e-6
     assert point.low_ideal_m_s < point.explicit_m_s < point.high_ideal_m_s
     # servos take some of the speed, and add to the doubt
     assert point.low_m_s < point.low_ideal_m_s
     assert point.high_m_s < 1.01 * point.high_ideal_m_s
-    ideal = predict(sn.Robot(6, 0.0756, 0.076), fit, gait, servo=None)
+    state = sn.steady_gait(fit.robot, fit.ground, gait, powers=False)
+    stated = state.error_estimate * state.speed_m_s  # a speed, not a share
+    assert point.explicit_error_m_s == pytest.approx(stated, rel=1e-6)
+    ideal = predict(fit.robot, fit, gait, servo=None)
     assert (ideal.low_m_s, ideal.high_m_s) == (point.low_ideal_m_s, point.high_ideal_m_s)
     # asking for more must move the speed by no more than the error that is stated
-    finer = sn.steady_springs(sn.Robot(6, 0.0756, 0.076), fit.ground, gait, rtol=1e-5)
+    finer = sn.steady_springs(fit.robot, fit.ground, gait, rtol=1e-5)
     assert abs(finer.speed_m_s - point.implicit_m_s) <= point.implicit_error_m_s
 
 
@@ -85,13 +88,6 @@ def test_mean_speed_over_a_cycle_is_the_periodic_states() -> None:
     # 600 steps of RK4 a period, 120 of them recorded
     speeds = run.mean_speed_m_s(gait.period_s)[::120]
     assert speeds == pytest.approx([state.speed_m_s] * 3, rel=1e-6)
-
-
-def test_the_stated_error_is_a_speed(fit) -> None:
-    gait = sn.Gait(math.radians(70), math.radians(75), 5.0)
-    s = sn.steady_gait(fit.robot, fit.ground, gait, powers=False)
-    point = predict(fit.robot, fit, gait, servo=None)
-    assert point.explicit_error_m_s == pytest.approx(s.error_estimate * s.speed_m_s, rel=1e-6)
 
 
 def test_drawn_amplitudes_have_the_sigma_that_was_given(fit, monkeypatch) -> None:
