@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import queue
 import re
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import contextmanager, suppress
+from itertools import islice
 from typing import Any
 
 from ..model.errors import BadInput, ClusterFailed
@@ -63,7 +63,6 @@ def connected(scheduler: str) -> Iterator[Any]:
             "address that it prints, such as tcp://10.0.0.1:8786"
         ) from None
     try:
-        _check_workers(client, scheduler)
         yield client
     finally:
         client.close()
@@ -86,19 +85,8 @@ def _check_certificates(scheduler: str) -> None:
     )
 
 
-def _check_workers(client: Any, scheduler: str) -> None:
-    """Wait for a first worker; refuse workers without this version of the package."""
-    import distributed
-
-    try:
-        client.wait_for_workers(1, timeout=NO_WORKER_S)
-    except distributed.TimeoutError:
-        raise _no_worker(scheduler) from None
-    _check_versions(client, None)
-
-
-def _check_versions(client: Any, workers: list[str] | None) -> list[str]:
-    """Refuse workers, all or some, of another version or none; return those that have this one."""
+def _check_versions(client: Any, workers: list[str]) -> list[str]:
+    """Refuse workers of another version or none; return those that have this one."""
     here = worker_version()
     answers = client.run(worker_version, workers=workers, on_error="return")
     for worker, found in answers.items():
@@ -112,17 +100,10 @@ def _check_versions(client: Any, workers: list[str] | None) -> list[str]:
 
 
 def _no_scheduler(scheduler: str, error: Exception) -> ClusterFailed:
+    why = f"{type(error).__name__}: {' '.join(str(error).split())}"
     return ClusterFailed(
-        f"the scheduler at {scheduler} does not answer any more ({type(error).__name__}: {error}); "
-        "start it and its workers again, and call again: a study (a folder) goes on where it was"
-    )
-
-
-def _no_worker(scheduler: str) -> ClusterFailed:
-    return ClusterFailed(
-        f"the cluster at {scheduler} has had no worker for {NO_WORKER_S:g} s; start some with "
-        f"`dask worker {scheduler}`; if one ended by itself, its log says why, "
-        "often another version of Dask"
+        f"the scheduler at {scheduler} does not answer any more ({why}); start it and its workers "
+        "again, and call again: a study (a folder) goes on where it was"
     )
 
 
@@ -139,70 +120,72 @@ def solve_on_cluster(
     """
     with connected(scheduler) as client:
         if pieces is None:
-            share = -(-grid.shapes // (4 * sum(client.nthreads().values())))
+            share = -(-grid.shapes // (4 * max(next(_threads(client, scheduler)), 1)))
             pieces = stretches(grid.shapes, max(1, min(stretch_length(grid), share)))
-        work = _UnderWay(client, scheduler, grid, iter(pieces))
+        left, under_way = iter(pieces), dict[Any, Stretch]()
         try:
-            while work.fill():
-                for stretch, table in work.done():
+            for threads in _threads(client, scheduler):
+                room = max(0, _AHEAD * max(threads, 1) - len(under_way))
+                for stretch in islice(left, room):
+                    future = client.submit(solve_stretch, grid, *stretch, pure=False)
+                    under_way[future] = stretch
+                if not under_way:
+                    return
+                for future in _done(client, list(under_way), scheduler):
+                    table = _result(future, under_way[future], scheduler)
+                    stretch = under_way.pop(future)
                     if progress is not None:
                         progress((stretch[1] - stretch[0]) * len(grid.omega_rad_s))
                     yield stretch, table
         finally:
             with suppress(OSError):  # of a scheduler that is gone, with all that was under way
-                client.cancel(list(work.futures), force=True)
+                client.cancel(list(under_way), force=True)
 
 
-class _UnderWay:
-    """The stretches that the cluster has at the moment, in bounded number."""
-
-    def __init__(self, client: Any, scheduler: str, grid: Grid, pieces: Iterator[Stretch]) -> None:
-        self.client, self.scheduler, self.grid, self.pieces = client, scheduler, grid, pieces
-        self.futures: dict[Any, Stretch] = {}
-        self.ready: queue.Queue[Any] = queue.Queue()
-        self.workers_seen_s = time.monotonic()
-        self.checked: set[str] = set()
-
-    def threads(self) -> int:
-        """Return the threads of the workers there are; one that joined since is checked first."""
+def _threads(client: Any, scheduler: str) -> Iterator[int]:
+    """Yield at every look the threads of the workers there are; a new worker is checked first."""
+    checked, seen_s = set[str](), time.monotonic()
+    while True:
         try:
-            threads = self.client.nthreads()
-            if late := [worker for worker in threads if worker not in self.checked]:
-                self.checked.update(_check_versions(self.client, late))
+            threads = client.nthreads()
+            if new := [worker for worker in threads if worker not in checked]:
+                checked.update(_check_versions(client, new))
         except OSError as error:
-            raise _no_scheduler(self.scheduler, error) from None
-        return sum(threads.values())
-
-    def fill(self) -> bool:
-        """Hand out stretches as the cluster's threads allow; False when nothing is left."""
-        threads = self.threads()
+            raise _no_scheduler(scheduler, error) from None
         if threads:
-            self.workers_seen_s = time.monotonic()
-        elif time.monotonic() - self.workers_seen_s > NO_WORKER_S:
-            raise _no_worker(self.scheduler)
-        while len(self.futures) < _AHEAD * max(threads, 1):
-            stretch = next(self.pieces, None)
-            if stretch is None:
-                break
-            future = self.client.submit(solve_stretch, self.grid, *stretch, pure=False)
-            self.futures[future] = stretch
-            future.add_done_callback(self.ready.put)
-        return bool(self.futures)
+            seen_s = time.monotonic()
+        elif time.monotonic() - seen_s > NO_WORKER_S:
+            raise ClusterFailed(
+                f"the cluster at {scheduler} has had no worker for {NO_WORKER_S:g} s; start some "
+                f"with `dask worker {scheduler}`; if one ended by itself, its log says why, often "
+                "another version of Dask"
+            )
+        yield sum(threads.values())
 
-    def done(self) -> Iterator[tuple[Stretch, Array]]:
-        """Yield what is done within a moment."""
-        import distributed
 
-        with suppress(queue.Empty):
-            future = self.ready.get(timeout=_LOOK_S)
-            try:
-                table = future.result()
-            except distributed.CancelledError as error:
-                raise _no_scheduler(self.scheduler, error) from None
-            except (distributed.KilledWorker, ImportError, OSError) as error:
-                raise ClusterFailed(
-                    f"the cluster at {self.scheduler} lost the work on shapes "
-                    f"{self.futures[future]} for good ({type(error).__name__}: {error}); what its "
-                    "workers and its scheduler logged says why"
-                ) from None
-            yield self.futures.pop(future), table
+def _done(client: Any, futures: list[Any], scheduler: str) -> Iterable[Any]:
+    """Return the futures that are done within a moment."""
+    import distributed
+
+    try:
+        with client.as_current():
+            waited: Any = distributed.wait(futures, _LOOK_S, return_when="FIRST_COMPLETED")
+        return waited.done
+    except distributed.TimeoutError:
+        return ()
+    except distributed.CancelledError as error:
+        raise _no_scheduler(scheduler, error) from None
+
+
+def _result(future: Any, stretch: Stretch, scheduler: str) -> Array:
+    import distributed
+
+    try:
+        return future.result()
+    except distributed.CancelledError as error:
+        raise _no_scheduler(scheduler, error) from None
+    except (distributed.KilledWorker, ImportError, OSError) as error:
+        raise ClusterFailed(
+            f"the cluster at {scheduler} lost the work on shapes {stretch} for good "
+            f"({type(error).__name__}: {error}); what its workers and its scheduler logged says why"
+        ) from None

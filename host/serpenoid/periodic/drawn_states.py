@@ -25,43 +25,35 @@ def drawn_states(robot: Robot, near: Draw, draws: Sequence[Draw]) -> list[Steady
 
     Raises BadInput and NotConverged as `steady_gait` does.
     """
-    found = neighbours(robot, near, draws, rough=False)
     return [
         from_core(robot, *draw, s)
         if s.converged
         else steady_gait(robot, *draw, rtol=_RTOL, powers=False)
-        for draw, s in zip(draws, found, strict=True)
+        for draw, s in zip(draws, neighbours(robot, near, draws), strict=True)
     ]
 
 
 def drawn_speeds(
-    robot: Robot,
-    near: Draw,
-    draws: Sequence[Draw],
-    rough: bool = False,
-    unfound_m_s: float | None = None,
+    robot: Robot, near: Draw, draws: Sequence[Draw], unfound_m_s: float | None = None
 ) -> Array:
     """Return the speeds of draws, m/s, as `drawn_states`.
 
-    rough: mostly to a thousandth or two, at a cliff far worse; for searches alone. unfound_m_s:
-    stands for a state that was not found; None: such a state is solved for alone, or NotConverged.
+    unfound_m_s: stands for a state that was not found; None: such a state is solved for alone, or
+    NotConverged.
     """
-
-    def alone(draw: Draw) -> float:
-        if unfound_m_s is not None:
-            return unfound_m_s
-        return steady_gait(robot, *draw, rtol=_RTOL, powers=False).speed_m_s
-
-    found = neighbours(robot, near, draws, rough)
-    return np.array(
-        [s.speed if s.converged else alone(draw) for draw, s in zip(draws, found, strict=True)]
-    )
+    if unfound_m_s is None:
+        return np.array([state.speed_m_s for state in drawn_states(robot, near, draws)])
+    states = neighbours(robot, near, draws)
+    return np.array([s.speed if s.converged else unfound_m_s for s in states])
 
 
 def neighbours(
-    robot: Robot, near: Draw, draws: Sequence[Draw], rough: bool
+    robot: Robot, near: Draw, draws: Sequence[Draw], rough: bool = False
 ) -> list[_core.SteadyState]:
-    """Return the core's states of draws to 1e-3, also those that did not converge."""
+    """Return the core's states of draws to 1e-3, also those that did not converge.
+
+    rough: speeds mostly to a thousandth or two, at a cliff far worse; for searches alone.
+    """
     for ground, _ in (near, *draws):
         check_ground(ground, _RTOL)
     middle, *models = (core_model(robot, *draw) for draw in (near, *draws))

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..model.checks import check_kind
 from ..model.drives import Servo, ServoKind
-from ..model.errors import BadInput
+from ..model.errors import BadInput, NotConverged
+from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..model.rows import Result, two_digits
-from .grid import FIELDS, Array, Grid, threads_to_use
-from .servo_sweep import servo_grid
+from .grid import AXES, Array, Grid, threads_to_use
+from .servo_steady import band, drawn_servo_speeds, servo_state
+from .steady import steady_gait
+
+_RTOL, _DRAWS = 1e-3, 64  # of gaits with servos: a grid has many
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,35 +140,18 @@ def sweep(
     >>> grid.speed_m_s.shape, bool(grid.converged.all())
     ((2, 1, 1), True)
     """
-    _check_servo(servo, robot, ground)
-    grid = Grid.of(robot, ground, (alpha_rad, beta_rad, omega_rad_s), rtol, powers)
-    table = _solve(grid, threads_to_use(threads), scheduler, progress)
-    single = tuple(k for k, part in enumerate((robot, ground)) if not isinstance(part, Sequence))
-    size = (*grid.size, len(grid.omega_rad_s))
-    values = {n: np.squeeze(v.reshape(size), axis=single) for n, v in grid.named(table).items()}
-    axes = np.array(grid.alpha_rad), np.array(grid.beta_rad), np.array(grid.omega_rad_s)
-    moved = _moved_by(servo, grid, axes, threads_to_use(threads), progress)
-    return Sweep(*axes, *(values[name] for name in FIELDS), *moved)
-
-
-def _check_servo(servo: object, robot: object, ground: object) -> None:
     if servo is not None:
         check_kind("servo", servo, (Servo, ServoKind))
         if isinstance(robot, Sequence) or isinstance(ground, Sequence):
             raise BadInput("servo wants one robot on one ground; sweep them one by one")
-
-
-def _moved_by(
-    servo: Servo | ServoKind | None,
-    grid: Grid,
-    axes: tuple[Array, Array, Array],
-    threads: int,
-    progress: Callable[[int], None] | None,
-) -> tuple[Array, ...]:
-    """Return what a Sweep holds of servos; () without any."""
-    if servo is None:
-        return ()
-    return servo_grid(grid.robots[0], grid.grounds[0], axes, servo, threads, progress)
+    grid = Grid.of(robot, ground, (alpha_rad, beta_rad, omega_rad_s), rtol, powers)
+    count = threads_to_use(threads)
+    table = _solve(grid, count, scheduler, progress)
+    single = tuple(k for k, part in enumerate((robot, ground)) if not isinstance(part, Sequence))
+    size = (*grid.size, len(grid.omega_rad_s))
+    values = [np.squeeze(v.reshape(size), axis=single) for v in grid.named(table).values()]
+    moved = () if servo is None else _with_servo(grid, servo, count, progress)
+    return Sweep(*(np.array(getattr(grid, name)) for name in AXES), *values, *moved)
 
 
 def _solve(
@@ -177,3 +166,40 @@ def _solve(
     for (first, last), part in solve_on_cluster(grid, scheduler, progress=progress):
         table[first:last] = part
     return table
+
+
+def _with_servo(
+    grid: Grid,
+    servo: Servo | ServoKind,
+    threads: int,
+    progress: Callable[[int], None] | None,
+) -> list[Array]:
+    """Return speed of the typical servo, and ends of the band of drawn ones, m/s.
+
+    NaN where the motion with servos does not settle. An exact servo's band is its spread over the
+    frames' phase.
+    """
+    (robot,), (ground,) = grid.robots, grid.grounds
+    alone = isinstance(servo, Servo)
+    typical = servo if alone else servo.servo
+    drawn = [] if alone or servo.exact else servo.draws(_DRAWS)
+
+    def of(shape: tuple[float, float, float]) -> tuple[float, float, float]:
+        try:
+            ideal = steady_gait(robot, ground, Gait(*shape), rtol=_RTOL, powers=False)
+        except NotConverged:
+            return np.nan, np.nan, np.nan
+        state = servo_state(ideal, typical)
+        speed = state.speed if state.converged else np.nan
+        if not drawn:
+            return speed, max(speed - state.spread, 0.0), speed + state.spread
+        return speed, *band(drawn_servo_speeds([ideal] * _DRAWS, drawn, threads=1))
+
+    found = []
+    with ThreadPoolExecutor(threads) as pool:
+        for three in pool.map(of, product(*(getattr(grid, name) for name in AXES))):
+            found.append(three)
+            if progress is not None:
+                progress(1)
+    size = tuple(len(getattr(grid, name)) for name in AXES)
+    return [np.reshape(column, size) for column in zip(*found, strict=True)]
