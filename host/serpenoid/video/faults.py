@@ -107,6 +107,20 @@ def _side_px(watched: Watched) -> float:
     return float(np.nanmedian(watched.sightings.side_px))
 
 
+def widened(watched: Watched, measured: Measured) -> Array:
+    """Return the standard deviations of a film's numbers, wider for blur and a camera that moved.
+
+    A floor that moves by s halfway through a film of length T changes a line's slope by 1.5 s / T.
+    """
+    camera, span_s = measured.bundle.camera, float(np.ptp(measured.track.t_s))
+    drift_m_s = 1.5 * _moved(watched) * camera.side_m / span_s
+    speed_m_s = max(measured.fitted.motion.speed_m_s, 1e-9)
+    sigmas = blurred(watched) * measured.sigmas
+    drifts = drift_m_s / np.array([speed_m_s, 1.0, camera.links * camera.link_m])
+    sigmas[-3:] = np.hypot(sigmas[-3:], drifts)  # direction, speed, turn
+    return sigmas
+
+
 def _moved(watched: Watched) -> float:
     """Return by how much the floor surely moved, in sides of a tag."""
     shifts = () if watched.plain_floor else watched.shifts

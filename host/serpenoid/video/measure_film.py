@@ -12,7 +12,7 @@ import numpy as np
 from ..model.checks import check_number, sha256_of
 from ..model.errors import BadInput
 from ..model.gait import Gait
-from .faults import MOTION, ORDER, SEEN, bent_remarks, bent_tags, blurred, judged, view_remarks
+from .faults import MOTION, ORDER, SEEN, bent_remarks, bent_tags, judged, view_remarks, widened
 from .fitting.camera import Camera
 from .fitting.start import first_cameras, tag_poses
 from .instrument import Measured, measure
@@ -51,8 +51,27 @@ def measure_film(
     film, or one that cannot be measured; the message says why and what to do.
     """
     film = seen_film(path, links, link_m, side_m, progress)
-    with refusals(film.watched):
-        return _measurement(film, gait, board_rate)
+    watched, side, starts = film.watched, film.side_m, film.starts
+    with refusals(watched):
+        sightings = watched.sightings
+        measured = measure(sightings, side, starts)
+        bent = bent_tags(measured.track)
+        if bent.any():
+            sightings = sightings.without(bent)
+            measured = measure(sightings, side, starts)
+        scale = 1.0
+        if board_rate and gait is not None:
+            scale = measured.fitted.motion.omega_rad_s / gait.omega_rad_s
+            t_s = sightings.t_s[0] + (sightings.t_s - sightings.t_s[0]) * scale
+            there = Sightings.of(t_s, sightings.corners_px, sightings.image_px)
+            measured = measure(there, side, starts)
+        measured = replace(measured, sigmas=widened(watched, measured))
+        remarks = judged(MOTION, measured)
+        remarks += view_remarks(watched, measured.bundle.camera, side)
+        remarks += bent_remarks(bent)
+        run = filmed_run(watched, measured, sha256_of(watched.film.path), scale, remarks)
+        run = replace(run, remarks=(*run.remarks, *judge(run, gait)))
+        return FilmMeasurement(run, watched, measured, gait)
 
 
 @dataclass(frozen=True)
@@ -98,27 +117,3 @@ def seen_film(
         starts = first_cameras(watched.sightings, link_m, side)
         judged(ORDER, tag_poses(starts[0], watched.sightings)[0])
     return SeenFilm(watched, side, starts)
-
-
-def _measurement(film: SeenFilm, gait: Gait | None, board_rate: bool) -> FilmMeasurement:
-    """Measure and tell."""
-    watched, side, starts = film.watched, film.side_m, film.starts
-    sightings = watched.sightings
-    measured = measure(sightings, side, starts)
-    bent = bent_tags(measured.track)
-    if bent.any():
-        sightings = sightings.without(bent)
-        measured = measure(sightings, side, starts)
-    scale = 1.0
-    if board_rate and gait is not None:
-        scale = measured.fitted.motion.omega_rad_s / gait.omega_rad_s
-        t_s = sightings.t_s[0] + (sightings.t_s - sightings.t_s[0]) * scale
-        there = Sightings.of(t_s, sightings.corners_px, sightings.image_px)
-        measured = measure(there, side, starts)
-    measured = replace(measured, sigmas=blurred(watched) * measured.sigmas)
-    remarks = judged(MOTION, measured)
-    remarks += view_remarks(watched, measured.bundle.camera, side)
-    remarks += bent_remarks(bent)
-    run = filmed_run(watched, measured, sha256_of(watched.film.path), scale, remarks)
-    run = replace(run, remarks=(*run.remarks, *judge(run, gait)))
-    return FilmMeasurement(run, watched, measured, gait)

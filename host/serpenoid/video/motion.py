@@ -260,8 +260,6 @@ def correlation_factor(rest: Array) -> float:
     if rho[0] <= 0:
         return 1.0
     rho = rho / rho[0]
-    total, k = 0.0, 1
-    while k + 1 < n // 2 and rho[k] + rho[k + 1] > 0:
-        total += rho[k] + rho[k + 1]
-        k += 2
-    return 1.0 + 2 * max(total, rho[1] if n > 2 and rho[1] > 0 else 0.0)
+    pairs = rho[1 : n // 2 - 1 : 2] + rho[2 : n // 2 : 2]
+    above = np.logical_and.accumulate(pairs > 0)
+    return 1.0 + 2 * max(float(pairs[above].sum()), rho[1] if n > 2 else 0.0, 0.0)

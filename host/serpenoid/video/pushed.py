@@ -17,7 +17,7 @@ from .fitting.bundle import Bundle
 from .fitting.camera import LENS, Camera
 from .fitting.chain import filled_headings, joint_angles
 from .instrument import EXPECTED_SIGMA_RAD, calibrate
-from .measure_film import SeenFilm, refusals, seen_film
+from .measure_film import refusals, seen_film
 from .result import Remark
 from .seeing.sightings import Sightings
 from .unseen import KNOWN_RAD
@@ -73,16 +73,12 @@ def track_pushes(
     """
     film = seen_film(path, links, link_m, side_m, progress)
     with refusals(film.watched):
-        return _followed(film)
-
-
-def _followed(film: SeenFilm) -> PushedRobot:
-    fit, track = _tracked(film.watched.sightings, film.side_m, film.starts)
-    known = track.place_variance < PLACE_M**2
-    rows = np.column_stack([track.t_s, track.states[:, :2]])[known]
-    if len(rows) < 2:
-        raise BadInput("no frame shows where the robot is; are the tags hidden?")
-    remarks = view_remarks(film.watched, fit.camera, film.side_m)
+        fit, track = _tracked(film.watched.sightings, film.side_m, film.starts)
+        known = track.place_variance < PLACE_M**2
+        rows = np.column_stack([track.t_s, track.states[:, :2]])[known]
+        if len(rows) < 2:
+            raise BadInput("no frame shows where the robot is; are the tags hidden?")
+        remarks = view_remarks(film.watched, fit.camera, film.side_m)
     # Joints that do not move tell the link length only as well as tags lie on the links: all
     # lengths are known as the tags' printed side is.
     side = LENS.index("log_side")
@@ -105,18 +101,13 @@ def _tracked(s: Sightings, side_m: float, starts: list[Camera]) -> tuple[Bundle,
 
 def still_joints(phi: Array, seen: NDArray[np.bool_]) -> Array:
     """Return the angles at which joints are held, (joints,), rad. Raises BadInput: they move."""
-    both = seen[:, 1:] & seen[:, :-1]
-    held = np.zeros(phi.shape[1])
-    for i in range(phi.shape[1]):
-        angle = phi[both[:, i], i]
-        if not len(angle):
-            continue
-        held[i] = np.median(angle)
-        moves = 1.4826 * float(np.median(np.abs(angle - held[i])))
-        if moves > STILL_RAD:
-            raise BadInput(
-                f"joint {i + 1} moves by {math.degrees(moves):.0f}° in this film: a push needs "
-                "joints that hold still, and one bend a film; a crawl is measured by `serpenoid "
-                "video FILE`"
-            )
+    angle = np.ma.array(phi, mask=~(seen[:, 1:] & seen[:, :-1]))
+    held = np.ma.filled(np.ma.median(angle, axis=0), 0.0)
+    moves = 1.4826 * np.ma.filled(np.ma.median(abs(angle - held), axis=0), 0.0)
+    for i in np.flatnonzero(moves > STILL_RAD):
+        raise BadInput(
+            f"joint {i + 1} moves by {math.degrees(moves[i]):.0f}° in this film: a push needs "
+            "joints that hold still, and one bend a film; a crawl is measured by `serpenoid "
+            "video FILE`"
+        )
     return held

@@ -94,13 +94,9 @@ class Film:
         self.rng = np.random.default_rng(self.seed)
         self.eye, self.directions = self.lens.rays()
         self.floor = self._floor()
-        side = max(8, 6)
         words = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
         ids = self.body.ids or tuple(range(self.body.links))
-        self.bits = [
-            np.pad(words.generateImageMarker(i, 6), (side - 6) // 2, constant_values=255)
-            for i in ids
-        ]
+        self.bits = [np.pad(words.generateImageMarker(i, 6), 1, constant_values=255) for i in ids]
         self.grain = [
             self.rng.normal(0, self.lens.noise, (self.lens.height, self.lens.width)).astype(
                 np.float32
@@ -132,32 +128,29 @@ class Film:
         for i in range(self.body.links):
             self._link(image, i, t_s)
         if self.glare is not None:
-            image += self._shine()
+            image += self._shine(self.glare)
         image += np.roll(self.grain[self.rng.integers(3)], self.rng.integers(997))
         return np.clip(image, 0, 255).astype(np.uint8)
 
-    def _shine(self) -> np.ndarray:
+    def _shine(self, lamp: Glare) -> np.ndarray:
         if "shine" not in self._cache:
             d = self.directions
             t = (self.body.height_m - self.eye[2]) / np.minimum(d[..., 2], -1e-3)
             x, y = self.eye[0] + t * d[..., 0], self.eye[1] + t * d[..., 1]
-            g = self.glare
-            assert g is not None
-            far = np.hypot(x - g.centre_m[0], y - g.centre_m[1]) / g.radius_m
-            self._cache["shine"] = (g.strength * np.exp(-(far**4))).astype(np.float32)
+            far = np.hypot(x - lamp.centre_m[0], y - lamp.centre_m[1]) / lamp.radius_m
+            self._cache["shine"] = (lamp.strength * np.exp(-(far**4))).astype(np.float32)
         return self._cache["shine"]
 
     def _box(self, i: int, t_s: float) -> tuple[slice, slice] | None:
         """Return the pixels that a link can touch during the exposure."""
-        key = "grid"
-        if key not in self._cache:
+        if "grid" not in self._cache:
             d = self.directions[::4, ::4]
             t = (self.body.height_m - self.eye[2]) / np.minimum(d[..., 2], -1e-3)
-            self._cache[key] = self.eye[:2] + t[..., None] * d[..., :2]
+            self._cache["grid"] = self.eye[:2] + t[..., None] * d[..., :2]
         b = self.body
         centres, theta = self.pose(t_s)
         later, turned = self.pose(t_s + self.lens.rolling_s + self.lens.exposure_s)
-        x, y = np.moveaxis(self._cache[key] - centres[i], -1, 0)
+        x, y = np.moveaxis(self._cache["grid"] - centres[i], -1, 0)
         along, across = np.cos(theta[i]), np.sin(theta[i])
         more = 0.012 + np.linalg.norm(later[i] - centres[i])
         more += 0.5 * b.link_m * abs(turned[i] - theta[i])

@@ -8,22 +8,17 @@ import tracemalloc
 import numpy as np
 import pytest
 from serpenoid.video.fitting.start import first_cameras
-from serpenoid.video.instrument import Measured, measure
-from serpenoid.video.seeing.sightings import Sightings
+from serpenoid.video.instrument import measure
 from video.filming import Lens
 from video.sighted import sighted
-from video.worlds import LINK_M, SIDE_M, World, crawling
-
-
-def filmed(seconds: float) -> tuple[Sightings, Measured, World]:
-    world = crawling(omega_rad_s=4.0, speed_m_s=0.2 / seconds, start_m=-0.1)
-    s = sighted(world, np.arange(0, seconds, 1 / 30), Lens())
-    return s, measure(s, SIDE_M, first_cameras(s, LINK_M, SIDE_M)), world
+from video.worlds import LINK_M, SIDE_M, crawling
 
 
 @pytest.mark.parametrize("seconds", [21, pytest.param(1200, marks=pytest.mark.slow)])
 def test_a_long_film_is_measured_as_a_short_one(seconds) -> None:
-    _, found, world = filmed(seconds)
+    world = crawling(omega_rad_s=4.0, speed_m_s=0.2 / seconds, start_m=-0.1)
+    s = sighted(world, np.arange(0, seconds, 1 / 30), Lens())
+    found = measure(s, SIDE_M, first_cameras(s, LINK_M, SIDE_M))
     m, joints = found.fitted.motion, world.links - 1
     assert m.omega_rad_s == pytest.approx(world.omega_rad_s, abs=5 * found.sigmas[0])
     assert found.sigmas[0] < 1e-3 * world.omega_rad_s / seconds

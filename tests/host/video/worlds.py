@@ -31,12 +31,16 @@ def crawling(
     alpha_deg: float = 45.0,
     omega_rad_s: float = 4.0,
     start_m: float = -0.11,
+    plugs: tuple[int, ...] = (),
 ) -> World:
-    """Return a robot whose joints, path and turn are known exactly; no joint is perfect."""
+    """Return a robot whose joints, path and turn are known exactly; no joint is perfect.
+
+    plugs: the place in the wave of each joint's servo; in order unless given.
+    """
     rng = np.random.default_rng(seed)
     joints = links - 1
     amplitude = np.radians(alpha_deg) * (1 + 0.03 * rng.normal(size=joints))
-    phase = np.radians(80) * np.arange(joints) + 0.04 * rng.normal(size=joints)
+    phase = np.radians(80) * np.array(plugs or range(joints)) + 0.04 * rng.normal(size=joints)
     offset = np.radians(1.5) * rng.normal(size=joints)
     turn, way = np.radians(1.2), 0.15
 
@@ -74,3 +78,23 @@ def shoot(
         times_s = times_s + 0.03 / rate_hz * rng.normal(size=len(times_s))
     camera = Film(lens or Lens(), body or Body(world.links), world.pose, seed=seed, **film)
     return write(path, [camera.frame(t) for t in times_s], times_s - times_s[0], codec, crf)
+
+
+def errors(run, world: World) -> dict[str, np.ndarray]:
+    """Return the errors of a run's numbers, and these over their sigmas, (2, ...) each."""
+    rows = [(j.amplitude_rad, j.amplitude_sigma_rad, j.phase_rad) for j in run.joints]
+    amplitude, amplitude_sigma, phase = np.array(rows).T
+    late = np.exp(1j * (phase - world.phase_rad + world.phase_rad[0]))
+    off = {
+        "speed": (run.speed_m_s - world.speed_m_s, run.speed_sigma_m_s),
+        "rate": (run.omega_rad_s - world.omega_rad_s, run.omega_sigma_rad_s),
+        "turn": (run.turn_rad_s - world.turn_rad_s, run.turn_sigma_rad_s),
+        "amplitude": (amplitude - world.amplitude_rad, amplitude_sigma),
+        "phase": (np.angle(late)[1:], np.array([j.phase_sigma_rad for j in run.joints[1:]])),
+    }
+    return {name: np.array([error, error / sigma]) for name, (error, sigma) in off.items()}
+
+
+def most_sigmas(off: dict[str, np.ndarray]) -> float:
+    """Return the largest of all errors, in sigmas."""
+    return max(float(np.abs(over).max()) for _, over in off.values())

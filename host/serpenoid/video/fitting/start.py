@@ -89,16 +89,12 @@ def quarter_turns(centres: Array, headings: Array) -> Array:
 
     A link points from the tag before it to the tag after it, in the mean over the film.
     """
-    n = headings.shape[1]
-    turns = np.zeros(n)
-    for i in range(n):
-        along = centres[:, min(i + 1, n - 1)] - centres[:, max(i - 1, 0)]
-        apart = np.arctan2(along[:, 1], along[:, 0]) - headings[:, i]
-        apart = apart[np.isfinite(apart)]
-        if len(apart):
-            mean = np.angle(np.exp(1j * apart).mean())
-            turns[i] = -np.round(mean / (np.pi / 2)) * np.pi / 2
-    return turns
+    first, last = centres[:, :1], centres[:, -1:]
+    after, before = np.hstack([centres[:, 1:], last]), np.hstack([first, centres[:, :-1]])
+    along = after - before
+    apart = np.exp(1j * (np.arctan2(along[..., 1], along[..., 0]) - headings))
+    mean = np.angle(np.nan_to_num(apart).sum(axis=0))
+    return -np.round(mean / (np.pi / 2)) * np.pi / 2
 
 
 def first_states(camera: Camera, sightings: Sightings, turns: Array) -> Array:

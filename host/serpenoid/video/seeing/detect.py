@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import Any
 
 import numpy as np
@@ -34,18 +35,16 @@ class TagFinder:
     """Find tags frame by frame; remembers where they were."""
 
     def __init__(self, links: int) -> None:
-        import cv2
-
         self.links = links
         self.window: tuple[int, int, int, int] | None = None
         self.side_px = 0.0
         self.patience = 0
-        self.strangers: dict[int, int] = {}  # numbers that are on no link, and how often
-        self.doubles: dict[int, int] = {}  # numbers seen at two places at once, and how often
-        self._cv2 = cv2
+        self.strangers: Counter[int] = Counter()  # numbers that are on no link, and how often
+        self.doubles: Counter[int] = Counter()  # numbers seen at two places at once, and how often
 
     def _detector(self, side_px: float) -> Any:
-        cv2 = self._cv2
+        import cv2
+
         p = cv2.aruco.DetectorParameters()
         p.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_CONTOUR
         p.minMarkerPerimeterRate = 0.01
@@ -80,14 +79,14 @@ class TagFinder:
         corners, edges = refine(part, np.array([q.reshape(4, 2) for q in corners], float))
         for number, quad, edge_px in zip(ids.ravel().tolist(), corners, edges, strict=True):
             if number >= self.links:
-                self.strangers[number] = self.strangers.get(number, 0) + 1
+                self.strangers[number] += 1
                 continue
             tag = np.add(quad, [left, top]), float(edge_px)
             if number in found and _apart(found[number][0], tag[0]):
                 double.add(number)
             found[number] = tag
         for number in double:  # which of them is the robot's?
-            self.doubles[number] = self.doubles.get(number, 0) + 1
+            self.doubles[number] += 1
             del found[number]
         return found
 
@@ -100,10 +99,6 @@ class TagFinder:
         self.side_px = float(np.median([np.linalg.norm(q[1] - q[0]) for q, _ in found.values()]))
         # Links that were not seen may be on either side: room for all of them.
         room = self.side_px * (MARGIN_SIDES + 2.5 * (self.links - len(found)))
-        low, high = points.min(axis=0) - room, points.max(axis=0) + room
-        self.window = (
-            max(0, int(low[0])),
-            max(0, int(low[1])),
-            min(shape[1], int(high[0]) + 1),
-            min(shape[0], int(high[1]) + 1),
-        )
+        ends = points.min(axis=0) - room, points.max(axis=0) + room + 1
+        left, top, right, bottom = np.clip(ends, 0, shape[::-1]).astype(int).ravel().tolist()
+        self.window = left, top, right, bottom
