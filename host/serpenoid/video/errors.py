@@ -12,16 +12,18 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from .fitting.bundle import Bundle
+from .fitting.bundle import READOUT, Bundle
 from .fitting.chain import wrapped
 from .fitting.frames import Track
 from .motion import Fitted, basis, fit_motion, mean_variance, path_basis, sine_covariance
+from .seeing.sightings import Sightings
 
 Array = NDArray[np.float64]
 # Below these no phone was ever held against a rule: the lens is not the two terms of the model.
 STEP = 0.3  # of a standard deviation: the differences by which the camera's doubt is carried on
 FLOOR_SPEED, FLOOR_ANGLE_RAD, FLOOR_TURN_RAD_S = 1.5e-4, np.radians(0.03), np.radians(0.003)
 LATE = 0.02  # share of the readout's phase that rows along the travel leave (rendered films)
+LATE_SPEED = 0.2  # and of what the readout does to the speed of a robot that goes along the rows
 FLOOR_OFFSET_RAD = np.radians(0.01)  # a centre is a mean: it has no share of what moves
 # A codec draws each picture on the one before, and takes a little of the motion: amplitudes come
 # out low (rendered films coded at crf 20; not coded at crf 1). By .07 % for tags of 28 px, .14 % of
@@ -33,31 +35,30 @@ FLOOR_AMPLITUDE, FLOOR_AMPLITUDE_RAD, CODED_PX = 6e-4, np.radians(0.02), 28.0
 def number_sigmas(
     bundle: Bundle,
     fitted: Fitted,
+    seen: Sightings,
     some: Track,
     picked: NDArray[np.int64],
-    side_px: float,
-    late_rad: Array,
     held: Array,
     rate_sigma: float | None = None,
 ) -> Array:
     """Return the standard deviations of `Motion.numbers`, in their order.
 
-    some: the track in the frames `picked`, with how it follows the camera's unknowns. side_px: of a
-    tag. late_rad: each joint's part of the readout, as a phase; to first order it is allowed for.
-    held: share of the frames that tell a joint. rate_sigma: of the rate, rad/s, where joints were
-    assumed; theirs else.
+    some: the track in the frames `picked`, with how it follows the camera's unknowns. held: share
+    of the frames that tell a joint. rate_sigma: of the rate, rad/s, where joints were assumed;
+    theirs else.
     """
     pixels = _of_pixels(fitted)
     if rate_sigma is not None:
         pixels[0] = rate_sigma
     amplitude = fitted.motion.amplitude_rad
     count = len(amplitude)
+    late_rad, swept = _late(bundle, fitted, seen, some)
     swings, apart = slice(1, count + 1), slice(count + 1, 2 * count)
     floor = np.full(len(pixels), FLOOR_ANGLE_RAD)
     floor[0], floor[-1] = 0.0, FLOOR_TURN_RAD_S
-    floor[-2] = FLOOR_SPEED * fitted.motion.speed_m_s
+    floor[-2] = np.hypot(FLOOR_SPEED, LATE_SPEED * swept) * fitted.motion.speed_m_s
     floor[2 * count : -3] = FLOOR_OFFSET_RAD
-    coded = max(1.0, (CODED_PX / side_px) ** 2)
+    coded = max(1.0, (CODED_PX / float(np.nanmedian(seen.side_px))) ** 2)
     floor[swings] = coded * np.hypot(FLOOR_AMPLITUDE_RAD, FLOOR_AMPLITUDE * amplitude)
     camera = _of_camera(bundle, some, fitted, picked)
     sigmas = np.sqrt(pixels**2 + camera**2 + floor**2)
@@ -67,6 +68,18 @@ def number_sigmas(
     sigmas[swings] /= np.maximum(held, 0.1)
     sigmas[apart] /= np.maximum(np.minimum(held[1:], held[0]), 0.1)
     return sigmas
+
+
+def _late(bundle: Bundle, fitted: Fitted, seen: Sightings, some: Track) -> tuple[Array, float]:
+    """Return what a slow readout does, which to first order is allowed for.
+
+    Each joint's part of it, as a phase; and the share of the speed that it takes off or adds.
+    """
+    readout_s, height = bundle.camera.shared[READOUT], seen.image_px[1]
+    rows = np.ma.masked_invalid(seen.corners_px[..., 1]).mean(axis=(0, 2)) / height - 0.5
+    late = readout_s * fitted.motion.omega_rad_s * 0.5 * (rows[1:] + rows[:-1])
+    first, last = bundle.camera.plane_px(some.states[[0, -1], :2])[:, 1] / height
+    return np.ma.filled(late, 0.0), readout_s * (last - first) / np.ptp(some.t_s)
 
 
 def _of_pixels(fitted: Fitted) -> Array:

@@ -95,14 +95,8 @@ def measure(sightings: Sightings, side_m: float, starts: list[Camera]) -> Measur
     few = seen.picked(some), track.states[some], loose_rad
     sensitive = frames.fit_states(fit.camera, *few, fit.noise_px, sensitive=True)
     rate_sigma = None if rate is None else rate[1]
-    side_px = float(np.nanmedian(seen.side_px))
     held = _weights(track)[0] > 0
-    rows = np.ma.masked_invalid(seen.corners_px[..., 1]).mean(axis=(0, 2)) / seen.image_px[1] - 0.5
-    sweep = fitted.motion.omega_rad_s * fit.camera.shared[bundles.READOUT]
-    late = np.ma.filled(sweep * 0.5 * (rows[1:] + rows[:-1]), 0.0)
-    sigmas = errors.number_sigmas(
-        fit, fitted, sensitive, some, side_px, late, held.mean(axis=0), rate_sigma
-    )
+    sigmas = errors.number_sigmas(fit, fitted, seen, sensitive, some, held.mean(axis=0), rate_sigma)
     return Measured(fit, track, fitted, sigmas, held, assumed)
 
 

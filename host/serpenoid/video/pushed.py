@@ -13,13 +13,11 @@ from numpy.typing import NDArray
 from ..model.errors import BadInput
 from .faults import view_remarks
 from .fitting import frames, start
-from .fitting.bundle import Bundle
-from .fitting.camera import LENS, Camera
+from .fitting.camera import LENS
 from .fitting.chain import filled_headings, joint_angles
 from .instrument import EXPECTED_SIGMA_RAD, calibrate
 from .measure_film import refusals, seen_film
 from .result import Remark
-from .seeing.sightings import Sightings
 from .unseen import KNOWN_RAD
 
 Array = NDArray[np.float64]
@@ -73,7 +71,15 @@ def track_pushes(
     """
     film = seen_film(path, links, link_m, side_m, progress)
     with refusals(film.watched):
-        fit, track = _tracked(film.watched.sightings, film.side_m, film.starts)
+        s = film.watched.sightings
+        fit, turns = calibrate(s, film.side_m, film.starts, still=True)
+        seen = s.picked(s.seen.sum(axis=1) >= 2)  # with two links the robot's place is known
+        expected = start.first_states(fit.camera, seen, turns)
+        track = frames.fit_states(fit.camera, seen, expected, EXPECTED_SIGMA_RAD, fit.noise_px)
+        # A hidden link stands to its neighbours as it always does.
+        phi = still_joints(joint_angles(track.states), seen.seen)
+        expected = filled_headings(track.states, seen.seen, phi)
+        track = frames.fit_states(fit.camera, seen, expected, KNOWN_RAD, fit.noise_px)
         known = track.place_variance < PLACE_M**2
         rows = np.column_stack([track.t_s, track.states[:, :2]])[known]
         if len(rows) < 2:
@@ -83,20 +89,6 @@ def track_pushes(
     # lengths are known as the tags' printed side is.
     side = LENS.index("log_side")
     return PushedRobot(rows, float(np.sqrt(fit.covariance[side, side])), tuple(remarks))
-
-
-def _tracked(s: Sightings, side_m: float, starts: list[Camera]) -> tuple[Bundle, frames.Track]:
-    """Fit the camera, then every frame; a hidden link stands to its neighbours as it always does.
-
-    With two links or more in sight the place of the whole robot is known.
-    """
-    fit, turns = calibrate(s, side_m, starts, still=True)
-    seen = s.picked(s.seen.sum(axis=1) >= 2)
-    expected = start.first_states(fit.camera, seen, turns)
-    track = frames.fit_states(fit.camera, seen, expected, EXPECTED_SIGMA_RAD, fit.noise_px)
-    phi = still_joints(joint_angles(track.states), seen.seen)
-    expected = filled_headings(track.states, seen.seen, phi)
-    return fit, frames.fit_states(fit.camera, seen, expected, KNOWN_RAD, fit.noise_px)
 
 
 def still_joints(phi: Array, seen: NDArray[np.bool_]) -> Array:

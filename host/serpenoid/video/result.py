@@ -135,7 +135,7 @@ def _camera(measured: Measured) -> dict[str, Any]:
     camera = measured.bundle.camera
     lens = camera.shared
     return {
-        "focal_px": float(camera.scale_px * np.exp(lens[0])),
+        "focal_px": camera.focal_px,
         "k1": float(lens[1]),
         "k2": float(lens[2]),
         "tilt_rad": float(np.hypot(lens[5], lens[6])),

@@ -34,13 +34,15 @@ def _explained(ran: Ran) -> tuple[list[int], list[int], float]:
 
 
 def _off_centre(ran: Ran) -> list[str]:
-    """Return the words on each joint that does not swing about its centre."""
+    """Return the words on each joint that does not swing about the commanded bend, or else 0."""
+    run, gait = ran
+    meant = gait.offset_rad if gait else 0.0
     return [
         f"joint {joint.joint} swings about {math.degrees(off):+.1f}° ± "
         f"{math.degrees(joint.offset_sigma_rad):.1f}° off its centre: move its trim by "
         f"{math.degrees(-off):+.1f}°"
-        for joint, off in zip(ran[0].joints, centre_errors(*ran), strict=True)
-        if abs(off) > max(CENTRE_RAD, 2 * joint.offset_sigma_rad)
+        for joint in run.joints
+        if abs(off := joint.offset_rad - meant) > max(CENTRE_RAD, 2 * joint.offset_sigma_rad)
     ]
 
 
@@ -100,12 +102,6 @@ RUN: tuple[Check[Ran], ...] = (
     ),
     Check("rate", _rate_off, _rate_words, 1.0),
 )
-
-
-def centre_errors(run: FilmedRun, gait: Gait | None) -> list[float]:
-    """Return how far each joint's centre is off, rad: from the commanded bend, or else from 0."""
-    meant = gait.offset_rad if gait else 0.0
-    return [joint.offset_rad - meant for joint in run.joints]
 
 
 def measured_gait(run: FilmedRun, gait: Gait | None) -> Gait:

@@ -56,6 +56,11 @@ class Camera:
         """Return the image's longer side, px."""
         return float(max(self.image_px))
 
+    @property
+    def focal_px(self) -> float:
+        """Return the focal length, px."""
+        return self.scale_px * float(np.exp(self.shared[0]))
+
     def with_turns(self, turns: Array) -> Camera:
         """Return the camera with every tag turned on its link, (links,) rad."""
         shared = self.shared.copy()
@@ -109,8 +114,7 @@ class Camera:
         import cv2
 
         turn, distance = self.pose
-        focal = self.scale_px * np.exp(self.shared[0])
-        matrix = np.diag([focal, focal, 1.0])
+        matrix = np.diag([self.focal_px, self.focal_px, 1.0])
         matrix[:2, 2] = self._middle_px
         pixels, slopes = cv2.projectPoints(
             world.reshape(-1, 3) * LOOKING_DOWN,
@@ -141,7 +145,7 @@ class Camera:
     def on_plane(self, pixels: Array) -> Array:
         """Return where pixels (..., 2) meet the plane of the tags, (..., 2), m."""
         k1, k2 = self.shared[1:3]
-        d = (pixels - self._middle_px) / (self.scale_px * np.exp(self.shared[0]))
+        d = (pixels - self._middle_px) / self.focal_px
         q = d
         for _ in range(8):  # the distortion undone: a fixed point
             r2 = np.sum(q * q, axis=-1, keepdims=True)
@@ -176,7 +180,7 @@ class Camera:
         across += same * (x * left - y * ahead)[..., None]
         by_state = np.concatenate([by_x[..., None], by_y[..., None], across], axis=-1)
         of_links = (same[..., None] * mounting[..., None, :]).reshape(*by_x.shape, -1)
-        focal = self.scale_px * np.exp(self.shared[0]) * slopes[..., 6:8].sum(axis=-1)
+        focal = self.focal_px * slopes[..., 6:8].sum(axis=-1)
         lens = [
             focal[..., None],
             slopes[..., 10:12],

@@ -95,10 +95,10 @@ class TagFinder:
         if not found:
             self.window = None
             return
-        points = np.concatenate([q for q, _ in found.values()])
-        self.side_px = float(np.median([np.linalg.norm(q[1] - q[0]) for q, _ in found.values()]))
+        quads = np.array([quad for quad, _ in found.values()])
+        self.side_px = float(np.median(np.linalg.norm(quads[:, 1] - quads[:, 0], axis=1)))
         # Links that were not seen may be on either side: room for all of them.
         room = self.side_px * (MARGIN_SIDES + 2.5 * (self.links - len(found)))
-        ends = points.min(axis=0) - room, points.max(axis=0) + room + 1
+        ends = quads.min(axis=(0, 1)) - room, quads.max(axis=(0, 1)) + room + 1
         left, top, right, bottom = np.clip(ends, 0, shape[::-1]).astype(int).ravel().tolist()
         self.window = left, top, right, bottom
