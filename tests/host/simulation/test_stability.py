@@ -35,6 +35,16 @@ def test_the_refusal_and_the_limit_name_the_same_step() -> None:
     sn.simulate(replace(scene, dt_s=0.999 * limit_s))
 
 
+def test_the_quiet_failure_of_rk4_is_refused() -> None:
+    """The limit at 1 ms is 0.78e6 N/m for m = 1 kg; above it a run may stay finite and be wrong."""
+    springs = {"formulation": "implicit", "duration_s": 0.02, "start": "link1_at_rest"}
+    scene = sn.Scene(SIX, sn.Ground(0.1, 10.0), GAIT, joint_stiffness_n_m=7e5, **springs)
+    sn.simulate(scene)
+    for k in (9e5, 2.2e6, 1e8):
+        with pytest.raises(sn.StepTooLarge, match="dt_s is 0.001; method rk4 is stable up to"):
+            sn.simulate(replace(scene, joint_stiffness_n_m=k))
+
+
 def test_a_cycle_that_begins_elsewhere_has_the_same_limit() -> None:
     """Of a robot that is straight at phase 0, or a zigzag; a small inertia makes bends count."""
     robot, gait = sn.Robot(6, 1.0, 0.12, 1e-4), sn.Gait(1.2, math.pi, 5.0)
