@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import os
+import signal
+import threading
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -44,6 +46,23 @@ def test_a_child_that_sleeps_is_stopped() -> None:
         assert child(5.0, abs, 0) == 0  # it is up
         with pytest.raises(Overran, match="on the wall"):
             child(0.01, time.sleep, 60)
+
+
+def test_a_child_leaves_ctrl_c_to_who_started_it_and_starts_in_any_thread() -> None:
+    before = signal.getsignal(signal.SIGINT)
+    answers: list[bool] = []
+
+    def work() -> None:
+        with Limited() as child:
+            pid = child(20.0, os.getpid)
+            os.kill(pid, signal.SIGINT)
+            answers.append(child(20.0, os.getpid) == pid)
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert answers == [True]
+    assert signal.getsignal(signal.SIGINT) is before
 
 
 def test_ratios_are_of_the_best_on_either_side() -> None:

@@ -1,32 +1,83 @@
-"""The benchmark's hand-written equations agree with the dense ones, its solvers with the core."""
+"""The peers' equations and solvers agree with the dense ones and the core; ratchet wheels, too."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
-
-pytest.importorskip("numba", reason="an optional peer: pip install 'serpenoid[bench]'")
-
 import serpenoid as sn
-from serpenoid.bench.peers import numba_equations
-from serpenoid.bench.problems import problems
+from scipy.integrate import solve_ivp
+from serpenoid.bench.accuracy.contenders import OWN, contenders
+from serpenoid.bench.problems import Problem, problems
 from simulation.truth_cases import rate_of
 
+PEER = "an optional peer: pip install 'serpenoid[bench]'"
+GROUNDS = {
+    "viscous": sn.Ground(ct=(0.1, 2.0), cn=10.0),
+    "dry": sn.Ground(ct=(0.1, 2.0), cn=10.0, ft0=(0.02, 0.3), fn0=0.1),
+    "held backwards": sn.Ground(ct=0.1, cn=10.0, ft0=(0.0, 0.3)),
+}
 
-@pytest.mark.parametrize("problem", problems(), ids=lambda p: p.name)
-def test_numba_and_dense_rates_agree(problem):
-    y = problem.first + 0.01
-    compiled = numba_equations.rate_array(
-        problem.implicit, 0.37, y, numba_equations.parameters(problem)
+
+def ratchet(name: str, ground: str = "viscous") -> Problem:
+    return replace(next(p for p in problems() if p.name == name), ground=GROUNDS[ground])
+
+
+def test_the_dense_equations_and_the_core_go_the_same_way() -> None:
+    gait, ground = sn.Gait(1.2, 3.0, 3.0), sn.Ground(ct=(0.1, 20.0), cn=1.0)
+    problem = replace(ratchet("paper3"), gait=gait, ground=ground, duration_s=3.0)
+    out = solve_ivp(rate_of(problem), (0, 3), problem.first, "DOP853", rtol=1e-10, atol=1e-12)
+    end = out.y[:, -1]
+    run = sn.simulate(problem.scene(start=problem.start, method="nonsmooth", tolerance=1e-11))
+    # SciPy steps over the kinks of the friction by its error control alone
+    assert problem.error(problem.vector(run.state()), end) < 1e-7
+    forwards = replace(problem, ground=sn.Ground(0.1, 1.0)).scene(start=problem.start)
+    assert problem.error(problem.vector(sn.simulate(forwards).state()), end) > 0.1
+
+
+@pytest.fixture
+def equations() -> Any:
+    return pytest.importorskip(
+        "serpenoid.bench.peers.numba_equations", reason=PEER, exc_type=ImportError
     )
-    plain = rate_of(problem)(0.37, y)
-    # the dense system of 50 links loses some digits
-    assert np.abs(compiled - plain).max() < 1e-10 * np.abs(plain).max()
 
 
-def test_dop853_and_the_core_reach_the_same_end():
+RATCHETS = [ratchet(name, ground) for name in ("paper6", "paper6_k1e3") for ground in GROUNDS]
+
+
+@pytest.mark.parametrize("problem", [*problems(), *RATCHETS], ids=lambda p: p.name)
+def test_numba_and_dense_rates_agree(problem: Problem, equations: Any) -> None:
+    away = np.random.default_rng(3).normal(size=problem.first.size) * 0.3
+    for y in (away, problem.first + 0.01):
+        compiled = equations.rate_array(problem.implicit, 0.4, y, equations.parameters(problem))
+        plain = rate_of(problem)(0.4, y)
+        # the dense system of 50 links loses some digits
+        assert np.abs(compiled - plain).max() < 1e-10 * np.abs(plain).max()
+
+
+def test_dop853_and_the_core_reach_the_same_end(equations: Any) -> None:
     problem = next(p for p in problems() if p.name == "paper3")
-    p = numba_equations.parameters(problem)
-    end, steps = numba_equations.dop853_run(False, problem.first, p, 10.0, 1e-13, 1e-14, 10**6)
+    p = equations.parameters(problem)
+    end, steps = equations.dop853_run(False, problem.first, p, 10.0, 1e-13, 1e-14, 10**6)
     run = sn.simulate(problem.scene(start=problem.start, dt_s=1e-3, record_every=10**4))
     assert steps > 0
     # RK4 at 1 ms over 10 s leaves some 1e-10 here
     assert problem.error(problem.vector(run.state()), end) < 1e-9
+
+
+def test_mujoco_does_not_take_the_forward_friction_for_a_ratchet() -> None:
+    peer = pytest.importorskip(
+        "serpenoid.bench.peers.mujoco_peer", reason=PEER, exc_type=ImportError
+    )
+    assert peer.mujoco(ratchet("paper3")) == []
+    assert len(peer.mujoco(next(p for p in problems() if p.name == "paper3"))) == 1
+
+
+def test_our_own_methods_run_a_viscous_ratchet() -> None:
+    problem = replace(ratchet("paper3"), duration_s=0.1)
+    ours = {c.name: c for c in contenders(problem) if c.family == OWN}
+    for name, contender in ours.items():
+        assert np.isfinite(contender.work(contender.settings[2])()).all(), name
+    assert set(ours) >= {"serpenoid rk4", "serpenoid nonsmooth"}

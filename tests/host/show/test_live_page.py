@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import http.client
 import math
 import threading
 from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
-import pytest
 import serpenoid as sn
+from command_line import serpenoid
 from robot.patience import LONG_S
-from serpenoid.model.errors import BadInput
-from serpenoid.robot.robot_match import RobotMatch
 from serpenoid.robot.tools.driven_run import DrivenRun
 from serpenoid.show.pages.live_page import LivePage
 from webdriver import Browser
@@ -61,36 +58,7 @@ def test_a_phone_sees_the_robot_crawl_stops_it_and_scrubs_what_it_saw(tmp_path: 
         assert phone.runs("return Math.abs(now - begin) < 1e-9 && !playing")
 
 
-def test_only_this_machine_is_answered():
-    with driven() as (_, page, _thread):
-        port, path = int(page.url.split(":")[2].split("/")[0]), "/" + page.url.split("/")[3] + "/"
-        connection = http.client.HTTPConnection("127.0.0.1", port, timeout=LONG_S)
-        connection.request("GET", path, headers={"Host": "evil.example"})
-        assert connection.getresponse().status == 404
-        assert "127.0.0.1" in page.url
-
-
-def test_another_robot_is_refused_before_it_moves():
-    run = DrivenRun(GAIT, "virtual", None, RobotMatch(4, "the page", "take that robot"))
-    with pytest.raises(BadInput, match="of 4 links, but this board moves 6"):
-        run.run(1.0, lambda _: None)
-    assert run.last is None
-
-
-def test_the_command_says_where_the_page_is(serpenoid):
-    status, said, _ = serpenoid(
-        "drive",
-        "--port",
-        "virtual:fast",
-        "--alpha-deg",
-        "60",
-        "--beta-deg",
-        "75",
-        "--omega-rad-s",
-        "3",
-        "--duration-s",
-        "1",
-        "--page",
-    )
-    assert status == 0
+def test_the_command_says_where_the_page_is():
+    gait = "--alpha-deg 60 --beta-deg 75 --omega-rad-s 3 --duration-s 1"
+    said = serpenoid(f"drive --port virtual:fast {gait} --page", check=True).stdout
     assert "page: http://127.0.0.1:" in said

@@ -83,10 +83,7 @@ def test_servos_that_cannot_follow_have_no_curve(tmp_path, drawn) -> None:
     assert hatched.get_bbox().x0 == pytest.approx(1.2)
 
 
-def test_the_path_of_a_ratchet_is_drawn_and_named_both_ways(run, tmp_path) -> None:
+def test_a_ratchet_is_named_both_ways(run) -> None:
     ground = sn.Ground((0.014, 0.05), 0.2, (0.02, 0.06), 0.045)
     words = plot.robot_words(run.scene.robot, ground)
     assert "ct 0.014/0.05, cn 0.2 N s/m, ft0 0.02/0.06, fn0 0.045 N" in words
-    _, cycle = one_cycle(run.scene.robot, ground, run.scene.gait)
-    plot.path_and_poses(cycle, "a ratchet", tmp_path / "path.png")
-    assert (tmp_path / "path.png").stat().st_size > 10_000

@@ -75,12 +75,6 @@ def test_the_summary_and_the_counts_say_what_the_session_is(made):
         assert f"{row.value / made.setup.robot.links:.4g} {row.unit}" in page
 
 
-def test_another_reading_changes_the_page(made):
-    other = changed(made, 4, belt_speed_m_s=made.readings[4].belt_speed_m_s + 0.01)
-    pages = [session_page(m, sn.fit_friction(m), None, None) for m in (made, other)]
-    assert pages[0] != pages[1]
-
-
 def test_voided_readings_remarks_and_every_kind_of_reading_are_told(made):
     run = GaitRun(40, 1.2, 1.3, 3.1, 0.1, 0.002, voided=True, comment="hit the wall")
     more = replace(

@@ -15,21 +15,19 @@ if TYPE_CHECKING:
 
 def show_film(found: FilmMeasurement) -> None:
     """Print speed, turn, rate, the joints and the remarks."""
-    run, out = found.run, screen()
-    out.print(_summary(run), highlight=False, soft_wrap=True)
-    out.print(table("joints, in degrees", *_joints(found)))
+    run, out = found.run, screen(highlight=False, soft_wrap=True)
+    out.print(_summary(run))
+    out.print(table("joints, in degrees", *_joints(found)), soft_wrap=False)
     film, camera = run.film, run.camera
     out.print(
         f"{film['frames']} frames of {film['width_px']} x {film['height_px']} px, "
         f"{film['duration_s']:.2f} s; tags seen in {100 * min(run.tags_seen):.1f} % of the "
         f"frames or more; residuals {run.residual_px:.2f} px, {1e3 * run.residual_m:.2f} mm; "
         f"links of {1e3 * run.link_length_m:.1f} mm give tags of "
-        f"{1e3 * camera['tag_side_m']:.1f} mm, printed {1e3 * camera['printed_side_m']:.1f} mm",
-        highlight=False,
-        soft_wrap=True,
+        f"{1e3 * camera['tag_side_m']:.1f} mm, printed {1e3 * camera['printed_side_m']:.1f} mm"
     )
     for remark in run.remarks:
-        out.print(f"{remark.name}: {remark.text}", highlight=False, soft_wrap=True, markup=False)
+        out.print(f"{remark.name}: {remark.text}")
 
 
 def _summary(run: FilmedRun) -> str:
