@@ -211,14 +211,12 @@ def test_the_whole_study(tmp_path: Path) -> None:
 def test_a_crawl_closes_in_itself_and_shows_what_the_ground_does(tmp_path: Path) -> None:
     """The cycle's end is its start, forces add up to what moves the snake, no script in the SVG."""
     found = crawl.crawl(paper_study.OF_2005, paper_study.BINGHAM, paper_study.EXPERIMENT)
-    for values in (found.x_m, found.y_m, found.theta_rad, found.slip_m_s):
+    for values in (found.centre, found.theta_rad, found.slip_m_s):
         assert values[-1] == pytest.approx(values[0], abs=2e-4)
     assert found.way_m == pytest.approx(0.204, rel=0.01)
     assert abs(found.force_n.sum(axis=1)[:-1].mean(axis=0)).max() < 2e-3
     grip = paper_study.BINGHAM.fn0
-    tangent = np.stack([np.cos(found.theta_rad), np.sin(found.theta_rad)], axis=2)
-    normal = np.stack([-tangent[..., 1], tangent[..., 0]], axis=2)
-    across = (found.force_n * normal).sum(axis=2)
+    across = (found.force_n * np.exp(-1j * found.theta_rad)).imag
     assert np.abs(across[found.stuck]).max() <= 1.001 * grip
     sliding = np.abs(found.slip_m_s) > 1e-3
     assert (across[sliding] * found.slip_m_s[sliding] < 0).all()

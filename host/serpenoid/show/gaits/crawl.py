@@ -16,7 +16,6 @@ from ...model.files import write_text
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
-from ...simulation.run import Run
 from ...simulation.scene import Scene
 from ...simulation.simulate import simulate
 from ..figure_data import by_link, write_columns
@@ -32,23 +31,21 @@ _WIDE, _HIGH, _HEAD_ROOM = 720, 370, 24  # of the SVG, in its units
 
 @dataclass(frozen=True)
 class Crawl:
-    """Hold one cycle as the camera sees it: F frames of n links.
+    """Hold one cycle as the camera sees it: F frames of n links, (F, n) each but t_s, (F,).
 
-    t_s (F,); x_m, y_m, theta_rad (F, n): centres and angles; force_n (F, n, 2): of the ground on
-    each link; slip_m_s (F, n): speed across the link. mark_m: distance of marks on the ground, of
-    which a whole number goes by in a cycle; way_m: what the snake travels in the cycle.
+    centre and theta_rad: where the links are; force_n: of the ground on each; slip_m_s: speed
+    across the link. Of a force and a place the imaginary part is across the way. way_m: what the
+    snake travels in the cycle.
     """
 
     robot: Robot
     ground: Ground
     gait: Gait
     t_s: Array
-    x_m: Array
-    y_m: Array
+    centre: Places
     theta_rad: Array
-    force_n: Array
+    force_n: Places
     slip_m_s: Array
-    mark_m: float
     way_m: float
 
     @property
@@ -63,9 +60,9 @@ class Crawl:
         return f"{gait_title(self.gait)}: {self.way_m / self.gait.period_s:.3g} m/s"
 
     @property
-    def centre(self) -> Places:
-        """Return the links' centres, (F, n): along the way, and across it as imaginary part."""
-        return self.x_m + 1j * self.y_m
+    def marks(self) -> int:
+        """Return how many marks on the ground go by in a cycle, half a link apart or so."""
+        return max(1, round(self.way_m / (0.5 * self.robot.link_length_m)))
 
     def ends(self) -> Places:
         """Return tail and head of each link, (F, n, 2)."""
@@ -74,9 +71,8 @@ class Crawl:
 
     def arrows(self) -> Places:
         """Return where the arrow of each force begins and ends, (F, n, 2)."""
-        size = _ARROW * self.robot.link_length_m / float(np.hypot(*self.force_n.T).max())
-        force = self.force_n[..., 0] + 1j * self.force_n[..., 1]
-        return np.stack([self.centre, self.centre + size * force], axis=2)
+        size = _ARROW * self.robot.link_length_m / float(np.abs(self.force_n).max())
+        return np.stack([self.centre, self.centre + size * self.force_n], axis=2)
 
 
 def crawl(robot: Robot, ground: Ground, gait: Gait) -> Crawl:
@@ -95,41 +91,24 @@ def crawl(robot: Robot, ground: Ground, gait: Gait) -> Crawl:
             record=("friction",),
         )
     )
-    return _seen(robot, ground, gait, run)
-
-
-def _seen(robot: Robot, ground: Ground, gait: Gait, run: Run) -> Crawl:
-    turned = along_travel(run)
-    turn = np.exp(1j * (turned.theta_rad - run.theta_rad)[0, 0])
+    seen = along_travel(run)
+    turn = np.exp(1j * (seen.theta_rad - run.theta_rad)[0, 0])
     force = turn * (run.friction_x_n + 1j * run.friction_y_n)
-    slip = turned.vy_m_s * np.cos(turned.theta_rad) - turned.vx_m_s * np.sin(turned.theta_rad)
-    centre = turned.centre_m
-    way = float(centre[-1, 0] - centre[0, 0])
-    with_camera = way * np.linspace(0, 1, turned.t_s.size) + centre[0, 0]
-    marks = max(1, round(way / (0.5 * robot.link_length_m)))
-    return Crawl(
-        robot,
-        ground,
-        gait,
-        turned.t_s,
-        turned.x_m - with_camera[:, None],
-        turned.y_m,
-        turned.theta_rad,
-        np.stack([force.real, force.imag], axis=2),
-        slip,
-        way / marks,
-        way,
-    )
+    slip = seen.vy_m_s * np.cos(seen.theta_rad) - seen.vx_m_s * np.sin(seen.theta_rad)
+    start, *_, end = seen.centre_m[:, 0].tolist()
+    camera = (end - start) * np.linspace(0, 1, seen.t_s.size) + start
+    centre = seen.x_m - camera[:, None] + 1j * seen.y_m
+    return Crawl(robot, ground, gait, seen.t_s, centre, seen.theta_rad, force, slip, end - start)
 
 
 def write_data(found: Crawl, path: Path) -> None:
     """Write the frames: where each link is, what the ground does to it, how fast it slips."""
     tables = {
-        "x{}_m": found.x_m,
-        "y{}_m": found.y_m,
+        "x{}_m": found.centre.real,
+        "y{}_m": found.centre.imag,
         "theta{}_rad": found.theta_rad,
-        "force_x{}_n": found.force_n[:, :, 0],
-        "force_y{}_n": found.force_n[:, :, 1],
+        "force_x{}_n": found.force_n.real,
+        "force_y{}_n": found.force_n.imag,
         "slip{}_m_s": found.slip_m_s,
     }
     write_columns(path, {"t_s": found.t_s} | by_link(tables))
@@ -142,7 +121,8 @@ class _Canvas:
         ends, margin = found.ends().real, 1.2 * found.robot.link_length_m
         self.left, self.right = float(ends.min()) - margin, float(ends.max()) + margin
         self.scale = _WIDE / (self.right - self.left)
-        self.middle = float((found.y_m.max() + found.y_m.min()) / 2)
+        across = found.centre.imag
+        self.middle = float((across.max() + across.min()) / 2)
         self.seconds = max(2.0, min(found.gait.period_s, 6.0))
 
     def x(self, metres: Array) -> Array:
@@ -189,7 +169,8 @@ def write_svg(found: Crawl, path: Path) -> None:
     ends, arrows = found.ends(), found.arrows()
     for i in range(found.robot.links):
         parts.append(canvas.line("head" if i == found.robot.links - 1 else "link", ends[:, i]))
-        place = {"cx": canvas.x(found.x_m[:, i]), "cy": canvas.y(found.y_m[:, i])}
+        centre = found.centre[:, i]
+        place = {"cx": canvas.x(centre.real), "cy": canvas.y(centre.imag)}
         shades = np.where(found.stuck[:, i], "#111111", "#ffffff").tolist()
         parts.append(canvas.shape("circle", "wheel", place, shades))
         parts.append(canvas.line("force", arrows[:, i]))
@@ -198,15 +179,15 @@ def write_svg(found: Crawl, path: Path) -> None:
 
 def _ground(found: Crawl, canvas: _Canvas) -> str:
     """Return marks on the ground, which go by."""
-    marks = np.arange(canvas.left, canvas.right + 2 * found.mark_m, found.mark_m)
+    apart = found.way_m / found.marks
+    marks = np.arange(canvas.left, canvas.right + 2 * apart, apart)
     lines = "".join(
         f'<line class="mark" x1="{x:.1f}" x2="{x:.1f}" y1="{_HIGH - 34}" y2="{_HIGH - 26}"/>'
         for x in canvas.x(marks).tolist()
     )
-    turns = round(found.way_m / found.mark_m)
     return (
         f'<g>{lines}<animateTransform attributeName="transform" type="translate" from="0 0" '
-        f'to="{-found.way_m * canvas.scale / turns:.2f} 0" dur="{canvas.seconds / turns:.4f}s" '
+        f'to="{-apart * canvas.scale:.2f} 0" dur="{canvas.seconds / found.marks:.4f}s" '
         'repeatCount="indefinite"/></g>\n'
     )
 
