@@ -17,7 +17,7 @@ from .kinds.instruments import Uncertainty
 from .kinds.station import STATION, Reading
 from .session import Procedure, Session, Setup
 from .session_rows import change_of, read_format_2, time_of, whole_number
-from .settings import GRAVITY, SETTINGS, Setting, changed, read_settings
+from .settings import GRAVITY, SETTINGS, Setting, applied, changed
 
 FORMAT = 2
 COLUMNS = (
@@ -103,16 +103,11 @@ def amended(setup: Setup, change: Table) -> Setup:
         table = change.table(name)
         mass = ("mass_kg",) if name == "robot" else ()
         table.only(optional=(*mass, *(s.key for s in open_[name])))
-        values = read_settings(table, open_[name])
-        if name == "robot":
-            robot = setup.robot
-            mass_kg = robot.links * robot.link_mass_kg
-            if "mass_kg" in table.values:
-                mass_kg = table.number("mass_kg", 0.0, open_low=True)
-                values["weighed"] = True
-            values["robot.link_mass_kg"] = mass_kg / robot.links
-        with located(table.heading):
-            setup = changed(setup, values)
+        more = {}
+        if "mass_kg" in table.values:
+            mass_kg = table.number("mass_kg", 0.0, open_low=True)
+            more = {"robot.link_mass_kg": mass_kg / setup.robot.links, "weighed": True}
+        setup = applied(setup, table, open_[name], more)
     return setup
 
 
@@ -146,9 +141,7 @@ def _setup(top: Table) -> Setup:
         table = top.table(name)
         needed = [s.key for s in settings if s.needed]
         table.only(*needed, optional=tuple(s.key for s in settings if not s.needed))
-        values = read_settings(table, settings)
-        with located(table.heading):
-            setup = changed(setup, values)
+        setup = applied(setup, table, settings)
     return setup
 
 

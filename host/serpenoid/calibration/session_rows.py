@@ -92,8 +92,8 @@ def read_events(folder: Path, notes: list[str] | None = None) -> list[Event]:
 
 def events_of(session: Session) -> list[Event]:
     """Return the events of a session's folder; none of one in memory or of format 1."""
-    there = session.folder is not None and (session.folder / "events.csv").exists()
-    return read_events(session.folder) if session.folder and there else []
+    folder = session.folder
+    return read_events(folder) if folder and (folder / "events.csv").exists() else []
 
 
 def change_of(text: str, path: Path) -> Table:

@@ -335,9 +335,19 @@ SETTINGS: dict[str, tuple[Setting, ...]] = {
 }
 
 
-def read_settings(table: Table, settings: Iterable[Setting]) -> dict[str, Any]:
-    """Return the values that a table has of some settings, by their paths."""
-    return {s.path: s.form.read(table, s.key) for s in settings if s.key in table.values}
+def applied(
+    setup: Setup,
+    table: Table,
+    settings: Iterable[Setting],
+    more: Mapping[str, Any] | None = None,
+) -> Setup:
+    """Return a set-up with what a table has of some settings, and with more, by paths.
+
+    Raises BadInput.
+    """
+    values = {s.path: s.form.read(table, s.key) for s in settings if s.key in table.values}
+    with located(table.heading):
+        return changed(setup, values | dict(more or {}))
 
 
 def changed(setup: Setup, values: Mapping[str, Any]) -> Setup:

@@ -53,6 +53,12 @@ def talk(folder, *lines, robot=None, **given):
         return person.heard, journal.session
 
 
+def leave_out(folder, *keys):
+    with Journal(folder) as journal:
+        for key in keys:
+            journal.event("skip", detail=key)
+
+
 ZERO = ("0,1", "-0.1")
 # belt set, incline, belt, turned, drift, "only 0 s of 16" kept
 STATION = ("", "2.0", "0.2", "", "", "keep")
@@ -185,9 +191,7 @@ def test_a_zero_whose_sign_was_forgotten_is_questioned(folder):
 
 
 def test_the_belt_is_checked_at_the_end(folder):
-    with Journal(folder) as journal:
-        for bend in ("bend 7.5", "bend 15", "bend 30", "gait 1", "gait 2", "gait 3"):
-            journal.event("skip", detail=bend)
+    leave_out(folder, "bend 7.5", "bend 15", "bend 30", "gait 1", "gait 2", "gait 3")
     talk(folder, *ZERO, "", *STATION, *station("2.3", "0.5"), *station("2.6", "0.8"))
     heard, session = talk(folder, *ZERO, "1,8 km/h", "28", "50")
     assert "mark the belt's edge" in heard
@@ -247,11 +251,13 @@ def test_undo_redo_void_and_restore(folder):
 
 
 def test_skip_and_its_undoing(folder):
-    heard, _ = talk(folder, "undo", "skip", "", "skip", "undo", "2.0", "0.2", "", "")
+    heard, _ = talk(folder, "undo", "skip", "skip", "undo", "", "skip", "undo")
     assert "there is no reading yet" in heard
     assert "left out: zero before" in heard
-    assert "no longer left out: station at 2.00 deg, straight" in heard
-    assert [e.event for e in read_events(folder)] == ["skip", "skip", "unskip"]
+    assert "no longer left out: station at 2.40 deg, straight" in heard
+    assert "all of the straight stations, without which nothing can be fitted" in heard
+    assert "no longer left out: straight\n" in heard
+    assert [e.event for e in read_events(folder)] == ["skip", *["skip", "unskip"] * 2]
 
 
 def test_undo_after_a_reading_voids_it_and_leaves_an_old_skip(folder):
@@ -344,12 +350,18 @@ def test_the_offset_that_runs_straight_is_found_kept_and_resumed(folder):
     assert lies == [pytest.approx([0.75] * 5, abs=0.02)]
     assert "every joint has +0.75 deg from now on" in heard
     assert math.degrees(session.kept[0].offset_rad) == pytest.approx(0.75)
-    with Journal(folder) as journal:
-        journal.event("skip", detail="straight")
+    leave_out(folder, "straight")
     with SessionRobot("virtual:fast") as robot:
         heard, _ = talk(folder, "", left(robot, -1), look, robot=robot)
     assert "steer until the robot runs straight" not in heard  # it is known
     assert lies[1] == pytest.approx([-14.5, 8.0, 0.5, -7.0, 15.5], abs=0.02)
+
+
+def test_skip_leaves_out_the_steering_alone(folder):
+    with SessionRobot("virtual:fast") as robot:
+        heard, session = talk(folder, *ZERO, "", "skip", *STATION, robot=robot)
+    assert heard.count("Enter straightens") == 1
+    assert session.kept
 
 
 def test_steering_beyond_a_joint_leaves_the_pose(folder):
@@ -397,9 +409,7 @@ def test_a_robot_that_is_lost_loses_no_reading(folder):
 
 
 def test_a_gait_run_with_the_robot(folder):
-    with Journal(folder) as journal:
-        for bend in ("straight", "bend 7.5", "bend 15", "bend 30"):
-            journal.event("skip", detail=bend)
+    leave_out(folder, "straight", "bend 7.5", "bend 15", "bend 30")
     with SessionRobot("virtual:fast") as seat:
         moved = []
 

@@ -15,7 +15,7 @@ from serpenoid.calibration.taking.procedure import (
     skipped_keys,
 )
 from serpenoid.calibration.taking.simulated import SimulatedPerson, Truth
-from serpenoid.calibration.taking.treadmill import Posture, take_all, take_step
+from serpenoid.calibration.taking.treadmill import take_all
 from simulated_sessions import MemoryRecord
 
 WHOLE_BODY_2005 = Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
@@ -40,7 +40,7 @@ def test_the_steps_come_in_order(record):
     record.add("zero", {"incline_deg": 0.1, "reversed_deg": 0.0})
     assert next_step(record.session).kind == "straight"
     step = next_step(record.session, posed_deg=0.0)
-    assert (step.kind, step.incline_deg) == ("station", 2.0)
+    assert (step.kind, step.incline_deg) == ("station", 2.4)
     asked = ["incline_deg", "belt_speed_m_s", "turned_deg", "drift_m_s"]
     assert [f.column for f in step.fields] == asked
     for incline, belt in ((2.0, 0.2), (2.3, 0.5), (2.6, 0.8)):
@@ -71,8 +71,8 @@ def test_the_zero_is_read_again_at_the_end(record):
     assert next_step(record.session, skipped).kind == "belt"
     record.add("belt", {"belt_speed_m_s": 0.5, "distance_m": 28.0, "duration_s": 55.0})
     assert next_step(record.session, skipped).kind == "done"
-    assert dict(progress(record.session, skipped))["zero after"] == "done"
-    assert dict(progress(record.session, skipped))["belt check"] == "done"
+    parts = dict(progress(record.session, skipped))
+    assert parts["zero after"] == parts["belt check"] == "done"
 
 
 def test_inclines_rise_faster_where_the_belt_hardly_does(record):
@@ -81,7 +81,7 @@ def test_inclines_rise_faster_where_the_belt_hardly_does(record):
     # A sixth of 1 m/s is 1.0 deg on this line; the plan's step is 0.3.
     found = next_incline_deg(record.session, math.radians(30.0))
     assert found == pytest.approx(4.6, abs=0.02)
-    assert next_incline_deg(record.session, math.radians(15.0)) == 2.0
+    assert next_incline_deg(record.session, math.radians(15.0)) == 2.4
     station(record, 2.6, 0.2, 15.0)  # where this bend held, the next one begins
     assert next_incline_deg(
         replace(record.session, readings=record.session.readings[3:]), math.radians(30.0)
@@ -101,7 +101,7 @@ def test_a_first_bend_is_asked_where_the_robot_of_2005_would_hold(record):
         expected_deg, abs=2e-3
     )
     # Whatever a line of slips says, an incline is asked at which a robot may hold.
-    for belt, asked_deg in ((0.1, 12.0), (0.9, 2.0)):
+    for belt, asked_deg in ((0.1, 12.0), (0.9, 2.4)):
         slips = [
             replace(record.session.readings[0], incline_rad=at, belt_speed_m_s=belt + at / 100)
             for at in (0.035, 0.4)
@@ -110,8 +110,23 @@ def test_a_first_bend_is_asked_where_the_robot_of_2005_would_hold(record):
         assert found == pytest.approx(asked_deg, abs=0.01)
 
 
+def test_a_slower_station_follows_a_fast_first_one(record):
+    station(record, 2.4, 0.3)
+    assert next_incline_deg(record.session, 0.0) == 2.7  # it is slow enough
+    quick = MemoryRecord(record.session.setup)
+    station(quick, 2.4, 0.8)
+    less_deg = math.degrees(0.8 * 0.084 * (0.8 - 0.2) / quick.session.setup.weight_n)
+    found, missed = next_incline_deg(quick.session, 0.0), frozenset()
+    assert found == pytest.approx(2.4 - less_deg, abs=2e-3)
+    # Where it cannot be held there, half as much slower; then steeper.
+    for expected in (2.4 - less_deg / 2, 2.7):
+        missed |= {f"station 0 {found:.2f}"}
+        found = next_incline_deg(quick.session, 0.0, missed)
+        assert found == pytest.approx(expected, abs=2e-3)
+
+
 def test_a_skipped_station_is_passed_over(record):
-    assert next_incline_deg(record.session, 0.0, frozenset({"station 0 2.00"})) == 2.3
+    assert next_incline_deg(record.session, 0.0, frozenset({"station 0 2.40"})) == 2.7
     assert next_incline_deg(record.session, 0.0, frozenset({"station 0 11.90"})) is None
 
 
@@ -137,16 +152,6 @@ def test_the_settling_time_follows_the_readings(record):
     assert settle_s(record.session, 0.0) == pytest.approx(3 * slope / 9.80665)
 
 
-def test_the_same_seed_takes_the_same_session():
-    setup = no_gaits(default_setup("made up"))
-    setup = replace(setup, procedure=replace(setup.procedure, lambda_rad=(0.0,)))
-    taken = [
-        take_all(MemoryRecord(setup), SimulatedPerson(setup, Truth(WHOLE_BODY_2005), 3))
-        for _ in range(2)
-    ]
-    assert taken[0].readings == taken[1].readings
-
-
 class Noted(SimulatedPerson):
     """Keeps what was typed wrong at first."""
 
@@ -162,10 +167,10 @@ class Noted(SimulatedPerson):
 
 
 def test_misreadings_out_of_line_are_read_again():
-    """All of ten sessions: of what a person misreads, the dialogue catches most."""
+    """All of twenty sessions: of what a person misreads, the dialogue catches most."""
     setup = no_gaits(default_setup("made up"))
     missed = typed_wrong = 0
-    for seed in range(10):
+    for seed in range(20):
         person = Noted(setup, Truth(WHOLE_BODY_2005, misreads=0.1), seed)
         session = take_all(MemoryRecord(setup), person)
         typed_wrong += person.misread
@@ -182,21 +187,9 @@ def test_belts_that_cannot_go_slowly_lose_stations_not_sessions():
     setup = replace(setup, treadmill=replace(setup.treadmill, belt_least_m_s=0.25))
     record = MemoryRecord(setup)
     session = take_all(record, SimulatedPerson(setup, Truth(WHOLE_BODY_2005), 1))
+    again = take_all(MemoryRecord(setup), SimulatedPerson(setup, Truth(WHOLE_BODY_2005), 1))
+    assert again.readings == session.readings  # of the same seed
     least = min(r.belt_speed_m_s for r in session.kept)
     assert 0.25 <= least < 0.31  # belts are set in steps of 0.028 m/s
     assert skipped_keys(record.events)
     assert fit_friction(session).dof > 5
-
-
-def test_gait_runs_come_last_with_a_speed_and_its_doubt():
-    setup = default_setup("made up")
-    record = MemoryRecord(setup)
-    treadmill = SimulatedPerson(setup, Truth(WHOLE_BODY_2005), 1)
-    session = take_all(record, treadmill)
-    assert len(session.gait_runs) == 9
-    for run in session.gait_runs:
-        # within 5 mm of tape and 0.2 s of a hand
-        shares = 0.005 / run.distance_m, 0.2 / run.duration_s
-        assert run.speed_m_s == pytest.approx(run.distance_m / run.duration_s)
-        assert run.speed_sigma_m_s == pytest.approx(run.speed_m_s * math.hypot(*shares))
-    assert take_step(record, treadmill, Posture()).kind == "done"

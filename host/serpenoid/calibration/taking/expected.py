@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -15,8 +16,10 @@ from ..kinds.station import Reading, bent_share
 from ..session import Procedure, Session, Setup
 
 SIGMAS = 3.5  # beyond which a reading is asked about: once in 2000 honest ones
-FIRST = 0.6  # of the top speed, above which the very first station is asked about
+FASTEST = 1.5  # of the top speed, above which a first station is asked about
+SLOW, SURE = 0.2, 0.8  # of the top speed; of the way from a fast first station to that
 USUAL = (0.084, 1.2, 0.14, 0.27)  # ct, cn, ft0, fn0 of the 2005 robot, before any of this one
+USUAL_KG = 0.4536
 DOUBT = 0.12  # of the speed: stations are expected from few readings, and wheels are not ideal
 
 
@@ -109,8 +112,13 @@ def series_it_is_of(session: Session, reading: Reading) -> Series:
 
 def of_bend(session: Session, lambda_rad: float, facing: str = "down") -> list[Reading]:
     """Return the kept stations of one of the plan's bends, bent as it says and facing this way."""
+    return of_series(session, session.kept, lambda_rad, facing)
+
+
+def of_series(session: Session, kept: Sequence[Any], lambda_rad: float, facing: str) -> list[Any]:
+    """Return those of the stations or pushes that lay in one of the plan's bends, this way."""
     aim, bend = planned_bend(session, lambda_rad), session.setup.procedure.bend
-    own = [r for r in session.kept if r.facing == facing and (r.bend == bend or not r.lambda_rad)]
+    own = (r for r in kept if r.facing == facing and (r.bend == bend or not r.lambda_rad))
     return [r for r in own if planned_bend(session, r.lambda_rad) == aim]
 
 
@@ -160,6 +168,17 @@ def law_sine(session: Session, lambda_rad: float, speed_m_s: float) -> float:
     return max(more * straight.sine_at(speed_m_s), 0.0)
 
 
+def slowing_deg(setup: Setup, first: Reading) -> float:
+    """Return by how much less inclined than at its first station a bend should hold slowly.
+
+    By the drag of the robot of 2005, as heavy as this one; as that may be less, a part of it.
+    """
+    plan = setup.procedure
+    drag, _ = pull_of(setup, USUAL, first.lambda_rad)
+    less_m_s = SURE * (first.slip_speed_m_s - SLOW * plan.belt_speed_max_m_s)
+    return math.degrees(less_m_s * drag / USUAL_KG / plan.gravity_m_s2)
+
+
 def expected_speed(
     session: Session, lambda_rad: float, incline_rad: float, facing: str = "down"
 ) -> tuple[float, float] | None:
@@ -168,16 +187,17 @@ def expected_speed(
     if line is not None:
         speed, sigma = line.at(math.sin(incline_rad))
         return max(speed - SIGMAS * sigma, 0.0), max(speed + SIGMAS * sigma, 0.0)
-    most = session.setup.procedure.belt_speed_max_m_s
+    most_m_s = FASTEST * session.setup.procedure.belt_speed_max_m_s
     stations = of_bend(session, lambda_rad, facing)
     if stations:  # steeper is faster
         last = max(stations, key=lambda r: r.incline_rad)
         noise = SIGMAS * session.setup.uncertainty.belt_speed_sigma_m_s
         if incline_rad >= last.incline_rad:
-            return max(last.slip_speed_m_s - noise, 0.0), 1.5 * most
+            return max(last.slip_speed_m_s - noise, 0.0), most_m_s
+        if len(stations) == 1:
+            return 0.0, last.slip_speed_m_s + noise
     straight = line_of(session, 0.0) if lambda_rad or facing == "up" else None
     if straight is not None:  # a bent snake needs less speed, and one whose wheels roll back
         speed, sigma = straight.at(math.sin(incline_rad))
         return 0.0, max(speed + SIGMAS * sigma, 0.05)
-    # The first of all: the plan's first incline is to be a slow one.
-    return None if session.readings else (0.0, FIRST * most)
+    return None if session.readings else (0.0, most_m_s)

@@ -205,7 +205,7 @@ def default_setup(name: str) -> Setup:
         robot=Robot(6, 0.0756, 0.076),
         procedure=Procedure(
             lambda_rad=(0.0, deg(7.5), deg(15.0), deg(30.0)),
-            incline_start_rad=deg(2.0),
+            incline_start_rad=deg(2.4),
             incline_step_rad=deg(0.3),
             belt_speed_max_m_s=1.0,
             gravity_m_s2=9.80665,

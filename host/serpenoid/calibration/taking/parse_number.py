@@ -79,18 +79,16 @@ def parse_number(text: str, field: Field, likely: tuple[float, float] | None = N
 
 def _bare(number: float, field: Field, likely: tuple[float, float] | None) -> Typed:
     """Judge a number without a unit by the range it was expected in."""
-    inside = likely is None or likely[0] <= number <= likely[1]
-    if inside:
-        return Typed(_checked(number, field))
-    for unit in list(UNITS[field.quantity])[1:]:
-        other = _converted(number, unit, field)
-        if likely is not None and number and likely[0] <= other <= likely[1]:
-            return Typed(
-                number,
-                f"{number:g} {field.unit} is outside {span(likely)} {field.unit}; "
-                f"did you mean {number:g} {unit} = {other:.4g} {field.unit}?",
-                other,
-            )
+    if likely is not None and number and not likely[0] <= number <= likely[1]:
+        for unit in list(UNITS[field.quantity])[1:]:
+            other = _converted(number, unit, field)
+            if likely[0] <= other <= likely[1]:
+                return Typed(
+                    number,
+                    f"{number:g} {field.unit} is outside {span(likely)} {field.unit}; "
+                    f"did you mean {number:g} {unit} = {other:.4g} {field.unit}?",
+                    other,
+                )
     return Typed(_checked(number, field))
 
 

@@ -17,10 +17,19 @@ from ..kinds.gait import GAIT, RUN_WAYS
 from ..kinds.places import drifts
 from ..kinds.station import LEAST_SLIP_M_S, STATION
 from ..kinds.zero import ZERO
-from ..session import Procedure, Session, Setup, belt_checks
+from ..session import Session, Setup, belt_checks
 from ..session_rows import Event
 from .bends import bend_step
-from .expected import Series, expected_speed, law_sine, line_of, of_bend, series_of, shown_bend
+from .expected import (
+    Series,
+    expected_speed,
+    law_sine,
+    line_of,
+    of_bend,
+    series_of,
+    shown_bend,
+    slowing_deg,
+)
 from .floor.procedure import next_push, push_progress
 from .steps import Step
 
@@ -115,10 +124,8 @@ def progress(session: Session, skipped: frozenset[str] = frozenset()) -> list[tu
         open_ = open_ and series.key not in skipped
         name = f"{series.key} deg" if series.lambda_rad else series.name
         rows.append((name, f"{count} stations{', more to come' if open_ else ', done'}"))
-    rows.append(("zero after", _done(_zero_read(session, False))))
-    rows.append((BELT_CHECK, _done(bool(belt_checks(session)))))
-    rows.append(runs)
-    return rows
+    zero, belt = _zero_read(session, False), bool(belt_checks(session))
+    return [*rows, ("zero after", _done(zero)), (BELT_CHECK, _done(belt)), runs]
 
 
 def _zero_read(session: Session, before: bool) -> bool:
@@ -139,7 +146,8 @@ def next_incline_deg(
 
     Inclines rise by the plan's step, or by more where that would change the speed by less than a
     sixth of the top speed; a bend is done when its next station would pass the top speed, or the
-    incline at which the snake tumbles.
+    incline at which the snake tumbles. After a fast first station comes a slower one, or half as
+    much slower where that could not be held: dry friction shows at low speeds.
     """
     plan = session.setup.procedure
     stations = of_bend(session, lambda_rad, facing)
@@ -148,6 +156,11 @@ def next_incline_deg(
     tried = [*(math.degrees(r.incline_rad) for r in stations), *passed]
     # At least what the treadmill can be raised by, or its rounding could stay below for ever.
     step_deg = math.degrees(max(plan.incline_step_rad, session.setup.treadmill.incline_step_rad))
+    if len(stations) == 1:
+        first_deg = math.degrees(stations[0].incline_rad)
+        less_deg = slowing_deg(session.setup, stations[0]) / 2 ** sum(p < first_deg for p in passed)
+        if less_deg > step_deg / 2:
+            return round(first_deg - less_deg, 3)
     first_deg = _first_incline_deg(session, lambda_rad, facing)
     found_deg = max(tried) + step_deg if tried else first_deg
     line = line_of(session, lambda_rad, facing)
@@ -328,11 +341,6 @@ def belt_range(likely_m_s: tuple[float, float]) -> str:
     return f"{low:.2f} to {high:.2f} m/s ({3.6 * low:.1f} to {3.6 * high:.1f} km/h)"
 
 
-def run_way(plan: Procedure, done: int) -> str:
-    """Return the way of a gait's next run: on a floor there and back, so that its slope cancels."""
-    return RUN_WAYS[1 + done % 2] if plan.on == "floor" else ""
-
-
 def _gait_step(session: Session, skipped: frozenset[str]) -> Step | None:
     plan = session.setup.procedure
     for number, gait in enumerate(plan.gaits, 1):
@@ -347,7 +355,8 @@ def _gait_step(session: Session, skipped: frozenset[str]) -> Step | None:
         if len(runs) >= plan.gait_runs or key in skipped or f"gait {number}" in skipped:
             continue
         alpha, beta = math.degrees(gait.alpha_rad), math.degrees(gait.beta_rad)
-        way = run_way(plan, len(runs))
+        # On a floor there and back, so that its slope cancels.
+        way = RUN_WAYS[1 + len(runs) % 2] if plan.on == "floor" else ""
         where = f"along the line of the pushes, {way.upper()}" if way else "level ground"
         say = (
             f"Gait run {len(runs) + 1} of {plan.gait_runs}, {where}, of the same surface: "

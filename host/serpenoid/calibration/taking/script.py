@@ -18,7 +18,7 @@ from ...model.errors import BadInput
 from ...model.ground import Ground
 from ...model.toml_table import Table, located
 from ..session import Setup
-from ..settings import SETTINGS, changed, read_settings
+from ..settings import SETTINGS, applied
 from .journal import Journal, Listed
 from .parse_number import completed, listed_cells
 from .simulated import SimulatedPerson
@@ -60,9 +60,7 @@ def wanted_setup(top: Table, setup: Setup) -> Setup:
         if name in top.values:
             table, rows = top.table(name), [s for s in SETTINGS[name] if s.key in IDENTITY]
             table.only(optional=tuple(s.key for s in rows))
-            values = read_settings(table, rows)
-            with located(table.heading):
-                setup = changed(setup, values)
+            setup = applied(setup, table, rows)
     return setup
 
 

@@ -81,7 +81,7 @@ def sheet_text(session: Session) -> str:
     plan = session.setup.procedure
     on_floor = plan.on == "floor"
     typed = _headings(plan.ratchet, ON_FLOOR if on_floor else tuple(KINDS))
-    rows = _floor_rows(plan) if on_floor else _treadmill_rows(plan)
+    rows = _planned_rows(plan)
     for gait in plan.gaits:
         degrees = {
             f"{name}_deg": f"{math.degrees(getattr(gait, name + '_rad')):.6g}"
@@ -95,23 +95,22 @@ def sheet_text(session: Session) -> str:
     )
 
 
-def _treadmill_rows(plan: Procedure) -> list[dict[str, str]]:
-    rows = [{"kind": "zero"}]
-    for series in series_of(plan):
-        rows += _check_row(series.lambda_rad)
-        station = {"kind": "station", "lambda_deg": "" if series.lambda_rad else "0"}
-        rows += [station | {"facing": series.facing}] * LINES
-    return [*rows, {"kind": "zero"}]
-
-
-def _floor_rows(plan: Procedure) -> list[dict[str, str]]:
-    rows: list[dict[str, str]] = []
-    for bend_rad, facing in series_of_pushes(plan):
-        rows += _check_row(bend_rad)
-        push = {"kind": "coast", "lambda_deg": "" if bend_rad else "0"}
-        push |= {"facing": facing} if facing == "back" else {}
-        rows += [push | {"way": way} for way in ways_of(plan)]
-    return rows + [{"kind": "slide", "lambda_deg": "0"}] * SLIDES
+def _planned_rows(plan: Procedure) -> list[dict[str, str]]:
+    """Return the lines of stations and zeros, or of pushes and slides, with what is planned."""
+    if plan.on == "floor":
+        series = series_of_pushes(plan)
+        first: list[dict[str, str]] = []
+        lines = [{"kind": "coast", "way": way} for way in ways_of(plan)]
+        last = [{"kind": "slide", "lambda_deg": "0"}] * SLIDES
+    else:
+        series = [(s.lambda_rad, s.facing) for s in series_of(plan)]
+        first = last = [{"kind": "zero"}]
+        lines = [{"kind": "station"}] * LINES
+    rows = [*first]
+    for bend_rad, facing in series:
+        pose = {"lambda_deg": "" if bend_rad else "0", "facing": facing.removeprefix("ahead")}
+        rows += [*_check_row(bend_rad), *(line | pose for line in lines)]
+    return rows + last
 
 
 def _check_row(bend_rad: float) -> list[dict[str, str]]:

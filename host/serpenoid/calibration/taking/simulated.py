@@ -45,6 +45,15 @@ def _habits(truth: Truth) -> Habits:
 class SimulatedPerson:
     """Do each step of the procedure against a known truth; the same seed does the same.
 
+    It answers with what a person could read, never with a truth: for each kind of step
+    (`Step.kind`) the numbers of `step.fields`, in the columns' units. zero (incline_deg,
+    reversed_deg), bend (between_links_deg, between the last two links at an end of a robot bent as
+    `step.bend` says), station (incline_deg, belt_speed_m_s, drift_m_s, turned_deg, offset_deg and
+    waited_s), belt (belt_speed_m_s, distance_m, duration_s of a mark on the belt), gait
+    (distance_m, duration_s, omega_rad_s; or a `Tracked` of kind `video`), coast (distance_m,
+    duration_s, or a `Tracked` with the track of a push); straight has none. A person who types
+    takes the same steps (`person.dialogue`).
+
     run_gait: runs a gait on a board and returns the one that the board made of it, in true seconds.
     t_s: what a person on a floor has needed so far.
     """
@@ -73,7 +82,7 @@ class SimulatedPerson:
         self._true: Cells = {}
 
     def answer(self, step: Step, session: Session) -> Cells | None:
-        """Do a step as a person would."""
+        """Do a step as a person would; return None if it cannot be done."""
         read: Cells | None = getattr(self, f"_{step.kind}")(step)
         self._true = read or {}
         return None if read is None else self._typed(step, read)

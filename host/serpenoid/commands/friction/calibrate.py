@@ -21,7 +21,7 @@ from .calibrate_practice import practice
 from .calibrate_push import push
 
 if TYPE_CHECKING:
-    from ...calibration.taking.journal import Journal
+    pass
 
 FOLDER = click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
 TOML = click.Path(exists=True, path_type=Path)
@@ -169,26 +169,21 @@ def add(
     """
     from ...calibration.taking.journal import Journal
     from ...calibration.taking.parse_number import read_cells
+    from ...calibration.taking.sheet import add_sheet
 
     if (sheet is None) is (kind is None):
         raise click.UsageError("give KIND and NAME=VALUE, or --sheet FILE.csv")
     with Journal(folder) as journal:
         if sheet is not None:
-            return _add_sheet(journal, sheet)
+            added, told = add_sheet(journal, sheet)
+            for line in told:
+                say(line, err=True)
+            return say(f"{added} reading(s) added; {count(journal.session)}")
         assert kind is not None  # or there is a sheet
         values = read_cells(kind, cells, journal.session.setup)
         number = journal.add(kind, values, replaces=replaces, comment=comment)
     say(f"reading {number} is kept" + (f"; reading {replaces} is not" if replaces else ""))
     return None
-
-
-def _add_sheet(journal: Journal, path: Path) -> None:
-    from ...calibration.taking.sheet import add_sheet
-
-    added, told = add_sheet(journal, path)
-    for line in told:
-        say(line, err=True)
-    say(f"{added} reading(s) added; {count(journal.session)}")
 
 
 @calibrate.command()

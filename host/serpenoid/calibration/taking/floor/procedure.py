@@ -11,11 +11,10 @@ import math
 from ...kinds.coast import COAST, FACINGS, Coast
 from ...session import Procedure, Session, Setup
 from ..bends import bend_step
-from ..expected import USUAL, planned_bend, pull_of, shown_bend
+from ..expected import USUAL, USUAL_KG, of_series, pull_of, shown_bend
 from ..steps import Step
 
 SPEED_M_S = 0.9  # to be pushed at: slower ones tell little of viscous friction
-USUAL_KG = 0.4536  # of the 2005 robot
 SPARE = 1.6  # of the way that is expected: room to leave for it
 
 
@@ -53,10 +52,7 @@ def series_name(bend_rad: float, facing: str) -> str:
 
 def of_push_bend(session: Session, bend_rad: float, facing: str = "ahead") -> list[Coast]:
     """Return the kept pushes of one of the plan's bends, head or tail first."""
-    bend = session.setup.procedure.bend
-    own = [p for p in session.kept_pushes if p.bend == bend or not p.lambda_rad]
-    own = [p for p in own if p.facing == facing]
-    return [p for p in own if planned_bend(session, p.lambda_rad) == bend_rad]
+    return of_series(session, session.kept_pushes, bend_rad, facing)
 
 
 def push_progress(session: Session, skipped: frozenset[str]) -> list[tuple[str, str]]:

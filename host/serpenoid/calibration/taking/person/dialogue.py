@@ -117,16 +117,12 @@ class Dialogue(Prompt):
             return False
         try:
             self._do(step)
-        except Again:
-            self._end_gait(step)
-        except (BadInput, RecordingFailed, CommandRefused) as error:
-            self._end_gait(step)
-            self.say(f"! {error}")
+        except (Again, BadInput, RecordingFailed, CommandRefused) as error:
+            if step.kind == "gait":
+                self.let_go()
+            if not isinstance(error, Again):
+                self.say(f"! {error}")
         return True
-
-    def _end_gait(self, step: Step) -> None:
-        if step.kind == "gait":
-            self.let_go()
 
     def _do(self, step: Step) -> None:
         if step.kind in ("straight", "bend"):
@@ -182,7 +178,12 @@ class Dialogue(Prompt):
             "its place: on a level belt it is carried off. Left and right keys bend every joint a "
             "little: steer until the robot runs straight by itself."
         )
-        self.ask("  Enter keeps it; skip leaves the steering out alone: ", steering)
+        try:
+            self.ask("  Enter keeps it; skip leaves the steering out alone: ", steering)
+        except Again:
+            if "steering" in skipped_keys(self.journal.events):
+                return  # the pose is there: on to what is asked next
+            raise
         self.say(f"  every joint has {math.degrees(robot.offset_rad):+.2f} deg from now on")
 
     def _start(self, step: Step) -> None:

@@ -154,6 +154,11 @@ class Prompt:
                 "  ! without a zero, 0.1 deg that nobody sees is 6 % of the 2005 robot's ft0; the "
                 "fit then counts the error that session.toml states. `undo` brings the step back."
             )
+        if step.key == "straight":
+            self.say(
+                "  ! that is all of the straight stations, without which nothing can be fitted. "
+                "`undo` brings them back."
+            )
         raise Again
 
     def _do_pause(self, rest: str, step: Step) -> None:
