@@ -149,14 +149,19 @@ def test_drive_tells_the_speed_that_the_friction_predicts(folder):
     gait = "--alpha-deg 70 --beta-deg 75 --omega-rad-s 3"
     drive = f"drive {gait} --port virtual:fast --duration-s 1"
     fitted = f"{drive} --session {folder}"
-    predicted = answer(fitted)["predicted"]
+    driven = answer(fitted)
+    assert driven["frame_ms"] == 20.0
+    predicted = driven["predicted"]
     steady = answer(f"steady {gait} --session {folder}")
     assert predicted["servo"] == "hobby"
     assert predicted["speed_m_s"] == pytest.approx(steady["servo"]["speed_m_s"], rel=5e-3)
     assert predicted["low_m_s"] < 0.9 * predicted["speed_m_s"] < predicted["high_m_s"]
     plain = answer(f"{fitted} --servo ideal")["predicted"]
     assert plain["speed_m_s"] == pytest.approx(steady["speed_m_s"], rel=2e-3)
-    shown = run(fitted).stdout
+    assert "ms: give --frame-ms 20" in run(f"{fitted} --frame-ms 12").stderr
+    told = run(fitted)
+    assert "--frame-ms" not in told.stderr
+    shown = told.stdout
     assert shown.startswith("predicted: 0.0")
     assert "predicted speed" in shown
     assert "predicted" not in run(drive).stdout
