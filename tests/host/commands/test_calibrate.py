@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from serpenoid import load_session
-from serpenoid.calibration.session_file import read_session
+from serpenoid.calibration.session_file import load_setup, read_session
 from serpenoid.calibration.taking.journal import Journal
 
 HEAD = "kind,lambda_deg,incline_deg,belt_speed_m_s\n"
@@ -99,8 +99,7 @@ def test_readings_are_added_redone_voided_and_restored(folder, serpenoid):
     serpenoid("calibrate", "void", str(folder), "2", "--reason", "slipped")
     serpenoid("calibrate", "void", str(folder), "1", "--restore")
     assert [r.number for r in load_session(folder).kept] == [1]
-    gait = ("alpha_deg=70", "beta_deg=75", "omega_rad_s=3.14", "distance_m=1", "duration_s=10")
-    assert serpenoid("calibrate", "add", str(folder), "gait", *gait)[0] == 0
+    assert serpenoid("calibrate", "add", str(folder), "gait", *GAIT, "omega_rad_s=3.14")[0] == 0
     assert load_session(folder).gait_runs[0].speed_m_s == pytest.approx(0.1)
     serpenoid("calibrate", "redo", str(folder), "3", "frequency_hz=0.25")
     assert load_session(folder).kept_gait_runs[0].omega_rad_s == pytest.approx(math.pi / 2)
@@ -212,14 +211,8 @@ def test_a_new_session_needs_answers_and_a_free_place(tmp_path, folder, serpenoi
     other = tmp_path / "other"
     assert "no terminal to ask at" in serpenoid("calibrate", "new", str(other))[2]
     assert serpenoid("calibrate", "new", str(other), "--template", str(folder))[0] == 0
-    assert load_setup_surface(other) == "belt"
+    assert load_setup(other).surface == "belt"
     assert "no session here" in serpenoid("calibrate", "void", str(tmp_path), "1")[2]
-
-
-def load_setup_surface(folder):
-    from serpenoid.calibration.session_file import load_setup
-
-    return load_setup(folder).surface
 
 
 def test_a_sheet_is_printed_and_taken_in_once(folder, tmp_path, serpenoid):

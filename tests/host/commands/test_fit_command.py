@@ -161,9 +161,8 @@ def test_drive_tells_the_speed_that_the_friction_predicts(folder):
     assert "ms: give --frame-ms 20" in run(f"{fitted} --frame-ms 12").stderr
     told = run(fitted)
     assert "--frame-ms" not in told.stderr
-    shown = told.stdout
-    assert shown.startswith("predicted: 0.0")
-    assert "predicted speed" in shown
+    assert told.stdout.startswith("predicted: 0.0")
+    assert "predicted speed" in told.stdout
     assert "predicted" not in run(drive).stdout
 
 
