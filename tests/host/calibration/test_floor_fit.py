@@ -26,7 +26,6 @@ from scipy.optimize import least_squares, minimize
 from serpenoid import BadInput
 from serpenoid.calibration.fitting.rolling_law import slide_s, stop_s, way_m
 from serpenoid.calibration.floor.arc import along
-from serpenoid.calibration.floor.block import _film
 from serpenoid.calibration.floor.tracks import PushTrack
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.session_posterior import mode_of
@@ -327,7 +326,6 @@ def test_a_path_that_turns_feels_the_slope_where_it_heads():
     off_rad = 0.35 * at / 2.4 - 0.1
     way = np.interp(at, step * np.arange(len(ways)), ways)
     track = PushTrack(1, at, way, 0.001, 0.0, off_rad, "film")
-    rest, by_law, by_slope = _film(track, np.array([0.19, 0.29]), np.zeros(2), 1.0)
-    true = np.array([c, f]) - [0.19, 0.29]
-    left = rest + by_law @ true + by_slope @ [0.0, pull]
-    assert np.abs(left).max() < 0.03 * np.abs(by_slope @ [0.0, pull]).max()
+    rows = track.near(0.19, 0.29, np.zeros(2))
+    left, level = (rows(*one(c, f), np.array([[0.0, across]])) for across in (pull, 0.0))
+    assert np.abs(left).max() < 0.03 * np.abs(left - level).max()

@@ -19,19 +19,17 @@ and the start is solved for at every point. A slide's time is the law's from res
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..fitting.bends import Bends, frictions_in, projections, resistance
-from ..fitting.rolling_law import slide_s, stop_s, way_m
+from ..fitting.rolling_law import slide_s, way_m
 from ..fitting.shared import FRICTIONS, rolling_share, straightness_factors
 from ..fitting.unknowns import Floats, Unknown, Values, Whole
 from ..session import Session
-from .tracks import PushTrack, tracks_of
+from .tracks import PushTrack, Rows, tracks_of
 
 WHERE = " on the floor"
 _VISCOUS = 0.3  # of a push's force, roughly
@@ -89,26 +87,11 @@ class Rolling:
 
 
 @dataclass(frozen=True, eq=False)
-class _Films:
-    """Two residuals of each of P films, linear in its c, f and slopes about a point.
-
-    rest (P, 2) + by_law (P, 2, 2) ((c, f) - law (P, 2)) + by_slope (P, 2, 2) m / m_e slopes (P, 2).
-    index: which of the pushes.
-    """
-
-    index: Whole
-    law: Floats
-    rest: Floats
-    by_law: Floats
-    by_slope: Floats
-
-
-@dataclass(frozen=True, eq=False)
 class Pushes:
     """The kept pushes of a session.
 
-    way: +1 there, -1 back. place: which of the places. films: None: not yet linear about a point.
-    spreads: of marks, each place's standard deviation over that stated, by the push's index.
+    way: +1 there, -1 back. place: which of the places. rows: of
+    each push, its residuals near a point.
     """
 
     rolling: Rolling
@@ -120,8 +103,7 @@ class Pushes:
     tracks: tuple[PushTrack, ...]
     slope_sigma_rad: float
     scale_sigma: float
-    films: _Films | None = None
-    spreads: Mapping[int, Floats] = field(default_factory=dict)
+    rows: tuple[Rows, ...] = ()
 
     @property
     def unknowns(self) -> tuple[Unknown, ...]:
@@ -164,74 +146,38 @@ class Pushes:
         return out
 
     def law(self, values: Values) -> tuple[Floats, Floats, Floats]:
-        """Return c and f on level ground in the lengths as filmed, and m / m_e, each (K, N)."""
+        """Return c and f on level ground in the lengths as filmed, (K, N), and the floor's pull.
+
+        That is (along, across), (K, N, 2), m/s^2, + where it helps a push.
+        """
         c, f, share = self.rolling.motion(values, self.bends, self.back)
         if "film scale" in values:
             filmed = np.array([track.by == "film" for track in self.tracks])
             scale = 1.0 + self.scale_sigma * values["film scale"][:, None] * filmed
             f, share = f * scale, share * scale
-        return c, f, share
-
-    def level_law(self, values: Values, index: int) -> tuple[Floats, Floats]:
-        """Return a push's c and f (K,) with its floor's slopes in f, as filmed."""
-        c, f, share = self.law(values)
-        off_rad = self.tracks[index].off_rad
-        mean = np.array([np.cos(off_rad).mean(), np.sin(off_rad).mean()])
-        pull = (
-            share[:, index] * self.rolling.gravity_m_s2 * (self.slopes_rad(values)[:, index] @ mean)
-        )
-        return c[:, index], f[:, index] - pull
-
-    def slopes_rad(self, values: Values) -> Floats:
-        """Return each push's (along, across) slope, + where it helps a push, (K, N, 2)."""
-        parts = [
+        slopes = [
             np.stack([values[f"{part} {place}"] for place in self.places], axis=1)[:, self.place]
             for part in ("along", "across")
         ]
-        return self.slope_sigma_rad * self.way[:, None] * np.stack(parts, axis=2)
+        pull = self.slope_sigma_rad * self.rolling.gravity_m_s2 * self.way * share
+        return c, f, pull[..., None] * np.stack(slopes, axis=2)
+
+    def level_law(self, values: Values, index: int) -> tuple[Floats, Floats]:
+        """Return a push's c and f (K,) with its floor's slopes in f, as filmed."""
+        c, f, pull = self.law(values)
+        return c[:, index], f[:, index] - pull[:, index] @ self.tracks[index].heading
 
     def residuals(self, values: Values) -> Floats:
         """Return the residuals (K, rows)."""
-        c, f, share = self.law(values)
-        slopes, out = self.slopes_rad(values), np.empty((len(c), len(self.numbers)))
-        if self.films is not None:
-            films = self.films
-            law = np.stack([c[:, films.index], f[:, films.index]], axis=2) - films.law
-            pull = share[:, films.index, None] * slopes[:, films.index]
-            rows = (
-                films.rest
-                + np.einsum("pij,kpj->kpi", films.by_law, law)
-                + np.einsum("pij,kpj->kpi", films.by_slope, pull)
-            )
-            out[:, self._is_film] = rows.reshape(len(c), -1)
-        for k, spread in self.spreads.items():
-            track = self.tracks[k]
-            out[:, self.numbers == track.number] = track.profiled(
-                *self.level_law(values, k), spread
-            )[2]
-        return out
-
-    @cached_property
-    def _is_film(self) -> NDArray[np.bool_]:
-        """Tell which rows are films'."""
-        filmed = [track.number for track in self.tracks if track.by == "film"]
-        return np.isin(self.numbers, filmed)
+        c, f, pull = self.law(values)
+        parts = [rows(c[:, k], f[:, k], pull[:, k]) for k, rows in enumerate(self.rows)]
+        return np.concatenate(parts, axis=1)
 
     def near(self, values: Values) -> Pushes:
         """Return the block with films linear about a point."""
-        c, f, share = self.law(values)
-        slopes, films, spreads = self.slopes_rad(values), [], {}
-        for k, track in enumerate(self.tracks):
-            if track.by == "film":
-                law = np.array([c[0, k], f[0, k]])
-                pull = share[0, k] * slopes[0, k]
-                films.append((k, law, *_film(track, law, pull, self.rolling.gravity_m_s2)))
-            else:
-                speed = track.profiled(*(level := self.level_law(values, k)))[0]
-                moving = way_m(track.t_s, speed, *level)[2]
-                spreads[k] = np.hypot(1.0, moving * track.sigma_s / track.sigma_m)
-        stacked = _Films(*map(np.array, zip(*films, strict=True))) if films else None
-        return replace(self, films=stacked, spreads=spreads)
+        c, f, pull = (part[0] for part in self.law(values))
+        rows = [track.near(c[k], f[k], pull[k]) for k, track in enumerate(self.tracks)]
+        return replace(self, rows=tuple(rows))
 
     def nuisances(self, values: Values) -> dict[str, Floats]:
         """Return what pushes share by the name that a fit gives it, in its unit."""
@@ -247,41 +193,6 @@ class Pushes:
             mean, sigma = self.rolling.rolling
             out["wheels_turning_over_mass"] = mean + sigma * values["rolling"]
         return out
-
-
-def _film(
-    track: PushTrack, law: Floats, pull: Floats, gravity_m_s2: float
-) -> tuple[Floats, Floats, Floats]:
-    """Return rest, by_law and by_slope of a film about a law (c, f) and slopes times m / m_e."""
-    c, f = law
-    mean = np.array([np.cos(track.off_rad).mean(), np.sin(track.off_rad).mean()])
-    level = f - gravity_m_s2 * float(pull @ mean)
-    speed, place, _ = track.profiled(law[:1], np.array([level]))
-    one = np.ones_like(track.t_s)
-    way, slopes, moving = way_m(track.t_s, speed[0] * one, c * one, level * one)
-    sigma = np.hypot(track.sigma_m, moving * track.sigma_s)[:, None]
-    by_slope = gravity_m_s2 * _carried(track, speed[0], c, level)
-    # how far a turning path is from one at its mean angle, by the slopes as they are
-    off = place[0] + way - track.x_m + by_slope @ pull - slopes[2] * (level - f)
-    started = np.linalg.qr(np.stack([slopes[0], one], axis=1) / sigma)[0]
-    by_law = slopes[1:].T / sigma
-    basis, root = np.linalg.qr(by_law - started @ (started.T @ by_law))
-    by_slope = basis.T @ (by_slope / sigma)
-    return basis.T @ (off / sigma[:, 0]) - by_slope @ pull, root, by_slope
-
-
-def _carried(track: PushTrack, speed: float, c: float, f: float) -> Floats:
-    """Return how far (T, 2) accelerations of 1 along cos, and sin, of the path carry it."""
-    stop = float(stop_s(np.array([speed]), np.array([c]), np.array([f]))[0][0])
-    t = np.minimum(track.t_s, stop)[:, None]
-    pull = np.stack([np.cos(track.off_rad), np.sin(track.off_rad)], axis=1)
-    return _summed(t, np.exp(-c * t) * _summed(t, np.exp(c * t) * pull))
-
-
-def _summed(t: Floats, rate: Floats) -> Floats:
-    """Return the integral of a rate (T, 2) over times (T, 1) from the first, by trapezia."""
-    steps = np.diff(t, axis=0) * (rate[1:] + rate[:-1]) / 2
-    return np.concatenate([np.zeros((1, rate.shape[1])), np.cumsum(steps, axis=0)])
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from ..kinds.coast import Coast
 from ..session import Session
 from .arc import along, directions_rad
 
+Rows = Callable[[Floats, Floats, Floats], Floats]
 TAPE_M = 0.005  # of a way measured from where a hand let go
 _FILM_M = 0.001  # of a place, where nothing states it
 # A path further off the line of its floor was filmed by a camera that somebody turned.
@@ -59,6 +61,45 @@ class PushTrack:
         weight = np.broadcast_to(np.asarray(spread), self.t_s.shape) ** -2.0
         place = np.sum(weight * (self.x_m - way), axis=1) / weight.sum()
         return speed[:, 0], place, off
+
+    @property
+    def heading(self) -> Floats:
+        """Return the mean cosine and sine of the path's angle to the line of its floor."""
+        return np.array([np.cos(self.off_rad).mean(), np.sin(self.off_rad).mean()])
+
+    def near(self, c: float, f: float, pull: Floats) -> Rows:
+        """Return the residuals (K, rows) by c, f (K,) and the floor's pull (K, 2), near a point.
+
+        Those of a film are two, linear about the point. All others keep their closed form, with
+        standard deviations as they are at the point.
+        """
+        level = f - float(pull @ self.heading)
+        speed, place, _ = self.profiled(np.array([c]), np.array([level]))
+        one = np.ones_like(self.t_s)
+        way, slopes, moving = way_m(self.t_s, speed * one, c * one, level * one)
+        spread = np.hypot(1.0, moving * self.sigma_s / self.sigma_m)
+        if self.by != "film":
+            return lambda c, f, pull: self.profiled(c, f - pull @ self.heading, spread)[2]
+        sigma = self.sigma_m * spread[:, None]
+        by_pull = self._carried(speed[0], c, level)
+        # how far a turning path is from one at its mean angle, by the slopes as they are
+        off = place + way - self.x_m + by_pull @ pull - slopes[2] * (level - f)
+        started = np.linalg.qr(np.stack([slopes[0], one], axis=1) / sigma)[0]
+        by_law = slopes[1:].T / sigma
+        basis, root = np.linalg.qr(by_law - started @ (started.T @ by_law))
+        by_pull = basis.T @ (by_pull / sigma)
+        at = basis.T @ (off / sigma[:, 0]) - by_pull @ pull - root @ [c, f]
+        return lambda c, f, pull: at + np.stack([c, f], axis=1) @ root.T + pull @ by_pull.T
+
+    def _carried(self, speed: float, c: float, f: float) -> Floats:
+        """Return how far (T, 2) accelerations of 1 along cos, and sin, of the path carry it."""
+        from scipy.integrate import cumulative_trapezoid
+
+        stop = float(stop_s(np.array([speed]), np.array([c]), np.array([f]))[0][0])
+        t = np.minimum(self.t_s, stop)[:, None]
+        pull = np.stack([np.cos(self.off_rad), np.sin(self.off_rad)], axis=1)
+        speeds = np.exp(-c * t) * cumulative_trapezoid(np.exp(c * t) * pull, t, axis=0, initial=0)
+        return np.asarray(cumulative_trapezoid(speeds, t, axis=0, initial=0))
 
     def _off(
         self, speed: Floats, c: Floats, f: Floats, spread: Floats | float
