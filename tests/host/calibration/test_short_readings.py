@@ -8,7 +8,6 @@ import pytest
 from click.testing import CliRunner
 from scipy.integrate import solve_ivp
 from serpenoid import BadInput, fit_friction
-from serpenoid.calibration.fitting.tracks import Tracks
 from serpenoid.calibration.kinds.instruments import Stopwatch
 from serpenoid.calibration.kinds.places import drifts, tidy_places
 from serpenoid.calibration.kinds.station import Reading
@@ -26,7 +25,6 @@ from .synthetic_session import setup as made_up_setup
 
 NAMES = ("ct", "cn", "ft0", "fn0")
 TRUE = np.array([getattr(WHOLE_BODY_2005, name) for name in NAMES])
-ROLLING = (0.05, 0.02)
 
 
 def rolled(viscous, dry, pull, mass, belt, slip, times):
@@ -44,26 +42,6 @@ def rolled(viscous, dry, pull, mass, belt, slip, times):
 
 def word(times, places):
     return ",".join(f"{t:.6f}:{y:.9f}" for t, y in zip(times, places, strict=True))
-
-
-@pytest.mark.parametrize("viscous", [0.0, 0.09, 0.6])
-@pytest.mark.parametrize(("slip", "pull"), [(0.3, 0.45), (0.6, 0.3), (0.4, 0.5)])
-def test_a_track_tells_the_force_that_the_equation_of_motion_has(viscous, slip, pull):
-    times, dry, mass = np.array([0.0, 0.7, 2.1, 3.0, 4.4]), 0.2, 0.45
-    places = rolled(viscous, dry, pull, mass * (1 + ROLLING[0]), 0.45, slip, times)
-    text = word(times, places)
-    tracks = Tracks.of([text], [Stopwatch(0.002, 0.02)], mass, ROLLING)
-    mean_slip = np.array([0.45 - drifts(text)[0]])
-    force = tracks.drag(np.array([[viscous]]), mean_slip)
-    assert force == pytest.approx(pull - dry, abs=1e-7)
-
-
-def test_a_robot_that_holds_is_a_station():
-    held = word([0.0, 2.0, 4.0], [0.0, 0.02, 0.04])
-    tracks = Tracks.of([held, ""], [Stopwatch()] * 2, 0.45, ROLLING)
-    force = tracks.drag(np.array([[0.3, 0.3]]), np.array([0.4, 0.4]))
-    assert force[0] == pytest.approx([0.12, 0.12])
-    assert tracks.inertia()[0] == pytest.approx([0.0, 0.0], abs=1e-12)
 
 
 def with_short_readings():

@@ -15,7 +15,7 @@ these small ways. Its error is that of places and times.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,14 +25,16 @@ from ..kinds.places import track_of
 from .rolling_law import shapes
 
 Floats = NDArray[np.float64]
+_FEWEST, _HELD = 3, 1e24  # places, and the weight of each, 1 / m^2, where a robot was held
 
 
 @dataclass(frozen=True)
 class Tracks:
     """Places of N readings, (N, J): t_s; off_m, downhill, from the mean slip; weight, 1 / m^2.
 
-    All weights of a reading that was held, and those of places it has not, are 0. effective_kg: of
-    the robot with its wheels' turning, and rolling_sigma that share's standard deviation.
+    The weights of places that a reading has not are 0. One that was held has some at the mean slip,
+    all but exact. effective_kg: of the robot with its wheels' turning, and rolling_sigma that
+    share's standard deviation.
     """
 
     t_s: Floats
@@ -54,48 +56,34 @@ class Tracks:
         rolling: J / r^2 of the wheels over the mass, and its standard deviation.
         """
         tracks = [track_of(text) for text in places]
-        shape = len(tracks), max((track.shape[1] for track in tracks), default=0)
-        t_s, off_m, weight = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+        shape = len(tracks), max([_FEWEST, *(track.shape[1] for track in tracks)])
+        t_s, off_m = np.tile(np.arange(shape[1], dtype=float), (shape[0], 1)), np.zeros(shape)
+        weight = np.full(shape, _HELD)
         for k, (track, watch) in enumerate(zip(tracks, watches, strict=True)):
             t, y = track
             if not t.size:
                 continue
             speed = np.abs(np.diff(y) / np.diff(t)).max()
             sigma_m = max(np.hypot(watch.distance_sigma_m, speed * watch.time_sigma_s), 1e-4)
-            t_s[k, : t.size], weight[k, : t.size] = t, sigma_m**-2
-            off_m[k, : t.size] = y[-1] / t[-1] * t - y
+            t_s[k, : t.size], off_m[k, : t.size] = t, y[-1] / t[-1] * t - y
+            weight[k] = np.where(np.arange(shape[1]) < t.size, sigma_m**-2, 0.0)
         return cls(t_s, off_m, weight, mass_kg * (1.0 + rolling[0]), rolling[1] / (1 + rolling[0]))
-
-    @property
-    def watched(self) -> NDArray[np.bool_]:
-        """Tell which readings are short ones."""
-        return np.any(self.weight > 0.0, axis=1)
-
-    def picked(self, index: NDArray[np.intp] | NDArray[np.bool_]) -> Tracks:
-        """Return those of some readings."""
-        return replace(
-            self, t_s=self.t_s[index], off_m=self.off_m[index], weight=self.weight[index]
-        )
 
     def drag(self, viscous: Floats, slip_m_s: Floats) -> Floats:
         """Return -m_e f of each reading, (K, N), N, at viscous frictions A (K, N), N s/m.
 
         A v where the robot was held.
         """
-        force, on = viscous * slip_m_s, self.watched
-        if on.any():
-            f, _ = self.picked(on)._acceleration(viscous[:, on] / self.effective_kg)
-            force[:, on] -= self.effective_kg * f
-        return force
+        force = viscous * slip_m_s
+        if not self.off_m.any():
+            return force
+        return force - self.effective_kg * self._acceleration(viscous / self.effective_kg)[0]
 
     def inertia(self) -> tuple[Floats, Floats]:
         """Return the force that changes each reading's speed, roughly, and its error, N."""
-        force, sigma, on = np.zeros(len(self.t_s)), np.zeros(len(self.t_s)), self.watched
-        if on.any():
-            f, f_sigma = self.picked(on)._acceleration(np.zeros((1, int(on.sum()))))
-            force[on] = -self.effective_kg * f[0]
-            sigma[on] = np.hypot(self.effective_kg * f_sigma[0], force[on] * self.rolling_sigma)
-        return force, sigma
+        f, f_sigma = self._acceleration(np.zeros((1, len(self.t_s))))
+        force = -self.effective_kg * f[0]
+        return force, np.hypot(self.effective_kg * f_sigma[0], force * self.rolling_sigma)
 
     def _acceleration(self, c: Floats) -> tuple[Floats, Floats]:
         """Return f and its standard deviation at c, (K, N) each.

@@ -14,38 +14,33 @@ def along(x_m: Floats, y_m: Floats, sigma_m: float) -> Floats:
 
     The curve is a parabola through the places, so that their scatter across adds nothing.
     """
-    ahead, across = turned(x_m, y_m)
-    if np.ptp(ahead) < LEAST * sigma_m:
-        return ahead
-    slope = np.polyder(np.polyfit(ahead, across, 2))
+    ahead, slope, _ = _curve(x_m, y_m, sigma_m)
     longer = np.polyint(0.5 * np.polymul(slope, slope))
     return ahead + np.polyval(longer, ahead) - np.polyval(longer, ahead[0])
 
 
-def turned(x_m: Floats, y_m: Floats) -> tuple[Floats, Floats]:
-    """Return the places in a frame whose first axis points from the first to the last of them."""
-    few = max(1, len(x_m) // 8)
-    dx, dy = (float(np.mean(v[-few:]) - np.mean(v[:few])) for v in (x_m, y_m))
-    far = np.hypot(dx, dy)
-    c, s = (dx / far, dy / far) if far > 0.0 else (1.0, 0.0)
-    return c * x_m + s * y_m, c * y_m - s * x_m
-
-
 def turn_rad(x_m: Floats, y_m: Floats) -> float:
     """Return how far the path turns from its first place to its last, rad, + to the left."""
-    ahead, across = turned(x_m, y_m)
-    slope = np.polyder(np.polyfit(ahead, across, 2))
-    ends = np.arctan(np.polyval(slope, ahead[[0, -1]]))
-    return float(ends[1] - ends[0])
+    directions = directions_rad(x_m, y_m, 0.0)
+    return float(directions[-1] - directions[0])
 
 
 def directions_rad(x_m: Floats, y_m: Floats, sigma_m: float) -> Floats:
     """Return the path's direction at each place, rad, in the frame of the places."""
-    ahead, across = turned(x_m, y_m)
+    ahead, slope, chord_rad = _curve(x_m, y_m, sigma_m)
+    return np.asarray(chord_rad + np.arctan(np.polyval(slope, ahead)))
+
+
+def _curve(x_m: Floats, y_m: Floats, sigma_m: float) -> tuple[Floats, Floats, float]:
+    """Return places along the chord, the path's slope over them as a polynomial, the chord's angle.
+
+    The chord goes from the first places to the last. The slope is 0 on too short a way.
+    """
     few = max(1, len(x_m) // 8)
     dx, dy = (float(np.mean(v[-few:]) - np.mean(v[:few])) for v in (x_m, y_m))
-    chord = np.full_like(ahead, np.arctan2(dy, dx))
+    chord_rad = float(np.arctan2(dy, dx))
+    c, s = np.cos(chord_rad), np.sin(chord_rad)
+    ahead = c * x_m + s * y_m
     if np.ptp(ahead) < LEAST * sigma_m:
-        return chord
-    slope = np.polyder(np.polyfit(ahead, across, 2))
-    return np.asarray(chord + np.arctan(np.polyval(slope, ahead)))
+        return ahead, np.zeros(1), chord_rad
+    return ahead, np.polyder(np.polyfit(ahead, c * y_m - s * x_m, 2)), chord_rad

@@ -120,27 +120,20 @@ def _named_unit(name: str, known: dict[str, float]) -> float | None:
 def _row(
     path: Path, number: int, cells: list[str], columns: list[tuple[int, float | None]], cut: str
 ) -> tuple[float, float, float] | None:
-    if len(cells) <= max(at for at, _ in columns):
-        return None
-    texts = [cells[at] for at, _ in columns]
-    if not all(texts):
+    texts = [cells[at] for at, _ in columns if at < len(cells)]
+    if len(texts) < len(columns) or not all(texts):
         return None
     try:
-        values = [_time(texts[0], cut), *(_number(text, cut) for text in texts[1:])]
+        t, x, y = [*(_number(text, cut) for text in texts), 0.0][:3]
     except ValueError:
         raise BadInput(f"{path}:{number}: {', '.join(texts)} are not numbers") from None
-    if not all(map(math.isfinite, values)):
-        return None
-    return values[0], values[1], values[2] if len(values) > 2 else 0.0
+    return (t, x, y) if all(map(math.isfinite, (t, x, y))) else None
 
 
 def _number(text: str, cut: str) -> float:
-    return float(text if cut == "," else text.replace(",", "."))
-
-
-def _time(text: str, cut: str) -> float:
+    """Return a number, or a clock's time in s."""
     clock = _CLOCK.fullmatch(text)
     if clock is None:
-        return _number(text, cut)
+        return float(text if cut == "," else text.replace(",", "."))
     hours, minutes, seconds, rest = clock.groups()
     return 3600 * int(hours) + 60 * int(minutes) + int(seconds) + int(rest) / 10 ** len(rest)
