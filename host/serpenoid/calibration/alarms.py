@@ -7,11 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from .fitting.bends import resistance
-from .fitting.paper_fit import points, two_lines
+from .fitting.paper_fit import errors, points, two_lines
 from .fitting.posterior import Mode
 from .fitting.stations import Stations
 from .fitting.suspects import suspects_in_words
-from .fitting.unknowns import Floats
 from .friction_result import DOUBTFUL, FrictionFit
 from .session import Session
 
@@ -57,11 +56,13 @@ def _against_the_law(data: Stations) -> list[str]:
     By lines through the readings alone, since the fit itself keeps its parameters at 0 or above.
     """
     values = two_lines(data)[0]
-    found, errors = points(data, values), _errors_n(data)
+    slope = resistance(np.abs(values), data.bends.share, data.lambda_rad, data.back)[0]
+    found = points(data, values)
+    errors_n = {part: sigmas[1] for part, sigmas in errors(data, slope).items()}
     alarms = []
     named = (("straight", "straight", 0), ("back", "upward-facing", 4), ("bent", "bent", 1))
     for part, name, k in named:
-        speeds, error_n = found[part][0], errors[part]
+        speeds, error_n = found[part][0], errors_n[part]
         if len(speeds) < 2 or np.ptp(speeds) == 0.0:
             continue
         sigma = float(error_n.mean()) / (float(speeds.std()) * np.sqrt(len(speeds)))
@@ -72,22 +73,9 @@ def _against_the_law(data: Stations) -> list[str]:
                 "zero that moved."
             )
     forces = found["bent"][1]
-    if len(forces) and forces.mean() < -_SURELY * errors["bent"].mean() / np.sqrt(len(forces)):
+    if len(forces) and forces.mean() < -_SURELY * errors_n["bent"].mean() / np.sqrt(len(forces)):
         alarms.append(
             "The bent robot has less friction than the straight one, though wheels grip across. "
             "Look at the bend, and whether the robot stood still on the belt."
         )
     return alarms
-
-
-def _errors_n(data: Stations) -> dict[str, Floats]:
-    """Return part -> standard deviation of each point's force, N; speeds' errors by their slope."""
-    whole = np.abs(two_lines(data)[0])
-    slope = resistance(whole, data.bends.share, data.lambda_rad, data.back)[0]
-    alone = data.alone
-    pull = alone.weight_n * np.cos(alone.incline_rad) * alone.incline_sigma_rad
-    sin = np.maximum(np.sin(data.lambda_rad), 1e-9)
-    force = np.hypot(pull, slope * data.speed_sigma_m_s)
-    across = force / np.maximum(data.bends.share * sin, 1e-9)
-    ahead, back = ~data.bent & ~data.back, ~data.bent & data.back
-    return {"straight": force[ahead], "back": force[back], "bent": across[data.bent]}

@@ -11,7 +11,6 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.checks import check_number
 from ..model.drives import Servo
@@ -27,15 +26,18 @@ from .friction_result import (
     Estimate,
     FitDraws,
     FittedServos,
+    Floats,
     FrictionFit,
-    WholeSnake,
-    ground_of,
+    fit_of,
     normal_draws,
 )
 from .session import Session
 
 FORMAT = 2  # 1 had draws only where crawls were fitted
 NAME = "fit.json"
+_LONGEST = 200  # letters of a reason
+# By SciPy, from the covariance, or, where a file of format 1 has none, at random.
+_COMPUTED = ("p_value", "parameters", "draws")
 
 
 def save_fit(fit: FrictionFit, path: str | Path) -> Path:
@@ -109,8 +111,9 @@ def load_fit(path: str | Path) -> FrictionFit:
         raise BadInput(f"{error}; `serpenoid fit DIR` writes it anew") from None
     try:
         fit = _from_json(given)
-    except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
-        what = f"{error} is missing" if isinstance(error, KeyError) else str(error)
+        _check_sound(fit, given)
+    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
+        what = f"{error} is missing" if isinstance(error, KeyError) else str(error)[:_LONGEST]
         raise BadInput(
             f"{path}: not a fit of this program: {what}; `serpenoid fit DIR` writes it anew"
         ) from error
@@ -165,70 +168,103 @@ def _check(given: Mapping[str, Any]) -> None:
         )
 
 
+def _check_sound(fit: FrictionFit, given: Mapping[str, Any]) -> None:
+    """Raise BadInput where numbers are none of a fit, or a file says other than its fit would."""
+    again = json.loads(json.dumps(fit.to_dict()))
+    differ = [k for k in again if k in given and k not in _COMPUTED and again[k] != given[k]]
+    covariance, draws, servos = fit.covariance, fit.draws, fit.servos
+    count = len(fit.parameters)
+    least = float(np.linalg.eigvalsh(covariance)[0])
+    intervals = [(0.0, row.low, row.value, row.high) for row in fit.rows()]
+    sound = {
+        "intervals": all(sorted(ends) == list(ends) for ends in intervals),
+        "covariance": np.abs(covariance - covariance.T).max() <= 1e-6 * covariance.max()
+        and least >= -1e-6 * float(covariance.max()),
+        "draws": draws.names[:count] == fit.names
+        and len(draws) > 0
+        and bool(np.all(draws.rows[:, :count] >= 0.0)),
+        "chi2": fit.chi2 >= 0.0 and fit.dof >= 0,
+        "servos": servos is None
+        or (
+            len(servos.index) == len(draws)
+            and {*servos.index, servos.best} <= {*range(len(servos.drawn))}
+        ),
+    }
+    wrong = [*differ, *(part for part, well in sound.items() if not well)]
+    if wrong:
+        raise BadInput(f"{wrong[0]}: not what a fit would write")
+
+
+def _check_numbers(given: Any) -> None:
+    """Raise BadInput where a number, however deep, is no finite one of a size that can be."""
+    if isinstance(given, Mapping | list):
+        for part in given.values() if isinstance(given, Mapping) else given:
+            _check_numbers(part)
+    elif isinstance(given, int | float):
+        check_number("a number of it", given)
+
+
 def _from_json(given: Mapping[str, Any]) -> FrictionFit:
-    """Return the fit; its numbers are sound, since a fit wrote them."""
+    """Return the fit that a file holds."""
     _check(given)
-    names = [name for name in FRICTIONS if name + WHOLE in given["parameters"]]
-    whole = [given["parameters"][name + WHOLE] for name in names]
-    values = [float(part["value"]) for part in whole]
-    ends = [(float(low), float(high)) for low, high in (part["interval"] for part in whole)]
+    _check_numbers(given)
+    names = tuple(name for name in FRICTIONS if name + WHOLE in given["parameters"])
+    parts = [given["parameters"][name + WHOLE] for name in names]
+    values = number_array("value", [part["value"] for part in parts])
+    ends = number_array("interval", [part["interval"] for part in parts])
     covariance = number_array("covariance", given["covariance"]["values"])
-    covariance.flags.writeable = False
-    robot = Robot(**given["robot"])
-    return FrictionFit(
-        method=given["method"],
-        sigma=given["sigma"],
-        parameters=_named(_estimate(part) for part in whole),
-        intervals=_named(ends),
-        covariance=covariance,
-        robot=robot,
-        ground=ground_of(robot.links, values),
-        chi2=given["chi2"],
-        dof=given["dof"],
-        nuisances=MappingProxyType({n: _estimate(e) for n, e in given["nuisances"].items()}),
-        residuals=tuple(given["residuals"]),
-        outliers=tuple(given["outliers"]),
+    covariance = covariance.reshape((len(names),) * 2)
+    return fit_of(
+        Robot(**given["robot"]),
+        values,
+        covariance,
+        ends,
+        method=str(given["method"]),
+        sigma=str(given["sigma"]),
+        chi2=float(given["chi2"]),
+        dof=int(given["dof"]),
+        nuisances=MappingProxyType(
+            {
+                n: Estimate(float(e["value"]), float(e["sigma"]))
+                for n, e in given["nuisances"].items()
+            }
+        ),
+        residuals=tuple(map(float, given["residuals"])),
+        outliers=tuple(map(int, given["outliers"])),
         influence=tuple(map(_influence, given["influence"])),
-        notes=tuple(given["notes"]),
-        alarms=tuple(given["alarms"]),
+        notes=tuple(map(str, given["notes"])),
+        alarms=tuple(map(str, given["alarms"])),
         session_name=given["session"]["name"],
         session_sha256=given["session"]["sha256"],
-        draws=_draws(given, names, np.array(values), covariance, np.array(ends)),
+        draws=_draws(given, names, (values, covariance, ends)),
         servos=_servos(given["servos"]) if "servos" in given else None,
     )
 
 
-def _estimate(given: Mapping[str, Any]) -> Estimate:
-    return Estimate(float(given["value"]), float(given["sigma"]))
-
-
 def _draws(
-    given: Mapping[str, Any],
-    names: list[str],
-    values: NDArray[np.float64],
-    covariance: NDArray[np.float64],
-    ends: NDArray[np.float64],
+    given: Mapping[str, Any], names: tuple[str, ...], told: tuple[Floats, Floats, Floats]
 ) -> FitDraws:
-    """Return a file's draws; of a file of format 1 without them draws of its intervals."""
+    """Return a file's draws; told: values, covariance and intervals.
+
+    Of a file of format 1 without them draws of these.
+    """
     draws: Any = given.get("draws")
     if given["format"] > 1:
         return FitDraws(tuple(draws["order"]), number_array("draws", draws["values"]))
     if draws:
         return FitDraws((*names, AMPLITUDE), number_array("draws", draws))
-    return FitDraws(tuple(names), normal_draws(values, covariance, ends))
+    return FitDraws(names, normal_draws(*told))
 
 
 def _servos(given: Mapping[str, Any]) -> FittedServos:
     """Return the servos that go with the draws."""
     drawn = tuple(Servo(**one) for one in given["drawn"])
-    return FittedServos(given["kind"], drawn, tuple(given["index"]), given["best"])
-
-
-def _named(values: Any) -> WholeSnake[Any]:
-    return WholeSnake(dict(zip(FRICTIONS, values, strict=False)))
+    return FittedServos(given["kind"], drawn, tuple(map(int, given["index"])), int(given["best"]))
 
 
 def _influence(given: Mapping[str, Any]) -> Influence:
-    shift = tuple(given["shift_in_sigmas"].values())
-    figures = {key: given[key] for key in ("reading", "leverage", "studentised", "chi2_without")}
-    return Influence(shift=shift, **figures)
+    leverage, studentised = float(given["leverage"]), float(given["studentised"])
+    shift = tuple(map(float, given["shift_in_sigmas"].values()))
+    return Influence(
+        int(given["reading"]), leverage, studentised, shift, float(given["chi2_without"])
+    )

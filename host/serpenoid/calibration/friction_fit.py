@@ -26,9 +26,8 @@ from ..model.drives import ServoKind
 from ..model.errors import BadInput, NotConverged
 from .alarms import with_alarms
 from .crawls.result import fit_crawls
-from .fitting.bends import projections
 from .fitting.identifiability import bend_note, check_readings
-from .fitting.paper_fit import parts, points, two_lines
+from .fitting.paper_fit import errors, points, two_lines
 from .fitting.posterior import BAD_WIDTH, Draws, Mode, Posterior
 from .fitting.shared import FRICTIONS, scaled
 from .fitting.stations import Stations
@@ -159,25 +158,14 @@ def voided_points(session: Session, fit: FrictionFit) -> dict[str, tuple[Floats,
 
 def point_errors(session: Session) -> dict[str, tuple[Floats, Floats]]:
     """Return part -> standard deviations of friction_points' speeds and forces, each alone."""
-    data = Stations.of(session).alone
-    force = np.hypot(
-        data.weight_n * np.cos(data.incline_rad) * data.incline_sigma_rad, data.inertia_sigma_n
-    )
-    b, across = data.bent, np.sin(data.lambda_rad[data.bent])
-    by_fn0 = projections(data.bends.share, data.lambda_rad)[3][b]
-    ahead, back = ~b & ~data.back, ~b & data.back
-    return {
-        "straight": (data.speed_sigma_m_s[ahead], force[ahead]),
-        "back": (data.speed_sigma_m_s[back], force[back]),
-        "bent": (data.speed_sigma_m_s[b] * across, force[b] / by_fn0),
-    }
+    return errors(Stations.of(session))
 
 
 def _naive(session: Session, data: Stations) -> FrictionFit:
     from scipy.special import stdtrit
 
     values, covariance = two_lines(data)
-    straight, back, bent = parts(data)
+    straight, back, bent = (int(which.sum()) for which in data.parts.values())
     freedom = np.array([straight, bent, straight, bent, back, back])[: data.parameters] - 2
     widths = stdtrit(freedom, 0.5 + LEVEL / 2) * np.sqrt(np.diag(covariance))
     _check_signs(session, values)

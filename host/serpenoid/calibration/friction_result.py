@@ -277,9 +277,8 @@ class FrictionFit(Result):
         from scipy.special import ndtri
         from scipy.stats import qmc
 
-        axes = np.linalg.svd((whole - whole.mean(axis=0)) / whole.std(axis=0), full_matrices=False)[
-            0
-        ]
+        spread = np.maximum(whole.std(axis=0), 1e-300)
+        axes = np.linalg.svd((whole - whole.mean(axis=0)) / spread, full_matrices=False)[0]
         ranked = ndtri((axes.argsort(axis=0).argsort(axis=0) + 0.5) / len(whole))
         sobol = qmc.Sobol(whole.shape[1], seed=seed)  # pyright: ignore[reportCallIssue] (older SciPy)
         even = ndtri(sobol.random(1 << (count - 1).bit_length()))[:count]
@@ -402,23 +401,30 @@ def normal_draws(
     return np.maximum(drawn[inside_first], 0.0)
 
 
-def with_values(session: Session, values: Floats, covariance: Floats, ends: Floats) -> FrictionFit:
-    """Return a fit that has values, covariance and intervals, and nothing else yet."""
+def fit_of(
+    robot: Robot, values: Floats, covariance: Floats, ends: Floats, **more: Any
+) -> FrictionFit:
+    """Return a fit that has values, covariance and intervals; more: of its other fields."""
     covariance = covariance.copy()
     covariance.flags.writeable = False
-    names, robot = FRICTIONS[: len(values)], session.setup.robot
-    pairs = zip(values.tolist(), np.sqrt(np.diag(covariance)).tolist(), strict=True)
+    names = FRICTIONS[: len(values)]
+    sigmas = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    pairs = zip(values.tolist(), sigmas.tolist(), strict=True)
     return FrictionFit(
-        method="joint",
-        sigma="absolute",
         parameters=WholeSnake(dict(zip(names, (Estimate(*p) for p in pairs), strict=True))),
         intervals=WholeSnake(dict(zip(names, map(tuple, ends.tolist()), strict=True))),
         covariance=covariance,
         robot=robot,
         ground=ground_of(robot.links, values.tolist()),
-        session_name=session.setup.name,
-        session_sha256=session.sha256,
+        **more,
     )
+
+
+def with_values(session: Session, values: Floats, covariance: Floats, ends: Floats) -> FrictionFit:
+    """Return a session's fit that has values, covariance and intervals, and nothing else yet."""
+    named = {"session_name": session.setup.name, "session_sha256": session.sha256}
+    named |= {"method": "joint", "sigma": "absolute"}
+    return fit_of(session.setup.robot, values, covariance, ends, **named)
 
 
 def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:

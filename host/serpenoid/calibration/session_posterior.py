@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .fitting.paper_fit import parts, two_lines
+from .fitting.paper_fit import two_lines
 from .fitting.posterior import Mode, Posterior
 from .fitting.shared import shared_covariance
 from .fitting.stations import Stations
@@ -30,7 +30,8 @@ def start_of(posterior: Posterior) -> Floats:
         elif isinstance(block, Slides):
             whole[:4] = np.where(whole[:4] > 0.0, whole[:4], _USUAL)
         elif isinstance(block, Stations):
-            told = block.parameters if min(parts(block)[::2]) > 1 else 0
+            least = min(block.parts[part].sum() for part in ("straight", "bent"))
+            told = block.parameters if least > 1 else 0
             whole[:told] = np.abs(two_lines(block)[0])[:told] if told else whole[:told]
     whole[4:] = np.where(whole[4:] > 0.0, whole[4:], whole[[0, 2]][: len(whole) - 4])
     return posterior.start(whole)

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from calibration.synthetic_session import setup
-from serpenoid.calibration.fitting.bends import projections
-from serpenoid.calibration.kinds.station import Reading, bent_share
+from serpenoid.calibration.kinds.station import Reading
 from serpenoid.calibration.session import Session
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.calibration.taking.simulated import SimulatedPerson, Truth
@@ -37,17 +36,6 @@ def angles(links, lambda_rad, bend):
     return [{"+": 1, "-": -1, "0": 0}[sign] * lambda_rad for sign in SIGNS[links]]
 
 
-@pytest.mark.parametrize("links", SIGNS)
-@pytest.mark.parametrize("bend", ["zigzag", "balanced"])
-def test_the_law_is_the_sum_over_links(links, bend):
-    for lambda_rad in (0.1, 0.5, 1.0):
-        by_ct, by_cn, by_ft0, by_fn0 = projections(bent_share(bend, links), lambda_rad)
-        for speed in (0.05, 0.8):
-            law = (by_ct * TRUTH[0] + by_cn * TRUTH[1]) * speed
-            law += by_ft0 * TRUTH[2] + by_fn0 * TRUTH[3]
-            assert law == pytest.approx(along_n(TRUTH, angles(links, lambda_rad, bend), speed))
-
-
 def session_of(bend, links=6, rng=None):
     """Take straight and bent stations where the sum over links balances the pull."""
     made = setup(15.0, 30.0)
@@ -70,8 +58,13 @@ def session_of(bend, links=6, rng=None):
     return Session(made, tuple(readings))
 
 
-@pytest.mark.parametrize("method", ["joint", "naive", "robust"])
-@pytest.mark.parametrize(("bend", "links"), [("balanced", 6), ("balanced", 9), ("zigzag", 6)])
+@pytest.mark.parametrize(
+    ("bend", "links", "method"),
+    [
+        *(("balanced", links, "joint") for links in SIGNS),
+        *((bend, 6, method) for bend in ("balanced", "zigzag") for method in ("naive", "robust")),
+    ],
+)
 def test_a_fit_finds_the_frictions_again(bend, links, method):
     fit = sn.fit_friction(session_of(bend, links), method=method)
     assert list(fit.whole_snake.values()) == pytest.approx(TRUTH, rel=2e-3)

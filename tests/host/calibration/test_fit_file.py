@@ -58,22 +58,46 @@ def test_a_write_that_fails_leaves_the_file_before(folder, monkeypatch):
     assert {p.name for p in folder.iterdir()} == {"session.toml", "readings.csv", "fit.json"}
 
 
+def forged(folder, spoil):
+    """Return a fit file that was changed, under a hash that is right."""
+    path = sn.save_fit(sn.fit_friction(sn.load_session(folder)), folder)
+    given = json.loads(path.read_text())
+    spoil(given)
+    del given["sha256"]
+    path.write_text(json.dumps(given | {"sha256": fit_file._hash(given)}))
+    return path
+
+
 @pytest.mark.parametrize(
     ("spoil", "message"),
     [
         (lambda d: d.pop("covariance"), "'covariance' is missing"),
         (lambda d: d.update(format=99), "format is 99"),
         (lambda d: d["robot"].update(legs=4), "legs"),
+        (lambda d: d["parameters"]["ct_whole"].update(value=-1.0), "ct is -1"),
+        (lambda d: d["parameters"]["cn_whole"].update(interval=[2.0, 3.0]), "intervals: not what"),
+        (lambda d: d["covariance"].update(values=[[1.0]]), "cannot reshape"),
+        (lambda d: d["covariance"]["values"][0].__setitem__(0, -1.0), "covariance: not what"),
+        (lambda d: d.update(chi2=10**400), "a number of it is"),
+        (lambda d: d["draws"].update(values=[]), "draws: not what"),
+        (lambda d: d["draws"]["values"][3].__setitem__(1, -0.1), "draws: not what"),
+        (lambda d: d["notes"].append(7), "notes: not what"),
     ],
 )
 def test_what_is_no_fit_is_refused(folder, spoil, message):
-    path = sn.save_fit(sn.fit_friction(sn.load_session(folder)), folder)
-    given = json.loads(path.read_text())
-    spoil(given)
-    del given["sha256"]
-    path.write_text(json.dumps(given | {"sha256": fit_file._hash(given)}))
-    with pytest.raises(sn.BadInput, match=message):
-        sn.load_fit(path)
+    with pytest.raises(sn.BadInput, match=message) as refused:
+        sn.load_fit(forged(folder, spoil))
+    assert len(str(refused.value)) < 300 + len(str(folder))
+
+
+def test_a_file_of_format_1_is_read(folder):
+    """It had no draws: they are made of its intervals."""
+    fit = sn.fit_friction(sn.load_session(folder))
+    back = sn.load_fit(forged(folder, lambda d: d.update(format=1) or d.pop("draws")))
+    assert back.whole_snake == fit.whole_snake
+    np.testing.assert_allclose(
+        back.sample_whole(1024).mean(axis=0), fit.sample_whole(1024).mean(axis=0), rtol=0.1
+    )
 
 
 def test_a_fit_that_was_edited_is_refused(folder):

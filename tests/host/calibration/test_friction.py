@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup
 from odrpack import odr_fit
-from serpenoid import BadInput, Ground
+from serpenoid import BadInput
 from serpenoid.calibration.friction_fit import (
     fit_friction,
     friction_points,
@@ -162,6 +162,14 @@ def test_naive_intervals_are_too_narrow(many):
 
 
 @pytest.mark.slow
+def test_scatter_is_what_the_study_found(many):
+    found = np.std([values(fit) for fit in many["joint"]], axis=0) / TRUTH
+    # The study: 6, 35, 6 and 13 %. Three standard deviations (2.2 %) of a scatter found from 1000
+    # sessions, and half a digit of the study's figures (0.5 of 6 is 8 %).
+    np.testing.assert_allclose(found, [0.06, 0.35, 0.06, 0.13], rtol=0.15)
+
+
+@pytest.mark.slow
 def test_chi2_is_distributed_as_it_should_be(many):
     chances = np.array([fit.p_value for fit in many["joint"]])
     # Even on 0 to 1: its mean scatters by 0.29 / sqrt(1000) = 0.009; three of these. An
@@ -199,6 +207,26 @@ def test_bends_check_each_other():
     assert max(known_deg(7.5, 15.0, 30.0)[:2]) < 0.3
 
 
+@pytest.mark.slow
+def test_three_bends_let_chi2_see_a_wrong_bend():
+    """24 sessions of which each bend is off by 3 degrees, six of the prior's sigmas."""
+    rng, seen = np.random.default_rng(11), 0
+    for _ in range(24):
+        made = session(setup(7.5, 15.0, 30.0), WHOLE_BODY_2005, rng)
+        off = [r.lambda_rad + math.radians(3.0) * (r.lambda_rad > 0.0) for r in made.readings]
+        wrong = [replace(r, lambda_rad=bend) for r, bend in zip(made.readings, off, strict=True)]
+        seen += fit_friction(replace(made, readings=tuple(wrong))).p_value < 0.05
+    assert seen > 9  # the study: 62 %
+
+
+def test_the_inclinometers_zero_moves_the_papers_ft0_by_its_share():
+    exact = session(setup(7.5), WHOLE_BODY_2005)
+    off = [replace(r, incline_rad=r.incline_rad + math.radians(0.1)) for r in exact.readings]
+    fit = fit_friction(replace(exact, readings=tuple(off)), method="naive")
+    # m g cos(gamma) * 0.1 deg = 4.448 N * 1.745e-3 = 7.76e-3 N, 5.5 % of 0.14 N.
+    assert fit.whole_snake["ft0"] - WHOLE_BODY_2005.ft0 == pytest.approx(7.76e-3, rel=0.01)
+
+
 def test_drift_is_taken_off_the_belt_speed():
     exact = session(setup(7.5), WHOLE_BODY_2005)
     drifting = exact
@@ -227,17 +255,6 @@ def test_chi2_tells_a_gross_outlier(index, method):
     fit = fit_friction(changed(made, index, belt_speed_m_s=slip), method=method)
     assert fit.p_value < 1e-6
     assert any(f"Without reading {index + 1} chi2" in note for note in fit.notes)
-
-
-def test_friction_never_turns_negative():
-    frictionless = Ground(ct=0.084, cn=0.0, ft0=0.14, fn0=0.27)
-    rng, limited = np.random.default_rng(5), 0
-    for _ in range(20):
-        fit = fit_friction(session(setup(7.5), frictionless, rng))
-        assert values(fit).min() >= 0.0
-        assert all(low >= 0.0 for low, _ in fit.intervals.values())
-        limited += any("limit of 0" in note for note in fit.notes)
-    assert limited > 0  # a true 0 is missed downwards half of the time
 
 
 @pytest.mark.parametrize(

@@ -79,20 +79,6 @@ def test_intervals_hold_the_truth_of_other_worlds(world, count, of_all, least):
     assert np.mean(held, axis=0).min() > least
 
 
-def test_a_misreading_is_named_and_an_outlier_left_out():
-    rng = np.random.default_rng(7)
-    named, held = 0, []
-    for _ in range(6):
-        world = World(misread_deg=1.0, bends_deg=(15.0, 30.0))
-        made = plain_session(world, rng)
-        fit = fit_friction(made, method="robust")
-        named += len(fit.outliers) == 1
-        ends = np.array(list(fit.intervals.values()))
-        held.append((ends[:, 0] <= world.truth) & (world.truth <= ends[:, 1]))
-    assert named >= 5
-    assert np.mean(held) > 0.8
-
-
 class Mean:
     """One friction that a reading shows but for a normal error and one of the pool."""
 

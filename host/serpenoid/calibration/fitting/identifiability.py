@@ -24,10 +24,10 @@ def check_readings(session: Session, data: Stations, least: int) -> None:
     """Raise BadInput if the readings leave a parameter open; least: readings a part needs."""
     bend = _bend_advised(data)
     sigma = float(np.median(data.speed_sigma_m_s)) if len(data) else 0.0
-    straight = data.slip_m_s[~data.bent & ~data.back]
+    straight = data.slip_m_s[data.parts["straight"]]
     _check_part(session, "straight", straight, (sigma, 1.0), least, "straight (lambda_deg = 0)")
     if data.ratchet:
-        how, back = "straight (lambda_deg = 0) and facing up", data.slip_m_s[~data.bent & data.back]
+        how, back = "straight (lambda_deg = 0) and facing up", data.slip_m_s[data.parts["back"]]
         _check_part(session, "straight, facing up", back, (sigma, 1.0), least, how)
     across = np.sin(data.lambda_rad[data.bent])
     most = float(across.max(initial=0.0))

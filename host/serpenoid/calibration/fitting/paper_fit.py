@@ -10,12 +10,6 @@ from .stations import Stations
 from .unknowns import Floats
 
 
-def parts(data: Stations) -> tuple[int, int, int]:
-    """Return how many readings are straight forwards, straight backwards, and bent."""
-    straight, back = ~data.bent & ~data.back, ~data.bent & data.back
-    return int(np.sum(straight)), int(np.sum(back)), int(np.sum(data.bent))
-
-
 def points(data: Stations, values: Floats) -> dict[str, tuple[Floats, Floats]]:
     """Return part -> (speeds, forces): Eq. 58 straight, Eq. 61 bent; m/s and N, whole snake.
 
@@ -25,16 +19,31 @@ def points(data: Stations, values: Floats) -> dict[str, tuple[Floats, Floats]]:
     values: the frictions, of which ct and ft0 are taken. "back" is "straight" facing up the belt.
     """
     pull_n = data.weight_n * np.sin(data.incline_rad) - data.inertia_n
-    b, sin = data.bent, np.sin(data.lambda_rad)
     tangential = values * [name not in ("cn", "fn0") for name in FRICTIONS[: len(values)]]
     viscous, dry = resistance(tangential, data.bends.share, data.lambda_rad, data.back)
+    by_speed, by_fn0 = _across(data)
+    force_n = np.where(data.bent, pull_n - viscous * data.slip_m_s - dry, pull_n) / by_fn0
+    speed_m_s = data.slip_m_s * by_speed
+    return {part: (speed_m_s[which], force_n[which]) for part, which in data.parts.items()}
+
+
+def errors(data: Stations, slope: Floats | float = 0.0) -> dict[str, tuple[Floats, Floats]]:
+    """Return part -> standard deviations of the points' speeds and forces, each alone.
+
+    slope: of the force along the belt by the speed, N s/m; with it a force has its speed's error,
+    too.
+    """
+    alone, (by_speed, by_fn0) = data.alone, _across(data)
+    pull_n = alone.weight_n * np.cos(alone.incline_rad) * alone.incline_sigma_rad
+    force_n = np.hypot(np.hypot(pull_n, alone.inertia_sigma_n), slope * data.speed_sigma_m_s)
+    speed_m_s, force_n = data.speed_sigma_m_s * by_speed, force_n / by_fn0
+    return {part: (speed_m_s[which], force_n[which]) for part, which in data.parts.items()}
+
+
+def _across(data: Stations) -> tuple[Floats, Floats]:
+    """Return by what a bent reading's speed, and its force, count across the wheels; else 1."""
     by_fn0 = projections(data.bends.share, data.lambda_rad)[3]
-    across_n = (pull_n - viscous * data.slip_m_s - dry)[b] / by_fn0[b]
-    return {
-        "straight": (data.slip_m_s[~b & ~data.back], pull_n[~b & ~data.back]),
-        "back": (data.slip_m_s[~b & data.back], pull_n[~b & data.back]),
-        "bent": (data.slip_m_s[b] * sin[b], across_n),
-    }
+    return np.where(data.bent, np.sin(data.lambda_rad), 1.0), np.where(data.bent, by_fn0, 1.0)
 
 
 def _line(x: Floats, y: Floats) -> tuple[Floats, Floats]:

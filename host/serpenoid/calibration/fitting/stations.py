@@ -125,6 +125,12 @@ class Stations:
         return self.bends.posture >= 0
 
     @property
+    def parts(self) -> dict[str, NDArray[np.bool_]]:
+        """Return which readings are straight, straight facing up the belt, and bent."""
+        ahead, back = ~self.bent & ~self.back, ~self.bent & self.back
+        return {"straight": ahead, "back": back, "bent": self.bent}
+
+    @property
     def parameters(self) -> int:
         """Return how many frictions there are: ct, cn, ft0, fn0 (and ct, ft0 backwards)."""
         return 6 if self.ratchet else 4
@@ -237,8 +243,6 @@ def _astray(session: Session, bent_share: Floats) -> tuple[Floats, Floats]:
     """Return each reading's mean and sigma of how far straight links are off, times their share."""
     links = session.setup.robot.links
     off = np.array([session.uncertainty_of(r).joint_sigma_rad for r in session.kept], dtype=float)
-    bent = np.round(bent_share * links).astype(int)
-    factors = {n: straightness_factors(links, n) for n in set(bent.tolist())}
-    both = np.array([factors[n] for n in bent.tolist()]).reshape(-1, 2)
-    both *= (off * (1.0 - bent_share))[:, None]
+    factors = [straightness_factors(links, round(share * links)) for share in bent_share.tolist()]
+    both = (off * (1.0 - bent_share))[:, None] * np.array(factors).reshape(-1, 2)
     return both[:, 0], both[:, 1]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -38,14 +38,9 @@ class Influence:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures by name."""
-        shift = dict(zip(FRICTIONS, self.shift, strict=False))
-        return {
-            "reading": self.reading,
-            "leverage": self.leverage,
-            "studentised": self.studentised,
-            "shift_in_sigmas": shift,
-            "chi2_without": self.chi2_without,
-        }
+        figures = asdict(self)
+        shift = dict(zip(FRICTIONS, figures.pop("shift"), strict=False))
+        return figures | {"shift_in_sigmas": shift}
 
 
 def influences(mode: Mode, sign: Floats, share: Floats, sigma: Floats) -> tuple[Influence, ...]:

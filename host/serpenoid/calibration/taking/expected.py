@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..fitting.bends import projections
-from ..fitting.paper_fit import parts, two_lines
+from ..fitting.paper_fit import two_lines
 from ..fitting.stations import Stations
 from ..kinds.station import Reading, bent_share
 from ..session import Procedure, Session, Setup
@@ -156,7 +156,7 @@ def law_sine(session: Session, lambda_rad: float, speed_m_s: float) -> float:
     """
     data = Stations.of(session) if session.kept else None
     setup = session.setup
-    if data is not None and min(parts(data)[::2]) >= 2:
+    if data is not None and min(data.parts[part].sum() for part in ("straight", "bent")) >= 2:
         frictions = np.maximum(two_lines(data)[0][:4], 0.0).tolist()
         drag, dry_n = pull_of(setup, frictions, lambda_rad)
         return (drag * speed_m_s + dry_n) / setup.weight_n
