@@ -41,7 +41,7 @@ def test_the_quiet_failure_of_rk4_is_refused() -> None:
     scene = sn.Scene(SIX, sn.Ground(0.1, 10.0), GAIT, joint_stiffness_n_m=7e5, **springs)
     sn.simulate(scene)
     for k in (9e5, 2.2e6, 1e8):
-        with pytest.raises(sn.StepTooLarge, match="dt_s is 0.001; method rk4 is stable up to"):
+        with pytest.raises(sn.StepTooLarge, match=r"dt_s is 0\.001; method rk4 is stable up to"):
             sn.simulate(replace(scene, joint_stiffness_n_m=k))
 
 
