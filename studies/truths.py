@@ -1,16 +1,14 @@
-"""Hold runs in time, and what they claim, to the references of tests/oracle: three hard kinds.
+"""Hold runs in time, and what they claim, to the references of tests/oracle: hard kinds.
 
 `springs`: k from 1e2 to 1e9 N/m, every method. `free`: torques and servos on dry ground, by
-events. `long`: 10 000 s on viscous ground, a settled cycle composed 5000 times.
-`dry-springs`: springs on dry ground, by events. `far`: long runs on dry ground, on springs and with
-servos. `work`: the positive work of random scenes with every kind of drive, joint and ground.
+events. `dry-springs`: springs on dry ground, by events. `work`: the positive work of random scenes
+with every kind of drive, joint and ground.
 """
 
 from __future__ import annotations
 
 import argparse
 import math
-import resource
 import sys
 import time
 from dataclasses import replace
@@ -106,40 +104,6 @@ def free(cases: int) -> None:
         )
 
 
-def long_scene(offset_rad: float, method: str, **more: float) -> sn.Scene:
-    """Return 5000 cycles of the paper's robot, straight on or in circles."""
-    gait = sn.Gait(math.radians(30), math.radians(80), math.pi, offset_rad)
-    return sn.Scene(
-        sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0), gait, method=method, duration_s=1e4, **more
-    )
-
-
-def long() -> None:
-    """Print place and heading after 5000 cycles, and how far each method is off there."""
-    for offset in (0.0, math.radians(5)):
-        at, angle, _ = tc.far_truth(long_scene(offset, "dop853"), 5000, 1e-13)
-        print(f"offset {offset!r}: x {at.real!r}, y {at.imag!r}, theta {angle!r}")
-        for method, dt_s in (
-            ("collocation", 0.01),
-            ("dop853", 0.01),
-            ("nonsmooth", 0.01),
-            ("rk4", 1e-3),
-            ("rk4", 1e-2),
-        ):
-            begin = time.process_time()
-            run = sn.simulate(long_scene(offset, method, dt_s=dt_s))
-            took, end = time.process_time() - begin, run.state()
-            gap = abs(complex(end.x_m[0], end.y_m[0]) - at)
-            memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
-            print(
-                f"  {method}, dt {dt_s:g}: {gap:.1e} m, {abs(end.theta_rad[0] - angle):.1e} rad; "
-                f"claims {run.error_estimate.integration.position_m:.1e} m, "
-                f"{run.error_estimate.integration.angle_rad:.1e} rad; {took:.2g} s; "
-                f"{run.t_s.size} rows, {memory} MB",
-                flush=True,
-            )
-
-
 def dry_springs() -> None:
     """Print true and claimed error of springs on dry ground, by stiffness and links."""
     for links in (2, 3, 6):
@@ -155,41 +119,6 @@ def dry_springs() -> None:
             print(
                 f"{links} links, {k:.0e} N/m, {lasts} s, dt {one.dt_s:.1g}: {true:.1e}, claims "
                 f"{size(run):.1e}, settled {run.error_estimate.settled}",
-                flush=True,
-            )
-
-
-def far(seconds: float) -> None:
-    """Print how far long runs on dry ground, on springs and with servos are off at their end."""
-    soft, hard = {"joint_stiffness_n_m": 1e3}, {"joint_stiffness_n_m": 1e5}
-    for kind, more in (
-        ("dry", {"tolerance": 1e-5}),
-        ("dry", {}),
-        ("dry", {"tolerance": 1e-7}),
-        ("springs", {"method": "radau", **soft}),
-        ("springs", {"method": "dop853", **soft}),
-        ("springs", {"method": "rk4", "dt_s": 0.01, **soft}),
-        ("springs", {"method": "radau", **hard}),
-        ("servo", {}),
-        ("servo", {"tolerance": 1e-8}),
-        ("servo dry", {}),
-        ("servo dry", {"tolerance": 1e-8}),
-    ):
-        for offset in (0.0, math.radians(5)):
-            period = 2.0 if kind in ("dry", "springs") else 0.4
-            cycles = round(seconds / period)
-            scene = tc.far_scene(kind, cycles, offset, **{"dt_s": period / 4, **more})
-            at, angle, gone = tc.far_truth(scene, cycles)
-            begin = time.process_time()
-            run = sn.simulate(scene)
-            took, end, said = time.process_time() - begin, run.state(), run.error_estimate
-            off_m = abs(complex(end.x_m[0], end.y_m[0]) - at)
-            claim = said.integration
-            print(
-                f"{kind} {more}, bend {offset:.2g}: {off_m:.1e} m, "
-                f"{abs(end.theta_rad[0] - angle):.1e} rad; claims {claim.position_m:.1e} m, "
-                f"{claim.angle_rad:.1e} rad, settled {said.settled}; {took:.2g} s; "
-                f"reference: {gone} cycles",
                 flush=True,
             )
 
@@ -227,12 +156,11 @@ def work(cases: int) -> None:
 def main() -> None:
     """Run what is asked for."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("what", choices=("springs", "dry-springs", "free", "long", "far", "work"))
+    parser.add_argument("what", choices=("springs", "dry-springs", "free", "work"))
     parser.add_argument(
         "--cases", type=int, default=40, help="of every kind of free joints; of the work in all"
     )
     parser.add_argument("--rounds", type=int, default=1, help="runs that a time is the mean of")
-    parser.add_argument("--seconds", type=float, default=1e4, help="of the runs of far")
     given = parser.parse_args()
     if given.what == "springs":
         springs(given.rounds)
@@ -240,12 +168,8 @@ def main() -> None:
         free(given.cases)
     elif given.what == "dry-springs":
         dry_springs()
-    elif given.what == "far":
-        far(given.seconds)
-    elif given.what == "work":
-        work(given.cases)
     else:
-        long()
+        work(given.cases)
 
 
 if __name__ == "__main__":

@@ -228,6 +228,229 @@ say bye
 ok: #-
 say ping
 ok: #-
+
+# Lines end with LF, CR or both; empty ones do not count. 80 bytes are a line, other bytes are none.
+raw \\x0D\\n\\nping\\x0D\\nping\\n\\x0Dping\\x0D
+ok: #-
+ok: #-
+ok: #-
+say ping{" " * 76}
+ok: #-
+say a\\x00
+err: #? garbled
+say \\x07
+err: #? garbled
+say \\x1F
+err: #? garbled
+say \\x7F
+err: #? garbled
+say \\x80
+err: #? garbled
+
+# What is no command has its reason.
+say Stopp
+err: #- command
+say gai 1 2 3
+err: #- command
+say gaits 1 2 3
+err: #- command
+say gait 1 2
+err: #- arguments
+say gait 1 2 3 4 5
+err: #- arguments
+say pose 1 2 3 4 5 6
+err: #- arguments
+say pose 1 2 3 4 5 6 7 8 9
+err: #- arguments
+say pose straight 1 2
+err: #- arguments
+say pose straight x
+err: #- number
+say ping 1
+err: #- arguments
+say save now
+err: #- arguments
+say set silenc 1
+err: #- name
+say set silence
+err: #- arguments
+say set every off
+err: #- number
+say set every 1.5
+err: #- number
+say trim 0 centre 1500
+err: #- name
+say trim 6 centre 1500
+err: #- name
+say trim 1.5 centre 1500
+err: #- name
+say trim 1 center 1500
+err: #- name
+
+# Numbers are millionths, exactly, or nothing.
+say gait 30 80 1e1
+err: #- number
+say gait 30 80 +1
+err: #- number
+say gait 30 80 .
+err: #- number
+say gait 30 80 1.
+err: #- number
+say gait 30 80 .5
+err: #- number
+say gait 30 80 -
+err: #- number
+say gait 30 80 --1
+err: #- number
+say gait 30 80 0x1
+err: #- number
+say gait 30 80 1,5
+err: #- number
+say gait 30 80 nan
+err: #- number
+say gait 30 80 0.0000001
+err: #- number
+say gait 30 80 2147.483648
+err: #- number
+say gait 30 80 99999999999
+err: #- number
+say gait 30 80 1-
+err: #- number
+say gait 30 80 1.2.3
+err: #- number
+
+# Limits are inclusive, and a refusal names them.
+say gait 90.000001 80 5
+err: #- range alpha=90.000001 low=0 high=90
+say gait 30 -180.000001 5
+err: #- range beta=-180.000001 low=-180 high=180
+say gait 30 80 0
+err: #- range omega=0 low=0.01 high=30
+say gait 30 80 -5
+err: #- range omega=-5 low=0.01 high=30
+say gait 0 -180 0.01 -90
+state: gait why=command
+ok: #-
+say gait 16 180 30
+ok: #-
+say trim 1 centre 1510
+err: #- motion
+say stop
+state: hold why=command
+ok: #-
+say defaults
+err: #- attached
+say load
+err: #- attached
+say idle
+state: idle why=command
+ok: #-
+say set angle_ramp 0
+err: #- range angle_ramp=0 low=1 high=360
+say set servo_speed 1000.1
+err: #- range servo_speed=1000.1 low=10 high=1000
+say set silence 0.05
+err: #- range silence=0.05 low=0.1 high=600
+say set limp 0.9
+err: #- range limp=0.9 low=1 high=2000
+say set every 1001
+err: #- range every=1001 low=1 high=1000
+say set frame_ms 0
+err: #- range frame_ms=0 low=3 high=20
+say set released 3
+err: #- range released=3 low=0 high=2
+say trim 1 dir 0
+err: #- range dir=0 low=-1 high=1
+say trim 1 centre 2000
+err: #- range pulse_ms=2.9 low=0.5 high=2.5
+say gait 80 80 6.26
+err: #- speed value=500.8 high=500
+say gait 60 80 5 -40
+err: #- range j1=-100 low=-90 high=90
+say trim 2 high 30
+ok: #-
+say gait 40 80 5
+err: #- range j2=40 low=-90 high=30
+say pose 0 31 0 0 0
+err: #- range j2=31 low=-90 high=30
+say trim 4 low -35
+ok: #-
+say gait 30 80 5 -6
+err: #- range j4=-36 low=-35 high=90
+say trim 5 scale 600.5
+ok: #-
+say set angle_ramp 1
+ok: #-
+say set rate_ramp 00.5
+ok: #-
+say set pose_speed 89.999999
+ok: #-
+say set servo_speed 1000
+ok: #-
+say set silence 0
+ok: #-
+say set limp off
+ok: #-
+say set every 0
+ok: #-
+say set
+set: angle_ramp value=1 low=1 high=360 unit=deg/s
+set: rate_ramp value=0.5 low=0.1 high=100 unit=rad/s2
+set: pose_speed value=89.999999 low=1 high=360 unit=deg/s
+set: servo_speed value=1000 low=10 high=1000 unit=deg/s
+set: silence value=0 low=0.1 high=600 unit=s
+set: every value=0 low=0 high=1000 unit=frames
+set: limp value=0 low=1 high=2000 unit=s
+set: frame_ms value=20 low=3 high=20 unit=ms
+set: oscillator value=25 low=22 high=28 unit=MHz
+set: released value=0 low=0 high=2 unit=code
+ok: #-
+say   trim
+trim: #1 centre=1500 scale=573 dir=1 low=-90 high=90
+trim: #2 centre=1500 scale=573 dir=1 low=-90 high=30
+trim: #3 centre=1500 scale=573 dir=1 low=-90 high=90
+trim: #4 centre=1500 scale=573 dir=1 low=-35 high=90
+trim: #5 centre=1500 scale=600.5 dir=1 low=-90 high=90
+ok: #-
+say defaults
+ok: #-
+
+# Numbers run over, an old line is not obeyed again, and what is no number is told.
+ask 65531 hello
+{HELLO}
+ok: #65531
+ask 65534 ping
+ok: #65534
+ask 65535 gait 30 80 5
+state: gait why=command
+ok: #65535
+raw !
+wait 0.06
+state: hold why=key
+ok: #!
+ask 65535 gait 30 80 5
+ok: #65535 again
+ask 0 ping
+ok: #0
+ask 65535 gait 30 80 5
+err: #65535 sequence
+seal #65536 ping
+err: #? sequence
+seal # ping
+err: #? sequence
+seal #x ping
+err: #? sequence
+seal #-1 ping
+err: #? sequence
+seal #123456 x
+err: #? sequence
+seal #1
+err: #? sequence
+ask 1 idle
+state: idle why=command
+ok: #1
+ask 2 bye
+ok: #2
 """
 
 

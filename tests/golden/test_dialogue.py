@@ -29,7 +29,7 @@ def test_the_elf_says_it_byte_for_byte(start) -> None:
 
     def as_uno(line: bytes) -> bytes:
         body = line.rpartition(b" *")[0].replace(b"board=virtual", b"board=uno")
-        body = body.replace(b"low=3 high=20 unit=ms", b"low=15 high=20 unit=ms")  # at its pins
+        body = body.replace(b"low=3 high=20", b"low=15 high=20")  # of a frame, at its pins
         return body + f" *{protocol.crc(body.decode()):04X}".encode()
 
     said = dialogue.play(board.send, board.run, board.read, timed=False, renamed=as_uno)

@@ -1,11 +1,14 @@
-"""The paper's Eqs. 1-50 as printed, each as left side minus right side, and their corrections."""
+"""The paper's Eqs. 28-33 and 44-50 as printed, left side minus right side, and their corrections.
+
+The steps between, Eqs. 1-27 and 34-43, are right, and symbolic.py derives what they lead to.
+"""
 
 from __future__ import annotations
 
 import sympy as sp
 
 from . import symbolic as sy
-from .symbolic import ACCELERATIONS, CENTRES, VELOCITIES, I_c, T, ell, m
+from .symbolic import VELOCITIES, I_c, T, ell, m
 
 Residuals = dict[str, list[sp.Expr]]
 
@@ -17,60 +20,6 @@ X_DD, Y_DD, A1, A2, A3 = sy.qdd
 FX, FY = zip(*sy.f, strict=True)
 Q = [sy.generalised_ground_force(coordinate) for coordinate in sy.q]
 I_01, I_02, I_03 = I_c + 2 * m * ell**2, I_c + 5 * m * ell**2, I_c + m * ell**2
-
-
-def free_bodies() -> Residuals:
-    """Return Eqs. 1-9."""
-    (f1x, f1y), (f2x, f2y) = sy.joint_forces()
-    (x1, y1), (x2, y2), (x3, y3) = ACCELERATIONS
-    s1, s2, s3 = SIN
-    c1, c2, c3 = COS
-    return {
-        "1": [FX[0] + f1x - m * x1],
-        "2": [FY[0] + f1y - m * y1],
-        "3": [T[0] - f1x * ell * s1 + f1y * ell * c1 - I_c * A1],
-        "4": [-f1x + FX[1] + f2x - m * x2],
-        "5": [-f1y + FY[1] + f2y - m * y2],
-        "6": [(T[1] - T[0]) - (f1x + f2x) * ell * s2 + (f1y + f2y) * ell * c2 - I_c * A2],
-        "7": [-f2x + FX[2] - m * x3],
-        "8": [-f2y + FY[2] - m * y3],
-        "9": [-T[1] - f2x * ell * s3 + f2y * ell * c3 - I_c * A3],
-    }
-
-
-def kinematics() -> Residuals:
-    """Return Eqs. 10-27."""
-    s1, s2, s3 = SIN
-    c1, c2, c3 = COS
-    (x, y), (vx, vy) = sy.q[:2], sy.qd[:2]
-    right = [
-        x,
-        y,
-        x + ell * c1 + ell * c2,
-        y + ell * s1 + ell * s2,
-        x + ell * c1 + 2 * ell * c2 + ell * c3,
-        y + ell * s1 + 2 * ell * s2 + ell * s3,
-        vx,
-        vy,
-        vx - ell * W1 * s1 - ell * W2 * s2,
-        vy + ell * W1 * c1 + ell * W2 * c2,
-        vx - ell * W1 * s1 - 2 * ell * W2 * s2 - ell * W3 * s3,
-        vy + ell * W1 * c1 + 2 * ell * W2 * c2 + ell * W3 * c3,
-        X_DD,
-        Y_DD,
-        X_DD - ell * (A1 * s1 + A2 * s2 + W1**2 * c1 + W2**2 * c2),
-        Y_DD + ell * (A1 * c1 + A2 * c2 - W1**2 * s1 - W2**2 * s2),
-        X_DD
-        - ell * (A1 * s1 + 2 * A2 * s2 + A3 * s3)
-        - ell * (W1**2 * c1 + 2 * W2**2 * c2 + W3**2 * c3),
-        Y_DD
-        + ell * (A1 * c1 + 2 * A2 * c2 + A3 * c3)
-        - ell * (W1**2 * s1 + 2 * W2**2 * s2 + W3**2 * s3),
-    ]
-    left = [
-        part for group in (CENTRES, VELOCITIES, ACCELERATIONS) for pair in group for part in pair
-    ]
-    return {str(10 + i): [a - b] for i, (a, b) in enumerate(zip(left, right, strict=True))}
 
 
 def friction(sign: int) -> Residuals:
@@ -90,34 +39,6 @@ def friction(sign: int) -> Residuals:
         right = turn * drag * velocity if sign > 0 else -turn * drag * turn.T * velocity
         residuals["33"] += list(force - right)
     return residuals
-
-
-def eliminations() -> Residuals:
-    """Return Eqs. 34-43."""
-    (f1x, f1y), (f2x, f2y) = sy.joint_forces()
-    (x1, y1), (x2, y2), (x3, y3) = ACCELERATIONS
-    s1, s2, s3 = SIN
-    c1, c2, c3 = COS
-    return {
-        "34": [m * (x1 + x2 + x3) - (FX[0] + FX[1] + FX[2])],
-        "35": [m * (y1 + y2 + y3) - (FY[0] + FY[1] + FY[2])],
-        "36": [-f1x - (m * (x2 + x3) - (FX[1] + FX[2]))],
-        "37": [-f1y - (m * (y2 + y3) - (FY[1] + FY[2]))],
-        "38": [-f2x - (m * x3 - FX[2])],
-        "39": [-f2y - (m * y3 - FY[2])],
-        "40": [
-            3 * m * X_DD
-            - m * ell * (2 * A1 * s1 + 3 * A2 * s2 + A3 * s3)
-            - (Q[0] + m * ell * (2 * W1**2 * c1 + 3 * W2**2 * c2 + W3**2 * c3))
-        ],
-        "41": [
-            3 * m * Y_DD
-            + m * ell * (2 * A1 * c1 + 3 * A2 * c2 + A3 * c3)
-            - (Q[1] + m * ell * (2 * W1**2 * s1 + 3 * W2**2 * s2 + W3**2 * s3))
-        ],
-        "42": [Q[0] - (FX[0] + FX[1] + FX[2])],
-        "43": [Q[1] - (FY[0] + FY[1] + FY[2])],
-    }
 
 
 def moments() -> Residuals:
@@ -192,18 +113,18 @@ def matrix_form(row4_rate: sp.Symbol) -> Residuals:
 
 
 def as_printed() -> Residuals:
-    """Return Eqs. 1-50 as they stand in the paper."""
+    """Return the equations as they stand in the paper."""
     return assemble(friction(+1), generalised_forces(sp.Integer(1)), matrix_form(W2))
 
 
 def corrected() -> Residuals:
-    """Return Eqs. 1-50 with the errata put right."""
+    """Return the equations with the errata put right."""
     return assemble(friction(-1), generalised_forces(ell), matrix_form(W1))
 
 
 def assemble(*varying: Residuals) -> Residuals:
-    """Return the equations common to both readings, and those that vary."""
-    common = free_bodies() | kinematics() | eliminations() | moments()
+    """Return the moments, common to both readings, and what varies."""
+    common = moments()
     for part in varying:
         common |= part
     return common

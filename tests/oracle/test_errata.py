@@ -54,7 +54,7 @@ def test_dense_model_agrees_with_lagrange(states: list) -> None:
 
 def test_exactly_the_listed_equations_are_wrong(states: list) -> None:
     equations = printed.as_printed()
-    assert len(equations) == 49 + 5
+    assert len(equations) == 12 + 5
     assert disagreeing(equations, states) == WRONG
 
 

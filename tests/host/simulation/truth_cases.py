@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import serpenoid as sn
 from numpy.random import Generator
-from oracle import composed, explicit, implicit
 from oracle import contact_modes as cm
+from oracle import explicit, implicit
 from oracle import joint_work as jw
 from oracle.params import Gait
 from oracle.scenes import params_of as params
@@ -131,61 +131,10 @@ def work_by_events(scene: sn.Scene, rtol: float = 1e-12) -> float:
     return jw.positive_work(world(scene), packed(start_state(scene)), scene.duration_s, rtol)
 
 
-def far_scene(kind: str, cycles: int, offset_rad: float = 0.0, **more: Any) -> sn.Scene:
-    """Return many cycles of 2 s (servos: 0.4 s, whole frames): "dry", "springs" or "servo [dry]".
-
-    "dry" is the 2005 robot; the others have three links.
-    """
-    if kind == "springs":
-        gait = replace(PAPER_GAIT, omega_rad_s=math.pi)
-        return sn.Scene(
-            sn.Robot(3, 1.0, 0.12),
-            sn.Ground(0.1, 10.0),
-            replace(gait, offset_rad=offset_rad),
-            formulation="implicit",
-            start="steady",
-            duration_s=2.0 * cycles,
-            **more,
-        )
-    links, period = (6, 2.0) if kind == "dry" else (3, 0.4)
-    dry = (0.14, 0.27) if "dry" in kind else ()
-    ground = sn.Ground.whole_body(links, 0.084, 1.2, *dry)
-    alpha, beta = (70, 75) if kind == "dry" else (40, 90)
-    gait = sn.Gait(math.radians(alpha), math.radians(beta), 2 * math.pi / period, offset_rad)
-    if kind != "dry":
-        more |= {"drive": "servo", "servo": sn.Servo(0.1, 0.004, 0.2)}
-    more = {"method": "nonsmooth" if dry else "dop853", **more}
-    return sn.Scene(
-        sn.Robot(links, 0.0756, 0.076), ground, gait, duration_s=period * cycles, **more
-    )
-
-
-def far_truth(scene: sn.Scene, cycles: int, rtol: float = 1e-12) -> tuple[complex, float, int]:
-    """Return place, m, and angle of link 1 after many cycles of a far scene, and those computed."""
-    period = scene.gait.period_s
-    start = packed(sn.simulate(replace(scene, duration_s=period)).state(0))
-    return composed.after(_cycle(scene, rtol), start, cycles)
-
-
-def _cycle(scene: sn.Scene, rtol: float) -> Callable[[Array], Array]:
-    period, p = scene.gait.period_s, params(scene)
-    if scene.formulation == "explicit":
-        events = world(replace(scene, duration_s=2 * period))
-        return lambda y: next(cm.run(events, y, np.array([period]), rtol=rtol))
-    spring = implicit.Spring(scene.joint_stiffness_n_m, scene.joint_damping_n_s_m)
-    gait = gait_of(scene.gait)
-    rate = implicit.gait_rate(p, spring, gait)
-
-    def cycle(y: Array) -> Array:
-        pose, rates = y.reshape(2, p.links, 3)
-        end = implicit.integrate(rate, implicit.pack(pose, rates), np.array([period]), rtol=rtol)[0]
-        n = p.links  # the shape is that of the start again
-        places = np.column_stack([end[: 2 * n].reshape(n, 2), pose[:, 2] + end[2 * n] - pose[0, 2]])
-        speeds = end[2 * n + 1 : 4 * n + 1].reshape(n, 2)
-        turning = rates[:, 2] + end[-1] - rates[0, 2]
-        return np.concatenate([places.ravel(), np.column_stack([speeds, turning]).ravel()])
-
-    return cycle
+def far_scene(cycles: int, offset_rad: float = 0.0, **more: Any) -> sn.Scene:
+    """Return many cycles of 2 s of the 2005 robot on dry ground."""
+    gait = sn.Gait(math.radians(70), math.radians(75), math.pi, offset_rad)
+    return sn.Scene(OF_2005, BINGHAM, gait, method="nonsmooth", duration_s=2.0 * cycles, **more)
 
 
 def free_case(kind: str, seed: int, duration_s: float = 0.6) -> sn.Scene:
