@@ -38,10 +38,11 @@ def test_the_elf_says_it_byte_for_byte(start) -> None:
 
 def test_the_host_seals_the_same_bytes() -> None:
     numbered = re.compile(rb"#(\d+) (.*) \*(?!0000)[0-9A-F]{4}\n")
-    lines = [found for mark, text in dialogue.steps() if (found := numbered.fullmatch(text))]
+    found = (numbered.fullmatch(text) for _, text in dialogue.steps())
+    lines = [line for line in found if line and int(line[1]) < 65536]
     assert len(lines) > 30
-    for found in lines:
-        assert protocol.seal(found[2].decode(), int(found[1])) == found[0]
+    for line in lines:
+        assert protocol.seal(line[2].decode(), int(line[1])) == line[0]
 
 
 def spoken(message: protocol.Message) -> str:

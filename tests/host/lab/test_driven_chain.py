@@ -161,8 +161,6 @@ def test_a_held_rotor_lets_its_joint_swing_by_the_play_and_no_further() -> None:
     """On a slope of 30 degrees the chain's links fall from tooth to tooth; the rotor stays."""
     play = 0.04
     loose = replace(SERVO, backlash_rad=play, gear_friction_nm=0.3, dead_band_rad=0.2)
-    robot = chain(loose)
-    robot.set_slope(0.0, 5.0)
     pinned = np.array([[100.0, 100.0, 0.0, 0.0, 100.0, 0.0, 0.0, 1.0]] + [[0.0] * 7 + [1.0]] * 5)
     robot = _core.DrivenChain(0.0756, 0.076, BODY.inertia_kg_m2, pinned, core_servo(loose))
     robot.place(0.0, STILL)
@@ -179,14 +177,6 @@ def test_a_lot_of_play_costs_amplitude_and_none_changes_nothing() -> None:
     assert hair == pytest.approx(tight, rel=2e-3)
     loose = crawl_speed(replace(robot, servo=replace(SERVO, backlash_rad=0.2)), GAIT)
     assert loose < 0.97 * tight
-
-
-def test_wheels_that_hold_at_rest_are_no_slower_and_the_floor_may_slope() -> None:
-    robot = LabRobot.whole(BODY, WHOLE, servo=SERVO)
-    level = crawl_speed(robot, GAIT)
-    assert crawl_speed(replace(robot, breakaway=1.3), GAIT) > 0.98 * level
-    up = crawl_speed(robot, GAIT, slope_rad=math.radians(0.5))
-    assert up < 0.97 * level
 
 
 def test_a_robot_without_servo_is_not_driven_and_the_joints_are_seen() -> None:

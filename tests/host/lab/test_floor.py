@@ -96,16 +96,3 @@ def test_tape_and_watch():
     assert to_rest(track, rng, EXACT, EXACT) == pytest.approx((far, stop), rel=0.01)
     found = [to_rest(track, rng) for _ in range(200)]
     assert np.std([t for _, t in found]) == pytest.approx(0.12, rel=0.2)
-
-
-def test_coasts_lose_to_joint_errors_what_wheels_across_take():
-    """The law's own limit: joints 1 deg off cost a straight push some per cent of its way."""
-    ways = [
-        Floor(ROBOT.drawn(np.random.default_rng(s), math.radians(1.0))).push(STRAIGHT, Push(0.9))
-        for s in range(12)
-    ]
-    lost = (
-        1
-        - np.mean([np.hypot(w.x_m[-1], w.y_m[-1]) for w in ways]) / coast(0.9, *drag(0.0), MASS)[1]
-    )
-    assert 0.0 < lost < 0.05

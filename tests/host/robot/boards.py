@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 
 import command_line
 import pytest
 from avr.board import Board
-from robot.fake_board import FakeBoard, honest
-from serpenoid import Gait
+from robot.fake_board import GAIT, FakeBoard, honest
 from serpenoid.model.errors import RobotLost
 from serpenoid.robot import Robot
 from serpenoid.robot.wire.virtual import LEAST_S, STEP_S
@@ -87,6 +85,6 @@ def serpenoid() -> Callable[..., tuple[int, str, str]]:
 def crawling() -> Iterator[tuple[FakeBoard, Robot]]:
     """Drive a board behind a pseudo-terminal, and give both; it tells the truth at the end."""
     with FakeBoard() as fake, Robot(fake.port) as robot:
-        robot.gait(Gait(math.radians(30), math.radians(80), 5.0))
+        robot.gait(GAIT)
         yield fake, robot
         fake.to_host = honest

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 import pty
+import re
 import select
 import threading
 import time
@@ -11,10 +13,13 @@ import tty
 from collections.abc import Callable
 
 from robot.patience import LONG_S, clock, until
+from serpenoid import Gait
 from serpenoid._core import firmware
 from serpenoid.robot.wire import protocol
 
 Tamper = Callable[[bytes], bytes]
+GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
+GAIT_TYPED = ["--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "5"]
 MOST_AT_ONCE_S = 0.02  # that the board runs before its host may speak again
 
 
@@ -28,6 +33,23 @@ def honest(line: bytes) -> bytes:
 
 def nothing(_: bytes) -> bytes:
     return b""
+
+
+def without(*words: str) -> Tamper:
+    """Return a tamper that loses the lines which start with one of the words."""
+    return lambda line: b"" if line.startswith(tuple(w.encode() for w in words)) else line
+
+
+def resealed(line: bytes, pattern: bytes, by: bytes) -> bytes:
+    """Return a line with its body changed and its CRC right again."""
+    body = line.rpartition(b" *")[0]
+    changed = re.sub(pattern, by, body)
+    return line if changed == body else sealed(changed.decode())
+
+
+def greeting(pattern: bytes, by: bytes) -> Tamper:
+    """Return a tamper that changes what the board greets with."""
+    return lambda line: resealed(line, pattern, by) if line.startswith(b"hello:") else line
 
 
 def eeprom_after(*commands: str) -> bytes:

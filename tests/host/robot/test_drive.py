@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import itertools
 import json
 import math
 import re
@@ -15,15 +14,13 @@ import time
 import numpy as np
 import pytest
 from rich.console import Console
-from robot.fake_board import FakeBoard, eeprom_after, sealed
+from robot.fake_board import GAIT_TYPED as GAIT
+from robot.fake_board import FakeBoard, eeprom_after
 from robot.patience import LONG_S
 from serpenoid import Gait
 from serpenoid.robot.recording.stream import load_stream
 from serpenoid.robot.tools.driven_run import DrivenRun
-from serpenoid.robot.wire.protocol import PROTOCOL
 from serpenoid.show import live
-
-GAIT = ["--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "5"]
 
 
 def test_a_run_on_every_board(any_port, serpenoid, tmp_path):
@@ -95,25 +92,6 @@ def test_ctrl_c_stops_the_robot_and_sums_up(duration, status):
         assert b"\n!\n" in fake.received
     assert "true gait frequency" in said
     assert "Traceback" not in errors
-
-
-def test_a_reset_in_mid_run_has_a_summary_and_an_error(serpenoid, tmp_path):
-    hello = sealed(
-        f"hello: serpenoid fw=0.2.0 protocol={PROTOCOL} board=uno joints=5 frame_us=20000 boot=9"
-        " reset=brownout settings=ok silence=2"
-    )
-    gaits = itertools.count()
-
-    def reset(line: bytes) -> bytes:
-        return line + hello if b" st=gait " in line and next(gaits) == 40 else line
-
-    file = tmp_path / "run.wire"
-    with FakeBoard(reset) as fake:
-        status, said, errors = serpenoid("drive", *GAIT, "--port", fake.port, "--record", str(file))
-    assert status == 1
-    assert "true gait frequency" in said
-    assert "brownout" in errors
-    assert len(load_stream(file).frame) >= 40
 
 
 def test_a_board_that_tells_nothing_and_forgets_nobody_is_made_watchable(serpenoid):

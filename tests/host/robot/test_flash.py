@@ -112,25 +112,25 @@ def test_without_platformio(serpenoid, monkeypatch):
     assert (refused[0], "take a Mega" in refused[2]) == (2, True)
 
 
-@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_a_signal_ends_platformio_and_what_it_started(pio, tmp_path, number, status):
+@pytest.mark.parametrize(
+    ("reached", "number", "status"),
+    [("Building", signal.SIGINT, 130), ("Uploading", signal.SIGTERM, 143)],
+)
+def test_a_signal_ends_platformio_and_what_it_started(pio, tmp_path, reached, number, status):
+    """Before the upload the board is whole; amid it it has half a program."""
     child = tmp_path / "child"
-    pio(f"sleep 60 & echo $! > {child}; {BUILT}; wait")
+    pio(f"sleep 60 & echo $! > {child}; echo {reached} ...; wait")
     with FakeBoard() as board:
         run = subprocess.Popen(
             [sys.executable, "-m", "serpenoid", "flash", "--board", "uno", "--port", board.port],
             stderr=subprocess.PIPE,
             text=True,
         )
-        shown = ""
-        while "Uploading" not in shown:  # so the child runs, and who would end it listens
-            line = run.stderr.readline()
-            assert line, f"it ended with {shown!r}"
-            shown += line
+        assert reached in run.stderr.readline()  # so the child runs, and who would end it listens
         run.send_signal(number)
         _, said = run.communicate(timeout=60)
     assert run.returncode == status
-    assert "flash it again" in said
+    assert ("half a program" in said) == (reached == "Uploading")
     assert until(lambda: not alive(int(child.read_text())))
 
 
@@ -220,20 +220,6 @@ def test_a_cache_that_cannot_be_written(wheel, pio, serpenoid, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", "/dev/null")
     status, _, errors = serpenoid("flash", "--board", "uno", "--port", "/dev/ttyS0")
     assert (status, "set XDG_CACHE_HOME" in errors) == (1, True)
-
-
-def test_interrupted_before_the_upload_the_board_is_whole(pio):
-    pio('echo "Building in release mode"; sleep 60')
-    with FakeBoard() as board:
-        run = subprocess.Popen(
-            [sys.executable, "-m", "serpenoid", "flash", "--board", "uno", "--port", board.port],
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        assert "Building" in run.stderr.readline()
-        run.send_signal(signal.SIGINT)
-        _, said = run.communicate(timeout=60)
-    assert (run.returncode, "half a program" in said) == (130, False)
 
 
 def test_a_port_in_use_is_not_flashed(pio, serpenoid, monkeypatch):

@@ -7,15 +7,13 @@ from types import SimpleNamespace
 
 import pytest
 import serpenoid as sn
-from robot.fake_board import FakeBoard, sealed
+from robot.fake_board import GAIT_TYPED, FakeBoard, greeting
 from serpenoid.model.errors import BadInput, DamagedLine
 from serpenoid.model.toml_table import Table
 from serpenoid.robot import Robot
 from serpenoid.robot.wire import ports
 from serpenoid.robot.wire.protocol import Data
 from serpenoid.robot.wire.reports import settings_of, status_of, trims_of
-
-GAIT = ["--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "5"]
 
 
 @pytest.fixture(scope="module")
@@ -55,14 +53,9 @@ def test_trims_and_counters_that_no_board_can_have_are_damage(lines):
 def test_markup_in_a_path_and_in_a_greeting_is_text(serpenoid, tmp_path):
     file = tmp_path / "[" / "b]run[bold].wire"
     file.parent.mkdir()
-
-    def bracketed(line: bytes) -> bytes:
-        body = re.sub(rb"board=\S+", b"board=[/b]", line.rpartition(b" *")[0])
-        return sealed(body.decode()) if line.startswith(b"hello:") else line
-
-    with FakeBoard(bracketed) as fake:
+    with FakeBoard(greeting(rb"board=\S+", b"board=[/b]")) as fake:
         args = ["--port", fake.port, "--duration-s", "0.3", "--record", str(file)]
-        status, said, errors = serpenoid("drive", *GAIT, *args)
+        status, said, errors = serpenoid("drive", *GAIT_TYPED, *args)
     assert (status, "Traceback" in errors) == (0, False), errors
     assert "[/b], firmware" in said
     assert "run[bold].wire" in re.sub(r"[\s│]", "", said)

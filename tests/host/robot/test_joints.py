@@ -57,13 +57,6 @@ def test_a_person_may_type_lines_as_long_as_the_board_takes(joints, joints_link)
     assert any(f"at most {line_limit(joints)}" in line for line in shown)
 
 
-def test_telemetry_may_be_quiet_for_as_long_as_its_frames_take(joints, joints_link):
-    with Robot("any") as robot:
-        robot.set("every", 100)
-        assert robot._dialogue.inbox.telemetry_s == pytest.approx(FRAME_US[joints] * 1e-4)
-        assert len(list(robot.frames(10.0))) == pytest.approx(1e5 / FRAME_US[joints], abs=1)
-
-
 def test_the_gait_that_a_board_really_drives(joints, joints_link):
     with Robot("any") as robot:
         gait = board_gait(robot, GAIT)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import io
 import os
-import re
 import signal
 import subprocess
 import sys
 
 import pytest
-from robot.fake_board import FakeBoard, nothing, sealed
+from robot.fake_board import FakeBoard, greeting, nothing
 from robot.patience import LONG_S
 from robot.terminal import Person
 from serpenoid._core import firmware
@@ -172,14 +171,6 @@ def verdicts(shown: list[str]) -> list[str]:
     return [line for line in shown if line.startswith(("ok", "err"))]
 
 
-def test_commands_are_sent_in_order_and_answered():
-    talk, _, shown = monitored()
-    type_and_go(talk, "stax\x7ftus\ndance\n\n")
-    assert verdicts(shown)[:2] == ["ok: #0", "ok: #1"]
-    assert verdicts(shown)[2].startswith("err: #2 command")
-    assert any(line.startswith("counters: good=2") for line in shown)
-
-
 def test_pings_keep_a_gait_going_and_stay_out_of_sight():
     talk, link, shown = monitored()
     type_and_go(talk, "gait 30 80 5\n")
@@ -255,21 +246,9 @@ def test_what_the_board_could_not_read_is_not_sent():
     assert not any(line.startswith("ok: #1") for line in shown)
 
 
-def test_a_line_without_end_is_not_kept():
-    talk, _, _ = monitored()
-    for _ in range(1000):
-        talk.press("x")
-    assert len(talk.typed) == 200
-
-
 def test_another_protocol_ends_the_monitor(serpenoid, monkeypatch):
     monkeypatch.setattr("sys.stdin", None)  # as closed
-
-    def newer(line: bytes) -> bytes:
-        body = re.sub(rb"protocol=\d+", b"protocol=9", line.rpartition(b" *")[0])
-        return sealed(body.decode()) if line.startswith(b"hello:") else line
-
-    with FakeBoard(newer) as fake:
+    with FakeBoard(greeting(rb"protocol=\d+", b"protocol=9")) as fake:
         status, _, errors = serpenoid("monitor", "--port", fake.port)
     assert (status, "speaks protocol 9" in errors) == (1, True)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import random
 import signal
@@ -11,13 +10,11 @@ import sys
 import time
 
 import pytest
-from robot.fake_board import FakeBoard, honest
+from robot.fake_board import GAIT, FakeBoard, honest
 from robot.patience import LONG_S, until
-from serpenoid import Gait
 from serpenoid.model.errors import RobotReset, RobotUnattended
 from serpenoid.robot import Robot
 
-GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
 DRIVER = """
 import math, sys, time
 from serpenoid import Gait
@@ -115,20 +112,6 @@ def test_a_signal_at_any_moment_stops_the_robot(number, case):
     assert child.returncode in ((130, -2) if number == signal.SIGINT else (128 + number, -number))
 
 
-def test_a_second_ctrl_c_waits_until_the_robot_has_been_left():
-    def interrupt(line: bytes) -> bytes:
-        if b" stop *" in line:
-            os.kill(os.getpid(), signal.SIGINT)
-        return line
-
-    with FakeBoard() as fake:
-        with pytest.raises(KeyboardInterrupt):
-            with Robot(fake.port) as robot:
-                robot.gait(GAIT)
-                fake.to_board = interrupt
-        assert not fake.board.session
-
-
 @pytest.mark.parametrize("word", [b"!", b" stop *"])
 def test_a_reset_at_the_moment_of_the_stop_is_told(word):
     with FakeBoard() as fake:
@@ -181,13 +164,6 @@ def test_a_program_whose_robot_rested_at_ctrl_z_goes_on():
         assert os.WIFSTOPPED(os.waitpid(child.pid, os.WUNTRACED)[1])
         child.send_signal(signal.SIGCONT)
         assert child.communicate("\n", timeout=LONG_S)[0] == "1\n"
-
-
-def test_handlers_are_given_back():
-    before = [signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
-    with Robot("virtual:fast"):
-        assert signal.getsignal(signal.SIGTERM) != before[1]
-    assert [signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)] == before
 
 
 def test_ctrl_c_that_the_program_catches_has_stopped_the_robot_before():

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import itertools
-import math
 import random
 import re
 
 import pytest
-from robot.fake_board import FakeBoard, honest, nothing, sealed
+from robot.fake_board import GAIT, FakeBoard, greeting, honest, nothing, sealed, without
 from robot.patience import LONG_S, clock, until
-from serpenoid import Gait
 from serpenoid.model.errors import (
     DamagedLine,
     NoAnswer,
@@ -22,13 +20,6 @@ from serpenoid.model.errors import (
 from serpenoid.robot import Robot
 from serpenoid.robot.wire import dialogue
 from serpenoid.robot.wire.virtual import VirtualLink
-
-GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
-
-
-def without(*words: str):
-    """Return a tamper that loses the lines which start with one of the words."""
-    return lambda line: b"" if line.startswith(tuple(w.encode() for w in words)) else line
 
 
 def test_a_silent_board():
@@ -68,11 +59,7 @@ def test_another_protocol_is_refused_with_both_numbers_and_the_cure(greeting):
 
 
 def test_a_greeting_of_other_joints_than_the_frames_have_ends_the_run():
-    def boasting(line: bytes) -> bytes:
-        body = line.rpartition(b" *")[0].replace(b"joints=5", b"joints=12")
-        return sealed(body.decode()) if line.startswith(b"hello:") else line
-
-    with FakeBoard(boasting) as fake:
+    with FakeBoard(greeting(b"joints=5", b"joints=12")) as fake:
         with pytest.raises(ProtocolMismatch, match="12 joints, and a frame has 5"):
             with Robot(fake.port) as robot:
                 list(robot.frames(LONG_S))

@@ -10,7 +10,7 @@ import sys
 from types import SimpleNamespace
 
 import pytest
-from robot.fake_board import FakeBoard, eeprom_after, nothing, sealed
+from robot.fake_board import FakeBoard, eeprom_after, greeting, nothing
 from serpenoid.robot import Robot
 from serpenoid.robot.tools import doctor, first_day
 from serpenoid.robot.wire import ports
@@ -164,11 +164,7 @@ def test_a_silent_board():
 
 
 def test_another_protocol():
-    def newer(said: bytes) -> bytes:
-        body = re.sub(rb"protocol=\d+", b"protocol=7", said).rpartition(b" *")[0]
-        return sealed(body.decode()) if said.startswith(b"hello:") else said
-
-    with FakeBoard(newer) as board:
+    with FakeBoard(greeting(rb"protocol=\d+", b"protocol=7")) as board:
         fix = fix_of("protocol", board.port)
         assert "protocol 7" in fix
         assert "serpenoid flash" in fix
@@ -183,14 +179,9 @@ def test_a_bad_cable():
 
 
 def test_settings_damaged_and_a_brown_out():
-    def browned_out(line: bytes) -> bytes:
-        if not line.startswith(b"hello:"):
-            return line
-        return sealed(line.decode().rpartition(" *")[0].replace("=external", "=brownout"))
-
     eeprom = bytearray(eeprom_after())
     eeprom[100] ^= 1  # in the one copy that there is
-    with FakeBoard(browned_out, eeprom=bytes(eeprom)) as fake:
+    with FakeBoard(greeting(b"=external", b"=brownout"), eeprom=bytes(eeprom)) as fake:
         found = {f.name: f for f in doctor.examine(fake.port, **FAST)}
     assert found["settings"].mark == found["last reset"].mark == "fix"
     assert "supply" in found["last reset"].fix

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import fcntl
-import math
 import os
-import re
 import signal
 import sys
 import termios
-import threading
 import time
 import warnings
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from itertools import islice
 from pathlib import Path
@@ -21,10 +17,9 @@ import numpy as np
 import pytest
 from hypothesis import given, seed, settings
 from hypothesis import strategies as st
-from robot.fake_board import FakeBoard, sealed
+from robot.fake_board import GAIT, FakeBoard, sealed
 from robot.patience import LONG_S, clock, until
 from robot.test_leaving import DRIVER, drive
-from serpenoid import Gait
 from serpenoid.model.errors import BadInput, NoAnswer, RecordingFailed, RobotError
 from serpenoid.robot import Robot
 from serpenoid.robot.recording import recorder
@@ -36,7 +31,6 @@ needs_pipe_size = pytest.mark.skipif(
     not hasattr(fcntl, "F_SETPIPE_SZ"), reason="needs Linux, where a pipe can be made small"
 )
 PAGE = 4096
-GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
 
 
 @pytest.fixture(scope="module")
@@ -205,62 +199,12 @@ def test_signals_end_a_process_whose_disk_has_stalled(stalled, number):
     assert child.returncode == 1
 
 
-def newly_read(reader):
-    """Return what is there, if anything."""
-    text = reads(reader)
-    return b"" if text == b"\n" else text
-
-
-def reads_until(reader, closed):
-    """Return what is there until the recording is closed."""
-    text = b""
-    while not closed.wait(0.01):
-        text += newly_read(reader)
-    return text + newly_read(reader)
-
-
-@needs_pipe_size
-def test_what_a_full_queue_cannot_take_is_counted_where_it_is_missing(stalled, monkeypatch):
-    monkeypatch.setattr(recorder, "MOST_WAITING", 20)
-    path, reader = stalled
-    record = Recorder(path, 0.0)
-    for k in range(100):
-        record.line(0.01 * k, "<", b"x" * 200)
-    text = newly_read(reader)
-    while record._queue.qsize():
-        text += newly_read(reader)
-        time.sleep(0.01)
-    record.line(2.0, "<", b"y")
-    closed = threading.Event()
-    with ThreadPoolExecutor(1) as beside:  # what the writer had taken may fill the pipe once more
-        rest = beside.submit(lambda: reads_until(reader, closed))
-        with pytest.raises(RecordingFailed, match="rows could not be written"):
-            record.close()
-        closed.set()
-    text += rest.result()
-    lost = re.findall(rb"# lost: (\d+) lines\n[\d.]+ < ", text)
-    assert lost
-    assert text.count(b"xxx\n") + sum(map(int, lost)) == 100
-    assert b"2.000000 < y" in text
-    assert text.endswith(b"# end: closed\n")
-
-
 def test_threads_that_enter_out_of_turn_leave_time_running_forward(tmp_path):
     record = Recorder(tmp_path / "run.txt", 0.0)
     for host_s in (1.0, 0.999, 1.5):
         record.line(host_s, ">", b"#1 ping *0000")
     record.close()
     assert [t for t, _ in load_stream(tmp_path / "run.txt").sent] == [1.0, 1.0, 1.5]
-
-
-def test_a_line_after_the_end_is_no_error(tmp_path):
-    """A signal may come between the closing of the recording and the giving back of handlers."""
-    path = tmp_path / "run.txt"
-    record = Recorder(path, 0.0)
-    record.close()
-    record.close()
-    record.line(9.0, ">", b"!", wait=False)
-    assert path.read_text().endswith("# end: closed\n")
 
 
 def test_an_error_whose_text_cannot_be_written_is_passed_on(tmp_path):

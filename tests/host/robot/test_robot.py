@@ -7,14 +7,13 @@ import math
 
 import pytest
 from avr.live import LiveBoard
+from robot.fake_board import GAIT
 from robot.patience import LONG_S
 from serpenoid import Gait
 from serpenoid.model.errors import BadInput, CommandRefused, RobotReset
 from serpenoid.robot import Robot
 from serpenoid.robot.wire import inbox
 from serpenoid.robot.wire.protocol import PROTOCOL
-
-GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
 
 
 def test_a_run_from_opening_to_stop(any_port):

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import math
 import threading
 
 import pytest
-from robot.fake_board import FakeBoard, nothing
+from robot.fake_board import GAIT, FakeBoard, nothing
 from robot.patience import LONG_S, until
-from serpenoid import Gait
 from serpenoid.model.errors import NoAnswer, RobotClosed, RobotHeld
 from serpenoid.robot import Robot
 from serpenoid.robot.wire import dialogue
-
-GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
 
 
 def test_a_stop_goes_out_at_once_though_another_thread_waits_for_a_verdict(monkeypatch, crawling):
