@@ -110,5 +110,5 @@ def test_a_stop_is_obeyed_within_two_frames_under(start, load_name):
 @pytest.mark.parametrize("name", ["uno", "mega"])
 @pytest.mark.parametrize("load_name", LOADS)
 def test_every_one_of_many_stops_is_obeyed_under(start, load_name, name):
-    """None of 140 fails: one in 46 would in 19 of 20 runs of this test."""
-    assert [trial(start, name, load_name, seed) for seed in range(2, 12)] == [True] * 10
+    """None of 98 fails, the quick ones included: one in 33 would in 19 of 20 such tests."""
+    assert [trial(start, name, load_name, seed) for seed in range(2, 8)] == [True] * 6

@@ -56,11 +56,6 @@ class Gait:
     omega_rad_s: float
     offset_rad: float = 0.0
 
-    @property
-    def period_s(self) -> float:
-        """Return the period of the gait, s."""
-        return 2.0 * np.pi / self.omega_rad_s
-
     def angles(self, t_s: float, joints: int) -> tuple[Array, Array, Array]:
         """Return the joint angles and their first and second rates, each (joints,)."""
         phase = self.omega_rad_s * t_s + np.arange(joints) * self.beta_rad

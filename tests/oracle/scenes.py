@@ -2,7 +2,7 @@
 
 What is free to move is z = (x, y of link 1, theta_1, free joints) for pinned joints, or z = (x_i,
 y_i of every link, theta_1, free joints) for springs; the rest follows from the gait. Every force is
-written down link by link; accelerations come from explicit.evaluate and implicit.evaluate.
+written down link by link; accelerations come from dense.evaluate.
 """
 
 from __future__ import annotations
@@ -12,10 +12,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import serpenoid as sn
+from scipy.integrate import solve_ivp
 from serpenoid import _core
 
-from . import explicit, implicit
-from .explicit import Motion
+from . import dense
+from .dense import Motion
 from .params import Array, Gait, Params
 
 FRAME_S = 0.02
@@ -97,7 +98,7 @@ class SlowScene:
         s = self.scene
         self.p = params_of(s)
         self.gait = Gait(s.gait.alpha_rad, s.gait.beta_rad, s.gait.omega_rad_s, s.gait.offset_rad)
-        self.spring = implicit.Spring(s.joint_stiffness_n_m, s.joint_damping_n_s_m)
+        self.spring = dense.Spring(s.joint_stiffness_n_m, s.joint_damping_n_s_m)
         numbers = range(1, s.robot.links)
         by_angle = s.drive == "angle"
         self.driven = np.array([j in s.locked or (by_angle and j not in s.limp) for j in numbers])
@@ -143,7 +144,7 @@ class SlowScene:
             both.append((z[:centres], angle))
         if self.pinned:
             q, qdot = (np.concatenate(pair) for pair in both)
-            return *implicit.closed_links(self.p, q, qdot), bend
+            return *dense.closed_links(self.p, q, qdot), bend
         pose, rates = (np.column_stack([*c.reshape(2, n), angle]) for c, angle in both)
         return pose, rates, bend
 
@@ -187,17 +188,12 @@ class SlowScene:
             joints["rotor"] = np.where(sound, self.scene.servo.armature_kg_m2, 0.0)
         signs = None
         if self.scene.smoothing_m_s > 0:
-            axes = np.stack(explicit.axes(pose[:, 2]), 1)  # (n, 2, 2)
+            axes = np.stack(dense.axes(pose[:, 2]), 1)  # (n, 2, 2)
             slip = np.einsum("nad,nd->na", axes, rates[:, :2])
             signs = slip / np.sqrt(slip**2 + self.scene.smoothing_m_s**2)
-        if self.pinned:
-            q = np.concatenate([pose[0, :2], pose[:, 2]])
-            qdot = np.concatenate([rates[0, :2], rates[:, 2]])
-            return explicit.evaluate(self.p, q, qdot, **joints, signs=signs), pose, rates
-        found = implicit.evaluate(
-            self.p, self.spring, pose, rates, **joints, signs=signs, gap_rate=self.held_gap_rate
-        )
-        return found, pose, rates
+        if not self.pinned:
+            joints |= {"spring": self.spring, "gap_rate": self.held_gap_rate}
+        return dense.evaluate(self.p, pose, rates, **joints, signs=signs), pose, rates
 
     def rate(self, t_s: float, y: Array) -> Array:
         """Return y': rates, accelerations, and the powers of joints, friction, dampers, servos."""
@@ -214,7 +210,7 @@ class SlowScene:
         power = -m.torque_n_m * np.diff(rates[:, 2])
         damped = 0.0
         if not self.pinned:
-            gap, gap_rate = implicit.joint_gaps(self.p, pose, rates)
+            gap, gap_rate = dense.joint_gaps(self.p, pose, rates)
             damped = np.sum((m.force_n - self.spring.stiffness_n_m * gap) * gap_rate)
         heat = -np.sum(m.friction_n * rates[:, :2])
         powers = [power.sum(), heat, damped, power[power > 0].sum()]
@@ -226,7 +222,7 @@ class SlowScene:
         p, springs = self.p, 0.0
         if not self.pinned:
             springs = (
-                self.spring.stiffness_n_m / 2 * np.sum(implicit.joint_gaps(p, pose, rates)[0] ** 2)
+                self.spring.stiffness_n_m / 2 * np.sum(dense.joint_gaps(p, pose, rates)[0] ** 2)
             )
         moving = p.mass_kg * np.sum(rates[:, :2] ** 2) + p.inertia * np.sum(rates[:, 2] ** 2)
         height = -p.mass_kg * np.sum(pose[:, :2] @ np.asarray(p.gravity_m_s2))
@@ -236,10 +232,17 @@ class SlowScene:
         """Return y after one step of the scene's method."""
         return rk4_step(self.rate, t_s, y, dt_s)
 
+    def run(self, start: sn.LinkState, t_s: Array, method: str = "DOP853", rtol: float = 1e-12):
+        """Return pose and rates (n, 3) at rising times; SciPy integrates a smooth motion."""
+        span = (0.0, float(t_s[-1]))
+        out = solve_ivp(self.rate, span, self.pack(start), method, t_s, rtol=rtol, atol=rtol / 100)
+        assert out.success, out.message
+        return [self.links(t, y)[:2] for t, y in zip(t_s, out.y.T, strict=True)]
+
     def gap_rate(self, t_s: float, y: Array) -> Array:
         """Return the rates of the gaps (n-1, 2)."""
         pose, rates, _ = self.links(t_s, y)
-        return implicit.joint_gaps(self.p, pose, rates)[1]
+        return dense.joint_gaps(self.p, pose, rates)[1]
 
 
 def rk4_step(rate, t_s: float, y: Array, dt_s: float) -> Array:

@@ -8,7 +8,6 @@ import shutil
 from pathlib import Path
 
 import pytest
-import serpenoid as sn
 from command_line import serpenoid
 from serpenoid.calibration.servos import from_runs
 from serpenoid.calibration.session_file import load_session
@@ -121,8 +120,3 @@ def test_a_fit_that_nobody_may_trust_is_told_by_all(contradictory, tmp_path, mon
         assert f"Without reading {number} " in " ".join(warned.split()), line
     assert f"Without reading {number} " in (folder / "report.html").read_text()
     assert taken[0].alarms
-    session, gait = load_session(folder), sn.Gait(math.radians(70), math.radians(75), math.pi)
-    for ask in (sn.compare, sn.advise):  # as Python knows them
-        found = ask(session, gaits=[gait], samples=16, servo=None)
-        assert f"Without reading {number} " in found.fit_alarms[0]
-        assert list(found.to_dict()["fit_alarms"]) == list(found.fit_alarms)

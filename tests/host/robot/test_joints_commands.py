@@ -69,7 +69,7 @@ def test_a_session_of_this_robot_is_taken(joints, joints_link, serpenoid, tmp_pa
 
 
 def test_a_gait_searched_for_another_robot_is_not_sent(joints, joints_link, serpenoid):
-    asked = ["optimize", "--speed", "0.05", "--servo", "ideal"]
+    asked = ["optimize", "--robot", "paper", "--speed", "0.05", "--servo", "ideal"]
     asked += ["--send", "--port", "any", "--duration-s", "1"]
     status, _, errors = serpenoid(*asked)
     assert status == 2

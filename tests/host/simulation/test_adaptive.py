@@ -9,11 +9,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
-from oracle import explicit
 from oracle.params import Array
+from oracle.scenes import SlowScene
 from serpenoid.model.errors import Diverged
-
-from . import truth_cases as tc
+from serpenoid.simulation.starts import start_state
 
 BOTH = ("dop853", "collocation")
 SIX, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
@@ -36,9 +35,9 @@ def error(run: sn.Run, exact: Array) -> float:
 
 def truth(scene: sn.Scene) -> Array:
     """Return link 1 of a scene by the dense reference and SciPy, at the recorded times."""
-    p, g = tc.params(scene), tc.gait_of(scene.gait)
-    times = np.append(np.arange(scene.steps) * scene.dt_s, scene.duration_s)
-    return explicit.trajectory(p, g, np.zeros(6), times[:: scene.every], rtol=1e-13)
+    times = np.append(np.arange(scene.steps) * scene.dt_s, scene.duration_s)[:: scene.every]
+    states = SlowScene(scene).run(start_state(scene), times)
+    return np.array([[*pose[0], *rates[0]] for pose, rates in states])
 
 
 @pytest.fixture(scope="module")

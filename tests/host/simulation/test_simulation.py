@@ -92,11 +92,13 @@ def test_the_slow_manifold_carries_the_forces_of_the_exact_model() -> None:
         assert getattr(run, name)[0] == pytest.approx(getattr(exact, name)[0], rel=1e-4, abs=1e-4)
 
 
-def test_a_start_whose_joints_turn_at_another_rate_is_refused() -> None:
+def test_a_start_of_another_size_or_whose_joints_turn_at_another_rate_is_refused() -> None:
     start = sn.LinkState.in_gait(SIX, PAPERS_GAIT, 0.0, [0, 0, 0], [0, 0, 0])
     turning = replace(start, omega_rad_s=start.omega_rad_s + 0.1 * np.arange(6))
     with pytest.raises(sn.BadInput, match=r"start has joint 1 at rate"):
         sn.simulate(sn.Scene(SIX, VISCOUS, PAPERS_GAIT, start=turning, duration_s=0.1))
+    with pytest.raises(sn.BadInput, match="start has 6 links, the robot has 3"):
+        sn.Scene(THREE, VISCOUS, PAPERS_GAIT, start=start)
 
 
 @pytest.mark.parametrize("start", ["zero_momentum", "steady"])

@@ -11,9 +11,9 @@ import numpy as np
 import serpenoid as sn
 from numpy.random import Generator
 from oracle import contact_modes as cm
-from oracle import explicit, implicit
 from oracle import joint_work as jw
 from oracle.params import Gait
+from oracle.scenes import SlowScene
 from oracle.scenes import params_of as params
 from serpenoid._core.firmware import gait_setpoints_rad
 from serpenoid.bench.problems import Problem
@@ -46,33 +46,24 @@ def hard_scene(links: int, k: float, incline_rad: float = 0.0, **more: Any) -> s
 def end_on_springs(scene: sn.Scene, start: sn.LinkState, rtol: float = 1e-8) -> Array:
     """Return the links' places (x, y, theta), (n, 3), at the end of a scene on springs.
 
-    SciPy's stiff method solves the dense equations of oracle/implicit.py.
+    SciPy's stiff method solves the dense equations of oracle/dense.py.
     """
-    p, gait = params(scene), gait_of(scene.gait)
-    spring = implicit.Spring(scene.joint_stiffness_n_m, scene.joint_damping_n_s_m)
-    first = implicit.pack(*packed(start).reshape(2, -1, 3))
-    rate, end_s = implicit.gait_rate(p, spring, gait), scene.duration_s
-    (end,) = implicit.integrate(rate, first, np.array([end_s]), "Radau", rtol)
-    return implicit.unpack(p, gait, end_s, end)[0]
+    ((pose, _),) = SlowScene(scene).run(start, np.array([scene.duration_s]), "Radau", rtol)
+    return pose
 
 
 def rate_of(problem: Problem) -> Callable[[float, Array], Array]:
     """Return y' = f(t, y) of a benchmark's problem by the dense equations, y as its peers have."""
-    scene = problem.scene()
-    p, gait, n = params(scene), gait_of(scene.gait), scene.robot.links
-    spring = implicit.Spring(problem.stiffness_n_m, problem.damping_n_s_m)
+    slow, n = SlowScene(problem.scene()), problem.robot.links
 
     def pinned(t: float, y: Array) -> Array:
-        m = explicit.angle_driven(p, y[:3], y[3:], gait.angles(t, n - 1))
-        return np.concatenate([y[3:], m.accel_m_s2[0], m.theta_ddot[:1]])
+        return slow.rate(t, np.append(y, np.zeros(4)))[:6]
 
-    def on_springs(t: float, y: Array) -> Array:
-        x, y_, vx, vy = y[: 4 * n].reshape(4, n)
-        shape, turning, phi_ddot = (np.append(0.0, part) for part in gait.angles(t, n - 1))
-        pose = np.column_stack([x, y_, y[-2] + np.cumsum(shape)])
-        rates = np.column_stack([vx, vy, y[-1] + np.cumsum(turning)])
-        m = implicit.angle_driven(p, spring, pose, rates, phi_ddot[1:])
-        return np.concatenate([vx, vy, *m.accel_m_s2.T, y[-1:], m.theta_ddot[:1]])
+    def on_springs(t: float, y: Array) -> Array:  # ours: rates of all, then the integrals
+        place, speed, (theta, omega) = y[: 2 * n], y[2 * n : 4 * n], y[4 * n :]
+        moved = slow.rate(t, np.concatenate([place, [theta], speed, [omega], np.zeros(4)]))
+        turned = moved[[2 * n, 4 * n + 1]]
+        return np.concatenate([moved[: 2 * n], moved[2 * n + 1 : 4 * n + 1], turned])
 
     return on_springs if problem.implicit else pinned
 
