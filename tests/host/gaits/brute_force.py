@@ -15,7 +15,6 @@ import numpy as np
 import serpenoid as sn
 from numpy.typing import NDArray
 from serpenoid.gaits.limits import peak_torque_nm
-from serpenoid.simulation.steady_springs import steady_springs
 
 Array = NDArray[np.float64]
 Table = Callable[[float, float, Array], tuple[Array, Array]]  # alpha, beta, rates: speeds, watts
@@ -38,32 +37,6 @@ def exact_table(robot: sn.Robot, ground: sn.Ground, cost: str, rtol: float) -> T
         good = found.error_estimate[0, 0] < 30 * rtol
         watts = getattr(found, f"{cost}_w")[0, 0]
         return np.where(good, found.speed_m_s[0, 0], np.nan), np.where(good, watts, np.nan)
-
-    return table
-
-
-def spring_table(
-    robot: sn.Robot, ground: sn.Ground, cost: str, springs: tuple[float, float], rtol: float
-) -> Table:
-    """Return a function that runs a shape at many rates by springs of k N/m and c N s/m."""
-
-    def one(gait: sn.Gait) -> tuple[float, float]:
-        try:
-            s = steady_springs(
-                robot,
-                ground,
-                gait,
-                joint_stiffness_n_m=springs[0],
-                joint_damping_n_s_m=springs[1],
-                rtol=rtol,
-            )
-        except sn.SerpenoidError:
-            return math.nan, math.nan
-        return s.speed_m_s, getattr(s, f"{cost}_w")
-
-    def table(alpha: float, beta: float, rates: Array) -> tuple[Array, Array]:
-        found = np.array([one(sn.Gait(alpha, beta, rate)) for rate in rates.tolist()])
-        return found[:, 0], found[:, 1]
 
     return table
 

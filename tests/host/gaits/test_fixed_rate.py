@@ -27,9 +27,9 @@ def least_of_a_table(
 ) -> float:
     """Return the least cost where lines of one lag cross the speed."""
     if ground.dry:  # where a wide table has it
-        alpha, beta = np.linspace(60, 90, 61) * D, np.linspace(80, 92, 49) * D
+        alpha, beta = np.linspace(60, 90, 31) * D, np.linspace(80, 92, 25) * D
     else:
-        alpha, beta = np.linspace(2, 110, 217) * D, np.linspace(20, 170, 151) * D
+        alpha, beta = np.linspace(2, 110, 109) * D, np.linspace(20, 170, 76) * D
     table = sn.sweep(robot, ground, alpha_rad=alpha, beta_rad=beta, omega_rad_s=[rate], rtol=1e-4)
     v, watts = table.speed_m_s[:, :, 0], getattr(table, f"{cost}_w")[:, :, 0]
     i, j = np.nonzero((v[1:] < speed) != (v[:-1] < speed))

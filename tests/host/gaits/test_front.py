@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 import serpenoid as sn
+from gaits.robots import BINGHAM, OF_2005, PAPER, VISCOUS
+from serpenoid.gaits.limits import peak_torque_nm
 
-PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
-OF_2005, BINGHAM = sn.Robot(6, 0.0756, 0.076), sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
 SMALL, SPRINGS = sn.Robot(3, 0.4, 0.11), {"joint_stiffness_n_m": 60.0, "joint_damping_n_s_m": 4.0}
 KINDS: dict[str, tuple[sn.Robot, sn.Ground, dict[str, Any]]] = {
     "viscous": (PAPER, VISCOUS, {}),
@@ -48,12 +48,10 @@ def test_each_point_is_what_a_single_call_finds(kind: str) -> None:
 
 def test_creeping_costs_by_the_square_of_the_speed() -> None:
     """No inertia, no limit: alpha and beta stay, the rate goes as the speed."""
-    front = found("viscous", [1e-9, 1e-7, 1e-5])
+    front = found("viscous", [1e-9, 1e-5])
     per_square = [best.power_w / best.speed_m_s**2 for best in front]
-    assert per_square == pytest.approx([per_square[0]] * 3, rel=1e-6)
-    assert [best.gait.alpha_rad for best in front] == pytest.approx(
-        [front[0].gait.alpha_rad] * 3, rel=2e-3
-    )
+    assert per_square == pytest.approx([per_square[0]] * 2, rel=1e-6)
+    assert front[1].gait.alpha_rad == pytest.approx(front[0].gait.alpha_rad, rel=2e-3)
 
 
 def test_mass_and_speed_count_together() -> None:
@@ -69,7 +67,7 @@ def test_mass_and_speed_count_together() -> None:
         assert other.gait.omega_rad_s == pytest.approx(2 * one.gait.omega_rad_s, rel=2e-3)
 
 
-SPEEDS = np.geomspace(0.05, 1.2, 6).tolist()
+SPEEDS = np.geomspace(0.05, 1.2, 4).tolist()
 
 
 @pytest.fixture(scope="module")
@@ -79,18 +77,17 @@ def free() -> tuple:
 
 
 @pytest.mark.parametrize(
-    ("limits", "where"),
+    ("name", "limits", "side"),
     [
-        (sn.GaitLimits(), ""),
-        (sn.GaitLimits(servo_speed_rad_s=3.0), "fast"),
-        (sn.GaitLimits(omega_high_rad_s=6.0), "fast"),
-        (sn.GaitLimits(joint_angle_rad=0.5), "slow"),
-        (sn.GaitLimits(omega_low_rad_s=3.0), "slow"),
+        ("", sn.GaitLimits(), ""),
+        ("servo speed", sn.GaitLimits(servo_speed_rad_s=3.0), "fast"),
+        ("highest rate", sn.GaitLimits(omega_high_rad_s=6.0), "fast"),
+        ("joint angle", sn.GaitLimits(joint_angle_rad=0.5), "slow"),
+        ("lowest rate", sn.GaitLimits(omega_low_rad_s=3.0), "slow"),
     ],
-    ids=["free", "servo speed", "highest rate", "joint angle", "lowest rate"],
 )
 def test_power_rises_along_the_front_and_limits_set_in_once(
-    limits: sn.GaitLimits, where: str, free: tuple
+    name: str, limits: sn.GaitLimits, side: str, free: tuple
 ) -> None:
     """Joints bend less and turn faster as speed grows: a limit is met on one side of a speed.
 
@@ -103,28 +100,31 @@ def test_power_rises_along_the_front_and_limits_set_in_once(
     steps = np.diff(np.log(watts)) / np.diff(np.log(SPEEDS[: len(reached)]))
     assert steps.min() > 0.5  # it rises, and has no steps down
     active = [bool(best.active) for best in reached]
-    assert active == sorted(active, reverse=where == "slow")
-    assert any(active) == (where != "")
+    assert active == sorted(active, reverse=side == "slow")
+    assert {limit for best in reached for limit in best.active} == {name} - {""}
     for best, other in zip(reached, free, strict=False):
         dearer = best.power_w / other.power_w - 1
         assert dearer > -1e-6
         assert abs(dearer) < 1e-6 or best.active
+        assert min(limits.margins(best.gait).values()) > -2e-3
 
 
 def test_a_torque_limit_is_met_before_it_ends_the_front() -> None:
     limits = sn.GaitLimits(servo_torque_nm=0.2)
-    front = sn.power_front(PAPER, VISCOUS, speeds_m_s=[0.3, 0.39], limits=limits)
-    assert [best and best.active for best in front] == [(), ("servo torque",)]
+    best = sn.least_power_gait(PAPER, VISCOUS, speed_m_s=0.39, limits=limits)
+    assert best.active == ("servo torque",)
+    assert peak_torque_nm(PAPER, VISCOUS, best.gait) <= 0.2 * 1.002
     with pytest.raises(sn.NotConverged, match=r"nearest of \d needs a servo torque \d+ % higher"):
         sn.least_power_gait(PAPER, VISCOUS, speed_m_s=0.6, limits=limits)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("cost", ["power", "abs_power", "positive_power"])
-@pytest.mark.parametrize("kind", ["viscous", "dry", "ratchet"])
+@pytest.mark.parametrize(
+    ("kind", "cost"), [("viscous", "abs_power"), ("dry", "power"), ("ratchet", "positive_power")]
+)
 def test_a_long_front_rises_without_steps(kind: str, cost: str) -> None:
     robot, ground, _ = KINDS[kind]
-    many = 200 if kind == "viscous" else 24
+    many = 200 if kind == "viscous" else 16
     speeds = np.geomspace(0.005, 0.3 if kind != "ratchet" else 0.1, many)
     front = sn.power_front(robot, ground, speeds_m_s=speeds, cost=cost)
     watts = np.array([math.nan if best is None else best.power_w for best in front])

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from dataclasses import replace
 
+import numpy as np
 import pytest
 import serpenoid as sn
-from serpenoid.gaits.limits import peak_torque_nm
-
-PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
-OF_2005 = sn.Robot(6, 0.0756, 0.076)
-BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
+from gaits.robots import BINGHAM, OF_2005, PAPER, VISCOUS
+from scipy.optimize import brentq, minimize_scalar
+from serpenoid.simulation.steady_springs import steady_springs
 
 
 @pytest.mark.parametrize(
@@ -27,27 +28,52 @@ def test_published_gaits(speed, omega, alpha_deg, beta_deg, watts) -> None:
     assert math.degrees(best.gait.beta_rad) == pytest.approx(beta_deg, abs=0.05)
 
 
+def power_at_speed(state: Callable[[float], sn.Steady], cost: str, speed: float) -> float:
+    """Return what a shape costs at a speed, W, its state a function of the rate's logarithm."""
+    log_rate = brentq(lambda x: state(x).speed_m_s / speed - 1, -3, 5, xtol=1e-12)
+    return getattr(state(log_rate), f"{cost}_w")
+
+
 @pytest.mark.parametrize("cost", ["power", "abs_power", "positive_power"])
 def test_no_neighbour_at_the_same_speed_is_cheaper(cost: str) -> None:
     best = sn.least_power_gait(PAPER, VISCOUS, speed_m_s=0.2, cost=cost)
     for da, db in ((1, 0), (-1, 0), (0, 1), (0, -1)):
         alpha = best.gait.alpha_rad + math.radians(da)
         beta = best.gait.beta_rad + math.radians(db)
-        low, high = 0.5 * best.gait.omega_rad_s, 2 * best.gait.omega_rad_s
-        s = best.steady
-        for _ in range(50):  # bisect the rate that gives the speed
-            omega = 0.5 * (low + high)
-            s = sn.steady_gait(PAPER, VISCOUS, sn.Gait(alpha, beta, omega), rtol=1e-8)
-            low, high = (omega, high) if s.speed_m_s < 0.2 else (low, omega)
-        assert getattr(s, f"{cost}_w") > best.power_w
+
+        def state(x: float, alpha: float = alpha, beta: float = beta) -> sn.Steady:
+            return sn.steady_gait(PAPER, VISCOUS, sn.Gait(alpha, beta, math.exp(x)), rtol=1e-8)
+
+        assert power_at_speed(state, cost, 0.2) > best.power_w
 
 
-def test_servos_that_do_not_regenerate_want_smaller_swings() -> None:
-    """The study: alpha 14 to 22 deg, beta 42 to 69 deg under sum |P_i| and sum P_i^+."""
-    for cost in ("abs_power", "positive_power"):
-        gait = sn.least_power_gait(PAPER, VISCOUS, speed_m_s=0.2, cost=cost).gait
-        assert 13 < math.degrees(gait.alpha_rad) < 23
-        assert 41 < math.degrees(gait.beta_rad) < 70
+@pytest.mark.slow
+def test_no_neighbour_on_soft_springs_is_cheaper() -> None:
+    """Springs so soft that the exact model's optimum is far from theirs."""
+    robot, ground = sn.Robot(3, 0.4, 0.11), sn.Ground(0.06, 1.1)
+    springs = {"joint_stiffness_n_m": 60.0, "joint_damping_n_s_m": 4.0}
+    wish = {"speed_m_s": 0.06, "cost": "positive_power"}
+    best = sn.least_power_gait(robot, ground, formulation="implicit", **springs, **wish)
+    exact = sn.least_power_gait(robot, ground, **wish)
+    assert abs(best.power_w / exact.power_w - 1) > 0.05
+    for da, db in ((0, 0), (3, 0), (-3, 0), (0, 5), (0, -5)):
+        gait = replace(
+            best.gait,
+            alpha_rad=best.gait.alpha_rad + math.radians(da),
+            beta_rad=best.gait.beta_rad + math.radians(db),
+        )
+        rates = gait.omega_rad_s * np.array([0.97, 1.0, 1.03])
+        states = [
+            steady_springs(robot, ground, replace(gait, omega_rad_s=w), rtol=1e-5, **springs)
+            for w in rates.tolist()
+        ]
+        speeds = np.log([s.speed_m_s for s in states])
+        powers = np.log([s.positive_power_w for s in states])
+        log_power = np.polyval(np.polyfit(speeds, powers, 2), math.log(0.06))
+        if (da, db) == (0, 0):
+            assert math.exp(log_power) == pytest.approx(best.power_w, rel=1e-3)
+        else:
+            assert math.exp(log_power) > best.power_w
 
 
 def test_a_speed_that_needs_a_high_rate() -> None:
@@ -63,30 +89,6 @@ def test_many_links_have_many_valleys() -> None:
     assert best.basins > 1
     assert best.power_w <= best.runner_up_w
     assert best.power_w == pytest.approx(0.0991339, rel=1e-5)
-
-
-@pytest.fixture(scope="module")
-def free():
-    """Return an optimum without limits."""
-    return sn.least_power_gait(PAPER, VISCOUS, speed_m_s=0.5)
-
-
-@pytest.mark.parametrize(
-    ("limits", "name"),
-    [
-        (sn.GaitLimits(servo_speed_rad_s=4.0), "servo speed"),
-        (sn.GaitLimits(servo_torque_nm=0.3), "servo torque"),
-        (sn.GaitLimits(omega_high_rad_s=8.0), "highest rate"),
-        (sn.GaitLimits(omega_low_rad_s=11.0), "lowest rate"),
-        (sn.GaitLimits(joint_angle_rad=math.radians(20)), "joint angle"),
-    ],
-)
-def test_limits_are_kept_and_named(limits, name: str, free) -> None:
-    best = sn.least_power_gait(PAPER, VISCOUS, speed_m_s=0.5, limits=limits)
-    assert best.active == (name,)
-    assert best.power_w > free.power_w
-    torque = peak_torque_nm(PAPER, VISCOUS, best.gait)
-    assert min(limits.margins(best.gait, torque).values()) > -2e-3
 
 
 def test_a_speed_beyond_the_limits_names_the_fastest() -> None:
@@ -130,6 +132,7 @@ def test_out_of_reach_of_the_servos_names_the_fastest_there_is() -> None:
     assert 1.1 < told[0] < 3.0
 
 
+@pytest.mark.slow
 def test_a_torque_limit_on_a_gait_that_creeps() -> None:
     """A step of RK4 for so slow a gait would be far too long; friction alone then loads joints."""
     limits = sn.GaitLimits(servo_torque_nm=0.2)
@@ -137,23 +140,6 @@ def test_a_torque_limit_on_a_gait_that_creeps() -> None:
     free = sn.least_power_gait(PAPER, VISCOUS, speed_m_s=1e-6)
     assert best.power_w == pytest.approx(free.power_w, rel=1e-6)
     assert best.active == ()
-
-
-@pytest.mark.parametrize(
-    ("limits", "speed", "at_most_w"),
-    [
-        # another valley, of fast gaits with the joints nearly in opposite phase: 0.0265 W was found
-        (sn.GaitLimits(joint_angle_rad=math.radians(45)), 0.03, 0.00985),
-        # rates below the lowest allowed were looked at, none above: 0.0241 W was found
-        (sn.GaitLimits(omega_low_rad_s=8.0), 0.005, 0.0026),
-    ],
-    ids=["joint angle", "lowest rate"],
-)
-def test_dry_optima_within_limits_lie_in_other_valleys(limits, speed, at_most_w) -> None:
-    best = sn.least_power_gait(OF_2005, BINGHAM, speed_m_s=speed, limits=limits)
-    assert best.power_w < at_most_w
-    assert best.speed_m_s == pytest.approx(speed, rel=1e-4)
-    assert min(limits.margins(best.gait).values()) > -2e-3
 
 
 def test_the_error_of_a_dry_optimum_has_two_parts() -> None:
@@ -175,13 +161,6 @@ def test_a_wish_for_an_absurd_speed_on_dry_ground() -> None:
         sn.least_power_gait(OF_2005, BINGHAM, speed_m_s=4000)
 
 
-def test_a_dry_optimum_in_the_second_best_valley_of_the_cloud() -> None:
-    """Brute force over shapes finds 0.000457 W; the first valley's lowest point costs 5 % more."""
-    robot, ground = sn.Robot(4, 0.15264, 0.11232), sn.Ground(0.14155, 0.14155, 0.0048985, 0.086985)
-    best = sn.least_power_gait(robot, ground, speed_m_s=0.0121984, cost="positive_power")
-    assert best.power_w == pytest.approx(4.572e-4, rel=3e-3)
-
-
 LONG = sn.Robot(8, 0.20014022388818312, 0.07228480910928739)
 LONG_GROUND = sn.Ground(0.061499887826187066, 0.8105096797486241)
 
@@ -199,14 +178,12 @@ def test_at_a_limit_the_power_is_that_of_the_best_lag(
     robot: sn.Robot, ground: sn.Ground, most_rad: float, speed: float, cost: str
 ) -> None:
     """Brute force over the lag alone, the amplitude at its limit: it was up to 5e-5 less."""
-    from scipy.optimize import brentq, minimize_scalar
-
-    def state(lag: float, log_rate: float) -> sn.Steady:
-        return sn.steady_gait(robot, ground, sn.Gait(most_rad, lag, math.exp(log_rate)), rtol=1e-10)
 
     def watts(lag: float) -> float:
-        rate = brentq(lambda x: state(lag, x).speed_m_s / speed - 1, -3, 5, xtol=1e-13)
-        return getattr(state(lag, rate), f"{cost}_w")
+        def state(x: float) -> sn.Steady:
+            return sn.steady_gait(robot, ground, sn.Gait(most_rad, lag, math.exp(x)), rtol=1e-10)
+
+        return power_at_speed(state, cost, speed)
 
     limits = sn.GaitLimits(joint_angle_rad=most_rad)
     best = sn.least_power_gait(robot, ground, speed_m_s=speed, cost=cost, limits=limits)

@@ -6,10 +6,9 @@ import math
 
 import pytest
 import serpenoid as sn
+from gaits.robots import PAPER, VISCOUS
 from serpenoid.gaits.margins import cliff_around
 from serpenoid.gaits.uncertainty import Uncertainty
-
-PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
 
 
 def test_an_offset_takes_its_share_of_the_joint_angle() -> None:
@@ -40,7 +39,7 @@ def test_the_error_of_the_speed_is_part_of_the_powers() -> None:
 
 def test_a_ratchet_names_the_cheaper_of_both_waves_as_best_and_the_other_as_runner_up() -> None:
     robot = sn.Robot(6, 0.0756, 0.076)
-    ground = sn.Ground((0.014, 0.05), 0.2, (0.01, 0.03), 0.045)
+    ground = sn.Ground((0.014, 0.05), 0.2)
     best = sn.least_power_gait(robot, ground, speed_m_s=0.05)
     other = sn.least_power_gait(robot, ground.turned_round(), speed_m_s=0.05)
     assert best.power_w <= best.runner_up_w < math.inf

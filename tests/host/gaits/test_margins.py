@@ -8,10 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
-
-
-def between(rng: np.random.Generator, low: float, high: float) -> float:
-    return float(np.exp(rng.uniform(math.log(low), math.log(high))))
+from gaits.robots import between, run_speed
 
 
 def random_gait(seed: int) -> tuple[sn.Robot, sn.Ground, sn.Gait]:
@@ -28,24 +25,6 @@ def random_gait(seed: int) -> tuple[sn.Robot, sn.Ground, sn.Gait]:
     if seed % 2 == 0:
         gait = replace(gait, alpha_rad=min(1.1 * gait.alpha_rad, 3.0))
     return robot, ground, gait
-
-
-def run_speed(robot: sn.Robot, ground: sn.Ground, gait: sn.Gait, cycles: int) -> float:
-    """Return the speed of the last cycle of a run from rest, m/s: no periodic solver in it."""
-    run = sn.simulate(
-        sn.Scene(
-            robot,
-            ground,
-            gait,
-            start="zero_momentum",
-            record_every=400,
-            method="nonsmooth",
-            dt_s=gait.period_s / 400,
-            duration_s=cycles * gait.period_s,
-        )
-    )
-    x, y = run.x_m.mean(axis=1)[-2:], run.y_m.mean(axis=1)[-2:]
-    return math.hypot(x[1] - x[0], y[1] - y[0]) / gait.period_s
 
 
 def assert_margins_are_true(seed: int, cycles: int) -> sn.Margins:
@@ -75,7 +54,10 @@ def test_margins_at_a_cliff_and_away_from_one_are_true() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(10))
 def test_margins_of_random_robots_are_true(seed: int) -> None:
-    """Beside a cliff a run may need a hundred cycles to forget that it began at rest."""
+    """Of these and the two above none fails: a share of 22 % would show in 19 of 20 cases.
+
+    Beside a cliff a run may need a hundred cycles to forget that it began at rest.
+    """
     assert_margins_are_true(seed, cycles=150)

@@ -35,7 +35,7 @@ def test_a_robust_gait_of_a_robot_turned_round_is_turned_round() -> None:
     doubt = sn.Uncertainty(friction=(0.2, 0.3, 0, 0), amplitude=0, common_amplitude=0, lag_rad=0)
 
     def found(on: sn.Ground) -> sn.RobustGait:
-        return sn.robust_gait(ROBOT, on, speed_m_s=0.03, uncertainty=doubt, samples=64)
+        return sn.robust_gait(ROBOT, on, speed_m_s=0.03, uncertainty=doubt, samples=32)
 
     here, there = found(ground), found(ground.turned_round())
     assert here.gait.beta_rad > 0
@@ -54,11 +54,3 @@ def test_a_sample_turned_round_runs_the_wave_the_other_way() -> None:
     back = sn.Gait(1.0, -1.8, 3.0)
     other = sn.steady_gait(ROBOT, turned.ground, turned.gait(back), rtol=1e-6)
     assert other.speed_m_s == pytest.approx(one.speed_m_s, rel=1e-5)
-
-
-def test_ratchets_travel_with_joints_in_opposite_phase() -> None:
-    """A wave needs no direction on a ratchet: 175 deg was the end of the search, 1 % dearer."""
-    robot, ground = sn.Robot(7, 0.2934, 0.0846), sn.Ground((0.0944, 0.486), 0.2259)
-    best = sn.least_power_gait(robot, ground, speed_m_s=0.1166, cost="positive_power")
-    assert abs(best.gait.beta_rad) > 3.06
-    assert best.power_w < 0.6115

@@ -8,31 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
-from serpenoid.gaits.sampled_speeds import low_speed, low_speed_error, smooth_low_speed
+from gaits.robots import BINGHAM, OF_2005, PAPER, VISCOUS, run_speed
 from serpenoid.periodic.servo_steady import servo_speeds
 
 D = math.pi / 180
-PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
-OF_2005, BINGHAM = sn.Robot(6, 0.0756, 0.076), sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
 FRAGILE, STURDY = sn.Gait(66.7 * D, 78.8 * D, 1.6), sn.Gait(80 * D, 75 * D, 1.75)
-
-
-def run_speed(robot: sn.Robot, ground: sn.Ground, gait: sn.Gait, cycles: int = 12) -> float:
-    """Return the speed of the last cycle of a run from rest, m/s: no periodic solver in it."""
-    run = sn.simulate(
-        sn.Scene(
-            robot,
-            ground,
-            gait,
-            start="zero_momentum",
-            record_every=400,
-            method="nonsmooth" if ground.dry else "rk4",
-            dt_s=gait.period_s / 400,
-            duration_s=cycles * gait.period_s,
-        )
-    )
-    x, y = run.x_m.mean(axis=1)[-2:], run.y_m.mean(axis=1)[-2:]
-    return math.hypot(x[1] - x[0], y[1] - y[0]) / gait.period_s
 
 
 def speeds_of(robot: sn.Robot, gait: sn.Gait, samples: list) -> np.ndarray:
@@ -130,19 +110,6 @@ def test_grounds_of_a_fit_are_used_as_they_are() -> None:
     assert {s.ground for s in drawn} == set(grounds)
 
 
-def test_the_smoothed_quantile_scatters_less_and_its_error_is_known() -> None:
-    """Of skewed samples, as at a cliff: both estimates are right on average, their spread told."""
-    rng = np.random.default_rng(5)
-    sets = [np.exp(-0.1 * rng.exponential(size=1024)) for _ in range(300)]
-    plain = np.array([low_speed(s) for s in sets])
-    smooth = np.array([smooth_low_speed(np.sort(s)[:128], 1024) for s in sets])
-    truth = 0.05**0.1
-    assert plain.mean() == pytest.approx(truth, rel=2e-3)
-    assert smooth.mean() == pytest.approx(truth, rel=2e-3)
-    assert smooth.std() < 0.97 * plain.std()
-    assert np.mean([low_speed_error(s) for s in sets]) == pytest.approx(plain.std(), rel=0.15)
-
-
 def test_robust_on_viscous_ground_by_runs_in_time() -> None:
     stated = sn.Uncertainty(friction=(0.1, 0.3, 0, 0), amplitude=0.05, common_amplitude=0.08)
     best = sn.robust_gait(PAPER, VISCOUS, speed_m_s=0.2, uncertainty=stated)
@@ -164,7 +131,7 @@ def test_robust_on_viscous_ground_by_runs_in_time() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("speed", "bend", "most"),
-    [(0.05, 7.5, 0.27), (0.1, 7.5, 0.31), (0.05, 30, 0.25), (0.1, 30, 0.25)],
+    [(0.1, 7.5, 0.31), (0.05, 30, 0.25)],
 )
 def test_robust_2005_robot(speed: float, bend: float, most: float) -> None:
     """Little more power, less where friction is known better; both faults together are borne."""
@@ -193,9 +160,9 @@ def test_robust_2005_robot(speed: float, bend: float, most: float) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("speed", [0.05, 0.1])
-def test_no_shape_around_a_robust_gait_costs_less(speed: float) -> None:
-    """Brute force, all samples, no smoothing: what 25 and 30 % more power buy costs no less."""
+def test_no_shape_around_a_robust_gait_costs_less() -> None:
+    """Brute force, all samples, no smoothing: what 25 % more power buys costs no less."""
+    speed = 0.05
     best = sn.robust_gait(OF_2005, BINGHAM, speed_m_s=speed)
     drawn = sn.Uncertainty().samples(OF_2005, BINGHAM, best.speeds_m_s.size)
     for a, b in ((-2, 0), (2, 0), (0, -3), (0, 3)):
@@ -288,10 +255,3 @@ def test_a_robust_gait_survives_robots_drawn_and_solved_elsewhere() -> None:
     assert order[int(low)] == pytest.approx(best.checked_low_m_s, abs=4 * noise)
     assert order[int(low)] > 0.09 - 4 * noise
     assert np.median(order) > 1.04 * order[int(low)]
-
-
-def test_a_shape_that_survives_is_sought_near_each_cheap_one() -> None:
-    """Ranked by a few shapes alone, the search began in a valley that is 25 % dearer."""
-    ground = sn.Ground(0.013823199547977697, 0.18128657867, 0.02586590651344, 0.048490848426)
-    robust = sn.robust_gait(OF_2005, ground, speed_m_s=0.0384, samples=256)
-    assert robust.power_w < 0.0112

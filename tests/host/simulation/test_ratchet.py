@@ -88,29 +88,6 @@ def test_half_a_cycle_is_that_of_the_event_driven_reference(name: str) -> None:
     assert travel_m_s(run) > 1e-3  # it moves
 
 
-@pytest.mark.parametrize("name", GROUNDS)
-def test_every_method_comes_to_the_same_motion(name: str) -> None:
-    """The body frame, modes with a ledger, rk4 with sgn 0 = 0, and smoothed friction."""
-    scene = sn.Scene(
-        OF_2005,
-        GROUNDS[name],
-        GAIT,
-        method="nonsmooth",
-        start="steady",
-        duration_s=GAIT.period_s / 2,
-        tolerance=1e-9,
-    )
-    run = sn.simulate(scene)
-    others: tuple[tuple[dict[str, Any], float], ...] = (
-        ({"record": ("energy",)}, 1e-6),
-        ({"method": "rk4"}, 2e-3),
-        ({"method": "dop853", "smoothing_m_s": 1e-5, "tolerance": 1e-6}, 2e-3),
-    )
-    for changes, within in others:
-        off = difference(run, sn.simulate(replace(scene, **changes)))
-        assert max(off.position_m, off.angle_rad) < within
-
-
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-7, 3e-10])
 def test_more_wheels_stop_at_once_than_there_are_freedoms(tolerance: float) -> None:
     """A lag of 60 degrees: five wheels across stop within an instant, on three freedoms."""
@@ -176,25 +153,6 @@ def test_implicit_friction_is_the_same_under_three_methods() -> None:
     ):
         off = difference(run, sn.simulate(replace(soft, method=method, **changes)))
         assert max(off.position_m, off.angle_rad) < within, method
-
-
-def test_a_pair_next_to_equal_is_next_to_the_single_value() -> None:
-    plain = sn.Ground(0.014, 0.2, 0.0233, 0.045)
-    hair = 1 + 1e-9
-    pair = sn.Ground((0.014, 0.014 * hair), 0.2, (0.0233, 0.0233 * hair), 0.045)
-    assert pair.ratchet
-    for formulation in ("explicit", "implicit"):
-        scene = sn.Scene(
-            OF_2005,
-            plain,
-            GAIT,
-            method="nonsmooth",
-            formulation=formulation,
-            duration_s=0.5,
-            tolerance=1e-9,
-        )
-        off = difference(sn.simulate(scene), sn.simulate(replace(scene, ground=pair)))
-        assert off.position_m < 1e-7
 
 
 @pytest.mark.parametrize("factor", [1e3, 1e6])

@@ -204,8 +204,7 @@ def many_links(links: int, tolerance: float, duration_s: float = 0.5) -> sn.Scen
     return sn.Scene(robot, sn.Ground(0.014, 0.2, 0.02, 0.045), gait, start="link1_at_rest", **steps)
 
 
-@pytest.mark.parametrize("links", [6, 20, 40])
-@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
+@pytest.mark.parametrize(("links", "tolerance"), [(6, 1e-6), (20, 1e-8), (40, 1e-10), (40, 1e-6)])
 def test_the_estimate_of_many_links_that_stick_is_a_bound(links: int, tolerance: float) -> None:
     run = sn.simulate(many_links(links, tolerance))
     truth = sn.simulate(replace(run.scene, tolerance=1e-11 if links < 40 else 1e-10))
