@@ -23,7 +23,9 @@ class BoxQuadratic {
                        std::vector<double>& z);
 
   private:
-    void solve();
+    bool descend(const std::vector<double>& A, const std::vector<double>& b, std::vector<double>& z,
+                 double little);
+    void solve(double little);
     std::vector<int> free_;
     std::vector<double> matrix_, factor_, right_, x_, rest_;
 };

@@ -84,26 +84,6 @@ double bracketed_root(const Function& f, double a, double fa, double b, double f
     return b;
 }
 
-// Roots between neighbouring nodes (the ends count as nodes) split the element, and each positive
-// piece is integrated exactly. A pair of roots between two neighbours goes unseen until refined.
-template <int s>
-double mean_positive_part(const std::array<double, s>& values) {
-    const Gauss<s>& rule = Gauss<s>::get();
-    const NodePolynomial<s> p(values);
-    std::array<double, s + 2> z, v;
-    z[0] = -1, z[s + 1] = 1, v[0] = p(-1), v[s + 1] = p(1);
-    for (int k = 0; k < s; ++k) z[k + 1] = 2 * rule.c[k] - 1, v[k + 1] = values[k];
-    double sum = 0, from = p.primitive(-1);
-    for (int k = 0; k <= s; ++k) {
-        if ((v[k] > 0) == (v[k + 1] > 0)) continue;
-        const double to = p.primitive(bracketed_root(p, z[k], v[k], z[k + 1], v[k + 1]));
-        if (v[k] > 0) sum += to - from;
-        from = to;
-    }
-    if (v[s + 1] > 0) sum += p.primitive(1) - from;
-    return sum / 2;
-}
-
 // The sign changes of a polynomial on [-1, 1], in order. The search looks between twice as many
 // points as nodes, and at the bottom of each dip, where a close pair of roots may be.
 template <int s>

@@ -60,17 +60,6 @@ inline Mat3 mirror_rows(Mat3 M, bool mirrored) {
     return M;
 }
 
-// d = (S - P)^-1 miss: the change of a start by which S (start + d) = end + P d, with miss = end -
-// S start. False where the matrix is singular.
-inline bool close_cycle(const Mat3& P, bool mirrored, const Vec3& miss, Vec3& d) {
-    const Vec3 S = mirror_signs(mirrored);
-    Mat3 C;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) C[3 * i + j] = (i == j) * S[i] - P[3 * i + j];
-    d = miss;
-    return solve_dense<3, 1>(C.data(), d.data());
-}
-
 // Displacement in the axes of the start, and change of heading.
 struct Path {
     double x, y, turn;
@@ -87,7 +76,9 @@ struct Path {
 
 class CycleMap {
   public:
-    CycleMap(const Robot& robot, const Gait& gait);
+    CycleMap(const Robot& robot, const Gait& gait) : CycleMap(robot, gait, gait.offset == 0) {}
+    // `mirrored`: half a cycle is enough.
+    CycleMap(const Robot& robot, const Gait& gait, bool mirrored);
     virtual ~CycleMap() = default;
 
     // Follow from p at phase 0 over the span. Nothing where the steps run out or get too short.
@@ -130,12 +121,12 @@ class CycleMap {
     BodyShape shape_;  // at phase 0
 };
 
-inline CycleMap::CycleMap(const Robot& robot, const Gait& gait)
+inline CycleMap::CycleMap(const Robot& robot, const Gait& gait, bool mirrored)
     : robot_(robot),
       gait_(gait),
       table_(robot.n, gait),
       nm_(robot.n * robot.m),
-      mirrored_(gait.offset == 0) {
+      mirrored_(mirrored) {
     constexpr double kLeastBend = 1e-9;  // rad
     const double v = gait.omega * robot.l * std::max(gait.alpha, kLeastBend),
                  arm = robot.n * robot.l;

@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <utility>
 #include <vector>
+
+#include "periodic/fixed_point.hpp"
 
 namespace serpenoid {
 
@@ -14,7 +18,6 @@ constexpr double kMany = 60;         // frames in a cycle: fewer, and a cut one 
 constexpr double kMostSteps = 1e6;   // in a cycle
 constexpr double kLeast = 2e-3;      // of the speed: an error below it is not claimed
 constexpr double kSwing = 0.7;       // of a loop's quickest swing, rad: a step
-constexpr int kMostCycles = 60;      // to settle in
 constexpr double kNearFixed = 2e-3;  // of the speed: how far from the fixed point it may be
 constexpr double kRough = 1e-2;      // the same in a search
 constexpr int kFinest = 8;           // parts of a step, where the speed hangs on it
@@ -23,73 +26,79 @@ constexpr double kHunts = 0.01;      // of the speed: half its range over the ph
 constexpr int kForgets = 8;          // cycles in which a loop that hunts leaves its start behind
 constexpr int kFollowed = 12;        // cycles whose mean speed is compared with others'
 constexpr double kOneSpeed = 0.25;   // of the speed: half the range that such means may have
-constexpr double kFarthest = 30;     // times the residual: a step of the secant method
 
-class Settling {
+// A cycle of the servos' steps as a map of the body's state. Its derivative is learned from one
+// cycle to the next (Broyden's update).
+class ServoCycle final : public CycleMap {
   public:
-    Settling(ServoSteps& steps, const Robot& robot, const Mat3& monodromy, double least)
-        : steps_(steps), least_(least), turn_(1 / (robot.n * robot.m * 2 * robot.l * robot.n)) {
-        for (int i = 0; i < 9; ++i) B_[i] = (i % 4 == 0) - monodromy[i] * unit(i / 3) / unit(i % 3);
+    // `monodromy`: the derivative to begin with.
+    ServoCycle(ServoSteps& steps, const Robot& robot, const Gait& gait, const Mat3& monodromy)
+        : CycleMap(robot, gait, false), steps_(steps), learned_(monodromy) {
+        for (int i = 0; i < 2; ++i) learned_[3 * i + 2] *= nm_, learned_[6 + i] /= nm_;
     }
 
-    // Take cycles until the next step of the method changes less than a part of the speed.
-    bool run(double part) {
-        steps_.cycle();  // the joints forget their start
-        Vec3 r{}, d{};
-        for (int cycles = 1; cycles <= kMostCycles; ++cycles) {
-            const Vec3 from = state();
-            steps_.body(last.data());
-            steps_.shift_frames(0.5);
-            steps_.cycle();
-            const Vec3 before = r;
-            r = state();
-            for (int i = 0; i < 3; ++i) r[i] -= from[i];
-            if (cycles > 1) learn(before, r, d);
-            d = step(r);
-            left = size(d);
-            if (!(left < 1e300)) return false;
-            if (left <= part * std::max(steps_.path().speed, least_)) return true;
-            Vec3 to = from;
-            for (int i = 0; i < 3; ++i) to[i] = (to[i] + d[i]) / unit(i);
-            steps_.set_body(to.data());
-        }
-        return false;
+    Vec3 state() const {
+        Vec3 p;
+        steps_.body(p.data());
+        return {nm_ * p[0], nm_ * p[1], p[2]};
     }
-    double left = 0;  // m/s
-    Vec3 last{};      // the body's state before the last cycle
+    void set_state(const Vec3& p) {
+        const Vec3 body{p[0] / nm_, p[1] / nm_, p[2]};
+        steps_.set_body(body.data());
+    }
+
+    std::optional<CycleEnd> follow(const Vec3& p, const Following&) override {
+        set_state(p);
+        steps_.shift_frames(0.5);
+        steps_.cycle();
+        CycleEnd to;
+        to.state.p = state();
+        if (!std::isfinite(to.state.p[0] + to.state.p[1] + to.state.p[2])) return {};
+        if (last_) learn(p, to.state.p);
+        last_ = {p, to.state.p};
+        for (int i = 0; i < 9; ++i) to.state.by_start[i / 3][i % 3] = learned_[i];
+        return to;
+    }
 
   private:
-    double unit(int i) const { return i == 2 ? turn_ : 1; }
-    static double size(const Vec3& a) { return std::hypot(a[0], a[1], a[2]); }
-    Vec3 state() const {  // the momentum as a speed
-        Vec3 x;
-        steps_.body(x.data());
-        x[2] *= turn_;
-        return x;
-    }
-    Vec3 step(const Vec3& r) const {
-        Mat3 A = B_;
-        Vec3 d = r;
-        if (!solve_dense<3, 1>(A.data(), d.data())) d = r;
-        const double most = std::min(kFarthest * size(r), std::max(steps_.path().speed, least_));
-        const double far = size(d);
-        if (!(far <= most))
-            for (int i = 0; i < 3; ++i) d[i] = far < 1e300 ? d[i] * most / far : r[i];
-        return d;
-    }
-    // Broyden's update: r falls by B d along d.
-    void learn(const Vec3& before, const Vec3& now, const Vec3& d) {
+    void learn(const Vec3& start, const Vec3& end) {
+        Vec3 d, miss;
+        for (int i = 0; i < 3; ++i) d[i] = (start[i] - last_->first[i]) / scale_[i];
         const double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
         if (!(square > 0)) return;
-        const Vec3 foretold = multiply(B_, d);
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j)
-                B_[3 * i + j] += (before[i] - now[i] - foretold[i]) * d[j] / square;
+        for (int i = 0; i < 3; ++i) {
+            miss[i] = end[i] - last_->second[i];
+            for (int j = 0; j < 3; ++j) miss[i] -= learned_[3 * i + j] * d[j] * scale_[j];
+        }
+        for (int i = 0; i < 9; ++i)
+            learned_[i] += miss[i / 3] * d[i % 3] / (square * scale_[i % 3]);
     }
+
     ServoSteps& steps_;
-    double least_, turn_;
-    Mat3 B_;
+    Mat3 learned_;
+    std::optional<std::pair<Vec3, Vec3>> last_;  // start and end of the cycle before
 };
+
+// Cycles until the fixed point is known to a part of the speed; the steps then go on from it.
+// Returns what Newton's method would still change, m/s; infinite where it finds none.
+double settle(ServoSteps& steps, ServoCycle& map, double part, double least) {
+    steps.cycle();  // the joints forget their start
+    FixedPoint point(map, false);
+    const Vec3 &scale = map.scale(), start = map.state();
+    for (int i = 0; i < 3; ++i) point.z[i] = start[i] / scale[i];
+    const double unit = scale[0] / map.nm();  // m/s
+    for (int again = 0; again < 3; ++again) {
+        Orbit orbit;
+        const double goal = part * std::max(steps.path().speed, least) / unit;
+        if (point.solve(0, goal, false, orbit) != FixedPoint::Ended::converged) break;
+        const double left = unit * std::hypot(orbit.step[0], orbit.step[1], orbit.step[2]);
+        if (left > 2 * part * std::max(steps.path().speed, least)) continue;  // it was faster
+        const Vec3& z = point.z;
+        map.set_state({z[0] * scale[0], z[1] * scale[1], z[2] * scale[2]});
+        return left;
+    }
+    return HUGE_VAL;
+}
 
 // Mean and range of the speeds of cycles; gains and shifts are those of the last one.
 class Mean {
@@ -174,11 +183,11 @@ ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& 
     if (T > kMostSteps * longest) return out;
     ServoSteps steps(robot, ground, gait, servo, longest);
     steps.start(start[0], start[1], start[2]);
-    Settling settling(steps, robot, monodromy, least);
-    out.converged = settling.run(rough ? kRough : kNearFixed);
+    ServoCycle map(steps, robot, gait, monodromy);
+    const double left = settle(steps, map, rough ? kRough : kNearFixed, least);
+    out.converged = left < HUGE_VAL;
     const bool few = T < kMany * servo.frame;
     const int phases = (few ? 4 : 2) / (rough ? 2 : 1);  // of the frames in the gait
-    steps.set_body(settling.last.data());
     // Steps end at frames and looks of the loop, so a shorter limit alone may change little: each
     // step is cut in two.
     const auto at = [&](int split, const Plan& plan) {
@@ -191,7 +200,8 @@ ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& 
     const Plan plan{phases, few, 1};
     at(1, plan), out.error = NAN;
     if (rough) return out;
-    if (out.spread > kHunts * std::max(out.speed, least)) return follow(at, least, out), out;
+    if (!out.converged || out.spread > kHunts * std::max(out.speed, least))
+        return follow(at, least, out), out;
     double by_step = HUGE_VAL;
     for (int split = 2; split <= kFinest; split *= 2) {
         if (std::fabs(by_step) <= kByStep * std::max(out.speed, least)) break;
@@ -200,7 +210,7 @@ ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& 
     }
     const double by_phase = out.spread / std::sqrt(3.0 * phases);
     // twice their sum of squares, and two thousandths: holds 95 % of 300 random cases
-    const double apart = std::hypot(by_step, by_phase, settling.left);
+    const double apart = std::hypot(by_step, by_phase, left);
     out.error = 2 * apart + kLeast * out.speed;
     return out;
 }

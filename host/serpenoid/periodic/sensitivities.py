@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
@@ -16,6 +17,7 @@ from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..model.rows import Result
 from ..model.time_limit import TimeLimit
 
 Array = NDArray[np.float64]
@@ -35,8 +37,11 @@ _LEFT = 4.0  # and the error of that, also where the kink is a little aside
 
 
 @dataclass(frozen=True, slots=True)
-class Sensitivities:
+class Sensitivities(Result):
     """Hold the derivatives of a periodic state by the parameters that make it.
+
+    Printed, it is a table of what 1 % more of each parameter changes, or 1 deg more of an angle. At
+    a kink less changes other things than more, and has a row of its own.
 
     Attributes
     ----------
@@ -57,6 +62,8 @@ class Sensitivities:
         at the point, or nearer to it than 2e-5 of the parameter (or rad).
     at
         (Q,): the quantities themselves.
+    floor_m_s
+        Speed below which the gait has none to take per cents of, m/s.
 
     Notes
     -----
@@ -71,6 +78,48 @@ class Sensitivities:
     side_errors: Array
     kinks: NDArray[np.bool_]
     at: Array
+    floor_m_s: float
+
+    def in_words(self) -> str:
+        """Return what the table shows."""
+        kinks = (
+            " Kink: at this point a wheel begins or ceases to rest, so a little less and a little "
+            "more each have a row."
+        )
+        return (
+            "What a little more of each changes; ideal joints, others kept. Power+: without "
+            "regeneration; turn: in a cycle." + kinks * bool(self.kinks.any())
+        )
+
+    def table(self, verbose: bool = True) -> tuple[list[str], list[list[str]]]:
+        """Return heads and cells, a row for each parameter, two at a kink."""
+        speed = "speed, %" if self.at[0] > self.floor_m_s else "speed, mm/s"
+        heads = ["parameter", "more by", speed, "power, %", "power+, %", "turn, deg"]
+        cells = []
+        for k, name in enumerate(self.names):
+            angle = name.endswith("_rad") or "_rad[" in name
+            more = "1 deg" if angle else "1 %"
+            step = math.radians(1) if angle else 0.01 * self.values[k]
+            if not self.kinks[k]:
+                changes = self._changes(step, self.derivatives[k], self.errors[k])
+                cells.append([name, more, *changes])
+                continue
+            for side, sign in enumerate(("-", "")):
+                changes = self._changes(
+                    step * (2 * side - 1), self.sides[k, :, side], self.side_errors[k, :, side]
+                )
+                cells.append([f"{name} (kink)", sign + more, *changes])
+        return heads, cells
+
+    def _changes(self, step: float, derivatives: Array, errors: Array) -> list[str]:
+        """Return what a step changes in the units of the table, 0 within the error."""
+        units = [*(self.at[:3] / 100), math.radians(1)]
+        if self.at[0] <= self.floor_m_s:
+            units[0] = 1e-3
+        return [
+            f"{by * step / unit:+.2g}" if abs(by) > error else "0"
+            for by, error, unit in zip(derivatives, errors, units, strict=True)
+        ]
 
     def elasticities(self, quantity: str = "speed_m_s") -> Array:
         """Return the change of a quantity, in per cent, for 1 % of each parameter, (P,)."""
@@ -114,13 +163,16 @@ class Parameter:
         return True
 
 
-def differentiate(robot: Robot, ground: Ground, gait: Gait) -> Sensitivities:
+def differentiate(
+    robot: Robot, ground: Ground, gait: Gait, floor_m_s: float = 0.0
+) -> Sensitivities:
     """Differentiate the periodic state of a gait by each of its parameters.
 
     Each parameter is moved to both sides. The state there is solved for from the state here, which
     is so near that Newton's method needs one cycle or two. Where the two sides differ by more than
     a smooth function would, the step is halved until they agree; where they never do there is a
-    kink. Raises BadInput: a gait that does not move; NotConverged, after 20 s, too.
+    kink. floor_m_s: as in Sensitivities. Raises BadInput: a gait that does not move; NotConverged,
+    after 20 s, too.
     """
     if gait.alpha_rad == 0:
         raise BadInput("alpha_rad is 0: a robot that does not move has no sensitivities")
@@ -160,6 +212,7 @@ def differentiate(robot: Robot, ground: Ground, gait: Gait) -> Sensitivities:
         ),
         kinks,
         at,
+        floor_m_s,
     )
 
 

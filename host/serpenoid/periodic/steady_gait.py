@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, overload
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from .steady import Steady
+from .steady import Steady, speed_floor_m_s
 from .steady import steady_gait as ideal_gait
 
 if TYPE_CHECKING:
@@ -92,7 +92,8 @@ def steady_gait(
     if sensitivities:
         from .sensitivities import differentiate
 
-        ideal = replace(ideal, sensitivities=differentiate(robot, ground, gait))
+        floor_m_s = speed_floor_m_s(robot, gait.omega_rad_s)
+        ideal = replace(ideal, sensitivities=differentiate(robot, ground, gait, floor_m_s))
     if servo is None:
         return ideal
     from .servo_steady import with_servo

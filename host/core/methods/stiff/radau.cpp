@@ -115,16 +115,10 @@ class Radau final : public Method {
     }
 
   private:
-    // Lagrange's polynomials of the nodes 0, c_1, c_2, 1.
+    // Of the polynomial through the start and the stages.
     static Weights weights(double x) {
-        const double node[4] = {0, kRadau.node[0], kRadau.node[1], 1};
-        Weights w;
-        for (int i = 0; i < 4; ++i) {
-            w[i] = 1;
-            for (int j = 0; j < 4; ++j)
-                if (j != i) w[i] *= (x - node[j]) / (node[i] - node[j]);
-        }
-        return w;
+        const Triple<double> w = kRadau.rule.dense(x);
+        return {1 - w[0] - w[1] - w[2], w[0], w[1], w[2]};
     }
 
     static double mean(const Weights& w, const Moments& m, int j) {
@@ -161,19 +155,19 @@ class Radau final : public Method {
         past_sum_[0] = sum_;
         for (int i = 1; i < kMoments; ++i) past_sum_[i] = sum_;
         for (int k = 0; k < 3; ++k) {
-            const double t = t_ + kRadau.node[k] * h;
+            const double t = t_ + kRadau.rule.c[k] * h;
             model_.store(t, Q_[k + 1].data(), V_[k + 1].data(), stage_y_.data());
             system_.rate(t, stage_y_.data(), stage_rate_.data());
             for (int i = 0; i < 3; ++i)
                 for (int j = 0; j < sums_; ++j)
-                    past_sum_[i + 1][j] += h * kRadau.matrix[i][k] * stage_rate_[2 * dim_ + j];
+                    past_sum_[i + 1][j] += h * kRadau.rule.a[3 * i + k] * stage_rate_[2 * dim_ + j];
         }
         sum_ = past_sum_[3];
     }
 
     bool solve_stages(double h) {
         s_ = kRadau.gamma / h, pair_s_ = (1 / h) * kRadau.lambda;
-        for (int i = 0; i < 3; ++i) model_.at(i + 1, t_ + kRadau.node[i] * h);
+        for (int i = 0; i < 3; ++i) model_.at(i + 1, t_ + kRadau.rule.c[i] * h);
         predict(h);
         set_stages();
         model_.linearize(2, Q_[2].data(), V_[2].data(), q_.data());
@@ -186,7 +180,7 @@ class Radau final : public Method {
     void predict(double h) {
         std::array<Weights, 3> w;
         for (int i = 0; i < 3; ++i)
-            w[i] = last_ > 0 ? weights(1 + kRadau.node[i] * h / last_) : Weights{};
+            w[i] = last_ > 0 ? weights(1 + kRadau.rule.c[i] * h / last_) : Weights{};
         const Complex unpair = reciprocal(pair_s_);
         for (int j = 0; j < dim_; ++j) {
             Triple<double> V;
@@ -297,7 +291,7 @@ class Radau final : public Method {
         for (int j = 0; j < dim_; ++j) {
             if (!model_.is_gap(j)) continue;
             const Triple<double> stages{Q_[1][j], Q_[2][j], Q_[3][j]};
-            worst = std::max(worst, std::fabs(q_[j] - dot(kRadau.behind, stages)));
+            worst = std::max(worst, std::fabs(q_[j] - dot(kRadau.rule.at0, stages)));
         }
         return ring_ / unit_rate_ * std::min(1.0, h * frequency_) * worst;
     }

@@ -80,42 +80,4 @@ struct LinkFriction {
     double c, s, vt, vn, ft, fn;
 };
 
-// What the two halves of the links beside a joint bridge, and its rate.
-struct Arm {
-    Arm(const LinkMotion& a, const LinkMotion& b, double l)
-        : place{l * (a.c + b.c), l * (a.s + b.s)},
-          rate{-l * (a.s * a.w + b.s * b.w), l * (a.c * a.w + b.c * b.w)} {}
-    double place[2], rate[2];
-};
-
-// From all links' x, y, vx, vy in y to those of link 1 and of the gaps, every `block` entries of q
-// and v; and back. arm(i): that behind link i.
-template <class ArmBehind>
-void to_gaps(int n, int block, const double* y, double* q, double* v, const ArmBehind& arm) {
-    for (int axis : {0, 1}) {
-        const double *place = y + axis * n, *rate = place + 2 * n;
-        q[axis] = place[0], v[axis] = rate[0];
-        for (int i = 1; i < n; ++i) {
-            const Arm behind = arm(i);
-            q[block * i + axis] = place[i] - (place[i - 1] + behind.place[axis]);
-            v[block * i + axis] = rate[i] - (rate[i - 1] + behind.rate[axis]);
-        }
-    }
-}
-template <class ArmBehind>
-void to_centres(int n, int block, const double* q, const double* v, double* y,
-                const ArmBehind& arm) {
-    for (int axis : {0, 1}) {
-        double *place = y + axis * n, *rate = place + 2 * n;
-        place[0] = q[axis], rate[0] = v[axis];
-        for (int i = 1; i < n; ++i) {
-            const Arm behind = arm(i);
-            place[i] = q[block * i + axis] + (place[i - 1] + behind.place[axis]);
-            rate[i] = v[block * i + axis] + (rate[i - 1] + behind.rate[axis]);
-        }
-    }
-}
-
-constexpr int kMoments = 4;  // of a step: its start and its three stages
-
 }  // namespace serpenoid

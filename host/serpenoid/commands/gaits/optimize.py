@@ -32,7 +32,7 @@ from ..options import (
     typed,
 )
 from ..paths import FIGURES, out_file
-from .steady import beside_servo, few_links, say_band, speeds_as_dict
+from .steady import beside_servo, few_links, say_band, speeds_as_dict, warn_of_another_motion
 
 if TYPE_CHECKING:
     from ...calibration.friction_result import FrictionFit
@@ -166,6 +166,7 @@ def optimize(speed_m_s: str, as_json: bool, send: bool, plot: Path | None, **giv
     margins = interruptible(lambda: gait_margins(ask.robot, ask.ground, best.gait))
     if plot is not None:
         _draw_cliff(ask, best.gait, plot)
+    warn_of_another_motion(best.steady)
     moved = beside_servo(best.steady, ask.shown_servo)
     fit = None if send else ask.fit  # what is sent is predicted when it is driven
     band = interruptible(lambda: predicted_band(fit, ask.robot, ask.ground, best.gait, ask.servo))

@@ -139,12 +139,10 @@ def _pinned(
     commanded: the gait as told, where a film showed what its joints do.
     """
     from ...gaits.margins import gait_margins
-    from ...periodic.steady import speed_floor_m_s
     from ...periodic.steady_gait import steady_gait
     from ...show import report
     from ...show.gaits import gait_report
     from ...show.progress import working
-    from ...simulation.from_rest import elsewhere
 
     with working("solving"):
         s = interruptible(
@@ -158,8 +156,7 @@ def _pinned(
         from ...calibration.advising.speed_doubts import margin_sigmas
 
         sigmas = margins.in_sigmas(*margin_sigmas(fit, band.filmed))
-    if other := interruptible(lambda: elsewhere(s)):
-        warnings.warn(other, stacklevel=2)
+    warn_of_another_motion(s)
     if as_json:
         told = margins.to_dict() | sigmas
         values = {"gait": describe(gait)} | s.to_dict() | {"margins": told}
@@ -167,8 +164,7 @@ def _pinned(
         return show_json(values | speeds_as_dict(moved, band))
     report.show(s, *([moved] if moved else []), margins, answer=(moved or s).in_words())
     if s.sensitivities is not None:
-        floor_m_s = speed_floor_m_s(robot, gait.omega_rad_s)
-        gait_report.sensitivities(s.sensitivities, floor_m_s)
+        report.show(s.sensitivities)
     say_band(moved, band)
     if doubts is not None:
         gait_report.doubts(doubts)
@@ -202,6 +198,14 @@ def say_band(moved: ServoSteady | None, band: SpeedBand | None) -> None:
     """Print a band, unless servos cannot run the gait."""
     if band is not None and (moved is None or moved.follows):
         say(f"predicted: {band.in_words()}")
+
+
+def warn_of_another_motion(state: Steady) -> None:
+    """Warn where the robot, from rest, ends in another motion than the reported one."""
+    from ...simulation.from_rest import elsewhere
+
+    if other := interruptible(lambda: elsewhere(state)):
+        warnings.warn(other, stacklevel=2)
 
 
 def beside_servo(ideal: Steady, servo: ServoKind | None) -> ServoSteady | None:

@@ -13,45 +13,9 @@ if TYPE_CHECKING:
     from ...gaits.finder import LeastPower
     from ...gaits.margins import Margins
     from ...gaits.robust import RobustGait
-    from ...periodic.sensitivities import Sensitivities
 
 
 _FASTEST_SERVO_RAD_S = 30.0  # no load, the fastest that hobbyists can buy; common ones make 5 to 10
-
-
-def sensitivities(found: Sensitivities, floor_m_s: float) -> None:
-    """Print what 1 % more of each parameter changes; of an angle, what 1 deg more changes.
-
-    At a kink less changes other things than more, and has a row of its own. A gait whose speed is
-    below floor_m_s has none to take per cents of.
-    """
-    rows, travels = [], found.at[0] > floor_m_s
-    for k, name in enumerate(found.names):
-        angle = name.endswith("_rad") or "_rad[" in name
-        step = math.radians(1) if angle else 0.01 * found.values[k]
-        size = [*(100 * step / found.at[:3]), math.degrees(step)]
-        size[0] = size[0] if travels else 1000 * step
-        for sign in (-1, 1) if found.kinks[k] else (1,):
-            by, known = found.derivatives[k], found.errors[k]
-            if found.kinks[k]:
-                by, known = (v[k, :, (sign + 1) // 2] for v in (found.sides, found.side_errors))
-            changes = [
-                f"{sign * v * one:+.2g}" if abs(v) > e else "0"
-                for v, e, one in zip(by, known, size, strict=True)
-            ]
-            more = "" if sign > 0 else "-"
-            label = name + (" (kink)" if found.kinks[k] else "")
-            rows.append([label, more + ("1 deg" if angle else "1 %"), *changes])
-    speed = "speed, %" if travels else "speed, mm/s"
-    columns = ["parameter", "more by", speed, "power, %", "power+, %", "turn, deg"]
-    table("what a little more of each changes; ideal joints, others kept", columns, rows)
-    console.print("power+: without regeneration; turn: in a cycle")
-    if found.kinks.any():
-        console.print(
-            "kink: at this point a wheel begins or ceases to rest, so a little less and a little "
-            "more each have a row",
-            highlight=False,
-        )
 
 
 def doubts(found: SpeedDoubts) -> None:
