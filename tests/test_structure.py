@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -80,11 +81,13 @@ def python_imports(path: Path, modules: set[str]) -> set[str]:
     return found - {module_of(path), "_core", ""}
 
 
+@cache
 def python_graph() -> Graph:
     files = {module_of(path): path for path in PACKAGE.rglob("*.py")}
     return {name: python_imports(path, set(files)) for name, path in files.items()}
 
 
+@cache
 def core_graph() -> Graph:
     """Return source units (a header and its source are one) and the units they include."""
     graph: Graph = {}
@@ -95,6 +98,7 @@ def core_graph() -> Graph:
     return graph
 
 
+@cache
 def firmware_graph() -> Graph:
     """Return the firmware's units as room/unit; its headers are included by their bare names."""
     files = [*FIRMWARE.rglob("*.h"), *FIRMWARE.rglob("*.cpp")]

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 from avr.board import Board, wired
-from avr.live import LiveBoard
 from avr.toolchain import ToolchainError, build_firmware, require
 
 
@@ -26,13 +25,6 @@ def firmware_elf() -> Callable[..., Path]:
             pytest.fail(str(error))
         pytest.skip(str(error))
     return cache(build_firmware)
-
-
-@pytest.fixture
-def simulated_board(firmware_elf: Callable[..., Path]) -> Iterator[LiveBoard]:
-    """Give an Uno in real time behind a pseudo-terminal: `.port` is the path to open."""
-    with LiveBoard(firmware_elf("uno")) as board:
-        yield board
 
 
 @pytest.fixture

@@ -43,20 +43,25 @@ class SimulatedLink:
         """Do nothing: there is no port to give back."""
 
 
+@pytest.fixture
+def simulated(start: Callable[..., Board], monkeypatch: pytest.MonkeyPatch) -> Board:
+    """Put a simulated Uno behind every port that a Robot opens; opening it resets it."""
+    board = start("uno")
+    monkeypatch.setattr("serpenoid.robot.robot.open_link", lambda _: SimulatedLink(board))
+    return board
+
+
 @pytest.fixture(params=BOARDS)
-def any_port(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+def any_port(request: pytest.FixtureRequest) -> str:
     """Return the port of each board in turn; the hardware only where --port names it."""
     if request.param == "simulated":
-        board = request.getfixturevalue("start")("uno")
-        monkeypatch.setattr("serpenoid.robot.robot.open_link", lambda _: SimulatedLink(board))
+        request.getfixturevalue("simulated")
     return _port_of(request)
 
 
-@pytest.fixture(params=BOARDS)
+@pytest.fixture(params=["virtual", "hardware"])
 def any_live_port(request: pytest.FixtureRequest) -> str:
-    """Return the port of each board in turn, for a process of its own: in real time."""
-    if request.param == "simulated":
-        return request.getfixturevalue("simulated_board").port
+    """Return the port of each board that a process of its own can open."""
     return _port_of(request)
 
 

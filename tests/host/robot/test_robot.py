@@ -6,9 +6,9 @@ import itertools
 import math
 
 import pytest
-from avr.live import LiveBoard
-from robot.fake_board import GAIT
-from robot.patience import LONG_S
+from robot.boards import BOARDS
+from robot.fake_board import GAIT, FakeBoard
+from robot.patience import LONG_S, clock
 from serpenoid import Gait
 from serpenoid.model.errors import BadInput, CommandRefused, RobotReset
 from serpenoid.robot import Robot
@@ -81,10 +81,11 @@ def test_poses_arrive_in_radians(any_port):
             robot.bent(math.nan)
 
 
-@pytest.mark.parametrize("kind", ["virtual:fast", pytest.param("elf", marks=pytest.mark.avr)])
-def test_settings_and_trims_are_kept_when_saved(kind, request):
-    port = kind if kind != "elf" else request.getfixturevalue("simulated_board").port
-    with Robot(port) as robot:
+@pytest.mark.parametrize("board", BOARDS[:2])  # what a real one has saved is left alone
+def test_settings_and_trims_are_kept_when_saved(board, request):
+    if board == "simulated":
+        request.getfixturevalue("simulated")
+    with Robot("virtual:fast") as robot:
         robot.trim(2, "centre", 1512)
         robot.trim(5, "low", -75.5)
         robot.set("silence", 3.5)
@@ -127,18 +128,24 @@ def test_frames_that_nobody_reads_are_bounded_and_counted(monkeypatch):
 
 
 @pytest.mark.avr
-def test_reset_and_hang_of_the_simulated_board_end_the_run(simulated_board):
-    for harm, cause in ((simulated_board.press_reset, "external"), (simulated_board.hang, "watch")):
+def test_reset_and_hang_of_the_simulated_board_end_the_run(simulated):
+    for harm, cause in ((simulated.reset, "external"), (simulated.hang, "watch")):
         with pytest.raises(RobotReset, match=f"cause: {cause}"):
-            with Robot(simulated_board.port) as robot:
+            with Robot("any") as robot:
                 robot.gait(GAIT)
                 harm()
                 list(robot.frames(60.0))
 
 
-@pytest.mark.avr
-@pytest.mark.parametrize("options", [{"boot_s": 1.0}, {"reset_on_open": False}])
-def test_a_board_that_boots_slowly_or_not_at_all_is_found(firmware_elf, options):
-    with LiveBoard(firmware_elf("uno"), **options) as live, Robot(live.port) as robot:
-        assert robot.hello.board == "uno"
-        robot.straight()
+def test_a_board_that_boots_slowly_is_found():
+    begun_s = clock()
+    with FakeBoard(lambda line: line if clock() > begun_s + 1.0 else b"") as fake:
+        with Robot(fake.port) as robot:
+            robot.straight()
+
+
+def test_a_board_that_opening_does_not_reset_is_found():
+    with FakeBoard() as fake:
+        fake.reset = lambda _cause: None
+        with Robot(fake.port) as robot:
+            robot.straight()
