@@ -7,7 +7,8 @@ SOURCES := $(shell find host/core firmware/lib firmware/virtual -name '*.[ch]*')
 # What takes long beside what it finds before a commit; `make test` has it all.
 LONG := $(addprefix tests/,avr docs end_to_end firmware oracle golden studies) \
 	$(addprefix tests/host/,bench commands gaits model/test_stubs.py periodic robot show video) \
-	$(addprefix tests/host/simulation/test_,stability.py adaptive.py nonsmooth.py play.py) \
+	$(addprefix tests/host/simulation/test_,adaptive.py nonsmooth.py play.py positive_work.py \
+	radau.py ratchet.py run_error.py stability.py steady_springs.py truths.py) \
 	$(addprefix tests/host/servos/test_,measured.py folded_film.py) \
 	$(addprefix tests/host/calibration/test_,advice.py balanced_bends.py comparison.py \
 	crawls_fit.py dialogue.py dialogue_fuzz.py filmed_crawls.py floor_fit.py floor_tracks.py \
@@ -19,7 +20,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 help:
 	@echo "make demo       from the 2005 treadmill to a predicted speed; no robot needed"
-	@echo "make test       lint, and every test but the slow ones (some eight minutes)"
+	@echo "make test       lint, and every test but the slow ones (some minutes)"
 	@echo "make quick      lint, and the tests of a minute: before each commit"
 	@echo "make test-slow  the long studies"
 	@echo "make format     settle the style of Python and C++"

@@ -10,6 +10,7 @@ import pytest
 from serpenoid import load_fit, load_session
 
 
+@pytest.mark.slow
 def test_demo(tmp_path) -> None:
     out = tmp_path / "demo"
     done = subprocess.run(

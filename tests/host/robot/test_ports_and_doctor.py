@@ -10,7 +10,7 @@ import sys
 from types import SimpleNamespace
 
 import pytest
-from robot.fake_board import FakeBoard, eeprom_after, greeting, nothing
+from robot.fake_board import FakeBoard, eeprom_after, greeting, nothing, resealed
 from serpenoid.robot import Robot
 from serpenoid.robot.tools import doctor, first_day
 from serpenoid.robot.wire import ports
@@ -192,15 +192,20 @@ def test_silence_off_is_told():
         assert marks(fake.port)["silence"] == "note"
 
 
-def test_what_the_counters_and_the_timing_mean():
-    good = dict.fromkeys(doctor.Status.__dataclass_fields__, 0)
-    quiet = doctor.Losses()
-    assert doctor._counters(doctor.Status(**good), quiet, 9).mark == "ok"
-    assert doctor._counters(doctor.Status(**good), quiet, 0).mark == "fix"
-    assert "rxfull 3" in doctor._counters(doctor.Status(**good | {"rxfull": 3}), quiet, 9).found
-    assert doctor._timing(doctor.Status(**good)).mark == "ok"
-    for late in ({"overruns": 1}, {"late_us": doctor.LATE_US + 1}):
-        assert doctor._timing(doctor.Status(**good | late)).mark == "fix"
+@pytest.mark.parametrize(
+    ("name", "field", "bad"),
+    [
+        ("counters", rb"rxfull=0", b"rxfull=3"),
+        ("timing", rb"overruns=\d+", b"overruns=1"),
+        ("timing", rb"late_us=\d+", b"late_us=5000"),
+    ],
+)
+def test_what_the_counters_and_the_timing_mean(name, field, bad):
+    def busy(line: bytes) -> bytes:
+        return resealed(line, field, bad) if line.startswith((b"counters:", b"timing:")) else line
+
+    with FakeBoard(busy) as board:
+        assert fix_of(name, board.port)
 
 
 def test_listing_is_by_name_and_says_what_is_allowed(plugged, monkeypatch):

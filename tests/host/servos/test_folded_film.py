@@ -94,6 +94,7 @@ def test_too_few_or_too_slow_pictures_tell_nothing(t_s: np.ndarray) -> None:
     assert film_ripples(t_s, joints, GAIT.omega_rad_s, FRAME_S) == ()
 
 
+@pytest.mark.slow
 def test_a_session_tells_light_rotors_by_a_quick_film(runs) -> None:
     """Amplitude and a speed in doubt leave both; what runs and rests inside a frame does not."""
     session = load_session(session_folder())

@@ -164,6 +164,7 @@ def gains_of(fit: sn.FrictionFit, gait: sn.Gait, servo: sn.Servo) -> np.ndarray:
     return 2 * np.abs(np.mean(joints[100:] * wave, axis=0)) / gait.alpha_rad
 
 
+@pytest.mark.slow
 def test_the_command_writes_a_file_that_others_take(tmp_path: Path, monkeypatch) -> None:
     monkeypatch.setattr(bench_test, "PARTICLES", 48)
     monkeypatch.setattr(bench_test, "KEPT", 8)
