@@ -68,7 +68,7 @@ MOST_TOKENS = {
     "tests/host/robot": 26868,
     "tests/host/servos": 6190,
     "tests/host/show": 7653,
-    "tests/host/simulation": 25280,
+    "tests/host/simulation": 25261,
     "tests/host/video": 17068,
     "tests/oracle": 15765,
     "tests/portable": 1130,

@@ -212,9 +212,3 @@ def test_the_estimate_of_many_links_that_stick_is_a_bound(links: int, tolerance:
     assert said.settled
     assert off.position_m <= said.integration.position_m + rounding
     assert off.angle_rad <= said.integration.angle_rad + rounding
-
-
-def test_ninety_nine_links_have_an_error_that_is_finite() -> None:
-    run = sn.simulate(many_links(99, 1e-7, duration_s=0.2))
-    assert run.error_estimate.settled
-    assert run.error_estimate.worst(run.scene.robot.body_length_m) < 1e-6
