@@ -104,6 +104,8 @@ def first_failure(tests: list[str]) -> str:
         )
     except subprocess.TimeoutExpired:
         return "hangs"
+    if done.returncode < 0:
+        return "crashes"
     if done.returncode not in (0, 1, 2):
         raise SystemExit(f"{' '.join(command)}:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
     failed = FAILED.search(done.stdout)
