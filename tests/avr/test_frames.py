@@ -114,6 +114,7 @@ def test_more_joints_than_a_board_has_memory_for_are_not_built(firmware_elf):
         firmware_elf("uno", 9)
 
 
+@pytest.mark.slow
 def test_pulses_as_long_as_they_can_be_leave_their_gap(start):
     """Eight joints at 2.4 ms each are 19.2 ms of pulses: the refresh is stretched for them."""
     talk = running(start("mega", joints=8), "gait 88 0 5")

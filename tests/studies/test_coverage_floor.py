@@ -33,6 +33,7 @@ def test_intervals_of_a_few_sessions_mostly_hold(tmp_path, monkeypatch) -> None:
     assert np.mean(held) > 0.8
 
 
+@pytest.mark.slow
 def test_the_driven_robot_and_its_band_have_the_same_servos() -> None:
     """Where friction is known exactly, the band of joints and servos holds drawn robots' speeds."""
     near = {"points": 64, "box": (0.9 * WHOLE, 1.1 * WHOLE), "kernel": "cubic"}
