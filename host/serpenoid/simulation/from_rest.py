@@ -23,7 +23,7 @@ def elsewhere(state: Steady) -> str:
     """Return in a sentence what motion a gait ends in from rest; "" if in its reported state.
 
     Runs follow the motion until it agrees with the state, or repeats where it does not. One that
-    does neither in two seconds of waiting is not told of: it may only settle slowly.
+    does neither in two seconds of waiting gives no sentence: it may only settle slowly.
     """
     gait, ground, body_m = state.gait, state.ground, state.robot.body_length_m
     if ground.smooth and ground.ct_forward == ground.ct_backward:
@@ -32,7 +32,7 @@ def elsewhere(state: Steady) -> str:
     cycles = math.ceil(min(max(state.settling_time_s / period, 10), 100))
     scene = Scene(state.robot, ground, gait, dt_s=period, duration_s=cycles * period)
     scene, before = exact_scene(scene, 1e-5), np.array(math.inf)
-    told = np.array([state.turn_rad_per_cycle, state.chord_m_s * period / body_m])
+    reported = np.array([state.turn_rad_per_cycle, state.chord_m_s * period / body_m])
     while monotonic() < until:
         try:
             run = simulate(scene)
@@ -41,14 +41,14 @@ def elsewhere(state: Steady) -> str:
         travel_m = np.hypot(*np.diff(run.centre_m[-5:], axis=0).T).mean()
         turn_rad = (run.theta_rad[-1, 0] - run.theta_rad[-5, 0]) / 4
         now = np.array([turn_rad, travel_m / body_m])
-        off = np.linalg.norm(now - told)
-        if off < _AGREES * (0.1 + np.linalg.norm(told)):
+        off = np.linalg.norm(now - reported)
+        if off < _AGREES * (0.1 + np.linalg.norm(reported)):
             break
         if np.linalg.norm(now - before) < _REPEATS * off:
-            words = (
-                f"{math.degrees(a):.3g} deg and goes {b * body_m:.3g} m" for a, b in (now, told)
+            turns = ", the reported state ".join(
+                f"turns {math.degrees(turn):.3g} deg and goes {way * body_m:.3g} m"
+                for turn, way in (now, reported)
             )
-            turns = ", the reported state ".join(f"turns {one}" for one in words)
             return f"from rest the robot ends in another motion: a cycle {turns}"
         before, scene = now, replace(scene, start=run.state())
     return ""

@@ -55,6 +55,13 @@ def test_limits_in_degrees_are_kept_and_told() -> None:
     assert "the fastest found makes 0.46" in str(words.exception)
 
 
+@pytest.mark.parametrize("asked", [IDEAL, "steady --alpha-deg 60 --beta-deg 75 --omega-rad-s 4"])
+def test_another_motion_from_rest_is_warned_of(asked: str, monkeypatch) -> None:
+    monkeypatch.setattr("serpenoid.simulation.from_rest.elsewhere", lambda state: "a circle")
+    with pytest.warns(UserWarning, match="a circle"):
+        run(asked)
+
+
 def test_several_speeds_are_a_front() -> None:
     costs = [best["cost_w"] for best in answer(f"{OPTIMIZE} 0.1,0.5")["front"]]
     assert costs == pytest.approx([7.63769e-3, 0.22733], rel=2e-5)

@@ -163,6 +163,8 @@ def test_the_steady_state_takes_them_along() -> None:
     told = json.loads(answer.stdout)["sensitivities"]
     assert set(told) == set(s.sensitivities.names)
     assert told["fn0"]["speed_m_s"]["derivative"] > 0
+    row = next(line for line in str(s.sensitivities).splitlines() if " fn0 " in line)
+    assert f" {by_name(s.sensitivities)['fn0']:+.2g} " in row
 
 
 def test_a_gait_that_goes_nowhere_has_derivatives() -> None:

@@ -215,11 +215,9 @@ def test_wheels_let_go_where_the_axles_of_three_links_meet() -> None:
     """Both joints bend alike: no force holds all wheels there, and almost none moves them."""
     gait = sn.Gait(1.3615880207163407, 1.7167084512608666, 1.6404180229551444)
     scene = sn.Scene(
-        sn.Robot(3, 0.006297893227305849, 0.07463023534467449, 2.9230999784121943e-06),
+        sn.Robot(3, 0.006297893227305849, 0.07463023534467449),
         sn.Ground(1.7057197675516356, 174758.89072080975, 0.026542319982131166, 5222.96427394773),
         gait,
-        method="nonsmooth",
-        tolerance=1e-6,
         dt_s=gait.period_s / 20,
         duration_s=gait.period_s,
     )
