@@ -70,7 +70,7 @@ MOST_TOKENS = {
     "tests/host/show": 7653,
     "tests/host/simulation": 25251,
     "tests/host/video": 17068,
-    "tests/oracle": 15765,
+    "tests/oracle": 15512,
     "tests/portable": 1130,
     "tests/studies": 2306,
 }

@@ -19,6 +19,7 @@ from scipy.integrate import DOP853
 from scipy.linalg import null_space, qr
 from scipy.optimize import brentq, linprog, lsq_linear
 
+from .dense import gap_rows, joint_gaps
 from .params import Array, Gait, Params
 
 AT_REST_M_S = 1e-10  # below it a contact that touched zero counts as at rest
@@ -166,19 +167,10 @@ class World:
 
     def closing(self, t: float, q: Array, v: Array) -> tuple[Array, Array, Array, Array]:
         """Return the constraints' gaps, rows, rates, and part of the second rate without q''."""
-        p, n = self.p, self.p.links
-        a, w = q[2::3], v[2::3]
-        ahead, m = np.stack([np.cos(a), np.sin(a)], 1), np.stack([-np.sin(a), np.cos(a)], 1)
-        centre = np.stack([q[0::3], q[1::3]], 1)
-        gap = centre[1:] - centre[:-1] - p.half_length_m * (ahead[1:] + ahead[:-1])
-        rows = np.zeros((n - 1, 2, 3 * n))
-        for i in range(n - 1):
-            rows[i, :, 3 * i : 3 * i + 2], rows[i, :, 3 * i + 3 : 3 * i + 5] = -np.eye(2), np.eye(2)
-            rows[i, :, 3 * i + 2] = -p.half_length_m * m[i]
-            rows[i, :, 3 * i + 5] = -p.half_length_m * m[i + 1]
-        pull = w[:, None] ** 2 * ahead
-        bend = p.half_length_m * (pull[1:] + pull[:-1]).ravel()
-        return gap.ravel(), rows.reshape(-1, 3 * n), 0 * bend, bend
+        pose, rates = q.reshape(-1, 3), v.reshape(-1, 3)
+        gap, _ = joint_gaps(self.p, pose, rates)
+        rows, bend = gap_rows(self.p, pose, rates)
+        return gap.ravel(), rows, 0 * bend, bend
 
     def contacts(self, q: Array, v: Array) -> tuple[Array, Array]:
         """Return the contacts' rows (slip = rows v) and the part of slip' without v'."""
