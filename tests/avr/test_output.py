@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from avr.dialogue import Dialogue, seal, telemetry
+from avr.dialogue import Dialogue, telemetry
 from avr.truth import line_errors_us
 
 pytestmark = pytest.mark.avr
@@ -38,18 +38,3 @@ def test_a_flood_costs_lines_but_no_motion(start):
     errors = np.abs(line_errors_us(board, seen))
     assert np.percentile(errors, 80) <= USUAL_US
     assert np.max(errors) <= EXTREME_US
-
-
-def test_a_line_may_take_its_time(start):
-    talk = Dialogue(start())
-    talk.hello()
-    before = talk.counters()
-    talk.number += 1
-    line = seal(f"#{talk.number} gait 30 80 5")
-    talk.board.send(line[:-9])
-    talk.board.run(3.0)
-    talk.board.send(line[-9:])
-    talk.board.run(0.1)
-    after = talk.counters()
-    assert (after["good"], after["garbled"]) == (before["good"] + 2, before["garbled"])
-    assert len(talk.board.edges) > 0

@@ -230,11 +230,16 @@ say ping
 ok: #-
 
 # Lines end with LF, CR or both; empty ones do not count. 80 bytes are a line, other bytes are none.
+# A line may take its time.
 raw \\x0D\\n\\nping\\x0D\\nping\\n\\x0Dping\\x0D
 ok: #-
 ok: #-
 ok: #-
 say ping{" " * 76}
+ok: #-
+raw pi
+wait 3
+say ng
 ok: #-
 say a\\x00
 err: #? garbled

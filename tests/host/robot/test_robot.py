@@ -102,6 +102,8 @@ def test_settings_and_trims_are_kept_when_saved(board, request):
             assert refused.value.word == "name"
         with pytest.raises(BadInput, match="printable ASCII"):
             robot.set("silence 1\n#9 gait", 3)
+    if board == "simulated":
+        assert request.getfixturevalue("simulated").counts.eeprom_ignored == 0
 
 
 def test_telemetry_thinned_out_is_not_counted_as_missed():
