@@ -65,7 +65,7 @@ MOST_TOKENS = {
     "tests/host/model": 4537,
     "tests/host/paper": 771,
     "tests/host/periodic": 19421,
-    "tests/host/robot": 26868,
+    "tests/host/robot": 26886,
     "tests/host/servos": 6190,
     "tests/host/show": 7653,
     "tests/host/simulation": 25251,
