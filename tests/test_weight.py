@@ -50,7 +50,7 @@ MOST_TOKENS = {
     "studies": 29116,
     "tests": 3342,
     "tests/arm": 1428,
-    "tests/avr": 19197,
+    "tests/avr": 19018,
     "tests/docs": 8127,
     "tests/end_to_end": 1125,
     "tests/firmware": 13231,

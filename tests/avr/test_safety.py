@@ -1,9 +1,9 @@
-"""The robot stays safe on a simulated board: boot, stop, silence, reset, hang."""
+"""The robot stays safe on a simulated board: boot, idle, reset, hang."""
 
 import numpy as np
 import pytest
 from avr.board import F_CPU_HZ
-from avr.dialogue import JOINTS, Dialogue, fields, telemetry, unseal
+from avr.dialogue import JOINTS, Dialogue, fields, telemetry
 
 pytestmark = pytest.mark.avr
 
@@ -12,13 +12,13 @@ CENTRE_US = 1500.0
 JITTER_US = 10.0  # the rare extreme of a pulse whose interrupt was delayed
 
 
-def widths(board, since_s, until_s=np.inf):
-    """Return the widths of all pulses that rose in a stretch of time, one array a joint."""
+def widths(board, since_s):
+    """Return the widths of all pulses that rose from a time on, one array a joint."""
     found = []
     for joint in range(JOINTS):
         pulses = board.pulses(joint)
         rise_s = pulses.rise_cycle / F_CPU_HZ
-        found.append(pulses.width_us[(rise_s >= since_s) & (rise_s < until_s)])
+        found.append(pulses.width_us[rise_s >= since_s])
     return found
 
 
@@ -52,23 +52,6 @@ def test_idle_ends_the_pulses(start):
     limp_s = board.time_s
     board.run(0.5)
     assert all(len(width) == 0 for width in widths(board, limp_s + 2 * FRAME_S))
-
-
-def test_silence_leads_gently_to_the_straight_pose(start):
-    board = start()
-    crawling(board)
-    silent_s = board.time_s
-    board.run(8.0)
-    words = [unseal(line.text) for line in board.lines if line.text.startswith("state:")]
-    assert any(word.startswith("state: safing why=silence") for word in words)
-    assert words[-1].startswith("state: safe ")
-    moving = widths(board, silent_s, silent_s + 1.8)
-    assert min(np.ptp(width) for width in moving) > 300, "the gait goes on until the 2 s are over"
-    for width in widths(board, silent_s + 7.5):
-        np.testing.assert_allclose(width, CENTRE_US, atol=JITTER_US)
-    for width in widths(board, silent_s):
-        # 500 degrees/s is 100 us a frame; the gait itself moves 150 degrees/s.
-        assert np.max(np.abs(np.diff(width))) <= 100 + JITTER_US
 
 
 @pytest.mark.parametrize(("cause", "word"), [("external", "external"), ("brown-out", "brownout")])
