@@ -14,6 +14,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "studies"))
 import film_pictures
 import serpenoid as sn
+import servo_picture
 import wiring_diagram
 from calibration_figures import advised_figure, coverage_figure, verdict_figure
 from serpenoid.bench.accuracy.figure import accuracy_figure
@@ -23,7 +24,6 @@ from serpenoid.bench.stability.figure import stability_figure
 from serpenoid.bench.stability.map import Cell
 from serpenoid.commands.demo import run_demo
 from serpenoid.show.run_figure import draw_run
-from serpenoid.show.servo_figure import servo_figure
 
 STORED = Path(__file__).resolve().parents[1] / "host" / "docs"
 
@@ -78,7 +78,7 @@ FIGURES: dict[str, Callable[[Path], None]] = {
     "speed.png": of_demo,
     "path.png": of_demo,
     "run.png": run,
-    "servos.png": servo_figure,
+    "servos.png": servo_picture.draw,
     "accuracy.png": accuracy,
     "stability.png": stability,
     "coverage.png": coverage,

@@ -18,7 +18,7 @@ import calibration_figures as figures
 import coverage_floor
 import coverage_treadmill
 import verdicts
-from serpenoid.bench.page import renew_table
+from serpenoid.bench.rows import renew_table
 
 STUDIES = {
     "coverage": (coverage_treadmill.STUDY.run, figures.coverage_figure),

@@ -6,8 +6,7 @@ import json
 
 from scipy.integrate import solve_ivp
 from serpenoid.bench.peers import numba_equations as q
-from serpenoid.bench.problems import problems
-from serpenoid.bench.reference import FILE, as_kept
+from serpenoid.bench.problems import FILE, as_kept, problems
 
 
 def main() -> None:

@@ -17,7 +17,7 @@ from docs.documents import PAGES, ROOT, blocks, mentioned, typed, unknown
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session
 from serpenoid.calibration.taking.treadmill import take_all
-from serpenoid.commands.demo_parts.loop import take_session
+from serpenoid.commands.demo_loop import take_session
 
 PACKAGE = ROOT / "host" / "serpenoid"
 EXAMPLES = sorted((ROOT / "host" / "examples").glob("*"))

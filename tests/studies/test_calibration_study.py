@@ -17,7 +17,7 @@ from coverage_treadmill import (
     judged,
     one,
 )
-from serpenoid.bench.page import renew_table
+from serpenoid.bench.rows import renew_table
 from serpenoid.calibration.speed_samples import speed
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.model.ground import Ground

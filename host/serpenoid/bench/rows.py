@@ -1,4 +1,4 @@
-"""Files of measured rows: dataclasses of numbers and texts, one a line of a CSV file."""
+"""Files of a benchmark: rows, one a line of a CSV file, and tables in Markdown pages."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
-from ..model.files import csv_rows, read_text, write_csv
+from ..model.errors import BadInput
+from ..model.files import csv_rows, read_text, write_csv, write_text
 
 T = TypeVar("T")
 _NOTHING: Mapping[str, str] = {}
@@ -30,3 +31,16 @@ def read_rows(path: Path, kind: type[T]) -> list[T]:
 
     cells = [dict(zip(header, line, strict=True)) for line in lines]
     return [kind(**{name: value(name, cell[name]) for name in texts}) for cell in cells]
+
+
+def renew_table(path: Path, name: str, table: str) -> None:
+    """Put a table between the markers `<!-- NAME: begin -->` and `<!-- NAME: end -->` of a page.
+
+    Raises BadInput where a marker is missing or stands twice; the page is then left as it is.
+    """
+    begin, end = f"<!-- {name}: begin -->", f"<!-- {name}: end -->"
+    text = read_text(path)
+    if text.count(begin) != 1 or text.count(end) != 1:
+        raise BadInput(f"{path} must have {begin!r} and {end!r} once each, around the table")
+    head, rest = text.split(begin)
+    write_text(path, f"{head}{begin}\n{table}\n{end}{rest.split(end)[1]}")

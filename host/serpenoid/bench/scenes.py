@@ -77,13 +77,9 @@ def parts() -> tuple[list[Path], list[str]]:
 def build(folder: Path) -> Path:
     """Compile the core and the ladder into a folder and return the program."""
     sources, include = parts()
-    objects = []
-    for source in sources:
-        objects.append(str(folder / f"{source.stem}.o"))
-        command = ["g++", *FLAGS, *include, "-c", str(source), "-o", objects[-1]]
-        _run(command, f"compiling {source.name}")
     program = folder / "ladder"
-    _run(["g++", *objects, "-o", str(program)], "linking the ladder")
+    command = ["g++", *FLAGS, *include, *map(str, sources), "-o", str(program)]
+    _run(command, "compiling the core and the ladder")
     return program
 
 

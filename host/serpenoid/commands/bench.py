@@ -7,9 +7,8 @@ from pathlib import Path
 import click
 
 from ..show.screen import say
-from .declare import flag, option
+from .declare import EXISTING, directory, flag, option
 from .group import Commands
-from .paths import EXISTING, directory
 
 OUT = option("--out", "Folder for figures and numbers.", type=directory, default=Path("bench-out"))
 
@@ -29,11 +28,10 @@ def _tell(text: str) -> None:
 @option("--page", "A Markdown page whose table between the markers is renewed.", type=EXISTING)
 def accuracy(out: Path, quick: bool, page: Path | None) -> None:
     """Draw error against run time of every method and its peers: accuracy.png, .csv and .json."""
-    from ..bench.accuracy.contenders import absent
     from ..bench.accuracy.equal_error import headline, table
-    from ..bench.accuracy.files import write_all
-    from ..bench.accuracy.measure import NOT_TRIED, QUICK, Effort, run
-    from ..bench.page import renew_table
+    from ..bench.accuracy.figure import write_all
+    from ..bench.accuracy.measure import NOT_TRIED, QUICK, Effort, absent, run
+    from ..bench.rows import renew_table
 
     for missing in absent():
         _tell(f"left out, not installed: {missing}; pip install 'serpenoid[bench]' brings it")
@@ -58,7 +56,7 @@ def accuracy(out: Path, quick: bool, page: Path | None) -> None:
 @flag("--quick", "A coarse map, no long chains: less than a minute.")
 def stability(out: Path, quick: bool) -> None:
     """Map where each fixed step is stable, and try extreme scenes; exit status 1 on a defect."""
-    from ..bench.stability.files import defects, measure_and_write, summary
+    from ..bench.stability.figure import defects, measure_and_write, summary
 
     measured = measure_and_write(out, quick, _tell)
     for line in summary(*measured):

@@ -2,36 +2,27 @@
 
 from __future__ import annotations
 
-import json
 import math
 import shutil
 import sys
 from pathlib import Path
 
+import serpenoid as sn
+
 from .. import _core
-from ..calibration.friction_fit import fit_friction
-from ..calibration.friction_result import FrictionFit
 from ..calibration.prediction import SpeedPoint, as_json, one_cycle, predict_all
-from ..calibration.session_file import load_session
-from ..model.files import write_text
-from ..model.gait import Gait
-from ..model.ground import Ground
-from ..model.robot import Robot
 from ..show import plot
-from ..show.progress import progress
-from .demo_parts.film import measure_demo_film
-from .demo_parts.floor import push_along_floor
-from .demo_parts.loop import run_loop
-from .demo_parts.words import say, step
-from .options import finite
+from ..show.screen import progress
+from .demo_loop import measure_demo_film, push_along_floor, run_loop, say, step
+from .options import write_json
 
 ALPHA_DEG, BETA_DEG = 70.0, 75.0  # the gait of the paper's experiment
 GAITS = [
-    Gait(math.radians(ALPHA_DEG), math.radians(BETA_DEG), 2 * math.pi * hz)
+    sn.Gait(math.radians(ALPHA_DEG), math.radians(BETA_DEG), 2 * math.pi * hz)
     for hz in (0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0, 1.25, 1.5)
 ]
-PATH_ROBOT, PATH_GROUND = Robot(6, 1.0, 0.12), Ground(0.1, 10.0)
-PATH_GAIT = Gait(math.radians(30), math.radians(80), 5.0)
+PATH_ROBOT, PATH_GROUND = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
+PATH_GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
 
 
 def session_folder() -> Path:
@@ -39,7 +30,7 @@ def session_folder() -> Path:
     return Path(_core.__file__).parent / "calibration_data" / "nirakh-2005"
 
 
-def run_demo(out: Path, own: FrictionFit | None = None) -> None:
+def run_demo(out: Path, own: sn.FrictionFit | None = None) -> None:
     """Fit, predict, draw and sum up; everything it finds is written to the folder `out`.
 
     own: of a robot whose friction is then the simulated treadmill's truth.
@@ -48,8 +39,8 @@ def run_demo(out: Path, own: FrictionFit | None = None) -> None:
     say("This demo needs no robot: it measures a simulated one, whose true friction is known.\n")
     floor = push_along_floor(out, *run_loop(out, own))
     film = measure_demo_film(out)
-    session = load_session(session_folder())
-    fit = fit_friction(session)
+    session = sn.load_session(session_folder())
+    fit = sn.fit_friction(session)
     with progress(len(GAITS), "predicting speeds") as advance:
         points = predict_all(session.setup.robot, fit, GAITS, progress=advance)
     state, run = one_cycle(PATH_ROBOT, PATH_GROUND, PATH_GAIT)
@@ -65,8 +56,7 @@ def run_demo(out: Path, own: FrictionFit | None = None) -> None:
     plot.path_and_poses(run, "the paper's robot, α = 30°, β = 80°, ω = 5 rad/s", out / "path.png")
     parts = {"film": film, "floor": floor}
     numbers = as_json(fit, points, state) | {k: v for k, v in parts.items() if v is not None}
-    text = json.dumps(finite(numbers), indent=2, allow_nan=False)
-    write_text(out / "demo.json", text + "\n")
+    write_json(out / "demo.json", numbers)
     step(8, *_robot_of_2005(fit, points))
     serpenoid = _called()
     say(f"\nLook at {out / 'report.html'}. Pictures and numbers are beside it.")
@@ -74,7 +64,7 @@ def run_demo(out: Path, own: FrictionFit | None = None) -> None:
     say(f"With your robot: {serpenoid} flash; then doctor, trim, calibrate new DIR, fit DIR")
 
 
-def _robot_of_2005(fit: FrictionFit, points: list[SpeedPoint]) -> list[str]:
+def _robot_of_2005(fit: sn.FrictionFit, points: list[SpeedPoint]) -> list[str]:
     """Return what a builder would ask of the robot of 2005, and how far to trust it."""
     fastest = [p for p in points if p.follows][-1]
     cn = fit.parameters["cn"]

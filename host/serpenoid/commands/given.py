@@ -8,21 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..model.errors import BadInput
+import serpenoid as sn
+
 from ..show.screen import say
+from .declare import FOLDER, option
 
 if TYPE_CHECKING:
-    from ..calibration.friction_result import FrictionFit
+    from ..calibration.kinds.video import FilmReading
     from ..calibration.speed_samples import SpeedBand
-    from ..model.drives import ServoKind
-    from ..model.gait import Gait
-    from ..model.ground import Ground
-    from ..model.robot import Robot
 
 ALARMS = "serpenoid.alarms"  # of click's context: keys that show_json puts into every answer
 
 
-def take_fit(given: dict[str, Any]) -> FrictionFit | None:
+def take_fit(given: dict[str, Any]) -> sn.FrictionFit | None:
     """Take the fit of --session or --ground, None if neither was given; its alarms are told."""
     session, ground = given.pop("session", None), given.pop("ground_file", None)
     if session is not None and ground is not None:
@@ -31,25 +29,22 @@ def take_fit(given: dict[str, Any]) -> FrictionFit | None:
         return session_fit(session)
     if ground is None:
         return None
-    from ..calibration.fit_file import load_fit
 
-    fit = load_fit(ground)
+    fit = sn.load_fit(ground)
     return tell_alarms(fit, [note for note in fit.notes if "is older than the readings" in note])
 
 
-def session_fit(folder: Path, with_crawls: bool = True) -> FrictionFit:
+def session_fit(folder: Path, with_crawls: bool = True) -> sn.FrictionFit:
     """Return a session's fit.json if it is that of its readings, else fit them now.
 
     with_crawls: whether one that rests on crawls will do, which is no test of them.
     """
-    from ..calibration.fit_file import NAME, load_fit, rests_on
-    from ..calibration.friction_fit import fit_friction
-    from ..calibration.session_file import load_session
+    from ..calibration.fit_file import NAME, rests_on
 
-    session = load_session(folder)
+    session = sn.load_session(folder)
     if (folder / NAME).exists():
         try:
-            kept = load_fit(folder)
+            kept = sn.load_fit(folder)
             if not with_crawls and kept.with_crawls:
                 say(
                     "note: fit.json has crawls in it, so it is no test of them: fitted without",
@@ -63,45 +58,43 @@ def session_fit(folder: Path, with_crawls: bool = True) -> FrictionFit:
                     f"without crawls; `serpenoid fit {folder} --crawls` takes them",
                     err=True,
                 )
-        except BadInput as error:  # an older version's, or edited: the readings are there
+        except sn.BadInput as error:  # an older version's, or edited: the readings are there
             say(f"serpenoid: warning: {error}; fitted anew", err=True)
-    return tell_alarms(fit_friction(session))
+    return tell_alarms(sn.fit_friction(session))
 
 
-def servo_as_filmed(
-    kind: ServoKind | None, session: Path | None, fit: FrictionFit | None
-) -> ServoKind | None:
-    """Return the kind with the servos that a fit's crawls or a session's films leave; tell it.
+def servo_as_filmed(kind: sn.ServoKind | None, fit: sn.FrictionFit | None) -> sn.ServoKind | None:
+    """Return the kind with the servos that a fit's crawls or --session's films leave; tell it.
 
     At the session's voltage, with the frames of its board.
     """
+    from ..calibration.filmed_joints import servo_seen
     from ..calibration.session_file import read_session
 
     if kind is None or fit is None:
         return kind
+    folder = click.get_current_context().params["session"]
+    session = None if folder is None else read_session(folder)
     if session is not None:
-        kind = read_session(session).setup.driving(kind)
+        kind = session.setup.driving(kind)
     if fit.servos is not None and fit.servos.kind == kind.name:
         say(f"servos: those of {kind.name} that the fit's crawls leave possible", err=True)
         return replace(kind, drawn=tuple(fit.sample_servos(kind, len(fit.servos.index))))
     if session is None:
         return kind
-    from ..calibration.filmed_joints import servo_seen
-
-    films = read_session(session).kept_films
-    seen = servo_seen(kind, films, fit)
+    seen = servo_seen(kind, session.kept_films, fit)
     if seen is not kind:
         say(f"servos: those of {kind.name} that would move the joints as filmed", err=True)
     return seen
 
 
 def predicted_band(
-    fit: FrictionFit | None,
-    robot: Robot,
-    ground: Ground,
-    gait: Gait,
-    servo: ServoKind | None = None,
-    commanded: Gait | None = None,
+    fit: sn.FrictionFit | None,
+    robot: sn.Robot,
+    ground: sn.Ground,
+    gait: sn.Gait,
+    servo: sn.ServoKind | None = None,
+    commanded: sn.Gait | None = None,
 ) -> SpeedBand | None:
     """Return the one 95 % band of a gait's speed; None where robot and ground are not a fit's.
 
@@ -114,7 +107,7 @@ def predicted_band(
     return speed_band(fit, gait, servo=servo, commanded=commanded)
 
 
-def tell_alarms(fit: FrictionFit, more: list[str] | None = None) -> FrictionFit:
+def tell_alarms(fit: sn.FrictionFit, more: list[str] | None = None) -> sn.FrictionFit:
     """Warn of what forbids to trust a fit, note what was not measured; show_json has both."""
     alarms = [*fit.alarms, *(more or [])]
     for alarm in alarms:
@@ -126,3 +119,43 @@ def tell_alarms(fit: FrictionFit, more: list[str] | None = None) -> FrictionFit:
         answers = {"fit_alarms": alarms, "fit_notes": fit.unmeasured}
         context.meta[ALARMS] = {key: words for key, words in answers.items() if words}
     return fit
+
+
+_SAME_RAD, _SAME_RATE = 1e-3, 0.01
+joints_option = option(
+    "--joints",
+    "Session with a film: its joints' gains and phases, in place of the commanded ones.",
+    type=FOLDER,
+    metavar="SESSION",
+)
+
+
+def latest_film(session: Path, links: int) -> FilmReading:
+    """Return the latest film of a session. Raises BadInput: none, or of another robot."""
+    from ..calibration.session_file import read_session
+    from ..model.errors import BadInput
+
+    films = read_session(session).kept_films
+    if not films:
+        raise BadInput(
+            f"{session}: holds no film; measure one with `serpenoid video FILE --session {session}`"
+        )
+    joints = len(films[-1].gait.joint_gain)
+    if joints != links - 1:
+        raise BadInput(f"{session}: its film shows {joints} joints; the robot has {links - 1}")
+    return films[-1]
+
+
+def with_joints(gait: sn.Gait, session: Path | None, links: int) -> sn.Gait:
+    """Return the gait as a session's film says that the joints make it."""
+    if session is None:
+        return gait
+    seen = latest_film(session, links).gait
+    return replace(gait, joint_gain=seen.joint_gain, joint_shift_rad=seen.joint_shift_rad)
+
+
+def was_filmed(gait: sn.Gait, session: Path, links: int) -> bool:
+    """Tell whether a session's latest film shows this commanded gait; its board's clock errs."""
+    seen = latest_film(session, links).commanded
+    apart = abs(seen.alpha_rad - gait.alpha_rad), abs(seen.beta_rad - gait.beta_rad)
+    return max(apart) < _SAME_RAD and abs(seen.omega_rad_s / gait.omega_rad_s - 1.0) < _SAME_RATE

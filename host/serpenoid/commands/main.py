@@ -18,19 +18,11 @@ from ..model import system
 from ..model.errors import BadInput, SerpenoidError
 from ..show.screen import say
 from .bench import BENCH_GROUP
-from .board.doctor import doctor
 from .board.drive import drive
-from .board.flash import flash
-from .board.monitor import monitor
-from .board.ports import ports
-from .board.trim import trim
-from .declare import option
-from .examples import examples
-from .friction.advise import advise
+from .board.tools import doctor, flash, monitor, ports, trim
+from .declare import directory, option
 from .friction.calibrate import calibrate
-from .friction.compare import compare
-from .friction.fit import fit
-from .friction.report import report
+from .friction.fitted import advise, compare, fit, report
 from .friction.servo import servo
 from .gaits.figures import figures
 from .gaits.optimize import optimize
@@ -39,10 +31,9 @@ from .gaits.sweep import sweep
 from .given import take_fit
 from .group import Commands, of_arguments, of_system
 from .options import fit_options
-from .paths import directory
 from .simulate import simulate
 from .video import VIDEO_GROUP
-from .view import view
+from .view import examples, view
 
 
 @click.command()

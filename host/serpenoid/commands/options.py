@@ -10,21 +10,17 @@ import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import click
 
+import serpenoid as sn
+
 from ..model.checks import FORMULATIONS, check_number
+from ..model.files import write_text
 from ..show.screen import say
 from .declare import Options, angle, flag, number, option, radians
 from .given import ALARMS, take_fit
-
-if TYPE_CHECKING:
-    from ..calibration.friction_result import FrictionFit
-    from ..model.drives import ServoKind
-    from ..model.gait import Gait
-    from ..model.ground import Ground
-    from ..model.robot import Robot
 
 T = TypeVar("T")
 AS_JSON = flag("--json", "as_json", "Answer with JSON.")
@@ -69,11 +65,10 @@ BOTH_WAYS = click.types.FuncParamType(both_ways)
 BOTH_WAYS.name = "N[,N]"  # as help has it
 
 
-def _listed(_ctx: click.Context, _option: click.Parameter, gaits: Any) -> list[Gait]:
-    from ..model.gait import Gait
+def _listed(_ctx: click.Context, _option: click.Parameter, gaits: Any) -> list[sn.Gait]:
 
     return [
-        Gait(
+        sn.Gait(
             radians("--gait ALPHA_DEG", alpha_deg, *ALPHA_DEG),
             radians("--gait BETA_DEG", beta_deg, *BETA_DEG),
             math.tau * check_number("--gait HZ", hertz, 0.0, open_low=True),
@@ -173,7 +168,7 @@ def typed(option: str) -> Any:
     return click.get_current_context().meta.get(f"serpenoid.{option}")
 
 
-def take_servo(default: str = IDEAL) -> ServoKind | None:
+def take_servo(default: str = IDEAL) -> sn.ServoKind | None:
     """Return the servo of --servo, --volts and --frame-ms; None for joints that follow the gait."""
     name, volts, frame_ms = map(typed, ("servo", "volts", "frame_ms"))
     wanted = default if name is None else name
@@ -181,35 +176,28 @@ def take_servo(default: str = IDEAL) -> ServoKind | None:
         if volts or frame_ms:
             raise click.UsageError("--volts and --frame-ms need servos: give --servo NAME")
         return None
-    from ..servos.catalogue import servo
 
-    kind = servo(wanted)
+    kind = sn.servo(wanted)
     kind = kind if volts is None else kind.at_volts(volts)
     return kind if frame_ms is None else kind.at_frames(frame_ms / 1e3)
 
 
-def preset_robot(name: str) -> tuple[Robot, Ground]:
+def preset_robot(name: str) -> tuple[sn.Robot, sn.Ground]:
     """Return robot and ground of a preset."""
-    from ..model.ground import Ground
-    from ..model.robot import Robot
-
     mass, length, *friction = PRESETS[name]
-    return Robot(6, mass, length), Ground(*friction)
+    return sn.Robot(6, mass, length), sn.Ground(*friction)
 
 
 def make_robot(
-    given: dict[str, Any], base: tuple[Robot, Ground] | None = None
-) -> tuple[Robot, Ground]:
-    """Take robot and ground from the preset, a fit, or else `base`, and what overrides it."""
-    return robot_with_fit(given, take_fit(given), base)
+    given: dict[str, Any],
+    base: tuple[sn.Robot, sn.Ground] | None = None,
+    fit: sn.FrictionFit | None = None,
+) -> tuple[sn.Robot, sn.Ground]:
+    """Take robot and ground from the preset, a fit, or else `base`, and what overrides it.
 
-
-def robot_with_fit(
-    given: dict[str, Any], fit: FrictionFit | None, base: tuple[Robot, Ground] | None = None
-) -> tuple[Robot, Ground]:
-    """Take robot and ground as make_robot does, of a fit that has been read already."""
-    from ..model.robot import Robot
-
+    fit: one that has been taken already.
+    """
+    fit = fit or take_fit(given)
     doubt_robot(given)
     preset = given.pop("preset")
     if fit is not None:
@@ -220,15 +208,13 @@ def robot_with_fit(
         base = preset_robot(preset or "2005")
     robot, ground = base
     changes = ROBOT.take(given)
-    if robot == Robot(robot.links, robot.link_mass_kg, robot.link_length_m):
+    if robot == sn.Robot(robot.links, robot.link_mass_kg, robot.link_length_m):
         changes.setdefault("link_inertia_kg_m2", None)  # a uniform rod stays one
     return replace(robot, **changes), replace(ground, **GROUND.take(given))
 
 
-def make_gait(given: dict[str, Any], base: Gait | None = None) -> Gait:
+def make_gait(given: dict[str, Any], base: sn.Gait | None = None) -> sn.Gait:
     """Take a gait with either rate or frequency, over `base` if there is one."""
-    from ..model.gait import Gait
-
     fields = gait_options.take(given)
     _doubt_gait(fields)
     rates = [name for name in ("omega_rad_s", "frequency_hz") if name in fields]
@@ -242,7 +228,7 @@ def make_gait(given: dict[str, Any], base: Gait | None = None) -> Gait:
     for name in ("alpha", "beta"):
         if f"{name}_rad" not in fields:
             raise click.UsageError(f"give --{name}-deg")
-    return Gait(**fields)
+    return sn.Gait(**fields)
 
 
 # Figures that look as if typed in another unit are told, not refused: they may be meant.
@@ -293,7 +279,7 @@ def interruptible(work: Callable[[], T]) -> T:
     return done.result()
 
 
-def describe(gait: Gait) -> dict[str, Any]:
+def describe(gait: sn.Gait) -> dict[str, Any]:
     """Return a gait as it is typed."""
     return {
         "alpha_deg": round(math.degrees(gait.alpha_rad), 10),  # 30, not 29.999999999999996
@@ -323,11 +309,20 @@ def finite(values: Any) -> Any:
     return values
 
 
+def json_text(values: dict[str, Any]) -> str:
+    """Return strict JSON; what is not finite becomes null."""
+    return json.dumps(finite(values), indent=2, allow_nan=False)
+
+
+def write_json(path: Path, values: dict[str, Any]) -> None:
+    """Write strict JSON into a file."""
+    write_text(path, json_text(values) + "\n")
+
+
 def show_json(values: dict[str, Any]) -> None:
-    """Print strict JSON, with alarms and notes of its fit; what is not finite becomes null."""
+    """Print strict JSON, with alarms and notes of its fit."""
     context = click.get_current_context(silent=True)
-    of_fit = context.meta.get(ALARMS, {}) if context else {}
-    say(json.dumps(finite(values | of_fit), indent=2, allow_nan=False))
+    say(json_text(values | (context.meta.get(ALARMS, {}) if context else {})))
 
 
 def as_typed(text: str, options: dict[str, str]) -> str:

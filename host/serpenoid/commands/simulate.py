@@ -6,14 +6,16 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
+import serpenoid as sn
+
 from ..model.checks import DRIVES, FORMULATIONS, GAPS, STARTS
-from ..show.screen import say
+from ..show.screen import progress, say, working
 from ..simulation.methods import METHODS
-from .declare import Options, angle, flag, number, option, refuse_typed
+from .declare import FIGURES, Options, angle, flag, number, option, out_file, refuse_typed
 from .options import (
     AS_TABLES,
     describe,
@@ -24,13 +26,6 @@ from .options import (
     robot_options,
     show_json,
 )
-from .paths import FIGURES, out_file
-
-if TYPE_CHECKING:
-    from ..model.drives import Servo
-    from ..model.gait import Gait
-    from ..simulation.run import Run
-    from ..simulation.scene import Scene
 
 _FILE = click.Path(dir_okay=False, path_type=Path)
 
@@ -150,15 +145,13 @@ def simulate(
 ) -> None:
     """Follow one scene in time: a scene file, options, or a file with options over it."""
     from ..show import report, run_report
-    from ..show.progress import working
-    from ..simulation.scene_file import load_scene, save_scene
 
     steps = ("dt_s", "tolerance") if accuracy is not None else ()
     keep = [name for name in steps if given[name] is not None]
-    scene = make_scene(given, None if scene_path is None else load_scene(scene_path))
+    scene = make_scene(given, None if scene_path is None else sn.load_scene(scene_path))
     _check_that_all_apply(scene, accuracy)
     if saved_path is not None:
-        save_scene(scene, saved_path)
+        sn.save_scene(scene, saved_path)
         report.wrote(saved_path)
     try:
         run = _watched(scene, accuracy, keep)
@@ -182,26 +175,22 @@ def simulate(
         run_report.show_run(run, summary)
 
 
-def make_scene(given: dict[str, Any], base: Scene | None) -> Scene:
+def make_scene(given: dict[str, Any], base: sn.Scene | None) -> sn.Scene:
     """Make a scene of the options that were given, over a scene file's if there is one."""
-    from ..simulation.scene import Scene
-
     robot, ground = make_robot(given, base and (base.robot, base.ground))
     gait = make_gait(given, base.gait if base else _no_gait(given))
     parts: dict[str, Any] = {"robot": robot, "ground": ground, "gait": gait}
     told = scene_options.take(given)
     parts |= _joint_drive(told, base)
-    return replace(base, **parts | told) if base is not None else Scene(**parts, **told)
+    return replace(base, **parts | told) if base is not None else sn.Scene(**parts, **told)
 
 
-def _no_gait(given: dict[str, Any]) -> Gait | None:
+def _no_gait(given: dict[str, Any]) -> sn.Gait | None:
     """Return a straight chain at rest for joints that are driven by torques; else nothing."""
-    from ..model.gait import Gait
-
-    return None if given["torque_nm"] is None else Gait(0.0, 0.0, 1.0)
+    return None if given["torque_nm"] is None else sn.Gait(0.0, 0.0, 1.0)
 
 
-def _check_that_all_apply(scene: Scene, accuracy: float | None) -> None:
+def _check_that_all_apply(scene: sn.Scene, accuracy: float | None) -> None:
     """Raise UsageError for an option that the scene has no use for: it would change nothing."""
     pinned, springs = (
         scene.formulation == "explicit",
@@ -218,7 +207,7 @@ def _check_that_all_apply(scene: Scene, accuracy: float | None) -> None:
             refuse_typed(f"{{}} has no effect: {why}", *names)
 
 
-def _joint_drive(told: dict[str, Any], base: Scene | None) -> dict[str, Any]:
+def _joint_drive(told: dict[str, Any], base: sn.Scene | None) -> dict[str, Any]:
     """Take the drive from the options: asking for servos or torques replaces the scene's own."""
     drive, servo, torque = (told.pop(name, None) for name in ("drive", "servo", "torque_nm"))
     asked = {"servo": servo, "torque": torque}
@@ -237,18 +226,14 @@ def _joint_drive(told: dict[str, Any], base: Scene | None) -> dict[str, Any]:
     }
 
 
-def _servo(fields: dict[str, float], base: Servo | None) -> Servo:
-    from ..model.drives import Servo
+def _servo(fields: dict[str, float], base: sn.Servo | None) -> sn.Servo:
     from ..model.toml_table import check_names
 
-    check_names(fields, (), "--servo-fields", "field", tuple(Servo.__slots__))
-    return replace(base or Servo(), **fields)
+    check_names(fields, (), "--servo-fields", "field", tuple(sn.Servo.__slots__))
+    return replace(base or sn.Servo(), **fields)
 
 
-def _watched(scene: Scene, accuracy: float | None, keep: list[str]) -> Run:
+def _watched(scene: sn.Scene, accuracy: float | None, keep: list[str]) -> sn.Run:
     """Run a scene, telling on a terminal how far it is."""
-    from ..show.progress import progress
-    from ..simulation.simulate import simulate as run_scene
-
     with progress(scene.duration_s, "s simulated", so_far=True) as tell:
-        return interruptible(lambda: run_scene(scene, tell, accuracy=accuracy, keep=keep))
+        return interruptible(lambda: sn.simulate(scene, tell, accuracy=accuracy, keep=keep))

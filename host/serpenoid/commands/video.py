@@ -10,15 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..show.screen import say
-from .declare import Options, number, option
+import serpenoid as sn
+
+from ..show.screen import progress, say
+from .declare import EXISTING, FIGURES, FOLDER, Options, number, option, out_file
 from .group import Commands
 from .options import AS_JSON, gait_options, make_gait, preset_robot, show_json
-from .paths import EXISTING, FIGURES, FOLDER, out_file
 
 if TYPE_CHECKING:
-    from ..model.gait import Gait
-    from ..model.robot import Robot
     from ..video.measure_film import FilmMeasurement
 
 
@@ -54,16 +53,15 @@ _ROBOT = Options(
 )
 
 
-def _robot(given: dict[str, Any]) -> tuple[Robot, float | None]:
+def _robot(given: dict[str, Any]) -> tuple[sn.Robot, float | None]:
     """Take the robot and the tag's side (m) from the options, or as the session remembers it."""
     from ..calibration.session_file import read_session
-    from ..model.robot import Robot
 
     session, tag_mm = given.pop("session"), given.pop("tag_mm")
     setup = read_session(session).setup if session else None
     base = setup.robot if setup else preset_robot("2005")[0]
     links, length = given.pop("links"), given.pop("length_m")
-    robot = Robot(links or base.links, base.link_mass_kg, length or base.link_length_m)
+    robot = sn.Robot(links or base.links, base.link_mass_kg, length or base.link_length_m)
     side_m = None if tag_mm is None else tag_mm / 1e3
     return robot, setup.tag_side_m if setup and side_m is None else side_m
 
@@ -153,7 +151,7 @@ def film(
     if as_json:
         show_json(found.run.to_dict())
     else:
-        from ..show.video.film_report import show_film
+        from ..show.video.film_figure import show_film
 
         show_film(found)
     if session is not None:
@@ -164,12 +162,11 @@ def film(
 def _check_way(session: Path | None) -> None:
     """Refuse a way where no line of pushes gives it a meaning."""
     from ..calibration.session_file import read_session
-    from ..model.errors import BadInput
 
     if session is None:
         raise click.UsageError("--way goes with --session: it is kept with the session's reading")
     if not read_session(session).has_line:
-        raise BadInput(
+        raise sn.BadInput(
             f"{session} is a session at a treadmill, without pushes: --way has no line to follow; "
             "leave --way out, the film then counts as on level ground"
         )
@@ -178,22 +175,14 @@ def _check_way(session: Path | None) -> None:
 @contextmanager
 def film_progress(file: Path) -> Iterator[Callable[[float], None]]:
     """Show a bar of a film's seconds; gives a function that is told times of it, s."""
-    from ..show.progress import progress
     from ..video.seeing.film import Film
 
-    done = 0
-
-    def tell(time_s: float) -> None:
-        nonlocal done
-        if time_s >= done + 1:
-            advance(int(time_s) - done)
-            done = int(time_s)
-
-    with progress(max(1, math.ceil(Film.open(file).duration_s)), "seconds of film") as advance:
+    seconds = max(1, math.ceil(Film.open(file).duration_s))
+    with progress(seconds, "seconds of film", so_far=True) as tell:
         yield tell
 
 
-def _commanded(given: dict[str, Any], recording: Path | None, links: int) -> Gait | None:
+def _commanded(given: dict[str, Any], recording: Path | None, links: int) -> sn.Gait | None:
     """Return the gait of the options or of the recording, None without either."""
     typed = any(given[name] is not None for name in gait_options.names)
     if recording is not None:
@@ -234,12 +223,11 @@ def _record(found: FilmMeasurement, session: Path, name: str, way: str | None) -
     told, and its numbers are shown all the same.
     """
     from ..calibration.taking.journal import Journal
-    from ..model.errors import BadInput
     from ..video.reading import film_cells
 
     try:
         cells, samples = film_cells(found)
-    except BadInput as error:
+    except sn.BadInput as error:
         say(f"serpenoid: warning: no reading: {error}", err=True)
         return
     with Journal(session) as journal:

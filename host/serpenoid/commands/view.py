@@ -1,30 +1,24 @@
-"""The command `serpenoid view`: a scene, a recording or the virtual robot as a page to watch."""
+"""The commands that show: a scene, a recording or the virtual robot as a page; the examples."""
 
 from __future__ import annotations
 
 import itertools
 import math
+import shutil
 import webbrowser
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..model.errors import BadInput
+import serpenoid as sn
+
+from .. import _core
 from ..show.screen import say
-from .declare import flag, option
-from .options import (
-    AS_JSON,
-    describe,
-    interruptible,
-    make_robot,
-    robot_options,
-    show_json,
-)
-from .paths import out_file
+from .declare import FOLDER, flag, option, out_file
+from .options import AS_JSON, describe, interruptible, make_robot, robot_options, show_json
 
 if TYPE_CHECKING:
-    from ..model.gait import Gait
     from ..robot.recording.stream import Stream
 
 _VIRTUAL_S = 8.0
@@ -74,21 +68,19 @@ def _free_name() -> Path:
     return out_file(".html")(next(n for n in names if not Path(n).exists()))
 
 
-def _scene(path: Path, given: dict[str, Any]) -> tuple[Gait, str, str, dict[str, Any]]:
+def _scene(path: Path, given: dict[str, Any]) -> tuple[sn.Gait, str, str, dict[str, Any]]:
     from ..show.pages.view_page import of_run
     from ..show.run_figure import scene_words
-    from ..simulation.scene_file import load_scene
-    from ..simulation.simulate import simulate
 
     if any(value is not None for value in given.values()):
         raise click.UsageError("a scene file has its own robot and ground; leave the options out")
-    scene = load_scene(path)
-    run = interruptible(lambda: simulate(scene))
+    scene = sn.load_scene(path)
+    run = interruptible(lambda: sn.simulate(scene))
     about = scene_words(scene).replace("\n", "; ")
     return scene.gait, path.stem.replace("_", " "), about, of_run(run)
 
 
-def _recording(what: str, given: dict[str, Any]) -> tuple[Gait, str, str, dict[str, Any]]:
+def _recording(what: str, given: dict[str, Any]) -> tuple[sn.Gait, str, str, dict[str, Any]]:
     from ..robot.recording.stream import load_stream
     from ..show.pages.view_page import of_recording
     from ..show.plot import gait_title
@@ -112,14 +104,34 @@ def _virtual_stream() -> Stream:
     """Drive the virtual robot, as fast as it computes, and return its recording."""
     import tempfile
 
-    from ..model.gait import Gait
     from ..robot import RobotBoard
     from ..robot.recording.stream import load_stream
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "run.wire"
         with RobotBoard("virtual:fast", record=path) as robot:
-            robot.gait(Gait(math.radians(70), math.radians(75), 5.0))
+            robot.gait(sn.Gait(math.radians(70), math.radians(75), 5.0))
             if not sum(1 for _ in robot.frames(_VIRTUAL_S)):
-                raise BadInput("the virtual robot sent no frames")
+                raise sn.BadInput("the virtual robot sent no frames")
         return load_stream(path)
+
+
+BROUGHT = Path(_core.__file__).parent
+
+
+@click.command()
+@click.argument("folder", type=FOLDER)
+@AS_JSON
+def examples(folder: Path, as_json: bool) -> None:
+    """Copy example scripts, example scenes and the 2005 session into a new FOLDER."""
+    if folder.exists():
+        raise click.UsageError(f"{folder} exists already; name a new folder")
+    bare = shutil.ignore_patterns("__pycache__")  # pip compiles what it installs
+    shutil.copytree(BROUGHT / "examples", folder, ignore=bare)
+    shutil.copytree(BROUGHT / "calibration_data", folder / "calibration_data", ignore=bare)
+    files = sorted(str(path) for path in folder.rglob("*") if path.is_file())
+    if as_json:
+        return show_json({"files": files})
+    for name in files:
+        say(name)
+    say(f"try: serpenoid simulate --scene {folder}/limping_on_a_slope.toml --plot run.png")

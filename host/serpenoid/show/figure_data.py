@@ -5,18 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from ..calibration.comparison import Comparison
 from ..calibration.friction_fit import friction_points, point_errors, voided_points
+from ..calibration.friction_result import FrictionFit
+from ..calibration.session import Session
 from ..model.files import write_csv
-
-if TYPE_CHECKING:
-    from ..calibration.comparison import Comparison
-    from ..calibration.friction_result import FrictionFit
-    from ..calibration.session import Session
-
 
 # Of each part of the readings, the parameters of its line.
 LINES = {"straight": ("ct", "ft0"), "back": ("ct_back", "ft0_back"), "bent": ("cn", "fn0")}

@@ -16,6 +16,7 @@ from .screen import screen
 
 if TYPE_CHECKING:
     from ..calibration.speed_samples import SpeedBand
+    from ..robot.wire.protocol import Telemetry
 
 FRAMES_A_TABLE = 5
 FRAMES_A_LINE = 50
@@ -30,20 +31,23 @@ def view(band: SpeedBand | None = None) -> Iterator[View]:
     """
     console = screen()
     if not console.is_terminal:
-        yield _thinned(FRAMES_A_LINE, lambda run: print(line(run), flush=True))
+        yield _thinned(FRAMES_A_LINE, lambda run, frame: print(line(run, frame), flush=True))
         return
     with Live(console=console, auto_refresh=False) as live:
-        yield _thinned(FRAMES_A_TABLE, lambda run: live.update(tables(run, band), refresh=True))
+        yield _thinned(
+            FRAMES_A_TABLE,
+            lambda run, frame: live.update(tables(run, frame, band), refresh=True),
+        )
 
 
-def _thinned(frames: int, show: View) -> View:
-    return lambda run: show(run) if run.frames % frames == 1 else None
+def _thinned(frames: int, show: Callable[..., None]) -> View:
+    """Return what shows a run and its latest frame, of so many one."""
+    return lambda run: show(run, run.last) if run.frames % frames == 1 else None
 
 
-def line(run: DrivenRun) -> str:
+def line(run: DrivenRun, frame: Telemetry) -> str:
     """Return the run's state as one line of text."""
-    frame, losses = run.last, run.robot.losses
-    assert frame is not None  # shown after a frame
+    losses = run.robot.losses
     angles = " ".join(f"{math.degrees(a):7.2f}" for a in frame.setpoint_rad)
     return (
         f"{run.elapsed_s:7.1f} s  {frame.state:6}  {angles} deg  late {frame.late_us} us  "
@@ -52,22 +56,15 @@ def line(run: DrivenRun) -> str:
     )
 
 
-def tables(run: DrivenRun, band: SpeedBand | None = None) -> Group:
+def tables(run: DrivenRun, frame: Telemetry, band: SpeedBand | None = None) -> Group:
     """Return the run's state as tables: the joints, then timing and losses."""
-    frame = run.last
-    assert frame is not None  # shown after a frame
+    losses, drift = run.robot.losses, run.robot.clock
     joints = Table("joint", title=f"{frame.state}, {run.elapsed_s:.1f} s", title_justify="left")
     for name in ("setpoint, deg", "pulse, us"):
         joints.add_column(name, justify="right")
     for j, (angle, pulse) in enumerate(zip(frame.setpoint_rad, frame.pulse_us, strict=True), 1):
         joints.add_row(str(j), f"{math.degrees(angle):.2f}", str(pulse))
-    return Group(joints, _rows(_facts(run) + _predicted(band)), "Ctrl-C stops the robot")
-
-
-def _facts(run: DrivenRun) -> list[tuple[str, str]]:
-    frame, losses, drift = run.last, run.robot.losses, run.robot.clock
-    assert frame is not None  # shown after a frame
-    return [
+    facts = [
         ("phase", f"{math.degrees(frame.phase_rad):.1f} deg"),
         ("frame late", f"{frame.late_us} us, at most {run.latest_us} us"),
         ("frame took", f"{frame.exec_us} us"),
@@ -76,10 +73,7 @@ def _facts(run: DrivenRun) -> list[tuple[str, str]]:
         ("board's clock", f"{drift.ppm:+.0f} ± {drift.sd_ppm:.0f} ppm"),
         ("true frequency", _frequency(*run.frequency())),
     ]
-
-
-def _predicted(band: SpeedBand | None) -> list[tuple[str, str]]:
-    return [] if band is None else [("predicted speed", band.in_words())]
+    return Group(joints, _rows(facts, band), "Ctrl-C stops the robot")
 
 
 def show_summary(found: Summary, band: SpeedBand | None = None) -> None:
@@ -95,17 +89,19 @@ def show_summary(found: Summary, band: SpeedBand | None = None) -> None:
         ("true gait frequency", _frequency(found.frequency_hz, found.frequency_sd_hz)),
         ("recording", found.recording or "none (--record FILE)"),
     ]
-    screen().print(_rows(rows + _predicted(band)))
+    screen().print(_rows(rows, band))
 
 
 def _frequency(hz: float | None, sd_hz: float | None) -> str:
     return "unknown" if hz is None else f"{hz:.5f} ± {sd_hz:.5f} Hz"
 
 
-def _rows(rows: list[tuple[str, str]]) -> Table:
+def _rows(rows: list[tuple[str, str]], band: SpeedBand | None) -> Table:
     table = Table(show_header=False)
     table.add_column()
     table.add_column(overflow="fold")
     for row in rows:
         table.add_row(*row)
+    if band is not None:
+        table.add_row("predicted speed", band.in_words())
     return table

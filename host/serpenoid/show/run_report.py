@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from ..simulation.run import ENERGY_COLUMNS
+from ..simulation.run import ENERGY_COLUMNS, Run
 from ..simulation.scene_file import scene_values
 from .report import notices, show
-
-if TYPE_CHECKING:
-    from ..simulation.run import Run
 
 STATE = ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s")
 FORCES = ("joint_force_x_n", "joint_force_y_n", "joint_torque_nm", "friction_x_n", "friction_y_n")

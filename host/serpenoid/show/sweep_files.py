@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..model.files import whole_file, write_csv, write_text
+from ..periodic.sweep import Sweep
 
-if TYPE_CHECKING:
-    from ..periodic.sweep import Sweep
-
-_ROWS = 50_000  # turned to text at a time
 AXES = ("alpha_rad", "beta_rad", "omega_rad_s")
 
 
@@ -41,15 +37,8 @@ def _write_csv(found: Sweep, path: Path) -> None:
     arrays = _arrays(found)
     grid = np.meshgrid(*(arrays.pop(axis) for axis in AXES), indexing="ij")
     values = [v.astype(int) if v.dtype == bool else v for v in arrays.values()]
-    columns = [c.ravel() for c in (*grid, *values)]
-    write_csv(path, [*AXES, *arrays], _rows(columns))
-
-
-def _rows(columns: list[NDArray[Any]]) -> Iterator[tuple[Any, ...]]:
-    """Give the rows; a list takes four times an array's memory, so only some rows are one."""
-    for first in range(0, columns[0].size, _ROWS):
-        part = [column[first : first + _ROWS].tolist() for column in columns]
-        yield from zip(*part, strict=True)
+    cells = [column.flat for column in (*grid, *values)]  # no lists: they take four times as much
+    write_csv(path, [*AXES, *arrays], zip(*cells, strict=True))
 
 
 def _plain(values: NDArray[Any]) -> list[Any]:

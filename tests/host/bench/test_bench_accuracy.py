@@ -17,10 +17,8 @@ from serpenoid.bench.accuracy import measure as accuracy
 from serpenoid.bench.accuracy.equal_error import table
 from serpenoid.bench.accuracy.measure import Effort, Row
 from serpenoid.bench.child_process import Crashed, Failed, Limited, Overran
-from serpenoid.bench.page import renew_table
-from serpenoid.bench.problems import problems
-from serpenoid.bench.reference import reference
-from serpenoid.bench.rows import read_rows, write_rows
+from serpenoid.bench.problems import problems, reference
+from serpenoid.bench.rows import read_rows, renew_table, write_rows
 
 ROOT = Path(__file__).parents[3]
 PROBLEMS = {p.name: p for p in problems()}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from scipy.integrate import solve_ivp
-from serpenoid.bench.accuracy.contenders import OWN, contenders
+from serpenoid.bench.accuracy.measure import OWN, contenders
 from serpenoid.bench.problems import Problem, problems
 from simulation.truth_cases import rate_of
 

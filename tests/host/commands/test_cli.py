@@ -169,7 +169,7 @@ def test_examples_are_copied_without_what_python_compiled(tmp_path, monkeypatch)
         (brought / folder / "__pycache__").mkdir(parents=True)
         (brought / folder / "__pycache__" / "a.pyc").touch()
         (brought / folder / "a.py").touch()
-    monkeypatch.setattr("serpenoid.commands.examples.BROUGHT", brought)
+    monkeypatch.setattr("serpenoid.commands.view.BROUGHT", brought)
     done = CliRunner().invoke(cli, ["examples", str(tmp_path / "got"), "--json"])
     assert [Path(name).name for name in json.loads(done.stdout)["files"]] == ["a.py", "a.py"]
 

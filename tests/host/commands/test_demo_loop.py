@@ -2,7 +2,7 @@
 
 import pytest
 from serpenoid import BadInput, fit_friction
-from serpenoid.commands.demo_parts.loop import take_session
+from serpenoid.commands.demo_loop import take_session
 
 
 def test_another_session_is_not_taken_for_the_demos(tmp_path):
@@ -18,7 +18,7 @@ def test_a_robot_of_ones_own_is_the_truth(tmp_path):
 
     from serpenoid import Ground, Robot
     from serpenoid.calibration.session_file import read_session
-    from serpenoid.commands.demo_parts.loop import TRUTH
+    from serpenoid.commands.demo_loop import TRUTH
 
     ground = Ground(ct=0.12, cn=2.0, ft0=0.1, fn0=0.4)
     own = Robot(6, 0.1, 0.09)

@@ -21,7 +21,6 @@ from serpenoid.calibration.friction_result import Estimate, FitDraws, FittedServ
 from serpenoid.commands.demo import session_folder
 from serpenoid.commands.main import cli
 from serpenoid.paper import study as paper_study
-from serpenoid.show import progress
 from serpenoid.show.gaits import crawl
 
 OPTIMIZE = "optimize --robot paper --speed"
@@ -79,10 +78,10 @@ def test_what_shows_a_search_belongs_to_the_thread_that_ctrl_c_ends(monkeypatch)
         shown.append(what)
         yield
 
-    monkeypatch.setattr(progress, "working", busy)
+    monkeypatch.setattr("serpenoid.commands.gaits.optimize.working", busy)
     run(IDEAL)
     run(f"{OPTIMIZE} 0.1,0.2")
-    monkeypatch.setattr("serpenoid.gaits.robust.robust_gait", unreachable)
+    monkeypatch.setattr("serpenoid.robust_gait", unreachable)
     run(f"{OPTIMIZE} 0.1,0.2 --robust", code=1)
     assert shown == ["searching"] * 2 + [f"searching, speed {k} of 2" for k in (1, 2)]
 
@@ -140,7 +139,7 @@ def test_board_and_recording_are_looked_for_before_the_search(
     def searched(*_: object, **__: object) -> None:
         raise AssertionError("searched")
 
-    monkeypatch.setattr("serpenoid.gaits.least_power.least_power_gait", searched)
+    monkeypatch.setattr("serpenoid.least_power_gait", searched)
     monkeypatch.setattr("serpenoid.robot.wire.ports.serial_ports", list)
     send = f"{OPTIMIZE} 0.1 --send"
     assert "no board found" in str(run(send, code=1).exception)
@@ -305,7 +304,7 @@ def test_robust_samples_are_those_that_crawls_in_the_fit_leave(
         asked.append(uncertainty)
         raise sn.NotConverged("asked enough")
 
-    monkeypatch.setattr("serpenoid.gaits.robust.robust_gait", robust_gait)
+    monkeypatch.setattr("serpenoid.robust_gait", robust_gait)
     monkeypatch.setattr("serpenoid.commands.given.session_fit", lambda folder: fit)
     line = f"optimize --session {session_folder()} --robust --speed 0.05"
     done = run(line, code=1)

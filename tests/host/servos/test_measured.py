@@ -12,7 +12,6 @@ import serpenoid as sn
 from click.testing import CliRunner
 from lab.one_joint import ROBOT, filmed_by, shown_by
 from serpenoid import _core
-from serpenoid.calibration import session_file
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.video import VIDEO, FilmReading
 from serpenoid.calibration.servos.from_runs import servo_of_session
@@ -141,7 +140,7 @@ def test_a_film_of_a_session_tells_how_far_the_joints_go(tmp_path: Path, monkeyp
         "cd" * 32,
     )
     with_film = load_session(session_folder()).with_reading(VIDEO, film)
-    monkeypatch.setattr(session_file, "load_session", lambda _: with_film)
+    monkeypatch.setattr(sn, "load_session", lambda _: with_film)
     out = tmp_path / "slow.toml"
     told = CliRunner().invoke(cli, ["servo", "--session", str(session_folder()), "--out", str(out)])
     assert told.exit_code == 0, told.output

@@ -12,7 +12,7 @@ import serpenoid as sn
 from command_line import serpenoid
 from robot.patience import LONG_S
 from serpenoid.robot.tools.driven_run import DrivenRun
-from serpenoid.show.pages.live_page import LivePage
+from serpenoid.show.pages.view_page import LivePage
 from webdriver import Browser
 
 ROBOT = sn.Robot(6, 0.0756, 0.076)

@@ -6,7 +6,7 @@ import numpy as np
 from calibration.floor_sessions import TRUTH, push_track
 from serpenoid.calibration.session_file import load_session
 from serpenoid.show import screen
-from serpenoid.show.session.push_plot import HIGH, WIDE, push_picture
+from serpenoid.show.session.terminal_plot import PUSH_HIGH, WIDE, push_picture
 
 NEW = (
     "calibrate",
@@ -43,8 +43,8 @@ def test_a_push_is_drawn_for_a_person_with_what_is_off_its_law(tmp_path, serpeno
     assert bad.voided
     assert push_picture(bad) in said
     lines = push_picture(good).splitlines()
-    assert len(lines) == HIGH + 5
-    assert all(len(line) == WIDE + 8 for line in lines[:HIGH])
+    assert len(lines) == PUSH_HIGH + 5
+    assert all(len(line) == WIDE + 8 for line in lines[:PUSH_HIGH])
     # the way is that of the reference, rolled out from 0.9 m/s
     assert 0.95 < float(lines[0].split()[0]) / 1.05 < 1.0
     assert most_mm(push_picture(good)) < 4.0  # places scatter by 1 mm

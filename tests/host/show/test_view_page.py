@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from command_line import serpenoid
-from serpenoid.show.pages import twin as twins
-from serpenoid.show.pages.twin import Twin, gait_joints
+from serpenoid.model.kinematics import joint_motion
+from serpenoid.show.pages.twin import Twin
 from serpenoid.show.pages.view_page import of_run, write_page
 from webdriver import Browser
 
@@ -82,7 +82,7 @@ def test_a_twin_goes_as_the_simulator_says() -> None:
 
 
 def test_a_gap_in_a_recording_is_bridged() -> None:
-    told = gait_joints(sn.Gait(0.5, 1.3, 2.0), np.linspace(0.0, 6.0, 151), 5)
+    told = joint_motion(sn.Gait(0.5, 1.3, 2.0), 5, np.linspace(0.0, 3.0, 151)).angle_rad
     whole = Twin(ROBOT, GROUND, told[0]).follow(told[1:], np.full(150, 0.02))
     kept = np.r_[0:60, 64:151]
     some = Twin(ROBOT, GROUND, told[0]).follow(told[kept][1:], 0.02 * np.diff(kept))
@@ -138,22 +138,20 @@ def test_a_dark_page_is_dark_and_as_large_a_snake_as_the_stage_holds(page, tmp_p
         browser.opens(f"{page.as_uri()}?t=4")
         browser.picture(tmp_path / "dark.png")
         assert browser.runs("return at('follow').checked")
-        reach = browser.runs("""const c = camera(d.x_m[9], d.y_m[9], 1000, 400);
-            return BODY * c.s / 1000""")
+        reach = browser.runs("""const [s] = camera(moment(), 1000, 400);
+            return BODY * s / 1000""")
     shown = matplotlib.image.imread(tmp_path / "dark.png")[:, :, :3]
     assert np.median(shown) < 0.15
     assert shown.max() > 0.8
     assert reach > 0.4
 
 
-def test_a_long_recording_is_followed_in_pieces_to_the_same_place(monkeypatch) -> None:
-    monkeypatch.setattr(twins, "PIECE", 7)
+def test_a_long_recording_is_thinned_to_the_same_places() -> None:
     rng = np.random.default_rng(8)
     told = np.cumsum(rng.normal(0.0, 0.02, (60, 5)), axis=0)
     lasts_s = np.full(60, 0.02)
     whole = Twin(ROBOT, GROUND, told[0]).follow(told, lasts_s)
-    for step in (1, 3, 25):
-        shown = np.arange(0, 60, step)
-        some = Twin(ROBOT, GROUND, told[0]).follow_shown(told, lasts_s, shown)
-        assert some.x_m == pytest.approx(whole.x_m[shown], abs=1e-12)
-        assert some.vy_m_s == pytest.approx(whole.vy_m_s[shown], abs=1e-9)
+    for every in (3, 25):
+        some = Twin(ROBOT, GROUND, told[0]).follow(told, lasts_s, every)
+        assert some.x_m == pytest.approx(whole.x_m[::every], abs=1e-12)
+        assert some.vy_m_s == pytest.approx(whole.vy_m_s[::every], abs=1e-9)

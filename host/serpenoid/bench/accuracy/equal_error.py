@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from ...simulation.methods import METHODS
-from .contenders import OWN
-from .measure import Row
+from .measure import OWN, Row
 
 TARGETS = (1e-3, 1e-6, 1e-9)
 TABLE_ERROR = 1e-6

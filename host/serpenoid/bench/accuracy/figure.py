@@ -1,17 +1,22 @@
-"""Draws the work-precision diagrams: error against run time, one panel a scene."""
+"""What the accuracy benchmark writes: rows, ratios at equal error, and the diagrams.
+
+Work-precision diagrams: error against run time, one panel a scene.
+"""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...model.files import write_text
 from ...show.plot import figure, heading
 from .. import machine
-from ..problems import problems
-from ..reference import reference
-from .equal_error import Points, lines, ours_first
-from .measure import Row
+from ..problems import problems, reference
+from ..rows import write_rows
+from .equal_error import Points, headline, lines, ours_first
+from .measure import Row, absent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -93,3 +98,22 @@ def accuracy_figure(rows: Sequence[Row], path: Path, where: str | None = None) -
             ax.set_xlabel("scaled error of the end state")
         fig.supylabel("processor time (s) per simulated second", fontsize=10)
         heading(fig, f"{WORDS}{where}")
+
+
+def write_all(rows: Sequence[Row], out: Path) -> None:
+    """Write accuracy.csv, .json and .png into a folder, with the machine of the measurement."""
+    out.mkdir(parents=True, exist_ok=True)
+    here = {"cpu": machine.cpu(), "compiler": machine.compiler()}
+    measured = {row.scene for row in rows}
+    content = {
+        **here,
+        "versions": machine.versions(),
+        "absent": absent(),
+        "references_known_to": {
+            p.name: reference(p).known_to for p in problems() if p.name in measured
+        },
+        "headline": headline(rows),
+    }
+    write_rows(out / "accuracy.csv", rows, here)
+    write_text(out / "accuracy.json", json.dumps(content, indent=1) + "\n")
+    accuracy_figure(rows, out / "accuracy.png")

@@ -4,8 +4,7 @@ Times are processor time of the thread that solves (other load on the machine do
 nobody has a second core), the median of rounds; in each round every contender has its turn. A run
 that fails, overruns its limit or leaves the finite numbers is a row with the reason. An error is of
 the end state, scaled, against a reference of the same model: what the implicit model's springs
-themselves err is not in it.
-"""
+themselves err is not in it."""
 
 from __future__ import annotations
 
@@ -14,14 +13,15 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
+from importlib.util import find_spec
 
 import numpy as np
 
+from ...simulation.methods import METHODS
+from ...simulation.simulate import simulate
 from ..child_process import Crashed, Failed, Limited, Overran
-from ..peers.contender import Work
-from ..problems import Problem, problems
-from ..reference import reference
-from .contenders import contenders
+from ..peers.contender import STEPS_S, TOLERANCES, Contender, Work, even_step_s
+from ..problems import Problem, problems, reference
 
 NOT_TRIED = "not tried"
 LEAST_TIMED_S = 2e-3  # shorter work is repeated within a round
@@ -142,3 +142,44 @@ def run(effort: Effort, tell: Callable[[str], None]) -> list[Row]:
             tell(f"{number} of {len(effort.scenes)}: {_problem(scene).title} ...")
             rows += measure(child, scene, effort)
     return rows
+
+
+OWN = "serpenoid"
+MODULES = {
+    "numba": "Numba, SciPy with a Numba right-hand side, SUNDIALS",
+    "sksundae": "SUNDIALS",
+    "mujoco": "MuJoCo",
+}
+
+
+def _own(problem: Problem, method: str) -> Contender:
+    adaptive = problem.formulation in METHODS[method].adaptive
+
+    def work(setting: float) -> Work:
+        control = {"tolerance": setting} if adaptive else {"dt_s": even_step_s(problem, setting)}
+        fields = {"method": method, "start": problem.start, "record_every": 10**9, **control}
+        scene = problem.scene(**fields)  # made beforehand, as the parameters of the peers are
+        return lambda: problem.vector(simulate(scene), -1)
+
+    kind, settings = ("tolerance", TOLERANCES) if adaptive else ("dt_s", STEPS_S)
+    return Contender(f"{OWN} {method}", OWN, kind, settings, work)
+
+
+def absent() -> list[str]:
+    """Return the peers that are not installed."""
+    return [f"{module} ({what})" for module, what in MODULES.items() if not find_spec(module)]
+
+
+def contenders(problem: Problem) -> list[Contender]:
+    """Return everyone who solves a problem here; the right-hand sides of peers need Numba."""
+    found = [_own(problem, method) for method in problem.methods()]
+    if find_spec("numba"):
+        from ..peers.compiled import numba, scipy, sundials
+
+        found += [*scipy(problem), *numba(problem)]
+        found += sundials(problem) if find_spec("sksundae") else []
+    if find_spec("mujoco"):
+        from ..peers.mujoco_peer import mujoco
+
+        found += mujoco(problem)
+    return found

@@ -23,8 +23,7 @@ from ...model.ground import Ground
 from ...simulation.methods import METHODS
 from ...simulation.simulate import simulate
 from ..child_process import Crashed, Failed, Limited, Overran
-from ..problems import PAPER_GROUND, Array, Problem, gait_deg, paper_robot
-from ..reference import reference
+from ..problems import PAPER_GROUND, Array, Problem, gait_deg, paper_robot, reference
 
 TOLERANCE = 1e-7
 SAID = {"StepTooLarge": "refused", "Diverged": "diverged", "BadInput": "bad input"}

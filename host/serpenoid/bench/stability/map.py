@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
+from typing import Any
 
 import numpy as np
 
@@ -97,7 +98,7 @@ def fixed_step_methods() -> list[str]:
     ]
 
 
-def scene_of(method: str, links: int, damping: float, stiffness: float, dt_s: float) -> Scene:
+def scene_of(method: str, links: int, damping: float, stiffness: float) -> Scene:
     """Return the paper's scene with other numbers, its gait all but stopped, at rest.
 
     A moving gait pumps soft springs without dampers: their growth is the model's, not the method's.
@@ -111,8 +112,7 @@ def scene_of(method: str, links: int, damping: float, stiffness: float, dt_s: fl
         joint_stiffness_n_m=stiffness,
         joint_damping_n_s_m=damping,
         method=method,
-        dt_s=dt_s,
-        duration_s=dt_s,
+        dt_s=1e-3,
         record_every=1,
         gap="zero",
     )
@@ -153,16 +153,10 @@ def growth(scene: Scene, steps: int) -> float:
     return float(late / max(early, 1e-13))
 
 
-def line_of_growth(
-    method: str, links: int, damping: float, stiffness: float, dts: Sequence[float], steps: int
-) -> list[float]:
-    """Return the growth at each dt."""
-    return [growth(scene_of(method, links, damping, stiffness, dt), steps) for dt in dts]
-
-
-def limit_s(method: str, links: int, damping: float, stiffness: float) -> float:
-    """Return the longest stable step by the theory, up to 1 s."""
-    return min(1.0, largest_stable_step_s(scene_of(method, links, damping, stiffness, 1e-3)))
+def line_of_growth(line: tuple[Any, ...], dts: Sequence[float], steps: int) -> list[float]:
+    """Return the growth at each dt; line: what `scene_of` takes."""
+    scene = scene_of(*line)
+    return [growth(replace(scene, dt_s=dt, duration_s=dt), steps) for dt in dts]
 
 
 def measure(grid: Grid, tell: Callable[[str], None]) -> Iterator[Cell]:
@@ -173,9 +167,9 @@ def measure(grid: Grid, tell: Callable[[str], None]) -> Iterator[Cell]:
             at = (method, links, damping, stiffness)
             if stiffness == grid.stiffness[0]:
                 tell(f"map of {method}, {links} links, c = {damping:g} N s/m ...")
-            limit, note = limit_s(*at), ""
+            limit, note = min(1.0, largest_stable_step_s(scene_of(*at))), ""
             try:
-                values = child(LIMIT_S, line_of_growth, *at, grid.dt_s, grid.steps)
+                values = child(LIMIT_S, line_of_growth, at, grid.dt_s, grid.steps)
             except (Overran, Crashed, Failed) as failure:
                 values, note = [math.nan] * len(grid.dt_s), str(failure)
             for dt, value in zip(grid.dt_s, values, strict=True):

@@ -11,17 +11,18 @@ import click
 
 from ...model.errors import BadInput
 from ...show.screen import say
-from ..declare import flag, option, refuse_typed
+from ..declare import flag, option, out_file, refuse_typed
 from ..group import Commands
 from ..options import AS_JSON, doubt_robot, show_json
-from ..paths import out_file
 from .calibrate_new import new
-from .calibrate_person import count, program, with_a_person
 from .calibrate_practice import practice
 from .calibrate_push import push
 
 if TYPE_CHECKING:
-    pass
+    import serpenoid as sn
+
+    from ...calibration.taking.journal import Journal
+    from ...calibration.taking.steps import Step
 
 FOLDER = click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
 TOML = click.Path(exists=True, path_type=Path)
@@ -102,14 +103,36 @@ def take(
         _carry_out_on(folder, on)
     if script is not None:
         return _scripted(folder, script)
+    from .calibrate_person import with_a_person
+
     return with_a_person(folder, port, patience_s, with_page, lan)
+
+
+def _journal(folder: Path) -> Journal:
+    from ...calibration.taking.journal import Journal
+
+    return Journal(folder)
+
+
+def _session(folder: Path) -> sn.Session:
+    from ...calibration.session_file import read_session
+
+    return read_session(folder)
+
+
+def _state(session: sn.Session) -> tuple[list[tuple[str, str]], Step]:
+    """Return how far each part of the plan is, and the next step."""
+    from ...calibration.session_rows import events_of
+    from ...calibration.taking.procedure import next_step, progress, skipped_keys
+
+    skipped = skipped_keys(events_of(session))
+    return progress(session, skipped), next_step(session, skipped)
 
 
 def _carry_out_on(folder: Path, place: str) -> None:
     """Have the plan carried out at a place; an event tells, if that is a change."""
-    from ...calibration.taking.journal import Journal
 
-    with Journal(folder) as journal:
+    with _journal(folder) as journal:
         if journal.session.setup.procedure.on != place:
             journal.event("amend", detail=f'plan.on = "{place}"')
 
@@ -117,30 +140,27 @@ def _carry_out_on(folder: Path, place: str) -> None:
 def _dry_run(folder: Path, on: str | None) -> None:
     from dataclasses import replace
 
-    from ...calibration.session_file import check_amendment, read_session
-    from ...calibration.session_rows import events_of
-    from ...calibration.taking.procedure import next_step, progress, skipped_keys
+    from ...calibration.session_file import check_amendment
 
-    session = read_session(folder)
+    session = _session(folder)
     if on is not None:
         setup = check_amendment(session.setup, f'plan.on = "{on}"', folder)
         session = replace(session, setup=setup)
-    skipped = skipped_keys(events_of(session))
-    for name, state in progress(session, skipped):
+    parts, step = _state(session)
+    for name, state in parts:
         say(f"{name:14} {state}")
-    step = next_step(session, skipped)
     say(f"next: {step.say}")
     for field in step.fields:
         say(f"  asks: {field.words} ({field.unit})")
 
 
 def _scripted(folder: Path, script: Path) -> None:
-    from ...calibration.taking.journal import Journal
     from ...calibration.taking.person.identity import refuse_another
     from ...calibration.taking.script import load_script, run_script, wanted_setup
+    from .calibrate_person import count, program
 
     top = load_script(script)
-    with Journal(folder) as journal:
+    with _journal(folder) as journal:
         refuse_another(journal, wanted_setup(top, journal.session.setup))
         journal.event("start", detail=f"{program()}, script {script.name}")
         done = run_script(journal, top, lambda step: say(f"done: {step.key}", err=True))
@@ -167,13 +187,13 @@ def add(
 
     Or all of a sheet: --sheet readings.csv, with a column `kind` and those of the kinds.
     """
-    from ...calibration.taking.journal import Journal
     from ...calibration.taking.parse_number import read_cells
     from ...calibration.taking.sheet import add_sheet
+    from .calibrate_person import count
 
     if (sheet is None) is (kind is None):
         raise click.UsageError("give KIND and NAME=VALUE, or --sheet FILE.csv")
-    with Journal(folder) as journal:
+    with _journal(folder) as journal:
         if sheet is not None:
             added, told = add_sheet(journal, sheet)
             for line in told:
@@ -196,10 +216,9 @@ def add(
 )
 def sheet(folder: Path, out: Path) -> None:
     """Write a sheet to print and fill in by hand; `add --sheet` takes the readings in later."""
-    from ...calibration.session_file import read_session
     from ...show.session.sheet import write_sheet
 
-    write_sheet(read_session(folder), out)
+    write_sheet(_session(folder), out)
     typed = f"type the readings into it, then: serpenoid calibrate add {folder} --sheet {out}"
     say(f"wrote {out}; {typed if out.suffix == '.csv' else 'print it from a browser'}")
 
@@ -211,9 +230,8 @@ def sheet(folder: Path, out: Path) -> None:
 @flag("--restore", "Use it again.")
 def void(folder: Path, number: int, reason: str, restore: bool) -> None:
     """Mark a reading as not to be used; its line stays."""
-    from ...calibration.taking.journal import Journal
 
-    with Journal(folder) as journal:
+    with _journal(folder) as journal:
         journal.event("restore" if restore else "void", number, reason)
     say(f"reading {number} is {'used again' if restore else 'void'}")
 
@@ -226,10 +244,9 @@ def void(folder: Path, number: int, reason: str, restore: bool) -> None:
 def redo(folder: Path, number: int, cells: tuple[str, ...], comment: str) -> None:
     """Take a reading anew: the old one is void, what is not named stays as it was."""
     from ...calibration.session_rows import reading_rows
-    from ...calibration.taking.journal import Journal
     from ...calibration.taking.parse_number import read_cells
 
-    with Journal(folder) as journal:
+    with _journal(folder) as journal:
         rows = {int(row["reading"]): row for row in reading_rows(folder)}
         if number not in rows:
             raise BadInput(f"there is no reading {number}; see `serpenoid calibrate status`")
@@ -248,14 +265,12 @@ def amend(folder: Path, changes: tuple[str, ...]) -> None:
     Or correct what was mistyped, for all of the session: `robot.mass_kg=480g`,
     `laboratory.surface="rubber belt"`.
     """
-    from ...calibration.session_file import read_session
-    from ...calibration.taking.journal import Journal
     from ...calibration.taking.parse_number import amendment
 
-    with Journal(folder) as journal:
+    with _journal(folder) as journal:
         for change in changes:
             journal.event("amend", detail=amendment(change))
-    robot = read_session(folder).setup.robot
+    robot = _session(folder).setup.robot
     doubt_robot(asdict(robot), "the {} now")
     if all(change.startswith(("robot.", "laboratory.")) for change in changes):
         say("corrected, for all of the session")
@@ -268,14 +283,10 @@ def amend(folder: Path, changes: tuple[str, ...]) -> None:
 @AS_JSON
 def status(folder: Path, as_json: bool) -> None:
     """Tell how far a session is, what was read, and the next step; writes nothing."""
-    from ...calibration.session_file import read_session
-    from ...calibration.session_rows import events_of
-    from ...calibration.taking.procedure import next_step, progress, skipped_keys
     from ...show.session import table
 
-    session = read_session(folder)
-    skipped = skipped_keys(events_of(session))
-    parts, step = progress(session, skipped), next_step(session, skipped)
+    session = _session(folder)
+    parts, step = _state(session)
     if as_json:
         return show_json(table.as_dict(session, parts, step.say))
     table.show(session, parts)

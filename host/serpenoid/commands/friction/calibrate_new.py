@@ -11,8 +11,7 @@ import click
 
 from ...model.errors import BadInput
 from ...show.screen import say
-from ..declare import flag, option
-from ..paths import FOLDER
+from ..declare import FOLDER, flag, option
 
 if TYPE_CHECKING:
     from ...calibration.session import Setup

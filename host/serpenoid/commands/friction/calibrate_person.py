@@ -4,22 +4,39 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from contextlib import ExitStack, suppress
+from importlib.metadata import version
+from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from ...calibration.friction_fit import fit_friction
+from ...calibration.session import Session
+from ...calibration.taking.journal import Journal
+from ...calibration.taking.person.dialogue import Dialogue, held_dialogue
+from ...calibration.taking.person.identity import ask_identity, in_words
+from ...calibration.taking.person.prompt import Left
+from ...calibration.taking.person.push_prompt import CrawlReader, FilmReader
+from ...calibration.taking.person.session_robot import SessionRobot
+from ...calibration.taking.person.terminal import Console
+from ...calibration.taking.procedure import skipped_keys
+from ...calibration.taking.steps import Tracked
 from ...model.errors import RecordingFailed, SerpenoidError
-from .film_of_pushes import crawl_reader, film_reader
-
-if TYPE_CHECKING:
-    from ...calibration.session import Session
-    from ...calibration.taking.journal import Journal
-    from ...calibration.taking.person.dialogue import Dialogue
-    from ...calibration.taking.person.session_robot import SessionRobot
-    from ...calibration.taking.person.terminal import Console
-    from ...robot.robot_match import RobotMatch
-    from ...robot.wire.link import Link
+from ...model.gait import Gait
+from ...model.robot import Robot
+from ...robot.robot_match import RobotMatch
+from ...robot.wire.link import Link
+from ...show.pages.server import Page
+from ...show.screen import at_terminal, say
+from ...show.session.state import agreement, state_of
+from ...show.session.terminal_plot import picture, push_picture
+from ...video.measure_film import measure_film
+from ...video.pushed import track_pushes
+from ...video.reading import film_cells
+from ..video import film_progress
 
 BY_HAND = "by hand"  # what the page's script goes by, too
+CURE = "take the board of that robot, or begin a session of this one: `serpenoid calibrate new`"
 
 
 def with_a_person(
@@ -35,15 +52,6 @@ def with_a_person(
 
     console: another terminal than standard input and output. watching: is told of every step, too.
     """
-    from contextlib import ExitStack, suppress
-
-    from ...calibration.taking.journal import Journal
-    from ...calibration.taking.person.dialogue import held_dialogue
-    from ...calibration.taking.person.identity import ask_identity
-    from ...calibration.taking.person.prompt import Left
-    from ...calibration.taking.person.session_robot import SessionRobot
-    from ...calibration.taking.person.terminal import Console
-
     console = console or Console()
     with ExitStack() as stack:
         journal = stack.enter_context(Journal(folder))
@@ -55,7 +63,8 @@ def with_a_person(
             return console.say("Left; nothing was changed.")
         robot = None
         if port is not None:
-            robot = stack.enter_context(SessionRobot(port, _match(journal.session)))
+            match = RobotMatch(journal.session.setup.robot.links, "the session", CURE)
+            robot = stack.enter_context(SessionRobot(port, match))
             console.keys = steering(robot)
         board = BY_HAND if robot is None else robot.greeting
         for line in begin(journal, people, board):
@@ -67,7 +76,14 @@ def with_a_person(
             told.append(page)
             if robot is not None:
                 console.keys = keys
-        dialogue = _dialogue(journal, console, robot, told, patience_s)
+
+        def tell(session: Session, step: Any) -> None:
+            for one in told:
+                one(session, step)
+
+        side_m, clock_s = journal.session.setup.tag_side_m, getattr(console, "clock_s", None)
+        films = film_reader(side_m), crawl_reader(side_m)
+        dialogue = Dialogue(journal, console, robot, tell, patience_s, clock_s, *films)
         try:
             well = held_dialogue(dialogue, console)
         finally:
@@ -78,36 +94,8 @@ def with_a_person(
     return None
 
 
-def _dialogue(
-    journal: Journal, console: Any, robot: SessionRobot | None, told: list[Any], patience_s: float
-) -> Dialogue:
-    """Return the dialogue, whose films are measured here."""
-    from ...calibration.taking.person.dialogue import Dialogue
-
-    side_m = journal.session.setup.tag_side_m
-    return Dialogue(
-        journal,
-        console,
-        robot,
-        _each(told),
-        patience_s,
-        getattr(console, "clock_s", None),
-        film_reader(side_m),
-        crawl_reader(side_m),
-    )
-
-
-def _match(session: Session) -> RobotMatch:
-    from ...robot.robot_match import RobotMatch
-
-    cure = "take the board of that robot, or begin a session of this one: `serpenoid calibrate new`"
-    return RobotMatch(session.setup.robot.links, "the session", cure)
-
-
 def begin(journal: Journal, people: str, robot: str) -> list[str]:
     """Keep who begins and with which board; return what to say, another board than before too."""
-    from ...calibration.taking.person.identity import in_words
-
     before = next((e.detail for e in reversed(journal.events) if e.event == "connect"), robot)
     journal.event("start", detail=f"{program()}; {people}")
     if robot != BY_HAND:
@@ -119,24 +107,10 @@ def begin(journal: Journal, people: str, robot: str) -> list[str]:
     return lines
 
 
-def _each(told: list[Any]) -> Any:
-    def tell(session: Session, step: Any) -> None:
-        for one in told:
-            one(session, step)
-
-    return tell
-
-
 def _page(
     stack: Any, journal: Journal, robot: SessionRobot | None, lan: bool, console: Console
 ) -> tuple[Any, dict[str, Any]]:
     """Serve the page; return what brings it up to date, and the keys that steer."""
-    from importlib.resources import files
-
-    from ...calibration.taking.procedure import skipped_keys
-    from ...show.pages.server import Page
-    from ...show.session.state import state_of
-
     html = files("serpenoid.show.session").joinpath("beside.html").read_text(encoding="utf-8")
     shown: dict[str, Any] = {}
 
@@ -187,10 +161,6 @@ def _pictures(console: Any) -> Any:
 
     A push is drawn at a terminal only, a void one, too.
     """
-    from ...show.screen import at_terminal
-    from ...show.session.push_plot import push_picture
-    from ...show.session.terminal_plot import picture
-
     shown, drawn_pushes = [-1], [0]
 
     def told(session: Session, step: Any) -> None:
@@ -212,9 +182,6 @@ def _pictures(console: Any) -> Any:
 
 def _so_far(session: Session) -> str:
     """Return the running fit in a line, or what it still needs."""
-    from ...calibration.friction_fit import fit_friction
-    from ...show.session.state import agreement
-
     try:
         fit = fit_friction(session)
     except SerpenoidError as error:
@@ -227,8 +194,6 @@ def _so_far(session: Session) -> str:
 
 def program() -> str:
     """Return this program and its version."""
-    from importlib.metadata import version
-
     return f"serpenoid {version('serpenoid')}"
 
 
@@ -245,3 +210,42 @@ def count(session: Session) -> str:
     return f"{', '.join(parts)} and {runs} gait run{'s' * (runs != 1)} kept" + (
         f", {void} void" if void else ""
     )
+
+
+def film_reader(side_m: float | None = None) -> FilmReader:
+    """Return what reads a film of a robot with tags; side_m: of a tag, by its links unless given.
+
+    Needs the extra `video` when it is called, not before.
+    """
+
+    def read(path: Path, robot: Robot) -> Tracked:
+        with film_progress(path) as tell:
+            found = track_pushes(path, robot.links, robot.link_length_m, side_m, tell)
+        for remark in found.remarks:
+            say(f"{path.name}: {remark.name}: {remark.text}")
+        say(
+            f"{path.name}: all lengths ± {100 * found.scale_sigma:.1f} %, kept with its pushes; "
+            "the fit takes this, or film_scale_sigma_percent in session.toml where that is larger"
+        )
+        return Tracked({"scale_sigma": round(found.scale_sigma, 6)}, found.rows)
+
+    return read
+
+
+def crawl_reader(side_m: float | None = None) -> CrawlReader:
+    """Return what reads a film of a crawl; side_m: of a tag, by its links unless given.
+
+    Needs the extra `video` when it is called, not before.
+    """
+
+    def read(path: Path, robot: Robot, gait: Gait) -> Tracked:
+        with film_progress(path) as tell:
+            found = measure_film(
+                path, robot.links, robot.link_length_m, side_m, gait, progress=tell
+            )
+        for remark in found.run.remarks:
+            say(f"{path.name}: {remark.name}: {remark.text}")
+        cells, samples = film_cells(found)
+        return Tracked(cells, samples, "video")
+
+    return read

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..declare import flag, option, refuse_typed
-from ..paths import FOLDER
+import serpenoid as sn
+
+from ..declare import FOLDER, flag, option, refuse_typed
 
 if TYPE_CHECKING:
-    from ...calibration.session import Session
     from ...calibration.taking.person.practice_treadmill import TreadmillTerminal
 
 PICTURE_S = 0.1
@@ -89,14 +89,13 @@ def practice(
             terminal.say(f"\n{truth}; `serpenoid fit {folder}`")
 
 
-def _begun(folder: Path, seed: int | None, place: str) -> tuple[Session, int]:
+def _begun(folder: Path, seed: int | None, place: str) -> tuple[sn.Session, int]:
     """Return a session of practice and its seed, begun unless it is there; refuse another seed."""
     import secrets
 
     from ...calibration.session_file import read_session
     from ...calibration.taking.new_session import create_session, default_setup
     from ...calibration.taking.person.practice import practice_seed, practice_setup
-    from ...model.errors import BadInput
 
     if not (folder / "session.toml").exists():
         drawn = secrets.randbelow(10**6) if seed is None else seed
@@ -105,7 +104,7 @@ def _begun(folder: Path, seed: int | None, place: str) -> tuple[Session, int]:
     session = read_session(folder)
     has = practice_seed(session, place)
     if seed not in (None, has):
-        raise BadInput(f"{folder} is of seed {has}, not {seed}; give another folder")
+        raise sn.BadInput(f"{folder} is of seed {has}, not {seed}; give another folder")
     return session, has
 
 

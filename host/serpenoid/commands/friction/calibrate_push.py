@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ...show.screen import say
-from ..declare import flag, number, option
-from ..paths import EXISTING, FOLDER
+from ..declare import EXISTING, FOLDER, flag, number, option
 
 if TYPE_CHECKING:
     from ...calibration.taking.journal import Journal
@@ -59,7 +58,7 @@ def push(
     from ...calibration.taking.floor.pushes import other_way, way_after
     from ...calibration.taking.journal import Journal
     from ...calibration.taking.person.push_prompt import take_track
-    from .film_of_pushes import film_reader
+    from .calibrate_person import film_reader
 
     with Journal(folder) as journal:
         film = film_reader(tag_mm / 1e3 if tag_mm else journal.session.setup.tag_side_m)
@@ -83,7 +82,7 @@ def push(
 def _draw(journal: Journal, number: int) -> None:
     """Draw a push, for a person at a terminal."""
     from ...show.screen import at_terminal
-    from ...show.session.push_plot import push_picture
+    from ...show.session.terminal_plot import push_picture
 
     if at_terminal():
         push = next(p for p in journal.session.of("coast") if p.number == number)

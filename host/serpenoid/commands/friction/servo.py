@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..declare import number, option
+import serpenoid as sn
+
+from ...show.screen import working
+from ..declare import EXISTING, FOLDER, number, option, out_file
 from ..given import session_fit
 from ..options import AS_JSON, plug_options, show_json, take_servo
-from ..paths import EXISTING, FOLDER, out_file
 
 if TYPE_CHECKING:
     from ...servos.bench_test import BenchTest, MeasuredServo
@@ -56,8 +58,6 @@ def servo(
     """
     from ...model.checks import check_number
     from ...servos.bench_test import servo_of_test
-    from ...servos.servo_file import save_servo
-    from ...show.progress import working
 
     if (table is None) == (session is None):
         raise click.UsageError("give --test CSV or --session DIR, one of both")
@@ -76,12 +76,11 @@ def servo(
     else:
         assert session is not None
         from ...calibration.servos.from_runs import servo_of_session
-        from ...calibration.session_file import load_session
 
         fit = session_fit(session, with_crawls=False)  # tells its alarms
-        found = servo_of_session(load_session(session), kind, fit, name=name)
+        found = servo_of_session(sn.load_session(session), kind, fit, name=name)
     if out is not None:
-        save_servo(found.kind, out)
+        sn.save_servo(found.kind, out)
     show_json(found.to_dict()) if as_json else show(found, out)
 
 
@@ -89,7 +88,6 @@ def read_test(path: Path, sigma_rad: float, inertia_kg_m2: float) -> BenchTest:
     """Read a bench test's table. Raises BadInput."""
     import numpy as np
 
-    from ...model.errors import BadInput
     from ...model.files import csv_rows, read_text
     from ...model.toml_table import located
     from ...servos.bench_test import BenchTest
@@ -97,7 +95,7 @@ def read_test(path: Path, sigma_rad: float, inertia_kg_m2: float) -> BenchTest:
     rows = csv_rows(read_text(path), path)
     heading = [cell.strip() for cell in rows[0]] if rows else []
     if missing := [name for name in _COLUMNS if name not in heading]:
-        raise BadInput(
+        raise sn.BadInput(
             f"{path}:1: no column {', '.join(missing)}; needed are {', '.join(_COLUMNS)}"
         )
     columns: list[list[float]] = [[] for _ in _COLUMNS]
@@ -108,7 +106,7 @@ def read_test(path: Path, sigma_rad: float, inertia_kg_m2: float) -> BenchTest:
             try:
                 column.append(float(row[heading.index(name)]))
             except (ValueError, IndexError) as error:
-                raise BadInput(f"{path}:{line}: {name} is no number") from error
+                raise sn.BadInput(f"{path}:{line}: {name} is no number") from error
     t, sent, seen = np.array(columns)
     with located(str(path)):
         return BenchTest(t, np.radians(sent), np.radians(seen), sigma_rad, inertia_kg_m2)

@@ -7,15 +7,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import click
 
+import serpenoid as sn
+
 from ...model.checks import check_number
-from ...model.errors import NotConverged
-from ..declare import Options, angle, flag, number, option, refuse_typed
-from ..given import predicted_band, servo_as_filmed, take_fit
-from ..joints import joints_option, latest_film
+from ...show.screen import working
+from ..declare import FIGURES, Options, angle, flag, number, option, out_file, refuse_typed
+from ..given import joints_option, latest_film, predicted_band, servo_as_filmed, take_fit
 from ..options import (
     AS_TABLES,
     GROUND,
@@ -24,27 +25,14 @@ from ..options import (
     describe,
     formulation_option,
     interruptible,
+    make_robot,
     robot_options,
-    robot_with_fit,
     servo_option,
     show_json,
     take_servo,
     typed,
 )
-from ..paths import FIGURES, out_file
 from .steady import beside_servo, few_links, say_band, speeds_as_dict, warn_of_another_motion
-
-if TYPE_CHECKING:
-    from ...calibration.friction_result import FrictionFit
-    from ...gaits.finder import LeastPower
-    from ...gaits.limits import GaitLimits
-    from ...gaits.margins import Margins
-    from ...gaits.robust import RobustGait
-    from ...gaits.uncertainty import Uncertainty
-    from ...model.gait import Gait
-    from ...model.ground import Ground
-    from ...model.robot import Robot
-    from ...periodic.servo_steady import ServoSteady
 
 _Result = TypeVar("_Result")
 _GROUNDS = 4096  # frictions drawn from a fit: half choose the gait, half check it
@@ -161,9 +149,8 @@ def optimize(speed_m_s: str, as_json: bool, send: bool, plot: Path | None, **giv
     if len(wanted) > 1:
         return _show_front(ask, wanted, as_json)
     best = _searched(lambda: ask.find(wanted[0]))
-    from ...gaits.margins import gait_margins
 
-    margins = interruptible(lambda: gait_margins(ask.robot, ask.ground, best.gait))
+    margins = interruptible(lambda: sn.gait_margins(ask.robot, ask.ground, best.gait))
     if plot is not None:
         _draw_cliff(ask, best.gait, plot)
     warn_of_another_motion(best.steady)
@@ -181,7 +168,7 @@ def optimize(speed_m_s: str, as_json: bool, send: bool, plot: Path | None, **giv
     return None
 
 
-def _draw_cliff(ask: _Asked, gait: Gait, plot: Path) -> None:
+def _draw_cliff(ask: _Asked, gait: sn.Gait, plot: Path) -> None:
     from ...show import report
     from ...show.gaits.gait_figures import cliff_figure
 
@@ -189,10 +176,10 @@ def _draw_cliff(ask: _Asked, gait: Gait, plot: Path) -> None:
     report.wrote(plot, plot.with_suffix(".csv"))
 
 
-def _send(ask: _Asked, gait: Gait, as_json: bool, before: dict[str, Any], **run: Any) -> None:
+def _send(ask: _Asked, gait: sn.Gait, as_json: bool, before: dict[str, Any], **run: Any) -> None:
     """Drive the gait, its robot checked against the board."""
     from ...robot.robot_match import RobotMatch
-    from ..board.drive import drive_gait
+    from ..board.driving import drive_gait
 
     cure = "give its --links, or the session of this robot"
     match = RobotMatch(ask.robot.links, "the gait", cure)
@@ -231,17 +218,14 @@ class _Asked:
         if self._robust and formulation == "implicit":
             raise click.UsageError("--robust runs on the exact model; leave --formulation out")
         limits = _limits(given, send)
-        session, fit = given.get("session"), take_fit(given)
+        fit = take_fit(given)
         self.fit = _as_measured(given, fit, self._robust)
         joints = given.pop("joints")
         uncertainty = _uncertainty(given, self.fit, filmed=joints is not None)
         # a film has shown what servos make of the joints
         ideal = self.fit is None or joints is not None
-        servo = take_servo(IDEAL if ideal else "hobby")
-        self.servo = servo_as_filmed(servo, session, self.fit)
-        self.robot: Robot
-        self.ground: Ground
-        self.robot, self.ground = robot_with_fit(given, fit)
+        self.servo = servo_as_filmed(take_servo(IDEAL if ideal else "hobby"), self.fit)
+        self.robot, self.ground = make_robot(given, fit=fit)
         self.uncertainty = _as_filmed(replace(uncertainty, servo=self.servo), joints, self.robot)
         shown = typed("servo") is None and joints is None and few_links(self.robot)
         self.shown_servo = take_servo("hobby") if shown and self.servo is None else self.servo
@@ -249,55 +233,46 @@ class _Asked:
             {"uncertainty": self.uncertainty} if self._robust else {"formulation": formulation}
         )
 
-    def find(self, speed: float) -> LeastPower | RobustGait:
+    def find(self, speed: float) -> sn.LeastPower | sn.RobustGait:
         """Search for one speed."""
-        from ...gaits.least_power import least_power_gait
-        from ...gaits.robust import robust_gait
-
-        search = robust_gait if self._robust else least_power_gait
+        search = sn.robust_gait if self._robust else sn.least_power_gait
         return search(self.robot, self.ground, speed_m_s=speed, **self._how)
 
-    def front(self, speeds: list[float]) -> Sequence[LeastPower | RobustGait | None]:
+    def front(self, speeds: list[float]) -> Sequence[sn.LeastPower | sn.RobustGait | None]:
         """Search for many speeds; None for one that no gait reaches."""
-        from ...gaits.least_power import power_front
-
         if not self._robust:
             return _searched(
-                lambda: power_front(self.robot, self.ground, speeds_m_s=speeds, **self._how)
+                lambda: sn.power_front(self.robot, self.ground, speeds_m_s=speeds, **self._how)
             )
         return [
             _searched(partial(self._find_or_none, speed), f", speed {k} of {len(speeds)}")
             for k, speed in enumerate(speeds, 1)
         ]
 
-    def _find_or_none(self, speed: float) -> LeastPower | RobustGait | None:
+    def _find_or_none(self, speed: float) -> sn.LeastPower | sn.RobustGait | None:
         try:
             return self.find(speed)
-        except NotConverged:
+        except sn.NotConverged:
             return None
 
 
 def _searched(work: Callable[[], _Result], which: str = "") -> _Result:
     """Return work() and show that it goes on; Ctrl-C ends both, so this thread shows it."""
-    from ...show.progress import working
-
     with working(f"searching{which}"):
         return interruptible(work)
 
 
-def _limits(given: dict[str, Any], send: bool) -> GaitLimits:
+def _limits(given: dict[str, Any], send: bool) -> sn.GaitLimits:
     """Take the limits: a new board's speed unless given, and its angle if the gait is sent."""
-    from ...gaits.limits import GaitLimits
-
     board = {"servo_speed_rad_s": math.radians(_BOARD_SPEED_DEG_S)}
     if send:
         board["joint_angle_rad"] = math.radians(_BOARD_ANGLE_DEG)
-    return GaitLimits(**board | LIMITS.take(given))
+    return sn.GaitLimits(**board | LIMITS.take(given))
 
 
 def _as_measured(
-    given: dict[str, Any], fit: FrictionFit | None, robust: bool
-) -> FrictionFit | None:
+    given: dict[str, Any], fit: sn.FrictionFit | None, robust: bool
+) -> sn.FrictionFit | None:
     """Return the fit, None where there is none or options change its friction or robot."""
     command = click.get_current_context().command
     fields = *ROBOT.names, *GROUND.names
@@ -312,13 +287,11 @@ def _as_measured(
     return None
 
 
-def _uncertainty(given: dict[str, Any], fit: FrictionFit | None, filmed: bool) -> Uncertainty:
+def _uncertainty(given: dict[str, Any], fit: sn.FrictionFit | None, filmed: bool) -> sn.Uncertainty:
     """Take the doubt about servos, and about friction from a fit where there is one.
 
     filmed: a film shows the joints; else crawls in the fit tell their common amplitude, too.
     """
-    from ...gaits.uncertainty import Uncertainty
-
     changes: dict[str, Any] = DOUBTS.take(given)
     if fit is not None:
         changes["grounds"] = fit.sample(_GROUNDS)
@@ -326,10 +299,10 @@ def _uncertainty(given: dict[str, Any], fit: FrictionFit | None, filmed: bool) -
             value, sigma = fit.nuisances["joint_amplitude"]
             known = {"common_amplitude": sigma / value}
             changes = known | changes | {"joint_gain": (value,) * (fit.robot.links - 1)}
-    return Uncertainty(**changes)
+    return sn.Uncertainty(**changes)
 
 
-def _as_filmed(uncertainty: Uncertainty, joints: Path | None, robot: Robot) -> Uncertainty:
+def _as_filmed(uncertainty: sn.Uncertainty, joints: Path | None, robot: sn.Robot) -> sn.Uncertainty:
     """Return the doubt about servos round what a session's film shows of them."""
     if joints is None:
         return uncertainty
@@ -337,10 +310,9 @@ def _as_filmed(uncertainty: Uncertainty, joints: Path | None, robot: Robot) -> U
     return replace(uncertainty, joint_gain=seen.joint_gain, joint_shift_rad=seen.joint_shift_rad)
 
 
-def _as_dict(best: LeastPower | RobustGait) -> dict[str, Any]:
-    from ...gaits.robust import RobustGait
+def _as_dict(best: sn.LeastPower | sn.RobustGait) -> dict[str, Any]:
 
-    robust = isinstance(best, RobustGait)
+    robust = isinstance(best, sn.RobustGait)
     names = _OF_ROBUST if robust else _OF_LEAST_POWER
     answer = {name: getattr(best, _KEYS.get(name, name)) for name in names}
     answer["gait"] = describe(best.gait)
@@ -349,7 +321,9 @@ def _as_dict(best: LeastPower | RobustGait) -> dict[str, Any]:
     return answer | best.steady.to_dict()
 
 
-def _print(best: LeastPower | RobustGait, margins: Margins, moved: ServoSteady | None) -> None:
+def _print(
+    best: sn.LeastPower | sn.RobustGait, margins: sn.Margins, moved: sn.ServoSteady | None
+) -> None:
     from ...show import report
     from ...show.gaits import gait_report
 
@@ -364,7 +338,7 @@ def _show_front(ask: _Asked, speeds: list[float], as_json: bool) -> None:
 
     front = ask.front(speeds)
     if all(best is None for best in front):
-        raise NotConverged(
+        raise sn.NotConverged(
             f"no gait reaches {min(speeds):g} m/s within the limits; ask for less speed"
         )
     if as_json:

@@ -8,10 +8,18 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ...show.screen import say
+import serpenoid as sn
+
+from ...show.screen import say, working
 from ..declare import Options, flag, number
-from ..given import predicted_band, servo_as_filmed, take_fit
-from ..joints import joints_option, was_filmed, with_joints
+from ..given import (
+    joints_option,
+    predicted_band,
+    servo_as_filmed,
+    take_fit,
+    was_filmed,
+    with_joints,
+)
 from ..options import (
     AS_TABLES,
     IDEAL,
@@ -20,8 +28,8 @@ from ..options import (
     gait_options,
     interruptible,
     make_gait,
+    make_robot,
     robot_options,
-    robot_with_fit,
     servo_option,
     show_json,
     take_servo,
@@ -30,14 +38,7 @@ from ..options import (
 
 if TYPE_CHECKING:
     from ...calibration.advising.speed_doubts import SpeedDoubts
-    from ...calibration.friction_result import FrictionFit
     from ...calibration.speed_samples import SpeedBand
-    from ...model.drives import ServoKind
-    from ...model.gait import Gait
-    from ...model.ground import Ground
-    from ...model.robot import Robot
-    from ...periodic.servo_steady import ServoSteady
-    from ...periodic.steady import Steady
 
 
 _FEW_LINKS = 20
@@ -82,9 +83,8 @@ def steady(
             "--stiffness-n-m and --damping-n-s-m have no effect: the joints are pinned; give "
             "--formulation implicit too"
         )
-    session = given.get("session")
     fit = take_fit(given)
-    robot, ground = robot_with_fit(given, fit)
+    robot, ground = make_robot(given, fit=fit)
     told = make_gait(given)
     gait = with_joints(told, joints, robot.links)
     if formulation == "implicit":
@@ -97,21 +97,19 @@ def steady(
         return _on_springs(robot, ground, gait, as_json, rtol=rtol, **springs)
     # a film shows what servos make of the joints
     usual = "hobby" if joints is None and few_links(robot) else IDEAL
-    servo = servo_as_filmed(take_servo(usual), session, fit)
+    servo = servo_as_filmed(take_servo(usual), fit)
     commanded = told if joints and was_filmed(told, joints, robot.links) else None
     return _pinned(robot, ground, gait, as_json, rtol, servo, fit, differentiated, commanded)
 
 
 def _on_springs(
-    robot: Robot, ground: Ground, gait: Gait, as_json: bool, rtol: float, **springs: float
+    robot: sn.Robot, ground: sn.Ground, gait: sn.Gait, as_json: bool, rtol: float, **springs: float
 ) -> None:
     """Tell the periodic state of the implicit model."""
     from ...show import report
-    from ...show.progress import working
-    from ...simulation.steady_springs import steady_springs
 
     with working("solving"):
-        soft = interruptible(lambda: steady_springs(robot, ground, gait, rtol=rtol, **springs))
+        soft = interruptible(lambda: sn.steady_springs(robot, ground, gait, rtol=rtol, **springs))
     if soft.error_estimate > rtol:
         warnings.warn(
             f"the speed is known to {soft.error_estimate:.1g}, not to the --rtol of {rtol:g}: the "
@@ -124,32 +122,29 @@ def _on_springs(
 
 
 def _pinned(
-    robot: Robot,
-    ground: Ground,
-    gait: Gait,
+    robot: sn.Robot,
+    ground: sn.Ground,
+    gait: sn.Gait,
     as_json: bool,
     rtol: float,
-    servo: ServoKind | None,
-    fit: FrictionFit | None,
+    servo: sn.ServoKind | None,
+    fit: sn.FrictionFit | None,
     differentiated: bool,
-    commanded: Gait | None,
+    commanded: sn.Gait | None,
 ) -> None:
     """Tell the periodic state of the exact model, servos' speed, and how near a cliff is.
 
     commanded: the gait as told, where a film showed what its joints do.
     """
-    from ...gaits.margins import gait_margins
-    from ...periodic.steady_gait import steady_gait
     from ...show import report
     from ...show.gaits import gait_report
-    from ...show.progress import working
 
     with working("solving"):
         s = interruptible(
-            lambda: steady_gait(robot, ground, gait, rtol=rtol, sensitivities=differentiated)
+            lambda: sn.steady_gait(robot, ground, gait, rtol=rtol, sensitivities=differentiated)
         )
         moved = beside_servo(s, servo)
-        margins = interruptible(lambda: gait_margins(robot, ground, gait))
+        margins = interruptible(lambda: sn.gait_margins(robot, ground, gait))
         band = interruptible(lambda: predicted_band(fit, robot, ground, gait, servo, commanded))
         doubts, sigmas = _doubts(s, fit, band), {}
     if fit and band:
@@ -171,7 +166,7 @@ def _pinned(
     return gait_report.warn_of_cliff(margins, sigmas)
 
 
-def _doubts(s: Steady, fit: FrictionFit | None, band: SpeedBand | None) -> SpeedDoubts | None:
+def _doubts(s: sn.Steady, fit: sn.FrictionFit | None, band: SpeedBand | None) -> SpeedDoubts | None:
     """Return what each uncertainty leaves of the speed, where a fit and derivatives are there."""
     if fit is None or band is None or s.sensitivities is None or not s.sensitivities.at[0] > 0:
         return None
@@ -180,12 +175,12 @@ def _doubts(s: Steady, fit: FrictionFit | None, band: SpeedBand | None) -> Speed
     return speed_doubts(fit, s.gait, s.sensitivities, band)
 
 
-def few_links(robot: Robot) -> bool:
+def few_links(robot: sn.Robot) -> bool:
     """Tell whether servos are asked about unasked: the work grows as the cube of the links."""
     return robot.links <= _FEW_LINKS
 
 
-def speeds_as_dict(moved: ServoSteady | None, band: SpeedBand | None) -> dict[str, Any]:
+def speeds_as_dict(moved: sn.ServoSteady | None, band: SpeedBand | None) -> dict[str, Any]:
     """Return speed with servos and band, the band without ends where servos cannot run the gait."""
     answer: dict[str, Any] = {"servo": moved.to_dict()} if moved else {}
     if band is not None:
@@ -194,13 +189,13 @@ def speeds_as_dict(moved: ServoSteady | None, band: SpeedBand | None) -> dict[st
     return answer
 
 
-def say_band(moved: ServoSteady | None, band: SpeedBand | None) -> None:
+def say_band(moved: sn.ServoSteady | None, band: SpeedBand | None) -> None:
     """Print a band, unless servos cannot run the gait."""
     if band is not None and (moved is None or moved.follows):
         say(f"predicted: {band.in_words()}")
 
 
-def warn_of_another_motion(state: Steady) -> None:
+def warn_of_another_motion(state: sn.Steady) -> None:
     """Warn where the robot, from rest, ends in another motion than the reported one."""
     from ...simulation.from_rest import elsewhere
 
@@ -208,15 +203,14 @@ def warn_of_another_motion(state: Steady) -> None:
         warnings.warn(other, stacklevel=2)
 
 
-def beside_servo(ideal: Steady, servo: ServoKind | None) -> ServoSteady | None:
+def beside_servo(ideal: sn.Steady, servo: sn.ServoKind | None) -> sn.ServoSteady | None:
     """Return the speed with servos; what does not settle is told, and is no reason to stop."""
-    from ...model.errors import NotConverged
     from ...periodic.servo_steady import with_servo
 
     if servo is None:
         return None
     try:
         return interruptible(lambda: with_servo(ideal, servo))
-    except NotConverged as error:
+    except sn.NotConverged as error:
         warnings.warn(str(error), stacklevel=2)
         return error.best

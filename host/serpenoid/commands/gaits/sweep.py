@@ -6,12 +6,14 @@ import math
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from ...show.screen import say
-from ..declare import number, option, radians
+import serpenoid as sn
+
+from ...show.screen import progress, say
+from ..declare import directory, number, option, out_file, radians
 from ..options import (
     ALPHA_DEG,
     AS_JSON,
@@ -23,11 +25,6 @@ from ..options import (
     show_json,
     take_servo,
 )
-from ..paths import directory, out_file
-
-if TYPE_CHECKING:
-    from ...model.ground import Ground
-    from ...model.robot import Robot
 
 SUFFIXES = (".csv", ".npz", ".json")
 _MOST = 100_000  # values of a range
@@ -92,8 +89,8 @@ def _varied(given: tuple[str, ...], fixed: dict[str, Any]) -> dict[str, list[flo
 
 
 def _designs(
-    robot: Robot, ground: Ground, varied: dict[str, list[float]]
-) -> tuple[Robot | list[Robot], Ground | list[Ground]]:
+    robot: sn.Robot, ground: sn.Ground, varied: dict[str, list[float]]
+) -> tuple[sn.Robot | list[sn.Robot], sn.Ground | list[sn.Ground]]:
     """Return all robots and all grounds of a study; one that does not vary stays alone."""
     body: dict[str, list[Any]] = {_BODY[name]: varied[name] for name in _BODY if name in varied}
     grip = {name: varied[name] for name in GROUND.names if name in varied}
@@ -190,14 +187,12 @@ def sweep(
 def _one(
     out: Path | None,
     as_json: bool,
-    robot: Robot,
-    ground: Ground,
+    robot: sn.Robot,
+    ground: sn.Ground,
     grid: dict[str, list[float]],
     how: dict[str, Any],
 ) -> None:
     """Solve and write the gaits of one robot."""
-    from ...periodic.sweep import sweep as run_sweep
-    from ...show.progress import progress
     from ...show.sweep_files import sweep_values, write_sweep
 
     count = math.prod(map(len, grid.values()))
@@ -209,7 +204,7 @@ def _one(
         )
     steps = count * (1 if how["servo"] is None else 2)
     with progress(steps, "gaits") as advance:
-        found = run_sweep(robot, ground, **grid, **how, progress=advance)
+        found = sn.sweep(robot, ground, **grid, **how, progress=advance)
     if out is not None:
         write_sweep(found, out)
         missed = int((~found.converged).sum())
@@ -223,15 +218,12 @@ def _one(
 
 def _study(out: Path, robot: Any, ground: Any, **options: Any) -> None:
     """Solve a study into its folder."""
-    from ...periodic.study import sweep_study
-    from ...show.progress import progress
-
     count = math.prod(
         [len(part) for part in (robot, ground) if isinstance(part, list)]
         + [len(options[name]) for name in ("alpha_rad", "beta_rad", "omega_rad_s")]
     )
     with progress(count, "gaits") as advance:
-        study = sweep_study(robot, ground, out=out, progress=advance, **options)
+        study = sn.sweep_study(robot, ground, out=out, progress=advance, **options)
     missed = sum(int((~chunk["converged"]).sum()) for chunk in study)
     say(
         f"{count} gaits in {len(study.chunks)} chunks in {out}; {missed} did not converge", err=True

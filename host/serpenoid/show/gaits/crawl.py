@@ -27,6 +27,7 @@ FRAMES = 48
 _STUCK = 1e-6  # of body length x rate: a wheel slower than this across the link sticks
 _ARROW = 0.9  # link lengths that the largest force is drawn as
 _WIDE, _HIGH, _HEAD_ROOM = 720, 370, 24  # of the SVG, in its units
+_JUMPS = ' calcMode="discrete"'
 
 
 @dataclass(frozen=True)
@@ -54,25 +55,15 @@ class Crawl:
         scale = self.robot.body_length_m * self.gait.omega_rad_s
         return np.abs(self.slip_m_s) < _STUCK * scale
 
-    @property
-    def title(self) -> str:
-        """Return robot and gait."""
-        return f"{gait_title(self.gait)}: {self.way_m / self.gait.period_s:.3g} m/s"
-
-    @property
-    def marks(self) -> int:
-        """Return how many marks on the ground go by in a cycle, half a link apart or so."""
-        return max(1, round(self.way_m / (0.5 * self.robot.link_length_m)))
-
     def ends(self) -> Places:
-        """Return tail and head of each link, (F, n, 2)."""
+        """Return tail and head of each link, (2, F, n)."""
         along = self.robot.link_length_m / 2 * np.exp(1j * self.theta_rad)
-        return np.stack([self.centre - along, self.centre + along], axis=2)
+        return np.stack([self.centre - along, self.centre + along])
 
     def arrows(self) -> Places:
-        """Return where the arrow of each force begins and ends, (F, n, 2)."""
+        """Return where the arrow of each force begins and ends, (2, F, n)."""
         size = _ARROW * self.robot.link_length_m / float(np.abs(self.force_n).max())
-        return np.stack([self.centre, self.centre + size * self.force_n], axis=2)
+        return np.stack([self.centre, self.centre + size * self.force_n])
 
 
 def crawl(robot: Robot, ground: Ground, gait: Gait) -> Crawl:
@@ -114,80 +105,67 @@ def write_data(found: Crawl, path: Path) -> None:
     write_columns(path, {"t_s": found.t_s} | by_link(tables))
 
 
-class _Canvas:
-    """Metres onto the SVG's units, y upwards, in a cycle of some seconds on the screen."""
-
-    def __init__(self, found: Crawl):
-        ends, margin = found.ends().real, 1.2 * found.robot.link_length_m
-        self.left, self.right = float(ends.min()) - margin, float(ends.max()) + margin
-        self.scale = _WIDE / (self.right - self.left)
-        across = found.centre.imag
-        self.middle = float((across.max() + across.min()) / 2)
-        self.seconds = max(2.0, min(found.gait.period_s, 6.0))
-
-    def x(self, metres: Array) -> Array:
-        """Return places along the way."""
-        return (metres - self.left) * self.scale
-
-    def y(self, metres: Array) -> Array:
-        """Return places across it."""
-        return _HIGH / 2 + _HEAD_ROOM - (metres - self.middle) * self.scale
-
-    def line(self, kind: str, ends: Places) -> str:
-        """Return a line that moves between two ends, (F, 2)."""
-        corners = {}
-        for number, end in enumerate(ends.T, 1):
-            corners |= {f"x{number}": self.x(end.real), f"y{number}": self.y(end.imag)}
-        return self.shape("line", kind, corners)
-
-    def shape(
-        self, name: str, kind: str, moved: Mapping[str, Array], colours: Sequence[str] = ()
-    ) -> str:
-        """Return an element whose attributes follow their values (F,), and its fill the colours."""
-        frames = {key: [f"{v:.1f}" for v in values] for key, values in moved.items()}
-        now = " ".join(f'{key}="{values[0]}"' for key, values in frames.items())
-        moves = "".join(self._moved(key, values) for key, values in frames.items())
-        if colours:
-            now, moves = f'fill="{colours[0]}" {now}', moves + self._moved("fill", colours)
-        return f'<{name} class="{kind}" {now}>{moves}</{name}>\n'
-
-    def _moved(self, name: str, values: Sequence[str]) -> str:
-        jumps = ' calcMode="discrete"' if name == "fill" else ""
-        return (
-            f'<animate attributeName="{name}"{jumps} dur="{self.seconds:.3f}s" '
-            f'repeatCount="indefinite" values="{";".join(values)}"/>'
-        )
-
-
 def write_svg(found: Crawl, path: Path) -> None:
     """Write the animated SVG, which moves without any script.
 
     A wheel is filled while it sticks, open while it slips sideways.
     """
-    canvas = _Canvas(found)
-    parts = [_ground(found, canvas)]
-    ends, arrows = found.ends(), found.arrows()
-    for i in range(found.robot.links):
-        parts.append(canvas.line("head" if i == found.robot.links - 1 else "link", ends[:, i]))
-        centre = found.centre[:, i]
-        place = {"cx": canvas.x(centre.real), "cy": canvas.y(centre.imag)}
-        shades = np.where(found.stuck[:, i], "#111111", "#ffffff").tolist()
-        parts.append(canvas.shape("circle", "wheel", place, shades))
-        parts.append(canvas.line("force", arrows[:, i]))
-    write_text(path, _HEAD + _words(found, canvas.seconds) + "".join(parts) + "</svg>\n")
+    robot, across = found.robot, found.centre.imag
+    ends, margin = found.ends().real, 1.2 * robot.link_length_m
+    left, right = float(ends.min()) - margin, float(ends.max()) + margin
+    scale, middle = _WIDE / (right - left), float((across.max() + across.min()) / 2)
+    seconds = max(2.0, min(found.gait.period_s, 6.0))
+
+    def on_canvas(places: Places) -> Places:
+        y = _HIGH / 2 + _HEAD_ROOM - (places.imag - middle) * scale
+        return (places.real - left) * scale + 1j * y
+
+    parts = [_ground(found, left, right, scale, seconds)]
+    for i, (tail, head) in enumerate(on_canvas(found.ends()).transpose(2, 0, 1)):
+        kind = "head" if i == robot.links - 1 else "link"
+        start, tip = on_canvas(found.arrows()[:, :, i])
+        fills = np.where(found.stuck[:, i], "#111111", "#ffffff").tolist()
+        wheel = {"fill": fills, "cx": _digits(start.real), "cy": _digits(start.imag)}
+        parts += [
+            _moving("line", kind, _line(tail, head), seconds),
+            _moving("circle", "wheel", wheel, seconds),
+            _moving("line", "force", _line(start, tip), seconds),
+        ]
+    write_text(path, _HEAD + _words(found, seconds) + "".join(parts) + "</svg>\n")
 
 
-def _ground(found: Crawl, canvas: _Canvas) -> str:
-    """Return marks on the ground, which go by."""
-    apart = found.way_m / found.marks
-    marks = np.arange(canvas.left, canvas.right + 2 * apart, apart)
+def _digits(values: Array) -> list[str]:
+    return [f"{value:.1f}" for value in values]
+
+
+def _line(start: Places, end: Places) -> dict[str, list[str]]:
+    """Return the attributes of a line between two ends, (F,) each."""
+    ends = {"x1": start.real, "y1": start.imag, "x2": end.real, "y2": end.imag}
+    return {name: _digits(values) for name, values in ends.items()}
+
+
+def _moving(name: str, kind: str, frames: Mapping[str, Sequence[str]], seconds: float) -> str:
+    """Return an element whose attributes follow their frames; a fill jumps."""
+    now = " ".join(f'{key}="{values[0]}"' for key, values in frames.items())
+    moves = "".join(
+        f'<animate attributeName="{key}"{_JUMPS if key == "fill" else ""} dur="{seconds:.3f}s" '
+        f'repeatCount="indefinite" values="{";".join(values)}"/>'
+        for key, values in frames.items()
+    )
+    return f'<{name} class="{kind}" {now}>{moves}</{name}>\n'
+
+
+def _ground(found: Crawl, left: float, right: float, scale: float, seconds: float) -> str:
+    """Return marks on the ground, half a link apart or so, which go by."""
+    count = max(1, round(found.way_m / (0.5 * found.robot.link_length_m)))
+    apart = found.way_m / count
     lines = "".join(
         f'<line class="mark" x1="{x:.1f}" x2="{x:.1f}" y1="{_HIGH - 34}" y2="{_HIGH - 26}"/>'
-        for x in canvas.x(marks).tolist()
+        for x in ((np.arange(left, right + 2 * apart, apart) - left) * scale).tolist()
     )
     return (
         f'<g>{lines}<animateTransform attributeName="transform" type="translate" from="0 0" '
-        f'to="{-apart * canvas.scale:.2f} 0" dur="{canvas.seconds / found.marks:.4f}s" '
+        f'to="{-apart * scale:.2f} 0" dur="{seconds / count:.4f}s" '
         'repeatCount="indefinite"/></g>\n'
     )
 
@@ -205,9 +183,10 @@ _HEAD = (
 def _words(found: Crawl, seconds: float) -> str:
     """Return what the picture says of itself."""
     pace = found.gait.period_s / seconds
+    title = f"{gait_title(found.gait)}: {found.way_m / found.gait.period_s:.3g} m/s"
     pace_words = "in real time" if abs(pace - 1) < 0.01 else f"at {pace:.2g} times real speed"
     return (
-        f'<text x="8" y="18" font-size="14">{found.title}</text>\n'
+        f'<text x="8" y="18" font-size="14">{title}</text>\n'
         f'<text x="8" y="36" fill="{GREY}">{robot_words(found.robot, found.ground)}</text>\n'
         f'<text x="8" y="{_HIGH - 8}" fill="{GREY}">shaded: head; wheels filled: they stick'
         f" sideways, open: they slip; thin: force of the ground; {pace_words}</text>\n"

@@ -6,13 +6,13 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from ...gaits.robust import RobustGait
 from ..report import console, notices, table
 
 if TYPE_CHECKING:
     from ...calibration.advising.speed_doubts import SpeedDoubts
     from ...gaits.finder import LeastPower
     from ...gaits.margins import Margins
-    from ...gaits.robust import RobustGait
 
 
 _FASTEST_SERVO_RAD_S = 30.0  # no load, the fastest that hobbyists can buy; common ones make 5 to 10
@@ -27,8 +27,6 @@ def doubts(found: SpeedDoubts) -> None:
 
 def warn(found: LeastPower | RobustGait) -> None:
     """Warn of samples that disagree, and of joints that turn faster than any servo does."""
-    from ...gaits.robust import RobustGait
-
     if isinstance(found, RobustGait) and not found.confirmed:
         notices.print(
             "serpenoid: warning: the other samples disagree by more than chance; believe the lower "
@@ -66,8 +64,6 @@ def front(speeds_m_s: Sequence[float], found: Sequence[LeastPower | RobustGait |
 
 def _front_cells(best: LeastPower | RobustGait) -> list[str]:
     """Return power, gait and limits; of a robust gait what it keeps, and what that costs."""
-    from ...gaits.robust import RobustGait
-
     gait = best.gait
     angles = [f"{math.degrees(angle):.4g}" for angle in (gait.alpha_rad, gait.beta_rad)]
     cells = [f"{best.power_w:.5g}", f"{gait.omega_rad_s:.4g}", *angles]

@@ -8,7 +8,6 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ...lab.belt import Belt
 from ...lab.robot import LabRobot, pose_of
@@ -16,10 +15,8 @@ from ...model.bends import balanced_signs
 from ...model.files import write_text
 from ...model.ground import Ground
 from ...model.robot import Robot
+from ...paper.claims import Claim
 from ..report import table
-
-if TYPE_CHECKING:
-    from ...paper.claims import Claim
 
 _STYLE = """
 :root { color-scheme: light dark; --ink: #1b1f24; --paper: #fff; --link: #0a58ca; --line: #d0d7de }

@@ -19,7 +19,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
 from ...model.errors import BadInput, SerpenoidError
-from .filled import filled
+from . import filled
 
 BEAT_S = 1.0  # a stream that is silent for three of these is lost, the page says
 MOST_STREAMS = 16
@@ -227,21 +227,18 @@ class _Request(BaseHTTPRequestHandler):
         name = self.path.removeprefix(f"/{page.token}/")
         if not (self._allowed() and own and (name == "stop" or name in page.buttons)):
             return self._refuse()
-        if name != "stop":
-            return self._press(page.buttons[name])
-        if page.stop is None:
-            return self._send(409, json.dumps({"error": "no robot: it is set by hand"}))
+        status, answer = 200, {}
         try:
-            page.stop()
+            if name != "stop":
+                answer["shown"] = page.buttons[name]()
+            elif page.stop is None:
+                status, answer["error"] = 409, "no robot: it is set by hand"
+            else:
+                page.stop()
+                answer["stopped"] = True
         except SerpenoidError as error:
-            return self._send(500, json.dumps({"error": str(error)}))
-        return self._send(200, json.dumps({"stopped": True}))
-
-    def _press(self, button: Callable[[], str]) -> None:
-        try:
-            return self._send(200, json.dumps({"shown": button()}))
-        except SerpenoidError as error:
-            return self._send(500, json.dumps({"error": str(error)}))
+            status, answer["error"] = 500, str(error)
+        return self._send(status, json.dumps(answer))
 
     def log_message(self, format: str, *args: object) -> None:
         """Stay silent: the terminal belongs to the dialogue."""

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...lab.robot import LabRobot
 from ...model.errors import NotConverged
-from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
 
@@ -33,10 +32,6 @@ class Motion:
         """Return the wheels' speed across their links."""
         return self.vy_m_s * np.cos(self.theta_rad) - self.vx_m_s * np.sin(self.theta_rad)
 
-    def at(self, kept: NDArray[np.int64]) -> Motion:
-        """Return some of the moments."""
-        return Motion(*(getattr(self, field.name)[kept] for field in fields(self)))
-
     def along_x(self) -> Motion:
         """Return the motion turned so that its centre's way from start to end lies along x."""
         way = np.mean(self.x_m[-1] - self.x_m[0]) + 1j * np.mean(self.y_m[-1] - self.y_m[0])
@@ -44,9 +39,6 @@ class Motion:
         place, velocity = turn * (self.x_m + 1j * self.y_m), turn * (self.vx_m_s + 1j * self.vy_m_s)
         angle = self.theta_rad + np.angle(turn)
         return Motion(place.real, place.imag, angle, velocity.real, velocity.imag)
-
-
-PIECE = 20_000  # set-points of a long recording that are followed at once: 10 MB
 
 
 class Twin:
@@ -69,31 +61,23 @@ class Twin:
         state = np.array([self._chain.state[:6]])
         return self._motion(state, self._joints[None], np.zeros((1, self._joints.size)))
 
-    def follow(self, setpoint_rad: Array, lasts_s: Array) -> Motion:
-        """Lead the joints to set-points (N, n-1), each within a time (N,); where it then is."""
+    def follow(self, setpoint_rad: Array, lasts_s: Array, every: int = 1) -> Motion:
+        """Lead the joints to set-points (N, n-1), each within a time (N,); where it then is.
+
+        every: of so many moments the first is kept.
+        """
         rows = np.ascontiguousarray(setpoint_rad, dtype=np.float64)
         lasts_s = np.clip(lasts_s, SHORTEST_S, LONGEST_S)
-        told = [
-            self._chain.follow(rows[k : k + 1], float(duration_s), STEP_S)
-            for k, duration_s in enumerate(lasts_s)
-        ]
-        states = np.concatenate(told)
-        if len(states) < len(rows):
-            raise NotConverged("the twin came to no answer; are robot and friction sensible?")
+        states = []
+        for k, duration_s in enumerate(lasts_s):
+            state = self._chain.follow(rows[k : k + 1], float(duration_s), STEP_S)
+            if len(state) == 0:
+                raise NotConverged("the twin came to no answer; are robot and friction sensible?")
+            if k % every == 0:
+                states.append(state)
         rate = np.diff(rows, axis=0, prepend=self._joints[None]) / lasts_s[:, None]
         self._joints = rows[-1]
-        return self._motion(states, rows, rate)
-
-    def follow_shown(self, setpoint_rad: Array, lasts_s: Array, shown: NDArray[np.int64]) -> Motion:
-        """Follow as `follow` does, piece by piece, and keep what is shown: rows, increasing."""
-        parts = []
-        for first in range(0, len(setpoint_rad), PIECE):
-            piece = slice(first, first + PIECE)
-            motion = self.follow(setpoint_rad[piece], lasts_s[piece])
-            low, high = np.searchsorted(shown, (first, first + PIECE))
-            parts.append(motion.at(shown[low:high] - first))
-        names = [field.name for field in fields(Motion)]
-        return Motion(*(np.concatenate([getattr(p, name) for p in parts]) for name in names))
+        return self._motion(np.concatenate(states), rows[::every], rate[::every])
 
     def _motion(self, states: Array, joint_rad: Array, joint_rad_s: Array) -> Motion:
         """Return all links from centre of mass and link 1, (N, 6), and the joints, (N, n-1)."""
@@ -114,9 +98,3 @@ def _about_mean(mean: Array, half: Array) -> Array:
     """Return centres (N, n) in a row about their mean (N, 1), from half of each link (N, n)."""
     steps = np.cumsum(np.pad(half[:, :-1] + half[:, 1:], ((0, 0), (1, 0))), axis=1)
     return mean + steps - steps.mean(axis=1, keepdims=True)
-
-
-def gait_joints(gait: Gait, phase_rad: Array, joints: int) -> Array:
-    """Return the angles that a gait has at phases (N,), for each joint (N, joints), rad."""
-    at = phase_rad[:, None] + np.arange(joints) * gait.beta_rad
-    return gait.offset_rad + gait.alpha_rad * np.sin(at)

@@ -1,12 +1,16 @@
-"""A page of one file that shows a snake crawling: a run, or the twin of a recorded robot."""
+"""Pages that show a snake crawling: a run or the twin of a recording, in one file; a robot live.
+
+Beside a robot that is driven its telemetry comes as it is told, over its predicted twin.
+"""
 
 from __future__ import annotations
 
 import html
 import json
 import math
+import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,14 +19,17 @@ from ...model.errors import BadInput
 from ...model.files import write_text
 from ...model.gait import Gait
 from ...model.ground import Ground
+from ...model.kinematics import joint_motion
 from ...model.robot import Robot
 from ...robot.recording.run_gait import longest_gait
-from .filled import filled
-from .twin import Motion, Twin, gait_joints
-
-if TYPE_CHECKING:
-    from ...robot.recording.stream import Stream
-    from ...simulation.run import Run
+from ...robot.recording.stream import Stream
+from ...robot.tools.driven_run import DrivenRun
+from ...robot.wire.protocol import Telemetry, frame_us
+from ...simulation.run import Run
+from ..plot import gait_title
+from . import filled
+from .server import Page
+from .twin import Motion, Twin
 
 Array = NDArray[np.float64]
 FRAMES_A_SECOND, MOST_FRAMES = 50, 3000
@@ -68,10 +75,10 @@ def of_recording(stream: Stream, robot: Robot, ground: Ground) -> tuple[Gait, di
     kept = np.arange(kept[0], kept[-1] + 1)
     told, board_s = stream.setpoint_rad[kept], stream.board_s[kept]
     twin = Twin(robot, ground, told[0])
-    shown = np.arange(0, kept.size - 1, math.ceil(kept.size / MOST_FRAMES))
-    motion = twin.follow_shown(told[1:], np.diff(board_s), shown).along_x()
-    t_s, phase = board_s[1:][shown] - board_s[0], stream.phase_rad[kept][1:][shown]
-    asked = gait_joints(gait, phase, robot.links - 1)
+    every = math.ceil(kept.size / MOST_FRAMES)
+    motion = twin.follow(told[1:], np.diff(board_s), every).along_x()
+    t_s, phase = board_s[1::every] - board_s[0], stream.phase_rad[kept][1::every]
+    asked = joint_motion(gait, robot.links - 1, phase / gait.omega_rad_s).angle_rad
     return gait, (
         {"t_s": rounded(t_s), "asked_deg": rounded(np.degrees(asked))}
         | constants(robot, ground, gait, motion)
@@ -117,3 +124,82 @@ def rounded(values: Array) -> Any:
 def _columns(at: Array, x: Array, values: Array) -> Array:
     """Interpolate each column (N, m), given at x (N,), at other places."""
     return np.stack([np.interp(at, x, column) for column in values.T], axis=1)
+
+
+EVERY_S = 1 / 30  # between two states that are sent to the page
+
+
+class LivePage:
+    """Serve a run while it is driven: `with LivePage(...) as page:`, page.show after every frame.
+
+    The twin's joints follow the set-points that the board tells, from the first frame on.
+    """
+
+    def __init__(self, run: DrivenRun, robot: Robot, ground: Ground, whose: str):
+        self._run, self._robot, self._ground = run, robot, ground
+        self._twin: Twin | None = None
+        self._last: Telemetry | None = None
+        self._shown_s = 0.0
+        gait, joints = run.gait, robot.links - 1
+        straight = np.zeros(joints)
+        shown = {"t_s": [0.0], "live": True, "asked_deg": [straight.tolist()]}
+        shown |= constants(robot, ground, gait, _two_periods(robot, ground, gait))
+        shown |= rows(ground, Twin(robot, ground, straight).now())
+        told = f"predicted for the {whose} from the set-points that the robot tells"
+        about = f"{gait_title(gait)}; {told}"
+        self._page = Page(page_text("the robot, live", about, shown), self._stop)
+        self.url = self._page.url
+
+    def __enter__(self) -> LivePage:
+        self._page.__enter__()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        kind = error[0]
+        ended = "the run has ended" if kind is None else "the run was ended by an error or Ctrl-C"
+        self._page.publish({"ended": "stopped from here" if self._run.halted else ended})
+        self._page.__exit__(*error)
+
+    def show(self, run: DrivenRun) -> None:
+        """Send the latest frame, thirty a second at most."""
+        frame = run.last
+        assert frame is not None  # shown after a frame
+        motion = self._follow(frame)
+        if time.monotonic() - self._shown_s >= EVERY_S:
+            self._shown_s = time.monotonic()
+            self._page.publish(self._state(frame, motion))
+
+    def _stop(self) -> None:
+        """Stop the robot for the page; the run that is watched ends."""
+        self._run.halt()
+
+    def _follow(self, frame: Telemetry) -> Motion:
+        """Lead the twin to a frame's set-points, in the time since the frame before."""
+        told, last = np.array([frame.setpoint_rad]), self._last
+        self._last = frame
+        if self._twin is None or last is None or frame.frame <= last.frame:
+            self._twin = Twin(self._robot, self._ground, told[0])
+            return self._twin.now()
+        lasts_s = 1e-6 * frame_us(len(frame.setpoint_rad)) * (frame.frame - last.frame)
+        return self._twin.follow(told, np.array([lasts_s]))
+
+    def _state(self, frame: Telemetry, motion: Motion) -> dict[str, Any]:
+        run, losses = self._run, self._run.robot.losses
+        told = f"{frame.state}; {run.frames} frames, {losses.missed_frames} missed"
+        if run.clipped_frames:
+            told += f"; {run.clipped_frames} clipped: the robot misses its gait"
+        t_s = frame.phase_rad / run.gait.omega_rad_s
+        asked = joint_motion(run.gait, self._robot.links - 1, [t_s]).angle_rad
+        shown = rows(self._ground, motion) | {"asked_deg": rounded(np.degrees(asked))}
+        return {
+            "told": told,
+            "t_s": rounded(np.array([run.elapsed_s]))[0],
+            "row": {name: table[0] for name, table in shown.items()},
+        }
+
+
+def _two_periods(robot: Robot, ground: Ground, gait: Gait) -> Motion:
+    """Return a settling twin's motion, from which the page takes the fastest slip."""
+    t_s = np.linspace(0.0, 2 * gait.period_s, 101)
+    told = joint_motion(gait, robot.links - 1, t_s).angle_rad
+    return Twin(robot, ground, told[0]).follow(told[1:], np.full(100, gait.period_s / 50))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import html
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from ...calibration.session import Session
 from ...calibration.taking.bends import bend_in_words
 from ...calibration.taking.expected import Series, series_of
 from ...calibration.taking.floor.procedure import SPEED_M_S, expected_way_m, series_of_pushes
@@ -14,9 +14,6 @@ from ...calibration.taking.procedure import settle_s
 from ...calibration.taking.sheet import LINES, SLIDES, sheet_text, ways_of
 from ...model.files import write_text
 from .bend_drawing import bend_svg
-
-if TYPE_CHECKING:
-    from ...calibration.session import Session
 
 SPARE_LINES = 2  # for pushes that were struck out
 STYLE = """
@@ -96,19 +93,17 @@ def _pushes(session: Session, bend_rad: float, facing: str) -> str:
     setup = session.setup
     bend, name = math.degrees(bend_rad), setup.procedure.bend
     far = f"It rolls some {expected_way_m(setup, bend_rad, SPEED_M_S):.1f} m."
-    heading, check = "Pushes, straight (kind coast, lambda_deg 0)", "Links along a straightedge. "
+    heading, check = "Pushes, straight (kind coast, lambda_deg 0)", "Links along a straightedge."
     drawn = ""
     if facing == "back":
         heading = "Pushes, straight, TAIL FIRST (kind coast, lambda_deg 0, facing back)"
     if bend:
         heading = f"Pushes, bend {bend:g}° (kind coast)"
-        words = bend_in_words(name, bend, setup.robot.links).replace(" deg", "°")
-        check = f"{words[0].upper()}{words[1:]} At an end it showed (kind bend): ________ ° "
-        drawn = bend_svg(name, setup.robot.links, bend)
+        check, drawn = _bent(name, setup.robot.links, bend)
     ways = ways_of(setup.procedure)
     columns = ["way", "distance (m)", "time to rest (s)", "turned, + left (°)", "or film", "remark"]
     lines = _table(columns, len(ways) + SPARE_LINES, ways)
-    return f"<section><h2>{heading}</h2><p>{check}{far}{drawn}</p>{lines}</section>"
+    return f"<section><h2>{heading}</h2><p>{check} {far}{drawn}</p>{lines}</section>"
 
 
 def _how(session: Session) -> str:
@@ -134,10 +129,15 @@ def _bend(series: Series, links: int) -> str:
         check = "Head downhill, belt uphill. Raise the belt until the robot holds; wait; read."
     else:
         heading = f"Bend {bend:g}° (kind station)"
-        drawn = bend_svg(series.bend, links, bend)
-        words = bend_in_words(series.bend, bend, links).replace(" deg", "°")
-        check = f"{words[0].upper()}{words[1:]} At an end it showed (kind bend): ________ °{drawn}"
+        check = "".join(_bent(series.bend, links, bend))
     return f"<section><h2>{heading}</h2><p>{check}</p>{_table(columns, LINES)}</section>"
+
+
+def _bent(bend: str, links: int, lambda_deg: float) -> tuple[str, str]:
+    """Return what to do and to check for a bend, and its drawing."""
+    words = bend_in_words(bend, lambda_deg, links).replace(" deg", "°")
+    check = f"{words[0].upper()}{words[1:]} At an end it showed (kind bend): ________ °"
+    return check, bend_svg(bend, links, lambda_deg)
 
 
 def _gaits(session: Session) -> str:

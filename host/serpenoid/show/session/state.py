@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from ...calibration.friction_result import DOUBTFUL
+from ...calibration.friction_result import DOUBTFUL, FrictionFit
 from ...calibration.session import Session
 from ...calibration.taking.expected import Series, line_of, of_bend, series_of
 from ...calibration.taking.procedure import belt_range, progress
 from ...calibration.taking.steps import Step
 from ...model.errors import SerpenoidError
 from .bend_drawing import bend_svg
-
-if TYPE_CHECKING:
-    from ...calibration.friction_result import FrictionFit
 
 CURVE = 24  # points of a line
 
@@ -44,7 +41,9 @@ def state_of(
         if session.setup.procedure.on == "floor"
         else [_bend(session, series) for series in series_of(session.setup.procedure)],
         "robot": robot,
-        "shape": _shape(session, step),
+        "shape": bend_svg(step.bend, session.setup.robot.links, step.lambda_deg)
+        if step.kind == "bend"
+        else "",
     }
 
 
@@ -68,13 +67,6 @@ def _aim(step: Step) -> str:
         "coast": f"push {step.cells.get('way', '')}, then hands off",
         "belt": "belt check: time ten turns",
     }[step.kind]
-
-
-def _shape(session: Session, step: Step) -> str:
-    """Return the robot's outline where it is to be bent, as SVG."""
-    if step.kind != "bend":
-        return ""
-    return bend_svg(step.bend, session.setup.robot.links, step.lambda_deg)
 
 
 def _last(session: Session) -> str:

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from ...calibration.session import Session
 from .. import report
-
-if TYPE_CHECKING:
-    from ...calibration.session import Session
-
 
 MOST_ROWS = 500  # the newest readings, on a terminal
 

@@ -22,6 +22,14 @@ GAP_MM = 4.0
 CELLS = 6
 RULER_MM = 100
 BLACK, GREY = "black", "#777777"
+WORDS = """\
+1. Print at 100 % ("actual size") on matt paper. The ruler below must be {} mm long, a black \
+square {:g} mm.
+2. Cut along the dashed lines: the white rim belongs to the tag.
+3. Put number 1 on the TAIL link, then 2, 3, ... to the head; in the middle of each link, flat, \
+all at one height.
+4. The arrow points to the HEAD. Lay it along the link as well as you can: within 1° for the \
+tail's and the head's tag."""
 
 
 def tag_sheet(
@@ -36,20 +44,25 @@ def tag_sheet(
     from matplotlib.backends.backend_pdf import PdfPages
     from matplotlib.figure import Figure
 
+    width, height = PAPERS_MM[paper]
     pages = _pages(len(cells), 1e3 * side_m, paper)
     if len(pages) > 1 and path.suffix.lower() != ".pdf":
         raise BadInput(f"{path}: {len(cells)} tags need {len(pages)} pages; name a .pdf")
     figures = []
-    for number, places in enumerate(pages):
-        width, height = PAPERS_MM[paper]
+    for number, places in enumerate(pages, 1):
         fig = Figure(figsize=(width / 25.4, height / 25.4))
         FigureCanvasAgg(fig)
         ax = fig.add_axes((0, 0, 1, 1))
         ax.set(xlim=(0, width), ylim=(0, height), aspect="equal")
         ax.axis("off")
-        _words(ax, width, height, len(cells), side_m, link_m, (number + 1, len(pages)))
-        for k, (x, y) in places.items():
-            _tag(ax, cells[k], k + 1, len(cells), 1e3 * side_m, x, y)
+        more = f", page {number} of {len(pages)}" if len(pages) > 1 else ""
+        title = f"Tags for a robot of {len(cells)} links of {1e3 * link_m:g} mm{more}"
+        top = height - MARGIN_MM
+        ax.text(MARGIN_MM, top, title, fontsize=13, va="top", weight="bold")
+        words = WORDS.format(RULER_MM, 1e3 * side_m)
+        ax.text(MARGIN_MM, top - 8, words, fontsize=8.2, va="top", linespacing=1.45)
+        for k, place in places.items():
+            _tag(ax, cells[k], k + 1, len(cells), 1e3 * side_m, *place)
         _ruler(ax, MARGIN_MM + 4, MARGIN_MM + 6)
         figures.append(fig)
     with whole_file(path) as part:
@@ -71,48 +84,14 @@ def _pages(count: int, side_mm: float, paper: str) -> list[dict[int, tuple[float
     rows = int((height - 2 * MARGIN_MM - HEAD_MM - FOOT_MM) // high)
     if columns < 1 or rows < 1:
         raise BadInput(f"a tag of {side_mm:g} mm does not fit on {paper}; give a smaller --tag-mm")
-    pages = []
-    for first in range(0, count, columns * rows):
-        places = {}
-        for k in range(first, min(count, first + columns * rows)):
-            row, column = divmod(k - first, columns)
-            places[k] = (
-                MARGIN_MM + column * wide,
-                height - MARGIN_MM - HEAD_MM - (row + 1) * high + GAP_MM,
-            )
-        pages.append(places)
+    top = height - MARGIN_MM - HEAD_MM + GAP_MM
+    pages: list[dict[int, tuple[float, float]]] = []
+    for k in range(count):
+        row, column = divmod(k % (columns * rows), columns)
+        if row == column == 0:
+            pages.append({})
+        pages[-1][k] = MARGIN_MM + column * wide, top - (row + 1) * high
     return pages
-
-
-def _words(
-    ax: Axes,
-    width: float,
-    height: float,
-    count: int,
-    side_m: float,
-    link_m: float,
-    page: tuple[int, int],
-) -> None:
-    more = f", page {page[0]} of {page[1]}" if page[1] > 1 else ""
-    top = height - MARGIN_MM
-    ax.text(
-        MARGIN_MM,
-        top,
-        f"Tags for a robot of {count} links of {1e3 * link_m:g} mm{more}",
-        fontsize=13,
-        va="top",
-        weight="bold",
-    )
-    text = (
-        f'1. Print at 100 % ("actual size") on matt paper. The ruler below must be {RULER_MM} mm '
-        f"long, a black square {1e3 * side_m:g} mm.\n"
-        "2. Cut along the dashed lines: the white rim belongs to the tag.\n"
-        "3. Put number 1 on the TAIL link, then 2, 3, ... to the head; in the middle of each link, "
-        "flat, all at one height.\n"
-        "4. The arrow points to the HEAD. Lay it along the link as well as you can: within 1° for "
-        "the tail's and the head's tag."
-    )
-    ax.text(MARGIN_MM, top - 8, text, fontsize=8.2, va="top", linespacing=1.45)
 
 
 def _tag(
@@ -129,39 +108,15 @@ def _tag(
         corner = (x + cell * (1 + column), y + cell * (CELLS - row))
         ax.add_patch(Rectangle(corner, cell, cell, fc="white", lw=0))
     # In the rim, small and pale enough to leave the black square's edge alone.
-    small = max(3.0, 0.45 * cell / 25.4 * 72)
-    ax.text(
-        x + 0.5 * cell,
-        y + 0.5 * cell,
-        str(number),
-        fontsize=small,
-        ha="center",
-        va="center",
-        color=GREY,
-    )
-    ax.add_patch(
-        FancyArrow(
-            x + label - 0.85 * cell,
-            y + 0.5 * label,
-            0.5 * cell,
-            0.0,
-            width=0.06 * cell,
-            head_width=0.3 * cell,
-            head_length=0.25 * cell,
-            length_includes_head=True,
-            fc=GREY,
-            lw=0,
-        )
-    )
-    end = {1: "TAIL", count: "HEAD"}.get(number, "")
-    ax.text(
-        x,
-        y - 0.8,
-        f"{number}  {end}  →" if end else f"{number}  →",
-        fontsize=8,
-        va="top",
-        family="DejaVu Sans",
-    )
+    rim = {"fontsize": max(3.0, 0.45 * cell / 25.4 * 72), "color": GREY, "ha": "center"}
+    ax.text(x + 0.5 * cell, y + 0.5 * cell, str(number), va="center", **rim)
+    head = {"head_width": 0.3 * cell, "head_length": 0.25 * cell, "length_includes_head": True}
+    start = x + label - 0.85 * cell, y + 0.5 * label
+    arrow = FancyArrow(*start, 0.5 * cell, 0.0, width=0.06 * cell, fc=GREY, lw=0, **head)
+    ax.add_patch(arrow)
+    end = {1: "TAIL  ", count: "HEAD  "}.get(number, "")
+    words = f"{number}  {end}→"
+    ax.text(x, y - 0.8, words, fontsize=8, va="top", family="DejaVu Sans")
 
 
 def _ruler(ax: Axes, x: float, y: float) -> None:
@@ -172,10 +127,5 @@ def _ruler(ax: Axes, x: float, y: float) -> None:
         ax.plot([x + mm, x + mm], [y, y + high], color=BLACK, lw=0.5)
         if mm % 10 == 0:
             ax.text(x + mm, y - 1, str(mm), fontsize=7, ha="center", va="top")
-    ax.text(
-        x + RULER_MM + 5,
-        y,
-        f"{RULER_MM} mm: check with a ruler before you cut",
-        fontsize=8,
-        va="bottom",
-    )
+    words = f"{RULER_MM} mm: check with a ruler before you cut"
+    ax.text(x + RULER_MM + 5, y, words, fontsize=8, va="bottom")

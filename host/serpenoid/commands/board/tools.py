@@ -1,0 +1,176 @@
+"""The commands that get a board to work: ports, flash, doctor, trim, monitor."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ...show.screen import say
+from ..declare import FOLDER, flag, option, out_file
+from ..options import AS_JSON, show_json
+
+PORT = option(
+    "--port",
+    "Serial port; found by its USB id unless given. `virtual` or `virtual:joints=9` needs no "
+    "robot.",
+)
+
+
+@click.command()
+@AS_JSON
+def ports(as_json: bool) -> None:
+    """List the serial ports: which may be the robot, and who has them open."""
+    from ...robot.wire.ports import port_states, why_no_port
+
+    found = port_states()
+    if as_json:
+        return show_json({"ports": found})
+    for port in found:
+        about = [port["device"], port["usb"], port["chip"] and f"likely a board ({port['chip']})"]
+        about += [port["description"]]
+        about += [f"open in {held['name']} ({held['pid']})" for held in port["held_by"]]
+        about += [] if port["allowed"] else ["this user may not open it: try `serpenoid doctor`"]
+        say("  ".join(part for part in about if part))
+    if not any(port["chip"] for port in found):
+        say(f"no board found by its USB id. {why_no_port()}", err=True)
+
+
+@click.command()
+@option(
+    "--board", "Needed where the USB id does not tell.", choice=["uno", "nano", "nano_old", "mega"]
+)
+@option("--port", "Serial port; found by its USB id unless given.")
+@option("--project", "Folder of platformio.ini; found from here unless given.", type=FOLDER)
+@option("--joints", "How many joints the robot has: its links less one.", default=5)
+@option(
+    "--output",
+    "Where servos are wired. pca9685 has run on a simulated chip only.",
+    choice=["servo", "pca9685"],
+    default="servo",
+)
+@AS_JSON
+def flash(
+    board: str | None,
+    port: str | None,
+    project: Path | None,
+    joints: int,
+    output: str,
+    as_json: bool,
+) -> None:
+    """Build the firmware and put it on the board, by PlatformIO, then wait for its greeting."""
+    from dataclasses import asdict
+
+    from ...robot.tools.upload import flash as build_and_upload
+
+    if output == "pca9685":
+        say(
+            "serpenoid: warning: the driver of the PCA9685 has run on a simulated chip only, never "
+            "on a real one. Keep the horns off until the first power-on (docs/wiring.md) is done.",
+            err=True,
+        )
+    hello = build_and_upload(
+        board,
+        port,
+        project,
+        lambda text: say(text.replace("\r", "\n"), nl=False, err=True),
+        joints=joints,
+        output=output,
+    )
+    if as_json:
+        show_json(asdict(hello))
+    else:
+        say(
+            f"the {hello.board} runs firmware {hello.firmware}, protocol {hello.protocol}; "
+            "next: `serpenoid doctor`, then `serpenoid trim`"
+        )
+
+
+MARKS = {"ok": "ok  ", "note": "note", "fix": "FIX "}
+
+
+@click.command()
+@PORT
+@option(
+    "--listen-s", "How long to listen to the board.", type=click.FloatRange(0.2, 600), default=3.0
+)
+@option(
+    "--report",
+    "Collect in some five minutes what board and host tell, for docs/first_day.md.",
+    type=out_file(".json"),
+)
+@flag("--move", "The report's limp test and slow gait, too: it asks.")
+@AS_JSON
+def doctor(
+    port: str | None, listen_s: float, report: Path | None, move: bool, as_json: bool
+) -> None:
+    """Find what keeps the robot from working, and say the fix; nothing moves without --move.
+
+    Exit status 0 if all is well, 1 if there is something to fix.
+    """
+    import json
+
+    from ...model.files import write_text
+    from ...robot.tools.doctor import examine
+    from ...robot.tools.first_day import measure
+    from ...robot.tools.keys import need_terminal
+
+    if move:
+        if not report:
+            raise click.UsageError("--move adds to a report; name its file with --report FILE")
+        need_terminal()
+
+    findings = []
+    for finding in examine(port, listen_s):
+        findings.append(finding)
+        if not as_json:
+            say(f"{MARKS[finding.mark]}  {finding.name}: {finding.found}")
+            if finding.fix:
+                say(f"      -> {finding.fix}")
+    well = all(finding.mark != "fix" for finding in findings)
+    if as_json:
+        show_json({"well": well, "findings": [vars(finding) for finding in findings]})
+    if report:
+        say("measuring for some five minutes ...", err=True)
+        facts = measure(port, (lambda text: click.confirm(text, err=True)) if move else None)
+        facts["findings"] = [vars(finding) for finding in findings]
+        write_text(report, json.dumps(facts, indent=2))
+        well = well and "failure" not in facts
+        remarks = [f"{name}: {facts[name]}" for name in ("left_out", "failure") if name in facts]
+        say("\n".join([*remarks, f"wrote {report}"]), err=True)
+    if not well:
+        raise SystemExit(1)
+
+
+@click.command()
+@PORT
+@AS_JSON
+def trim(port: str | None, as_json: bool) -> None:
+    """Centre each servo by keys and save that on the board; the robot straightens first."""
+    from dataclasses import asdict
+
+    from ...robot.robot import RobotBoard
+    from ...robot.tools.keys import keyboard, need_terminal
+    from ...robot.tools.trimming import UNATTENDED_S, Trimming, straighten
+
+    need_terminal()
+    with RobotBoard(port, unattended_s=UNATTENDED_S) as robot:
+        straighten(robot)
+        work = Trimming(robot, lambda text: say(text, err=True))
+        with keyboard() as keys:
+            work.go(keys)
+    if as_json:
+        show_json({"saved": not work.unsaved, "trims": [asdict(t) for t in work.trims]})
+
+
+@click.command()
+@PORT
+@flag("--all", "everything", "Every telemetry line, not one a second.")
+def monitor(port: str | None, everything: bool) -> None:
+    """Talk to the board: each line is checked, `!` stops the robot at once, Ctrl-C leaves.
+
+    Lines from a pipe are sent one by one: `echo status | serpenoid monitor`.
+    """
+    from ...robot.tools.monitor import converse
+
+    converse(port, 1 if everything else 50)

@@ -1,0 +1,249 @@
+"""`serpenoid fit`, and what rests on a fit: `advise`, `compare`, `report`."""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from pathlib import Path
+
+import click
+
+import serpenoid as sn
+
+from ...show.screen import progress, say, working
+from ..declare import FIGURES, FOLDER, flag, number, option, out_file
+from ..given import session_fit
+from ..options import AS_JSON, AS_TABLES, listed_gaits, servo_option, show_json, take_servo, tell
+
+MANY = 300  # readings, whose fit may take a second or more
+
+
+@click.command()
+@click.argument("session", type=FOLDER)
+@option(
+    "--method",
+    "Honest intervals; the same with misreadings in it; or the paper's two lines.",
+    choice=["joint", "robust", "naive"],
+    default="joint",
+)
+@flag("--crawls", "Fit the gait runs and films, too, or alone; some 20 s.")
+@servo_option
+@option(
+    "--plot",
+    "figure",
+    "Draw the lines and readings into this PNG, PDF or SVG.",
+    type=out_file(*FIGURES),
+)
+@flag("--influence", "List what every reading does to the fit.")
+@option("--save/--no-save", "Keep it as fit.json beside the readings (not if naive).", default=True)
+@AS_TABLES
+def fit(
+    session: Path,
+    method: str,
+    crawls: bool,
+    figure: Path | None,
+    influence: bool,
+    save: bool,
+    as_json: bool,
+) -> None:
+    """Fit friction to a session's readings: stations (Eqs. 58-62), pushes and slides.
+
+    Crawls stay out, since `compare` tests predictions by them. --crawls fits them, too: any hobby
+    servo may have moved the joints unless --servo says which.
+
+    Prints the whole snake's friction and each link's; --session DIR gives it to any other command.
+    """
+    from ...calibration.advising.break_away import break_away_notes
+    from ...show import report
+
+    loaded = sn.load_session(session)
+    count = len(loaded.kept)
+    servo = take_servo("hobby") if crawls else None
+    with working(f"fitting {count} readings") if count > MANY or crawls else nullcontext():
+        found = sn.fit_friction(loaded, method=method, crawls=crawls, servo=servo)
+    if figure is not None:
+        _draw(loaded, found, figure)
+    not_kept = _save(found, session) if save and method != "naive" else None
+    if as_json:
+        show_json(found.to_dict())
+    else:
+        report.show(found)
+        notes = [f"note: {note}" for note in break_away_notes(found, loaded)]
+        say("\n".join([*found.remarks, *notes]))
+        if influence:
+            report.influence(found)
+    if not_kept is not None:
+        raise sn.SerpenoidError(
+            f"{not_kept}: the fit is shown, but not kept as fit.json"
+        ) from not_kept
+
+
+def _save(found: sn.FrictionFit, session: Path) -> OSError | None:
+    """Keep the fit beside the readings; return why not, if so."""
+    try:
+        sn.save_fit(found, session)
+    except OSError as error:
+        return error
+    return None
+
+
+def _draw(session: sn.Session, found: sn.FrictionFit, figure: Path) -> None:
+    """Draw what there is: pushes over time, or stations with their lines."""
+    if session.on_floor:
+        from ...show.session.floor_figure import push_figure
+
+        return push_figure(session, found, figure)
+    from ...show.figure_data import beside
+    from ...show.plot import friction_lines
+    from ...show.report import wrote
+
+    friction_lines(session, found, figure)
+    return wrote(figure, beside(figure))
+
+
+@click.command()
+@click.argument("session", type=FOLDER)
+@listed_gaits
+@option("--samples", "Frictions drawn from the fit.", type=click.IntRange(16, 4096), default=48)
+@flag("--runs", "Count gait runs, too, which no friction fit uses.")
+@servo_option
+@AS_TABLES
+def advise(
+    session: Path,
+    gaits: list[sn.Gait],
+    samples: int,
+    runs: bool,
+    as_json: bool,
+) -> None:
+    """Tell which reading to take next: the one that shrinks the predicted speeds' band most.
+
+    The band is that of `compare`: any hobby servo may move the joints unless --servo says which.
+    """
+    loaded = sn.load_session(session)
+    session_fit(session)  # tells its alarms
+    with progress(len(gaits) or len(loaded.setup.procedure.gaits), "gaits") as advance:
+        servo = take_servo("hobby")
+        found = sn.advise(loaded, gaits, samples=samples, runs=runs, servo=servo, progress=advance)
+    tell(found, as_json)
+
+
+@click.command()
+@click.argument("session", type=FOLDER)
+@listed_gaits
+@number(
+    "--amplitude-sigma",
+    "Standard deviation of the joints' true over commanded amplitude.",
+    default=0.03,
+)
+@servo_option
+@option("--samples", "Frictions drawn from the fit.", type=click.IntRange(16, 4096), default=64)
+@option(
+    "--beside",
+    "other",
+    "Another session of this robot: do both tell the same friction?",
+    type=FOLDER,
+)
+@option("--plot", "figure", "Draw it into this file.", type=out_file(*FIGURES))
+@AS_TABLES
+def compare(
+    session: Path,
+    gaits: list[sn.Gait],
+    amplitude_sigma: float,
+    samples: int,
+    other: Path | None,
+    figure: Path | None,
+    as_json: bool,
+) -> None:
+    """Compare a session's gait runs with the speeds that its friction predicts.
+
+    Exact and implicit model, with the 95 % bands of sampled frictions, and of amplitude and servos
+    besides; then a verdict in words. Any hobby servo may move the joints unless --servo says which.
+
+    With --beside the frictions of two sessions are compared instead, such as of treadmill and
+    floor: they agree within their intervals, or which differs.
+    """
+    if other is not None:
+        return _sessions(session, other, as_json)
+    from ...calibration import comparison
+    from ...show import report
+
+    loaded = sn.load_session(session)
+    fit = session_fit(session, with_crawls=False)
+    with progress(comparison.gait_count(loaded, gaits), "gaits") as advance:
+        found = comparison.compare(
+            loaded,
+            fit,
+            gaits=gaits,
+            amplitude_sigma=amplitude_sigma,
+            samples=samples,
+            servo=take_servo("hobby"),
+            progress=advance,
+        )
+    if figure is not None:
+        from ...show.comparison_figure import comparison_figure
+        from ...show.figure_data import beside
+
+        comparison_figure(found, figure)
+        report.wrote(figure, beside(figure))
+    return tell(found, as_json)
+
+
+def _sessions(first: Path, second: Path, as_json: bool) -> None:
+    from ...calibration.advising.two_fits import two_sessions
+    from ...show import report
+
+    found = two_sessions(sn.load_session(first), sn.load_session(second))
+    if as_json:
+        return show_json(found.to_dict())
+    report.console.print(f"p = {found.p_value:.2g}. {found.verdict}")
+    return report.table("friction in two sessions, whole snake", *found.table())
+
+
+@click.command()
+@click.argument("session", type=FOLDER)
+@option("--out", "Where to; report.html in the session's folder.", type=out_file(".html"))
+@option("--bibtex", "Write what to cite into this file, too.", type=out_file(".bib"))
+@option("--beside", "Another session of this robot, to compare the frictions with.", type=FOLDER)
+@servo_option
+@AS_JSON
+def report(
+    session: Path,
+    out: Path | None,
+    bibtex: Path | None,
+    beside: Path | None,
+    as_json: bool,
+) -> None:
+    """Write a session's report: one self-contained HTML file, the same bytes when made again.
+
+    Its speeds are those of `compare` and `advise`: any hobby servo unless --servo says which.
+    """
+    from ...calibration import advice, comparison
+    from ...calibration.session_file import load_session
+    from ...calibration.session_rows import events_of
+    from ...model.files import write_text
+    from ...show.session.report_page import session_page
+
+    out = out or session / "report.html"
+    compared = advised = None
+    servo = take_servo("hobby")
+    loaded = load_session(session)
+    fit = session_fit(session)
+    if comparison.compared_gaits(loaded):
+        with progress(comparison.gait_count(loaded), "gaits") as advance:
+            compared = comparison.compare(loaded, fit, servo=servo, progress=advance)
+    if loaded.setup.procedure.gaits:
+        advised = advice.advise(loaded, servo=servo)
+    other = None
+    if beside is not None:
+        from ...calibration.advising.two_fits import two_sessions
+
+        other = two_sessions(loaded, load_session(beside))
+    page = session_page(loaded, fit, compared, advised, events_of(loaded), other)
+    write_text(out, page)
+    if bibtex is not None:
+        from ...show.citation import entries
+        from ...show.report import wrote
+
+        write_text(bibtex, entries())
+        wrote(bibtex)
+    verdict = None if compared is None else compared.verdict
+    show_json({"report": str(out), "verdict": verdict}) if as_json else say(f"wrote {out}")
