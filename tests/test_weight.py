@@ -53,7 +53,7 @@ MOST_TOKENS = {
     "tests/avr": 19018,
     "tests/docs": 8125,
     "tests/end_to_end": 1125,
-    "tests/firmware": 13231,
+    "tests/firmware": 12986,
     "tests/golden": 3186,
     "tests/host": 771,
     "tests/host/bench": 1932,

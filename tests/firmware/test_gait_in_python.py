@@ -11,17 +11,28 @@ from hypothesis import strategies as st
 from serpenoid._core import firmware
 
 
-def test_the_settled_gait_is_the_formula() -> None:
-    """The bound is derived in test_gait.cpp: sine 0.0063°, three roundings of 0.0018°."""
+def settled(alpha_deg: float, beta_deg: float, omega: float, offset_deg: float = 0.0) -> np.ndarray:
+    """Return setpoints less the formula, deg, (frames, joints)."""
     frames, joints = 4000, 5
-    for alpha_deg, beta_deg, omega in ((90, 75, 5.0), (30, 80, 1.7987), (70, -20, 20.0)):
-        alpha, beta = np.radians([alpha_deg, beta_deg])
-        got = firmware.gait_setpoints_rad(alpha, beta, omega, frames=frames, joints=joints)
-        time_s = firmware.FRAME_S * np.arange(frames)[:, None]
-        truth = alpha * np.sin(omega * time_s + beta * np.arange(joints))
-        assert np.degrees(np.abs(got - truth).max()) < 0.0116
-        mean = np.degrees((got - truth).mean(axis=0))  # cut in place of rounded, it is 9e-4
-        assert np.abs(mean).max() < 1e-4
+    alpha, beta, offset = np.radians([alpha_deg, beta_deg, offset_deg])
+    got = firmware.gait_setpoints_rad(
+        alpha, beta, omega, offset_rad=offset, frames=frames, joints=joints
+    )
+    time_s = firmware.FRAME_S * np.arange(frames)[:, None]
+    return np.degrees(got - offset - alpha * np.sin(omega * time_s + beta * np.arange(joints)))
+
+
+def test_the_settled_gait_is_the_formula() -> None:
+    """Sine 7e-5 of 90 degrees, 0.0063; amplitude, offset and product rounded to 0.0035/2 each."""
+    rng = np.random.default_rng(2005)
+    for _ in range(100):
+        alpha, beta, omega = rng.uniform([0, -180, 0.01], [90, 180, 30])
+        off = settled(alpha, beta, omega, rng.uniform(alpha - 90, 90 - alpha))
+        assert np.abs(off).max() < 0.0116
+    for alpha, beta, omega in ((90, 75, 5.0), (30, 80, 1.7987), (70, -20, 20.0)):
+        off = settled(alpha, beta, omega)
+        assert np.abs(off).max() < 0.0116
+        assert np.abs(off.mean(axis=0)).max() < 1e-4  # cut in place of rounded, it is 9e-4
 
 
 @given(st.binary(max_size=300))

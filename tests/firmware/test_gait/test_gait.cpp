@@ -1,5 +1,5 @@
-// The fixed-point gait against double precision: formula, phase over a day, conversions, pulses.
-#include <algorithm>
+// The fixed-point gait against double precision: phase over a day, conversions, pulses. The formula
+// is held in test_gait_in_python.py.
 #include <cmath>
 #include <random>
 #include <vector>
@@ -17,36 +17,7 @@ const double kTurn = 4294967296.0;
 
 double degrees(int16_t angle_q14) { return angle_q14 / 16384.0 * 180.0 / kPi; }
 
-double setpoint_deg(double alpha, double beta, double offset, uint32_t phase, uint8_t joint) {
-    const int16_t alpha_q14 = q14_from_q30(q30_from_udeg(static_cast<int32_t>(alpha * 1e6)));
-    const int16_t offset_q14 = q14_from_q30(q30_from_udeg(static_cast<int32_t>(offset * 1e6)));
-    const int32_t beta_q31 = q31_turn_from_udeg(static_cast<int32_t>(std::lround(beta * 1e6)));
-    return degrees(offset_q14) + degrees(gait_angle(alpha_q14, beta_q31, phase, joint));
-}
-
 }  // namespace
-
-// 7e-5 of 90 degrees is 0.0063; amplitude, offset and product are each rounded to 0.0035/2: 0.0116.
-TEST_CASE("setpoints are within 0.0116 degrees of the formula, at any phase and at its crests") {
-    std::mt19937 random(2005);
-    const auto within = [&](double low, double high) {
-        return low + (high - low) * static_cast<double>(random()) / kTurn;
-    };
-    double worst = 0;
-    for (int k = 0; k < 1000000; ++k) {
-        const double alpha = k % 3 ? within(0, 90) : 90, beta = within(-180, 180);
-        const double offset = within(alpha - 90, 90 - alpha);
-        const uint32_t eighth = static_cast<uint32_t>(k) << 29;
-        const uint32_t phase = k % 4 ? static_cast<uint32_t>(random()) : eighth - 1;
-        const uint8_t joint = static_cast<uint8_t>(k % 5);
-        const double angle = 2 * kPi * phase / kTurn + joint * beta * kPi / 180;
-        const double truth = offset + alpha * std::sin(angle);
-        const double error = setpoint_deg(alpha, beta, offset, phase, joint) - truth;
-        worst = std::max(worst, std::fabs(error));
-    }
-    CHECK(worst < 0.0116);
-    CHECK(worst > 1e-3);  // the comparison is not with itself
-}
 
 // The step is known to half of 1 in 5.87e10: as many frames as a day has, at 30 rad/s (412 530
 // turns), are off by 3.5e-6 turn, 1.3e-3 degrees. The limit of 1 ppm would be 0.4 turns.
