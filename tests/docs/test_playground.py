@@ -76,7 +76,7 @@ def fitted(tmp_path_factory) -> Path:
 @contextmanager
 def visiting(address: str, until: str = READY, still: bool = False) -> Iterator[Browser]:
     """Give a browser of its own at an address, once it is ready."""
-    with Browser(1280, 1000, still=still) as visitor:
+    with Browser(1280, 1100, still=still) as visitor:
         visitor.opens(address)
         visitor.waits_for(until)
         yield visitor
