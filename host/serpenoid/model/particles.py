@@ -64,12 +64,11 @@ def tempered(
     last: LogDensity,
     rng: np.random.Generator,
     moves: int = MOVES,
-    share: float = 1.0,
 ) -> tuple[Floats, float]:
     """Return particles (N, D) of the last density from such of the first.
 
-    And the logarithm of the last density's integral over the first one's. share: of the unknowns,
-    about so many change in a move: few, where the last density leaves many of them as they were.
+    And the logarithm of the last density's integral over the first one's. All unknowns change in a
+    move: with some of them alone, particles would stay where they are on a narrow ridge.
     """
     count, power, log_ratio = len(x), 0.0, 0.0
     log_first, log_last = first(x), last(x)
@@ -87,8 +86,7 @@ def tempered(
         for _ in range(moves if power < 1.0 else 2 * moves):
             pair = x[rng.permutation(count)] - x[rng.permutation(count)]
             jitter = _JITTER * x.std(axis=0) * rng.normal(size=x.shape)
-            by = rng.choice(_LENGTHS, size=(count, 1)) * pair + jitter
-            tried = x + (by if share == 1.0 else by * (rng.random(x.shape) < share))
+            tried = x + (rng.choice(_LENGTHS, size=(count, 1)) * pair + jitter)
             new_first, new_last = first(tried), last(tried)
             gain = (1.0 - power) * (new_first - log_first) + power * (new_last - log_last)
             taken = np.log(rng.uniform(size=count)) < gain

@@ -20,8 +20,7 @@ from ..model.particles import tempered
 from ..model.vectors import finite_vector
 
 Array = NDArray[np.float64]
-PARTICLES, MOVES, KEPT = 384, 10, 128
-_SHARE = 0.3  # of the unknowns that change in a move
+PARTICLES, MOVES, KEPT = 768, 10, 128
 _STEP_S, _MOST_STEPS, _MOST_DELAY_S = 1e-3, 20_000, 0.03
 _SAME_S = 1e-9  # a look at a setpoint's time has it
 _NEVER = 2e9  # a sum of squares
@@ -75,7 +74,7 @@ class BenchTest:
 @dataclass(frozen=True)
 class MeasuredServo:
     """What a measurement leaves of a kind. told, untold: fields, with the sigma of their logarithm
-    before and after it. chi2: of the best servo, over `readings`."""
+    before and after it. chi2: of kind.servo, over `readings`."""
 
     kind: ServoKind
     told: dict[str, tuple[float, float]]
@@ -199,25 +198,25 @@ def servo_of_test(
         )
     rng, posterior = np.random.default_rng(seed), _Posterior(test, like)
     x = rng.normal(size=(PARTICLES, sum(posterior.free)))
-    x = tempered(x, log_normal, posterior.log_density, rng, MOVES, _SHARE)[0]
+    x = tempered(x, log_normal, posterior.log_density, rng, MOVES)[0]
     units = posterior.units(x)
     servos, chi2 = posterior.servos(units), posterior.chi2(units)
-    best = int(np.argmin(chi2))
+    middle = int(np.argmin(np.sum((x - x.mean(axis=0)) ** 2 / x.var(axis=0), axis=1)))
     kept = tuple(filter(None, (servos[k] for k in rng.permutation(PARTICLES)[:KEPT])))
     return measured_servo(
         like,
-        servos[best] or like.servo,
+        servos[middle] or like.servo,
         kept,
         name,
         f"a bench test of one joint, from {like.name}",
-        float(chi2[best]),
+        float(chi2[middle]),
         test.t_s.size,
     )
 
 
 def measured_servo(
     like: ServoKind,
-    best: Servo,
+    typical: Servo,
     kept: tuple[Servo, ...],
     name: str,
     source: str,
@@ -229,7 +228,7 @@ def measured_servo(
     before = _sigmas(like.draws(512), names)
     after = _sigmas(list(kept), names)
     told = {n: (before[n], after[n]) for n in names if after[n] < 0.6 * before[n]}
-    kind = ServoKind(name, best, {}, (), source, kept)
+    kind = ServoKind(name, typical, {}, (), source, kept)
     return MeasuredServo(kind, told, tuple(n for n in names if n not in told), chi2, readings)
 
 

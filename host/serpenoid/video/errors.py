@@ -24,6 +24,7 @@ STEP = 0.3  # of a standard deviation: the differences by which the camera's dou
 FLOOR_SPEED, FLOOR_ANGLE_RAD, FLOOR_TURN_RAD_S = 1.5e-4, np.radians(0.03), np.radians(0.003)
 LATE = 0.02  # share of the readout's phase that rows along the travel leave (rendered films)
 LATE_SPEED = 0.2  # and of what the readout does to the speed of a robot that goes along the rows
+LATE_RATE = 0.05  # and to its rate
 FLOOR_OFFSET_RAD = np.radians(0.01)  # a centre is a mean: it has no share of what moves
 # A codec draws each picture on the one before, and takes a little of the motion: amplitudes come
 # out low (rendered films coded at crf 20; not coded at crf 1). By .07 % for tags of 28 px, .14 % of
@@ -55,7 +56,8 @@ def number_sigmas(
     late_rad, swept = _late(bundle, fitted, seen, some)
     swings, apart = slice(1, count + 1), slice(count + 1, 2 * count)
     floor = np.full(len(pixels), FLOOR_ANGLE_RAD)
-    floor[0], floor[-1] = 0.0, FLOOR_TURN_RAD_S
+    floor[0] = LATE_RATE * swept * fitted.motion.omega_rad_s
+    floor[-1] = FLOOR_TURN_RAD_S
     floor[-2] = np.hypot(FLOOR_SPEED, LATE_SPEED * swept) * fitted.motion.speed_m_s
     floor[2 * count : -3] = FLOOR_OFFSET_RAD
     coded = max(1.0, (CODED_PX / float(np.nanmedian(seen.side_px))) ** 2)
@@ -73,7 +75,7 @@ def number_sigmas(
 def _late(bundle: Bundle, fitted: Fitted, seen: Sightings, some: Track) -> tuple[Array, float]:
     """Return what a slow readout does, which to first order is allowed for.
 
-    Each joint's part of it, as a phase; and the share of the speed that it takes off or adds.
+    Each joint's part of it, as a phase; and the share of speed and rate that it takes off or adds.
     """
     readout_s, height = bundle.camera.shared[READOUT], seen.image_px[1]
     rows = np.ma.masked_invalid(seen.corners_px[..., 1]).mean(axis=(0, 2)) / height - 0.5

@@ -41,7 +41,7 @@ def test_the_models_joint_moves_as_the_labs() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("camera", "seed"), [(shown_by, 102), (filmed_by, 104)])
 def test_a_bench_test_tells_the_servo(camera, seed, monkeypatch) -> None:
-    """It predicts the crawl's speed then, with half the doubt at most.
+    """It predicts the crawl's speed then, with 0.6 of the doubt by 50 looks, with 0.12 by 240.
 
     In a film pictures and setpoints fall at different times.
     """
@@ -59,7 +59,23 @@ def test_a_bench_test_tells_the_servo(camera, seed, monkeypatch) -> None:
     known = sn.steady_gait(ROBOT, GROUND, GAIT, rtol=1e-3, servo=found.kind)
     before = sn.steady_gait(ROBOT, GROUND, GAIT, rtol=1e-3, servo=sn.servo())
     assert known.low_m_s * 0.98 < crawls < known.high_m_s * 1.02
-    assert known.high_m_s - known.low_m_s < 0.5 * (before.high_m_s - before.low_m_s)
+    assert known.high_m_s - known.low_m_s < 0.7 * (before.high_m_s - before.low_m_s)
+
+
+@pytest.mark.slow
+def test_searches_for_one_servo_agree(monkeypatch) -> None:
+    """Else each states a part of its error: variances between searches, over those inside, were 3
+    when particles moved along some of the unknowns, and are 0.02 to 0.05."""
+    monkeypatch.setattr(bench_test, "PARTICLES", 96)
+    film = filmed_by(sn.servo().draws(1, 200)[0], 200)
+    rows = {name: getattr(film, name)[:300] for name in ("t_s", "setpoint_rad", "angle_rad")}
+    means, variances = [], []
+    for seed in range(3):
+        drawn = servo_of_test(replace(film, **rows), sn.servo(), seed=seed).kind.drawn
+        logs = np.log([(s.no_load_rad_s, s.stiffness_nm_rad / s.torque_limit_nm) for s in drawn])
+        means.append(logs.mean(axis=0))
+        variances.append(logs.var(axis=0))
+    assert np.mean(np.var(means, axis=0, ddof=1) / np.mean(variances, axis=0)) < 0.3
 
 
 def test_what_a_joint_does_not_show_is_an_unknown_by_itself() -> None:
@@ -165,8 +181,8 @@ def gains_of(fit: sn.FrictionFit, gait: sn.Gait, servo: sn.Servo) -> np.ndarray:
 
 @pytest.mark.slow
 def test_the_command_writes_a_file_that_others_take(tmp_path: Path, monkeypatch) -> None:
-    monkeypatch.setattr(bench_test, "PARTICLES", 48)
-    monkeypatch.setattr(bench_test, "KEPT", 8)
+    monkeypatch.setattr(bench_test, "PARTICLES", 96)
+    monkeypatch.setattr(bench_test, "KEPT", 32)
     true = sn.servo().draws(1, 103)[0]
     test = shown_by(true, 1)
     table, out = tmp_path / "joint.csv", tmp_path / "mine.toml"
@@ -177,14 +193,14 @@ def test_the_command_writes_a_file_that_others_take(tmp_path: Path, monkeypatch)
     assert told.output.startswith("Without load the servo turns at about ")
     assert "does not tell torque_limit_nm" in told.output
     kind = sn.servo(out)
-    assert len(kind.drawn) == 8
+    assert len(kind.drawn) == 32
     free = [s.no_load_rad_s for s in kind.drawn]
     assert np.mean(free) == pytest.approx(true.no_load_rad_s, rel=0.1)
     assert not kind.exact
     again = tmp_path / "again.toml"
     sn.save_servo(kind, again)
     assert sn.load_servo(again).drawn == kind.drawn
-    assert {s.speed_limit_rad_s for s in kind.draws(16)} == {
+    assert {s.speed_limit_rad_s for s in kind.draws(32)} == {
         s.speed_limit_rad_s for s in kind.drawn
     }
 

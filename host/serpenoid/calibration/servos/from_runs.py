@@ -56,9 +56,9 @@ def servo_of_session(
         )
     rng = np.random.default_rng(seed)
     kept = tuple(drawn[k] for k in rng.choice(index, KEPT, p=weight))
-    best = drawn[int(np.bincount(index, weight).argmax())]
+    typical = drawn[int(np.bincount(index, weight).argmax())]
     source = f"{len(crawls.residuals)} gaits of {session.setup.name}, from {like.name}"
-    return measured_servo(like, best, kept, name, source, crawls.chi2, len(crawls.residuals))
+    return measured_servo(like, typical, kept, name, source, crawls.chi2, len(crawls.residuals))
 
 
 def _ripple_chi2(

@@ -134,7 +134,7 @@ def show(found: MeasuredServo, out: Path | None) -> None:
         ]
         for name, (before, after) in found.told.items()
     ]
-    report.table(found.kind.source, ["measured", "best", "sigma before", "after"], rows)
+    report.table(found.kind.source, ["measured", "typical", "sigma before", "after"], rows)
     lines = [f"chi2 {found.chi2:.1f} of {found.readings} readings."]
     if found.untold:
         lines.append("It does not tell " + ", ".join(found.untold) + ".")
