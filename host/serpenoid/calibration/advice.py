@@ -1,13 +1,9 @@
-"""Which reading to take next: the one that shrinks the speeds' bands most, by the fit's own sums.
+"""Which reading to take next: the one that saves most of the speeds' band a minute.
 
-A reading that is yet to be taken is put beside the others at its expected value: its row of the
-Jacobian adds to the information, a bend set anew brings its own offset with it, a set point read
-again its rounding error. Of speed, the sampled frictions give the share that goes with friction
-linearly (a regression of sampled speeds, not a tangent); the new covariance says what is left of
-it. That ranks the readings, by what each saves a minute. The band now is sampled as `compare`
-samples it. A gait run tells of its own speed, but for the joints' amplitude, which
-it shares with the gaits that matter; friction fits leave gait runs out, and so does this unless
-asked.
+A reading that is yet to be taken is put beside the others at its expected value, and the
+posterior's slopes say what friction's covariance is then. A gait run tells of its own speed, but
+for the joints' amplitude, which it shares with the gaits that matter; friction fits leave gait runs
+out, and so does this unless asked.
 """
 
 from __future__ import annotations
@@ -15,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from functools import partial
 
 from ..model.checks import check_kind
 from ..model.drives import ServoKind
@@ -24,15 +19,16 @@ from ..model.gait import Gait
 from ..servos.catalogue import HOBBY
 from .advising.floor_readings import floor_options
 from .advising.next_reading import (
-    MOST_TIMES,
     Advice,
     NextReading,
     Option,
     gaits_that_matter,
     next_number,
+    repeated,
 )
-from .advising.speed_slopes import SpeedSlopes, speed_slopes
+from .advising.speed_bands import SpeedBands, speed_bands
 from .advising.stations import station_options
+from .crawls.runs import same_command
 from .filmed_joints import servo_seen
 from .fitting.posterior import Mode
 from .friction_fit import fit_friction
@@ -40,7 +36,7 @@ from .friction_result import FrictionFit
 from .kinds.gait import GaitRun
 from .session import Session
 from .session_posterior import covariance_after, mode_of
-from .speed_samples import Progress, band_parts, servo_note
+from .speed_samples import Progress
 
 LAMBDAS_DEG = (0.0, 7.5, 15.0, 20.0, 30.0)  # further, the end joints stand beyond 60 degrees
 _WORTH_ANOTHER = 0.1
@@ -54,7 +50,7 @@ def advise(
     session: Session,
     gaits: Sequence[Gait] = (),
     *,
-    samples: int = 48,
+    samples: int = 64,
     lambdas_deg: Sequence[float] = LAMBDAS_DEG,
     runs: bool = False,
     servo: ServoKind | None = HOBBY,
@@ -62,10 +58,8 @@ def advise(
 ) -> Advice:
     """Rank the readings that could be taken next by the speed band they leave.
 
-    Of a session on a floor pushes and slides, by how much each saves a minute of work.
-
-    No reading is named at a voided one's place, beyond the plan's belt speed, or steeper than
-    MOST_INCLINE_RAD or the steepest one taken.
+    Of a session on a floor pushes and slides. No reading is named at a voided one's place, beyond
+    the plan's belt speed, or steeper than MOST_INCLINE_RAD or the steepest one taken.
 
     Parameters
     ----------
@@ -106,35 +100,35 @@ def advise(
         raise BadInput(f"{session.where}: no station was held, and no push; take one first")
     fit, mode = fit_friction(session), mode_of(session)
     servo = servo and servo_seen(session.setup.driving(servo), session.kept_films, fit)
-    slopes = speed_slopes(fit, wanted, samples, progress)
-    parts = band_parts(fit, wanted, servo)
-    linear = slopes.band(covariance_after(session, mode))
+    speeds = speed_bands(fit, wanted, servo, samples, progress)
+    linear = speeds.by_friction(covariance_after(session, mode))
 
     def band(grown: Session) -> float:
         ran = [_sigmas_of_runs(grown, gait) for gait in wanted] if runs else ()
-        return parts.with_friction(slopes.band(covariance_after(grown, mode), ran) / linear)
+        return speeds.after(speeds.by_friction(covariance_after(grown, mode), ran) / linear)
 
-    options = _options(session, mode, slopes, lambdas_deg, runs)
-    readings = [_after(*option, band) for option in options]
+    bends = [math.radians(bend) for bend in lambdas_deg]
+    readings = [_after(*option, band) for option in _options(session, mode, speeds, bends, runs)]
     now = band(session)
     readings.sort(key=lambda r: (r.band - now) / (r.minutes or 1.0))
     after = readings[0].band_after_times
     told = _ON_FLOOR if session.on_floor else _ratchet_note(session, fit)
-    note = " ".join(filter(None, (told, servo_note(parts, servo, after))))
-    measured = None if servo is None or servo.drawn else parts.servo_measured
+    note = " ".join(filter(None, (told, speeds.servo_note(servo, after))))
+    measured = None if servo is None or servo.drawn else speeds.servo_measured
     named = servo and servo.name
     return Advice(wanted, now, after, tuple(readings), note, named, measured, fit.alarms)
 
 
 def _options(
-    session: Session, mode: Mode, slopes: SpeedSlopes, lambdas_deg: Sequence[float], runs: bool
+    session: Session, mode: Mode, speeds: SpeedBands, bends: Sequence[float], runs: bool
 ) -> list[Option]:
     """Return what could be taken next; raises BadInput where that is nothing."""
     if session.on_floor:
         return list(floor_options(session, mode))
-    options = list(station_options(session, mode, [math.radians(bend) for bend in lambdas_deg]))
+    options = list(station_options(session, mode, bends))
     if runs:
-        options += map(partial(_gait_run, session), slopes.gaits, slopes.speed_m_s.tolist())
+        pairs = zip(speeds.gaits, speeds.speed_m_s.tolist(), strict=True)
+        options += [_gait_run(session, gait, speed_m_s) for gait, speed_m_s in pairs]
     if not options:
         raise BadInput(
             f"{session.where}: no station that this treadmill can be set to tells more; take gait "
@@ -166,27 +160,20 @@ def _ratchet_note(session: Session, fit: FrictionFit) -> str:
 
 
 def _sigmas_of_runs(session: Session, gait: Gait) -> list[float]:
-    """Return the standard deviations of this gait's runs (the board's clock is 1 % off at most)."""
-    return [
-        r.speed_sigma_m_s
-        for r in session.kept_gait_runs
-        if abs(r.omega_rad_s / gait.omega_rad_s - 1.0) < 0.01
-        and math.isclose(r.alpha_rad, gait.alpha_rad, abs_tol=1e-3)
-        and math.isclose(r.beta_rad, gait.beta_rad, abs_tol=1e-3)
-    ]
+    """Return the standard deviations of this gait's runs."""
+    return [r.speed_sigma_m_s for r in session.kept_gait_runs if same_command(r.gait, gait)]
 
 
 def _gait_run(session: Session, gait: Gait, speed_m_s: float) -> Option:
     """Return a run of a gait: it measures its own speed, with a stopwatch."""
     sigma = session.setup.stopwatch.speed(1.0, 1.0 / speed_m_s)[1]
-    shown = NextReading(
-        "gait",
-        alpha_rad=gait.alpha_rad,
-        beta_rad=gait.beta_rad,
-        frequency_hz=gait.omega_rad_s / (2 * math.pi),
-    )
+    angles = {"alpha_rad": gait.alpha_rad, "beta_rad": gait.beta_rad}
     run = GaitRun(
-        next_number(session), gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, speed_m_s, sigma
+        next_number(session),
+        omega_rad_s=gait.omega_rad_s,
+        speed_m_s=speed_m_s,
+        speed_sigma_m_s=sigma,
+        **angles,
     )
-    runs = [(*session.gait_runs, *[run] * times) for times in range(1, MOST_TIMES + 1)]
-    return shown, (replace(session, gait_runs=more) for more in runs)
+    shown = NextReading("gait", frequency_hz=gait.omega_rad_s / (2 * math.pi), **angles)
+    return shown, repeated(session, "gait_runs", run)

@@ -17,7 +17,6 @@ from ..model.drives import Servo, ServoKind
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..model.rows import two_digits
 from ..periodic.drawn_states import Draw, drawn_speeds, drawn_states
 from ..periodic.servo_steady import (
     band,
@@ -32,7 +31,6 @@ from .friction_result import FrictionFit
 
 Array = NDArray[np.float64]
 Progress = Callable[[int], None]
-SERVO_LEFT = 0.5  # of the servos' doubt, after a bench test of one joint
 MODEL_SIGMA = 0.01  # of a predicted speed: joints' centres that are off, wheels that turn
 AMPLITUDE_SIGMA = 0.03  # of the joints' true over commanded amplitude, common to all gaits
 
@@ -235,56 +233,3 @@ def drawn_amplitudes(fit: FrictionFit, sigma: float, count: int, seed: int = 200
         return told
     evenly = np.random.default_rng(seed).permutation((np.arange(count) + 0.5) / count)
     return 1.0 + sigma * ndtri(evenly)
-
-
-@dataclass(frozen=True)
-class BandParts:
-    """Halves of 95 % bands over the speed, each the mean over some gaits.
-
-    whole: with friction, amplitude and servos in doubt. joints: with ideal servos. friction: with
-    ideal joints.
-    """
-
-    whole: float
-    joints: float
-    friction: float
-
-    @property
-    def servos(self) -> float:
-        """Return the servos' part, 0 where the joints follow the gait."""
-        return math.sqrt(max(self.whole**2 - self.joints**2, 0.0))
-
-    @property
-    def servo_measured(self) -> float:
-        """Return the whole band after a bench test of one joint."""
-        return math.hypot(self.joints, SERVO_LEFT * self.servos)
-
-    def with_friction(self, ratio: float) -> float:
-        """Return the whole band once friction's part has shrunk by a ratio."""
-        return math.sqrt(max(self.whole**2 - self.friction**2, 0.0) + (ratio * self.friction) ** 2)
-
-
-def band_parts(fit: FrictionFit, gaits: Sequence[Gait], servo: ServoKind | None) -> BandParts:
-    """Return the parts of the band that fit, joints and servos leave, by samples as `compare`."""
-    drawn = sample_speeds(fit, gaits, amplitude_sigma=AMPLITUDE_SIGMA, servo=servo)
-    best = [max(speed(fit.robot, fit.ground, gait), 1e-9) for gait in gaits]
-    halves = []
-    for speeds in (drawn.both_m_s, drawn.joints_m_s, drawn.friction_m_s):
-        ends = [band(of_gait) for of_gait in speeds.T]
-        halves.append(np.mean([(b - a) / 2 / v for (a, b), v in zip(ends, best, strict=True)]))
-    return BandParts(*map(float, halves))
-
-
-def servo_note(parts: BandParts, servo: ServoKind | None, band_after_best: float) -> str:
-    """Return what to say where a servo is what to measure; "" where a reading tells more."""
-    if servo is None or servo.drawn or parts.servo_measured >= band_after_best:
-        return ""
-    servos, friction, measured, reading = (
-        f"±{two_digits(100 * part)} %"
-        for part in (parts.servos, parts.friction, parts.servo_measured, band_after_best)
-    )
-    return (
-        f"Measure a servo next. Servos ({servo.name}) leave {servos} of the speed, friction "
-        f"{friction}. A bench test of one joint (`serpenoid servo --test`) leaves {measured} in "
-        f"all, the best reading {reading}."
-    )

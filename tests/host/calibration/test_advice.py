@@ -10,7 +10,7 @@ from calibration.plain_sessions import World, plain_session
 from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
 from serpenoid.calibration import speed_samples
 from serpenoid.calibration.advice import advise
-from serpenoid.calibration.advising.speed_slopes import SpeedSlopes
+from serpenoid.calibration.advising.speed_bands import SpeedBands
 from serpenoid.calibration.advising.stations import places
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.station import Reading
@@ -26,7 +26,7 @@ def weak():
 
 
 def test_a_small_bend_is_followed_by_a_larger_one(weak):
-    found = advise(weak, [GAIT], samples=16, servo=None)
+    found = advise(weak, [GAIT], servo=None)
     assert {r.kind for r in found.readings} == {"station"}  # no fit uses gait runs
     assert found.best.lambda_rad >= math.radians(15)
     assert found.best.band < 0.95 * found.band  # the rest is the joints'
@@ -39,7 +39,7 @@ def test_advise_promises_what_compare_then_shows(weak):
     """The band is that of `compare`, now, and once the best reading is taken, or another."""
     plan = replace(weak.setup.procedure, gaits=())
     weak = replace(weak, setup=replace(weak.setup, procedure=plan))
-    told = advise(weak, [GAIT], samples=16, servo=None)
+    told = advise(weak, [GAIT], servo=None)
     shown = sn.compare(weak, gaits=[GAIT], servo=None).gaits[-1]
     half = (shown.high_all_m_s - shown.low_all_m_s) / 2
     assert told.band == pytest.approx(half / shown.exact_m_s, rel=1e-6)
@@ -56,10 +56,10 @@ def test_advise_promises_what_compare_then_shows(weak):
 
 def test_advise_and_compare_have_the_same_servos_in_their_band(weak):
     kind = sn.servo("hobby")
-    told = advise(weak, [GAIT], samples=16)  # any hobby servo, unless told
+    told = advise(weak, [GAIT])  # any hobby servo, unless told
     p = sn.compare(weak, gaits=[GAIT]).gaits[-1]
     best = told.servo, p.high_all_m_s - p.low_all_m_s
-    ideal = advise(weak, [GAIT], samples=16, servo=None)
+    ideal = advise(weak, [GAIT], servo=None)
     assert (best[0], ideal.servo) == ("hobby", None)
     typical = speed_band(sn.fit_friction(weak), GAIT, servo=kind)
     assert told.band == pytest.approx(best[1] / 2 / p.exact_m_s, rel=1e-6)
@@ -68,18 +68,18 @@ def test_advise_and_compare_have_the_same_servos_in_their_band(weak):
 
 def test_no_bend_is_named_that_would_bias_and_no_speed_at_which_the_law_fails(weak):
     coarse = plain_session(World(bends_deg=(15.0,)), np.random.default_rng(1))  # 0.5 % of grade
-    found = advise(coarse, [GAIT], samples=16, servo=None)
+    found = advise(coarse, [GAIT], servo=None)
     assert min(r.belt_speed_m_s for r in found.readings) > 0.12
     unsure = replace(weak.setup.uncertainty, lambda_sigma_rad=math.radians(1.2))
     rough = replace(weak, setup=replace(weak.setup, uncertainty=unsure))
-    bends = {r.lambda_rad for r in advise(rough, [GAIT], samples=16, servo=None).readings} - {0.0}
+    bends = {r.lambda_rad for r in advise(rough, [GAIT], servo=None).readings} - {0.0}
     assert min(bends) > math.radians(12)
 
 
 def test_no_place_is_named_that_failed_or_that_is_beyond_the_treadmill(weak):
-    best = advise(weak, [GAIT], samples=16, servo=None).best
+    best = advise(weak, [GAIT], servo=None).best
     failed = Reading(99, best.lambda_rad, best.incline_rad, best.belt_speed_m_s, voided=True)
-    again = advise(replace(weak, readings=(*weak.readings, failed)), [GAIT], samples=16, servo=None)
+    again = advise(replace(weak, readings=(*weak.readings, failed)), [GAIT], servo=None)
     same = [
         r
         for r in again.readings
@@ -91,10 +91,10 @@ def test_no_place_is_named_that_failed_or_that_is_beyond_the_treadmill(weak):
 
 
 def test_a_gait_run_counts_once_for_what_runs_share(weak):
-    before = advise(weak, [GAIT], samples=16, runs=True, servo=None)
+    before = advise(weak, [GAIT], runs=True, servo=None)
     assert before.best.kind == "gait"
     run = GaitRun(99, GAIT.alpha_rad, GAIT.beta_rad, GAIT.omega_rad_s, 0.05, 0.0005)
-    after = advise(replace(weak, gait_runs=(run,)), [GAIT], samples=16, runs=True, servo=None)
+    after = advise(replace(weak, gait_runs=(run,)), [GAIT], runs=True, servo=None)
     assert after.band == pytest.approx(before.best.band, rel=0.1)
     again = [r for r in after.readings if r.kind == "gait"]
     assert again[0].band > 0.9 * after.band
@@ -103,10 +103,10 @@ def test_a_gait_run_counts_once_for_what_runs_share(weak):
 def test_a_run_tells_a_speed_only_as_well_as_the_joints_amplitude_is_known():
     """By hand, one friction of variance s^2: a run of noise n leaves s^2 n / (s^2 + n)."""
     slope, v, s = 0.1, 0.05, 0.02
-    slopes = SpeedSlopes((GAIT,), np.array([v]), np.array([[slope]]))
+    slopes = SpeedBands((GAIT,), np.array([v]), np.array([[slope]]))
     noise = (AMPLITUDE_SIGMA * v) ** 2
     left = (slope * s) ** 2 * noise / ((slope * s) ** 2 + noise)
-    found = slopes.band(np.array([[s * s]]), [[1e-9]])
+    found = slopes.by_friction(np.array([[s * s]]), [[1e-9]])
     assert found == pytest.approx(1.96 * math.sqrt(left) / v, rel=1e-3)
 
 
@@ -136,15 +136,15 @@ def test_advise_says_when_a_servo_is_what_to_measure(weak):
     )
     sure = replace(weak, setup=replace(weak.setup, uncertainty=small))
     fast = replace(GAIT, omega_rad_s=math.tau * 0.7)
-    told = advise(sure, [fast], samples=16)
+    told = advise(sure, [fast])
     assert told.measure_servo
     assert "Measure a servo next" in told.note
     assert told.band_servo_measured < told.band_after_best < 1.02 * told.band  # by 64 draws
     assert told.to_dict()["measure_servo"] is True
-    poor = advise(weak, [GAIT], samples=16, servo=sn.servo("XL-320"))
+    poor = advise(weak, [GAIT], servo=sn.servo("XL-320"))
     assert not poor.measure_servo
     assert "servo" not in poor.note
-    ideal = advise(sure, [fast], samples=16, servo=None)
+    ideal = advise(sure, [fast], servo=None)
     assert (ideal.measure_servo, ideal.band_servo_measured) == (False, None)
 
 
@@ -161,7 +161,7 @@ def test_advice_after_a_comparison_solves_for_no_servo_again(monkeypatch):
     shown = sn.compare(made, fit := sn.fit_friction(made)).gaits[0]
     count = len(solved)
     assert count >= 64
-    told = advise(made, samples=16)
+    told = advise(made)
     assert len(solved) == count
     half = (shown.high_all_m_s - shown.low_all_m_s) / 2
     best = speed_samples.speed(fit.robot, fit.ground, run.gait)

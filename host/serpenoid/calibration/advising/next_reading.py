@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from ...model.errors import BadInput
 from ...model.gait import Gait
 from ...model.rows import Result
 from ..crawls.runs import as_run
+from ..kinds.gait import GaitRun
+from ..kinds.station import Reading
 from ..session import Session
 
 _SHOWN = 5  # readings of a table
-MOST_TIMES = 5  # of one reading
+_MOST_TIMES = 5  # of one reading
 WORTH = 0.1  # of the band: a reading that saves less is not worth a table
 
 
@@ -50,10 +52,7 @@ class NextReading:
         if self.kind == "gait":
             what = f"a gait run at {self.frequency_hz:.3g} Hz"
         else:
-            bend, incline = (
-                math.degrees(self.lambda_rad or 0.0),
-                math.degrees(self.incline_rad or 0),
-            )
+            bend, incline = (math.degrees(a or 0.0) for a in (self.lambda_rad, self.incline_rad))
             at = f" ({self.bend}; {180 - 2 * bend:.4g}° between the links at either end)"
             links = at if bend else ", straight"
             links += ", facing up" if self.facing == "up" else ""
@@ -71,6 +70,14 @@ Option = tuple[NextReading, Iterable[Session]]
 def next_number(session: Session) -> int:
     """Return a number that no reading has."""
     return 1 + max((reading.number for _, reading in session.numbered), default=0)
+
+
+def repeated(session: Session, part: str, reading: Reading | GaitRun) -> Iterator[Session]:
+    """Yield the session with a reading in one of its parts once, twice and so on."""
+    readings = getattr(session, part)
+    for k in range(_MOST_TIMES):
+        readings = (*readings, replace(reading, number=reading.number + k))
+        yield replace(session, **{part: readings})
 
 
 @dataclass(frozen=True)
@@ -153,16 +160,11 @@ class Advice(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures by name; fit_alarms only where there are any."""
-        return {
-            "gaits": [asdict(g) for g in self.gaits],
-            "band": self.band,
-            "band_after_best": self.band_after_best,
-            "note": self.note,
-            "servo": self.servo,
-            "band_servo_measured": self.band_servo_measured,
-            "measure_servo": self.measure_servo,
-            "readings": [asdict(r) | {"in_words": r.in_words()} for r in self.readings],
-        } | ({"fit_alarms": list(self.fit_alarms)} if self.fit_alarms else {})
+        values = asdict(self)
+        alarms = values.pop("fit_alarms")
+        readings = [asdict(r) | {"in_words": r.in_words()} for r in self.readings]
+        values |= {"measure_servo": self.measure_servo, "readings": readings}
+        return values | ({"fit_alarms": list(alarms)} if alarms else {})
 
 
 def gaits_that_matter(session: Session, gaits: Sequence[Gait]) -> tuple[Gait, ...]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from ..fitting.unknowns import Floats
 from ..kinds.station import LEAST_SLIP_M_S, Reading, bent_share
 from ..session import Session, Setup
 from ..taking.expected import Series
-from .next_reading import MOST_TIMES, NextReading, Option, next_number
+from .next_reading import NextReading, Option, next_number, repeated
 
 MOST_INCLINE_RAD = math.atan(0.15)  # of home treadmills, unless this one stood steeper already
 SLIPS_M_S = (0.15, 0.3, 0.6, 1.0)
@@ -27,23 +26,18 @@ _AS_GOOD = 4.0  # sigmas of a bend from the one that the robot lies in
 
 def station_options(session: Session, mode: Mode, bends: Sequence[float]) -> Iterator[Option]:
     """Yield the stations that could be held next, in these bends, each some times over."""
-    whole, first = mode.x[: mode.posterior.frictions], next_number(session)
-    for series, incline, slip in places(session, whole, bends):
-        bend, facing = series.lambda_rad, series.facing
-        more = tuple(
-            Reading(first + k, bend, incline, slip, facing=facing, bend=series.bend)
-            for k in range(MOST_TIMES)
-        )
+    for series, incline, slip in places(session, mode.x[: mode.posterior.frictions], bends):
+        where, facing = (series.lambda_rad, incline, slip), series.facing
+        reading = Reading(next_number(session), *where, facing=facing, bend=series.bend)
         shown = NextReading(
             "station",
-            lambda_rad=bend,
+            lambda_rad=series.lambda_rad,
             incline_rad=incline,
             belt_speed_m_s=slip,
             facing=facing,
-            bend=series.bend if bend else "",
+            bend=series.bend if series.lambda_rad else "",
         )
-        grown = [(*session.readings, *more[: k + 1]) for k in range(MOST_TIMES)]
-        yield shown, (replace(session, readings=readings) for readings in grown)
+        yield shown, repeated(session, "readings", reading)
 
 
 def places(

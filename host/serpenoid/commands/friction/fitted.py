@@ -103,7 +103,7 @@ def _draw(session: sn.Session, found: sn.FrictionFit, figure: Path) -> None:
 @click.command()
 @click.argument("session", type=FOLDER)
 @listed_gaits
-@option("--samples", "Frictions drawn from the fit.", type=click.IntRange(16, 4096), default=48)
+@option("--samples", "Frictions drawn from the fit.", type=click.IntRange(16, 4096), default=64)
 @flag("--runs", "Count gait runs, too, which no friction fit uses.")
 @servo_option
 @AS_TABLES
