@@ -16,15 +16,16 @@ import numpy as np
 from coverage_treadmill import GAIT, SERVOS, WHOLE, WHOLE_2005, DrivenTable
 from numpy.typing import NDArray
 from serpenoid.calibration.crawls.result import fit_crawls
-from serpenoid.calibration.crawls.servos import SERVO_DRAWS, ServoEffects, effects_of, together
+from serpenoid.calibration.crawls.servos import SERVO_DRAWS
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import NAMES, FrictionFit, ground_of
 from serpenoid.calibration.kinds.instruments import FloorTools
 from serpenoid.calibration.session import Setup
-from serpenoid.calibration.speed_samples import (
+from serpenoid.calibration.speed_samples import likeliest_speed, sample_speeds
+from serpenoid.calibration.speeds import (
     AMPLITUDE_SIGMA,
-    likeliest_speed,
-    sample_speeds,
+    ServoEffects,
+    SpeedModel,
     scaled,
     speed,
 )
@@ -159,25 +160,34 @@ class ServoPool:
         self._robot = robot = default_setup("floor coverage").robot
         self._ground = ground = ground_of(robot.links, WHOLE.tolist())
         by_rate = sorted(CRAWLS, key=lambda gait: gait.omega_rad_s)  # as a session has them
-        seen = [*(True for _ in by_rate), False]
-        self._every = effects_of(robot, ground, (*by_rate, GAIT), seen, tuple(SERVOS.draws(servos)))
+        model = SpeedModel(robot, ground, (*by_rate, GAIT), (*by_rate, None))
+        self._every = model.effects(tuple(SERVOS.draws(servos)))
 
     def some(self, rng: np.random.Generator) -> tuple[ServoEffects, ServoEffects]:
         """Return what a session's servos do to the crawls, and to GAIT."""
         every, films = self._every, np.repeat(np.arange(len(CRAWLS)), CRAWL_RUNS)
         own = rng.choice(len(every.servos), SERVO_DRAWS, replace=False)
-        return every.some(own, films, films), every.some(own, [len(CRAWLS)], [])
+        return _some(every, own, films, films), _some(every, own, [len(CRAWLS)], [])
 
     def shares(self, fit: FrictionFit, first: ServoEffects, count: int) -> NDArray[np.float64]:
         """Return what each draw's servo leaves of GAIT's speed; first: the session's servos."""
         assert fit.servos is not None
         index, effects = np.array(fit.servos.index[:count]), first
         if further := fit.servos.drawn[len(first.servos) :]:
-            effects = together(first, self._on_gait(further))
+            effects = first.beside(self._on_gait(further))
         return effects.shares(fit.draws["amplitude"][:count])[np.arange(count), index, 0]
 
     def _on_gait(self, servos: tuple[Servo, ...]) -> ServoEffects:
-        return effects_of(self._robot, self._ground, (GAIT,), [False], servos)
+        return SpeedModel(self._robot, self._ground, (GAIT,), (None,)).effects(servos)
+
+
+def _some(every: ServoEffects, servos: Any, gaits: Any, films: Any) -> ServoEffects:
+    """Return what some of the servos do to some of the gaits and films, by their indices."""
+    columns = {"share": gaits, "share_power": gaits, "amplitude": films, "amplitude_power": films}
+    picked = {
+        name: np.asarray(getattr(every, name))[np.ix_(servos, own)] for name, own in columns.items()
+    }
+    return replace(every, servos=tuple(every.servos[k] for k in servos), **picked)
 
 
 @dataclass(frozen=True)

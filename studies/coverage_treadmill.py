@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import NAMES, ground_of
 from serpenoid.calibration.session import Setup
-from serpenoid.calibration.speed_samples import AMPLITUDE_SIGMA, scaled
+from serpenoid.calibration.speeds import AMPLITUDE_SIGMA, scaled
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.calibration.taking.simulated import SimulatedPerson
 from serpenoid.calibration.taking.treadmill import take_all

@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from numpy.typing import NDArray
-from serpenoid.calibration.speed_samples import speed
+from serpenoid.calibration.speeds import speed
 from serpenoid.model.gait import Gait
 from serpenoid.model.ground import Ground
 from serpenoid.model.robot import Robot

@@ -20,14 +20,16 @@ from typing import Any
 import numpy as np
 from coverage_treadmill import INCLINE_STEP_DEG, WHOLE, WHOLE_2005, shown_in_steps
 from numpy.typing import NDArray
+from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import ground_of, whole_ground
-from serpenoid.calibration.speed_samples import AMPLITUDE_SIGMA, sample_speeds, scaled, speed
+from serpenoid.calibration.speed_samples import sample_speeds
+from serpenoid.calibration.speeds import AMPLITUDE_SIGMA, scaled, speed
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.calibration.taking.simulated import SimulatedPerson
 from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.calibration.taking.world import RUN_M, RUN_S
-from serpenoid.calibration.verdict import Judge, Measured
+from serpenoid.calibration.verdict import Judge
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
 from serpenoid.model.drives import Servo
@@ -193,7 +195,7 @@ def words(
         drawn = sample_speeds(fit, gaits, amplitude_sigma=AMPLITUDE_SIGMA, servo=kind)
         judges[name] = Judge(fit, drawn, AMPLITUDE_SIGMA, seed, kind)
 
-    def measured(speeds: Array) -> Measured:
+    def measured(speeds: Array) -> CrawlData:
         watch, times = setup.stopwatch, setup.procedure.gait_runs
         way = np.minimum(RUN_M, speeds * RUN_S)
         seconds = np.where(speeds > 0.0, way / np.maximum(speeds, 1e-9), RUN_S)
@@ -207,7 +209,7 @@ def words(
         weights = np.array([[sigma**-2.0 for _, sigma in row] for row in runs])
         means = np.array([[v for v, _ in row] for row in runs])
         total = weights.sum(axis=1)
-        return Measured(gaits, (weights * means).sum(axis=1) / total, total**-0.5)
+        return CrawlData(gaits, (weights * means).sum(axis=1) / total, total**-0.5)
 
     found = {}
     for fault in faults:

@@ -18,7 +18,7 @@ from coverage_treadmill import (
     one,
 )
 from serpenoid.bench.rows import renew_table
-from serpenoid.calibration.speed_samples import speed
+from serpenoid.calibration.speeds import speed
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.model.ground import Ground
 from speed_table import SpeedTable

@@ -9,7 +9,7 @@ import pytest
 from calibration_study import main
 from coverage_floor import CASES, drawn_person
 from coverage_treadmill import GAIT, WHOLE, DrivenTable
-from serpenoid.calibration.speed_samples import AMPLITUDE_SIGMA, scaled
+from serpenoid.calibration.speeds import AMPLITUDE_SIGMA, scaled
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.periodic.servo_steady import band

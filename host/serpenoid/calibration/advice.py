@@ -36,7 +36,7 @@ from .friction_result import FrictionFit
 from .kinds.gait import GaitRun
 from .session import Session
 from .session_posterior import covariance_after, mode_of
-from .speed_samples import Progress
+from .speeds import Progress
 
 LAMBDAS_DEG = (0.0, 7.5, 15.0, 20.0, 30.0)  # further, the end joints stand beyond 60 degrees
 _WORTH_ANOTHER = 0.1
@@ -167,13 +167,8 @@ def _sigmas_of_runs(session: Session, gait: Gait) -> list[float]:
 def _gait_run(session: Session, gait: Gait, speed_m_s: float) -> Option:
     """Return a run of a gait: it measures its own speed, with a stopwatch."""
     sigma = session.setup.stopwatch.speed(1.0, 1.0 / speed_m_s)[1]
-    angles = {"alpha_rad": gait.alpha_rad, "beta_rad": gait.beta_rad}
-    run = GaitRun(
-        next_number(session),
-        omega_rad_s=gait.omega_rad_s,
-        speed_m_s=speed_m_s,
-        speed_sigma_m_s=sigma,
-        **angles,
-    )
-    shown = NextReading("gait", frequency_hz=gait.omega_rad_s / (2 * math.pi), **angles)
+    alpha, beta, omega = gait.alpha_rad, gait.beta_rad, gait.omega_rad_s
+    run = GaitRun(next_number(session), alpha, beta, omega, speed_m_s, sigma)
+    rate = omega / (2 * math.pi)
+    shown = NextReading("gait", alpha_rad=alpha, beta_rad=beta, frequency_hz=rate)
     return shown, repeated(session, "gait_runs", run)

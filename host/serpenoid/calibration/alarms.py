@@ -7,27 +7,31 @@ from dataclasses import replace
 import numpy as np
 
 from .fitting.bends import resistance
+from .fitting.identifiability import bend_note
 from .fitting.paper_fit import errors, points, two_lines
 from .fitting.posterior import Mode
 from .fitting.stations import Stations
 from .fitting.suspects import suspects_in_words
-from .friction_result import DOUBTFUL, FrictionFit
+from .floor.notes import floor_notes
+from .friction_result import DOUBTFUL, FrictionFit, notes_on
 from .session import Session
 
 _SURELY = 3.0  # standard deviations below 0, from which a friction is an alarm
 
 
 def with_alarms(fit: FrictionFit, session: Session, mode: Mode) -> FrictionFit:
-    """Return a fit that says in words why it is not to be trusted; unchanged where it may be.
+    """Return a fit with its notes; first those that say why it is not to be trusted, if any.
 
-    mode: of all readings, none taken for misread. The alarms are the first of the notes, too.
+    mode: of all readings, none taken for misread.
     """
     stations = [block for block in mode.posterior.blocks if isinstance(block, Stations)]
     alarms = [
         *_contradiction(fit, session, mode),
         *(a for s in stations for a in _against_the_law(s)),
     ]
-    return replace(fit, alarms=tuple(alarms), notes=(*alarms, *_freedom(fit), *fit.notes))
+    bends = [note for block in stations for note in bend_note(block)]
+    notes = [*notes_on(fit, session), *bends, *floor_notes(session, mode.posterior)]
+    return replace(fit, alarms=tuple(alarms), notes=(*alarms, *_freedom(fit), *notes))
 
 
 def _freedom(fit: FrictionFit) -> list[str]:

@@ -14,18 +14,20 @@ from ..model.drives import ServoKind
 from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
 from ..model.rows import Result
-from ..periodic.servo_steady import band, cannot_run, free_rad_s, managed_hz
+from ..periodic.servo_steady import cannot_run, free_rad_s, managed_hz
 from ..servos.catalogue import HOBBY
 from ..simulation.steady_springs import steady_springs
+from .crawls.data import CrawlData
 from .crawls.level import floor_slope, is_sloped, on_level
-from .crawls.runs import Crawls, crawls_by_command, mean_speed, same_command
+from .crawls.runs import crawls_by_command, mean_speed, same_command
 from .filmed_joints import seen_on_film, servo_seen, swapped_plugs
 from .friction_fit import fit_friction
 from .friction_result import FrictionFit
 from .kinds.gait import GaitRun
 from .session import Session
-from .speed_samples import AMPLITUDE_SIGMA, Progress, SpeedSamples, sample_speeds, speed
-from .verdict import Judge, Measured, of_gaits
+from .speed_samples import SpeedSamples, sample_speeds
+from .speeds import AMPLITUDE_SIGMA, Progress, speed
+from .verdict import Judge
 from .verdict_words import in_words
 
 NOT_MEASURED = "No gait was run yet: these are predictions. Run one, and compare again."
@@ -226,8 +228,8 @@ def compare(
     if not compared_gaits(session, gaits):
         raise BadInput(f"{session.where}: {NO_GAIT}")
     session, levelled = _levelled(session, fit)
-    crawls = crawls_by_command(session)
-    runs, wanted = {c.gait: c.runs for c in crawls}, compared_gaits(session, gaits)
+    crawls, wanted = crawls_by_command(session), compared_gaits(session, gaits)
+    runs = {crawl.gait: crawl.runs for crawl in crawls}
     servo = servo and servo_seen(session.setup.driving(servo), session.kept_films, fit, seed)
     drawn = sample_speeds(
         fit,
@@ -244,18 +246,20 @@ def compare(
         if g not in drawn.seen and (too_fast := cannot_run(g, servo, points[j].name)):
             words.append(too_fast)
             points[j] = replace(points[j], low_all_m_s=None, high_all_m_s=None)
-    curve = _curve(fit, wanted, samples, seed, progress)
-    common = (session.setup.name, amplitude_sigma, tuple(points), curve, session.kept_crawls)
-    stated = amplitude_sigma, seed, servo
-    judged = _judged(fit, drawn, points, crawls, stated, session.setup.weight_n)
-    found = Comparison(
-        *common,
-        *judged,
+    judged = _judged(session, fit, drawn, points, (amplitude_sigma, seed, servo))
+    text = " ".join(filter(None, [*swapped_plugs(session), *words, judged.pop("text"), levelled]))
+    return Comparison(
+        session.setup.name,
+        amplitude_sigma,
+        tuple(points),
+        _curve(fit, wanted, samples, seed, progress),
+        session.kept_crawls,
+        **judged,
+        verdict_text=text,
+        servo=servo and servo.name,
         fit_alarms=fit.alarms,
         managed_hz=servo and managed_hz(wanted[0], free_rad_s(servo)),
     )
-    text = " ".join(filter(None, [*swapped_plugs(session), *words, found.verdict_text, levelled]))
-    return replace(found, verdict_text=text)
 
 
 def _levelled(session: Session, fit: FrictionFit) -> tuple[Session, str]:
@@ -268,30 +272,26 @@ def _levelled(session: Session, fit: FrictionFit) -> tuple[Session, str]:
 
 
 def _judged(
+    session: Session,
     fit: FrictionFit,
     drawn: SpeedSamples,
     points: Sequence[ComparedGait],
-    crawls: Sequence[Crawls],
     stated: tuple[float, int, ServoKind | None],
-    weight_n: float,
-) -> tuple[Any, ...]:
-    """Return what a Comparison holds from p_value on; stated: amplitude_sigma, seed and servo."""
+) -> dict[str, Any]:
+    """Return the verdict as a Comparison holds it; stated: amplitude_sigma, seed and servo."""
     amplitude_sigma, _, servo = stated
-    named = servo and servo.name
-    ran = [j for j, p in enumerate(points) if p.measured_m_s is not None]
+    ran = [j for j, point in enumerate(points) if point.runs]
     if not ran:
-        return None, None, None, "not measured", NOT_MEASURED, named, None
-    measured = Measured(
-        tuple(drawn.gaits[j] for j in ran),
-        np.array([points[j].measured_m_s for j in ran], dtype=float),
-        np.array([points[j].sigma_m_s for j in ran], dtype=float),
-    )
-    found = Judge(fit, of_gaits(drawn, ran), *stated)(measured)
-    causes = (found.friction, found.amplitude, found.servos)
-    friction, amplitude, servos = (c and c.p_value for c in causes)
-    text = in_words(found, measured, fit, amplitude_sigma, weight_n, servo)
-    word, text = seen_on_film(crawls, fit, drawn, measured, found.word, text)
-    return found.p_value, friction, amplitude, word, text, named, servos
+        nothing = dict.fromkeys(("p_value", "p_friction", "p_amplitude"))
+        return nothing | {"verdict": "not measured", "text": NOT_MEASURED}
+    speeds = np.array([(points[j].measured_m_s, points[j].sigma_m_s) for j in ran], dtype=float)
+    measured = CrawlData(tuple(drawn.gaits[j] for j in ran), *speeds.T)
+    verdict = Judge(fit, drawn.some(ran), *stated)(measured)
+    text = in_words(verdict, measured, fit, amplitude_sigma, session.setup.weight_n, servo)
+    filmed = [crawl for crawl in crawls_by_command(session) if crawl.films]
+    word, text = seen_on_film(filmed, fit, drawn, measured, verdict.word, text)
+    causes = {f"p_{name}": cause and cause.p_value for name, cause in verdict.causes.items()}
+    return {"p_value": verdict.p_value, "verdict": word, "text": text} | causes
 
 
 def compared_gaits(session: Session, more: Sequence[Gait] = ()) -> list[Gait]:
@@ -320,8 +320,7 @@ def _point(
 ) -> ComparedGait:
     gait = drawn.gaits[j]
     exact = speed(fit.robot, fit.ground, gait)
-    low, high = band(drawn.friction_m_s[:, j])
-    low_all, high_all = band(drawn.both_m_s[:, j])
+    (low, high), _, (low_all, high_all) = drawn.ends_m_s[j].tolist()
     measured, sigma = mean_speed(runs) if runs else (None, None)
     return ComparedGait(
         gait.alpha_rad,

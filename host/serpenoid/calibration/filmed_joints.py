@@ -12,12 +12,13 @@ from ..model.particles import alike
 from ..model.plugs import plugs
 from ..periodic.servo_steady import servo_state
 from ..periodic.steady import steady_gait
+from .crawls.data import CrawlData
 from .crawls.runs import Crawls
 from .friction_result import FrictionFit
 from .kinds.video import FilmReading
 from .session import Session
-from .speed_samples import AMPLITUDE_SIGMA, SpeedSamples, in_threads, speed
-from .verdict import Measured
+from .speed_samples import SpeedSamples
+from .speeds import AMPLITUDE_SIGMA, in_threads, speed
 
 AGREES = 2.0  # standard deviations
 DRAWS, LEAST_DRAWS = 128, 3.0
@@ -56,28 +57,24 @@ def seen_on_film(
     crawls: Sequence[Crawls],
     fit: FrictionFit,
     drawn: SpeedSamples,
-    measured: Measured,
+    measured: CrawlData,
     word: str,
     text: str,
 ) -> tuple[str, str]:
-    """Return the verdict with what the films say of the joints.
+    """Return the verdict with what the films of some crawls say of the joints.
 
     It is `amplitude` where the joints as filmed explain the speed and as commanded do not.
     """
     for crawl in crawls:
-        if not crawl.films:
-            continue
         column, ran = drawn.gaits.index(crawl.gait), measured.gaits.index(crawl.gait)
-        spread = float(np.std(drawn.both_m_s[:, column]))
         speed_m_s = float(measured.speed_m_s[ran])
-        sigma = float(np.hypot(measured.sigma_m_s[ran], spread))
-        left = float(np.median(drawn.shares[:, column]))
-        made, commanded = (
-            left * speed(fit.robot, fit.ground, g) for g in (crawl.gait, crawl.commanded)
-        )
-        text = f"{text} {_words(crawl.films, made, commanded, speed_m_s)}"
-        explained = abs(speed_m_s - made) < AGREES * sigma
-        if explained and abs(speed_m_s - commanded) > AGREES * sigma:
+        sigma = np.hypot(measured.sigma_m_s[ran], np.std(drawn.both_m_s[:, column]))
+        share = float(np.median(drawn.shares[:, column]))
+        gaits = crawl.gait, crawl.commanded
+        predicted = [share * speed(fit.robot, fit.ground, gait) for gait in gaits]
+        text = f"{text} {_words(crawl.films, predicted, speed_m_s)}"
+        made, commanded = (abs(speed_m_s - each) < AGREES * sigma for each in predicted)
+        if made and not commanded:
             word = "amplitude"
     return word, text
 
@@ -98,7 +95,7 @@ def swapped_plugs(session: Session) -> list[str]:
     return words
 
 
-def _words(films: Sequence[FilmReading], made: float, commanded: float, measured: float) -> str:
+def _words(films: Sequence[FilmReading], predicted: Sequence[float], measured: float) -> str:
     gains = np.array([film.mean_gain for film in films])
     sigma = np.linalg.norm([film.gain_sigma for film in films]) / len(films)
     numbers = " and ".join(str(film.number) for film in films)
@@ -106,6 +103,6 @@ def _words(films: Sequence[FilmReading], made: float, commanded: float, measured
         f"Film{'s' if len(films) > 1 else ''} {numbers} "
         f"show{'' if len(films) > 1 else 's'} joints at {100 * gains.mean():.1f} ± "
         f"{100 * sigma:.1f} % of the commanded amplitude: with joints as seen "
-        f"{1e3 * made:.2f} mm/s are predicted, as commanded {1e3 * commanded:.2f}, and "
+        f"{1e3 * predicted[0]:.2f} mm/s are predicted, as commanded {1e3 * predicted[1]:.2f}, and "
         f"{1e3 * measured:.2f} were measured."
     )

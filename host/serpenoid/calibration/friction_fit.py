@@ -26,14 +26,14 @@ from ..model.drives import ServoKind
 from ..model.errors import BadInput, NotConverged
 from .alarms import with_alarms
 from .crawls.result import fit_crawls
-from .fitting.identifiability import bend_note, check_readings
+from .fitting.identifiability import check_readings
 from .fitting.paper_fit import errors, points, two_lines
 from .fitting.posterior import BAD_WIDTH, Draws, Mode, Posterior
 from .fitting.shared import FRICTIONS, scaled
 from .fitting.stations import Stations
 from .fitting.suspects import influences
 from .fitting.unknowns import Floats
-from .floor.notes import check_floor, floor_notes
+from .floor.notes import check_floor
 from .friction_result import (
     LEVEL,
     UNITS,
@@ -42,7 +42,6 @@ from .friction_result import (
     FrictionFit,
     narrowest,
     normal_draws,
-    notes_on,
     with_values,
 )
 from .session import Session
@@ -172,19 +171,19 @@ def _naive(session: Session, data: Stations) -> FrictionFit:
     posterior = Posterior((data.alone,))
     ends = np.maximum(np.column_stack([values - widths, values + widths]), 0.0)
     residuals = posterior.residuals(posterior.start(values)[None])[0, : len(data)]
-    fit = with_values(session, values, covariance, ends)
-    draws = normal_draws(values, covariance, ends)
-    fit = replace(
-        fit,
+    fit = with_values(
+        session,
+        values,
+        covariance,
+        ends,
         method="naive",
         sigma="rescaled",
         chi2=float(residuals @ residuals),
         dof=len(data) - data.parameters,
         residuals=tuple(residuals.tolist()),
-        draws=FitDraws(fit.names, draws),
+        draws=FitDraws(FRICTIONS[: data.parameters], normal_draws(values, covariance, ends)),
     )
     joint = posterior_of(session)
-    fit = replace(fit, notes=_notes(fit, session, joint))
     return with_alarms(fit, session, joint.mode(joint.start(values)))
 
 
@@ -201,7 +200,6 @@ def _fitted(session: Session, method: str, seed: int) -> FrictionFit:
         good = draws.weight @ doubtful.good(doubtful.residuals(draws.x))
         mode = plain.posterior.mode(plain.x, good + (1.0 - good) / BAD_WIDTH**2)
     fit = replace(_of_draws(session, mode, draws, good), method=method)
-    fit = replace(fit, notes=_notes(fit, session, plain.posterior))
     return with_alarms(fit, session, plain)
 
 
@@ -216,7 +214,6 @@ def _of_draws(session: Session, mode: Mode, draws: Draws, good: Floats) -> Frict
     ends = [narrowest(x[:, k], draws.weight_for(k), mode.x[k]) for k in range(count)]
     covariance = np.cov(x.T, aweights=draws.boundless, ddof=0)
     covariance = _beside_limits(covariance, mode.x[:count], np.array(ends))
-    fit = with_values(session, mode.x[:count], covariance, np.array(ends))
     nuisances, drawn = posterior.nuisances(mode.values), posterior.nuisances(draws.values)
     spread = {n: float(np.sqrt(np.cov(part, aweights=weight, ddof=0))) for n, part in drawn.items()}
     alike = draws.alike(DRAWS)
@@ -225,8 +222,11 @@ def _of_draws(session: Session, mode: Mode, draws: Draws, good: Floats) -> Frict
     counted, numbers = good > 0.5, posterior.numbers
     readings = list(dict.fromkeys(numbers[numbers >= 0].tolist()))
     shown, sign, alone = _shown(mode, rows, readings)
-    return replace(
-        fit,
+    return with_values(
+        session,
+        mode.x[:count],
+        covariance,
+        np.array(ends),
         chi2=float(np.sum(rows[counted] ** 2)),
         dof=int(np.sum(counted & (numbers >= 0))) - posterior.eliminated - count,
         nuisances=MappingProxyType(
@@ -234,8 +234,8 @@ def _of_draws(session: Session, mode: Mode, draws: Draws, good: Floats) -> Frict
         ),
         residuals=tuple(shown.tolist()),
         outliers=tuple(dict.fromkeys(numbers[~counted].tolist())),
-        influence=influences(mode, sign, alone, np.sqrt(np.diag(fit.covariance))),
-        draws=FitDraws((*fit.names, *nuisances), np.stack(columns, axis=1)),
+        influence=influences(mode, sign, alone, np.sqrt(np.diag(covariance))),
+        draws=FitDraws((*FRICTIONS[:count], *nuisances), np.stack(columns, axis=1)),
     )
 
 
@@ -277,9 +277,3 @@ def _check_signs(session: Session, values: Floats) -> None:
             f"{session.where}: the naive fit gives {name} = {values.min():.3g} {UNITS[name]}; it "
             "must be at least 0; use method='joint' or look for a misread value"
         )
-
-
-def _notes(fit: FrictionFit, session: Session, posterior: Posterior) -> tuple[str, ...]:
-    """Return what a reader of the numbers should know, in words."""
-    bends = [n for b in posterior.blocks if isinstance(b, Stations) for n in bend_note(b)]
-    return (*notes_on(fit, session), *bends, *floor_notes(session, posterior))

@@ -369,15 +369,11 @@ class FrictionFit(Result):
                 "link_inertia_kg_m2": self.robot.inertia_kg_m2,
             },
             "ground_per_link": {name: getattr(self.ground, name) for name in NAMES},
-            "chi2": self.chi2,
-            "dof": self.dof,
-            "p_value": self.p_value,
+            **{name: getattr(self, name) for name in ("chi2", "dof", "p_value")},
             "nuisances": {name: e._asdict() for name, e in self.nuisances.items()},
-            "residuals": list(self.residuals),
-            "outliers": list(self.outliers),
+            **{name: list(getattr(self, name)) for name in ("residuals", "outliers")},
             "influence": [i.to_dict() for i in self.influence],
-            "alarms": list(self.alarms),
-            "notes": list(self.notes),
+            **{name: list(getattr(self, name)) for name in ("alarms", "notes")},
             "draws": self.draws.to_dict(),
         } | ({} if self.servos is None else {"servos": self.servos.to_dict()})
 
@@ -420,10 +416,12 @@ def fit_of(
     )
 
 
-def with_values(session: Session, values: Floats, covariance: Floats, ends: Floats) -> FrictionFit:
-    """Return a session's fit that has values, covariance and intervals, and nothing else yet."""
+def with_values(
+    session: Session, values: Floats, covariance: Floats, ends: Floats, **more: Any
+) -> FrictionFit:
+    """Return a session's fit that has values, covariance and intervals; more: its other fields."""
     named = {"session_name": session.setup.name, "session_sha256": session.sha256}
-    named |= {"method": "joint", "sigma": "absolute"}
+    named |= {"method": "joint", "sigma": "absolute"} | more
     return fit_of(session.setup.robot, values, covariance, ends, **named)
 
 

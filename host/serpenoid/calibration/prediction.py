@@ -14,7 +14,7 @@ from ..model.drives import ServoKind
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..periodic.servo_steady import band, free_rad_s, managed_hz
+from ..periodic.servo_steady import free_rad_s, managed_hz
 from ..periodic.steady import Steady, steady_gait
 from ..servos.catalogue import HOBBY
 from ..simulation.run import Run
@@ -22,7 +22,8 @@ from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
 from ..simulation.steady_springs import steady_springs
 from .friction_result import FrictionFit
-from .speed_samples import AMPLITUDE_SIGMA, Progress, in_threads, likeliest_speed, sample_speeds
+from .speed_samples import likeliest_speed, sample_speeds
+from .speeds import AMPLITUDE_SIGMA, Progress, in_threads
 
 STIFFNESS_N_M, DAMPING_N_S_M = 1000.0, 1.0  # the paper's
 SPRINGS_RTOL = 1e-3
@@ -80,8 +81,7 @@ def predict(
     """
     s = steady_gait(robot, fit.ground, gait, powers=False)
     drawn = sample_speeds(fit, [gait], amplitude_sigma=AMPLITUDE_SIGMA, servo=servo, count=SAMPLES)
-    low, high = band(drawn.both_m_s)
-    low_ideal, high_ideal = band(drawn.joints_m_s)
+    _, (low_ideal, high_ideal), (low, high) = drawn.ends_m_s[0].tolist()
     springs = steady_springs(
         robot,
         fit.ground,

@@ -2,68 +2,19 @@
 
 from __future__ import annotations
 
-import math
-import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..model.drives import Servo, ServoKind
+from ..model.drives import ServoKind
 from ..model.gait import Gait
-from ..model.ground import Ground
-from ..model.robot import Robot
-from ..periodic.drawn_states import Draw, drawn_speeds, drawn_states
-from ..periodic.servo_steady import (
-    band,
-    cannot_run,
-    drawn_ripple_shares,
-    drawn_servo_speeds,
-    servo_speed,
-)
-from ..periodic.steady import steady_gait
+from ..periodic.servo_steady import band, cannot_run
 from ..servos.catalogue import HOBBY
 from .friction_result import FrictionFit
-
-Array = NDArray[np.float64]
-Progress = Callable[[int], None]
-MODEL_SIGMA = 0.01  # of a predicted speed: joints' centres that are off, wheels that turn
-AMPLITUDE_SIGMA = 0.03  # of the joints' true over commanded amplitude, common to all gaits
-
-
-def in_threads(
-    work: Callable[[Any], Any], items: Iterable[Any], progress: Progress | None = None
-) -> list[Any]:
-    """Return what each item gives, by as many threads as the machine has cores.
-
-    The core computes without Python's lock. progress: called with 1 after each.
-    """
-    found = []
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for one in pool.map(work, items):
-            found.append(one)
-            if progress is not None:
-                progress(1)
-    return found
-
-
-def speed(robot: Robot, ground: Ground, gait: Gait, servo: Servo | None = None) -> float:
-    """Return the exact model's speed to 1e-3 of itself, m/s; servo: what moves the joints."""
-    ideal = steady_gait(robot, ground, gait, rtol=1e-3, powers=False)
-    return ideal.speed_m_s if servo is None else servo_speed(ideal, servo)
-
-
-@lru_cache(maxsize=256)
-def _driven(
-    robot: Robot, near: Draw, draws: tuple[Draw, ...], servos: tuple[Servo, ...]
-) -> tuple[Array, Array]:
-    """Return draws' speeds with ideal joints and with servos, m/s; several commands ask twice."""
-    ideal = drawn_states(robot, near, draws)
-    return np.array([state.speed_m_s for state in ideal]), drawn_servo_speeds(ideal, servos)
+from .speeds import AMPLITUDE_SIGMA, MODEL_SIGMA, Array, Progress, SpeedModel, scaled, speed
 
 
 @dataclass(frozen=True)
@@ -109,7 +60,6 @@ def speed_band(
     fit: FrictionFit,
     gait: Gait,
     count: int = 64,
-    amplitude_sigma: float = AMPLITUDE_SIGMA,
     servo: ServoKind | None = HOBBY,
     commanded: Gait | None = None,
 ) -> SpeedBand:
@@ -119,19 +69,19 @@ def speed_band(
     commanded: what the robot is told, where a film showed that its joints do `gait`. Then their
     amplitude is in no doubt, and of a servo only the ripple counts.
     """
-    seen = {} if commanded is None else {gait: commanded}
+    filmed, named = commanded is not None, servo and servo.name
+    seen = {gait: commanded} if commanded else {}
     drawn = sample_speeds(
-        fit, [gait], amplitude_sigma=amplitude_sigma, servo=servo, seen=seen, count=count
+        fit, [gait], amplitude_sigma=AMPLITUDE_SIGMA, servo=servo, seen=seen, count=count
     )
-    each = drawn.both_m_s, drawn.friction_m_s, drawn.joints_m_s
-    ends = [end for speeds in each for end in band(speeds[:, 0])]
-    if commanded is None:
-        best = likeliest_speed(fit, gait, servo)
-    else:
-        best = speed(fit.robot, fit.ground, gait) * float(np.median(drawn.shares))
-    filmed = commanded is not None
+    ends = drawn.ends_m_s[0][[2, 0, 1]].ravel().tolist()
+    best = (
+        speed(fit.robot, fit.ground, gait) * float(np.median(drawn.shares))
+        if filmed
+        else likeliest_speed(fit, gait, servo)
+    )
     words = "" if filmed else cannot_run(gait, servo)
-    return SpeedBand(best, *ends, servo=servo and servo.name, filmed=filmed, cannot_run=words)
+    return SpeedBand(best, *ends, servo=named, filmed=filmed, cannot_run=words)
 
 
 def likeliest_speed(fit: FrictionFit, gait: Gait, servo: ServoKind | None) -> float:
@@ -144,11 +94,6 @@ def likeliest_speed(fit: FrictionFit, gait: Gait, servo: ServoKind | None) -> fl
     if servo is not None and fit.servos is not None and fit.servos.kind == servo.name:
         return speed(fit.robot, fit.ground, gait, fit.servos.drawn[fit.servos.best])
     return speed(fit.robot, fit.ground, gait, servo and servo.servo)
-
-
-def scaled(gait: Gait, amplitude: float) -> Gait:
-    """Return the gait as joints run it that reach this share of their amplitude, at most pi."""
-    return replace(gait, alpha_rad=min(gait.alpha_rad * amplitude, math.pi))
 
 
 @dataclass(frozen=True)
@@ -166,6 +111,20 @@ class SpeedSamples:
     joints_m_s: Array
     both_m_s: Array
     seen: Mapping[Gait, Gait] = field(default_factory=dict)
+
+    def some(self, index: Sequence[int]) -> SpeedSamples:
+        """Return the draws of some of the gaits."""
+        columns = {
+            name: getattr(self, name)[:, index]
+            for name in ("friction_m_s", "joints_m_s", "both_m_s")
+        }
+        return replace(self, gaits=tuple(self.gaits[j] for j in index), **columns)
+
+    @cached_property
+    def ends_m_s(self) -> Array:
+        """Return the ends of 95 % bands of friction, with joints, with servos: (gaits, 3, 2)."""
+        parts = self.friction_m_s, self.joints_m_s, self.both_m_s
+        return np.array([[band(of_gait) for of_gait in part.T] for part in parts]).swapaxes(0, 1)
 
     @property
     def shares(self) -> Array:
@@ -193,32 +152,24 @@ def sample_speeds(
 
     progress is called with the gaits done.
     """
-    whole, grounds = fit.sample_whole(count, seed), fit.sample(count, seed)
+    whole, seen = fit.sample_whole(count, seed), seen or {}
     servos = [] if servo is None else fit.sample_servos(servo, count, seed)
     amplitudes = drawn_amplitudes(fit, amplitude_sigma, count, seed)
-    seen = seen or {}
-
-    def of(gait: Gait) -> tuple[Array, Array, Array]:
-        near = (fit.ground, gait)
-        alone = drawn_speeds(fit.robot, near, [(g, gait) for g in grounds])
-        if servo is None and (not amplitude_sigma or gait in seen):
-            return alone, alone, alone
-        if gait in seen:
-            asked = seen[gait]
-            states = drawn_states(fit.robot, (fit.ground, asked), [(g, asked) for g in grounds])
-            return alone, alone, alone * drawn_ripple_shares(states, servos)
-        draws = [(g, scaled(gait, a)) for g, a in zip(grounds, amplitudes.tolist(), strict=True)]
-        if servo is None:
-            joints = drawn_speeds(fit.robot, near, draws)
-            return alone, joints, joints
-        return alone, *_driven(fit.robot, near, tuple(draws), tuple(servos))
-
-    found = zip(*in_threads(of, gaits, progress), strict=True)
-    alone, joints, both = (np.array(part, dtype=float).T for part in found)
+    speeds = []
+    for gait in gaits:
+        model = SpeedModel(fit.robot, fit.ground, (gait,), (seen.get(gait),))
+        friction = model.ideal(whole, np.ones(count))
+        joints = both = model.ideal(whole, amplitudes) if amplitude_sigma else friction
+        if servos:
+            joints, both = model.driven(whole, amplitudes, servos)
+        speeds.append((friction, joints, both))
+        if progress is not None:
+            progress(1)
+    friction, joints, both = (np.hstack(part) for part in zip(*speeds, strict=True))
     if fit.with_crawls and amplitude_sigma:  # else the amplitude's doubt is far larger
         left = 1.0 + MODEL_SIGMA * np.random.default_rng(seed).normal(size=joints.shape)
         joints, both = joints * left, both * left
-    return SpeedSamples(tuple(gaits), whole, alone, joints, both, seen=seen)
+    return SpeedSamples(tuple(gaits), whole, friction, joints, both, seen=seen)
 
 
 def drawn_amplitudes(fit: FrictionFit, sigma: float, count: int, seed: int = 2005) -> Array:

@@ -9,23 +9,19 @@ anything is worth less than one that had to.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.drives import ServoKind
-from ..model.gait import Gait
 from ..servos.catalogue import servo
-from .crawls.data import CrawlData, Speeds, servos_of
+from .crawls.data import CrawlData, servos_of
 from .crawls.posterior import ROUGH_POINTS, Before, Posterior
-from .crawls.servos import ServoEffects
 from .friction_result import FrictionFit
-from .speed_samples import MODEL_SIGMA, SpeedSamples
+from .speed_samples import SpeedSamples
+from .speeds import MODEL_SIGMA, Array, ServoEffects, SpeedModel
 
-Array = NDArray[np.float64]
 DOUBTFUL = 0.05  # a verdict's p-value
 # What may have happened between treadmill and ground: standard deviation of the logarithm of each
 # friction, and of the joints' amplitude, in those stated (who has measured it states a small one).
@@ -38,15 +34,6 @@ TOLD_APART = math.log(10.0)  # of evidence
 _NOISE_DRAWS, _SERVO_DRAWS = 32, 48
 _AMPLITUDES = 0.85, 1.0  # shares of the joints' amplitude, at which servos are looked at
 _GRAIN = 0.01  # of the speed: how far servos are apart of which some are drawn
-
-
-@dataclass(frozen=True)
-class Measured:
-    """Mean speeds of the gaits that were run, and their standard deviations, m/s."""
-
-    gaits: tuple[Gait, ...]
-    speed_m_s: Array
-    sigma_m_s: Array
 
 
 @dataclass(frozen=True)
@@ -74,17 +61,11 @@ class Verdict:
     amplitude: Cause | None = None
     servos: Cause | None = None
 
-
-def of_gaits(drawn: SpeedSamples, index: Sequence[int]) -> SpeedSamples:
-    """Return the draws of some of the gaits."""
-    own = list(index)
-    return replace(
-        drawn,
-        gaits=tuple(drawn.gaits[j] for j in own),
-        friction_m_s=drawn.friction_m_s[:, own],
-        joints_m_s=drawn.joints_m_s[:, own],
-        both_m_s=drawn.both_m_s[:, own],
-    )
+    @property
+    def causes(self) -> dict[str, Cause | None]:
+        """Return the causes by name."""
+        names = ("friction", "amplitude", "servos")
+        return {name: getattr(self, name) for name in names}
 
 
 class Judge:
@@ -107,7 +88,7 @@ class Judge:
         self._servo = servo
         self._whole = np.maximum(list(fit.whole_snake.values()), 1e-9)
 
-    def __call__(self, measured: Measured) -> Verdict:
+    def __call__(self, measured: CrawlData) -> Verdict:
         """Return the verdict on speeds of the gaits drawn."""
         stated = _chance(self._drawn, measured, np.random.default_rng(self._seed))
         if stated >= DOUBTFUL:
@@ -121,7 +102,7 @@ class Judge:
         return Verdict(word, stated, friction, amplitude, servos)
 
     def _cause(
-        self, measured: Measured, freed: float, amplitude_sigma: float, effects: ServoEffects
+        self, measured: CrawlData, freed: float, amplitude_sigma: float, effects: ServoEffects
     ) -> Cause:
         """Return the best that frictions, freed or not, amplitude and servos can do."""
         from scipy.special import chdtrc
@@ -130,11 +111,14 @@ class Judge:
         relative = self._fit.covariance / np.outer(whole, whole)
         root = np.linalg.cholesky(relative + freed**2 * np.eye(len(whole)))
         before = Before(np.log(whole), np.asarray(root, dtype=np.float64), amplitude_sigma)
-        best_m_s = self._ideal_m_s * np.median(effects.share, axis=0)
+        best_m_s = self._speeds(whole[None], np.ones(1))[0] * np.median(effects.share, axis=0)
         sigma = np.hypot(measured.sigma_m_s, math.hypot(MODEL_SIGMA, effects.sigma) * best_m_s)
-        data = replace(self._data, speed_m_s=measured.speed_m_s, sigma_m_s=sigma)
-        posterior = Posterior(data, before, self._speeds, replace(effects, sigma=0.0))
-        drawn = posterior.about_minimum(self._seed, ROUGH_POINTS)
+        # a film's joints count in the gait itself, not once more
+        effects = replace(effects, sigma=0.0, amplitude=effects.amplitude[:, :0], amplitude_power=0)
+        data = replace(measured, sigma_m_s=sigma)
+        drawn = Posterior(data, before, self._speeds, effects).about_minimum(
+            self._seed, ROUGH_POINTS
+        )
         shares = (drawn.best_whole / whole).tolist()
         return Cause(
             float(chdtrc(len(data), drawn.chi2)),
@@ -144,46 +128,26 @@ class Judge:
         )
 
     @cached_property
-    def _data(self) -> CrawlData:
-        """Return the gaits as crawls that were not measured yet."""
+    def _model(self) -> SpeedModel:
         gaits, seen = self._drawn.gaits, self._drawn.seen
-        nothing = np.zeros(len(gaits))
-        filmed = np.array([gait in seen for gait in gaits], dtype=bool)
-        asked = tuple(seen.get(gait, gait) for gait in gaits)
-        return CrawlData(gaits, asked, nothing, nothing, filmed)
+        return SpeedModel(self._fit.robot, self._fit.ground, gaits, tuple(map(seen.get, gaits)))
 
-    @cached_property
-    def _speeds(self) -> Speeds:
-        return self._data.of_robot(self._fit.robot, self._whole)
-
-    @cached_property
-    def _ideal_m_s(self) -> Array:
-        """Return the speeds of joints that follow the gait, on the fitted ground."""
-        return self._speeds(self._whole[None], np.ones(1))[0]
+    def _speeds(self, whole: Array, amplitude: Array) -> Array:
+        return self._model.ideal(whole, amplitude, unfound_m_s=0.0)
 
     @cached_property
     def _effects(self) -> ServoEffects:
         """Return what servos as stated do to the speeds, on the fitted ground."""
-        return self._effects_of(self._servo)
+        return self._model.effects(servos_of(self._servo, _SERVO_DRAWS), _AMPLITUDES)
 
     @cached_property
     def _freed_effects(self) -> ServoEffects:
         """Return what any hobby servo does to them, and one that loses more."""
-        any_kind = servo(FREED_SERVOS)
-        kinds = self._effects if self._servo == any_kind else self._effects_of(any_kind)
-        power = np.asarray(kinds.share_power)
-        return replace(
-            kinds,
-            share=np.vstack([kinds.share, kinds.share**STRANGER]),
-            amplitude=np.vstack([kinds.amplitude] * 2),
-            share_power=np.vstack([power, STRANGER * power]),
-        )
-
-    def _effects_of(self, kind: ServoKind | None) -> ServoEffects:
-        servos = servos_of(kind, _SERVO_DRAWS)
-        effects = self._data.effects(self._fit.robot, self._fit.ground, servos, _AMPLITUDES)
-        # A film's joints count in the gait itself, not once more.
-        return replace(effects, amplitude=effects.amplitude[:, :0], amplitude_power=0.0)
+        any_kind, kinds = servo(FREED_SERVOS), self._effects
+        if self._servo != any_kind:
+            kinds = self._model.effects(servos_of(any_kind, _SERVO_DRAWS), _AMPLITUDES)
+        lossy = np.asarray(kinds.share_power) * STRANGER
+        return kinds.beside(replace(kinds, share=kinds.share**STRANGER, share_power=lossy))
 
 
 def _word(friction: Cause, amplitude: Cause, as_stated: Cause, servos: Cause | None = None) -> str:
@@ -199,7 +163,7 @@ def _word(friction: Cause, amplitude: Cause, as_stated: Cause, servos: Cause | N
     return " or ".join(n for n, cause in able.items() if cause.evidence > best - TOLD_APART)
 
 
-def _chance(drawn: SpeedSamples, measured: Measured, rng: np.random.Generator) -> float:
+def _chance(drawn: SpeedSamples, measured: CrawlData, rng: np.random.Generator) -> float:
     """Return how often a draw with its measuring noise is as unlikely as what was measured.
 
     How likely is told by a normal cloud of frictions and amplitude about each drawn servo; how

@@ -5,20 +5,19 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.drives import ServoKind
+from .crawls.data import CrawlData
 from .friction_result import FrictionFit
-from .speed_samples import MODEL_SIGMA, speed
-from .verdict import Cause, Measured, Verdict
+from .speeds import MODEL_SIGMA, Array, speed
+from .verdict import Cause, Verdict
 
-Array = NDArray[np.float64]
 _LEAST_PULL = 2e-3  # of the weight: a tenth of a degree
 
 
 def in_words(
     verdict: Verdict,
-    measured: Measured,
+    measured: CrawlData,
     fit: FrictionFit,
     amplitude_sigma: float,
     weight_n: float,
@@ -102,7 +101,7 @@ def _slope(cause: Cause, ft0_share: float) -> str:
     return f" {math.degrees(abs(pull)):.1f}° {way} would pull as much: level the ground first."
 
 
-def _common(share: Array, measured: Measured, best: Array) -> str:
+def _common(share: Array, measured: CrawlData, best: Array) -> str:
     """Say so where all speeds are off by one factor, as a tape or a clock makes them."""
     if len(share) < 2 or not np.isfinite(share).all():
         return ""

@@ -8,13 +8,12 @@ import pytest
 import serpenoid as sn
 from calibration.plain_sessions import World, plain_session
 from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
-from serpenoid.calibration import speed_samples
+from serpenoid.calibration import speeds
 from serpenoid.calibration.advice import advise
-from serpenoid.calibration.advising.speed_bands import SpeedBands
 from serpenoid.calibration.advising.stations import places
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.station import Reading
-from serpenoid.calibration.speed_samples import AMPLITUDE_SIGMA, speed_band
+from serpenoid.calibration.speed_samples import speed_band
 from serpenoid.periodic import servo_steady
 
 GAIT = sn.Gait(math.radians(70), math.radians(75), 2 * math.pi * 0.25)
@@ -100,16 +99,6 @@ def test_a_gait_run_counts_once_for_what_runs_share(weak):
     assert again[0].band > 0.9 * after.band
 
 
-def test_a_run_tells_a_speed_only_as_well_as_the_joints_amplitude_is_known():
-    """By hand, one friction of variance s^2: a run of noise n leaves s^2 n / (s^2 + n)."""
-    slope, v, s = 0.1, 0.05, 0.02
-    slopes = SpeedBands((GAIT,), np.array([v]), np.array([[slope]]))
-    noise = (AMPLITUDE_SIGMA * v) ** 2
-    left = (slope * s) ** 2 * noise / ((slope * s) ** 2 + noise)
-    found = slopes.by_friction(np.array([[s * s]]), [[1e-9]])
-    assert found == pytest.approx(1.96 * math.sqrt(left) / v, rel=1e-3)
-
-
 def test_the_bend_that_the_robot_lies_in_stands_for_one_as_good(weak):
     *others, last = weak.readings
     bent = weak.setup.procedure.bend
@@ -164,5 +153,5 @@ def test_advice_after_a_comparison_solves_for_no_servo_again(monkeypatch):
     told = advise(made)
     assert len(solved) == count
     half = (shown.high_all_m_s - shown.low_all_m_s) / 2
-    best = speed_samples.speed(fit.robot, fit.ground, run.gait)
+    best = speeds.speed(fit.robot, fit.ground, run.gait)
     assert told.band == pytest.approx(half / best, rel=1e-9)

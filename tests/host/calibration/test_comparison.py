@@ -9,9 +9,9 @@ import pytest
 import serpenoid as sn
 from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
 from serpenoid.calibration import comparison, verdict
+from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.speed_samples import SpeedSamples, sample_speeds, speed_band
-from serpenoid.calibration.verdict import Measured
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
 
@@ -176,7 +176,7 @@ def test_servos_that_nobody_told_are_in_the_band_or_named(fitted):
 
 
 def chance(drawn, speeds, sigma):
-    return verdict._chance(drawn, Measured(drawn.gaits, speeds, sigma), np.random.default_rng(5))
+    return verdict._chance(drawn, CrawlData(drawn.gaits, speeds, sigma), np.random.default_rng(5))
 
 
 def test_a_sound_robots_servo_is_doubted_as_often_as_stated():

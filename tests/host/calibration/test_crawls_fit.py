@@ -13,26 +13,30 @@ from serpenoid.calibration import speed_samples
 from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.crawls.posterior import Before, Posterior
 from serpenoid.calibration.crawls.result import fit_crawls
-from serpenoid.calibration.crawls.servos import ServoEffects
 from serpenoid.calibration.fit_file import load_fit, save_fit
 from serpenoid.calibration.friction_fit import fit_friction
-from serpenoid.calibration.friction_result import NAMES, Estimate, WholeSnake, weak_notes
+from serpenoid.calibration.friction_result import (
+    NAMES,
+    Estimate,
+    WholeSnake,
+    ground_of,
+    weak_notes,
+)
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.speed_samples import sample_speeds
+from serpenoid.calibration.speeds import ServoEffects, SpeedModel
 from serpenoid.model.gait import Gait
 from simulated_sessions import MemoryRecord
 
 GAITS = tuple(Gait(math.radians(70), math.radians(60), math.pi * k) for k in (1, 2, 3, 4, 5, 6))
-ONE_SERVO = ServoEffects.none(len(GAITS), 0)
+ONE_SERVO = ServoEffects((), np.ones((1, len(GAITS))), np.ones((1, 0)), 0.0)
 RNG = np.random.default_rng(4)
 BY_LOGS = RNG.normal(size=(len(GAITS), 4))
 BY_AMPLITUDE = np.linspace(1.0, 2.0, len(GAITS))
 
 
 def crawls(speed_m_s, sigma_m_s):
-    count = len(GAITS)
-    sigmas, seen = np.full(count, sigma_m_s), np.zeros(count, bool)
-    return CrawlData(GAITS, GAITS, np.asarray(speed_m_s), sigmas, seen)
+    return CrawlData(GAITS, np.asarray(speed_m_s), np.full(len(GAITS), sigma_m_s))
 
 
 def even_powers(whole, amplitude):
@@ -74,32 +78,6 @@ def test_two_minima_are_both_drawn_by_their_weight() -> None:
     logs = np.log(made.draw(1).alike(1024, 1)[0][:, 0] / TRUTH[0])
     assert np.mean(logs > 0) == pytest.approx(0.5, abs=0.08)
     assert np.abs(logs).mean() == pytest.approx(0.8, abs=0.03)
-
-
-def test_the_minimum_is_found_though_the_likeliest_amplitude_leads_elsewhere() -> None:
-    """Of two amplitudes the second fits better, until friction follows, which helps the first."""
-    before = Before(np.log(TRUTH), 0.19 * np.eye(4), 0.2)
-
-    def speeds(whole, amplitude):
-        u = (amplitude[:, None] - 1) / 0.2
-        off = 0.5 - 0.2 * np.exp(-4 * (u + 1.2) ** 2) - 0.3 * np.exp(-4 * (u - 1.0) ** 2)
-        helps = 1 / (1 + np.exp(8 * u))
-        return 50.0 * np.exp(np.tile(off + helps * np.log(whole[:, :1] / TRUTH[0]), 6))
-
-    drawn = Posterior(crawls(np.full(6, 50.0), 2.5), before, speeds, ONE_SERVO).about_minimum(1)
-    assert drawn.best_amplitude < 0.9
-    assert drawn.chi2 < 5.0  # the other leaves 96
-
-
-def test_a_servo_that_is_in_doubt_leaves_more() -> None:
-    before = Before(np.log(TRUTH), 0.3 * np.eye(4), 0.03)
-    data = crawls(np.full(len(GAITS), 45.0), 0.5)
-    shares = np.repeat(np.linspace(0.7, 1.0, 16)[:, None], len(GAITS), axis=1)
-    slow = ServoEffects((), shares, np.ones((16, 0)))
-    both = (Posterior(data, before, even_powers, effects) for effects in (ONE_SERVO, slow))
-    drawn = (made.draw(2).alike(1024, 2)[0] for made in both)
-    spread = [np.log(whole).std(axis=0).mean() for whole in drawn]
-    assert spread[1] > 1.1 * spread[0]
 
 
 def small_powers(whole, amplitude):
@@ -227,10 +205,10 @@ def test_predictions_take_the_amplitude_that_crawls_told(pushed, monkeypatch) ->
 def test_real_speeds_tell_the_amplitude() -> None:
     """Crawls by the package's own solver: joints at 94 % of their amplitude are found."""
     session = floor_session(bends_deg=(0.0, 45.0), speeds=(0.7, 0.9))
-    data = CrawlData(GAITS[:2], GAITS[:2], np.zeros(2), np.zeros(2), np.zeros(2, bool))
     robot = session.setup.robot
+    model = SpeedModel(robot, ground_of(robot.links, TRUTH), GAITS[:2], (None, None))
     assert robot.links * robot.link_mass_kg == pytest.approx(MASS)
-    slow = data.of_robot(robot, np.array(TRUTH))(np.array([TRUTH]), np.array([0.94]))[0]
+    slow = model.ideal(np.array([TRUTH]), np.array([0.94]))[0]
     session = replace(session, gait_runs=with_runs(session, np.resize(slow, 6)).gait_runs[:2])
     fit = fit_friction(session, crawls=True)
     amplitude = fit.nuisances["joint_amplitude"]

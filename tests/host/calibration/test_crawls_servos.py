@@ -9,12 +9,11 @@ import numpy as np
 import pytest
 from calibration.floor_sessions import TRUTH, floor_setup
 from serpenoid.calibration.crawls.level import on_level
-from serpenoid.calibration.crawls.servos import GRAIN, effects_of
 from serpenoid.calibration.crawls.slope import sloped_speed
 from serpenoid.calibration.friction_result import Estimate, ground_of
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.video import FilmReading
-from serpenoid.calibration.speed_samples import scaled
+from serpenoid.calibration.speeds import GRAIN, SpeedModel, scaled
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
 from serpenoid.model.drives import Servo
@@ -30,8 +29,10 @@ FAST = Gait(math.radians(80), math.radians(75), 2 * math.pi * 0.8)
 def test_a_weak_servo_does_not_follow_a_larger_amplitude() -> None:
     """What a servo does to joints 3 % further, from its powers, against its own state there."""
     weak = replace(HOBBY.servo, speed_limit_rad_s=4.0)
-    here = effects_of(ROBOT, GROUND, (FAST,), [True], (weak,))
-    there = effects_of(ROBOT, GROUND, (scaled(FAST, 1.03),), [True], (weak,))
+    here, there = (
+        SpeedModel(ROBOT, GROUND, (gait,), (gait,)).effects((weak,))
+        for gait in (FAST, scaled(FAST, 1.03))
+    )
     assert here.amplitude[0, 0] < 0.8
     gains, shares = here.gains(np.array([1.03])), here.shares(np.array([1.03]))
     assert gains[0, 0, 0] == pytest.approx(1.03 * there.amplitude[0, 0], rel=2e-3)

@@ -15,13 +15,13 @@ from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.crawls.filmed import crawl_cells
 from serpenoid.calibration.crawls.level import on_level
 from serpenoid.calibration.crawls.result import fit_crawls
-from serpenoid.calibration.crawls.servos import ServoEffects
 from serpenoid.calibration.fit_file import load_fit, save_fit
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import Estimate
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.session_file import load_session
-from serpenoid.calibration.speed_samples import likeliest_speed, sample_speeds, speed
+from serpenoid.calibration.speed_samples import likeliest_speed, sample_speeds
+from serpenoid.calibration.speeds import ServoEffects, speed
 from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
 from serpenoid.calibration.taking.procedure import next_step, progress
 from serpenoid.lab.crawl import crawl_speed
@@ -109,7 +109,7 @@ def test_the_servo_that_crawls_told_moves_predicted_gaits(filmed, tmp_path) -> N
     """One of two servos loses amplitude as the films show it, the other a tenth more."""
     data = CrawlData.of(filmed)
     effects = ServoEffects((SLOW, QUICK), np.ones((2, 2)), np.array([[0.85, 0.85], [0.95, 0.95]]))
-    assert data.seen.all()
+    assert all(data.commanded)
     fit = fit_crawls(filmed, fit_friction(filmed), KIND, effects=effects)
     assert fit.servos is not None
     quick = np.array([s is QUICK for s in fit.sample_servos(KIND, 1024)])

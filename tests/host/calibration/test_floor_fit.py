@@ -22,13 +22,10 @@ from calibration.floor_sessions import (
 from calibration.synthetic_session import WHOLE_BODY_2005
 from calibration.synthetic_session import session as stations_session
 from calibration.synthetic_session import setup as stations_setup
-from scipy.optimize import least_squares, minimize
 from serpenoid import BadInput
 from serpenoid.calibration.fitting.rolling_law import slide_s, stop_s, way_m
-from serpenoid.calibration.floor.arc import along
 from serpenoid.calibration.floor.tracks import PushTrack
 from serpenoid.calibration.friction_fit import fit_friction
-from serpenoid.calibration.session_posterior import mode_of
 from simulated_sessions import MemoryRecord
 
 
@@ -89,58 +86,6 @@ def mixed_session():
         },
     )
     return record.session
-
-
-def brute_chi2(session, whole, slope_rad):
-    """Chi2 of pushes at given frictions: every push integrated, its v0 and x0 searched for."""
-    total = 0.0
-    for push in session.kept_pushes:
-        t, x, y = (np.array(v) for v in push.counted)
-        way = along(x, y, 0.001)
-        sign = 1.0 if push.way == "there" else -1.0
-        a, b, inert = forces(whole, push.lambda_rad, 0.0)
-        pull = b - sign * MASS * G * math.sin(slope_rad)
-
-        def off(p, t=t, way=way, a=a, pull=pull, inert=inert):
-            v, z, out, last = p[0], p[1], [], t[0]
-            for now in t:
-                steps = max(int((now - last) / 2e-3), 1) if now > last else 0
-                for _ in range(steps):
-                    h = (now - last) / steps
-                    half = v - h / 2 * (a * v + pull) / inert
-                    after = v - h * (a * half + pull) / inert
-                    z += (
-                        h * half if after > 0.0 else max(v, 0.0) ** 2 * inert / (2 * (a * v + pull))
-                    )
-                    v = max(after, 0.0)
-                last = now
-                out.append(z)
-            return (np.array(out) - way) / 0.001
-
-        total += 2 * least_squares(off, [0.8, 0.0], diff_step=1e-5, xtol=1e-6, ftol=1e-6).cost
-    return total
-
-
-def test_the_fit_is_where_brute_force_finds_it():
-    """Two straight pushes by a likelihood that integrates and searches, no closed form."""
-    session = floor_session(
-        seed=5, bends_deg=(0.0,), speeds=(0.5, 1.0), setup=floor_setup(wheels_kg=0.0), rolling=0.0
-    )
-    found = mode_of(session)
-    slope = float(np.radians(0.3) * found.values["along "][0])
-
-    def chi2(p):
-        return brute_chi2(session, (p[0], CN, p[1], FN0), slope)
-
-    at = np.array([found.x[0], found.x[2]])
-    best = minimize(
-        chi2,
-        at * [1.02, 0.99],
-        method="Nelder-Mead",
-        options={"xatol": 1e-5, "fatol": 1e-3, "maxfev": 60},
-    )
-    np.testing.assert_allclose(best.x, at, rtol=2e-3)
-    assert chi2(at) == pytest.approx(best.fun, abs=0.05)
 
 
 def test_pushes_tell_all_four_and_the_floor():

@@ -5,7 +5,6 @@ import math
 import subprocess
 import sys
 import time
-from contextlib import suppress
 from dataclasses import FrozenInstanceError, replace
 from pathlib import Path
 
@@ -122,77 +121,26 @@ def test_joint_fit_solves_the_whole_problem(seed, lambdas_deg):
 
 @pytest.fixture(scope="module")
 def many():
-    """Fit 1000 made-up sessions of the 2005 procedure by both methods.
-
-    Of the whole procedure, 100 sessions a kind are fitted in tests/host/bench at every run.
-    """
+    """Fit 1000 made-up sessions of the 2005 procedure."""
     rng = np.random.default_rng(2005)
-    made = [session(setup(7.5, kind="regenerated"), WHOLE_BODY_2005, rng) for _ in range(1000)]
-    naive = []
-    for one in made:
-        # cn scatters by 35 %, so that one naive line in 500 slopes down; that is refused.
-        with suppress(BadInput):
-            naive.append(fit_friction(one, method="naive"))
-    assert len(naive) > 985
-    return {"joint": list(map(fit_friction, made)), "naive": naive}
-
-
-def coverage(fits):
-    inside = [
-        [low <= t <= high for t, (low, high) in zip(TRUTH, fit.intervals.values(), strict=True)]
-        for fit in fits
-    ]
-    return np.mean(inside, axis=0)
+    made = setup(7.5, kind="regenerated")
+    return [fit_friction(session(made, WHOLE_BODY_2005, rng)) for _ in range(1000)]
 
 
 @pytest.mark.slow
 def test_joint_intervals_hold_the_truth_as_often_as_they_say(many):
     # The share of 1000 sessions scatters by sqrt(0.95 * 0.05 / 1000) = 0.7 %; three times this.
-    assert coverage(many["joint"]) == pytest.approx(0.95, abs=0.021)
-
-
-@pytest.mark.slow
-def test_naive_intervals_are_too_narrow(many):
-    cover = dict(zip(NAMES, coverage(many["naive"]), strict=True))
-    # A study with 2000 sessions found 94 % for ct, whose readings share no error that matters to
-    # it, and 71, 83 and 78 % for ft0, cn and fn0, depending on details of how an inclinometer is
-    # read; 0.90 is four standard deviations (1.2 %) above the largest.
-    assert cover["ct"] == pytest.approx(0.95, abs=0.03)
-    assert max(cover[name] for name in ("cn", "ft0", "fn0")) < 0.90
-
-
-@pytest.mark.slow
-def test_scatter_is_what_the_study_found(many):
-    found = np.std([values(fit) for fit in many["joint"]], axis=0) / TRUTH
-    # The study: 6, 35, 6 and 13 %. Three standard deviations (2.2 %) of a scatter found from 1000
-    # sessions, and half a digit of the study's figures (0.5 of 6 is 8 %).
-    np.testing.assert_allclose(found, [0.06, 0.35, 0.06, 0.13], rtol=0.15)
+    ends = np.array([list(fit.intervals.values()) for fit in many])
+    held = np.mean((ends[..., 0] <= TRUTH) & (ends[..., 1] >= TRUTH), axis=0)
+    assert held == pytest.approx(0.95, abs=0.021)
 
 
 @pytest.mark.slow
 def test_chi2_is_distributed_as_it_should_be(many):
-    chances = np.array([fit.p_value for fit in many["joint"]])
+    chances = np.array([fit.p_value for fit in many])
     # Even on 0 to 1: its mean scatters by 0.29 / sqrt(1000) = 0.009; three of these. An
     # inclinometer's rounding has the right variance but no tails, which leaves the mean alone.
     assert np.mean(chances) == pytest.approx(0.5, abs=0.03)
-
-
-@pytest.mark.parametrize(
-    ("lambda_deg", "cn_percent", "fn0_percent"),
-    [
-        (7.5, 34.7, 12.9),
-        (15.0, 10.2, 6.6),
-        (30.0, 3.6, 3.3),
-        (45.0, 2.1, 2.8),
-    ],
-)
-def test_a_larger_bend_measures_normal_friction_better(lambda_deg, cn_percent, fn0_percent):
-    fit = fit_friction(session(setup(lambda_deg, kind="regenerated"), WHOLE_BODY_2005))
-    percent = dict(zip(NAMES, 100 * sigmas(fit) / TRUTH, strict=True))
-    # Against the scatter of 2000 simulated fits, which is known to 1.6 % and printed to 2.4 %, and
-    # varies with which stations a session happens to reach.
-    assert percent["cn"] == pytest.approx(cn_percent, rel=0.12)
-    assert percent["fn0"] == pytest.approx(fn0_percent, rel=0.12)
 
 
 def test_bends_check_each_other():
@@ -205,18 +153,6 @@ def test_bends_check_each_other():
     # cn and fn0, the small ones are seen.
     assert known_deg(7.5) == pytest.approx([0.5], rel=0.03)  # by draws
     assert max(known_deg(7.5, 15.0, 30.0)[:2]) < 0.3
-
-
-@pytest.mark.slow
-def test_three_bends_let_chi2_see_a_wrong_bend():
-    """24 sessions of which each bend is off by 3 degrees, six of the prior's sigmas."""
-    rng, seen = np.random.default_rng(11), 0
-    for _ in range(24):
-        made = session(setup(7.5, 15.0, 30.0), WHOLE_BODY_2005, rng)
-        off = [r.lambda_rad + math.radians(3.0) * (r.lambda_rad > 0.0) for r in made.readings]
-        wrong = [replace(r, lambda_rad=bend) for r, bend in zip(made.readings, off, strict=True)]
-        seen += fit_friction(replace(made, readings=tuple(wrong))).p_value < 0.05
-    assert seen > 9  # the study: 62 %
 
 
 def test_the_inclinometers_zero_moves_the_papers_ft0_by_its_share():

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import serpenoid as sn
-from serpenoid.calibration import speed_samples
+from serpenoid.calibration import speed_samples, speeds
 from serpenoid.calibration.prediction import one_cycle, predict
 
 SESSION = Path(__file__).resolve().parents[3] / "calibration_data" / "nirakh-2005"
@@ -93,9 +93,9 @@ def test_mean_speed_over_a_cycle_is_the_periodic_states() -> None:
 def test_drawn_amplitudes_have_the_sigma_that_was_given(fit, monkeypatch) -> None:
     """With the amplitude in place of the speed, the samples are the amplitudes themselves."""
     monkeypatch.setattr(
-        speed_samples,
+        speeds,
         "drawn_speeds",
-        lambda robot, near, draws: np.array([gait.alpha_rad for _, gait in draws]),
+        lambda robot, near, draws, unfound: np.array([gait.alpha_rad for _, gait in draws]),
     )
     gait = sn.Gait(0.5, 1.2, 3.0)
     drawn = speed_samples.sample_speeds(fit, [gait], amplitude_sigma=0.04, count=512)

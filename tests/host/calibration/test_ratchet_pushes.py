@@ -11,7 +11,7 @@ from serpenoid import BadInput, Ground
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import ground_of
 from serpenoid.calibration.kinds.gait import GaitRun
-from serpenoid.calibration.speed_samples import speed
+from serpenoid.calibration.speeds import speed
 from serpenoid.calibration.taking.floor.procedure import of_push_bend, series_of_pushes
 from serpenoid.calibration.taking.procedure import next_step, progress
 from serpenoid.calibration.taking.sheet import sheet_text

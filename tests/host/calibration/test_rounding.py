@@ -5,53 +5,9 @@ import math
 import numpy as np
 import pytest
 from calibration.plain_sessions import World, plain_session
-from odrpack import odr_fit
 from serpenoid.calibration.fitting.posterior import Posterior, Unknown
-from serpenoid.calibration.fitting.stations import Stations
 from serpenoid.calibration.friction_fit import fit_friction
-from serpenoid.calibration.friction_result import NAMES, narrowest
-
-
-@pytest.mark.parametrize("seed", [1, 2])
-def test_the_fit_with_shared_rounding_is_odrpacks(seed):
-    world = World(bends_deg=(30.0,))
-    made = plain_session(world, np.random.default_rng(seed))
-    data, fit = Stations.of(made), fit_friction(made)
-    assert (data.rounding >= 0).all()
-    count, extra = len(data), len(data.unknowns) - 4
-    whiten = np.linalg.inv(data.rounding_root)
-
-    def residuals(x, beta):  # 0 where all is well: speeds are x, nuisances in sigmas
-        ct, cn, ft0, fn0, bend, *rounding, zero = beta
-        angle = data.lambda_rad + (data.lambda_rad > 0) * data.bends.sigma_rad[0] * bend
-        c, s = np.cos(angle), np.sin(angle)
-        errors = data.rounding_sigma_rad * np.array(rounding)
-        pull = data.weight_n * np.sin(
-            data.incline_rad - errors[data.rounding] - data.zero_sigma_rad * zero
-        )
-        speed = (pull - ft0 * c - fn0 * s) / (ct * c**2 + cn * s**2)
-        return np.concatenate([speed, [bend], whiten @ rounding, [zero]])
-
-    found = odr_fit(
-        residuals,
-        np.zeros(count + extra),
-        np.concatenate([data.slip_m_s, np.zeros(extra)]),
-        np.concatenate([world.truth, np.zeros(extra)]),
-        weight_y=np.concatenate([data.speed_sigma_m_s**-2.0, np.ones(extra)]),
-        task="OLS",
-        diff_scheme="central",
-        sstol=1e-14,
-        partol=1e-12,
-        maxit=500,
-    )
-    sigmas = np.sqrt(np.diag(fit.covariance))
-    values = np.array([fit.parameters[name].value for name in NAMES])
-    # the least chi2 is flat: ODRPACK stops some thousandths of a sigma short
-    np.testing.assert_array_less(np.abs(values - found.beta[:4]), 1e-2 * sigmas)
-    assert fit.chi2 == pytest.approx(found.sum_square, rel=1e-3)
-    cov = found.cov_beta[:4, :4]
-    np.testing.assert_allclose(np.sqrt(np.diag(cov)), sigmas, rtol=0.03)
-
+from serpenoid.calibration.friction_result import narrowest
 
 WORLDS = {
     "coarse": World(bends_deg=(7.5, 30.0)),

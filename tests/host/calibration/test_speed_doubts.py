@@ -13,7 +13,8 @@ import serpenoid as sn
 from serpenoid.calibration.advising import speed_doubts as room
 from serpenoid.calibration.advising.speed_doubts import speed_doubts
 from serpenoid.calibration.friction_result import FitDraws
-from serpenoid.calibration.speed_samples import MODEL_SIGMA, SpeedBand, speed_band
+from serpenoid.calibration.speed_samples import SpeedBand, speed_band
+from serpenoid.calibration.speeds import MODEL_SIGMA
 from serpenoid.commands.demo import session_folder
 
 

@@ -20,7 +20,8 @@ from serpenoid.calibration.friction_result import Estimate, FitDraws
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.video import VIDEO, FilmReading
 from serpenoid.calibration.session_file import load_session, read_session
-from serpenoid.calibration.speed_samples import sample_speeds, speed, speed_band
+from serpenoid.calibration.speed_samples import sample_speeds, speed_band
+from serpenoid.calibration.speeds import speed
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.commands.demo import session_folder

@@ -16,10 +16,10 @@ from ...model.drives import ServoKind
 from ...model.errors import BadInput
 from ...model.gait import Gait
 from ...model.rows import two_digits
-from ...periodic.servo_steady import band
 from ..fitting.unknowns import Floats
 from ..friction_result import FrictionFit
-from ..speed_samples import AMPLITUDE_SIGMA, Progress, sample_speeds, speed
+from ..speed_samples import sample_speeds
+from ..speeds import AMPLITUDE_SIGMA, Progress, speed
 
 _Z95 = 1.959964
 SERVO_LEFT = 0.5  # of the servos' doubt, after a bench test of one joint
@@ -36,9 +36,9 @@ class SpeedBands:
     gaits: tuple[Gait, ...]
     speed_m_s: Floats
     slope: Floats
-    whole: float = math.nan
-    joints: float = math.nan
-    friction: float = math.nan
+    friction: float
+    joints: float
+    whole: float
 
     def by_friction(self, covariance: Floats, ran: Sequence[Sequence[float]] = ()) -> float:
         """Return the band of friction alone, to first order, with such a covariance.
@@ -109,8 +109,5 @@ def speed_bands(
     ridge = 1e-6 * count * np.diag(np.diag(fit.covariance))
     slope = np.linalg.solve(centred.T @ centred + ridge, centred.T @ (drawn.friction_m_s - mean))
     best = np.maximum([speed(fit.robot, fit.ground, gait) for gait in gaits], 1e-9)
-    halves = [
-        float(np.mean(np.ptp([band(of_gait) for of_gait in speeds.T], axis=1) / 2 / best))
-        for speeds in (drawn.both_m_s, drawn.joints_m_s, drawn.friction_m_s)
-    ]
-    return SpeedBands(tuple(gaits), mean, slope.T, *halves)
+    halves = np.mean(np.ptp(drawn.ends_m_s, axis=2).T / 2 / best, axis=1)
+    return SpeedBands(tuple(gaits), mean, slope.T, *halves.tolist())

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from ...model.gait import Gait
-from ...periodic.drawn_states import drawn_speeds
 from ...periodic.sensitivities import Sensitivities
 from ...periodic.servo_steady import band as speed_interval
 from ..fitting.unknowns import Floats
-from ..friction_result import AMPLITUDE, FrictionFit, ground_of
-from ..speed_samples import AMPLITUDE_SIGMA, MODEL_SIGMA, SpeedBand, drawn_amplitudes, scaled
+from ..friction_result import AMPLITUDE, FrictionFit
+from ..speed_samples import SpeedBand, drawn_amplitudes
+from ..speeds import AMPLITUDE_SIGMA, MODEL_SIGMA, SpeedModel
 
 _Z95 = 1.959964
 _DRAWS = 64
@@ -129,15 +129,14 @@ def speed_doubts(
 
 def _alone(fit: FrictionFit, gait: Gait, filmed: bool) -> Floats:
     """Return speeds of draws of each friction, and of the amplitude, the others as fitted."""
-    whole, links = fit.sample_whole(_DRAWS), fit.robot.links
-    centre = np.array(list(fit.whole_snake.values()))
-    draws = []
-    for k in range(len(centre)):
-        rows = np.where(np.arange(len(centre)) == k, whole, centre)
-        draws += [(ground_of(links, row), gait) for row in rows.tolist()]
-    amplitudes = np.ones(_DRAWS) if filmed else drawn_amplitudes(fit, AMPLITUDE_SIGMA, _DRAWS)
-    draws += [(fit.ground, scaled(gait, a)) for a in amplitudes.tolist()]
-    return drawn_speeds(fit.robot, (fit.ground, gait), draws).reshape(-1, _DRAWS)
+    whole, count = fit.sample_whole(_DRAWS), len(fit.names)
+    rows = np.tile(list(fit.whole_snake.values()), (count + 1, _DRAWS, 1))
+    rows[range(count), :, range(count)] = whole.T
+    amplitudes = np.ones((count + 1, _DRAWS))
+    if not filmed:
+        amplitudes[count] = drawn_amplitudes(fit, AMPLITUDE_SIGMA, _DRAWS)
+    model = SpeedModel(fit.robot, fit.ground, (gait,), (None,))
+    return model.ideal(rows.reshape(-1, count), amplitudes.ravel()).reshape(-1, _DRAWS)
 
 
 def known_covariance(fit: FrictionFit, filmed: bool) -> Floats:

@@ -18,7 +18,8 @@ from ..kinds.declaration import Cells
 Array = NDArray[np.float64]
 LEAST_CYCLES = 1.5
 SPEED_SIGMA, GAIN_SIGMA = 0.002, 0.002  # at least: the film's scale, and the chain's fit
-_ROUNDS, _FAR = 8, 0.1  # of the rate's search, and how far from the commanded one it may end
+_FAR = 0.1  # of the rate commanded: how far the joints' own may be from it
+_UNEVEN = 0.2  # of the angles' variance: what no sine of one rate explains
 
 
 def crawl_cells(rows: Array, gait: Gait) -> Cells:
@@ -54,29 +55,29 @@ def crawl_cells(rows: Array, gait: Gait) -> Cells:
 
 def _sines(t: Array, angles: Array, gait: Gait) -> tuple[float, Array, float]:
     """Return the rate, rad/s, sine, cosine and centre of every joint, and an amplitude's sigma."""
-    omega, seen = gait.omega_rad_s, ~np.isnan(angles)
+    from scipy.optimize import least_squares
+
+    seen = ~np.isnan(angles)
     if seen.sum(axis=0).min() < 8:
         raise BadInput("a joint was seen in less than 8 pictures; a session's reading needs all")
-    sines, left = np.zeros((3, angles.shape[1])), [0.0]
-    for _ in range(_ROUNDS):
-        waves = np.stack([np.sin(omega * t), np.cos(omega * t), np.ones_like(t)], axis=1)
-        faster = 0.0, 0.0
-        left = []
-        for k, held in enumerate(seen.T):
-            sines[:, k] = np.linalg.lstsq(waves[held], angles[held, k], rcond=None)[0]
-            off = angles[held, k] - waves[held] @ sines[:, k]
-            slope = t * (sines[0, k] * waves[:, 1] - sines[1, k] * waves[:, 0])
-            own = waves[held]
-            along = slope[held] - own @ np.linalg.lstsq(own, slope[held], rcond=None)[0]
-            faster = faster[0] + along @ off, faster[1] + along @ along
-            left.append(float(np.mean(off**2)))
-        omega += float(faster[0] / faster[1])
-        if not abs(omega / gait.omega_rad_s - 1.0) < _FAR:
-            raise BadInput(
-                f"the joints do not swing at {gait.omega_rad_s / (2 * math.pi):.3g} Hz, as was "
-                "commanded; is it a film of another gait?"
-            )
-    return omega, sines, math.sqrt(2 * np.mean(left) / seen.sum(axis=0).min())
+
+    def left(rate: Array) -> tuple[Array, Array]:
+        turned = rate * t
+        waves = np.stack([np.sin(turned), np.cos(turned), np.ones_like(t)], axis=1)
+        normal = np.einsum("tk,ti,tj->kij", seen, waves, waves)
+        projected = np.einsum("tk,ti->ki", np.where(seen, angles, 0.0), waves)
+        sines = np.linalg.solve(normal, projected[..., None])[..., 0].T
+        return sines, (waves @ sines - angles)[seen]
+
+    fitted = least_squares(lambda rate: left(rate)[1], gait.omega_rad_s)
+    omega, (sines, off) = float(fitted.x[0]), left(fitted.x)
+    mean_square = float(np.mean(off**2))
+    if abs(omega / gait.omega_rad_s - 1.0) > _FAR or mean_square > _UNEVEN * np.var(angles[seen]):
+        raise BadInput(
+            f"the joints do not swing at {gait.omega_rad_s / (2 * math.pi):.3g} Hz, as was "
+            "commanded; is it a film of another gait?"
+        )
+    return omega, sines, math.sqrt(2 * mean_square / seen.sum(axis=0).min())
 
 
 def _speed(rows: Array, period_s: float) -> tuple[float, float]:

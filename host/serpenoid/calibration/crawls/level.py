@@ -12,7 +12,7 @@ from ...model.ground import Ground
 from ...model.robot import Robot
 from ..friction_result import Estimate, FrictionFit
 from ..session import Session
-from ..speed_samples import scaled
+from ..speeds import scaled
 from .runs import crawls_by_command
 from .slope import sloped_speed
 

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from ...model.particles import Student, tempered
 from ..fitting.posterior import BAD_CHANCE, BAD_WIDTH
+from ..speeds import Array, ServoEffects, Speeds
 from .adapted import ENOUGH, adapted
-from .data import LEAST_M_S, Array, CrawlData, Speeds
-from .servos import ServoEffects
+from .data import LEAST_M_S, CrawlData
 
 _STEP = 0.02  # of an unknown, for slopes
 _SHIFTS = np.linspace(-2.5, 2.0, 15)  # of the amplitude, in sigmas: the search begins at the peaks

@@ -27,11 +27,11 @@ from ..friction_result import (
 )
 from ..session import Session
 from ..session_posterior import posterior_of
-from ..speed_samples import AMPLITUDE_SIGMA
-from .data import Array, CrawlData, Speeds, servos_of
+from ..speeds import AMPLITUDE_SIGMA, Array, ServoEffects, Speeds
+from .data import CrawlData, servos_of
 from .level import floor_slope, is_sloped, on_level
 from .posterior import POINTS, ROUGH_POINTS, Before, Drawn, Posterior
-from .servos import SERVO_DRAWS, ServoEffects, with_near_ones
+from .servos import SERVO_DRAWS, with_near_ones
 
 # Where nothing else is known: the 2005 robot's frictions, scaled by the weight, within a factor of
 # e or so, and no two of them alike.
@@ -64,12 +64,9 @@ def fit_crawls(
     _check(session, data, other)
     robot, before = session.setup.robot, _before(session, other)
     slope, sloped = floor_slope(session, other), is_sloped(session)
-    at, found = np.exp(before.mean), effects
-    solver = speeds or data.of_robot(robot, at)
-    near = servo is not None and before.narrow and not servo.exact and not servo.drawn
+    at, pool, drawn = np.exp(before.mean), effects, None
     leads = servo is not None and sloped  # what a slope does depends on the servo, too
     again = leads or (other is None and (servo is not None or open_pushes))
-    drawn = None
     for last in (False, True) if again else (True,):  # all this depends on where the frictions are
         if open_pushes:
             before, slope = _with_pushes(session, before, at)
@@ -77,31 +74,32 @@ def fit_crawls(
         if sloped:
             level = _on_level(session, robot, ground, slope, drawn if leads else None)
             data = CrawlData.of(level)
-        if effects is None and (found is None or not before.narrow):
-            found = data.effects(robot, ground, servos_of(servo, SERVO_DRAWS, seed))
-        assert found is not None
-        if last and near:
-            assert servo is not None
-            found = _near_servos(data, before, solver, found, robot, servo, seed)
-        points = POINTS if last else ROUGH_POINTS
-        drawn = Posterior(data, before, solver, found, misread).draw(seed, points)
+        model = data.model(robot, ground)
+        posterior = partial(
+            Posterior, data, before, speeds or partial(model.ideal, unfound_m_s=0.0)
+        )
+        if effects is None and (pool is None or not before.narrow):
+            pool = model.effects(servos_of(servo, SERVO_DRAWS, seed))
+        assert pool is not None
+        if last and before.narrow and servo is not None and not servo.exact and not servo.drawn:
+            pool = with_near_ones(pool, servo, posterior, model.effects, seed)
+        drawn = posterior(pool, misread).draw(seed, POINTS if last else ROUGH_POINTS)
         at = drawn.best_whole
     assert drawn is not None  # the loop runs once at least
-    assert found is not None
     if drawn.effective < _FEW:
         raise NotConverged(
             f"{session.where}: the crawls' posterior was not found: {drawn.effective:.0f} "
             "independent draws; look for a crawl that was misread, or fit without crawls"
         )
-    whole, amplitude, index = drawn.alike(POINTS, seed)
-    fit = _result(session, other, data, drawn, whole, amplitude, seed)
+    fit = _result(session, other, data, drawn, seed)
     if open_pushes:
         told = dict(fit.nuisances) | {"floor_slope_rad": slope}
         fit = replace(fit, nuisances=MappingProxyType(told))
     if servo is None or servo.exact:
         return fit
-    fitted = FittedServos(servo.name, found.servos, tuple(index.tolist()), drawn.best_servo)
-    return replace(fit, servos=fitted)
+    index = tuple(drawn.alike(POINTS, seed)[2].tolist())
+    used = drawn.posterior.effects.servos
+    return replace(fit, servos=FittedServos(servo.name, used, index, drawn.best_servo))
 
 
 def _on_level(
@@ -115,25 +113,6 @@ def _on_level(
         except (Diverged, NotConverged):
             pass  # as the films showed the joints
     return on_level(session, robot, ground, slope)
-
-
-def _near_servos(
-    data: CrawlData,
-    before: Before,
-    speeds: Speeds,
-    effects: ServoEffects,
-    robot: Robot,
-    kind: ServoKind,
-    seed: int,
-) -> ServoEffects:
-    """Return the servos with others near those that explain the crawls, where few of them do."""
-    ground = ground_of(robot.links, np.exp(before.mean).tolist())
-
-    def left(found: ServoEffects) -> Array:
-        posterior = Posterior(data, before, speeds, found)
-        return posterior.left(posterior.minimum())
-
-    return with_near_ones(effects, kind, left, partial(data.effects, robot, ground), seed)
 
 
 def _check(session: Session, data: CrawlData, other: FrictionFit | None) -> None:
@@ -194,10 +173,9 @@ def _result(
     other: FrictionFit | None,
     data: CrawlData,
     drawn: Drawn,
-    whole: Array,
-    amplitude: Array,
     seed: int,
 ) -> FrictionFit:
+    whole, amplitude, _ = drawn.alike(POINTS, seed)
     mass = 1.0 + session.mass_sigma * np.random.default_rng(seed).normal(size=len(whole))
     whole = whole * mass[:, None]
     tail = (1.0 - LEVEL) / 2

@@ -18,7 +18,7 @@ from ..friction_fit import fit_friction
 from ..friction_result import DOUBTFUL, FrictionFit
 from ..kinds.video import FilmReading
 from ..session import Session
-from ..speed_samples import in_threads
+from ..speeds import in_threads
 
 Array = NDArray[np.float64]
 LEAST_DRAWS = 3.0
