@@ -28,7 +28,7 @@ from .advising.next_reading import (
 )
 from .advising.speed_bands import SpeedBands, speed_bands
 from .advising.stations import station_options
-from .crawls.runs import same_command
+from .crawls.data import same_command
 from .filmed_joints import servo_seen
 from .fitting.posterior import Mode
 from .friction_fit import fit_friction

@@ -6,9 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .fitting.bends import resistance
 from .fitting.identifiability import bend_note
-from .fitting.paper_fit import errors, points, two_lines
 from .fitting.posterior import Mode
 from .fitting.stations import Stations
 from .fitting.suspects import suspects_in_words
@@ -27,7 +25,7 @@ def with_alarms(fit: FrictionFit, session: Session, mode: Mode) -> FrictionFit:
     stations = [block for block in mode.posterior.blocks if isinstance(block, Stations)]
     alarms = [
         *_contradiction(fit, session, mode),
-        *(a for s in stations for a in _against_the_law(s)),
+        *(alarm for block in stations for alarm in _against_the_law(block, mode)),
     ]
     bends = [note for block in stations for note in bend_note(block)]
     notes = [*notes_on(fit, session), *bends, *floor_notes(session, mode.posterior)]
@@ -54,30 +52,29 @@ def _contradiction(fit: FrictionFit, session: Session, mode: Mode) -> list[str]:
     ]
 
 
-def _against_the_law(data: Stations) -> list[str]:
+def _against_the_law(data: Stations, mode: Mode) -> list[str]:
     """Say where friction falls with speed, or a bent robot has less of it than a straight one.
 
-    By lines through the readings alone, since the fit itself keeps its parameters at 0 or above.
+    By one linear step from the mode, which no limit of 0 ends.
     """
-    values = two_lines(data)[0]
-    slope = resistance(np.abs(values), data.bends.share, data.lambda_rad, data.back)[0]
-    found = points(data, values)
-    errors_n = {part: sigmas[1] for part, sigmas in errors(data, slope).items()}
-    alarms = []
-    named = (("straight", "straight", 0), ("back", "upward-facing", 4), ("bent", "bent", 1))
-    for part, name, k in named:
-        speeds, error_n = found[part][0], errors_n[part]
-        if len(speeds) < 2 or np.ptp(speeds) == 0.0:
-            continue
-        sigma = float(error_n.mean()) / (float(speeds.std()) * np.sqrt(len(speeds)))
-        if values[k] < -_SURELY * sigma:
-            alarms.append(
-                f"Friction of the {name} robot falls with speed ({values[k]:.2g} ± {sigma:.1g} "
-                "N s/m): no sum of dry and viscous friction does. Look for a misread incline, or a "
-                "zero that moved."
-            )
-    forces = found["bent"][1]
-    if len(forces) and forces.mean() < -_SURELY * errors_n["bent"].mean() / np.sqrt(len(forces)):
+    free = mode.x - mode.covariance @ mode.slopes.T @ mode.residuals
+
+    def below(friction: dict[int, float]) -> str:
+        """Return a sum of frictions, if it is surely below 0."""
+        row = np.zeros(len(free))
+        row[list(friction)] = list(friction.values())
+        value, sigma = float(row @ free), float(np.sqrt(row @ mode.covariance @ row))
+        return f"{value:.2g} ± {sigma:.1g} N" if value < -_SURELY * sigma else ""
+
+    viscous = {"straight": 0, "bent": 1} | ({"upward-facing": 4} if data.ratchet else {})
+    alarms = [
+        f"Friction of the {name} robot falls with speed ({value} s/m): no sum of dry and viscous "
+        "friction does. Look for a misread incline, or a zero that moved."
+        for name, friction in viscous.items()
+        if (value := below({friction: 1.0}))
+    ]
+    speeds = (data.slip_m_s * np.sin(data.lambda_rad))[data.bent]
+    if len(speeds) and below({1: float(speeds.mean()), 3: 1.0}):
         alarms.append(
             "The bent robot has less friction than the straight one, though wheels grip across. "
             "Look at the bend, and whether the robot stood still on the belt."

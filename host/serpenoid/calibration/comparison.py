@@ -17,9 +17,8 @@ from ..model.rows import Result
 from ..periodic.servo_steady import cannot_run, free_rad_s, managed_hz
 from ..servos.catalogue import HOBBY
 from ..simulation.steady_springs import steady_springs
-from .crawls.data import CrawlData
+from .crawls.data import CrawlData, crawls_by_command, mean_speed, same_command
 from .crawls.level import floor_slope, is_sloped, on_level
-from .crawls.runs import crawls_by_command, mean_speed, same_command
 from .filmed_joints import seen_on_film, servo_seen, swapped_plugs
 from .friction_fit import fit_friction
 from .friction_result import FrictionFit

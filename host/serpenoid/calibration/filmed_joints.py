@@ -12,8 +12,7 @@ from ..model.particles import alike
 from ..model.plugs import plugs
 from ..periodic.servo_steady import servo_state
 from ..periodic.steady import steady_gait
-from .crawls.data import CrawlData
-from .crawls.runs import Crawls
+from .crawls.data import CrawlData, Crawls
 from .friction_result import FrictionFit
 from .kinds.video import FilmReading
 from .session import Session

@@ -45,7 +45,7 @@ from .friction_result import (
     with_values,
 )
 from .session import Session
-from .session_posterior import posterior_of, scale_sigmas, start_of
+from .session_posterior import mode_of, posterior_of, scale_sigmas
 
 METHODS = ("joint", "robust", "naive")
 DRAWS = 1024  # kept with a fit
@@ -168,9 +168,9 @@ def _naive(session: Session, data: Stations) -> FrictionFit:
     freedom = np.array([straight, bent, straight, bent, back, back])[: data.parameters] - 2
     widths = stdtrit(freedom, 0.5 + LEVEL / 2) * np.sqrt(np.diag(covariance))
     _check_signs(session, values)
-    posterior = Posterior((data.alone,))
+    posterior = Posterior((data,))
     ends = np.maximum(np.column_stack([values - widths, values + widths]), 0.0)
-    residuals = posterior.residuals(posterior.start(values)[None])[0, : len(data)]
+    residuals = data.whole_residuals(posterior.by_name(posterior.start(values)[None]))[0][0]
     fit = with_values(
         session,
         values,
@@ -189,11 +189,10 @@ def _naive(session: Session, data: Stations) -> FrictionFit:
 
 def _fitted(session: Session, method: str, seed: int) -> FrictionFit:
     """Return the fit of all readings, by their posterior."""
-    posterior = posterior_of(session)
-    plain = mode = posterior.mode(start_of(posterior))
+    plain = mode = mode_of(session)
     if session.on_floor:
         check_floor(session, mode)
-    draws, good = plain.posterior.draws(mode, seed), np.ones(len(posterior.numbers))
+    draws, good = plain.posterior.draws(mode, seed), np.ones(len(mode.residuals))
     if method == "robust":
         doubtful = replace(plain.posterior, misread=True)
         draws = doubtful.draws(plain, seed)

@@ -1,18 +1,17 @@
-"""The posterior of all friction readings of a session, and where its mode is sought from."""
+"""The posterior of all friction readings of a session, and its mode."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from .fitting.paper_fit import two_lines
 from .fitting.posterior import Mode, Posterior
 from .fitting.shared import shared_covariance
 from .fitting.stations import Stations
 from .fitting.unknowns import Floats
-from .floor.block import Pushes, Slides, floor_blocks
+from .floor.block import floor_blocks
 from .session import Session
 
-_USUAL = (0.2, 1.0, 0.15, 0.3)  # ct, cn, ft0, fn0 where slides alone tell them
+USUAL, USUAL_N = (0.084, 1.2, 0.14, 0.27, 0.084, 0.14), 4.4484  # of the 2005 robot, and its weight
 
 
 def posterior_of(session: Session) -> Posterior:
@@ -21,20 +20,9 @@ def posterior_of(session: Session) -> Posterior:
     return Posterior((*stations, *floor_blocks(session)))
 
 
-def start_of(posterior: Posterior) -> Floats:
-    """Return a point to seek the mode from: two lines through stations, or how pushes brake."""
-    whole = np.zeros(posterior.frictions)
-    for block in reversed(posterior.blocks):
-        if isinstance(block, Pushes):
-            whole[:4] = block.rough_frictions()
-        elif isinstance(block, Slides):
-            whole[:4] = np.where(whole[:4] > 0.0, whole[:4], _USUAL)
-        elif isinstance(block, Stations):
-            least = min(block.parts[part].sum() for part in ("straight", "bent"))
-            told = block.parameters if least > 1 else 0
-            whole[:told] = np.abs(two_lines(block)[0])[:told] if told else whole[:told]
-    whole[4:] = np.where(whole[4:] > 0.0, whole[4:], whole[[0, 2]][: len(whole) - 4])
-    return posterior.start(whole)
+def usual_frictions(session: Session, count: int) -> Floats:
+    """Return the 2005 robot's first frictions for a robot of this weight."""
+    return np.array(USUAL[:count]) * session.setup.weight_n / USUAL_N
 
 
 def scale_sigmas(session: Session) -> tuple[float, float]:
@@ -49,7 +37,7 @@ def scale_sigmas(session: Session) -> tuple[float, float]:
 def mode_of(session: Session) -> Mode:
     """Return the likeliest values that a session's readings leave. Raises NotConverged."""
     posterior = posterior_of(session)
-    return posterior.mode(start_of(posterior))
+    return posterior.mode(posterior.start(usual_frictions(session, posterior.frictions)))
 
 
 def covariance_after(session: Session, mode: Mode) -> Floats:

@@ -8,8 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from calibration.floor_sessions import TRUTH, floor_setup
-from serpenoid.calibration.crawls.level import on_level
-from serpenoid.calibration.crawls.slope import sloped_speed
+from serpenoid.calibration.crawls.level import on_level, sloped_speed
 from serpenoid.calibration.friction_result import Estimate, ground_of
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.video import FilmReading

@@ -10,7 +10,7 @@ from typing import Any
 from ...model.errors import BadInput
 from ...model.gait import Gait
 from ...model.rows import Result
-from ..crawls.runs import as_run
+from ..crawls.data import as_run
 from ..kinds.gait import GaitRun
 from ..kinds.station import Reading
 from ..session import Session

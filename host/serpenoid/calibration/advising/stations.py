@@ -7,14 +7,13 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ..fitting.bends import resistance
 from ..fitting.identifiability import SAFE_BEND
 from ..fitting.posterior import Mode
 from ..fitting.rounding import nearest_shown
 from ..fitting.unknowns import Floats
-from ..kinds.station import LEAST_SLIP_M_S, Reading, bent_share
-from ..session import Session, Setup
-from ..taking.expected import Series
+from ..kinds.station import LEAST_SLIP_M_S, Reading
+from ..session import Session
+from ..taking.expected import Series, pull_of
 from .next_reading import NextReading, Option, next_number, repeated
 
 MOST_INCLINE_RAD = math.atan(0.15)  # of home treadmills, unless this one stood steeper already
@@ -64,7 +63,8 @@ def places(
         if not angle or angle > SAFE_BEND * given.lambda_sigma_rad  # lesser ones bias cn
     ]
     for series in [*every, *([Series(0.0, "up", bent)] if len(whole) > 4 else [])]:
-        slope, least = _pull(whole, session.setup, series)
+        frictions = whole[[4, 1, 5, 3]] if series.facing == "up" else whole[:4]
+        slope, least = pull_of(session.setup, frictions.tolist(), series.lambda_rad)
         for wanted_m_s in SLIPS_M_S:
             aim = math.asin(min((slope * wanted_m_s + least) / weight_n, _STEEPEST)) + zero
             incline = nearest_shown(aim, shown, given.incline_sigma_rad, grade_step)
@@ -86,10 +86,3 @@ def _failed(session: Session, series: Series, incline_rad: float) -> bool:
         and abs(r.incline_rad - incline_rad) < step / 2
     ]
     return bool(there) and all(there)
-
-
-def _pull(whole: Floats, setup: Setup, series: Series) -> tuple[float, float]:
-    """Return A and B: the whole snake's friction along the belt is A v + B."""
-    share = bent_share(series.bend, setup.robot.links) if series.lambda_rad else 0.0
-    law = resistance(whole, share, series.lambda_rad, series.facing == "up")
-    return float(law[0][0]), float(law[1][0])

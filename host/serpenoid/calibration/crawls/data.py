@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -11,10 +12,13 @@ from ...model.drives import Servo, ServoKind
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
+from ..kinds.gait import GaitRun
+from ..kinds.video import FilmReading
 from ..session import Session
 from ..speeds import MODEL_SIGMA, Array, SpeedModel
-from .runs import crawls_by_command, mean_speed
 
+# Commands that differ by less are one command: a film shows its rate, and may show its angles.
+_SAME_RATE, _SAME_RAD = 0.01, 0.01
 LEAST_M_S = 0.001  # of a predicted speed, beside MODEL_SIGMA
 GAIN_ELASTICITY = 1.5  # about: per cent of speed for one of amplitude
 
@@ -81,3 +85,73 @@ def servos_of(kind: ServoKind | None, count: int, seed: int = 0) -> tuple[Servo,
     if kind is None:
         return ()
     return (kind.servo,) if kind.exact else tuple(kind.draws(count, seed))
+
+
+@dataclass(frozen=True)
+class Crawls:
+    """All timed runs and films of one command."""
+
+    commanded: Gait
+    timed: tuple[GaitRun, ...] = ()
+    films: tuple[FilmReading, ...] = ()
+
+    @property
+    def runs(self) -> tuple[GaitRun, ...]:
+        """Return the timed runs, and what the films say as runs."""
+        return (*self.timed, *(film.gait_run for film in self.films))
+
+    @property
+    def gait(self) -> Gait:
+        """Return the gait with the mean of the joints as filmed; without films the command."""
+        return mean_gait([film.gait for film in self.films]) if self.films else self.commanded
+
+
+def crawls_by_command(session: Session) -> list[Crawls]:
+    """Return the crawls of every command, the slowest first; films there and back are of one."""
+    crawls: list[Crawls] = []
+    timed = [Crawls(run.gait, timed=(run,)) for run in session.kept_gait_runs]
+    for new in [*timed, *(Crawls(film.commanded, films=(film,)) for film in session.kept_films)]:
+        same = [k for k, c in enumerate(crawls) if same_command(c.commanded, new.commanded)]
+        if same:
+            known = crawls[same[0]]
+            both = known.timed + new.timed, known.films + new.films
+            crawls[same[0]] = Crawls(known.commanded, *both)
+        else:
+            crawls.append(new)
+    return sorted(crawls, key=lambda crawl: crawl.commanded.omega_rad_s)
+
+
+def mean_speed(runs: Sequence[GaitRun]) -> tuple[float, float]:
+    """Return the weighted mean speed of some runs, and its standard deviation, m/s."""
+    weights = np.array([r.speed_sigma_m_s for r in runs]) ** -2.0
+    mean = weights @ np.array([r.speed_m_s for r in runs]) / weights.sum()
+    return float(mean), float(weights.sum() ** -0.5)
+
+
+def as_run(session: Session, gaits: Sequence[Gait]) -> tuple[Gait, ...]:
+    """Return the gaits, each with the rate at which it ran, if it ran."""
+    ran = [crawl.commanded for crawl in crawls_by_command(session)]
+    return tuple(next((own for own in ran if same_command(own, gait)), gait) for gait in gaits)
+
+
+def same_command(one: Gait, other: Gait) -> bool:
+    """Tell whether two commands differ by no more than a film may be off."""
+    angles = np.array([[g.alpha_rad, g.beta_rad, g.offset_rad] for g in (one, other)])
+    alike = (one.joint_gain, one.joint_shift_rad) == (other.joint_gain, other.joint_shift_rad)
+    near = np.abs(angles[0] - angles[1]).max() < _SAME_RAD
+    return alike and near and abs(other.omega_rad_s / one.omega_rad_s - 1.0) < _SAME_RATE
+
+
+def mean_gait(gaits: Sequence[Gait]) -> Gait:
+    """Return the gait of the mean joints."""
+    if len(gaits) == 1:
+        return gaits[0]
+    joints = max(len(gait.joint_gain) for gait in gaits)
+    gain, shift = np.mean([gait.joint_factors(joints) for gait in gaits], axis=0)
+    return replace(
+        gaits[0],
+        omega_rad_s=float(np.mean([g.omega_rad_s for g in gaits])),
+        offset_rad=float(np.mean([g.offset_rad for g in gaits])),
+        joint_gain=tuple(gain.tolist()),
+        joint_shift_rad=tuple(shift.tolist()),
+    )

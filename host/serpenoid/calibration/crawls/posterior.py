@@ -15,10 +15,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...model.particles import Student, tempered
+from ...model.particles import LogDensity, Student, alike, tempered
 from ..fitting.posterior import BAD_CHANCE, BAD_WIDTH
 from ..speeds import Array, ServoEffects, Speeds
-from .adapted import ENOUGH, adapted
 from .data import LEAST_M_S, CrawlData
 
 _STEP = 0.02  # of an unknown, for slopes
@@ -29,6 +28,8 @@ _SERVO_CHANGES = 4  # of the likeliest servo, while the likeliest frictions are 
 POINTS, ROUGH_POINTS, _MOVES = 1024, 256, 2
 _LOG_2PI = math.log(2 * math.pi)
 _EVEN = math.sqrt(2 * math.log((1 / BAD_CHANCE - 1) * BAD_WIDTH) / (1 - BAD_WIDTH**-2.0))
+ENOUGH = 0.3  # of the points: as many independent ones
+_SOFT, _ROUNDS = 0.2, 5  # of the points, softened, for moments; and how often those are taken
 _NARROW = 0.2  # of a logarithm: frictions that are known so well leave one minimum
 
 
@@ -267,6 +268,37 @@ class Posterior:
             if drawn.effective > ENOUGH * points:
                 return drawn
         return self.by_particles(seed, points)
+
+
+def softened(log: Array, least: float) -> Array:
+    """Return weights, sum 1, by the highest power of exp(log) that leaves so many alike."""
+    power = 1.0
+    while alike(power * log) < least:
+        power /= 1.3
+    weight = np.exp(power * (log - log.max()))
+    return np.asarray(weight / weight.sum())
+
+
+def adapted(about: Student, last: LogDensity, seed: int, count: int) -> tuple[Array, Array, float]:
+    """Return points (N, D) of a density with one mode, their weights, and its log integral.
+
+    They are drawn from a distribution about the mode, which then follows their moments, until
+    enough of them count. count: a power of two.
+    """
+    most, best = 0.0, None
+    for part in range(_ROUNDS):
+        x = about.points(count, seed + part)
+        log = last(x) - about.log_density(x)
+        if alike(log) > most:
+            weight, most = np.exp(log - log.max()), alike(log)
+            best = x, weight / weight.sum(), float(log.max()) + math.log(weight.mean())
+        if most >= ENOUGH * count:
+            break
+        soft = softened(log, _SOFT * count)
+        root = np.linalg.cholesky(np.cov(x.T, aweights=soft))
+        about = Student(soft @ x, np.asarray(root, dtype=np.float64))
+    assert best is not None  # one round at least
+    return best
 
 
 def _log_normal(u: Array) -> Array:

@@ -26,16 +26,16 @@ from ..friction_result import (
     with_values,
 )
 from ..session import Session
-from ..session_posterior import posterior_of
+from ..session_posterior import posterior_of, usual_frictions
 from ..speeds import AMPLITUDE_SIGMA, Array, ServoEffects, Speeds
 from .data import CrawlData, servos_of
 from .level import floor_slope, is_sloped, on_level
 from .posterior import POINTS, ROUGH_POINTS, Before, Drawn, Posterior
 from .servos import SERVO_DRAWS, with_near_ones
 
-# Where nothing else is known: the 2005 robot's frictions, scaled by the weight, within a factor of
-# e or so, and no two of them alike.
-USUAL, USUAL_N, USUAL_SIGMA = (0.084, 1.2, 0.14, 0.27, 0.084, 0.14), 4.4484, 1.0
+# Where nothing else is known, frictions are the usual ones within a factor of e or so, and no two
+# of them alike.
+USUAL_SIGMA = 1.0
 LEAST_GAITS = 4  # alone
 _FOLLOWING = 6  # steps of what follows given frictions
 _FEW = 60.0  # independent draws: fewer make no interval
@@ -129,7 +129,7 @@ def _before(session: Session, other: FrictionFit | None) -> Before:
     """Return what is known of friction for the mass as stated, its own error left out."""
     if other is None:
         back = any(push.facing == "back" for push in session.kept_pushes)
-        usual = np.array(USUAL if back else USUAL[:4]) * session.setup.weight_n / USUAL_N
+        usual = usual_frictions(session, 6 if back else 4)
         return Before(np.log(usual), USUAL_SIGMA * np.eye(len(usual)), AMPLITUDE_SIGMA)
     values = np.array(list(other.whole_snake.values()))
     sigma = np.sqrt(np.diag(other.covariance))

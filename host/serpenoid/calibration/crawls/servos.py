@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from ...model.drives import Servo, ServoKind
 from ...model.particles import Student, alike
 from ..speeds import ServoEffects
-from .adapted import softened
-from .posterior import Posterior
+from .posterior import Posterior, softened
 
 Array = NDArray[np.float64]
 SERVO_DRAWS = 128

@@ -27,16 +27,13 @@ def points(data: Stations, values: Floats) -> dict[str, tuple[Floats, Floats]]:
     return {part: (speed_m_s[which], force_n[which]) for part, which in data.parts.items()}
 
 
-def errors(data: Stations, slope: Floats | float = 0.0) -> dict[str, tuple[Floats, Floats]]:
-    """Return part -> standard deviations of the points' speeds and forces, each alone.
-
-    slope: of the force along the belt by the speed, N s/m; with it a force has its speed's error,
-    too.
-    """
-    alone, (by_speed, by_fn0) = data.alone, _across(data)
-    pull_n = alone.weight_n * np.cos(alone.incline_rad) * alone.incline_sigma_rad
-    force_n = np.hypot(np.hypot(pull_n, alone.inertia_sigma_n), slope * data.speed_sigma_m_s)
-    speed_m_s, force_n = data.speed_sigma_m_s * by_speed, force_n / by_fn0
+def errors(data: Stations) -> dict[str, tuple[Floats, Floats]]:
+    """Return part -> standard deviations of the points' speeds and forces, each alone."""
+    by_speed, by_fn0 = _across(data)
+    incline_sigma_rad = np.hypot(data.incline_sigma_rad, data.shared_sigma_rad)
+    pull_n = data.weight_n * np.cos(data.incline_rad) * incline_sigma_rad
+    force_n = np.hypot(pull_n, data.inertia_sigma_n) / by_fn0
+    speed_m_s = data.speed_sigma_m_s * by_speed
     return {part: (speed_m_s[which], force_n[which]) for part, which in data.parts.items()}
 
 

@@ -14,7 +14,7 @@ the track's error in s_i. Shared are the bends' errors, the inclinometer's zero 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -161,9 +161,13 @@ class Stations:
         The residual is over all that a reading may err by, alone and in common.
         """
         excess, spread, per_incline = self._balance(values, 0.0)
-        sigma_rad = np.append(self.rounding_sigma_rad, 0.0)[self.rounding]
-        whole = np.hypot(spread, per_incline * sigma_rad)
+        whole = np.hypot(spread, per_incline * self.shared_sigma_rad)
         return excess / whole, (spread / whole) ** 2
+
+    @property
+    def shared_sigma_rad(self) -> Floats:
+        """Return the standard deviation of each reading's shared rounding; 0 where it has none."""
+        return np.append(self.rounding_sigma_rad, 0.0)[self.rounding]
 
     def _balance(self, values: Values, rounding_rad: Floats | float) -> tuple[Floats, ...]:
         """Return excess force, its standard deviation, and its slope by the incline, (K, N), N."""
@@ -214,18 +218,6 @@ class Stations:
         """Return what is shared by the name that a fit gives it, in its unit."""
         zero = float(self.zero_sigma_rad.max()) * values["zero"]
         return self.bends.nuisances(values) | {"incline_zero_rad": zero}
-
-    @property
-    def alone(self) -> Stations:
-        """Return the same readings with every incline's error taken for its own."""
-        shared = np.append(self.rounding_sigma_rad, 0.0)[self.rounding]
-        return replace(
-            self,
-            incline_sigma_rad=np.hypot(self.incline_sigma_rad, shared),
-            rounding=np.full(len(self), -1, dtype=np.intp),
-            rounding_sigma_rad=np.empty(0),
-            rounding_draws=np.empty((len(self.rounding_draws), 0)),
-        )
 
 
 def _tracks(session: Session) -> Tracks:

@@ -32,7 +32,6 @@ from ..session import Session
 from .tracks import PushTrack, Rows, tracks_of
 
 WHERE = " on the floor"
-_VISCOUS = 0.3  # of a push's force, roughly
 _LEAST_PULL = 1e-3  # m/s^2, of a slide that would not begin: its time is then long, not infinite
 
 
@@ -132,18 +131,6 @@ class Pushes:
     def eliminated(self) -> int:
         """Return how many residuals are not free: those of start and speed, of a push by marks."""
         return 2 * sum(track.by == "marks" for track in self.tracks)
-
-    def rough_frictions(self) -> Floats:
-        """Return ct, cn, ft0, fn0 if each push brakes evenly, a part of its force viscous."""
-        projected = np.stack(projections(self.bends.share, self.bends.lambda_rad), axis=1)
-        out, used = np.zeros(4), ~self.back if not self.back.all() else self.back
-        speed, brake = np.array([track.braking() for track in self.tracks]).T
-        force = brake * self.rolling.mass_kg
-        for first, values in ((0, _VISCOUS * force / speed), (2, (1.0 - _VISCOUS) * force)):
-            rows = projected[used, first : first + 2]
-            fitted = np.linalg.lstsq(rows, values[used], rcond=None)[0]
-            out[first : first + 2] = np.maximum(fitted, 0.1 * values.mean())
-        return out
 
     def law(self, values: Values) -> tuple[Floats, Floats, Floats]:
         """Return c and f on level ground in the lengths as filmed, (K, N), and the floor's pull.

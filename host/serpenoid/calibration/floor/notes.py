@@ -8,7 +8,6 @@ import numpy as np
 
 from ...model.errors import BadInput
 from ..fitting.posterior import Mode, Posterior
-from ..fitting.unknowns import Floats
 from ..session import Session
 from .block import Pushes, Slides
 
@@ -29,7 +28,8 @@ def check_floor(session: Session, mode: Mode) -> None:
         pairs.append(
             ("ct_back and ft0_back", 4, 5, "pushes tail first, straight, both ways, filmed")
         )
-    sigma = _sigmas(mode)
+    ridge = 1e-6 * np.eye(len(mode.x))  # what is wholly open then has a vast error
+    sigma = np.sqrt(np.diag(np.linalg.inv(mode.information + ridge)))
     # without any bent reading fn0 is boundless, and ft0 with it where links stand off a little
     for names, viscous, dry, cure in pairs if bent else reversed(pairs):
         force = mode.x[viscous] * fast + mode.x[dry]
@@ -41,13 +41,6 @@ def check_floor(session: Session, mode: Mode) -> None:
                 f"and {len(session.kept_slides)} slide(s): they {by}; take {cure}; or crawls, and "
                 "`serpenoid fit --crawls`"
             )
-
-
-def _sigmas(mode: Mode) -> Floats:
-    """Return the unknowns' standard deviations, also where some are wholly open: then vast."""
-    scale = np.sqrt(np.maximum(np.diag(mode.information), 1e-9))
-    values, vectors = np.linalg.eigh(mode.information / np.outer(scale, scale))
-    return np.sqrt(np.sum(vectors**2 / np.maximum(values, 1e-14), axis=1)) / scale
 
 
 def _turned_round(session: Session) -> list[int]:
