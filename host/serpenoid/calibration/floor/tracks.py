@@ -19,7 +19,7 @@ TAPE_M = 0.005  # of a way measured from where a hand let go
 _FILM_M = 0.001  # of a place, where nothing states it
 # A path further off the line of its floor was filmed by a camera that somebody turned.
 _CROOKED = math.radians(25.0)
-_NEWTON = 6
+_NEWTON = 3
 _LEAST_SPEED_M_S = 1e-3
 
 
