@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from .fitting.paper_fit import two_lines
 from .fitting.posterior import Mode, Posterior
 from .fitting.shared import shared_covariance
 from .fitting.stations import Stations
@@ -35,9 +36,17 @@ def scale_sigmas(session: Session) -> tuple[float, float]:
 
 
 def mode_of(session: Session) -> Mode:
-    """Return the likeliest values that a session's readings leave. Raises NotConverged."""
+    """Return the likeliest values that a session's readings leave. Raises NotConverged.
+
+    They are sought from two lines through its stations, else from usual frictions.
+    """
     posterior = posterior_of(session)
-    return posterior.mode(posterior.start(usual_frictions(session, posterior.frictions)))
+    whole = usual_frictions(session, posterior.frictions)
+    if session.kept:
+        stations = Stations.of(session)
+        if min(stations.parts[part].sum() for part in ("straight", "bent")) > 1:
+            whole[: stations.parameters] = np.abs(two_lines(stations)[0])
+    return posterior.mode(posterior.start(whole))
 
 
 def covariance_after(session: Session, mode: Mode) -> Floats:
