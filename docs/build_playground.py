@@ -16,7 +16,7 @@ from scipy.special import ndtri
 from scipy.stats import qmc
 from serpenoid._core import SERVO_FIELDS
 from serpenoid.calibration.prediction import SAMPLES
-from serpenoid.calibration.speed_samples import AMPLITUDE_SIGMA
+from serpenoid.calibration.speeds import AMPLITUDE_SIGMA
 from serpenoid.model.drives import Servo
 from serpenoid.periodic.servo_steady import CANNOT
 from serpenoid.servos.catalogue import SERVOS
