@@ -69,7 +69,7 @@ MOST_TOKENS = {
     "tests/host/servos": 6384,
     "tests/host/show": 7630,
     "tests/host/simulation": 25249,
-    "tests/host/video": 17068,
+    "tests/host/video": 17074,
     "tests/oracle": 15512,
     "tests/portable": 1130,
     "tests/studies": 2306,
