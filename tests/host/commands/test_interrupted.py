@@ -42,4 +42,3 @@ def test_ctrl_c_during_the_import_leaves_no_traceback(seed):
 
 def test_the_mean_speed_of_a_snake_at_rest_is_no_nan():
     assert Difference(0.0, 0.0, float("nan")).in_words().endswith("of nothing: at rest")
-    assert Difference(0.0, 0.0, 0.01).in_words().endswith("speed +0.01")

@@ -33,16 +33,16 @@ def error(run: sn.Run, exact: Array) -> float:
     return float(np.max(np.abs(link1(run) - exact) / [body, body, 1, body * w, body * w, w]))
 
 
-def truth(scene: sn.Scene) -> Array:
+def truth(scene: sn.Scene, rtol: float = 1e-10) -> Array:
     """Return link 1 of a scene by the dense reference and SciPy, at the recorded times."""
     times = np.append(np.arange(scene.steps) * scene.dt_s, scene.duration_s)[:: scene.every]
-    states = SlowScene(scene).run(start_state(scene), times)
+    states = SlowScene(scene).run(start_state(scene), times, rtol=rtol)
     return np.array([[*pose[0], *rates[0]] for pose, rates in states])
 
 
 @pytest.fixture(scope="module")
 def paper_truth() -> Array:
-    return truth(PAPER)
+    return truth(PAPER, 1e-12)
 
 
 @pytest.mark.parametrize("method", BOTH)
