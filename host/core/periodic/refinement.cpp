@@ -142,7 +142,7 @@ void Refinement::bound(const Orbit& orbit, double tolerance, SteadyState& next) 
 FixedPoint::Ended Refinement::level(double tolerance, const Levels& levels, SteadyState& next) {
     constexpr double kFirst = 2.0 / 3;  // of the goal, while the start is not good to a tolerance
     constexpr double kLeast = 1e-9;
-    constexpr double kRough = 0.04;  // its square is what a rough speed may be off by
+    constexpr double kRough = 0.005;  // its square is what a rough speed may be off by
     const double longest =
         std::max(levels.goal * tolerance, levels.root_goal * std::sqrt(tolerance));
     const double goal =

@@ -144,7 +144,7 @@ class Finder:
         check_choice("cost", cost, COSTS)
         smooth = ground.smooth and springs is None
         # of the searched states, of their speeds, and of places where a descent ends
-        precise = (1e-8, 1e-7, 1e-4) if smooth else (STATES, STATES / 10, ROUGH / 4)
+        precise = (1e-8, 1e-5, 5e-4) if smooth else (STATES, STATES / 10, ROUGH / 4)
         self.state_rtol, self.miss, self.ends = precise
         self.rounding = self.miss / 2  # e-folds beyond a limit that count as on it
         self.rtol = rtol or (
@@ -161,8 +161,18 @@ class Finder:
         self.solved["states"] += 1
         if self.springs is None:
             powers = self.cost != "power"
-            state = state_near(self.robot, self.ground, gait, rtol=rtol, powers=powers, start=start)
-            return state if state.error_estimate <= _NEAR_MISS * rtol else None
+            rough = start is not None and not self.ground.smooth
+            state = state_near(
+                self.robot,
+                self.ground,
+                gait,
+                rtol=rtol,
+                powers=powers,
+                start=start,
+                rough=rough,
+            )
+            most = math.inf if rough else _NEAR_MISS * rtol
+            return state if state.error_estimate < most else None
         k, c = self.springs
         with suppress(SerpenoidError):
             return steady_springs(

@@ -26,7 +26,7 @@ from .shapes import FINE, STATES, Array, Point, better
 from .uncertainty import Sample, Uncertainty
 
 _RANKED = 0.1, 30  # e-folds of shape between those that are ranked, and how many they are
-_DRIVEN = 512  # samples at most with servos, which cost ten times as much
+_DRIVEN = 384  # samples at most with servos, which cost ten times as much
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,7 +148,7 @@ def robust_gait(
     uncertainty
         How well friction and servos are known; the defaults of `Uncertainty` unless given.
     samples
-        Number of sampled robots, 20 to 65536; with servos at most 512 of them are used.
+        Number of sampled robots, 20 to 65536; with servos at most 384 of them are used.
     seed
         Of the samples.
 
@@ -211,7 +211,7 @@ def robust_gait(
         low_speed(checked),
         speeds,
         fragile,
-        low_speed(Samples(robot, rate_by[:_DRIVEN]).speeds(fragile.gait)),
+        Samples(robot, rate_by[:_DRIVEN]).low(fragile.gait, smooth=False),
         limits.active(best.gait, finders[0].torque_nm(best.gait)),
         sum(finder.solved["states"] for finder in finders),
     )
@@ -238,7 +238,7 @@ def _cheapest(
 
     search, settle = copy(nominal), copy(nominal)
     search.speed, settle.speed = chosen_by, set_by
-    search.miss = STATES
+    search.miss = 5 * STATES  # a line between rates puts it right
     starts = nominal.table.starts(wanted, *_RANKED)
     best = min((search.point(p.shape, wanted, p) for p in starts), key=better)
     for _ in range(ROUNDS):

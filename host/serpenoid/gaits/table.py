@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +22,8 @@ from .shapes import COSTS, RATE_STEP, STATES, Array, Point, shape_of
 _SWINGS = np.radians(np.geomspace(4.0, 90.0, 14))  # of headings: gaits outside hardly travel
 _LAGS = 14, 20  # up to 8 links and for more: long robots have several narrow valleys
 _SLOWEST = 2.0  # rate times body length over speed: a wave of the body hardly moves it faster
+_AT_ONCE = 3  # rates that are solved together, each from the one before
+_BESIDE = 3.0  # times the cheapest of every second shape: what those between may hide
 _MOST_RATES = 30  # a factor of a million
 _PENALTY = 8.0  # e-folds of cost for an e-fold beyond a limit: a start may lie beyond it
 _WITHIN = 1.6  # times the cheapest: what the table's coarseness may hide
@@ -60,26 +61,32 @@ class GaitTable:
         self.beta_rad = np.broadcast_to(lags, alpha.shape)[kept]
         self.omega_rad_s = np.empty(0)
         self.speed_m_s = self.cost_w = np.empty((self.alpha_rad.size, 0))
-        self._grow(speeds)
+        places = np.argwhere(kept)
+        coarse = (places % 2 == 0).all(axis=1)
+        self._grow(speeds, coarse)
+        far = abs(places[:, None] - places[self._promising(speeds)]).max(axis=2, initial=0)
+        self._grow(speeds, ~coarse & (far <= 1).any(axis=1))
 
-    def _grow(self, speeds: Sequence[float]) -> None:
-        """Add rates upwards while a shape may still be cheaper than what is known."""
-        limits, useful = self.limits, np.ones(self.alpha_rad.size, bool)
+    def _grow(self, speeds: Sequence[float], useful: NDArray[np.bool_]) -> None:
+        """Add some shapes, upwards in rate while each may still be cheaper than what is known."""
+        limits = self.limits
         lowest = min(
             _SLOWEST * min(speeds) / self.robot.body_length_m,
             limits.omega_high_rad_s / RATE_STEP,
             limits.servo_speed_rad_s / (4 * float(self.alpha_rad.max())),
         )
-        while useful.any() and self.omega_rad_s.size < _MOST_RATES:
-            rates = lowest * RATE_STEP ** (self.omega_rad_s.size + np.arange(3.0))
-            self._add(rates, useful)
+        for first in range(0, _MOST_RATES, _AT_ONCE):
+            if not useful.any():
+                break
+            rates = lowest * RATE_STEP ** (first + np.arange(float(_AT_ONCE)))
+            self._add(rates, first, useful)
             best = max(np.nanmin(self._roots(v)[1], initial=math.inf) for v in speeds)
-            useful &= ~(self.cost_w[:, -1] > best)
+            useful = useful & ~(self.cost_w[:, first + _AT_ONCE - 1] > best)
             useful &= self.alpha_rad * rates[-1] < RATE_STEP * limits.servo_speed_rad_s
             useful &= rates[-1] < limits.omega_high_rad_s
 
-    def _add(self, rates: NDArray[Any], useful: NDArray[np.bool_]) -> None:
-        """Solve some shapes at some rates."""
+    def _add(self, rates: Array, first: int, useful: NDArray[np.bool_]) -> None:
+        """Solve some shapes at some rates, which begin at a column."""
         models = [
             core_model(self.robot, self.ground, Gait(alpha, beta, 1.0))
             for alpha, beta in zip(
@@ -90,11 +97,25 @@ class GaitTable:
         rows = _core.sweep(models, rates.tolist(), STATES, powers, threads, None, rough=True)
         v, solved = rows[..., 0], rows[..., 10] > 0.5
         v = np.where(v > STATES * rates * speed_floor_m_s(self.robot, 1.0), v, 1e-300)  # or noise
-        more = np.full((2, useful.size, rates.size), np.nan)
-        more[:, useful] = np.where(solved, [v, rows[..., 1 + COSTS.index(self.cost)]], np.nan)
-        self.omega_rad_s = np.append(self.omega_rad_s, rates)
-        self.speed_m_s = np.append(self.speed_m_s, more[0], axis=1)
-        self.cost_w = np.append(self.cost_w, more[1], axis=1)
+        if first == self.omega_rad_s.size:
+            unknown = np.full((useful.size, rates.size), np.nan)
+            self.omega_rad_s = np.append(self.omega_rad_s, rates)
+            self.speed_m_s = np.append(self.speed_m_s, unknown, axis=1)
+            self.cost_w = np.append(self.cost_w, unknown, axis=1)
+        columns = slice(first, first + rates.size)
+        self.speed_m_s[useful, columns] = np.where(solved, v, np.nan)
+        self.cost_w[useful, columns] = np.where(
+            solved, rows[..., 1 + COSTS.index(self.cost)], np.nan
+        )
+
+    def _promising(self, speeds: Sequence[float]) -> NDArray[np.bool_]:
+        """Return which shapes may lie beside the cheapest; all where a speed is not reached."""
+        promising = np.zeros(self.alpha_rad.size, bool)
+        for v in speeds:
+            price = self._roots(v)[1]
+            best = np.nanmin(price, initial=math.inf)
+            promising |= (price <= _BESIDE * best).any(axis=1) | (best == math.inf)
+        return promising
 
     def _roots(self, speed_m_s: float) -> tuple[Array, Array]:
         """Return rate and price of every root of every shape at a speed, (S, W - 1).
