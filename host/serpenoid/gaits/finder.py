@@ -132,7 +132,7 @@ class Finder:
     ) -> None:
         check_parts(robot, ground)
         limited = min(limits.servo_speed_rad_s, limits.omega_high_rad_s) < math.inf
-        lengths = MOST_LENGTHS_A_SECOND[limited]
+        lengths = MOST_LENGTHS_A_SECOND[bool(limited)]
         for speed in speeds:
             most = lengths * robot.body_length_m
             if check_number("speed_m_s", speed, 0.0, open_low=True) > most:
@@ -144,7 +144,7 @@ class Finder:
         check_choice("cost", cost, COSTS)
         smooth = ground.smooth and springs is None
         # of the searched states, of their speeds, and of places where a descent ends
-        precise = (1e-8, 1e-5, 5e-4) if smooth else (STATES, STATES / 10, ROUGH / 4)
+        precise = (1e-8, 1e-7, 1e-4) if smooth else (STATES, STATES / 10, ROUGH / 4)
         self.state_rtol, self.miss, self.ends = precise
         self.rounding = self.miss / 2  # e-folds beyond a limit that count as on it
         self.rtol = rtol or (
@@ -241,7 +241,9 @@ class Finder:
 
         size: of the first simplex, e-folds of shape; below 0 it looks the other way.
         """
-        valley = Valley(self, speed, start)
+        search = copy(self)
+        search.miss = max(self.miss, ends**2 / 4)  # a valley's power goes with the square, too
+        valley = Valley(search, speed, start)
         how = {
             "initial_simplex": start.shape + size * np.eye(3, 2, -1),
             "xatol": ends,

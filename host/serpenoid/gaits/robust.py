@@ -26,7 +26,7 @@ from .shapes import FINE, STATES, Array, Point, better
 from .uncertainty import Sample, Uncertainty
 
 _RANKED = 0.1, 30  # e-folds of shape between those that are ranked, and how many they are
-_DRIVEN = 384  # samples at most with servos, which cost ten times as much
+_DRIVEN = 320  # samples at most with servos, which cost ten times as much
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +130,7 @@ def robust_gait(
     uncertainty: Uncertainty | None = None,
     cost: str = "power",
     limits: GaitLimits = ANY,
-    samples: int = 2048,
+    samples: int = 1024,
     seed: int = 2005,
 ) -> RobustGait:
     """Find the least power at which 95 % of the sampled robots keep 90 % of the speed.
@@ -148,7 +148,7 @@ def robust_gait(
     uncertainty
         How well friction and servos are known; the defaults of `Uncertainty` unless given.
     samples
-        Number of sampled robots, 20 to 65536; with servos at most 384 of them are used.
+        Number of sampled robots, 20 to 65536; with servos at most 320 of them are used.
     seed
         Of the samples.
 
