@@ -23,7 +23,7 @@ class MemoryRecord(Journal):
     def __init__(self, setup: Setup, begun: Session | None = None):
         self.session = begun or Session(setup, ())
         self.events = []
-        self._count = max((r.number for _, r in self.session.numbered), default=0)
+        self._count = max((r.number for r in self.session.numbered), default=0)
 
     def add(
         self,
@@ -38,16 +38,16 @@ class MemoryRecord(Journal):
         self._count += 1
         common: dict[str, Any] = {"number": self._count, "comment": comment}
         if samples is not None:
-            common["track"] = Track.of(kind_of(kind).track, samples)
+            common["track"] = Track.of(kind_of(kind).columns, samples)
         made = make_reading(reading_row(kind, cells, self.session.setup.procedure), common)
         if replaces:
-            part = kind_of(kind).part or "further"
+            part = kind_of(kind).part
             kept = (
                 replace(r, voided=True) if r.number == replaces else r
                 for r in getattr(self.session, part)
             )
             self.session = replace(self.session, **{part: tuple(kept)})
-        self.session = self.session.with_reading(kind_of(kind), made)
+        self.session = self.session.with_reading(made)
         return self._count
 
     def event(self, event: str, reading: int = 0, detail: str = "") -> None:

@@ -11,6 +11,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -20,16 +21,14 @@ from ..model.drives import FRAME_S, ServoKind
 from ..model.gait import Gait
 from ..model.robot import Robot
 from ..robot.wire.protocol import frame_us
-from .kinds.bend import BendCheck
+from .kinds.checks import BendCheck, ZeroReading
 from .kinds.coast import Coast
-from .kinds.declaration import Kind
 from .kinds.gait import GaitRun
 from .kinds.instruments import FloorTools, Stopwatch, TreadmillSteps, Uncertainty
+from .kinds.rows import KINDS
 from .kinds.slide import Slide
 from .kinds.station import Reading, bent_share
-from .kinds.table import KINDS
 from .kinds.video import FilmReading
-from .kinds.zero import ZeroReading
 
 PLACES = ("treadmill", "floor")  # where a plan is carried out
 PROVENANCE = ("measured", "regenerated", "simulated")
@@ -166,7 +165,7 @@ class Session:
 
     def __str__(self) -> str:
         """Return the session's name, and how many readings of each kind it has."""
-        counts = Counter(kind.name for kind, _ in self.numbered)
+        counts = Counter(reading.kind for reading in self.numbered)
         return f"{self.setup.name}: " + ", ".join(f"{n} {name}" for name, n in counts.items())
 
     @property
@@ -216,24 +215,20 @@ class Session:
 
     def of(self, kind: str) -> tuple[Any, ...]:
         """Return all readings of a kind, by its name, in the order they were taken."""
-        declared = KINDS[kind]
-        if declared.part:
-            return getattr(self, declared.part)  # type: ignore[no-any-return]
-        return tuple(r for r in self.further if isinstance(r, declared.reading))
+        return tuple(r for r in getattr(self, KINDS[kind].part) if r.kind == kind)
 
     def _kept(self, kind: str) -> tuple[Any, ...]:
         return tuple(r for r in self.of(kind) if not r.voided)
 
     @property
-    def numbered(self) -> list[tuple[Kind, Any]]:
-        """Return every reading with its kind, by their numbers."""
-        pairs = [(kind, r) for name, kind in KINDS.items() for r in self.of(name)]
-        return sorted(pairs, key=lambda pair: pair[1].number)
+    def numbered(self) -> list[Any]:
+        """Return every reading, by their numbers."""
+        return sorted((r for kind in KINDS for r in self.of(kind)), key=attrgetter("number"))
 
-    def with_reading(self, kind: Kind, made: Any) -> Session:
+    def with_reading(self, reading: Any) -> Session:
         """Return the session with one more reading."""
-        part = kind.part or "further"
-        return replace(self, **{part: (*getattr(self, part), placed(made, bool(self.readings)))})
+        after = placed(reading, bool(self.readings))
+        return replace(self, **{after.part: (*getattr(self, after.part), after)})
 
     def uncertainty_of(self, reading: Reading | ZeroReading) -> Uncertainty:
         """Return the uncertainty of the instruments that a reading was taken with."""
@@ -373,11 +368,7 @@ class Session:
                 ]
                 for r in self.kept
             ],
-            *(
-                repr(r)
-                for kind, r in self.numbered
-                if kind.fitted and not kind.part and not r.voided
-            ),
+            *(repr(r) for r in self.numbered if r.fitted and r.part == "further" and not r.voided),
             *([self.zeros_rad(self.kept)] if self.zero_drifts else []),
             *([repr(setup.floor)] if self.on_floor else []),
         ]

@@ -14,7 +14,7 @@ from ..model.files import csv_rows, read_text
 from ..model.robot import Robot
 from ..model.toml_table import Table, check_names, located
 from .kinds.instruments import Uncertainty
-from .kinds.station import STATION, Reading
+from .kinds.station import Reading
 from .session import Procedure, Session, Setup
 from .session_rows import change_of, read_format_2, time_of, whole_number
 from .settings import GRAVITY, SETTINGS, Setting, applied, changed
@@ -179,7 +179,7 @@ def _reading(header: list[str], cells: list[str]) -> Reading:
         voided=check_choice("status", row["status"], STATUSES) == "void",
         comment=row["comment"],
         time_utc=time_of(row["time_utc"]),
-        **{f.name: f.read(row.get(f.column, "")) for f in STATION.fields},  # type: ignore[arg-type]
+        **{f.name: f.read(row.get(f.column, "")) for f in Reading.fields},  # type: ignore[arg-type]
     )
 
 

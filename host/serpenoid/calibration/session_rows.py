@@ -18,9 +18,8 @@ from ..model.checks import check_choice
 from ..model.errors import BadInput
 from ..model.files import csv_rows, read_text
 from ..model.toml_table import Table, check_names, located
-from .kinds.declaration import Kind
-from .kinds.rows import DOUBTFUL, READING_COLUMNS, TRACK_WORDS, Row, make_reading, words_of
-from .kinds.table import KINDS
+from .kinds.declaration import Taken
+from .kinds.rows import DOUBTFUL, KINDS, READING_COLUMNS, TRACK_WORDS, Row, make_reading, words_of
 from .kinds.tracks import FOLDER, Track, read_track
 from .session import Session, Setup, placed
 
@@ -209,7 +208,7 @@ def _replaced_later(restored: Event, found: _Found) -> bool:
 
 
 def _session(setups: list[Setup], found: _Found, folder: Path) -> Session:
-    parts: dict[str, list[Any]] = {kind.part or "further": [] for kind in KINDS.values()}
+    parts: dict[str, list[Any]] = {kind.part: [] for kind in KINDS.values()}
     unknown: list[str] = []
     for row, where in found.rows.values():
         kind = KINDS.get(row["kind"])
@@ -220,7 +219,7 @@ def _session(setups: list[Setup], found: _Found, folder: Path) -> Session:
             common = _common(row, found) | _track(row, kind, folder)
             made = placed(make_reading(row, common), bool(parts["readings"]))
             made = _with_instruments(made, _setup_of(row, setups))
-        parts[kind.part or "further"].append(made)
+        parts[kind.part].append(made)
     if unknown:
         kinds = ", ".join(sorted(set(unknown)))
         found.notes.append(f"{len(unknown)} reading(s) of kinds not used here ({kinds}) left out")
@@ -240,9 +239,9 @@ def _with_instruments(made: Any, setup: Setup) -> Any:
     return replace(made, **own) if own else made
 
 
-def _track(row: Row, kind: Kind, folder: Path) -> dict[str, Track]:
+def _track(row: Row, kind: type[Taken], folder: Path) -> dict[str, Track]:
     """Return the track of a reading whose kind has one."""
-    if not kind.track:
+    if not kind.columns:
         return {}
     said = words_of(row)
     name, sha256 = (said.get(word, "") for word in TRACK_WORDS)
@@ -250,7 +249,7 @@ def _track(row: Row, kind: Kind, folder: Path) -> dict[str, Track]:
         return {}
     if not re.fullmatch(rf"{FOLDER}/\w+\.csv", name):
         raise BadInput(f"track is {name!r}; it must be a file such as {FOLDER}/0001.csv")
-    return {"track": read_track(folder / name, kind.track, sha256)}
+    return {"track": read_track(folder / name, kind.columns, sha256)}
 
 
 def _setup_of(row: Row, setups: list[Setup]) -> Setup:

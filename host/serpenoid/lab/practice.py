@@ -6,23 +6,52 @@ import math
 import threading
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 
+from ..model.errors import BadInput
 from .belt import Belt
 from .instruments import FILM_S, RULER_M, Instrument
 from .person import Display
 from .robot import LabRobot
 
 TICK_S = 0.04
-MOST_BEHIND_S = 1.0  # of the world's time: a computer that slept is not made up for
+MOST_BEHIND_S = 1.0  # to catch up with after the computer slept
 MOST_GRADE_STEPS = 30  # 15 % in steps of 0.5 %
 MOST_BELT_M_S = 4.0
 LET_GO_M_S, LET_GO_RAD, LET_GO_RAD_S = 0.02, math.radians(1.5), math.radians(2.0)
 DISPLAY, INCLINOMETER_RAD = Display(), Instrument(step=math.radians(0.1))
 SetPoints = Callable[[], Sequence[float]]
 BELT_LENGTH_M = 2.8
+STEPS = {"+": 1, "-": -1}
+# What the page calls some words with what is given to them.
+BUTTONS = {
+    "faster": ("belt", "+"),
+    "slower": ("belt", "-"),
+    "steeper": ("incline", "+"),
+    "flatter": ("incline", "-"),
+    "put_up": ("put", "up"),
+}
+
+
+def amount(text: str, says: str, *units: str, low: float = -1e9, high: float = 1e9) -> float:
+    """Return a number that was typed with or without a unit; raises BadInput with what to say."""
+    for unit in units:
+        text = text.removesuffix(unit).strip()
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not low <= value <= high:
+        raise BadInput(says)
+    return value
+
+
+def protractor_in_words(shown_deg: Sequence[float]) -> str:
+    """Return what a protractor shows between the links at tail and head."""
+    return "protractor: {:.1f} deg at the tail, {:.1f} deg at the head".format(*shown_deg)
 
 
 class PracticeTreadmill:
@@ -31,7 +60,9 @@ class PracticeTreadmill:
     set_points: where the robot's joints are told to stand now, rad, such as a virtual board's.
     inclinometer_rad: with the zero that is to be found. grade_step: of the treadmill's incline, as
     a tangent. deck_rad: how the deck lies where the treadmill says 0. pace: how many seconds pass
-    in one of the clock. lies: the robot is on the belt, else in somebody's hand.
+    in one of the clock. lies: the robot is on the belt, else in somebody's hand. words: what may be
+    typed there, with what is given to them; each returns what to show, or raises BadInput. buttons:
+    of the page, by their names.
     """
 
     def __init__(
@@ -59,19 +90,19 @@ class PracticeTreadmill:
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._go_on, daemon=True)
         self.belt.tilt(deck_rad)
-        self.buttons: dict[str, Callable[[], str]] = {
-            "faster": lambda: self.set_belt(self._shown_steps + 1),
-            "slower": lambda: self.set_belt(self._shown_steps - 1),
-            "steeper": lambda: self.set_grade(self._grade + 1),
-            "flatter": lambda: self.set_grade(self._grade - 1),
+        self.words: dict[str, Callable[[str], str]] = {
+            "belt": self._belt_word,
+            "incline": self._incline_word,
             "put": self.put,
-            "put_up": lambda: self.put("up"),
             "take": self.take,
             "mark": self.mark,
             "inclinometer": self.inclinometer,
-            "turned": lambda: self.inclinometer(turned=True),
+            "turned": lambda given: self.inclinometer(turned=True),
             "protractor": self.protractor,
             "turns": self.turns,
+        }
+        self.buttons = {word: partial(obey, "") for word, obey in self.words.items()} | {
+            name: partial(self.words[word], given) for name, (word, given) in BUTTONS.items()
         }
 
     def start(self) -> PracticeTreadmill:
@@ -109,6 +140,19 @@ class PracticeTreadmill:
         """Return what the treadmill shows."""
         return self._shown_steps * self.display.step_m_s
 
+    def _belt_word(self, given: str) -> str:
+        if given in STEPS:
+            return self.set_belt(self._shown_steps + STEPS[given])
+        says = "say how fast in km/h: belt 1.6; or belt +, belt -"
+        shown = amount(given, says, "km/h", "kmh")
+        return self.set_belt(round(shown / 3.6 / self.display.step_m_s))
+
+    def _incline_word(self, given: str) -> str:
+        if given in STEPS:
+            return self.set_grade(self._grade + STEPS[given])
+        says = "say how steep in %: incline 4; or incline +, incline -"
+        return self.set_grade(round(amount(given, says, "%") / 100 / self.grade_step))
+
     def set_belt(self, steps: int) -> str:
         """Set the belt, in steps of its display; return what it shows."""
         with self._lock:
@@ -137,8 +181,9 @@ class PracticeTreadmill:
     def _incline_rad(self) -> float:
         return math.atan(self._grade * self.grade_step) + self._deck_rad
 
-    def put(self, facing: str = "down") -> str:
-        """Lay the robot in the middle of the belt and let go of it."""
+    def put(self, given: str = "") -> str:
+        """Lay the robot in the middle of the belt and let go of it; given: "up", head uphill."""
+        facing = "up" if given == "up" else "down"
         with self._lock:
             normal = self._rng.normal(size=4)
             self.lies, self._mark = True, None
@@ -149,15 +194,15 @@ class PracticeTreadmill:
                 LET_GO_M_S * normal[2],
                 LET_GO_RAD_S * normal[3],
             )
-            return f"the robot is on the belt, head {'up' if facing == 'up' else 'down'}hill"
+            return f"the robot is on the belt, head {facing}hill"
 
-    def take(self) -> str:
+    def take(self, given: str = "") -> str:
         """Take the robot off the belt."""
         with self._lock:
             self.lies = False
             return "the robot is in your hand"
 
-    def mark(self) -> str:
+    def mark(self, given: str = "") -> str:
         """Mark where the robot is and start the watch; the second time, read both."""
         with self._lock:
             if not self.lies:
@@ -179,22 +224,19 @@ class PracticeTreadmill:
             at = self.belt.look()
             return FILM_S.shows(at.t_s, self._rng), -RULER_M.shows(at.along_m, self._rng)
 
-    def inclinometer(self, turned: bool = False) -> str:
+    def inclinometer(self, given: str = "", *, turned: bool = False) -> str:
         """Return what the inclinometer on the deck shows, or shows turned end for end."""
         incline = -self._incline_rad if turned else self._incline_rad
         shown = math.degrees(self._inclinometer_rad.shows(incline, self._rng))
         return f"inclinometer{', turned,' if turned else ''} {shown:.1f} deg"
 
-    def protractor(self) -> str:
+    def protractor(self, given: str = "") -> str:
         """Return what a protractor shows between the links at either end."""
         with self._lock:
-            ends_rad = self.belt.robot.ends_rad(
-                list(self._set_points()), self._protractor_rad, self._rng
-            )
-            tail, head = (180.0 - math.degrees(end_rad) for end_rad in ends_rad)
-            return f"protractor: {tail:.1f} deg at the tail, {head:.1f} deg at the head"
+            told, off_rad = self._set_points(), self._protractor_rad
+            return protractor_in_words(self.belt.robot.protractor_deg(told, off_rad, self._rng))
 
-    def turns(self) -> str:
+    def turns(self, given: str = "") -> str:
         """Time ten turns of a mark on the belt, with a hand's error."""
         with self._lock:
             shown_m_s = self.belt_shown_m_s

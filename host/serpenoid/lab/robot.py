@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -95,12 +96,13 @@ class LabRobot:
         """Return where the joints stand when they are told to stand there."""
         return [a + e for a, e in zip(set_rad, self.joint_error_rad, strict=True)]
 
-    def ends_rad(
+    def protractor_deg(
         self, set_rad: Sequence[float], scatter_rad: float, rng: np.random.Generator
     ) -> list[float]:
-        """Return by what a protractor shows the joints at tail and head bent."""
+        """Return what a protractor shows between the links at tail and head, each off by this."""
         true = self.true_joints(set_rad)
-        return [abs(true[k]) + scatter_rad * float(rng.normal()) for k in (0, -1)]
+        ends_rad = [abs(true[k]) + scatter_rad * float(rng.normal()) for k in (0, -1)]
+        return [180.0 - math.degrees(end_rad) for end_rad in ends_rad]
 
 
 def pose_of(signs: Sequence[int], angle_rad: float) -> list[float]:

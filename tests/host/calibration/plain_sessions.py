@@ -4,10 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from serpenoid import Robot
-from serpenoid.calibration.kinds.bend import BendCheck
+from serpenoid.calibration.kinds.checks import BendCheck, ZeroReading
 from serpenoid.calibration.kinds.instruments import TreadmillSteps, Uncertainty
 from serpenoid.calibration.kinds.station import Reading
-from serpenoid.calibration.kinds.zero import ZeroReading
 from serpenoid.calibration.session import Procedure, Session, Setup
 
 G, STEPS_DEG, BEND_SIGMA_DEG = 9.81, 0.1, 0.5  # of gravity, inclinometer and protractor

@@ -8,7 +8,7 @@ import pytest
 from calibration.floor_sessions import FN0, FT0, MASS, G, floor_session
 from serpenoid.calibration.advising.break_away import break_away_notes, ratio
 from serpenoid.calibration.friction_fit import fit_friction
-from serpenoid.calibration.kinds.slide import BREAKAWAY, BreakAway
+from serpenoid.calibration.kinds.slide import BreakAway
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +22,7 @@ def checked(session, share, lambda_rad=0.0):
     tilt = math.asin(share * force / (MASS * G))
     made = [BreakAway(900 + k, lambda_rad, tilt, "balanced") for k in range(3)]
     for one in made:
-        session = session.with_reading(BREAKAWAY, one)
+        session = session.with_reading(one)
     return session, made
 
 

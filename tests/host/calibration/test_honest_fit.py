@@ -9,8 +9,8 @@ from calibration.synthetic_session import STEP_RAD, WHOLE_BODY_2005, changed, se
 from serpenoid import BadInput, NotConverged
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import NAMES
+from serpenoid.calibration.kinds.checks import ZeroReading
 from serpenoid.calibration.kinds.station import Reading
-from serpenoid.calibration.kinds.zero import ZeroReading
 from serpenoid.calibration.session import Session
 
 TRUTH = [getattr(WHOLE_BODY_2005, name) for name in NAMES]

@@ -60,7 +60,7 @@ def test_the_state_holds_what_is_to_be_done_and_what_was_found():
     session, step = session_in_progress(30)
     state = state_of(session, step, frozenset(), "by hand")
     json.dumps(state, allow_nan=False)
-    assert state["last"].startswith(f"{session.numbered[-1][1].number}: ")
+    assert state["last"].startswith(f"{session.numbered[-1].number}: ")
     assert len(state["fit"]) == 4
     straight = state["bends"][0]
     assert len(straight["points"]) == sum(r.lambda_rad == 0 for r in session.kept)
@@ -296,7 +296,7 @@ def test_a_browser_follows_loses_and_finds_the_page_and_stops_the_robot(browser)
 
 
 def session_last(session):
-    return f"{session.numbered[-1][1].number}: "
+    return f"{session.numbered[-1].number}: "
 
 
 PLAIN = """

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from serpenoid import BadInput, fit_friction, load_session
 from serpenoid.calibration.fitting.stations import Stations
+from serpenoid.calibration.kinds.checks import ZeroReading
 from serpenoid.calibration.kinds.instruments import Uncertainty
 from serpenoid.calibration.kinds.rows import READING_COLUMNS
-from serpenoid.calibration.kinds.zero import ZeroReading
 from serpenoid.calibration.session_file import read_session
 from serpenoid.calibration.session_rows import EVENT_COLUMNS, read_events
 

@@ -12,7 +12,7 @@ from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, set
 from command_line import serpenoid
 from serpenoid.calibration.fitting.shared import straightness_factors
 from serpenoid.calibration.friction_result import NO_BELT
-from serpenoid.calibration.kinds.belt import BeltCheck
+from serpenoid.calibration.kinds.checks import BeltCheck
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.show.session.state import agreement

@@ -13,7 +13,7 @@ import serpenoid as sn
 from click.testing import CliRunner
 from lab.filmed_robot import Motion, driven
 from serpenoid.calibration.kinds.tracks import Track
-from serpenoid.calibration.kinds.video import VIDEO, FilmReading
+from serpenoid.calibration.kinds.video import FilmReading
 from serpenoid.calibration.servos.from_runs import servo_of_session
 from serpenoid.calibration.session_file import load_session, read_session
 from serpenoid.calibration.taking.new_session import create_session, default_setup
@@ -117,9 +117,9 @@ def test_a_session_tells_light_rotors_by_a_quick_film(runs) -> None:
         track=Track.of(names, rows),
     )
     both = sn.ServoKind("both", HEAVY, drawn=(HEAVY, LIGHT))
-    found = servo_of_session(session.with_reading(VIDEO, film), both, fit)
+    found = servo_of_session(session.with_reading(film), both, fit)
     assert set(found.kind.drawn) == {LIGHT}
-    unseen = session.with_reading(VIDEO, replace(film, track=None))
+    unseen = session.with_reading(replace(film, track=None))
     assert set(servo_of_session(unseen, both, fit).kind.drawn) == {HEAVY, LIGHT}
 
 

@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from lab.one_joint import ROBOT, filmed_by, shown_by
 from serpenoid import _core
 from serpenoid.calibration.kinds.gait import GaitRun
-from serpenoid.calibration.kinds.video import VIDEO, FilmReading
+from serpenoid.calibration.kinds.video import FilmReading
 from serpenoid.calibration.servos.from_runs import servo_of_session
 from serpenoid.calibration.session_file import load_session
 from serpenoid.commands.demo import session_folder
@@ -155,7 +155,7 @@ def test_a_film_of_a_session_tells_how_far_the_joints_go(tmp_path: Path, monkeyp
         "0,0,0,0,0",
         "cd" * 32,
     )
-    with_film = load_session(session_folder()).with_reading(VIDEO, film)
+    with_film = load_session(session_folder()).with_reading(film)
     monkeypatch.setattr(sn, "load_session", lambda _: with_film)
     out = tmp_path / "slow.toml"
     told = CliRunner().invoke(cli, ["servo", "--session", str(session_folder()), "--out", str(out)])

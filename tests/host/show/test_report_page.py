@@ -10,10 +10,9 @@ import pytest
 import serpenoid as sn
 from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup
 from serpenoid.calibration.comparison import ComparedGait, Comparison
-from serpenoid.calibration.kinds.bend import BendCheck
+from serpenoid.calibration.kinds.checks import BendCheck, ZeroReading
 from serpenoid.calibration.kinds.coast import Coast
 from serpenoid.calibration.kinds.gait import GaitRun
-from serpenoid.calibration.kinds.zero import ZeroReading
 from serpenoid.calibration.session_rows import Event
 from serpenoid.show.session.report_page import session_page
 from webdriver import Browser

@@ -15,7 +15,7 @@ import pytest
 import serpenoid as sn
 from click.testing import CliRunner
 from serpenoid.calibration.filmed_joints import swapped_plugs
-from serpenoid.calibration.kinds.video import VIDEO, FilmReading
+from serpenoid.calibration.kinds.video import FilmReading
 from serpenoid.commands.main import cli
 from serpenoid.model.errors import BadInput
 from serpenoid.robot import Robot
@@ -317,7 +317,7 @@ def test_a_comparison_begins_with_swapped_plugs() -> None:
     film = FilmReading(
         7, GAIT.alpha_rad, GAIT.beta_rad, 8.0, 0.05, 1e-4, 0.0, 0.01, "1,1,1,1,1", shifts, "ab" * 32
     )
-    session = sn.load_session(FOLDER_2005).with_reading(VIDEO, film)
+    session = sn.load_session(FOLDER_2005).with_reading(film)
     (words,) = swapped_plugs(session)
     assert words.startswith("First: film 7 shows joints 2 and 3 as if their plugs were swapped")
     assert not swapped_plugs(sn.load_session(FOLDER_2005))

@@ -18,7 +18,7 @@ from serpenoid.calibration.filmed_joints import servo_seen
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import Estimate, FitDraws
 from serpenoid.calibration.kinds.gait import GaitRun
-from serpenoid.calibration.kinds.video import VIDEO, FilmReading
+from serpenoid.calibration.kinds.video import FilmReading
 from serpenoid.calibration.session_file import load_session, read_session
 from serpenoid.calibration.speed_samples import sample_speeds, speed_band
 from serpenoid.calibration.speeds import speed
@@ -132,7 +132,7 @@ def of_2005():
 def test_the_verdict_is_amplitude_where_a_film_shows_it(of_2005, gain, verdict) -> None:
     session, fit = of_2005
     made = speed(fit.robot, fit.ground, filmed(gain, 0.1).gait)
-    with_film = session.with_reading(VIDEO, filmed(gain, made))
+    with_film = session.with_reading(filmed(gain, made))
     found = compare(with_film, fit, samples=16, servo=None)
     assert found.verdict == verdict
     shown = f"Film 99 shows joints at {100 * gain:.1f} ± 0.1 % of the commanded amplitude"
@@ -187,7 +187,7 @@ def test_films_and_timed_runs_of_one_command_are_one_gait(of_2005) -> None:
     timed = GaitRun(9, commanded.alpha_rad, commanded.beta_rad, 3.0, made, 1e-5)
     both = replace(session, gait_runs=(timed,))
     for film in films:
-        both = both.with_reading(VIDEO, film)
+        both = both.with_reading(film)
     found = compare(both, fit, samples=16, servo=None, gaits=[commanded])
     (row,) = found.gaits
     assert sorted(row.runs) == [7, 8, 9]
@@ -198,14 +198,14 @@ def test_films_and_timed_runs_of_one_command_are_one_gait(of_2005) -> None:
 
 def test_the_fit_keeps_films_out(of_2005) -> None:
     session, fit = of_2005
-    again = fit_friction(session.with_reading(VIDEO, filmed(0.8, 0.01)))
+    again = fit_friction(session.with_reading(filmed(0.8, 0.01)))
     assert again.whole_snake == pytest.approx(fit.whole_snake)
     assert again.session_sha256 == fit.session_sha256
 
 
 def test_a_voided_film_counts_for_nothing(of_2005) -> None:
     session, _ = of_2005
-    void = session.with_reading(VIDEO, replace(filmed(0.8, 0.1), voided=True))
+    void = session.with_reading(replace(filmed(0.8, 0.1), voided=True))
     assert void.kept_films == ()
 
 
@@ -242,7 +242,7 @@ def test_what_servos_lose_of_a_filmed_amplitude_is_lost_once(of_2005, free_speed
     assert np.mean(drawn.both_m_s) == pytest.approx(robot.speed_m_s, rel=0.1)
     made = speed(fit.robot, fit.ground, film.gait)
     assert np.median(drawn.shares) == pytest.approx(robot.speed_m_s / made, rel=0.1)
-    again = compare(session.with_reading(VIDEO, film), fit, samples=16).gaits[0]
+    again = compare(session.with_reading(film), fit, samples=16).gaits[0]
     assert again.low_all_m_s < robot.speed_m_s < again.high_all_m_s < 1.3 * made
 
 
@@ -251,7 +251,7 @@ def test_predictions_and_advice_have_the_servos_that_a_film_leaves(
 ) -> None:
     """Joints at 0.8 of a quick gait: weak servos, which leave less of another gait's speed."""
     session, fit = of_2005
-    weak = session.with_reading(VIDEO, replace(filmed(0.8, 0.1), omega_rad_s=8.0))
+    weak = session.with_reading(replace(filmed(0.8, 0.1), omega_rad_s=8.0))
     gait = sn.Gait(math.radians(70), math.radians(75), 3.0)
     before, after = (advise(s, [gait], samples=16) for s in (session, weak))
     assert before.band_servo_measured is not None

@@ -69,7 +69,7 @@ Option = tuple[NextReading, Iterable[Session]]
 
 def next_number(session: Session) -> int:
     """Return a number that no reading has."""
-    return 1 + max((reading.number for _, reading in session.numbered), default=0)
+    return 1 + max((reading.number for reading in session.numbered), default=0)
 
 
 def repeated(session: Session, part: str, reading: Reading | GaitRun) -> Iterator[Session]:

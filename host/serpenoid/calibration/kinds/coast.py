@@ -9,99 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...model.errors import BadInput
-from .bend import bend_in_words
-from .declaration import DERIVED, Field, Kind, Word, check_fields
-from .station import BEND_WORD, LAMBDA, STEERING
+from .declaration import DERIVED, Field, Taken, Word
+from .station import BEND_WORD, LAMBDA, STEERING, bend_in_words
 from .tracks import Track
 
 WAYS = ("there", "back")
 FACINGS = ("ahead", "back")  # head first; or tail first, where ratchet wheels roll backwards
 SOURCES = ("rest", "marks", "film")  # what a push is known by: tape and watch, marks passed, a film
-FIELDS = (
-    LAMBDA,
-    Field(
-        "distance_m",
-        "way from where the hand let go to where it rests",
-        "length",
-        0.0,
-        100.0,
-        (0.2, 5.0),
-        "push harder: a short way tells little",
-        open_low=True,
-        optional=True,
-    ),
-    Field(
-        "duration_s",
-        "time from the hand to rest",
-        "time",
-        0.0,
-        1e3,
-        (0.4, 20.0),
-        open_low=True,
-        optional=True,
-    ),
-    Field(
-        "turned_deg",
-        "turned while it rolled, + to the left (Enter: not)",
-        "angle",
-        -180.0,
-        180.0,
-        likely=(-10.0, 10.0),
-        usual=0.0,
-        optional=True,
-        why="a robot that turns by more slips sideways: push it again",
-    ),
-    Field(
-        "start_s",
-        "the track counts from here, the hand gone",
-        "time",
-        -1e6,
-        1e6,
-        source=DERIVED,
-        optional=True,
-    ),
-    Field("end_s", "the track counts to here", "time", -1e6, 1e6, source=DERIVED, optional=True),
-    Field(
-        "scale_sigma",
-        "standard deviation of the film's scale, relative",
-        "count",
-        0.0,
-        0.2,
-        source=DERIVED,
-        optional=True,
-    ),
-    Field(
-        "distance_sigma_m",
-        "standard deviation of a place",
-        "length",
-        0.0,
-        1.0,
-        open_low=True,
-        source=DERIVED,
-        optional=True,
-    ),
-    Field(
-        "time_sigma_s",
-        "standard deviation of a time",
-        "time",
-        0.0,
-        10.0,
-        source=DERIVED,
-        optional=True,
-    ),
-    STEERING,
-    Word("way", WAYS),
-    Word("facing", FACINGS),
-    Word("by", SOURCES, source=DERIVED),
-    BEND_WORD,
-    Word("place"),
-    Word("file_sha256", source=DERIVED),
-)
 TRACK = ("t_s", "x_m", "y_m")
 
 
 @dataclass(frozen=True, slots=True)
-class Coast:
+class Coast(Taken):
     """One push: the robot let go at speed on a level floor, and followed until it rests.
 
     number: from 1, unique in a session. lambda_rad, bend: as of a station. way: "there" or "back"
@@ -114,6 +33,84 @@ class Coast:
     place and one time; None: those of the set-up. offset_rad: steering on every joint; None where
     nobody told. file_sha256: of the file that the track came from. Raises BadInput.
     """
+
+    kind = "coast"
+    fitted = True
+    track_may_miss = True
+    columns = TRACK
+    fields = (
+        LAMBDA,
+        Field(
+            "distance_m",
+            "way from where the hand let go to where it rests",
+            0.0,
+            100.0,
+            (0.2, 5.0),
+            "push harder: a short way tells little",
+            open_low=True,
+            optional=True,
+        ),
+        Field(
+            "duration_s",
+            "time from the hand to rest",
+            0.0,
+            1e3,
+            (0.4, 20.0),
+            open_low=True,
+            optional=True,
+        ),
+        Field(
+            "turned_deg",
+            "turned while it rolled, + to the left (Enter: not)",
+            -180.0,
+            180.0,
+            likely=(-10.0, 10.0),
+            usual=0.0,
+            optional=True,
+            why="a robot that turns by more slips sideways: push it again",
+        ),
+        Field(
+            "start_s",
+            "the track counts from here, the hand gone",
+            -1e6,
+            1e6,
+            source=DERIVED,
+            optional=True,
+        ),
+        Field("end_s", "the track counts to here", -1e6, 1e6, source=DERIVED, optional=True),
+        Field(
+            "scale_sigma",
+            "standard deviation of the film's scale, relative",
+            0.0,
+            0.2,
+            source=DERIVED,
+            optional=True,
+        ),
+        Field(
+            "distance_sigma_m",
+            "standard deviation of a place",
+            0.0,
+            1.0,
+            open_low=True,
+            source=DERIVED,
+            optional=True,
+        ),
+        Field(
+            "time_sigma_s",
+            "standard deviation of a time",
+            0.0,
+            10.0,
+            source=DERIVED,
+            optional=True,
+        ),
+        STEERING,
+        Word("way", WAYS),
+        Word("facing", FACINGS),
+        Word("by", SOURCES, source=DERIVED),
+        BEND_WORD,
+        Word("place"),
+        Word("file_sha256", source=DERIVED),
+    )
 
     number: int
     lambda_rad: float
@@ -138,7 +135,7 @@ class Coast:
     offset_rad: float | None = field(default=None, repr=False)  # no part of the session's hash
 
     def __post_init__(self) -> None:
-        check_fields(self, FIELDS)
+        Taken.__post_init__(self)
         if self.track is None and (self.by != "rest" or None in (self.distance_m, self.duration_s)):
             raise BadInput(
                 f"push {self.number} has neither a track nor distance_m and duration_s; give a "
@@ -162,18 +159,15 @@ class Coast:
         high = math.inf if self.end_s is None else self.end_s + 1e-9
         return self.track.values[(low <= t) & (t <= high)].T
 
-
-def _in_words(c: Coast) -> tuple[str, str]:
-    bend = bend_in_words(c.lambda_rad)
-    where = f" at {c.place}" if c.place else ""
-    tail = ", tail first" if c.facing == "back" else ""
-    what = f"push {c.way}{where}{bend}{tail}"
-    if c.track is None:
-        return what, f"{c.distance_m:.3f} m in {c.duration_s:.2f} s to rest"
-    t, x, y = c.counted
-    way = math.hypot(x[-1] - x[0], y[-1] - y[0])
-    turned = f", turned {math.degrees(c.turned_rad):+.2g}°" if c.turned_rad else ""
-    return what, f"{c.by}: {len(t)} places, {way:.3f} m in {t[-1] - t[0]:.2f} s{turned}"
-
-
-COAST = Kind("coast", Coast, FIELDS, _in_words, fitted=True, track=TRACK, track_may_miss=True)
+    def in_words(self) -> tuple[str, str]:
+        """Return what it is, and its values."""
+        bend = bend_in_words(self.lambda_rad)
+        where = f" at {self.place}" if self.place else ""
+        tail = ", tail first" if self.facing == "back" else ""
+        what = f"push {self.way}{where}{bend}{tail}"
+        if self.track is None:
+            return what, f"{self.distance_m:.3f} m in {self.duration_s:.2f} s to rest"
+        t, x, y = self.counted
+        way = math.hypot(x[-1] - x[0], y[-1] - y[0])
+        turned = f", turned {math.degrees(self.turned_rad):+.2g}°" if self.turned_rad else ""
+        return what, f"{self.by}: {len(t)} places, {way:.3f} m in {t[-1] - t[0]:.2f} s{turned}"

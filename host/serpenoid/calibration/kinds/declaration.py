@@ -1,11 +1,11 @@
-"""What the declaration of a reading kind consists of: its fields, and how they are shown."""
+"""What the declaration of a kind of reading consists of: its fields, and what it is used for."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from ...model.checks import check_choice, check_number
 from .instruments import Stopwatch
@@ -25,6 +25,20 @@ UNITS: dict[str, dict[str, float]] = {
     "time": {"s": 1.0, "min": 60.0},
     "voltage": {"V": 1.0},
 }
+# Quantities by the ends of columns' names, the first that fits; others are counts.
+QUANTITIES = {
+    "incline_deg": "incline",
+    "reversed_deg": "incline",
+    "_deg": "angle",
+    "_percent": "grade",
+    "_km_h": "belt",
+    "_rad_s": "rate",
+    "_m_s": "speed",
+    "_m": "length",
+    "_kg": "mass",
+    "_s": "time",
+    "_v": "voltage",
+}
 READ, PLANNED, DERIVED = "read", "planned", "derived"
 
 
@@ -32,18 +46,16 @@ READ, PLANNED, DERIVED = "read", "planned", "derived"
 class Field:
     """One number of a reading.
 
-    column: its name in readings.csv, unit included. words: what a person is asked for. quantity: a
-    key of UNITS; bare numbers are in its first unit, which is the column's. low, high: limits, low
-    itself excluded if open_low. likely: the range that is expected, or None; why: what it means to
-    be beyond it. usual: what an empty answer means, or None. source: READ off by a person, PLANNED
-    (the plan or the board tells it) or DERIVED from the others. attribute: of the reading, in SI;
-    the column's name with `_rad` for `_deg` unless given. optional: the cell may be empty. sheet:
-    column and unit of the sheet to type into, where people use another unit.
+    column: its name in readings.csv, unit included. words: what a person is asked for. low, high:
+    limits, low itself excluded if open_low. likely: the range that is expected, or None; why: what
+    it means to be beyond it. usual: what an empty answer means, or None. source: READ off by a
+    person, PLANNED (the plan or the board tells it) or DERIVED from the others. attribute: of the
+    reading, in SI; the column's name with `_rad` for `_deg` unless given. optional: the cell may be
+    empty. sheet: column and unit of the sheet to type into, where people use another unit.
     """
 
     column: str
     words: str
-    quantity: str
     low: float
     high: float
     likely: tuple[float, float] | None = None
@@ -54,6 +66,11 @@ class Field:
     attribute: str = ""
     optional: bool = False
     sheet: tuple[str, str] | None = None
+
+    @property
+    def quantity(self) -> str:
+        """Return a key of UNITS; bare numbers are in its first unit, which is the column's."""
+        return next((q for end, q in QUANTITIES.items() if self.column.endswith(end)), "count")
 
     @property
     def unit(self) -> str:
@@ -128,46 +145,47 @@ class Word:
             self.tidy(getattr(reading, self.name))
 
 
-@dataclass(frozen=True)
-class Kind:
-    """A kind of reading.
+class Taken:
+    """A reading; each kind is a dataclass of this that declares all of its kind.
 
-    name: what readings.csv calls it. reading: its dataclass, which has number, voided, comment and
-    time_utc besides the fields' attributes. fields: numbers and words, in the order of asking.
-    part: the attribute of Session that holds these readings; "" for `Session.further`. describe:
-    returns what a reading is and its values, in words. derive: puts in what follows from other
-    cells (a speed from distance and time); raises BadInput. fitted: the friction fit rests on it,
-    so that the session's hash covers it. track: columns of its file of samples (`tracks`), which
-    the attribute `track` holds; none if it has no file. track_may_miss: some readings have none.
+    kind: what readings.csv calls it. fields: numbers and words, in the order of asking. part: the
+    attribute of Session that holds such readings. fitted: the friction fit rests on it, so that the
+    session's hash covers it. columns: of its file of samples (`tracks`), which the attribute
+    `track` holds; none if it has no file. track_may_miss: some readings have none.
+
+    Its dataclass has number, voided, comment and time_utc besides the fields' attributes. Raises
+    BadInput, naming value and limits, where one of them is out of range.
     """
 
-    name: str
-    reading: type
-    fields: tuple[Field | Word, ...]
-    describe: Callable[[Any], tuple[str, str]]
-    part: str = ""
-    derive: Callable[[dict[str, Any], Stopwatch], dict[str, Any]] = lambda cells, watch: cells
-    fitted: bool = False
-    track: tuple[str, ...] = ()
-    track_may_miss: bool = False
+    __slots__ = ()
+    kind: ClassVar[str]
+    fields: ClassVar[tuple[Field | Word, ...]]
+    part: ClassVar[str] = "further"
+    fitted: ClassVar[bool] = False
+    columns: ClassVar[tuple[str, ...]] = ()
+    track_may_miss: ClassVar[bool] = False
 
-    @property
-    def numbers(self) -> tuple[Field, ...]:
-        """Return the fields that are numbers."""
-        return tuple(f for f in self.fields if isinstance(f, Field))
+    def __post_init__(self) -> None:
+        check_number("number", self.number, 1)  # type: ignore[attr-defined]
+        for field in self.fields:
+            field.check(self)
 
-    @property
-    def words(self) -> tuple[Word, ...]:
-        """Return the fields that are words."""
-        return tuple(f for f in self.fields if isinstance(f, Word))
+    @classmethod
+    def numbers(cls) -> dict[str, Field]:
+        """Return the fields that are numbers, by their columns."""
+        return {f.column: f for f in cls.fields if isinstance(f, Field)}
 
-    def __getitem__(self, column: str) -> Field:
-        """Return the number of a column."""
-        return next(f for f in self.numbers if f.column == column)
+    @classmethod
+    def asked(cls, *columns: str) -> tuple[Field, ...]:
+        """Return the numbers of some columns, of all unless given."""
+        numbers = cls.numbers()
+        return tuple(numbers[column] for column in columns or numbers)
 
+    @classmethod
+    def derived(cls, cells: dict[str, Any], watch: Stopwatch) -> dict[str, Any]:
+        """Put in what follows from other cells, as a speed does; raises BadInput."""
+        return cells
 
-def check_fields(reading: object, fields: Sequence[Field | Word]) -> None:
-    """Raise BadInput, naming value and limits, if one of a reading's fields is out of range."""
-    check_number("number", reading.number, 1)  # type: ignore[attr-defined]
-    for field in fields:
-        field.check(reading)
+    def in_words(self) -> tuple[str, str]:
+        """Return what it is, and its values."""
+        raise NotImplementedError

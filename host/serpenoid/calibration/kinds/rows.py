@@ -10,8 +10,29 @@ from collections.abc import Mapping
 from typing import Any
 
 from ...model.errors import BadInput
-from .declaration import Cells, Kind, Word
-from .table import KINDS
+from .checks import BeltCheck, BendCheck, ZeroReading
+from .coast import Coast
+from .declaration import Cells, Taken, Word
+from .gait import GaitRun
+from .slide import BreakAway, Slide
+from .station import Reading
+from .video import FilmReading
+
+# All kinds by their names, in the order of a session's sheet.
+KINDS: dict[str, type[Taken]] = {
+    reading.kind: reading
+    for reading in (
+        Reading,
+        BendCheck,
+        ZeroReading,
+        BeltCheck,
+        GaitRun,
+        FilmReading,
+        Coast,
+        Slide,
+        BreakAway,
+    )
+}
 
 READING_COLUMNS = (
     "reading",
@@ -41,7 +62,7 @@ LISTED = "listed"  # of a reading that came from a list: a hash of the list up t
 Row = Mapping[str, str]
 
 
-def kind_of(name: str) -> Kind:
+def kind_of(name: str) -> type[Taken]:
     """Return a kind of reading by its name; raises BadInput."""
     if name not in KINDS:
         raise BadInput(f"kind is {name!r}; it must be one of {', '.join(KINDS)}")
@@ -54,7 +75,7 @@ def reading_row(name: str, cells: Cells, plan: object = None) -> dict[str, str]:
     plan: the session's, which tells the words that it has and the cells have not.
     """
     kind = kind_of(name)
-    words = {w.column: w for w in kind.words}
+    words = {w.column: w for w in kind.fields if isinstance(w, Word)}
     if plan is not None:
         cells = {c: getattr(plan, c) for c, w in words.items() if w.of_plan} | dict(cells)
     known = [f.column for f in kind.fields]
@@ -63,7 +84,7 @@ def reading_row(name: str, cells: Cells, plan: object = None) -> dict[str, str]:
         text = value if isinstance(value, str) else f"{value:.10g}"
         if column in row:
             row[column] = text
-        elif column not in (LISTED, DOUBTFUL, *known, *(TRACK_WORDS if kind.track else ())):
+        elif column not in (LISTED, DOUBTFUL, *known, *(TRACK_WORDS if kind.columns else ())):
             known_words = ", ".join(known)
             raise BadInput(f"unknown column {column!r}; a reading of kind {name} has {known_words}")
         elif text and column in words:
@@ -100,4 +121,4 @@ def make_reading(row: Row, common: Mapping[str, Any]) -> Any:
     """
     kind, cells = kind_of(row["kind"]), cells_of(row)
     values = {f.name: f.read(cells.get(f.column, "")) for f in kind.fields}
-    return kind.reading(**values, **common)
+    return kind(**values, **common)

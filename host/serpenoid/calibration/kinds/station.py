@@ -8,7 +8,7 @@ from typing import Any
 
 from ...model.bends import balanced_signs
 from ...model.errors import BadInput
-from .declaration import PLANNED, READ, Field, Kind, Word, check_fields
+from .declaration import PLANNED, READ, Field, Taken, Word
 from .instruments import MAX_SPEED_M_S, Stopwatch, TreadmillSteps, Uncertainty
 from .places import drifts, tidy_places
 
@@ -20,54 +20,15 @@ MAX_LAMBDA_DEG, MAX_INCLINE_DEG = 60.0, 45.0
 # Slower than this a robot that is steered goes by jerks: every touch of the steering shakes wheels
 # loose that would rest, so that dry friction across is less than that of wheels which slide.
 LEAST_SLIP_M_S = 0.12
-LAMBDA = Field("lambda_deg", "the bend", "angle", 0.0, MAX_LAMBDA_DEG, source=PLANNED)
+LAMBDA = Field("lambda_deg", "the bend", 0.0, MAX_LAMBDA_DEG, source=PLANNED)
 BEND_WORD = Word("bend", BENDS, of_plan=True)
 STEERING = Field(
-    "offset_deg", "steering, on every joint", "angle", -45.0, 45.0, source=PLANNED, optional=True
-)
-FIELDS = (
-    LAMBDA,
-    Field("incline_deg", "the inclinometer shows", "incline", 0.0, MAX_INCLINE_DEG, open_low=True),
-    Field(
-        "belt_speed_m_s",
-        "belt speed",
-        "speed",
-        0.0,
-        MAX_SPEED_M_S,
-        sheet=("belt_speed_km_h", "km/h"),
-    ),
-    Field(
-        "turned_deg",
-        "turned off the belt's direction, + to the left (Enter: not)",
-        "angle",
-        -180.0,
-        180.0,
-        likely=(-5.0, 5.0),
-        usual=0.0,
-        optional=True,
-        why="a robot that has turned by more is not held by this law: hold it again",
-    ),
-    Field(
-        "drift_m_s",
-        "drift left over, + uphill with the belt (Enter: none)",
-        "speed",
-        -MAX_SPEED_M_S,
-        MAX_SPEED_M_S,
-        likely=(-0.06, 0.06),
-        usual=0.0,
-    ),
-    STEERING,
-    Field(
-        "waited_s", "time since the belt was set", "time", 0.0, 1e5, source=PLANNED, optional=True
-    ),
-    Word("places", source=READ, tidy=tidy_places),
-    Word("facing", FACINGS),
-    BEND_WORD,
+    "offset_deg", "steering, on every joint", -45.0, 45.0, source=PLANNED, optional=True
 )
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class Reading(Taken):
     """One station held: the belt speed at which the snake neither climbs nor slides.
 
     number: from 1, unique in a session. lambda_rad: angle of a bent link to the direction of the
@@ -83,6 +44,44 @@ class Reading:
     short reading, where the robot was at some times while it still drifted (`kinds.places`); the
     drift is then the mean. watch: what these were timed with. Raises BadInput.
     """
+
+    kind = "station"
+    part = "readings"
+    fitted = True
+    fields = (
+        LAMBDA,
+        Field("incline_deg", "the inclinometer shows", 0.0, MAX_INCLINE_DEG, open_low=True),
+        Field(
+            "belt_speed_m_s",
+            "belt speed",
+            0.0,
+            MAX_SPEED_M_S,
+            sheet=("belt_speed_km_h", "km/h"),
+        ),
+        Field(
+            "turned_deg",
+            "turned off the belt's direction, + to the left (Enter: not)",
+            -180.0,
+            180.0,
+            likely=(-5.0, 5.0),
+            usual=0.0,
+            optional=True,
+            why="a robot that has turned by more is not held by this law: hold it again",
+        ),
+        Field(
+            "drift_m_s",
+            "drift left over, + uphill with the belt (Enter: none)",
+            -MAX_SPEED_M_S,
+            MAX_SPEED_M_S,
+            likely=(-0.06, 0.06),
+            usual=0.0,
+        ),
+        STEERING,
+        Field("waited_s", "time since the belt was set", 0.0, 1e5, source=PLANNED, optional=True),
+        Word("places", source=READ, tidy=tidy_places),
+        Word("facing", FACINGS),
+        BEND_WORD,
+    )
 
     number: int
     lambda_rad: float
@@ -103,7 +102,7 @@ class Reading:
     watch: Stopwatch | None = None
 
     def __post_init__(self) -> None:
-        check_fields(self, FIELDS)
+        Taken.__post_init__(self)
         if not self.voided and self.slip_speed_m_s <= 0.0:
             raise BadInput(
                 f"belt_speed_m_s - drift_m_s is {self.slip_speed_m_s:g} in reading {self.number}; "
@@ -134,28 +133,30 @@ class Reading:
         _, change_m_s, duration_s = drifts(self.places)
         return math.sin(self.incline_rad) + change_m_s / duration_s / gravity_m_s2
 
+    @classmethod
+    def derived(cls, cells: dict[str, Any], watch: Stopwatch) -> dict[str, Any]:
+        """Put in the mean drift of a short reading."""
+        places = str(cells.get("places", ""))
+        return cells | {"drift_m_s": drifts(tidy_places(places))[0]} if places else cells
+
+    def in_words(self) -> tuple[str, str]:
+        """Return what it is, and its values."""
+        values = (
+            f"{math.degrees(self.incline_rad):.2f}°, belt {self.belt_speed_m_s:.3f}, "
+            f"drift {self.drift_in_words} m/s{', facing up' if self.facing == 'up' else ''}"
+            + (f", turned {math.degrees(self.turned_rad):+.3g}°" if self.turned_rad else "")
+        )
+        zigzag = " as a zigzag" if self.bend == "zigzag" and self.lambda_rad else ""
+        return f"station, bend {math.degrees(self.lambda_rad):.4g}°{zigzag}", values
+
+
+def bend_in_words(lambda_rad: float) -> str:
+    """Return how the robot lies: ", bend 20°" or ", straight"."""
+    return f", bend {math.degrees(lambda_rad):.4g}°" if lambda_rad else ", straight"
+
 
 def bent_share(bend: str, links: int) -> float:
     """Return which share of a robot's links is bent; raises BadInput where none can be."""
     if bend == "zigzag":
         return 1.0
     return sum(map(abs, balanced_signs(links))) / links
-
-
-def _in_words(r: Reading) -> tuple[str, str]:
-    values = (
-        f"{math.degrees(r.incline_rad):.2f}°, belt {r.belt_speed_m_s:.3f}, "
-        f"drift {r.drift_in_words} m/s{', facing up' if r.facing == 'up' else ''}"
-        + (f", turned {math.degrees(r.turned_rad):+.3g}°" if r.turned_rad else "")
-    )
-    zigzag = " as a zigzag" if r.bend == "zigzag" and r.lambda_rad else ""
-    return f"station, bend {math.degrees(r.lambda_rad):.4g}°{zigzag}", values
-
-
-def _with_drift(cells: dict[str, Any], watch: Stopwatch) -> dict[str, Any]:
-    """Put in the mean drift of a short reading."""
-    places = str(cells.get("places", ""))
-    return cells | {"drift_m_s": drifts(tidy_places(places))[0]} if places else cells
-
-
-STATION = Kind("station", Reading, FIELDS, _in_words, "readings", derive=_with_drift, fitted=True)

@@ -7,26 +7,15 @@ from dataclasses import dataclass
 
 from ...model.errors import BadInput
 from ...model.gait import Gait
-from .declaration import DERIVED, Field, Kind, Word, check_fields
+from .declaration import DERIVED, Field, Taken, Word
 from .gait import COMMANDED, SPEED, WAY, GaitRun
 from .tracks import Track
 
-FIELDS = (
-    *COMMANDED,
-    Field("omega_rad_s", "omega", "rate", 0.0, 1000.0, open_low=True, source=DERIVED),
-    *SPEED,
-    Field("offset_deg", "the bend of every joint", "angle", -180.0, 180.0, source=DERIVED),
-    Field("gain_sigma", "standard deviation of a gain", "count", 0.0, 2.0, source=DERIVED),
-    Word("gains", source=DERIVED),
-    Word("shifts_deg", source=DERIVED),
-    Word("film_sha256", source=DERIVED),
-    WAY,
-)
 TRACK = ("t_s", "x_m", "y_m", "heading_rad", "joint*_rad")
 
 
 @dataclass(frozen=True, slots=True)
-class FilmReading:
+class FilmReading(Taken):
     """What a film showed of a gait run on level ground of the session's surface.
 
     alpha_rad, beta_rad: commanded, or where nobody told, the mean of what was seen. omega_rad_s,
@@ -34,6 +23,20 @@ class FilmReading:
     first, between commas: amplitude as a factor, phase in degrees. film_sha256: of the film's file.
     way: as of a gait run. Raises BadInput.
     """
+
+    kind = "video"
+    columns = TRACK
+    fields = (
+        *COMMANDED,
+        Field("omega_rad_s", "omega", 0.0, 1000.0, open_low=True, source=DERIVED),
+        *SPEED,
+        Field("offset_deg", "the bend of every joint", -180.0, 180.0, source=DERIVED),
+        Field("gain_sigma", "standard deviation of a gain", 0.0, 2.0, source=DERIVED),
+        Word("gains", source=DERIVED),
+        Word("shifts_deg", source=DERIVED),
+        Word("film_sha256", source=DERIVED),
+        WAY,
+    )
 
     number: int
     alpha_rad: float
@@ -53,7 +56,7 @@ class FilmReading:
     time_utc: str = ""
 
     def __post_init__(self) -> None:
-        check_fields(self, FIELDS)
+        Taken.__post_init__(self)
         if not self.gains or len(_numbers("gains", self.gains)) != len(
             _numbers("shifts_deg", self.shifts_deg)
         ):
@@ -103,20 +106,18 @@ class FilmReading:
             way=self.way,
         )
 
+    def in_words(self) -> tuple[str, str]:
+        """Return what it is, and its values."""
+        alpha, beta = math.degrees(self.alpha_rad), math.degrees(self.beta_rad)
+        what = f"film {alpha:.3g}°/{beta:.3g}°, {self.omega_rad_s / (2 * math.pi):.3g} Hz"
+        return what, (
+            f"{self.speed_m_s:.5f} ± {self.speed_sigma_m_s:.5f} m/s, "
+            f"joints {100 * self.mean_gain:.1f} %"
+        )
+
 
 def _numbers(name: str, text: str) -> list[float]:
     try:
         return [float(part) for part in text.split(",")]
     except ValueError:
         raise BadInput(f"{name} is {text!r}; it must be numbers between commas") from None
-
-
-def _in_words(r: FilmReading) -> tuple[str, str]:
-    alpha, beta = math.degrees(r.alpha_rad), math.degrees(r.beta_rad)
-    what = f"film {alpha:.3g}°/{beta:.3g}°, {r.omega_rad_s / (2 * math.pi):.3g} Hz"
-    return what, (
-        f"{r.speed_m_s:.5f} ± {r.speed_sigma_m_s:.5f} m/s, joints {100 * r.mean_gain:.1f} %"
-    )
-
-
-VIDEO = Kind("video", FilmReading, FIELDS, _in_words, track=TRACK)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ...model.bends import balanced_signs, joint_multiples
-from ..kinds.bend import BEND
+from ..kinds.checks import BendCheck
 from ..session import Setup
 from .steps import Step
 
@@ -16,11 +16,12 @@ def bend_step(key: str, setup: Setup, bend_deg: float, then: str) -> Step:
     """Return the step to a bend of the plan; then: what is said after how the joints stand."""
     bend, between_deg = setup.procedure.bend, 180.0 - 2 * bend_deg
     near = between_deg - 2 * NEAR_DEG, between_deg + 2 * NEAR_DEG
+    (shown,) = BendCheck.asked("between_links_deg")
     return Step(
         key,
         "bend",
         f"Bend {bend_deg:g} deg, {bend_in_words(bend, bend_deg, setup.robot.links)} {then}",
-        (replace(BEND["between_links_deg"], likely=near),),
+        (replace(shown, likely=near),),
         bend_deg,
         bend=bend,
         cells={"lambda_deg": bend_deg, "bend": bend},

@@ -95,7 +95,7 @@ class Journal:
             raise BadInput(
                 f"there is no reading {replaces} to replace; see `serpenoid calibrate status`"
             )
-        track = None if samples is None else Track.of(kind_of(kind).track, samples)
+        track = None if samples is None else Track.of(kind_of(kind).columns, samples)
         self.check(kind, cells, track)
         if track is not None:
             name = track.write(self.folder, number)
@@ -106,10 +106,10 @@ class Journal:
 
     def redo(self, number: int, cells: Cells, comment: str = "") -> int:
         """Write a reading in place of another, whose track it keeps; return its number."""
-        kind, old = next(pair for pair in self.session.numbered if pair[1].number == number)
+        old = next(r for r in self.session.numbered if r.number == number)
         track = getattr(old, "track", None)
         samples = None if track is None else track.values
-        return self.add(kind.name, cells, replaces=number, comment=comment, samples=samples)
+        return self.add(old.kind, cells, replaces=number, comment=comment, samples=samples)
 
     def add_once(self, listed: Sequence[Listed]) -> int:
         """Write those of a list that are not there yet, all at once; return how many.
@@ -142,9 +142,9 @@ class Journal:
     def check(self, kind: str, cells: Cells, track: Track | None = None) -> None:
         """Raise BadInput for a reading that add() would not take."""
         declared = kind_of(kind)
-        if track is None and declared.track and not declared.track_may_miss:
+        if track is None and declared.columns and not declared.track_may_miss:
             raise BadInput(
-                f"a reading of kind {kind} needs its track, {', '.join(declared.track)}; "
+                f"a reading of kind {kind} needs its track, {', '.join(declared.columns)}; "
                 "`serpenoid video FILE --session DIR` adds a film"
             )
         common: dict[str, Any] = {"number": 1} | ({"track": track} if track is not None else {})

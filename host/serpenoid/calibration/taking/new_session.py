@@ -84,7 +84,6 @@ MASS = Question(
     Field(
         "mass_kg",
         "mass of the whole robot as it crawls (kg, or 480 g)",
-        "mass",
         0.001,
         1000.0,
         (0.02, 20.0),
@@ -96,7 +95,6 @@ LENGTH = Question(
     Field(
         "link_length_m",
         "length of a link, joint to joint (m, or 76 mm)",
-        "length",
         0.001,
         10.0,
         (0.01, 1.0),
@@ -111,7 +109,6 @@ QUESTIONS = (
         Field(
             "supply_v",
             "servos: voltage at their plug while they move (V, or later)",
-            "voltage",
             1.0,
             60.0,
             (4.0, 15.0),
@@ -123,7 +120,6 @@ QUESTIONS = (
         Field(
             "wheels_kg",
             "mass of all wheels together (kg, or 36 g)",
-            "mass",
             0.0,
             100.0,
             (0.001, 2.0),
@@ -134,9 +130,8 @@ QUESTIONS = (
     ),
     Question(
         Field(
-            "incline_step_deg_shown",
+            "shown_step_deg",
             "inclinometer: smallest step it shows (deg)",
-            "angle",
             0.0001,
             5.0,
         ),
@@ -150,7 +145,6 @@ QUESTIONS = (
         Field(
             "incline_step_percent",
             "treadmill: smallest step of its incline (% or deg)",
-            "grade",
             0.001,
             20.0,
         ),
@@ -162,7 +156,6 @@ QUESTIONS = (
         Field(
             "belt_speed_step_km_h",
             "belt: smallest step it can be set to (km/h, m/s or mph)",
-            "belt",
             0.0001,
             5.0,
         ),
@@ -174,7 +167,6 @@ QUESTIONS = (
         Field(
             "belt_speed_least_km_h",
             "belt: least speed above 0 (km/h, m/s or mph)",
-            "belt",
             0.0,
             10.0,
         ),

@@ -14,14 +14,16 @@ from typing import Any
 
 from ...model.errors import BadInput
 from ..kinds.declaration import DERIVED, UNITS, Field
-from ..kinds.rows import cells_of, kind_of
-from ..kinds.table import KINDS
+from ..kinds.rows import KINDS, cells_of, kind_of
 from ..session import Setup
 from ..settings import quoted
 
 # Other names of columns, by which people type another unit: name -> column, unit.
 OTHER_UNITS = {
-    f.sheet[0]: (f.column, f.sheet[1]) for kind in KINDS.values() for f in kind.numbers if f.sheet
+    f.sheet[0]: (column, f.sheet[1])
+    for kind in KINDS.values()
+    for column, f in kind.numbers().items()
+    if f.sheet
 }
 OTHER_UNITS |= {"incline_percent": ("incline_deg", "%"), "drift_km_h": ("drift_m_s", "km/h")}
 _NUMBER = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*(\S*)")
@@ -193,7 +195,7 @@ def in_columns(typed: Iterable[tuple[str, Any]]) -> dict[str, Any]:
 
 def listed_cells(kind: str, row: Mapping[str, Any]) -> dict[str, Any]:
     """Return a script's cells by column, numbers of another unit converted; raises BadInput."""
-    numbers = {field.column: field for field in kind_of(kind).numbers}
+    numbers = kind_of(kind).numbers()
     own = {n: v for n, v in row.items() if OTHER_UNITS.get(n, (n,))[0] in numbers}
     found = {
         c: parse_number(v, numbers[c]).value if c not in row else v
@@ -205,11 +207,11 @@ def listed_cells(kind: str, row: Mapping[str, Any]) -> dict[str, Any]:
 def completed(kind: str, found: Mapping[str, Any], setup: Setup) -> dict[str, Any]:
     """Return a reading's values with what an empty answer means, and what follows from others."""
     usual = {
-        field.column: field.usual
-        for field in kind_of(kind).numbers
+        column: field.usual
+        for column, field in kind_of(kind).numbers().items()
         if field.usual is not None and not field.optional  # what was not said is not known
     }
-    return kind_of(kind).derive(usual | dict(found), setup.stopwatch)
+    return kind_of(kind).derived(usual | dict(found), setup.stopwatch)
 
 
 def redone(
@@ -217,26 +219,15 @@ def redone(
 ) -> dict[str, Any]:
     """Return a row's values with those read anew; what follows from them follows again."""
     declared = kind_of(kind)
-    derived = {f.column for f in declared.numbers if f.source == DERIVED}
+    derived = {c for c, f in declared.numbers().items() if f.source == DERIVED}
     stale = derived if found.keys() - derived and not derived & found.keys() else set()
     there = cells_of(old)
     if "drift_m_s" in found and "places" not in found:
         there.pop("places", None)  # a drift that was typed anew: of these places no more
-    anew = declared.derive(
+    anew = declared.derived(
         {k: v for k, v in there.items() if k not in stale} | found, setup.stopwatch
     )
     return {**there, **anew}
-
-
-_QUANTITIES = {
-    "_m_s": "speed",
-    "_kg": "mass",
-    "_m": "length",
-    "_deg": "angle",
-    "_percent": "grade",
-    "_s": "time",
-    "_v": "voltage",
-}
 
 
 def amendment(change: str) -> str:
@@ -246,8 +237,7 @@ def amendment(change: str) -> str:
         raise BadInput(f"{change!r} is not TABLE.ENTRY=VALUE, such as robot.mass_kg=480g")
     if name.startswith("laboratory.") or name in ("plan.bend", "plan.on"):
         return f"{name} = {quoted(value.strip(chr(34)))}"
-    quantity = next((q for end, q in _QUANTITIES.items() if name.endswith(end)), "")
-    if not quantity or value.startswith(("[", '"', "'")):
+    field = Field(name, name, -1e9, 1e9)
+    if field.quantity == "count" or value.startswith(("[", '"', "'")):
         return f"{name} = {value}"
-    field = Field(name.partition(".")[2], name, quantity, -1e9, 1e9)
     return f"{name} = {parse_number(value, field).value!r}"

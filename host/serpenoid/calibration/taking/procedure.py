@@ -11,12 +11,11 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from ..kinds.belt import BELT
+from ..kinds.checks import BeltCheck, ZeroReading
 from ..kinds.declaration import Field
-from ..kinds.gait import GAIT, RUN_WAYS
+from ..kinds.gait import RUN_WAYS, GaitRun
 from ..kinds.places import drifts
-from ..kinds.station import LEAST_SLIP_M_S, STATION
-from ..kinds.zero import ZERO
+from ..kinds.station import LEAST_SLIP_M_S, Reading
 from ..session import Session, Setup, belt_checks
 from ..session_rows import Event
 from .bends import bend_step
@@ -107,7 +106,7 @@ def _treadmill_step(
     if session.kept and not (_zero_read(session, False) or ZERO_AFTER in skipped):
         return _zero(ZERO_AFTER)
     if session.kept and not (belt_checks(session) or BELT_CHECK in skipped):
-        return Step(BELT_CHECK, "belt", _BELT_SAY, BELT.numbers)
+        return Step(BELT_CHECK, "belt", _BELT_SAY, BeltCheck.asked())
     return None
 
 
@@ -272,7 +271,7 @@ def _zero(key: str) -> Step:
         "Inclinometer zero. Lay it on one spot of the treadmill, read it; turn it end for end on "
         "the same spot, read it again (with the sign it shows)."
     )
-    return Step(key, "zero", say, ZERO.numbers)
+    return Step(key, "zero", say, ZeroReading.asked())
 
 
 def _pose(series: Series, setup: Setup) -> Step:
@@ -314,8 +313,7 @@ def _station(session: Session, series: Series, incline_deg: float, shown_rad: fl
     # A misread first station leads its whole series astray: straight, a far one is asked about.
     steep = first and (lambda_rad > 0 or facing == "up")
     near_deg = (incline_deg - 2 * step_deg, MOST_DEG if steep else incline_deg + 2 * step_deg)
-    shown = replace(STATION["incline_deg"], likely=near_deg)
-    belt = replace(STATION["belt_speed_m_s"], likely=likely)
+    shown, belt = Reading.asked("incline_deg", "belt_speed_m_s")
     cells: dict[str, float | str] = {
         "lambda_deg": round(math.degrees(shown_rad), 4),
         "facing": facing,
@@ -325,7 +323,11 @@ def _station(session: Session, series: Series, incline_deg: float, shown_rad: fl
         f"{_station_key(bend_deg, facing)}{incline_deg:.2f}",
         "station",
         say,
-        (shown, belt, STATION["turned_deg"], STATION["drift_m_s"]),
+        (
+            replace(shown, likely=near_deg),
+            replace(belt, likely=likely),
+            *Reading.asked("turned_deg", "drift_m_s"),
+        ),
         bend_deg,
         facing,
         incline_deg,
@@ -364,7 +366,7 @@ def _gait_step(session: Session, skipped: frozenset[str]) -> Step | None:
             "Once it goes steadily, film it from above for two cycles at least, or time it between "
             "two marks."
         )
-        fields = GAIT["distance_m"], GAIT["duration_s"]
+        fields = GaitRun.asked("distance_m", "duration_s")
         cells: dict[str, float | str] = {
             "alpha_deg": round(alpha, 6),
             "beta_deg": round(beta, 6),

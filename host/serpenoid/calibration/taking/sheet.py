@@ -15,8 +15,7 @@ from ...model.files import csv_rows, read_text
 from ...model.toml_table import located
 from ..kinds.coast import WAYS
 from ..kinds.declaration import DERIVED, PLANNED, Field
-from ..kinds.rows import kind_of
-from ..kinds.table import KINDS
+from ..kinds.rows import KINDS, kind_of
 from ..session import Procedure, Session
 from .expected import series_of
 from .floor.procedure import series_of_pushes

@@ -114,8 +114,8 @@ class SimulatedPerson:
     def _bend(self, step: Step) -> Cells:
         """Bend as planned; lay the protractor on the joints at both ends."""
         self._straight(step)
-        scatter = ENDS[self._setup.procedure.on] * self._setup.uncertainty.lambda_sigma_rad
-        return {"between_links_deg": round(sum(self._world.ends_deg(scatter)) / 2, 1)}
+        shown_deg = self._world.protractor_deg(ENDS[self._setup.procedure.on])
+        return {"between_links_deg": round(sum(shown_deg) / 2, 1)}
 
     def _station(self, step: Step) -> Cells | None:
         """Set the nearest incline, find the belt speed that holds, wait, read what is left."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ...model.errors import NotConverged
 from ..kinds.declaration import Cells
-from ..kinds.table import KINDS
+from ..kinds.rows import KINDS
 from ..session import Session
 from .journal import Journal
 from .procedure import doubts, next_step, skipped_keys
@@ -60,7 +60,7 @@ def record_step(record: Journal, step: Step, cells: Cells) -> int:
         way = {name: step.cells[name] for name in ("way",) if name in step.cells}
         return record.add(cells.kind, {**cells, **way}, samples=cells.samples)
     watch = record.session.setup.stopwatch
-    values = KINDS[step.kind].derive(dict(step.cells) | dict(cells), watch)
+    values = KINDS[step.kind].derived(dict(step.cells) | dict(cells), watch)
     samples = cells.samples if isinstance(cells, Tracked) else None
     return record.add(step.kind, values, samples=samples)
 

@@ -147,7 +147,7 @@ class World:
         robot_rng: np.random.Generator | None = None,
     ):
         self.truth, self.rng = truth, rng
-        self._setup = setup
+        self.setup = setup
         self.robot = truth.robot(setup.robot, robot_rng or rng)
         self._floor = Floor(self.robot, truth.slope_rad, truth.across_rad)
         self._speeds: dict[tuple[Gait, tuple[float, float]], float] = {}
@@ -155,14 +155,17 @@ class World:
 
     def bend(self, bend_deg: float) -> list[float]:
         """Bend the robot, straight at 0; return what its joints are told."""
-        signs = bend_signs(self._setup.procedure.bend, self._setup.robot.links)
+        signs = bend_signs(self.setup.procedure.bend, self.setup.robot.links)
         self._pose_rad = pose_of(signs, math.radians(bend_deg))
         return self._pose_rad
 
-    def ends_deg(self, scatter_rad: float) -> list[float]:
-        """Return what a protractor shows between the links at tail and head, each off by this."""
-        ends_rad = self.robot.ends_rad(self._pose_rad, scatter_rad, self.rng)
-        return [180.0 - math.degrees(end_rad) for end_rad in ends_rad]
+    def protractor_deg(self, scatter: float = 1.0) -> list[float]:
+        """Return what a protractor shows between the links at tail and head.
+
+        scatter: of each, over what the set-up states of a bend.
+        """
+        off_rad = scatter * self.setup.uncertainty.lambda_sigma_rad
+        return self.robot.protractor_deg(self._pose_rad, off_rad, self.rng)
 
     def normal(self, sigma: float) -> float:
         """Return an error drawn."""
@@ -195,7 +198,7 @@ class World:
             self._speeds[key] = crawl_speed(
                 self.robot, self._made(gait), slope_rad=rises, across_rad=falls
             )
-        speed_m_s, watch = self._speeds[key], self._setup.stopwatch
+        speed_m_s, watch = self._speeds[key], self.setup.stopwatch
         distance = min(RUN_M, speed_m_s * RUN_S)
         duration = distance / speed_m_s if speed_m_s > 0.0 else RUN_S
         duration += self.normal(watch.time_sigma_s)

@@ -57,8 +57,12 @@ def practice(
     friction is told at the end. The session goes on where it was left, as a real one.
     """
     from ...calibration.session_file import read_session
-    from ...calibration.taking.person import practice_floor, practice_treadmill
-    from ...calibration.taking.person.practice import PracticeTerminal, truth_in_words
+    from ...calibration.taking.person.practice import (
+        FloorTerminal,
+        PracticeTerminal,
+        truth_in_words,
+    )
+    from ...calibration.taking.person.practice_treadmill import TreadmillTerminal
     from ...calibration.taking.person.terminal import Console
     from ...robot.wire.virtual import VirtualLink
     from .calibrate_person import with_a_person
@@ -72,13 +76,12 @@ def practice(
     lab = Console(), session.setup, drawn, folder / "films"
     terminal: PracticeTerminal
     if on == "floor":
-        link, page, terminal = None, nullcontext(), practice_floor.FloorTerminal(*lab)
-        terminal.say(f"{practice_floor.HELP}\nThese words once more: floor.")
+        link, page, terminal = None, nullcontext(), FloorTerminal(*lab)
     else:
         link = VirtualLink(joints=session.setup.robot.links - 1)
-        terminal = practice_treadmill.TreadmillTerminal(*lab, link.set_points_rad, pace)
-        terminal.say(f"{practice_treadmill.HELP}\nThese words once more: treadmill.")
+        terminal = TreadmillTerminal(*lab, link.set_points_rad, pace)
         page = _running(terminal, with_page, lan)
+    terminal.say(f"{terminal.HELP}\nThese words once more: {on}.")
     try:
         with page:
             with_a_person(folder, link, 1e9, False, False, terminal, terminal.watch)

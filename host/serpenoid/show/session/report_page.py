@@ -228,10 +228,10 @@ def _readings(session: Session, fit: FrictionFit) -> list[str]:
 def _other_readings(session: Session, fit: FrictionFit) -> list[str]:
     """Return a table of all readings that are no stations."""
     off = _off(session, fit)
-    others = [(kind, r) for kind, r in session.numbered if kind.name != "station"]
+    others = [r for r in session.numbered if r.kind != "station"]
     if not others:
         return []
-    rows = [[str(r.number), *kind.describe(r), off.get(r.number, "")] for kind, r in others]
+    rows = [[str(r.number), *r.in_words(), off.get(r.number, "")] for r in others]
     said = [": ".join(filter(None, ["voided" if r.voided else "", r.comment])) for _, r in others]
     head = ["number", "what", "shown", "off by (sigmas)"]
     if not session.on_floor:  # no other reading is in the fit

@@ -73,9 +73,9 @@ def _last(session: Session) -> str:
     """Return the newest reading in words, and why it is void if it is."""
     if not session.numbered:
         return "none yet"
-    kind, made = session.numbered[-1]
+    made = session.numbered[-1]
     void = f"; VOID: {made.comment}" if made.voided else ""
-    return ": ".join([str(made.number), *kind.describe(made)]) + void
+    return ": ".join([str(made.number), *made.in_words()]) + void
 
 
 def _fit(session: Session) -> FrictionFit | None:

@@ -14,8 +14,8 @@ MOST_ROWS = 500  # the newest readings, on a terminal
 def rows(session: Session) -> list[list[str]]:
     """Return one row a reading: number, what, values, state; in the order of the numbers."""
     return [
-        [str(r.number), *kind.describe(r), "void" if r.voided else "", r.comment]
-        for kind, r in session.numbered
+        [str(r.number), *r.in_words(), "void" if r.voided else "", r.comment]
+        for r in session.numbered
     ]
 
 

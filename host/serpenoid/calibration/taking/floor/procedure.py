@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from ...kinds.coast import COAST, FACINGS, Coast
+from ...kinds.coast import FACINGS, Coast
 from ...session import Procedure, Session, Setup
 from ..bends import bend_step
 from ..expected import USUAL, USUAL_KG, of_series, pull_of, shown_bend
@@ -103,7 +103,7 @@ def _push(
         **({"bend": plan.bend} if bend_rad else {}),
         **({"facing": facing} if facing == "back" else {}),
     }
-    fields = COAST["distance_m"], COAST["duration_s"], COAST["turned_deg"]
+    fields = Coast.asked("distance_m", "duration_s", "turned_deg")
     return Step(
         key, "coast", say, fields, round(math.degrees(bend_rad), 3), bend=plan.bend, cells=cells
     )

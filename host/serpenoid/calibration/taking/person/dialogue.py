@@ -15,7 +15,7 @@ from dataclasses import replace
 from ....model.errors import BadInput, CommandRefused, RecordingFailed, RobotError
 from ...kinds.declaration import Field
 from ...kinds.places import EXAMPLE, drifts, tidy_places
-from ...kinds.station import STATION
+from ...kinds.station import Reading
 from ...session import Session
 from ..bends import NEAR_DEG
 from ..journal import Journal
@@ -286,7 +286,7 @@ class Dialogue(Prompt):
                 return round(waited_s, 1)
             with self._telling():
                 if answer:
-                    return parse_number(answer, STATION["waited_s"]).value
+                    return parse_number(answer, Reading.numbers()["waited_s"]).value
 
     @contextmanager
     def _telling(self) -> Iterator[None]:

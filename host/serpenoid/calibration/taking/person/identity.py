@@ -16,7 +16,7 @@ from ..parse_number import parse_number
 from .prompt import Left
 from .terminal import Terminal
 
-LINKS = Field("links", "number of links", "count", 2.0, 100.0)
+LINKS = Field("links", "number of links", 2.0, 100.0)
 
 
 def ask_identity(journal: Journal, terminal: Terminal) -> str:

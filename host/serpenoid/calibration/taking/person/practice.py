@@ -1,4 +1,4 @@
-"""Practice at a desk: what is true there by a seed, and the words that run a gait in the lab."""
+"""Practice at a desk: what is true there by a seed, and the words that work a floor of the lab."""
 
 from __future__ import annotations
 
@@ -7,10 +7,13 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ....lab.floor import Track
+from ....lab.practice import amount, protractor_in_words
 from ....model.errors import BadInput
 from ....model.files import write_text
 from ....model.gait import Gait
@@ -20,9 +23,9 @@ from ...kinds.instruments import FloorTools
 from ...session import Session, Setup
 from ..new_session import on_place
 from ..steps import Step
-from ..world import Truth, World
+from ..world import SPEED, Truth, World
 from .push_prompt import CRAWL_COLUMNS, joint_columns
-from .terminal import Terminal, WordTerminal
+from .terminal import Terminal
 
 SOURCE = re.compile(r"practice (treadmill|floor), seed (\d+)")
 USUAL = {"ct": 0.084, "cn": 1.2, "ft0": 0.14, "fn0": 0.27}  # the 2005 robot's, whole snake
@@ -30,6 +33,7 @@ SPREAD, ZERO_RAD, SCALE, JOINT_RAD = 0.15, math.radians(0.15), 0.02, math.radian
 WHEELS_KG, WHEEL_SHAPE = 0.036, (0.75, 0.15)  # on a floor
 FILM_SCALE, SLOPE_RAD = 0.005, math.radians(0.2)
 SALTS = {"treadmill": 2005, "floor": 20}  # of a place's seeds
+SLOWEST_M_S, FASTEST_M_S = 0.05, 2.0  # of a push
 
 
 def drawn_truth(seed: int, place: str = "treadmill") -> Truth:
@@ -97,28 +101,54 @@ def practice_seed(session: Session, place: str = "treadmill") -> int:
     return int(found[2])
 
 
-class PracticeTerminal(WordTerminal):
-    """A terminal with a lab beside it, in which a step's gait is run and filmed on level ground.
+class PracticeTerminal:
+    """A terminal with a lab beside it: its words work the lab, and all else is an answer.
 
-    words: of its place, besides. films: folder that films are put into, as CSV. watch: is to be
-    told of every step.
+    films: folder that films are put into, as CSV. words: what each returns is shown. filmed: what
+    each returns is answered; None where the prompt stays. A word that raises BadInput says so.
+    watch: is to be told of every step.
     """
 
-    def __init__(
-        self,
-        terminal: Terminal,
-        setup: Setup,
-        seed: int,
-        films: Path,
-        words: Mapping[str, Callable[[str], str | None]],
-    ):
-        super().__init__(terminal, {"crawl": self._crawl, "film": self._film, **words})
-        self._films, self._place = films, setup.procedure.on
+    HELP: ClassVar[str]
+
+    def __init__(self, terminal: Terminal, setup: Setup, seed: int, films: Path):
+        self._terminal, self._films, self._place = terminal, films, setup.procedure.on
         self._count = len(list(films.glob("*.csv"))) if films.is_dir() else 0
         robot = seed if self._place == "treadmill" else [seed, 22]
         rngs = (np.random.default_rng(key) for key in ([seed, 21, self._count], robot))
         self.world = World(setup, drawn_truth(seed, self._place), *rngs)
         self.step: Step | None = None
+        self.keys: Mapping[str, Callable[[], str]] = {}
+        self.words: dict[str, Callable[[str], str]] = {
+            "crawl": self._crawl,
+            self._place: lambda given: self.HELP,
+        }
+        self.filmed: dict[str, Callable[[str], str | None]] = {"film": self._film}
+
+    def say(self, text: str) -> None:
+        """Show a line or more."""
+        self._terminal.say(text)
+
+    def forget(self) -> None:
+        """Drop what was typed ahead."""
+        self._terminal.forget()
+
+    def ask(self, prompt: str, patience_s: float, tick: Callable[[], None]) -> str | None:
+        """Return the next answer; None if none came in time."""
+        if hasattr(self._terminal, "keys"):
+            self._terminal.keys = self.keys  # type: ignore[attr-defined]
+        while True:
+            line = self._terminal.ask(prompt, patience_s, tick)
+            word, _, given = (line or "").strip().lower().partition(" ")
+            if line is None or word not in (*self.words, *self.filmed):
+                return line
+            try:
+                if word in self.words:
+                    self.say(f"  {self.words[word](given.strip())}")
+                elif (answer := self.filmed[word](given.strip())) is not None:
+                    return answer
+            except BadInput as error:
+                self.say(f"  {error}")
 
     def watch(self, session: Session, step: Step) -> None:
         """Note the step that the dialogue is at."""
@@ -132,26 +162,55 @@ class PracticeTerminal(WordTerminal):
         path = self._films / f"{what}-{self._count:02}.csv"
         lines = [",".join(f"{value:.6f}" for value in row) for row in rows.tolist()]
         write_text(path, "\n".join([",".join(columns), *lines]) + "\n")
-        self.say_aside(f"filmed, and tracked: {path}")
+        self.say(f"  filmed, and tracked: {path}")
         return str(path)
 
-    def _gait(self) -> tuple[Step, Gait] | None:
-        """Return the step and its gait, or say that there is none."""
+    def _run(self) -> tuple[Step, Gait]:
+        """Return the step and its gait; raises BadInput where there is none."""
         if self.step is None or self.step.gait is None:
-            return self.say_aside(
-                f"no gait is to be run at this step; `{self._place}` lists the words"
-            )
+            raise BadInput(f"no gait is to be run at this step; `{self._place}` lists the words")
         return self.step, self.step.gait
 
     def _film(self, given: str) -> str | None:
-        run = self._gait()
-        if run is None:
-            return None
-        rows = self.world.film_crawl(*run)
+        rows = self.world.film_crawl(*self._run())
         return self.kept("crawl", [*CRAWL_COLUMNS, *joint_columns(rows.shape[1] - 4)], rows)
 
-    def _crawl(self, given: str) -> None:
-        run = self._gait()
-        if run is not None:
-            read, _ = self.world.time_crawl(*run)
-            self.say_aside("it crawled {distance_m:.3f} m in {duration_s:.2f} s".format(**read))
+    def _crawl(self, given: str) -> str:
+        read, _ = self.world.time_crawl(*self._run())
+        return "it crawled {distance_m:.3f} m in {duration_s:.2f} s".format(**read)
+
+
+class FloorTerminal(PracticeTerminal):
+    """A terminal with a floor beside it: pushes are filmed into files."""
+
+    HELP = """\
+On the floor you work by words, at any prompt:
+  push          push the robot at a brisk walk; a film of it becomes a file, which is taken in
+  push 0.6      the same at 0.6 m/s, or so: hands are not exact
+  tape          push it, and read way and time to rest off tape and watch, to type them
+  protractor    what it shows between the links at both ends
+  film          run the gait of this step and film it: what was measured becomes a file, taken in
+  crawl         run it for a metre: what tape and watch say"""
+
+    def __init__(self, terminal: Terminal, setup: Setup, seed: int, films: Path):
+        super().__init__(terminal, setup, seed, films)
+        self.words["tape"] = self._tape
+        self.words["protractor"] = lambda given: protractor_in_words(self.world.protractor_deg())
+        self.filmed["push"] = self._push
+
+    def _rolled(self, given: str) -> Track:
+        """Push as told; raises BadInput where there is nothing to push."""
+        if self.step is None or self.step.kind != "coast":
+            raise BadInput(
+                "there is nothing to push now: do what the step says first; `floor` lists the words"
+            )
+        says = f"say how fast in m/s, {SLOWEST_M_S:g} to {FASTEST_M_S:g}: push 0.9"
+        speed_m_s = amount(given or str(SPEED), says, low=SLOWEST_M_S, high=FASTEST_M_S)
+        return self.world.push(self.step, speed_m_s)
+
+    def _push(self, given: str) -> str:
+        return self.kept("push", ["t", "x", "y"], self.world.film(self._rolled(given)))
+
+    def _tape(self, given: str) -> str:
+        words = "it rolled {distance_m:.3f} m in {duration_s:.2f} s, turned {turned_deg:+.0f} deg"
+        return words.format(**self.world.tape(self._rolled(given)))

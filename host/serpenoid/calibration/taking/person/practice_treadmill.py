@@ -2,21 +2,29 @@
 
 from __future__ import annotations
 
-import math
 import time
-from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from ....lab.practice import PracticeTreadmill, SetPoints
+from ....lab.practice import PracticeTreadmill, SetPoints, amount
+from ....model.errors import BadInput
 from ...kinds.places import MOST_S
 from ...session import Setup
 from .practice import PracticeTerminal
 from .terminal import Terminal
 
 LONGEST_WAIT_S = 600.0
-HELP = """\
+
+
+class TreadmillTerminal(PracticeTerminal):
+    """A terminal that works a treadmill, too, its robot's joints where a board has set them.
+
+    room: the treadmill. Other parameters as of a PracticeTerminal and of a PracticeTreadmill.
+    """
+
+    HELP = """\
 The treadmill is worked by words, or on its page:
   belt 1.6      belt speed in km/h; belt +, belt - by a step
   incline 4     in %; incline +, incline - by a step
@@ -31,13 +39,6 @@ The treadmill is worked by words, or on its page:
   film, crawl   at a gait run: run it on level ground; a film is taken in, or what a watch says
   wait 20       let 20 s pass"""
 
-
-class TreadmillTerminal(PracticeTerminal):
-    """A terminal that works a treadmill, too, its robot's joints where a board has set them.
-
-    room: the treadmill. Other parameters as of a PracticeTerminal and of a PracticeTreadmill.
-    """
-
     def __init__(
         self,
         terminal: Terminal,
@@ -47,20 +48,7 @@ class TreadmillTerminal(PracticeTerminal):
         set_points: SetPoints,
         pace: float = 1.0,
     ):
-        buttons = "take", "mark", "inclinometer", "turned", "protractor", "turns"
-        told: dict[str, Callable[[str], str]] = {
-            "belt": self._belt,
-            "incline": self._incline,
-            "wait": self._wait,
-            "left": self._steer("left"),
-            "right": self._steer("right"),
-            "put": lambda given: self.room.put("up" if given == "up" else "down"),
-            "look": lambda given: f"{picture(self.room)}\n  {self.room.look()}",
-            "treadmill": lambda given: HELP,
-            **{name: self._button(name) for name in buttons},
-        }
-        words = {name: self._telling(word) for name, word in told.items()}
-        super().__init__(terminal, setup, seed, films, words)
+        super().__init__(terminal, setup, seed, films)
         truth = self.world.truth
         self._pace = pace
         self.room = PracticeTreadmill(
@@ -74,79 +62,46 @@ class TreadmillTerminal(PracticeTerminal):
             seed=seed,
             pace=pace,
         )
-
-    def _telling(self, word: Callable[[str], str]) -> Callable[[str], None]:
-        return lambda given: self.say_aside(word(given))
+        self.words |= self.room.words | {
+            "wait": self._wait,
+            "look": lambda given: f"{picture(self.room)}\n  {self.room.look()}",
+            "left": partial(self._steer, "left"),
+            "right": partial(self._steer, "right"),
+        }
 
     def clock_s(self) -> float:
         """Return the time at the treadmill, s, whatever its pace."""
         return self.room.belt.t_s
 
-    def _button(self, name: str) -> Callable[[str], str]:
-        return lambda given: self.room.buttons[name]()
-
-    def _belt(self, given: str) -> str:
-        room = self.room
-        if given in ("+", "-"):
-            return room.buttons["faster" if given == "+" else "slower"]()
-        shown = _number(given, ("km/h", "kmh"))
-        if shown is None:
-            return "say how fast in km/h: belt 1.6; or belt +, belt -"
-        return room.set_belt(round(shown / 3.6 / room.display.step_m_s))
-
-    def _incline(self, given: str) -> str:
-        room = self.room
-        if given in ("+", "-"):
-            return room.buttons["steeper" if given == "+" else "flatter"]()
-        shown = _number(given, ("%",))
-        if shown is None:
-            return "say how steep in %: incline 4; or incline +, incline -"
-        return room.set_grade(round(shown / 100 / room.grade_step))
-
     def _wait(self, given: str) -> str:
-        seconds = _number(given, ("s",))
-        if seconds is None or not 0 < seconds <= LONGEST_WAIT_S:
-            return f"say how long in s, at most {LONGEST_WAIT_S:g}: wait 20"
-        time.sleep(seconds / self._pace)
+        says = f"say how long in s, at most {LONGEST_WAIT_S:g}: wait 20"
+        time.sleep(amount(given, says, "s", low=1e-9, high=LONGEST_WAIT_S) / self._pace)
         return self.room.look()
 
     def _film(self, given: str) -> str | None:
         """Film a gait, where one is to be run; else where the robot on the belt is."""
         if self.step is not None and self.step.gait is not None:
             return super()._film(given)
-        return self.say_aside(self._places(given))
+        return self.say(f"  {self._places(given)}")
 
     def _places(self, given: str) -> str:
-        seconds = _number(given or "4", ("s",))
-        if seconds is None or not 2 <= seconds <= MOST_S:
-            return f"say how long in s, 2 to {MOST_S:g}: film 4"
-        room, found = self.room, list[tuple[float, float]]()
-        while room.lies and (not found or found[-1][0] - found[0][0] < seconds - 0.1):
-            time.sleep((1.0 if found else 0.0) / self._pace)
-            found.append(room.place())
-        if len(found) < 3:
-            return "the robot is not on the belt"
-        places = " ".join(f"{t - found[0][0]:.2f}:{y:.3f}" for t, y in found)
-        return f"places, s:m uphill, to type for the drift: {places}"
+        says = f"say how long in s, 2 to {MOST_S:g}: film 4"
+        seconds = amount(given or "4", says, "s", low=2.0, high=MOST_S)
+        room, places = self.room, list[tuple[float, float]]()
+        while room.lies and (not places or places[-1][0] - places[0][0] < seconds - 0.1):
+            time.sleep((1.0 if places else 0.0) / self._pace)
+            places.append(room.place())
+        if len(places) < 3:
+            raise BadInput("the robot is not on the belt")
+        pairs = " ".join(f"{t - places[0][0]:.2f}:{y:.3f}" for t, y in places)
+        return f"places, s:m uphill, to type for the drift: {pairs}"
 
-    def _steer(self, way: str) -> Callable[[str], str]:
-        def steer(given: str) -> str:
-            steps = _number(given or "1", ())
-            if way not in self.keys or steps is None or not 0 < steps <= 40:
-                return "no robot to steer, or no number of steps from 1 to 40"
-            return [self.keys[way]() for _ in range(int(steps))][-1]
-
-        return steer
-
-
-def _number(text: str, units: tuple[str, ...]) -> float | None:
-    for unit in units:
-        text = text.removesuffix(unit).strip()
-    try:
-        value = float(text)
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None
+    def _steer(self, way: str, given: str) -> str:
+        says = "no robot to steer, or no number of steps from 1 to 40"
+        steps = amount(given or "1", says, low=1.0, high=40.0)
+        if way not in self.keys:
+            raise BadInput(says)
+        return [self.keys[way]() for _ in range(int(steps))][-1]
 
 
 def picture(treadmill: PracticeTreadmill) -> str:

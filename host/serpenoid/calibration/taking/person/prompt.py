@@ -179,9 +179,9 @@ class Prompt:
 
     def _do_status(self, rest: str, step: Step) -> None:
         session = self.journal.session
-        for kind, r in session.numbered[-8:]:
+        for r in session.numbered[-8:]:
             state = f"  void: {r.comment}" if r.voided else ""
-            self.say(f"  {r.number:4}  {'  '.join(kind.describe(r))}{state}")
+            self.say(f"  {r.number:4}  {'  '.join(r.in_words())}{state}")
         parts = progress(session, skipped_keys(self.journal.events))
         wide = max(len(name) for name, _ in parts)
         for name, state in parts:
@@ -254,7 +254,7 @@ class Prompt:
         return next((e.detail for e in reversed(late) if e.detail in skipped), "")
 
     def _last_kept(self) -> int:
-        kept = [r.number for _, r in self.journal.session.numbered if not r.voided]
+        kept = [r.number for r in self.journal.session.numbered if not r.voided]
         if not kept:
             raise BadInput("there is no reading yet")
         return max(kept)

@@ -121,39 +121,3 @@ class Console:
         if sys.stdin.isatty():
             self._pending = b""
             system.forget_input()
-
-
-class WordTerminal:
-    """A terminal with a lab beside it: its words work the lab, and all else is an answer.
-
-    words: each returns what is answered in its place, None where the prompt stays.
-    """
-
-    def __init__(self, terminal: Terminal, words: Mapping[str, Callable[[str], str | None]]):
-        self._terminal, self._words = terminal, words
-        self.keys: Mapping[str, Callable[[], str]] = {}
-
-    def say(self, text: str) -> None:
-        """Show a line or more."""
-        self._terminal.say(text)
-
-    def say_aside(self, text: str) -> None:
-        """Show what the lab says."""
-        self.say(f"  {text}")
-
-    def forget(self) -> None:
-        """Drop what was typed ahead."""
-        self._terminal.forget()
-
-    def ask(self, prompt: str, patience_s: float, tick: Callable[[], None]) -> str | None:
-        """Return the next answer; None if none came in time."""
-        if hasattr(self._terminal, "keys"):
-            self._terminal.keys = self.keys  # type: ignore[attr-defined]
-        while True:
-            line = self._terminal.ask(prompt, patience_s, tick)
-            word, _, given = (line or "").strip().lower().partition(" ")
-            if line is None or word not in self._words:
-                return line
-            answer = self._words[word](given.strip())
-            if answer is not None:
-                return answer
