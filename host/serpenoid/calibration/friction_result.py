@@ -17,7 +17,7 @@ from ..model.robot import Robot
 from ..model.rows import Result, Row, ranged
 from .fitting.shared import FRICTIONS
 from .fitting.suspects import Influence
-from .session import Session, belt_checks
+from .session import NO_BELT, Session
 
 Floats = NDArray[np.float64]
 T = TypeVar("T")
@@ -28,7 +28,6 @@ LEVEL = 0.95
 WHOLE = "_whole"
 NOT_WEIGHED = "The robot was not weighed"
 NO_ZERO = "The inclinometer's zero was not measured"
-NO_BELT = "The belt's speed was not checked"
 AMPLITUDE = "amplitude"  # of the joints, over the commanded one
 SURELY = 2.0  # errors of its difference, beyond which a zero that drifted is told
 _FEW = 4  # of the draws, one in so many or less
@@ -472,12 +471,8 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
             f"Reading(s) {named} held for misread: they count next to nothing. Look them up, and "
             "void or correct them."
         )
-    if session.kept and not belt_checks(session) and session.setup.kind != "regenerated":
-        notes.append(
-            f"{NO_BELT}: it is taken to run as it shows, within {session.belt_scale[1]:.0%}, and "
-            "ct and cn are as unsure. Time ten turns of a mark on it: `serpenoid calibrate add DIR "
-            "belt belt_speed_m_s=0.5 distance_m=28 duration_s=56`."
-        )
+    if session.belt_note:
+        notes.append(session.belt_note)
     return (*weak_notes(fit), *notes)
 
 

@@ -36,6 +36,7 @@ FOLLOWED = 1.5  # errors of the zero's difference, beyond which it is taken to h
 MAX_GRAVITY_M_S2 = 30.0
 NOT_WEIGHED = 0.05  # relative standard deviation of a mass that is an assumption
 ANY_BELT = 0.07  # of a belt's true speed over the one shown, before a mark on it was timed
+NO_BELT = "The belt's speed was not checked"
 
 
 @dataclass(frozen=True, slots=True)
@@ -260,6 +261,17 @@ class Session:
         weights = [max(sigma, 1e-6) ** -2 for _, sigma in known]
         mean = sum(w * scale for w, (scale, _) in zip(weights, known, strict=True)) / sum(weights)
         return mean, sum(weights) ** -0.5
+
+    @property
+    def belt_note(self) -> str:
+        """Return in words that the belt was never checked; "" where it was, or none ran."""
+        if not self.kept or belt_checks(self) or self.setup.kind == "regenerated":
+            return ""
+        return (
+            f"{NO_BELT}: it is taken to run as it shows, within {self.belt_scale[1]:.0%}, and "
+            "ct and cn are as unsure. Time ten turns of a mark on it: `serpenoid calibrate add DIR "
+            "belt belt_speed_m_s=0.5 distance_m=28 duration_s=56`."
+        )
 
     @property
     def mass_sigma(self) -> float:

@@ -251,13 +251,24 @@ def test_undo_redo_void_and_restore(folder):
 
 
 def test_skip_and_its_undoing(folder):
-    heard, _ = talk(folder, "undo", "skip", "skip", "undo", "", "skip", "undo")
+    heard, _ = talk(folder, "undo", "skip", "skip", "skip", "undo", "", "skip", "undo")
     assert "there is no reading yet" in heard
     assert "left out: zero before" in heard
     assert "no longer left out: station at 2.40 deg, straight" in heard
     assert "all of the straight stations, without which nothing can be fitted" in heard
     assert "no longer left out: straight\n" in heard
     assert [e.event for e in read_events(folder)] == ["skip", *["skip", "unskip"] * 2]
+
+
+def test_a_skip_that_leaves_out_more_than_was_asked_is_doubted_once(folder):
+    heard, session = talk(folder, *ZERO, "skip", "", "", "2.0", "0.2", "skip", "", "", "keep")
+    assert "! skip leaves out all of the straight stations, not only this pose" in heard
+    assert "! skip leaves out the whole reading, with what was typed" in heard
+    assert not read_events(folder)
+    assert [r.turned_rad for r in session.kept] == [0.0]
+    heard, session = talk(folder, "", "", "2.3", "0.5", "", "skip", "skip")
+    assert "left out: station at" in heard
+    assert len(session.kept) == 1
 
 
 def test_undo_after_a_reading_voids_it_and_leaves_an_old_skip(folder):

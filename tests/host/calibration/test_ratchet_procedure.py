@@ -61,13 +61,13 @@ def test_the_dialogue_turns_it_round_after_the_straight_series(tmp_path):
     assert [r.facing for r in session.kept] == ["down"] * 3 + ["up"]
     assert session.kept[-1].incline_rad == pytest.approx(math.radians(6.6))
     # it is left out on demand, and the bends come next, head downhill again
-    heard, session = talk(folder, "skip")
+    heard, session = talk(folder, "skip", "skip")
     assert "Head downhill again" in heard
 
 
 def test_a_straight_series_can_be_left_out(tmp_path):
     folder = create_session(tmp_path / "session", ratchet_setup(ratchet=False))
-    heard, _ = talk(folder, *ZERO, "skip")
+    heard, _ = talk(folder, *ZERO, "skip", "skip")
     assert "left out: straight" in heard
     assert "Bend 7.5 deg" in heard
 

@@ -32,8 +32,13 @@ def show(session: Session, parts: list[tuple[str, str]]) -> None:
     report.table(session.setup.name, [columns[k] for k in shown], cells, len(shown))
     for name, state in parts:
         report.console.print(f"{name:14} {state}")
-    for note in session.notes:
+    for note in notes(session):
         report.console.print(f"note: {note}", soft_wrap=True)
+
+
+def notes(session: Session) -> list[str]:
+    """Return what is to be told of a session's files, and of a belt that nobody checked."""
+    return [*session.notes, *filter(None, [session.belt_note])]
 
 
 def as_dict(session: Session, parts: list[tuple[str, str]], say: str) -> dict[str, Any]:
@@ -52,5 +57,5 @@ def as_dict(session: Session, parts: list[tuple[str, str]], say: str) -> dict[st
             dict(zip(("reading", "what", "values", "state", "comment"), row, strict=True))
             for row in rows(session)
         ],
-        "notes": list(session.notes),
+        "notes": notes(session),
     }

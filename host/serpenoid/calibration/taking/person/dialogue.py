@@ -111,6 +111,7 @@ class Dialogue(Prompt):
             self.journal.session, skipped, self._posture.bend_deg, self._posture.facing
         )
         self._told(self.journal.session, step)
+        self._enter_answers = self._skip_doubted = False
         self.say("")
         self.say(step.say)
         if step.kind == "done":
@@ -320,6 +321,7 @@ class Dialogue(Prompt):
     def _drift(self, field: Field, likely: Range, step: Step) -> Values:
         """Ask for the drift that is left; or for places over time, of a robot that still drifts."""
         question = f"  places in a film as s:m, {EXAMPLE}; or {field.words} ({field.unit}): "
+        self._enter_answers = True
         while True:
             text = self.ask(question, step)
             if ":" not in text:  # no pairs of time and place

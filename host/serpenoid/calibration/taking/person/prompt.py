@@ -54,6 +54,8 @@ class Prompt:
         self.journal = journal
         self._terminal, self._robot, self._patience_s = terminal, robot, patience_s
         self._posture = Posture()
+        self._enter_answers = False  # what is asked now
+        self._skip_doubted = False
 
     def say(self, text: str) -> None:
         """Show a line or more."""
@@ -70,6 +72,7 @@ class Prompt:
 
     def answer(self, question: str, step: Step) -> str:
         """Return an answer to a doubt, "keep" for its short forms; `again` raises Again."""
+        self._enter_answers = False
         answer = self.ask(question, step).lower()
         if answer in ("again", "a"):
             self.say("  again, from the start of this step")
@@ -78,6 +81,7 @@ class Prompt:
 
     def ask_for(self, field: Field, step: Step) -> str:
         """Ask for a field's number; return what was typed."""
+        self._enter_answers = field.usual is not None
         return self.ask(f"  {field.words} ({field.unit}): ", step)
 
     def read(self, text: str, field: Field, likely: Range, step: Step) -> float:
@@ -147,6 +151,9 @@ class Prompt:
         raise Left
 
     def _do_skip(self, rest: str, step: Step) -> None:
+        if not self._skip_doubted and (doubt := self._skip_doubt(step)):
+            self._skip_doubted = True
+            return self.say(doubt)
         self.journal.event("skip", max(self.journal.numbers, default=0), step.key)
         self.say(f"  left out: {step_in_words(step.key)}")
         if step.kind == "zero":
@@ -160,6 +167,21 @@ class Prompt:
                 "`undo` brings them back."
             )
         raise Again
+
+    def _skip_doubt(self, step: Step) -> str:
+        """Return what `skip` leaves out where one may mean less; "" where nobody can."""
+        if step.kind == "straight" and step.key != "steering":
+            what = "pushes" if step.key.startswith("pushes") else "stations"
+            return (
+                f"  ! skip leaves out all of the straight {what}, not only this pose: type it once "
+                "more for that. Enter goes on in this pose."
+            )
+        if self._enter_answers:
+            return (
+                "  ! skip leaves out the whole reading, with what was typed: type it once more for "
+                "that. Enter answers this question."
+            )
+        return ""
 
     def _do_pause(self, rest: str, step: Step) -> None:
         """Let the servos go until the person is back."""
