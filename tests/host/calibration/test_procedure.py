@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 from serpenoid import Ground, fit_friction
+from serpenoid.calibration.taking.expected import Series
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.calibration.taking.procedure import (
     doubts,
@@ -79,12 +80,12 @@ def test_inclines_rise_faster_where_the_belt_hardly_does(record):
     for incline, belt in ((3.0, 0.05), (3.3, 0.10), (3.6, 0.15)):
         station(record, incline, belt, 30.0)
     # A sixth of 1 m/s is 1.0 deg on this line; the plan's step is 0.3.
-    found = next_incline_deg(record.session, math.radians(30.0))
+    found = next_incline_deg(record.session, Series(math.radians(30.0)))
     assert found == pytest.approx(4.6, abs=0.02)
-    assert next_incline_deg(record.session, math.radians(15.0)) == 2.4
+    assert next_incline_deg(record.session, Series(math.radians(15.0))) == 2.4
     station(record, 2.6, 0.2, 15.0)  # where this bend held, the next one begins
     assert next_incline_deg(
-        replace(record.session, readings=record.session.readings[3:]), math.radians(30.0)
+        replace(record.session, readings=record.session.readings[3:]), Series(math.radians(30.0))
     ) == pytest.approx(2.6)
 
 
@@ -97,7 +98,7 @@ def test_a_first_bend_is_asked_where_the_robot_of_2005_would_hold(record):
     drag = (1 - q * s * s) * 0.084 + q * s * s * 1.2
     force_n = drag * v + (1 - q + q * c) * 0.14 + q * s * 0.27
     expected_deg = math.degrees(math.asin(force_n / weight_n))
-    assert next_incline_deg(record.session, math.radians(15)) == pytest.approx(
+    assert next_incline_deg(record.session, Series(math.radians(15))) == pytest.approx(
         expected_deg, abs=2e-3
     )
     # Whatever a line of slips says, an incline is asked at which a robot may hold.
@@ -106,28 +107,36 @@ def test_a_first_bend_is_asked_where_the_robot_of_2005_would_hold(record):
             replace(record.session.readings[0], incline_rad=at, belt_speed_m_s=belt + at / 100)
             for at in (0.035, 0.4)
         ]
-        found = next_incline_deg(replace(record.session, readings=tuple(slips)), math.radians(15))
+        found = next_incline_deg(
+            replace(record.session, readings=tuple(slips)), Series(math.radians(15))
+        )
         assert found == pytest.approx(asked_deg, abs=0.01)
+
+
+def test_readings_all_alike_tell_no_line_and_the_next_is_asked_all_the_same(record):
+    for bend in (0.0, 0.0, 15.0, 15.0):
+        station(record, 2.5, 0.5, bend)
+    assert next_incline_deg(record.session, Series(math.radians(30))) == 2.5
 
 
 def test_a_slower_station_follows_a_fast_first_one(record):
     station(record, 2.4, 0.3)
-    assert next_incline_deg(record.session, 0.0) == 2.7  # it is slow enough
+    assert next_incline_deg(record.session, Series(0.0)) == 2.7  # it is slow enough
     quick = MemoryRecord(record.session.setup)
     station(quick, 2.4, 0.8)
     less_deg = math.degrees(0.8 * 0.084 * (0.8 - 0.2) / quick.session.setup.weight_n)
-    found, missed = next_incline_deg(quick.session, 0.0), frozenset()
+    found, missed = next_incline_deg(quick.session, Series(0.0)), frozenset()
     assert found == pytest.approx(2.4 - less_deg, abs=2e-3)
     # Where it cannot be held there, half as much slower; then steeper.
     for expected in (2.4 - less_deg / 2, 2.7):
         missed |= {f"station 0 {found:.2f}"}
-        found = next_incline_deg(quick.session, 0.0, missed)
+        found = next_incline_deg(quick.session, Series(0.0), missed)
         assert found == pytest.approx(expected, abs=2e-3)
 
 
 def test_a_skipped_station_is_passed_over(record):
-    assert next_incline_deg(record.session, 0.0, frozenset({"station 0 2.40"})) == 2.7
-    assert next_incline_deg(record.session, 0.0, frozenset({"station 0 11.90"})) is None
+    assert next_incline_deg(record.session, Series(0.0), frozenset({"station 0 2.40"})) == 2.7
+    assert next_incline_deg(record.session, Series(0.0), frozenset({"station 0 11.90"})) is None
 
 
 def test_what_is_out_of_line_is_doubted_at_the_incline_that_was_typed(record):
@@ -144,12 +153,12 @@ def test_what_is_out_of_line_is_doubted_at_the_incline_that_was_typed(record):
 
 
 def test_the_settling_time_follows_the_readings(record):
-    assert settle_s(record.session, 0.0) == pytest.approx(3 * 0.4536 / 0.084)
+    assert settle_s(record.session) == pytest.approx(3 * 0.4536 / 0.084)
     for incline, belt in ((2.0, 0.2), (2.6, 0.8)):
         station(record, incline, belt)
     # A is m g / (dv / d sin gamma), so m / A is that slope over g.
     slope = 0.6 / (math.sin(math.radians(2.6)) - math.sin(math.radians(2.0)))
-    assert settle_s(record.session, 0.0) == pytest.approx(3 * slope / 9.80665)
+    assert settle_s(record.session) == pytest.approx(3 * slope / 9.80665)
 
 
 class Noted(SimulatedPerson):

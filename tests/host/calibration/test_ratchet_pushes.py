@@ -12,7 +12,7 @@ from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import ground_of
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.speeds import speed
-from serpenoid.calibration.taking.floor.procedure import of_push_bend, series_of_pushes
+from serpenoid.calibration.taking.expected import Series, of_series, series_of_pushes
 from serpenoid.calibration.taking.procedure import next_step, progress
 from serpenoid.calibration.taking.sheet import sheet_text
 from serpenoid.calibration.taking.simulated import SimulatedPerson
@@ -88,16 +88,14 @@ def test_few_pushes_tail_first_are_not_enough_and_it_is_said() -> None:
 def test_the_plan_of_a_ratchet_asks_for_both_and_a_person_can_do_it() -> None:
     base = floor_setup()
     setup = replace(base, procedure=replace(base.procedure, ratchet=True, pushes=2))
-    assert series_of_pushes(setup.procedure)[:2] == [(0.0, "ahead"), (0.0, "back")]
-    assert series_of_pushes(base.procedure) == [
-        (b, "ahead") for b in base.procedure.push_lambda_rad
-    ]
+    assert [s.facing for s in series_of_pushes(setup.procedure)[:2]] == ["ahead", "back"]
+    assert {s.facing for s in series_of_pushes(base.procedure)} == {"ahead"}
     ground = Ground((TRUTH[0], CT_BACK), TRUTH[1], (TRUTH[2], FT0_BACK), TRUTH[3])
     taken = take_all(MemoryRecord(setup), SimulatedPerson(setup, Truth(ground), 3))
-    tail = of_push_bend(taken, 0.0, "back")
+    tail = of_series(taken, Series(0.0, "back"))
     assert [p.way for p in tail] == ["there", "back"]
     assert max(p.counted[0][-1] for p in tail) < min(
-        p.counted[0][-1] for p in of_push_bend(taken, 0.0)
+        p.counted[0][-1] for p in of_series(taken, Series(0.0, "ahead"))
     )  # they brake harder
     assert ("pushes, straight", "2 of 2") in progress(taken)
     assert sheet_text(taken).count(",back,") >= 2

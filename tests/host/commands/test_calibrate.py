@@ -89,6 +89,7 @@ def test_listed_readings_are_added_once(folder, tmp_path, serpenoid):
 def test_readings_are_added_redone_voided_and_restored(folder, serpenoid):
     cells = ("lambda_deg=0", "incline_deg=4%", "belt_speed_m_s=1,8km/h")
     assert serpenoid("calibrate", "add", str(folder), "station", *cells)[0] == 0
+    assert "belt's speed was not checked" in serpenoid("calibrate", "status", str(folder))[1]
     reading = load_session(folder).kept[0]
     assert reading.belt_speed_m_s == pytest.approx(0.5)
     assert reading.incline_rad == pytest.approx(0.0399787, abs=1e-6)  # atan 0.04

@@ -12,7 +12,8 @@ import numpy as np
 from ..fitting.bends import projections
 from ..fitting.paper_fit import two_lines
 from ..fitting.stations import Stations
-from ..kinds.station import Reading, bent_share
+from ..kinds.coast import FACINGS as PUSH_FACINGS
+from ..kinds.station import FACINGS, Reading, bent_share
 from ..session import Procedure, Session, Setup
 
 SIGMAS = 3.5  # beyond which a reading is asked about: once in 2000 honest ones
@@ -53,9 +54,10 @@ class Line:
 
 @dataclass(frozen=True)
 class Series:
-    """Stations of one pose: a bend of the plan, straight, or straight and facing up the belt.
+    """Stations or pushes of one pose: a bend of the plan, or straight, facing one way.
 
-    bend: balanced or zigzag, as of a reading.
+    facing: of stations "down" or "up" the belt, of pushes "ahead" or "back". bend: balanced or
+    zigzag, as of a reading.
     """
 
     lambda_rad: float
@@ -63,10 +65,19 @@ class Series:
     bend: str = "zigzag"
 
     @property
+    def bend_deg(self) -> float:
+        """Return the plan's bend in degrees, 0 where straight."""
+        return round(math.degrees(self.lambda_rad), 3)
+
+    @property
     def key(self) -> str:
         """Return what events call it."""
+        bend = f"{math.degrees(self.lambda_rad):.5g}"
+        if self.facing in PUSH_FACINGS:
+            tail_first = " tail first" if self.facing == "back" else ""
+            return f"pushes {bend if self.lambda_rad else 'straight'}{tail_first}"
         if self.lambda_rad:
-            return f"bend {math.degrees(self.lambda_rad):.5g}"
+            return f"bend {bend}"
         return "straight up" if self.facing == "up" else "straight"
 
     @property
@@ -78,14 +89,26 @@ class Series:
         return "straight, facing up" if self.facing == "up" else "straight"
 
 
+STRAIGHT = Series(0.0)
+
+
 def series_of(plan: Procedure) -> list[Series]:
-    """Return the series of a plan in their order; ratchets are held facing up, too, if straight."""
-    found = []
-    for lambda_rad in plan.lambda_rad:
-        found.append(Series(lambda_rad, bend=plan.bend))
-        if plan.ratchet and not lambda_rad:
-            found.append(Series(0.0, "up", plan.bend))
-    return found
+    """Return the stations' series of a plan in their order."""
+    return _series(plan, plan.lambda_rad, FACINGS)
+
+
+def series_of_pushes(plan: Procedure) -> list[Series]:
+    """Return the pushes' series of a plan in their order."""
+    return _series(plan, plan.push_lambda_rad, PUSH_FACINGS)
+
+
+def _series(plan: Procedure, bends_rad: Sequence[float], facings: Sequence[str]) -> list[Series]:
+    """Return a series a bend; ratchets are taken both ways where they lie straight."""
+    return [
+        Series(bend_rad, facing, plan.bend)
+        for bend_rad in bends_rad
+        for facing in facings[: 2 if plan.ratchet and not bend_rad else 1]
+    ]
 
 
 def planned_bend(session: Session, lambda_rad: float) -> float:
@@ -110,21 +133,17 @@ def series_it_is_of(session: Session, reading: Reading) -> Series:
     return Series(planned_bend(session, reading.lambda_rad), reading.facing, bend)
 
 
-def of_bend(session: Session, lambda_rad: float, facing: str = "down") -> list[Reading]:
-    """Return the kept stations of one of the plan's bends, bent as it says and facing this way."""
-    return of_series(session, session.kept, lambda_rad, facing)
+def of_series(session: Session, series: Series) -> list[Any]:
+    """Return the kept stations or pushes of one of the plan's bends, this way, bent as it says."""
+    aim, bend = planned_bend(session, series.lambda_rad), session.setup.procedure.bend
+    facing = (r for r in (*session.kept, *session.kept_pushes) if r.facing == series.facing)
+    bent = (r for r in facing if r.bend == bend or not r.lambda_rad)
+    return [r for r in bent if planned_bend(session, r.lambda_rad) == aim]
 
 
-def of_series(session: Session, kept: Sequence[Any], lambda_rad: float, facing: str) -> list[Any]:
-    """Return those of the stations or pushes that lay in one of the plan's bends, this way."""
-    aim, bend = planned_bend(session, lambda_rad), session.setup.procedure.bend
-    own = (r for r in kept if r.facing == facing and (r.bend == bend or not r.lambda_rad))
-    return [r for r in own if planned_bend(session, r.lambda_rad) == aim]
-
-
-def line_of(session: Session, lambda_rad: float, facing: str = "down") -> Line | None:
-    """Return the line through a bend's stations, None with fewer than two inclines."""
-    stations = of_bend(session, lambda_rad, facing)
+def line_of(session: Session, series: Series) -> Line | None:
+    """Return the line through a series' stations, None with fewer than two inclines."""
+    stations = of_series(session, series)
     gravity = session.setup.procedure.gravity_m_s2
     sines = np.array([r.balance_sine(gravity) for r in stations])
     if len(sines) < 2 or np.ptp(sines) < 1e-4:
@@ -156,11 +175,12 @@ def law_sine(session: Session, lambda_rad: float, speed_m_s: float) -> float:
     """
     data = Stations.of(session) if session.kept else None
     setup = session.setup
-    if data is not None and min(data.parts[part].sum() for part in ("straight", "bent")) >= 2:
+    parts = [] if data is None else [data.parts[part] for part in ("straight", "bent")]
+    if data is not None and all(len(np.unique(data.slip_m_s[part])) > 1 for part in parts):
         frictions = np.maximum(two_lines(data)[0][:4], 0.0).tolist()
         drag, dry_n = pull_of(setup, frictions, lambda_rad)
         return (drag * speed_m_s + dry_n) / setup.weight_n
-    straight = line_of(session, 0.0)
+    straight = line_of(session, STRAIGHT)
     if straight is None:
         return 0.0
     bent, plain = (pull_of(setup, USUAL, x) for x in (lambda_rad, 0.0))
@@ -180,15 +200,15 @@ def slowing_deg(setup: Setup, first: Reading) -> float:
 
 
 def expected_speed(
-    session: Session, lambda_rad: float, incline_rad: float, facing: str = "down"
+    session: Session, series: Series, incline_rad: float
 ) -> tuple[float, float] | None:
     """Return the range of the belt's speed past the snake at a station, m/s; None if unknown."""
-    line = line_of(session, lambda_rad, facing)
+    line = line_of(session, series)
     if line is not None:
         speed, sigma = line.at(math.sin(incline_rad))
         return max(speed - SIGMAS * sigma, 0.0), max(speed + SIGMAS * sigma, 0.0)
     most_m_s = FASTEST * session.setup.procedure.belt_speed_max_m_s
-    stations = of_bend(session, lambda_rad, facing)
+    stations = of_series(session, series)
     if stations:  # steeper is faster
         last = max(stations, key=lambda r: r.incline_rad)
         noise = SIGMAS * session.setup.uncertainty.belt_speed_sigma_m_s
@@ -196,7 +216,8 @@ def expected_speed(
             return max(last.slip_speed_m_s - noise, 0.0), most_m_s
         if len(stations) == 1:
             return 0.0, last.slip_speed_m_s + noise
-    straight = line_of(session, 0.0) if lambda_rad or facing == "up" else None
+    bent_or_up = series.lambda_rad or series.facing == "up"
+    straight = line_of(session, STRAIGHT) if bent_or_up else None
     if straight is not None:  # a bent snake needs less speed, and one whose wheels roll back
         speed, sigma = straight.at(math.sin(incline_rad))
         return 0.0, max(speed + SIGMAS * sigma, 0.05)

@@ -20,16 +20,18 @@ from ..session import Session, Setup, belt_checks
 from ..session_rows import Event
 from .bends import bend_step
 from .expected import (
+    STRAIGHT,
     Series,
     expected_speed,
     law_sine,
     line_of,
-    of_bend,
+    of_series,
     series_of,
+    series_of_pushes,
     shown_bend,
     slowing_deg,
 )
-from .floor.procedure import next_push, push_progress
+from .floor.procedure import push_pose, push_progress, push_step
 from .steps import Step
 
 ZERO_BEFORE, ZERO_AFTER, BELT_CHECK = "zero before", "zero after", "belt check"
@@ -80,33 +82,45 @@ def next_step(
     posed_deg, facing: how the robot lies now, the plan's bend in degrees and which way it faces;
     None when that is not known, as at the start.
     """
-    if session.setup.procedure.on == "floor":
-        step = next_push(session, skipped, posed_deg)
-    else:
-        step = _treadmill_step(session, skipped, posed_deg, facing)
-    return step or _gait_step(session, skipped) or _DONE
+    step = _check_before(session, skipped)
+    step = step or _next_reading(session, skipped, posed_deg, facing)
+    return step or _check_after(session, skipped) or _gait_step(session, skipped) or _DONE
 
 
-def _treadmill_step(
+def _check_before(session: Session, skipped: frozenset[str]) -> Step | None:
+    """Return the check that comes before stations, None where there is none."""
+    done = session.setup.procedure.on == "floor" or session.kept or _zero_read(session, True)
+    return None if done or ZERO_BEFORE in skipped else _zero(ZERO_BEFORE)
+
+
+def _check_after(session: Session, skipped: frozenset[str]) -> Step | None:
+    """Return the check that comes after stations, None where there is none."""
+    if session.setup.procedure.on == "floor" or not session.kept:
+        return None
+    if not (_zero_read(session, False) or ZERO_AFTER in skipped):
+        return _zero(ZERO_AFTER)
+    if not (belt_checks(session) or BELT_CHECK in skipped):
+        return Step(BELT_CHECK, "belt", _BELT_SAY, BeltCheck.asked())
+    return None
+
+
+def _next_reading(
     session: Session, skipped: frozenset[str], posed_deg: float | None, facing: str
 ) -> Step | None:
-    """Return the next step but gait runs, None where there is none."""
-    if not (_zero_read(session, True) or session.kept or ZERO_BEFORE in skipped):
-        return _zero(ZERO_BEFORE)
-    for series in series_of(session.setup.procedure):
+    """Return the next station or push, or the pose that it needs; None where all are done."""
+    plan = session.setup.procedure
+    on_floor = plan.on == "floor"
+    for series in series_of_pushes(plan) if on_floor else series_of(plan):
         if series.key in skipped:
             continue
-        bend_deg = round(math.degrees(series.lambda_rad), 3)
-        incline_deg = next_incline_deg(session, series.lambda_rad, skipped, series.facing)
-        if incline_deg is not None:
-            shown_rad = shown_bend(session, series.lambda_rad)
-            if posed_deg != bend_deg or facing != series.facing or shown_rad is None:
-                return _pose(series, session.setup)
-            return _station(session, series, incline_deg, shown_rad)
-    if session.kept and not (_zero_read(session, False) or ZERO_AFTER in skipped):
-        return _zero(ZERO_AFTER)
-    if session.kept and not (belt_checks(session) or BELT_CHECK in skipped):
-        return Step(BELT_CHECK, "belt", _BELT_SAY, BeltCheck.asked())
+        step = (push_step if on_floor else _station)(session, series, skipped)
+        if step is None:
+            continue
+        shown_rad = shown_bend(session, series.lambda_rad)
+        if (posed_deg, facing) != (step.lambda_deg, step.facing) or shown_rad is None:
+            return (push_pose if on_floor else _pose)(session.setup, series)
+        shown = {"lambda_deg": round(math.degrees(shown_rad), 4)}
+        return replace(step, cells=shown | step.cells)
     return None
 
 
@@ -118,9 +132,9 @@ def progress(session: Session, skipped: frozenset[str] = frozenset()) -> list[tu
         return [*push_progress(session, skipped), runs]
     rows = [("zero before", _done(_zero_read(session, True)))]
     for series in series_of(session.setup.procedure):
-        count = len(of_bend(session, series.lambda_rad, series.facing))
-        open_ = next_incline_deg(session, series.lambda_rad, skipped, series.facing) is not None
-        open_ = open_ and series.key not in skipped
+        count = len(of_series(session, series))
+        open_ = series.key not in skipped
+        open_ = open_ and next_incline_deg(session, series, skipped) is not None
         name = f"{series.key} deg" if series.lambda_rad else series.name
         rows.append((name, f"{count} stations{', more to come' if open_ else ', done'}"))
     zero, belt = _zero_read(session, False), bool(belt_checks(session))
@@ -136,12 +150,9 @@ def _done(is_done: bool) -> str:
 
 
 def next_incline_deg(
-    session: Session,
-    lambda_rad: float,
-    skipped: frozenset[str] = frozenset(),
-    facing: str = "down",
+    session: Session, series: Series, skipped: frozenset[str] = frozenset()
 ) -> float | None:
-    """Return the incline of a bend's next station, None when it needs no more.
+    """Return the incline of a series' next station, None when it needs no more.
 
     Inclines rise by the plan's step, or by more where that would change the speed by less than a
     sixth of the top speed; a bend is done when its next station would pass the top speed, or the
@@ -149,8 +160,8 @@ def next_incline_deg(
     much slower where that could not be held: dry friction shows at low speeds.
     """
     plan = session.setup.procedure
-    stations = of_bend(session, lambda_rad, facing)
-    prefix = _station_key(math.degrees(lambda_rad), facing)
+    stations = of_series(session, series)
+    prefix = _station_key(series)
     passed = [float(k.removeprefix(prefix)) for k in skipped if k.startswith(prefix)]
     tried = [*(math.degrees(r.incline_rad) for r in stations), *passed]
     # At least what the treadmill can be raised by, or its rounding could stay below for ever.
@@ -160,9 +171,9 @@ def next_incline_deg(
         less_deg = slowing_deg(session.setup, stations[0]) / 2 ** sum(p < first_deg for p in passed)
         if less_deg > step_deg / 2:
             return round(first_deg - less_deg, 3)
-    first_deg = _first_incline_deg(session, lambda_rad, facing)
+    first_deg = _first_incline_deg(session, series)
     found_deg = max(tried) + step_deg if tried else first_deg
-    line = line_of(session, lambda_rad, facing)
+    line = line_of(session, series)
     top_m_s = max((r.slip_speed_m_s for r in stations), default=0.0)
     if line is not None and len(stations) >= FEWEST - 1:
         faster = line.sine_at(top_m_s + plan.belt_speed_max_m_s / SERIES)
@@ -174,19 +185,19 @@ def next_incline_deg(
     return None if done else round(found_deg, 3)
 
 
-def _station_key(bend_deg: float, facing: str) -> str:
-    return "station up " if facing == "up" else f"station {bend_deg:g} "
+def _station_key(series: Series) -> str:
+    return "station up " if series.facing == "up" else f"station {series.bend_deg:g} "
 
 
-def _first_incline_deg(session: Session, lambda_rad: float, facing: str) -> float:
-    """Return where a bend's series begins.
+def _first_incline_deg(session: Session, series: Series) -> float:
+    """Return where a series begins.
 
     The steepest of: the plan's start, where lesser bends first held, and where the frictions so far
     let this one hold at a sixth of the top speed.
     """
-    plan = session.setup.procedure
-    less = 0.0 if facing == "down" else 1e-9  # wheels that roll back hold where they roll ahead
-    lesser = [of_bend(session, x) for x in plan.lambda_rad if x < lambda_rad + less]
+    plan, lambda_rad = session.setup.procedure, series.lambda_rad
+    less = 0.0 if series.facing == "down" else 1e-9  # wheels that roll back hold where ahead
+    lesser = [of_series(session, Series(x)) for x in plan.lambda_rad if x < lambda_rad + less]
     held = [min(r.incline_rad for r in stations) for stations in lesser if stations]
     law = law_sine(session, lambda_rad, plan.belt_speed_max_m_s / SERIES)
     law_deg = min(math.degrees(math.asin(min(law, 1.0))), MOST_DEG)
@@ -247,8 +258,8 @@ def likely_belt(
     if places:  # as steep as where it would hold its place at this speed
         _, change_m_s, duration_s = drifts(places)
         incline_rad += change_m_s / duration_s / session.setup.procedure.gravity_m_s2
-    lambda_rad = math.radians(step.lambda_deg)
-    range_m_s = expected_speed(session, lambda_rad, incline_rad, step.facing)
+    series = Series(math.radians(step.lambda_deg), step.facing)
+    range_m_s = expected_speed(session, series, incline_rad)
     if range_m_s is None:
         return None
     drift_m_s = float(cells.get("drift_m_s", 0.0))
@@ -256,9 +267,9 @@ def likely_belt(
     return max(range_m_s[0] + drift_m_s - step_m_s, 0.0), range_m_s[1] + drift_m_s + step_m_s
 
 
-def settle_s(session: Session, lambda_rad: float, facing: str = "down") -> float:
+def settle_s(session: Session, series: Series = STRAIGHT) -> float:
     """Return how long a station takes to settle: 3 m / A, by the readings so far or the paper's."""
-    line = line_of(session, lambda_rad, facing) or line_of(session, 0.0)
+    line = line_of(session, series) or line_of(session, STRAIGHT)
     mass_kg = session.setup.robot.links * session.setup.robot.link_mass_kg
     # Where the balance is m g sin(gamma) = A v + B, the line's slope is m g / A.
     if line is None:
@@ -274,8 +285,7 @@ def _zero(key: str) -> Step:
     return Step(key, "zero", say, ZeroReading.asked())
 
 
-def _pose(series: Series, setup: Setup) -> Step:
-    bend_deg = round(math.degrees(series.lambda_rad), 3)
+def _pose(setup: Setup, series: Series) -> Step:
     if series.facing == "up":
         return Step(
             "straight up",
@@ -284,22 +294,24 @@ def _pose(series: Series, setup: Setup) -> Step:
             "before, so that its wheels roll backwards.",
             facing="up",
         )
-    if not bend_deg:
+    if not series.lambda_rad:
         return Step(
             "straight",
             "straight",
             "Robot straight, on the belt, head downhill, the belt running uphill.",
         )
     then = f"({REASON}.)" + (" Head downhill again." if setup.procedure.ratchet else "")
-    return bend_step(f"bend {bend_deg:g}", setup, bend_deg, then)
+    return bend_step(series.key, setup, series.bend_deg, then)
 
 
-def _station(session: Session, series: Series, incline_deg: float, shown_rad: float) -> Step:
-    lambda_rad, facing = series.lambda_rad, series.facing
-    bend_deg = round(math.degrees(lambda_rad), 3)
-    wait_s = settle_s(session, lambda_rad, facing)
+def _station(session: Session, series: Series, skipped: frozenset[str]) -> Step | None:
+    """Return the next station of a series, its bend still to be told; None where all are done."""
+    incline_deg = next_incline_deg(session, series, skipped)
+    if incline_deg is None:
+        return None
+    facing, wait_s = series.facing, settle_s(session, series)
     step_deg = math.degrees(session.setup.procedure.incline_step_rad)
-    likely = expected_speed(session, lambda_rad, math.radians(incline_deg), facing)
+    likely = expected_speed(session, series, math.radians(incline_deg))
     hint = "" if likely is None else f", about {belt_range(likely)}"
     grade = 100 * math.tan(math.radians(incline_deg))
     say = (
@@ -307,20 +319,19 @@ def _station(session: Session, series: Series, incline_deg: float, shown_rad: fl
         f"holds its place{hint}, or nearly. Film it for some 4 s and type its places; or wait "
         f"{wait_s:.0f} s, and read its drift by eye."
     )
-    first = not of_bend(session, lambda_rad, facing)
+    first = not of_series(session, series)
     if first:
         say += " Steeper, if the belt carries it off at any speed."
     # A misread first station leads its whole series astray: straight, a far one is asked about.
-    steep = first and (lambda_rad > 0 or facing == "up")
+    steep = first and (series.lambda_rad > 0 or facing == "up")
     near_deg = (incline_deg - 2 * step_deg, MOST_DEG if steep else incline_deg + 2 * step_deg)
     shown, belt = Reading.asked("incline_deg", "belt_speed_m_s")
     cells: dict[str, float | str] = {
-        "lambda_deg": round(math.degrees(shown_rad), 4),
         "facing": facing,
-        **({"bend": series.bend} if lambda_rad else {}),
+        **({"bend": series.bend} if series.lambda_rad else {}),
     }
     return Step(
-        f"{_station_key(bend_deg, facing)}{incline_deg:.2f}",
+        f"{_station_key(series)}{incline_deg:.2f}",
         "station",
         say,
         (
@@ -328,7 +339,7 @@ def _station(session: Session, series: Series, incline_deg: float, shown_rad: fl
             replace(belt, likely=likely),
             *Reading.asked("turned_deg", "drift_m_s"),
         ),
-        bend_deg,
+        series.bend_deg,
         facing,
         incline_deg,
         wait_s,

@@ -17,8 +17,7 @@ from ..kinds.coast import WAYS
 from ..kinds.declaration import DERIVED, PLANNED, Field
 from ..kinds.rows import KINDS, kind_of
 from ..session import Procedure, Session
-from .expected import series_of
-from .floor.procedure import series_of_pushes
+from .expected import series_of, series_of_pushes
 from .journal import Journal, csv_line
 from .parse_number import OTHER_UNITS, read_cells
 
@@ -102,19 +101,16 @@ def _planned_rows(plan: Procedure) -> list[dict[str, str]]:
         lines = [{"kind": "coast", "way": way} for way in ways_of(plan)]
         last = [{"kind": "slide", "lambda_deg": "0"}] * SLIDES
     else:
-        series = [(s.lambda_rad, s.facing) for s in series_of(plan)]
+        series = series_of(plan)
         first = last = [{"kind": "zero"}]
         lines = [{"kind": "station"}] * LINES
     rows = [*first]
-    for bend_rad, facing in series:
-        pose = {"lambda_deg": "" if bend_rad else "0", "facing": facing.removeprefix("ahead")}
-        rows += [*_check_row(bend_rad), *(line | pose for line in lines)]
+    for one in series:
+        bent, facing = bool(one.lambda_rad), one.facing.removeprefix("ahead")
+        if bent:
+            rows.append({"kind": "bend", "lambda_deg": f"{math.degrees(one.lambda_rad):.6g}"})
+        rows += [line | {"lambda_deg": "" if bent else "0", "facing": facing} for line in lines]
     return rows + last
-
-
-def _check_row(bend_rad: float) -> list[dict[str, str]]:
-    """Return the line of a bend's protractor check; none where the robot is straight."""
-    return [{"kind": "bend", "lambda_deg": f"{math.degrees(bend_rad):.6g}"}] if bend_rad else []
 
 
 def ways_of(plan: Procedure) -> list[str]:

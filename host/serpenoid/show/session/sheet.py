@@ -8,8 +8,8 @@ from pathlib import Path
 
 from ...calibration.session import Session
 from ...calibration.taking.bends import bend_in_words
-from ...calibration.taking.expected import Series, series_of
-from ...calibration.taking.floor.procedure import SPEED_M_S, expected_way_m, series_of_pushes
+from ...calibration.taking.expected import Series, series_of, series_of_pushes
+from ...calibration.taking.floor.procedure import SPEED_M_S, expected_way_m
 from ...calibration.taking.procedure import settle_s
 from ...calibration.taking.sheet import LINES, SLIDES, sheet_text, ways_of
 from ...model.files import write_text
@@ -84,18 +84,18 @@ def _floor_parts(session: Session) -> list[str]:
     )
     return [
         f"<p>{how}</p>",
-        *(_pushes(session, *one) for one in series_of_pushes(session.setup.procedure)),
+        *(_pushes(session, series) for series in series_of_pushes(session.setup.procedure)),
         f"<section><h2>Slides down a board (kind slide)</h2><p>{board}</p>{slides}</section>",
     ]
 
 
-def _pushes(session: Session, bend_rad: float, facing: str) -> str:
+def _pushes(session: Session, series: Series) -> str:
     setup = session.setup
-    bend, name = math.degrees(bend_rad), setup.procedure.bend
-    far = f"It rolls some {expected_way_m(setup, bend_rad, SPEED_M_S):.1f} m."
+    bend, name = math.degrees(series.lambda_rad), series.bend
+    far = f"It rolls some {expected_way_m(setup, series.lambda_rad, SPEED_M_S):.1f} m."
     heading, check = "Pushes, straight (kind coast, lambda_deg 0)", "Links along a straightedge."
     drawn = ""
-    if facing == "back":
+    if series.facing == "back":
         heading = "Pushes, straight, TAIL FIRST (kind coast, lambda_deg 0, facing back)"
     if bend:
         heading = f"Pushes, bend {bend:g}° (kind coast)"
@@ -112,7 +112,7 @@ def _how(session: Session) -> str:
     first, step = (math.degrees(x) for x in (plan.incline_start_rad, plan.incline_step_rad))
     return (
         f"Incline from about {first:.3g}° in steps of {step:.2g}° or more; raise the belt until "
-        f"the robot holds its place; wait {settle_s(session, 0.0):.0f} s straight, less when bent; "
+        f"the robot holds its place; wait {settle_s(session):.0f} s straight, less when bent; "
         f"write down. A series ends at {plan.belt_speed_max_m_s:.3g} m/s "
         f"({3.6 * plan.belt_speed_max_m_s:.3g} km/h). Strike out, do not overwrite."
     )

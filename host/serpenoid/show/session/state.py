@@ -7,7 +7,7 @@ from typing import Any
 
 from ...calibration.friction_result import DOUBTFUL, FrictionFit
 from ...calibration.session import Session
-from ...calibration.taking.expected import Series, line_of, of_bend, series_of
+from ...calibration.taking.expected import Series, line_of, of_series, series_of
 from ...calibration.taking.procedure import belt_range, progress
 from ...calibration.taking.steps import Step
 from ...model.errors import SerpenoidError
@@ -99,7 +99,7 @@ def agreement(fit: FrictionFit) -> str:
 
 
 def _bend(session: Session, series: Series) -> dict[str, Any]:
-    stations = of_bend(session, series.lambda_rad, series.facing)
+    stations = of_series(session, series)
     gravity = session.setup.procedure.gravity_m_s2
     found: dict[str, Any] = {
         "name": series.name,
@@ -108,7 +108,7 @@ def _bend(session: Session, series: Series) -> dict[str, Any]:
         ],
         "line": [],
     }
-    line = line_of(session, series.lambda_rad, series.facing)
+    line = line_of(session, series)
     if line is None:
         return found
     low = min(r.incline_rad for r in stations)

@@ -34,7 +34,7 @@ def picture(session: Session) -> str:
     curves: list[Curve] = []
     for series in plan:
         planned = series.bend == procedure.bend
-        line = line_of(session, series.lambda_rad, series.facing) if planned else None
+        line = line_of(session, series) if planned else None
         if line is not None:
             law = [line.at(math.sin(math.radians(incline)))[0] for incline in every]
             curves.append((every, law, "·"))
