@@ -125,7 +125,7 @@ def test_a_gait_is_run_and_filmed_on_level_ground_by_servos(tmp_path):
 
 
 def test_steering_words_press_the_keys():
-    typed, _, terminal = practised("left 3", "right", "")
+    typed, _, terminal = practised("left 3", "left 0.5", "right", "")
     pressed = []
     terminal.keys = {w: lambda w=w: pressed.append(w) or w for w in ("left", "right")}
     assert terminal.ask("", 1.0, lambda: None) == ""

@@ -232,11 +232,11 @@ def _other_readings(session: Session, fit: FrictionFit) -> list[str]:
     if not others:
         return []
     rows = [[str(r.number), *r.in_words(), off.get(r.number, "")] for r in others]
-    said = [": ".join(filter(None, ["voided" if r.voided else "", r.comment])) for _, r in others]
+    said = [": ".join(filter(None, ["voided" if r.voided else "", r.comment])) for r in others]
     head = ["number", "what", "shown", "off by (sigmas)"]
     if not session.on_floor:  # no other reading is in the fit
         head, rows = head[:-1], [row[:-1] for row in rows]
-    table = _table(head, rows, [r for _, r in others], words=True, said=said)
+    table = _table(head, rows, others, words=True, said=said)
     return [*(["<h3>Other readings</h3>"] if session.readings else []), table]
 
 
