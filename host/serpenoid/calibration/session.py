@@ -227,9 +227,10 @@ class Session:
         return sorted((r for kind in KINDS for r in self.of(kind)), key=attrgetter("number"))
 
     def with_reading(self, reading: Any) -> Session:
-        """Return the session with one more reading."""
-        after = placed(reading, bool(self.readings))
-        return replace(self, **{after.part: (*getattr(self, after.part), after)})
+        """Return the session with one more reading; a zero knows of stations before it."""
+        if isinstance(reading, ZeroReading):
+            reading = replace(reading, before=not self.readings)
+        return replace(self, **{reading.part: (*getattr(self, reading.part), reading)})
 
     def uncertainty_of(self, reading: Reading | ZeroReading) -> Uncertainty:
         """Return the uncertainty of the instruments that a reading was taken with."""
@@ -391,11 +392,6 @@ class Session:
         """Return a hash of all that a friction fit rests on to which crawls are given, too."""
         crawls = [repr(replace(r, comment="")) for r in (*self.kept_gait_runs, *self.kept_films)]
         return hashlib.sha256(json.dumps([self.sha256, *crawls]).encode()).hexdigest()
-
-
-def placed(made: Any, after_stations: bool) -> Any:
-    """Return a reading that knows whether it was taken after the first station (a zero does)."""
-    return replace(made, before=not after_stations) if isinstance(made, ZeroReading) else made
 
 
 def belt_checks(session: Session) -> list[tuple[float, float]]:

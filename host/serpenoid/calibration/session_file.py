@@ -16,7 +16,7 @@ from ..model.toml_table import Table, check_names, located
 from .kinds.instruments import Uncertainty
 from .kinds.station import Reading
 from .session import Procedure, Session, Setup
-from .session_rows import change_of, read_format_2, time_of, whole_number
+from .session_rows import read_format_2, time_of, whole_number
 from .settings import GRAVITY, SETTINGS, Setting, applied, changed
 
 FORMAT = 2
@@ -83,37 +83,12 @@ def read_session(folder: str | Path) -> Session:
     path = folder / "readings.csv"
     if top.whole("format") == 1:
         return Session(setup, _load_readings(path), str(path), folder=folder)
-    return read_format_2(setup, folder, amended)
+    return read_format_2(setup, folder)
 
 
 def load_setup(folder: str | Path) -> Setup:
     """Read a session's session.toml alone; raises BadInput as load_session does."""
     return _setup(_load_toml(folder))
-
-
-def amended(setup: Setup, change: Table) -> Setup:
-    """Return a set-up with some entries changed; raises BadInput.
-
-    [instruments] and [plan] hold from here on. [robot] and [laboratory] correct what was mistyped
-    or left open, for all of the session.
-    """
-    open_ = {name: [s for s in rows if not s.fixed] for name, rows in SETTINGS.items()}
-    change.only(optional=tuple(name for name, rows in open_.items() if rows))
-    for name in change.values:
-        table = change.table(name)
-        mass = ("mass_kg",) if name == "robot" else ()
-        table.only(optional=(*mass, *(s.key for s in open_[name])))
-        more = {}
-        if "mass_kg" in table.values:
-            mass_kg = table.number("mass_kg", 0.0, open_low=True)
-            more = {"robot.link_mass_kg": mass_kg / setup.robot.links, "weighed": True}
-        setup = applied(setup, table, open_[name], more)
-    return setup
-
-
-def check_amendment(setup: Setup, text: str, folder: Path) -> Setup:
-    """Return a set-up with an amendment's line of TOML applied, or raise BadInput."""
-    return amended(setup, change_of(text, folder / "events.csv"))
 
 
 def _load_toml(folder: str | Path) -> Table:

@@ -8,7 +8,7 @@ restored or amended by an event, and redone by a later reading that says which o
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
@@ -17,11 +17,12 @@ from typing import Any
 from ..model.checks import check_choice
 from ..model.errors import BadInput
 from ..model.files import csv_rows, read_text
-from ..model.toml_table import Table, check_names, located
+from ..model.toml_table import check_names, located
 from .kinds.declaration import Taken
 from .kinds.rows import DOUBTFUL, KINDS, READING_COLUMNS, TRACK_WORDS, Row, make_reading, words_of
 from .kinds.tracks import FOLDER, Track, read_track
-from .session import Session, Setup, placed
+from .session import Session, Setup
+from .settings import amended
 
 TORN = "#torn"
 EVENT_COLUMNS = ("time_utc", "event", "reading", "detail")
@@ -60,15 +61,15 @@ class _Found:
     notes: list[str] = field(default_factory=list)
 
 
-def read_format_2(setup: Setup, folder: Path, amend: Callable[[Setup, Table], Setup]) -> Session:
-    """Return the session of a folder; amend(setup, change) applies one amendment."""
+def read_format_2(setup: Setup, folder: Path) -> Session:
+    """Return the session of a folder."""
     path = folder / "readings.csv"
     found = _Found()
     setups = [setup]
     events = read_events(folder, found.notes)
     for event in events:
         if event.event == "amend":
-            setups.append(amend(setups[-1], change_of(event.detail, folder / "events.csv")))
+            setups.append(amended(setups[-1], event.detail, folder))
     for row, where in _rows(path, READING_COLUMNS, found.notes):
         with located(where):
             _take(row, where, found)
@@ -93,14 +94,6 @@ def events_of(session: Session) -> list[Event]:
     """Return the events of a session's folder; none of one in memory or of format 1."""
     folder = session.folder
     return read_events(folder) if folder and (folder / "events.csv").exists() else []
-
-
-def change_of(text: str, path: Path) -> Table:
-    """Return an amendment's line of TOML as a table; raises BadInput, naming the path."""
-    try:
-        return Table.parsed(text, path)
-    except ValueError as error:
-        raise BadInput(f"{path}: the amendment {text!r} is not TOML: {error}") from error
 
 
 def _rows(path: Path, columns: tuple[str, ...], notes: list[str]) -> Iterator[tuple[Row, str]]:
@@ -208,7 +201,7 @@ def _replaced_later(restored: Event, found: _Found) -> bool:
 
 
 def _session(setups: list[Setup], found: _Found, folder: Path) -> Session:
-    parts: dict[str, list[Any]] = {kind.part: [] for kind in KINDS.values()}
+    session = Session(setups[-1], (), str(folder / "readings.csv"), folder=folder)
     unknown: list[str] = []
     for row, where in found.rows.values():
         kind = KINDS.get(row["kind"])
@@ -216,27 +209,19 @@ def _session(setups: list[Setup], found: _Found, folder: Path) -> Session:
             unknown.append(row["kind"])
             continue
         with located(where):
-            common = _common(row, found) | _track(row, kind, folder)
-            made = placed(make_reading(row, common), bool(parts["readings"]))
-            made = _with_instruments(made, _setup_of(row, setups))
-        parts[kind.part].append(made)
+            reading = make_reading(row, _common(row, found) | _track(row, kind, folder))
+            reading = _with_instruments(reading, _setup_of(row, setups))
+            session = session.with_reading(reading)
     if unknown:
         kinds = ", ".join(sorted(set(unknown)))
         found.notes.append(f"{len(unknown)} reading(s) of kinds not used here ({kinds}) left out")
-    return Session(
-        setups[-1],
-        where=str(folder / "readings.csv"),
-        folder=folder,
-        notes=tuple(found.notes),
-        **{part: tuple(readings) for part, readings in parts.items()},
-    )
+    return replace(session, notes=tuple(found.notes))
 
 
-def _with_instruments(made: Any, setup: Setup) -> Any:
+def _with_instruments(reading: Any, setup: Setup) -> Any:
     """Return a reading that keeps the instruments it was taken with, whatever is amended later."""
     of = {"uncertainty": setup.uncertainty, "treadmill": setup.treadmill, "watch": setup.stopwatch}
-    own = {name: value for name, value in of.items() if hasattr(made, name)}
-    return replace(made, **own) if own else made
+    return replace(reading, **{name: tool for name, tool in of.items() if hasattr(reading, name)})
 
 
 def _track(row: Row, kind: type[Taken], folder: Path) -> dict[str, Track]:

@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from operator import attrgetter
+from pathlib import Path
 from typing import Any
 
 from ..model.checks import check_choice, check_whole
@@ -361,3 +362,28 @@ def changed(setup: Setup, values: Mapping[str, Any]) -> Setup:
         parts["robot"]["link_inertia_kg_m2"] = None
     nested = {part: replace(getattr(setup, part), **new) for part, new in parts.items()}
     return replace(setup, **direct, **nested)
+
+
+def amended(setup: Setup, text: str, folder: Path) -> Setup:
+    """Return a set-up with an amendment's line of TOML applied; raises BadInput.
+
+    [instruments] and [plan] hold from here on. [robot] and [laboratory] correct what was mistyped
+    or left open, for all of the session.
+    """
+    path = folder / "events.csv"
+    try:
+        change = Table.parsed(text, path)
+    except ValueError as error:
+        raise BadInput(f"{path}: the amendment {text!r} is not TOML: {error}") from error
+    open_ = {name: [s for s in rows if not s.fixed] for name, rows in SETTINGS.items()}
+    change.only(optional=tuple(name for name, rows in open_.items() if rows))
+    for name in change.values:
+        table = change.table(name)
+        mass = ("mass_kg",) if name == "robot" else ()
+        table.only(optional=(*mass, *(s.key for s in open_[name])))
+        more = {}
+        if "mass_kg" in table.values:
+            mass_kg = table.number("mass_kg", 0.0, open_low=True)
+            more = {"robot.link_mass_kg": mass_kg / setup.robot.links, "weighed": True}
+        setup = applied(setup, table, open_[name], more)
+    return setup

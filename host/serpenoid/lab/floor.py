@@ -14,6 +14,7 @@ from ..model.gait import Gait
 from .robot import LabRobot
 
 STEP_S, GRAVITY_M_S2 = 0.001, 9.81
+REACH_M = 0.15  # of a hand that pushes
 FRAME_S = 0.01  # between the rows of a track
 REST_M_S, REST_RAD_S = 1e-6, 1e-5
 LONGEST_S = 60.0
@@ -43,7 +44,7 @@ class Track:
 
 @dataclass(frozen=True)
 class Push:
-    """How a hand pushes: speed_m_s when it lets go, over reach_m.
+    """How a hand pushes: speed_m_s when it lets go, over REACH_M.
 
     heading_rad, rate_rad_s: by how much the robot is let go crooked, and turning. direction_rad:
     of the push in the room; turn round for the other way. tail_first: it rolls backwards.
@@ -53,7 +54,6 @@ class Push:
     direction_rad: float = 0.0
     heading_rad: float = 0.0
     rate_rad_s: float = 0.0
-    reach_m: float = 0.15
     tail_first: bool = False
 
 
@@ -66,11 +66,11 @@ class Floor:
 
     def push(self, pose_rad: Sequence[float], push: Push) -> Track:
         """Push the robot, let it go, and follow it until it rests."""
-        hand_s = 2 * push.reach_m / push.speed_m_s
+        hand_s = 2 * REACH_M / push.speed_m_s
         heading = push.direction_rad + push.heading_rad + (math.pi if push.tail_first else 0.0)
         c, s = math.cos(push.direction_rad), math.sin(push.direction_rad)
         t = np.arange(0.0, hand_s, FRAME_S)
-        way = 0.5 * push.speed_m_s / hand_s * t**2 - push.reach_m
+        way = 0.5 * push.speed_m_s / hand_s * t**2 - REACH_M
         begun = np.stack([t, c * way, s * way, np.full_like(t, heading)], axis=1)
         rates = c * push.speed_m_s, s * push.speed_m_s, push.rate_rad_s
         rolled = self._roll(pose_rad, heading, rates)

@@ -14,7 +14,7 @@ import numpy as np
 from .belt import HALF_LENGTH_M, Belt, Sight
 from .instruments import CLOCK_S, EYE_M, EYE_RAD, FILM_S, RULER_M
 
-LOOK_S = 0.5
+LOOK_S, WATCH_S = 0.5, 6.0  # between looks; that a drift is watched
 STEER_STEP_RAD = math.radians(0.25)
 STEER_MOST_RAD = math.radians(3.0)
 TRIM_MOST_RAD = math.radians(2.5)
@@ -35,13 +35,12 @@ TURNED_RAD = math.radians(5.0)  # beyond it a robot is no longer held as the law
 class Habits:
     """How a person works.
 
-    steers: looks each half second and steers; else watches only. watch_s: how long a drift is
-    watched. hasty: share of stations that are read after a third of the time. let_go_rad,
-    let_go_rad_s, let_go_m_s: scatter of heading, turning and speed when the robot is let go.
+    steers: looks each half second and steers; else watches only. hasty: share of stations that are
+    read after a third of the time. let_go_rad, let_go_rad_s, let_go_m_s: scatter of heading,
+    turning and speed when the robot is let go.
     """
 
     steers: bool = True
-    watch_s: float = 6.0
     hasty: float = 0.0
     let_go_rad: float = math.radians(2.0)
     let_go_rad_s: float = math.radians(3.0)
@@ -193,7 +192,7 @@ class Person:
 
     def _try(self, shown_m_s: float, wait_s: float) -> tuple[Held | None, float]:
         """Let the robot go on the running belt; return what was read, and the drift seen last."""
-        belt, habits = self.belt, self.habits
+        belt = self.belt
         self._let_go(shown_m_s)
         start_s = belt.t_s
         seen = self._watch(shown_m_s, wait_s)
@@ -203,7 +202,7 @@ class Person:
         if abs(recent) > 1.2 * self.display.step_m_s:  # no use to watch this longer
             return self._held(shown_m_s, seen[-8:], recent, belt.t_s - start_s), recent
         waited_s = belt.t_s - start_s
-        seen = self._watch(shown_m_s, habits.watch_s)
+        seen = self._watch(shown_m_s, WATCH_S)
         drift = self._drift(seen)
         if len(seen) < 5:
             return None, drift

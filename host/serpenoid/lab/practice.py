@@ -125,12 +125,12 @@ class PracticeTreadmill:
     def pass_time(self, duration_s: float) -> None:
         """Let the world's time pass, the joints going where they are told."""
         with self._lock:
-            told = list(self._set_points())
+            set_rad = self._set_points()
             if not self.lies:
-                self.belt.pose(told)
+                self.belt.pose(set_rad)
                 self.belt.t_s += duration_s
                 return
-            self.belt.lead(told)
+            self.belt.lead(set_rad)
             self.belt.wait(max(duration_s, 1e-4))
             if self.belt.off:
                 self.lies = False
@@ -208,12 +208,12 @@ class PracticeTreadmill:
             if not self.lies:
                 self._mark = None
                 return "the robot is not on the belt"
-            at = self.belt.look()
+            sight = self.belt.look()
             if self._mark is None:
-                self._mark = at.t_s, RULER_M.shows(at.along_m, self._rng)
+                self._mark = sight.t_s, RULER_M.shows(sight.along_m, self._rng)
                 return "marked; the watch runs: press again to read"
-            since, begun = at.t_s - self._mark[0], self._mark[1]
-            uphill = begun - RULER_M.shows(at.along_m, self._rng)
+            since, begun = sight.t_s - self._mark[0], self._mark[1]
+            uphill = begun - RULER_M.shows(sight.along_m, self._rng)
             self._mark = None
             drift = uphill / since if since > 0.2 else 0.0
             return f"{1000 * uphill:+.0f} mm uphill in {since:.1f} s: drift {drift:+.3f} m/s"
@@ -221,8 +221,8 @@ class PracticeTreadmill:
     def place(self) -> tuple[float, float]:
         """Return the time, s, and where a film shows the robot against a ruler, m uphill."""
         with self._lock:
-            at = self.belt.look()
-            return FILM_S.shows(at.t_s, self._rng), -RULER_M.shows(at.along_m, self._rng)
+            sight = self.belt.look()
+            return FILM_S.shows(sight.t_s, self._rng), -RULER_M.shows(sight.along_m, self._rng)
 
     def inclinometer(self, given: str = "", *, turned: bool = False) -> str:
         """Return what the inclinometer on the deck shows, or shows turned end for end."""
@@ -233,8 +233,9 @@ class PracticeTreadmill:
     def protractor(self, given: str = "") -> str:
         """Return what a protractor shows between the links at either end."""
         with self._lock:
-            told, off_rad = self._set_points(), self._protractor_rad
-            return protractor_in_words(self.belt.robot.protractor_deg(told, off_rad, self._rng))
+            return protractor_in_words(
+                self.belt.robot.protractor_deg(self._set_points(), self._protractor_rad, self._rng)
+            )
 
     def turns(self, given: str = "") -> str:
         """Time ten turns of a mark on the belt, with a hand's error."""
@@ -254,11 +255,12 @@ class PracticeTreadmill:
         with self._lock:
             if not self.lies:
                 return "the robot is off the belt"
-            at = self.belt.look()
+            sight = self.belt.look()
+            downhill_m, left_m = sight.along_m, sight.across_m
             return (
-                f"{1000 * abs(at.along_m):.0f} mm {'down' if at.along_m > 0 else 'up'}hill of the "
-                f"middle, {1000 * abs(at.across_m):.0f} mm {'left' if at.across_m > 0 else 'right'}"
-                f" of it, turned {math.degrees(at.heading_rad):+.0f} deg"
+                f"{1000 * abs(downhill_m):.0f} mm {'down' if downhill_m > 0 else 'up'}hill of the "
+                f"middle, {1000 * abs(left_m):.0f} mm {'left' if left_m > 0 else 'right'}"
+                f" of it, turned {math.degrees(sight.heading_rad):+.0f} deg"
             )
 
     def state(self) -> dict[str, Any]:

@@ -93,8 +93,8 @@ class BendCheck(Taken):
 
     def in_words(self) -> tuple[str, str]:
         """Return what it is, and its values."""
-        shown, found = math.degrees(self.between_links_rad), math.degrees(self.found_rad)
-        values = f"{shown:.4g}° between links: λ = {found:.4g}°"
+        between_deg, lambda_deg = map(math.degrees, (self.between_links_rad, self.found_rad))
+        values = f"{between_deg:.4g}° between links: λ = {lambda_deg:.4g}°"
         return f"protractor, bend {math.degrees(self.lambda_rad):.4g}°", values
 
 

@@ -104,14 +104,14 @@ def words_of(row: Row) -> dict[str, str]:
 def cells_of(row: Row) -> dict[str, str]:
     """Return the fields of a row that hold something, column -> text; words always."""
     said = words_of(row)
-    found = {}
+    cells = {}
     for field in kind_of(row["kind"]).fields:
         text = row.get(field.column, "") or said.get(field.column, "")
         if isinstance(field, Word):
-            found[field.column] = text or field.usual
+            cells[field.column] = text or field.usual
         elif text:
-            found[field.column] = text
-    return found
+            cells[field.column] = text
+    return cells
 
 
 def make_reading(row: Row, common: Mapping[str, Any]) -> Any:

@@ -32,8 +32,9 @@ from ..kinds.rows import (
 )
 from ..kinds.tracks import Samples, Track
 from ..session import Session
-from ..session_file import check_amendment, read_session
+from ..session_file import read_session
 from ..session_rows import EVENT_COLUMNS, TORN, Event, read_events, reading_rows
+from ..settings import amended
 
 LOCK = ".lock"
 Listed = tuple[str, Cells, str]  # kind, cells and comment
@@ -158,7 +159,7 @@ class Journal:
         if event == "restore":
             detail = f"after reading {max(self.numbers)}"
         if event == "amend":
-            check_amendment(self.session.setup, detail, self.folder)
+            amended(self.session.setup, detail, self.folder)
         row = {"time_utc": utc_now(), "event": event, "reading": str(reading or "")}
         self._append("events.csv", EVENT_COLUMNS, [row | {"detail": detail}])
 

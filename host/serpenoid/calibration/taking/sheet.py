@@ -105,10 +105,10 @@ def _planned_rows(plan: Procedure) -> list[dict[str, str]]:
         first = last = [{"kind": "zero"}]
         lines = [{"kind": "station"}] * LINES
     rows = [*first]
-    for one in series:
-        bent, facing = bool(one.lambda_rad), one.facing.removeprefix("ahead")
+    for pose in series:
+        bent, facing = bool(pose.lambda_rad), pose.facing.removeprefix("ahead")
         if bent:
-            rows.append({"kind": "bend", "lambda_deg": f"{math.degrees(one.lambda_rad):.6g}"})
+            rows.append({"kind": "bend", "lambda_deg": f"{math.degrees(pose.lambda_rad):.6g}"})
         rows += [line | {"lambda_deg": "" if bent else "0", "facing": facing} for line in lines]
     return rows + last
 

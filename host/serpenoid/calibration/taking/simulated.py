@@ -37,9 +37,9 @@ ENDS = {"treadmill": 2 * math.sqrt(2), "floor": math.sqrt(2)}
 
 
 def _habits(truth: Truth) -> Habits:
-    made = Habits(steers=truth.steered, hasty=truth.hasty, let_go_m_s=truth.disturbance_m_s)
+    habits = Habits(hasty=truth.hasty, let_go_m_s=truth.disturbance_m_s)
     # rails are laid along the belt, and the robot between them
-    return replace(made, let_go_rad=0.0, let_go_rad_s=0.0) if truth.guided else made
+    return replace(habits, let_go_rad=0.0, let_go_rad_s=0.0) if truth.guided else habits
 
 
 class SimulatedPerson:

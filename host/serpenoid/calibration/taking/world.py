@@ -46,9 +46,9 @@ class Truth:
     film_scale: lengths in films over true. camera: what films; None: tape and watch.
 
     Of the person: disturbance_m_s: of the robot when it is let go. misreads: share of readings that
-    are typed wrong. hasty: share that are read too early. steered: the robot is steered while it
-    holds. guided: between rails, which keep it straight. short_s: bent, it is filmed for so long
-    while it drifts, instead of held; 0: it is held.
+    are typed wrong. hasty: share that are read too early. guided: between rails, which keep it
+    straight. short_s: bent, it is filmed for so long while it drifts, instead of held; 0: it is
+    held.
     """
 
     ground: Ground
@@ -70,7 +70,6 @@ class Truth:
     disturbance_m_s: float = 0.03
     misreads: float = 0.0
     hasty: float = 0.0
-    steered: bool = True
     guided: bool = False
     short_s: float = 0.0
 

@@ -140,11 +140,11 @@ def _carry_out_on(folder: Path, place: str) -> None:
 def _dry_run(folder: Path, on: str | None) -> None:
     from dataclasses import replace
 
-    from ...calibration.session_file import check_amendment
+    from ...calibration.settings import amended
 
     session = _session(folder)
     if on is not None:
-        setup = check_amendment(session.setup, f'plan.on = "{on}"', folder)
+        setup = amended(session.setup, f'plan.on = "{on}"', folder)
         session = replace(session, setup=setup)
     parts, step = _state(session)
     for name, state in parts:

@@ -63,7 +63,7 @@ def drawn_truth(seed: int, place: str = "treadmill") -> Truth:
 def truth_in_words(truth: Truth, place: str) -> str:
     """Return the truth of a place in a line."""
     g, deg = truth.ground, math.degrees
-    told = {
+    where = {
         "treadmill": f"inclinometer's zero {deg(truth.incline_zero_rad):+.2f} deg, belt "
         f"{truth.belt_scale:.3f} of shown",
         "floor": f"the floor falls by {deg(truth.slope_rad):+.2f} deg towards there and "
@@ -71,7 +71,7 @@ def truth_in_words(truth: Truth, place: str) -> str:
     }
     return (
         f"the truth, whole snake: ct {g.ct_forward:.4g} N s/m, cn {g.cn:.4g} N s/m, ft0 "
-        f"{g.ft0_forward:.4g} N, fn0 {g.fn0:.4g} N; {told[place]}"
+        f"{g.ft0_forward:.4g} N, fn0 {g.fn0:.4g} N; {where[place]}"
     )
 
 
@@ -92,13 +92,13 @@ def practice_setup(setup: Setup, seed: int, place: str = "treadmill") -> Setup:
 
 def practice_seed(session: Session, place: str = "treadmill") -> int:
     """Return the seed of a session of practice at a place; raises BadInput for any other."""
-    found = SOURCE.fullmatch(session.setup.source)
-    if found is None or found[1] != place:
+    match = SOURCE.fullmatch(session.setup.source)
+    if match is None or match[1] != place:
         raise BadInput(
             f"{session.folder} is no session of practice on a {place} ({session.setup.source!r}); "
             "give another folder"
         )
-    return int(found[2])
+    return int(match[2])
 
 
 class PracticeTerminal:
