@@ -68,6 +68,7 @@ class Prompt:
             if line is None:
                 self._nobody()
             elif not self._obeyed(line, step):
+                self._skip_doubted = False
                 return line
 
     def answer(self, question: str, step: Step) -> str:
