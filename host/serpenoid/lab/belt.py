@@ -7,10 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.errors import NotConverged
-from .robot import LabRobot
+from .robot import Array, LabRobot
 
 STEER_RATE_RAD_S = math.radians(2.0)  # of a board that steers in a session
 LEAD_RATE_RAD_S = 8.0  # of a servo that follows set-points
@@ -120,7 +119,7 @@ class Belt:
         x, y, *_ = self._chain.state
         return abs(x) > HALF_LENGTH_M or abs(y) > HALF_WIDTH_M
 
-    def places(self) -> NDArray[np.float64]:
+    def places(self) -> Array:
         """Return centres and angles of all links, (n, 3), m and rad."""
         return np.array(self._chain.places).reshape(-1, 3)
 
@@ -128,7 +127,7 @@ class Belt:
         return self.robot.true_joints([a + self._offset for a in self.pose_rad])
 
 
-def _axis_rad(places: NDArray[np.float64], robot: LabRobot) -> float:
+def _axis_rad(places: Array, robot: LabRobot) -> float:
     """Return the direction from the tail's end to the head's."""
     half = robot.body.link_length_m / 2
     tail, head = places[0], places[-1]

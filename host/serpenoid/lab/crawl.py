@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.gait import Gait
 from .floor import Floor
 from .recording import Camera
-from .robot import LabRobot
+from .robot import Array, LabRobot
 
 SETTLE_CYCLES, CYCLES, SETTLE_S = 3, 4, 6.0
 FILMED_S = 6.0
@@ -40,7 +39,7 @@ def filmed_crawl(
     rng: np.random.Generator,
     slope_rad: float = 0.0,
     across_rad: float = 0.0,
-) -> NDArray[np.float64]:
+) -> Array:
     """Return what a film shows of a crawl that is steady: t_s, x_m, y_m, heading_rad, joints, rad.
 
     Whole cycles, FILMED_S at least. A row a picture. slope_rad, across_rad: as of

@@ -7,11 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.errors import NotConverged
 from ..model.gait import Gait
-from .robot import LabRobot
+from .robot import Array, LabRobot
 
 STEP_S, GRAVITY_M_S2 = 0.001, 9.81
 REACH_M = 0.15  # of a hand that pushes
@@ -19,7 +18,6 @@ FRAME_S = 0.01  # between the rows of a track
 REST_M_S, REST_RAD_S = 1e-6, 1e-5
 LONGEST_S = 60.0
 SERVO_STEP_S = 5e-4  # the speed is then some 0.2 % off, 3 % with a servo without rotor
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

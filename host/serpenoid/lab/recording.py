@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .floor import Track
 from .instruments import Instrument
+from .robot import Array
 
-Array = NDArray[np.float64]
 TAPE_M = Instrument(step=0.005, scatter=0.003)
 WATCH_S = Instrument(step=0.01, scatter=0.12)
 REST_S = 0.3  # that a camera runs on after a push

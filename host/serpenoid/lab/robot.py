@@ -19,6 +19,8 @@ from ..model.errors import BadInput
 from ..model.ground import Ground
 from ..model.robot import Robot
 
+Array = NDArray[np.float64]
+
 
 @dataclass(frozen=True)
 class LabRobot:
@@ -87,7 +89,7 @@ class LabRobot:
             raise BadInput("the lab's robot has no servo; give LabRobot(servo=...)")
         return _core.DrivenChain(*self._numbers(), core_servo(self.servo))
 
-    def _numbers(self) -> tuple[float, float, float, NDArray[np.float64]]:
+    def _numbers(self) -> tuple[float, float, float, Array]:
         body, share = self.body, self.rolling_kg / self.body.links
         rows = [[*friction_numbers(g), share, self.breakaway] for g in self._links]
         return body.link_mass_kg, body.link_length_m, body.inertia_kg_m2, np.array(rows)

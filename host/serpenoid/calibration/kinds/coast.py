@@ -6,12 +6,11 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...model.errors import BadInput
 from .declaration import DERIVED, Field, Taken, Word
 from .station import BEND_WORD, LAMBDA, STEERING, bend_in_words
-from .tracks import Track
+from .tracks import Floats, Track
 
 WAYS = ("there", "back")
 FACINGS = ("ahead", "back")  # head first; or tail first, where ratchet wheels roll backwards
@@ -150,7 +149,7 @@ class Coast(Taken):
             )
 
     @property
-    def counted(self) -> NDArray[np.float64]:
+    def counted(self) -> Floats:
         """Return t_s, x_m and y_m of the samples that count, (3, samples)."""
         if self.track is None:
             return np.empty((3, 0))

@@ -11,6 +11,8 @@ from ...model.checks import check_choice, check_number
 from .instruments import Stopwatch
 
 Cells = Mapping[str, str | float]
+Values = dict[str, float | str]
+Range = tuple[float, float]  # that a number is expected in
 # Quantities and the units that a person may type them in: unit -> factor to the first.
 UNITS: dict[str, dict[str, float]] = {
     "incline": {"deg": 1.0, "%": 0.0},  # grade: by the arctangent, not by a factor
@@ -58,7 +60,7 @@ class Field:
     words: str
     low: float
     high: float
-    likely: tuple[float, float] | None = None
+    likely: Range | None = None
     why: str = ""
     usual: float | None = None
     open_low: bool = False

@@ -6,9 +6,9 @@ import re
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...model.errors import BadInput
+from .tracks import Floats
 
 LEAST_S, MOST_S = 1.0, 60.0
 EXAMPLE = "0:0 2:0.045 4:0.13"
@@ -40,7 +40,7 @@ def tidy_places(text: str) -> str:
     return ",".join(f"{t:.6g}:{y:.6g}" for t, y in pairs)
 
 
-def track_of(places: str) -> NDArray[np.float64]:
+def track_of(places: str) -> Floats:
     """Return t_s and y_m (uphill) of kept pairs, (2, J), the time from the first place on."""
     pairs = [[float(x) for x in pair.split(":")] for pair in places.split(",") if pair]
     track = np.array(pairs, dtype=np.float64).reshape(-1, 2).T

@@ -15,7 +15,8 @@ from ...model.files import csv_rows, read_text, write_text
 
 FOLDER = "tracks"
 STAR = "*"  # in the last column's name: any number of such columns
-Samples = Sequence[Sequence[float]] | NDArray[np.float64]
+Floats = NDArray[np.float64]
+Samples = Sequence[Sequence[float]] | Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +28,7 @@ class Track:
     """
 
     columns: tuple[str, ...]
-    values: NDArray[np.float64]
+    values: Floats
     sha256: str
 
     @classmethod
@@ -91,6 +92,6 @@ def _named(columns: tuple[str, ...], count: int) -> tuple[str, ...]:
     return (*columns[:-1], *(columns[-1].replace(STAR, str(k)) for k in numbers))
 
 
-def _text(columns: tuple[str, ...], values: NDArray[np.float64]) -> str:
+def _text(columns: tuple[str, ...], values: Floats) -> str:
     lines = [",".join(f"{value:.9g}" for value in row) for row in values.tolist()]
     return "\n".join([",".join(columns), *lines]) + "\n"

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...model.errors import BadInput
-from ..kinds.declaration import DERIVED, UNITS, Field
+from ..kinds.declaration import DERIVED, UNITS, Field, Range
 from ..kinds.rows import KINDS, cells_of, kind_of
 from ..session import Setup
 from ..settings import quoted
@@ -62,7 +62,7 @@ class Typed:
     meant: float | None = None
 
 
-def parse_number(text: str, field: Field, likely: tuple[float, float] | None = None) -> Typed:
+def parse_number(text: str, field: Field, likely: Range | None = None) -> Typed:
     """Read a number with or without unit; raises BadInput with one sentence that says the way out.
 
     likely: the range expected now, the field's own unless given.
@@ -79,7 +79,7 @@ def parse_number(text: str, field: Field, likely: tuple[float, float] | None = N
     return _bare(number, field, likely or field.likely)
 
 
-def _bare(number: float, field: Field, likely: tuple[float, float] | None) -> Typed:
+def _bare(number: float, field: Field, likely: Range | None) -> Typed:
     """Judge a number without a unit by the range it was expected in."""
     if likely is not None and number and not likely[0] <= number <= likely[1]:
         for unit in list(UNITS[field.quantity])[1:]:
@@ -94,7 +94,7 @@ def _bare(number: float, field: Field, likely: tuple[float, float] | None) -> Ty
     return Typed(_checked(number, field))
 
 
-def span(likely: tuple[float, float]) -> str:
+def span(likely: Range) -> str:
     """Return a range in words."""
     return f"{likely[0]:.3g} to {likely[1]:.3g}"
 

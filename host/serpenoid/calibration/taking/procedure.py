@@ -8,11 +8,11 @@ stands follows from its rows alone, so that resuming is nothing special.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 
 from ..kinds.checks import BeltCheck, ZeroReading
-from ..kinds.declaration import Field
+from ..kinds.declaration import Cells, Field, Range, Values
 from ..kinds.gait import RUN_WAYS, GaitRun
 from ..kinds.places import drifts
 from ..kinds.station import LEAST_SLIP_M_S, Reading
@@ -34,6 +34,7 @@ from .expected import (
 from .floor.procedure import push_pose, push_progress, push_step
 from .steps import Step
 
+Doubts = list[tuple[Field, Range]]  # numbers that are not where they were expected
 ZERO_BEFORE, ZERO_AFTER, BELT_CHECK = "zero before", "zero after", "belt check"
 _BELT_SAY = (
     "Belt check, robot off the belt: mark the belt's edge, run it at a speed that you used much, "
@@ -204,9 +205,7 @@ def _first_incline_deg(session: Session, series: Series) -> float:
     return max(law_deg, *map(math.degrees, [plan.incline_start_rad, *held]))
 
 
-def doubts(
-    session: Session, step: Step, cells: Mapping[str, float | str]
-) -> list[tuple[Field, tuple[float, float]]]:
+def doubts(session: Session, step: Step, cells: Cells) -> Doubts:
     """Return the fields whose numbers are not where they were expected, and where that is.
 
     A station's belt speed is judged at the incline that was typed, with the drift taken off.
@@ -229,9 +228,7 @@ def doubts(
     return found
 
 
-def _too_slow(
-    field: Field, belt_m_s: float, cells: Mapping[str, float | str]
-) -> list[tuple[Field, tuple[float, float]]]:
+def _too_slow(field: Field, belt_m_s: float, cells: Cells) -> Doubts:
     """Return a station's belt speed where it is too slow for the law to hold."""
     least_m_s = LEAST_SLIP_M_S + float(cells.get("drift_m_s", 0.0))
     if belt_m_s >= least_m_s:
@@ -243,15 +240,13 @@ def _too_slow(
     return [(replace(field, why=why), (least_m_s, field.high))]
 
 
-def _likely_reversed(cells: Mapping[str, float | str]) -> tuple[float, float]:
+def _likely_reversed(cells: Cells) -> Range:
     """Return what an inclinometer turned end for end shows if its zero is no more than usual."""
     shown_deg = float(cells["incline_deg"])
     return -shown_deg - 2 * MOST_ZERO_DEG, -shown_deg + 2 * MOST_ZERO_DEG
 
 
-def likely_belt(
-    session: Session, step: Step, cells: Mapping[str, float | str]
-) -> tuple[float, float] | None:
+def likely_belt(session: Session, step: Step, cells: Cells) -> Range | None:
     """Return the belt speeds expected at the incline and drift typed so far; None if unknown."""
     incline_rad = math.radians(float(cells.get("incline_deg", step.incline_deg)))
     places = str(cells.get("places", ""))
@@ -326,7 +321,7 @@ def _station(session: Session, series: Series, skipped: frozenset[str]) -> Step 
     steep = first and (series.lambda_rad > 0 or facing == "up")
     near_deg = (incline_deg - 2 * step_deg, MOST_DEG if steep else incline_deg + 2 * step_deg)
     shown, belt = Reading.asked("incline_deg", "belt_speed_m_s")
-    cells: dict[str, float | str] = {
+    cells: Values = {
         "facing": facing,
         **({"bend": series.bend} if series.lambda_rad else {}),
     }
@@ -348,7 +343,7 @@ def _station(session: Session, series: Series, skipped: frozenset[str]) -> Step 
     )
 
 
-def belt_range(likely_m_s: tuple[float, float]) -> str:
+def belt_range(likely_m_s: Range) -> str:
     """Return a range of belt speeds in both units that treadmills show."""
     low, high = likely_m_s
     return f"{low:.2f} to {high:.2f} m/s ({3.6 * low:.1f} to {3.6 * high:.1f} km/h)"
@@ -378,7 +373,7 @@ def _gait_step(session: Session, skipped: frozenset[str]) -> Step | None:
             "two marks."
         )
         fields = GaitRun.asked("distance_m", "duration_s")
-        cells: dict[str, float | str] = {
+        cells: Values = {
             "alpha_deg": round(alpha, 6),
             "beta_deg": round(beta, 6),
             "omega_rad_s": gait.omega_rad_s,

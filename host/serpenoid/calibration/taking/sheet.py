@@ -18,7 +18,7 @@ from ..kinds.declaration import DERIVED, PLANNED, Field
 from ..kinds.rows import KINDS, kind_of
 from ..session import Procedure, Session
 from .expected import series_of, series_of_pushes
-from .journal import Journal, csv_line
+from .journal import Journal, Listed, csv_line
 from .parse_number import OTHER_UNITS, read_cells
 
 NOT_READ = {f.column for kind in KINDS.values() for f in kind.fields if f.source == PLANNED} | {
@@ -42,7 +42,7 @@ def add_sheet(journal: Journal, path: Path) -> tuple[int, list[str]]:
     if not rows or "kind" not in _names(rows[0]):
         raise BadInput(f"{path}:1: the first line must name the columns, such as {HEADINGS}")
     header = _names(rows[0])
-    made: list[tuple[str, dict[str, float | str], str]] = []
+    made: list[Listed] = []
     lambda_deg = ""
     for number, cells in enumerate(rows[1:], 2):
         if not any(cell.strip() for cell in cells):
@@ -142,7 +142,7 @@ def _row(header: list[str], cells: list[str]) -> dict[str, str]:
     return dict(zip(header, _names(cells), strict=True))
 
 
-def _reading(row: dict[str, str], journal: Journal) -> tuple[str, dict[str, float | str], str]:
+def _reading(row: dict[str, str], journal: Journal) -> Listed:
     """Return kind, values and comment of a row, checked as a journal checks them."""
     kind, comment = row.pop("kind"), row.pop("comment", "")
     kind_of(kind)

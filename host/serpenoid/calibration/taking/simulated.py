@@ -9,7 +9,7 @@ says they may, and now and then the person misreads, or reads too early.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 
@@ -20,8 +20,9 @@ from ...lab.person import Habits, Held, Person
 from ...model.gait import Gait
 from ..crawls.filmed import crawl_cells
 from ..floor.look import look_at
-from ..kinds.declaration import Cells, Field
+from ..kinds.declaration import Cells
 from ..session import Session, Setup
+from .procedure import Doubts
 from .steps import Step, Tracked
 from .world import RUN_S, Truth, World
 
@@ -87,9 +88,7 @@ class SimulatedPerson:
         self._true = read or {}
         return None if read is None else self._typed(step, read)
 
-    def look_again(
-        self, step: Step, doubtful: Sequence[tuple[Field, tuple[float, float]]], cells: Cells
-    ) -> Cells:
+    def look_again(self, step: Step, doubtful: Doubts, cells: Cells) -> Cells:
         """Read again what is doubted, with care; on a floor what was measured is over."""
         again = step.kind == "bend" and not self._on_floor
         return self._bend(step) if again else self._true

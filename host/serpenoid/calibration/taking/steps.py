@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from ...model.gait import Gait
-from ..kinds.declaration import Cells, Field
+from ..kinds.declaration import Cells, Field, Values
 from ..kinds.tracks import Samples
 
 
@@ -36,4 +36,4 @@ class Step:
     settle_s: float = 0.0
     gait: Gait | None = None
     bend: str = "zigzag"
-    cells: dict[str, float | str] = field(default_factory=dict)
+    cells: Values = field(default_factory=dict)

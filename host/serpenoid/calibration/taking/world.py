@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...lab.crawl import crawl_speed, filmed_crawl
 from ...lab.floor import Floor, Push, Track
@@ -19,6 +18,7 @@ from ...model.drives import Servo, ServoKind
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
+from ..kinds.tracks import Floats
 from ..session import Setup
 from .steps import Step
 
@@ -149,7 +149,7 @@ class World:
         self.setup = setup
         self.robot = truth.robot(setup.robot, robot_rng or rng)
         self._floor = Floor(self.robot, truth.slope_rad, truth.across_rad)
-        self._speeds: dict[tuple[Gait, tuple[float, float]], float] = {}
+        self._speeds = dict[tuple[Gait, tuple[float, float]], float]()
         self.bend(0.0)
 
     def bend(self, bend_deg: float) -> list[float]:
@@ -179,7 +179,7 @@ class World:
         made = Push(speed_m_s, direction, crooked_rad, spin_rad_s, tail_first=tail_first)
         return self._floor.push(self._pose_rad, made)
 
-    def film(self, track: Track, camera: Camera = PHONE) -> NDArray[np.float64]:
+    def film(self, track: Track, camera: Camera = PHONE) -> Floats:
         """Return what a film shows of a push: t_s, x_m, y_m in rows."""
         return film(track, replace(camera, scale=self.truth.film_scale), self.rng)[:, :3]
 
@@ -205,7 +205,7 @@ class World:
         read = {"distance_m": round(measured, 3), "duration_s": round(max(duration, 0.1), 2)}
         return read, duration
 
-    def film_crawl(self, step: Step, gait: Gait, camera: Camera = PHONE) -> NDArray[np.float64]:
+    def film_crawl(self, step: Step, gait: Gait, camera: Camera = PHONE) -> Floats:
         """Return what is measured in a film of a crawl, its scale and joints' gains a little off.
 
         Rows as of `filmed_crawl`.

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 from ...kinds.coast import Coast
+from ...kinds.declaration import Values
 from ...session import Session, Setup
 from ..bends import bend_step
 from ..expected import USUAL, USUAL_KG, Series, of_series, pull_of, series_of_pushes
@@ -65,7 +66,7 @@ def push_step(session: Session, series: Series, skipped: frozenset[str]) -> Step
         f"axis, {first}, at a brisk walk ({SPEED_M_S:g} m/s; it then rolls some {far_m:.1f} m), "
         "let go within a hand's breadth, and leave it until it rests."
     )
-    cells: dict[str, float | str] = {
+    cells: Values = {
         "way": way,
         **({"bend": plan.bend} if bend_deg else {}),
         **({} if ahead else {"facing": series.facing}),

@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-
-import numpy as np
-from numpy.typing import NDArray
 
 from ....model.errors import BadInput
 from ...floor.look import Look, look_at, pushes_in
 from ...kinds.coast import TRACK, WAYS, Coast
+from ...kinds.declaration import Cells, Values
 from ...kinds.rows import DOUBTFUL
-from ...kinds.tracks import Track
+from ...kinds.tracks import Floats, Track
 from ..journal import Journal
-
-Floats = NDArray[np.float64]
-Cells = Mapping[str, float | str]
 
 
 @dataclass(frozen=True)
@@ -125,7 +120,7 @@ def way_after(kept: Sequence[Kept], way: str) -> str:
 def _keep(
     journal: Journal,
     rows: Floats,
-    cells: dict[str, float | str],
+    cells: Values,
     look: Look,
     file_sha256: str,
 ) -> Kept:

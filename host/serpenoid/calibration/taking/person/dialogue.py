@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 from ....model.errors import BadInput, CommandRefused, RecordingFailed, RobotError
-from ...kinds.declaration import Field
+from ...kinds.declaration import Field, Range, Values
 from ...kinds.places import EXAMPLE, drifts, tidy_places
 from ...kinds.station import Reading
 from ...session import Session
@@ -23,7 +23,7 @@ from ..parse_number import parse_number, span
 from ..procedure import doubts, likely_belt, next_step, skipped_keys
 from ..steps import Step
 from ..treadmill import record_step
-from .prompt import PATIENCE_S, Again, Left, Prompt, Range, Values
+from .prompt import PATIENCE_S, Again, Left, Prompt
 from .push_prompt import (
     CRAWL_QUESTION,
     QUESTION,
@@ -318,7 +318,7 @@ class Dialogue(Prompt):
             elif answer:
                 values[field.column] = self.read(answer, field, None, step)
 
-    def _drift(self, field: Field, likely: Range, step: Step) -> Values:
+    def _drift(self, field: Field, likely: Range | None, step: Step) -> Values:
         """Ask for the drift that is left; or for places over time, of a robot that still drifts."""
         question = f"  places in a film as s:m, {EXAMPLE}; or {field.words} ({field.unit}): "
         self._enter_answers = True

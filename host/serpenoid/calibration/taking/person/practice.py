@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....lab.floor import Track
 from ....lab.practice import amount, protractor_in_words
@@ -20,6 +19,7 @@ from ....model.gait import Gait
 from ....model.ground import Ground
 from ....servos.catalogue import servo
 from ...kinds.instruments import FloorTools
+from ...kinds.tracks import Floats
 from ...session import Session, Setup
 from ..new_session import on_place
 from ..steps import Step
@@ -155,7 +155,7 @@ class PracticeTerminal:
         self.step = step
         self.world.bend(step.lambda_deg)
 
-    def kept(self, what: str, columns: list[str], rows: NDArray[np.float64]) -> str:
+    def kept(self, what: str, columns: list[str], rows: Floats) -> str:
         """Write what a film showed into a file of its own; return its name."""
         self._count += 1
         self._films.mkdir(parents=True, exist_ok=True)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 
 from ....model.errors import BadInput, RecordingFailed
-from ...kinds.declaration import READ, Field, Word
+from ...kinds.declaration import READ, Field, Range, Values, Word
 from ...kinds.rows import cells_of, kind_of
 from ...session_rows import reading_rows
 from ..journal import Journal
@@ -25,8 +25,6 @@ HELP = """\
   quit            leave; go on any time         help       this"""
 SHORT = {"q": "quit", "exit": "quit", "?": "help", "u": "undo"}
 PATIENCE_S = 300.0
-Range = tuple[float, float] | None  # that a number is expected in
-Values = dict[str, float | str]
 
 
 class Again(Exception):
@@ -85,7 +83,7 @@ class Prompt:
         self._enter_answers = field.usual is not None
         return self.ask(f"  {field.words} ({field.unit}): ", step)
 
-    def read(self, text: str, field: Field, likely: Range, step: Step) -> float:
+    def read(self, text: str, field: Field, likely: Range | None, step: Step) -> float:
         """Return the number typed; what is none is told, and asked for again."""
         while True:
             try:

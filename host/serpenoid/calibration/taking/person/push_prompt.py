@@ -8,7 +8,6 @@ from os.path import isfile  # False, too, for what cannot be a name
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....model.checks import sha256_of
 from ....model.errors import BadInput
@@ -18,11 +17,13 @@ from ....model.robot import Robot
 from ....model.toml_table import located
 from ...crawls.filmed import crawl_cells
 from ...floor.track_files import UNITS, read_track_file
-from ..floor.pushes import Cells, Kept, keep_pushes
+from ...kinds.declaration import Cells
+from ...kinds.tracks import Floats
+from ..floor.pushes import Kept, keep_pushes
 from ..journal import Journal
 from ..steps import Tracked
 
-Track = tuple[NDArray[np.float64], str]
+Track = tuple[Floats, str]
 FilmReader = Callable[[Path, Robot], Tracked]  # a film to its track, and cells of each push in it
 CrawlReader = Callable[[Path, Robot, Gait], Tracked]  # a film of a crawl to cells of `video`
 TEXTS = (".csv", ".txt", ".tsv", ".dat")
@@ -102,7 +103,7 @@ def joint_columns(joints: int) -> list[str]:
     return [f"joint{k + 1}_rad" for k in range(joints)]
 
 
-def _crawl_rows(path: Path, joints: int) -> NDArray[np.float64]:
+def _crawl_rows(path: Path, joints: int) -> Floats:
     names = [*CRAWL_COLUMNS, *joint_columns(joints)]
     header, *lines = csv_rows(read_text(path), path) or [[]]
     if header != names:
