@@ -17,7 +17,7 @@ from ..model.robot import Robot
 from ..model.rows import Result, Row, ranged
 from .fitting.shared import FRICTIONS
 from .fitting.suspects import Influence
-from .session import NO_BELT, Session
+from .session import NO_BELT, Session, belt_note
 
 Floats = NDArray[np.float64]
 T = TypeVar("T")
@@ -471,8 +471,8 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
             f"Reading(s) {named} held for misread: they count next to nothing. Look them up, and "
             "void or correct them."
         )
-    if session.belt_note:
-        notes.append(session.belt_note)
+    if belt := belt_note(session):
+        notes.append(belt)
     return (*weak_notes(fit), *notes)
 
 

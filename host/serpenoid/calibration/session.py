@@ -264,17 +264,6 @@ class Session:
         return mean, sum(weights) ** -0.5
 
     @property
-    def belt_note(self) -> str:
-        """Return in words that the belt was never checked; "" where it was, or none ran."""
-        if not self.kept or belt_checks(self) or self.setup.kind == "regenerated":
-            return ""
-        return (
-            f"{NO_BELT}: it is taken to run as it shows, within {self.belt_scale[1]:.0%}, and "
-            "ct and cn are as unsure. Time ten turns of a mark on it: `serpenoid calibrate add DIR "
-            "belt belt_speed_m_s=0.5 distance_m=28 duration_s=56`."
-        )
-
-    @property
     def mass_sigma(self) -> float:
         """Return the relative standard deviation of the mass; 5 % where it was not weighed."""
         stated = self.setup.uncertainty.mass_sigma
@@ -398,3 +387,14 @@ def belt_checks(session: Session) -> list[tuple[float, float]]:
     """Return the belt's true speed over the one shown, and its sigma, of each timed mark."""
     checks = (b for b in session.of("belt") if not b.voided)
     return [(b.scale, b.scale_sigma(b.watch or session.setup.stopwatch)) for b in checks]
+
+
+def belt_note(session: Session) -> str:
+    """Return in words that a session's belt was never checked; "" where it was, or none ran."""
+    if not session.kept or belt_checks(session) or session.setup.kind == "regenerated":
+        return ""
+    return (
+        f"{NO_BELT}: it is taken to run as it shows, within {session.belt_scale[1]:.0%}, and "
+        "ct and cn are as unsure. Time ten turns of a mark on it: `serpenoid calibrate add DIR "
+        "belt belt_speed_m_s=0.5 distance_m=28 duration_s=56`."
+    )

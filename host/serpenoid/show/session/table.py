@@ -38,7 +38,9 @@ def show(session: Session, parts: list[tuple[str, str]]) -> None:
 
 def notes(session: Session) -> list[str]:
     """Return what is to be told of a session's files, and of a belt that nobody checked."""
-    return [*session.notes, *filter(None, [session.belt_note])]
+    from ...calibration.session import belt_note
+
+    return [*session.notes, *filter(None, [belt_note(session)])]
 
 
 def as_dict(session: Session, parts: list[tuple[str, str]], say: str) -> dict[str, Any]:
