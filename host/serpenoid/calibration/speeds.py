@@ -21,7 +21,7 @@ from ..model.drives import Servo
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..periodic.drawn_states import Draw, drawn_speeds, drawn_states
+from ..periodic.neighbours import Draw, drawn_speeds, drawn_states
 from ..periodic.servo_steady import (
     drawn_ripple_shares,
     drawn_servo_speeds,

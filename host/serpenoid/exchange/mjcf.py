@@ -62,12 +62,9 @@ def to_mjcf(robot: Robot, ground: Ground, *, timestep_s: float = 1e-3) -> str:
             stacklevel=2,
         )
     root = ET.Element("mujoco", model="serpenoid")
-    option = ET.SubElement(
-        root, "option", timestep=f"{timestep_s!r}", gravity="0 0 0", integrator="RK4"
-    )
-    ET.SubElement(option, "flag", contact="disable")
-    world, actuators = ET.SubElement(root, "worldbody"), ET.Element("actuator")
-    parent = world
+    step = {"timestep": f"{timestep_s!r}", "gravity": "0 0 0", "integrator": "RK4"}
+    ET.SubElement(ET.SubElement(root, "option", step), "flag", contact="disable")
+    parent, actuators = ET.SubElement(root, "worldbody"), ET.Element("actuator")
     for link in range(1, robot.links + 1):
         parent = _link(parent, robot, link)
         _drag(actuators, f"wheels{link}", ground)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, replace
 from itertools import pairwise, product
 from typing import Any
@@ -15,6 +14,7 @@ from ..model.core_model import check_parts
 from ..model.errors import NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
+from ..model.long_calls import in_threads
 from ..model.robot import Robot
 from ..model.rows import Result, Row, detail
 from ..periodic.steady import speed_floor_m_s, steady_gait
@@ -238,8 +238,7 @@ def cliff_around(
         except NotConverged as error:
             return error.best.speed_m_s if error.best is not None else math.nan
 
-    with ThreadPoolExecutor() as pool:  # the core lets go of Python's lock
-        speeds = list(pool.map(speed, product(amplitude.tolist(), factor.tolist())))
+    speeds = in_threads(speed, product(amplitude.tolist(), factor.tolist()))
     own = uncertainty.amplitude / math.sqrt(robot.links - 1)
     return Cliff(
         robot,

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..model.gait import Gait
 from ..model.robot import Robot
-from ..periodic.drawn_states import neighbours
+from ..periodic.neighbours import neighbours
 from ..periodic.servo_steady import servo_speeds
 from ..periodic.steady import from_core
 from .shapes import Array
@@ -59,15 +59,13 @@ class Samples:
     def _solve(self, which: Sequence[int], gait: Gait, rough: bool) -> Array:
         """Return the speeds of some of them."""
         samples = [self.samples[k] for k in which]
-        draws = [(sample.ground, sample.gait(gait)) for sample in samples]
-        states = neighbours(self.robot, draws[0], draws, rough)
+        draws = [(self.robot, sample.ground, sample.gait(gait)) for sample in samples]
+        states = neighbours(draws[0], draws, rough=rough)
         self.solved += len(states)
         speeds = np.array([s.speed if s.converged else 0.0 for s in states])
         driven = [k for k, s in enumerate(samples) if s.servo is not None and speeds[k] > 0]
         if driven:
-            pairs = [
-                (from_core(self.robot, *draws[k], states[k]), samples[k].servo) for k in driven
-            ]
+            pairs = [(from_core(*draws[k], states[k]), samples[k].servo) for k in driven]
             speeds[driven] = np.nan_to_num(servo_speeds(pairs, rough))  # pyright: ignore
         return speeds
 

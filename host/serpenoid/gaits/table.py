@@ -13,8 +13,8 @@ from ..model.core_model import core_model
 from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..model.ground import Ground
+from ..model.long_calls import threads_to_use
 from ..model.robot import Robot
-from ..periodic.grid import threads_to_use
 from ..periodic.steady import speed_floor_m_s
 from .limits import GaitLimits
 from .shapes import COSTS, RATE_STEP, STATES, Array, Point, shape_of
@@ -93,7 +93,7 @@ class GaitTable:
                 self.alpha_rad[useful].tolist(), self.beta_rad[useful].tolist(), strict=True
             )
         ]
-        powers, threads = self.cost != "power", min(threads_to_use(None), len(models))
+        powers, threads = self.cost != "power", min(threads_to_use(), len(models))
         rows = _core.sweep(models, rates.tolist(), STATES, powers, threads, None, rough=True)
         v, solved = rows[..., 0], rows[..., 10] > 0.5
         v = np.where(v > STATES * rates * speed_floor_m_s(self.robot, 1.0), v, 1e-300)  # or noise

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import math
+from collections.abc import Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 from .errors import BadInput
 
@@ -47,6 +49,24 @@ def check_number(
     raise BadInput(f"{name} is {number!r}; it must be {rule}")
 
 
+class Limits(NamedTuple):
+    """The ends of a number's range; open_low: the lower one is not in it."""
+
+    low: float = -math.inf
+    high: float = math.inf
+    open_low: bool = False
+
+
+POSITIVE, NOT_NEGATIVE = Limits(0.0, open_low=True), Limits(0.0)
+
+
+def check_fields(part: object, table: Mapping[str, Limits]) -> None:
+    """Hold a frozen dataclass's fields as floats, each within its limits, or raise BadInput."""
+    for name, (low, high, open_low) in table.items():
+        value = check_number(name, getattr(part, name), low, high, open_low=open_low)
+        object.__setattr__(part, name, value)
+
+
 def _as_float(value: object) -> float | None:
     """Return a number as a float, and None for what is none."""
     if isinstance(value, (bool, str, bytes)):
@@ -81,10 +101,12 @@ def check_choice(name: str, value: object, choices: tuple[str, ...]) -> str:
     return value
 
 
-def check_whole(name: str, value: object, low: int, high: int) -> int:
+def check_whole(name: str, value: object, low: int, high: int | None = None) -> int:
     """Return a whole number, or raise BadInput naming it and the range it must be in."""
-    if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
-        raise BadInput(f"{name} is {value!r}; it must be a whole number from {low} to {high}")
+    most = math.inf if high is None else high
+    if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= most:
+        ends = f", {low} or more" if high is None else f" from {low} to {high}"
+        raise BadInput(f"{name} is {value!r}; it must be a whole number{ends}")
     return value
 
 

@@ -13,7 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .checks import check_choice, check_number
+from .checks import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    Limits,
+    check_choice,
+    check_fields,
+    check_number,
+    check_whole,
+)
 from .errors import BadInput
 from .vectors import number_array
 
@@ -35,6 +43,15 @@ _MOST_LOSS = 2.0  # the motor's free speed over the servo's no-load speed
 _BEYOND_TYPICAL = 1.5  # a source may say more: both limits over the typical servo's value
 FRAME_S = 0.02  # of a board with up to seven joints
 _HUNTS, _TRIES = 0.97, 100
+# Of a servo's fields; those of all others begin at 0.
+_LIMITS = {
+    "torque_limit_nm": POSITIVE,
+    "speed_limit_rad_s": POSITIVE,
+    "update_hz": Limits(0.0, 1e4),
+    "supply_sag": Limits(0.0, 1.0),
+    "frame_s": Limits(0.0, 0.1, open_low=True),
+    "backlash_rad": Limits(0.0, 0.5),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,13 +163,7 @@ class Servo:
     supply_v: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in self.__slots__:
-            open_low = name in ("torque_limit_nm", "speed_limit_rad_s", "frame_s")
-            most = {"supply_sag": 1.0, "frame_s": 0.1, "update_hz": 1e4, "backlash_rad": 0.5}.get(
-                name, math.inf
-            )
-            value = check_number(name, getattr(self, name), 0.0, most, open_low=open_low)
-            object.__setattr__(self, name, value)
+        check_fields(self, dict.fromkeys(self.__slots__, NOT_NEGATIVE) | _LIMITS)
         if self.backlash_rad > 0 and self.armature_kg_m2 == 0:
             raise BadInput(
                 f"backlash_rad is {self.backlash_rad:g} and armature_kg_m2 is 0; a gear with play "
@@ -360,8 +371,7 @@ class ServoKind:
             For a count that is no whole number of 1 or more, and for a kind of which no servo is
             possible.
         """
-        if isinstance(count, bool) or not isinstance(count, int) or count < 1:
-            raise BadInput(f"count is {count!r}; it must be a whole number, 1 or more")
+        check_whole("count", count, 1)
         rng = np.random.default_rng(seed)
         if self.drawn:
             times = -(-count // len(self.drawn))

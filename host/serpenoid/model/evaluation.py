@@ -12,15 +12,17 @@ from .. import _core
 from .checks import FORMULATIONS, check_choice, check_kind, check_number
 from .core_model import check_parts, core_model
 from .errors import BadInput
-from .gait import Gait
+from .gait import Gait, joint_motion
 from .ground import Ground
-from .kinematics import joint_motion
 from .link_state import LinkState
 from .robot import Robot
 from .rows import Result
 from .vectors import finite_vector
 
 Array = NDArray[np.float64]
+_NUMBERS = ("joint_stiffness_n_m", "joint_damping_n_s_m", "smoothing_m_s")
+# Of the fields of Acceleration, in the core.
+_CORE_NAMES = ("ax", "ay", "alpha", "fx", "fy", "joint_fx", "joint_fy", "joint_torque")
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,26 +171,24 @@ def acceleration(
     """
     check_parts(robot, ground)
     check_choice("formulation", formulation, FORMULATIONS)
-    state = _link_state(robot, state)
-    torque = isinstance(drive, TorqueDrive)
-    if not torque:
-        check_kind("drive", drive, AngleDrive)
-    name = "torque_nm" if torque else "acceleration_rad_s2"
+    links = _link_state(robot, state)
     request = _core.RunRequest(core_model(robot, ground, Gait(0.0, 0.0, 1.0)))
     request.formulation = getattr(_core.Formulation, formulation)
-    request.drive = _core.Drive.torque if torque else _core.Drive.angle
-    given = {
-        "joint_stiffness_n_m": joint_stiffness_n_m,
-        "joint_damping_n_s_m": joint_damping_n_s_m,
-        "smoothing_m_s": smoothing_m_s,
-    }
-    for field, value in given.items():
-        setattr(request, field, check_number(field, value, 0.0))
-    out: dict[str, Any] = _core.evaluate(
-        request, state.packed(), finite_vector(name, getattr(drive, name), robot.links - 1)
-    )
-    names = ("ax", "ay", "alpha", "fx", "fy", "joint_fx", "joint_fy", "joint_torque")
-    return Acceleration(*(out[n] for n in names))
+    request.drive, field = _driven(drive)
+    numbers = joint_stiffness_n_m, joint_damping_n_s_m, smoothing_m_s
+    for name, value in zip(_NUMBERS, numbers, strict=True):
+        setattr(request, name, check_number(name, value, 0.0))
+    by_joint = finite_vector(field, getattr(drive, field), robot.links - 1)
+    out = _core.evaluate(request, links.packed(), by_joint)
+    return Acceleration(*(out[name] for name in _CORE_NAMES))
+
+
+def _driven(drive: object) -> tuple[_core.Drive, str]:
+    """Return how the core names a drive, and the drive's field."""
+    if isinstance(drive, TorqueDrive):
+        return _core.Drive.torque, "torque_nm"
+    check_kind("drive", drive, AngleDrive)
+    return _core.Drive.angle, "acceleration_rad_s2"
 
 
 def _link_state(robot: Robot, state: Any) -> LinkState:

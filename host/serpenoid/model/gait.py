@@ -1,18 +1,26 @@
-"""The gait of Eq. 57: one sine wave that runs along the joints."""
+"""The gait of Eq. 57, one sine wave that runs along the joints, and how they move under it."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from .checks import check_number
+from .checks import POSITIVE, Limits, check_fields, check_number
 from .errors import BadInput
 
 Array = NDArray[np.float64]
+_NUMBERS = {
+    "alpha_rad": Limits(0.0, math.pi),
+    "beta_rad": Limits(-math.tau, math.tau),
+    "omega_rad_s": POSITIVE,
+    "offset_rad": Limits(-math.pi, math.pi),
+}
+_BY_JOINT = {"joint_gain": Limits(0.0, 2.0), "joint_shift_rad": Limits(-math.pi, math.pi)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,35 +64,27 @@ class Gait:
     joint_shift_rad: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        checked = {
-            "alpha_rad": check_number("alpha_rad", self.alpha_rad, 0.0, math.pi),
-            "beta_rad": check_number("beta_rad", self.beta_rad, -2 * math.pi, 2 * math.pi),
-            "omega_rad_s": check_number("omega_rad_s", self.omega_rad_s, 0.0, open_low=True),
-            "offset_rad": check_number("offset_rad", self.offset_rad, -math.pi, math.pi),
-        }
-        for name, value in checked.items():
-            object.__setattr__(self, name, value)
-        for name, low, high in (("joint_gain", 0.0, 2.0), ("joint_shift_rad", -math.pi, math.pi)):
+        check_fields(self, _NUMBERS)
+        for name, limits in _BY_JOINT.items():
             given = getattr(self, name)
             if not isinstance(given, Iterable):
                 raise BadInput(f"{name} is {given!r}; it must be one value a joint, or () for none")
-            each = tuple(check_number(name, value, low, high) for value in given)
-            object.__setattr__(self, name, each)
+            values = tuple(check_number(name, value, limits.low, limits.high) for value in given)
+            object.__setattr__(self, name, values)
 
     def __repr__(self) -> str:
         """Return what was given; joints of their own only where there are any."""
-        names = ["alpha_rad", "beta_rad", "omega_rad_s", "offset_rad"]
-        names += [name for name in ("joint_gain", "joint_shift_rad") if getattr(self, name)]
+        names = [*_NUMBERS, *(name for name in _BY_JOINT if getattr(self, name))]
         return f"Gait({', '.join(f'{name}={getattr(self, name)!r}' for name in names)})"
 
     @property
     def period_s(self) -> float:
         """Return 2 pi / omega, s."""
-        return 2 * math.pi / self.omega_rad_s
+        return math.tau / self.omega_rad_s
 
     def joint_factors(self, joints: int) -> tuple[Array, Array]:
         """Return gain and phase shift of each joint, (joints,). Raises BadInput: a wrong number."""
-        for name in ("joint_gain", "joint_shift_rad"):
+        for name in _BY_JOINT:
             count = len(getattr(self, name))
             if count not in (0, joints):
                 raise BadInput(f"{name} has {count} values; the robot has {joints} joints")
@@ -98,3 +98,27 @@ def gait_words(gait: Gait) -> str:
     alpha, beta, offset = map(math.degrees, (gait.alpha_rad, gait.beta_rad, gait.offset_rad))
     bend = f", bend {offset:.5g}°" if offset else ""
     return f"{alpha:.5g}°/{beta:.5g}°, {gait.omega_rad_s:.5g} rad/s{bend}"
+
+
+class JointMotion(NamedTuple):
+    """Hold phi_i (rad), its rate (rad/s) and second derivative (rad/s^2), (..., joints) each."""
+
+    angle_rad: Array
+    rate_rad_s: Array
+    acceleration_rad_s2: Array
+
+
+def joint_motion(gait: Gait, joints: int, t_s: ArrayLike = 0.0) -> JointMotion:
+    """Return how the joints move, from the tail: phi_i = offset + alpha sin(omega t + (i-1) beta).
+
+    Each joint has its own gain and shift where the gait has them. t_s: a time, or times of any
+    shape; the joints are the last axis of what comes back.
+    """
+    rate, (gain, shift) = gait.omega_rad_s, gait.joint_factors(joints)
+    lag = gait.beta_rad * np.arange(joints) + shift
+    phase = np.asarray(rate * np.asarray(t_s))[..., None] + lag
+    swing = gain * gait.alpha_rad * np.sin(phase)
+    with np.errstate(over="ignore"):  # of a rate beyond any robot's: an infinite acceleration
+        acceleration = -rate * (rate * swing)
+    speed = rate * gain * gait.alpha_rad * np.cos(phase)
+    return JointMotion(gait.offset_rad + swing, speed, acceleration)

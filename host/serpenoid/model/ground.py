@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .checks import check_number
+from .checks import NOT_NEGATIVE, check_fields, check_number
 from .errors import BadInput
 from .robot import check_links
 
@@ -56,8 +56,7 @@ class Ground:
     def __post_init__(self) -> None:
         for name in ("ct", "ft0"):
             object.__setattr__(self, name, _check_both(name, getattr(self, name)))
-        for name in ("cn", "fn0"):
-            object.__setattr__(self, name, check_number(name, getattr(self, name), 0.0))
+        check_fields(self, {"cn": NOT_NEGATIVE, "fn0": NOT_NEGATIVE})
 
     @classmethod
     def whole_body(
@@ -66,44 +65,41 @@ class Ground:
         """Divide the whole snake's ct, cn (N s/m), ft0, fn0 (N) evenly among its links."""
         n = check_links(links)
         total = cls(ct, cn, ft0, fn0)
-        return cls(_over(total.ct, n), total.cn / n, _over(total.ft0, n), total.fn0 / n)
+        along = total.ct_forward / n, total.ct_backward / n
+        dry_along = total.ft0_forward / n, total.ft0_backward / n
+        return cls(along, total.cn / n, dry_along, total.fn0 / n)
 
     @property
     def ct_forward(self) -> float:
         """Return ct towards the head, N s/m."""
-        return self.ct[0] if isinstance(self.ct, tuple) else self.ct
+        return _ways(self.ct)[0]
 
     @property
     def ct_backward(self) -> float:
         """Return ct towards the tail, N s/m."""
-        return self.ct[1] if isinstance(self.ct, tuple) else self.ct
+        return _ways(self.ct)[1]
 
     @property
     def ft0_forward(self) -> float:
         """Return ft0 towards the head, N."""
-        return self.ft0[0] if isinstance(self.ft0, tuple) else self.ft0
+        return _ways(self.ft0)[0]
 
     @property
     def ft0_backward(self) -> float:
         """Return ft0 towards the tail, N."""
-        return self.ft0[1] if isinstance(self.ft0, tuple) else self.ft0
+        return _ways(self.ft0)[1]
 
     def scaled(
         self, ct: float = 1.0, cn: float = 1.0, ft0: float = 1.0, fn0: float = 1.0
     ) -> Ground:
         """Return ground with ct, cn, ft0 and fn0 each times a factor, both ways alike."""
-        return replace(
-            self,
-            ct=_times(self.ct, ct),
-            cn=self.cn * cn,
-            ft0=_times(self.ft0, ft0),
-            fn0=self.fn0 * fn0,
-        )
+        along = self.ct_forward * ct, self.ct_backward * ct
+        dry_along = self.ft0_forward * ft0, self.ft0_backward * ft0
+        return Ground(along, self.cn * cn, dry_along, self.fn0 * fn0)
 
     def turned_round(self) -> Ground:
         """Return ground for wheels that are mounted the other way round."""
-        ct, ft0 = ((v[1], v[0]) if isinstance(v, tuple) else v for v in (self.ct, self.ft0))
-        return replace(self, ct=ct, ft0=ft0)
+        return replace(self, ct=_ways(self.ct)[::-1], ft0=_ways(self.ft0)[::-1])
 
     @property
     def dry(self) -> bool:
@@ -123,9 +119,7 @@ class Ground:
 
 def _check_both(name: str, value: object) -> Both:
     """Return one number, or two that differ, or raise BadInput."""
-    if not isinstance(value, (Sequence, np.ndarray)) or isinstance(value, (str, bytes)):
-        return check_number(name, value, 0.0)
-    if np.ndim(value) == 0:
+    if not isinstance(value, (Sequence, np.ndarray)) or np.ndim(value) == 0:
         return check_number(name, value, 0.0)
     if len(value) != 2:
         raise BadInput(f"{name} is {value!r}; it must be one number, or two: forwards, backwards")
@@ -140,9 +134,6 @@ def _check_both(name: str, value: object) -> Both:
     return both[0] if both[0] == both[1] else (both[0], both[1])
 
 
-def _over(value: Both, links: int) -> Both:
-    return (value[0] / links, value[1] / links) if isinstance(value, tuple) else value / links
-
-
-def _times(value: Both, factor: float) -> Both:
-    return (value[0] * factor, value[1] * factor) if isinstance(value, tuple) else value * factor
+def _ways(both: Both) -> tuple[float, float]:
+    """Return a friction forwards and backwards."""
+    return both if isinstance(both, tuple) else (both, both)

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .gait import Gait
-from .kinematics import joint_motion
+from .gait import Gait, joint_motion
 from .robot import Robot
 from .vectors import finite_vector
 

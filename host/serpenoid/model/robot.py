@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import SupportsIndex
 
-from .checks import check_number
-from .errors import BadInput
+from .checks import POSITIVE, check_fields, check_whole
 
 MAX_LINKS = 100_000
 
 
 def check_links(links: object) -> int:
     """Return links as an int, or raise BadInput."""
-    if isinstance(links, bool) or not hasattr(links, "__index__"):
-        raise BadInput(f"links is {links!r}; it must be a whole number from 2 to {MAX_LINKS}")
-    n = links.__index__()  # type: ignore[attr-defined]
-    if not 2 <= n <= MAX_LINKS:
-        raise BadInput(f"links is {n}; it must be a whole number from 2 to {MAX_LINKS}")
-    return n
+    if isinstance(links, SupportsIndex) and not isinstance(links, bool):
+        links = links.__index__()
+    return check_whole("links", links, 2, MAX_LINKS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,14 +54,11 @@ class Robot:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "links", check_links(self.links))
-        for name in ("link_mass_kg", "link_length_m"):
-            value = check_number(name, getattr(self, name), 0.0, open_low=True)
-            object.__setattr__(self, name, value)
-        inertia = self.link_inertia_kg_m2
-        if inertia is None:
-            inertia = self.link_mass_kg * self.link_length_m**2 / 12.0
-        inertia = check_number("link_inertia_kg_m2", inertia, 0.0, open_low=True)
-        object.__setattr__(self, "link_inertia_kg_m2", inertia)
+        check_fields(self, {"link_mass_kg": POSITIVE, "link_length_m": POSITIVE})
+        if self.link_inertia_kg_m2 is None:
+            rod = self.link_mass_kg * self.link_length_m**2 / 12.0
+            object.__setattr__(self, "link_inertia_kg_m2", rod)
+        check_fields(self, {"link_inertia_kg_m2": POSITIVE})
 
     @property
     def inertia_kg_m2(self) -> float:

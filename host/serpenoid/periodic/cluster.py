@@ -1,11 +1,12 @@
-"""A grid solved by the workers of a Dask cluster: stretch by stretch, few under way at a time."""
+"""A grid solved stretch by stretch: here, or by the workers of a Dask cluster."""
 
 from __future__ import annotations
 
 import re
 import time
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Callable, Collection, Generator, Iterable, Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from itertools import islice
 from typing import Any
 
@@ -14,6 +15,7 @@ from .grid import Array, Grid, stretches
 
 Stretch = tuple[int, int]
 _GAITS, _DRY_GAITS = 20_000, 2_000  # in a stretch: about a second's work for a processor
+_AT_ONCE = 4096  # shapes solved here at a time: what bounds the memory beside the result
 _AHEAD = 3  # stretches under way for each of the cluster's threads
 _LOOK_S = 1.0  # how often Ctrl-C and the workers are looked after
 NO_WORKER_S = 60.0  # without any worker before the work is given up
@@ -26,9 +28,9 @@ def stretch_length(grid: Grid) -> int:
     return max(1, (_DRY_GAITS if dry else _GAITS) // len(grid.omega_rad_s))
 
 
-def solve_stretch(grid: Grid, first: int, last: int) -> Array:
+def solve_stretch(grid: Grid, stretch: Stretch) -> Array:
     """Solve a stretch on a worker, in the one thread that the worker gives to it."""
-    return grid.solve(first, last, threads=1)
+    return grid.solve(*stretch, threads=1)
 
 
 def worker_version() -> str:
@@ -85,50 +87,64 @@ def _check_certificates(scheduler: str) -> None:
     )
 
 
-def _check_versions(client: Any, workers: list[str]) -> list[str]:
+def _check_versions(client: Any, workers: Collection[str]) -> list[str]:
     """Refuse workers of another version or none; return those that have this one."""
     here = worker_version()
-    answers = client.run(worker_version, workers=workers, on_error="return")
-    for worker, found in answers.items():
-        if isinstance(found, ModuleNotFoundError) or (isinstance(found, str) and found != here):
+    answers = client.run(worker_version, workers=list(workers), on_error="return")
+    for worker, there in answers.items():
+        if isinstance(there, ModuleNotFoundError) or (isinstance(there, str) and there != here):
             raise ClusterFailed(
-                f"the worker {worker} has {found if isinstance(found, str) else 'no serpenoid'}, "
+                f"the worker {worker} has {there if isinstance(there, str) else 'no serpenoid'}, "
                 f"here is serpenoid {here}; figures are the same to the bit only with the same "
                 "version on all: install it there"
             )
-    return [worker for worker, found in answers.items() if found == here]
+    return [worker for worker, there in answers.items() if there == here]
 
 
-def _no_scheduler(scheduler: str, error: Exception) -> ClusterFailed:
-    why = f"{type(error).__name__}: {' '.join(str(error).split())}"
-    return ClusterFailed(
-        f"the scheduler at {scheduler} does not answer any more ({why}); start it and its workers "
-        "again, and call again: a study (a folder) goes on where it was"
-    )
+@contextmanager
+def _answering(scheduler: str) -> Iterator[None]:
+    """Raise ClusterFailed where the scheduler is gone."""
+    from distributed import CancelledError
+
+    try:
+        yield
+    except (OSError, CancelledError) as error:
+        why = f"{type(error).__name__}: {' '.join(str(error).split())}"
+        raise ClusterFailed(
+            f"the scheduler at {scheduler} does not answer any more ({why}); start it and its "
+            "workers again, and call again: a study (a folder) goes on where it was"
+        ) from None
 
 
-def solve_on_cluster(
+def solved(
     grid: Grid,
-    scheduler: str,
+    threads: int,
+    scheduler: str | None,
+    progress: Callable[[int], None] | None,
     pieces: Iterable[Stretch] | None = None,
-    progress: Callable[[int], None] | None = None,
 ) -> Generator[tuple[Stretch, Array], None, None]:
-    """Yield stretches of a grid with their figures, in the order in which they are done.
+    """Yield stretches of a grid with their figures; pieces: which, all unless given.
 
-    A stretch whose worker is lost goes to another one. Whatever ends the iteration takes the work
-    that is under way off the cluster. Raises ClusterFailed.
+    Solved here by some threads, or where there is a scheduler by its cluster: in the order in which
+    they are done, few under way at a time. A stretch whose worker is lost goes to another one.
+    Whatever ends the iteration takes the work that is under way off the cluster. Raises
+    ClusterFailed.
     """
+    if scheduler is None:
+        for stretch in pieces or stretches(grid.shapes, _AT_ONCE):
+            yield stretch, grid.solve(*stretch, threads, progress)
+        return
     with connected(scheduler) as client:
         if pieces is None:
             share = -(-grid.shapes // (4 * max(next(_threads(client, scheduler)), 1)))
             pieces = stretches(grid.shapes, max(1, min(stretch_length(grid), share)))
-        left, under_way = iter(pieces), dict[Any, Stretch]()
+        waiting, under_way = iter(pieces), dict[Any, Stretch]()
         try:
-            for threads in _threads(client, scheduler):
-                room = max(0, _AHEAD * max(threads, 1) - len(under_way))
-                for stretch in islice(left, room):
-                    future = client.submit(solve_stretch, grid, *stretch, pure=False)
-                    under_way[future] = stretch
+            for workers in _threads(client, scheduler):
+                room = max(0, _AHEAD * max(workers, 1) - len(under_way))
+                begun = list(islice(waiting, room))
+                futures = client.map(partial(solve_stretch, grid), begun, pure=False)
+                under_way |= zip(futures, begun, strict=True)
                 if not under_way:
                     return
                 for future in _done(client, list(under_way), scheduler):
@@ -144,17 +160,15 @@ def solve_on_cluster(
 
 def _threads(client: Any, scheduler: str) -> Iterator[int]:
     """Yield at every look the threads of the workers there are; a new worker is checked first."""
-    checked, seen_s = set[str](), time.monotonic()
+    checked, alone_from_s = set[str](), time.monotonic()
     while True:
-        try:
+        with _answering(scheduler):
             threads = client.nthreads()
-            if new := [worker for worker in threads if worker not in checked]:
+            if new := threads.keys() - checked:
                 checked.update(_check_versions(client, new))
-        except OSError as error:
-            raise _no_scheduler(scheduler, error) from None
         if threads:
-            seen_s = time.monotonic()
-        elif time.monotonic() - seen_s > NO_WORKER_S:
+            alone_from_s = time.monotonic()
+        elif time.monotonic() - alone_from_s > NO_WORKER_S:
             raise ClusterFailed(
                 f"the cluster at {scheduler} has had no worker for {NO_WORKER_S:g} s; start some "
                 f"with `dask worker {scheduler}`; if one ended by itself, its log says why, often "
@@ -167,25 +181,21 @@ def _done(client: Any, futures: list[Any], scheduler: str) -> Iterable[Any]:
     """Return the futures that are done within a moment."""
     import distributed
 
-    try:
-        with client.as_current():
-            waited: Any = distributed.wait(futures, _LOOK_S, return_when="FIRST_COMPLETED")
+    with _answering(scheduler), suppress(distributed.TimeoutError), client.as_current():
+        waited: Any = distributed.wait(futures, _LOOK_S, return_when="FIRST_COMPLETED")
         return waited.done
-    except distributed.TimeoutError:
-        return ()
-    except distributed.CancelledError as error:
-        raise _no_scheduler(scheduler, error) from None
+    return ()
 
 
 def _result(future: Any, stretch: Stretch, scheduler: str) -> Array:
     import distributed
 
-    try:
-        return future.result()
-    except distributed.CancelledError as error:
-        raise _no_scheduler(scheduler, error) from None
-    except (distributed.KilledWorker, ImportError, OSError) as error:
-        raise ClusterFailed(
-            f"the cluster at {scheduler} lost the work on shapes {stretch} for good "
-            f"({type(error).__name__}: {error}); what its workers and its scheduler logged says why"
-        ) from None
+    with _answering(scheduler):
+        try:
+            return future.result()
+        except (distributed.KilledWorker, ImportError, OSError) as error:
+            raise ClusterFailed(
+                f"the cluster at {scheduler} lost the work on shapes {stretch} for good "
+                f"({type(error).__name__}: {error}); what its workers and its scheduler logged "
+                "says why"
+            ) from None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -12,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from ..model.checks import check_whole
 from ..model.core_model import check_parts, core_model
 from ..model.errors import BadInput
 from ..model.gait import Gait
@@ -22,7 +20,6 @@ from ..model.vectors import number_array
 from .steady import check_ground, speed_floor_m_s
 
 Array = NDArray[np.float64]
-CHUNK = 4096  # shapes handed to the core at a time: what bounds the memory beside the result
 MOST_GAITS = 10**12
 AXES = ("alpha_rad", "beta_rad", "omega_rad_s")
 FIELDS = (
@@ -117,50 +114,32 @@ class Grid:
         self, first: int, last: int, threads: int, progress: Callable[[int], None] | None = None
     ) -> Array:
         """Return the core's eleven figures of a stretch of shapes, (shape, rate, 11)."""
-        table = np.empty((last - first, len(self.omega_rad_s), 11))
-        for at in range(first, last, CHUNK):
-            models = self.models(at, min(at + CHUNK, last))
-            table[at - first : at - first + len(models)] = _core.sweep(
-                models,
-                list(self.omega_rad_s),
-                self.rtol,
-                self.powers,
-                min(threads, len(models)),
-                progress,
-            )
-        return table
+        models, rates = self.models(first, last), list(self.omega_rad_s)
+        count = min(threads, len(models))
+        return _core.sweep(models, rates, self.rtol, self.powers, count, progress)
 
     def named(self, table: Array, first: int = 0) -> dict[str, NDArray[Any]]:
         """Return the figures of a stretch by name, each (shape, rate); errors and times derived."""
-        speed, power, absolute, positive, turn, error, power_error, positive_error, slowest = (
-            table[..., k] for k in range(9)
-        )
-        w = np.array(self.omega_rad_s)
+        columns = (table[..., k] for k in (*range(9), 10))
+        values: dict[str, NDArray[Any]] = dict(zip(FIELDS, columns, strict=True))
+        w, slowest = np.array(self.omega_rad_s), values["settling_time_s"]
         robot = np.unravel_index(np.arange(first, first + len(table)), self.size)[0]
         floors = np.array([speed_floor_m_s(r, 1.0) for r in self.robots])[robot, None] * w
         with np.errstate(divide="ignore"):
             settling = np.where(slowest < 0, -2 * math.pi / w / slowest, math.inf)
-        values = (
-            speed,
-            power,
-            absolute,
-            positive,
-            turn,
-            error / np.maximum(speed, floors),
-            power_error,
-            positive_error,
-            settling,
-            table[..., 10] > 0.5,
-        )
-        return dict(zip(FIELDS, values, strict=True))
+        error = values["error_estimate"] / np.maximum(values["speed_m_s"], floors)
+        derived = {"error_estimate": error, "settling_time_s": settling}
+        return values | derived | {"converged": values["converged"] > 0.5}
 
 
 def axis(name: str, values: ArrayLike) -> tuple[float, ...]:
     """Return an axis of the grid as numbers."""
-    found = np.atleast_1d(number_array(name, values))
-    if found.ndim != 1 or found.size == 0:
-        raise BadInput(f"{name} has shape {found.shape}; it must be a list of at least one number")
-    return tuple(found.tolist())
+    numbers = np.atleast_1d(number_array(name, values))
+    if numbers.ndim != 1 or numbers.size == 0:
+        raise BadInput(
+            f"{name} has shape {numbers.shape}; it must be a list of at least one number"
+        )
+    return tuple(numbers.tolist())
 
 
 def several(kind: type, parts: Any) -> tuple[Any, ...]:
@@ -170,15 +149,6 @@ def several(kind: type, parts: Any) -> tuple[Any, ...]:
             raise BadInput(f"there is no {kind.__name__.lower()} in the list; give at least one")
         return tuple(parts)
     return (parts,)
-
-
-def threads_to_use(threads: int | None) -> int:
-    """Return the number of threads: as many as there are processors unless given."""
-    if threads is None:
-        if hasattr(os, "sched_getaffinity"):
-            return len(os.sched_getaffinity(0))
-        return os.cpu_count() or 1
-    return check_whole("threads", threads, 1, 1024)
 
 
 def stretches(shapes: int, length: int) -> Iterator[tuple[int, int]]:

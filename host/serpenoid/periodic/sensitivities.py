@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import partial
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -16,9 +16,9 @@ from ..model.core_model import core_model
 from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
+from ..model.long_calls import TimeLimit
 from ..model.robot import Robot
 from ..model.rows import Result
-from ..model.time_limit import TimeLimit
 
 Array = NDArray[np.float64]
 Parts = tuple[Robot, Ground, Gait]
@@ -155,6 +155,8 @@ class Parameter:
     @property
     def inside(self) -> bool:
         """Tell whether the value has room on both sides."""
+        if self.step == 0:
+            return False
         try:
             for sign in (-1, 1):
                 self.moved(self.value + sign * self.step)
@@ -257,62 +259,43 @@ def _differences(
 
 def parameters(robot: Robot, ground: Ground, gait: Gait) -> list[Parameter]:
     """Return the parameters of a state that have room on both sides."""
-    return [p for p in _parameters(robot, ground, gait) if p.inside]
+    return [p for p in _parameters((robot, ground, gait)) if p.inside]
 
 
-def _parameters(robot: Robot, ground: Ground, gait: Gait) -> Iterator[Parameter]:
-    joints = robot.links - 1
-    factors = gait.joint_factors(joints)
+def _parameters(here: Parts) -> Iterator[Parameter]:
+    robot, ground, gait = here
+    gain, shift_rad = gait.joint_factors(robot.links - 1)
     for name in ("alpha_rad", "beta_rad", "omega_rad_s", "offset_rad"):
-        angle = 0.0 if name == "omega_rad_s" else 1.0
-        yield _one(name, gait, lambda g: (robot, ground, g), angle)
-    for name, values, angle in zip(
-        ("joint_gain", "joint_shift_rad"), factors, (0.0, 1.0), strict=True
-    ):
-        for k, value in enumerate(values.tolist()):
-            yield Parameter(
-                f"{name}[{k}]",
-                value,
-                _STEP * max(abs(value), angle),
-                partial(_with_joint, robot, ground, gait, name, values, k),
-            )
+        yield from _numbers(here, gait, name, 0.0 if name == "omega_rad_s" else 1.0)
+    yield from _numbers(here, gait, "joint_gain", 0.0, tuple(gain.tolist()))
+    yield from _numbers(here, gait, "joint_shift_rad", 1.0, tuple(shift_rad.tolist()))
     for name in ("ct", "cn", "ft0", "fn0"):
-        yield from _frictions(robot, ground, gait, name)
+        pair = isinstance(getattr(ground, name), tuple)
+        yield from _numbers(here, ground, name, 0.0 if pair else 1e-6)
     for name in ("link_mass_kg", "link_inertia_kg_m2", "link_length_m"):
-        yield _one(name, robot, lambda r: (r, ground, gait), 0.0)
+        yield from _numbers(here, robot, name, 0.0)
 
 
-def _one(name: str, part: Any, parts: Callable[[Any], Parts], least: float) -> Parameter:
-    """Return the parameter that is an attribute of a part."""
-    value = float(getattr(part, name))
-    return Parameter(
-        name, value, _STEP * max(abs(value), least), lambda v: parts(replace(part, **{name: v}))
-    )
+def _numbers(
+    here: Parts, part: Any, name: str, least: float, values: tuple[float, ...] = ()
+) -> Iterator[Parameter]:
+    """Give each number of a part's field: one, a joint's, or both ways of a ratchet's.
 
+    least: of what a step is a share of. values: the field's, where the part leaves them out.
+    """
+    field = values or getattr(part, name)
+    several = isinstance(field, tuple)
+    endings = ("_forward", "_backward") if isinstance(part, Ground) else map("[{}]".format, count())
+    numbers = zip(field, endings, strict=False) if several else [(field, "")]
+    for place, (number, ending) in enumerate(numbers):
 
-def _with_joint(
-    robot: Robot, ground: Ground, gait: Gait, name: str, values: Array, k: int, value: float
-) -> Parts:
-    changed = values.copy()
-    changed[k] = value
-    return robot, ground, replace(gait, **{name: tuple(changed.tolist())})
+        def moved(value: float, place: int = place) -> Parts:
+            changed = value
+            if several:
+                changed = tuple(value if k == place else v for k, v in enumerate(field))
+            other = replace(part, **{name: changed})
+            parts: list[Any] = [other if kept is part else kept for kept in here]
+            robot, ground, gait = parts
+            return robot, ground, gait
 
-
-def _frictions(robot: Robot, ground: Ground, gait: Gait, name: str) -> Iterator[Parameter]:
-    """Give a friction, or both ways of a ratchet's, where it is not 0."""
-    value = getattr(ground, name)
-    if not isinstance(value, tuple):
-        yield _one(name, ground, lambda g: (robot, g, gait), 1e-6)
-        return
-    for way, word in enumerate(("forward", "backward")):
-        if value[way] > 0:
-            yield Parameter(
-                f"{name}_{word}",
-                value[way],
-                _STEP * value[way],
-                lambda v, way=way: (
-                    robot,
-                    replace(ground, **{name: tuple(v if k == way else value[k] for k in (0, 1))}),
-                    gait,
-                ),
-            )
+        yield Parameter(name + ending, number, _STEP * max(abs(number), least), moved)

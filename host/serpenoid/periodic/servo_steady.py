@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -17,6 +16,7 @@ from ..model.core_model import core_model
 from ..model.drives import Servo, ServoKind, core_servo
 from ..model.errors import NotConverged
 from ..model.gait import Gait
+from ..model.long_calls import in_threads
 from ..model.rows import Result, Row, detail, two_digits
 from .steady import Steady, relative_error, steady_gait
 
@@ -290,11 +290,7 @@ def as_made(gait: Gait, moved: Any) -> Gait:
 
 def servo_speeds(pairs: Iterable[tuple[Steady, Servo]], rough: bool = False) -> Array:
     """Return the speed, m/s, for each ideal periodic state and the servo that it is to have."""
-    from concurrent.futures import ThreadPoolExecutor  # slow to import
-
-    with ThreadPoolExecutor() as pool:
-        found = pool.map(lambda pair: servo_speed(pair[0], pair[1], rough), pairs)
-        return np.fromiter(found, float)
+    return np.array(in_threads(lambda pair: servo_speed(*pair, rough), pairs))
 
 
 def drawn_servo_speeds(
@@ -323,11 +319,9 @@ def _checked(
     _MOST_OFF of the scatter of all, every draw is solved finely.
     """
 
-    from concurrent.futures import ThreadPoolExecutor  # slow to import
-
     def solved(which: Sequence[int], rough: bool) -> Array:
-        with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
-            return np.array(list(pool.map(lambda k: value(ideal[k], servos[k], rough), which)))
+        work = in_threads(lambda k: value(ideal[k], servos[k], rough), which, threads=threads)
+        return np.array(work)
 
     every = range(len(servos))
     if len(servos) <= _FEW:

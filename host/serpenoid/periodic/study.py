@@ -19,10 +19,11 @@ from ..model.checks import check_whole
 from ..model.errors import BadInput
 from ..model.files import read_arrays, read_json, whole_file, write_text
 from ..model.ground import Ground
+from ..model.long_calls import threads_to_use
 from ..model.robot import Robot
 from ..model.rows import Result
-from .cluster import Stretch, solve_on_cluster, stretch_length
-from .grid import AXES, FIELDS, Array, Grid, stretches, threads_to_use
+from .cluster import Stretch, solved, stretch_length
+from .grid import AXES, FIELDS, Array, Grid, stretches
 
 FORMAT = "serpenoid study 2"
 HEAD = "study.json"
@@ -83,18 +84,7 @@ class Study(Result):
     @property
     def head(self) -> dict[str, Any]:
         """Return what the head of the folder says: the grid, and how it is cut into chunks."""
-        grid = self.grid
-        return {
-            "format": FORMAT,
-            "robots": [asdict(r) for r in grid.robots],
-            "grounds": [asdict(g) for g in grid.grounds],
-            "alpha_rad": list(grid.alpha_rad),
-            "beta_rad": list(grid.beta_rad),
-            "omega_rad_s": list(grid.omega_rad_s),
-            "rtol": grid.rtol,
-            "powers": grid.powers,
-            "shapes": self.length,
-        }
+        return {"format": FORMAT, **asdict(self.grid), "shapes": self.length}
 
     @cached_property
     def _hash(self) -> NDArray[np.uint8]:
@@ -192,15 +182,9 @@ def sweep_study(
     missing, rates = study.missing, len(grid.omega_rad_s)
     if progress is not None:
         progress(grid.gaits - rates * sum(last - first for first, last in missing))
-    if not missing:
-        return study
-    if scheduler is None:
-        for chunk in missing:
-            study.write(chunk, grid.solve(*chunk, count, progress))
-    else:
-        found = solve_on_cluster(grid, scheduler, missing, progress)
-        with contextlib.closing(found):
-            for chunk, table in found:
+    if missing:
+        with contextlib.closing(solved(grid, count, scheduler, progress, missing)) as tables:
+            for chunk, table in tables:
                 study.write(chunk, table)
     return study
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,9 +15,11 @@ from ..model.drives import Servo, ServoKind
 from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
+from ..model.long_calls import in_threads, threads_to_use
 from ..model.robot import Robot
 from ..model.rows import Result, two_digits
-from .grid import AXES, Array, Grid, threads_to_use
+from .cluster import Stretch, solved
+from .grid import AXES, Array, Grid
 from .servo_steady import band, drawn_servo_speeds, servo_state
 from .steady import steady_gait
 
@@ -94,9 +96,7 @@ def sweep(
     scheduler: str | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> Sweep:
-    """Solve every gait of a grid, for one robot and ground or for all pairs of several.
-
-    Each value has its error. For a result larger than memory see `sweep_study`.
+    """Solve every gait of a grid: one robot and ground or all pairs; `sweep_study` if it is large.
 
     Parameters
     ----------
@@ -104,19 +104,14 @@ def sweep(
         One, or a list of each.
     alpha_rad, beta_rad, omega_rad_s
         A value or a list each; rad and rad/s.
-    rtol
-        Accuracy of the speed, relative.
-    powers
-        Whether to compute powers; without them a sweep is faster.
+    rtol, powers
+        Accuracy of the speed, relative; whether to compute powers, too, which takes longer.
     servo
-        What moves the joints, beside ideal ones: some 15 ms a gait, and about 15 times that for a
-        kind that is in doubt. For one robot on one ground; solved here also where there is a
-        scheduler.
-    threads
-        Number of threads; all processors unless given. It changes no bit of the result.
-    scheduler
-        Address of a Dask cluster, such as "tcp://10.0.0.1:8786", whose workers solve the shapes, to
-        the same bits. Needs `pip install serpenoid[dask]` here and on the workers.
+        What moves the joints, beside ideal ones, of one robot on one ground; solved here. Some
+        15 ms a gait, and about 15 times that for a kind that is in doubt.
+    threads, scheduler
+        Number of threads, all processors unless given, or address of a Dask cluster, such as
+        "tcp://10.0.0.1:8786", with serpenoid[dask] on all its workers. No bit differs.
     progress
         Called with the gaits solved since the last call (again for servos); may raise to stop.
 
@@ -140,32 +135,32 @@ def sweep(
     >>> grid.speed_m_s.shape, bool(grid.converged.all())
     ((2, 1, 1), True)
     """
+    single = [k for k, part in enumerate((robot, ground)) if not isinstance(part, Sequence)]
     if servo is not None:
-        check_kind("servo", servo, (Servo, ServoKind))
-        if isinstance(robot, Sequence) or isinstance(ground, Sequence):
-            raise BadInput("servo wants one robot on one ground; sweep them one by one")
+        _check_servo(servo, len(single))
     grid = Grid.of(robot, ground, (alpha_rad, beta_rad, omega_rad_s), rtol, powers)
     count = threads_to_use(threads)
-    table = _solve(grid, count, scheduler, progress)
-    single = tuple(k for k, part in enumerate((robot, ground)) if not isinstance(part, Sequence))
-    size = (*grid.size, len(grid.omega_rad_s))
-    values = [np.squeeze(v.reshape(size), axis=single) for v in grid.named(table).values()]
+    values = _figures(grid, solved(grid, count, scheduler, progress), tuple(single))
     moved = () if servo is None else _with_servo(grid, servo, count, progress)
     return Sweep(*(np.array(getattr(grid, name)) for name in AXES), *values, *moved)
 
 
-def _solve(
-    grid: Grid, threads: int, scheduler: str | None, progress: Callable[[int], None] | None
-) -> Array:
-    """Return the core's figures of all shapes, solved here or on a cluster."""
-    if scheduler is None:
-        return grid.solve(0, grid.shapes, threads, progress)
-    from .cluster import solve_on_cluster
+def _check_servo(servo: object, single: int) -> None:
+    check_kind("servo", servo, (Servo, ServoKind))
+    if single < 2:
+        raise BadInput("servo wants one robot on one ground; sweep them one by one")
 
-    table = np.empty((grid.shapes, len(grid.omega_rad_s), 11))
-    for (first, last), part in solve_on_cluster(grid, scheduler, progress=progress):
+
+def _figures(
+    grid: Grid, parts: Iterable[tuple[Stretch, Array]], single: tuple[int, ...]
+) -> list[NDArray[Any]]:
+    """Return the figures of all stretches over the grid, without the axes of single parts."""
+    rates = len(grid.omega_rad_s)
+    table = np.empty((grid.shapes, rates, 11))
+    for (first, last), part in parts:
         table[first:last] = part
-    return table
+    size = (*grid.size, rates)
+    return [np.squeeze(v.reshape(size), axis=single) for v in grid.named(table).values()]
 
 
 def _with_servo(
@@ -195,11 +190,6 @@ def _with_servo(
             return speed, max(speed - state.spread, 0.0), speed + state.spread
         return speed, *band(drawn_servo_speeds([ideal] * _DRAWS, drawn, threads=1))
 
-    found = []
-    with ThreadPoolExecutor(threads) as pool:
-        for three in pool.map(of, product(*(getattr(grid, name) for name in AXES))):
-            found.append(three)
-            if progress is not None:
-                progress(1)
-    size = tuple(len(getattr(grid, name)) for name in AXES)
-    return [np.reshape(column, size) for column in zip(*found, strict=True)]
+    axes = [getattr(grid, name) for name in AXES]
+    speeds = in_threads(of, product(*axes), progress, threads)
+    return [np.reshape(column, tuple(map(len, axes))) for column in zip(*speeds, strict=True)]

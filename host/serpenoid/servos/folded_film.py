@@ -15,6 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.sines import waves
+
 Array = NDArray[np.float64]
 _SIDE, _HIGHEST = 4, 32  # lines beside the frames' rate, either way; the gait's own harmonics
 _OF_RATE, _ROWS = 0.42, 3  # of the pictures' rate: what is told; pictures a number that is fitted
@@ -74,15 +76,13 @@ def film_ripples(
 
 def _squares(t: Array, joints: Array, rates: Array) -> tuple[Array, Array]:
     """Return squares of the lines' rates and their variances, (lines, 2 (n-1)), cos and sin."""
-    angles = np.outer(t, rates)
-    design = np.hstack([np.ones((len(t), 1)), t[:, None], np.cos(angles), np.sin(angles)])
-    found = np.linalg.lstsq(design, joints)[0]
-    noise = np.sum((joints - design @ found) ** 2, axis=0) / (len(t) - design.shape[1])
+    design = np.column_stack([waves(t, rates), t])
+    sines = np.linalg.lstsq(design, joints)[0]
+    noise = np.sum((joints - design @ sines) ** 2, axis=0) / (len(t) - design.shape[1])
     spread = np.diag(np.linalg.inv(design.T @ design))
-    each = np.tile(rates, 2)[:, None]
-    size, doubt = (each * found[2:]) ** 2, each**2 * spread[2:, None] * noise
-    split = len(rates)
-    return np.hstack([size[:split], size[split:]]), np.hstack([doubt[:split], doubt[split:]])
+    rate = np.repeat(rates, 2)[:, None]
+    size, doubt = (rate * sines[1:-1]) ** 2, rate**2 * spread[1:-1, None] * noise
+    return size.reshape(len(rates), -1), doubt.reshape(len(rates), -1)
 
 
 def _ripple(size: Array, doubt: Array, harmonics: Sequence[int]) -> Ripple:

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 from ..model.checks import check_choice, check_number
 from ..model.errors import BadInput, NotConverged
+from .judge import exact_scene
 from .methods import METHODS, OwnChoice
-from .related_scenes import exact_scene
 from .run import Run
 from .scene import Scene, default_method, objection
 from .stability import largest_stable_step_s
@@ -84,23 +84,22 @@ def _stuck(scene: Scene, run: Run, accuracy: float, keep: Collection[str]) -> st
     return None
 
 
-def _label(scene: Scene, why: str) -> str:
-    step = f"tolerance {scene.tolerance:g}" if scene.adaptive else f"dt_s {scene.dt_s:g}"
-    return f"formulation {scene.formulation!r}, method {scene.method!r}, {step}: {why}"
+def check_wanted(accuracy: float, keep: Collection[str]) -> None:
+    """Raise BadInput for an accuracy that no run has, or for fields that cannot be kept."""
+    check_number("accuracy", accuracy, 1e-10, 0.1)
+    for name in keep:
+        check_choice("keep", name, KEEPABLE)
 
 
 def simulate_to(
-    accuracy: float, scene: Scene, simulate: Callable[[Scene], Run], keep: Collection[str] = ()
+    accuracy: float, scene: Scene, simulate: Callable[[Scene], Run], keep: Collection[str]
 ) -> Run:
     """Return a run whose estimated error is at most `accuracy`, in body lengths and radians.
 
     The scene's formulation stays, and its method unless the scene chose it itself; so do fields
     that `keep` names, of KEEPABLE. dt_s stays the grid of recorded times: fixed steps are whole
-    parts of it. Raises NotConverged, with the error that was reached and why, and BadInput.
+    parts of it. Raises NotConverged, with the error that was reached and why.
     """
-    check_number("accuracy", accuracy, 1e-10, 0.1)
-    for name in keep:
-        check_choice("keep", name, KEEPABLE)
     tried, why = _first(scene, accuracy, keep)
     reason = None
     worst = math.inf
@@ -108,8 +107,10 @@ def simulate_to(
         run = simulate(tried)
         worst = run.error_estimate.worst(tried.robot.body_length_m)
         if worst <= accuracy and run.error_estimate.settled:
+            step = f"tolerance {tried.tolerance:g}" if tried.adaptive else f"dt_s {tried.dt_s:g}"
             return run.picked_because(
-                f"{_label(tried, why)}; estimated error {worst:.2g} of the {accuracy:g} asked for"
+                f"formulation {tried.formulation!r}, method {tried.method!r}, {step}: {why}; "
+                f"estimated error {worst:.2g} of the {accuracy:g} asked for"
             )
         reason = _stuck(tried, run, accuracy, keep)
         if reason is not None:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from .. import _core
+from ..model.checks import RECORDS
 from ..model.core_model import core_model
 from ..model.drives import TorqueTable, core_servo
 from ..model.errors import Diverged
@@ -29,18 +30,6 @@ def _torque(request: Any, scene: Scene) -> None:
         request.set_torque_table([0.0], finite_vector("torque", torque, joints).tolist())
 
 
-def _faults(scene: Scene) -> tuple[list[Any], list[float]]:
-    """Return what is wrong with each joint, and the angles of the locked; empty if nothing is."""
-    if not scene.limp and not scene.locked:
-        return [], []
-    kinds = dict.fromkeys(scene.limp, _core.Fault.limp)
-    kinds |= dict.fromkeys(scene.locked, _core.Fault.locked)
-    numbers = range(1, scene.robot.links)
-    return [kinds.get(j, _core.Fault.none) for j in numbers], [
-        scene.locked.get(j, 0.0) for j in numbers
-    ]
-
-
 def core_request(scene: Scene) -> Any:
     """Return a scene as the core takes it."""
     q = _core.RunRequest(core_model(scene.robot, scene.ground, scene.gait))
@@ -55,12 +44,16 @@ def core_request(scene: Scene) -> Any:
     _torque(q, scene)
     if scene.servo is not None:
         q.servo = core_servo(scene.servo)
-    q.faults, q.locked_rad = _faults(scene)
+    faults = dict.fromkeys(scene.limp, _core.Fault.limp)
+    faults |= dict.fromkeys(scene.locked, _core.Fault.locked)
+    if faults:
+        joints = range(1, scene.robot.links)
+        q.faults = [faults.get(joint, _core.Fault.none) for joint in joints]
+        q.locked_rad = [scene.locked.get(joint, 0.0) for joint in joints]
     q.method = scene.method
     q.most_steps = MAX_LINK_STEPS // scene.robot.links
-    q.record_joints = "joints" in scene.record
-    q.record_friction = "friction" in scene.record
-    q.record_energy = "energy" in scene.record
+    for name in RECORDS:
+        setattr(q, f"record_{name}", name in scene.record)
     return q
 
 

@@ -1,12 +1,17 @@
-"""What is known of a run's error: by its time steps, and by its springs."""
+"""What is known of a run's error, by its time steps and by its springs, and warnings of it."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from ..model.rows import Result, Row, detail
+from .scene import Scene, objection
+
+_PRESENT_AT = 0.01  # errors of the mean speed that a warning names
+_FAR = 0.1  # body lengths and radians that a warning names
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,3 +98,82 @@ class RunError(Result):
     def worst(self, body_m: float) -> float:
         """Return the largest error, positions in body lengths and angles in radians."""
         return sum(part.size(body_m) for part in (self.integration, self.modelling) if part)
+
+
+def warnings_of(scene: Scene, error: RunError) -> tuple[str, ...]:
+    """Return what somebody who uses a run of a scene with such an error must know."""
+    finer = "take a smaller " + ("tolerance" if scene.adaptive else "dt_s")
+    return (
+        *_unsettled(error, finer),
+        *_springs_too_soft(scene, error.modelling),
+        *_steps_too_long(error.integration, scene.robot.body_length_m, finer),
+        *_no_sticking(scene),
+    )
+
+
+def _unsettled(error: RunError, finer: str) -> Iterator[str]:
+    """Say that the finer runs of a run do not agree."""
+    if error.settled:
+        return
+    until = f"believe it up to t = {error.believed_s:.3g} s"
+    if error.chaotic:
+        yield (
+            "the motion is chaotic: neighbouring ones part, so that finer runs disagree as much "
+            f"among themselves as with this one; {until}, and beyond that only its statistics"
+        )
+    else:
+        yield (
+            "the error estimate is no bound: finer runs disagree as much among themselves as with "
+            f"this one; {until}, or {finer}"
+        )
+
+
+def _springs_too_soft(scene: Scene, off: Difference | None) -> Iterator[str]:
+    """Say what the springs do to the mean speed, where it is much."""
+    springs = f"the springs (k = {scene.joint_stiffness_n_m:g} N/m)"
+    if off is not None and off.mean_speed == math.inf:
+        yield f"{springs} move a robot that rests in the exact model; take formulation 'explicit'"
+    elif off is not None and abs(off.mean_speed) > _PRESENT_AT:
+        percent = 100 * off.mean_speed
+        yield (
+            f"{springs} change the mean speed by {percent:+.2g} %; the error falls as 1/k: take "
+            f"k = {scene.joint_stiffness_n_m * abs(percent):.1g} N/m for 1 %, or formulation "
+            "'explicit'"
+        )
+
+
+def _steps_too_long(off: Difference, body_m: float, finer: str) -> Iterator[str]:
+    """Say what the time steps do to a run, where it is much."""
+    if math.isinf(off.position_m):  # no finer run came to its end, which is said already
+        return
+    if off.mean_speed == math.inf:
+        yield f"the time steps move a robot that rests; {finer}"
+    elif abs(off.mean_speed) > _PRESENT_AT:
+        percent = 100 * abs(off.mean_speed)
+        yield f"the time steps change the mean speed by about {percent:.2g} %; {finer}"
+    elif not off.size(body_m) <= _FAR:
+        yield (
+            f"the time steps put links off by up to {off.position_m:.2g} m and "
+            f"{off.angle_rad:.2g} rad; {finer}"
+        )
+
+
+def _no_sticking(scene: Scene) -> Iterator[str]:
+    """Say what a scene on dry ground loses whose wheels cannot stick."""
+    if scene.law == "dry" and scene.method != "nonsmooth":
+        yield (
+            f"method {scene.method!r} knows nothing of sticking: at rest its wheels chatter, and "
+            f"joint torques may be wrong by a third at any step; take {_sticking(scene)}"
+        )
+    if scene.law == "smoothed":
+        exact = replace(scene, smoothing_m_s=0.0, method="rk4")
+        yield (
+            f"smoothing_m_s {scene.smoothing_m_s:g} lets stuck wheels creep; take smoothing_m_s 0 "
+            f"and {_sticking(exact)}"
+        )
+
+
+def _sticking(scene: Scene) -> str:
+    """Return how to have exact sticking in a scene on dry ground."""
+    soft = objection("nonsmooth", scene) is not None
+    return "method 'nonsmooth'" + (" with formulation 'explicit'" if soft else "")

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..model.errors import Diverged
 from ..periodic.steady import Steady
-from .related_scenes import exact_scene
+from .judge import exact_scene
 from .scene import Scene
 from .simulate import simulate
 

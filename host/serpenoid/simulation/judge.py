@@ -9,7 +9,7 @@ run yet is tried; else the figures are no bound: RunError.settled then says so, 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,54 +17,157 @@ from numpy.typing import NDArray
 
 from ..model.errors import Diverged, StepTooLarge
 from .error import Difference, RunError
-from .related_scenes import FinerScenes, exact_scene, finer_scenes
 from .run import ENERGY_COLUMNS, Run
 from .scene import Scene, objection
+from .stability import stability_test
 
 Array = NDArray[np.float64]
-Indices = NDArray[np.intp]
-_PRESENT_AT = 0.01  # errors of the mean speed that a warning names
 _AGREE = 0.3  # of a run's error: by how much finer runs may differ
 _WILD = 3.0  # body lengths and radians: beyond, runs are apart by chance
 _TOO_LITTLE = 1e-3  # for the finest run to be far off, when it differs by no more from the finer
-_FAR = 0.1  # body lengths and radians that a warning names
 _BELIEVED = 0.01  # body lengths and radians
 _CHAOS = 1e4  # times its tolerance: what a smooth motion of a few cycles does not make of it
 _RESTS = 1e-4  # body lengths a period: a robot that goes less has no speed worth a share
 _UNKNOWN = Difference(math.inf, math.inf, math.inf)
+_TIGHT, _TIGHTEST = 1e-8, 1e-10  # of methods that pick their steps
+_LEAST = 1e-13
+_MOST_ACCURATE = ("collocation", "dop853", "nonsmooth", "rk4")
 
 
-def _common(run: Run, other: Run) -> tuple[Indices, Indices]:
-    """Return the indices of the times that both runs recorded, in each."""
-    at = np.searchsorted(other.t_s, run.t_s - 1e-9 * run.t_s[-1])
-    at = np.minimum(at, other.t_s.size - 1)
-    both = np.abs(other.t_s[at] - run.t_s) <= 1e-9 * max(run.t_s[-1], 1e-300)
-    return np.nonzero(both)[0], at[both]
+def exact_scene(scene: Scene, tolerance: float) -> Scene:
+    """Return a scene in the explicit formulation, by the most accurate method for it."""
+    bare = replace(scene, formulation="explicit", record=_ledger(scene), method="auto")
+    method = next(name for name in _MOST_ACCURATE if objection(name, bare) is None)
+    return replace(bare, tolerance=tolerance, method=method)
 
 
-def _apart(run: Run, other: Run) -> tuple[Array, Array, Array]:
-    """Return the common times, and how far links' centres (m) and angles (rad) are apart then."""
-    a, b = _common(run, other)
+def _ledger(scene: Scene) -> tuple[str, ...]:
+    """Return what another run must record to be compared with one: energies, or nothing."""
+    return tuple(one for one in scene.record if one == "energy")
+
+
+@dataclass(frozen=True, slots=True)
+class FinerScenes:
+    """Hold a scene that is finer than another, and one that is finer still.
+
+    near: error of `finer` that its settings promise, in body lengths and radians; 0: no promise.
+    coarser: whether `finer` is coarser than the run, for want of time.
+    """
+
+    finer: Scene
+    finest: Scene
+    near: float
+    word: str
+    coarser: bool = False
+
+
+def finer_scenes(scene: Scene) -> Iterator[FinerScenes]:
+    """Yield pairs of scenes to hold a run against, the best first; a later one if one gives up.
+
+    A pair that begins with the last one's finest scene is for runs on which those do not agree.
+    """
+    bare = replace(scene, record=_ledger(scene))
+    if scene.adaptive:
+        yield from _by_tolerance(bare, scene.tolerance)
+        return
+    if scene.formulation == "explicit":
+        yield from _with_closer(_pair(exact_scene(bare, _TIGHT), _TIGHT, _TIGHTEST))
+    elif scene.law != "dry":
+        yield _pair(replace(bare, method="dop853"), _TIGHT, _TIGHTEST)
+        if not (scene.limp or scene.locked):
+            yield _pair(replace(bare, method="radau"), _TIGHT, _TIGHTEST)
+    yield _by_step(bare)
+
+
+def _least_tolerance(scene: Scene) -> float:
+    """Return the tolerance below which rounding errors make steps short and tell no more.
+
+    A run by nonsmooth takes ten times as long at 1e-11 with 40 links, and forty times at 1e-10 with
+    99.
+    """
+    if scene.method != "nonsmooth":
+        return _LEAST
+    return _LEAST * max(1.0, (scene.robot.links / 3) ** 3)
+
+
+def _pair(scene: Scene, tight: float, tightest: float) -> FinerScenes:
+    if scene.method == "nonsmooth":
+        least = _least_tolerance(scene)
+        tight, tightest = max(tight, 10 * least), max(tightest, least)
+    return FinerScenes(
+        replace(scene, tolerance=tight),
+        replace(scene, tolerance=tightest),
+        tight,
+        f"runs by {scene.method} at tolerance {tight:.3g} and {tightest:.3g}",
+    )
+
+
+def _with_closer(pair: FinerScenes) -> Iterator[FinerScenes]:
+    """Yield a pair of the exact model, and for runs on which it does not agree its finest and one
+    that is ten times closer.
+
+    On dry ground some runs at 1e-8 err by more than others at 1e-6: in a long run by a curve.
+    """
+    yield pair
+    scene, tight = pair.finest, pair.finest.tolerance
+    if scene.formulation == "explicit" and tight / 10 >= _least_tolerance(scene):
+        yield replace(_pair(scene, tight, tight / 10), finer=scene)
+
+
+def _by_tolerance(scene: Scene, tolerance: float) -> Iterator[FinerScenes]:
+    """Take another method where one is exact, and tolerances whose errors do not matter."""
+    tight, tightest = min(tolerance / 10, _TIGHT), min(tolerance / 1000, _TIGHTEST)
+    if tightest < _LEAST:  # rounding is all that is left: looser runs tell as much
+        tight, tightest = max(100 * tolerance, 1e-11), max(10 * tolerance, 1e-12)
+    exact = exact_scene(scene, tight)
+    if scene.formulation == "explicit" and exact.method != scene.method:
+        yield from _with_closer(_pair(exact, tight, tightest))
+    if scene.method == "radau":  # of low order: each digit is dear
+        tight, tightest = max(tolerance / 10, 10 * _LEAST), max(tolerance / 1000, _LEAST)
+    yield from _with_closer(_pair(scene, tight, tightest))
+
+
+def _by_step(scene: Scene) -> FinerScenes:
+    """Take the double step and the half one; the half and the quarter where double is unstable."""
+
+    def at(dt_s: float, every: int) -> Scene:
+        return replace(scene, dt_s=dt_s, record_every=every)
+
+    every, dt = scene.every, scene.dt_s
+    stable = stability_test(scene)
+    half = at(dt / 2, 2 * every)
+    if every % 2 == 0 or every == 1:
+        double = at(2 * dt, max(every // 2, 1))
+        if double.steps >= 4 and (stable is None or stable(double.dt_s)):
+            word = f"runs at dt_s {2 * dt:g} and {dt / 2:g}"
+            return FinerScenes(double, half, 0.0, word, coarser=True)
+    quarter = at(dt / 4, 4 * every)
+    return FinerScenes(half, quarter, 0.0, f"runs at dt_s {dt / 2:g} and {dt / 4:g}")
+
+
+def _apart(run: Run, other: Run) -> tuple[Array, Array, Array, Array]:
+    """Return the times that both recorded, and how far the runs are apart then.
+
+    Links' centres at most, m, and angles, rad, (times,); energies, J, (times, columns) or empty.
+    """
+    after = np.searchsorted(other.t_s, run.t_s - 1e-9 * run.t_s[-1])
+    after = np.minimum(after, other.t_s.size - 1)
+    both = np.abs(other.t_s[after] - run.t_s) <= 1e-9 * max(run.t_s[-1], 1e-300)
+    a, b = np.nonzero(both)[0], after[both]
     position = np.hypot(run.x_m[a] - other.x_m[b], run.y_m[a] - other.y_m[b])
-    angle = np.abs(run.theta_rad[a] - other.theta_rad[b])
-    return run.t_s[a], position.max(axis=1), angle.max(axis=1)
+    angle, energy = np.abs(run.theta_rad[a] - other.theta_rad[b]), np.empty(0)
+    if run.energy_j.size and other.energy_j.size:
+        energy = np.abs(run.energy_j[a] - other.energy_j[b])
+    return run.t_s[a], position.max(axis=1), angle.max(axis=1), energy
 
 
 def difference(run: Run, other: Run) -> Difference:
     """Return how far two runs are apart at the times that both recorded."""
-    _, position, angle = _apart(run, other)
-    return Difference(
-        float(position.max()), float(angle.max()), _share_of_speed(run, other), _energy(run, other)
-    )
-
-
-def _energy(run: Run, other: Run) -> dict[str, float] | None:
-    """Return how far each column of two energy ledgers is apart at most, J, or None."""
-    if not (run.energy_j.size and other.energy_j.size):
-        return None
-    a, b = _common(run, other)
-    most = abs(run.energy_j[a] - other.energy_j[b]).max(axis=0)
-    return dict(zip(ENERGY_COLUMNS, most.tolist(), strict=True))
+    _, position, angle, energy = _apart(run, other)
+    most = energy.max(axis=0).tolist() if energy.size else []
+    ledger: dict[str, float] = dict(zip(ENERGY_COLUMNS, most, strict=False))
+    share = _share_of_speed(run, other)
+    return Difference(float(position.max()), float(angle.max()), share, ledger or None)
 
 
 def _share_of_speed(run: Run, other: Run) -> float:
@@ -81,7 +184,7 @@ def _rests(run: Run) -> bool:
 
 def _believed_s(run: Run, other: Run) -> float:
     """Return the time up to which two runs agree to a hundredth of a body length and radian."""
-    t, position, angle = _apart(run, other)
+    t, position, angle, _ = _apart(run, other)
     body = run.scene.robot.body_length_m
     beyond = np.nonzero(np.maximum(position / body, angle) > _BELIEVED)[0]
     return float(t[-1] if beyond.size == 0 else t[max(beyond[0] - 1, 0)])
@@ -100,114 +203,36 @@ def _held_against(run: Run, finer: Run, finest: Run, how: FinerScenes) -> RunErr
         off = off.beside(doubt)
     else:  # of order 1 the steps' errors are 2, 1, 1/2 or 1, 1/2, 1/4 of the run's
         settled = rest >= 1.5 * error - 1e-12 if how.coarser else rest <= 0.6 * error + 1e-12
-        off = off.scaled(how.factor)
+        off = off.scaled(2.0 if how.coarser else 4 / 3)
     word = f"integration: difference to {how.word}"
     return RunError(off, None, word, settled, believed_s, chaotic)
 
 
 def _integration(run: Run, simulate: Callable[[Scene], Run]) -> RunError:
-    found, finest, of = None, None, None
+    """Hold a run against finer ones until they agree, or are chaotic, or there are no others."""
+    error, finest = None, None
     for how in finer_scenes(run.scene):
-        if found is not None and how.finer is not of:
+        known = finest if finest is not None and finest.scene is how.finer else None
+        if error is not None and known is None:
             break  # a pair for want of the one before
         try:
-            finer = finest if finest is not None and how.finer is of else simulate(how.finer)
-            finest, of = simulate(how.finest), how.finest
+            finer = known or simulate(how.finer)
+            finest = simulate(how.finest)
         except (Diverged, StepTooLarge):
             continue
-        found = _held_against(run, finer, finest, how)
-        if found.settled or found.chaotic:
+        error = _held_against(run, finer, finest, how)
+        if error.settled or error.chaotic:
             break
     word = "integration: no finer run comes to its end"
-    return found or RunError(_UNKNOWN, None, word, False, 0.0)
+    return error or RunError(_UNKNOWN, None, word, False, 0.0)
 
 
-def _unsettled(run: Run, error: RunError) -> str:
-    """Return what to say of a run whose finer runs do not agree."""
-    until = f"believe it up to t = {error.believed_s:.3g} s"
-    if error.chaotic:
-        return (
-            "the motion is chaotic: neighbouring ones part, so that finer runs disagree as much "
-            f"among themselves as with this one; {until}, and beyond that only its statistics"
-        )
-    return (
-        "the error estimate is no bound: finer runs disagree as much among themselves as with "
-        f"this one; {until}, or take a smaller " + ("tolerance" if run.scene.adaptive else "dt_s")
-    )
-
-
-def _springs_too_soft(scene: Scene, off: Difference) -> list[str]:
-    """Return what the springs do to the mean speed, where it is much."""
-    springs = f"the springs (k = {scene.joint_stiffness_n_m:g} N/m)"
-    if off.mean_speed == math.inf:
-        return [
-            f"{springs} move a robot that rests in the exact model; take formulation 'explicit'"
-        ]
-    if not abs(off.mean_speed) > _PRESENT_AT:
-        return []
-    percent = 100 * off.mean_speed
-    return [
-        f"{springs} change the mean speed by {percent:+.2g} %; the error falls as 1/k: take k = "
-        f"{scene.joint_stiffness_n_m * abs(percent):.1g} N/m for 1 %, or formulation 'explicit'"
-    ]
-
-
-def _steps_too_long(run: Run, off: Difference) -> list[str]:
-    """Return what the time steps do to a run, where it is much."""
-    take = "take a smaller " + ("tolerance" if run.scene.adaptive else "dt_s")
-    if math.isinf(off.position_m):  # no finer run came to its end, which is told already
-        return []
-    if off.mean_speed == math.inf:
-        return [f"the time steps move a robot that rests; {take}"]
-    if abs(off.mean_speed) > _PRESENT_AT:
-        percent = 100 * abs(off.mean_speed)
-        return [f"the time steps change the mean speed by about {percent:.2g} %; {take}"]
-    if not off.size(run.scene.robot.body_length_m) <= _FAR:
-        return [
-            f"the time steps put links off by up to {off.position_m:.2g} m and "
-            f"{off.angle_rad:.2g} rad; {take}"
-        ]
-    return []
-
-
-def _sticking(scene: Scene) -> str:
-    """Return how to have exact sticking in a scene on dry ground."""
-    soft = objection("nonsmooth", scene) is not None
-    return "method 'nonsmooth'" + (" with formulation 'explicit'" if soft else "")
-
-
-@dataclass(frozen=True, slots=True)
-class RunJudge:
-    """Judge runs by further runs of related scenes, which `simulate` makes."""
-
-    simulate: Callable[[Scene], Run]
-
-    def error(self, run: Run) -> RunError:
-        """Estimate the error of a run by two more runs, or three for the implicit formulation."""
-        scene, found = run.scene, _integration(run, self.simulate)
-        if scene.formulation == "explicit":
-            return found
-        exact = exact_scene(scene, min(scene.tolerance, 1e-6))
-        word = f"modelling: difference to the explicit formulation by {exact.method}"
-        springs = difference(run, self.simulate(exact))
-        return replace(found, modelling=springs, how=f"{found.how}; {word}")
-
-    def warnings(self, run: Run) -> tuple[str, ...]:
-        """Return what somebody who uses a run must know."""
-        scene, error, found = run.scene, run.error_estimate, []
-        if not error.settled:
-            found.append(_unsettled(run, error))
-        if error.modelling is not None:
-            found += _springs_too_soft(scene, error.modelling)
-        found += _steps_too_long(run, error.integration)
-        if scene.law == "dry" and scene.method != "nonsmooth":
-            found.append(
-                f"method {scene.method!r} knows nothing of sticking: at rest its wheels chatter, "
-                f"and joint torques may be wrong by a third at any step; take {_sticking(scene)}"
-            )
-        if scene.law == "smoothed":
-            found.append(
-                f"smoothing_m_s {scene.smoothing_m_s:g} lets stuck wheels creep; take "
-                f"smoothing_m_s 0 and {_sticking(replace(scene, smoothing_m_s=0.0, method='rk4'))}"
-            )
-        return tuple(found)
+def run_error(run: Run, simulate: Callable[[Scene], Run]) -> RunError:
+    """Estimate the error of a run by two more runs, or three for the implicit formulation."""
+    scene, error = run.scene, _integration(run, simulate)
+    if scene.formulation == "explicit":
+        return error
+    exact = exact_scene(scene, min(scene.tolerance, 1e-6))
+    word = f"modelling: difference to the explicit formulation by {exact.method}"
+    springs = difference(run, simulate(exact))
+    return replace(error, modelling=springs, how=f"{error.how}; {word}")

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from ..model.files import write_csv
 from ..model.link_state import LinkState
 from ..model.rows import Result, Row, two_digits
-from .error import RunError
+from .error import RunError, warnings_of
 from .scene import Scene
 
 if TYPE_CHECKING:
@@ -36,18 +37,6 @@ _CSV_GROUPS = (
     ("joint_force_x_n", "joint_force_y_n", "joint_torque_nm"),
     ("friction_x_n", "friction_y_n"),
 )
-
-
-class Judge(Protocol):
-    """Find out how far runs are off (judge.py)."""
-
-    def error(self, run: Run) -> RunError:
-        """Return what is known of a run's error."""
-        ...
-
-    def warnings(self, run: Run) -> tuple[str, ...]:
-        """Return what somebody who uses a run must know."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -109,7 +98,7 @@ class Run(Result):
     energy_j: Array
     steps: int
     local_error: float
-    judge: Judge
+    judge: Callable[[Run], RunError]
     picked: str = ""
 
     def state(self, index: int = -1) -> LinkState:
@@ -119,12 +108,12 @@ class Run(Result):
     @cached_property
     def error_estimate(self) -> RunError:
         """Return what is known of this run's error; the first use costs one or two more runs."""
-        return self.judge.error(self)
+        return self.judge(self)
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """Return what somebody who uses this run must know; costs what error_estimate costs."""
-        return self.judge.warnings(self)
+        return warnings_of(self.scene, self.error_estimate)
 
     @property
     def centre_m(self) -> Array:

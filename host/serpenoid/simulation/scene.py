@@ -9,7 +9,20 @@ from types import MappingProxyType
 
 from numpy.typing import ArrayLike
 
-from ..model.checks import DRIVES, FORMULATIONS, GAPS, RECORDS, STARTS, check_choice, check_number
+from ..model.checks import (
+    DRIVES,
+    FORMULATIONS,
+    GAPS,
+    NOT_NEGATIVE,
+    POSITIVE,
+    RECORDS,
+    STARTS,
+    Limits,
+    check_choice,
+    check_fields,
+    check_number,
+    check_whole,
+)
 from ..model.core_model import check_parts
 from ..model.drives import Servo, TorqueTable
 from ..model.errors import BadInput
@@ -27,6 +40,16 @@ DEFAULT_ROWS = 20_000
 _FIRST_ADVISED = ("dop853", "rk4", "radau")  # behind the one that suits a scene
 _ANY_WAY = "formulation 'explicit' without smoothing_m_s, and leave the method to the scene"
 _HAVE_PLAY = (("explicit", "nonsmooth"), ("explicit", "dop853"))
+_LIMITS = {
+    "joint_stiffness_n_m": NOT_NEGATIVE,
+    "joint_damping_n_s_m": NOT_NEGATIVE,
+    "smoothing_m_s": NOT_NEGATIVE,
+    "incline_rad": Limits(0.0, math.pi / 2),
+    "incline_direction_rad": Limits(-math.tau, math.tau),
+    "tolerance": Limits(1e-13, 0.1),
+    "duration_s": NOT_NEGATIVE,
+    "dt_s": POSITIVE,
+}
 _FIRMWARE_LIMITS = {
     "alpha_rad": math.pi / 2,
     "beta_rad": math.pi,
@@ -148,18 +171,7 @@ class Scene:
         self._check_start()
 
     def _check_numbers(self) -> None:
-        turn = 2 * math.pi
-        for name, *limits in (
-            ("joint_stiffness_n_m", 0.0),
-            ("joint_damping_n_s_m", 0.0),
-            ("smoothing_m_s", 0.0),
-            ("incline_rad", 0.0, math.pi / 2),
-            ("incline_direction_rad", -turn, turn),
-            ("tolerance", 1e-13, 0.1),
-            ("duration_s", 0.0),
-        ):
-            object.__setattr__(self, name, check_number(name, getattr(self, name), *limits))
-        object.__setattr__(self, "dt_s", check_number("dt_s", self.dt_s, 0.0, open_low=True))
+        check_fields(self, _LIMITS)
         if 0.0 < self.smoothing_m_s < LEAST_SMOOTHING_M_S:
             raise BadInput(
                 f"smoothing_m_s is {self.smoothing_m_s!r}; it must be 0, which keeps dry friction "
@@ -167,10 +179,9 @@ class Scene:
             )
 
     def _check_counts(self) -> None:
-        every, links = self.record_every, self.robot.links
-        whole = isinstance(every, int) and not isinstance(every, bool)
-        if every is not None and not (whole and every >= 1):
-            raise BadInput(f"record_every is {every!r}; it must be a whole number, 1 or more")
+        links = self.robot.links
+        if self.record_every is not None:
+            check_whole("record_every", self.record_every, 1)
         if self.duration_s / self.dt_s * links > MAX_LINK_STEPS:
             raise BadInput(
                 f"duration_s {self.duration_s:g} at dt_s {self.dt_s:g} is more than "

@@ -5,8 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -139,80 +138,68 @@ def _plain(value: Any) -> Any:
     return [_plain(one) for one in value] if isinstance(value, (list, tuple)) else value
 
 
-def _fields_of(kind: type) -> dict[str, str]:
-    """Return the fields of Scene or of one of its parts, each with its key in the file."""
-    return {f.name: _KEYS.get(f.name, f.name) for f in dataclasses.fields(kind)}
-
-
-def _needed(kind: type) -> set[str]:
-    both = (dataclasses.MISSING, dataclasses.MISSING)
-    return {f.name for f in dataclasses.fields(kind) if (f.default, f.default_factory) == both}
-
-
 def _in_degrees(key: str) -> str:
     """Return the key of an angle in degrees; any other key unchanged."""
     angle = key.endswith("_rad") and "_nm" not in key
     return key.removesuffix("_rad") + "_deg" if angle else key
 
 
-def _present(table: Table, fields: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    """Give each field that a table has, with the key that it has it under."""
-    for name, key in fields.items():
-        typed = [k for k in dict.fromkeys((key, _in_degrees(key))) if k in table.values]
-        if len(typed) > 1:
-            raise BadInput(f"{table.where(typed[1])}: {typed[0]} is there too; keep one of the two")
-        if typed:
-            yield name, typed[0]
+def _keys(kind: type) -> dict[str, str]:
+    """Return the keys that a file may have for Scene or one of its parts, each with its field."""
+    keys: dict[str, str] = {}
+    for field in dataclasses.fields(kind):
+        key = _KEYS.get(field.name, field.name)
+        keys |= {key: field.name, _in_degrees(key): field.name}
+    return keys
 
 
-def _check_keys(table: Table, section: str, fields: Mapping[str, str]) -> None:
-    """Raise BadInput for unknown, misplaced and missing keys of a table ("": above all tables)."""
+def _present(table: Table, section: str) -> dict[str, str]:
+    """Return each field that a table has, with its key there; section: "" above all tables.
+
+    Raises BadInput for keys that are unknown, out of place, missing, or there in degrees, too.
+    """
     kind = _PARTS.get(section, Scene)
-    known = ["format"] * (not section)
-    known += [k for key in fields.values() for k in dict.fromkeys((key, _in_degrees(key)))]
+    known, top = _keys(kind), ("format",) * (not section)
     for key in table.values:
         home = _home(key)
-        if key not in known and home is not None:
+        if key not in (*known, *top) and home is not None:
             place = f"in [{home}]" if home else "above the first [table]"
             raise BadInput(f"{table.where(key)}: {key} is out of place; it belongs {place}")
-    table.only(optional=tuple(known))
-    missing = _needed(kind) - {name for name, _ in _present(table, fields)}
-    for name in sorted(missing):
-        what = f"key {fields[name]} in [{section}]" if section else f"table [{name}]"
-        raise BadInput(f"{table.heading}: there is no {what}; a scene needs it")
+    table.only(optional=(*top, *known))
+    present: dict[str, str] = {}
+    for key, name in known.items():
+        if key in table.values and present.setdefault(name, key) != key:
+            raise BadInput(f"{table.where(key)}: {present[name]} is there too; keep one of the two")
+    for field in sorted(dataclasses.fields(kind), key=lambda field: field.name):
+        optional = (field.default, field.default_factory) != (dataclasses.MISSING,) * 2
+        if not optional and field.name not in present:
+            key = _KEYS.get(field.name, field.name)
+            what = f"key {key} in [{section}]" if section else f"table [{field.name}]"
+            raise BadInput(f"{table.heading}: there is no {what}; a scene needs it")
+    return present
 
 
 def _home(key: str) -> str | None:
     """Return the table that a key belongs in, "" for none; None for a key that is unknown."""
-    for section, kind in {"": Scene, **_PARTS}.items():
-        keys = _fields_of(kind).values()
-        if key in keys or key in map(_in_degrees, keys):
-            return section
-    return None
+    homes = (section for section, kind in {"": Scene, **_PARTS}.items() if key in _keys(kind))
+    return next(homes, None)
 
 
-@contextmanager
-def _blaming(table: Table, fields: Mapping[str, str]) -> Iterator[None]:
-    """Put file and line before a BadInput: the line of the first field that its text names."""
+def _made(table: Table, section: str) -> Any:
+    """Make Scene ("") or one of its parts of its table.
+
+    A BadInput begins with file and line: of the first field that its text names.
+    """
+    present = _present(table, section)
+    values = {name: _value(table, name, key) for name, key in present.items()}
     try:
-        yield
+        return _PARTS.get(section, Scene)(**values)
     except BadInput as error:
-        keys = dict(_present(table, fields))
-        named = [keys[word] for word in re.findall(r"\w+", str(error)) if word in keys]
+        named = [present[word] for word in re.findall(r"\w+", str(error)) if word in present]
         where = table.where(named[0]) if named else table.heading
         degrees = bool(named) and named[0].endswith("_deg")
         typed = f" (rad; here {named[0]} = {table.values[named[0]]})" if degrees else ""
         raise BadInput(f"{where}: {error}{typed}") from error
-
-
-def _made(table: Table, section: str) -> Any:
-    """Make Scene ("") or one of its parts of its table."""
-    kind = _PARTS.get(section, Scene)
-    fields = _fields_of(kind)
-    _check_keys(table, section, fields)
-    values = {name: _value(table, name, key) for name, key in _present(table, fields)}
-    with _blaming(table, fields):
-        return kind(**values)
 
 
 def _value(top: Table, name: str, key: str) -> Any:
@@ -242,7 +229,7 @@ def _listed(table: Table, key: str) -> tuple[Any, ...]:
 
 
 def _locked(table: Table, key: str) -> dict[int, Any]:
-    found = {}
+    locked = {}
     for joint in table.values:
         if not re.fullmatch("[1-9][0-9]{0,8}", joint):
             raise BadInput(
@@ -250,8 +237,8 @@ def _locked(table: Table, key: str) -> dict[int, Any]:
                 "from 1 at the tail"
             )
         angle = table.number(joint)
-        found[int(joint)] = math.radians(angle) if key.endswith("_deg") else angle
-    return found
+        locked[int(joint)] = math.radians(angle) if key.endswith("_deg") else angle
+    return locked
 
 
 def _torque(table: Table) -> Any:

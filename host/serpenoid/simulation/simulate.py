@@ -1,19 +1,53 @@
-"""A run in time: checked, started, run by the core, and given its judge."""
+"""A run in time: a scene is prepared once, run by the core, and its run given a judge."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
+from functools import partial
 
 from ..model.checks import check_kind
 from ..model.errors import BadInput
 from ..model.link_state import LinkState
-from .accuracy import simulate_to
+from .accuracy import check_wanted, simulate_to
 from .core_run import run_core
-from .judge import RunJudge
+from .judge import run_error
 from .run import Run
 from .scene import Scene
 from .stability import check_step
 from .starts import check_imposed, start_state
+
+
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """Hold a scene that is ready to run, and the state that it and related scenes start from.
+
+    progress: called now and then with the time in s.
+    """
+
+    scene: Scene
+    start: LinkState
+    progress: Callable[[float], object] | None = None
+
+    @classmethod
+    def of(cls, scene: Scene, progress: Callable[[float], object] | None = None) -> Prepared:
+        """Find the state that a scene starts from."""
+        if isinstance(scene.start, LinkState):
+            check_imposed(scene, scene.start)
+        return cls(scene, start_state(scene), progress)
+
+    def run(self) -> Run:
+        """Run the scene."""
+        judge = partial(run_error, simulate=replace(self, progress=None).run_related)
+        out = run_core(self.scene, self.start, self.progress)
+        return Run(scene=self.scene, judge=judge, **out)
+
+    def run_related(self, scene: Scene) -> Run:
+        """Run a scene that has another method, step or record, or the exact model's joints."""
+        check_step(scene)
+        if scene.formulation != self.scene.formulation:
+            return Prepared.of(scene, self.progress).run()
+        return replace(self, scene=scene).run()
 
 
 def simulate(
@@ -64,13 +98,9 @@ def simulate(
     """
     check_kind("scene", scene, Scene)
     if accuracy is not None:
-        return simulate_to(accuracy, scene, lambda one: simulate(one, progress), keep)
+        check_wanted(accuracy, keep)
+        return simulate_to(accuracy, scene, Prepared.of(scene, progress).run_related, keep)
     if keep:
         raise BadInput(f"keep is {keep!r} without an accuracy; give accuracy too, or leave it out")
     check_step(scene)
-    if isinstance(scene.start, LinkState):
-        check_imposed(scene, scene.start)
-    return Run(scene=scene, judge=_JUDGE, **run_core(scene, start_state(scene), progress))
-
-
-_JUDGE = RunJudge(simulate)
+    return Prepared.of(scene, progress).run()

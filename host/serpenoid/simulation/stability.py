@@ -25,9 +25,8 @@ from numpy.typing import NDArray
 from ..model.drives import Servo
 from ..model.errors import StepTooLarge
 from ..model.evaluation import TorqueDrive, acceleration
-from ..model.gait import Gait
+from ..model.gait import Gait, joint_motion
 from ..model.ground import Ground
-from ..model.kinematics import joint_motion
 from ..model.link_state import LinkState
 from ..model.robot import Robot
 from .scene import Scene, objection

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.errors import BadInput
-from ..model.kinematics import joint_motion
+from ..model.gait import joint_motion
 from ..model.link_state import LinkState
 from ..periodic.steady import steady_gait
 from .core_run import run_core
-from .related_scenes import exact_scene
+from .judge import exact_scene
 from .scene import Scene
 from .stability import friction_rate
 
@@ -39,29 +39,32 @@ def _placed(scene: Scene, vx_m_s: float, vy_m_s: float, omega_rad_s: float) -> L
     return LinkState.joined(scene.robot, q, qdot)
 
 
+def _moving(scene: Scene, vx_m_s: float, vy_m_s: float, turn_rad_s: float) -> LinkState:
+    """Return the state whose centre of mass and link 1 move as given.
+
+    Link 1 moves as the centre of mass does, turned about it, less what the shape adds.
+    """
+    still = _placed(scene, 0, 0, 0)
+    ahead, left = still.x_m[0] - still.x_m.mean(), still.y_m[0] - still.y_m.mean()
+    vx = vx_m_s - turn_rad_s * left - still.vx_m_s.mean()
+    vy = vy_m_s + turn_rad_s * ahead - still.vy_m_s.mean()
+    return _placed(scene, vx, vy, turn_rad_s)
+
+
 def _zero_momentum(scene: Scene) -> LinkState:
     """Return the start in which neither the centre of mass moves nor the whole chain turns."""
-    robot = scene.robot
-    at_rest = _placed(scene, 0, 0, 0)
+    robot, still = scene.robot, _placed(scene, 0, 0, 0)
     m, inertia = robot.link_mass_kg, robot.inertia_kg_m2
-    x, y = at_rest.x_m - at_rest.x_m.mean(), at_rest.y_m - at_rest.y_m.mean()
-    vx, vy = at_rest.vx_m_s - at_rest.vx_m_s.mean(), at_rest.vy_m_s - at_rest.vy_m_s.mean()
-    momentum = m * (x @ vy - y @ vx) + inertia * at_rest.omega_rad_s.sum()
+    x, y, vx, vy = (v - v.mean() for v in (still.x_m, still.y_m, still.vx_m_s, still.vy_m_s))
+    momentum = m * (x @ vy - y @ vx) + inertia * still.omega_rad_s.sum()
     turn = -momentum / (robot.links * inertia + m * (x @ x + y @ y))
-    shift_x, shift_y = -at_rest.vx_m_s.mean() - turn * y[0], -at_rest.vy_m_s.mean() + turn * x[0]
-    return _placed(scene, shift_x, shift_y, turn)
+    return _moving(scene, 0.0, 0.0, turn)
 
 
 def _steady_start(scene: Scene) -> LinkState:
     """Return the explicit model's periodic state, link 1 at the origin heading along x."""
-    robot, gait = scene.robot, scene.gait
-    u = steady_gait(robot, scene.ground, gait, powers=False).body_velocity
-    at_rest = _placed(scene, 0, 0, 0)
-    # link 1 moves as the centre of mass does, turned about it, less what the shape adds
-    dx, dy = at_rest.x_m[0] - at_rest.x_m.mean(), at_rest.y_m[0] - at_rest.y_m.mean()
-    vx = u[0] - u[2] * dy - at_rest.vx_m_s.mean()
-    vy = u[1] + u[2] * dx - at_rest.vy_m_s.mean()
-    return _placed(scene, vx, vy, u[2])
+    state = steady_gait(scene.robot, scene.ground, scene.gait, powers=False)
+    return _moving(scene, *state.body_velocity)
 
 
 def check_imposed(scene: Scene, start: LinkState) -> None:
@@ -83,8 +86,9 @@ def check_imposed(scene: Scene, start: LinkState) -> None:
 def _explicit_start(scene: Scene) -> LinkState:
     if isinstance(scene.start, LinkState):
         return scene.start
-    begin = {"zero_momentum": _zero_momentum, "steady": _steady_start}.get(scene.start)
-    return begin(scene) if begin else _placed(scene, 0, 0, 0)
+    if scene.start == "link1_at_rest":
+        return _placed(scene, 0, 0, 0)
+    return _zero_momentum(scene) if scene.start == "zero_momentum" else _steady_start(scene)
 
 
 def _on_slow_manifold(scene: Scene, start: LinkState) -> LinkState:

@@ -12,10 +12,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.sines import basis
 from .fitting.bundle import READOUT, Bundle
 from .fitting.chain import wrapped
 from .fitting.frames import Track
-from .motion import Fitted, basis, fit_motion, mean_variance, path_basis, sine_covariance
+from .motion import Fitted, fit_motion, mean_variance, path_basis, sine_covariance
 from .seeing.sightings import Sightings
 
 Array = NDArray[np.float64]

@@ -13,16 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.sines import HARMONICS, basis, basis_by_rate, fit_sines, weighted
 from .fitting.chain import joint_angles, mean_heading, wrapped
 from .fitting.frames import Track
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
-HARMONICS = 3
 LEAST_PERIODS = 1.5
 SEARCHED_FRAMES = 600  # a longer film has many periods, and a clear peak in its spectrum
-# Weight (of one frame: 1) that holds overtones at 0 where part of a cycle is never seen.
-OVERTONES_HELD = 2.5e-3
 
 
 @dataclass(frozen=True)
@@ -69,13 +67,6 @@ class Motion:
         )
 
 
-def basis(t_s: Array, omega: float, harmonics: int = HARMONICS) -> Array:
-    """Return 1, cos w t, sin w t, cos 2 w t, ..., (frames, 1 + 2 harmonics)."""
-    phase = np.outer(t_s, omega * np.arange(1, harmonics + 1))
-    waves = np.stack([np.cos(phase), np.sin(phase)], axis=-1).reshape(len(t_s), -1)
-    return np.concatenate([np.ones((len(t_s), 1)), waves], axis=1)
-
-
 def first_rate(t_s: Array, phi: Array, weight: Array) -> float:
     """Return the rate at which one sine explains most of the joints, rad/s; 0 for none.
 
@@ -91,7 +82,7 @@ def first_rate(t_s: Array, phi: Array, weight: Array) -> float:
     explained = []
     for rate in rates:
         columns = basis(t_s, rate, 1)
-        explained.append(np.sum(weight * phi * (columns @ _weighted(columns, phi, weight))))
+        explained.append(np.sum(weight * phi * (columns @ weighted(columns, phi, weight))))
     return float(rates[int(np.argmax(explained))]) if len(rates) else 0.0
 
 
@@ -109,52 +100,13 @@ def _spectrum_peak(t_s: Array, phi: Array, weight: Array, step_s: float) -> floa
     return 2 * np.pi * float(power.argmax()) / (len(even) * step_s)
 
 
-def fit_joints(
-    t_s: Array, phi: Array, weight: Array, omega: float, free_rate: bool = True
-) -> tuple[float, Array]:
-    """Return rate and coefficients (1 + 2 HARMONICS, joints) of all joints' common rate."""
-    for _ in range(12):
-        columns = basis(t_s, omega)
-        sines = _weighted(columns, phi, weight)
-        if not free_rate:
-            return omega, sines
-        slope = _slope(t_s, omega) @ sines  # by the rate
-        rest = phi - columns @ sines
-        # The rate's own share of the slope: less what the coefficients can take up.
-        clean = slope - columns @ _weighted(columns, slope, weight)
-        change = float(np.sum(weight * clean * rest) / np.sum(weight * clean * clean))
-        omega += change
-        if abs(change) < 1e-10 * omega:
-            break
-    return omega, _weighted(basis(t_s, omega), phi, weight)
-
-
-def _slope(t_s: Array, omega: float) -> Array:
-    """Return the basis' derivative by the rate."""
-    out = np.zeros((len(t_s), 1 + 2 * HARMONICS))
-    for k in range(1, HARMONICS + 1):
-        out[:, 2 * k - 1] = -k * t_s * np.sin(k * omega * t_s)
-        out[:, 2 * k] = k * t_s * np.cos(k * omega * t_s)
-    return out
-
-
-def _weighted(columns: Array, values: Array, weight: Array) -> Array:
-    """Return least-squares coefficients, each column of values with its own weights."""
-    normal = np.einsum("fi,fk,fj->kij", columns, weight, columns, optimize=True)
-    size = columns.shape[1]
-    hold = np.full(size, 1e-9)
-    hold[3 : 1 + 2 * HARMONICS] = OVERTONES_HELD
-    normal = normal + np.diag(hold)
-    right = np.einsum("fi,fk,fk->ki", columns, weight, values, optimize=True)
-    return np.linalg.solve(normal, right[..., None])[..., 0].T
-
-
 def sine_covariance(t_s: Array, omega: float, sine: Array, rest: Array, weight: Array) -> Array:
     """Return the covariance of a joint's coefficients and its rate, (2 + 2 HARMONICS,) squared.
 
     sine: the coefficients; rest: what they leave, (frames,).
     """
-    columns = np.column_stack([basis(t_s, omega), _slope(t_s, omega) @ sine])
+    waves = basis(t_s, omega)
+    columns = np.column_stack([waves, basis_by_rate(t_s, waves) @ sine])
     a = columns * np.sqrt(weight)[:, None]
     return mean_variance(rest, weight, columns.shape[1]) * np.linalg.pinv(a.T @ a)
 
@@ -170,7 +122,7 @@ def mean_variance(rest: Array, weight: Array, unknowns: int) -> float:
 def bend_rate(t_s: Array, bend: Array) -> tuple[float, float]:
     """Return the rate of a bend (frames,) that swings, and its standard deviation, rad/s."""
     weight, phi = np.ones((len(t_s), 1)), bend[:, None]
-    omega, sine = fit_joints(t_s, phi, weight, first_rate(t_s, phi, weight))
+    omega, sine = fit_sines(t_s, phi, weight, first_rate(t_s, phi, weight))
     rest = (phi - basis(t_s, omega) @ sine)[:, 0]
     covariance = sine_covariance(t_s, omega, sine[:, 0], rest, weight[:, 0])
     return omega, float(np.sqrt(covariance[-1, -1]))
@@ -219,10 +171,13 @@ def fit_motion(
     t_s, states = track.t_s - track.t_s.mean(), track.states
     phi = joint_angles(states)
     omega = first_rate(t_s, phi, weight) if omega is None else omega
-    omega, sines = fit_joints(t_s, phi, weight, omega, free_rate)
+    if free_rate:
+        omega, sines = fit_sines(t_s, phi, weight, omega)
+    else:
+        sines = weighted(basis(t_s, omega), phi, weight)
     heading = mean_heading(states)
     columns = np.column_stack([basis(t_s, omega), t_s])
-    headings = _weighted(columns, heading[:, None], path_weight[:, None])[:, 0]
+    headings = weighted(columns, heading[:, None], path_weight[:, None])[:, 0]
     turn = float(headings[-1])
     z, curve = states[:, 0] + 1j * states[:, 1], path_basis(t_s, omega, turn)
     root = np.sqrt(path_weight)

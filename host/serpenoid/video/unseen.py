@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.errors import BadInput
+from ..model.sines import basis
 from .fitting.camera import Camera
 from .fitting.start import tag_poses
-from .motion import basis, first_rate
+from .motion import first_rate
 from .seeing.sightings import Sightings
 
 Array = NDArray[np.float64]

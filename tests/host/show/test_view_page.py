@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from command_line import serpenoid
-from serpenoid.model.kinematics import joint_motion
+from serpenoid.model.gait import joint_motion
 from serpenoid.show.pages.twin import Twin
 from serpenoid.show.pages.view_page import of_run, write_page
 from webdriver import Browser

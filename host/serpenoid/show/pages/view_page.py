@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 
 from ...model.errors import BadInput
 from ...model.files import write_text
-from ...model.gait import Gait
+from ...model.gait import Gait, joint_motion
 from ...model.ground import Ground
-from ...model.kinematics import joint_motion
 from ...model.robot import Robot
 from ...robot.recording.run_gait import longest_gait
 from ...robot.recording.stream import Stream

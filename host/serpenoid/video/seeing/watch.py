@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...model.errors import BadInput
 from .background import Background
-from .detect import TagFinder
+from .detect import Tag, TagFinder
 from .film import Damage, Film
 from .sightings import Sightings, Single
 
@@ -52,9 +52,7 @@ def watch(
     every machine sees the same pictures.
     """
     finder = TagFinder(links)
-    times: list[float] = []
-    quads: list[Single] = []
-    edges: list[Single] = []
+    looks: list[tuple[float, Single, Single]] = []
     damage = Damage()
     ground: Background | None = None
     picture: NDArray[np.uint8] | None = None
@@ -62,22 +60,16 @@ def watch(
     for time_s, grey, frame in film.frames(damage, threads):
         if picture is None:
             picture, rotation_deg = grey.copy(), round(frame.rotation / 90) * 90 % 360
-        found = finder.find(grey)
-        times.append(time_s)
-        corners = np.full((links, 4, 2), np.nan, np.float32)
-        width = np.full(links, np.nan, np.float32)
-        for link, (quad, edge_px) in found.items():
-            corners[link], width[link] = quad, edge_px
-        quads.append(corners)
-        edges.append(width)
+        tags = finder.find(grey)
+        looks.append((time_s, *_by_link(tags, links)))
         if ground is not None:
             ground.look(time_s, grey)
-        elif found and finder.window:
+        elif tags and finder.window:
             picture, ground = grey.copy(), Background(finder.window, time_s, grey)
-        elif len(times) % 15 == 1:
+        elif len(looks) % 15 == 1:
             mirrored += bool(TagFinder(links).find(np.ascontiguousarray(grey[:, ::-1])))
         progress(time_s)
-        if len(times) >= MOST_FRAMES:
+        if len(looks) >= MOST_FRAMES:
             raise BadInput(
                 f"{film.path}: has more than {MOST_FRAMES} frames; cut out a few "
                 "minutes in which the robot crawls"
@@ -89,9 +81,9 @@ def watch(
             f"{film.path}: not one frame can be read ({'; '.join(damage.words[:2]) or 'empty'})"
             "; copy it from the phone again"
         )
-    edge_px = np.array(edges)
-    corners_px = _sharp(np.array(quads), edge_px)
-    sightings = Sightings.of(np.array(times), corners_px, (film.width, film.height))
+    times_s, corners_px, edge_px = map(np.array, zip(*looks, strict=True))
+    sharp_px = _sharp(corners_px, edge_px)
+    sightings = Sightings.of(times_s, sharp_px, (film.width, film.height))
     shifts, plain = (tuple(ground.shifts), ground.plain) if ground is not None else ((), True)
     return Watched(
         film,
@@ -106,6 +98,15 @@ def watch(
         mirrored > 0,
         rotation_deg,
     )
+
+
+def _by_link(tags: dict[int, Tag], links: int) -> tuple[Single, Single]:
+    """Return corners (links, 4, 2) and edge widths (links,) of a frame's tags, NaN for none."""
+    corners = np.full((links, 4, 2), np.nan, np.float32)
+    width = np.full(links, np.nan, np.float32)
+    for link, (quad, edge_px) in tags.items():
+        corners[link], width[link] = quad, edge_px
+    return corners, width
 
 
 def _sharp(corners_px: Single, edge_px: Single) -> Single:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 import serpenoid as sn
-from serpenoid.periodic import drawn_states
+from serpenoid.periodic import neighbours
 from serpenoid.periodic.servo_steady import drawn_servo_speeds, servo_speed, servo_speeds
 
 # robot, ground, gait and kind of servo: dry, at the cliff (some draws stick, some run), viscous
@@ -52,8 +52,8 @@ def test_draws_begun_from_one_that_is_near_have_the_speeds_of_each_alone(name) -
     robot, near, draws, _ = drawn(name)
     alone = [sn.steady_gait(robot, *draw, rtol=1e-6, powers=False).speed_m_s for draw in draws]
     # 1e-3 is asked for, and a slow gait's error is relative to a ten-thousandth of a body length
-    assert drawn_states.drawn_speeds(robot, near, draws) == pytest.approx(alone, rel=1e-3, abs=2e-7)
-    states = drawn_states.drawn_states(robot, near, draws)
+    assert neighbours.drawn_speeds(robot, near, draws) == pytest.approx(alone, rel=1e-3, abs=2e-7)
+    states = neighbours.drawn_states(robot, near, draws)
     assert [s.speed_m_s for s in states] == pytest.approx(alone, rel=1e-3, abs=2e-7)
     assert [s.ground for s in states] == [ground for ground, _ in draws]
 
@@ -62,7 +62,7 @@ def test_draws_begun_from_one_that_is_near_have_the_speeds_of_each_alone(name) -
 def test_the_band_of_rough_draws_is_that_of_fine_ones(name) -> None:
     """Ends to a tenth of the half band: 48 draws leave each end twice that in doubt."""
     robot, near, draws, servos = drawn(name)
-    ideal = drawn_states.drawn_states(robot, near, draws)
+    ideal = neighbours.drawn_states(robot, near, draws)
     found = drawn_servo_speeds(ideal, servos)
     true = servo_speeds(zip(ideal, servos, strict=True))
     shares = [0.025, 0.16, 0.5, 0.84, 0.975]
@@ -74,7 +74,7 @@ def test_the_band_of_rough_draws_is_that_of_fine_ones(name) -> None:
 def test_servos_that_differ_by_less_than_rough_states_err_are_told_apart() -> None:
     """A servo known to half a per cent: its band is no artefact of rough states."""
     robot, near, draws, servos = drawn("dry", 1)
-    ideal = drawn_states.drawn_states(robot, near, draws) * 24
+    ideal = neighbours.drawn_states(robot, near, draws) * 24
     found = drawn_servo_speeds(ideal, servos * 24)
     assert found == pytest.approx([servo_speed(ideal[0], servos[0])] * 24, rel=1e-9)
 
@@ -82,4 +82,4 @@ def test_servos_that_differ_by_less_than_rough_states_err_are_told_apart() -> No
 def test_ground_without_friction_is_refused() -> None:
     robot, near, draws, _ = drawn("viscous", 2)
     with pytest.raises(sn.BadInput, match="no friction"):
-        drawn_states.drawn_states(robot, near, [*draws, (sn.Ground(0.0, 0.0), near[1])])
+        neighbours.drawn_states(robot, near, [*draws, (sn.Ground(0.0, 0.0), near[1])])

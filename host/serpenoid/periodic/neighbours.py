@@ -11,13 +11,28 @@ from .. import _core
 from ..model.core_model import core_model
 from ..model.gait import Gait
 from ..model.ground import Ground
+from ..model.long_calls import threads_to_use
 from ..model.robot import Robot
-from .grid import threads_to_use
 from .steady import Steady, check_ground, from_core, steady_gait
 
 Array = NDArray[np.float64]
 Draw = tuple[Ground, Gait]
+Parts = tuple[Robot, Ground, Gait]
 _RTOL = 1e-3
+
+
+def neighbours(
+    near: Parts, others: Sequence[Parts], rough: bool = False
+) -> list[_core.SteadyState]:
+    """Return the core's states of others to 1e-3, also those that did not converge.
+
+    rough: speeds mostly to a thousandth or two, at a cliff far worse; for searches alone.
+    """
+    for _, ground, _ in (near, *others):
+        check_ground(ground, _RTOL)
+    middle, *models = (core_model(*parts) for parts in (near, *others))
+    threads = min(threads_to_use(), max(len(models), 1))
+    return _core.neighbours(middle, models, _RTOL, False, threads, rough=rough)
 
 
 def drawn_states(robot: Robot, near: Draw, draws: Sequence[Draw]) -> list[Steady]:
@@ -25,11 +40,10 @@ def drawn_states(robot: Robot, near: Draw, draws: Sequence[Draw]) -> list[Steady
 
     Raises BadInput and NotConverged as `steady_gait` does.
     """
+    parts = [(robot, *draw) for draw in draws]
     return [
-        from_core(robot, *draw, s)
-        if s.converged
-        else steady_gait(robot, *draw, rtol=_RTOL, powers=False)
-        for draw, s in zip(draws, neighbours(robot, near, draws), strict=True)
+        from_core(*part, state) if state.converged else steady_gait(*part, rtol=_RTOL, powers=False)
+        for part, state in zip(parts, neighbours((robot, *near), parts), strict=True)
     ]
 
 
@@ -43,19 +57,5 @@ def drawn_speeds(
     """
     if unfound_m_s is None:
         return np.array([state.speed_m_s for state in drawn_states(robot, near, draws)])
-    states = neighbours(robot, near, draws)
+    states = neighbours((robot, *near), [(robot, *draw) for draw in draws])
     return np.array([s.speed if s.converged else unfound_m_s for s in states])
-
-
-def neighbours(
-    robot: Robot, near: Draw, draws: Sequence[Draw], rough: bool = False
-) -> list[_core.SteadyState]:
-    """Return the core's states of draws to 1e-3, also those that did not converge.
-
-    rough: speeds mostly to a thousandth or two, at a cliff far worse; for searches alone.
-    """
-    for ground, _ in (near, *draws):
-        check_ground(ground, _RTOL)
-    middle, *models = (core_model(robot, *draw) for draw in (near, *draws))
-    threads = min(threads_to_use(None), max(len(models), 1))
-    return _core.neighbours(middle, models, _RTOL, False, threads, rough=rough)

@@ -1,0 +1,58 @@
+"""Calls that take long: several threads, and a limit of time for those of unknown cost."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterable
+from typing import TypeVar
+
+from .checks import check_whole
+from .errors import NotConverged
+
+LIMIT_S = 20.0  # of calls whose cost is not known before
+Item = TypeVar("Item")
+Value = TypeVar("Value")
+
+
+def threads_to_use(threads: int | None = None) -> int:
+    """Return the number of threads: as many as there are processors unless given."""
+    if threads is None:
+        if hasattr(os, "sched_getaffinity"):
+            return len(os.sched_getaffinity(0))
+        return os.cpu_count() or 1
+    return check_whole("threads", threads, 1, 1024)
+
+
+def in_threads(
+    work: Callable[[Item], Value],
+    items: Iterable[Item],
+    progress: Callable[[int], object] | None = None,
+    threads: int | None = None,
+) -> list[Value]:
+    """Return what each item gives. progress: called with 1 after each; may raise to stop."""
+    from concurrent.futures import ThreadPoolExecutor  # slow to import
+
+    values = []
+    with ThreadPoolExecutor(threads_to_use(threads)) as pool:
+        for value in pool.map(work, items):
+            values.append(value)
+            if progress is not None:
+                progress(1)
+    return values
+
+
+class TimeLimit:
+    """End a call that takes longer than the limit. The core calls it as it reports progress.
+
+    work: what takes so long, in the plural. way_out: what would help.
+    """
+
+    def __init__(self, work: str, way_out: str) -> None:
+        self._message = f"{work} take longer than {LIMIT_S:g} s; {way_out}"
+        self._end_s = time.monotonic() + LIMIT_S
+
+    def __call__(self, _gaits: int = 0) -> None:
+        """Raise NotConverged once the time is over."""
+        if time.monotonic() > self._end_s:
+            raise NotConverged(self._message)

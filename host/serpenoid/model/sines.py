@@ -1,0 +1,70 @@
+"""Sines of one common rate, fitted to all joints: phi = c_0 + sum_k (a_k cos + b_k sin)(k w t).
+
+Weighted least squares; the rate by Gauss and Newton's method.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+HARMONICS = 3
+# Weight (of one sample: 1) that holds overtones at 0 where part of a cycle is never seen.
+OVERTONES_HELD = 2.5e-3
+_ROUNDS = 12
+
+
+def waves(t_s: Array, rates_rad_s: NDArray[np.floating[Any]]) -> Array:
+    """Return 1, then cosine and sine of each rate, (samples, 1 + 2 rates)."""
+    phase = np.outer(t_s, rates_rad_s)
+    pairs = np.stack([np.cos(phase), np.sin(phase)], axis=-1).reshape(len(t_s), -1)
+    return np.concatenate([np.ones((len(t_s), 1)), pairs], axis=1)
+
+
+def basis(t_s: Array, omega: float, harmonics: int = HARMONICS) -> Array:
+    """Return 1, cos w t, sin w t, cos 2 w t, ..., (samples, 1 + 2 harmonics)."""
+    return waves(t_s, omega * np.arange(1, harmonics + 1))
+
+
+def basis_by_rate(t_s: Array, columns: Array) -> Array:
+    """Return a basis' derivative by the rate; columns: the basis."""
+    slope = np.zeros_like(columns)
+    lever = t_s[:, None] * np.arange(1, columns.shape[1] // 2 + 1)
+    slope[:, 1::2], slope[:, 2::2] = -lever * columns[:, 2::2], lever * columns[:, 1::2]
+    return slope
+
+
+def weighted(columns: Array, values: Array, weight: Array) -> Array:
+    """Return least-squares coefficients, each column of values with its own weights.
+
+    columns: a basis, and others behind it; its overtones are held at 0.
+    """
+    normal = np.einsum("fi,fk,fj->kij", columns, weight, columns, optimize=True)
+    hold = np.full(columns.shape[1], 1e-9)
+    hold[3 : 1 + 2 * HARMONICS] = OVERTONES_HELD
+    right = np.einsum("fi,fk,fk->ki", columns, weight, values, optimize=True)
+    return np.linalg.solve(normal + np.diag(hold), right[..., None])[..., 0].T
+
+
+def fit_sines(
+    t_s: Array, phi: Array, weight: Array, omega: float, harmonics: int = HARMONICS
+) -> tuple[float, Array]:
+    """Return rate and coefficients (1 + 2 harmonics, joints) of all joints' common rate.
+
+    phi, weight (samples, joints); omega: the rate to start from, rad/s.
+    """
+    for _ in range(_ROUNDS):
+        columns = basis(t_s, omega, harmonics)
+        sines = weighted(columns, phi, weight)
+        slope = basis_by_rate(t_s, columns) @ sines
+        rest = phi - columns @ sines
+        # The rate's own share of the slope: less what the coefficients can take up.
+        clean = slope - columns @ weighted(columns, slope, weight)
+        change = float(np.sum(weight * clean * rest) / np.sum(weight * clean * clean))
+        omega += change
+        if abs(change) < 1e-10 * omega:
+            break
+    return omega, weighted(basis(t_s, omega, harmonics), phi, weight)
