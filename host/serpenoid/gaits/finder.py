@@ -162,15 +162,7 @@ class Finder:
         if self.springs is None:
             powers = self.cost != "power"
             rough = start is not None and not self.ground.smooth
-            state = state_near(
-                self.robot,
-                self.ground,
-                gait,
-                rtol=rtol,
-                powers=powers,
-                start=start,
-                rough=rough,
-            )
+            state = state_near(self.robot, self.ground, gait, rtol=rtol, powers=powers, start=start)
             most = math.inf if rough else _NEAR_MISS * rtol
             return state if state.error_estimate < most else None
         k, c = self.springs
@@ -417,7 +409,7 @@ class Finder:
     def unreachable(self, speed: float, tried: list[Point]) -> NotConverged:
         """Return the error that says how fast the robot can go, or what the speed would need."""
         v, alpha, beta, rate = self.table.fastest()
-        fastest_rate = min(self.table.omega_rad_s[-1], self.limits.omega_high_rad_s)
+        fastest_rate = min(self.table.highest_rate, self.limits.omega_high_rad_s)
         within = f"within the limits ({self.limits.in_words()})"
         gait = f"alpha {math.degrees(alpha):.3g} deg, beta {math.degrees(beta):.3g} deg"
         if not v > 1e-9 * self.robot.body_length_m * rate:

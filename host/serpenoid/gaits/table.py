@@ -59,8 +59,13 @@ class GaitTable:
         kept = np.vstack([np.ones((1, lags.size), bool), alpha[:-1] < most])  # the limit's own, too
         self.alpha_rad = np.minimum(alpha, most)[kept]
         self.beta_rad = np.broadcast_to(lags, alpha.shape)[kept]
-        self.omega_rad_s = np.empty(0)
-        self.speed_m_s = self.cost_w = np.empty((self.alpha_rad.size, 0))
+        lowest = min(
+            _SLOWEST * min(speeds) / robot.body_length_m,
+            limits.omega_high_rad_s / RATE_STEP,
+            limits.servo_speed_rad_s / (4 * float(self.alpha_rad.max())),
+        )
+        self.omega_rad_s = lowest * RATE_STEP ** np.arange(_MOST_RATES)
+        self.speed_m_s, self.cost_w = np.full((2, self.alpha_rad.size, _MOST_RATES), np.nan)
         places = np.argwhere(kept)
         coarse = (places % 2 == 0).all(axis=1)
         self._grow(speeds, coarse)
@@ -70,43 +75,35 @@ class GaitTable:
     def _grow(self, speeds: Sequence[float], useful: NDArray[np.bool_]) -> None:
         """Add some shapes, upwards in rate while each may still be cheaper than what is known."""
         limits = self.limits
-        lowest = min(
-            _SLOWEST * min(speeds) / self.robot.body_length_m,
-            limits.omega_high_rad_s / RATE_STEP,
-            limits.servo_speed_rad_s / (4 * float(self.alpha_rad.max())),
-        )
-        for first in range(0, _MOST_RATES, _AT_ONCE):
+        for columns in np.split(np.arange(_MOST_RATES), _MOST_RATES // _AT_ONCE):
             if not useful.any():
                 break
-            rates = lowest * RATE_STEP ** (first + np.arange(float(_AT_ONCE)))
-            self._add(rates, first, useful)
+            self._solve(columns, useful)
             best = max(np.nanmin(self._roots(v)[1], initial=math.inf) for v in speeds)
-            useful = useful & ~(self.cost_w[:, first + _AT_ONCE - 1] > best)
-            useful &= self.alpha_rad * rates[-1] < RATE_STEP * limits.servo_speed_rad_s
-            useful &= rates[-1] < limits.omega_high_rad_s
+            highest = self.omega_rad_s[columns[-1]]
+            useful = useful & ~(self.cost_w[:, columns[-1]] > best)
+            useful &= self.alpha_rad * highest < RATE_STEP * limits.servo_speed_rad_s
+            useful &= highest < limits.omega_high_rad_s
 
-    def _add(self, rates: Array, first: int, useful: NDArray[np.bool_]) -> None:
-        """Solve some shapes at some rates, which begin at a column."""
+    def _solve(self, columns: NDArray[np.int_], useful: NDArray[np.bool_]) -> None:
+        """Solve some shapes at some rates."""
+        rates = self.omega_rad_s[columns]
         models = [
-            core_model(self.robot, self.ground, Gait(alpha, beta, 1.0))
-            for alpha, beta in zip(
-                self.alpha_rad[useful].tolist(), self.beta_rad[useful].tolist(), strict=True
-            )
+            core_model(self.robot, self.ground, Gait(*shape, 1.0))
+            for shape in np.column_stack([self.alpha_rad, self.beta_rad])[useful].tolist()
         ]
-        powers, threads = self.cost != "power", min(threads_to_use(), len(models))
+        powers, threads = self.cost != "power", threads_to_use()
         rows = _core.sweep(models, rates.tolist(), STATES, powers, threads, None, rough=True)
         v, solved = rows[..., 0], rows[..., 10] > 0.5
         v = np.where(v > STATES * rates * speed_floor_m_s(self.robot, 1.0), v, 1e-300)  # or noise
-        if first == self.omega_rad_s.size:
-            unknown = np.full((useful.size, rates.size), np.nan)
-            self.omega_rad_s = np.append(self.omega_rad_s, rates)
-            self.speed_m_s = np.append(self.speed_m_s, unknown, axis=1)
-            self.cost_w = np.append(self.cost_w, unknown, axis=1)
-        columns = slice(first, first + rates.size)
-        self.speed_m_s[useful, columns] = np.where(solved, v, np.nan)
-        self.cost_w[useful, columns] = np.where(
-            solved, rows[..., 1 + COSTS.index(self.cost)], np.nan
-        )
+        cost = rows[..., 1 + COSTS.index(self.cost)]
+        place = np.ix_(useful, columns)
+        self.speed_m_s[place], self.cost_w[place] = np.where(solved, [v, cost], np.nan)
+
+    @property
+    def highest_rate(self) -> float:
+        """Return the highest rate that was looked at, rad/s."""
+        return self.omega_rad_s[np.isfinite(self.cost_w).any(axis=0)].max(initial=0.0)
 
     def _promising(self, speeds: Sequence[float]) -> NDArray[np.bool_]:
         """Return which shapes may lie beside the cheapest; all where a speed is not reached."""

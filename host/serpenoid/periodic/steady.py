@@ -270,25 +270,19 @@ def steady_gait(
 
 
 def state_near(
-    robot: Robot,
-    ground: Ground,
-    gait: Gait,
-    *,
-    rtol: float,
-    powers: bool,
-    start: Steady | None,
-    rough: bool = False,
+    robot: Robot, ground: Ground, gait: Gait, *, rtol: float, powers: bool, start: Steady | None
 ) -> Steady:
-    """Return the best state found of a gait, whatever its error, sooner from a state like it.
+    """Return the best state found of a gait, whatever its error.
 
-    rough: on dry ground the first state found, mostly good to rtol; its error is not known.
+    start: a state like it. From one the first state found on dry ground will do; it is mostly good
+    to rtol, and its error is not known.
     """
     model = core_model(robot, ground, gait)
     if start is None:
         return from_core(robot, ground, gait, _core.steady(model, rtol, powers))
     faster = gait.omega_rad_s / start.gait.omega_rad_s
     velocity = [faster * value for value in start.body_velocity.tolist()]
-    (state,) = _core.neighbours(model, [model], rtol, powers, 1, rough, [velocity])
+    (state,) = _core.neighbours(model, [model], rtol, powers, 1, True, [velocity])
     return from_core(robot, ground, gait, state)
 
 
