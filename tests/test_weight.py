@@ -37,7 +37,7 @@ MOST_TOKENS = {
     "host/serpenoid/calibration": 91574,
     "host/serpenoid/commands": 27992,
     "host/serpenoid/exchange": 2225,
-    "host/serpenoid/gaits": 11997,
+    "host/serpenoid/gaits": 12000,
     "host/serpenoid/lab": 7780,
     "host/serpenoid/model": 12588,
     "host/serpenoid/paper": 2937,

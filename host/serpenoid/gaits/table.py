@@ -89,8 +89,8 @@ class GaitTable:
         """Solve some shapes at some rates."""
         rates = self.omega_rad_s[columns]
         models = [
-            core_model(self.robot, self.ground, Gait(*shape, 1.0))
-            for shape in np.column_stack([self.alpha_rad, self.beta_rad])[useful].tolist()
+            core_model(self.robot, self.ground, Gait(alpha, beta, 1.0))
+            for alpha, beta in np.column_stack([self.alpha_rad, self.beta_rad])[useful].tolist()
         ]
         powers, threads = self.cost != "power", threads_to_use()
         rows = _core.sweep(models, rates.tolist(), STATES, powers, threads, None, rough=True)
