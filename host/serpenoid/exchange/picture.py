@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..model.link_state import LinkState
 from ..model.robot import Robot
+from ..model.vectors import Array
 
 HIGH, WIDE = 300, 600  # pixels
 BODIES_WIDE = 2.0  # body lengths in a picture's width
@@ -18,7 +19,6 @@ GROUND, GRID, LINK, HEAD = (
     np.array(rgb, dtype=float)
     for rgb in ((247, 246, 242), (216, 213, 204), (0, 114, 178), (213, 94, 0))
 )
-Array = NDArray[np.float64]
 
 
 def picture(robot: Robot, state: LinkState) -> NDArray[np.uint8]:

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..model.errors import NotConverged
-from .robot import Array, LabRobot
+from ..model.vectors import Array
+from .robot import LabRobot
 
 STEER_RATE_RAD_S = math.radians(2.0)  # of a board that steers in a session
 LEAD_RATE_RAD_S = 8.0  # of a servo that follows set-points

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ..model.gait import Gait
+from ..model.vectors import Array
 from .floor import Floor
 from .recording import Camera
-from .robot import Array, LabRobot
+from .robot import LabRobot
 
 SETTLE_CYCLES, CYCLES, SETTLE_S = 3, 4, 6.0
 FILMED_S = 6.0

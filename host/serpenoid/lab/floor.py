@@ -10,7 +10,8 @@ import numpy as np
 
 from ..model.errors import NotConverged
 from ..model.gait import Gait
-from .robot import Array, LabRobot
+from ..model.vectors import Array
+from .robot import LabRobot
 
 STEP_S, GRAVITY_M_S2 = 0.001, 9.81
 REACH_M = 0.15  # of a hand that pushes

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..model.vectors import Array
 from .floor import Track
 from .instruments import Instrument
-from .robot import Array
 
 TAPE_M = Instrument(step=0.005, scatter=0.003)
 WATCH_S = Instrument(step=0.01, scatter=0.12)

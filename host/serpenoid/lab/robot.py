@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
 from ..model.bends import joint_multiples
@@ -18,8 +17,7 @@ from ..model.drives import Servo, core_servo
 from ..model.errors import BadInput
 from ..model.ground import Ground
 from ..model.robot import Robot
-
-Array = NDArray[np.float64]
+from ..model.vectors import Array
 
 
 @dataclass(frozen=True)

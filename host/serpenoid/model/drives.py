@@ -10,7 +10,6 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
 from .checks import (
@@ -23,7 +22,7 @@ from .checks import (
     check_whole,
 )
 from .errors import BadInput
-from .vectors import number_array
+from .vectors import Array, number_array
 
 # What follows the stalled torque S (stiffness, friction) or the motor's line S / w0 (damping,
 # rotor): their own sigma says how uncertain the ratio is.
@@ -77,8 +76,8 @@ class TorqueTable:
     (2, 2)
     """
 
-    t_s: NDArray[np.float64]
-    torque_nm: NDArray[np.float64]
+    t_s: Array
+    torque_nm: Array
 
     def __post_init__(self) -> None:
         t, T = number_array("t_s", self.t_s), number_array("torque_nm", self.torque_nm)
@@ -382,7 +381,7 @@ class ServoKind:
             return [replace(self.servo, update_hz=rates[0])] * count
         return self._sold(count, rng.random(len(UNCERTAIN) + 1))
 
-    def _sold(self, count: int, shift: NDArray[np.float64]) -> list[Servo]:
+    def _sold(self, count: int, shift: Array) -> list[Servo]:
         """Return servos evenly spread over the doubt: a lattice's points, shifted at random.
 
         The lattice is the one that powers of an irrational number make (Roberts, 2018).

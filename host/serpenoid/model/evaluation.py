@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .. import _core
 from .checks import FORMULATIONS, check_choice, check_kind, check_number
@@ -17,9 +17,8 @@ from .ground import Ground
 from .link_state import LinkState
 from .robot import Robot
 from .rows import Result
-from .vectors import finite_vector
+from .vectors import Array, finite_vector
 
-Array = NDArray[np.float64]
 _NUMBERS = ("joint_stiffness_n_m", "joint_damping_n_s_m", "smoothing_m_s")
 # Of the fields of Acceleration, in the core.
 _CORE_NAMES = ("ax", "ay", "alpha", "fx", "fy", "joint_fx", "joint_fy", "joint_torque")

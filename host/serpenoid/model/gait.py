@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .checks import POSITIVE, Limits, check_fields, check_number
 from .errors import BadInput
+from .vectors import Array
 
-Array = NDArray[np.float64]
 _NUMBERS = {
     "alpha_rad": Limits(0.0, math.pi),
     "beta_rad": Limits(-math.tau, math.tau),

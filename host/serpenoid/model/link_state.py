@@ -6,13 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .gait import Gait, joint_motion
 from .robot import Robot
-from .vectors import finite_vector
-
-Array = NDArray[np.float64]
+from .vectors import Array, finite_vector
 
 
 @dataclass(frozen=True, slots=True)

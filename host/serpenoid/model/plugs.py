@@ -6,9 +6,9 @@ import math
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from .vectors import Array
+
 EXPLAINED_RAD = math.radians(12.0)  # phases this near to even steps are a gait's
 
 

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from .vectors import Array
+
 HARMONICS = 3
 # Weight (of one sample: 1) that holds overtones at 0 where part of a cycle is never seen.
 OVERTONES_HELD = 2.5e-3

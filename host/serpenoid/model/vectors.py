@@ -9,8 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from .errors import BadInput
 
+Array = NDArray[np.float64]
 
-def number_array(name: str, values: ArrayLike) -> NDArray[np.float64]:
+
+def number_array(name: str, values: ArrayLike) -> Array:
     """Return values as an array of floats of any shape; raises BadInput: text, objects, ragged."""
     try:
         found = np.asarray(values)
@@ -27,7 +29,7 @@ def number_array(name: str, values: ArrayLike) -> NDArray[np.float64]:
     raise BadInput(f"{name} is {shown}; it must be numbers, up to 1e308, in a regular array")
 
 
-def finite_vector(name: str, values: ArrayLike, size: int) -> NDArray[np.float64]:
+def finite_vector(name: str, values: ArrayLike, size: int) -> Array:
     """Return values as `size` finite floats, or raise BadInput naming what is wrong."""
     vector = number_array(name, values)
     if vector.shape != (size,):

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..gaits.finder import LeastPower
 from ..gaits.least_power import power_front
@@ -18,13 +17,13 @@ from ..model.drives import TorqueTable
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..model.vectors import Array
 from ..periodic.steady import Steady, steady_gait
 from ..periodic.sweep import Sweep, sweep
 from ..simulation.run import Run
 from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
 
-Array = NDArray[np.float64]
 D = math.pi / 180
 ROBOT, GROUND = Robot(6, 1.0, 0.12), Ground(0.1, 10.0)
 THREE = Robot(3, 1.0, 0.12)

@@ -11,7 +11,8 @@ from itertools import islice
 from typing import Any
 
 from ..model.errors import BadInput, ClusterFailed
-from .grid import Array, Grid, stretches
+from ..model.vectors import Array
+from .grid import Grid, stretches
 
 Stretch = tuple[int, int]
 _GAITS, _DRY_GAITS = 20_000, 2_000  # in a stretch: about a second's work for a processor

@@ -16,10 +16,9 @@ from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..model.vectors import number_array
+from ..model.vectors import Array, number_array
 from .steady import check_ground, speed_floor_m_s
 
-Array = NDArray[np.float64]
 MOST_GAITS = 10**12
 AXES = ("alpha_rad", "beta_rad", "omega_rad_s")
 FIELDS = (

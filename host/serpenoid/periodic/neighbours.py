@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
 from ..model.core_model import core_model
@@ -13,9 +12,9 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.long_calls import threads_to_use
 from ..model.robot import Robot
+from ..model.vectors import Array
 from .steady import Steady, check_ground, from_core, steady_gait
 
-Array = NDArray[np.float64]
 Draw = tuple[Ground, Gait]
 Parts = tuple[Robot, Ground, Gait]
 _RTOL = 1e-3

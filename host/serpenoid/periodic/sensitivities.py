@@ -19,8 +19,8 @@ from ..model.ground import Ground
 from ..model.long_calls import TimeLimit
 from ..model.robot import Robot
 from ..model.rows import Result
+from ..model.vectors import Array
 
-Array = NDArray[np.float64]
 Parts = tuple[Robot, Ground, Gait]
 QUANTITIES = ("speed_m_s", "power_w", "positive_power_w", "turn_rad_per_cycle")
 

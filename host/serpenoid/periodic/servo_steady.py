@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
 from ..model.checks import check_kind
@@ -18,9 +17,9 @@ from ..model.errors import NotConverged
 from ..model.gait import Gait
 from ..model.long_calls import in_threads
 from ..model.rows import Result, Row, detail, two_digits
+from ..model.vectors import Array
 from .steady import Steady, relative_error, steady_gait
 
-Array = NDArray[np.float64]
 DRAWS = 512
 CANNOT = 0.9  # of the free speed: what most servos cannot follow, and no band is given for
 _LEAST_AMPLITUDE = 0.2  # of the gait's: below it the typical servo is too weak for the robot

@@ -17,6 +17,7 @@ from ..model.gait import Gait, gait_words
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..model.rows import Result, Row, detail, two_digits
+from ..model.vectors import Array
 
 if TYPE_CHECKING:
     from .sensitivities import Sensitivities
@@ -101,12 +102,12 @@ class Steady(Result):
     sensitivities: Sensitivities | None = field(default=None, repr=False, compare=False)
 
     @property
-    def body_velocity(self) -> NDArray[np.float64]:
+    def body_velocity(self) -> Array:
         """Return body_velocity, (3,), at phase 0: of the centre of mass, m/s; theta_1', rad/s."""
         return np.array(self._body_velocity)
 
     @property
-    def monodromy(self) -> NDArray[np.float64]:
+    def monodromy(self) -> Array:
         """Return monodromy, (3, 3): by (Vx, Vy, L) in m/s and kg m^2/s, after a period."""
         return np.array(self._monodromy).reshape(3, 3)
 

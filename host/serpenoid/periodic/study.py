@@ -22,8 +22,9 @@ from ..model.ground import Ground
 from ..model.long_calls import threads_to_use
 from ..model.robot import Robot
 from ..model.rows import Result
+from ..model.vectors import Array
 from .cluster import Stretch, solved, stretch_length
-from .grid import AXES, FIELDS, Array, Grid, stretches
+from .grid import AXES, FIELDS, Grid, stretches
 
 FORMAT = "serpenoid study 2"
 HEAD = "study.json"

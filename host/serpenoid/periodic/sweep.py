@@ -18,8 +18,9 @@ from ..model.ground import Ground
 from ..model.long_calls import in_threads, threads_to_use
 from ..model.robot import Robot
 from ..model.rows import Result, two_digits
+from ..model.vectors import Array
 from .cluster import Stretch, solved
-from .grid import AXES, Array, Grid
+from .grid import AXES, Grid
 from .servo_steady import band, drawn_servo_speeds, servo_state
 from .steady import steady_gait
 
@@ -59,22 +60,22 @@ class Sweep(Result):
     ((2, 1, 1), True)
     """
 
-    alpha_rad: NDArray[np.float64]
-    beta_rad: NDArray[np.float64]
-    omega_rad_s: NDArray[np.float64]
-    speed_m_s: NDArray[np.float64]
-    power_w: NDArray[np.float64]
-    abs_power_w: NDArray[np.float64]
-    positive_power_w: NDArray[np.float64]
-    turn_rad_per_cycle: NDArray[np.float64]
-    error_estimate: NDArray[np.float64]
-    power_error_w: NDArray[np.float64]
-    positive_power_error_w: NDArray[np.float64]
-    settling_time_s: NDArray[np.float64]
+    alpha_rad: Array
+    beta_rad: Array
+    omega_rad_s: Array
+    speed_m_s: Array
+    power_w: Array
+    abs_power_w: Array
+    positive_power_w: Array
+    turn_rad_per_cycle: Array
+    error_estimate: Array
+    power_error_w: Array
+    positive_power_error_w: Array
+    settling_time_s: Array
     converged: NDArray[np.bool_]
-    servo_speed_m_s: NDArray[np.float64] | None = None
-    servo_low_m_s: NDArray[np.float64] | None = None
-    servo_high_m_s: NDArray[np.float64] | None = None
+    servo_speed_m_s: Array | None = None
+    servo_low_m_s: Array | None = None
+    servo_high_m_s: Array | None = None
 
     def in_words(self) -> str:
         """Return the speed of the fastest gait."""

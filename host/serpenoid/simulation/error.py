@@ -29,24 +29,16 @@ class Difference:
     mean_speed: float
     energy_j: dict[str, float] | None = None
 
-    def scaled(self, factor: float) -> Difference:
-        """Return all of them times a factor."""
+    def grown(self, factor: float = 1.0, by: Difference | None = None) -> Difference:
+        """Return all of them times a factor, with another's sizes added to each, signs kept."""
+        more = by or Difference(0.0, 0.0, 0.0)
+        speed, doubt = factor * self.mean_speed, more.energy_j or {}
         return Difference(
-            factor * self.position_m,
-            factor * self.angle_rad,
-            factor * self.mean_speed,
-            self.energy_j and {name: factor * size for name, size in self.energy_j.items()},
-        )
-
-    def beside(self, other: Difference) -> Difference:
-        """Return the same with another difference's sizes added to each size, signs kept."""
-        speed, more = self.mean_speed, abs(other.mean_speed)
-        doubt = other.energy_j or {}
-        return Difference(
-            self.position_m + other.position_m,
-            self.angle_rad + other.angle_rad,
-            speed + (more if speed >= 0 else -more),
-            self.energy_j and {k: size + doubt.get(k, 0.0) for k, size in self.energy_j.items()},
+            factor * self.position_m + more.position_m,
+            factor * self.angle_rad + more.angle_rad,
+            speed + math.copysign(more.mean_speed, speed),
+            self.energy_j
+            and {name: factor * j + doubt.get(name, 0.0) for name, j in self.energy_j.items()},
         )
 
     def in_words(self) -> str:

@@ -1,27 +1,30 @@
-"""The error of a run: two finer runs beside it, and the exact model beside the springs.
+"""The error of a run, by finer runs beside it; and the finer runs until a wanted error is met.
 
-A run is compared with a much finer one, by another method where one runs the scene. Their
-difference is the run's error, even if its steps are too long to show an order. A third run
-between the two checks the finest, and their difference is added. Where that is not small, a finer
-run yet is tried; else the figures are no bound: RunError.settled then says so, and chaos is named.
+A run is compared with much finer ones, by another method where one runs the scene. The difference
+to the finest is the run's error, even if its steps are too long to show an order; the difference
+between the two finest checks that, and is added. Where it is not small, a finer run yet is tried;
+else the figures are no bound: RunError.settled then says so, and chaos is named.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Iterator
+from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..model.errors import Diverged, StepTooLarge
+from ..model.checks import check_choice, check_number
+from ..model.errors import BadInput, Diverged, NotConverged, StepTooLarge
+from ..model.vectors import Array
 from .error import Difference, RunError
+from .methods import METHODS, OwnChoice
 from .run import ENERGY_COLUMNS, Run
-from .scene import Scene, objection
-from .stability import stability_test
+from .scene import Scene, default_method, objection
+from .stability import largest_stable_step_s, stability_test
 
-Array = NDArray[np.float64]
+Simulate = Callable[[Scene], Run]
 _AGREE = 0.3  # of a run's error: by how much finer runs may differ
 _WILD = 3.0  # body lengths and radians: beyond, runs are apart by chance
 _TOO_LITTLE = 1e-3  # for the finest run to be far off, when it differs by no more from the finer
@@ -32,117 +35,81 @@ _UNKNOWN = Difference(math.inf, math.inf, math.inf)
 _TIGHT, _TIGHTEST = 1e-8, 1e-10  # of methods that pick their steps
 _LEAST = 1e-13
 _MOST_ACCURATE = ("collocation", "dop853", "nonsmooth", "rk4")
+_TRIES = 6
+_MOST_LINK_STEPS = 10**8  # some ten seconds
+KEEPABLE = ("dt_s", "tolerance")
+_WHY = {
+    "collocation": "the joint angles are imposed and friction is viscous: three equations in the "
+    "body frame, whose linear part is solved once a cycle",
+    "nonsmooth": "dry friction holds wheels: sticking must be exact",
+    "dop853": "smooth motion, without springs that ring: high order at few steps",
+    "radau": "stiff springs: steps as long as the slow motion allows",
+}
 
 
 def exact_scene(scene: Scene, tolerance: float) -> Scene:
     """Return a scene in the explicit formulation, by the most accurate method for it."""
-    bare = replace(scene, formulation="explicit", record=_ledger(scene), method="auto")
+    bare = replace(_bare(scene), formulation="explicit", method="auto")
     method = next(name for name in _MOST_ACCURATE if objection(name, bare) is None)
     return replace(bare, tolerance=tolerance, method=method)
 
 
-def _ledger(scene: Scene) -> tuple[str, ...]:
-    """Return what another run must record to be compared with one: energies, or nothing."""
-    return tuple(one for one in scene.record if one == "energy")
+def _bare(scene: Scene) -> Scene:
+    """Return a scene that records what runs are compared by: energies at most."""
+    return replace(scene, record=tuple(name for name in scene.record if name == "energy"))
 
 
-@dataclass(frozen=True, slots=True)
-class FinerScenes:
-    """Hold a scene that is finer than another, and one that is finer still.
+def _ladders(scene: Scene) -> Iterator[list[Scene]]:
+    """Yield scenes to hold a run against, finer and finer; another ladder if one gives up.
 
-    near: error of `finer` that its settings promise, in body lengths and radians; 0: no promise.
-    coarser: whether `finer` is coarser than the run, for want of time.
+    A scene behind the second one is for runs on which those before do not agree.
     """
-
-    finer: Scene
-    finest: Scene
-    near: float
-    word: str
-    coarser: bool = False
-
-
-def finer_scenes(scene: Scene) -> Iterator[FinerScenes]:
-    """Yield pairs of scenes to hold a run against, the best first; a later one if one gives up.
-
-    A pair that begins with the last one's finest scene is for runs on which those do not agree.
-    """
-    bare = replace(scene, record=_ledger(scene))
-    if scene.adaptive:
-        yield from _by_tolerance(bare, scene.tolerance)
+    bare, tolerance = _bare(scene), scene.tolerance
+    if not scene.adaptive:
+        if scene.formulation == "explicit":
+            yield _by_tolerance(exact_scene(bare, _TIGHT), _TIGHT, _TIGHTEST)
+        elif scene.law != "dry":
+            faults = scene.limp or scene.locked
+            for method in ("dop853",) if faults else ("dop853", "radau"):
+                yield _by_tolerance(replace(bare, method=method), _TIGHT, _TIGHTEST)
+        yield _by_step(bare)
         return
-    if scene.formulation == "explicit":
-        yield from _with_closer(_pair(exact_scene(bare, _TIGHT), _TIGHT, _TIGHTEST))
-    elif scene.law != "dry":
-        yield _pair(replace(bare, method="dop853"), _TIGHT, _TIGHTEST)
-        if not (scene.limp or scene.locked):
-            yield _pair(replace(bare, method="radau"), _TIGHT, _TIGHTEST)
-    yield _by_step(bare)
-
-
-def _least_tolerance(scene: Scene) -> float:
-    """Return the tolerance below which rounding errors make steps short and tell no more.
-
-    A run by nonsmooth takes ten times as long at 1e-11 with 40 links, and forty times at 1e-10 with
-    99.
-    """
-    if scene.method != "nonsmooth":
-        return _LEAST
-    return _LEAST * max(1.0, (scene.robot.links / 3) ** 3)
-
-
-def _pair(scene: Scene, tight: float, tightest: float) -> FinerScenes:
-    if scene.method == "nonsmooth":
-        least = _least_tolerance(scene)
-        tight, tightest = max(tight, 10 * least), max(tightest, least)
-    return FinerScenes(
-        replace(scene, tolerance=tight),
-        replace(scene, tolerance=tightest),
-        tight,
-        f"runs by {scene.method} at tolerance {tight:.3g} and {tightest:.3g}",
-    )
-
-
-def _with_closer(pair: FinerScenes) -> Iterator[FinerScenes]:
-    """Yield a pair of the exact model, and for runs on which it does not agree its finest and one
-    that is ten times closer.
-
-    On dry ground some runs at 1e-8 err by more than others at 1e-6: in a long run by a curve.
-    """
-    yield pair
-    scene, tight = pair.finest, pair.finest.tolerance
-    if scene.formulation == "explicit" and tight / 10 >= _least_tolerance(scene):
-        yield replace(_pair(scene, tight, tight / 10), finer=scene)
-
-
-def _by_tolerance(scene: Scene, tolerance: float) -> Iterator[FinerScenes]:
-    """Take another method where one is exact, and tolerances whose errors do not matter."""
     tight, tightest = min(tolerance / 10, _TIGHT), min(tolerance / 1000, _TIGHTEST)
     if tightest < _LEAST:  # rounding is all that is left: looser runs tell as much
         tight, tightest = max(100 * tolerance, 1e-11), max(10 * tolerance, 1e-12)
-    exact = exact_scene(scene, tight)
+    exact = exact_scene(bare, tight)
     if scene.formulation == "explicit" and exact.method != scene.method:
-        yield from _with_closer(_pair(exact, tight, tightest))
+        yield _by_tolerance(exact, tight, tightest)
     if scene.method == "radau":  # of low order: each digit is dear
-        tight, tightest = max(tolerance / 10, 10 * _LEAST), max(tolerance / 1000, _LEAST)
-    yield from _with_closer(_pair(scene, tight, tightest))
+        tight, tightest = tolerance / 10, tolerance / 1000
+    yield _by_tolerance(bare, tight, tightest)
 
 
-def _by_step(scene: Scene) -> FinerScenes:
+def _by_tolerance(scene: Scene, tight: float, tightest: float) -> list[Scene]:
+    """Return the scene at two tolerances, and in the exact model at one that is closer yet.
+
+    Below some tolerance rounding errors make steps short and tell no more: a run by nonsmooth takes
+    ten times as long at 1e-11 with 40 links, and forty times at 1e-10 with 99. On dry ground some
+    runs at 1e-8 err by more than others at 1e-6: in a long run by a curve.
+    """
+    many = scene.method == "nonsmooth"
+    least = _LEAST * max(1.0, (scene.robot.links / 3) ** 3) if many else _LEAST
+    rungs = [max(tight, 10 * least), max(tightest, least)]
+    if scene.formulation == "explicit" and rungs[-1] / 10 >= least:
+        rungs.append(rungs[-1] / 10)
+    return [replace(scene, tolerance=rung) for rung in rungs]
+
+
+def _by_step(scene: Scene) -> list[Scene]:
     """Take the double step and the half one; the half and the quarter where double is unstable."""
-
-    def at(dt_s: float, every: int) -> Scene:
-        return replace(scene, dt_s=dt_s, record_every=every)
-
     every, dt = scene.every, scene.dt_s
     stable = stability_test(scene)
-    half = at(dt / 2, 2 * every)
+    half, quarter = (replace(scene, dt_s=dt / k, record_every=k * every) for k in (2, 4))
     if every % 2 == 0 or every == 1:
-        double = at(2 * dt, max(every // 2, 1))
+        double = replace(scene, dt_s=2 * dt, record_every=max(every // 2, 1))
         if double.steps >= 4 and (stable is None or stable(double.dt_s)):
-            word = f"runs at dt_s {2 * dt:g} and {dt / 2:g}"
-            return FinerScenes(double, half, 0.0, word, coarser=True)
-    quarter = at(dt / 4, 4 * every)
-    return FinerScenes(half, quarter, 0.0, f"runs at dt_s {dt / 2:g} and {dt / 4:g}")
+            return [double, half]
+    return [half, quarter]
 
 
 def _apart(run: Run, other: Run) -> tuple[Array, Array, Array, Array]:
@@ -150,15 +117,12 @@ def _apart(run: Run, other: Run) -> tuple[Array, Array, Array, Array]:
 
     Links' centres at most, m, and angles, rad, (times,); energies, J, (times, columns) or empty.
     """
-    after = np.searchsorted(other.t_s, run.t_s - 1e-9 * run.t_s[-1])
-    after = np.minimum(after, other.t_s.size - 1)
-    both = np.abs(other.t_s[after] - run.t_s) <= 1e-9 * max(run.t_s[-1], 1e-300)
-    a, b = np.nonzero(both)[0], after[both]
+    t_s, a, b = np.intersect1d(run.t_s, other.t_s, return_indices=True)
     position = np.hypot(run.x_m[a] - other.x_m[b], run.y_m[a] - other.y_m[b])
     angle, energy = np.abs(run.theta_rad[a] - other.theta_rad[b]), np.empty(0)
     if run.energy_j.size and other.energy_j.size:
         energy = np.abs(run.energy_j[a] - other.energy_j[b])
-    return run.t_s[a], position.max(axis=1), angle.max(axis=1), energy
+    return t_s, position.max(axis=1), angle.max(axis=1), energy
 
 
 def difference(run: Run, other: Run) -> Difference:
@@ -190,44 +154,46 @@ def _believed_s(run: Run, other: Run) -> float:
     return float(t[-1] if beyond.size == 0 else t[max(beyond[0] - 1, 0)])
 
 
-def _held_against(run: Run, finer: Run, finest: Run, how: FinerScenes) -> RunError:
+def _held_against(run: Run, finer: Run, finest: Run) -> RunError:
     """Return what two finer runs say of a run's error by its time steps."""
-    body = run.scene.robot.body_length_m
+    body, one, other = run.scene.robot.body_length_m, finer.scene, finest.scene
     off, doubt = difference(run, finest), difference(finer, finest)
     error, rest = off.size(body), doubt.size(body)
     believed_s, chaotic = _believed_s(run, finest), False
-    if how.near > 0:
+    if one.adaptive:
         settled = rest <= max(_AGREE * min(error, _WILD), _TOO_LITTLE)
         parted = believed_s < run.t_s[-1]
-        chaotic = not settled and parted and rest > _CHAOS * how.near
-        off = off.beside(doubt)
+        chaotic = not settled and parted and rest > _CHAOS * one.tolerance
+        off = off.grown(by=doubt)
+        word = f"by {one.method} at tolerance {one.tolerance:.3g} and {other.tolerance:.3g}"
     else:  # of order 1 the steps' errors are 2, 1, 1/2 or 1, 1/2, 1/4 of the run's
-        settled = rest >= 1.5 * error - 1e-12 if how.coarser else rest <= 0.6 * error + 1e-12
-        off = off.scaled(2.0 if how.coarser else 4 / 3)
-    word = f"integration: difference to {how.word}"
+        coarser = one.dt_s > run.scene.dt_s
+        settled = rest >= 1.5 * error - 1e-12 if coarser else rest <= 0.6 * error + 1e-12
+        off = off.grown(2.0 if coarser else 4 / 3)
+        word = f"at dt_s {one.dt_s:g} and {other.dt_s:g}"
+    word = f"integration: difference to runs {word}"
     return RunError(off, None, word, settled, believed_s, chaotic)
 
 
-def _integration(run: Run, simulate: Callable[[Scene], Run]) -> RunError:
+def _integration(run: Run, simulate: Simulate) -> RunError:
     """Hold a run against finer ones until they agree, or are chaotic, or there are no others."""
-    error, finest = None, None
-    for how in finer_scenes(run.scene):
-        known = finest if finest is not None and finest.scene is how.finer else None
-        if error is not None and known is None:
-            break  # a pair for want of the one before
-        try:
-            finer = known or simulate(how.finer)
-            finest = simulate(how.finest)
-        except (Diverged, StepTooLarge):
-            continue
-        error = _held_against(run, finer, finest, how)
-        if error.settled or error.chaotic:
-            break
+    for first, *others in _ladders(run.scene):
+        error = None
+        with suppress(Diverged, StepTooLarge):
+            finer = simulate(first)
+            for scene in others:
+                finest = simulate(scene)
+                error = _held_against(run, finer, finest)
+                if error.settled or error.chaotic:
+                    break
+                finer = finest
+        if error is not None:
+            return error
     word = "integration: no finer run comes to its end"
-    return error or RunError(_UNKNOWN, None, word, False, 0.0)
+    return RunError(_UNKNOWN, None, word, False, 0.0)
 
 
-def run_error(run: Run, simulate: Callable[[Scene], Run]) -> RunError:
+def run_error(run: Run, simulate: Simulate) -> RunError:
     """Estimate the error of a run by two more runs, or three for the implicit formulation."""
     scene, error = run.scene, _integration(run, simulate)
     if scene.formulation == "explicit":
@@ -236,3 +202,102 @@ def run_error(run: Run, simulate: Callable[[Scene], Run]) -> RunError:
     word = f"modelling: difference to the explicit formulation by {exact.method}"
     springs = difference(run, simulate(exact))
     return replace(error, modelling=springs, how=f"{error.how}; {word}")
+
+
+def _first(scene: Scene, accuracy: float, keep: Collection[str]) -> tuple[Scene, str]:
+    """Return the scene with what is left open chosen, and why so."""
+    tight = max(accuracy / 10, 1e-12)
+    chosen, why = scene, f"method {scene.method!r} was given"
+    if isinstance(scene.method, OwnChoice):
+        method = _method(scene)
+        chosen, why = replace(scene, method=method), _WHY.get(method, "the scene's own method")
+    if "tolerance" not in keep:
+        chosen = replace(chosen, tolerance=tight)
+    if "dt_s" not in keep and not chosen.adaptive:
+        most_s = min(chosen.gait.period_s / 40, largest_stable_step_s(chosen) / 2)
+        chosen = _split(chosen, chosen.dt_s / most_s)
+    return chosen, why
+
+
+def _method(scene: Scene) -> str:
+    """Return the method that gets a scene most accurate, of those that record what it asks."""
+    if scene.formulation == "explicit":
+        return exact_scene(scene, scene.tolerance).method
+    if scene.law == "dry":
+        return default_method(scene)
+    return "dop853" if objection("radau", scene) else "radau"
+
+
+def _split(scene: Scene, parts: float) -> Scene:
+    """Return a scene whose steps are shorter by at least a factor, its recorded times the same."""
+    if parts <= 1:
+        return scene
+    whole = math.ceil(parts)
+    return replace(scene, dt_s=scene.dt_s / whole, record_every=whole * scene.every)
+
+
+def _finer(scene: Scene, factor: float) -> Scene:
+    """Return a scene whose error should be smaller by a factor."""
+    if scene.adaptive:
+        return replace(scene, tolerance=max(scene.tolerance / factor / 3, _LEAST))
+    order = 1 if scene.law == "dry" or scene.servo else METHODS[scene.method].order
+    return _split(scene, max(2.0, 1.2 * factor ** (1 / order)))
+
+
+def _stuck(scene: Scene, run: Run, accuracy: float, keep: Collection[str]) -> str | None:
+    """Return why no finer run may be tried, or None."""
+    error, body = run.error_estimate, scene.robot.body_length_m
+    if error.modelling and error.modelling.size(body) > max(accuracy, error.integration.size(body)):
+        wanted = 1.5 * scene.joint_stiffness_n_m * error.modelling.size(body) / accuracy
+        return (
+            f"the springs alone (k = {scene.joint_stiffness_n_m:g} N/m) are as far off; take "
+            f"formulation 'explicit', or joint_stiffness_n_m {wanted:.1g}"
+        )
+    if not error.settled and error.chaotic:
+        return f"the motion is chaotic; believe it up to t = {error.believed_s:.3g} s"
+    field = "tolerance" if scene.adaptive else "dt_s"
+    if field in keep:
+        return f"{field} {getattr(scene, field):g} was given; take a smaller one, or leave it open"
+    return None
+
+
+def check_wanted(accuracy: float, keep: Collection[str]) -> None:
+    """Raise BadInput for an accuracy that no run has, or for fields that cannot be kept."""
+    check_number("accuracy", accuracy, 1e-10, 0.1)
+    for name in keep:
+        check_choice("keep", name, KEEPABLE)
+
+
+def simulate_to(accuracy: float, scene: Scene, simulate: Simulate, keep: Collection[str]) -> Run:
+    """Return a run whose estimated error is at most `accuracy`, in body lengths and radians.
+
+    The scene's formulation stays, and its method unless the scene chose it itself; so do fields
+    that `keep` names, of KEEPABLE. dt_s stays the grid of recorded times: fixed steps are whole
+    parts of it. Raises NotConverged, with the error that was reached and why.
+    """
+    tried, why = _first(scene, accuracy, keep)
+    reason = None
+    worst = math.inf
+    for _ in range(_TRIES):
+        run = simulate(tried)
+        worst = run.error_estimate.worst(tried.robot.body_length_m)
+        if worst <= accuracy and run.error_estimate.settled:
+            step = f"tolerance {tried.tolerance:g}" if tried.adaptive else f"dt_s {tried.dt_s:g}"
+            return run.picked_because(
+                f"formulation {tried.formulation!r}, method {tried.method!r}, {step}: {why}; "
+                f"estimated error {worst:.2g} of the {accuracy:g} asked for"
+            )
+        reason = _stuck(tried, run, accuracy, keep)
+        if reason is not None:
+            break
+        try:
+            tried = _finer(tried, min(max(worst / accuracy, 1.0), 1e3))
+        except BadInput:  # more steps than any run may have
+            break
+        if not tried.adaptive and tried.steps * scene.robot.links > _MOST_LINK_STEPS:
+            reason = f"its steps would have to be {tried.dt_s:.1g} s; leave the method open"
+            break
+    raise NotConverged(
+        f"accuracy is {accuracy:g}; method {tried.method!r} came to {worst:.2g} only: "
+        + (reason or "ask for less, or a shorter run")
+    )

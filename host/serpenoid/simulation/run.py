@@ -9,18 +9,17 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.files import write_csv
 from ..model.link_state import LinkState
 from ..model.rows import Result, Row, two_digits
+from ..model.vectors import Array
 from .error import RunError, warnings_of
 from .scene import Scene
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-Array = NDArray[np.float64]
 ENERGY_COLUMNS = (
     "kinetic_j",
     "springs_j",

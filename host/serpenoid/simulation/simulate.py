@@ -9,9 +9,8 @@ from functools import partial
 from ..model.checks import check_kind
 from ..model.errors import BadInput
 from ..model.link_state import LinkState
-from .accuracy import check_wanted, simulate_to
 from .core_run import run_core
-from .judge import run_error
+from .judge import check_wanted, run_error, simulate_to
 from .run import Run
 from .scene import Scene
 from .stability import check_step

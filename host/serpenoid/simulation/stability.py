@@ -20,7 +20,6 @@ from collections.abc import Callable, Iterator
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.drives import Servo
 from ..model.errors import StepTooLarge
@@ -29,9 +28,9 @@ from ..model.gait import Gait, joint_motion
 from ..model.ground import Ground
 from ..model.link_state import LinkState
 from ..model.robot import Robot
+from ..model.vectors import Array
 from .scene import Scene, objection
 
-Array = NDArray[np.float64]
 _PHASES, _MOST_LINKS = 8, 60
 _SHORTEST_S, _LONGEST_S = 1e-15, 1e9
 _SLACK = 1e-9  # rounding on the edge, where undamped modes live

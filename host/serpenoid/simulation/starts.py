@@ -6,18 +6,17 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.errors import BadInput
 from ..model.gait import joint_motion
 from ..model.link_state import LinkState
+from ..model.vectors import Array
 from ..periodic.steady import steady_gait
 from .core_run import run_core
 from .judge import exact_scene
 from .scene import Scene
 from .stability import friction_rate
 
-Array = NDArray[np.float64]
 _FORWARD = np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12.0  # derivative from five points, order 4
 
 
