@@ -12,7 +12,15 @@ import numpy as np
 from ..model.checks import check_number, sha256_of
 from ..model.errors import BadInput
 from ..model.gait import Gait
-from .faults import MOTION, ORDER, SEEN, bent_remarks, bent_tags, judged, view_remarks, widened
+from .faults import (
+    bent_faults,
+    bent_tags,
+    check_order,
+    motion_faults,
+    view_faults,
+    watched_faults,
+    widened,
+)
 from .fitting.camera import Camera
 from .fitting.start import first_cameras, tag_poses
 from .instrument import Measured, measure
@@ -21,7 +29,7 @@ from .seeing.film import Film
 from .seeing.sightings import Sightings
 from .seeing.tags import MOST_LINKS, tag_side_m
 from .seeing.watch import Watched, watch
-from .wiring import judge
+from .wiring import servo_faults
 
 
 @dataclass(frozen=True)
@@ -66,11 +74,13 @@ def measure_film(
             there = Sightings.of(t_s, sightings.corners_px, sightings.image_px)
             measured = measure(there, side, starts)
         measured = replace(measured, sigmas=widened(watched, measured))
-        remarks = judged(MOTION, measured)
-        remarks += view_remarks(watched, measured.bundle.camera, side)
-        remarks += bent_remarks(bent)
-        run = filmed_run(watched, measured, sha256_of(watched.film.path), scale, remarks)
-        run = replace(run, remarks=(*run.remarks, *judge(run, gait)))
+        remarks = [
+            *motion_faults(measured),
+            *view_faults(watched, measured.bundle.camera, side),
+            *bent_faults(bent),
+        ]
+        run = filmed_run(watched, measured, sha256_of(watched.film.path), scale)
+        run = replace(run, remarks=(*remarks, *servo_faults(run, gait)))
         return FilmMeasurement(run, watched, measured, gait)
 
 
@@ -113,7 +123,7 @@ def seen_film(
     side = tag_side_m(link_m) if side_m is None else check_number("side_m", side_m, 0.003, link_m)
     watched = watch(Film.open(path), links, progress)
     with refusals(watched):
-        judged(SEEN, watched)
+        watched_faults(watched)
         starts = first_cameras(watched.sightings, link_m, side)
-        judged(ORDER, tag_poses(starts[0], watched.sightings)[0])
+        check_order(tag_poses(starts[0], watched.sightings)[0])
     return SeenFilm(watched, side, starts)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.errors import BadInput
-from .faults import view_remarks
+from .faults import view_faults
 from .fitting import frames, start
 from .fitting.camera import LENS
 from .fitting.chain import filled_headings, joint_angles
@@ -84,7 +84,7 @@ def track_pushes(
         rows = np.column_stack([track.t_s, track.states[:, :2]])[known]
         if len(rows) < 2:
             raise BadInput("no frame shows where the robot is; are the tags hidden?")
-        remarks = view_remarks(film.watched, fit.camera, film.side_m)
+        remarks = view_faults(film.watched, fit.camera, film.side_m)
     # Joints that do not move tell the link length only as well as tags lie on the links: all
     # lengths are known as the tags' printed side is.
     side = LENS.index("log_side")

@@ -81,10 +81,8 @@ class FilmedRun:
         return asdict(self)
 
 
-def filmed_run(
-    watched: Watched, measured: Measured, sha256: str, time_scale: float, remarks: list[Remark]
-) -> FilmedRun:
-    """Gather the numbers of a measured film."""
+def filmed_run(watched: Watched, measured: Measured, sha256: str, time_scale: float) -> FilmedRun:
+    """Gather the numbers of a measured film, without remarks."""
     m, sigma = measured.fitted.motion, measured.sigmas
     span_s = float(np.ptp(measured.track.t_s))
     camera = measured.bundle.camera
@@ -112,7 +110,6 @@ def filmed_run(
         time_scale=time_scale,
         camera=_camera(measured),
         film=_film(watched, sha256),
-        remarks=tuple(remarks),
     )
 
 

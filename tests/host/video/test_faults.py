@@ -20,9 +20,8 @@ from serpenoid.commands.main import cli
 from serpenoid.model.errors import BadInput
 from serpenoid.robot import Robot
 from serpenoid.robot.recording.run_gait import recorded_gait
-from serpenoid.video import wiring
 from serpenoid.video.annotate import annotate_film
-from serpenoid.video.faults import SEEN, judged
+from serpenoid.video.faults import camera_faults
 from serpenoid.video.fitting.start import first_cameras
 from serpenoid.video.instrument import measure
 from serpenoid.video.measure_film import measure_film
@@ -30,12 +29,12 @@ from serpenoid.video.result import Joint
 from serpenoid.video.seeing.film import Film as File
 from serpenoid.video.seeing.sightings import Sightings
 from serpenoid.video.seeing.watch import watch
+from serpenoid.video.wiring import servo_faults
 from video.filming import Body, Film, Lens, write
 from video.worlds import LINK_M, SIDE_M, crawling, errors, most_sigmas
 
 FOLDER_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
 QUICK = crawling(seed=2, omega_rad_s=8.0, alpha_deg=40, speed_m_s=0.08, start_m=-0.06)
-CAMERA = [check for check in SEEN if check.name == "camera"]
 TIMES = np.arange(0, 1.7, 1 / 30)
 GAIT = sn.Gait(math.radians(40), math.radians(80), 8.0)
 
@@ -101,7 +100,7 @@ def test_a_picture_that_moves_all_the_time_is_refused(frames, tmp_path, moved) -
     some = [moved(f, 3 * k) for k, f in enumerate(frames[::3])]
     path = write(tmp_path / "film.mp4", some, TIMES[::3])
     with pytest.raises(BadInput, match=r"moves all the time, .* held by hand, or stabilised"):
-        judged(CAMERA, watch(File.open(path), 6))
+        list(camera_faults(watch(File.open(path), 6)))
 
 
 @pytest.mark.parametrize(
@@ -186,7 +185,7 @@ def test_slow_motion_is_seen_by_the_rate_and_undone_by_the_board(frames, told) -
     assert run.speed_m_s == pytest.approx(QUICK.speed_m_s, rel=0.005)
     assert "rate" not in remarks
     slow = replace(run, omega_rad_s=run.omega_rad_s / 8)
-    assert any("slow motion, 8" in r.text for r in wiring.judge(slow, GAIT))
+    assert any("slow motion, 8" in r.text for r in servo_faults(slow, GAIT))
 
 
 @pytest.mark.slow
@@ -303,11 +302,11 @@ def run_of(phase_deg: list[float], offset_deg: list[float] | None = None) -> Sim
 @pytest.mark.parametrize("gait", [GAIT, None])
 def test_swapped_plugs_and_reversed_servos_are_found(gait) -> None:
     straight = [0.0, 80, 160, 240, 320]
-    assert wiring.judge(run_of(straight), gait) == []
+    assert list(servo_faults(run_of(straight), gait)) == []
     turned = [*straight[:2], straight[2] + 180, *straight[3:]]
-    assert [r.name for r in wiring.judge(run_of(turned), gait)] == ["sense"]
+    assert [r.name for r in servo_faults(run_of(turned), gait)] == ["sense"]
     swapped = [0.0, 80, 240, 160, 320]
-    (remark,) = wiring.judge(run_of(swapped), gait)
+    (remark,) = servo_faults(run_of(swapped), gait)
     assert remark.name == "plugs"
     assert gait is None or "joints 3 and 4" in remark.text  # without a gait, 2 and 5 do as well
 
@@ -325,10 +324,10 @@ def test_a_comparison_begins_with_swapped_plugs() -> None:
 
 def test_a_centre_that_is_off_asks_for_a_trim() -> None:
     run = run_of([0.0, 80, 160, 240, 320], [0.0, 0, 2.5, 0, 0])
-    (remark,) = wiring.judge(run, GAIT)
+    (remark,) = servo_faults(run, GAIT)
     assert "joint 3 swings about +2.5°" in remark.text
     assert "move its trim by -2.5°" in remark.text
-    assert wiring.judge(run, replace(GAIT, offset_rad=math.radians(2.5)))[0].name == "centre"
+    assert next(servo_faults(run, replace(GAIT, offset_rad=math.radians(2.5)))).name == "centre"
 
 
 def test_a_recording_gives_the_gait_that_was_commanded(tmp_path) -> None:

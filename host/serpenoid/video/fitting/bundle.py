@@ -112,21 +112,25 @@ def rms(misses_px: Array) -> Array:
 
 
 def equations(
-    camera: Camera, states: Array, s: Sightings, noise_px: float
-) -> tuple[Array, Array, Array]:
-    """Return derivatives by states and by what is shared, and misses, with each tag's weight.
+    camera: Camera, states: Array, s: Sightings, noise_px: float, shared: bool = False
+) -> tuple[Array, Array]:
+    """Return derivatives by the states, and misses, with each tag's weight.
 
-    Each (frames, 8 links, unknowns), the misses (frames, 8 links, 1). The weight is 1, less for
-    outliers, 0 for none.
+    Each (frames, 8 links, unknowns), the misses (frames, 8 links, 1); before them stand the
+    derivatives by what is shared, if asked for. The weight is 1, less for outliers, 0 for none.
     """
-    by_state, by_shared = camera.jacobians(states)
-    by_shared[..., READOUT] = s.skew
     off = misses(camera, states, s)
     share = np.minimum(1.0, OUTLIER / np.maximum(rms(off) / noise_px, 1e-9))
     root = (np.sqrt(s.seen * share) / noise_px)[..., None, None, None]
+    wanted = off[..., None]
+    if shared:
+        by_shared = camera.by_shared(states)
+        by_shared[..., READOUT] = s.skew
+        wanted = np.concatenate([by_shared, wanted], axis=-1)
+    # A tag that was not found may be expected behind the camera, at NaN.
+    a, b = (np.where(root > 0, part * root, 0.0) for part in (camera.by_states(states), wanted))
     shape = len(states), 8 * s.links, -1
-    a, b, rest = ((part * root).reshape(shape) for part in (by_state, by_shared, off[..., None]))
-    return a, b, rest
+    return a.reshape(shape), b.reshape(shape)
 
 
 @dataclass(frozen=True)
@@ -166,16 +170,18 @@ class _Problem:
 
         The matrix has the priors, each frame's score has not. damping holds the frames' states.
         """
-        a, b, rest = equations(camera, states, self.sightings, noise)
+        a, wanted = equations(camera, states, self.sightings, noise, shared=True)
         unit = np.eye(a.shape[-1])
         of_frames = a.transpose(0, 2, 1) @ a
         of_frames[:, 2:, 2:] += self.loose**2 * unit[2:, 2:]
         of_frames += (1e-9 + damping * np.einsum("fii->fi", of_frames)[:, None]) * unit
-        wanted = np.concatenate([b, rest], axis=-1)
         cross = a.transpose(0, 2, 1) @ wanted
         cross[..., -1] -= self.loose * self._from_prior(camera, states)[1]
         inside = np.linalg.solve(of_frames, cross)
-        reduced = b.transpose(0, 2, 1) @ wanted - cross[..., :-1].transpose(0, 2, 1) @ inside
+        reduced = (
+            wanted[..., :-1].transpose(0, 2, 1) @ wanted
+            - cross[..., :-1].transpose(0, 2, 1) @ inside
+        )
         matrix = reduced[..., :-1].sum(axis=0) + np.diag(1 / self.sigma**2)
         return matrix, reduced[..., -1], inside
 

@@ -8,6 +8,7 @@ one readout_s after the first: who fits adds that to the pixels (`Sightings.skew
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -15,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from .chain import lever_matrix, link_centres
+from .chain import link_centres
 
 Array = NDArray[np.float64]
 
@@ -34,6 +35,7 @@ LENS = (
 )
 MOUNTING = ("dx_m", "dy_m", "turn_rad", "height_m", "slope_x", "slope_y")
 CORNERS = 0.5 * np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
+STEP = 1e-6  # of an unknown, for the pixels' derivatives by differences
 LOOKING_DOWN = np.array([1.0, -1.0, -1.0])  # of a camera that is not tilted
 
 
@@ -104,28 +106,17 @@ class Camera:
 
     def image(self, world: Array) -> Array:
         """Return the pixels of world points (..., 3), (..., 2); behind the camera: NaN."""
-        return self._projected(world)[0]
-
-    def _projected(self, world: Array) -> tuple[Array, Array]:
-        """Return pixels (..., 2) and OpenCV's derivatives of them (..., 2, 14).
-
-        By rotation (3), camera point (3), focal lengths (2), principal point (2), k1, k2, 0, 0.
-        """
-        import cv2
-
         turn, distance = self.pose
-        matrix = np.diag([self.focal_px, self.focal_px, 1.0])
-        matrix[:2, 2] = self._middle_px
-        pixels, slopes = cv2.projectPoints(
-            world.reshape(-1, 3) * LOOKING_DOWN,
-            np.array([*self.shared[5:7], 0.0]),
-            np.array([0.0, 0.0, distance]),
-            matrix,
-            np.array([*self.shared[1:3], 0.0, 0.0]),
-        )
-        ahead = world @ turn[2] > -(1 - 1e-6) * distance
-        flat = np.where(ahead[..., None], pixels.reshape(*world.shape[:-1], 2), np.nan)
-        return flat, np.asarray(slopes, np.float64).reshape(*flat.shape, -1)
+        point = world @ turn.T + [0.0, 0.0, distance]
+        ahead = np.where(point[..., 2:] > 1e-6 * distance, point[..., 2:], np.nan)
+        flat = point[..., :2] / ahead
+        return self._middle_px + self.focal_px * flat * self._stretch(flat)
+
+    def _stretch(self, flat: Array) -> Array:
+        """Return the lens' factor 1 + k1 r^2 + k2 r^4 for (..., 2) before it, (..., 1)."""
+        k1, k2 = self.shared[1:3]
+        r2 = np.sum(flat**2, axis=-1, keepdims=True)
+        return 1 + r2 * (k1 + k2 * r2)
 
     def joints_px(self, state: Array) -> Array:
         """Return tail end, joints and head end of one state in the picture, (links + 1, 2) px."""
@@ -144,51 +135,37 @@ class Camera:
 
     def on_plane(self, pixels: Array) -> Array:
         """Return where pixels (..., 2) meet the plane of the tags, (..., 2), m."""
-        k1, k2 = self.shared[1:3]
-        d = (pixels - self._middle_px) / self.focal_px
-        q = d
+        q = d = (pixels - self._middle_px) / self.focal_px
         for _ in range(8):  # the distortion undone: a fixed point
-            r2 = np.sum(q * q, axis=-1, keepdims=True)
-            q = d / (1 + r2 * (k1 + k2 * r2))
+            q = d / self._stretch(q)
         turn, distance = self.pose
         ray = np.concatenate([q, np.ones((*q.shape[:-1], 1))], axis=-1) @ turn
         start = -np.array([0.0, 0.0, distance]) @ turn
         return (start - ray * (start[2] / ray[..., 2:]))[..., :2]
 
-    def jacobians(self, states: Array) -> tuple[Array, Array]:
-        """Return the pixels' derivatives by the states and by what is shared.
+    def by_states(self, states: Array) -> Array:
+        """Return the pixels' derivatives by the states, (frames, links, 4, 2, links + 2)."""
+        units = np.eye(states.shape[1])
+        return _slopes(lambda step: self.image(self.corners(states + step)), units)
 
-        By states (frames, links, 4, 2, links + 2); by shared (frames, links, 4, 2, 10 + 6 links).
-        """
-        _, slopes = self._projected(self.corners(states))
-        by_x, by_y, by_z = np.moveaxis(slopes[..., 3:6] @ self.pose[0], -1, 0)
-        theta = states[:, 2:, None, None]
-        # Of a shift of the link along itself, and to its left.
-        ahead = np.cos(theta) * by_x + np.sin(theta) * by_y
-        left = np.cos(theta) * by_y - np.sin(theta) * by_x
-        flat, up = self.on_link()
-        x, y, z = flat[..., None, 0], flat[..., None, 1], up[..., None]
-        dx, dy, _, height, _, _ = self.mounting.T[:, :, None, None]
-        side = (x - dx) * ahead + (y - dy) * left + (z - height) * by_z
-        turned = (x - dx) * left - (y - dy) * ahead
-        slants = self.side_m * CORNERS[:, None] * by_z[..., None]
-        mounting = np.concatenate([np.stack([ahead, left, turned, by_z], axis=-1), slants], axis=-1)
-        same = np.eye(self.links)[:, None, None]
-        heading = states[:, None, None, None, 2:]
-        across = np.cos(heading) * by_y[..., None] - np.sin(heading) * by_x[..., None]
-        across *= self.link_m * lever_matrix(self.links)[:, None, None]
-        across += same * (x * left - y * ahead)[..., None]
-        by_state = np.concatenate([by_x[..., None], by_y[..., None], across], axis=-1)
-        of_links = (same[..., None] * mounting[..., None, :]).reshape(*by_x.shape, -1)
-        focal = self.focal_px * slopes[..., 6:8].sum(axis=-1)
-        lens = [
-            focal[..., None],
-            slopes[..., 10:12],
-            self.scale_px * slopes[..., 8:10],
-            slopes[..., :2],
-            self.pose[1] * slopes[..., 5:6],
-            side[..., None],
-            np.zeros((*side.shape, 1)),  # readout_s: not the camera's to know
-            of_links,
-        ]
-        return by_state, np.concatenate(lens, axis=-1)
+    def by_shared(self, states: Array) -> Array:
+        """Return the pixels' derivatives by what is shared, (frames, links, 4, 2, 10 + 6 links)."""
+
+        def pixels(step: Array) -> Array:
+            camera = replace(self, shared=self.shared + step)
+            return camera.image(camera.corners(states))
+
+        # What mounts a tag moves no other: all of them step at once.
+        tags = np.tile(np.eye(len(MOUNTING)), self.links)
+        units = np.eye(len(LENS), len(self.shared))
+        slopes = _slopes(pixels, np.concatenate([units, np.pad(tags, ((0, 0), (len(LENS), 0)))]))
+        lens, mounting = np.split(slopes, [len(LENS)], axis=-1)
+        same = np.eye(self.links)[:, None, None, :, None]
+        of_links = (same * mounting[..., None, :]).reshape(*mounting.shape[:-1], -1)
+        return np.concatenate([lens, of_links], axis=-1)
+
+
+def _slopes(pixels: Callable[[Array], Array], units: Array) -> Array:
+    """Return the derivatives of pixels by steps along units (unknowns, ...), the last axis."""
+    ends = [pixels(STEP * unit) - pixels(-STEP * unit) for unit in units]
+    return np.stack(ends, axis=-1) / (2 * STEP)

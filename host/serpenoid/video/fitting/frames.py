@@ -55,17 +55,19 @@ def fit_states(
         known[:, :2] = 1e-6
         held = known[:, None] * np.eye(known.shape[1])
         states = wanted
-        a, b, rest = equations(camera, states, s, noise_px)
+        a, rest = equations(camera, states, s, noise_px)
         for _ in range(STEPS):
             pull = (a.transpose(0, 2, 1) @ rest)[..., 0] + known * (wanted - states)
             step = np.linalg.solve(a.transpose(0, 2, 1) @ a + held, pull[..., None])
             states = states + step[..., 0]
-            a, b, rest = equations(camera, states, s, noise_px)
+            a, rest = equations(camera, states, s, noise_px)
         matrix = a.transpose(0, 2, 1) @ a + held
         miss = np.where(s.seen, rms(misses(camera, states, s)), np.nan)
         fitted = (states, *_variances(np.linalg.inv(matrix)), miss)
-        follow = (-np.linalg.solve(matrix, a.transpose(0, 2, 1) @ b),) if sensitive else ()
-        return fitted + follow
+        if not sensitive:
+            return fitted
+        b = equations(camera, states, s, noise_px, shared=True)[1][..., :-1]
+        return (*fitted, -np.linalg.solve(matrix, a.transpose(0, 2, 1) @ b))
 
     return Track(sightings.t_s, *in_chunks(of_frames, len(expected)))
 
