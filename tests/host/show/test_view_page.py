@@ -138,8 +138,7 @@ def test_a_dark_page_is_dark_and_as_large_a_snake_as_the_stage_holds(page, tmp_p
         browser.opens(f"{page.as_uri()}?t=4")
         browser.picture(tmp_path / "dark.png")
         assert browser.runs("return at('follow').checked")
-        reach = browser.runs("""const [s] = camera(moment(), 1000, 400);
-            return BODY * s / 1000""")
+        reach = browser.runs("return n * px / at('ground').clientWidth")
     shown = matplotlib.image.imread(tmp_path / "dark.png")[:, :, :3]
     assert np.median(shown) < 0.15
     assert shown.max() > 0.8

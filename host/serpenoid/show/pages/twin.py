@@ -11,6 +11,7 @@ from ...lab.robot import LabRobot
 from ...model.errors import NotConverged
 from ...model.ground import Ground
 from ...model.robot import Robot
+from ...video.fitting.chain import lever_matrix
 
 Array = NDArray[np.float64]
 STEP_S = 0.002  # of the chain: 0.1 % of a gait's speed, far below what a page shows
@@ -85,16 +86,7 @@ class Twin:
         start = ((0, 0), (1, 0))
         angle = theta + np.cumsum(np.pad(joint_rad, start), axis=1)
         rate = turning + np.cumsum(np.pad(joint_rad_s, start), axis=1)
-        half = self._robot.link_length_m / 2
-        c, s = half * np.cos(angle), half * np.sin(angle)
-        placed = [
-            _about_mean(first, along)
-            for first, along in ((x, c), (y, s), (vx, -s * rate), (vy, c * rate))
-        ]
-        return Motion(placed[0], placed[1], angle, placed[2], placed[3])
-
-
-def _about_mean(mean: Array, half: Array) -> Array:
-    """Return centres (N, n) in a row about their mean (N, 1), from half of each link (N, n)."""
-    steps = np.cumsum(np.pad(half[:, :-1] + half[:, 1:], ((0, 0), (1, 0))), axis=1)
-    return mean + steps - steps.mean(axis=1, keepdims=True)
+        levers = self._robot.link_length_m * lever_matrix(self._robot.links).T
+        c, s = np.cos(angle), np.sin(angle)
+        place = x + c @ levers, y + s @ levers
+        return Motion(*place, angle, vx - s * rate @ levers, vy + c * rate @ levers)

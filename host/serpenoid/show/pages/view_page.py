@@ -42,7 +42,7 @@ def write_page(path: Path, title: str, about: str, shown: dict[str, Any]) -> Non
 
 def page_text(title: str, about: str, shown: dict[str, Any]) -> str:
     """Return the page, the nonce of its scripts still to be filled in."""
-    text = filled("@PAGE@", PAGE="view.html", STYLE="page.css")
+    text = filled("@PAGE@", PAGE="view.html", STYLE="page.css", LIVE="live.js")
     data = json.dumps(shown, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
     for mark, value in (("TITLE", html.escape(title)), ("ABOUT", html.escape(about))):
         text = text.replace(f"@{mark}@", value)

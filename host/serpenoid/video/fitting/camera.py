@@ -167,5 +167,5 @@ class Camera:
 
 def _slopes(pixels: Callable[[Array], Array], units: Array) -> Array:
     """Return the derivatives of pixels by steps along units (unknowns, ...), the last axis."""
-    ends = [pixels(STEP * unit) - pixels(-STEP * unit) for unit in units]
-    return np.stack(ends, axis=-1) / (2 * STEP)
+    here = pixels(0.0 * units[0])
+    return np.stack([pixels(STEP * unit) - here for unit in units], axis=-1) / STEP
