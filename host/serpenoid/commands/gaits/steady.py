@@ -37,7 +37,6 @@ from ..options import (
 )
 
 if TYPE_CHECKING:
-    from ...calibration.advising.speed_doubts import SpeedDoubts
     from ...calibration.speed_samples import SpeedBand
 
 
@@ -77,29 +76,55 @@ def steady(
     The figures are those of joints that follow the gait exactly. Beside them stands the speed with
     servos: with any hobby servo unless --servo says which, or `ideal`.
     """
+    from ...calibration.advising.speed_doubts import margin_sigmas, speed_doubts
+    from ...show import report
+    from ...show.gaits import gait_report
+
     springs = _SPRINGS.take(given)
-    if springs and formulation == "explicit":
-        raise click.UsageError(
-            "--stiffness-n-m and --damping-n-s-m have no effect: the joints are pinned; give "
-            "--formulation implicit too"
-        )
     fit = take_fit(given)
     robot, ground = make_robot(given, fit=fit)
     told = make_gait(given)
     gait = with_joints(told, joints, robot.links)
     if formulation == "implicit":
-        if typed("servo") not in (None, IDEAL):
-            raise click.UsageError("--servo has no effect on --formulation implicit; leave one out")
         if differentiated:
             raise click.UsageError(
                 "--sensitivities are those of the exact model; leave --formulation implicit out"
             )
         return _on_springs(robot, ground, gait, as_json, rtol=rtol, **springs)
+    if springs:
+        raise click.UsageError(
+            "--stiffness-n-m and --damping-n-s-m have no effect: the joints are pinned; give "
+            "--formulation implicit too"
+        )
     # a film shows what servos make of the joints
     usual = "hobby" if joints is None and few_links(robot) else IDEAL
     servo = servo_as_filmed(take_servo(usual), fit)
     commanded = told if joints and was_filmed(told, joints, robot.links) else None
-    return _pinned(robot, ground, gait, as_json, rtol, servo, fit, differentiated, commanded)
+    with working("solving"):
+        state = interruptible(
+            lambda: sn.steady_gait(robot, ground, gait, rtol=rtol, sensitivities=differentiated)
+        )
+        moved = beside_servo(state, servo)
+        margins = interruptible(lambda: sn.gait_margins(robot, ground, gait))
+        band = interruptible(lambda: predicted_band(fit, robot, ground, gait, servo, commanded))
+        doubts, sigmas = None, {}
+        if fit and band:
+            sigmas = margins.in_sigmas(*margin_sigmas(fit, band.filmed))
+            if state.sensitivities is not None and state.sensitivities.at[0] > 0:
+                doubts = speed_doubts(fit, gait, state.sensitivities, band)
+    warn_of_another_motion(state)
+    if as_json:
+        known = {"margins": margins.to_dict() | sigmas}
+        known |= {"doubts": doubts.to_dict()} if doubts else {}
+        values = {"gait": describe(gait)} | state.to_dict() | known
+        return show_json(values | speeds_as_dict(moved, band))
+    report.show(state, *([moved] if moved else []), margins, answer=(moved or state).in_words())
+    if state.sensitivities is not None:
+        report.show(state.sensitivities)
+    say_band(moved, band)
+    if doubts is not None:
+        gait_report.doubts(doubts)
+    return gait_report.warn_of_cliff(margins, sigmas)
 
 
 def _on_springs(
@@ -107,6 +132,9 @@ def _on_springs(
 ) -> None:
     """Tell the periodic state of the implicit model."""
     from ...show import report
+
+    if typed("servo") not in (None, IDEAL):
+        raise click.UsageError("--servo has no effect on --formulation implicit; leave one out")
 
     with working("solving"):
         soft = interruptible(lambda: sn.steady_springs(robot, ground, gait, rtol=rtol, **springs))
@@ -119,60 +147,6 @@ def _on_springs(
     if as_json:
         return show_json({"gait": describe(gait)} | soft.to_dict())
     return report.show(soft)
-
-
-def _pinned(
-    robot: sn.Robot,
-    ground: sn.Ground,
-    gait: sn.Gait,
-    as_json: bool,
-    rtol: float,
-    servo: sn.ServoKind | None,
-    fit: sn.FrictionFit | None,
-    differentiated: bool,
-    commanded: sn.Gait | None,
-) -> None:
-    """Tell the periodic state of the exact model, servos' speed, and how near a cliff is.
-
-    commanded: the gait as told, where a film showed what its joints do.
-    """
-    from ...show import report
-    from ...show.gaits import gait_report
-
-    with working("solving"):
-        s = interruptible(
-            lambda: sn.steady_gait(robot, ground, gait, rtol=rtol, sensitivities=differentiated)
-        )
-        moved = beside_servo(s, servo)
-        margins = interruptible(lambda: sn.gait_margins(robot, ground, gait))
-        band = interruptible(lambda: predicted_band(fit, robot, ground, gait, servo, commanded))
-        doubts, sigmas = _doubts(s, fit, band), {}
-    if fit and band:
-        from ...calibration.advising.speed_doubts import margin_sigmas
-
-        sigmas = margins.in_sigmas(*margin_sigmas(fit, band.filmed))
-    warn_of_another_motion(s)
-    if as_json:
-        told = margins.to_dict() | sigmas
-        values = {"gait": describe(gait)} | s.to_dict() | {"margins": told}
-        values |= {"doubts": doubts.to_dict()} if doubts else {}
-        return show_json(values | speeds_as_dict(moved, band))
-    report.show(s, *([moved] if moved else []), margins, answer=(moved or s).in_words())
-    if s.sensitivities is not None:
-        report.show(s.sensitivities)
-    say_band(moved, band)
-    if doubts is not None:
-        gait_report.doubts(doubts)
-    return gait_report.warn_of_cliff(margins, sigmas)
-
-
-def _doubts(s: sn.Steady, fit: sn.FrictionFit | None, band: SpeedBand | None) -> SpeedDoubts | None:
-    """Return what each uncertainty leaves of the speed, where a fit and derivatives are there."""
-    if fit is None or band is None or s.sensitivities is None or not s.sensitivities.at[0] > 0:
-        return None
-    from ...calibration.advising.speed_doubts import speed_doubts
-
-    return speed_doubts(fit, s.gait, s.sensitivities, band)
 
 
 def few_links(robot: sn.Robot) -> bool:

@@ -54,15 +54,6 @@ def _span(text: str, name: str) -> list[float]:
     return [first + i * step for i in range(int((last - first) / step + 1 + 1e-9))]
 
 
-def _rates(omega_rad_s: str | None, frequency_hz: str | None) -> list[float]:
-    """Read the rates, rad/s, from either option."""
-    if frequency_hz is None:
-        return _span(omega_rad_s or "1:20:1", "--omega-rad-s")
-    if omega_rad_s is not None:
-        raise click.UsageError("--omega-rad-s and --frequency-hz say the same; give one")
-    return [2 * math.pi * hz for hz in _span(frequency_hz, "--frequency-hz")]
-
-
 def path(value: str) -> Path:
     """Return a file with a suffix, or a folder for a study."""
     there = Path(value)
@@ -88,27 +79,12 @@ def _varied(given: tuple[str, ...], fixed: dict[str, Any]) -> dict[str, list[flo
     return found
 
 
-def _designs(
-    robot: sn.Robot, ground: sn.Ground, varied: dict[str, list[float]]
-) -> tuple[sn.Robot | list[sn.Robot], sn.Ground | list[sn.Ground]]:
-    """Return all robots and all grounds of a study; one that does not vary stays alone."""
-    body: dict[str, list[Any]] = {_BODY[name]: varied[name] for name in _BODY if name in varied}
-    grip = {name: varied[name] for name in GROUND.names if name in varied}
-    if any(links % 1 for links in body.get("links", ())):
-        raise click.BadParameter("links must be whole numbers", param_hint="--vary")
-    if "links" in body:
-        body["links"] = [int(links) for links in body["links"]]
-    if body and robot == replace(robot, link_inertia_kg_m2=None):
-        body["link_inertia_kg_m2"] = [None]  # a uniform rod stays one
-    return _each(robot, body) if body else robot, _each(ground, grip) if grip else ground
-
-
-def _each(base: Any, varied: dict[str, list[Any]]) -> list[Any]:
-    """Return the base with every combination of the varied fields."""
-    return [
-        replace(base, **dict(zip(varied, values, strict=True)))
-        for values in product(*varied.values())
-    ]
+def _each(base: Any, varied: dict[str, list[Any]]) -> Any:
+    """Return the base with every combination of the varied fields; alone where none varies."""
+    if not varied:
+        return base
+    ways = product(*varied.values())
+    return [replace(base, **dict(zip(varied, values, strict=True))) for values in ways]
 
 
 @click.command()
@@ -169,26 +145,27 @@ def sweep(
         raise click.UsageError("--servo is for one robot's sweep: give --out a file, or --json")
     varied = _varied(vary, given)
     robot, ground = make_robot(given)
+    if frequency_hz is not None and omega_rad_s is not None:
+        raise click.UsageError("--omega-rad-s and --frequency-hz say the same; give one")
+    alphas_deg, betas_deg = _span(alpha_deg, "--alpha-deg"), _span(beta_deg, "--beta-deg")
     grid = {
-        "alpha_rad": [
-            radians("--alpha-deg", a, *ALPHA_DEG) for a in _span(alpha_deg, "--alpha-deg")
-        ],
-        "beta_rad": [radians("--beta-deg", b, *BETA_DEG) for b in _span(beta_deg, "--beta-deg")],
-        "omega_rad_s": _rates(omega_rad_s, frequency_hz),
+        "alpha_rad": [radians("--alpha-deg", a, *ALPHA_DEG) for a in alphas_deg],
+        "beta_rad": [radians("--beta-deg", b, *BETA_DEG) for b in betas_deg],
+        "omega_rad_s": _span(omega_rad_s or "1:20:1", "--omega-rad-s")
+        if frequency_hz is None
+        else [2 * math.pi * hz for hz in _span(frequency_hz, "--frequency-hz")],
     }
     how = {"rtol": rtol, "threads": threads, "scheduler": scheduler}
-    if whole:
-        assert out is not None
-        _study(out, *_designs(robot, ground, varied), **grid, **how)
+    if out is not None and whole:
+        _study(out, robot, ground, varied, grid | how)
     else:
-        _one(out, as_json, robot, ground, grid, how | {"servo": servo})
+        _one(out, as_json, (robot, ground), grid, how | {"servo": servo})
 
 
 def _one(
     out: Path | None,
     as_json: bool,
-    robot: sn.Robot,
-    ground: sn.Ground,
+    body: tuple[sn.Robot, sn.Ground],
     grid: dict[str, list[float]],
     how: dict[str, Any],
 ) -> None:
@@ -202,9 +179,8 @@ def _one(
             f"{count:.3g} gaits are too many for {'JSON' if text else 'one file'}, which holds up "
             f"to {most:.3g}; name a folder, --out STUDY, which is filled chunk by chunk"
         )
-    steps = count * (1 if how["servo"] is None else 2)
-    with progress(steps, "gaits") as advance:
-        found = sn.sweep(robot, ground, **grid, **how, progress=advance)
+    with progress(count * (1 if how["servo"] is None else 2), "gaits") as advance:
+        found = sn.sweep(*body, **grid, **how, progress=advance)
     if out is not None:
         write_sweep(found, out)
         missed = int((~found.converged).sum())
@@ -216,14 +192,27 @@ def _one(
         show_json(sweep_values(found))
 
 
-def _study(out: Path, robot: Any, ground: Any, **options: Any) -> None:
-    """Solve a study into its folder."""
-    count = math.prod(
-        [len(part) for part in (robot, ground) if isinstance(part, list)]
-        + [len(options[name]) for name in ("alpha_rad", "beta_rad", "omega_rad_s")]
-    )
+def _study(
+    out: Path,
+    robot: sn.Robot,
+    ground: sn.Ground,
+    varied: dict[str, list[float]],
+    how: dict[str, Any],
+) -> None:
+    """Solve a study of every robot on every ground into its folder."""
+    body: dict[str, list[Any]] = {_BODY[name]: varied[name] for name in _BODY if name in varied}
+    grip = {name: varied[name] for name in GROUND.names if name in varied}
+    if any(links % 1 for links in body.get("links", ())):
+        raise click.BadParameter("links must be whole numbers", param_hint="--vary")
+    if "links" in body:
+        body["links"] = [int(links) for links in body["links"]]
+    if body and robot == replace(robot, link_inertia_kg_m2=None):
+        body["link_inertia_kg_m2"] = [None]  # a uniform rod stays one
+    lists = [values for values in (*varied.values(), *how.values()) if isinstance(values, list)]
+    count = math.prod(map(len, lists))
     with progress(count, "gaits") as advance:
-        study = sn.sweep_study(robot, ground, out=out, progress=advance, **options)
+        parts = _each(robot, body), _each(ground, grip)
+        study = sn.sweep_study(*parts, out=out, progress=advance, **how)
     missed = sum(int((~chunk["converged"]).sum()) for chunk in study)
     say(
         f"{count} gaits in {len(study.chunks)} chunks in {out}; {missed} did not converge", err=True
