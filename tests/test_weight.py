@@ -48,7 +48,7 @@ MOST_TOKENS = {
     "host/serpenoid/simulation": 13152,
     "host/serpenoid/video": 23188,
     "studies": 29222,
-    "tests": 5124,
+    "tests": 3342,
     "tests/arm": 1428,
     "tests/avr": 19018,
     "tests/docs": 8125,
