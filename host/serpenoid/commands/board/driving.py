@@ -61,8 +61,10 @@ def _predicted(
 ) -> SpeedBand:
     """Return the speed to expect, told before anything moves."""
     from ...calibration.speed_samples import speed_band
+    from ..gaits.steady import warn_of_another_motion
 
     band = interruptible(lambda: speed_band(fit, gait, servo=servo))
+    warn_of_another_motion(interruptible(lambda: sn.steady_gait(fit.robot, fit.ground, gait)))
     if not quiet:
         say(f"predicted: {band.in_words()}")
     return band
