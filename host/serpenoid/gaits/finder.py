@@ -269,8 +269,8 @@ class Finder:
         ends = [
             [self.descend(v, start, FIRST, ROUGH) for start in self.table.starts(v)] for v in speeds
         ]
-        upwards = list(pairwise(range(len(speeds))))
-        for known, k in [*upwards, *((k, known) for known, k in reversed(upwards))]:
+        places = range(len(speeds))
+        for known, k in [*pairwise(places), *pairwise(reversed(places))]:
             best = min(ends[known], key=better, default=Point(np.zeros(2)))
             if best.gait is not None:
                 rate = best.rate * speeds[k] / speeds[known]
@@ -321,13 +321,14 @@ class Finder:
         return self.finish(speed, best, gap + self.miss, ends[1:])
 
     def around(self, speed: float, best: Point) -> list[Point]:
-        """Return where descents end that start from the low shapes of a ring around the best.
+        """Return where descents end that start from the low shapes of two rings around the best.
 
         A flat valley may have low places that are closer to each other than the table's starts.
         """
-        points = self.ring(speed, best, 2 * FIRST)
+        rings = [self.ring(speed, best, radius) for radius in (FIRST, 2 * FIRST)]
         return [
             self.descend(speed, point, FIRST / 2, ROUGH)
+            for points in rings
             for k, point in enumerate(points)
             if point.price <= min(points[k - 1].price, points[(k + 1) % AROUND].price)
             and point.price < best.price + AS_LOW
@@ -476,7 +477,7 @@ class Valley:
         if not 0 < steep < math.inf:
             return
         normal = slopes / steep
-        tangent = np.array([-normal[1], normal[0]])
+        tangent = normal[::-1] * (-1, 1)
 
         def onto(t: float) -> float:
             base, miss = start.shape + t * tangent, self.finder.rounding
