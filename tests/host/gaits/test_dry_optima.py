@@ -49,26 +49,12 @@ KNOWN: dict[str, tuple[sn.Robot, sn.Ground, dict[str, Any], dict[str, float], fl
         {"joint_angle_rad": 1.570796327},
         2.89068,
     ),
-    "joints nearly in opposite phase": (
-        OF_2005,
-        BINGHAM,
-        {"speed_m_s": 0.03},
-        {"joint_angle_rad": 0.785398163},
-        0.00985,
-    ),
     "the second best valley": (
         sn.Robot(4, 0.15264, 0.11232),
         sn.Ground(0.14155, 0.14155, 0.0048985, 0.086985),
         {"speed_m_s": 0.0121984, "cost": "positive_power"},
         {},
         4.586e-4,
-    ),
-    "the narrower limit in a steep valley": (
-        FIVE,
-        SLIDING,
-        STEEP,
-        {"joint_angle_rad": 0.541052068},
-        2.51,
     ),
     "the wider limit in a steep valley": (
         FIVE,
