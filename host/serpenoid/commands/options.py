@@ -342,3 +342,11 @@ def as_typed(text: str, options: dict[str, str]) -> str:
 def options_of(command: click.Command) -> dict[str, str]:
     """Return the options of a command by the fields that they fill."""
     return {p.name: p.opts[0] for p in command.params if isinstance(p, click.Option) and p.name}
+
+
+def warn_of_another_motion(state: sn.Steady) -> None:
+    """Warn where the robot, from rest, ends in another motion than the reported one."""
+    from ..simulation.from_rest import elsewhere
+
+    if other := interruptible(lambda: elsewhere(state)):
+        warnings.warn(other, stacklevel=2)

@@ -12,7 +12,7 @@ from ...robot.robot_match import RobotMatch
 from ...robot.tools.driven_run import DrivenRun
 from ...show.live import View, show_summary, view
 from ...show.screen import say
-from ..options import describe, interruptible, preset_robot, show_json
+from ..options import describe, interruptible, preset_robot, show_json, warn_of_another_motion
 
 if TYPE_CHECKING:
     from ...calibration.speed_samples import SpeedBand
@@ -41,8 +41,9 @@ def drive_gait(
     band = None
     if fit is not None:
         band = _predicted(fit, gait, as_json, servo)
-        cure = "give the session of this robot, or none"
-        match = match or RobotMatch(fit.robot.links, "the friction", cure)
+        match = match or RobotMatch(
+            fit.robot.links, "the friction", "give the session of this robot, or none"
+        )
     run = DrivenRun(gait, port, record, match)
     try:
         with ExitStack() as stack:
@@ -61,10 +62,9 @@ def _predicted(
 ) -> SpeedBand:
     """Return the speed to expect, told before anything moves."""
     from ...calibration.speed_samples import speed_band
-    from ..gaits.steady import warn_of_another_motion
 
     band = interruptible(lambda: speed_band(fit, gait, servo=servo))
-    warn_of_another_motion(interruptible(lambda: sn.steady_gait(fit.robot, fit.ground, gait)))
+    warn_of_another_motion(sn.steady_gait(fit.robot, fit.ground, gait))
     if not quiet:
         say(f"predicted: {band.in_words()}")
     return band

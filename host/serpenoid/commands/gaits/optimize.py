@@ -16,7 +16,13 @@ import serpenoid as sn
 from ...model.checks import check_number
 from ...show.screen import working
 from ..declare import FIGURES, Options, angle, flag, number, option, out_file, refuse_typed
-from ..given import joints_option, latest_film, predicted_band, servo_as_filmed, take_fit
+from ..given import (
+    joints_option,
+    latest_film,
+    predicted_band,
+    servo_as_filmed,
+    take_fit,
+)
 from ..options import (
     AS_TABLES,
     GROUND,
@@ -31,8 +37,9 @@ from ..options import (
     show_json,
     take_servo,
     typed,
+    warn_of_another_motion,
 )
-from .steady import beside_servo, few_links, say_band, speeds_as_dict, warn_of_another_motion
+from .steady import beside_servo, few_links, say_band, speeds_as_dict
 
 _Result = TypeVar("_Result")
 _GROUNDS = 4096  # frictions drawn from a fit: half choose the gait, half check it

@@ -34,6 +34,7 @@ from ..options import (
     show_json,
     take_servo,
     typed,
+    warn_of_another_motion,
 )
 
 if TYPE_CHECKING:
@@ -167,14 +168,6 @@ def say_band(moved: sn.ServoSteady | None, band: SpeedBand | None) -> None:
     """Print a band, unless servos cannot run the gait."""
     if band is not None and (moved is None or moved.follows):
         say(f"predicted: {band.in_words()}")
-
-
-def warn_of_another_motion(state: sn.Steady) -> None:
-    """Warn where the robot, from rest, ends in another motion than the reported one."""
-    from ...simulation.from_rest import elsewhere
-
-    if other := interruptible(lambda: elsewhere(state)):
-        warnings.warn(other, stacklevel=2)
 
 
 def beside_servo(ideal: sn.Steady, servo: sn.ServoKind | None) -> sn.ServoSteady | None:
