@@ -6,20 +6,19 @@ Format 1 has one file of stations; format 2 (session_rows) has readings of every
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from ..model.checks import check_choice
 from ..model.errors import BadInput
-from ..model.files import csv_rows, read_text
-from ..model.robot import Robot
-from ..model.toml_table import Table, check_names, located
-from .kinds.instruments import Uncertainty
+from ..model.toml_table import Table, located
+from .kinds.rows import make_reading
 from .kinds.station import Reading
-from .session import Procedure, Session, Setup
-from .session_rows import read_format_2, time_of, whole_number
-from .settings import GRAVITY, SETTINGS, Setting, applied, changed
+from .session import Session, Setup
+from .session_rows import read_format_2, rows_in, time_of, whole_number
+from .settings import FORMAT, setup_in
 
-FORMAT = 2
 COLUMNS = (
     "reading",
     "time_utc",
@@ -29,16 +28,6 @@ COLUMNS = (
     "drift_m_s",
     "status",
     "comment",
-)
-STATUSES = ("kept", "void")
-_BLANK = Setup(
-    "",
-    "",
-    "",
-    "",
-    Robot(2, 1.0, 1.0),
-    Procedure((), 0.0, 0.0, 0.0, 0.0),
-    Uncertainty(1.0, 1.0, 1.0, 1.0),
 )
 
 
@@ -68,7 +57,7 @@ def load_session(folder: str | Path) -> Session:
     11
     """
     session = read_session(folder)
-    if not (session.kept or session.on_floor or session.kept_gait_runs or session.kept_films):
+    if not (session.kept or session.on_floor or session.kept_crawls):
         raise BadInput(
             f"{session.where}: no reading to use among {len(session.readings)}; take some"
         )
@@ -79,16 +68,13 @@ def read_session(folder: str | Path) -> Session:
     """Read a session's folder as load_session does, one that has no readings yet, too."""
     folder = Path(folder)
     top = _load_toml(folder)
-    setup = _setup(top)
-    path = folder / "readings.csv"
-    if top.whole("format") == 1:
-        return Session(setup, _load_readings(path), str(path), folder=folder)
-    return read_format_2(setup, folder)
+    read = _read_format_1 if top.whole("format") == 1 else read_format_2
+    return read(setup_in(top), folder)
 
 
 def load_setup(folder: str | Path) -> Setup:
     """Read a session's session.toml alone; raises BadInput as load_session does."""
-    return _setup(_load_toml(folder))
+    return setup_in(_load_toml(folder))
 
 
 def _load_toml(folder: str | Path) -> Table:
@@ -103,71 +89,26 @@ def _load_toml(folder: str | Path) -> Table:
     return top
 
 
-def _setup(top: Table) -> Setup:
-    tables = SETTINGS
-    said = ("format", "name")
-    if top.whole("format") == 1:
-        tables = _tables_of_format_1()
-    else:
-        said += ("program", "created_utc")
-    top.only(*said, *tables)
-    setup = changed(_BLANK, {"name": top.string("name")})
-    for name, settings in tables.items():
-        table = top.table(name)
-        needed = [s.key for s in settings if s.needed]
-        table.only(*needed, optional=tuple(s.key for s in settings if not s.needed))
-        setup = applied(setup, table, settings)
-    return setup
-
-
-def _tables_of_format_1() -> dict[str, tuple[Setting, ...]]:
-    needed = {name: tuple(s for s in rows if s.needed) for name, rows in SETTINGS.items()}
-    return {
-        "provenance": SETTINGS["provenance"],
-        "robot": SETTINGS["robot"],
-        "procedure": (*needed["plan"], GRAVITY),
-        "uncertainty": needed["instruments"],
-    }
-
-
-def _load_readings(path: Path) -> tuple[Reading, ...]:
-    header, *rows = csv_rows(read_text(path), path) or [[]]
-    check_names(header, COLUMNS, f"{path}:1", "column", ("facing",))
-    found: dict[int, Reading] = {}
-    for number, cells in enumerate(rows, 2):
-        with located(f"{path}:{number}"):
-            reading = _reading(header, cells)
-            _check_repeat(found.get(reading.number), reading)
-        found[reading.number] = reading
-    return tuple(found.values())
-
-
-def _reading(header: list[str], cells: list[str]) -> Reading:
-    if len(cells) != len(header):
-        raise BadInput(
-            f"{len(cells)} cells where the header has {len(header)}; a row cut short by a "
-            "power cut may be deleted, and decimals take a point, not a comma"
-        )
-    row = {name: cell.strip() for name, cell in zip(header, cells, strict=True)}
-    return Reading(
-        number=whole_number("reading", row["reading"]),
-        voided=check_choice("status", row["status"], STATUSES) == "void",
-        comment=row["comment"],
-        time_utc=time_of(row["time_utc"]),
-        **{f.name: f.read(row.get(f.column, "")) for f in Reading.fields},  # type: ignore[arg-type]
-    )
-
-
-def _check_repeat(earlier: Reading | None, later: Reading) -> None:
-    """Let a row repeat an earlier one only to void it: the file is appended to, never rewritten."""
-    if earlier is None:
-        return
-
-    def measured(r: Reading) -> tuple[float | str, ...]:
-        return r.lambda_rad, r.incline_rad, r.belt_speed_m_s, r.drift_m_s, r.facing
-
-    if earlier.voided or not later.voided or measured(earlier) != measured(later):
-        raise BadInput(
-            f"reading {later.number} is there already; a row may repeat it only to void it, once, "
-            "with the same values; give a new reading a new number"
-        )
+def _read_format_1(setup: Setup, folder: Path) -> Session:
+    """Return a session of stations; a row may repeat one only to void it."""
+    path = folder / "readings.csv"
+    readings: dict[int, Reading] = {}
+    for row, where in rows_in(path, COLUMNS, optional=("facing",)):
+        with located(where):
+            number = whole_number("reading", row["reading"])
+            common: dict[str, Any] = {
+                "number": number,
+                "voided": check_choice("status", row["status"], ("kept", "void")) == "void",
+                "comment": row["comment"],
+                "time_utc": time_of(row["time_utc"]),
+            }
+            reading = make_reading({**row, "kind": "station", "more": ""}, common)
+            earlier = readings.get(number)
+            voided = earlier and replace(earlier, **(common | {"voided": True}))
+            if earlier and (earlier.voided or voided != reading):
+                raise BadInput(
+                    f"reading {number} is there already; a row may repeat it only to void it, "
+                    "once, with the same values; give a new reading a new number"
+                )
+            readings[number] = reading
+    return Session(setup, tuple(readings.values()), str(path), folder=folder)

@@ -8,8 +8,8 @@ restored or amended by an event, and redone by a later reading that says which o
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -40,6 +40,8 @@ EVENTS = (
     "note",
     "connect",
 )
+ON_READINGS = ("void", "restore", "undo")
+Numbered = dict[int, tuple[Row, str]]  # rows by the numbers of their readings, and where each is
 
 
 @dataclass(frozen=True)
@@ -52,42 +54,44 @@ class Event:
     detail: str
 
 
-@dataclass
-class _Found:
-    """What the lines have told so far."""
-
-    rows: dict[int, tuple[Row, str]] = field(default_factory=dict)
-    voided: dict[int, str] = field(default_factory=dict)
-    notes: list[str] = field(default_factory=list)
-
-
 def read_format_2(setup: Setup, folder: Path) -> Session:
     """Return the session of a folder."""
-    path = folder / "readings.csv"
-    found = _Found()
-    setups = [setup]
-    events = read_events(folder, found.notes)
+    path, notes, setups = folder / "readings.csv", list[str](), [setup]
+    events = read_events(folder, notes)
     for event in events:
         if event.event == "amend":
             setups.append(amended(setups[-1], event.detail, folder))
-    for row, where in _rows(path, READING_COLUMNS, found.notes):
+    rows = _numbered(path, notes)
+    voided = _voided(rows, events, folder / "events.csv")
+    session = Session(setups[-1], (), str(path), folder=folder)
+    unknown: list[str] = []
+    for number, (row, where) in rows.items():
+        kind = KINDS.get(row["kind"])
+        if kind is None:
+            unknown.append(row["kind"])
+            continue
+        comment = "; ".join(filter(None, (voided.get(number), row["comment"])))
+        common = {"number": number, "voided": number in voided, "comment": comment}
+        common |= {"time_utc": row["time_utc"]}
         with located(where):
-            _take(row, where, found)
-    for event in events:
-        _apply(event, found, folder / "events.csv")
-    return _session(setups, found, folder)
+            reading = make_reading(row, common | _track(row, kind, folder))
+            reading = _with_instruments(reading, _setup_of(row, setups))
+            session = session.with_reading(reading)
+    if unknown:
+        kinds = ", ".join(sorted(set(unknown)))
+        notes.append(f"{len(unknown)} reading(s) of kinds not used here ({kinds}) left out")
+    return replace(session, notes=tuple(notes))
 
 
 def read_events(folder: Path, notes: list[str] | None = None) -> list[Event]:
     """Return a session's events in the order they were written; raises BadInput."""
-    path = folder / "events.csv"
-    found = []
-    for row, where in _rows(path, EVENT_COLUMNS, [] if notes is None else notes):
+    events, notes = [], [] if notes is None else notes
+    for row, where in rows_in(folder / "events.csv", EVENT_COLUMNS, notes):
         with located(where):
             event = check_choice("event", row["event"], EVENTS)
             number = whole_number("reading", row["reading"]) if row["reading"] else 0
-            found.append(Event(time_of(row["time_utc"]), event, number, row["detail"]))
-    return found
+            events.append(Event(time_of(row["time_utc"]), event, number, row["detail"]))
+    return events
 
 
 def events_of(session: Session) -> list[Event]:
@@ -96,46 +100,56 @@ def events_of(session: Session) -> list[Event]:
     return read_events(folder) if folder and (folder / "events.csv").exists() else []
 
 
-def _rows(path: Path, columns: tuple[str, ...], notes: list[str]) -> Iterator[tuple[Row, str]]:
-    """Yield the whole lines below the header as dictionaries, and where each stands."""
-    text = _text(path, columns)
-    lines = text.split("\n")
-    if lines[-1].strip():
-        notes.append(
-            f"{path}:{len(lines)}: the last line has no end: it was cut short while it was "
-            "written, and does not count"
-        )
-    header = _cells(lines[0]) if len(lines) > 1 else []
-    if len(header) == 1 and ";" in lines[0]:
-        raise BadInput(
-            f"{path}:1: the cells are parted by semicolons; a spreadsheet did that: save the file "
-            "as CSV with commas, and decimals with a point"
-        )
-    check_names(header, columns, f"{path}:1", "column")
-    for number, line in enumerate(lines[1:-1], 2):
-        where = f"{path}:{number}"
-        if not line.strip() or line.endswith(TORN):
-            continue
-        if "\0" in line:
-            notes.append(f"{where}: damaged (zero bytes, as after a power cut), and does not count")
-            continue
-        with located(where):
-            yield _row(header, line), where
+def reading_rows(folder: Path) -> dict[int, Row]:
+    """Return the rows of all readings by their numbers, of whatever kind, voided or not."""
+    return {number: row for number, (row, _) in _numbered(folder / "readings.csv", []).items()}
 
 
-def _text(path: Path, columns: tuple[str, ...]) -> str:
-    """Return the text of one of a session's files, which is there and has its first line."""
+def rows_in(
+    path: Path,
+    columns: tuple[str, ...],
+    notes: list[str] | None = None,
+    optional: tuple[str, ...] = (),
+) -> Iterator[tuple[Row, str]]:
+    """Yield the lines below the header as dictionaries, and where each stands; raises BadInput.
+
+    notes: takes what is told of lines that do not count; None: lines that have no end do.
+    """
     backup = f"take it from a backup; if there is none, its first line is {','.join(columns)}"
     if not path.exists():
         raise BadInput(f"{path}: not there, but it belongs to the session; {backup}")
     text = read_text(path)
     if not text.strip():
         raise BadInput(f"{path}: the file is empty; {backup}")
-    return text
+    lines = text.split("\n")
+    if notes is None:
+        lines.append("")
+    elif lines[-1].strip():
+        notes.append(
+            f"{path}:{len(lines)}: the last line has no end: it was cut short while it was "
+            "written, and does not count"
+        )
+    with located(f"{path}:1"):
+        header = _cells(lines[0]) if len(lines) > 1 else []
+    if len(header) == 1 and ";" in lines[0]:
+        raise BadInput(
+            f"{path}:1: the cells are parted by semicolons; a spreadsheet did that: save the file "
+            "as CSV with commas, and decimals with a point"
+        )
+    check_names(header, columns, f"{path}:1", "column", optional)
+    for number, line in enumerate(lines[1:-1], 2):
+        where = f"{path}:{number}"
+        if not line.strip() or line.endswith(TORN):
+            continue
+        if "\0" in line and notes is not None:
+            notes.append(f"{where}: damaged (zero bytes, as after a power cut), and does not count")
+            continue
+        with located(where):
+            yield _row(header, line), where
 
 
 def _cells(line: str) -> list[str]:
-    return next(iter(csv_rows(line.rstrip("\r"))), [])
+    return next(iter(csv_rows(line)), [])
 
 
 def _row(header: list[str], line: str) -> Row:
@@ -143,79 +157,65 @@ def _row(header: list[str], line: str) -> Row:
     if len(cells) != len(header):
         raise BadInput(
             f"{len(cells)} cells where the header has {len(header)}; decimals take a point, not a "
-            f"comma; a line that is beyond repair is left out if it ends in {TORN}"
+            f"comma; a line that was cut short is left out if it ends in {TORN}"
         )
     return {name: cell.strip() for name, cell in zip(header, cells, strict=True)}
 
 
-def _take(row: Row, where: str, found: _Found) -> None:
-    number = whole_number("reading", row["reading"])
-    if number in found.rows:
-        raise BadInput(
-            f"reading {number} is there already, at {found.rows[number][1]}; give a new reading a "
-            "new number, and name in `replaces` the one it replaces"
-        )
-    if row["replaces"]:
-        old = whole_number("replaces", row["replaces"])
-        if old not in found.rows:
-            raise BadInput(f"replaces is {old}, but there is no such reading before this one")
-        found.voided[old] = f"redone as {number}"
-    if DOUBTFUL in words_of(row):
-        found.voided[number] = ""  # its comment says why
-    _check_clock(row, where, found)
-    found.rows[number] = row, where
+def _numbered(path: Path, notes: list[str]) -> Numbered:
+    """Return the rows by number, each checked against those before it; raises BadInput."""
+    rows: Numbered = {}
+    latest = ""
+    for row, where in rows_in(path, READING_COLUMNS, notes):
+        with located(where):
+            number = whole_number("reading", row["reading"])
+            if number in rows:
+                raise BadInput(
+                    f"reading {number} is there already, at {rows[number][1]}; give a new reading "
+                    "a new number, and name in `replaces` the one it replaces"
+                )
+            if row["replaces"] and whole_number("replaces", row["replaces"]) not in rows:
+                raise BadInput(
+                    f"replaces is {row['replaces']}, but there is no such reading before this one"
+                )
+            if row["time_utc"] and time_of(row["time_utc"]) < latest:
+                notes.append(
+                    f"{where}: the clock went back, from {latest} to {row['time_utc']}; the order "
+                    "of the lines counts"
+                )
+            latest = row["time_utc"] or latest
+        rows[number] = row, where
+    return rows
 
 
-def _check_clock(row: Row, where: str, found: _Found) -> None:
-    time_of(row["time_utc"])
-    earlier = next((r["time_utc"] for r, _ in reversed(found.rows.values()) if r["time_utc"]), "")
-    if row["time_utc"] and row["time_utc"] < earlier:
-        found.notes.append(
-            f"{where}: the clock went back, from {earlier} to {row['time_utc']}; the order of the "
-            "lines counts"
-        )
+def _voided(rows: Numbered, events: Sequence[Event], path: Path) -> dict[int, str]:
+    """Return the readings that are not to be used, and why; raises BadInput."""
+    why: dict[int, str] = {}
+    for number, (row, _) in rows.items():
+        if row["replaces"]:
+            why[int(row["replaces"])] = f"redone as {number}"
+        if DOUBTFUL in words_of(row):
+            why[number] = ""  # its comment says why
+    for event in (e for e in events if e.event in ON_READINGS):
+        if event.reading not in rows:
+            raise BadInput(f"{path}: {event.event} of reading {event.reading}, which is not there")
+        if event.event != "restore":
+            why[event.reading] = event.detail or "undone"
+            replaced = rows[event.reading][0]["replaces"]
+            if event.event == "undo" and replaced:
+                why.pop(int(replaced), None)
+        elif not _replaced_later(event, rows):
+            why.pop(event.reading, None)
+    return why
 
 
-def _apply(event: Event, found: _Found, path: Path) -> None:
-    if event.event not in ("void", "restore", "undo"):
-        return
-    if event.reading not in found.rows:
-        raise BadInput(f"{path}: {event.event} of reading {event.reading}, which is not there")
-    if event.event == "restore":
-        if not _replaced_later(event, found):
-            found.voided.pop(event.reading, None)
-        return
-    found.voided[event.reading] = event.detail or "undone"
-    replaced = found.rows[event.reading][0]["replaces"]
-    if event.event == "undo" and replaced:
-        found.voided.pop(int(replaced), None)
-
-
-def _replaced_later(restored: Event, found: _Found) -> bool:
+def _replaced_later(restored: Event, rows: Numbered) -> bool:
     """Tell whether a reading was taken anew after it was restored: then the new one counts."""
     after = re.fullmatch(r"after reading (\d+)", restored.detail)
     return after is not None and any(
         row["replaces"] == str(restored.reading) and number > int(after[1])
-        for number, (row, _) in found.rows.items()
+        for number, (row, _) in rows.items()
     )
-
-
-def _session(setups: list[Setup], found: _Found, folder: Path) -> Session:
-    session = Session(setups[-1], (), str(folder / "readings.csv"), folder=folder)
-    unknown: list[str] = []
-    for row, where in found.rows.values():
-        kind = KINDS.get(row["kind"])
-        if kind is None:
-            unknown.append(row["kind"])
-            continue
-        with located(where):
-            reading = make_reading(row, _common(row, found) | _track(row, kind, folder))
-            reading = _with_instruments(reading, _setup_of(row, setups))
-            session = session.with_reading(reading)
-    if unknown:
-        kinds = ", ".join(sorted(set(unknown)))
-        found.notes.append(f"{len(unknown)} reading(s) of kinds not used here ({kinds}) left out")
-    return replace(session, notes=tuple(found.notes))
 
 
 def _with_instruments(reading: Any, setup: Setup) -> Any:
@@ -226,11 +226,8 @@ def _with_instruments(reading: Any, setup: Setup) -> Any:
 
 def _track(row: Row, kind: type[Taken], folder: Path) -> dict[str, Track]:
     """Return the track of a reading whose kind has one."""
-    if not kind.columns:
-        return {}
-    said = words_of(row)
-    name, sha256 = (said.get(word, "") for word in TRACK_WORDS)
-    if not name and kind.track_may_miss:
+    name, sha256 = (words_of(row).get(word, "") for word in TRACK_WORDS)
+    if not kind.columns or (not name and kind.track_may_miss):
         return {}
     if not re.fullmatch(rf"{FOLDER}/\w+\.csv", name):
         raise BadInput(f"track is {name!r}; it must be a file such as {FOLDER}/0001.csv")
@@ -245,23 +242,6 @@ def _setup_of(row: Row, setups: list[Setup]) -> Setup:
             f"last is {len(setups)}; has a line been taken out of events.csv?"
         )
     return setups[number - 1]
-
-
-def _common(row: Row, found: _Found) -> dict[str, Any]:
-    number = int(row["reading"])
-    why = found.voided.get(number)
-    comment = row["comment"] if why is None else "; ".join(filter(None, [why, row["comment"]]))
-    return {
-        "number": number,
-        "voided": why is not None,
-        "comment": comment,
-        "time_utc": row["time_utc"],
-    }
-
-
-def reading_rows(folder: Path) -> list[Row]:
-    """Return the rows of all readings there are, of whatever kind, voided or not."""
-    return [row for row, _ in _rows(folder / "readings.csv", READING_COLUMNS, [])]
 
 
 def whole_number(name: str, text: str) -> int:

@@ -16,7 +16,6 @@ from serpenoid.calibration.taking.new_session import (
 )
 from serpenoid.calibration.taking.parse_number import amendment
 from serpenoid.calibration.taking.person.identity import ask_identity
-from serpenoid.calibration.taking.person.prompt import Left
 from serpenoid.commands.friction.calibrate_person import begin
 
 ZERO = {"incline_deg": 0.1, "reversed_deg": -0.1}
@@ -39,26 +38,6 @@ def asked(folder, *lines):
         return person, ask_identity(journal, person)
 
 
-def test_the_same_robot_goes_on_and_says_who_measures(folder):
-    person, who = asked(folder, "", "Bob")
-    assert "Resumed: made up, 6 links of 76 mm, 453.6 g, on belt." in person.heard
-    assert who == "Bob"
-    assert asked(folder, "what?", "yes", "")[1] == "Ada"
-
-
-def test_another_robot_is_refused_with_the_differences_and_both_ways_on(folder):
-    with pytest.raises(BadInput) as refused:
-        asked(folder, "n", "", "480 g", "0,08", "carpet")
-    told = str(refused.value)
-    assert "link_mass_kg: the session has 0.0756, this has 0.08" in told
-    assert "link_length_m: the session has 0.076, this has 0.08" in told
-    assert "surface: the session has 'belt', this has 'carpet'" in told
-    assert "links:" not in told
-    assert "calibrate new OTHER --template" in told
-    assert "calibrate amend" in told
-    assert len(read_events(folder)) == 0
-
-
 def test_what_differs_by_what_scales_differ_is_the_same(folder):
     person, _ = asked(folder, "n", "", "454 g", "", "", "")
     assert "Nothing differs" in person.heard
@@ -66,23 +45,6 @@ def test_what_differs_by_what_scales_differ_is_the_same(folder):
         asked(folder, "n", "", "457 g", "", "")
     setup = read_session(folder).setup
     assert identity_differences(setup, replace(setup, surface="Belt"))
-
-
-def test_a_slip_of_units_is_asked_here_too(folder):
-    person, _ = asked(folder, "n", "six", "", "453.6", "", "76", "n", "76 mm", "", "")
-    assert "'six' is no number; type a number, such as 6" in person.heard
-    assert "did you mean 453.6 g = 0.4536 kg?" in person.heard
-    assert person.heard.count("length of a link") == 2
-    assert "Nothing differs" in person.heard
-
-
-def test_leaving_changes_nothing(folder):
-    for lines in (("quit",), ("n", "quit")):
-        with pytest.raises(Left):
-            asked(folder, *lines)
-    with pytest.raises(EOFError):
-        asked(folder)
-    assert read_events(folder) == []
 
 
 def test_a_mass_and_a_surface_left_open_are_asked_until_they_are_known(tmp_path):

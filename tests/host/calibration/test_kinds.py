@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from serpenoid import BadInput
 from serpenoid.calibration.kinds.instruments import Stopwatch
-from serpenoid.calibration.kinds.slide import Slide
 from serpenoid.calibration.session_file import read_session
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
@@ -72,11 +71,7 @@ def test_what_is_no_track_is_not_kept(folder, bad):
     assert read_session(folder).further == ()
 
 
-def test_limits_hold_for_files_and_for_objects(folder):
-    with pytest.raises(BadInput, match=r"lambda_rad is 1\.2; it must be a finite number"):
-        Slide(1, 1.2, 0.1, 1.0, 2.0)
-    with pytest.raises(BadInput, match="bend is 'up'; it must be one of zigzag, balanced"):
-        Slide(1, 0.2, 0.1, 1.0, 2.0, bend="up")
+def test_limits_hold(folder):
     with Journal(folder) as journal, pytest.raises(BadInput, match="lambda_deg is 61"):
         journal.add("coast", FILMED | {"lambda_deg": 61.0}, samples=SAMPLES)
 

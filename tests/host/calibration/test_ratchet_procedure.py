@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import pytest
 import serpenoid as sn
-from calibration.test_dialogue import STATION, ZERO, station, talk
 from serpenoid.calibration.advice import advise
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
@@ -48,28 +47,6 @@ def test_a_plain_plan_never_turns_the_robot_round():
     plain = MemoryRecord(ratchet_setup(ratchet=False)).session
     assert not any("facing up" in part for part, _ in progress(plain))
     assert "facing" not in sheet_text(plain)
-
-
-def test_the_dialogue_turns_it_round_after_the_straight_series(tmp_path):
-    folder = create_session(tmp_path / "session", ratchet_setup())
-    stations = (*STATION, *station("2.3", "0.5"), *station("2.6", "0.8"))
-    heard, session = talk(
-        folder, *ZERO, "", *stations, "", *station("6.5", "0.3"), "undo", "", *station("6.6", "0.3")
-    )
-    assert "head UPHILL" in heard
-    assert "Steeper, if the belt carries it off at any speed" in heard
-    assert [r.facing for r in session.kept] == ["down"] * 3 + ["up"]
-    assert session.kept[-1].incline_rad == pytest.approx(math.radians(6.6))
-    # it is left out on demand, and the bends come next, head downhill again
-    heard, session = talk(folder, "skip", "skip")
-    assert "Head downhill again" in heard
-
-
-def test_a_straight_series_can_be_left_out(tmp_path):
-    folder = create_session(tmp_path / "session", ratchet_setup(ratchet=False))
-    heard, _ = talk(folder, *ZERO, "skip", "skip")
-    assert "left out: straight" in heard
-    assert "Bend 7.5 deg" in heard
 
 
 def test_pages_pictures_and_sheets_show_it(taken, tmp_path):

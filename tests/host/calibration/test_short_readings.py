@@ -18,7 +18,6 @@ from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.commands.main import cli
 from simulated_sessions import MemoryRecord, drawn_truth
 
-from . import test_dialogue as dialogue
 from .synthetic_session import WHOLE_BODY_2005
 from .synthetic_session import session as made_up
 from .synthetic_session import setup as made_up_setup
@@ -149,51 +148,6 @@ def test_bad_places_are_refused_and_nothing_is_written(folder):
     assert said.exit_code != 0
     assert "three places" in str(said.exception)
     assert not read_session(folder).readings
-
-
-def test_the_dialogue_takes_places_for_the_drift(folder):
-    bad = ("", "2.0", "0.3", "", "0:0 2:0.1", "0:0 1.5:0.01 3:0.04")  # no settling is asked about
-    heard, session = dialogue.talk(folder, *dialogue.ZERO, "", *bad)
-    assert "places in a film as s:m" in heard
-    assert "three places" in heard
-    assert "since the belt was set" not in heard
-    (reading,) = session.kept
-    assert reading.places == "0:0,1.5:0.01,3:0.04"
-    assert reading.drift_m_s == pytest.approx(0.04 / 3)
-    assert reading.waited_s is None
-    assert reading.balance_sine(10.0) > math.sin(reading.incline_rad)  # it was carried uphill
-
-
-def test_a_short_readings_drift_may_be_large_and_is_not_doubted(folder):
-    quick = ("", "2.0", "0.4", "", "0:0 1.5:0.15 3:0.3")
-    heard, session = dialogue.talk(folder, *dialogue.ZERO, "", *quick)
-    assert "anew" not in heard
-    assert session.kept[0].drift_m_s == pytest.approx(0.1)
-    held = ("", "2.0", "0.4", "", "0.1", "keep", "again")
-    assert "0.1 m/s is outside -0.06 to 0.06 m/s" in dialogue.talk(folder, "", *held)[0]
-
-
-def test_a_short_reading_is_redone(folder):
-    kept = ("", "2.0", "0.3", "", "0:0 1.5:0.01 3:0.04")
-    _, session = dialogue.talk(
-        folder,
-        *dialogue.ZERO,
-        "",
-        *kept,
-        "redo",
-        "",
-        "",
-        "",
-        "",
-        "0:0 2:0.01 4:0.04",
-    )
-    assert [(r.voided, r.places) for r in session.readings] == [
-        (True, "0:0,1.5:0.01,3:0.04"),
-        (False, "0:0,2:0.01,4:0.04"),
-    ]
-    assert session.kept[0].drift_m_s == pytest.approx(0.01)
-    _, session = dialogue.talk(folder, "redo 3", "", "", "", "0.02", "")
-    assert (session.kept[0].places, session.kept[0].drift_m_s) == ("", 0.02)
 
 
 def taken(number, joint_deg, short_s=4.0):

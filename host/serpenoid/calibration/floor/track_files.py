@@ -15,11 +15,14 @@ from ...model.errors import BadInput
 from ...model.files import read_text
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
-_TIMES = {"s": 1.0, "ms": 0.001, "min": 60.0}
+_NAMED_UNITS = UNITS | {"s": 1.0, "ms": 0.001, "min": 60.0}
 _CLOCK = re.compile(r"(\d+):(\d\d):(\d\d)[:.](\d+)")
 _UNIT = re.compile(r"[(\[]\s*(\w+)\s*[)\]]")
-_TIME_NAMES = re.compile(r"(?i)^#?(t|time|t_s|timestamp)\b")
+# Names of the columns wanted, in this order, their units taken off; the last may be missing.
+_TIME = r"(?i)#?(t|time|t_s|timestamp)\b"
+_WANTED = (_TIME, *(rf"(?i)(.*[/ _])?{axis}(_m)?$" for axis in "xy"))
 GRAIN_S = 0.01  # of Kinovea's clock
+Columns = list[tuple[int, float | None]]  # where each is, and its unit where it is named
 
 
 def read_track_file(path: Path, unit: str = "m") -> tuple[NDArray[np.float64], str]:
@@ -33,28 +36,31 @@ def read_track_file(path: Path, unit: str = "m") -> tuple[NDArray[np.float64], s
     """
     check_choice("unit", unit, tuple(UNITS))
     text = read_text(path)
-    lines = text.replace("\r\n", "\n").split("\n")
+    lines = text.split("\n")
     cut = _delimiter(lines)
     head, columns = _header(path, lines, cut)
-    rows: list[tuple[float, float, float]] = []
+    usual = (1.0, UNITS[unit], UNITS[unit])
+    scales = [named or other for (_, named), other in zip(columns, usual, strict=False)]
+    rows = []
     for number, line in enumerate(lines[head + 1 :], head + 2):
         cells = _cells(line, cut)
-        if not any(cells):
-            if rows and lines[head].startswith("#"):
-                break  # Kinovea's text form puts an empty line between points
+        if not any(cells) and rows and lines[head].startswith("#"):
+            break  # Kinovea's text form puts an empty line between points
+        texts = [cells[at] for at, _ in columns if at < len(cells)]
+        if len(texts) < len(columns) or not all(texts):
             continue
-        row = _row(path, number, cells, columns, cut)
-        if row is not None:
-            rows.append(row)
+        try:
+            row = [scale * _number(t, cut) for scale, t in zip(scales, texts, strict=True)]
+        except ValueError:
+            raise BadInput(f"{path}:{number}: {', '.join(texts)} are not numbers") from None
+        if all(map(math.isfinite, row)):
+            rows.append([*row, 0.0][:3])
     if len(rows) < 3:
         raise BadInput(f"{path}: {len(rows)} place(s) in it; is it a track of time, x and y?")
-    (_, in_s), *places = columns
-    found = np.array(rows)
-    found[:, 0] = _unrounded(found[:, 0] * (in_s or 1.0))
-    for k, (_, in_m) in enumerate(places, 1):
-        found[:, k] *= in_m or UNITS[unit]
+    track = np.array(rows)
+    track[:, 0] = _unrounded(track[:, 0])
     digest = hashlib.sha256(text.encode()).hexdigest()
-    return found[np.concatenate([[True], np.diff(found[:, 0]) > 0.0])], digest
+    return track[np.concatenate([[True], np.diff(track[:, 0]) > 0.0])], digest
 
 
 def _unrounded(t: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -69,15 +75,14 @@ def _unrounded(t: NDArray[np.float64]) -> NDArray[np.float64]:
         return t
     one = steps[steps < 1.5 * np.median(steps)].mean()
     count = np.concatenate([[0.0], np.cumsum(np.round(steps / one))])
-    slope, start = np.polyfit(count, t, 1).tolist()
-    even: NDArray[np.float64] = start + slope * count
+    even = np.polyval(np.polyfit(count, t, 1), count)
     return even if np.ptp(t - even) <= 1.2 * GRAIN_S else t
 
 
 def _delimiter(lines: list[str]) -> str:
     """Return what parts the cells: tabs before semicolons before commas, which may be decimals."""
     sample = "\n".join(lines[:40])
-    named = next((line for line in lines[:20] if _TIME_NAMES.match(line)), "")
+    named = next((line for line in lines[:20] if re.match(_TIME, line)), "")
     if "\t" not in sample and len(named.split()) > 2 and not re.search("[,;]", named):
         return " "  # commas in it are decimals
     return next((cut for cut in "\t;," if sample.count(cut) > 2), " ")
@@ -88,46 +93,23 @@ def _cells(line: str, cut: str) -> list[str]:
     return [part.strip().strip('"') for part in parts]
 
 
-def _header(path: Path, lines: list[str], cut: str) -> tuple[int, list[tuple[int, float | None]]]:
-    """Return the header's line and where t, x and y are, with their units where they are named."""
+def _header(path: Path, lines: list[str], cut: str) -> tuple[int, Columns]:
+    """Return the header's line and where t, x and y are; raises BadInput."""
     for k, line in enumerate(lines[:20]):
-        cells = _cells(line, cut)
-        at = next((i for i, c in enumerate(cells) if _TIME_NAMES.match(c)), None)
-        if at is None:
-            continue
-        x = next((i for i in range(at + 1, len(cells)) if _is_place(cells[i], "x")), None)
-        if x is None:
-            continue
-        y = next((i for i in range(x + 1, len(cells)) if _is_place(cells[i], "y")), None)
-        out = [(at, _named_unit(cells[at], _TIMES)), (x, _named_unit(cells[x], UNITS))]
-        return k, out + ([] if y is None else [(y, _named_unit(cells[y], UNITS))])
+        columns: Columns = []
+        names = iter(enumerate(_cells(line, cut)))
+        for wanted in _WANTED:
+            for at, name in names:
+                if re.match(wanted, _UNIT.sub("", name).strip()):
+                    unit = _UNIT.search(name)
+                    columns.append((at, _NAMED_UNITS.get(unit[1].lower()) if unit else None))
+                    break
+        if len(columns) > 1:
+            return k, columns
     raise BadInput(
         f"{path}: no line names its columns; the first must be such as t,x,y (Tracker: export with "
         "the column names; Kinovea: export trajectories as text, or the diagram's data)"
     )
-
-
-def _is_place(name: str, axis: str) -> bool:
-    bare = _UNIT.sub("", name).strip().lower()
-    return bare in (axis, f"{axis}_m") or bool(re.search(rf"[/ _]{axis}(_m)?$", bare))
-
-
-def _named_unit(name: str, known: dict[str, float]) -> float | None:
-    found = _UNIT.search(name)
-    return known.get(found[1].lower()) if found else None
-
-
-def _row(
-    path: Path, number: int, cells: list[str], columns: list[tuple[int, float | None]], cut: str
-) -> tuple[float, float, float] | None:
-    texts = [cells[at] for at, _ in columns if at < len(cells)]
-    if len(texts) < len(columns) or not all(texts):
-        return None
-    try:
-        t, x, y = [*(_number(text, cut) for text in texts), 0.0][:3]
-    except ValueError:
-        raise BadInput(f"{path}:{number}: {', '.join(texts)} are not numbers") from None
-    return (t, x, y) if all(map(math.isfinite, (t, x, y))) else None
 
 
 def _number(text: str, cut: str) -> float:

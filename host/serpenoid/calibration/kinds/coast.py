@@ -134,7 +134,6 @@ class Coast(Taken):
     offset_rad: float | None = field(default=None, repr=False)  # no part of the session's hash
 
     def __post_init__(self) -> None:
-        Taken.__post_init__(self)
         if self.track is None and (self.by != "rest" or None in (self.distance_m, self.duration_s)):
             raise BadInput(
                 f"push {self.number} has neither a track nor distance_m and duration_s; give a "

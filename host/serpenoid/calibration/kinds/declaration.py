@@ -13,35 +13,43 @@ from .instruments import Stopwatch
 Cells = Mapping[str, str | float]
 Values = dict[str, float | str]
 Range = tuple[float, float]  # that a number is expected in
-# Quantities and the units that a person may type them in: unit -> factor to the first.
-UNITS: dict[str, dict[str, float]] = {
-    "incline": {"deg": 1.0, "%": 0.0},  # grade: by the arctangent, not by a factor
-    "angle": {"deg": 1.0},
-    "grade": {"%": 1.0, "deg": 0.0},
-    "speed": {"m/s": 1.0, "km/h": 1 / 3.6, "cm/s": 0.01, "mm/s": 0.001, "mph": 0.44704},
-    "belt": {"km/h": 1.0, "m/s": 3.6, "mph": 1.609344},  # a treadmill's own steps
-    "length": {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254},
-    "mass": {"kg": 1.0, "g": 0.001, "lb": 0.45359237},
-    "count": {"": 1.0},
-    "rate": {"rad/s": 1.0, "Hz": 2 * math.pi},
-    "time": {"s": 1.0, "min": 60.0},
-    "voltage": {"V": 1.0},
+Units = dict[str, float]
+_INCLINE: tuple[Units, str] = {"deg": 1.0, "%": 0.0}, "2.3 or 4 %"  # grade: by the arctangent
+# By the ends of columns' names, the first that fits: the units that a person may type a number in,
+# unit -> factor to the first, and an example.
+QUANTITIES: dict[str, tuple[Units, str]] = {
+    "incline_deg": _INCLINE,
+    "reversed_deg": _INCLINE,
+    "_deg": ({"deg": 1.0}, "150"),
+    "_percent": ({"%": 1.0, "deg": 0.0}, "0.5"),
+    "_km_h": ({"km/h": 1.0, "m/s": 3.6, "mph": 1.609344}, "0.1"),
+    "_rad_s": ({"rad/s": 1.0, "Hz": 2 * math.pi}, "3.14 or 0.5 Hz"),
+    "_m_s": (
+        {"m/s": 1.0, "km/h": 1 / 3.6, "cm/s": 0.01, "mm/s": 0.001, "mph": 0.44704},
+        "0.45 or 1.6 km/h",
+    ),
+    "_m": ({"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}, "1.2 or 76 mm"),
+    "_kg": ({"kg": 1.0, "g": 0.001, "lb": 0.45359237}, "0.48 or 480 g"),
+    "_s": ({"s": 1.0, "min": 60.0}, "9.5"),
+    "_v": ({"V": 1.0}, "5.2"),
+    "": ({"": 1.0}, "6"),
 }
-# Quantities by the ends of columns' names, the first that fits; others are counts.
-QUANTITIES = {
-    "incline_deg": "incline",
-    "reversed_deg": "incline",
-    "_deg": "angle",
-    "_percent": "grade",
-    "_km_h": "belt",
-    "_rad_s": "rate",
-    "_m_s": "speed",
-    "_m": "length",
-    "_kg": "mass",
-    "_s": "time",
-    "_v": "voltage",
-}
+PER_SI = {"percent": 100.0, "ms": 1e3, "mm": 1e3, "h": 3.6}  # of units that names end in
 READ, PLANNED, DERIVED = "read", "planned", "derived"
+
+
+def in_si(name: str, value: float) -> float:
+    """Return a value in SI that is given in the unit of its name."""
+    if name.endswith("_deg"):
+        return math.radians(value)
+    return value / PER_SI.get(name.rpartition("_")[2], 1.0)
+
+
+def in_unit(name: str, value: float) -> float:
+    """Return a value in the unit of its name that is given in SI."""
+    if name.endswith("_deg"):
+        return math.degrees(value)
+    return value * PER_SI.get(name.rpartition("_")[2], 1.0)
 
 
 @dataclass(frozen=True)
@@ -70,23 +78,29 @@ class Field:
     sheet: tuple[str, str] | None = None
 
     @property
-    def quantity(self) -> str:
-        """Return a key of UNITS; bare numbers are in its first unit, which is the column's."""
-        return next((q for end, q in QUANTITIES.items() if self.column.endswith(end)), "count")
+    def units(self) -> Units:
+        """Return the units that it may be typed in, unit -> factor to the first."""
+        return self._quantity[0]
 
     @property
     def unit(self) -> str:
         """Return the unit of a bare number, that of the column."""
-        return next(iter(UNITS[self.quantity]))
+        return next(iter(self.units))
+
+    @property
+    def example(self) -> str:
+        """Return in words what may be typed."""
+        units = " or ".join(self.units)
+        return f"type a number{' in ' * bool(units)}{units}, such as {self._quantity[1]}"
+
+    @property
+    def _quantity(self) -> tuple[Units, str]:
+        return next(q for end, q in QUANTITIES.items() if self.column.endswith(end))
 
     @property
     def name(self) -> str:
         """Return the name of the reading's attribute."""
         return self.attribute or self.column.replace("_deg", "_rad")
-
-    def si(self, value: float) -> float:
-        """Return a value of the column in SI."""
-        return math.radians(value) if self.column.endswith("_deg") else value
 
     def read(self, text: str) -> float | None:
         """Return a cell's number in SI, None if it is empty and may be; raises BadInput."""
@@ -96,17 +110,8 @@ class Field:
             value: object = float(text)
         except ValueError:  # check_number says what is there instead of a number
             value = text
-        return self.si(
-            check_number(self.column, value, self.low, self.high, open_low=self.open_low)
-        )
-
-    def check(self, reading: object) -> None:
-        """Raise BadInput if a reading's value is beyond the limits."""
-        value = getattr(reading, self.name)
-        if value is None and self.optional:
-            return
-        low, high = self.si(self.low), self.si(self.high)
-        check_number(self.name, value, low, high, open_low=self.open_low)
+        number = check_number(self.column, value, self.low, self.high, open_low=self.open_low)
+        return in_si(self.column, number)
 
 
 @dataclass(frozen=True)
@@ -139,13 +144,6 @@ class Word:
         word = self.tidy(text) if self.tidy and text else text or self.usual
         return check_choice(self.column, word, self.choices) if self.choices else word
 
-    def check(self, reading: object) -> None:
-        """Raise BadInput if a reading's word is none of the choices."""
-        if self.choices:
-            check_choice(self.column, getattr(reading, self.name), self.choices)
-        if self.tidy and getattr(reading, self.name):
-            self.tidy(getattr(reading, self.name))
-
 
 class Taken:
     """A reading; each kind is a dataclass of this that declares all of its kind.
@@ -155,8 +153,8 @@ class Taken:
     session's hash covers it. columns: of its file of samples (`tracks`), which the attribute
     `track` holds; none if it has no file. track_may_miss: some readings have none.
 
-    Its dataclass has number, voided, comment and time_utc besides the fields' attributes. Raises
-    BadInput, naming value and limits, where one of them is out of range.
+    Its dataclass has number, voided, comment and time_utc besides the fields' attributes. Limits
+    are checked where a reading is read, from a file or from a person.
     """
 
     __slots__ = ()
@@ -166,11 +164,6 @@ class Taken:
     fitted: ClassVar[bool] = False
     columns: ClassVar[tuple[str, ...]] = ()
     track_may_miss: ClassVar[bool] = False
-
-    def __post_init__(self) -> None:
-        check_number("number", self.number, 1)  # type: ignore[attr-defined]
-        for field in self.fields:
-            field.check(self)
 
     @classmethod
     def numbers(cls) -> dict[str, Field]:

@@ -56,7 +56,6 @@ class FilmReading(Taken):
     time_utc: str = ""
 
     def __post_init__(self) -> None:
-        Taken.__post_init__(self)
         if not self.gains or len(_numbers("gains", self.gains)) != len(
             _numbers("shifts_deg", self.shifts_deg)
         ):

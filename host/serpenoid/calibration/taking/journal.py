@@ -25,6 +25,7 @@ from ..kinds.rows import (
     LISTED,
     READING_COLUMNS,
     TRACK_WORDS,
+    Row,
     kind_of,
     make_reading,
     reading_row,
@@ -33,7 +34,7 @@ from ..kinds.rows import (
 from ..kinds.tracks import Samples, Track
 from ..session import Session
 from ..session_file import read_session
-from ..session_rows import EVENT_COLUMNS, TORN, Event, read_events, reading_rows
+from ..session_rows import EVENT_COLUMNS, ON_READINGS, TORN, Event, read_events, reading_rows
 from ..settings import amended
 
 LOCK = ".lock"
@@ -48,9 +49,10 @@ def utc_now() -> str:
 class Journal:
     """Append to one session, inside `with Journal(folder) as journal:` only.
 
-    session: what the files hold now. Raises BadInput for files that cannot be read, a format 1
-    session (finished, never added to) and a session that another process has open, named by its
-    number; RecordingFailed where the disk takes no more: nothing is then half written.
+    session, events, rows (of readings, by their numbers): what the files hold now. Raises BadInput
+    for files that cannot be read, a format 1 session (finished, never added to) and a session that
+    another process has open, named by its number; RecordingFailed where the disk takes no more:
+    nothing is then half written.
     """
 
     def __init__(self, folder: str | Path):
@@ -58,7 +60,7 @@ class Journal:
         self._lock: FileIO | None = None
         self.session: Session
         self.events: list[Event]
-        self.numbers: list[int]
+        self.rows: dict[int, Row]
 
     def __enter__(self) -> Journal:
         if not (self.folder / "session.toml").exists():
@@ -66,16 +68,23 @@ class Journal:
                 f"{self.folder}: no session here (no session.toml); begin one with "
                 f"`serpenoid calibrate new {self.folder}`"
             )
-        self._take_lock()
         try:
+            self._take_lock()
             self._read()
         except BaseException:
-            self._release()
+            self.__exit__()
             raise
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._release()
+        if self._lock:
+            self._lock.close()
+            self._lock = None
+
+    @property
+    def last(self) -> int:
+        """Return the number of the last reading, 0 before the first."""
+        return max(self.rows, default=0)
 
     def add(
         self,
@@ -91,8 +100,8 @@ class Journal:
         It is checked first, so that no line is ever written that could not be read. samples: of a
         kind with a track, whose file is on the disk before the reading's line.
         """
-        number = max(self.numbers, default=0) + 1
-        if replaces and replaces not in self.numbers:
+        number = self.last + 1
+        if replaces and replaces not in self.rows:
             raise BadInput(
                 f"there is no reading {replaces} to replace; see `serpenoid calibrate status`"
             )
@@ -118,14 +127,14 @@ class Journal:
         Each row holds a hash of the list up to it. So a list that was cut short by a kill is gone
         on with, one that has grown adds its new end, and nothing is there twice.
         """
-        there = {words_of(row).get(LISTED, "") for row in reading_rows(self.folder)}
-        number, digest, rows = max(self.numbers, default=0), hashlib.sha256(), []
+        there = {words_of(row).get(LISTED, "") for row in self.rows.values()}
+        digest, rows = hashlib.sha256(), list[Row]()
         for kind, cells, comment in listed:
             self.check(kind, cells)
             digest.update(repr((kind, sorted(cells.items()), comment)).encode())
             mark = digest.hexdigest()[:16]
             if mark not in there:
-                number += 1
+                number = self.last + len(rows) + 1
                 rows.append(self._row(number, kind, {**cells, LISTED: mark}, comment))
         if rows:
             self._append("readings.csv", READING_COLUMNS, rows)
@@ -153,11 +162,11 @@ class Journal:
 
     def event(self, event: str, reading: int = 0, detail: str = "") -> None:
         """Write one event; void, restore and undo need a reading that is there."""
-        if event in ("void", "restore", "undo") and reading not in self.numbers:
-            known = f"1 to {max(self.numbers)}" if self.numbers else "none yet"
+        if event in ON_READINGS and reading not in self.rows:
+            known = f"1 to {self.last}" if self.rows else "none yet"
             raise BadInput(f"there is no reading {reading}; there are {known}")
         if event == "restore":
-            detail = f"after reading {max(self.numbers)}"
+            detail = f"after reading {self.last}"
         if event == "amend":
             amended(self.session.setup, detail, self.folder)
         row = {"time_utc": utc_now(), "event": event, "reading": str(reading or "")}
@@ -170,8 +179,7 @@ class Journal:
                 f"{self.folder}: a session of format 1 is finished and not added to; begin a new "
                 f"one from its set-up: `serpenoid calibrate new DIR --template {self.folder}`"
             )
-        self.events = read_events(self.folder)
-        self.numbers = [int(row["reading"]) for row in reading_rows(self.folder)]
+        self.events, self.rows = read_events(self.folder), reading_rows(self.folder)
 
     def _take_lock(self) -> None:
         path = self.folder / LOCK
@@ -182,7 +190,6 @@ class Journal:
         if not system.lock(self._lock.fileno()):
             self._lock.seek(0)
             holder = self._lock.read(20).decode("ascii", "replace").strip() or "unknown"
-            self._release()
             raise BadInput(
                 f"{self.folder}: process {holder} is writing to this session already; leave it "
                 "there, or end that one first"
@@ -191,15 +198,9 @@ class Journal:
             self._lock.truncate(0)
             self._lock.write(f"{os.getpid()}\n".encode())
         except OSError as error:
-            self._release()
             raise RecordingFailed(
                 f"{path}: {error.strerror}: nothing could be kept; make room on the disk first"
             ) from error
-
-    def _release(self) -> None:
-        if self._lock:
-            self._lock.close()
-            self._lock = None
 
     def _append(
         self, name: str, columns: tuple[str, ...], rows: Sequence[Mapping[str, str]]
@@ -237,11 +238,7 @@ def append_line(path: Path, line: str) -> None:
             os.fsync(file.fileno())
         except OSError as error:
             file.truncate(size)
-            raise _full(path, error) from error
-
-
-def _full(path: Path, error: OSError) -> RecordingFailed:
-    return RecordingFailed(
-        f"{path}: {error.strerror}: this is not saved, all before it is; make room on the disk, "
-        "then type it again"
-    )
+            raise RecordingFailed(
+                f"{path}: {error.strerror}: this is not saved, all before it is; make room on the "
+                "disk, then type it again"
+            ) from error

@@ -15,7 +15,7 @@ from ...model.errors import BadInput, RecordingFailed
 from ...model.files import write_text
 from ...model.gait import Gait
 from ...model.robot import Robot
-from ..kinds.declaration import Field
+from ..kinds.declaration import Field, in_si
 from ..kinds.instruments import Uncertainty
 from ..kinds.rows import READING_COLUMNS
 from ..session import Procedure, Setup
@@ -26,6 +26,7 @@ from .journal import csv_line, utc_now
 
 SAME = 0.005
 LATER = "later"  # answers for what nobody has measured yet
+NOT_SAID = "not said"
 TEXT = """\
 # How this session was set up. Changes are made by `serpenoid calibrate amend`: those of instruments
 # and plan hold from then on, so that each reading keeps those it was taken with; those of robot and
@@ -41,37 +42,36 @@ created_utc = {created}
 class Question:
     """A number that `calibrate new` asks for; one that is not likely is asked about.
 
-    usual: returns what Enter takes. values: returns what follows from the answer, by the paths of
-    the settings. on: where it is asked; anywhere if empty.
+    field: its attribute is the path of the setting that holds the answer. usual: what Enter takes,
+    with the setting's value in SI put in, and how many of its unit are one in SI. on: where it is
+    asked; anywhere if empty. values: returns what follows from the answer by the paths of settings,
+    where that is not one setting.
     """
 
     field: Field
-    usual: Callable[[Setup], str]
-    values: Callable[[Setup, float], dict[str, Any]]
+    usual: str = LATER
+    per_si: float = 1.0
     on: str = ""
+    values: Callable[[Setup, float], dict[str, Any]] | None = None
 
-    @property
-    def may_wait(self) -> bool:
-        """Tell whether the number may be given later."""
-        return self.usual is _later
+    def usual_of(self, setup: Setup) -> str:
+        """Return what Enter takes."""
+        if self.usual == LATER:
+            return LATER
+        return self.usual.format(self.per_si * attrgetter(self.field.attribute)(setup))
 
-
-def _later(setup: Setup) -> str:
-    return LATER
-
-
-def _shown_step_deg(setup: Setup) -> str:
-    return f"{math.degrees(setup.uncertainty.incline_sigma_rad) * math.sqrt(12):.2g}"
+    def answered(self, setup: Setup, answer: float) -> Setup:
+        """Return the set-up with an answer put in; raises BadInput."""
+        if self.values is not None:
+            return changed(setup, self.values(setup, answer))
+        return changed(setup, {self.field.attribute: in_si(self.field.column, answer)})
 
 
 def _belt_step(setup: Setup, step_km_h: float) -> dict[str, Any]:
     step_m_s = step_km_h / 3.6
     # Rounding of the display, and as much again for the drift that a person reads off.
     sigma_m_s = math.hypot(step_m_s / math.sqrt(12), 0.008)
-    return {
-        "treadmill.belt_step_m_s": step_m_s,
-        "uncertainty.belt_speed_sigma_m_s": sigma_m_s,
-    }
+    return {"treadmill.belt_step_m_s": step_m_s, "uncertainty.belt_speed_sigma_m_s": sigma_m_s}
 
 
 # What `calibrate new` asks: words, the links, then numbers.
@@ -88,8 +88,7 @@ MASS = Question(
         1000.0,
         (0.02, 20.0),
     ),
-    _later,
-    lambda setup, mass_kg: {"robot.link_mass_kg": mass_kg / setup.robot.links},
+    values=lambda setup, mass_kg: {"robot.link_mass_kg": mass_kg / setup.robot.links},
 )
 LENGTH = Question(
     Field(
@@ -98,9 +97,10 @@ LENGTH = Question(
         0.001,
         10.0,
         (0.01, 1.0),
+        attribute="robot.link_length_m",
     ),
-    lambda setup: f"{1000 * setup.robot.link_length_m:.6g} mm",
-    lambda setup, length_m: {"robot.link_length_m": length_m},
+    "{:.6g} mm",
+    1000.0,
 )
 QUESTIONS = (
     MASS,
@@ -112,9 +112,8 @@ QUESTIONS = (
             1.0,
             60.0,
             (4.0, 15.0),
-        ),
-        _later,
-        lambda setup, volts: {"supply_v": volts},
+            attribute="supply_v",
+        )
     ),
     Question(
         Field(
@@ -123,10 +122,9 @@ QUESTIONS = (
             0.0,
             100.0,
             (0.001, 2.0),
+            attribute="floor.wheels_kg",
         ),
-        _later,
-        lambda setup, wheels_kg: {"floor.wheels_kg": wheels_kg},
-        "floor",
+        on="floor",
     ),
     Question(
         Field(
@@ -134,12 +132,14 @@ QUESTIONS = (
             "inclinometer: smallest step it shows (deg)",
             0.0001,
             5.0,
+            attribute="uncertainty.incline_sigma_rad",
         ),
-        _shown_step_deg,
+        "{:.2g}",
+        math.degrees(math.sqrt(12)),
+        "treadmill",
         lambda setup, step_deg: {
             "uncertainty.incline_sigma_rad": math.radians(step_deg) / math.sqrt(12)
         },
-        "treadmill",
     ),
     Question(
         Field(
@@ -147,9 +147,10 @@ QUESTIONS = (
             "treadmill: smallest step of its incline (% or deg)",
             0.001,
             20.0,
+            attribute="treadmill.incline_step_rad",
         ),
-        lambda setup: f"{100 * setup.treadmill.incline_step_rad:.3g} %",
-        lambda setup, percent: {"treadmill.incline_step_rad": percent / 100},
+        "{:.3g} %",
+        100.0,
         "treadmill",
     ),
     Question(
@@ -158,10 +159,12 @@ QUESTIONS = (
             "belt: smallest step it can be set to (km/h, m/s or mph)",
             0.0001,
             5.0,
+            attribute="treadmill.belt_step_m_s",
         ),
-        lambda setup: f"{3.6 * setup.treadmill.belt_step_m_s:.3g} km/h",
-        _belt_step,
+        "{:.3g} km/h",
+        3.6,
         "treadmill",
+        _belt_step,
     ),
     Question(
         Field(
@@ -169,9 +172,10 @@ QUESTIONS = (
             "belt: least speed above 0 (km/h, m/s or mph)",
             0.0,
             10.0,
+            attribute="treadmill.belt_least_m_s",
         ),
-        lambda setup: f"{3.6 * setup.treadmill.belt_least_m_s:.3g} km/h",
-        lambda setup, least_km_h: {"treadmill.belt_least_m_s": least_km_h / 3.6},
+        "{:.3g} km/h",
+        3.6,
         "treadmill",
     ),
 )
@@ -208,9 +212,9 @@ def default_setup(name: str) -> Setup:
             pushes=PUSHES,
         ),
         uncertainty=Uncertainty(deg(0.03), deg(0.1), 0.01, deg(0.5), 0.02, 0.005, deg(0.5)),
-        surface="not said",
-        place="not said",
-        people="not said",
+        surface=NOT_SAID,
+        place=NOT_SAID,
+        people=NOT_SAID,
     )
 
 
@@ -231,25 +235,28 @@ def answered(setup: Setup, answers: Mapping[str, Any]) -> Setup:
     setup = changed(setup, {"robot.links": links, **words})
     for question in QUESTIONS:
         if question.field.column in given:
-            setup = changed(setup, question.values(setup, given[question.field.column]))
+            setup = question.answered(setup, given[question.field.column])
     return setup
 
 
 def template_setup(path: str | Path | None, name: str) -> Setup:
     """Return the set-up of another session, or the proposed one; raises BadInput."""
-    if path is None:
-        return default_setup(name)
-    found = load_setup(path)
-    words = {k: getattr(found, k) or "not said" for k in ("surface", "place", "people")}
     proposed = default_setup(name)
-    plan = found.procedure
-    if found.robot.links >= FEWEST_LINKS:
+    if path is None:
+        return proposed
+    other = load_setup(path)
+    plan = replace(other.procedure, gaits=other.procedure.gaits or proposed.procedure.gaits)
+    if other.robot.links >= FEWEST_LINKS:
         plan = replace(plan, bend="balanced")
-    if not plan.gaits:
-        plan = replace(plan, gaits=proposed.procedure.gaits)
-    kind = {} if found.kind != "regenerated" else {"kind": "measured"}
-    said = {"source": proposed.source, "note": proposed.note}
-    return replace(found, name=name, procedure=plan, **words, **kind, **said)
+    return replace(
+        other,
+        name=name,
+        procedure=plan,
+        kind="measured" if other.kind == "regenerated" else other.kind,
+        source=proposed.source,
+        note=proposed.note,
+        **{word: getattr(other, word) or NOT_SAID for word in WORDS},
+    )
 
 
 def setup_text(setup: Setup) -> str:
@@ -309,5 +316,5 @@ def identity_differences(session: Setup, wanted: Setup) -> list[str]:
         a, b = (attrgetter(path)(setup) for setup in (session, wanted))
         same = abs(a - b) <= SAME * a if isinstance(a, float) and isinstance(b, float) else a == b
         if not same:
-            lines.append(f"{path.rpartition(chr(46))[2]}: the session has {a!r}, this has {b!r}")
+            lines.append(f"{path.rpartition('.')[2]}: the session has {a!r}, this has {b!r}")
     return lines

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...model.errors import BadInput
-from ..kinds.declaration import DERIVED, UNITS, Field, Range
+from ..kinds.declaration import DERIVED, Field, Range
 from ..kinds.rows import KINDS, cells_of, kind_of
 from ..session import Setup
 from ..settings import quoted
@@ -28,25 +28,16 @@ OTHER_UNITS = {
 OTHER_UNITS |= {"incline_percent": ("incline_deg", "%"), "drift_km_h": ("drift_m_s", "km/h")}
 _NUMBER = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*(\S*)")
 _SPELLINGS = {
-    "°": "deg",
-    "degree": "deg",
-    "degrees": "deg",
-    "percent": "%",
-    "kmh": "km/h",
-    "kph": "km/h",
-    "km/hr": "km/h",
-    "ms": "m/s",
-    "mps": "m/s",
-    "sec": "s",
-    "secs": "s",
-    "mins": "min",
-    "kgs": "kg",
-    "gr": "g",
-    "grams": "g",
-    "gram": "g",
-    "lbs": "lb",
-    "inch": "in",
-    "inches": "in",
+    "deg": "° degree degrees",
+    "%": "percent",
+    "km/h": "kmh kph km/hr",
+    "m/s": "ms mps",
+    "s": "sec secs",
+    "min": "mins",
+    "kg": "kgs",
+    "g": "gr grams gram",
+    "lb": "lbs",
+    "in": "inch inches",
 }
 
 
@@ -72,47 +63,42 @@ def parse_number(text: str, field: Field, likely: Range | None = None) -> Typed:
         return Typed(field.usual)
     found = _NUMBER.fullmatch(text.replace("−", "-"))
     if not found:
-        raise BadInput(f"{text!r} is no number; {_example(field)}")
+        raise BadInput(f"{text!r} is no number; {field.example}")
     number = float(found[1].replace(",", "."))
     if found[2]:
         return Typed(_checked(_converted(number, _unit(found[2], field), field), field))
-    return _bare(number, field, likely or field.likely)
-
-
-def _bare(number: float, field: Field, likely: Range | None) -> Typed:
-    """Judge a number without a unit by the range it was expected in."""
-    if likely is not None and number and not likely[0] <= number <= likely[1]:
-        for unit in list(UNITS[field.quantity])[1:]:
+    low, high = likely or field.likely or (-math.inf, math.inf)
+    if number and not low <= number <= high:
+        for unit in list(field.units)[1:]:
             other = _converted(number, unit, field)
-            if likely[0] <= other <= likely[1]:
-                return Typed(
-                    number,
-                    f"{number:g} {field.unit} is outside {span(likely)} {field.unit}; "
-                    f"did you mean {number:g} {unit} = {other:.4g} {field.unit}?",
-                    other,
+            if low <= other <= high:
+                question = (
+                    f"{number:g} {field.unit} is outside {span((low, high))} {field.unit}; "
+                    f"did you mean {number:g} {unit} = {other:.4g} {field.unit}?"
                 )
+                return Typed(number, question, other)
     return Typed(_checked(number, field))
 
 
 def span(likely: Range) -> str:
     """Return a range in words."""
-    return f"{likely[0]:.3g} to {likely[1]:.3g}"
+    low, high = likely
+    return f"at least {low:.3g}" if high == math.inf else f"{low:.3g} to {high:.3g}"
 
 
 def _unit(text: str, field: Field) -> str:
-    units = {unit.lower(): unit for unit in UNITS[field.quantity]}
-    unit = _SPELLINGS.get(text.lower(), text.lower())
-    if unit not in units:
-        raise BadInput(f"{text!r} is no unit of this; {_example(field)}")
-    return units[unit]
+    for unit in field.units:
+        if text.lower() in (unit.lower(), *_SPELLINGS.get(unit, "").split()):
+            return unit
+    raise BadInput(f"{text!r} is no unit of this; {field.example}")
 
 
 def _converted(number: float, unit: str, field: Field) -> float:
-    if field.quantity == "incline" and unit == "%":
+    if (field.unit, unit) == ("deg", "%"):
         return math.degrees(math.atan(number / 100))
-    if field.quantity == "grade" and unit == "deg":
+    if (field.unit, unit) == ("%", "deg"):
         return 100 * math.tan(math.radians(number))
-    return number * UNITS[field.quantity][unit]
+    return number * field.units[unit]
 
 
 def _checked(value: float, field: Field) -> float:
@@ -120,30 +106,9 @@ def _checked(value: float, field: Field) -> float:
         says = field.words if field.words.endswith("shows") else f"{field.words} is"
         raise BadInput(
             f"{value:.4g} {field.unit} cannot be: {says} {field.low:g} to {field.high:g} "
-            f"{field.unit}; {_example(field)}"
+            f"{field.unit}; {field.example}"
         )
     return value
-
-
-def _example(field: Field) -> str:
-    if field.quantity == "count":
-        return "type a number, such as 6"
-    units = " or ".join(UNITS[field.quantity])
-    return f"type a number in {units}, such as {_SAMPLES[field.quantity]}"
-
-
-_SAMPLES = {
-    "incline": "2.3 or 4 %",
-    "angle": "150",
-    "speed": "0.45 or 1.6 km/h",
-    "length": "1.2 or 76 mm",
-    "rate": "3.14 or 0.5 Hz",
-    "time": "9.5",
-    "mass": "0.48 or 480 g",
-    "grade": "0.5",
-    "belt": "0.1",
-    "voltage": "5.2",
-}
 
 
 def read_cells(
@@ -153,81 +118,62 @@ def read_cells(
 
     old: the row that is redone; what is not named stays as it was.
     """
-    declared = kind_of(kind)
-    fields = {field.column: field for field in declared.fields}
+    columns = [field.column for field in kind_of(kind).fields]
     pairs: list[tuple[str, str]] = []
     for cell in cells:
         name, equals, text = cell.partition("=")
-        if not equals or OTHER_UNITS.get(name, (name,))[0] not in fields:
-            raise BadInput(f"{cell!r} is not NAME=VALUE with a name of {', '.join(_names(fields))}")
+        if not equals or OTHER_UNITS.get(name, (name,))[0] not in columns:
+            others = {column: f"{column} (or {name})" for name, (column, _) in OTHER_UNITS.items()}
+            names = ", ".join(others.get(column, column) for column in columns)
+            raise BadInput(f"{cell!r} is not NAME=VALUE with a name of {names}")
         pairs.append((name, text))
-    found: dict[str, Any] = {}
-    for name, text in in_columns(pairs).items():
-        field = fields[name]
-        number = isinstance(field, Field)
-        found[name] = parse_number(text, field).value if number else field.read(text)
-    if old is not None:
-        return redone(kind, old, found, setup)
-    return completed(kind, found, setup)
+    typed = typed_cells(kind, pairs)
+    return completed(kind, typed, setup) if old is None else redone(kind, old, typed, setup)
 
 
-def _names(columns: Iterable[str]) -> list[str]:
-    """Return columns, each with the names for it in other units."""
-    others = {column: name for name, (column, _) in OTHER_UNITS.items()}
-    return [f"{c} (or {others[c]})" if c in others else c for c in columns]
+def typed_cells(kind: str, typed: Iterable[tuple[str, Any]]) -> dict[str, Any]:
+    """Return what was typed by column, numbers read with their units.
 
-
-def in_columns(typed: Iterable[tuple[str, Any]]) -> dict[str, Any]:
-    """Return what was typed by column; a name of another unit puts this unit behind a bare number.
-
-    Raises BadInput where one column is given twice, by whichever names.
+    A name of another unit puts this unit behind a bare number. Raises BadInput where one column is
+    given twice, by whichever names.
     """
-    found: dict[str, tuple[str, Any]] = {}
+    numbers = kind_of(kind).numbers()
+    names, cells = dict[str, str](), dict[str, Any]()
     for name, value in typed:
         column, unit = OTHER_UNITS.get(name, (name, ""))
-        if column in found:
-            both = " and ".join(dict.fromkeys((found[column][0], name)))
+        if column in names:
+            both = " and ".join(dict.fromkeys((names[column], name)))
             raise BadInput(f"{both}: one quantity is given twice; give it once")
+        names[column] = name
         bare = unit and not re.search(r"[^\W\d_]$|%$", str(value).strip())
-        found[column] = name, f"{value} {unit}" if bare else value
-    return {column: value for column, (_, value) in found.items()}
+        typed_value = f"{value} {unit}" if bare else value
+        if isinstance(typed_value, str) and column in numbers:
+            typed_value = parse_number(typed_value, numbers[column]).value
+        cells[column] = typed_value
+    return cells
 
 
-def listed_cells(kind: str, row: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a script's cells by column, numbers of another unit converted; raises BadInput."""
-    numbers = kind_of(kind).numbers()
-    own = {n: v for n, v in row.items() if OTHER_UNITS.get(n, (n,))[0] in numbers}
-    found = {
-        c: parse_number(v, numbers[c]).value if c not in row else v
-        for c, v in in_columns(own.items()).items()
-    }
-    return {n: v for n, v in row.items() if n not in own} | found
-
-
-def completed(kind: str, found: Mapping[str, Any], setup: Setup) -> dict[str, Any]:
+def completed(kind: str, cells: Mapping[str, Any], setup: Setup) -> dict[str, Any]:
     """Return a reading's values with what an empty answer means, and what follows from others."""
     usual = {
         column: field.usual
         for column, field in kind_of(kind).numbers().items()
         if field.usual is not None and not field.optional  # what was not said is not known
     }
-    return kind_of(kind).derived(usual | dict(found), setup.stopwatch)
+    return kind_of(kind).derived(usual | dict(cells), setup.stopwatch)
 
 
 def redone(
-    kind: str, old: Mapping[str, str], found: dict[str, Any], setup: Setup
+    kind: str, old: Mapping[str, str], anew: Mapping[str, Any], setup: Setup
 ) -> dict[str, Any]:
     """Return a row's values with those read anew; what follows from them follows again."""
-    declared = kind_of(kind)
+    declared, there = kind_of(kind), cells_of(old)
     derived = {c for c, f in declared.numbers().items() if f.source == DERIVED}
-    stale = derived if found.keys() - derived and not derived & found.keys() else set()
-    there = cells_of(old)
-    if "drift_m_s" in found and "places" not in found:
+    if "drift_m_s" in anew and "places" not in anew:
         there.pop("places", None)  # a drift that was typed anew: of these places no more
-    anew = declared.derived(
-        {k: v for k, v in there.items() if k not in stale} | found, setup.stopwatch
-    )
-    return {**there, **anew}
+    stale = derived if anew and not derived & anew.keys() else set()
+    kept = {column: value for column, value in there.items() if column not in stale}
+    return {**there, **declared.derived({**kept, **anew}, setup.stopwatch)}
 
 
 def amendment(change: str) -> str:
@@ -238,6 +184,6 @@ def amendment(change: str) -> str:
     if name.startswith("laboratory.") or name in ("plan.bend", "plan.on"):
         return f"{name} = {quoted(value.strip(chr(34)))}"
     field = Field(name, name, -1e9, 1e9)
-    if field.quantity == "count" or value.startswith(("[", '"', "'")):
+    if not field.unit or value.startswith(("[", '"', "'")):
         return f"{name} = {value}"
     return f"{name} = {parse_number(value, field).value!r}"

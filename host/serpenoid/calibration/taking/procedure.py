@@ -320,7 +320,7 @@ def _station(session: Session, series: Series, skipped: frozenset[str]) -> Step 
     # A misread first station leads its whole series astray: straight, a far one is asked about.
     steep = first and (series.lambda_rad > 0 or facing == "up")
     near_deg = (incline_deg - 2 * step_deg, MOST_DEG if steep else incline_deg + 2 * step_deg)
-    shown, belt = Reading.asked("incline_deg", "belt_speed_m_s")
+    shown, belt, waited = Reading.asked("incline_deg", "belt_speed_m_s", "waited_s")
     cells: Values = {
         "facing": facing,
         **({"bend": series.bend} if series.lambda_rad else {}),
@@ -333,6 +333,7 @@ def _station(session: Session, series: Series, skipped: frozenset[str]) -> Step 
             replace(shown, likely=near_deg),
             replace(belt, likely=likely),
             *Reading.asked("turned_deg", "drift_m_s"),
+            replace(waited, likely=(wait_s / 2, math.inf), why=f"let it settle {wait_s:.0f} s"),
         ),
         series.bend_deg,
         facing,

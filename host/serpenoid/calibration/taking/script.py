@@ -20,7 +20,7 @@ from ...model.toml_table import Table, located
 from ..session import Setup
 from ..settings import SETTINGS, applied
 from .journal import Journal, Listed
-from .parse_number import completed, listed_cells
+from .parse_number import completed, typed_cells
 from .simulated import SimulatedPerson
 from .steps import Step
 from .treadmill import take_steps
@@ -103,7 +103,7 @@ def _add_listed(journal: Journal, top: Table) -> int:
         cells = dict(row)
         kind, comment = str(cells.pop("kind", "station")), str(cells.pop("comment", ""))
         with located(f"{top.path}: reading {number}"):
-            cells = completed(kind, listed_cells(kind, cells), journal.session.setup)
+            cells = completed(kind, typed_cells(kind, cells.items()), journal.session.setup)
             journal.check(kind, cells)
         made.append((kind, cells, comment))
     return journal.add_once(made)

@@ -15,7 +15,7 @@ from ...model.files import csv_rows, read_text
 from ...model.toml_table import located
 from ..kinds.coast import WAYS
 from ..kinds.declaration import DERIVED, PLANNED, Field
-from ..kinds.rows import KINDS, kind_of
+from ..kinds.rows import KINDS
 from ..session import Procedure, Session
 from .expected import series_of, series_of_pushes
 from .journal import Journal, Listed, csv_line
@@ -25,6 +25,7 @@ NOT_READ = {f.column for kind in KINDS.values() for f in kind.fields if f.source
     "kind",
     "comment",
 }
+NOT_TYPED = {"bend", "offset_deg", "waited_s", "time_sigma_s"}
 LINES, SLIDES = 6, 4  # to fill in, of stations a bend and of slides
 BENT = ("station", "coast")  # kinds that are bent as the check above them shows
 ON_FLOOR = ("bend", "coast", "slide", "gait")  # kinds of the sheet of a floor
@@ -39,58 +40,60 @@ def add_sheet(journal: Journal, path: Path) -> tuple[int, list[str]]:
     text = read_text(path)
     semicolons = ";" in text.split("\n", 1)[0]
     rows = csv_rows(text, path, ";" if semicolons else ",")
-    if not rows or "kind" not in _names(rows[0]):
+    header, *lines = [[cell.strip() for cell in row] for row in rows] or [[]]
+    if "kind" not in header:
         raise BadInput(f"{path}:1: the first line must name the columns, such as {HEADINGS}")
-    header = _names(rows[0])
-    made: list[Listed] = []
+    listed: list[Listed] = []
     lambda_deg = ""
-    for number, cells in enumerate(rows[1:], 2):
-        if not any(cell.strip() for cell in cells):
-            continue
+    for number, cells in enumerate(lines, 2):
         with located(f"{path}:{number}"):
-            row = _row(header, cells)
-            if not any(v for name, v in row.items() if _column(name) not in NOT_READ):
+            row = _row(header, cells) if any(cells) else {}
+            kind, comment = row.pop("kind", ""), row.pop("comment", "")
+            if not any(OTHER_UNITS.get(name, (name,))[0] not in NOT_READ for name in row):
                 continue
-            if row["kind"] in BENT and not row.get("lambda_deg"):
+            if kind in BENT and lambda_deg and "lambda_deg" not in row:
                 row["lambda_deg"] = lambda_deg
-            made.append(_reading(row, journal))
-        if made[-1][0] == "bend":
-            lambda_deg = f"{(180 - float(made[-1][1]['between_links_deg'])) / 2:.6g}"
-    if not made:
+            pairs = (f"{name}={value}" for name, value in row.items())
+            values = read_cells(kind, pairs, journal.session.setup)
+            journal.check(kind, values)
+            listed.append((kind, values, comment))
+            if kind == "bend":
+                lambda_deg = f"{(180 - float(values['between_links_deg'])) / 2:.6g}"
+    if not listed:
         raise BadInput(
             f"{path}: no line has a reading in it; type them in, then add the file again"
         )
-    added = journal.add_once(made)
+    added = journal.add_once(listed)
     if not added:
         raise BadInput(f"{path}: all its readings were taken in before; nothing is added twice")
     journal.event("note", detail=f"sheet {path.name}")
     told = ["cells parted by semicolons, decimals by commas: read as such"] if semicolons else []
-    if added < len(made):
-        told.append(f"{len(made) - added} reading(s) of it were there already")
+    if added < len(listed):
+        told.append(f"{len(listed) - added} reading(s) of it were there already")
     return added, told
 
 
-def _names(cells: list[str]) -> list[str]:
-    return [cell.strip() for cell in cells]
+def _row(header: list[str], cells: list[str]) -> dict[str, str]:
+    """Return what a line's cells say, by their columns."""
+    if len(cells) != len(header):
+        raise BadInput(
+            f"{len(cells)} cells where the header has {len(header)}; decimals with a comma need "
+            "cells parted by semicolons"
+        )
+    return {name: cell for name, cell in zip(header, cells, strict=True) if cell}
 
 
 def sheet_text(session: Session) -> str:
     """Return a CSV to type the printed sheet into: its lines, with what the plan says filled in."""
     plan = session.setup.procedure
-    on_floor = plan.on == "floor"
-    typed = _headings(plan.ratchet, ON_FLOOR if on_floor else tuple(KINDS))
-    rows = _planned_rows(plan)
+    columns = _headings(plan)
+    rows = [dict(zip(columns, columns, strict=True)), *_planned_rows(plan)]
     for gait in plan.gaits:
-        degrees = {
-            f"{name}_deg": f"{math.degrees(getattr(gait, name + '_rad')):.6g}"
-            for name in ("alpha", "beta")
-        }
-        rate = f"{gait.omega_rad_s / (2 * math.pi):.6g}"
-        rows += [{"kind": "gait", **degrees, "frequency_hz": rate}] * plan.gait_runs
-    return "".join(
-        csv_line([row.get(name, "") for name in typed])
-        for row in [dict(zip(typed, typed, strict=True)), *rows]
-    )
+        angles = {"alpha_deg": gait.alpha_rad, "beta_deg": gait.beta_rad}
+        cells = {name: f"{math.degrees(angle):.6g}" for name, angle in angles.items()}
+        cells["frequency_hz"] = f"{gait.omega_rad_s / (2 * math.pi):.6g}"
+        rows += [{"kind": "gait", **cells}] * plan.gait_runs
+    return "".join(csv_line([row.get(name, "") for name in columns]) for row in rows)
 
 
 def _planned_rows(plan: Procedure) -> list[dict[str, str]]:
@@ -118,35 +121,11 @@ def ways_of(plan: Procedure) -> list[str]:
     return [WAYS[k % len(WAYS)] for k in range(plan.pushes)]
 
 
-def _headings(ratchet: bool, names: tuple[str, ...]) -> list[str]:
+def _headings(plan: Procedure) -> list[str]:
     """Return the columns that a person types, kind by kind, those that the plan fills in first."""
+    names = ON_FLOOR if plan.on == "floor" else tuple(KINDS)
     kinds = [sorted(KINDS[name].fields, key=lambda f: f.source != PLANNED) for name in names]
     fields = [f for kind in kinds for f in kind if f.source != DERIVED]
     columns = [f.sheet[0] if isinstance(f, Field) and f.sheet else f.column for f in fields]
-    left_out = {"bend", "offset_deg", "waited_s", "time_sigma_s", *([] if ratchet else ["facing"])}
-    told = [name for name in dict.fromkeys(columns) if name not in left_out]
-    return ["kind", *told, "comment"]
-
-
-def _column(heading: str) -> str:
-    return OTHER_UNITS.get(heading, (heading, ""))[0]
-
-
-def _row(header: list[str], cells: list[str]) -> dict[str, str]:
-    """Return a line's cells by their columns."""
-    if len(cells) != len(header):
-        raise BadInput(
-            f"{len(cells)} cells where the header has {len(header)}; decimals with a comma need "
-            "cells parted by semicolons"
-        )
-    return dict(zip(header, _names(cells), strict=True))
-
-
-def _reading(row: dict[str, str], journal: Journal) -> Listed:
-    """Return kind, values and comment of a row, checked as a journal checks them."""
-    kind, comment = row.pop("kind"), row.pop("comment", "")
-    kind_of(kind)
-    pairs = [f"{name}={value}" for name, value in row.items() if value]
-    values = read_cells(kind, pairs, journal.session.setup)
-    journal.check(kind, values)
-    return kind, values, comment
+    left_out = NOT_TYPED if plan.ratchet else {*NOT_TYPED, "facing"}
+    return ["kind", *(name for name in dict.fromkeys(columns) if name not in left_out), "comment"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from ...model.gait import Gait
-from ..kinds.declaration import Cells, Field, Values
+from ..kinds.declaration import READ, Cells, Field, Values
 from ..kinds.tracks import Samples
 
 
@@ -37,3 +37,8 @@ class Step:
     gait: Gait | None = None
     bend: str = "zigzag"
     cells: Values = field(default_factory=dict)
+
+    @property
+    def asked(self) -> tuple[Field, ...]:
+        """Return the fields that a person is asked for."""
+        return tuple(field for field in self.fields if field.source == READ)

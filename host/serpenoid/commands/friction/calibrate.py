@@ -150,7 +150,7 @@ def _dry_run(folder: Path, on: str | None) -> None:
     for name, state in parts:
         say(f"{name:14} {state}")
     say(f"next: {step.say}")
-    for field in step.fields:
+    for field in step.asked:
         say(f"  asks: {field.words} ({field.unit})")
 
 
@@ -243,14 +243,12 @@ def void(folder: Path, number: int, reason: str, restore: bool) -> None:
 @option("--comment", "What was odd.", default="")
 def redo(folder: Path, number: int, cells: tuple[str, ...], comment: str) -> None:
     """Take a reading anew: the old one is void, what is not named stays as it was."""
-    from ...calibration.session_rows import reading_rows
     from ...calibration.taking.parse_number import read_cells
 
     with _journal(folder) as journal:
-        rows = {int(row["reading"]): row for row in reading_rows(folder)}
-        if number not in rows:
+        if number not in journal.rows:
             raise BadInput(f"there is no reading {number}; see `serpenoid calibrate status`")
-        old = rows[number]
+        old = journal.rows[number]
         values = read_cells(old["kind"], cells, journal.session.setup, old)
         new_number = journal.redo(number, values, comment)
     say(f"reading {new_number} is kept; reading {number} is not")

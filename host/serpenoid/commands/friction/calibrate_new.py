@@ -34,7 +34,7 @@ def quantity_of(name: str) -> Callable[[Any], float | str]:
         if isinstance(value, float):
             return value
         question = question_of(name)
-        if question.may_wait and str(value).strip().lower() == LATER:
+        if question.usual == LATER and str(value).strip().lower() == LATER:
             return LATER
         try:
             typed = parse_number(str(value), question.field)
@@ -148,6 +148,6 @@ def _asked(setup: Setup, answers: dict[str, Any], on: str) -> dict[str, Any]:
         if found.get(field.column) is None and question.on in ("", on):
             kind = click.types.FuncParamType(quantity_of(field.column))
             found[field.column] = click.prompt(
-                field.words, default=question.usual(setup), type=kind
+                field.words, default=question.usual_of(setup), type=kind
             )
     return found

@@ -13,7 +13,7 @@ from typing import Any
 from ...calibration.friction_fit import fit_friction
 from ...calibration.session import Session
 from ...calibration.taking.journal import Journal
-from ...calibration.taking.person.dialogue import Dialogue, held_dialogue
+from ...calibration.taking.person.dialogue import Dialogue
 from ...calibration.taking.person.identity import ask_identity, in_words
 from ...calibration.taking.person.prompt import Left
 from ...calibration.taking.person.push_prompt import CrawlReader, FilmReader
@@ -85,7 +85,7 @@ def with_a_person(
         films = film_reader(side_m), crawl_reader(side_m)
         dialogue = Dialogue(journal, console, robot, tell, patience_s, clock_s, *films)
         try:
-            well = held_dialogue(dialogue, console)
+            well = dialogue.run()
         finally:
             with suppress(RecordingFailed):  # a full disk was told of already
                 journal.event("end")

@@ -31,7 +31,7 @@ def state_of(
         "say": step.say,
         "aim": _aim(step),
         "settle_s": round(step.settle_s),
-        "asks": [f"{f.words} ({f.unit})" for f in step.fields],
+        "asks": [f"{f.words} ({f.unit})" for f in step.asked],
         "progress": [list(row) for row in progress(session, skipped)],
         "last": _last(session),
         "fit": [] if fit is None else [row._asdict() for row in fit.rows()],

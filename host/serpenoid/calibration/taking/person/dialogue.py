@@ -8,20 +8,18 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import replace
 
 from ....model.errors import BadInput, CommandRefused, RecordingFailed, RobotError
-from ...kinds.declaration import Field, Range, Values
+from ...kinds.declaration import Field, Values
 from ...kinds.places import EXAMPLE, drifts, tidy_places
-from ...kinds.station import Reading
 from ...session import Session
 from ..bends import NEAR_DEG
 from ..journal import Journal
-from ..parse_number import parse_number, span
+from ..parse_number import span
 from ..procedure import doubts, likely_belt, next_step, skipped_keys
-from ..steps import Step
+from ..steps import Step, Tracked
 from ..treadmill import record_step
 from .prompt import PATIENCE_S, Again, Left, Prompt
 from .push_prompt import (
@@ -38,6 +36,7 @@ from .push_prompt import (
 from .session_robot import SessionRobot
 from .terminal import Terminal
 
+FILMED = {"coast": QUESTION, "gait": CRAWL_QUESTION}  # kinds of steps that a film answers, too
 LEFT = "Left. Everything read so far is kept; the same command goes on from here."
 Told = Callable[[Session, Step], None]
 
@@ -67,8 +66,18 @@ class Dialogue(Prompt):
         if robot is not None:
             robot.offset_rad = steered_rad(journal.session) or 0.0
 
-    def run(self) -> None:
-        """Go on until everything is done or the person leaves."""
+    def run(self) -> bool:
+        """Go on until everything is done or the person leaves; return False if a robot is lost."""
+        try:
+            self._go_on()
+        except RobotError as error:
+            self.say(
+                f"! the robot: {error}\n  Everything read so far is kept; the same command goes on."
+            )
+            return False
+        return True
+
+    def _go_on(self) -> None:
         self.say("At every prompt: undo, redo, skip, pause, quit, help.")
         try:
             self._check_plan()
@@ -111,7 +120,7 @@ class Dialogue(Prompt):
             self.journal.session, skipped, self._posture.bend_deg, self._posture.facing
         )
         self._told(self.journal.session, step)
-        self._enter_answers = self._skip_doubted = False
+        self._skip_doubted = False
         self.say("")
         self.say(step.say)
         if step.kind == "done":
@@ -207,23 +216,24 @@ class Dialogue(Prompt):
 
     def _values(self, step: Step) -> Values:
         """Ask for a step's numbers; what is out of line is asked about, never refused."""
-        if step.kind == "coast":
-            return self._pushed(step)
-        if step.kind == "gait":
-            return self._crawled(step)
-        values: Values = {}
-        begun_s = self._belt_set(step)
-        for field in step.fields:
+        typed = None
+        if step.kind in FILMED:
+            typed = self._film_or_number(step)
+            if isinstance(typed, Tracked):
+                return typed
+        begun_s, values = self._belt_set(step), Values()
+        for field in step.asked:
+            if field.column == "drift_m_s":
+                values |= self._drift(field, step)
+                continue
             likely = field.likely
             if field.column == "belt_speed_m_s" and step.kind == "station":
                 likely = likely_belt(self.journal.session, step, values)
-            if field.column == "drift_m_s":
-                values |= self._drift(field, likely, step)
-            else:
-                values[field.column] = self.read(self.ask_for(field, step), field, likely, step)
-        if step.kind == "station":
-            if "places" not in values:
-                values["waited_s"] = self._waited(self._clock_s() - begun_s, step)
+            values[field.column] = self.number(field, step, likely, typed=typed)
+            typed = None
+        if step.kind == "station" and "places" not in values:
+            values["waited_s"] = round(self._clock_s() - begun_s, 1)
+        if step.kind in ("station", "coast"):
             values |= self._steering()
         return self._doubted(step, values)
 
@@ -233,39 +243,29 @@ class Dialogue(Prompt):
             return {}
         return {"offset_deg": round(math.degrees(self._robot.offset_rad), 3)}
 
-    def _pushed(self, step: Step) -> Values:
-        """Take a push's track from a file, which keeps it; or ask for way and time to rest."""
+    def _film_or_number(self, step: Step) -> str | Tracked:
+        """Return what a film showed; or what was typed instead, the first of a step's numbers.
+
+        The pushes of a film are kept at once, however many.
+        """
         text = ""
         while not text:
-            text = self.ask(QUESTION, step)
+            text = self.ask(FILMED[step.kind], step)
         named = named_file(text)
         if named is None:
-            return self._by_tape(text, step) | self._steering()
-        cells = {**step.cells, **self._steering()}
-        for kept in take_track(self.journal, *named, cells, self._film):
-            self.say(f"  {kept.in_words()}")
-        raise Again
-
-    def _crawled(self, step: Step) -> Values:
-        """Take a crawl from its film; or ask for distance and time."""
-        text = self.ask(CRAWL_QUESTION, step)
-        named = named_file(text)
-        if named is None or step.gait is None:
-            return self._by_tape(text, step)
-        found = read_crawl(self.journal, named[0], step.gait, self._crawl)
-        gains = ", ".join(f"{float(gain):.3f}" for gain in str(found["gains"]).split(","))
+            return text
+        if step.gait is None:
+            cells = {**step.cells, **self._steering()}
+            for kept in take_track(self.journal, *named, cells, self._film):
+                self.say(f"  {kept.in_words()}")
+            raise Again
+        crawl = read_crawl(self.journal, named[0], step.gait, self._crawl)
+        gains = ", ".join(f"{float(gain):.3f}" for gain in str(crawl["gains"]).split(","))
         self.say(
-            f"  {float(found['speed_m_s']):.4f} m/s; joints' amplitudes over the commanded one, "
+            f"  {float(crawl['speed_m_s']):.4f} m/s; joints' amplitudes over the commanded one, "
             f"from the tail: {gains}"
         )
-        return found
-
-    def _by_tape(self, text: str, step: Step) -> Values:
-        """Return a step's numbers, the first of which was typed already."""
-        first, *others = step.fields
-        values: Values = {first.column: self.read(text, first, first.likely, step)}
-        values |= {f.column: self.read(self.ask_for(f, step), f, f.likely, step) for f in others}
-        return self._doubted(step, values)
+        return crawl
 
     def _belt_set(self, step: Step) -> float:
         """Ask when a station's belt runs at its last speed; return that moment by the clock."""
@@ -273,36 +273,12 @@ class Dialogue(Prompt):
             self.ask(f"  Enter when the belt is set; let it settle {step.settle_s:.0f} s: ", step)
         return self._clock_s()
 
-    def _waited(self, waited_s: float, step: Step) -> float:
-        """Return how long a station settled; too short a time is kept by a word only."""
-        if waited_s >= step.settle_s / 2:
-            return round(waited_s, 1)
-        question = (
-            f"  only {waited_s:.0f} s of {step.settle_s:.0f} since the belt was set. Type how long "
-            "it really ran (20 s), keep, or again: "
-        )
-        while True:
-            answer = self.answer(question, step)
-            if answer == "keep":
-                return round(waited_s, 1)
-            with self._telling():
-                if answer:
-                    return parse_number(answer, Reading.numbers()["waited_s"]).value
-
-    @contextmanager
-    def _telling(self) -> Iterator[None]:
-        """Say what is wrong with an answer, and go on."""
-        try:
-            yield
-        except BadInput as error:
-            self.say(f"  ! {error}")
-
     def _doubted(self, step: Step, values: Values) -> Values:
         """Ask about each number that is not where it was expected, until a word keeps it."""
         kept: set[str] = set()
         while True:
-            found = doubts(self.journal.session, step, values)
-            open_ = [(field, likely) for field, likely in found if field.column not in kept]
+            open_ = doubts(self.journal.session, step, values)
+            open_ = [(field, likely) for field, likely in open_ if field.column not in kept]
             if not open_:
                 return values
             field, likely = open_[0]
@@ -316,34 +292,23 @@ class Dialogue(Prompt):
             if answer == "keep":
                 kept.add(field.column)
             elif answer:
-                values[field.column] = self.read(answer, field, None, step)
+                values[field.column] = self.number(field, step, typed=answer)
 
-    def _drift(self, field: Field, likely: Range | None, step: Step) -> Values:
+    def _drift(self, field: Field, step: Step) -> Values:
         """Ask for the drift that is left; or for places over time, of a robot that still drifts."""
         question = f"  places in a film as s:m, {EXAMPLE}; or {field.words} ({field.unit}): "
-        self._enter_answers = True
         while True:
-            text = self.ask(question, step)
+            text = self.ask(question, step, enter=True)
             if ":" not in text:  # no pairs of time and place
-                return {field.column: self.read(text, field, likely, step)}
-            with self._telling():
+                return {field.column: self.number(field, step, typed=text)}
+            try:
                 places = tidy_places(text)
                 return {"places": places, field.column: drifts(places)[0]}
+            except BadInput as error:
+                self.say(f"  ! {error}")
 
 
 def steered_rad(session: Session) -> float | None:
     """Return the steering on every joint at the last reading that kept it; None before."""
     kept = [r for r in (*session.readings, *session.of("coast")) if r.offset_rad is not None]
     return max(kept, key=lambda r: r.number).offset_rad if kept else None
-
-
-def held_dialogue(dialogue: Dialogue, terminal: Terminal) -> bool:
-    """Run a dialogue; return whether it ended well: a lost robot is told, and nothing is lost."""
-    try:
-        dialogue.run()
-    except RobotError as error:
-        terminal.say(
-            f"! the robot: {error}\n  Everything read so far is kept; the same command goes on."
-        )
-        return False
-    return True

@@ -11,12 +11,13 @@ from ...kinds.declaration import Field
 from ...session import Setup
 from ...settings import quoted
 from ..journal import Journal
-from ..new_session import LENGTH, MASS, WORDS, identity_differences
-from ..parse_number import parse_number
-from .prompt import Left
+from ..new_session import LENGTH, MASS, NOT_SAID, WORDS, identity_differences
+from ..steps import Step
+from .prompt import Again, Prompt
 from .terminal import Terminal
 
 LINKS = Field("links", "number of links", 2.0, 100.0)
+IDENTITY = Step("", "identity", "")
 
 
 def ask_identity(journal: Journal, terminal: Terminal) -> str:
@@ -25,19 +26,60 @@ def ask_identity(journal: Journal, terminal: Terminal) -> str:
     What the set-up left open is asked for and amended. Raises BadInput with the differences where
     the robot is another, Left and EOFError where the person leaves.
     """
-    setup = journal.session.setup
-    if journal.numbers:
-        _confirm(journal, terminal)
-    if not setup.weighed:
-        _weigh(journal, terminal)
-    if setup.surface == "not said":
-        said = _ask(terminal, f"  {WORDS['surface']} [not now]: ")
-        if said:
-            journal.event("amend", detail=f"laboratory.surface = {quoted(said)}")
-    if not journal.numbers:
-        return setup.people
-    people = _ask(terminal, f"Who measures now? Enter: {setup.people}. ")
-    return people or setup.people
+    while True:
+        try:
+            return _Identity(journal, terminal).people()
+        except Again:
+            continue
+
+
+class _Identity(Prompt):
+    def people(self) -> str:
+        """Ask all; return who measures."""
+        setup, resumed = self.journal.session.setup, bool(self.journal.rows)
+        if resumed:
+            self._confirm(setup)
+        if not setup.weighed:
+            mass_kg = self._number(MASS.field, math.nan)
+            if math.isfinite(mass_kg):  # else nobody has weighed it yet
+                self.journal.event("amend", detail=f"robot.mass_kg = {mass_kg!r}")
+        if setup.surface == NOT_SAID:
+            surface = self._word("surface", "not now")
+            if surface != "not now":
+                self.journal.event("amend", detail=f"laboratory.surface = {quoted(surface)}")
+        if not resumed:
+            return setup.people
+        return self.ask(f"Who measures now? Enter: {setup.people}. ", IDENTITY) or setup.people
+
+    def _confirm(self, setup: Setup) -> None:
+        self.say(f"Resumed: {setup.name}, {in_words(setup)}.")
+        answer = "?"
+        while answer not in ("", "y", "yes", "n", "no"):
+            answer = self.ask(
+                "Is it this robot, on this surface? Enter: yes, n: no. ", IDENTITY
+            ).lower()
+        if answer in ("n", "no"):
+            refuse_another(self.journal, self._here(setup))
+            self.say("Nothing differs: it is the same robot.")
+
+    def _here(self, setup: Setup) -> Setup:
+        """Return the set-up with what the person says of the robot that lies here."""
+        robot = setup.robot
+        self.say("What lies here, then? Enter where it is as the session has it.")
+        links = round(self._number(LINKS, robot.links))
+        mass_kg = self._number(MASS.field, robot.links * robot.link_mass_kg)
+        length_m = self._number(LENGTH.field, robot.link_length_m)
+        surface = self._word("surface", setup.surface)
+        return replace(setup, robot=Robot(links, mass_kg / links, length_m), surface=surface)
+
+    def _word(self, name: str, usual: str) -> str:
+        return self.ask(f"  {WORDS[name]} [{usual}]: ", IDENTITY) or usual
+
+    def _number(self, field: Field, usual: float) -> float:
+        """Return the number typed, `usual` for Enter."""
+        shown = "not now" if math.isnan(usual) else f"{usual:.6g}"
+        prompt = f"  {field.words} [{shown}]: "
+        return self.number(field, IDENTITY, prompt=prompt, usual=usual)
 
 
 def in_words(setup: Setup) -> str:
@@ -62,61 +104,3 @@ def refuse_another(journal: Journal, here: Setup) -> None:
             f"if the session's own value is mistyped: serpenoid calibrate amend {folder} "
             "robot.mass_kg=480g"
         )
-
-
-def _confirm(journal: Journal, terminal: Terminal) -> None:
-    setup = journal.session.setup
-    terminal.say(f"Resumed: {setup.name}, {in_words(setup)}.")
-    while True:
-        answer = _ask(terminal, "Is it this robot, on this surface? Enter: yes, n: no. ").lower()
-        if answer in ("", "y", "yes"):
-            return
-        if answer in ("n", "no"):
-            break
-    refuse_another(journal, _here(setup, terminal))
-    terminal.say("Nothing differs: it is the same robot.")
-
-
-def _here(setup: Setup, terminal: Terminal) -> Setup:
-    """Return the set-up with what the person says of the robot that lies here."""
-    robot = setup.robot
-    terminal.say("What lies here, then? Enter where it is as the session has it.")
-    links = round(_number(LINKS, robot.links, terminal))
-    mass_kg = _number(MASS.field, robot.links * robot.link_mass_kg, terminal)
-    length_m = _number(LENGTH.field, robot.link_length_m, terminal)
-    surface = _ask(terminal, f"  {WORDS['surface']} [{setup.surface}]: ") or setup.surface
-    return replace(setup, robot=Robot(links, mass_kg / links, length_m), surface=surface)
-
-
-def _weigh(journal: Journal, terminal: Terminal) -> None:
-    """Ask for a mass that nobody has weighed yet; Enter leaves it open."""
-    mass_kg = _number(MASS.field, math.nan, terminal)
-    if math.isfinite(mass_kg):
-        journal.event("amend", detail=f"robot.mass_kg = {mass_kg!r}")
-
-
-def _number(field: Field, usual: float, terminal: Terminal) -> float:
-    """Return the number typed, `usual` for Enter; what is none is told, and asked for again."""
-    shown = "not now" if math.isnan(usual) else f"{usual:.6g}"
-    while True:
-        text = _ask(terminal, f"  {field.words} [{shown}]: ")
-        if not text:
-            return usual
-        try:
-            typed = parse_number(text, field)
-        except BadInput as error:
-            terminal.say(f"  ! {error}")
-            continue
-        if not typed.question or typed.meant is None:
-            return typed.value
-        if _ask(terminal, f"  {typed.question} Enter: yes, n: no. ").lower() in ("", "y", "yes"):
-            return typed.meant
-
-
-def _ask(terminal: Terminal, prompt: str) -> str:
-    line = None
-    while line is None:
-        line = terminal.ask(prompt, math.inf, lambda: None)
-    if line.lower() in ("q", "quit", "exit"):
-        raise Left
-    return line

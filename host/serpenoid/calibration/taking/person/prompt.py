@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from ....model.errors import BadInput, RecordingFailed
 from ...kinds.declaration import READ, Field, Range, Values, Word
 from ...kinds.rows import cells_of, kind_of
-from ...session_rows import reading_rows
 from ..journal import Journal
 from ..parse_number import parse_number, redone
 from ..procedure import progress, skipped_keys, step_in_words
@@ -52,54 +51,67 @@ class Prompt:
         self.journal = journal
         self._terminal, self._robot, self._patience_s = terminal, robot, patience_s
         self._posture = Posture()
-        self._enter_answers = False  # what is asked now
         self._skip_doubted = False
 
     def say(self, text: str) -> None:
         """Show a line or more."""
         self._terminal.say(text)
 
-    def ask(self, prompt: str, step: Step) -> str:
-        """Return what was typed, once it is none of the words; raises Again and Left."""
+    def ask(self, prompt: str, step: Step, *, enter: bool = False) -> str:
+        """Return what was typed, once it is none of the words; raises Again and Left.
+
+        enter: Enter answers this question, too.
+        """
         while True:
             line = self._terminal.ask(prompt, self._patience_s, self._tick)
             if line is None:
                 self._nobody()
-            elif not self._obeyed(line, step):
+            elif not self._obeyed(line, step, enter):
                 self._skip_doubted = False
                 return line
 
     def answer(self, question: str, step: Step) -> str:
         """Return an answer to a doubt, "keep" for its short forms; `again` raises Again."""
-        self._enter_answers = False
         answer = self.ask(question, step).lower()
         if answer in ("again", "a"):
             self.say("  again, from the start of this step")
             raise Again
         return "keep" if answer in ("k", "keep") else answer
 
-    def ask_for(self, field: Field, step: Step) -> str:
-        """Ask for a field's number; return what was typed."""
-        self._enter_answers = field.usual is not None
-        return self.ask(f"  {field.words} ({field.unit}): ", step)
+    def number(
+        self,
+        field: Field,
+        step: Step,
+        likely: Range | None = None,
+        *,
+        prompt: str = "",
+        typed: str | None = None,
+        usual: float | None = None,
+    ) -> float:
+        """Return the number asked for; what is none is told, and asked for again.
 
-    def read(self, text: str, field: Field, likely: Range | None, step: Step) -> float:
-        """Return the number typed; what is none is told, and asked for again."""
-        while True:
+        typed: the answer, where that is there already. usual: what Enter means, where that is not
+        as the field says.
+        """
+        prompt = prompt or f"  {field.words} ({field.unit}): "
+        enter = field.usual is not None
+        text = self.ask(prompt, step, enter=enter) if typed is None else typed
+        while text or usual is None:
             try:
-                typed = parse_number(text, field, likely)
+                number = parse_number(text, field, likely)
             except BadInput as error:
                 self.say(f"  ! {error}")
-                text = self.ask_for(field, step)
+                text = self.ask(prompt, step, enter=enter)
                 continue
-            if not typed.question:
-                return typed.value
-            answer = self.answer(f"  {typed.question} Type yes, keep, or it anew: ", step)
-            if answer in ("y", "yes") and typed.meant is not None:
-                return typed.meant
+            if not number.question:
+                return number.value
+            answer = self.answer(f"  {number.question} Type yes, keep, or it anew: ", step)
+            if answer in ("y", "yes") and number.meant is not None:
+                return number.meant
             if answer == "keep":
-                return typed.value
+                return number.value
             text = answer or text
+        return usual
 
     def let_go(self) -> None:
         """Let the servos go limp; the pose is then no longer known."""
@@ -110,13 +122,8 @@ class Prompt:
                 self._posture.bend_deg = None
 
     def _nobody(self) -> None:
-        if self._robot is None or not self._robot.powered:
-            return
-        self.let_go()
-        text = f"nobody answered for {self._patience_s:g} s: {self._robot.without_pulses}"
-        self.say(f"! {text}; the pose is to be taken again")
-        self.journal.event("note", detail=text)
-        raise Again
+        if self._robot is not None and self._robot.powered:
+            self._pulses_off(f"nobody answered for {self._patience_s:g} s")
 
     def _tick(self) -> None:
         if self._robot is None:
@@ -124,36 +131,41 @@ class Prompt:
         self._robot.tick()
         if self._robot.stopped:
             self._robot.stopped = False
-            self.let_go()
-            off = self._robot.without_pulses
-            self.say(f"\n! stopped from the page: {off}; the pose is to be taken again")
-            self.journal.event("note", detail="stopped from the page")
-            raise Again
+            self._pulses_off("stopped from the page")
 
-    def _obeyed(self, line: str, step: Step) -> bool:
+    def _pulses_off(self, why: str) -> None:
+        self.let_go()
+        text = f"{why}: {self._off}"
+        self.say(f"\n! {text}; the pose is to be taken again")
+        self.journal.event("note", detail=text)
+        raise Again
+
+    @property
+    def _off(self) -> str:
+        """Return in words what the servos do once they are let go; "" of a robot set by hand."""
+        return "" if self._robot is None else self._robot.without_pulses
+
+    def _obeyed(self, line: str, step: Step, enter: bool) -> bool:
         """Do what a word says; return False if the line is none. Raises Again and Left."""
         word, _, rest = line.partition(" ")
         word = word.lower()
-        obey = getattr(self, f"_do_{SHORT.get(word, word)}", None)
+        word, rest = SHORT.get(word, word), rest.strip()
+        obey = getattr(self, f"_do_{word}", None)
         if obey is None:
             return False
         try:
-            obey(rest.strip(), step)
+            obey(rest, step, enter) if word == "skip" else obey(rest, step)
         except (BadInput, RecordingFailed) as error:
             self.say(f"  ! {error}")
         return True
 
-    def _do_help(self, rest: str, step: Step) -> None:
-        self.say(HELP)
-
-    def _do_quit(self, rest: str, step: Step) -> None:
-        raise Left
-
-    def _do_skip(self, rest: str, step: Step) -> None:
-        if not self._skip_doubted and (doubt := self._skip_doubt(step)):
+    def _do_skip(self, rest: str, step: Step, enter: bool) -> None:
+        if not step.key:
+            raise BadInput("this is no step of the plan; it cannot be left out")
+        if not self._skip_doubted and (doubt := _skip_doubt(step, enter)):
             self._skip_doubted = True
             return self.say(doubt)
-        self.journal.event("skip", max(self.journal.numbers, default=0), step.key)
+        self.journal.event("skip", self.journal.last, step.key)
         self.say(f"  left out: {step_in_words(step.key)}")
         if step.kind == "zero":
             self.say(
@@ -167,27 +179,18 @@ class Prompt:
             )
         raise Again
 
-    def _skip_doubt(self, step: Step) -> str:
-        """Return what `skip` leaves out where one may mean less; "" where nobody can."""
-        if step.kind == "straight" and step.key != "steering":
-            what = "pushes" if step.key.startswith("pushes") else "stations"
-            return (
-                f"  ! skip leaves out all of the straight {what}, not only this pose: type it once "
-                "more for that. Enter goes on in this pose."
-            )
-        if self._enter_answers:
-            return (
-                "  ! skip leaves out the whole reading, with what was typed: type it once more for "
-                "that. Enter answers this question."
-            )
-        return ""
+    def _do_help(self, rest: str, step: Step) -> None:
+        self.say(HELP)
+
+    def _do_quit(self, rest: str, step: Step) -> None:
+        raise Left
 
     def _do_pause(self, rest: str, step: Step) -> None:
         """Let the servos go until the person is back."""
         self.let_go()
         self.journal.event("pause", detail=rest)
-        held = "" if self._robot is None else f"; {self._robot.without_pulses}"
-        while self._terminal.ask(f"  paused{held}. Enter goes on: ", math.inf, self._tick) is None:
+        prompt = f"  paused{'; ' * bool(self._off)}{self._off}. Enter goes on: "
+        while self._terminal.ask(prompt, math.inf, self._tick) is None:
             pass
         self.journal.event("resume")
         raise Again
@@ -213,10 +216,10 @@ class Prompt:
         if skip:
             self.journal.event("unskip", detail=skip)
             self.say(f"  no longer left out: {step_in_words(skip)}")
-            raise Again
-        number = self._last_kept()
-        self.journal.event("undo", number)
-        self.say(f"  reading {number} is void")
+        else:
+            number = self._last_kept()
+            self.journal.event("undo", number)
+            self.say(f"  reading {number} is void")
         raise Again
 
     def _do_void(self, rest: str, step: Step) -> None:
@@ -232,10 +235,9 @@ class Prompt:
 
     def _do_redo(self, rest: str, step: Step) -> None:
         number = self._numbered(rest) if rest else self._last_kept()
-        row = next(r for r in reading_rows(self.journal.folder) if int(r["reading"]) == number)
+        row = self.journal.rows[number]
         self.say(f"  reading {number} anew; Enter keeps a value as it was")
-        found = self._anew(row, step)
-        values = redone(row["kind"], row, found, self.journal.session.setup)
+        values = redone(row["kind"], row, self._anew(row, step), self.journal.session.setup)
         new = self.journal.redo(number, values)
         self.say(f"  reading {new} is kept in place of {number}")
         raise Again
@@ -245,22 +247,27 @@ class Prompt:
         values: Values = {}
         there = cells_of(row)
         for field in kind_of(row["kind"]).fields:
-            if field.source != READ or not there.get(field.column):
+            old = there.get(field.column)
+            if field.source != READ or not old:
                 continue
-            if isinstance(field, Word):
-                text = self.ask(f"  {field.column} ({there[field.column]}): ", step)
-                values |= {field.column: field.read(text)} if text else {}
-                continue
-            old = float(there[field.column])
-            text = self.ask(f"  {field.words} ({old:.4g} {field.unit}): ", step)
+            is_word = isinstance(field, Word)
+            shown = (
+                f"{field.column} ({old})"
+                if is_word
+                else f"{field.words} ({float(old):.4g} {field.unit})"
+            )
+            text = self.ask(f"  {shown}: ", step, enter=True)
             if text:
-                values[field.column] = self.read(text, field, None, step)
+                values[field.column] = (
+                    field.read(text) if is_word else self.number(field, step, typed=text)
+                )
         return values
 
     def _numbered(self, text: str) -> int:
-        if not text.isdecimal() or int(text) not in self.journal.numbers:
-            there = max(self.journal.numbers, default=0)
-            known = f"there are 1 to {there}" if there else "there are none yet"
+        if not text.isdecimal() or int(text) not in self.journal.rows:
+            known = (
+                f"there are 1 to {self.journal.last}" if self.journal.rows else "there are none yet"
+            )
             raise BadInput(f"{text!r} is no reading's number; {known}; try `status`")
         return int(text)
 
@@ -269,13 +276,29 @@ class Prompt:
 
         By the number of that reading, which `skip` keeps: clocks may be set back.
         """
-        last = max(self.journal.numbers, default=0)
-        skipped = skipped_keys(self.journal.events)
-        late = [e for e in self.journal.events if e.event == "skip" and e.reading == last]
-        return next((e.detail for e in reversed(late) if e.detail in skipped), "")
+        events, last = self.journal.events, self.journal.last
+        late = [e.detail for e in events if e.event == "skip" and e.reading == last]
+        skipped = skipped_keys(events)
+        return next((key for key in reversed(late) if key in skipped), "")
 
     def _last_kept(self) -> int:
         kept = [r.number for r in self.journal.session.numbered if not r.voided]
         if not kept:
             raise BadInput("there is no reading yet")
         return max(kept)
+
+
+def _skip_doubt(step: Step, enter: bool) -> str:
+    """Return what `skip` leaves out where one may mean less; "" where nobody can."""
+    if step.kind == "straight" and step.key != "steering":
+        what = "pushes" if step.key.startswith("pushes") else "stations"
+        return (
+            f"  ! skip leaves out all of the straight {what}, not only this pose: type it once "
+            "more for that. Enter goes on in this pose."
+        )
+    if enter:
+        return (
+            "  ! skip leaves out the whole reading, with what was typed: type it once more for "
+            "that. Enter answers this question."
+        )
+    return ""

@@ -1,0 +1,113 @@
+"""Play the conversations in conversations/*.txt again: all that is said, by what was typed.
+
+`» ` parts a prompt from what is typed. (nobody) does not answer, (ctrl-c) interrupts, (left 3) and
+(right 1) press keys that steer, (stop) is the page's button, (20 s) lets time pass before what
+follows. A line of === begins a new session, with what is amended or left out; or goes on with it.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections import deque
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from serpenoid.calibration.taking.journal import Journal
+from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
+from serpenoid.calibration.taking.person.dialogue import Dialogue
+from serpenoid.calibration.taking.person.identity import ask_identity
+from serpenoid.calibration.taking.person.prompt import Left
+from serpenoid.calibration.taking.person.session_robot import SessionRobot
+from serpenoid.model.errors import SerpenoidError
+
+FOLDER = Path(__file__).with_name("conversations")
+FILES = sorted(FOLDER.glob("*.txt"))
+_MARK = re.compile(r"\((nobody|ctrl-c|stop|left|right|\d+ s) ?(\d*)\) ?(.*)")
+
+
+class Typist:
+    """Types prepared lines, then leaves."""
+
+    def __init__(self, lines: list[str], robot: SessionRobot | None):
+        self.lines, self.robot, self.t_s = deque(lines), robot, 0.0
+        self.heard = ""
+
+    def say(self, text: str) -> None:
+        self.heard += text + "\n"
+
+    def forget(self) -> None:
+        pass
+
+    def ask(self, prompt: str, patience_s: float, tick) -> str | None:
+        tick()
+        if not self.lines:
+            self.heard += prompt.rstrip() + "\n"
+            raise EOFError
+        line = self.lines.popleft()
+        self.heard += f"{prompt}» {line}\n"
+        marked = _MARK.fullmatch(line)
+        return self._marked(*marked.groups()) if marked else line
+
+    def _marked(self, mark: str, count: str, rest: str) -> str | None:
+        if mark == "nobody":
+            return None
+        if mark == "ctrl-c":
+            raise KeyboardInterrupt
+        if mark == "stop":
+            self.robot.halt()
+        elif mark in ("left", "right"):
+            self.robot.steer(int(count) * (1 if mark == "left" else -1))
+        else:
+            self.t_s += float(mark.split(maxsplit=1)[0])
+        return rest
+
+
+def begun(folder: Path, head: str) -> None:
+    """Begin the session that a line of === names: (floor), and amendments of its plan."""
+    setup = replace(default_setup("made up"), surface="belt", people="Ada")
+    place = "floor" if "(floor" in head else "treadmill"
+    create_session(folder, replace(setup, procedure=on_place(setup.procedure, place)))
+    with Journal(folder) as journal:
+        for change in re.findall(r"plan\.\w+ = [^;]+", head):
+            journal.event("amend", detail=change)
+        for key in re.findall(r"without ([\w. ]+)", head):
+            journal.event("skip", detail=key)
+
+
+def talked(folder: Path, lines: list[str], robot: SessionRobot | None) -> str:
+    """Return all that is said in one conversation, by what is typed."""
+    typist = Typist(lines, robot)
+    try:
+        with Journal(folder) as journal:
+            ask_identity(journal, typist)
+            Dialogue(journal, typist, robot, patience_s=5, clock_s=lambda: typist.t_s).run()
+    except (Left, EOFError, KeyboardInterrupt, SerpenoidError) as error:
+        typist.heard += f"({type(error).__name__}) {error}\n"
+    return typist.heard.replace(str(folder), "DIR")
+
+
+def played(path: Path) -> str:
+    """Return a file as it is said today."""
+    heads = re.split(r"^(===.*)\n", path.read_text(), flags=re.MULTILINE)
+    text = heads[0]
+    with TemporaryDirectory() as made:
+        folder = Path(made) / "none"
+        for number, (head, body) in enumerate(zip(heads[1::2], heads[2::2], strict=True)):
+            lines = [line.partition("» ")[2] for line in body.splitlines() if "» " in line]
+            if "new session" in head:
+                folder = Path(made) / f"session{number}"
+                begun(folder, head)
+            text += head + "\n"
+            if "robot)" in head:
+                with SessionRobot("virtual:fast") as robot:
+                    text += talked(folder, lines, robot)
+            else:
+                text += talked(folder, lines, None)
+    return text
+
+
+if __name__ == "__main__":  # write them anew
+    for file in [FOLDER / f"{name}.txt" for name in sys.argv[1:]] or FILES:
+        file.write_text(played(file))
