@@ -18,6 +18,8 @@ from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
 from serpenoid.calibration.taking.person.dialogue import Dialogue
 from serpenoid.calibration.taking.person.identity import ask_identity
+from serpenoid.calibration.taking.person.practice import FloorTerminal, practice_setup
+from serpenoid.calibration.taking.person.practice_treadmill import TreadmillTerminal
 from serpenoid.calibration.taking.person.prompt import Left
 from serpenoid.calibration.taking.person.session_robot import SessionRobot
 from serpenoid.model.errors import SerpenoidError
@@ -30,9 +32,9 @@ _MARK = re.compile(r"\((nobody|ctrl-c|stop|left|right|\d+ s) ?(\d*)\) ?(.*)")
 class Typist:
     """Types prepared lines, then leaves."""
 
-    def __init__(self, lines: list[str], robot: SessionRobot | None):
+    def __init__(self, lines: list[str], robot: SessionRobot | None = None):
         self.lines, self.robot, self.t_s = deque(lines), robot, 0.0
-        self.heard = ""
+        self.heard, self.room = "", None
 
     def say(self, text: str) -> None:
         self.heard += text + "\n"
@@ -60,15 +62,19 @@ class Typist:
         elif mark in ("left", "right"):
             self.robot.steer(int(count) * (1 if mark == "left" else -1))
         else:
-            self.t_s += float(mark.split(maxsplit=1)[0])
+            passed_s = float(mark.removesuffix(" s"))
+            self.t_s += passed_s
+            if self.room is not None:
+                self.room.pass_time(passed_s)
         return rest
 
 
 def begun(folder: Path, head: str) -> None:
-    """Begin the session that a line of === names: (floor), and amendments of its plan."""
+    """Begin the session that a line of === names: its place, and amendments of its plan."""
     setup = replace(default_setup("made up"), surface="belt", people="Ada")
-    place = "floor" if "(floor" in head else "treadmill"
-    create_session(folder, replace(setup, procedure=on_place(setup.procedure, place)))
+    place = "floor" if "floor" in head else "treadmill"
+    setup = replace(setup, procedure=on_place(setup.procedure, place))
+    create_session(folder, practice_setup(setup, 7, place) if "practice" in head else setup)
     with Journal(folder) as journal:
         for change in re.findall(r"plan\.\w+ = [^;]+", head):
             journal.event("amend", detail=change)
@@ -76,13 +82,22 @@ def begun(folder: Path, head: str) -> None:
             journal.event("skip", detail=key)
 
 
-def talked(folder: Path, lines: list[str], robot: SessionRobot | None) -> str:
+def talked(folder: Path, head: str, typist: Typist) -> str:
     """Return all that is said in one conversation, by what is typed."""
-    typist = Typist(lines, robot)
     try:
         with Journal(folder) as journal:
-            ask_identity(journal, typist)
-            Dialogue(journal, typist, robot, patience_s=5, clock_s=lambda: typist.t_s).run()
+            terminal, watch, setup = typist, lambda session, step: None, journal.session.setup
+            if "practice" in head:
+                films = folder / "films"
+                terminal = (
+                    FloorTerminal(typist, setup, 7, films)
+                    if setup.procedure.on == "floor"
+                    else TreadmillTerminal(typist, setup, 7, films, lambda: [0.0] * 5)
+                )
+                typist.room, watch = getattr(terminal, "room", None), terminal.watch
+            ask_identity(journal, terminal)
+            clock_s = lambda: typist.t_s  # noqa: E731
+            Dialogue(journal, terminal, typist.robot, watch, 5, clock_s).run()
     except (Left, EOFError, KeyboardInterrupt, SerpenoidError) as error:
         typist.heard += f"({type(error).__name__}) {error}\n"
     return typist.heard.replace(str(folder), "DIR")
@@ -102,9 +117,9 @@ def played(path: Path) -> str:
             text += head + "\n"
             if "robot)" in head:
                 with SessionRobot("virtual:fast") as robot:
-                    text += talked(folder, lines, robot)
+                    text += talked(folder, head, Typist(lines, robot))
             else:
-                text += talked(folder, lines, None)
+                text += talked(folder, head, Typist(lines))
     return text
 
 

@@ -48,61 +48,6 @@ def practised(*lines):
     return typed, terminal.room, terminal
 
 
-def test_words_of_the_treadmill_are_obeyed_and_others_go_on():
-    typed, room, terminal = practised(
-        "belt 1.6",
-        "belt +",
-        "incline 4 %",
-        "incline -",
-        "put",
-        "look",
-        "mark",
-        "wait 5",
-        "mark",
-        "inclinometer",
-        "turned",
-        "protractor",
-        "take",
-        "treadmill",
-        "2.31",
-    )
-    room.start()
-    assert terminal.ask("it shows: ", 1.0, lambda: None) == "2.31"
-    room.stop()
-    said = "\n".join(typed.said)
-    assert "belt 1.7 km/h" in said
-    assert "incline 3.5 %" in said
-    assert "#####O" in said
-    assert "in " in said
-    assert "drift" in said
-    assert "inclinometer, turned, -" in said
-    assert "protractor: 1" in said
-    assert "wait 20" in said
-    assert terminal.ask("", 1.0, lambda: None) is None
-
-
-@pytest.mark.parametrize(
-    "line",
-    [
-        "belt",
-        "belt fast",
-        "belt nan",
-        "incline x",
-        "wait",
-        "wait -3",
-        "wait 1e9",
-        "left",
-        "left 0",
-        "right many",
-    ],
-)
-def test_what_cannot_be_obeyed_is_said(line):
-    typed, room, terminal = practised(line, "go on")
-    assert terminal.ask("", 1.0, lambda: None) == "go on"
-    assert len(typed.said) == 1
-    assert room.belt_shown_m_s == 0.0
-
-
 def test_a_gait_is_run_and_filmed_on_level_ground_by_servos(tmp_path):
     """The film is taken in as a phone's; its joints are those of a servo, not ideal ones."""
     typed = Typed("crawl", "film")
