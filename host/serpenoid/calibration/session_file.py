@@ -93,8 +93,8 @@ def _read_format_1(setup: Setup, folder: Path) -> Session:
     """Return a session of stations; a row may repeat one only to void it."""
     path = folder / "readings.csv"
     readings: dict[int, Reading] = {}
-    for row, where in rows_in(path, COLUMNS, optional=("facing",)):
-        with located(where):
+    for row in rows_in(path, COLUMNS, optional=("facing",)):
+        with located(row["where"]):
             number = whole_number("reading", row["reading"])
             common: dict[str, Any] = {
                 "number": number,

@@ -41,7 +41,7 @@ EVENTS = (
     "connect",
 )
 ON_READINGS = ("void", "restore", "undo")
-Numbered = dict[int, tuple[Row, str]]  # rows by the numbers of their readings, and where each is
+Numbered = dict[int, Row]  # rows by the numbers of their readings
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def read_format_2(setup: Setup, folder: Path) -> Session:
     voided = _voided(rows, events, folder / "events.csv")
     session = Session(setups[-1], (), str(path), folder=folder)
     unknown: list[str] = []
-    for number, (row, where) in rows.items():
+    for number, row in rows.items():
         kind = KINDS.get(row["kind"])
         if kind is None:
             unknown.append(row["kind"])
@@ -73,7 +73,7 @@ def read_format_2(setup: Setup, folder: Path) -> Session:
         comment = "; ".join(filter(None, (voided.get(number), row["comment"])))
         common = {"number": number, "voided": number in voided, "comment": comment}
         common |= {"time_utc": row["time_utc"]}
-        with located(where):
+        with located(row["where"]):
             reading = make_reading(row, common | _track(row, kind, folder))
             reading = _with_instruments(reading, _setup_of(row, setups))
             session = session.with_reading(reading)
@@ -86,8 +86,8 @@ def read_format_2(setup: Setup, folder: Path) -> Session:
 def read_events(folder: Path, notes: list[str] | None = None) -> list[Event]:
     """Return a session's events in the order they were written; raises BadInput."""
     events, notes = [], [] if notes is None else notes
-    for row, where in rows_in(folder / "events.csv", EVENT_COLUMNS, notes):
-        with located(where):
+    for row in rows_in(folder / "events.csv", EVENT_COLUMNS, notes):
+        with located(row["where"]):
             event = check_choice("event", row["event"], EVENTS)
             number = whole_number("reading", row["reading"]) if row["reading"] else 0
             events.append(Event(time_of(row["time_utc"]), event, number, row["detail"]))
@@ -100,9 +100,9 @@ def events_of(session: Session) -> list[Event]:
     return read_events(folder) if folder and (folder / "events.csv").exists() else []
 
 
-def reading_rows(folder: Path) -> dict[int, Row]:
+def reading_rows(folder: Path) -> Numbered:
     """Return the rows of all readings by their numbers, of whatever kind, voided or not."""
-    return {number: row for number, (row, _) in _numbered(folder / "readings.csv", []).items()}
+    return _numbered(folder / "readings.csv", [])
 
 
 def rows_in(
@@ -110,8 +110,8 @@ def rows_in(
     columns: tuple[str, ...],
     notes: list[str] | None = None,
     optional: tuple[str, ...] = (),
-) -> Iterator[tuple[Row, str]]:
-    """Yield the lines below the header as dictionaries, and where each stands; raises BadInput.
+) -> Iterator[Row]:
+    """Yield the lines below the header by their columns, `where` each stands too; raises BadInput.
 
     notes: takes what is told of lines that do not count; None: lines that have no end do.
     """
@@ -145,7 +145,7 @@ def rows_in(
             notes.append(f"{where}: damaged (zero bytes, as after a power cut), and does not count")
             continue
         with located(where):
-            yield _row(header, line), where
+            yield {**_row(header, line), "where": where}
 
 
 def _cells(line: str) -> list[str]:
@@ -166,13 +166,13 @@ def _numbered(path: Path, notes: list[str]) -> Numbered:
     """Return the rows by number, each checked against those before it; raises BadInput."""
     rows: Numbered = {}
     latest = ""
-    for row, where in rows_in(path, READING_COLUMNS, notes):
-        with located(where):
+    for row in rows_in(path, READING_COLUMNS, notes):
+        with located(row["where"]):
             number = whole_number("reading", row["reading"])
             if number in rows:
                 raise BadInput(
-                    f"reading {number} is there already, at {rows[number][1]}; give a new reading "
-                    "a new number, and name in `replaces` the one it replaces"
+                    f"reading {number} is there already, at {rows[number]['where']}; give a new "
+                    "reading a new number, and name in `replaces` the one it replaces"
                 )
             if row["replaces"] and whole_number("replaces", row["replaces"]) not in rows:
                 raise BadInput(
@@ -180,18 +180,18 @@ def _numbered(path: Path, notes: list[str]) -> Numbered:
                 )
             if row["time_utc"] and time_of(row["time_utc"]) < latest:
                 notes.append(
-                    f"{where}: the clock went back, from {latest} to {row['time_utc']}; the order "
-                    "of the lines counts"
+                    f"{row['where']}: the clock went back, from {latest} to {row['time_utc']}; the "
+                    "order of the lines counts"
                 )
             latest = row["time_utc"] or latest
-        rows[number] = row, where
+        rows[number] = row
     return rows
 
 
 def _voided(rows: Numbered, events: Sequence[Event], path: Path) -> dict[int, str]:
     """Return the readings that are not to be used, and why; raises BadInput."""
     why: dict[int, str] = {}
-    for number, (row, _) in rows.items():
+    for number, row in rows.items():
         if row["replaces"]:
             why[int(row["replaces"])] = f"redone as {number}"
         if DOUBTFUL in words_of(row):
@@ -201,7 +201,7 @@ def _voided(rows: Numbered, events: Sequence[Event], path: Path) -> dict[int, st
             raise BadInput(f"{path}: {event.event} of reading {event.reading}, which is not there")
         if event.event != "restore":
             why[event.reading] = event.detail or "undone"
-            replaced = rows[event.reading][0]["replaces"]
+            replaced = rows[event.reading]["replaces"]
             if event.event == "undo" and replaced:
                 why.pop(int(replaced), None)
         elif not _replaced_later(event, rows):
@@ -214,7 +214,7 @@ def _replaced_later(restored: Event, rows: Numbered) -> bool:
     after = re.fullmatch(r"after reading (\d+)", restored.detail)
     return after is not None and any(
         row["replaces"] == str(restored.reading) and number > int(after[1])
-        for number, (row, _) in rows.items()
+        for number, row in rows.items()
     )
 
 

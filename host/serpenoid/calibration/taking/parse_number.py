@@ -141,6 +141,8 @@ def typed_cells(kind: str, typed: Iterable[tuple[str, Any]]) -> dict[str, Any]:
     names, cells = dict[str, str](), dict[str, Any]()
     for name, value in typed:
         column, unit = OTHER_UNITS.get(name, (name, ""))
+        if column not in numbers:
+            column, unit = name, ""
         if column in names:
             both = " and ".join(dict.fromkeys((names[column], name)))
             raise BadInput(f"{both}: one quantity is given twice; give it once")

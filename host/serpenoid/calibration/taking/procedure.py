@@ -8,7 +8,7 @@ stands follows from its rows alone, so that resuming is nothing special.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Set
 from dataclasses import replace
 
 from ..kinds.checks import BeltCheck, ZeroReading
@@ -31,14 +31,24 @@ from .expected import (
     shown_bend,
     slowing_deg,
 )
-from .floor.procedure import push_pose, push_progress, push_step
+from .floor.procedure import push_name, push_pose, push_step
 from .steps import Step
 
 Doubts = list[tuple[Field, Range]]  # numbers that are not where they were expected
 ZERO_BEFORE, ZERO_AFTER, BELT_CHECK = "zero before", "zero after", "belt check"
-_BELT_SAY = (
+_ZERO = Step(
+    "",
+    "zero",
+    "Inclinometer zero. Lay it on one spot of the treadmill, read it; turn it end for end on the "
+    "same spot, read it again (with the sign it shows).",
+    ZeroReading.asked(),
+)
+_BELT = Step(
+    "",
+    "belt",
     "Belt check, robot off the belt: mark the belt's edge, run it at a speed that you used much, "
-    "and time ten turns or more. The way is turns times the belt's length."
+    "and time ten turns or more. The way is turns times the belt's length.",
+    BeltCheck.asked(),
 )
 MOST_DEG = 12.0  # of incline: the snake starts to tumble, or the wheels to slide
 MOST_ZERO_DEG = 0.5  # beyond it an inclinometer's sign was forgotten, or it is not one to use
@@ -83,71 +93,58 @@ def next_step(
     posed_deg, facing: how the robot lies now, the plan's bend in degrees and which way it faces;
     None when that is not known, as at the start.
     """
-    step = _check_before(session, skipped)
-    step = step or _next_reading(session, skipped, posed_deg, facing)
-    return step or _check_after(session, skipped) or _gait_step(session, skipped) or _DONE
-
-
-def _check_before(session: Session, skipped: frozenset[str]) -> Step | None:
-    """Return the check that comes before stations, None where there is none."""
-    done = session.setup.procedure.on == "floor" or session.kept or _zero_read(session, True)
-    return None if done or ZERO_BEFORE in skipped else _zero(ZERO_BEFORE)
-
-
-def _check_after(session: Session, skipped: frozenset[str]) -> Step | None:
-    """Return the check that comes after stations, None where there is none."""
-    if session.setup.procedure.on == "floor" or not session.kept:
-        return None
-    if not (_zero_read(session, False) or ZERO_AFTER in skipped):
-        return _zero(ZERO_AFTER)
-    if not (belt_checks(session) or BELT_CHECK in skipped):
-        return Step(BELT_CHECK, "belt", _BELT_SAY, BeltCheck.asked())
-    return None
-
-
-def _next_reading(
-    session: Session, skipped: frozenset[str], posed_deg: float | None, facing: str
-) -> Step | None:
-    """Return the next station or push, or the pose that it needs; None where all are done."""
-    plan = session.setup.procedure
-    on_floor = plan.on == "floor"
-    for series in series_of_pushes(plan) if on_floor else series_of(plan):
-        if series.key in skipped:
-            continue
-        step = (push_step if on_floor else _station)(session, series, skipped)
-        if step is None:
-            continue
-        shown_rad = shown_bend(session, series.lambda_rad)
-        if (posed_deg, facing) != (step.lambda_deg, step.facing) or shown_rad is None:
-            return (push_pose if on_floor else _pose)(session.setup, series)
-        shown = {"lambda_deg": round(math.degrees(shown_rad), 4)}
-        return replace(step, cells=shown | step.cells)
-    return None
+    steps = (step for _, _, step in _parts(session, skipped))
+    step = next(filter(None, steps), _DONE)
+    if step.series is None:
+        return step
+    setup, series = session.setup, step.series
+    shown_rad = shown_bend(session, series.lambda_rad)
+    if (posed_deg, facing) != (step.lambda_deg, step.facing) or shown_rad is None:
+        return (push_pose if setup.procedure.on == "floor" else _pose)(setup, series)
+    shown = {"lambda_deg": round(math.degrees(shown_rad), 4)}
+    return replace(step, cells=shown | step.cells)
 
 
 def progress(session: Session, skipped: frozenset[str] = frozenset()) -> list[tuple[str, str]]:
     """Return the parts of the plan and how far each is, in words."""
-    wanted = len(session.setup.procedure.gaits) * session.setup.procedure.gait_runs
-    runs = ("gait runs", f"{len(session.kept_crawls)} of {wanted}")
-    if session.setup.procedure.on == "floor":
-        return [*push_progress(session, skipped), runs]
-    rows = [("zero before", _done(_zero_read(session, True)))]
-    for series in series_of(session.setup.procedure):
-        count = len(of_series(session, series))
-        open_ = series.key not in skipped
-        open_ = open_ and next_incline_deg(session, series, skipped) is not None
-        name = f"{series.key} deg" if series.lambda_rad else series.name
-        rows.append((name, f"{count} stations{', more to come' if open_ else ', done'}"))
-    zero, belt = _zero_read(session, False), bool(belt_checks(session))
-    return [*rows, ("zero after", _done(zero)), (BELT_CHECK, _done(belt)), runs]
+    return [(name, state) for name, state, _ in _parts(session, skipped)]
+
+
+def _parts(session: Session, skipped: frozenset[str]) -> Iterator[tuple[str, str, Step | None]]:
+    """Yield the parts of the plan: name, how far it is, and its next reading, None where none is.
+
+    Whatever pose a reading needs comes before it.
+    """
+    plan = session.setup.procedure
+    if plan.on == "floor":
+        for series in series_of_pushes(plan):
+            done = len(of_series(session, series))
+            step = None if series.key in skipped else push_step(session, series, skipped)
+            rest = ", the rest left out" if step is None and done < plan.pushes else ""
+            yield push_name(series), f"{done} of {plan.pushes}{rest}", step
+    else:
+        before, after = (_zero_read(session, side) for side in (True, False))
+        yield _check(ZERO_BEFORE, before, _ZERO, skipped if not session.kept else {ZERO_BEFORE})
+        for series in series_of(plan):
+            step = None if series.key in skipped else _station(session, series, skipped)
+            name = f"{series.key} deg" if series.lambda_rad else series.name
+            state = "done" if step is None else "more to come"
+            yield name, f"{len(of_series(session, series))} stations, {state}", step
+        none = {ZERO_AFTER, BELT_CHECK}
+        yield _check(ZERO_AFTER, after, _ZERO, skipped if session.kept else none)
+        checked = bool(belt_checks(session))
+        yield _check(BELT_CHECK, checked, _BELT, skipped if session.kept else none)
+    runs = f"{len(session.kept_crawls)} of {len(plan.gaits) * plan.gait_runs}"
+    yield "gait runs", runs, _gait_step(session, skipped)
+
+
+def _check(key: str, done: bool, step: Step, skipped: Set[str]) -> tuple[str, str, Step | None]:
+    left_out = done or key in skipped
+    return key, "done" if done else "open", None if left_out else replace(step, key=key)
 
 
 def _zero_read(session: Session, before: bool) -> bool:
     return any(z.before is before and not z.voided for z in session.zeros)
-
-
-def _done(is_done: bool) -> str:
-    return "done" if is_done else "open"
 
 
 def next_incline_deg(
@@ -272,14 +269,6 @@ def settle_s(session: Session, series: Series = STRAIGHT) -> float:
     return SETTLE_TIMES * line.slope / session.setup.procedure.gravity_m_s2
 
 
-def _zero(key: str) -> Step:
-    say = (
-        "Inclinometer zero. Lay it on one spot of the treadmill, read it; turn it end for end on "
-        "the same spot, read it again (with the sign it shows)."
-    )
-    return Step(key, "zero", say, ZeroReading.asked())
-
-
 def _pose(setup: Setup, series: Series) -> Step:
     if series.facing == "up":
         return Step(
@@ -341,6 +330,7 @@ def _station(session: Session, series: Series, skipped: frozenset[str]) -> Step 
         wait_s,
         bend=series.bend,
         cells=cells,
+        series=series,
     )
 
 

@@ -43,7 +43,7 @@ def _habits(truth: Truth) -> Habits:
     return replace(habits, let_go_rad=0.0, let_go_rad_s=0.0) if truth.guided else habits
 
 
-class SimulatedPerson:
+class SimulatedPerson(World):
     """Do each step of the procedure against a known truth; the same seed does the same.
 
     It answers with what a person could read, never with a truth: for each kind of step
@@ -66,19 +66,17 @@ class SimulatedPerson:
         seed: int = 0,
         run_gait: Callable[[Gait], Gait] = lambda gait: gait,
     ):
-        self.truth, self.t_s, self.misread = truth, 0.0, 0
-        self._setup = setup
-        self._rng = rng = np.random.default_rng(seed)
+        super().__init__(setup, truth, np.random.default_rng(seed))
+        self.t_s, self.misread = 0.0, 0
         self._run_gait = lru_cache(run_gait)
-        self._world = World(setup, truth, rng)
-        self.robot = self._world.robot
         self._belt_run = Belt(self.robot, gravity_m_s2=setup.procedure.gravity_m_s2)
         self._belt_run.guide(truth.guided)
         self._inclinometer_rad = truth.inclinometer_rad(setup)
-        self.person = Person(self._belt_run, rng, _habits(truth), truth.display(setup))
+        self.person = Person(self._belt_run, self.rng, _habits(truth), truth.display(setup))
         self._on_floor = setup.procedure.on == "floor"
         # The deck does not lie level when the treadmill says 0.
-        self._deck_rad = 0.0 if self._on_floor else math.radians(float(rng.uniform(-0.15, 0.15)))
+        deck_deg = 0.0 if self._on_floor else float(self.rng.uniform(-0.15, 0.15))
+        self._deck_rad = math.radians(deck_deg)
         self._shown_m_s = START_M_S
         self._true: Cells = {}
 
@@ -94,10 +92,10 @@ class SimulatedPerson:
         return self._bend(step) if again else self._true
 
     def _shown_deg(self, incline_rad: float) -> float:
-        return round(math.degrees(self._inclinometer_rad.shows(incline_rad, self._rng)), 4)
+        return round(math.degrees(self._inclinometer_rad.shows(incline_rad, self.rng)), 4)
 
     def _zero(self, step: Step) -> Cells:
-        slope_rad = math.radians(float(self._rng.uniform(-0.4, 0.4)))
+        slope_rad = math.radians(float(self.rng.uniform(-0.4, 0.4)))
         return {
             "incline_deg": self._shown_deg(slope_rad),
             "reversed_deg": self._shown_deg(-slope_rad),
@@ -107,18 +105,18 @@ class SimulatedPerson:
         """Have the board put the robot in a step's pose, and lay it on the belt or the floor."""
         self.t_s += BEND_S
         self.person.facing = step.facing
-        self._belt_run.pose(self._world.bend(step.lambda_deg))
+        self._belt_run.pose(self.bend(step.lambda_deg))
         return {}
 
     def _bend(self, step: Step) -> Cells:
         """Bend as planned; lay the protractor on the joints at both ends."""
         self._straight(step)
-        shown_deg = self._world.protractor_deg(ENDS[self._setup.procedure.on])
+        shown_deg = self.protractor_deg(ENDS[self.setup.procedure.on])
         return {"between_links_deg": round(sum(shown_deg) / 2, 1)}
 
     def _station(self, step: Step) -> Cells | None:
         """Set the nearest incline, find the belt speed that holds, wait, read what is left."""
-        steps = self._setup.treadmill
+        steps = self.setup.treadmill
         aim = math.radians(step.incline_deg) - self.truth.incline_zero_rad - self._deck_rad
         grade_step = steps.incline_step_rad * self.truth.incline_scale
         grade = round(math.tan(aim) / grade_step) * grade_step
@@ -149,12 +147,12 @@ class SimulatedPerson:
 
     def _belt(self, step: Step) -> Cells:
         """Time a mark on the belt over ten turns."""
-        step_m_s, watch = self._setup.treadmill.belt_step_m_s, self._setup.stopwatch
+        step_m_s, watch = self.setup.treadmill.belt_step_m_s, self.setup.stopwatch
         shown, way_m = round(CHECKED_M_S / step_m_s) * step_m_s, TURNS * BELT_M
-        off_s = self._world.normal(watch.time_sigma_s)
+        off_s = self.normal(watch.time_sigma_s)
         return {
             "belt_speed_m_s": round(shown, 5),
-            "distance_m": round(way_m + self._world.normal(watch.distance_sigma_m), 3),
+            "distance_m": round(way_m + self.normal(watch.distance_sigma_m), 3),
             "duration_s": round(way_m / (shown * self.truth.belt_scale) + off_s, 2),
         }
 
@@ -162,10 +160,10 @@ class SimulatedPerson:
         """Push until a push is as it should be; return its track, or way and time to rest."""
         for _ in range(TRIES):
             self.t_s += PUSH_S
-            track = self._world.push(step)
+            track = self.push(step)
             if self.truth.camera is None:
-                return self._world.tape(track)
-            samples = self._world.film(track, self.truth.camera)
+                return self.tape(track)
+            samples = self.film(track, self.truth.camera)
             look = look_at(*samples.T)
             if not look.doubts:
                 return Tracked({**look.cells(), "by": "film"}, samples)
@@ -178,17 +176,17 @@ class SimulatedPerson:
         self.t_s += GAIT_S
         if self._on_floor and self.truth.camera is not None:
             self.t_s += RUN_S
-            rows = self._world.film_crawl(step, gait, self.truth.camera)
+            rows = self.film_crawl(step, gait, self.truth.camera)
             return Tracked({**crawl_cells(rows, gait), "film_sha256": "simulated"}, rows, "video")
-        read, duration_s = self._world.time_crawl(step, gait)
+        read, duration_s = self.time_crawl(step, gait)
         self.t_s += duration_s
         return read | {"omega_rad_s": gait.omega_rad_s}
 
     def _typed(self, step: Step, read: Cells) -> Cells:
         """Return what is typed: now and then a figure is wrong."""
-        if step.kind != "station" or self._rng.uniform() >= self.truth.misreads:
+        if step.kind != "station" or self.rng.uniform() >= self.truth.misreads:
             return read
         self.misread += 1
-        if self._rng.uniform() < 0.5:
+        if self.rng.uniform() < 0.5:
             return {**read, "incline_deg": round(float(read["incline_deg"]) + 1.0, 4)}
         return {**read, "belt_speed_m_s": round(float(read["belt_speed_m_s"]) * 3.6, 5)}  # km/h

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from ...model.gait import Gait
 from ..kinds.declaration import READ, Cells, Field, Values
 from ..kinds.tracks import Samples
+
+if TYPE_CHECKING:
+    from .expected import Series
 
 
 class Tracked(dict[str, "float | str"]):
@@ -24,6 +28,7 @@ class Step:
     kind: that of the reading it ends in; else straight or done. lambda_deg: the bend it belongs to.
     facing: of the snake, down or up the belt. bend: of a bent robot, balanced or zigzag. settle_s:
     how long to wait before reading. gait: to be run. cells: what the plan tells of the reading.
+    series: that it is of, whose pose it needs.
     """
 
     key: str
@@ -37,6 +42,7 @@ class Step:
     gait: Gait | None = None
     bend: str = "zigzag"
     cells: Values = field(default_factory=dict)
+    series: Series | None = None
 
     @property
     def asked(self) -> tuple[Field, ...]:

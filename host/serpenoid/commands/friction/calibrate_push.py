@@ -90,9 +90,9 @@ def _draw(journal: Journal, number: int) -> None:
 
 
 def _marks(journal: Journal, path: Path, unit: str, cells: dict[str, float | str]) -> str:
-    from ...calibration.taking.person.push_prompt import read_track
+    from ...calibration.floor.track_files import read_track_file
 
-    track, sha256 = read_track(path, unit)
+    track, sha256 = read_track_file(path, unit)
     number = journal.add(
         "coast", {**cells, "by": "marks", "file_sha256": sha256[:16]}, samples=track
     )

@@ -12,24 +12,17 @@ from ...kinds.coast import Coast
 from ...kinds.declaration import Values
 from ...session import Session, Setup
 from ..bends import bend_step
-from ..expected import USUAL, USUAL_KG, Series, of_series, pull_of, series_of_pushes
+from ..expected import USUAL, USUAL_KG, Series, of_series, pull_of
 from ..steps import Step
 
 SPEED_M_S = 0.9  # to be pushed at: slower ones tell little of viscous friction
 SPARE = 1.6  # of the way that is expected: room to leave for it
 
 
-def push_progress(session: Session, skipped: frozenset[str]) -> list[tuple[str, str]]:
-    """Return the parts of the plan and how far each is, in words."""
-    plan = session.setup.procedure
-    rows = []
-    for series in series_of_pushes(plan):
-        name = series.key.removeprefix("pushes ")
-        count = len(of_series(session, series))
-        left_out = series.key in skipped or f"push {name} {count + 1}" in skipped
-        state = f"{count} of {plan.pushes}{', the rest left out' if left_out else ''}"
-        rows.append((f"pushes, {f'bend {name} deg' if series.lambda_rad else name}", state))
-    return rows
+def push_name(series: Series) -> str:
+    """Return what people call a series of pushes."""
+    name = series.key.removeprefix("pushes ")
+    return f"pushes, {f'bend {name} deg' if series.lambda_rad else name}"
 
 
 def push_pose(setup: Setup, series: Series) -> Step:
@@ -72,7 +65,8 @@ def push_step(session: Session, series: Series, skipped: frozenset[str]) -> Step
         **({} if ahead else {"facing": series.facing}),
     }
     fields = Coast.asked("distance_m", "duration_s", "turned_deg")
-    return Step(key, "coast", say, fields, series.bend_deg, bend=plan.bend, cells=cells)
+    bent = series.bend_deg
+    return Step(key, "coast", say, fields, bent, bend=plan.bend, cells=cells, series=series)
 
 
 def expected_way_m(setup: Setup, bend_rad: float, speed_m_s: float) -> float:

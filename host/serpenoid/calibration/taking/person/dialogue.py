@@ -28,7 +28,6 @@ from .push_prompt import (
     CrawlReader,
     FilmReader,
     named_file,
-    no_crawls,
     no_films,
     read_crawl,
     take_track,
@@ -58,7 +57,7 @@ class Dialogue(Prompt):
         patience_s: float = PATIENCE_S,
         clock_s: Callable[[], float] | None = None,
         film: FilmReader = no_films,
-        crawl: CrawlReader = no_crawls,
+        crawl: CrawlReader = no_films,
     ):
         super().__init__(journal, terminal, robot, patience_s)
         self._told, self._film, self._crawl = told, film, crawl

@@ -104,9 +104,9 @@ def practice_seed(session: Session, place: str = "treadmill") -> int:
 class PracticeTerminal:
     """A terminal with a lab beside it: its words work the lab, and all else is an answer.
 
-    films: folder that films are put into, as CSV. words: what each returns is shown. filmed: what
-    each returns is answered; None where the prompt stays. A word that raises BadInput says so.
-    watch: is to be told of every step.
+    films: folder that films are put into, as CSV. words: what each returns is shown; or answered,
+    where it is a film's path. A word that raises BadInput says so. watch: is to be told of every
+    step.
     """
 
     HELP: ClassVar[str]
@@ -119,11 +119,11 @@ class PracticeTerminal:
         self.world = World(setup, drawn_truth(seed, self._place), *rngs)
         self.step: Step | None = None
         self.keys: Mapping[str, Callable[[], str]] = {}
-        self.words: dict[str, Callable[[str], str]] = {
+        self.words: dict[str, Callable[[str], str | Path]] = {
             "crawl": self._crawl,
+            "film": self._film,
             self._place: lambda given: self.HELP,
         }
-        self.filmed: dict[str, Callable[[str], str | None]] = {"film": self._film}
 
     def say(self, text: str) -> None:
         """Show a line or more."""
@@ -140,30 +140,30 @@ class PracticeTerminal:
         while True:
             line = self._terminal.ask(prompt, patience_s, tick)
             word, _, given = (line or "").strip().lower().partition(" ")
-            if line is None or word not in (*self.words, *self.filmed):
+            if line is None or word not in self.words:
                 return line
             try:
-                if word in self.words:
-                    self.say(f"  {self.words[word](given.strip())}")
-                elif (answer := self.filmed[word](given.strip())) is not None:
-                    return answer
+                answer = self.words[word](given.strip())
             except BadInput as error:
-                self.say(f"  {error}")
+                answer = str(error)
+            if isinstance(answer, Path):
+                return str(answer)
+            self.say(f"  {answer}")
 
     def watch(self, session: Session, step: Step) -> None:
         """Note the step that the dialogue is at."""
         self.step = step
         self.world.bend(step.lambda_deg)
 
-    def kept(self, what: str, columns: list[str], rows: Floats) -> str:
-        """Write what a film showed into a file of its own; return its name."""
+    def kept(self, what: str, columns: list[str], rows: Floats) -> Path:
+        """Write what a film showed into a file of its own; return its path."""
         self._count += 1
         self._films.mkdir(parents=True, exist_ok=True)
         path = self._films / f"{what}-{self._count:02}.csv"
         lines = [",".join(f"{value:.6f}" for value in row) for row in rows.tolist()]
         write_text(path, "\n".join([",".join(columns), *lines]) + "\n")
         self.say(f"  filmed, and tracked: {path}")
-        return str(path)
+        return path
 
     def _run(self) -> tuple[Step, Gait]:
         """Return the step and its gait; raises BadInput where there is none."""
@@ -171,7 +171,7 @@ class PracticeTerminal:
             raise BadInput(f"no gait is to be run at this step; `{self._place}` lists the words")
         return self.step, self.step.gait
 
-    def _film(self, given: str) -> str | None:
+    def _film(self, given: str) -> str | Path:
         rows = self.world.film_crawl(*self._run())
         return self.kept("crawl", [*CRAWL_COLUMNS, *joint_columns(rows.shape[1] - 4)], rows)
 
@@ -194,9 +194,11 @@ On the floor you work by words, at any prompt:
 
     def __init__(self, terminal: Terminal, setup: Setup, seed: int, films: Path):
         super().__init__(terminal, setup, seed, films)
-        self.words["tape"] = self._tape
-        self.words["protractor"] = lambda given: protractor_in_words(self.world.protractor_deg())
-        self.filmed["push"] = self._push
+        self.words |= {
+            "push": self._push,
+            "tape": self._tape,
+            "protractor": lambda given: protractor_in_words(self.world.protractor_deg()),
+        }
 
     def _rolled(self, given: str) -> Track:
         """Push as told; raises BadInput where there is nothing to push."""
@@ -208,7 +210,7 @@ On the floor you work by words, at any prompt:
         speed_m_s = amount(given or str(SPEED), says, low=SLOWEST_M_S, high=FASTEST_M_S)
         return self.world.push(self.step, speed_m_s)
 
-    def _push(self, given: str) -> str:
+    def _push(self, given: str) -> Path:
         return self.kept("push", ["t", "x", "y"], self.world.film(self._rolled(given)))
 
     def _tape(self, given: str) -> str:

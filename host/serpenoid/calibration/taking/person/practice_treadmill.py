@@ -78,13 +78,10 @@ The treadmill is worked by words, or on its page:
         time.sleep(amount(given, says, "s", low=1e-9, high=LONGEST_WAIT_S) / self._pace)
         return self.room.look()
 
-    def _film(self, given: str) -> str | None:
+    def _film(self, given: str) -> str | Path:
         """Film a gait, where one is to be run; else where the robot on the belt is."""
         if self.step is not None and self.step.gait is not None:
             return super()._film(given)
-        return self.say(f"  {self._places(given)}")
-
-    def _places(self, given: str) -> str:
         says = f"say how long in s, 2 to {MOST_S:g}: film 4"
         seconds = amount(given or "4", says, "s", low=2.0, high=MOST_S)
         room, places = self.room, list[tuple[float, float]]()

@@ -23,7 +23,6 @@ from ..floor.pushes import Kept, keep_pushes
 from ..journal import Journal
 from ..steps import Tracked
 
-Track = tuple[Floats, str]
 FilmReader = Callable[[Path, Robot], Tracked]  # a film to its track, and cells of each push in it
 CrawlReader = Callable[[Path, Robot, Gait], Tracked]  # a film of a crawl to cells of `video`
 TEXTS = (".csv", ".txt", ".tsv", ".dat")
@@ -41,19 +40,13 @@ def named_file(text: str) -> tuple[Path, str] | None:
     return (path, unit) if isfile(path) or path.suffix.lower() in (*TEXTS, *FILMS) else None
 
 
-def no_films(path: Path, robot: Robot) -> Tracked:
+def no_films(path: Path, *given: object) -> Tracked:
     """Refuse a film, where nothing is there to measure it."""
     raise BadInput(
-        f"{path}: a film itself is not taken here; mark the robot's middle link in Tracker or "
-        "Kinovea, and give the file that it exports"
+        f"{path}: a film itself is not taken here; give the track of the robot's middle link that "
+        "Tracker or Kinovea exports; or of a crawl, what `serpenoid video FILE --track crawl.csv` "
+        "writes with the gait's options"
     )
-
-
-def read_track(path: Path, unit: str) -> Track:
-    """Return the track of a file, t_s, x_m, y_m in rows, and the file's hash; raises BadInput."""
-    if not isfile(path):
-        raise BadInput(f"{path}: no such file")
-    return read_track_file(path, unit)
 
 
 def take_track(
@@ -64,7 +57,7 @@ def take_track(
     film: what reads a film of the robot with tags, whose joints hold still.
     """
     if path.suffix.lower() in TEXTS or not isfile(path):
-        track, sha256 = read_track(path, unit)
+        track, sha256 = read_track_file(path, unit)
     else:
         sha256 = sha256_of(path)
         seen = film(path, journal.session.setup.robot)
@@ -73,15 +66,7 @@ def take_track(
         return keep_pushes(journal, track, cells, file_sha256=sha256)
 
 
-def no_crawls(path: Path, robot: Robot, gait: Gait) -> Tracked:
-    """Refuse a film of a crawl, where nothing is there to measure it."""
-    raise BadInput(
-        f"{path}: a film itself is not taken here; measure it by `serpenoid video FILE --track "
-        "crawl.csv` with the gait's options, and give crawl.csv"
-    )
-
-
-def read_crawl(journal: Journal, path: Path, gait: Gait, film: CrawlReader = no_crawls) -> Tracked:
+def read_crawl(journal: Journal, path: Path, gait: Gait, film: CrawlReader = no_films) -> Tracked:
     """Return the `video` reading of a film of a crawl, or of its track; raises BadInput.
 
     A track is a CSV file as `serpenoid video --track` writes it.
