@@ -13,6 +13,7 @@ from collections import deque
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
@@ -32,7 +33,7 @@ _MARK = re.compile(r"\((nobody|ctrl-c|stop|left|right|\d+ s) ?(\d*)\) ?(.*)")
 class Typist:
     """Types prepared lines, then leaves."""
 
-    def __init__(self, lines: list[str], robot: SessionRobot | None = None):
+    def __init__(self, lines: list[str], robot: Any = None):
         self.lines, self.robot, self.t_s = deque(lines), robot, 0.0
         self.heard, self.room = "", None
 

@@ -14,7 +14,7 @@ from serpenoid.calibration.taking.new_session import create_session, default_set
 from serpenoid.calibration.taking.person.dialogue import Dialogue
 from serpenoid.calibration.taking.person.session_robot import SessionRobot
 from serpenoid.calibration.taking.simulated import SimulatedPerson, Truth
-from serpenoid.model.errors import RecordingFailed, RobotHeld, RobotLost
+from serpenoid.model.errors import RecordingFailed, RobotLost
 from serpenoid.robot.wire.virtual import VirtualLink
 
 
@@ -227,23 +227,6 @@ def test_a_robot_that_is_lost_loses_no_reading(folder):
         heard, session = talk(folder, *ZERO, "", "", *STATION, lost, robot=seat)
     assert "! the robot: unplugged" in heard
     assert len(session.kept) == 1
-
-
-def test_a_stop_from_the_page_lets_the_servos_go_and_says_so(folder):
-    with SessionRobot("virtual:fast") as seat:
-
-        def stop():
-            seat.halt()
-            return "status"
-
-        # The Enters that follow release nothing; only the word does.
-        heard, _ = talk(folder, *ZERO, "", stop, "", "", "2.0", robot=seat)
-        assert not seat.powered
-        with pytest.raises(RobotHeld):
-            seat._robot.straight()
-    assert "stopped from the page: pulses off (nobody has tried" in heard
-    assert heard.count("type release") == 4
-    assert heard.count("Enter straightens the robot") == 1
 
 
 @pytest.fixture

@@ -12,7 +12,6 @@ from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import (
     create_session,
     default_setup,
-    identity_differences,
 )
 from serpenoid.calibration.taking.parse_number import amendment
 from serpenoid.calibration.taking.person.identity import ask_identity
@@ -36,15 +35,6 @@ def asked(folder, *lines):
     person = Person(*lines)
     with Journal(folder) as journal:
         return person, ask_identity(journal, person)
-
-
-def test_what_differs_by_what_scales_differ_is_the_same(folder):
-    person, _ = asked(folder, "n", "", "454 g", "", "", "")
-    assert "Nothing differs" in person.heard
-    with pytest.raises(BadInput):
-        asked(folder, "n", "", "457 g", "", "")
-    setup = read_session(folder).setup
-    assert identity_differences(setup, replace(setup, surface="Belt"))
 
 
 def test_a_mass_and_a_surface_left_open_are_asked_until_they_are_known(tmp_path):

@@ -69,30 +69,20 @@ def pushes_in(t_s: Floats, x_m: Floats, y_m: Floats) -> list[slice]:
     is one, and is left out by what `look_at` says of it, or by hand.
     """
     t, x, y = (np.asarray(v, dtype=float) for v in (t_s, x_m, y_m))
-    speed = _speeds(t, x, y)
-    moves = speed > MOVES_M_S
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], moves.astype(int), [0]])))
-    runs = edges.reshape(-1, 2).tolist()
-    joined: list[list[int]] = []
-    for first, last in runs:
-        if joined and t[first] - t[joined[-1][1] - 1] < RESTED_S / 2:
-            joined[-1][1] = last
-        else:
-            joined.append([first, last])
-    long = [
-        (first, last)
-        for first, last in joined
-        if t[last - 1] - t[first] > LEAST_S / 2
-        and math.hypot(x[last - 1] - x[first], y[last - 1] - y[first]) > NEAR_M
-    ]
-    pieces = []
-    for k, (first, last) in enumerate(long):
-        before = (t[long[k - 1][1] - 1] + t[first]) / 2 if k else -math.inf
-        after = (t[last - 1] + t[long[k + 1][0]]) / 2 if k + 1 < len(long) else math.inf
-        low = np.searchsorted(t, max(before, t[first] - 1.0))
-        high = np.searchsorted(t, min(after, t[last - 1] + 1.5), side="right")
-        pieces.append(slice(int(low), int(high)))
-    return pieces
+    moves = np.concatenate([[0], _speeds(t, x, y) > MOVES_M_S, [0]]).astype(int)
+    first, last = np.flatnonzero(np.diff(moves)).reshape(-1, 2).T
+    if not len(first):
+        return []
+    last = last - 1
+    rested = t[first[1:]] - t[last[:-1]] >= RESTED_S / 2
+    first, last = first[np.append(True, rested)], last[np.append(rested, True)]
+    far = np.hypot(x[last] - x[first], y[last] - y[first]) > NEAR_M
+    far &= t[last] - t[first] > LEAST_S / 2
+    begins, ends = t[first[far]], t[last[far]]
+    between = (ends[:-1] + begins[1:]) / 2
+    low = np.searchsorted(t, np.maximum(np.append(-np.inf, between), begins - 1.0))
+    high = np.searchsorted(t, np.minimum(np.append(between, np.inf), ends + 1.5), side="right")
+    return [slice(*ends) for ends in zip(low.tolist(), high.tolist(), strict=True)]
 
 
 def look_at(t_s: Floats, x_m: Floats, y_m: Floats) -> Look:
@@ -103,7 +93,8 @@ def look_at(t_s: Floats, x_m: Floats, y_m: Floats) -> Look:
     peak = int(np.argmax(speed))
     if speed[peak] < MOVES_M_S:
         raise BadInput(f"nothing moves in this track: {speed[peak]:.2g} m/s at most; is it in m?")
-    start = _start(t, speed, peak)
+    # some time after the fastest place, the hand being gone
+    start = int(np.searchsorted(t, t[peak] + AFTER_S)) if peak else 0
     rest, touched = _rest(t, x, y, speed, peak)
     end = int(np.searchsorted(t, t[min(rest, len(t) - 1)] + RESTED_S, side="right")) - 1
     end = min(end, touched - 1)
@@ -170,13 +161,6 @@ def _speeds(t: Floats, x: Floats, y: Floats) -> Floats:
     return np.hypot(*rates)
 
 
-def _start(t: Floats, speed: Floats, peak: int) -> int:
-    """Return the first place that counts: some time after the fastest, the hand being gone."""
-    if peak == 0:
-        return 0
-    return int(np.searchsorted(t, t[peak] + AFTER_S))
-
-
 def _rest(t: Floats, x: Floats, y: Floats, speed: Floats, peak: int) -> tuple[int, int]:
     """Return the first place at rest after the fastest, and the first where it was touched again.
 
@@ -199,12 +183,11 @@ def _rest(t: Floats, x: Floats, y: Floats, speed: Floats, peak: int) -> tuple[in
 def _noise(t: Floats, x: Floats, y: Floats) -> float:
     """Return the scatter of a place, from how far it is off its two neighbours' line."""
     share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
-    scale = np.sqrt(1.0 + share**2 + (1.0 - share) ** 2)
-    found = []
-    for v in (x, y):
-        off = (v[1:-1] - (1.0 - share) * v[:-2] - share * v[2:]) / scale
-        found.append(1.4826 * float(np.median(np.abs(off - np.median(off)))))
-    return max(found)
+    places = np.stack([x, y])
+    off = places[:, 1:-1] - (1.0 - share) * places[:, :-2] - share * places[:, 2:]
+    off /= np.sqrt(1.0 + share**2 + (1.0 - share) ** 2)
+    spread = np.median(np.abs(off - np.median(off, axis=1, keepdims=True)), axis=1)
+    return 1.4826 * float(spread.max())
 
 
 def _own_path(t: Floats, way: Floats) -> tuple[Floats, float, float]:
@@ -240,28 +223,21 @@ def _doubts(
     t: Floats, at: tuple[int, int, int], way: float, speed: float, turned: float, rough: float
 ) -> list[str]:
     start, rest, end = at
-    found = []
-    if rest >= len(t) - 1:
-        found.append("the track ends before the robot rests: film on until it does")
-    if way < LEAST_M or t[rest] - t[start] < LEAST_S:
-        found.append(
-            f"it rolled {way:.2f} m in {t[rest] - t[start]:.2f} s only: push harder, {LEAST_M} m "
-            "at least"
-        )
-    elif speed < FEWEST_M_S:
-        found.append(f"{speed:.2f} m/s is a slow push: it tells no viscous friction; push harder")
-    if abs(turned) > MOST_TURN_RAD:
-        found.append(
-            f"it turned by {math.degrees(turned):+.0f} degrees while it rolled: it slipped "
-            "sideways; push straighter, or align the links"
-        )
-    if start > 0 and t[start] - t[0] > LAST * (t[end] - t[0]) and t[rest] - t[start] < LEAST_S:
-        found.append("the hand was still on it for most of the track: let go sooner")
+    rolled_s = t[rest] - t[start]
+    short = way < LEAST_M or rolled_s < LEAST_S
+    hand = start > 0 and t[start] - t[0] > LAST * (t[end] - t[0]) and rolled_s < LEAST_S
     gap = float(np.max(np.diff(t[start : rest + 1]), initial=0.0))
-    if gap > LONGEST_GAP_S:
-        found.append(f"it was not seen for {gap:.2f} s on its way")
-    if rough > ROUGH:
-        found.append(
-            "it did not roll out evenly: did it hit something, was it touched, or do wheels wobble?"
-        )
-    return found
+    doubts = {
+        "the track ends before the robot rests: film on until it does": rest >= len(t) - 1,
+        f"it rolled {way:.2f} m in {rolled_s:.2f} s only: push harder, {LEAST_M} m at least": short,
+        f"{speed:.2f} m/s is a slow push: it tells no viscous friction; push harder": not short
+        and speed < FEWEST_M_S,
+        f"it turned by {math.degrees(turned):+.0f} degrees while it rolled: it slipped sideways; "
+        "push straighter, or align the links": abs(turned) > MOST_TURN_RAD,
+        "the hand was still on it for most of the track: let go sooner": hand,
+        f"it was not seen for {gap:.2f} s on its way": gap > LONGEST_GAP_S,
+        "it did not roll out evenly: did it hit something, was it touched, or do wheels wobble?": (
+            rough > ROUGH
+        ),
+    }
+    return [words for words, holds in doubts.items() if holds]
