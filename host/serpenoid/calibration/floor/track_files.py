@@ -75,7 +75,7 @@ def _unrounded(t: NDArray[np.float64]) -> NDArray[np.float64]:
         return t
     one = steps[steps < 1.5 * np.median(steps)].mean()
     count = np.concatenate([[0.0], np.cumsum(np.round(steps / one))])
-    even: NDArray[np.float64] = np.polyval(np.polyfit(count, t, 1), count)
+    even = np.asarray(np.polyval(np.polyfit(count, t, 1), count), dtype=np.float64)
     return even if np.ptp(t - even) <= 1.2 * GRAIN_S else t
 
 
