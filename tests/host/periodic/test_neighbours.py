@@ -34,7 +34,7 @@ CASES = {
 }
 
 
-def drawn(name: str, count: int = 48) -> tuple:
+def drawn(name: str, count: int = 32) -> tuple:
     robot, ground, gait, kind = CASES[name]
     rng = np.random.default_rng(5)
     values = np.array([ground.ct, ground.cn, ground.ft0, ground.fn0])
@@ -60,7 +60,7 @@ def test_draws_begun_from_one_that_is_near_have_the_speeds_of_each_alone(name) -
 
 @pytest.mark.parametrize("name", CASES)
 def test_the_band_of_rough_draws_is_that_of_fine_ones(name) -> None:
-    """Ends to a tenth of the half band: 48 draws leave each end twice that in doubt."""
+    """Ends to a tenth of the half band: 32 draws leave each end twice that in doubt."""
     robot, near, draws, servos = drawn(name)
     ideal = neighbours.drawn_states(robot, near, draws)
     found = drawn_servo_speeds(ideal, servos)
