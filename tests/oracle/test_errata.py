@@ -8,7 +8,7 @@ import sympy as sp
 
 from . import dense, printed
 from . import symbolic as sy
-from .params import Gait, Params
+from .params import Params
 
 WRONG = {"28", "29", "30", "33", "45", "47", "50 row 4"}
 
@@ -63,33 +63,6 @@ def test_the_corrected_equations_hold(states: list) -> None:
     assert disagreeing(printed.corrected(), states) == set()
 
 
-def test_printed_friction_drives_the_snake(states: list) -> None:
-    """As printed, the ground would feed power in: F . v = +C v**2."""
-    for i in range(3):
-        velocity = sy.VELOCITIES[i]
-        power = [sy.evaluate(sy.dissipative_friction(i).dot(velocity), v) for v in states]
-        assert max(power) < 0
-
-
-def test_each_error_term_by_term() -> None:
-    """Name the wrong term: the difference printed - right is exactly the listed one."""
-    wrong, right = printed.as_printed(), printed.corrected()
-
-    def difference(number: str, index: int = 0) -> sp.Expr:
-        return sp.expand(wrong[number][index] - right[number][index])
-
-    speed = sy.VELOCITIES[0].dot(sy.tangent(0))
-    assert sp.expand(difference("28") + 2 * sy.C_t[0] * speed) == 0
-    normal = sy.VELOCITIES[1].dot(sy.normal(1))
-    assert sp.expand(difference("29", 1) + 2 * sy.C_n[1] * normal) == 0
-    row = 3 * sy.m * sy.ell**2 * (sy.qd[2] ** 2 - sy.qd[3] ** 2)
-    row *= sp.sin(sy.theta[0] - sy.theta[1])
-    assert sp.expand(difference("50 row 4") - row) == 0
-    for number, i in (("45", 2), ("47", 3)):
-        shown = printed.Q[i] - wrong[number][1]
-        assert sp.simplify(printed.Q[i] - sy.ell * shown) == 0
-
-
 def test_spring_and_damper_of_equations_51_to_56() -> None:
     """The joint force is minus the gradient of the spring's energy and the damper's loss."""
     places = sp.Matrix(sp.symbols("x1 y1 x2 y2"))
@@ -106,22 +79,6 @@ def test_spring_and_damper_of_equations_51_to_56() -> None:
         assert sp.simplify(on_tail - force[axis]) == 0
     turning = -energy.diff(sy.theta[0]) - loss.diff(sy.theta_d[0])
     assert sp.simplify(turning - sy.ell * sy.normal(0).dot(force)) == 0
-
-
-def test_equation_57_is_a_joint_angle() -> None:
-    """Turning the whole snake must not change the command: theta_i changes, phi_i does not."""
-    turn = sp.Symbol("turn")
-    turned = {angle: angle + turn for angle in sy.theta}
-    as_link_angle = sy.theta[0]
-    as_joint_angle = sy.theta[1] - sy.theta[0]
-    assert as_link_angle.subs(turned, simultaneous=True) - as_link_angle != 0
-    assert as_joint_angle.subs(turned, simultaneous=True) - as_joint_angle == 0
-    phi, phi_dot, phi_ddot = Gait(0.5, 1.2, 3.0).angles(0.7, 5)
-    assert phi[2] == pytest.approx(0.5 * np.sin(3.0 * 0.7 + 2 * 1.2), rel=1e-15)
-    step = 1e-5  # central differences: truncation and rounding both below 1e-8
-    ahead, behind = (Gait(0.5, 1.2, 3.0).angles(0.7 + h, 5) for h in (step, -step))
-    assert phi_dot == pytest.approx((ahead[0] - behind[0]) / (2 * step), abs=1e-8)
-    assert phi_ddot == pytest.approx((ahead[1] - behind[1]) / (2 * step), abs=1e-8)
 
 
 def test_equation_58_weighs_the_whole_snake() -> None:

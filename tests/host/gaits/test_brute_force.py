@@ -87,10 +87,10 @@ def test_brute_force_finds_none_cheaper(seed: int) -> None:
     ("kind", "seed"),
     [
         (kind, seed)
-        for kind, many in (("viscous", 12), ("dry", 5), ("ratchet", 4))
+        for kind, many in (("viscous", 5), ("dry", 3), ("ratchet", 2))
         for seed in range(10, 10 + many)
     ],
 )
 def test_brute_force_over_random_robots_finds_none_cheaper(kind: str, seed: int) -> None:
-    """None of 24, with the three above: a share of 12 % would show in 19 of 20 cases."""
+    """None of 13, with the three above: a share of 21 % would show in 19 of 20 cases."""
     assert_none_cheaper(*both(kind, seed))

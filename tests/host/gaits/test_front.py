@@ -79,7 +79,6 @@ def free() -> tuple:
 @pytest.mark.parametrize(
     ("name", "limits", "side"),
     [
-        ("", sn.GaitLimits(), ""),
         ("servo speed", sn.GaitLimits(servo_speed_rad_s=3.0), "fast"),
         ("highest rate", sn.GaitLimits(omega_high_rad_s=6.0), "fast"),
         ("joint angle", sn.GaitLimits(joint_angle_rad=0.5), "slow"),
@@ -109,13 +108,11 @@ def test_power_rises_along_the_front_and_limits_set_in_once(
         assert min(limits.margins(best.gait).values()) > -2e-3
 
 
-def test_a_torque_limit_is_met_before_it_ends_the_front() -> None:
+def test_a_torque_limit_is_met_and_told() -> None:
     limits = sn.GaitLimits(servo_torque_nm=0.2)
     best = sn.least_power_gait(PAPER, VISCOUS, speed_m_s=0.39, limits=limits)
     assert best.active == ("servo torque",)
     assert peak_torque_nm(PAPER, VISCOUS, best.gait) <= 0.2 * 1.002
-    with pytest.raises(sn.NotConverged, match=r"nearest of \d needs a servo torque \d+ % higher"):
-        sn.least_power_gait(PAPER, VISCOUS, speed_m_s=0.6, limits=limits)
 
 
 @pytest.mark.slow

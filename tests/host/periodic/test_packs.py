@@ -99,35 +99,3 @@ def test_positive_power_claims_what_its_last_modes_may_hide() -> None:
         assert error <= s.positive_power_error_w, links
         hidden += error > 1e-11 * truth
     assert hidden > 1
-
-
-def test_a_torque_that_touches_zero_between_two_nodes() -> None:
-    """Two links at a crawl: the torque's two roots lie in one cell, one of them at its end."""
-    robot = sn.Robot(2, 0.13074918359595453, 0.2847517775223594)
-    ground = sn.Ground(0.7673112770284728, 60.83189479289118)
-    shape = (0.8035949122116643, 0.5876476856635192)
-    s = sn.steady_gait(robot, ground, sn.Gait(*shape, 0.5115080579256062))
-    fine = by_pieces(robot, ground, *shape, 0.5115080579256062)
-    assert s.abs_power_w == pytest.approx(fine.abs_power_w, rel=1e-6)
-
-
-def test_a_torque_that_is_nothing_at_phase_0() -> None:
-    """It has a sign all the same, the other one half a cycle later: else a kink is missed."""
-    robot, ground, shape = sn.Robot(2, 0.42, 0.085), sn.Ground(0.0075, 0.41), (0.19, 0.64, 4.9)
-    s = sn.steady_gait(robot, ground, sn.Gait(*shape))
-    fine = by_pieces(robot, ground, *shape)
-    assert abs(s.positive_power_w - fine.positive_power_w) < 2 * s.positive_power_error_w
-
-
-def test_the_slowest_multiplier_where_hardly_anything_decays() -> None:
-    """Two multipliers of nearly one size: both solvers give the larger, not their mean."""
-    robot = sn.Robot(3, 1.0394581138114403, 0.09192328410587881)
-    ground = sn.Ground(0.01256786936222491, 5.055393456204161e-05)
-    shape, rate = (0.7844566659643128, 1.3900706037442236), 21.26329495906344
-    for s in (
-        sn.steady_gait(robot, ground, sn.Gait(*shape, rate)),
-        by_pieces(robot, ground, *shape, rate),
-    ):
-        largest = abs(s.floquet_multipliers[0])
-        period = 2 * math.pi / rate
-        assert s.settling_time_s == pytest.approx(-period / math.log(largest), rel=2e-3)

@@ -139,9 +139,10 @@ def test_random_states_agree_with_differences_of_cold_solutions() -> None:
 
 
 @pytest.mark.slow
-def test_500_random_states_agree_with_differences_of_cold_solutions() -> None:
-    held, off = compare(seed=12, count=500)
-    assert held > 1200
+def test_80_random_states_agree_with_differences_of_cold_solutions() -> None:
+    """Of some 300 derivatives 5 % may be off: if 9 % of all were, one time in 100."""
+    held, off = compare(seed=12, count=80)
+    assert held > 250
     assert off <= 0.05 * held
 
 

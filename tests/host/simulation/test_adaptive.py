@@ -114,11 +114,6 @@ def test_a_stiff_scene_is_refused_by_the_explicit_method() -> None:
     assert time.process_time() - began < 20  # the run itself would take hours
 
 
-def test_collocation_of_a_steering_gait() -> None:
-    scene = replace(PAPER, gait=replace(GAIT, offset_rad=0.2), method="collocation", tolerance=1e-9)
-    assert error(sn.simulate(scene), truth(scene)) < 1e-8
-
-
 def test_a_day_of_crawling_costs_nothing_and_goes_at_the_steady_speed() -> None:
     """24 hours in whole cycles; pieces of the cycle are kept, so time and memory stay small."""
     cycles = round(24 * 3600 / GAIT.period_s)

@@ -179,16 +179,6 @@ def test_turning_round_is_swapping_the_values_and_reversing_the_wave() -> None:
     assert abs(plain.speed_m_s / here.speed_m_s - 1) > 0.1
 
 
-def test_a_sweep_knows_ratchets() -> None:
-    grid: dict[str, Any] = {"alpha_rad": [0.5, 0.9], "beta_rad": [1.0], "omega_rad_s": [2.0, 5.0]}
-    grounds = [RATCHET, GROUNDS["viscous"]]
-    one, two = (sn.sweep(OF_2005, grounds, **grid, rtol=1e-4, threads=n) for n in (1, 2))
-    assert one.converged.all()
-    assert one.speed_m_s.tobytes() == two.speed_m_s.tobytes()
-    alone = sn.steady_gait(OF_2005, grounds[1], sn.Gait(0.9, 1.0, 5.0), rtol=1e-4)
-    assert one.speed_m_s[1, 1, 0, 1] == pytest.approx(alone.speed_m_s, rel=1e-4)
-
-
 def test_what_smooth_methods_cannot_do_is_said() -> None:
     for method in ("dop853", "collocation"):
         with pytest.raises(sn.BadInput, match="nonsmooth"):

@@ -158,20 +158,6 @@ def test_chains_of_any_length_are_those_of_the_dense_models(
     assert_alike(sn.simulate(scene), {name: truth[name] for name in NAMES[:6]}, 1e-10)
 
 
-@pytest.mark.parametrize("formulation", FORMULATIONS)
-def test_a_robot_that_turned_many_times_goes_on_the_same_way(formulation: str) -> None:
-    """2e6 rad are rounded to 2e-10."""
-    scene = sn.Scene(robot_of(6), VISCOUS, GAIT, formulation=formulation, duration_s=0.2)
-    start = anywhere(scene, 4)
-    turns = 2 * math.pi * round(2e6 / (2 * math.pi))
-    here = sn.simulate(replace(scene, start=start)).state()
-    there = sn.simulate(
-        replace(scene, start=replace(start, theta_rad=start.theta_rad + turns))
-    ).state()
-    assert there.theta_rad - turns == pytest.approx(here.theta_rad, abs=1e-7)
-    assert there.x_m == pytest.approx(here.x_m, abs=1e-7)
-
-
 @pytest.mark.parametrize("drive", ["angle", "servo", "held servo", "table"])
 def test_the_papers_method_steps_as_it_is_written(drive: str) -> None:
     scene = sn.Scene(

@@ -54,27 +54,6 @@ def test_a_cycle_that_begins_elsewhere_has_the_same_limit() -> None:
     assert limits_s[0] == pytest.approx(limits_s[1], rel=5e-3)
 
 
-def test_a_torque_table_outlives_its_request() -> None:
-    """Nonsmooth steps compose a system from a copy of the request, gone when the run begins."""
-    torque = sn.TorqueTable(np.array([0.0, 1.0]), np.full((2, 5), 1e-3))
-    common = {
-        "drive": "torque",
-        "torque": torque,
-        "formulation": "implicit",
-        "duration_s": 0.2,
-        "dt_s": 1e-4,
-        "gap": "zero",
-        "start": "zero_momentum",
-    }
-    still = sn.Gait(0.0, 0.0, 1.0)
-    ends = [
-        sn.simulate(sn.Scene(SIX, sn.Ground(0.1, 1.0), still, method=m, **common))
-        for m in ("nonsmooth", "rk4")
-    ]
-    assert np.abs(ends[0].theta_rad[-1] - ends[1].theta_rad[-1]).max() < 1e-4  # first order
-    assert np.abs(ends[1].theta_rad[-1]).max() > 1e-3
-
-
 @pytest.mark.parametrize("method", stability_map.fixed_step_methods())
 def test_what_runs_does_not_grow_and_what_grows_is_refused(method: str) -> None:
     """Around the limit by the modes: a disturbance grows half above and not just below."""
@@ -85,12 +64,6 @@ def test_what_runs_does_not_grow_and_what_grows_is_refused(method: str) -> None:
         below, above = stability_map.line_of_growth(line, (0.98 * limit, 1.5 * limit), 3000)
         assert below < stability_map.GROWN, line
         assert above > stability_map.GROWN, line
-
-
-def test_the_quiet_failure_counts_as_unstable() -> None:
-    """RK4 at 1 ms, 9e5 N/m: finite and bounded, and wrong."""
-    scene = stability_map.scene_of("rk4", 6, 1.0, 9e5)
-    assert stability_map.growth(scene, 3000) == math.inf
 
 
 def test_a_small_map_has_no_cell_that_runs_and_is_unstable() -> None:
