@@ -285,18 +285,6 @@ def test_a_kind_of_servo_gives_a_second_speed(browser) -> None:
     assert browser.runs("return $('servo-speed').hidden")
 
 
-def test_what_10_percent_more_changes_is_ranked(browser) -> None:
-    browser.waits_for("curve && curve.ranks")
-    s, ranks = browser.runs("return [state, curve.ranks]")
-    sizes = [abs(one["change"]) for one in ranks]
-    assert len(ranks) == 9
-    assert sizes == sorted(sizes, reverse=True)
-    before = sn.steady_gait(*parts(s)).speed_m_s
-    for one in ranks:
-        more = sn.steady_gait(*parts(s | {one["name"]: 1.1 * s[one["name"]]})).speed_m_s
-        assert one["change"] == pytest.approx(more / before - 1, abs=3e-3)
-
-
 def test_the_star_is_where_servos_can_run(page) -> None:
     limit_deg_s = math.degrees(CANNOT * sn.servo().servo.no_load_rad_s)
     address = page.as_uri() + "#hz=1.2"  # with the servo of a new page
@@ -307,16 +295,6 @@ def test_the_star_is_where_servos_can_run(page) -> None:
         fastest = max(v for v, rate in zip(values, rates, strict=True) if rate <= limit_deg_s)
         assert starred <= limit_deg_s
         assert best["v"] == fastest < max(values)
-
-
-def test_two_digits_units_for_ears_and_no_error_without_a_width(page) -> None:
-    with visiting(page.as_uri(), MAPPED) as visitor:
-        assert visitor.text("#speed") == "0.092 m/s with typical hobby servos"
-        assert visitor.runs("return $('r-hz').getAttribute('aria-valuetext')") == "0.5 Hz"
-        visitor.runs("""window.wrong = []; addEventListener('error', (e) => wrong.push(e.message));
-document.body.style.display = 'none'; map.fresh = true; dispatchEvent(new Event('resize'));""")
-        visitor.runs("document.body.style.display = ''; dispatchEvent(new Event('resize'));")
-        assert visitor.runs("return wrong") == []
 
 
 BIG = {"links": 40, "link_mass_kg": 0.1, "link_length_m": 0.1, "link_inertia_kg_m2": 1e-4}
@@ -397,14 +375,6 @@ def test_folders_of_sessions_are_taken_or_refused_in_words(page, fitted, tmp_pat
             visitor.drops(folder)
             visitor.sees("#fit", said)
         assert visitor.runs("return state.cn") == pytest.approx(1.2, rel=1e-5)
-
-
-def test_a_folder_dropped_on_a_page_from_a_file_is_answered(page, fitted) -> None:
-    with visiting(page.as_uri()) as visitor:
-        visitor.drops(fitted)  # Chromium opens no dropped folder for file://
-        visitor.waits_for("$('fit').textContent !== ''")
-        found = visitor.text("#fit")
-        assert "Friction and robot" in found or "drop its fit.json" in found
 
 
 def test_the_keyboard_reaches_everything_and_moves_it(page) -> None:

@@ -5,19 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from advised import Saved, advised, plan_of, planned, ratios
-from calibration_figures import advised_figure, coverage_figure, verdict_figure
+from advised import advised, plan_of, planned
 from coverage_treadmill import (
     CASES,
     GAIT,
     STUDY,
     WHOLE,
-    Case,
     DrivenTable,
-    judged,
-    one,
 )
-from serpenoid.bench.rows import renew_table
 from serpenoid.calibration.speeds import speed
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.model.ground import Ground
@@ -28,7 +23,6 @@ from verdicts import (
     MORE,
     TrueSpeeds,
     counted,
-    markdown,
     words,
 )
 
@@ -82,24 +76,6 @@ def test_advice_needs_fewer_readings_than_the_plan(table):
     assert len(planned("default", 2)[0].kept) == count
 
 
-def test_ratios_count_what_comes_after_the_opening():
-    rows = [Saved("p", k, 0.1, 4, 10, 6 + k, 0.1, 0.09, 0.0, 0.0, True) for k in (0, 2)]
-    found = ratios(rows)[0]
-    assert (found.plan_readings, found.advised_readings) == (10.0, 7.0)
-    assert (found.ratio, found.after_opening) == (pytest.approx(0.7), pytest.approx(0.5))
-
-
-@pytest.mark.slow
-def test_the_figures_are_drawn(tmp_path, table, driven):
-    case = Case((30.0,), 0.005)
-    rows = [dataclasses.asdict(judged(case, [one(case, 1, k, (table, driven)) for k in range(3)]))]
-    coverage_figure(rows, tmp_path / "coverage.png")
-    saved = [Saved("p", k, 0.1, 4, 10, 6 + k, 0.1, 0.09, 0.0, 0.0, True) for k in (0, 2)]
-    advised_figure([dataclasses.asdict(r) for r in saved], tmp_path / "advise.png")
-    for name in ("coverage.png", "advise.png"):
-        assert (tmp_path / name).stat().st_size > 5000
-
-
 @pytest.fixture(scope="module")
 def verdicts():
     names = ("nothing", "ft0 +40%", "amplitude -30%", "tape -20%")
@@ -119,15 +95,3 @@ def test_verdicts_on_gross_faults_are_right(verdicts):
     assert counts["amplitude -30%"]["amplitude"] + counts["amplitude -30%"][MORE] == 1
     assert counts["tape -20%"]["neither"] + counts["tape -20%"]["agrees"] == 1  # servos hide it
     assert sum(counts["nothing"].values()) == 1
-
-
-@pytest.mark.slow
-def test_the_table_of_verdicts_goes_into_a_page(tmp_path, verdicts):
-    page = tmp_path / "page.md"
-    begin, end = "<!-- verdicts: begin -->", "<!-- verdicts: end -->"
-    page.write_text(f"before\n{begin}\nold\n{end}\nafter\n")
-    renew_table(page, "verdicts", markdown(verdicts))
-    assert page.read_text() == f"before\n{begin}\n{markdown(verdicts)}\n{end}\nafter\n"
-    assert "**100 %**" in page.read_text()
-    verdict_figure(verdicts, tmp_path / "verdict.png")
-    assert (tmp_path / "verdict.png").stat().st_size > 5000

@@ -1,5 +1,4 @@
 // Settings: units, and EEPROM whose power fails at every byte of every save.
-#include <cmath>
 #include <cstring>
 #include <random>
 #include <vector>
@@ -100,23 +99,6 @@ void seal_copy(Memory& memory, uint8_t slot, int end = Store::kRecord - 2) {
 }
 
 }  // namespace
-
-TEST_CASE("a new EEPROM is new, and leaves the defaults alone") {
-    Memory memory;
-    Settings settings = default_settings();
-    CHECK(load(memory, settings) == Found::New);
-    CHECK(same(settings, default_settings()));
-}
-
-TEST_CASE("what is saved comes back, many times over") {
-    Memory memory;
-    for (uint32_t k = 0; k < 20; ++k) {
-        CHECK(save(memory, some_settings(k)));
-        Settings settings = default_settings();
-        CHECK(load(memory, settings) == Found::Ok);
-        CHECK(same(settings, some_settings(k)));
-    }
-}
 
 TEST_CASE("the serial number may wrap") {
     Memory memory;
@@ -219,27 +201,6 @@ TEST_CASE("a start that loses power while it counts does not spoil the count") {
         memory.writes_left = -1;
         CHECK(count_boot(memory) != told);
     }
-}
-
-TEST_CASE("trims and limits in the units of the frame") {
-    Settings settings = default_settings();
-    const Trim trim = trim_of(settings.trim_u[2]);
-    CHECK(trim.centre_us == 1500);
-    CHECK(trim.scale_q5_us_per_rad == 573 * 32);
-    CHECK(std::fabs(trim.low_q14 / 16384.0 + 1.5707963) < 1e-4);
-    CHECK(pulse_at(settings.trim_u[2], kHigh) == 2400);
-    CHECK(pulse_at(settings.trim_u[2], kLow) == 600);
-    settings.trim_u[2][kDir] = -1000000;
-    CHECK(pulse_at(settings.trim_u[2], kHigh) == 600);
-    MotionLimits limits = {};
-    limits.frame_us = 20000;
-    set_limits(limits, settings);
-    const double degree = 3.14159265358979 / 180;
-    CHECK(limits.change.swing_rad_s == doctest::Approx(60 * degree));
-    CHECK(limits.change.rate_rad_s2 == doctest::Approx(5));
-    CHECK(limits.change.pose_rad_s == doctest::Approx(45 * degree));
-    CHECK(limits.change.servo_rad_s == doctest::Approx(500 * degree));
-    CHECK(std::fabs(limits.servo_step_q14 / 16384.0 - 10 * degree) < 1e-4);
 }
 
 TEST_CASE("a copy by a firmware of fewer settings is taken over, and saved anew") {

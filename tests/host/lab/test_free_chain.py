@@ -153,15 +153,6 @@ def test_a_ratchet_rolls_harder_backwards():
     assert ways[0] > 1.5 * other.state[0]
 
 
-def test_between_rails_a_zigzag_holds_where_forces_balance():
-    theta, gamma = np.array(ZIGZAG) * math.radians(7.5), math.radians(2.8)
-    c = placed(chain(), theta, balance_speed(theta, gamma), gamma)
-    c.guide(True)
-    c.advance(6.0, 0.004)
-    assert math.degrees(angles(c).mean()) == pytest.approx(0.0, abs=1e-4)
-    assert c.state[:2] == pytest.approx((0.0, 0.0), abs=1e-4)
-
-
 @pytest.mark.parametrize("links", [3, 4, 5, 6, 8])
 def test_between_rails_a_robot_rolls_as_one_mass_even_where_it_was_pushed_askew(links):
     """Straight wheels are square to the rails: steered, they come to it and leave it again."""
