@@ -25,6 +25,11 @@ def made():
     return changed(taken, 2, voided=True, comment="slipped & fell")
 
 
+@pytest.fixture(scope="module")
+def fit(made):
+    return sn.fit_friction(made)
+
+
 def compared() -> Comparison:
     gaits = tuple(
         ComparedGait(1.2, 1.3, f, 0.1 * f, 0.1 * f, 0.09 * f, 0.11 * f, 0.08 * f, 0.12 * f)
@@ -36,9 +41,12 @@ def compared() -> Comparison:
     )
 
 
-def test_the_page_needs_nothing_else_and_is_the_same_again(made):
-    fit = sn.fit_friction(made)
-    page = session_page(made, fit, compared(), None)
+@pytest.fixture(scope="module")
+def page(made, fit):
+    return session_page(made, fit, compared(), None)
+
+
+def test_the_page_needs_nothing_else_and_is_the_same_again(made, fit, page):
     assert page == session_page(made, fit, compared(), None)
     fetched = re.findall(r'(?:src|href)="([^"]+)"|url[(]([^)]+)[)]|@import', page)
     assert all((a or b).startswith("#") for a, b in fetched)
@@ -50,8 +58,7 @@ def test_the_page_needs_nothing_else_and_is_the_same_again(made):
         ElementTree.fromstring(drawing)
 
 
-def test_the_page_says_what_it_must(made):
-    page = session_page(made, sn.fit_friction(made), compared(), None)
+def test_the_page_says_what_it_must(made, page):
     assert "lab &lt;one&gt; &amp; two" in page
     assert "ct_whole" in page
     assert "each of 6 links" in page
@@ -63,8 +70,7 @@ def test_the_page_says_what_it_must(made):
     assert made.sha256 in page
 
 
-def test_the_summary_and_the_counts_say_what_the_session_is(made):
-    fit = sn.fit_friction(made)
+def test_the_summary_and_the_counts_say_what_the_session_is(made, fit):
     assert "readings agree" in session_page(made, fit, None, None)
     assert "disagree by more than" in session_page(made, replace(fit, chi2=1e3), None, None)
     push = Coast(90, 0.0, 1.0, 1.5, voided=True)
@@ -74,7 +80,7 @@ def test_the_summary_and_the_counts_say_what_the_session_is(made):
         assert f"{row.value / made.setup.robot.links:.4g} {row.unit}" in page
 
 
-def test_voided_readings_remarks_and_every_kind_of_reading_are_told(made):
+def test_voided_readings_remarks_and_every_kind_of_reading_are_told(made, fit):
     run = GaitRun(40, 1.2, 1.3, 3.1, 0.1, 0.002, voided=True, comment="hit the wall")
     more = replace(
         made,
@@ -86,7 +92,7 @@ def test_voided_readings_remarks_and_every_kind_of_reading_are_told(made):
         Event("2026-01-02T03:04:05.678Z", "note", 0, "warm <room>"),
         Event("2026-01-02T03:04:06.678Z", "connect", 0, "uno, firmware 0.2.0, protocol 2"),
     ]
-    page = session_page(more, sn.fit_friction(made), None, None, events)
+    page = session_page(more, fit, None, None, events)
     assert '<tr class="void"><td>40</td>' in page
     assert '<td colspan="3">voided: hit the wall</td>' in page
     assert "voided: hit the wall" in page
@@ -94,7 +100,7 @@ def test_voided_readings_remarks_and_every_kind_of_reading_are_told(made):
     assert "<td>149° between links: λ = 15.52°</td>" in page
     assert "<td>2026-01-02 03:04</td><td>noted</td><td></td><td>warm &lt;room&gt;</td>" in page
     assert "Robot: uno, firmware 0.2.0, protocol 2." in page
-    plain = session_page(made, sn.fit_friction(made), None, None)
+    plain = session_page(made, fit, None, None)
     assert "What happened" not in plain
     assert "Other readings" not in plain
 
@@ -121,7 +127,7 @@ return {broken: words.filter(e => lines(e) > 1).length, words: words.length,
     ("width", "dark", "paper"),
     [(1100, False, False), (1100, True, False), (390, False, False), (688, False, True)],
 )
-def test_it_is_right_in_a_browser(made, tmp_path, width, dark, paper):
+def test_it_is_right_in_a_browser(made, fit, tmp_path, width, dark, paper):
     """On a screen, in the dark, on a phone, and on A4 (688 px between its margins)."""
     file = tmp_path / "report.html"
     long = replace(made.readings[2], comment="the hand was on the belt, it was taken once more")
@@ -131,7 +137,7 @@ def test_it_is_right_in_a_browser(made, tmp_path, width, dark, paper):
         bends=(BendCheck(42, 0.26, 2.6, voided=True, comment="a remark of many words on this"),),
     )
     events = [Event("2026-01-02T03:04:05.678Z", "amend", 0, "instruments.belt_scale_sigma_percent")]
-    page = session_page(more, sn.fit_friction(made), compared(), None, events)
+    page = session_page(more, fit, compared(), None, events)
     file.write_text(page, encoding="utf-8")
     with Browser(width, 900, dark, paper) as browser:
         browser.opens(file.as_uri())
