@@ -22,22 +22,6 @@ def run() -> sn.Run:
     return one_cycle(sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0), gait)[1]
 
 
-def test_a_turned_run_travels_along_x_and_keeps_its_shape(run) -> None:
-    turned = plot.along_travel(run)
-    x, y = turned.x_m.mean(axis=1), turned.y_m.mean(axis=1)
-    away = np.hypot(*(v[-1].mean() - v[0].mean() for v in (run.x_m, run.y_m)))
-    assert x[[0, -1]] == pytest.approx([0.0, away], abs=1e-12)
-    assert y[[0, -1]] == pytest.approx([0.0, 0.0], abs=1e-12)
-    for before, after in ((run, turned), (turned, plot.along_travel(turned))):
-        gaps = [np.hypot(np.diff(r.x_m), np.diff(r.y_m)) for r in (before, after)]
-        assert gaps[1] == pytest.approx(gaps[0], abs=1e-12)
-    # the angles turned with the centres: links still meet at their ends
-    half = run.scene.robot.link_length_m / 2
-    ends = half * np.cos(turned.theta_rad)
-    meet = turned.x_m[:, 1:] - ends[:, 1:] - (turned.x_m[:, :-1] + ends[:, :-1])
-    assert np.abs(meet).max() < 1e-12
-
-
 def _points() -> list[SpeedPoint]:
     speeds = np.outer([0.5, 1.0, 2.0], [1.0, 0.08, 0.12, 0.09, 0.11, 0.099, 0.095])
     return [

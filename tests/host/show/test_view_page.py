@@ -143,14 +143,3 @@ def test_a_dark_page_is_dark_and_as_large_a_snake_as_the_stage_holds(page, tmp_p
     assert np.median(shown) < 0.15
     assert shown.max() > 0.8
     assert reach > 0.4
-
-
-def test_a_long_recording_is_thinned_to_the_same_places() -> None:
-    rng = np.random.default_rng(8)
-    told = np.cumsum(rng.normal(0.0, 0.02, (60, 5)), axis=0)
-    lasts_s = np.full(60, 0.02)
-    whole = Twin(ROBOT, GROUND, told[0]).follow(told, lasts_s)
-    for every in (3, 25):
-        some = Twin(ROBOT, GROUND, told[0]).follow(told, lasts_s, every)
-        assert some.x_m == pytest.approx(whole.x_m[::every], abs=1e-12)
-        assert some.vy_m_s == pytest.approx(whole.vy_m_s[::every], abs=1e-9)
