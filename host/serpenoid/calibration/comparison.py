@@ -265,7 +265,7 @@ def _levelled(session: Session, fit: FrictionFit) -> tuple[Session, str]:
     """Return the session on level ground, and the sentence that says so where it sloped."""
     if not is_sloped(session):
         return session, ""
-    slope = floor_slope(session, fit)
+    slope = floor_slope(session, fit.nuisances)
     level = on_level(session, fit.robot, fit.ground, slope)
     return level, _LEVEL.format(*map(math.degrees, slope))
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..model.drives import Servo, ServoKind
+from ..model.long_calls import in_threads
 from ..model.particles import alike
 from ..model.plugs import plugs
 from ..periodic.servo_steady import servo_state
@@ -17,7 +18,7 @@ from .friction_result import FrictionFit
 from .kinds.video import FilmReading
 from .session import Session
 from .speed_samples import SpeedSamples
-from .speeds import AMPLITUDE_SIGMA, in_threads, speed
+from .speeds import AMPLITUDE_SIGMA, speed
 
 AGREES = 2.0  # standard deviations
 DRAWS, LEAST_DRAWS = 128, 3.0

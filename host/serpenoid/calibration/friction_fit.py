@@ -17,7 +17,6 @@ of draws. The paper's own fit is `fitting.paper_fit`.
 from __future__ import annotations
 
 from dataclasses import replace
-from types import MappingProxyType
 
 import numpy as np
 
@@ -25,30 +24,20 @@ from ..model.checks import check_choice, check_kind
 from ..model.drives import ServoKind
 from ..model.errors import BadInput, NotConverged
 from .alarms import with_alarms
-from .crawls.result import fit_crawls
+from .crawls.fit import with_crawls
+from .fit_of_draws import fit_of_draws
 from .fitting.identifiability import check_readings
 from .fitting.paper_fit import errors, points, two_lines
-from .fitting.posterior import BAD_WIDTH, Draws, Mode, Posterior
-from .fitting.shared import FRICTIONS, scaled
+from .fitting.posterior import BAD_WIDTH, Posterior
+from .fitting.shared import FRICTIONS
 from .fitting.stations import Stations
-from .fitting.suspects import influences
 from .fitting.unknowns import Floats
 from .floor.notes import check_floor
-from .friction_result import (
-    LEVEL,
-    UNITS,
-    Estimate,
-    FitDraws,
-    FrictionFit,
-    narrowest,
-    normal_draws,
-    with_values,
-)
+from .friction_result import LEVEL, UNITS, FitDraws, FrictionFit, normal_draws, with_values
 from .session import Session
-from .session_posterior import mode_of, posterior_of, scale_sigmas
+from .session_posterior import mode_of, posterior_of
 
 METHODS = ("joint", "robust", "naive")
-DRAWS = 1024  # kept with a fit
 
 
 def fit_friction(
@@ -106,7 +95,7 @@ def fit_friction(
         if method == "naive":
             raise BadInput("crawls are fitted by method 'joint' or 'robust', not 'naive'")
         servo, other = servo and session.setup.driving(servo), _beside_crawls(session, method)
-        return fit_crawls(session, other, servo, seed, misread=method == "robust")
+        return with_crawls(session, other, servo, seed, misread=method == "robust")
     if session.kept or not session.on_floor:
         stations = Stations.of(session)
         if method == "naive" or not session.on_floor:
@@ -198,75 +187,8 @@ def _fitted(session: Session, method: str, seed: int) -> FrictionFit:
         draws = doubtful.draws(plain, seed)
         good = draws.weight @ doubtful.good(doubtful.residuals(draws.x))
         mode = plain.posterior.mode(plain.x, good + (1.0 - good) / BAD_WIDTH**2)
-    fit = replace(_of_draws(session, mode, draws, good), method=method)
+    fit = replace(fit_of_draws(session, mode, draws, good), method=method)
     return with_alarms(fit, session, plain)
-
-
-def _of_draws(session: Session, mode: Mode, draws: Draws, good: Floats) -> FrictionFit:
-    """Return the fit whose values are the mode's, intervals and covariance the draws'.
-
-    good: each row's chance to be no misreading.
-    """
-    posterior, count = mode.posterior, mode.posterior.frictions
-    x = scaled(draws.x[:, :count], *scale_sigmas(session))
-    draws, weight = replace(draws, x=np.column_stack([x, draws.x[:, count:]])), draws.weight
-    ends = [narrowest(x[:, k], draws.weight_for(k), mode.x[k]) for k in range(count)]
-    covariance = np.cov(x.T, aweights=draws.boundless, ddof=0)
-    covariance = _beside_limits(covariance, mode.x[:count], np.array(ends))
-    nuisances, drawn = posterior.nuisances(mode.values), posterior.nuisances(draws.values)
-    spread = {n: float(np.sqrt(np.cov(part, aweights=weight, ddof=0))) for n, part in drawn.items()}
-    alike = draws.alike(DRAWS)
-    columns = [*alike.x[:, :count].T, *posterior.nuisances(alike.values).values()]
-    rows = posterior.residuals(mode.x[None])[0]
-    counted, numbers = good > 0.5, posterior.numbers
-    readings = list(dict.fromkeys(numbers[numbers >= 0].tolist()))
-    shown, sign, alone = _shown(mode, rows, readings)
-    return with_values(
-        session,
-        mode.x[:count],
-        covariance,
-        np.array(ends),
-        chi2=float(np.sum(rows[counted] ** 2)),
-        dof=int(np.sum(counted & (numbers >= 0))) - posterior.eliminated - count,
-        nuisances=MappingProxyType(
-            {name: Estimate(float(part[0]), spread[name]) for name, part in nuisances.items()}
-        ),
-        residuals=tuple(shown.tolist()),
-        outliers=tuple(dict.fromkeys(numbers[~counted].tolist())),
-        influence=influences(mode, sign, alone, np.sqrt(np.diag(covariance))),
-        draws=FitDraws((*FRICTIONS[:count], *nuisances), np.stack(columns, axis=1)),
-    )
-
-
-def _beside_limits(covariance: Floats, values: Floats, ends: Floats) -> Floats:
-    """Return a covariance that agrees with intervals which end at the limit of 0.
-
-    It is that of frictions which could be negative; the interval knows better.
-    """
-    from scipy.special import ndtri
-
-    sigma = np.sqrt(np.diag(covariance))
-    above = (ends[:, 1] - values) / float(ndtri(0.5 + LEVEL / 2))
-    share = np.where(ends[:, 0] > 0.0, 1.0, np.minimum(above / sigma, 1.0))
-    return covariance * np.outer(share, share)
-
-
-def _shown(mode: Mode, rows: Floats, readings: list[int]) -> tuple[Floats, Floats, Floats]:
-    """Return each reading's residual, its sign, and the share of its variance that it has alone.
-
-    Of a push or a slide + where it rolled farther, or took less time, than the law.
-    """
-    shown, alone, stations = np.zeros(len(readings)), np.ones(len(readings)), 0
-    for block in mode.posterior.blocks:
-        if isinstance(block, Stations):
-            stations = len(block)
-            shown[:stations], alone[:stations] = (p[0] for p in block.whole_residuals(mode.values))
-    dry = [k for k, name in enumerate(mode.posterior.names) if name.startswith("ft0")]
-    for k, number in enumerate(readings[stations:], stations):
-        mine = mode.posterior.numbers == number
-        ease = float(mode.slopes[mine][:, dry].sum(axis=1) @ rows[mine])
-        shown[k] = np.copysign(np.sqrt(np.mean(rows[mine] ** 2)), ease)
-    return shown, np.copysign(1.0, shown), alone
 
 
 def _check_signs(session: Session, values: Floats) -> None:

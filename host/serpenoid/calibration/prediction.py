@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..model.drives import ServoKind
 from ..model.gait import Gait
 from ..model.ground import Ground
+from ..model.long_calls import in_threads
 from ..model.robot import Robot
 from ..periodic.servo_steady import free_rad_s, managed_hz
 from ..periodic.steady import Steady, steady_gait
@@ -23,7 +24,7 @@ from ..simulation.simulate import simulate
 from ..simulation.steady_springs import steady_springs
 from .friction_result import FrictionFit
 from .speed_samples import likeliest_speed, sample_speeds
-from .speeds import AMPLITUDE_SIGMA, Progress, in_threads
+from .speeds import AMPLITUDE_SIGMA, Progress
 
 STIFFNESS_N_M, DAMPING_N_S_M = 1000.0, 1.0  # the paper's
 SPRINGS_RTOL = 1e-3

@@ -7,12 +7,9 @@ common amplitude is in no doubt, and of a servo only the ripple counts.
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +17,7 @@ from numpy.typing import NDArray
 from ..model.drives import Servo
 from ..model.gait import Gait
 from ..model.ground import Ground
+from ..model.long_calls import in_threads
 from ..model.robot import Robot
 from ..periodic.neighbours import Draw, drawn_speeds, drawn_states
 from ..periodic.servo_steady import (
@@ -38,23 +36,9 @@ MODEL_SIGMA = 0.01  # of a predicted speed: joints' centres that are off, wheels
 AMPLITUDE_SIGMA = 0.03  # of the joints' true over commanded amplitude, common to all gaits
 SERVO_SIGMA = 0.005  # relative, of what a servo is predicted to do
 GRAIN = 0.01  # the same, where few servos are drawn of many; a rough state is off by 0.003
+LEAST_M_S = 0.001  # of a predicted speed, beside MODEL_SIGMA
+_SMOOTHING = 1e-4  # states are right to 1e-4, and some points are all but the same
 ENDS = 1 / 1.04, 1.04  # of the common amplitude, where it is known within some per cent
-
-
-def in_threads(
-    work: Callable[[Any], Any], items: Iterable[Any], progress: Progress | None = None
-) -> list[Any]:
-    """Return what each item gives, by as many threads as the machine has cores.
-
-    The core computes without Python's lock. progress: called with 1 after each.
-    """
-    results = []
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for result in pool.map(work, items):
-            results.append(result)
-            if progress is not None:
-                progress(1)
-    return results
 
 
 def speed(robot: Robot, ground: Ground, gait: Gait, servo: Servo | None = None) -> float:
@@ -66,6 +50,52 @@ def speed(robot: Robot, ground: Ground, gait: Gait, servo: Servo | None = None) 
 def scaled(gait: Gait, amplitude: float) -> Gait:
     """Return the gait as joints run it that reach this share of their amplitude, at most pi."""
     return replace(gait, alpha_rad=min(gait.alpha_rad * amplitude, math.pi))
+
+
+class SpeedTable:
+    """Speeds that were solved for at some points, and interpolated between them.
+
+    Points are logarithms of frictions and of the joints' amplitude. Cubic radial functions go
+    through the logarithms of the speeds and LEAST_M_S together: at the foot of a cliff these still
+    tell where it is, and what crawls slower is as good as at rest. No speed lies beyond all solved.
+    """
+
+    def __init__(self, solve: Speeds):
+        self._solve, self._points, self._logs = solve, np.empty((0, 0)), np.empty((0, 0))
+
+    @property
+    def known(self) -> bool:
+        """Tell whether there are any."""
+        return self._logs.size > 0
+
+    def add(self, whole: Array, amplitude: Array) -> Array:
+        """Solve at K points; return by how much the table was off there, (K, gaits), logarithms.
+
+        The first time that is infinite.
+        """
+        logs, points = np.log(self._solve(whole, amplitude) + LEAST_M_S), _logs(whole, amplitude)
+        if not self.known:
+            self._points, self._logs, off = points, logs, np.full(logs.shape, np.inf)
+        else:
+            off = np.log(self(whole, amplitude) + LEAST_M_S) - logs
+            self._points = np.vstack([self._points, points])
+            self._logs = np.vstack([self._logs, logs])
+        from scipy.interpolate import RBFInterpolator
+
+        self._mean, self._spread = self._points.mean(axis=0), self._points.std(axis=0) + 1e-9
+        unit = (self._points - self._mean) / self._spread
+        self._between = RBFInterpolator(unit, self._logs, kernel="cubic", smoothing=_SMOOTHING)
+        return off
+
+    def __call__(self, whole: Array, amplitude: Array) -> Array:
+        """Return the speeds (K, gaits), m/s."""
+        unit = (_logs(whole, amplitude) - self._mean) / self._spread
+        ends = self._logs.min(axis=0), self._logs.max(axis=0)
+        return np.exp(np.clip(self._between(unit), *ends)) - LEAST_M_S
+
+
+def _logs(whole: Array, amplitude: Array) -> Array:
+    return np.log(np.column_stack([whole, amplitude]))
 
 
 @dataclass(frozen=True)

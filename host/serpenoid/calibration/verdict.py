@@ -10,17 +10,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from ..model.drives import ServoKind
 from ..servos.catalogue import servo
 from .crawls.data import CrawlData, servos_of
-from .crawls.posterior import ROUGH_POINTS, Before, Posterior
+from .crawls.posterior import Beforehand, CrawlPosterior
+from .fitting.posterior import Posterior
 from .friction_result import FrictionFit
 from .speed_samples import SpeedSamples
-from .speeds import MODEL_SIGMA, Array, ServoEffects, SpeedModel
+from .speeds import MODEL_SIGMA, Array, ServoEffects, SpeedModel, SpeedTable
 
 DOUBTFUL = 0.05  # a verdict's p-value
 # What may have happened between treadmill and ground: standard deviation of the logarithm of each
@@ -32,6 +33,7 @@ EITHER = "friction or amplitude"
 FREED_SERVOS, STRANGER = "hobby", 2.0
 TOLD_APART = math.log(10.0)  # of evidence
 _NOISE_DRAWS, _SERVO_DRAWS = 32, 48
+_DRAWS = 256  # of what may be where a cause is let loose
 _AMPLITUDES = 0.85, 1.0  # shares of the joints' amplitude, at which servos are looked at
 _GRAIN = 0.01  # of the speed: how far servos are apart of which some are drawn
 
@@ -110,18 +112,23 @@ class Judge:
         whole = self._whole
         relative = self._fit.covariance / np.outer(whole, whole)
         root = np.linalg.cholesky(relative + freed**2 * np.eye(len(whole)))
-        before = Before(np.log(whole), np.asarray(root, dtype=np.float64), amplitude_sigma)
-        best_m_s = self._speeds(whole[None], np.ones(1))[0] * np.median(effects.share, axis=0)
+        known = Beforehand(np.log(whole), np.asarray(root, dtype=np.float64))
+        best_m_s = self._model.ideal(whole[None], np.ones(1))[0] * np.median(effects.share, axis=0)
         sigma = np.hypot(measured.sigma_m_s, math.hypot(MODEL_SIGMA, effects.sigma) * best_m_s)
         # a film's joints count in the gait itself, not once more
         effects = replace(effects, sigma=0.0, amplitude=effects.amplitude[:, :0], amplitude_power=0)
-        data = replace(measured, sigma_m_s=sigma)
-        drawn = Posterior(data, before, self._speeds, effects).about_minimum(
-            self._seed, ROUGH_POINTS
+        posterior = CrawlPosterior(
+            Posterior((known,)),
+            replace(measured, sigma_m_s=sigma),
+            self._speeds,
+            effects,
+            amplitude_sigma,
         )
+        u = np.random.default_rng(self._seed).normal(size=(_DRAWS, len(whole)))
+        drawn = posterior.draw(known.whole(u), self._seed)
         shares = (drawn.best_whole / whole).tolist()
         return Cause(
-            float(chdtrc(len(data), drawn.chi2)),
+            float(chdtrc(len(measured), drawn.chi2)),
             drawn.evidence,
             dict(zip(self._fit.names, shares, strict=True)),
             drawn.best_amplitude,
@@ -132,8 +139,9 @@ class Judge:
         gaits, seen = self._drawn.gaits, self._drawn.seen
         return SpeedModel(self._fit.robot, self._fit.ground, gaits, tuple(map(seen.get, gaits)))
 
-    def _speeds(self, whole: Array, amplitude: Array) -> Array:
-        return self._model.ideal(whole, amplitude, unfound_m_s=0.0)
+    @cached_property
+    def _speeds(self) -> SpeedTable:
+        return SpeedTable(partial(self._model.ideal, unfound_m_s=0.0))
 
     @cached_property
     def _effects(self) -> ServoEffects:

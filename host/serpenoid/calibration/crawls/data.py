@@ -15,11 +15,10 @@ from ...model.robot import Robot
 from ..kinds.gait import GaitRun
 from ..kinds.video import FilmReading
 from ..session import Session
-from ..speeds import MODEL_SIGMA, Array, SpeedModel
+from ..speeds import LEAST_M_S, MODEL_SIGMA, Array, SpeedModel
 
 # Commands that differ by less are one command: a film shows its rate, and may show its angles.
 _SAME_RATE, _SAME_RAD = 0.01, 0.01
-LEAST_M_S = 0.001  # of a predicted speed, beside MODEL_SIGMA
 GAIN_ELASTICITY = 1.5  # about: per cent of speed for one of amplitude
 
 

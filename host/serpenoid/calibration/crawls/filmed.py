@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...model.errors import BadInput
 from ...model.gait import Gait
+from ...model.sines import basis, fit_sines
 from ..kinds.declaration import Cells
 
 Array = NDArray[np.float64]
@@ -35,7 +36,7 @@ def crawl_cells(rows: Array, gait: Gait) -> Cells:
             f"{LEAST_CYCLES:g} tell its joints"
         )
     omega, sines, sigma = _sines(t, angles, gait)
-    amplitude, phase = np.hypot(*sines[:2]), np.arctan2(sines[1], sines[0])
+    amplitude, phase = np.hypot(*sines[1:]), np.arctan2(sines[1], sines[2])
     gains = amplitude / gait.alpha_rad
     off = np.exp(1j * (phase - gait.beta_rad * np.arange(len(phase))))
     shifts = np.angle(off / off.mean())
@@ -44,7 +45,7 @@ def crawl_cells(rows: Array, gait: Gait) -> Cells:
         "alpha_deg": math.degrees(gait.alpha_rad),
         "beta_deg": math.degrees(gait.beta_rad),
         "omega_rad_s": omega,
-        "offset_deg": math.degrees(float(sines[2].mean())),
+        "offset_deg": math.degrees(float(sines[0].mean())),
         "speed_m_s": speed,
         "speed_sigma_m_s": math.hypot(scatter, SPEED_SIGMA * speed, 1e-5),
         "gain_sigma": math.hypot(sigma / gait.alpha_rad, GAIN_SIGMA),
@@ -54,23 +55,13 @@ def crawl_cells(rows: Array, gait: Gait) -> Cells:
 
 
 def _sines(t: Array, angles: Array, gait: Gait) -> tuple[float, Array, float]:
-    """Return the rate, rad/s, sine, cosine and centre of every joint, and an amplitude's sigma."""
-    from scipy.optimize import least_squares
-
+    """Return the rate, rad/s, centre, cosine and sine of every joint, and an amplitude's sigma."""
     seen = ~np.isnan(angles)
     if seen.sum(axis=0).min() < 8:
         raise BadInput("a joint was seen in less than 8 pictures; a session's reading needs all")
-
-    def left(rate: Array) -> tuple[Array, Array]:
-        turned = rate * t
-        waves = np.stack([np.sin(turned), np.cos(turned), np.ones_like(t)], axis=1)
-        normal = np.einsum("tk,ti,tj->kij", seen, waves, waves)
-        projected = np.einsum("tk,ti->ki", np.where(seen, angles, 0.0), waves)
-        sines = np.linalg.solve(normal, projected[..., None])[..., 0].T
-        return sines, (waves @ sines - angles)[seen]
-
-    fitted = least_squares(lambda rate: left(rate)[1], gait.omega_rad_s)
-    omega, (sines, off) = float(fitted.x[0]), left(fitted.x)
+    held = np.where(seen, angles, 0.0)
+    omega, sines = fit_sines(t, held, seen.astype(float), gait.omega_rad_s, harmonics=1)
+    off = (basis(t, omega, harmonics=1) @ sines - angles)[seen]
     mean_square = float(np.mean(off**2))
     if abs(omega / gait.omega_rad_s - 1.0) > _FAR or mean_square > _UNEVEN * np.var(angles[seen]):
         raise BadInput(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -15,7 +16,7 @@ from ...model.ground import Ground
 from ...model.robot import Robot
 from ...simulation.scene import Scene
 from ...simulation.simulate import simulate
-from ..friction_result import Estimate, FrictionFit
+from ..friction_result import Estimate
 from ..session import Session
 from ..speeds import scaled
 from .data import crawls_by_command
@@ -27,13 +28,9 @@ _TOLERANCE = 1e-3  # of runs with a servo: the speed is then right to some 0.5 %
 _SETTLE_S, _CYCLES = 6.0, 2
 
 
-def floor_slope(session: Session, fit: FrictionFit | None) -> Estimate:
-    """Return the floor's slope, rad, as pushes told it, or as nobody knows it."""
-    told = (
-        []
-        if fit is None
-        else [value for name, value in fit.nuisances.items() if name.startswith("floor_slope_rad")]
-    )
+def floor_slope(session: Session, nuisances: Mapping[str, Estimate]) -> Estimate:
+    """Return the floor's slope, rad, as readings told it, or as nobody knows it."""
+    told = [value for name, value in nuisances.items() if name.startswith("floor_slope_rad")]
     return told[0] if told else Estimate(0.0, session.setup.floor.slope_sigma_rad)
 
 

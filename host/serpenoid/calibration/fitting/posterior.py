@@ -208,6 +208,11 @@ class Posterior:
         return np.concatenate([*(block.numbers for block in self.blocks), priors])
 
     @property
+    def rows(self) -> int:
+        """Return how many residuals are the blocks': those of priors come after them."""
+        return len(self.numbers) - len(self.unknowns) + self.frictions
+
+    @property
     def eliminated(self) -> int:
         """Return how many residuals are not free."""
         return sum(block.eliminated for block in self.blocks)
@@ -337,11 +342,12 @@ class Posterior:
         x = x[inside] if inside.any() else np.maximum(x, self.low)
         x = np.resize(x[:PARTICLES], (PARTICLES, x.shape[1]))
 
-        def last(x: Floats) -> Floats:
+        def rise(x: Floats) -> Floats:
             inside = (x >= self.low).all(axis=1)
-            return np.where(inside, self.log_density(np.maximum(x, self.low)), -np.inf)
+            last = np.where(inside, self.log_density(np.maximum(x, self.low)), -np.inf)
+            return last - first.log_density(x)
 
-        x, _ = tempered(x, first.log_density, last, np.random.default_rng(seed))
+        x, _ = tempered(x, first.log_density, rise, np.random.default_rng(seed))
         even = np.full(len(x), 1.0 / len(x))
         return Draws(self, x, even, even)
 

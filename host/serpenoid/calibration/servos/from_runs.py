@@ -9,16 +9,17 @@ from numpy.typing import NDArray
 
 from ...model.drives import Servo, ServoKind
 from ...model.errors import BadInput
+from ...model.long_calls import in_threads
 from ...periodic.servo_steady import servo_state
 from ...periodic.steady import steady_gait
 from ...servos.bench_test import KEPT, MeasuredServo, measured_servo
 from ...servos.folded_film import film_ripples
-from ..crawls.result import fit_crawls
+from ..crawls.data import CrawlData
+from ..crawls.fit import with_crawls
 from ..friction_fit import fit_friction
 from ..friction_result import DOUBTFUL, FrictionFit
 from ..kinds.video import FilmReading
 from ..session import Session
-from ..speeds import in_threads
 
 Array = NDArray[np.float64]
 LEAST_DRAWS = 3.0
@@ -35,13 +36,13 @@ def servo_of_session(
     """Return what a session's gait runs and films leave of a kind of servo.
 
     fit: of all other readings, the session's own unless given. The crawls are fitted with friction,
-    the joints' amplitude and the servos as unknowns (`crawls.result`); each servo that this leaves
+    the joints' amplitude and the servos as unknowns (`crawls.fit`); each servo that this leaves
     then counts by the ripple of the joints in films. Raises BadInput.
     """
     fit, like = fit or fit_friction(session), session.setup.driving(like)
     if not session.kept_crawls:
         raise BadInput(f"{session.where}: no gait run and no film; take one with `calibrate`")
-    crawls = fit_crawls(session, fit, like, seed)
+    crawls = with_crawls(session, fit, like, seed)
     assert crawls.servos is not None
     drawn, index = crawls.servos.drawn, np.array(crawls.servos.index)
     weight = np.exp(-0.5 * _ripple_chi2(session, fit, drawn, np.unique(index)))[index]
@@ -57,8 +58,10 @@ def servo_of_session(
     rng = np.random.default_rng(seed)
     kept = tuple(drawn[k] for k in rng.choice(index, KEPT, p=weight))
     typical = drawn[int(np.bincount(index, weight).argmax())]
-    source = f"{len(crawls.residuals)} gaits of {session.setup.name}, from {like.name}"
-    return measured_servo(like, typical, kept, name, source, crawls.chi2, len(crawls.residuals))
+    gaits = len(CrawlData.of(session))
+    source = f"{gaits} gaits of {session.setup.name}, from {like.name}"
+    readings = len(crawls.residuals) + gaits
+    return measured_servo(like, typical, kept, name, source, crawls.chi2, readings)
 
 
 def _ripple_chi2(
