@@ -15,27 +15,19 @@ from typing import Any
 import numpy as np
 from coverage_treadmill import GAIT, SERVOS, WHOLE, WHOLE_2005, DrivenTable
 from numpy.typing import NDArray
-from serpenoid.calibration.crawls.result import fit_crawls
-from serpenoid.calibration.crawls.servos import SERVO_DRAWS
 from serpenoid.calibration.friction_fit import fit_friction
-from serpenoid.calibration.friction_result import NAMES, FrictionFit, ground_of
+from serpenoid.calibration.friction_result import NAMES, FrictionFit
 from serpenoid.calibration.kinds.instruments import FloorTools
 from serpenoid.calibration.session import Setup
 from serpenoid.calibration.speed_samples import likeliest_speed, sample_speeds
-from serpenoid.calibration.speeds import (
-    AMPLITUDE_SIGMA,
-    ServoEffects,
-    SpeedModel,
-    scaled,
-    speed,
-)
+from serpenoid.calibration.speeds import AMPLITUDE_SIGMA, scaled, speed
 from serpenoid.calibration.taking.new_session import CRAWL_RUNS, CRAWLS, PUSHES, default_setup
 from serpenoid.calibration.taking.simulated import SimulatedPerson
 from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.calibration.taking.world import drawn_floor
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.recording import Camera
-from serpenoid.model.drives import Servo, ServoKind
+from serpenoid.model.drives import ServoKind
 from serpenoid.model.errors import SerpenoidError
 from serpenoid.model.gait import Gait
 from serpenoid.periodic.servo_steady import band
@@ -150,53 +142,12 @@ def drawn_person(
     return SimulatedPerson(setup, truth, int(rng.integers(2**31)))
 
 
-class ServoPool:
-    """Many servos, and what each does to CRAWLS, filmed, and to GAIT on the ground of WHOLE_2005.
-
-    A session has some of them, as its fit would draw its own: their states take seconds.
-    """
-
-    def __init__(self, servos: int = 512):
-        self._robot = robot = default_setup("floor coverage").robot
-        self._ground = ground = ground_of(robot.links, WHOLE.tolist())
-        by_rate = sorted(CRAWLS, key=lambda gait: gait.omega_rad_s)  # as a session has them
-        model = SpeedModel(robot, ground, (*by_rate, GAIT), (*by_rate, None))
-        self._every = model.effects(tuple(SERVOS.draws(servos)))
-
-    def some(self, rng: np.random.Generator) -> tuple[ServoEffects, ServoEffects]:
-        """Return what a session's servos do to the crawls, and to GAIT."""
-        every, films = self._every, np.repeat(np.arange(len(CRAWLS)), CRAWL_RUNS)
-        own = rng.choice(len(every.servos), SERVO_DRAWS, replace=False)
-        return _some(every, own, films, films), _some(every, own, [len(CRAWLS)], [])
-
-    def shares(self, fit: FrictionFit, first: ServoEffects, count: int) -> NDArray[np.float64]:
-        """Return what each draw's servo leaves of GAIT's speed; first: the session's servos."""
-        assert fit.servos is not None
-        index, effects = np.array(fit.servos.index[:count]), first
-        if further := fit.servos.drawn[len(first.servos) :]:
-            effects = first.beside(self._on_gait(further))
-        return effects.shares(fit.draws["amplitude"][:count])[np.arange(count), index, 0]
-
-    def _on_gait(self, servos: tuple[Servo, ...]) -> ServoEffects:
-        return SpeedModel(self._robot, self._ground, (GAIT,), (None,)).effects(servos)
-
-
-def _some(every: ServoEffects, servos: Any, gaits: Any, films: Any) -> ServoEffects:
-    """Return what some of the servos do to some of the gaits and films, by their indices."""
-    columns = {"share": gaits, "share_power": gaits, "amplitude": films, "amplitude_power": films}
-    picked = {
-        name: np.asarray(getattr(every, name))[np.ix_(servos, own)] for name, own in columns.items()
-    }
-    return replace(every, servos=tuple(every.servos[k] for k in servos), **picked)
-
-
 @dataclass(frozen=True)
 class FloorTables:
-    """What all sessions are judged by: tables of GAIT's speed, and servos."""
+    """What all sessions are judged by: tables of GAIT's speed."""
 
     speed: SpeedTable
     driven: DrivenTable
-    pool: ServoPool
 
 
 def one_floor(case: FloorCase, seed: int, number: int, tables: FloorTables) -> list[float] | None:
@@ -206,16 +157,11 @@ def one_floor(case: FloorCase, seed: int, number: int, tables: FloorTables) -> l
     amplitude = 1.0 + AMPLITUDE_SIGMA * float(rng.normal())
     person = drawn_person(case, rng, amplitude)
     taken = take_all(MemoryRecord(floor_setup(case)), person)
-    effects, on_gait = tables.pool.some(rng)
     try:
-        fit = fit_friction(taken) if case.camera or not case.crawls else None
-        if case.crawls:
-            own = effects if case.driven else None
-            fit = fit_crawls(taken, fit, case.kind, number, effects=own)
+        fit = fit_friction(taken, crawls=bool(case.crawls), servo=case.kind, seed=number)
     except SerpenoidError:
         return None
-    assert fit is not None  # of pushes, crawls or both
-    bands = _bands(fit, on_gait, rng, tables)
+    bands = _bands(fit, case.kind, rng, tables)
     ends = np.vstack([[fit.intervals[name] for name in NAMES], *bands])
     crawls = crawl_speed(person.robot, scaled(GAIT, amplitude))
     true = np.append(WHOLE, [float(tables.speed(WHOLE[None, :])[0]), crawls])
@@ -238,17 +184,14 @@ def _unseen(
 
 
 def _bands(
-    fit: FrictionFit, on_gait: ServoEffects, rng: np.random.Generator, tables: FloorTables
+    fit: FrictionFit, servo: ServoKind | None, rng: np.random.Generator, tables: FloorTables
 ) -> list[tuple[float, float]]:
-    """Return the bands of GAIT's speed, of frictions alone and of a driven robot.
-
-    on_gait: what the session's first servos do to GAIT.
-    """
+    """Return the bands of GAIT's speed, of frictions alone and of a driven robot."""
     if fit.with_crawls:  # wider than the tables
-        drawn = sample_speeds(fit, [GAIT], amplitude_sigma=AMPLITUDE_SIGMA, count=_SPEED_SAMPLES)
-        told = fit.servos is not None
-        by_servo = tables.pool.shares(fit, on_gait, _SPEED_SAMPLES) if told else 1.0
-        return [band(drawn.friction_m_s[:, 0]), band(by_servo * drawn.joints_m_s[:, 0])]
+        drawn = sample_speeds(
+            fit, [GAIT], amplitude_sigma=AMPLITUDE_SIGMA, servo=servo, count=_SPEED_SAMPLES
+        )
+        return [band(drawn.friction_m_s[:, 0]), band(drawn.both_m_s[:, 0])]
     whole = fit.sample_whole(_SPEED_SAMPLES)
     amplitudes = 1.0 + AMPLITUDE_SIGMA * rng.normal(size=_SPEED_SAMPLES)
     servos = tables.driven.some(_SPEED_SAMPLES, rng)
@@ -279,7 +222,7 @@ def floor_tables(_cases: Sequence[FloorCase] = ()) -> FloorTables:
     robot = default_setup("floor coverage").robot
     near: dict[str, Any] = {"box": (0.8 * WHOLE, 1.2 * WHOLE), "kernel": "cubic"}
     table = SpeedTable(robot, GAIT, **near)
-    return FloorTables(table, DrivenTable(robot, table, **near), ServoPool())
+    return FloorTables(table, DrivenTable(robot, table, **near))
 
 
 STUDY = Study(

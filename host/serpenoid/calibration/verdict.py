@@ -33,7 +33,7 @@ EITHER = "friction or amplitude"
 FREED_SERVOS, STRANGER = "hobby", 2.0
 TOLD_APART = math.log(10.0)  # of evidence
 _NOISE_DRAWS, _SERVO_DRAWS = 32, 48
-_DRAWS = 256  # of what may be where a cause is let loose
+_DRAWS = 512  # of what may be where a cause is let loose
 _AMPLITUDES = 0.85, 1.0  # shares of the joints' amplitude, at which servos are looked at
 _GRAIN = 0.01  # of the speed: how far servos are apart of which some are drawn
 

@@ -64,7 +64,7 @@ def test_what_chance_makes_once_in_a_hundred_is_no_agreement(fitted):
     made, fit = fitted
     found = comparison.compare(measured(made, 0.885), fit, samples=24, servo=None)
     assert 1e-3 < found.p_value < 0.02
-    assert found.verdict == "friction or amplitude"
+    assert "amplitude" in found.verdict
 
 
 def test_another_surface_is_told_as_friction(fitted):

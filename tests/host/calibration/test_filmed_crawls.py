@@ -14,14 +14,13 @@ from serpenoid.calibration.comparison import compare
 from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.crawls.filmed import crawl_cells
 from serpenoid.calibration.crawls.level import on_level
-from serpenoid.calibration.crawls.result import fit_crawls
 from serpenoid.calibration.fit_file import load_fit, save_fit
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import Estimate
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.session_file import load_session
 from serpenoid.calibration.speed_samples import likeliest_speed, sample_speeds
-from serpenoid.calibration.speeds import ServoEffects, speed
+from serpenoid.calibration.speeds import ServoEffects, SpeedModel, speed
 from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
 from serpenoid.calibration.taking.procedure import next_step, progress
 from serpenoid.lab.crawl import crawl_speed
@@ -105,12 +104,14 @@ SLOW, QUICK = Servo(torque_limit_nm=0.3), Servo(torque_limit_nm=0.6)
 KIND = ServoKind("either", QUICK, {}, drawn=(SLOW, QUICK))
 
 
-def test_the_servo_that_crawls_told_moves_predicted_gaits(filmed, tmp_path) -> None:
+def test_the_servo_that_crawls_told_moves_predicted_gaits(filmed, tmp_path, monkeypatch) -> None:
     """One of two servos loses amplitude as the films show it, the other a tenth more."""
     data = CrawlData.of(filmed)
     effects = ServoEffects((SLOW, QUICK), np.ones((2, 2)), np.array([[0.85, 0.85], [0.95, 0.95]]))
     assert all(data.commanded)
-    fit = fit_crawls(filmed, fit_friction(filmed), KIND, effects=effects)
+    with monkeypatch.context() as patch:
+        patch.setattr(SpeedModel, "effects", lambda *_: effects)
+        fit = fit_friction(filmed, crawls=True, servo=KIND)
     assert fit.servos is not None
     quick = np.array([s is QUICK for s in fit.sample_servos(KIND, 1024)])
     odds = np.exp(-0.5 * ((1 - 0.95 / 0.95) ** 2 - (1 - 0.95 / 0.85) ** 2) / 0.03**2)

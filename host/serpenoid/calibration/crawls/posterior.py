@@ -27,6 +27,7 @@ MOVES = 3
 _SOLVED, _ROUNDS = 192, 4  # points at which speeds are solved for, and how often at so many more
 _CLOSE = 0.1  # sigmas of a measured speed: so good are those between
 _STEP = 0.01  # of an unknown, for slopes
+_NONE = np.empty(0)
 _LEAST, _MOST = 0.05, 2.0  # of the joints' amplitude over the commanded one
 
 
@@ -41,8 +42,8 @@ class Beforehand:
     root: Floats
 
     eliminated = 0
-    pool = (), np.empty((0, 0))
-    bends = Bends(*np.empty((2, 0)), np.empty(0, dtype=np.intp), *np.empty((2, 0)))
+    pool = (), _NONE
+    bends = Bends(_NONE, _NONE, np.empty(0, dtype=np.intp), _NONE, _NONE)
 
     @property
     def unknowns(self) -> tuple[Unknown, ...]:
@@ -111,7 +112,7 @@ class CrawlPosterior:
     def before(self, z: Floats) -> Floats:
         """Return the logarithm of the density without crawls, but for a constant."""
         x, low = self.unknowns(z), self.others.low
-        inside = (x >= low).all(axis=1) & np.isfinite(x).all(axis=1)
+        inside = np.asarray((x >= low).all(axis=1) & np.isfinite(x).all(axis=1))
         log = self.others.log_density(np.where(inside[:, None], x, 1.0)) - 0.5 * z[:, -1] ** 2
         if not any(isinstance(block, Beforehand) for block in self.others.blocks):
             log += z[:, : self.others.frictions].sum(axis=1)

@@ -141,11 +141,6 @@ class Draws:
     weight: Floats
     boundless: Floats
 
-    @property
-    def effective(self) -> float:
-        """Return how many independent draws they are worth."""
-        return float(1.0 / np.sum(self.weight**2))
-
     @cached_property
     def values(self) -> dict[str, Floats]:
         """Return (N,) of each unknown."""
