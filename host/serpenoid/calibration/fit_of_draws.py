@@ -14,6 +14,7 @@ from .fitting.suspects import influences
 from .fitting.unknowns import Floats
 from .friction_result import LEVEL, Estimate, FitDraws, FrictionFit, narrowest, with_values
 from .session import Session
+from .session_posterior import scale_sigmas
 
 DRAWS = 1024  # kept with a fit
 
@@ -24,7 +25,7 @@ def fit_of_draws(session: Session, mode: Mode, draws: Draws, good: Floats) -> Fr
     good: each row's chance to be no misreading.
     """
     posterior, count = mode.posterior, mode.posterior.frictions
-    x = scaled(draws.x[:, :count], session.mass_sigma)
+    x = scaled(draws.x[:, :count], *scale_sigmas(session, posterior))
     draws, weight = replace(draws, x=np.column_stack([x, draws.x[:, count:]])), draws.weight
     ends = [narrowest(x[:, k], draws.weight_for(k), mode.x[k]) for k in range(count)]
     covariance = np.cov(x.T, aweights=draws.boundless, ddof=0)

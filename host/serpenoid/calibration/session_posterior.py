@@ -6,6 +6,7 @@ import numpy as np
 
 from .fitting.paper_fit import two_lines
 from .fitting.posterior import Mode, Posterior
+from .fitting.shared import shared_covariance
 from .fitting.stations import Stations
 from .fitting.unknowns import Floats
 from .floor.block import floor_blocks
@@ -25,6 +26,12 @@ def usual_frictions(session: Session, count: int) -> Floats:
     return np.array(USUAL[:count]) * session.setup.weight_n / USUAL_N
 
 
+def scale_sigmas(session: Session, posterior: Posterior) -> tuple[float, float]:
+    """Return the relative errors of belt and mass that are no unknowns (`fitting.shared`)."""
+    belt = session.belt_scale[1] if session.kept and "belt" not in posterior.names else 0.0
+    return belt, session.mass_sigma
+
+
 def mode_of(session: Session) -> Mode:
     """Return the likeliest values that a session's readings leave. Raises NotConverged.
 
@@ -42,10 +49,10 @@ def mode_of(session: Session) -> Mode:
 def covariance_after(session: Session, mode: Mode) -> Floats:
     """Return the frictions' covariance (P, P) that a session's readings leave, by their slopes.
 
-    The mass's error is in it. mode: where, of all or some of the readings; unknowns that it does
-    not have are as before them.
+    Belt and mass are in it. mode: where, of all or some of the readings; unknowns that it does not
+    have are as before them.
     """
     posterior = posterior_of(session)
     x = np.array([mode.values.get(name, np.zeros(1))[0] for name in posterior.names])
     there, of = posterior.near(x).near(x).at(x), posterior.frictions
-    return there.covariance[:of, :of] + session.mass_sigma**2 * np.outer(x[:of], x[:of])
+    return there.covariance[:of, :of] + shared_covariance(x[:of], *scale_sigmas(session, posterior))

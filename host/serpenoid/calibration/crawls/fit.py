@@ -14,6 +14,7 @@ from ...model.ground import Ground
 from ...model.particles import tempered
 from ..fit_of_draws import DRAWS, fit_of_draws
 from ..fitting.posterior import BAD_WIDTH, Draws, Posterior
+from ..fitting.stations import Stations
 from ..fitting.unknowns import Floats
 from ..friction_result import (
     AMPLITUDE,
@@ -26,7 +27,7 @@ from ..friction_result import (
     weak_notes,
 )
 from ..session import Session
-from ..session_posterior import mode_of, posterior_of, usual_frictions
+from ..session_posterior import mode_of, posterior_of, scale_sigmas, usual_frictions
 from ..speeds import SpeedTable
 from .data import CrawlData, servos_of
 from .level import floor_slope, is_sloped, on_level
@@ -102,8 +103,8 @@ def _others(session: Session, is_open: bool, misread: bool, seed: int) -> tuple[
     """
     if not is_open:
         mode = mode_of(session)
-        posterior = replace(mode.posterior, misread=misread)
-        return posterior, posterior.draws(mode, seed).alike(DRAWS).x
+        draws = replace(mode.posterior, misread=misread).draws(mode, seed).alike(DRAWS)
+        return _with_belt(session, draws)
     back = any(push.facing == "back" for push in session.kept_pushes)
     usual = usual_frictions(session, 6 if back else 4)
     known = Beforehand(np.log(usual), USUAL_SIGMA * np.eye(len(usual)))
@@ -125,6 +126,27 @@ def _others(session: Session, is_open: bool, misread: bool, seed: int) -> tuple[
     u = rng.normal(size=(4 * DRAWS, size))
     u = u[np.isfinite(before(u))][:DRAWS]
     return posterior, unknowns(tempered(u, before, rise, rng, MOVES)[0])
+
+
+def _with_belt(session: Session, draws: Draws) -> tuple[Posterior, Floats]:
+    """Return posterior and draws with the belt's scale among the unknowns: crawls may tell it.
+
+    Without crawls nothing does: a belt k times as fast makes viscous frictions k times as small.
+    """
+    posterior, sigma = draws.posterior, scale_sigmas(session, draws.posterior)[0]
+    if sigma == 0.0:
+        return posterior, draws.x
+    blocks = [
+        replace(block, belt_sigma=sigma) if isinstance(block, Stations) else block
+        for block in posterior.blocks
+    ]
+    belt = np.random.default_rng(DRAWS).normal(size=len(draws.x))
+    values = {
+        name: value / (1.0 + sigma * belt) if name in ("ct", "cn", "ct_back") else value
+        for name, value in draws.values.items()
+    } | {"belt": belt}
+    posterior = replace(posterior, blocks=tuple(blocks))
+    return posterior, np.stack([values[name] for name in posterior.names], axis=1)
 
 
 def _on_level(

@@ -1,7 +1,8 @@
-"""What all readings share: the mass, and a robot not quite straight.
+"""What all readings share: the scale of the belt's speed, the mass, and a robot not quite straight.
 
-Mass. The law m g sin(gamma) = A v + B stays the same when a mass k times as large makes every
-friction k times as large. So no reading can tell it: its error comes to what the readings leave.
+Scales. The law m g sin(gamma) = A v + B stays the same when a mass k times as large makes every
+friction k times as large, and when a belt k times as fast makes ct and cn k times as small. So no
+station can tell either: their errors add in quadrature to what the readings leave.
 
 Straightness. A link that stands delta off its path slips across it, however slowly, so that dry
 friction across drags it back with fn0 / n |sin delta|: always in the same sense, and to first
@@ -54,10 +55,21 @@ def straightness_factors(links: int, bent: int = 0) -> tuple[float, float]:
     return math.sqrt(2 / math.pi) * float(s.mean()), scatter
 
 
-def scaled(whole: Floats, mass_sigma: float, seed: int = 2005) -> Floats:
-    """Return draws of frictions (N, P) with an error of the mass in them, a log-normal one."""
-    mass = np.random.default_rng(seed).normal(size=(len(whole), 1))
-    return np.asarray(whole * np.exp(mass_sigma * mass))
+def shared_covariance(values: Floats, belt_sigma: float, mass_sigma: float) -> Floats:
+    """Return what belt and mass add to the covariance of the frictions (P, P), whole snake.
+
+    values: (P,) in the order ct, cn, ft0, fn0 (, ct and ft0 backwards). belt_sigma, mass_sigma:
+    relative standard deviations.
+    """
+    viscous = np.array([1.0, 1.0, 0.0, 0.0, 1.0, 0.0])[: len(values)] * values
+    return mass_sigma**2 * np.outer(values, values) + belt_sigma**2 * np.outer(viscous, viscous)
+
+
+def scaled(whole: Floats, belt_sigma: float, mass_sigma: float, seed: int = 2005) -> Floats:
+    """Return draws of frictions (N, P) with errors of belt and mass in them, log-normal ones."""
+    belt, mass = np.random.default_rng(seed).normal(size=(2, len(whole), 1))
+    viscous = np.array([True, True, False, False, True, False])[: whole.shape[1]]
+    return np.asarray(whole * np.exp(mass_sigma * mass - np.where(viscous, belt_sigma, 0.0) * belt))
 
 
 def rolling_share(wheels_kg: float | None, mass_kg: float) -> tuple[float, float]:

@@ -44,9 +44,10 @@ class Stations:
     inclinometer's zero, common to all. back: whether a reading's wheels rolled backwards, the snake
     facing up the belt. ratchet: there are readings of both ways. astray_rad, astray_sigma_rad: per
     reading, mean and standard deviation of the straight links' mean |angle| to the path, times
-    their share. belt_sigma: relative, of the belt's scale. tracks: places of short readings, whose
-    slip_m_s is the mean. inertia_n, inertia_sigma_n: per reading, the force that changes its speed,
-    roughly, and its standard deviation; 0 where it was held.
+    their share. belt_sigma: relative, of the belt's scale, where pushes beside the stations tell
+    it; else 0. tracks: places of short readings, whose slip_m_s is the mean. inertia_n,
+    inertia_sigma_n: per reading, the force that changes its speed, roughly, and its standard
+    deviation; 0 where it was held.
     """
 
     numbers: Whole
@@ -107,7 +108,7 @@ class Stations:
             ratchet=any(r.facing == "up" for r in kept),
             astray_rad=astray_rad,
             astray_sigma_rad=astray_sigma_rad,
-            belt_sigma=belt_sigma,
+            belt_sigma=belt_sigma if session.on_floor else 0.0,
         )
 
     def __len__(self) -> int:
