@@ -31,11 +31,8 @@ def _joints_at_start(scene: Scene) -> tuple[Array, Array]:
 def _placed(scene: Scene, vx_m_s: float, vy_m_s: float, omega_rad_s: float) -> LinkState:
     """Return the state with link 1 at the origin along x, moving as given."""
     phi, rate = _joints_at_start(scene)
-    q, qdot = np.zeros(scene.robot.links + 2), np.empty(scene.robot.links + 2)
-    q[3:] = phi.cumsum()
-    qdot[:3] = vx_m_s, vy_m_s, omega_rad_s
-    qdot[3:] = omega_rad_s + rate.cumsum()
-    return LinkState.joined(scene.robot, q, qdot)
+    turning = omega_rad_s + np.append(0.0, rate.cumsum())
+    return LinkState.joined(scene.robot, [0, 0, 0, *phi.cumsum()], [vx_m_s, vy_m_s, *turning])
 
 
 def _moving(scene: Scene, vx_m_s: float, vy_m_s: float, turn_rad_s: float) -> LinkState:
@@ -121,16 +118,15 @@ def _on_slow_manifold(scene: Scene, start: LinkState) -> LinkState:
         )
 
     def opened(values: Array, gaps: Array) -> Array:
-        shift = np.concatenate(([0.0], np.cumsum(gaps)))
+        shift = np.append(0.0, gaps.cumsum())
         return values + shift - shift.mean()
 
-    return LinkState(
-        opened(start.x_m, gap[:, 0]),
-        opened(start.y_m, gap[:, 1]),
-        start.theta_rad,
-        opened(start.vx_m_s, gap_rate[:, 0]),
-        opened(start.vy_m_s, gap_rate[:, 1]),
-        start.omega_rad_s,
+    return replace(
+        start,
+        x_m=opened(start.x_m, gap[:, 0]),
+        y_m=opened(start.y_m, gap[:, 1]),
+        vx_m_s=opened(start.vx_m_s, gap_rate[:, 0]),
+        vy_m_s=opened(start.vy_m_s, gap_rate[:, 1]),
     )
 
 

@@ -7,7 +7,6 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.checks import check_number
 from ..model.errors import NotConverged
@@ -15,6 +14,7 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..model.rows import Result, two_digits
+from ..model.vectors import Array
 from ..periodic.steady import speed_floor_m_s, steady_gait
 from .run import Run
 from .scene import Scene
@@ -90,22 +90,12 @@ def _cycles(
     return replace(scene, dt_s=period / steps, record_every=steps)
 
 
-@dataclass(frozen=True, slots=True)
-class _Settled:
-    """Hold the last run, its last cycle's speed, what that will still change, cycles taken.
+def _settled(scene: Scene, rtol: float) -> tuple[Run, float, float, int]:
+    """Follow the motion until its speed is the periodic state's to rtol.
 
-    ahead: how many times what the last cycle changed is still to come.
+    Returns the last run, what later cycles still change of the speed, m/s, how many times what the
+    last cycle changed that is, and the cycles taken.
     """
-
-    run: Run
-    speed_m_s: float
-    change_m_s: float
-    ahead: float
-    cycles: int
-
-
-def _settle(scene: Scene, rtol: float) -> _Settled:
-    """Follow the motion until its speed is the periodic state's to rtol."""
     floor_m_s = speed_floor_m_s(scene.robot, scene.gait.omega_rad_s)
     cycles, count, change = 0, 8, math.inf
     while cycles < _MOST_CYCLES:
@@ -116,8 +106,7 @@ def _settle(scene: Scene, rtol: float) -> _Settled:
         shrunk = min(max(late / before, 0.1), 0.99) if before > 0 else 0.1
         change = 2 * late / (1 - shrunk)  # as geometric series go, twice for those that beat
         if change <= rtol * max(float(speeds[-1]), floor_m_s):
-            a_cycle = shrunk ** (1 / (count // 4))
-            return _Settled(run, float(speeds[-1]), change, 1 / (1 - a_cycle), cycles)
+            return run, change, 1 / (1 - shrunk ** (1 / (count // 4))), cycles
         scene, count = replace(scene, start=run.state()), min(2 * count, 256)
     raise NotConverged(
         f"after {cycles} cycles the speed still varies by {change:.1g} m/s from cycle to cycle; "
@@ -126,13 +115,24 @@ def _settle(scene: Scene, rtol: float) -> _Settled:
     )
 
 
-def _powers(run: Run) -> NDArray[np.float64]:
-    """Return net, absolute and positive mean power of each joint over a cycle, (3, n - 1).
+def _last_cycle(run: Run, parts: int = 1, cycles: int = 1) -> tuple[Run, Array]:
+    """Go on for some cycles by shorter steps, and return the powers of the last one, W.
 
-    A period's samples: net powers' means are as good as the steps.
+    Net, absolute and positive, of each joint, (3, n - 1): means of a period's samples.
     """
-    power = run.joint_power_w[1:]
-    return np.stack([power, np.abs(power), np.maximum(power, 0)]).mean(axis=1)
+    scene, period = run.scene, run.scene.gait.period_s
+    on = simulate(
+        replace(
+            scene,
+            start=run.state(),
+            duration_s=cycles * period,
+            dt_s=scene.dt_s / parts,
+            record=("joints",),
+            record_every=1,
+        )
+    )
+    power = on.joint_power_w[-round(period / on.scene.dt_s) :]
+    return on, np.stack([power, np.abs(power), np.maximum(power, 0)]).mean(axis=1)
 
 
 def steady_springs(
@@ -181,44 +181,21 @@ def steady_springs(
     check_number("rtol", rtol, 1e-9, 0.1)
     exact = steady_gait(robot, ground, gait, powers=False)
     springs = joint_stiffness_n_m, joint_damping_n_s_m
-    settled = _settle(_cycles(robot, ground, gait, springs, rtol), rtol)
+    run, change_m_s, ahead, cycles = _settled(_cycles(robot, ground, gait, springs, rtol), rtol)
     floor = speed_floor_m_s(robot, gait.omega_rad_s)
-    (net, absolute, positive), errors = _last_cycle(settled)
+    last, power = _last_cycle(run)
+    _, later = _last_cycle(last)
+    steps, finer = _last_cycle(run, parts=2, cycles=8)
+    # twice what half as long steps change: kinks between samples are of order two
+    errors = np.abs((later - power).sum(axis=1)) * (1 + ahead)
+    errors += 2 * np.abs(finer - power).sum(axis=1)
+    speed, fine = (float(one.mean_speed_m_s(gait.period_s)[-1]) for one in (run, steps))
     return SteadySprings(
-        settled.speed_m_s,
-        net,
-        absolute,
-        positive,
-        (settled.change_m_s + _steps_m_s(settled)) / max(settled.speed_m_s, floor),
-        errors[0],
-        errors[2],
-        settled.speed_m_s / max(exact.speed_m_s, floor) - 1,
-        settled.cycles,
+        speed,
+        *power.sum(axis=1).tolist(),
+        (change_m_s + 2 * abs(fine - speed)) / max(speed, floor),
+        float(errors[0]),
+        float(errors[2]),
+        speed / max(exact.speed_m_s, floor) - 1,
+        cycles,
     )
-
-
-def _steps_m_s(settled: _Settled) -> float:
-    """Return the steps' error of the speed, m/s: twice what half as long ones change it by."""
-    scene, period = settled.run.scene, settled.run.scene.gait.period_s
-    steps = {"dt_s": scene.dt_s / 2, "record_every": 2 * scene.every}
-    finer = simulate(replace(scene, start=settled.run.state(), duration_s=8 * period, **steps))
-    return 2 * abs(float(finer.mean_speed_m_s(period)[-1]) - settled.speed_m_s)
-
-
-def _last_cycle(settled: _Settled) -> tuple[list[float], list[float]]:
-    """Return the three powers and their errors, W."""
-    scene = settled.run.scene
-    once = replace(
-        scene,
-        start=settled.run.state(),
-        duration_s=scene.gait.period_s,
-        record=("joints",),
-        record_every=1,
-    )
-    last = simulate(once)
-    finer = simulate(replace(once, dt_s=once.dt_s / 2))
-    next_one = simulate(replace(once, start=last.state()))
-    power, fine, later = (_powers(run) for run in (last, finer, next_one))
-    change = np.abs((later - power).sum(axis=1)) * (1 + settled.ahead)
-    errors = change + np.abs(fine - power).sum(axis=1) * 2  # kinks between samples: order two
-    return power.sum(axis=1).tolist(), errors.tolist()
