@@ -21,9 +21,9 @@ from ..model.long_calls import in_threads
 from ..model.robot import Robot
 from ..periodic.neighbours import Draw, drawn_speeds, drawn_states
 from ..periodic.servo_steady import (
-    drawn_ripple_shares,
     drawn_servo_speeds,
     moved_by,
+    ripple_share,
     servo_speed,
 )
 from ..periodic.steady import steady_gait
@@ -168,7 +168,7 @@ class SpeedModel:
             ideal = drawn_speeds(self.robot, near, draws)
             asked = [(ground, commanded) for ground, _ in draws]
             states = drawn_states(self.robot, (self.ground, commanded), asked)
-            speeds.append((ideal, ideal * drawn_ripple_shares(states, servos)))
+            speeds.append((ideal, ideal * drawn_servo_speeds(states, servos, value=ripple_share)))
         ideal, both = np.array(speeds, dtype=float).transpose(1, 2, 0)
         return ideal, both
 

@@ -83,10 +83,16 @@ class LinkState:
         tail: (x, y, theta_1) of link 1 in m, m, rad; tail_rate: its rates in m/s, m/s, rad/s."""
         phi, rate, _ = joint_motion(gait, robot.links - 1, t_s)
         p, v = finite_vector("tail", tail, 3), finite_vector("tail_rate", tail_rate, 3)
-        theta = p[2] + np.concatenate(([0.0], np.cumsum(phi)))
-        omega = v[2] + np.concatenate(([0.0], np.cumsum(rate)))
-        return cls.joined(robot, [*p[:2], *theta], [*v[:2], *omega])
+        return cls.joined(robot, from_tail(p, phi), from_tail(v, rate))
 
     def packed(self) -> Array:
         """Return the six arrays one behind the other, (6 n,)."""
         return np.concatenate([getattr(self, name) for name in self.__slots__])
+
+
+def from_tail(tail: Array, joints: Array) -> Array:
+    """Return x, y and the links' angles from link 1's three numbers and the joints' angles.
+
+    Or their rates, of rates.
+    """
+    return np.concatenate([tail[:2], tail[2] + np.append(0.0, joints.cumsum())])

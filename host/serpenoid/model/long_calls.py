@@ -11,6 +11,7 @@ from .checks import check_whole
 from .errors import NotConverged
 
 LIMIT_S = 20.0  # of calls whose cost is not known before
+Progress = Callable[[int], object]
 Item = TypeVar("Item")
 Value = TypeVar("Value")
 
@@ -27,7 +28,7 @@ def threads_to_use(threads: int | None = None) -> int:
 def in_threads(
     work: Callable[[Item], Value],
     items: Iterable[Item],
-    progress: Callable[[int], object] | None = None,
+    progress: Progress | None = None,
     threads: int | None = None,
 ) -> list[Value]:
     """Return what each item gives. progress: called with 1 after each; may raise to stop."""

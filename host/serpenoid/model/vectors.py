@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -34,7 +32,8 @@ def finite_vector(name: str, values: ArrayLike, size: int) -> Array:
     vector = number_array(name, values)
     if vector.shape != (size,):
         raise BadInput(f"{name} has shape {vector.shape}; it must be {size} numbers")
-    if not math.isfinite(vector.sum()) and not np.isfinite(vector).all():
-        where = int(np.flatnonzero(~np.isfinite(vector))[0])
+    beyond = np.flatnonzero(~np.isfinite(vector))
+    if beyond.size:
+        where = int(beyond[0])
         raise BadInput(f"{name}[{where}] is {vector[where]}; it must be a finite number")
     return np.ascontiguousarray(vector)

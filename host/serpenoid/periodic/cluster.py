@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Callable, Collection, Generator, Iterable, Iterator
+from collections.abc import Collection, Generator, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
 from itertools import islice
 from typing import Any
 
 from ..model.errors import BadInput, ClusterFailed
+from ..model.long_calls import Progress
 from ..model.vectors import Array
 from .grid import Grid, stretches
 
@@ -121,7 +122,7 @@ def solved(
     grid: Grid,
     threads: int,
     scheduler: str | None,
-    progress: Callable[[int], None] | None,
+    progress: Progress | None,
     pieces: Iterable[Stretch] | None = None,
 ) -> Generator[tuple[Stretch, Array], None, None]:
     """Yield stretches of a grid with their figures; pieces: which, all unless given.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +15,7 @@ from ..model.core_model import check_parts, core_model
 from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..model.ground import Ground
+from ..model.long_calls import Progress
 from ..model.robot import Robot
 from ..model.vectors import Array, number_array
 from .steady import check_ground, speed_floor_m_s
@@ -109,9 +110,7 @@ class Grid:
             for k in range(first, last)
         ]
 
-    def solve(
-        self, first: int, last: int, threads: int, progress: Callable[[int], None] | None = None
-    ) -> Array:
+    def solve(self, first: int, last: int, threads: int, progress: Progress | None = None) -> Array:
         """Return the core's eleven figures of a stretch of shapes, (shape, rate, 11)."""
         models, rates = self.models(first, last), list(self.omega_rad_s)
         count = min(threads, len(models))

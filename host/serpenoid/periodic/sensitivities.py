@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from itertools import count
 from typing import Any
 
 import numpy as np
@@ -24,6 +23,10 @@ from ..model.vectors import Array
 Parts = tuple[Robot, Ground, Gait]
 QUANTITIES = ("speed_m_s", "power_w", "positive_power_w", "turn_rad_per_cycle")
 
+_IN_CORE = ("speed", "power", "positive_power", "turn")
+_OF_GAIT = ("alpha_rad", "beta_rad", "omega_rad_s", "offset_rad", "joint_gain", "joint_shift_rad")
+_OF_GROUND = ("ct", "cn", "ft0", "fn0")
+_OF_ROBOT = ("link_mass_kg", "link_inertia_kg_m2", "link_length_m")
 _STEP = 1e-3  # of the parameter, or rad
 _HALVINGS = 6
 _RTOL = 1e-7
@@ -240,9 +243,9 @@ def _differences(
     ]
     models = [core_model(*here), *(core_model(*p.moved(value)) for p, value in at)]
     states = _core.neighbours(models[0], models, _RTOL, True, 1, progress=limit)
-    values = np.array([[s.speed, s.power, s.positive_power, s.turn] for s in states])
-    claims = np.array(
-        [[s.speed_error, s.power_error, s.positive_power_error, s.turn_error] for s in states]
+    values, claims = (
+        np.array([[getattr(state, name + what) for name in _IN_CORE] for state in states])
+        for what in ("", "_error")
     )
     for (p, value), claim in zip(at, claims[1:], strict=True):
         if not np.isfinite(claim).all():
@@ -259,43 +262,34 @@ def _differences(
 
 def parameters(robot: Robot, ground: Ground, gait: Gait) -> list[Parameter]:
     """Return the parameters of a state that have room on both sides."""
-    return [p for p in _parameters((robot, ground, gait)) if p.inside]
+    gain, shift = (tuple(v.tolist()) for v in gait.joint_factors(robot.links - 1))
+    here = robot, ground, replace(gait, joint_gain=gain, joint_shift_rad=shift)
+    shares = ("omega_rad_s", "joint_gain")  # whose steps are in proportion, as the robot's
+    every = [
+        *(p for name in _OF_GAIT for p in _numbers(here, 2, name, 0.0 if name in shares else 1.0)),
+        *(p for name in _OF_GROUND for p in _numbers(here, 1, name, 1e-6)),
+        *(p for name in _OF_ROBOT for p in _numbers(here, 0, name, 0.0)),
+    ]
+    return [p for p in every if p.inside]
 
 
-def _parameters(here: Parts) -> Iterator[Parameter]:
-    robot, ground, gait = here
-    gain, shift_rad = gait.joint_factors(robot.links - 1)
-    for name in ("alpha_rad", "beta_rad", "omega_rad_s", "offset_rad"):
-        yield from _numbers(here, gait, name, 0.0 if name == "omega_rad_s" else 1.0)
-    yield from _numbers(here, gait, "joint_gain", 0.0, tuple(gain.tolist()))
-    yield from _numbers(here, gait, "joint_shift_rad", 1.0, tuple(shift_rad.tolist()))
-    for name in ("ct", "cn", "ft0", "fn0"):
-        pair = isinstance(getattr(ground, name), tuple)
-        yield from _numbers(here, ground, name, 0.0 if pair else 1e-6)
-    for name in ("link_mass_kg", "link_inertia_kg_m2", "link_length_m"):
-        yield from _numbers(here, robot, name, 0.0)
-
-
-def _numbers(
-    here: Parts, part: Any, name: str, least: float, values: tuple[float, ...] = ()
-) -> Iterator[Parameter]:
+def _numbers(here: Parts, part: int, name: str, least: float) -> Iterator[Parameter]:
     """Give each number of a part's field: one, a joint's, or both ways of a ratchet's.
 
-    least: of what a step is a share of. values: the field's, where the part leaves them out.
+    least: of what a step is a share of, but of a ratchet's.
     """
-    field = values or getattr(part, name)
+    field = getattr(here[part], name)
     several = isinstance(field, tuple)
-    endings = ("_forward", "_backward") if isinstance(part, Ground) else map("[{}]".format, count())
-    numbers = zip(field, endings, strict=False) if several else [(field, "")]
-    for place, (number, ending) in enumerate(numbers):
+    for place, number in enumerate(field if several else (field,)):
 
-        def moved(value: float, place: int = place) -> Parts:
-            changed = value
+        def moved(value: Any, place: int = place) -> Parts:
             if several:
-                changed = tuple(value if k == place else v for k, v in enumerate(field))
-            other = replace(part, **{name: changed})
-            parts: list[Any] = [other if kept is part else kept for kept in here]
+                value = (*field[:place], value, *field[place + 1 :])
+            parts: list[Any] = list(here)
+            parts[part] = replace(here[part], **{name: value})
             robot, ground, gait = parts
             return robot, ground, gait
 
-        yield Parameter(name + ending, number, _STEP * max(abs(number), least), moved)
+        ending = ("_forward", "_backward")[place] if part == 1 else f"[{place}]"
+        step = _STEP * max(abs(number), 0.0 if several and part == 1 else least)
+        yield Parameter(name + ending * several, number, step, moved)

@@ -293,25 +293,14 @@ def servo_speeds(pairs: Iterable[tuple[Steady, Servo]], rough: bool = False) -> 
 
 
 def drawn_servo_speeds(
-    ideal: Sequence[Steady], servos: Sequence[Servo], threads: int | None = None
-) -> Array:
-    """Return the speed of each draw with its servo, m/s; ideal: the draws with ideal joints."""
-    return _checked(servo_speed, ideal, servos, threads)
-
-
-def drawn_ripple_shares(ideal: Sequence[Steady], servos: Sequence[Servo]) -> Array:
-    """Return what each draw's servo leaves of the speed of joints whose amplitude was seen."""
-    return _checked(ripple_share, ideal, servos)
-
-
-def _checked(
-    value: Callable[[Steady, Servo, bool], float],
     ideal: Sequence[Steady],
     servos: Sequence[Servo],
     threads: int | None = None,
+    value: Callable[[Steady, Servo, bool], float] = servo_speed,
 ) -> Array:
-    """Return a value of each draw by its servo's rough state, held to fine ones.
+    """Return the speed of each draw with its servo, m/s, by rough states held to fine ones.
 
+    ideal: the draws with ideal joints. value: what is wanted in place of the speed.
     A rough state costs a quarter of a fine one or less and is mostly 1 % off.
     The draws at both ends, which make the ends of a band, and some between are solved finely. The
     median ratio there puts the others right. Where one would then still be off by more than

@@ -221,8 +221,7 @@ def relative_error(error: float, speed: float, robot: Robot, gait: Gait) -> floa
 def check_ground(ground: Ground, rtol: float) -> None:
     """Refuse ground without any friction, and an accuracy that its solver does not give."""
     least = 1e-12 if ground.smooth else 1e-7
-    if type(rtol) is not float or not least <= rtol <= 0.1:  # else there is nothing to say
-        check_number("rtol", rtol, least, 0.1)
+    check_number("rtol", rtol, least, 0.1)
     if ground.cn == 0 and max(ground.ct_forward, ground.ct_backward) == 0 and not ground.dry:
         raise BadInput(
             "there is no friction at all (ct, cn, ft0 and fn0 are 0): nothing damps the start, so "
@@ -253,21 +252,9 @@ def steady_gait(
     check_ground(ground, rtol)
     s = _core.steady(core_model(robot, ground, gait), rtol, powers)
     found = from_core(robot, ground, gait, s)
-    if s.converged:
-        return found
-    if math.isinf(found.error_estimate):
-        raise NotConverged(
-            f"no periodic state found for {gait} on {ground}, nor anything near one; follow the "
-            "motion in time with simulate",
-            best=found,
-        )
-    raise NotConverged(
-        f"no periodic state found to rtol {rtol:g} for {gait} on {ground}: the best has a speed of "
-        f"{s.speed:.6g} m/s with an error of {found.error_estimate:.1g} of itself"
-        f"{_what_else(found, rtol)} (it is this exception's `best`); ask for a larger rtol, or "
-        "follow the motion in time with simulate",
-        best=found,
-    )
+    if not s.converged:
+        raise NotConverged(_not_found(found, rtol), best=found)
+    return found
 
 
 def state_near(
@@ -280,10 +267,11 @@ def state_near(
     """
     model = core_model(robot, ground, gait)
     if start is None:
-        return from_core(robot, ground, gait, _core.steady(model, rtol, powers))
-    faster = gait.omega_rad_s / start.gait.omega_rad_s
-    velocity = [faster * value for value in start.body_velocity.tolist()]
-    (state,) = _core.neighbours(model, [model], rtol, powers, 1, True, [velocity])
+        state = _core.steady(model, rtol, powers)
+    else:
+        velocity = start.body_velocity * (gait.omega_rad_s / start.gait.omega_rad_s)
+        begin = [velocity.tolist()]
+        (state,) = _core.neighbours(model, [model], rtol, powers, 1, True, begin)
     return from_core(robot, ground, gait, state)
 
 
@@ -311,11 +299,19 @@ def from_core(robot: Robot, ground: Ground, gait: Gait, s: _core.SteadyState) ->
     )
 
 
-def _what_else(best: Steady, rtol: float) -> str:
-    """Return why a state is no answer whose speed is known well enough, or ""."""
-    if best.error_estimate > rtol:
-        return ""
-    if not best.stable:
-        return ", but disturbances of it grow: no motion stays there"
+def _not_found(best: Steady, rtol: float) -> str:
+    """Return why a state is no answer, and what to do."""
+    case, follow = f"{best.gait} on {best.ground}", "follow the motion in time with simulate"
+    if math.isinf(best.error_estimate):
+        return f"no periodic state found for {case}, nor anything near one; {follow}"
     watts = max(best.positive_power_error_w, best.power_error_w)
-    return f", its powers one of {watts:.1g} W"
+    else_ = f", its powers one of {watts:.1g} W"
+    if best.error_estimate > rtol:
+        else_ = ""
+    elif not best.stable:
+        else_ = ", but disturbances of it grow: no motion stays there"
+    return (
+        f"no periodic state found to rtol {rtol:g} for {case}: the best has a speed of "
+        f"{best.speed_m_s:.6g} m/s with an error of {best.error_estimate:.1g} of itself{else_} (it "
+        f"is this exception's `best`); ask for a larger rtol, or {follow}"
+    )

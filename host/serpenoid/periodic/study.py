@@ -6,7 +6,7 @@ import contextlib
 import hashlib
 import json
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -19,7 +19,7 @@ from ..model.checks import check_whole
 from ..model.errors import BadInput
 from ..model.files import read_arrays, read_json, whole_file, write_text
 from ..model.ground import Ground
-from ..model.long_calls import threads_to_use
+from ..model.long_calls import Progress, threads_to_use
 from ..model.robot import Robot
 from ..model.rows import Result
 from ..model.vectors import Array
@@ -140,7 +140,7 @@ def sweep_study(
     powers: bool = True,
     threads: int | None = None,
     scheduler: str | None = None,
-    progress: Callable[[int], None] | None = None,
+    progress: Progress | None = None,
 ) -> Study:
     """Solve a grid of any size, as sweep does, into a folder of chunks.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -15,7 +15,7 @@ from ..model.drives import Servo, ServoKind
 from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
-from ..model.long_calls import in_threads, threads_to_use
+from ..model.long_calls import Progress, in_threads, threads_to_use
 from ..model.robot import Robot
 from ..model.rows import Result, two_digits
 from ..model.vectors import Array
@@ -95,7 +95,7 @@ def sweep(
     servo: Servo | ServoKind | None = None,
     threads: int | None = None,
     scheduler: str | None = None,
-    progress: Callable[[int], None] | None = None,
+    progress: Progress | None = None,
 ) -> Sweep:
     """Solve every gait of a grid: one robot and ground or all pairs; `sweep_study` if it is large.
 
@@ -168,7 +168,7 @@ def _with_servo(
     grid: Grid,
     servo: Servo | ServoKind,
     threads: int,
-    progress: Callable[[int], None] | None,
+    progress: Progress | None,
 ) -> list[Array]:
     """Return speed of the typical servo, and ends of the band of drawn ones, m/s.
 

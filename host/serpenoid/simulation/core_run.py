@@ -15,6 +15,7 @@ from ..model.link_state import LinkState
 from ..model.vectors import finite_vector
 from .scene import MAX_LINK_STEPS, Scene, objection
 
+Progress = Callable[[float], object]
 STANDARD_GRAVITY_M_S2 = 9.80665
 
 
@@ -57,9 +58,7 @@ def core_request(scene: Scene) -> Any:
     return q
 
 
-def run_core(
-    scene: Scene, start: LinkState, progress: Callable[[float], object] | None = None
-) -> dict[str, Any]:
+def run_core(scene: Scene, start: LinkState, progress: Progress | None = None) -> dict[str, Any]:
     """Run a scene from a start and return Run's arrays by name (module.cpp); or raise Diverged."""
     out = _core.run(core_request(scene), start.packed(), progress)
     failed_at, why = out.pop("failed_at"), out.pop("why")

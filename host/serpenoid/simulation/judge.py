@@ -244,16 +244,17 @@ def _finer(scene: Scene, factor: float) -> Scene:
     return _split(scene, max(2.0, 1.2 * factor ** (1 / order)))
 
 
-def _stuck(scene: Scene, run: Run, accuracy: float, keep: Collection[str]) -> str | None:
+def _stuck(run: Run, accuracy: float, keep: Collection[str]) -> str | None:
     """Return why no finer run may be tried, or None."""
-    error, body = run.error_estimate, scene.robot.body_length_m
-    if error.modelling and error.modelling.size(body) > max(accuracy, error.integration.size(body)):
-        wanted = 1.5 * scene.joint_stiffness_n_m * error.modelling.size(body) / accuracy
+    scene, error = run.scene, run.error_estimate
+    springs = error.modelling and error.modelling.size(scene.robot.body_length_m)
+    if springs and springs > max(accuracy, error.integration.size(scene.robot.body_length_m)):
+        wanted = 1.5 * scene.joint_stiffness_n_m * springs / accuracy
         return (
             f"the springs alone (k = {scene.joint_stiffness_n_m:g} N/m) are as far off; take "
             f"formulation 'explicit', or joint_stiffness_n_m {wanted:.1g}"
         )
-    if not error.settled and error.chaotic:
+    if error.chaotic and not error.settled:
         return f"the motion is chaotic; believe it up to t = {error.believed_s:.3g} s"
     field = "tolerance" if scene.adaptive else "dt_s"
     if field in keep:
@@ -276,18 +277,18 @@ def simulate_to(accuracy: float, scene: Scene, simulate: Simulate, keep: Collect
     parts of it. Raises NotConverged, with the error that was reached and why.
     """
     tried, why = _first(scene, accuracy, keep)
-    reason = None
-    worst = math.inf
+    reason, worst = None, math.inf
     for _ in range(_TRIES):
         run = simulate(tried)
-        worst = run.error_estimate.worst(tried.robot.body_length_m)
-        if worst <= accuracy and run.error_estimate.settled:
-            step = f"tolerance {tried.tolerance:g}" if tried.adaptive else f"dt_s {tried.dt_s:g}"
+        error, step = run.error_estimate, f"dt_s {tried.dt_s:g}"
+        worst = error.worst(tried.robot.body_length_m)
+        if worst <= accuracy and error.settled:
+            step = f"tolerance {tried.tolerance:g}" if tried.adaptive else step
             return run.picked_because(
                 f"formulation {tried.formulation!r}, method {tried.method!r}, {step}: {why}; "
                 f"estimated error {worst:.2g} of the {accuracy:g} asked for"
             )
-        reason = _stuck(tried, run, accuracy, keep)
+        reason = _stuck(run, accuracy, keep)
         if reason is not None:
             break
         try:

@@ -181,9 +181,8 @@ class Run(Result):
 
     def picked_because(self, picked: str) -> Run:
         """Return the same run, its estimate kept, that says what chose its method and why."""
-        run = replace(self, picked=picked)
-        vars(run).update({k: v for k, v in vars(self).items() if k == "error_estimate"})
-        return run
+        error = self.error_estimate
+        return replace(self, picked=picked, judge=lambda _: error)
 
     def to_csv(self, path: Path | str) -> None:
         """Write a CSV file: t_s; x, y, theta and their rates of each link; what was recorded.

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from functools import partial
 
 from ..model.checks import check_kind
 from ..model.errors import BadInput
 from ..model.link_state import LinkState
-from .core_run import run_core
+from .core_run import Progress, run_core
 from .judge import check_wanted, run_error, simulate_to
 from .run import Run
 from .scene import Scene
@@ -26,10 +26,10 @@ class Prepared:
 
     scene: Scene
     start: LinkState
-    progress: Callable[[float], object] | None = None
+    progress: Progress | None = None
 
     @classmethod
-    def of(cls, scene: Scene, progress: Callable[[float], object] | None = None) -> Prepared:
+    def of(cls, scene: Scene, progress: Progress | None = None) -> Prepared:
         """Find the state that a scene starts from."""
         if isinstance(scene.start, LinkState):
             check_imposed(scene, scene.start)
@@ -51,7 +51,7 @@ class Prepared:
 
 def simulate(
     scene: Scene,
-    progress: Callable[[float], object] | None = None,
+    progress: Progress | None = None,
     *,
     accuracy: float | None = None,
     keep: Collection[str] = (),

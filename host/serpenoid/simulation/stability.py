@@ -33,6 +33,7 @@ from .scene import Scene, objection
 
 _PHASES, _MOST_LINKS = 8, 60
 _SHORTEST_S, _LONGEST_S = 1e-15, 1e9
+_SHORTER = np.geomspace(0.03, 0.99, 40)  # parts of a limit that must be stable, too
 _SLACK = 1e-9  # rounding on the edge, where undamped modes live
 
 
@@ -181,14 +182,22 @@ def stability_test(scene: Scene) -> Callable[[float], bool] | None:
 
 
 def largest_stable_step_s(scene: Scene) -> float:
-    """Return the largest stable fixed step of a scene, s; inf where nothing limits it."""
-    stable, low, high = stability_test(scene), _SHORTEST_S, _LONGEST_S
+    """Return the fixed step, s, up to which all are stable; inf where nothing limits it.
+
+    Longer ones may be stable again: the paper's method has such windows.
+    """
+    stable, high = stability_test(scene), _LONGEST_S
     if stable is None or stable(high):
         return math.inf
-    for _ in range(60):
-        middle = math.sqrt(low * high)
-        low, high = (middle, high) if stable(middle) else (low, middle)
-    return low
+    while True:
+        low = _SHORTEST_S
+        for _ in range(60):
+            middle = math.sqrt(low * high)
+            low, high = (middle, high) if stable(middle) else (low, middle)
+        shorter = [part * low for part in _SHORTER if not stable(part * low)]
+        if not shorter:
+            return low
+        high = shorter[0]
 
 
 def check_step(scene: Scene) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..model.errors import BadInput
 from ..model.gait import joint_motion
-from ..model.link_state import LinkState
+from ..model.link_state import LinkState, from_tail
 from ..model.vectors import Array
 from ..periodic.steady import steady_gait
 from .core_run import run_core
@@ -31,8 +31,8 @@ def _joints_at_start(scene: Scene) -> tuple[Array, Array]:
 def _placed(scene: Scene, vx_m_s: float, vy_m_s: float, omega_rad_s: float) -> LinkState:
     """Return the state with link 1 at the origin along x, moving as given."""
     phi, rate = _joints_at_start(scene)
-    turning = omega_rad_s + np.append(0.0, rate.cumsum())
-    return LinkState.joined(scene.robot, [0, 0, 0, *phi.cumsum()], [vx_m_s, vy_m_s, *turning])
+    tail_rate = np.array([vx_m_s, vy_m_s, omega_rad_s])
+    return LinkState.joined(scene.robot, from_tail(np.zeros(3), phi), from_tail(tail_rate, rate))
 
 
 def _moving(scene: Scene, vx_m_s: float, vy_m_s: float, turn_rad_s: float) -> LinkState:

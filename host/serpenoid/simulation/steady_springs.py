@@ -189,10 +189,13 @@ def steady_springs(
     # twice what half as long steps change: kinks between samples are of order two
     errors = np.abs((later - power).sum(axis=1)) * (1 + ahead)
     errors += 2 * np.abs(finer - power).sum(axis=1)
+    net, absolute, positive = power.sum(axis=1).tolist()
     speed, fine = (float(one.mean_speed_m_s(gait.period_s)[-1]) for one in (run, steps))
     return SteadySprings(
         speed,
-        *power.sum(axis=1).tolist(),
+        net,
+        absolute,
+        positive,
         (change_m_s + 2 * abs(fine - speed)) / max(speed, floor),
         float(errors[0]),
         float(errors[2]),

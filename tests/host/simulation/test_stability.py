@@ -26,13 +26,28 @@ def test_a_method_that_is_gone_names_another(method: str) -> None:
         sn.Scene(SIX, sn.Ground(0.1, 10.0), GAIT, method=method)
 
 
-def test_the_refusal_and_the_limit_name_the_same_step() -> None:
-    """A slow gait does not cap what is stable."""
-    scene = sn.Scene(SIX, sn.Ground(1.0, 1.0), sn.Gait(0.5, 1.4, 0.3), method="rk4", dt_s=4.0)
+SLOW = sn.Scene(SIX, sn.Ground(1.0, 1.0), sn.Gait(0.5, 1.4, 0.3), method="rk4", dt_s=4.0)
+WINDOW = sn.Scene(
+    sn.Robot(6, 0.138, 0.047),
+    sn.Ground(0.1, 4.55),
+    GAIT,
+    "implicit",
+    5.8e4,
+    4.5,
+    method="paper",
+    dt_s=7e-4,
+    duration_s=0.1,
+)
+
+
+@pytest.mark.parametrize("scene", [SLOW, WINDOW], ids=["slow gait", "longer ones stable again"])
+def test_the_refusal_and_the_limit_name_the_same_step(scene: sn.Scene) -> None:
+    """A slow gait does not cap what is stable, and all shorter steps are."""
     limit_s = largest_stable_step_s(scene)
     with pytest.raises(sn.StepTooLarge, match=f"stable up to {limit_s:.3g} s"):
         sn.simulate(scene)
-    sn.simulate(replace(scene, dt_s=0.999 * limit_s))
+    for part in (0.999, 0.5):
+        sn.simulate(replace(scene, dt_s=part * limit_s))
 
 
 def test_the_quiet_failure_of_rk4_is_refused() -> None:
