@@ -127,7 +127,6 @@ def read_arrays(path: Path, most_bytes: int) -> dict[str, NDArray[np.generic]]:
         EOFError,
         OSError,
         MemoryError,
-        NotImplementedError,
         RuntimeError,
     ) as error:
         raise BadInput(f"{path} is damaged ({error})") from None

@@ -64,14 +64,16 @@ class Table:
 
     def where(self, key: str) -> str:
         """Return file and line of a key or of a table's heading."""
-        end = self._find(key)
-        return f"{self.path}:{self.text.count(chr(10), 0, end) + 1}" if end else str(self.path)
+        return self._line(self._find(key))
 
     @property
     def heading(self) -> str:
         """Return file and line of the table's own heading; of a file's top table, the file."""
-        line = self.text.count(chr(10), 0, self.start) + 1
-        return f"{self.path}:{line}" if self.start else str(self.path)
+        return self._line(self.start)
+
+    def _line(self, end: int) -> str:
+        """Return the file, and the line of a place behind its beginning."""
+        return f"{self.path}:{self.text.count(chr(10), 0, end) + 1}" if end else str(self.path)
 
     def _find(self, key: str) -> int:
         """Return where in the text a key or a table's heading ends, or 0."""

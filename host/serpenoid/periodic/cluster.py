@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import re
-import time
-from collections.abc import Collection, Generator, Iterable, Iterator
+from collections.abc import Generator, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
 from itertools import islice
@@ -89,20 +88,6 @@ def _check_certificates(scheduler: str) -> None:
     )
 
 
-def _check_versions(client: Any, workers: Collection[str]) -> list[str]:
-    """Refuse workers of another version or none; return those that have this one."""
-    here = worker_version()
-    answers = client.run(worker_version, workers=list(workers), on_error="return")
-    for worker, there in answers.items():
-        if isinstance(there, ModuleNotFoundError) or (isinstance(there, str) and there != here):
-            raise ClusterFailed(
-                f"the worker {worker} has {there if isinstance(there, str) else 'no serpenoid'}, "
-                f"here is serpenoid {here}; figures are the same to the bit only with the same "
-                "version on all: install it there"
-            )
-    return [worker for worker, there in answers.items() if there == here]
-
-
 @contextmanager
 def _answering(scheduler: str) -> Iterator[None]:
     """Raise ClusterFailed where the scheduler is gone."""
@@ -137,14 +122,15 @@ def solved(
             yield stretch, grid.solve(*stretch, threads, progress)
         return
     with connected(scheduler) as client:
+        checked, under_way = set[str](), dict[Any, Stretch]()
+        threads = _threads(client, checked, scheduler)
         if pieces is None:
-            share = -(-grid.shapes // (4 * max(next(_threads(client, scheduler)), 1)))
+            share = -(-grid.shapes // (4 * threads))
             pieces = stretches(grid.shapes, max(1, min(stretch_length(grid), share)))
-        waiting, under_way = iter(pieces), dict[Any, Stretch]()
+        waiting = iter(pieces)
         try:
-            for workers in _threads(client, scheduler):
-                room = max(0, _AHEAD * max(workers, 1) - len(under_way))
-                begun = list(islice(waiting, room))
+            while True:
+                begun = list(islice(waiting, max(0, _AHEAD * threads - len(under_way))))
                 futures = client.map(partial(solve_stretch, grid), begun, pure=False)
                 under_way |= zip(futures, begun, strict=True)
                 if not under_way:
@@ -155,28 +141,40 @@ def solved(
                     if progress is not None:
                         progress((stretch[1] - stretch[0]) * len(grid.omega_rad_s))
                     yield stretch, table
+                if under_way:
+                    threads = _threads(client, checked, scheduler)
         finally:
             with suppress(OSError):  # of a scheduler that is gone, with all that was under way
                 client.cancel(list(under_way), force=True)
 
 
-def _threads(client: Any, scheduler: str) -> Iterator[int]:
-    """Yield at every look the threads of the workers there are; a new worker is checked first."""
-    checked, alone_from_s = set[str](), time.monotonic()
-    while True:
-        with _answering(scheduler):
-            threads = client.nthreads()
-            if new := threads.keys() - checked:
-                checked.update(_check_versions(client, new))
-        if threads:
-            alone_from_s = time.monotonic()
-        elif time.monotonic() - alone_from_s > NO_WORKER_S:
+def _threads(client: Any, checked: set[str], scheduler: str) -> int:
+    """Return the threads of the workers there are; refuse new ones of another version, or none."""
+    import distributed
+
+    here = worker_version()
+    with _answering(scheduler):
+        try:
+            client.wait_for_workers(1, NO_WORKER_S)
+        except distributed.TimeoutError:
             raise ClusterFailed(
                 f"the cluster at {scheduler} has had no worker for {NO_WORKER_S:g} s; start some "
                 f"with `dask worker {scheduler}`; if one ended by itself, its log says why, often "
                 "another version of Dask"
+            ) from None
+        threads = client.nthreads()
+        new = list(threads.keys() - checked)
+        versions = client.run(worker_version, workers=new, on_error="return") if new else {}
+    for worker, there in versions.items():
+        if there == here:
+            checked.add(worker)
+        elif isinstance(there, (str, ModuleNotFoundError)):
+            raise ClusterFailed(
+                f"the worker {worker} has {there if isinstance(there, str) else 'no serpenoid'}, "
+                f"here is serpenoid {here}; figures are the same to the bit only with the same "
+                "version on all: install it there"
             )
-        yield sum(threads.values())
+    return max(sum(threads.values()), 1)
 
 
 def _done(client: Any, futures: list[Any], scheduler: str) -> Iterable[Any]:

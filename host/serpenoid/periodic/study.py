@@ -230,8 +230,8 @@ def load_study(folder: str | os.PathLike[str]) -> Study:
                 "anew into another folder"
             )
         grid = Grid.of(
-            [Robot(**_fields(robot)) for robot in head["robots"]],
-            [Ground(**_fields(ground)) for ground in head["grounds"]],
+            [Robot(**robot) for robot in head["robots"]],
+            [Ground(**ground) for ground in head["grounds"]],
             [head[name] for name in AXES],
             head["rtol"],
             head["powers"],
@@ -239,10 +239,6 @@ def load_study(folder: str | os.PathLike[str]) -> Study:
         return Study(Path(folder), grid, check_whole("shapes", head["shapes"], 1, grid.shapes))
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise BadInput(f"{path} is no head of a study ({error}); sweep_study writes one") from None
-
-
-def _fields(part: dict[str, Any]) -> dict[str, Any]:
-    return {name: tuple(v) if isinstance(v, list) else v for name, v in part.items()}
 
 
 def _prepared(folder: Path, grid: Grid) -> Study:
