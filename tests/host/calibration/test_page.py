@@ -10,7 +10,9 @@ from contextlib import ExitStack
 from dataclasses import replace
 from importlib.resources import files
 from types import SimpleNamespace
+from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 from robot.fake_board import FakeBoard, honest
 from robot.patience import LONG_S, until
@@ -62,11 +64,12 @@ def test_the_state_holds_what_is_to_be_done_and_what_was_found():
     json.dumps(state, allow_nan=False)
     assert state["last"].startswith(f"{session.numbered[-1].number}: ")
     assert len(state["fit"]) == 4
-    straight = state["bends"][0]
-    assert len(straight["points"]) == sum(r.lambda_rad == 0 for r in session.kept)
+    picture = ElementTree.fromstring(f"<svg>{state['picture']}</svg>")
+    assert len(picture.findall("circle")) == len(session.kept)
     # The line's band is narrowest near the middle of its points.
-    widths = [w for _, _, w in straight["line"]]
-    assert widths.index(min(widths)) not in (0, len(widths) - 1)
+    band = np.reshape(picture.find("polygon").get("points").split(), (2, -1, 2)).astype(float)
+    widths = (band[1, ::-1] - band[0])[:, 1]
+    assert widths.argmin() not in (0, len(widths) - 1)
 
 
 def test_only_the_token_the_own_host_and_the_own_origin_are_answered():

@@ -20,6 +20,7 @@ from ...model.files import write_text
 from ...model.gait import Gait, joint_motion
 from ...model.ground import Ground
 from ...model.robot import Robot
+from ...model.rows import two_digits
 from ...robot.recording.run_gait import longest_gait
 from ...robot.recording.stream import Stream
 from ...robot.tools.driven_run import DrivenRun
@@ -44,9 +45,32 @@ def page_text(title: str, about: str, shown: dict[str, Any]) -> str:
     """Return the page, the nonce of its scripts still to be filled in."""
     text = filled("@PAGE@", PAGE="view.html", STYLE="page.css", LIVE="live.js")
     data = json.dumps(shown, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
-    for mark, value in (("TITLE", html.escape(title)), ("ABOUT", html.escape(about))):
+    slip = two_digits(shown["most_slip_m_s"])
+    wheels = [
+        _key("bar", "rolls", "wheel rolls straight"),
+        _key("bar", "slides", f"slides sideways at {slip} m/s"),
+        _key("bar", "stuck", "grips (framed)") if shown["dry"] else "",
+        _key("line", "path", "path of the centre of mass"),
+    ]
+    joints = range(min(8, len(shown["joint_deg"][0])))
+    curves = [_key("line", f"j{j % 7}", f"{j + 1}{'' if j else ' (tail)'}") for j in joints]
+    if "asked_deg" in shown:
+        curves.append(_key("dashed", "soft", "dashed: the gait asked for; the robot ramps into it"))
+    marks = {
+        "TITLE": html.escape(title),
+        "ABOUT": html.escape(about),
+        "KEY": "".join(wheels),
+        "JOINTS": "".join(curves),
+        "DATA": data,
+    }
+    for mark, value in marks.items():
         text = text.replace(f"@{mark}@", value)
-    return text.replace("@DATA@", data)
+    return text
+
+
+def _key(kind: str, colour: str, words: str) -> str:
+    """Return one entry of a key: a bar, a line or dashes in a colour of the page, and words."""
+    return f'<span><i class="{kind}" style="color:var(--{colour})"></i>{words}</span>'
 
 
 def of_run(run: Run) -> dict[str, Any]:

@@ -7,19 +7,17 @@ from typing import Any
 
 from ...calibration.friction_result import DOUBTFUL, FrictionFit
 from ...calibration.session import Session
-from ...calibration.taking.expected import Series, line_of, of_series, series_of
 from ...calibration.taking.procedure import belt_range, progress
 from ...calibration.taking.steps import Step
 from ...model.errors import SerpenoidError
 from .bend_drawing import bend_svg
-
-CURVE = 24  # points of a line
+from .station_drawing import stations_svg
 
 
 def state_of(
     session: Session, step: Step, skipped: frozenset[str], robot: str, offset: str = ""
 ) -> dict[str, Any]:
-    """Return the step, progress, last reading, running fit, points, and lines with their band.
+    """Return the step, progress, last reading, running fit, and a picture of the stations.
 
     Degrees and SI, as people read them. robot: in words, such as "holds" or "by hand". offset: its
     steering, in words.
@@ -34,12 +32,16 @@ def state_of(
         "asks": [f"{f.words} ({f.unit})" for f in step.asked],
         "progress": [list(row) for row in progress(session, skipped)],
         "last": _last(session),
-        "fit": [] if fit is None else [row._asdict() for row in fit.rows()],
+        "fit": [
+            [
+                f"{r.name} ({r.unit})".replace("N s", "N\u00a0s"),
+                f"{r.value:#.3g} ({r.low:#.3g} to {r.high:#.3g})",
+            ]
+            for r in ([] if fit is None else fit.rows())
+        ],
         "agreement": "" if fit is None else agreement(fit),
         "offset": offset,
-        "bends": []
-        if session.setup.procedure.on == "floor"
-        else [_bend(session, series) for series in series_of(session.setup.procedure)],
+        "picture": stations_svg(session),
         "robot": robot,
         "shape": bend_svg(step.bend, session.setup.robot.links, step.lambda_deg)
         if step.kind == "bend"
@@ -96,25 +98,3 @@ def agreement(fit: FrictionFit) -> str:
         return f"{chi2}: the readings agree"
     found = next((alarm for alarm in fit.alarms if alarm.startswith("chi2 is")), "")
     return f"{chi2}: THE READINGS DISAGREE. {found.partition('intervals. ')[2]}".rstrip()
-
-
-def _bend(session: Session, series: Series) -> dict[str, Any]:
-    stations = of_series(session, series)
-    gravity = session.setup.procedure.gravity_m_s2
-    found: dict[str, Any] = {
-        "name": series.name,
-        "points": [
-            [math.degrees(math.asin(r.balance_sine(gravity))), r.slip_speed_m_s] for r in stations
-        ],
-        "line": [],
-    }
-    line = line_of(session, series)
-    if line is None:
-        return found
-    low = min(r.incline_rad for r in stations)
-    wide = max(r.incline_rad for r in stations) - low
-    for k in range(CURVE):
-        incline = low - 0.1 * wide + 1.2 * wide * k / (CURVE - 1)
-        speed, sigma = line.through(math.sin(incline))
-        found["line"].append([math.degrees(incline), speed, 1.96 * sigma])
-    return found
