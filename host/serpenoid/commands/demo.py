@@ -58,7 +58,9 @@ def run_demo(out: Path, own: sn.FrictionFit | None = None) -> None:
     numbers = as_json(fit, points, state) | {k: v for k, v in parts.items() if v is not None}
     write_json(out / "demo.json", numbers)
     step(8, *_robot_of_2005(fit, points))
-    serpenoid = _called()
+    here = Path(sys.argv[0])  # by its path where the shell would not find it
+    serpenoid = here.name if shutil.which(here.name) else str(here)
+    serpenoid = "python -m serpenoid" if here.stem == "__main__" else serpenoid
     say(f"\nLook at {out / 'report.html'}. Pictures and numbers are beside it.")
     say(f"Next, without a robot: {serpenoid} view virtual")
     say(f"With your robot: {serpenoid} flash; then doctor, trim, calibrate new DIR, fit DIR")
@@ -76,11 +78,3 @@ def _robot_of_2005(fit: sn.FrictionFit, points: list[SpeedPoint]) -> list[str]:
         f"intervals from assumed instruments. Friction across is known to "
         f"{100 * cn.sigma / cn.value:.0f} % only.",
     ]
-
-
-def _called() -> str:
-    """Return how this program is called: by its path where the shell would not find it."""
-    here = Path(sys.argv[0])
-    if here.stem == "__main__":
-        return "python -m serpenoid"
-    return here.name if shutil.which(here.name) else str(here)

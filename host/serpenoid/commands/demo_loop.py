@@ -103,7 +103,9 @@ def run_loop(out: Path, own: sn.FrictionFit | None = None) -> tuple[sn.FrictionF
     sn.save_fit(fit, out / "session")
     step(2, f"Its friction: {beside_truth(fit, truth.ground)}", voided)
     compared = _compare(session, fit, out / "comparison.png")
-    advised = _advise(session)
+    with working("looking at each reading that could be next"):
+        advised = sn.advise(session)
+    step(4, advised.note or f"What to read next: {advised.best.in_words()}.")
     wanted_m_s = float(f"{compared.gaits[1].exact_m_s:.1g}")
     wanted = _drive_wanted(session, fit, wanted_m_s, truth)
     numbers = {
@@ -193,13 +195,6 @@ def _compare(session: sn.Session, fit: sn.FrictionFit, out: Path) -> sn.Comparis
         "Both agree." if compared.verdict == "agrees" else compared.verdict_text,
     )
     return compared
-
-
-def _advise(session: sn.Session) -> sn.Advice:
-    with working("looking at each reading that could be next"):
-        advice = sn.advise(session)
-    step(4, advice.note or f"What to read next: {advice.best.in_words()}.")
-    return advice
 
 
 def _drive_wanted(

@@ -77,10 +77,6 @@ def cli() -> None:
     """
 
 
-def _show_warning(message: Warning | str, *_where: object) -> None:
-    say(f"serpenoid: warning: {message}", err=True)
-
-
 class _Signalled(SystemExit):
     """SIGTERM or SIGHUP came; the code is 128 + its number."""
 
@@ -97,7 +93,7 @@ def main() -> None:
     for number in system.ENDING:
         if signal.getsignal(number) is signal.SIG_DFL:
             signal.signal(number, _end)
-    warnings.showwarning = _show_warning
+    warnings.showwarning = lambda message, *_: say(f"serpenoid: warning: {message}", err=True)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # a terminal without degrees and minus signs gets `?`
             encoding = "utf-8" if system.WINDOWS else None

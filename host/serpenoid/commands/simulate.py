@@ -178,16 +178,13 @@ def simulate(
 def make_scene(given: dict[str, Any], base: sn.Scene | None) -> sn.Scene:
     """Make a scene of the options that were given, over a scene file's if there is one."""
     robot, ground = make_robot(given, base and (base.robot, base.ground))
-    gait = make_gait(given, base.gait if base else _no_gait(given))
+    # joints that are driven by torques need no gait: a straight chain at rest
+    usual = base.gait if base else None if given["torque_nm"] is None else sn.Gait(0.0, 0.0, 1.0)
+    gait = make_gait(given, usual)
     parts: dict[str, Any] = {"robot": robot, "ground": ground, "gait": gait}
     told = scene_options.take(given)
     parts |= _joint_drive(told, base)
     return replace(base, **parts | told) if base is not None else sn.Scene(**parts, **told)
-
-
-def _no_gait(given: dict[str, Any]) -> sn.Gait | None:
-    """Return a straight chain at rest for joints that are driven by torques; else nothing."""
-    return None if given["torque_nm"] is None else sn.Gait(0.0, 0.0, 1.0)
 
 
 def _check_that_all_apply(scene: sn.Scene, accuracy: float | None) -> None:

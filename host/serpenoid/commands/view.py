@@ -48,7 +48,9 @@ def view(what: str, out: Path | None, open_it: bool, as_json: bool, **given: Any
             f"{what!r} is no file; name a scene (.toml), a recording of `serpenoid drive "
             "--record`, or virtual"
         )
-    out = out or _free_name()
+    if out is None:  # a name in this folder that no page has yet
+        names = itertools.chain(["view.html"], (f"view-{k}.html" for k in itertools.count(2)))
+        out = out_file(".html")(next(n for n in names if not Path(n).exists()))
     if what.endswith(".toml"):
         gait, title, about, shown = _scene(Path(what), given)
     else:
@@ -60,12 +62,6 @@ def view(what: str, out: Path | None, open_it: bool, as_json: bool, **given: Any
         show_json({"page": str(out), "duration_s": shown["t_s"][-1], "gait": describe(gait)})
     else:
         say(f"wrote {out}; open it in a browser")
-
-
-def _free_name() -> Path:
-    """Return a name in this folder that no page has yet."""
-    names = itertools.chain(["view.html"], (f"view-{k}.html" for k in itertools.count(2)))
-    return out_file(".html")(next(n for n in names if not Path(n).exists()))
 
 
 def _scene(path: Path, given: dict[str, Any]) -> tuple[sn.Gait, str, str, dict[str, Any]]:

@@ -80,13 +80,8 @@ def line(fit: FrictionFit, part: str, speeds_m_s: np.ndarray) -> np.ndarray:
 def write_comparison(found: Comparison, path: Path) -> None:
     """Write what `comparison_figure` draws: the curve, and the gaits with what was measured."""
     rows = [
-        {"kind": kind} | asdict(point)
+        {"kind": kind} | asdict(point) | {"runs": " ".join(map(str, point.runs))}
         for kind, points in (("curve", found.curve), ("gait", found.gaits))
         for point in points
     ]
-    cells = [[_cell(value) for value in row.values()] for row in rows]
-    write_csv(beside(path), list(rows[0]), cells)
-
-
-def _cell(value: Any) -> Any:
-    return " ".join(map(str, value)) if isinstance(value, tuple) else value
+    write_csv(beside(path), list(rows[0]), [list(row.values()) for row in rows])

@@ -37,7 +37,9 @@ def draw_run(run: Run, path: Path) -> None:
     """
     ledger = run.energy_j.size > 0
     turned = along_travel(run)
-    heights = [_height_in(turned), 2.0, 2.4][: 2 + ledger]
+    # of the path, so that x as y fill its width
+    wide, high = (np.ptp(v) + 1.2 * run.scene.robot.link_length_m for v in (turned.x_m, turned.y_m))
+    heights = [float(np.clip(8.0 * high / wide, 1.5, 4.5)), 2.0, 2.4][: 2 + ledger]
     high = sum(heights) + 0.8 * len(heights) + 0.9
     panels = {"rows": len(heights), "height_ratios": heights}
     with figure(9.0, high, path=path, **panels) as (fig, axes):
@@ -69,14 +71,6 @@ def scene_words(scene: Scene) -> str:
         f"{scene.formulation} model, {scene.method}",
     ]
     return "; ".join(parts) + "\n" + "; ".join(how)
-
-
-def _height_in(turned: Run) -> float:
-    """Return how high the picture of the path is, inches, so that x as y fill its width."""
-    wide, high = (
-        np.ptp(v) + 1.2 * turned.scene.robot.link_length_m for v in (turned.x_m, turned.y_m)
-    )
-    return float(np.clip(8.0 * high / wide, 1.5, 4.5))
 
 
 def _path(ax: Axes, turned: Run) -> None:

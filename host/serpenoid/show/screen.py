@@ -47,10 +47,6 @@ def screen(**options: Any) -> Console:
 _FORCED = ("FORCE_COLOR", "TTY_COMPATIBLE", "TTY_INTERACTIVE")
 
 
-def _nothing(done: float) -> None:
-    """Take what was done, and show nothing."""
-
-
 def _watched() -> bool:
     """Return whether standard error is a terminal, or is to be taken for one."""
     return sys.stderr.isatty() or any(os.environ.get(name) for name in _FORCED)
@@ -73,7 +69,7 @@ def progress(total: float, what: str, so_far: bool = False) -> Iterator[Callable
     so_far: it takes all that is done by then.
     """
     if not _watched():
-        yield _nothing
+        yield lambda done: None
         return
     from rich import progress as bars
 

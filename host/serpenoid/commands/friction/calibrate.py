@@ -100,7 +100,9 @@ def take(
     if script is not None:
         refuse_typed("{} has no effect with --script; leave it out", *unasked)
     if on is not None:
-        _carry_out_on(folder, on)
+        with _journal(folder) as journal:
+            if journal.session.setup.procedure.on != on:
+                journal.event("amend", detail=f'plan.on = "{on}"')
     if script is not None:
         return _scripted(folder, script)
     from .calibrate_person import with_a_person
@@ -127,14 +129,6 @@ def _state(session: sn.Session) -> tuple[list[tuple[str, str]], Step]:
 
     skipped = skipped_keys(events_of(session))
     return progress(session, skipped), next_step(session, skipped)
-
-
-def _carry_out_on(folder: Path, place: str) -> None:
-    """Have the plan carried out at a place; an event tells, if that is a change."""
-
-    with _journal(folder) as journal:
-        if journal.session.setup.procedure.on != place:
-            journal.event("amend", detail=f'plan.on = "{place}"')
 
 
 def _dry_run(folder: Path, on: str | None) -> None:

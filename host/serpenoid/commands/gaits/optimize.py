@@ -150,8 +150,14 @@ def optimize(speed_m_s: str, as_json: bool, send: bool, plot: Path | None, **giv
     run = RUN.take(given)
     if len(wanted) > 1 and (send or plot or typed("servo")):
         raise click.UsageError("--send, --plot and --servo take one speed")
-    if send:
-        _check_board(run.get("port"), run.get("record"))
+    if send:  # board and the recording's place are found before the search, not after it
+        from ...robot.recording.recorder import check_free
+        from ...robot.wire.ports import find_port
+
+        if "record" in run:
+            check_free(run["record"])
+        if "port" not in run:
+            find_port()
     ask = _Asked(given, send)
     if len(wanted) > 1:
         return _show_front(ask, wanted, as_json)
@@ -195,17 +201,6 @@ def _send(ask: _Asked, gait: sn.Gait, as_json: bool, before: dict[str, Any], **r
     )
 
 
-def _check_board(port: str | None, record: Path | None) -> None:
-    """Find the board and the recording's place before the search, not after it."""
-    from ...robot.recording.recorder import check_free
-    from ...robot.wire.ports import find_port
-
-    if record is not None:
-        check_free(record)
-    if port is None:
-        find_port()
-
-
 def _speeds(text: str) -> list[float]:
     try:
         speeds = [float(part) for part in text.split(",")]
@@ -233,7 +228,11 @@ class _Asked:
         ideal = self.fit is None or joints is not None
         self.servo = servo_as_filmed(take_servo(IDEAL if ideal else "hobby"), self.fit)
         self.robot, self.ground = make_robot(given, fit=fit)
-        self.uncertainty = _as_filmed(replace(uncertainty, servo=self.servo), joints, self.robot)
+        self.uncertainty = replace(uncertainty, servo=self.servo)
+        if joints is not None:
+            seen = latest_film(joints, self.robot.links).gait
+            of_film = {"joint_gain": seen.joint_gain, "joint_shift_rad": seen.joint_shift_rad}
+            self.uncertainty = replace(self.uncertainty, **of_film)
         shown = typed("servo") is None and joints is None and few_links(self.robot)
         self.shown_servo = take_servo("hobby") if shown and self.servo is None else self.servo
         self._how = {"cost": cost, "limits": limits} | (
@@ -307,14 +306,6 @@ def _uncertainty(given: dict[str, Any], fit: sn.FrictionFit | None, filmed: bool
             known = {"common_amplitude": sigma / value}
             changes = known | changes | {"joint_gain": (value,) * (fit.robot.links - 1)}
     return sn.Uncertainty(**changes)
-
-
-def _as_filmed(uncertainty: sn.Uncertainty, joints: Path | None, robot: sn.Robot) -> sn.Uncertainty:
-    """Return the doubt about servos round what a session's film shows of them."""
-    if joints is None:
-        return uncertainty
-    seen = latest_film(joints, robot.links).gait
-    return replace(uncertainty, joint_gain=seen.joint_gain, joint_shift_rad=seen.joint_shift_rad)
 
 
 def _as_dict(best: sn.LeastPower | sn.RobustGait) -> dict[str, Any]:

@@ -166,7 +166,11 @@ class LivePage:
         gait, joints = run.gait, robot.links - 1
         straight = np.zeros(joints)
         shown = {"t_s": [0.0], "live": True, "asked_deg": [straight.tolist()]}
-        shown |= constants(robot, ground, gait, _two_periods(robot, ground, gait))
+        # the fastest slip is that of a twin that settles for two periods
+        led = joint_motion(gait, joints, np.linspace(0.0, 2 * gait.period_s, 101)).angle_rad
+        lasts_s = np.full(100, gait.period_s / 50)
+        settling = Twin(robot, ground, led[0]).follow(led[1:], lasts_s)
+        shown |= constants(robot, ground, gait, settling)
         shown |= rows(ground, Twin(robot, ground, straight).now())
         told = f"predicted for the {whose} from the set-points that the robot tells"
         about = f"{gait_title(gait)}; {told}"
@@ -219,10 +223,3 @@ class LivePage:
             "t_s": rounded(np.array([run.elapsed_s]))[0],
             "row": {name: table[0] for name, table in shown.items()},
         }
-
-
-def _two_periods(robot: Robot, ground: Ground, gait: Gait) -> Motion:
-    """Return a settling twin's motion, from which the page takes the fastest slip."""
-    t_s = np.linspace(0.0, 2 * gait.period_s, 101)
-    told = joint_motion(gait, robot.links - 1, t_s).angle_rad
-    return Twin(robot, ground, told[0]).follow(told[1:], np.full(100, gait.period_s / 50))

@@ -19,7 +19,7 @@ def bend_shape(
 
     The chain is (x, y) of tail, joints and head; a label (x, y, text) a joint, its angle.
     """
-    signs = _signs(bend, links)
+    signs = balanced_signs(links) if bend == "balanced" else [(-1) ** (k + 1) for k in range(links)]
     x, y, chain = 0.0, 0.0, [(0.0, 0.0)]
     for sign in signs:
         turn = math.radians(sign * lambda_deg)
@@ -52,9 +52,3 @@ def bend_svg(bend: str, links: int, lambda_deg: float, name: str = "") -> str:
         f'stroke-width="7" stroke-linejoin="round"/><g fill="#333">{dots}</g>'
         f'<text x="{x + 12}" y="{y + 5}">head</text><g>{labels}</g></svg>'
     )
-
-
-def _signs(bend: str, links: int) -> tuple[int, ...]:
-    if bend == "balanced":
-        return balanced_signs(links)
-    return tuple(-1 if k % 2 == 0 else 1 for k in range(links))

@@ -81,7 +81,9 @@ def session_page(
         said = f'<p class="verdict">{_prose(other.verdict)}</p>'
         parts += ["<h2>Another session beside it</h2>", said, _table(head, rows)]
     if advice is not None:
-        parts += ["<h2>The next reading</h2>", _advice(advice)]
+        heads, cells = advice.table()
+        parts += ["<h2>The next reading</h2>", f"<p>{_prose(advice.in_words())}</p>"]
+        parts += [_table(heads, cells, words=True)] if cells else []
     parts += [
         "<h2>Readings</h2>",
         *_readings(session, fit),
@@ -194,12 +196,6 @@ def _prose(text: str) -> str:
 def _notes(fit: FrictionFit, session: Session) -> list[str]:
     notes = [fit.remarks[0], *fit.notes, *break_away_notes(fit, session), *session.notes]
     return ["<ul>" + "".join(f"<li>{_prose(n)}</li>" for n in notes) + "</ul>"]
-
-
-def _advice(advice: Advice) -> str:
-    heads, cells = advice.table()
-    listed = _table(heads, cells, words=True) if cells else ""
-    return f"<p>{_prose(advice.in_words())}</p>" + listed
 
 
 def _readings(session: Session, fit: FrictionFit) -> list[str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,17 +62,14 @@ def fit_states(
             a, rest = equations(camera, states, s, noise_px)
         matrix = a.transpose(0, 2, 1) @ a + held
         miss = np.where(s.seen, rms(misses(camera, states, s)), np.nan)
-        fitted = (states, *_variances(np.linalg.inv(matrix)), miss)
+        covariance = np.linalg.inv(matrix)
+        own = np.diagonal(covariance, axis1=1, axis2=2)
+        beside = np.diagonal(covariance[:, 2:, 2:], offset=1, axis1=1, axis2=2)
+        joints = own[:, 2:-1] + own[:, 3:] - 2 * beside
+        fitted = states, own[:, 0] + own[:, 1], joints, miss
         if not sensitive:
             return fitted
         b = equations(camera, states, s, noise_px, shared=True)[1][..., :-1]
         return (*fitted, -np.linalg.solve(matrix, a.transpose(0, 2, 1) @ b))
 
     return Track(sightings.t_s, *in_chunks(of_frames, len(expected)))
-
-
-def _variances(covariance: NDArray[np.floating[Any]]) -> tuple[Array, Array]:
-    """Return a frame's variance of its place, m², and those of its joints, rad²."""
-    own = np.diagonal(covariance, axis1=1, axis2=2)
-    beside = np.diagonal(covariance[:, 2:, 2:], offset=1, axis1=1, axis2=2)
-    return own[:, 0] + own[:, 1], own[:, 2:-1] + own[:, 3:] - 2 * beside

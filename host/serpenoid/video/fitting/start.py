@@ -28,48 +28,31 @@ def first_cameras(sightings: Sightings, link_m: float, side_m: float) -> list[Ca
     frame, link = np.nonzero(sightings.seen)
     some = slice(None, None, max(1, len(frame) // SAMPLE))
     corners = sightings.corners_px[frame[some], link[some]].astype(float)
+    around = np.arange(DIRECTIONS) * 2 * np.pi / DIRECTIONS
+    leaning = TILTS_RAD[1:, None, None] * np.stack([np.cos(around), np.sin(around)], axis=-1)
     tried = []
-    for focal, tilt in product(FOCALS, _tilts()):
-        camera = _bare(sightings, link_m, side_m, focal, tilt)
-        tried.append((_unevenness(camera.on_plane(corners)), focal, camera))
+    for focal, tilt in product(FOCALS, [np.zeros(2), *leaning.reshape(-1, 2)]):
+        shared = np.zeros(len(LENS) + len(MOUNTING) * sightings.links)
+        shared[0], shared[8] = np.log(focal), np.log(side_m)
+        shared[5:7] = tilt
+        camera = Camera(sightings.links, link_m, sightings.image_px, shared)
+        flat = camera.on_plane(corners)
+        sides = np.linalg.norm(np.roll(flat, -1, axis=-2) - flat, axis=-1)
+        diagonals = np.linalg.norm(flat[..., :2, :] - flat[..., 2:, :], axis=-1) / np.sqrt(2)
+        logs = np.log(np.concatenate([sides, diagonals], axis=-1))
+        # how far they are from squares of one size
+        spread = float(np.abs(logs - np.median(logs)).mean())
+        distance = np.zeros_like(shared)
+        distance[7] = np.log(side_m / np.median(sides))
+        camera = replace(camera, shared=shared + distance)
+        tried.append((spread if np.isfinite(spread) else np.inf, focal, camera))
     tried.sort(key=lambda trial: trial[0])
     best: dict[float, Camera] = {}
     for _, focal, camera in tried:
         best.setdefault(focal, camera)
     lean = tried[0][2].shared[5:7]
     others = [camera for *_, camera in tried if camera.shared[5:7] @ lean < 0]
-    return [_scaled(camera, corners, side_m) for camera in [*best.values(), *others[:1]]]
-
-
-def _tilts() -> Array:
-    around = np.arange(DIRECTIONS) * 2 * np.pi / DIRECTIONS
-    leaning = TILTS_RAD[1:, None, None] * np.stack([np.cos(around), np.sin(around)], axis=-1)
-    return np.concatenate([np.zeros((1, 2)), leaning.reshape(-1, 2)])
-
-
-def _bare(s: Sightings, link_m: float, side_m: float, focal: float, tilt: Array) -> Camera:
-    shared = np.zeros(len(LENS) + len(MOUNTING) * s.links)
-    shared[0], shared[8] = np.log(focal), np.log(side_m)
-    shared[5:7] = tilt
-    return Camera(s.links, link_m, s.image_px, shared)
-
-
-def _unevenness(flat: Array) -> float:
-    """Return how far quadrilaterals (..., 4, 2) are from squares of one size."""
-    sides = np.linalg.norm(np.roll(flat, -1, axis=-2) - flat, axis=-1)
-    diagonals = np.linalg.norm(flat[..., :2, :] - flat[..., 2:, :], axis=-1) / np.sqrt(2)
-    logs = np.log(np.concatenate([sides, diagonals], axis=-1))
-    spread = np.abs(logs - np.median(logs))
-    return float(spread.mean()) if np.isfinite(spread).all() else np.inf
-
-
-def _scaled(camera: Camera, corners: Array, side_m: float) -> Camera:
-    """Return the camera at the distance at which the tags have their side."""
-    flat = camera.on_plane(corners)
-    found = np.median(np.linalg.norm(np.roll(flat, -1, axis=-2) - flat, axis=-1))
-    shared = camera.shared.copy()
-    shared[7] += np.log(side_m / found)
-    return replace(camera, shared=shared)
+    return [*best.values(), *others[:1]]
 
 
 def tag_poses(camera: Camera, sightings: Sightings) -> tuple[Array, Array]:
