@@ -130,13 +130,30 @@ def film(
     Each with its standard deviation. With a gait or a recording, joints are compared with what
     was commanded.
     """
+    from ..calibration.session_file import read_session
     from ..video.measure_film import measure_film
 
     session = given["session"]
-    if way is not None:
-        _check_way(session)
+    if way is not None:  # without a line of pushes it has no meaning
+        if session is None:
+            raise click.UsageError(
+                "--way goes with --session: it is kept with the session's reading"
+            )
+        if not read_session(session).has_line:
+            raise sn.BadInput(
+                f"{session} is a session at a treadmill, without pushes: --way has no line to "
+                "follow; leave --way out, the film then counts as on level ground"
+            )
     robot, side = _robot(given)
-    gait = _commanded(given, recording, robot.links)
+    typed = any(given[name] is not None for name in gait_options.names)
+    if recording is not None:
+        from ..robot.recording.run_gait import recorded_gait
+
+        if typed:
+            raise click.UsageError("--recording has the gait; leave the gait's options out")
+        gait: sn.Gait | None = recorded_gait(recording, robot.links - 1)
+    else:
+        gait = make_gait(given) if typed else None
     with film_progress(file) as tell:
         found = measure_film(
             file,
@@ -159,19 +176,6 @@ def film(
         _record(found, session, file.name, way)
 
 
-def _check_way(session: Path | None) -> None:
-    """Refuse a way where no line of pushes gives it a meaning."""
-    from ..calibration.session_file import read_session
-
-    if session is None:
-        raise click.UsageError("--way goes with --session: it is kept with the session's reading")
-    if not read_session(session).has_line:
-        raise sn.BadInput(
-            f"{session} is a session at a treadmill, without pushes: --way has no line to follow; "
-            "leave --way out, the film then counts as on level ground"
-        )
-
-
 @contextmanager
 def film_progress(file: Path) -> Iterator[Callable[[float], None]]:
     """Show a bar of a film's seconds; gives a function that is told times of it, s."""
@@ -180,18 +184,6 @@ def film_progress(file: Path) -> Iterator[Callable[[float], None]]:
     seconds = max(1, math.ceil(Film.open(file).duration_s))
     with progress(seconds, "seconds of film", so_far=True) as tell:
         yield tell
-
-
-def _commanded(given: dict[str, Any], recording: Path | None, links: int) -> sn.Gait | None:
-    """Return the gait of the options or of the recording, None without either."""
-    typed = any(given[name] is not None for name in gait_options.names)
-    if recording is not None:
-        if typed:
-            raise click.UsageError("--recording has the gait; leave the gait's options out")
-        from ..robot.recording.run_gait import recorded_gait
-
-        return recorded_gait(recording, links - 1)
-    return make_gait(given) if typed else None
 
 
 def _write(

@@ -41,7 +41,10 @@ def view(what: str, out: Path | None, open_it: bool, as_json: bool, **given: Any
     the virtual robot. Of a recording it shows how the robot and ground of the options move while
     the joints follow the recorded set-points.
     """
-    from ..show.pages.view_page import write_page
+    from ..robot.recording.stream import load_stream
+    from ..show.pages import view_page
+    from ..show.plot import gait_title
+    from ..show.run_figure import scene_words
 
     if what != "virtual" and not Path(what).is_file():
         raise click.UsageError(
@@ -52,48 +55,33 @@ def view(what: str, out: Path | None, open_it: bool, as_json: bool, **given: Any
         names = itertools.chain(["view.html"], (f"view-{k}.html" for k in itertools.count(2)))
         out = out_file(".html")(next(n for n in names if not Path(n).exists()))
     if what.endswith(".toml"):
-        gait, title, about, shown = _scene(Path(what), given)
+        if any(value is not None for value in given.values()):
+            raise click.UsageError(
+                "a scene file has its own robot and ground; leave the options out"
+            )
+        scene = sn.load_scene(Path(what))
+        run = interruptible(lambda: sn.simulate(scene))
+        title, about = Path(what).stem.replace("_", " "), scene_words(scene).replace("\n", "; ")
+        gait, shown = scene.gait, view_page.of_run(run)
     else:
-        gait, title, about, shown = _recording(what, given)
-    write_page(out, title, about, shown)
+        fitted = given["session"] or given["ground_file"]
+        whose = f"{given['preset'] or 2005} robot and ground"
+        whose = f"robot and ground of {fitted}" if fitted else whose
+        robot, ground = make_robot(given)
+        stream = _virtual_stream() if what == "virtual" else load_stream(Path(what))
+        gait, shown = interruptible(lambda: view_page.of_recording(stream, robot, ground))
+        title = "the virtual robot" if what == "virtual" else Path(what).name
+        about = (
+            f"{gait_title(gait)}; the path is predicted for the {whose} "
+            "from the set-points that the firmware reported"
+        )
+    view_page.write_page(out, title, about, shown)
     if open_it:
         webbrowser.open(out.resolve().as_uri())
     if as_json:
         show_json({"page": str(out), "duration_s": shown["t_s"][-1], "gait": describe(gait)})
     else:
         say(f"wrote {out}; open it in a browser")
-
-
-def _scene(path: Path, given: dict[str, Any]) -> tuple[sn.Gait, str, str, dict[str, Any]]:
-    from ..show.pages.view_page import of_run
-    from ..show.run_figure import scene_words
-
-    if any(value is not None for value in given.values()):
-        raise click.UsageError("a scene file has its own robot and ground; leave the options out")
-    scene = sn.load_scene(path)
-    run = interruptible(lambda: sn.simulate(scene))
-    about = scene_words(scene).replace("\n", "; ")
-    return scene.gait, path.stem.replace("_", " "), about, of_run(run)
-
-
-def _recording(what: str, given: dict[str, Any]) -> tuple[sn.Gait, str, str, dict[str, Any]]:
-    from ..robot.recording.stream import load_stream
-    from ..show.pages.view_page import of_recording
-    from ..show.plot import gait_title
-
-    fitted = given["session"] or given["ground_file"]
-    whose = (
-        f"robot and ground of {fitted}" if fitted else f"{given['preset'] or 2005} robot and ground"
-    )
-    robot, ground = make_robot(given)
-    stream = _virtual_stream() if what == "virtual" else load_stream(Path(what))
-    gait, shown = interruptible(lambda: of_recording(stream, robot, ground))
-    title = "the virtual robot" if what == "virtual" else Path(what).name
-    about = (
-        f"{gait_title(gait)}; the path is predicted for the {whose} "
-        "from the set-points that the firmware reported"
-    )
-    return gait, title, about, shown
 
 
 def _virtual_stream() -> Stream:

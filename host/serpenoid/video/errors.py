@@ -139,7 +139,9 @@ def _of_camera(bundle: Bundle, track: Track, fitted: Fitted, picked: NDArray[np.
         moved = replace(track, states=states)
         return fit_motion(moved, *weights, fitted.motion.omega_rad_s).motion.numbers()
 
-    sizes, directions = _own_directions(bundle.covariance)
+    scale = np.sqrt(np.diag(bundle.covariance))
+    values, vectors = np.linalg.eigh(bundle.covariance / np.outer(scale, scale))
+    sizes, directions = np.sqrt(np.maximum(values, 0.0)), scale[:, None] * vectors
     here = numbers(track.states)
     variance = np.zeros(len(here))
     for size, direction in zip(sizes, directions.T, strict=True):
@@ -147,10 +149,3 @@ def _of_camera(bundle: Bundle, track: Track, fitted: Fitted, picked: NDArray[np.
         change[1:-2] = wrapped(change[1:-2])
         variance += (change / STEP) ** 2
     return np.sqrt(variance)
-
-
-def _own_directions(covariance: Array) -> tuple[Array, Array]:
-    """Return sizes and directions (columns) whose squares add up to a covariance."""
-    scale = np.sqrt(np.diag(covariance))
-    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
-    return np.sqrt(np.maximum(values, 0.0)), scale[:, None] * vectors

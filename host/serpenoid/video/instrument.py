@@ -83,7 +83,12 @@ def measure(sightings: Sightings, side_m: float, starts: list[Camera]) -> Measur
     for _ in range(GAIT_ROUNDS if assumed else 0):
         fit, track = _by_the_gait(fit, seen, expected, side_m, turns)
         expected = track.states
-    rate = _rate_of_ends(track, seen) if assumed else None
+    rate = None
+    if assumed:  # that of the bend between the outermost tags
+        first, last = unseen.outermost(seen)
+        both = seen.seen[:, first] & seen.seen[:, last]
+        bend = np.unwrap((track.states[:, 2 + last] - track.states[:, 2 + first])[both])
+        rate = motion.bend_rate((track.t_s - track.t_s.mean())[both], bend)
     fitted = _motion_of(track, rate)
     if not seen.seen.all():
         phi = joint_angles(track.states) - fitted.joints_rest_rad
@@ -115,24 +120,13 @@ def _by_the_gait(
 def _weights(track: frames.Track) -> tuple[Array, Array]:
     """Return weights of joints (frames, joints) and of the path (frames,): from the tags there."""
     joints, place = track.joint_variance, track.place_variance
-    held = (joints < HELD_RAD**2) & ~_ambiguous(track)
-    weight = np.where(held, np.median(joints) / joints, 0.0)
-    return np.minimum(weight, 2.0), np.minimum(np.median(place) / place, 2.0)
-
-
-def _ambiguous(track: frames.Track) -> NDArray[np.bool_]:
-    """Return which joints may bend either way, (frames, joints): two tags missing side by side."""
+    # Where two tags are missing side by side, the joints there may bend either way.
     missing = np.isnan(track.rest_px)
     pair = np.pad(missing[:, 1:] & missing[:, :-1], ((0, 0), (1, 1)))
-    return pair[:, :-2] | pair[:, 1:-1] | pair[:, 2:]
-
-
-def _rate_of_ends(track: frames.Track, seen: Sightings) -> tuple[float, float]:
-    """Return the rate, and its standard deviation, of the bend between the outermost tags."""
-    first, last = unseen.outermost(seen)
-    both = seen.seen[:, first] & seen.seen[:, last]
-    bend = np.unwrap((track.states[:, 2 + last] - track.states[:, 2 + first])[both])
-    return motion.bend_rate((track.t_s - track.t_s.mean())[both], bend)
+    ambiguous = pair[:, :-2] | pair[:, 1:-1] | pair[:, 2:]
+    held = (joints < HELD_RAD**2) & ~ambiguous
+    weight = np.where(held, np.median(joints) / joints, 0.0)
+    return np.minimum(weight, 2.0), np.minimum(np.median(place) / place, 2.0)
 
 
 def _motion_of(track: frames.Track, rate: tuple[float, float] | None = None) -> motion.Fitted:

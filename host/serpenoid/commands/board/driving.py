@@ -52,7 +52,23 @@ def drive_gait(
                 shows.append(stack.enter_context(view(band)))
             interrupted = _watch(run, duration_s, shows)
     finally:  # a run that failed has a summary too
-        _sum_up(run, as_json, band, before, servo)
+        values = before or {}
+        if (found := run.summary()) is not None:
+            frame_ms = run.robot.hello.frame_us / 1e3
+            if band and servo and frame_ms != round(1e3 * servo.servo.frame_s, 3):
+                say(
+                    f"note: this board sets its servos every {frame_ms:g} ms, and the prediction "
+                    f"is for {1e3 * servo.servo.frame_s:g} ms: give --frame-ms {frame_ms:g}",
+                    err=True,
+                )
+            told = {"gait": describe(run.gait), "frame_ms": frame_ms}
+            told |= {"predicted": band.to_dict()} if band else {}
+            told |= vars(found)
+            values = told if before is None else before | {"drive": told}
+            if not as_json:
+                show_summary(found, band)
+        if as_json and values:
+            show_json(values)
     if interrupted and duration_s is not None:
         raise SystemExit(130)
 
@@ -97,28 +113,3 @@ def _page(stack: ExitStack, run: DrivenRun, fit: sn.FrictionFit | None, quiet: b
     page = stack.enter_context(LivePage(run, robot, ground, whose))
     say(f"page: {page.url}", err=quiet)
     return page.show
-
-
-def _sum_up(
-    run: DrivenRun,
-    as_json: bool,
-    band: SpeedBand | None,
-    before: dict[str, Any] | None,
-    servo: sn.ServoKind | None,
-) -> None:
-    """Sum up a run; note where the board's frames are not those that the prediction has."""
-    found = run.summary()
-    if found is None:
-        return show_json(before) if as_json and before is not None else None
-    frame_ms = run.robot.hello.frame_us / 1e3
-    if band and servo and frame_ms != round(1e3 * servo.servo.frame_s, 3):
-        say(
-            f"note: this board sets its servos every {frame_ms:g} ms, and the prediction is for "
-            f"{1e3 * servo.servo.frame_s:g} ms: give --frame-ms {frame_ms:g}",
-            err=True,
-        )
-    if not as_json:
-        return show_summary(found, band)
-    told = {} if band is None else {"predicted": band.to_dict()}
-    told = {"gait": describe(run.gait), "frame_ms": frame_ms} | told | vars(found)
-    return show_json(told if before is None else before | {"drive": told})

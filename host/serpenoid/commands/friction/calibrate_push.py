@@ -55,6 +55,7 @@ def push(
     shows. The hand's part is found and left out. A push that turned, was short or hit something is
     kept, void, with the reason.
     """
+    from ...calibration.floor.track_files import read_track_file
     from ...calibration.taking.floor.pushes import other_way, way_after
     from ...calibration.taking.journal import Journal
     from ...calibration.taking.person.push_prompt import take_track
@@ -69,7 +70,10 @@ def push(
             cells |= {"bend": plan.bend} if lambda_deg else {}
             cells |= {"facing": "back"} if tail_first else {}
             if marks:
-                say(_marks(journal, path, unit, cells))
+                rows, sha256 = read_track_file(path, unit)
+                cells |= {"by": "marks", "file_sha256": sha256[:16]}
+                number = journal.add("coast", cells, samples=rows)
+                say(f"reading {number}, {way}: {len(rows)} marks")
                 way = other_way(way)
                 continue
             kept = take_track(journal, path, unit, cells, film)
@@ -87,13 +91,3 @@ def _draw(journal: Journal, number: int) -> None:
     if at_terminal():
         push = next(p for p in journal.session.of("coast") if p.number == number)
         say(push_picture(push))
-
-
-def _marks(journal: Journal, path: Path, unit: str, cells: dict[str, float | str]) -> str:
-    from ...calibration.floor.track_files import read_track_file
-
-    track, sha256 = read_track_file(path, unit)
-    number = journal.add(
-        "coast", {**cells, "by": "marks", "file_sha256": sha256[:16]}, samples=track
-    )
-    return f"reading {number}, {cells['way']}: {len(track)} marks"

@@ -62,7 +62,12 @@ def fit(
         found = sn.fit_friction(loaded, method=method, crawls=crawls, servo=servo)
     if figure is not None:
         _draw(loaded, found, figure)
-    not_kept = _save(found, session) if save and method != "naive" else None
+    not_kept = None
+    if save and method != "naive":
+        try:
+            sn.save_fit(found, session)
+        except OSError as error:
+            not_kept = error
     if as_json:
         show_json(found.to_dict())
     else:
@@ -75,15 +80,6 @@ def fit(
         raise sn.SerpenoidError(
             f"{not_kept}: the fit is shown, but not kept as fit.json"
         ) from not_kept
-
-
-def _save(found: sn.FrictionFit, session: Path) -> OSError | None:
-    """Keep the fit beside the readings; return why not, if so."""
-    try:
-        sn.save_fit(found, session)
-    except OSError as error:
-        return error
-    return None
 
 
 def _draw(session: sn.Session, found: sn.FrictionFit, figure: Path) -> None:
@@ -161,12 +157,17 @@ def compare(
     With --beside the frictions of two sessions are compared instead, such as of treadmill and
     floor: they agree within their intervals, or which differs.
     """
-    if other is not None:
-        return _sessions(session, other, as_json)
     from ...calibration import comparison
+    from ...calibration.advising.two_fits import two_sessions
     from ...show import report
 
     loaded = sn.load_session(session)
+    if other is not None:
+        two = two_sessions(loaded, sn.load_session(other))
+        if as_json:
+            return show_json(two.to_dict())
+        report.console.print(f"p = {two.p_value:.2g}. {two.verdict}")
+        return report.table("friction in two sessions, whole snake", *two.table())
     fit = session_fit(session, with_crawls=False)
     with progress(comparison.gait_count(loaded, gaits), "gaits") as advance:
         found = comparison.compare(
@@ -185,17 +186,6 @@ def compare(
         comparison_figure(found, figure)
         report.wrote(figure, beside(figure))
     return tell(found, as_json)
-
-
-def _sessions(first: Path, second: Path, as_json: bool) -> None:
-    from ...calibration.advising.two_fits import two_sessions
-    from ...show import report
-
-    found = two_sessions(sn.load_session(first), sn.load_session(second))
-    if as_json:
-        return show_json(found.to_dict())
-    report.console.print(f"p = {found.p_value:.2g}. {found.verdict}")
-    return report.table("friction in two sessions, whole snake", *found.table())
 
 
 @click.command()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
@@ -141,6 +141,9 @@ def optimize(speed_m_s: str, as_json: bool, send: bool, plot: Path | None, **giv
 
     With --session DIR or --ground FILE the friction is a fit's, and --robust takes its samples.
     """
+    from ...show import report
+    from ...show.gaits import gait_report
+
     wanted = _speeds(speed_m_s)
     if not send:
         words = "{} is for --send, which is not there"
@@ -172,7 +175,10 @@ def optimize(speed_m_s: str, as_json: bool, send: bool, plot: Path | None, **giv
     band = interruptible(lambda: predicted_band(fit, ask.robot, ask.ground, best.gait, ask.servo))
     answer = _as_dict(best) | {"margins": margins.to_dict()} | speeds_as_dict(moved, band)
     if not as_json:
-        _print(best, margins, moved)
+        words = f"{best.in_words()} {(moved or best.steady).in_words()}"
+        report.show(best, *([moved] if moved else []), margins, answer=words)
+        gait_report.warn(best)
+        gait_report.warn_of_cliff(margins)
         say_band(moved, band)
     if send:
         _send(ask, best.gait, as_json, answer, **run)
@@ -219,23 +225,39 @@ class _Asked:
         formulation = given.pop("formulation")
         if self._robust and formulation == "implicit":
             raise click.UsageError("--robust runs on the exact model; leave --formulation out")
-        limits = _limits(given, send)
-        fit = take_fit(given)
-        self.fit = _as_measured(given, fit, self._robust)
-        joints = given.pop("joints")
-        uncertainty = _uncertainty(given, self.fit, filmed=joints is not None)
+        # a new board's speed unless given, and its angle if the gait is sent
+        board = {"servo_speed_rad_s": math.radians(_BOARD_SPEED_DEG_S)}
+        board |= {"joint_angle_rad": math.radians(_BOARD_ANGLE_DEG)} if send else {}
+        self._how = {"cost": cost, "limits": sn.GaitLimits(**board | LIMITS.take(given))}
+        fit, joints, doubt = take_fit(given), given.pop("joints"), DOUBTS.take(given)
+        changed = [
+            p.opts[0]
+            for p in click.get_current_context().command.params
+            if p.name in (*ROBOT.names, *GROUND.names) and given[p.name] is not None
+        ]
+        if fit is not None and changed and self._robust:
+            raise click.UsageError(
+                f"--robust draws the friction from the fit, so {changed[0]} has no place beside "
+                "it; leave out one of the two"
+            )
+        self.fit = None if changed else fit
+        if self.fit is not None:
+            doubt["grounds"] = self.fit.sample(_GROUNDS)
+            if self.fit.with_crawls and joints is None:  # they tell the joints' amplitude, too
+                value, sigma = self.fit.nuisances["joint_amplitude"]
+                gains = (value,) * (self.fit.robot.links - 1)
+                doubt = {"common_amplitude": sigma / value, "joint_gain": gains} | doubt
         # a film has shown what servos make of the joints
         ideal = self.fit is None or joints is not None
         self.servo = servo_as_filmed(take_servo(IDEAL if ideal else "hobby"), self.fit)
         self.robot, self.ground = make_robot(given, fit=fit)
-        self.uncertainty = replace(uncertainty, servo=self.servo)
         if joints is not None:
             seen = latest_film(joints, self.robot.links).gait
-            of_film = {"joint_gain": seen.joint_gain, "joint_shift_rad": seen.joint_shift_rad}
-            self.uncertainty = replace(self.uncertainty, **of_film)
+            doubt |= {"joint_gain": seen.joint_gain, "joint_shift_rad": seen.joint_shift_rad}
+        self.uncertainty = sn.Uncertainty(**doubt, servo=self.servo)
         shown = typed("servo") is None and joints is None and few_links(self.robot)
         self.shown_servo = take_servo("hobby") if shown and self.servo is None else self.servo
-        self._how = {"cost": cost, "limits": limits} | (
+        self._how |= (
             {"uncertainty": self.uncertainty} if self._robust else {"formulation": formulation}
         )
 
@@ -250,62 +272,18 @@ class _Asked:
             return _searched(
                 lambda: sn.power_front(self.robot, self.ground, speeds_m_s=speeds, **self._how)
             )
-        return [
-            _searched(partial(self._find_or_none, speed), f", speed {k} of {len(speeds)}")
-            for k, speed in enumerate(speeds, 1)
-        ]
-
-    def _find_or_none(self, speed: float) -> sn.LeastPower | sn.RobustGait | None:
-        try:
-            return self.find(speed)
-        except sn.NotConverged:
-            return None
+        front: list[sn.LeastPower | sn.RobustGait | None] = [None] * len(speeds)
+        for k, speed in enumerate(speeds):
+            with suppress(sn.NotConverged):
+                which = f", speed {k + 1} of {len(speeds)}"
+                front[k] = _searched(partial(self.find, speed), which)
+        return front
 
 
 def _searched(work: Callable[[], _Result], which: str = "") -> _Result:
     """Return work() and show that it goes on; Ctrl-C ends both, so this thread shows it."""
     with working(f"searching{which}"):
         return interruptible(work)
-
-
-def _limits(given: dict[str, Any], send: bool) -> sn.GaitLimits:
-    """Take the limits: a new board's speed unless given, and its angle if the gait is sent."""
-    board = {"servo_speed_rad_s": math.radians(_BOARD_SPEED_DEG_S)}
-    if send:
-        board["joint_angle_rad"] = math.radians(_BOARD_ANGLE_DEG)
-    return sn.GaitLimits(**board | LIMITS.take(given))
-
-
-def _as_measured(
-    given: dict[str, Any], fit: sn.FrictionFit | None, robust: bool
-) -> sn.FrictionFit | None:
-    """Return the fit, None where there is none or options change its friction or robot."""
-    command = click.get_current_context().command
-    fields = *ROBOT.names, *GROUND.names
-    changed = [p.opts[0] for p in command.params if p.name in fields and given[p.name] is not None]
-    if fit is None or not changed:
-        return fit
-    if robust:
-        raise click.UsageError(
-            f"--robust draws the friction from the fit, so {changed[0]} has no place beside it; "
-            "leave out one of the two"
-        )
-    return None
-
-
-def _uncertainty(given: dict[str, Any], fit: sn.FrictionFit | None, filmed: bool) -> sn.Uncertainty:
-    """Take the doubt about servos, and about friction from a fit where there is one.
-
-    filmed: a film shows the joints; else crawls in the fit tell their common amplitude, too.
-    """
-    changes: dict[str, Any] = DOUBTS.take(given)
-    if fit is not None:
-        changes["grounds"] = fit.sample(_GROUNDS)
-        if fit.with_crawls and not filmed:
-            value, sigma = fit.nuisances["joint_amplitude"]
-            known = {"common_amplitude": sigma / value}
-            changes = known | changes | {"joint_gain": (value,) * (fit.robot.links - 1)}
-    return sn.Uncertainty(**changes)
 
 
 def _as_dict(best: sn.LeastPower | sn.RobustGait) -> dict[str, Any]:
@@ -317,18 +295,6 @@ def _as_dict(best: sn.LeastPower | sn.RobustGait) -> dict[str, Any]:
     if robust:
         answer |= {"uncertainty": best.uncertainty.in_words(), "fragile": _as_dict(best.fragile)}
     return answer | best.steady.to_dict()
-
-
-def _print(
-    best: sn.LeastPower | sn.RobustGait, margins: sn.Margins, moved: sn.ServoSteady | None
-) -> None:
-    from ...show import report
-    from ...show.gaits import gait_report
-
-    answer = f"{best.in_words()} {(moved or best.steady).in_words()}"
-    report.show(best, *([moved] if moved else []), margins, answer=answer)
-    gait_report.warn(best)
-    gait_report.warn_of_cliff(margins)
 
 
 def _show_front(ask: _Asked, speeds: list[float], as_json: bool) -> None:

@@ -42,17 +42,6 @@ class TagFinder:
         self.strangers: Counter[int] = Counter()  # numbers that are on no link, and how often
         self.doubles: Counter[int] = Counter()  # numbers seen at two places at once, and how often
 
-    def _detector(self, side_px: float) -> Any:
-        import cv2
-
-        p = cv2.aruco.DetectorParameters()
-        p.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_CONTOUR
-        p.minMarkerPerimeterRate = 0.01
-        if side_px:
-            near = int(np.clip(side_px * 0.8, 11, 101)) | 1
-            p.adaptiveThreshWinSizeMin = p.adaptiveThreshWinSizeMax = near
-        return cv2.aruco.ArucoDetector(dictionary(), p)
-
     def find(self, picture: Grey) -> dict[int, Tag]:
         """Return the tags found, by link from 0."""
         found = self._look(picture) if self.window else {}
@@ -68,10 +57,18 @@ class TagFinder:
         return found
 
     def _look(self, picture: Grey) -> dict[int, Tag]:
+        import cv2
+
         assert self.window is not None
         left, top, right, bottom = self.window
         part = np.ascontiguousarray(picture[top:bottom, left:right])
-        corners, ids, _ = self._detector(self.side_px).detectMarkers(part)
+        p = cv2.aruco.DetectorParameters()
+        p.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_CONTOUR
+        p.minMarkerPerimeterRate = 0.01
+        if self.side_px:
+            near = int(np.clip(self.side_px * 0.8, 11, 101)) | 1
+            p.adaptiveThreshWinSizeMin = p.adaptiveThreshWinSizeMax = near
+        corners, ids, _ = cv2.aruco.ArucoDetector(dictionary(), p).detectMarkers(part)
         found: dict[int, Tag] = {}
         double: set[int] = set()
         if ids is None:

@@ -35,6 +35,8 @@ def refine(picture: NDArray[np.uint8], quads: Array) -> tuple[Array, Array]:
 
 def _refined(picture: NDArray[np.uint8], quads: Array) -> tuple[Array, Array]:
     """Return corners and widths as `refine` does, from one look."""
+    import cv2
+
     start, end = quads, np.roll(quads, -1, axis=1)
     along = end - start
     length = np.linalg.norm(along, axis=-1, keepdims=True)
@@ -47,28 +49,21 @@ def _refined(picture: NDArray[np.uint8], quads: Array) -> tuple[Array, Array]:
     reach = np.minimum(reach, MOST_REACH_PX)
     base = start[:, :, None] + ALONG[:, None] * along[:, :, None]
     where = base[..., None, :] + (reach[..., None] * ACROSS)[..., None] * outward[:, :, None, None]
-    profile = _sample(picture, where)
-    offset, width = _crossings(profile)
+    flat = where.reshape(len(quads) * 4, -1, 2).astype(np.float32)
+    grey = cv2.remap(
+        picture, flat[..., 0], flat[..., 1], cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE
+    )
+    offset, width = _crossings(grey.reshape(where.shape[:-1]).astype(float))
     lines = _lines(offset * reach)
     corners = _cut(start, along, outward, lines)
     read = np.isfinite(offset) & np.isfinite(width)
-    flat = (len(quads), -1)
-    widths = _median((width * reach).reshape(flat), read.reshape(flat))
+    rows = len(quads), -1
+    widths = _median((width * reach).reshape(rows), read.reshape(rows))
     good = np.isfinite(corners).all(axis=(1, 2))
     good &= np.abs(corners - quads).max(axis=(1, 2)) < 2 * reach.max(axis=(1, 2))
     inside = (where >= 0) & (where <= np.array(picture.shape[::-1]) - 1)
     good &= inside.all(axis=(1, 2, 3, 4))  # a rim that the picture cuts off tells no edge
     return np.where(good[:, None, None], corners, quads), np.where(good, widths, np.nan)
-
-
-def _sample(picture: NDArray[np.uint8], where: Array) -> Array:
-    import cv2
-
-    flat = where.reshape(where.shape[0] * 4, -1, 2).astype(np.float32)
-    grey = cv2.remap(
-        picture, flat[..., 0], flat[..., 1], cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE
-    )
-    return grey.reshape(where.shape[:-1]).astype(float)
 
 
 def _crossings(profile: Array) -> tuple[Array, Array]:
@@ -78,7 +73,10 @@ def _crossings(profile: Array) -> tuple[Array, Array]:
     """
     dark, bright = profile[..., :3].mean(axis=-1), profile[..., -3:].mean(axis=-1)
     rise = bright - dark
-    washed = _washed(dark, bright)
+    # A lamp's reflection lifts the black while white can rise no further: there the edge is where
+    # black has risen by half of what it rises elsewhere. Blur lifts black, but lowers white, too.
+    top = np.quantile(bright, 0.95)
+    washed = (bright > top - NEAR_TOP) & (dark > np.quantile(dark, 0.2) + LIFTED)
     if not washed.all():
         rise = np.where(washed, np.median(rise[~washed]), rise)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -87,16 +85,6 @@ def _crossings(profile: Array) -> tuple[Array, Array]:
     contrast = np.quantile(rise, 0.5, axis=(-2, -1), keepdims=True)
     good = (rise > 0.5 * contrast) & (rise > LEAST_CONTRAST)
     return np.where(good, at[1], np.nan), np.abs(at[2] - at[0])
-
-
-def _washed(dark: Array, bright: Array) -> NDArray[np.bool_]:
-    """Return where a lamp's reflection lifts the black while white can rise no further.
-
-    There the edge is where black has risen by half of what it rises elsewhere. Blur lifts black,
-    too, but lowers white.
-    """
-    top = np.quantile(bright, 0.95)
-    return (bright > top - NEAR_TOP) & (dark > np.quantile(dark, 0.2) + LIFTED)
 
 
 def _passes(share: Array, level: float) -> Array:

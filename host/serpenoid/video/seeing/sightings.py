@@ -39,7 +39,12 @@ class Sightings:
             beside = slice(begin, cut.stop + 1)
             part = corners_px[beside].astype(float)
             row = part[..., 1:] / image_px[1] - 0.5
-            moved = row * _velocity(t_s[beside], part)
+            # how fast corners move: from the frames beside, or from the one that has it
+            apart = np.diff(part, axis=0) / np.diff(t_s[beside])[:, None, None, None]
+            none = np.full((1, *part.shape[1:]), np.nan)
+            before, after = np.concatenate([none, apart]), np.concatenate([apart, none])
+            one, both = np.where(np.isfinite(before), before, after), 0.5 * (before + after)
+            moved = row * np.where(np.isfinite(both), both, one)
             skew = np.where(np.isfinite(moved), moved, 0.0).astype(np.float32)
             return (skew[cut.start - begin :][:CHUNK],)
 
@@ -87,13 +92,3 @@ def in_chunks(
     """Return a function's arrays (frames, ...), which it makes for some frames at a time."""
     parts = [function(slice(first, first + CHUNK)) for first in range(0, max(1, frames), CHUNK)]
     return [np.concatenate(part) for part in zip(*parts, strict=True)]
-
-
-def _velocity(t_s: Array, corners_px: Array) -> Array:
-    """Return how fast corners move, px/s: from the frames beside, or from the one that has it."""
-    apart = np.diff(corners_px, axis=0) / np.diff(t_s)[:, None, None, None]
-    none = np.full((1, *corners_px.shape[1:]), np.nan)
-    before, after = np.concatenate([none, apart]), np.concatenate([apart, none])
-    both = 0.5 * (before + after)
-    one = np.where(np.isfinite(before), before, after)
-    return np.where(np.isfinite(both), both, one)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...model.errors import BadInput
 from .background import Background
-from .detect import Tag, TagFinder
+from .detect import TagFinder
 from .film import Damage, Film
 from .sightings import Sightings, Single
 
@@ -61,7 +61,13 @@ def watch(
         if picture is None:
             picture, rotation_deg = grey.copy(), round(frame.rotation / 90) * 90 % 360
         tags = finder.find(grey)
-        looks.append((time_s, *_by_link(tags, links)))
+        corners, width = (
+            np.full((links, 4, 2), np.nan, np.float32),
+            np.full(links, np.nan, np.float32),
+        )
+        for link, (quad, edge_px) in tags.items():
+            corners[link], width[link] = quad, edge_px
+        looks.append((time_s, corners, width))
         if ground is not None:
             ground.look(time_s, grey)
         elif tags and finder.window:
@@ -82,8 +88,12 @@ def watch(
             "; copy it from the phone again"
         )
     times_s, corners_px, edge_px = map(np.array, zip(*looks, strict=True))
-    sharp_px = _sharp(corners_px, edge_px)
-    sightings = Sightings.of(times_s, sharp_px, (film.width, film.height))
+    # Tags whose edges could not be read are left out, where nearly all could.
+    found = np.isfinite(corners_px[..., 0, 0])
+    coarse = found & ~np.isfinite(edge_px)
+    if coarse.sum() <= COARSE_SHARE * found.sum():
+        corners_px[coarse] = np.nan
+    sightings = Sightings.of(times_s, corners_px, (film.width, film.height))
     shifts, plain = (tuple(ground.shifts), ground.plain) if ground is not None else ((), True)
     return Watched(
         film,
@@ -98,21 +108,3 @@ def watch(
         mirrored > 0,
         rotation_deg,
     )
-
-
-def _by_link(tags: dict[int, Tag], links: int) -> tuple[Single, Single]:
-    """Return corners (links, 4, 2) and edge widths (links,) of a frame's tags, NaN for none."""
-    corners = np.full((links, 4, 2), np.nan, np.float32)
-    width = np.full(links, np.nan, np.float32)
-    for link, (quad, edge_px) in tags.items():
-        corners[link], width[link] = quad, edge_px
-    return corners, width
-
-
-def _sharp(corners_px: Single, edge_px: Single) -> Single:
-    """Leave out, in place, tags whose edges could not be read, where nearly all could."""
-    found = np.isfinite(corners_px[..., 0, 0])
-    coarse = found & ~np.isfinite(edge_px)
-    if coarse.any() and coarse.sum() <= COARSE_SHARE * found.sum():
-        corners_px[coarse] = np.nan
-    return corners_px
