@@ -28,6 +28,7 @@ RUNGS = {
 }
 FORMULATIONS = ("explicit", "implicit")
 STEPS = 500
+VALGRIND = ("valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null")
 _OTHERS = ("python", "board", "lab", "web")  # rooms of the core that no run needs
 # as in CMakeLists.txt
 FLAGS = (
@@ -83,23 +84,21 @@ def build(folder: Path) -> Path:
     return program
 
 
-def _instructions(program: Path, formulation: str, rung: str, steps: int) -> int:
-    valgrind = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"]
-    done = _run([*valgrind, str(program), formulation, rung, str(steps)], f"rung {rung!r}")
-    count = re.search(r"Collected : (\d+)", done.stderr)
-    if not count:
-        raise SerpenoidError(f"callgrind printed no count for rung {rung!r}: {done.stderr[-500:]}")
-    return int(count[1])
-
-
 def measure(program: Path, note: Callable[[str], object]) -> Iterator[Rung]:
     """Yield every rung of both formulations: of two runs, so that start and end cancel."""
     for formulation in FORMULATIONS:
         hand = 0.0
         for rung, title in RUNGS.items():
             note(f"{formulation}: {title}")
-            once, twice = (_instructions(program, formulation, rung, n * STEPS) for n in (1, 2))
-            count = (twice - once) / STEPS
+            counts = []
+            for steps in (STEPS, 2 * STEPS):
+                run = [*VALGRIND, str(program), formulation, rung, str(steps)]
+                said = _run(run, f"rung {rung!r}").stderr
+                found = re.search(r"Collected : (\d+)", said)
+                if not found:
+                    raise SerpenoidError(f"callgrind printed no count for {rung!r}: {said[-500:]}")
+                counts.append(int(found[1]))
+            count = (counts[1] - counts[0]) / STEPS
             hand = hand or count  # the first rung
             yield Rung(formulation, rung, title, round(count, 1), round(count / hand, 3))
 

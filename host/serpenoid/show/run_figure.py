@@ -44,8 +44,16 @@ def draw_run(run: Run, path: Path) -> None:
     panels = {"rows": len(heights), "height_ratios": heights}
     with figure(9.0, high, path=path, **panels) as (fig, axes):
         _path(axes[0], turned)
-        if run.scene.incline_rad:
-            _uphill(axes[0], run)
+        if run.scene.incline_rad:  # an arrow above a corner, turned as the path is
+            way = run.centre_m[-1] - run.centre_m[0]
+            angle = run.scene.incline_direction_rad - math.atan2(way[1], way[0])
+            start = -26 * math.cos(angle), -26 * math.sin(angle)
+            corner = {"xy": (0.96, 1.08), "xycoords": "axes fraction"}
+            corner |= {"textcoords": "offset points"}
+            arrow = {"arrowstyle": "->", "color": GREY, "shrinkA": 0, "shrinkB": 0, "lw": 1.5}
+            axes[0].annotate("", xytext=start, arrowprops=arrow, **corner)
+            words = {"color": GREY, "ha": "right", "fontsize": 9}
+            axes[0].annotate("uphill", xytext=(-34, -4), **words, **corner)
         _speed(axes[1], run)
         if ledger:
             _energy(axes[2], run)
@@ -88,17 +96,6 @@ def _path(ax: Axes, turned: Run) -> None:
     ax.set_aspect("equal", adjustable="datalim")
     ax.plot(0, 0, "o", mfc="white", mec="black", ms=7, zorder=5, label="start")
     ax.legend(loc="lower left", bbox_to_anchor=(-0.01, 0.985), ncols=4, fontsize=9)
-
-
-def _uphill(ax: Axes, run: Run) -> None:
-    """Draw an arrow above a corner that points up the slope, turned as the path is."""
-    way = run.centre_m[-1] - run.centre_m[0]
-    angle = run.scene.incline_direction_rad - math.atan2(way[1], way[0])
-    dx, dy = 26 * math.cos(angle), 26 * math.sin(angle)
-    corner = {"xy": (0.96, 1.08), "xycoords": "axes fraction", "textcoords": "offset points"}
-    arrow = {"arrowstyle": "->", "color": GREY, "shrinkA": 0, "shrinkB": 0, "lw": 1.5}
-    ax.annotate("", xytext=(-dx, -dy), arrowprops=arrow, **corner)
-    ax.annotate("uphill", xytext=(-34, -4), color=GREY, ha="right", fontsize=9, **corner)
 
 
 def _speed(ax: Axes, run: Run) -> None:

@@ -33,19 +33,14 @@ def run_summary(run: Run, errors: bool = True) -> dict[str, Any]:
     summary["picked"] = run.picked or None
     summary["error_estimate"] = run.error_estimate.to_dict() if errors else None
     summary["warnings"] = list(run.warnings) if errors else []
-    return summary | _recorded(run)
-
-
-def _recorded(run: Run) -> dict[str, Any]:
-    """Return the extremes of forces and torques, and the ledger at the end, where recorded."""
-    found: dict[str, Any] = {
+    summary |= {
         f"largest_{name}": np.abs(getattr(run, name)).max(axis=0).tolist()
         for name in FORCES
         if getattr(run, name).size
     }
     if run.energy_j.size:
-        found["energy_at_end"] = dict(zip(ENERGY_COLUMNS, run.energy_j[-1].tolist(), strict=True))
-    return found
+        summary["energy_at_end"] = dict(zip(ENERGY_COLUMNS, run.energy_j[-1].tolist(), strict=True))
+    return summary
 
 
 def show_run(run: Run, summary: dict[str, Any]) -> None:

@@ -29,16 +29,11 @@ def write_sweep(found: Sweep, path: Path) -> None:
     elif path.suffix.lower() == ".json":
         write_text(path, json.dumps(sweep_values(found), allow_nan=False) + "\n")
     else:
-        _write_csv(found, path)
-
-
-def _write_csv(found: Sweep, path: Path) -> None:
-    """Write one gait a row, numbers by their shortest exact digits."""
-    arrays = _arrays(found)
-    grid = np.meshgrid(*(arrays.pop(axis) for axis in AXES), indexing="ij")
-    values = [v.astype(int) if v.dtype == bool else v for v in arrays.values()]
-    cells = [column.flat for column in (*grid, *values)]  # no lists: they take four times as much
-    write_csv(path, [*AXES, *arrays], zip(*cells, strict=True))
+        arrays = _arrays(found)  # one gait a row, numbers by their shortest exact digits
+        grid = np.meshgrid(*(arrays.pop(axis) for axis in AXES), indexing="ij")
+        values = [v.astype(int) if v.dtype == bool else v for v in arrays.values()]
+        cells = [column.flat for column in (*grid, *values)]  # lists take four times as much
+        write_csv(path, [*AXES, *arrays], zip(*cells, strict=True))
 
 
 def _plain(values: NDArray[Any]) -> list[Any]:

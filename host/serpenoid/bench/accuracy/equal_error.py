@@ -81,11 +81,9 @@ def _headline(scene: str, error: float, times: dict[str, float | None]) -> dict[
     return {**line, "ratio": peer[0] / ours[0]} if ours[0] and peer[0] else line
 
 
-def _milliseconds(time_s: float | None) -> str:
-    if time_s is None:
-        return NOTHING
-    value = 1e3 * time_s
-    return f"{value:.2g}" if value < 100 else f"{value:.0f}"
+def _cell(time_s: float | None) -> str:
+    """Return a time in ms."""
+    return NOTHING if time_s is None else f"{1e3 * time_s:{'.2g' if time_s < 0.1 else '.0f'}}"
 
 
 def table(rows: Sequence[Row]) -> str:
@@ -93,7 +91,7 @@ def table(rows: Sequence[Row]) -> str:
     scenes = [s for s in TABLE_SCENES if any(row.scene == s for row in rows)]
     times = {scene: times_at(rows, scene, TABLE_ERROR) for scene in scenes}
     body = [
-        [m, *(_milliseconds(times[s][m]) if m in times[s] else "" for s in scenes)]
+        [m, *(_cell(times[s][m]) if m in times[s] else "" for s in scenes)]
         for m in dict.fromkeys(row.method for row in ours_first(rows))
         if any(times[s].get(m) is not None for s in scenes)
     ]

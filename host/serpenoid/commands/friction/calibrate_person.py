@@ -111,7 +111,7 @@ def _page(
     stack: Any, journal: Journal, robot: SessionRobot | None, lan: bool, console: Console
 ) -> tuple[Any, dict[str, Any]]:
     """Serve the page; return what brings it up to date, and the keys that steer."""
-    html = files("serpenoid.show.session").joinpath("beside.html").read_text(encoding="utf-8")
+    html = files("serpenoid.show.session").joinpath("beside.html").read_text("utf-8")
     shown: dict[str, Any] = {}
 
     def steered(words: str) -> None:
@@ -161,21 +161,21 @@ def _pictures(console: Any) -> Any:
 
     A push is drawn at a terminal only, a void one, too.
     """
-    shown, drawn_pushes = [-1], [0]
+    shown, drawn = -1, 0
 
     def told(session: Session, step: Any) -> None:
+        nonlocal shown, drawn
         pushes = session.of("coast")
-        if shown[0] >= 0 and at_terminal():
-            for push in pushes[drawn_pushes[0] :]:
+        if shown >= 0 and at_terminal():
+            for push in pushes[drawn:]:
                 console.say(push_picture(push))
-        drawn_pushes[0] = len(pushes)
+        drawn = len(pushes)
         kept = len(session.kept) + len(session.kept_pushes)
-        drawn = picture(session) if kept != shown[0] else ""
-        told_of = drawn or (session.on_floor and kept != shown[0])
-        if told_of and shown[0] >= 0:
-            console.say(drawn)
+        stations = picture(session) if kept != shown else ""
+        if shown >= 0 and (stations or (session.on_floor and kept != shown)):
+            console.say(stations)
             console.say(_so_far(session))
-        shown[0] = kept
+        shown = kept
 
     return told
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import ExitStack, contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -114,17 +114,6 @@ def _begun(folder: Path, seed: int | None, place: str) -> tuple[sn.Session, int]
 @contextmanager
 def _running(terminal: TreadmillTerminal, with_page: bool, lan: bool) -> Iterator[None]:
     """Let the treadmill's time pass while this lasts, and serve its page."""
-    room = terminal.room.start()
-    try:
-        with _page(terminal, lan) if with_page else nullcontext():
-            yield
-    finally:
-        room.stop()
-
-
-@contextmanager
-def _page(terminal: TreadmillTerminal, lan: bool) -> Iterator[None]:
-    """Serve the treadmill while this lasts."""
     from importlib.resources import files
 
     from ...show.pages.server import Page
@@ -132,21 +121,21 @@ def _page(terminal: TreadmillTerminal, lan: bool) -> Iterator[None]:
     def steer(way: str) -> Any:
         return lambda: terminal.keys[way]() if way in terminal.keys else "no robot to steer yet"
 
-    room = terminal.room
-    html = files("serpenoid.show.session").joinpath("practice.html").read_text(encoding="utf-8")
-    buttons = room.buttons | {way: steer(way) for way in ("left", "right")}
-    ended = threading.Event()
-    with Page(html, lan=lan, buttons=buttons) as page:
+    room, ended = terminal.room.start(), threading.Event()
+    with ExitStack() as stack:
+        stack.callback(room.stop)
+        if with_page:
+            html = files("serpenoid.show.session").joinpath("practice.html")
+            buttons = room.buttons | {way: steer(way) for way in ("left", "right")}
+            page = stack.enter_context(Page(html.read_text("utf-8"), lan=lan, buttons=buttons))
 
-        def publish() -> None:
-            while not ended.wait(PICTURE_S):
-                page.publish(room.state())
+            def publish() -> None:
+                while not ended.wait(PICTURE_S):
+                    page.publish(room.state())
 
-        thread = threading.Thread(target=publish, daemon=True)
-        thread.start()
-        terminal.say(f"the treadmill: {page.url}")
-        try:
-            yield
-        finally:
-            ended.set()
-            thread.join()
+            thread = threading.Thread(target=publish, daemon=True)
+            thread.start()
+            stack.callback(thread.join)
+            stack.callback(ended.set)
+            terminal.say(f"the treadmill: {page.url}")
+        yield

@@ -42,7 +42,14 @@ def draw(
     advance(1)
     cloud, front = study.papers_sweep(powers=reading.power != "net"), study.papers_front(reading)
     advance(1)
-    _in_time(out, closed, opened)
+    cycle = crawl.crawl(study.OF_2005, study.BINGHAM, study.EXPERIMENT)
+    crawl.write_svg(cycle, out / "crawl.svg")
+    crawl.write_data(cycle, out / "crawl.svg")
+    gait_figures.errors_in_time(closed, opened, out / "fig6-7.png")
+    run = study.path_run(study.PATH_GAIT, 3)
+    title = "the paper's robot, α = 30°, β = 80°, ω = 5 rad/s"
+    plot.path_and_poses(run, title, out / "fig12-13.png")
+    gait_figures.path_data(run, out / "fig12-13.png")
     _optima(out, cloud, front, reading)
     advance(1)
     points = _experiment(out)
@@ -58,17 +65,6 @@ def draw(
     advance(1)
     dearer = 100 * robust.premium
     return beside, [(name, words.format(dearer)) for name, words in CAPTIONS.items()]
-
-
-def _in_time(out: Path, closed: study.Comparison, opened: study.Comparison) -> None:
-    cycle = crawl.crawl(study.OF_2005, study.BINGHAM, study.EXPERIMENT)
-    crawl.write_svg(cycle, out / "crawl.svg")
-    crawl.write_data(cycle, out / "crawl.svg")
-    gait_figures.errors_in_time(closed, opened, out / "fig6-7.png")
-    run = study.path_run(study.PATH_GAIT, 3)
-    title = "the paper's robot, α = 30°, β = 80°, ω = 5 rad/s"
-    plot.path_and_poses(run, title, out / "fig12-13.png")
-    gait_figures.path_data(run, out / "fig12-13.png")
 
 
 def _optima(out: Path, cloud: sn.Sweep, front: list[sn.LeastPower], reading: study.Reading) -> None:

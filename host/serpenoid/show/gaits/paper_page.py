@@ -62,7 +62,25 @@ def write_page(
     reading: Mapping[str, str],
 ) -> None:
     """Write the page; its figures stand beside it, each with its data."""
-    figures = "".join(_figure(path.parent, name, caption) for name, caption in shown)
+    count = Counter(claim.verdict for claim in claims)
+    verdicts = ", ".join(f"{count[v]} {words}" for v, words in _VERDICTS.items() if count[v])
+    parts = [("claims", "The claims"), *((Path(n).stem, c.split(":")[0]) for n, c in shown)]
+    links = "".join(f'<li><a href="#{at}">{escape(words)}</a></li>' for at, words in parts)
+    power, angles, along = (escape(_READ[name][reading[name]]) for name in _READ)
+    rows = "".join(
+        f"<tr><td>{_where(c, shown)}</td><td>{escape(c.paper)}</td><td>{escape(c.here)}</td>"
+        f'<td class="{c.verdict.split()[0]}">{escape(c.verdict)}</td>'
+        f"<td><code>serpenoid {escape(c.command)}</code></td></tr>\n"
+        for c in claims
+    )
+    figures = ""
+    for name, caption in shown:
+        data = Path(name).with_suffix(".csv").name
+        link = f' (<a href="{data}">data</a>)' if (path.parent / data).exists() else ""
+        figures += (
+            f'<figure id="{Path(name).stem}" tabindex="0"><img src="{name}" '
+            f'alt="{escape(caption)}"><figcaption>{escape(caption)}{link}</figcaption></figure>\n'
+        )
     write_text(
         path,
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">\n'
@@ -70,9 +88,19 @@ def write_page(
         f"<title>The study of 2005, remade</title><style>{_STYLE}</style></head><body>\n"
         "<main><h1>The study of 2005, remade</h1>\n<p>Nirakh, Brennan and Gandhi, <em>An "
         "Implicit Model for Snake Robot Locomotion and Gait Optimization</em> (IMECE2005-82742): "
-        f"its figures computed anew, and its claims one by one. {_summary(claims)}</p>\n"
-        f"{_contents(shown)}<p>{_how_read(reading)}</p>\n{_claim_rows(claims, shown)}"
-        f"<p>{_let_go()}</p>\n{figures}</main></body></html>\n",
+        "its figures computed anew, and its claims one by one. "
+        f"Of {len(claims)} claims {verdicts}.</p>\n"
+        f'<nav aria-label="On this page"><ul>{links}</ul></nav>\n'
+        f"<p>Where the paper leaves it open: power is {power}, Eq. 57 drives the angles of "
+        f"{angles}, speed counts along {along}; <code>serpenoid figures</code> with "
+        "<code>--power</code>, <code>--angles</code> or <code>--speed-along</code> reads it the "
+        "other ways. β is the lag from joint to joint, α the amplitude, ω the rate, k the "
+        "stiffness of the implicit model's joints; ct and cn are viscous friction along and "
+        "across a link, ft0 and fn0 dry friction.</p>\n"
+        '<h2 id="claims">The claims</h2>\n<div class=wide role="region" tabindex="0" '
+        'aria-labelledby="claims"><table><tr><th scope="col">where</th><th scope="col">the paper'
+        '</th><th scope="col">here</th><th scope="col">verdict</th><th scope="col">see it by</th>'
+        f"</tr>\n{rows}</table></div>\n<p>{_let_go()}</p>\n{figures}</main></body></html>\n",
     )
 
 
@@ -104,34 +132,6 @@ def turned_deg(signs: Sequence[int], duration_s: float) -> float:
     return math.degrees(belt.look().heading_rad)
 
 
-def _summary(claims: Sequence[Claim]) -> str:
-    """Return how many claims agree, differ and so on, in words."""
-    count = Counter(claim.verdict for claim in claims)
-    told = ", ".join(f"{count[v]} {words}" for v, words in _VERDICTS.items() if count[v])
-    return f"Of {len(claims)} claims {told}."
-
-
-def _how_read(reading: Mapping[str, str]) -> str:
-    """Return how the paper is read where it leaves that open, and what reads it otherwise."""
-    power, angles, along = (_READ[name][reading[name]] for name in _READ)
-    return escape(
-        f"Where the paper leaves it open: power is {power}, Eq. 57 drives the angles of {angles}, "
-        f"speed counts along {along}; "
-    ) + (
-        "<code>serpenoid figures</code> with <code>--power</code>, <code>--angles</code> or "
-        "<code>--speed-along</code> reads it the other ways. β is the lag from joint to joint, "
-        "α the amplitude, ω the rate, k the stiffness of the implicit model's joints; ct and cn "
-        "are viscous friction along and across a link, ft0 and fn0 dry friction."
-    )
-
-
-def _contents(shown: Sequence[tuple[str, str]]) -> str:
-    """Return links to the claims and to each figure, by the first words of its caption."""
-    parts = [("claims", "The claims"), *((Path(n).stem, c.split(":")[0]) for n, c in shown)]
-    links = "".join(f'<li><a href="#{at}">{escape(words)}</a></li>' for at, words in parts)
-    return f'<nav aria-label="On this page"><ul>{links}</ul></nav>\n'
-
-
 def _where(claim: Claim, shown: Sequence[tuple[str, str]]) -> str:
     """Return where a claim stands in the paper, linked to the figure here that shows it."""
     number = re.search(r"\d+", claim.where)
@@ -140,30 +140,3 @@ def _where(claim: Claim, shown: Sequence[tuple[str, str]]) -> str:
         if number and of and int(of[1]) <= int(number[0]) <= int(of[2] or of[1]):
             return f'<a href="#{of[0]}">{escape(claim.where)}</a>'
     return escape(claim.where)
-
-
-def _claim_rows(claims: Sequence[Claim], shown: Sequence[tuple[str, str]]) -> str:
-    rows = "".join(
-        f"<tr><td>{_where(c, shown)}</td><td>{escape(c.paper)}</td><td>{escape(c.here)}</td>"
-        f'<td class="{c.verdict.split()[0]}">{escape(c.verdict)}</td>'
-        f"<td><code>serpenoid {escape(c.command)}</code></td></tr>\n"
-        for c in claims
-    )
-    head = "".join(
-        f'<th scope="col">{name}</th>'
-        for name in ("where", "the paper", "here", "verdict", "see it by")
-    )
-    return (
-        '<h2 id="claims">The claims</h2>\n<div class=wide role="region" tabindex="0" '
-        f'aria-labelledby="claims"><table><tr>{head}</tr>\n{rows}</table></div>\n'
-    )
-
-
-def _figure(folder: Path, name: str, caption: str) -> str:
-    """Return a figure with its caption, which leads to its data if there are any."""
-    data = Path(name).with_suffix(".csv").name
-    link = f' (<a href="{data}">data</a>)' if (folder / data).exists() else ""
-    return (
-        f'<figure id="{Path(name).stem}" tabindex="0"><img src="{name}" alt="{escape(caption)}">'
-        f"<figcaption>{escape(caption)}{link}</figcaption></figure>\n"
-    )

@@ -86,12 +86,7 @@ class Page:
         with self._changed:
             self._closed = True
             self._changed.notify_all()
-        self._wait_for_streams()
-        self._server.shutdown()
-        self._server.server_close()
-
-    def _wait_for_streams(self) -> None:
-        """Let the open pages hear the last state; a phone out of reach is not waited for."""
+        # the open pages hear the last state; a phone out of reach is not waited for
         end_s = time.monotonic() + LAST_WORD_S
         free = [
             self.streams.acquire(timeout=max(0.0, end_s - time.monotonic()))
@@ -99,6 +94,8 @@ class Page:
         ]
         for _ in filter(None, free):
             self.streams.release()
+        self._server.shutdown()
+        self._server.server_close()
 
     @property
     def url(self) -> str:
@@ -279,17 +276,14 @@ class _Request(BaseHTTPRequestHandler):
             self.send_response(200)
             self._headers("text/event-stream")
             self.end_headers()
-            self._follow(page)
+            seen = -1
+            while (told := page.next_state(seen)) is not None:
+                seen, state = told
+                text = "event: beat\ndata: 1\n\n" if state is None else f"data: {state}\n\n"
+                self.wfile.write(text.encode())
+                self.wfile.flush()
         except OSError:
             pass  # the page was closed, or the phone went out of reach
         finally:
             page.streams.release()
         return None
-
-    def _follow(self, page: Page) -> None:
-        seen = -1
-        while (told := page.next_state(seen)) is not None:
-            seen, state = told
-            text = "event: beat\ndata: 1\n\n" if state is None else f"data: {state}\n\n"
-            self.wfile.write(text.encode())
-            self.wfile.flush()

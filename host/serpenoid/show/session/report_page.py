@@ -62,15 +62,22 @@ def session_page(
 
     other: its frictions beside those of another session.
     """
-    setup = session.setup
+    setup, drawings = session.setup, []
+    notes = [fit.remarks[0], *fit.notes, *break_away_notes(fit, session), *session.notes]
+    if session.kept and not session.on_floor:
+        what = "friction against speed, readings and lines"
+        drawings.append(_svg(what, draw_friction, session, fit, size=(9.0, 4.2), columns=2))
+    if session.kept_pushes:
+        what = "pushes: places over time with the law, and residuals"
+        drawings.append(_svg(what, draw_pushes, session, fit, size=(9.1, 4.2), columns=2))
     parts = [
         f"<h1>{escape(setup.name)}</h1>",
         _story(session),
         _summary(fit, compared),
         "<h2>Friction</h2>",
-        *_drawings(session, fit),
+        *drawings,
         _table(*fit.table()),
-        *_notes(fit, session),
+        f"<ul>{''.join(f'<li>{_prose(n)}</li>' for n in notes)}</ul>",
     ]
     if compared is not None:
         what = "speeds predicted and measured"
@@ -82,8 +89,8 @@ def session_page(
         parts += ["<h2>Another session beside it</h2>", said, _table(head, rows)]
     if advice is not None:
         heads, cells = advice.table()
-        parts += ["<h2>The next reading</h2>", f"<p>{_prose(advice.in_words())}</p>"]
-        parts += [_table(heads, cells, words=True)] if cells else []
+        listed = _table(heads, cells, words=True) if cells else ""
+        parts += ["<h2>The next reading</h2>", f"<p>{_prose(advice.in_words())}</p>{listed}"]
     parts += [
         "<h2>Readings</h2>",
         *_readings(session, fit),
@@ -98,18 +105,6 @@ def session_page(
         f"<title>{escape(setup.name)}: friction and speed</title><style>{_STYLE}</style></head>"
     )
     return head + "<body>\n<main>\n" + "\n".join(parts) + "\n</main>\n</body></html>\n"
-
-
-def _drawings(session: Session, fit: FrictionFit) -> list[str]:
-    """Return the readings with the law: stations, pushes, or both."""
-    drawn = []
-    if session.kept and not session.on_floor:
-        what = "friction against speed, readings and lines"
-        drawn.append(_svg(what, draw_friction, session, fit, size=(9.0, 4.2), columns=2))
-    if session.kept_pushes:
-        what = "pushes: places over time with the law, and residuals"
-        drawn.append(_svg(what, draw_pushes, session, fit, size=(9.1, 4.2), columns=2))
-    return drawn
 
 
 def _svg(
@@ -158,16 +153,6 @@ def _story(session: Session) -> str:
     where = ", ".join(
         x for x in (setup.surface, setup.place, setup.people) if x and x != "not said"
     )
-    return (
-        f'<p class="soft">A {escape(setup.kind)} session: a robot of {robot.links} links, '
-        f"{robot.links * robot.link_mass_kg:.4g} kg, {robot.links * robot.link_length_m:.3g} m"
-        f"{escape('; ' + where if where else '')}. {_taken(session)}, "
-        f"{len(session.kept_gait_runs)} gait runs.</p>"
-    )
-
-
-def _taken(session: Session) -> str:
-    """Return how many stations, pushes and slides there are, and how many of them are voided."""
     kept = {
         "stations held": len(session.kept),
         "pushes": len(session.kept_pushes),
@@ -175,7 +160,13 @@ def _taken(session: Session) -> str:
     }
     parts = [f"{n} {name}" for name, n in kept.items() if n or not any(kept.values())]
     taken = (*session.readings, *session.of("coast"), *session.of("slide"))
-    return ", ".join([*parts, f"{sum(r.voided for r in taken)} voided"])
+    parts.append(f"{sum(r.voided for r in taken)} voided")
+    return (
+        f'<p class="soft">A {escape(setup.kind)} session: a robot of {robot.links} links, '
+        f"{robot.links * robot.link_mass_kg:.4g} kg, {robot.links * robot.link_length_m:.3g} m"
+        f"{escape('; ' + where if where else '')}. {', '.join(parts)}, "
+        f"{len(session.kept_gait_runs)} gait runs.</p>"
+    )
 
 
 def _summary(fit: FrictionFit, compared: Comparison | None) -> str:
@@ -191,11 +182,6 @@ def _summary(fit: FrictionFit, compared: Comparison | None) -> str:
 def _prose(text: str) -> str:
     """Return a sentence for the page: commands, which stand between backticks, as code."""
     return re.sub(r"`([^`]+)`", r"<code>\1</code>", escape(text))
-
-
-def _notes(fit: FrictionFit, session: Session) -> list[str]:
-    notes = [fit.remarks[0], *fit.notes, *break_away_notes(fit, session), *session.notes]
-    return ["<ul>" + "".join(f"<li>{_prose(n)}</li>" for n in notes) + "</ul>"]
 
 
 def _readings(session: Session, fit: FrictionFit) -> list[str]:

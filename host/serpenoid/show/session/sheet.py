@@ -37,11 +37,20 @@ def sheet(session: Session) -> str:
         f"{setup.robot.links} links, {mass_g:.1f} g, links of "
         f"{1000 * setup.robot.link_length_m:.1f} mm; surface: {setup.surface}; place: {setup.place}"
     )
-    on_floor = setup.procedure.on == "floor"
+    if setup.procedure.on == "floor":
+        taken = _floor_parts(session)
+    else:
+        zero = _table(["inclinometer (°)", "end for end (°)", "remark"], 1)
+        taken = [
+            f"<p>{_how(session)}</p>",
+            f"<section><h2>Inclinometer zero, before (kind zero)</h2>{zero}</section>",
+            *(_bend(series, setup.robot.links) for series in series_of(setup.procedure)),
+            f"<section><h2>Inclinometer zero, after (kind zero)</h2>{zero}</section>",
+        ]
     parts = [
         f"<h1>Calibration: {html.escape(setup.name)}</h1><p>{html.escape(about)}</p>"
         "<p>date: ____________ &emsp; who: ________________________</p>",
-        *(_floor_parts(session) if on_floor else _treadmill_parts(session)),
+        *taken,
         _gaits(session),
     ]
     title = f"<title>{html.escape(setup.name)}</title>"
@@ -55,17 +64,6 @@ def write_sheet(session: Session, path: Path) -> None:
     """Write the sheet: to print, or as CSV to type it into."""
     typed = path.suffix.lower() == ".csv"
     write_text(path, sheet_text(session) if typed else sheet(session))
-
-
-def _treadmill_parts(session: Session) -> list[str]:
-    setup = session.setup
-    zero = _table(["inclinometer (°)", "end for end (°)", "remark"], 1)
-    return [
-        f"<p>{_how(session)}</p>",
-        f"<section><h2>Inclinometer zero, before (kind zero)</h2>{zero}</section>",
-        *(_bend(series, setup.robot.links) for series in series_of(setup.procedure)),
-        f"<section><h2>Inclinometer zero, after (kind zero)</h2>{zero}</section>",
-    ]
 
 
 def _floor_parts(session: Session) -> list[str]:

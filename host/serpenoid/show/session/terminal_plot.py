@@ -12,7 +12,7 @@ from ...calibration.floor.arc import along
 from ...calibration.floor.look import look_at
 from ...calibration.kinds.coast import Coast
 from ...calibration.session import Session
-from ...calibration.taking.expected import Series, line_of, series_it_is_of, series_of
+from ...calibration.taking.expected import line_of, series_it_is_of, series_of
 from ...model.errors import BadInput
 
 Axes = tuple[str, str, str]  # unit upright, unit along, and what the marks mean
@@ -23,7 +23,10 @@ WIDE, HIGH = 64, 14
 
 def picture(session: Session) -> str:
     """Return belt speed against incline, a mark a bend and dots for its line; "" without two."""
-    plan, procedure = _shown(session), session.setup.procedure
+    procedure = session.setup.procedure
+    # the plan's, and those of readings that it does not ask for
+    there = [series_it_is_of(session, r) for r in session.kept]
+    plan = list(dict.fromkeys([*series_of(procedure), *there]))
     sines = [r.balance_sine(procedure.gravity_m_s2) for r in session.kept]
     if len(sines) < 2:
         return ""
@@ -38,17 +41,11 @@ def picture(session: Session) -> str:
         if line is not None:
             law = [line.at(math.sin(math.radians(incline)))[0] for incline in every]
             curves.append((every, law, "·"))
-    for incline, speed, r in zip(incline_deg, speeds, session.kept, strict=True):
-        bend = plan.index(series_it_is_of(session, r))
+    for incline, speed, series in zip(incline_deg, speeds, there, strict=True):
+        bend = plan.index(series)
         curves.append(([incline], [speed], MARKS[bend % len(MARKS)]))
     named = "   ".join(f"{MARKS[k % len(MARKS)]} {series.name}" for k, series in enumerate(plan))
     return chart(curves, (low, high), 1.08 * max(speeds), ("m/s", "deg of incline", named))
-
-
-def _shown(session: Session) -> list[Series]:
-    """Return the plan's series, and those of readings that the plan does not ask for."""
-    there = [series_it_is_of(session, r) for r in session.kept]
-    return list(dict.fromkeys([*series_of(session.setup.procedure), *there]))
 
 
 def chart(
@@ -103,15 +100,11 @@ def push_picture(push: Coast) -> str:
     curves = [(every, law_m, "·"), (t, np.clip(way, 0.0, None), "o")]
     column = np.rint(t / end_s * (WIDE - 1)).astype(int)
     legend = f"o push {push.number}, {push.way}   · law of this push alone"
-    strip = _off_the_law(column, 1000 * (way - look.law_m))
-    return chart(curves, (0.0, end_s), top, ("m", "s", f"{legend}\n        {strip}"), PUSH_HIGH)
-
-
-def _off_the_law(column: np.ndarray, off_mm: np.ndarray) -> str:
-    """Return a character a column, its mean distance off the law, and the scale below."""
+    # a character a column: its mean distance off the law
     count = np.bincount(column, minlength=WIDE)
-    mean = np.bincount(column, off_mm, minlength=WIDE) / np.maximum(count, 1)
+    mean = np.bincount(column, 1000 * (way - look.law_m), WIDE) / np.maximum(count, 1)
     most = max(float(np.abs(mean).max()), LEAST_MM)
     level = np.rint((mean / most + 1) / 2 * (len(LEVELS) - 1)).astype(int)
     strip = "".join(LEVELS[k] if n else " " for k, n in zip(level, count, strict=True))
-    return f"{strip}\n        off the law: {LEVELS[0]} {-most:.2g} to {LEVELS[-1]} {most:+.2g} mm"
+    strip += f"\n        off the law: {LEVELS[0]} {-most:.2g} to {LEVELS[-1]} {most:+.2g} mm"
+    return chart(curves, (0.0, end_s), top, ("m", "s", f"{legend}\n        {strip}"), PUSH_HIGH)

@@ -54,27 +54,24 @@ def _picture(ax: Any, film: FilmMeasurement) -> None:
 
 def _joints(ax: Any, film: FilmMeasurement) -> None:
     """Draw each joint's angle as dots, over the commanded sine or else its own."""
-    track = film.measured.track
+    track, m = film.measured.track, film.measured.fitted.motion
     phi = np.degrees(np.where(film.measured.held, joint_angles(track.states), np.nan))
     t = track.t_s - track.t_s[0]
     about = track.t_s - track.t_s.mean()
     for i in range(phi.shape[1]):
         colour = COLOURS[i % len(COLOURS)]
         ax.plot(t, phi[:, i], ".", ms=2.5, color=colour)
-        ax.plot(t, np.degrees(_sine(film, i, about)), lw=0.9, color=colour, label=f"joint {i + 1}")
+        if film.gait is None:
+            offset, amplitude, phase = m.offset_rad[i], m.amplitude_rad[i], m.phase_rad[i]
+        else:
+            offset, amplitude = film.gait.offset_rad, film.gait.alpha_rad
+            phase = m.phase_rad[0] + i * film.gait.beta_rad
+        sine = offset + amplitude * np.sin(m.omega_rad_s * about + phase)
+        ax.plot(t, np.degrees(sine), lw=0.9, color=colour, label=f"joint {i + 1}")
     told = "commanded sine, in step with joint 1" if film.gait else "fitted sine"
     ax.set(title=f"joints: dots seen, lines the {told}", ylabel="angle (°)", xlabel="time (s)")
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
     ax.set_xlim(0, t[-1])
-
-
-def _sine(film: FilmMeasurement, i: int, t_s: np.ndarray) -> np.ndarray:
-    m = film.measured.fitted.motion
-    if film.gait is None:
-        return m.offset_rad[i] + m.amplitude_rad[i] * np.sin(m.omega_rad_s * t_s + m.phase_rad[i])
-    g = film.gait
-    phase = m.phase_rad[0] + i * g.beta_rad
-    return g.offset_rad + g.alpha_rad * np.sin(m.omega_rad_s * t_s + phase)
 
 
 def _residuals(ax: Any, film: FilmMeasurement) -> None:
