@@ -251,12 +251,35 @@ def along_travel(run: Run) -> Run:
 
 def path_and_poses(run: Run, title: str, path: Path) -> None:
     """Draw the path of head, tail and centre of mass (Fig. 12) and six poses (Fig. 13)."""
+    from matplotlib import colormaps
+
     run = along_travel(run)
     with figure(9.0, 6.0, rows=2, path=path, height_ratios=[1, 1.9]) as (fig, (top, bottom)):
         cycles = round(run.t_s[-1] / run.scene.gait.period_s)
-        _paths(top, run)
+        centre = tuple(run.centre_m.T)
+        for name, (x, y), colour, width, end, shift, side in (
+            ("tail", (run.x_m[:, 0], run.y_m[:, 0]), ORANGE, 1.4, 0, (-6, 0), "right"),
+            ("head", (run.x_m[:, -1], run.y_m[:, -1]), BLUE, 1.4, -1, (6, 0), "left"),
+            ("centre of mass", centre, "black", 2.0, -1, (0, 36), "center"),
+        ):
+            top.plot(x, y, color=colour, lw=width)
+            line = {"arrowstyle": "-", "color": colour, "lw": 0.7} if side == "center" else None
+            words = {"color": colour, "va": "center", "ha": side, "textcoords": "offset points"}
+            top.annotate(name, (x[end], y[end]), xytext=shift, arrowprops=line, **words)
+        top.set(xlabel="x (m)", ylabel="y (m)")
+        top.margins(x=0.07)
+        top.set_ylim(1.2 * float(run.y_m.min()), 2.2 * float(run.y_m.max()))
+        top.set_aspect(3)
         top.set_title(f"{cycles} cycles, y enlarged three times (Fig. 12)")
-        _poses(bottom, run)
+        per_cycle = round(run.scene.gait.period_s / (run.t_s[1] - run.t_s[0]))
+        apart = 1.15 * float(np.ptp(run.y_m[:per_cycle]))
+        left = float(run.x_m[:per_cycle].min()) - run.scene.robot.link_length_m
+        for k, label in enumerate(("0", "T/6", "T/3", "T/2", "2T/3", "5T/6")):
+            colour = colormaps["viridis"](0.08 + 0.14 * k)
+            draw_links(bottom, run, round(k * per_cycle / 6), -k * apart, colour)
+            bottom.text(left, -k * apart, label, color=colour, va="center", ha="right")
+        bottom.set(xlabel="x, along the mean direction of travel (m)", yticks=[])
+        bottom.set_aspect("equal")
         bottom.set_title(
             "six poses of one cycle to scale, x as y, set apart downwards; "
             "the dot is the head (Fig. 13)"
@@ -287,42 +310,3 @@ def robot_words(robot: Robot, ground: Ground) -> str:
         f"{robot.links} links of {robot.link_mass_kg:g} kg, {robot.link_length_m:g} m; "
         f"{friction} a link"
     )
-
-
-def _paths(ax: Axes, run: Run) -> None:
-    centre = tuple(run.centre_m.T)
-    for name, (x, y), colour, width, end, shift, side in (
-        ("tail", (run.x_m[:, 0], run.y_m[:, 0]), ORANGE, 1.4, 0, (-6, 0), "right"),
-        ("head", (run.x_m[:, -1], run.y_m[:, -1]), BLUE, 1.4, -1, (6, 0), "left"),
-        ("centre of mass", centre, "black", 2.0, -1, (0, 36), "center"),
-    ):
-        ax.plot(x, y, color=colour, lw=width)
-        line = {"arrowstyle": "-", "color": colour, "lw": 0.7} if side == "center" else None
-        ax.annotate(
-            name,
-            (x[end], y[end]),
-            xytext=shift,
-            textcoords="offset points",
-            color=colour,
-            va="center",
-            ha=side,
-            arrowprops=line,
-        )
-    ax.set(xlabel="x (m)", ylabel="y (m)")
-    ax.margins(x=0.07)
-    ax.set_ylim(1.2 * float(run.y_m.min()), 2.2 * float(run.y_m.max()))
-    ax.set_aspect(3)
-
-
-def _poses(ax: Axes, run: Run) -> None:
-    from matplotlib import colormaps
-
-    per_cycle = round(run.scene.gait.period_s / (run.t_s[1] - run.t_s[0]))
-    apart = 1.15 * float(np.ptp(run.y_m[:per_cycle]))
-    left = float(run.x_m[:per_cycle].min()) - run.scene.robot.link_length_m
-    for k, label in enumerate(("0", "T/6", "T/3", "T/2", "2T/3", "5T/6")):
-        colour = colormaps["viridis"](0.08 + 0.14 * k)
-        draw_links(ax, run, round(k * per_cycle / 6), -k * apart, colour)
-        ax.text(left, -k * apart, label, color=colour, va="center", ha="right")
-    ax.set(xlabel="x, along the mean direction of travel (m)", yticks=[])
-    ax.set_aspect("equal")

@@ -54,7 +54,13 @@ def number_sigmas(
         pixels[0] = rate_sigma
     amplitude = fitted.motion.amplitude_rad
     count = len(amplitude)
-    late_rad, swept = _late(bundle, fitted, seen, some)
+    # What a slow readout does, which to first order is allowed for: each joint's part of it, as a
+    # phase; and the share of speed and rate that it takes off or adds.
+    readout_s, height = bundle.camera.shared[READOUT], seen.image_px[1]
+    rows = np.ma.masked_invalid(seen.corners_px[..., 1]).mean(axis=(0, 2)) / height - 0.5
+    late = readout_s * fitted.motion.omega_rad_s * 0.5 * (rows[1:] + rows[:-1])
+    first, last = bundle.camera.plane_px(some.states[[0, -1], :2])[:, 1] / height
+    late_rad, swept = np.ma.filled(late, 0.0), readout_s * (last - first) / np.ptp(some.t_s)
     swings, apart = slice(1, count + 1), slice(count + 1, 2 * count)
     floor = np.full(len(pixels), FLOOR_ANGLE_RAD)
     floor[0] = LATE_RATE * swept * fitted.motion.omega_rad_s
@@ -73,18 +79,6 @@ def number_sigmas(
     return sigmas
 
 
-def _late(bundle: Bundle, fitted: Fitted, seen: Sightings, some: Track) -> tuple[Array, float]:
-    """Return what a slow readout does, which to first order is allowed for.
-
-    Each joint's part of it, as a phase; and the share of speed and rate that it takes off or adds.
-    """
-    readout_s, height = bundle.camera.shared[READOUT], seen.image_px[1]
-    rows = np.ma.masked_invalid(seen.corners_px[..., 1]).mean(axis=(0, 2)) / height - 0.5
-    late = readout_s * fitted.motion.omega_rad_s * 0.5 * (rows[1:] + rows[:-1])
-    first, last = bundle.camera.plane_px(some.states[[0, -1], :2])[:, 1] / height
-    return np.ma.filled(late, 0.0), readout_s * (last - first) / np.ptp(some.t_s)
-
-
 def _of_pixels(fitted: Fitted) -> Array:
     """Return what the residuals of joints and path leave open."""
     m = fitted.motion
@@ -100,30 +94,23 @@ def _of_pixels(fitted: Fitted) -> Array:
     phase /= np.maximum(m.amplitude_rad, 1e-9)
     apart = np.hypot(phase[1:], phase[0])
     omega = 1 / np.sqrt(np.sum(1 / np.maximum(rate, 1e-12) ** 2))
-    along, across, turn = _of_path(fitted)
-    direction = across / max(m.speed_m_s, 1e-9)
-    return np.concatenate([[omega], amplitude, apart, offset, [direction, along, turn]])
-
-
-def _of_path(fitted: Fitted) -> list[float]:
-    """Return sigma of the velocity along and across the path, and of the turn's rate."""
-    m, t = fitted.motion, fitted.t_s
     weight = fitted.path_weight
     root = np.sqrt(weight)[:, None]
-    a = path_basis(t, m.omega_rad_s, m.turn_rad_s) * root
+    a = path_basis(fitted.t_s, m.omega_rad_s, m.turn_rad_s) * root
     way = np.exp(-1j * np.arctan2(m.velocity_m_s[1], m.velocity_m_s[0]))
     rest = fitted.path_rest_m * way
-    b = np.column_stack([basis(t, m.omega_rad_s), t]) * root
-    speed = np.linalg.pinv((a.conj().T @ a).real)[1, 1]
-    turn = np.linalg.pinv(b.T @ b)[-1, -1]
-    return [
-        np.sqrt(mean_variance(residual, weight, unknowns) * spread)
-        for residual, unknowns, spread in (
-            (rest.real, 5, speed),
-            (rest.imag, 5, speed),
-            (fitted.heading_rest_rad, 8, turn),
+    b = np.column_stack([basis(fitted.t_s, m.omega_rad_s), fitted.t_s]) * root
+    spread = np.linalg.pinv((a.conj().T @ a).real)[1, 1]
+    along, across, turn = (
+        np.sqrt(mean_variance(residual, weight, unknowns) * by)
+        for residual, unknowns, by in (
+            (rest.real, 5, spread),
+            (rest.imag, 5, spread),
+            (fitted.heading_rest_rad, 8, np.linalg.pinv(b.T @ b)[-1, -1]),
         )
-    ]
+    )
+    direction = across / max(m.speed_m_s, 1e-9)
+    return np.concatenate([[omega], amplitude, apart, offset, [direction, along, turn]])
 
 
 def _of_camera(bundle: Bundle, track: Track, fitted: Fitted, picked: NDArray[np.int64]) -> Array:

@@ -76,7 +76,15 @@ def first_rate(t_s: Array, phi: Array, weight: Array) -> float:
     unit = 2 * np.pi / (t_s[-1] - t_s[0])
     low, high = 0.6 * unit, 0.9 * np.pi / step
     if len(t_s) > SEARCHED_FRAMES:
-        peak = _spectrum_peak(t_s, phi, weight, step)
+        # of the joints' powers; gaps count for nothing
+        even = np.arange(t_s[0], t_s[-1], step)
+        power = np.zeros(len(even) // 2 + 1)
+        for values, there in zip(phi.T, weight.T > 0, strict=True):
+            if there.sum() > 1:
+                seen = np.interp(even, t_s, there.astype(float)) > 0.5
+                waves = np.interp(even, t_s[there], values[there])
+                power += np.abs(np.fft.rfft(np.where(seen, waves - waves[seen].mean(), 0.0))) ** 2
+        peak = 2 * np.pi * float(power.argmax()) / (len(even) * step)
         low, high = max(low, peak - 1.5 * unit), min(high, peak + 1.5 * unit)
     rates = np.arange(low, high, 0.1 * unit)
     explained = []
@@ -84,20 +92,6 @@ def first_rate(t_s: Array, phi: Array, weight: Array) -> float:
         columns = basis(t_s, rate, 1)
         explained.append(np.sum(weight * phi * (columns @ weighted(columns, phi, weight))))
     return float(rates[int(np.argmax(explained))]) if len(rates) else 0.0
-
-
-def _spectrum_peak(t_s: Array, phi: Array, weight: Array, step_s: float) -> float:
-    """Return the rate, rad/s, of the joints' largest sum of powers; gaps count for nothing."""
-    even = np.arange(t_s[0], t_s[-1], step_s)
-    power = np.zeros(len(even) // 2 + 1)
-    for i in range(phi.shape[1]):
-        there = weight[:, i] > 0
-        if there.sum() < 2:
-            continue
-        seen = np.interp(even, t_s, there.astype(float)) > 0.5
-        values = np.interp(even, t_s[there], phi[there, i])
-        power += np.abs(np.fft.rfft(np.where(seen, values - values[seen].mean(), 0.0))) ** 2
-    return 2 * np.pi * float(power.argmax()) / (len(even) * step_s)
 
 
 def sine_covariance(t_s: Array, omega: float, sine: Array, rest: Array, weight: Array) -> Array:

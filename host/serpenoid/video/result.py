@@ -85,7 +85,8 @@ def filmed_run(watched: Watched, measured: Measured, sha256: str, time_scale: fl
     """Gather the numbers of a measured film, without remarks."""
     m, sigma = measured.fitted.motion, measured.sigmas
     span_s = float(np.ptp(measured.track.t_s))
-    camera = measured.bundle.camera
+    camera, lens = measured.bundle.camera, measured.bundle.camera.shared
+    film, t = watched.film, watched.sightings.t_s
     rms_px = float(np.sqrt(np.nanmean(measured.track.rest_px**2)))
     seen = watched.sightings.seen
     m_per_px = camera.side_m / float(np.nanmean(watched.sightings.side_px))
@@ -108,8 +109,28 @@ def filmed_run(watched: Watched, measured: Measured, sha256: str, time_scale: fl
         residual_px=rms_px,
         residual_m=rms_px * m_per_px,
         time_scale=time_scale,
-        camera=_camera(measured),
-        film=_film(watched, sha256),
+        camera={
+            "focal_px": camera.focal_px,
+            "k1": float(lens[1]),
+            "k2": float(lens[2]),
+            "tilt_rad": float(np.hypot(lens[5], lens[6])),
+            "distance_m": float(np.exp(lens[7])),
+            "readout_s": float(lens[9]),
+            "tag_side_m": camera.side_m,
+            "printed_side_m": float(np.exp(measured.bundle.prior[LENS.index("log_side")])),
+            "noise_px": measured.bundle.noise_px,
+        },
+        film={
+            "name": film.path.name,
+            "sha256": sha256,
+            "codec": film.codec,
+            "width_px": film.width,
+            "height_px": film.height,
+            "rotation_deg": watched.rotation_deg,
+            "frames": len(t),
+            "duration_s": float(np.ptp(t)),
+            "frame_rate_hz": float(1 / np.median(np.diff(t))),
+        },
     )
 
 
@@ -126,37 +147,6 @@ def _joints(measured: Measured) -> tuple[Joint, ...]:
     ]
     rows = np.where(share < HELD_SHARE, np.nan, columns).T.tolist()
     return tuple(Joint(i + 1, *row, seen=float(share[i])) for i, row in enumerate(rows))
-
-
-def _camera(measured: Measured) -> dict[str, Any]:
-    camera = measured.bundle.camera
-    lens = camera.shared
-    return {
-        "focal_px": camera.focal_px,
-        "k1": float(lens[1]),
-        "k2": float(lens[2]),
-        "tilt_rad": float(np.hypot(lens[5], lens[6])),
-        "distance_m": float(np.exp(lens[7])),
-        "readout_s": float(lens[9]),
-        "tag_side_m": camera.side_m,
-        "printed_side_m": float(np.exp(measured.bundle.prior[LENS.index("log_side")])),
-        "noise_px": measured.bundle.noise_px,
-    }
-
-
-def _film(watched: Watched, sha256: str) -> dict[str, Any]:
-    film, t = watched.film, watched.sightings.t_s
-    return {
-        "name": film.path.name,
-        "sha256": sha256,
-        "codec": film.codec,
-        "width_px": film.width,
-        "height_px": film.height,
-        "rotation_deg": watched.rotation_deg,
-        "frames": len(t),
-        "duration_s": float(np.ptp(t)),
-        "frame_rate_hz": float(1 / np.median(np.diff(t))),
-    }
 
 
 def track_rows(measured: Measured) -> tuple[list[str], Array]:

@@ -55,16 +55,6 @@ class Crawl:
         scale = self.robot.body_length_m * self.gait.omega_rad_s
         return np.abs(self.slip_m_s) < _STUCK * scale
 
-    def ends(self) -> Places:
-        """Return tail and head of each link, (2, F, n)."""
-        along = self.robot.link_length_m / 2 * np.exp(1j * self.theta_rad)
-        return np.stack([self.centre - along, self.centre + along])
-
-    def arrows(self) -> Places:
-        """Return where the arrow of each force begins and ends, (2, F, n)."""
-        size = _ARROW * self.robot.link_length_m / float(np.abs(self.force_n).max())
-        return np.stack([self.centre, self.centre + size * self.force_n])
-
 
 def crawl(robot: Robot, ground: Ground, gait: Gait) -> Crawl:
     """Run one cycle of the periodic state of a gait that goes straight."""
@@ -110,28 +100,46 @@ def write_svg(found: Crawl, path: Path) -> None:
 
     A wheel is filled while it sticks, open while it slips sideways.
     """
-    robot, across = found.robot, found.centre.imag
-    ends, margin = found.ends().real, 1.2 * robot.link_length_m
+    robot, gait, way = found.robot, found.gait, found.centre
+    arm = robot.link_length_m / 2 * np.exp(1j * found.theta_rad)
+    arrow = _ARROW * robot.link_length_m / float(np.abs(found.force_n).max()) * found.force_n
+    places = np.stack([way - arm, way + arm, way, way + arrow])
+    ends, margin = places[:2].real, 1.2 * robot.link_length_m
     left, right = float(ends.min()) - margin, float(ends.max()) + margin
-    scale, middle = _WIDE / (right - left), float((across.max() + across.min()) / 2)
-    seconds = max(2.0, min(found.gait.period_s, 6.0))
-
-    def on_canvas(places: Places) -> Places:
-        y = _HIGH / 2 + _HEAD_ROOM - (places.imag - middle) * scale
-        return (places.real - left) * scale + 1j * y
-
-    parts = [_ground(found, left, right, scale, seconds)]
-    for i, (tail, head) in enumerate(on_canvas(found.ends()).transpose(2, 0, 1)):
-        kind = "head" if i == robot.links - 1 else "link"
-        start, tip = on_canvas(found.arrows()[:, :, i])
+    scale, middle = _WIDE / (right - left), float((way.imag.max() + way.imag.min()) / 2)
+    down = _HIGH / 2 + _HEAD_ROOM - (places.imag - middle) * scale
+    drawn = (places.real - left) * scale + 1j * down
+    seconds = max(2.0, min(gait.period_s, 6.0))
+    pace = gait.period_s / seconds
+    pace_words = "in real time" if abs(pace - 1) < 0.01 else f"at {pace:.2g} times real speed"
+    # marks on the ground, half a link apart or so, which go by
+    count = max(1, round(found.way_m / (0.5 * robot.link_length_m)))
+    apart = found.way_m / count
+    marks = "".join(
+        f'<line class="mark" x1="{x:.1f}" x2="{x:.1f}" y1="{_HIGH - 34}" y2="{_HIGH - 26}"/>'
+        for x in ((np.arange(left, right + 2 * apart, apart) - left) * scale).tolist()
+    )
+    parts = [
+        f"{_HEAD}"
+        f'<text x="8" y="18" font-size="14">{gait_title(gait)}: '
+        f"{found.way_m / gait.period_s:.3g} m/s</text>\n"
+        f'<text x="8" y="36" fill="{GREY}">{robot_words(robot, found.ground)}</text>\n'
+        f'<text x="8" y="{_HIGH - 8}" fill="{GREY}">shaded: head; wheels filled: they stick'
+        f" sideways, open: they slip; thin: force of the ground; {pace_words}</text>\n"
+        f'<g>{marks}<animateTransform attributeName="transform" type="translate" from="0 0" '
+        f'to="{-apart * scale:.2f} 0" dur="{seconds / count:.4f}s" '
+        'repeatCount="indefinite"/></g>\n'
+    ]
+    for i, (tail, head, start, tip) in enumerate(drawn.transpose(2, 0, 1)):
         fills = np.where(found.stuck[:, i], "#111111", "#ffffff").tolist()
         wheel = {"fill": fills, "cx": _digits(start.real), "cy": _digits(start.imag)}
+        kind = "head" if i == robot.links - 1 else "link"
         parts += [
             _moving("line", kind, _line(tail, head), seconds),
             _moving("circle", "wheel", wheel, seconds),
             _moving("line", "force", _line(start, tip), seconds),
         ]
-    write_text(path, _HEAD + _words(found, seconds) + "".join(parts) + "</svg>\n")
+    write_text(path, "".join(parts) + "</svg>\n")
 
 
 def _digits(values: Array) -> list[str]:
@@ -155,21 +163,6 @@ def _moving(name: str, kind: str, frames: Mapping[str, Sequence[str]], seconds: 
     return f'<{name} class="{kind}" {now}>{moves}</{name}>\n'
 
 
-def _ground(found: Crawl, left: float, right: float, scale: float, seconds: float) -> str:
-    """Return marks on the ground, half a link apart or so, which go by."""
-    count = max(1, round(found.way_m / (0.5 * found.robot.link_length_m)))
-    apart = found.way_m / count
-    lines = "".join(
-        f'<line class="mark" x1="{x:.1f}" x2="{x:.1f}" y1="{_HIGH - 34}" y2="{_HIGH - 26}"/>'
-        for x in ((np.arange(left, right + 2 * apart, apart) - left) * scale).tolist()
-    )
-    return (
-        f'<g>{lines}<animateTransform attributeName="transform" type="translate" from="0 0" '
-        f'to="{-apart * scale:.2f} 0" dur="{seconds / count:.4f}s" '
-        'repeatCount="indefinite"/></g>\n'
-    )
-
-
 _HEAD = (
     f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDE} {_HIGH}" '
     'font-family="sans-serif" font-size="12">\n'
@@ -178,16 +171,3 @@ _HEAD = (
     ".wheel{r:5px;stroke:#111;stroke-width:1.5} .mark{stroke:#888}</style>\n"
     f'<rect width="{_WIDE}" height="{_HIGH}" fill="#ffffff"/>\n'
 )
-
-
-def _words(found: Crawl, seconds: float) -> str:
-    """Return what the picture says of itself."""
-    pace = found.gait.period_s / seconds
-    title = f"{gait_title(found.gait)}: {found.way_m / found.gait.period_s:.3g} m/s"
-    pace_words = "in real time" if abs(pace - 1) < 0.01 else f"at {pace:.2g} times real speed"
-    return (
-        f'<text x="8" y="18" font-size="14">{title}</text>\n'
-        f'<text x="8" y="36" fill="{GREY}">{robot_words(found.robot, found.ground)}</text>\n'
-        f'<text x="8" y="{_HIGH - 8}" fill="{GREY}">shaded: head; wheels filled: they stick'
-        f" sideways, open: they slip; thin: force of the ground; {pace_words}</text>\n"
-    )

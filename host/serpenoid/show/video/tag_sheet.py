@@ -63,7 +63,15 @@ def tag_sheet(
         ax.text(MARGIN_MM, top - 8, words, fontsize=8.2, va="top", linespacing=1.45)
         for k, place in places.items():
             _tag(ax, cells[k], k + 1, len(cells), 1e3 * side_m, *place)
-        _ruler(ax, MARGIN_MM + 4, MARGIN_MM + 6)
+        x, y = MARGIN_MM + 4, MARGIN_MM + 6
+        ax.plot([x, x + RULER_MM], [y, y], color=BLACK, lw=0.8)
+        for mm in range(RULER_MM + 1):
+            high = 5.0 if mm % 10 == 0 else 3.5 if mm % 5 == 0 else 2.0
+            ax.plot([x + mm, x + mm], [y, y + high], color=BLACK, lw=0.5)
+            if mm % 10 == 0:
+                ax.text(x + mm, y - 1, str(mm), fontsize=7, ha="center", va="top")
+        words = f"{RULER_MM} mm: check with a ruler before you cut"
+        ax.text(x + RULER_MM + 5, y, words, fontsize=8, va="bottom")
         figures.append(fig)
     with whole_file(path) as part:
         if path.suffix.lower() == ".pdf":
@@ -117,15 +125,3 @@ def _tag(
     end = {1: "TAIL  ", count: "HEAD  "}.get(number, "")
     words = f"{number}  {end}→"
     ax.text(x, y - 0.8, words, fontsize=8, va="top", family="DejaVu Sans")
-
-
-def _ruler(ax: Axes, x: float, y: float) -> None:
-    """Draw a ruler in millimetres."""
-    ax.plot([x, x + RULER_MM], [y, y], color=BLACK, lw=0.8)
-    for mm in range(RULER_MM + 1):
-        high = 5.0 if mm % 10 == 0 else 3.5 if mm % 5 == 0 else 2.0
-        ax.plot([x + mm, x + mm], [y, y + high], color=BLACK, lw=0.5)
-        if mm % 10 == 0:
-            ax.text(x + mm, y - 1, str(mm), fontsize=7, ha="center", va="top")
-    words = f"{RULER_MM} mm: check with a ruler before you cut"
-    ax.text(x + RULER_MM + 5, y, words, fontsize=8, va="bottom")

@@ -69,7 +69,20 @@ class Background:
         _, common = cv2.estimateAffinePartial2D(start, end, ransacReprojThreshold=REACH_PX)
         same = common.ravel() == 1
         if same.sum() >= max(LEAST_POINTS, good.sum() / 2):
-            self.shifts.append((time_s, *self._farthest(start[same], (end - start)[same])))
+            points, moved = start[same], (end - start)[same]
+            # The picture moves, turns and grows: by how much did the window's corner move that
+            # moved most? So a picture that turns or grows about its middle has moved, too.
+            left, top, right, bottom = self.window
+            corners = np.array([[x, y] for x in (left, right) for y in (top, bottom)], float)
+            a, far = _similar(points), _similar(corners)
+            inverse = np.linalg.inv(a.T @ a)
+            way = inverse @ a.T @ moved.ravel()
+            spread = np.sum((moved.ravel() - a @ way) ** 2) / (a.shape[0] - 4)
+            shift = (far @ way).reshape(-1, 2)
+            worst = int(np.argmax(np.linalg.norm(shift, axis=1)))
+            rows = far[2 * worst : 2 * worst + 2]
+            sigma = np.sqrt(spread * np.trace(rows @ inverse @ rows.T) / 2)
+            self.shifts.append((time_s, *map(float, (*shift[worst], sigma))))
 
     @staticmethod
     def _follow(first: Any, other: Any, points: Any) -> tuple[Any, Any]:
@@ -80,24 +93,6 @@ class Background:
             first, other, points, points.copy(), winSize=size, maxLevel=4
         )
         return found, status
-
-    def _farthest(self, points: Array, moved: Array) -> tuple[float, float, float]:
-        """Return by how much the corner of the robot's window moved that moved most, px.
-
-        The picture moves, turns and grows, as points (N, 2) say that moved by (N, 2). So a picture
-        that turns or grows about its middle has moved, too. The last is the standard deviation.
-        """
-        left, top, right, bottom = self.window
-        corners = np.array([[x, y] for x in (left, right) for y in (top, bottom)], float)
-        a, far = _similar(points), _similar(corners)
-        inverse = np.linalg.inv(a.T @ a)
-        way = inverse @ a.T @ moved.ravel()
-        spread = np.sum((moved.ravel() - a @ way) ** 2) / (a.shape[0] - 4)
-        shift = (far @ way).reshape(-1, 2)
-        worst = int(np.argmax(np.linalg.norm(shift, axis=1)))
-        rows = far[2 * worst : 2 * worst + 2]
-        sigma = np.sqrt(spread * np.trace(rows @ inverse @ rows.T) / 2)
-        return float(shift[worst, 0]), float(shift[worst, 1]), float(sigma)
 
 
 def _similar(points: Array) -> Array:
