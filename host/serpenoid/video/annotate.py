@@ -8,14 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.files import whole_file
+from .arrays import Array
 from .fitting.camera import Camera
 from .measure_film import FilmMeasurement
 from .seeing.film import Damage
 
-Array = NDArray[np.float64]
 LONGEST_S = 20.0
 WIDEST_PX = 1280
 CHAIN, JOINT, PATH = (40, 60, 235), (0, 200, 255), (220, 150, 0)  # blue, green, red

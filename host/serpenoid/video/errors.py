@@ -10,16 +10,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.sines import basis
+from .arrays import Array, Places
 from .fitting.bundle import READOUT, Bundle
 from .fitting.chain import wrapped
 from .fitting.frames import Track
 from .motion import Fitted, fit_motion, mean_variance, path_basis, sine_covariance
 from .seeing.sightings import Sightings
 
-Array = NDArray[np.float64]
 # Below these no phone was ever held against a rule: the lens is not the two terms of the model.
 STEP = 0.3  # of a standard deviation: the differences by which the camera's doubt is carried on
 FLOOR_SPEED, FLOOR_ANGLE_RAD, FLOOR_TURN_RAD_S = 1.5e-4, np.radians(0.03), np.radians(0.003)
@@ -39,7 +38,7 @@ def number_sigmas(
     fitted: Fitted,
     seen: Sightings,
     some: Track,
-    picked: NDArray[np.int64],
+    picked: Places,
     held: Array,
     rate_sigma: float | None = None,
 ) -> Array:
@@ -113,7 +112,7 @@ def _of_pixels(fitted: Fitted) -> Array:
     return np.concatenate([[omega], amplitude, apart, offset, [direction, along, turn]])
 
 
-def _of_camera(bundle: Bundle, track: Track, fitted: Fitted, picked: NDArray[np.int64]) -> Array:
+def _of_camera(bundle: Bundle, track: Track, fitted: Fitted, picked: Places) -> Array:
     """Return what the camera's covariance leaves open.
 
     Along the covariance's own directions: focal length and distance alone bend the track by many

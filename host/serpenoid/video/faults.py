@@ -12,6 +12,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ..model.errors import BadInput
+from .arrays import Array, Mask
 from .fitting.camera import Camera
 from .fitting.frames import Track
 from .fitting.start import quarter_turns, tag_poses
@@ -20,7 +21,6 @@ from .motion import LEAST_PERIODS, path_basis
 from .result import Remark
 from .seeing.watch import Watched
 
-Array = NDArray[np.float64]
 LEAST_FRAMES = 10
 SURELY = 4.0  # standard deviations
 MOVED_FLAG, MOVED_REFUSE = 0.015, 0.06  # of the floor's shift, in sides of a tag
@@ -365,7 +365,7 @@ def _unlike_others(steps: Array) -> Array:
     return np.where(known > BESIDE_TYPICAL * usual, known, 0.0)
 
 
-def bent_tags(track: Track) -> NDArray[np.bool_]:
+def bent_tags(track: Track) -> Mask:
     """Return which tags, (links,), are no flat squares: their corners fit far worse than others'.
 
     With fewer than four tags it is not clear which one is bent: none is named.
@@ -377,7 +377,7 @@ def bent_tags(track: Track) -> NDArray[np.bool_]:
     return bent if seen.sum() >= 4 and bent.sum() <= seen.sum() - 3 else np.zeros_like(bent)
 
 
-def bent_faults(bent: NDArray[np.bool_]) -> list[Remark]:
+def bent_faults(bent: Mask) -> list[Remark]:
     """Return what to tell of tags that were left out."""
     return [
         Remark(

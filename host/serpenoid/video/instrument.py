@@ -5,16 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from . import errors, motion, unseen
+from .arrays import Array, Mask, Places
 from .fitting import bundle as bundles
 from .fitting import frames, start
 from .fitting.camera import Camera
 from .fitting.chain import filled_headings, joint_angles
 from .seeing.sightings import Sightings
 
-Array = NDArray[np.float64]
 CALIBRATION_FRAMES = 120
 ROUGH_FRAMES, ROUGH_STEPS = 30, 15  # for the choice between starts
 EXPECTED_SIGMA_RAD = np.radians(15.0)  # of a link that no tag holds, from its neighbours in time
@@ -37,7 +36,7 @@ class Measured:
     track: frames.Track
     fitted: motion.Fitted
     sigmas: Array
-    held: NDArray[np.bool_]
+    held: Mask
     assumed: bool = False
 
 
@@ -63,7 +62,7 @@ def calibrate(
     return bundles.fit(camera, states, picked, side_m, turns, rough=still), turns
 
 
-def _spread(sightings: Sightings, most: int) -> NDArray[np.int64]:
+def _spread(sightings: Sightings, most: int) -> Places:
     """Return frames to calibrate with: those with most tags, spread evenly over the film."""
     count = sightings.seen.sum(axis=1)
     good = np.flatnonzero(count >= max(2, np.quantile(count, 0.7)))

@@ -8,17 +8,14 @@ e^{i k w t}: the middle of the robot goes at the mean velocity V, which turns at
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.sines import HARMONICS, basis, basis_by_rate, fit_sines, weighted
+from .arrays import Array, Complex
 from .fitting.chain import joint_angles, mean_heading, wrapped
 from .fitting.frames import Track
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 LEAST_PERIODS = 1.5
 SEARCHED_FRAMES = 600  # a longer film has many periods, and a clear peak in its spectrum
 

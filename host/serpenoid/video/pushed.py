@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.errors import BadInput
+from .arrays import Array, Mask
 from .faults import view_faults
 from .fitting import frames, start
 from .fitting.camera import LENS
@@ -20,7 +20,6 @@ from .measure_film import refusals, seen_film
 from .result import Remark
 from .unseen import KNOWN_RAD
 
-Array = NDArray[np.float64]
 STILL_RAD = math.radians(3.0)  # joints that move by more are driven, or loose
 PLACE_M = 0.003  # a frame whose place is known worse says nothing: a hand hides the tags
 
@@ -91,7 +90,7 @@ def track_pushes(
     return PushedRobot(rows, float(np.sqrt(fit.covariance[side, side])), tuple(remarks))
 
 
-def still_joints(phi: Array, seen: NDArray[np.bool_]) -> Array:
+def still_joints(phi: Array, seen: Mask) -> Array:
     """Return the angles at which joints are held, (joints,), rad. Raises BadInput: they move."""
     angle = np.ma.array(phi, mask=~(seen[:, 1:] & seen[:, :-1]))
     held = np.ma.filled(np.ma.median(angle, axis=0), 0.0)

@@ -6,15 +6,15 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.errors import BadInput
+from .arrays import Array
 from .measure_film import FilmMeasurement
 from .result import track_rows
 from .wiring import measured_gait
 
 
-def film_cells(found: FilmMeasurement) -> tuple[dict[str, Any], NDArray[np.float64]]:
+def film_cells(found: FilmMeasurement) -> tuple[dict[str, Any], Array]:
     """Return the cells of a `video` reading, and the samples of its track.
 
     Raises BadInput where a joint was not seen: a reading holds all of them.

@@ -7,15 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.files import write_csv
+from .arrays import Array
 from .fitting.camera import LENS
 from .fitting.chain import joint_angles, mean_heading, wrapped
 from .instrument import HELD_SHARE, Measured
 from .seeing.watch import Watched
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -8,20 +8,17 @@ each other: the turn between them, and the vector from one to the other.
 from __future__ import annotations
 
 from itertools import product
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.errors import BadInput
 from ..model.sines import basis
+from .arrays import Array, Complex
 from .fitting.camera import Camera
 from .fitting.start import tag_poses
 from .motion import first_rate
 from .seeing.sightings import Sightings
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 KNOWN_RAD = np.radians(2.0)  # how well a gait says where a link points
 AMPLITUDES = np.radians([20.0, 40.0, 60.0])  # from which the fit starts
 LAGS = np.radians(np.arange(-150, 180, 30))

@@ -10,12 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..seeing.sightings import Sightings
 from .camera import LENS, MOUNTING, Camera
 
-Array = NDArray[np.float64]
 STEPS = 40
 OUTLIER = 3.0  # in sigmas: a tag's residual from which its weight falls
 NOISE_PX = 0.3  # of a corner, until the residuals tell

@@ -13,12 +13,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from ..arrays import Array
 from .chain import link_centres
-
-Array = NDArray[np.float64]
 
 # The unknowns that all frames share: these, then MOUNTING of every link.
 LENS = (

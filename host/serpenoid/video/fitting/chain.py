@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ..arrays import Array, Mask
 
 
 def lever_matrix(links: int) -> Array:
@@ -50,7 +49,7 @@ def mean_heading(states: Array) -> Array:
     return np.unwrap(states[..., 2] + bend)
 
 
-def filled_headings(states: Array, seen: NDArray[np.bool_], phi: Array) -> Array:
+def filled_headings(states: Array, seen: Mask, phi: Array) -> Array:
     """Return states whose unseen links point as the joints phi (frames, joints) say.
 
     From the nearest links that are seen (frames, links), on both sides; the nearer one counts for

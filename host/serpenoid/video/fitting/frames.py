@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..seeing.sightings import Sightings, in_chunks
 from .bundle import equations, misses, rms
 from .camera import Camera
 
-Array = NDArray[np.float64]
 STEPS = 6
 
 

@@ -6,13 +6,12 @@ from dataclasses import replace
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..seeing.sightings import Sightings, in_chunks
 from .camera import LENS, MOUNTING, Camera
 from .chain import filled_headings, link_centres
 
-Array = NDArray[np.float64]
 FOCALS = (0.6, 0.75, 0.95, 1.3, 2.0)  # of the image's longer side: wide angle to telephoto
 TILTS_RAD = np.radians([0, 8, 16, 24, 32, 40, 48, 56, 64, 72])
 DIRECTIONS = 16

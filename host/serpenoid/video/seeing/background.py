@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ..arrays import Array, Grey
+
 EVERY_S = 0.5
 MOST_POINTS, LEAST_POINTS = 150, 12
 PATCH_PX = 21
@@ -23,9 +23,7 @@ class Background:
     deviation of that), of the looks in which enough points count. looks: all of them.
     """
 
-    def __init__(
-        self, window: tuple[int, int, int, int], time_s: float, picture: NDArray[np.uint8]
-    ) -> None:
+    def __init__(self, window: tuple[int, int, int, int], time_s: float, picture: Grey) -> None:
         """Take the first frame; window: where the robot is, left, top, right, bottom, px."""
         import cv2
 
@@ -47,7 +45,7 @@ class Background:
         """Tell whether the floor shows too little to follow."""
         return len(self.shifts) <= self.looks / 2
 
-    def look(self, time_s: float, picture: NDArray[np.uint8]) -> None:
+    def look(self, time_s: float, picture: Grey) -> None:
         """Take a later frame; most are passed over."""
         import cv2
 
@@ -102,7 +100,7 @@ def _similar(points: Array) -> Array:
     return np.stack([[one, none, -y, x], [none, one, x, y]]).transpose(2, 0, 1).reshape(-1, 4)
 
 
-def _even(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+def _even(picture: Grey) -> Grey:
     """Return a picture divided by its own brightness nearby: lamps flicker, phones adapt."""
     import cv2
 

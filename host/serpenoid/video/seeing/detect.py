@@ -6,12 +6,10 @@ from collections import Counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array, Grey
 from .edges import refine
 
-Array = NDArray[np.float64]
-Grey = NDArray[np.uint8]
 Tag = tuple[Array, float]  # corners (4, 2) px, clockwise; width of the edges, px
 DICTIONARY = "DICT_4X4_50"
 MARGIN_SIDES = 2.5  # round the tags seen last, in sides of a tag

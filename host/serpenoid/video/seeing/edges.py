@@ -9,9 +9,9 @@ profiles end before the grey does, and the tag comes out too small across its mo
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ..arrays import Array, Grey, Mask
+
 ALONG = np.linspace(0.1, 0.9, 13)  # where an edge is read, as a share of it
 REACH_CELLS = 0.5  # how far across, in cells of the tag; border and rim are one cell wide
 CELLS = 6
@@ -22,7 +22,7 @@ LEAST_CONTRAST = 12.0  # grey levels
 LIFTED, NEAR_TOP = 15.0, 5.0  # grey levels: black lifted by a reflection, white at its end
 
 
-def refine(picture: NDArray[np.uint8], quads: Array) -> tuple[Array, Array]:
+def refine(picture: Grey, quads: Array) -> tuple[Array, Array]:
     """Return corners (tags, 4, 2) and each tag's edge width, px.
 
     quads: the detector's corners, clockwise. The width is the distance over which grey rises from
@@ -33,7 +33,7 @@ def refine(picture: NDArray[np.uint8], quads: Array) -> tuple[Array, Array]:
     return corners, np.where(np.isfinite(second), second, first)
 
 
-def _refined(picture: NDArray[np.uint8], quads: Array) -> tuple[Array, Array]:
+def _refined(picture: Grey, quads: Array) -> tuple[Array, Array]:
     """Return corners and widths as `refine` does, from one look."""
     import cv2
 
@@ -111,7 +111,7 @@ def _lines(offset: Array) -> Array:
     return _line(offset, there)
 
 
-def _median(values: Array, there: NDArray[np.bool_]) -> Array:
+def _median(values: Array, there: Mask) -> Array:
     """Return the median of those that are there along the last axis, NaN of none."""
     ranked = np.sort(np.where(there, values, np.inf), axis=-1)
     middle = np.maximum(there.sum(axis=-1) - 1, 0) // 2
@@ -119,7 +119,7 @@ def _median(values: Array, there: NDArray[np.bool_]) -> Array:
     return np.where(np.isfinite(found), found, np.nan)
 
 
-def _line(offset: Array, there: NDArray[np.bool_]) -> Array:
+def _line(offset: Array, there: Mask) -> Array:
     w = there.astype(float)
     y = np.where(there, offset, 0.0)
     n, sx, sxx = w.sum(-1), (w * ALONG).sum(-1), (w * ALONG**2).sum(-1)

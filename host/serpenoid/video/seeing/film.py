@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...model.errors import BadInput
 from ...model.files import check_file
+from ..arrays import Grey
 from .extra import need_extra
 
-Grey = NDArray[np.uint8]
 B_PICTURE = 3  # libavutil's AV_PICTURE_TYPE_B
 ENDS_EARLY = 0.9  # of the length that a file tells: then it was cut off
 MOST_BYTES = 1 << 40  # of a film

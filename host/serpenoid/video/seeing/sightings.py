@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Single = NDArray[np.float32]  # what is kept of every frame; sums are made in double
+from ..arrays import Array, Mask, Places, Single
+
 CHUNK = 400  # frames at once: memory stays small however long the film
 
 
@@ -51,7 +51,7 @@ class Sightings:
         return Sightings(t_s, corners_px, image_px, in_chunks(skews, len(t_s))[0])
 
     @cached_property
-    def seen(self) -> NDArray[np.bool_]:
+    def seen(self) -> Mask:
         """Return which tags were found in which frame, (frames, links)."""
         return np.asarray(np.isfinite(self.corners_px).all(axis=(2, 3)))
 
@@ -60,7 +60,7 @@ class Sightings:
         """Return the number of links."""
         return self.corners_px.shape[1]
 
-    def picked(self, frames: NDArray[np.int64] | NDArray[np.bool_] | slice) -> Sightings:
+    def picked(self, frames: Places | Mask | slice) -> Sightings:
         """Return some frames of it; the same sightings where a mask picks all."""
         if isinstance(frames, np.ndarray) and frames.dtype == bool and frames.all():
             return self
@@ -68,7 +68,7 @@ class Sightings:
             self.t_s[frames], self.corners_px[frames], self.image_px, self.skew[frames]
         )
 
-    def without(self, links: NDArray[np.bool_]) -> Sightings:
+    def without(self, links: Mask) -> Sightings:
         """Return it as if the tags of some links had never been seen."""
         corners, skew = self.corners_px.copy(), self.skew.copy()
         corners[:, links], skew[:, links] = np.nan, 0.0

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ...model.errors import BadInput
+from ..arrays import Mask
 from .detect import dictionary
 from .edges import CELLS
 
@@ -21,7 +19,7 @@ def tag_side_m(link_m: float) -> float:
     return max(fitting, default=SIDES_MM[0]) / 1e3
 
 
-def tag_cells(links: int) -> list[NDArray[np.bool_]]:
+def tag_cells(links: int) -> list[Mask]:
     """Return which cells of each link's tag are white, (6, 6) each, row by row from the top."""
     if not 2 <= links <= MOST_LINKS:
         raise BadInput(f"links is {links}; the sheet has tags for 2 to {MOST_LINKS}")

@@ -6,13 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...model.errors import BadInput
+from ..arrays import Grey, Single
 from .background import Background
 from .detect import TagFinder
 from .film import Damage, Film
-from .sightings import Sightings, Single
+from .sightings import Sightings
 
 MOST_FRAMES = 500_000  # more than two hours at 60 frames/s
 COARSE_SHARE = 0.2  # corners to a whole pixel are left out where no more are so
@@ -38,7 +38,7 @@ class Watched:
     doubles: dict[int, int]
     shifts: tuple[tuple[float, float, float, float], ...]
     plain_floor: bool
-    picture: NDArray[np.uint8]
+    picture: Grey
     mirrored: bool
     rotation_deg: int = 0
 
@@ -55,7 +55,7 @@ def watch(
     looks: list[tuple[float, Single, Single]] = []
     damage = Damage()
     ground: Background | None = None
-    picture: NDArray[np.uint8] | None = None
+    picture: Grey | None = None
     mirrored = rotation_deg = 0
     for time_s, grey, frame in film.frames(damage, threads):
         if picture is None:
