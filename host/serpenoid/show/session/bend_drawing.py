@@ -19,7 +19,8 @@ def bend_shape(
 
     The chain is (x, y) of tail, joints and head; a label (x, y, text) a joint, its angle.
     """
-    signs = balanced_signs(links) if bend == "balanced" else [(-1) ** (k + 1) for k in range(links)]
+    zigzag = tuple(2 * (k % 2) - 1 for k in range(links))
+    signs = balanced_signs(links) if bend == "balanced" else zigzag
     x, y, chain = 0.0, 0.0, [(0.0, 0.0)]
     for sign in signs:
         turn = math.radians(sign * lambda_deg)
