@@ -46,7 +46,7 @@ MOST_TOKENS = {
     "host/serpenoid/servos": 4250,
     "host/serpenoid/show": 32786,
     "host/serpenoid/simulation": 12913,
-    "host/serpenoid/video": 22401,
+    "host/serpenoid/video": 22406,
     "studies": 28675,
     "tests": 3342,
     "tests/arm": 1428,

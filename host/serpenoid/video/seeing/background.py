@@ -80,7 +80,8 @@ class Background:
             worst = int(np.argmax(np.linalg.norm(shift, axis=1)))
             rows = far[2 * worst : 2 * worst + 2]
             sigma = np.sqrt(spread * np.trace(rows @ inverse @ rows.T) / 2)
-            self.shifts.append((time_s, *map(float, (*shift[worst], sigma))))
+            x, y = shift[worst].tolist()
+            self.shifts.append((time_s, x, y, float(sigma)))
 
     @staticmethod
     def _follow(first: Any, other: Any, points: Any) -> tuple[Any, Any]:
