@@ -74,7 +74,7 @@ class Floor:
         rates = c * push.speed_m_s, s * push.speed_m_s, push.rate_rad_s
         rolled = self._roll(pose_rad, heading, rates)
         rolled[:, 0] += hand_s
-        return _track(np.concatenate([begun, rolled]), hand_s)
+        return Track(*np.concatenate([begun, rolled]).T, released_s=hand_s)
 
     def driven(self, gait: Gait, duration_s: float, frame_s: float = 0.002) -> tuple[Track, Array]:
         """Drive the robot's joints through a gait from rest; return its track and true angles.
@@ -151,7 +151,3 @@ class Floor:
 def _mean_bend(joints: Sequence[float]) -> float:
     """Return the mean angle of the links to link 1."""
     return float(np.cumsum(joints).sum()) / (len(joints) + 1)
-
-
-def _track(rows: Array, released_s: float = 0.0) -> Track:
-    return Track(*rows.T, released_s=released_s)

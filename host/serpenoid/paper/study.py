@@ -28,6 +28,8 @@ D = math.pi / 180
 ROBOT, GROUND = Robot(6, 1.0, 0.12), Ground(0.1, 10.0)
 THREE = Robot(3, 1.0, 0.12)
 THREE_GAIT = Gait(30 * D, 90 * D, 3.0)
+# How both formulations are compared: RK4, 1 ms.
+BESIDE = Scene(THREE, GROUND, THREE_GAIT, method="rk4", dt_s=1e-3, duration_s=10.0, record_every=1)
 OF_2005, BINGHAM = Robot(6, 0.0756, 0.076), Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
 PATH_GAIT, EXPERIMENT = Gait(30 * D, 80 * D, 5.0), Gait(70 * D, 75 * D, math.pi)
 PAPERS_OPTIMUM = (30 * D, 80 * D)
@@ -71,17 +73,7 @@ class Comparison:
 
 def compare_formulations(gap: str = "zero") -> Comparison:
     """Run both formulations side by side (Figs. 6 and 7): RK4, 1 ms, link 1 at rest at first."""
-    scene = Scene(
-        THREE,
-        GROUND,
-        THREE_GAIT,
-        method="rk4",
-        dt_s=1e-3,
-        duration_s=10.0,
-        record_every=1,
-        start="link1_at_rest",
-        gap=gap,
-    )
+    scene = replace(BESIDE, start="link1_at_rest", gap=gap)
     exact, soft = simulate(scene), simulate(replace(scene, formulation="implicit"))
     error = np.stack([soft.vx_m_s - exact.vx_m_s, soft.vy_m_s - exact.vy_m_s], axis=2)[:, 0]
     return Comparison(gap, exact.t_s, (soft.theta_rad - exact.theta_rad)[:, 0], error)
@@ -89,16 +81,7 @@ def compare_formulations(gap: str = "zero") -> Comparison:
 
 def compare_torque_driven() -> float:
     """Return the largest error of the tail's angle when both are driven by one list of torques."""
-    scene = Scene(
-        THREE,
-        GROUND,
-        THREE_GAIT,
-        method="rk4",
-        dt_s=1e-3,
-        duration_s=10.0,
-        record_every=1,
-        record=("joints",),
-    )
+    scene = replace(BESIDE, record=("joints",))
     run = simulate(scene)
     table = TorqueTable(run.t_s, run.joint_torque_nm)
     driven = replace(scene, drive="torque", torque=table, record=(), start=run.state(0))
@@ -209,17 +192,7 @@ def finer_step(dt_s: float = 2.5e-4) -> float:
     """
     worst = 0.0
     for formulation in ("explicit", "implicit"):
-        scene = Scene(
-            THREE,
-            GROUND,
-            THREE_GAIT,
-            formulation=formulation,
-            method="rk4",
-            dt_s=1e-3,
-            duration_s=10.0,
-            record_every=10,
-            start="link1_at_rest",
-        )
+        scene = replace(BESIDE, formulation=formulation, record_every=10, start="link1_at_rest")
         run = simulate(scene)
         fine = simulate(replace(scene, dt_s=dt_s, record_every=round(1e-2 / dt_s)))
         for x, y in (("x_m", "y_m"), ("vx_m_s", "vy_m_s")):

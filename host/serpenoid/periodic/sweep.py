@@ -138,18 +138,14 @@ def sweep(
     """
     single = [k for k, part in enumerate((robot, ground)) if not isinstance(part, Sequence)]
     if servo is not None:
-        _check_servo(servo, len(single))
+        check_kind("servo", servo, (Servo, ServoKind))
+        if len(single) < 2:
+            raise BadInput("servo wants one robot on one ground; sweep them one by one")
     grid = Grid.of(robot, ground, (alpha_rad, beta_rad, omega_rad_s), rtol, powers)
     count = threads_to_use(threads)
     values = _figures(grid, solved(grid, count, scheduler, progress), tuple(single))
     moved = () if servo is None else _with_servo(grid, servo, count, progress)
     return Sweep(*(np.array(getattr(grid, name)) for name in AXES), *values, *moved)
-
-
-def _check_servo(servo: object, single: int) -> None:
-    check_kind("servo", servo, (Servo, ServoKind))
-    if single < 2:
-        raise BadInput("servo wants one robot on one ground; sweep them one by one")
 
 
 def _figures(

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 
@@ -16,9 +16,6 @@ from ..model.rows import Result, Row, two_digits
 from ..model.vectors import Array
 from .error import RunError, warnings_of
 from .scene import Scene
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 ENERGY_COLUMNS = (
     "kinetic_j",
@@ -190,8 +187,6 @@ class Run(Result):
         A row for each recorded time. Links and joints count from 1 at the tail: vx2_m_s is vx_m_s
         of link 2; joint_force_x3_n is that on link 3 from link 4.
         """
-        from pathlib import Path
-
         header, columns = ["t_s"], [self.t_s[:, None]]
         for names in _CSV_GROUPS:
             arrays = [getattr(self, name) for name in names]
