@@ -155,7 +155,8 @@ def _threads(client: Any, checked: set[str], scheduler: str) -> int:
     here = worker_version()
     with _answering(scheduler):
         try:
-            client.wait_for_workers(1, NO_WORKER_S)
+            if not client.nthreads():
+                client.wait_for_workers(1, NO_WORKER_S)
         except distributed.TimeoutError:
             raise ClusterFailed(
                 f"the cluster at {scheduler} has had no worker for {NO_WORKER_S:g} s; start some "
