@@ -9,8 +9,7 @@ import numpy as np
 from serpenoid.calibration.kinds.declaration import Cells
 from serpenoid.calibration.kinds.rows import kind_of, make_reading, reading_row
 from serpenoid.calibration.kinds.tracks import Samples, Track
-from serpenoid.calibration.session import Session, Setup
-from serpenoid.calibration.session_rows import Event
+from serpenoid.calibration.session import Event, Session, Setup
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.world import Truth
 from serpenoid.model.drives import ServoKind
@@ -22,7 +21,6 @@ class MemoryRecord(Journal):
 
     def __init__(self, setup: Setup, begun: Session | None = None):
         self.session = begun or Session(setup, ())
-        self.events = []
         self._count = max((r.number for r in self.session.numbered), default=0)
 
     def add(
@@ -52,7 +50,8 @@ class MemoryRecord(Journal):
 
     def event(self, event: str, reading: int = 0, detail: str = "") -> None:
         """Keep one event."""
-        self.events.append(Event("", event, reading, detail))
+        told = Event("", event, reading, detail)
+        self.session = replace(self.session, events=(*self.session.events, told))
 
 
 def drawn_truth(

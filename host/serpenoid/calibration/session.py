@@ -121,6 +121,16 @@ class Setup:
 
 
 @dataclass(frozen=True, slots=True)
+class Event:
+    """One line of events.csv; reading is 0 where none is meant."""
+
+    time_utc: str
+    event: str
+    reading: int
+    detail: str
+
+
+@dataclass(frozen=True, slots=True)
 class Session:
     """Hold a set-up and its readings in the order they were taken, voided ones included.
 
@@ -144,6 +154,8 @@ class Session:
         The session's folder; None for a session in memory.
     notes
         Remarks from reading the files, in words.
+    events
+        What happened meanwhile: amendments, pauses, steps that were left out.
 
     Examples
     --------
@@ -163,6 +175,7 @@ class Session:
     further: tuple[Any, ...] = ()
     folder: Path | None = None
     notes: tuple[str, ...] = ()
+    events: tuple[Event, ...] = ()
 
     def __str__(self) -> str:
         """Return the session's name, and how many readings of each kind it has."""
@@ -208,6 +221,17 @@ class Session:
     def on_floor(self) -> bool:
         """Tell whether there are readings for the fit that were not taken on a treadmill."""
         return bool(self.kept_pushes or self.kept_slides)
+
+    @property
+    def skipped(self) -> frozenset[str]:
+        """Return the keys of all steps that were left out, and not taken up again."""
+        keys: set[str] = set()
+        for e in self.events:
+            if e.event == "skip":
+                keys.add(e.detail)
+            elif e.event == "unskip":
+                keys.discard(e.detail)
+        return frozenset(keys)
 
     @property
     def has_line(self) -> bool:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,7 @@ from ..model.toml_table import check_names, located
 from .kinds.declaration import Taken
 from .kinds.rows import DOUBTFUL, KINDS, READING_COLUMNS, TRACK_WORDS, Row, make_reading, words_of
 from .kinds.tracks import FOLDER, Track, read_track
-from .session import Session, Setup
+from .session import Event, Session, Setup
 from .settings import amended
 
 TORN = "#torn"
@@ -44,16 +44,6 @@ ON_READINGS = ("void", "restore", "undo")
 Numbered = dict[int, Row]  # rows by the numbers of their readings
 
 
-@dataclass(frozen=True)
-class Event:
-    """One line of events.csv; reading is 0 where none is meant."""
-
-    time_utc: str
-    event: str
-    reading: int
-    detail: str
-
-
 def read_format_2(setup: Setup, folder: Path) -> Session:
     """Return the session of a folder."""
     path, notes, setups = folder / "readings.csv", list[str](), [setup]
@@ -63,7 +53,7 @@ def read_format_2(setup: Setup, folder: Path) -> Session:
             setups.append(amended(setups[-1], event.detail, folder))
     rows = _numbered(path, notes)
     voided = _voided(rows, events, folder / "events.csv")
-    session = Session(setups[-1], (), str(path), folder=folder)
+    session = Session(setups[-1], (), str(path), folder=folder, events=tuple(events))
     unknown: list[str] = []
     for number, row in rows.items():
         kind = KINDS.get(row["kind"])
@@ -92,12 +82,6 @@ def read_events(folder: Path, notes: list[str] | None = None) -> list[Event]:
             number = whole_number("reading", row["reading"]) if row["reading"] else 0
             events.append(Event(time_of(row["time_utc"]), event, number, row["detail"]))
     return events
-
-
-def events_of(session: Session) -> list[Event]:
-    """Return the events of a session's folder; none of one in memory or of format 1."""
-    folder = session.folder
-    return read_events(folder) if folder and (folder / "events.csv").exists() else []
 
 
 def reading_rows(folder: Path) -> Numbered:

@@ -21,7 +21,6 @@ from ..calibration.advising.two_fits import two_fits
 from ..calibration.comparison import gait_count
 from ..calibration.friction_result import DOUBTFUL, whole_ground
 from ..calibration.kinds.instruments import FloorTools
-from ..calibration.session_rows import events_of
 from ..calibration.speed_samples import speed_band
 from ..calibration.taking.board_run import board_gait
 from ..calibration.taking.journal import Journal
@@ -115,7 +114,7 @@ def run_loop(out: Path, own: sn.FrictionFit | None = None) -> tuple[sn.FrictionF
         "advice": advised.to_dict(),
         "wanted": wanted,
     }
-    page = session_page(session, fit, compared, advised, events_of(session))
+    page = session_page(session, fit, compared, advised)
     write_text(out / "report.html", page)
     write_json(out / "loop.json", numbers)
     return fit, truth.ground

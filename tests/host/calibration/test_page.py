@@ -60,7 +60,7 @@ def session_in_progress(steps=12):
 
 def test_the_state_holds_what_is_to_be_done_and_what_was_found():
     session, step = session_in_progress(30)
-    state = state_of(session, step, frozenset(), "by hand")
+    state = state_of(session, step, "by hand")
     json.dumps(state, allow_nan=False)
     assert state["last"].startswith(f"{session.numbered[-1].number}: ")
     assert len(state["fit"]) == 4
@@ -270,7 +270,7 @@ def test_a_browser_follows_loses_and_finds_the_page_and_stops_the_robot(browser)
     stops = []
     session, step = session_in_progress()
     with Page(HTML, lambda: stops.append(1)) as page:
-        page.publish(state_of(session, step, frozenset(), "holds"))
+        page.publish(state_of(session, step, "holds"))
         browser.opens(page.url)
         browser.sees("#link", "live")
         browser.sees("#aim", "incline" if step.kind == "station" else "bend")
@@ -278,21 +278,21 @@ def test_a_browser_follows_loses_and_finds_the_page_and_stops_the_robot(browser)
             session.kept
         )
         session, step = session_in_progress(14)
-        page.publish(state_of(session, step, frozenset(), "holds"))
+        page.publish(state_of(session, step, "holds"))
         browser.sees("#last", session_last(session))
         browser.clicks("#stop")
         browser.sees("#told", "the robot has stopped")
         assert len(stops) == 1
-        page.publish(state_of(session, step, frozenset(), "stopped"))
+        page.publish(state_of(session, step, "stopped"))
         browser.sees("#told", "stopped, until released at the terminal")
-        page.publish(state_of(session, step, frozenset(), "holds"))
+        page.publish(state_of(session, step, "holds"))
         browser.waits_for("document.querySelector('#told').textContent === ''")
         port, token = page.port, page.token
     browser.sees("#link", "connection lost")
     again = Page(HTML, None, port=port)
     again.token = token
     with again:
-        again.publish(state_of(session, step, frozenset(), "by hand"))
+        again.publish(state_of(session, step, "by hand"))
         browser.sees("#link", "live")
         browser.sees("#stop", "robot by hand")
         assert browser.runs("return document.querySelector('#stop').disabled")
@@ -321,7 +321,7 @@ def test_stop_in_a_browser_reaches_the_moving_robot_within_200_ms(browser):
     """From the click to the board's own word that it has stopped."""
     session, step = session_in_progress(3)
     with SessionRobot("virtual") as seat, Page(HTML, seat.halt) as page:
-        page.publish(state_of(session, step, frozenset(), "holds"))
+        page.publish(state_of(session, step, "holds"))
         browser.opens(page.url)
         browser.sees("#link", "live")
 
@@ -343,7 +343,7 @@ def test_stop_in_a_browser_reaches_the_moving_robot_within_200_ms(browser):
 def test_it_fits_a_phone_in_light_and_dark(tmp_path, width, dark):
     session, step = session_in_progress(30)
     with Page(HTML, lambda: None) as page, Browser(width, 844, dark) as phone:
-        page.publish(state_of(session, step, frozenset(), "holds"))
+        page.publish(state_of(session, step, "holds"))
         phone.opens(page.url)
         phone.sees("#link", "live")
         assert phone.runs("return [innerWidth, document.documentElement.clientWidth]") == [

@@ -52,7 +52,7 @@ def test_a_plain_plan_never_turns_the_robot_round():
 
 def test_pages_pictures_and_sheets_show_it(taken, tmp_path):
     step = next_step(taken, posed_deg=0.0)
-    drawn = state_of(taken, step, frozenset(), "by hand")["picture"]
+    drawn = state_of(taken, step, "by hand")["picture"]
     names = re.findall(r"fill:var[^>]*>([^<]+)<", drawn)
     assert names == ["straight", "straight, facing up", "7.5°", "15°", "30°"]
     assert "straight, facing up" in picture(taken)

@@ -60,7 +60,7 @@ def state() -> dict:
     for _ in range(30):
         take_step(record, treadmill, posture)
     step = next_step(record.session, posed_deg=posture.bend_deg)
-    return state_of(record.session, step, frozenset(), "holds")
+    return state_of(record.session, step, "holds")
 
 
 @pytest.mark.parametrize("name", ["beside.html", "practice.html"])

@@ -13,7 +13,7 @@ from serpenoid.calibration.comparison import ComparedGait, Comparison
 from serpenoid.calibration.kinds.checks import BendCheck, ZeroReading
 from serpenoid.calibration.kinds.coast import Coast
 from serpenoid.calibration.kinds.gait import GaitRun
-from serpenoid.calibration.session_rows import Event
+from serpenoid.calibration.session import Event
 from serpenoid.show.session.report_page import session_page
 from webdriver import Browser
 
@@ -92,7 +92,7 @@ def test_voided_readings_remarks_and_every_kind_of_reading_are_told(made, fit):
         Event("2026-01-02T03:04:05.678Z", "note", 0, "warm <room>"),
         Event("2026-01-02T03:04:06.678Z", "connect", 0, "uno, firmware 0.2.0, protocol 2"),
     ]
-    page = session_page(more, fit, None, None, events)
+    page = session_page(replace(more, events=events), fit, None, None)
     assert '<tr class="void"><td>40</td>' in page
     assert '<td colspan="3">voided: hit the wall</td>' in page
     assert "voided: hit the wall" in page
@@ -137,7 +137,7 @@ def test_it_is_right_in_a_browser(made, fit, tmp_path, width, dark, paper):
         bends=(BendCheck(42, 0.26, 2.6, voided=True, comment="a remark of many words on this"),),
     )
     events = [Event("2026-01-02T03:04:05.678Z", "amend", 0, "instruments.belt_scale_sigma_percent")]
-    page = session_page(more, fit, compared(), None, events)
+    page = session_page(replace(more, events=events), fit, compared(), None)
     file.write_text(page, encoding="utf-8")
     with Browser(width, 900, dark, paper) as browser:
         browser.opens(file.as_uri())

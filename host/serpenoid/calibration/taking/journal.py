@@ -34,7 +34,7 @@ from ..kinds.rows import (
 from ..kinds.tracks import Samples, Track
 from ..session import Session
 from ..session_file import read_session
-from ..session_rows import EVENT_COLUMNS, ON_READINGS, TORN, Event, read_events, reading_rows
+from ..session_rows import EVENT_COLUMNS, ON_READINGS, TORN, reading_rows
 from ..settings import amended
 
 LOCK = ".lock"
@@ -49,7 +49,7 @@ def utc_now() -> str:
 class Journal:
     """Append to one session, inside `with Journal(folder) as journal:` only.
 
-    session, events, rows (of readings, by their numbers): what the files hold now. Raises BadInput
+    session, rows (of readings, by their numbers): what the files hold now. Raises BadInput
     for files that cannot be read, a format 1 session (finished, never added to) and a session that
     another process has open, named by its number; RecordingFailed where the disk takes no more:
     nothing is then half written.
@@ -59,7 +59,6 @@ class Journal:
         self.folder = Path(folder)
         self._lock: FileIO | None = None
         self.session: Session
-        self.events: list[Event]
         self.rows: dict[int, Row]
 
     def __enter__(self) -> Journal:
@@ -141,7 +140,7 @@ class Journal:
         return len(rows)
 
     def _row(self, number: int, kind: str, cells: Cells, comment: str) -> dict[str, str]:
-        setup = 1 + sum(e.event == "amend" for e in self.events)
+        setup = 1 + sum(e.event == "amend" for e in self.session.events)
         return reading_row(kind, cells, self.session.setup.procedure) | {
             "reading": str(number),
             "time_utc": utc_now(),
@@ -179,7 +178,7 @@ class Journal:
                 f"{self.folder}: a session of format 1 is finished and not added to; begin a new "
                 f"one from its set-up: `serpenoid calibrate new DIR --template {self.folder}`"
             )
-        self.events, self.rows = read_events(self.folder), reading_rows(self.folder)
+        self.rows = reading_rows(self.folder)
 
     def _take_lock(self) -> None:
         path = self.folder / LOCK

@@ -8,7 +8,7 @@ stands follows from its rows alone, so that resuming is nothing special.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Set
+from collections.abc import Iterator, Set
 from dataclasses import replace
 
 from ..kinds.checks import BeltCheck, ZeroReading
@@ -17,7 +17,6 @@ from ..kinds.gait import RUN_WAYS, GaitRun
 from ..kinds.places import drifts
 from ..kinds.station import LEAST_SLIP_M_S, Reading
 from ..session import Session, Setup, belt_checks
-from ..session_rows import Event
 from .bends import bend_step
 from .expected import (
     STRAIGHT,
@@ -59,17 +58,6 @@ FEWEST = 3  # stations of a bend before the top speed may end it
 REASON = "7.5 deg tells cn to 35 %, 15 deg to 10 %, 30 deg to 4 %"
 
 
-def skipped_keys(events: Iterable[Event]) -> frozenset[str]:
-    """Return the keys of all steps that were skipped, and not taken up again."""
-    keys: set[str] = set()
-    for e in events:
-        if e.event == "skip":
-            keys.add(e.detail)
-        elif e.event == "unskip":
-            keys.discard(e.detail)
-    return frozenset(keys)
-
-
 def step_in_words(key: str) -> str:
     """Return a step's key in words, such as `station 7.5 2.60` of a station."""
     what, *numbers = key.split()
@@ -82,18 +70,13 @@ def step_in_words(key: str) -> str:
     return f"station at {incline} deg, {pose}"
 
 
-def next_step(
-    session: Session,
-    skipped: frozenset[str] = frozenset(),
-    posed_deg: float | None = None,
-    facing: str = "down",
-) -> Step:
+def next_step(session: Session, posed_deg: float | None = None, facing: str = "down") -> Step:
     """Return what to do next; kind "done" when nothing is left.
 
     posed_deg, facing: how the robot lies now, the plan's bend in degrees and which way it faces;
     None when that is not known, as at the start.
     """
-    steps = (step for _, _, step in _parts(session, skipped))
+    steps = (step for _, _, step in _parts(session))
     step = next(filter(None, steps), _DONE)
     if step.series is None:
         return step
@@ -105,28 +88,28 @@ def next_step(
     return replace(step, cells=shown | step.cells)
 
 
-def progress(session: Session, skipped: frozenset[str] = frozenset()) -> list[tuple[str, str]]:
+def progress(session: Session) -> list[tuple[str, str]]:
     """Return the parts of the plan and how far each is, in words."""
-    return [(name, state) for name, state, _ in _parts(session, skipped)]
+    return [(name, state) for name, state, _ in _parts(session)]
 
 
-def _parts(session: Session, skipped: frozenset[str]) -> Iterator[tuple[str, str, Step | None]]:
+def _parts(session: Session) -> Iterator[tuple[str, str, Step | None]]:
     """Yield the parts of the plan: name, how far it is, and its next reading, None where none is.
 
     Whatever pose a reading needs comes before it.
     """
-    plan = session.setup.procedure
+    plan, skipped = session.setup.procedure, session.skipped
     if plan.on == "floor":
         for series in series_of_pushes(plan):
             done = len(of_series(session, series))
-            step = None if series.key in skipped else push_step(session, series, skipped)
+            step = None if series.key in skipped else push_step(session, series)
             rest = ", the rest left out" if step is None and done < plan.pushes else ""
             yield push_name(series), f"{done} of {plan.pushes}{rest}", step
     else:
         before, after = (_zero_read(session, side) for side in (True, False))
         yield _check(ZERO_BEFORE, before, _ZERO, skipped if not session.kept else {ZERO_BEFORE})
         for series in series_of(plan):
-            step = None if series.key in skipped else _station(session, series, skipped)
+            step = None if series.key in skipped else _station(session, series)
             name = f"{series.key} deg" if series.lambda_rad else series.name
             state = "done" if step is None else "more to come"
             yield name, f"{len(of_series(session, series))} stations, {state}", step
@@ -135,7 +118,7 @@ def _parts(session: Session, skipped: frozenset[str]) -> Iterator[tuple[str, str
         checked = bool(belt_checks(session))
         yield _check(BELT_CHECK, checked, _BELT, skipped if session.kept else none)
     runs = f"{len(session.kept_crawls)} of {len(plan.gaits) * plan.gait_runs}"
-    yield "gait runs", runs, _gait_step(session, skipped)
+    yield "gait runs", runs, _gait_step(session)
 
 
 def _check(key: str, done: bool, step: Step, skipped: Set[str]) -> tuple[str, str, Step | None]:
@@ -147,9 +130,7 @@ def _zero_read(session: Session, before: bool) -> bool:
     return any(z.before is before and not z.voided for z in session.zeros)
 
 
-def next_incline_deg(
-    session: Session, series: Series, skipped: frozenset[str] = frozenset()
-) -> float | None:
+def next_incline_deg(session: Session, series: Series) -> float | None:
     """Return the incline of a series' next station, None when it needs no more.
 
     Inclines rise by the plan's step, or by more where that would change the speed by less than a
@@ -160,7 +141,7 @@ def next_incline_deg(
     plan = session.setup.procedure
     stations = of_series(session, series)
     prefix = _station_key(series)
-    passed = [float(k.removeprefix(prefix)) for k in skipped if k.startswith(prefix)]
+    passed = [float(k.removeprefix(prefix)) for k in session.skipped if k.startswith(prefix)]
     tried = [*(math.degrees(r.incline_rad) for r in stations), *passed]
     # At least what the treadmill can be raised by, or its rounding could stay below for ever.
     step_deg = math.degrees(max(plan.incline_step_rad, session.setup.treadmill.incline_step_rad))
@@ -288,9 +269,9 @@ def _pose(setup: Setup, series: Series) -> Step:
     return bend_step(series.key, setup, series.bend_deg, then)
 
 
-def _station(session: Session, series: Series, skipped: frozenset[str]) -> Step | None:
+def _station(session: Session, series: Series) -> Step | None:
     """Return the next station of a series, its bend still to be told; None where all are done."""
-    incline_deg = next_incline_deg(session, series, skipped)
+    incline_deg = next_incline_deg(session, series)
     if incline_deg is None:
         return None
     facing, wait_s = series.facing, settle_s(session, series)
@@ -340,8 +321,8 @@ def belt_range(likely_m_s: Range) -> str:
     return f"{low:.2f} to {high:.2f} m/s ({3.6 * low:.1f} to {3.6 * high:.1f} km/h)"
 
 
-def _gait_step(session: Session, skipped: frozenset[str]) -> Step | None:
-    plan = session.setup.procedure
+def _gait_step(session: Session) -> Step | None:
+    plan, skipped = session.setup.procedure, session.skipped
     for number, gait in enumerate(plan.gaits, 1):
         runs = [
             r

@@ -10,7 +10,7 @@ from ..kinds.declaration import Cells
 from ..kinds.rows import KINDS
 from ..session import Session
 from .journal import Journal
-from .procedure import doubts, next_step, skipped_keys
+from .procedure import doubts, next_step
 from .steps import Step, Tracked
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ class Posture:
 def take_step(record: Journal, treadmill: SimulatedPerson, posture: Posture) -> Step:
     """Do the next step of a session and record it; return it, kind "done" at the end."""
     session = record.session
-    step = next_step(session, skipped_keys(record.events), posture.bend_deg, posture.facing)
+    step = next_step(session, posture.bend_deg, posture.facing)
     if step.kind == "done":
         return step
     cells = treadmill.answer(step, session)

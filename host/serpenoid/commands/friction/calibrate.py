@@ -124,11 +124,9 @@ def _session(folder: Path) -> sn.Session:
 
 def _state(session: sn.Session) -> tuple[list[tuple[str, str]], Step]:
     """Return how far each part of the plan is, and the next step."""
-    from ...calibration.session_rows import events_of
-    from ...calibration.taking.procedure import next_step, progress, skipped_keys
+    from ...calibration.taking.procedure import next_step, progress
 
-    skipped = skipped_keys(events_of(session))
-    return progress(session, skipped), next_step(session, skipped)
+    return progress(session), next_step(session)
 
 
 def _dry_run(folder: Path, on: str | None) -> None:

@@ -16,10 +16,9 @@ from ...calibration.taking.journal import Journal
 from ...calibration.taking.person.dialogue import Dialogue
 from ...calibration.taking.person.identity import ask_identity, in_words
 from ...calibration.taking.person.prompt import Left
-from ...calibration.taking.person.push_prompt import CrawlReader, FilmReader
+from ...calibration.taking.person.push_prompt import FilmReader
 from ...calibration.taking.person.session_robot import SessionRobot
 from ...calibration.taking.person.terminal import Console
-from ...calibration.taking.procedure import skipped_keys
 from ...calibration.taking.steps import Tracked
 from ...model.errors import RecordingFailed, SerpenoidError
 from ...model.gait import Gait
@@ -81,9 +80,9 @@ def with_a_person(
             for one in told:
                 one(session, step)
 
-        side_m, clock_s = journal.session.setup.tag_side_m, getattr(console, "clock_s", None)
-        films = film_reader(side_m), crawl_reader(side_m)
-        dialogue = Dialogue(journal, console, robot, tell, patience_s, clock_s, *films)
+        film = film_reader(journal.session.setup.tag_side_m)
+        clock_s = getattr(console, "clock_s", None)
+        dialogue = Dialogue(journal, console, robot, tell, patience_s, clock_s, film)
         try:
             well = dialogue.run()
         finally:
@@ -96,7 +95,9 @@ def with_a_person(
 
 def begin(journal: Journal, people: str, robot: str) -> list[str]:
     """Keep who begins and with which board; return what to say, another board than before too."""
-    before = next((e.detail for e in reversed(journal.events) if e.event == "connect"), robot)
+    before = next(
+        (e.detail for e in reversed(journal.session.events) if e.event == "connect"), robot
+    )
     journal.event("start", detail=f"{program()}; {people}")
     if robot != BY_HAND:
         journal.event("connect", detail=robot)
@@ -125,7 +126,7 @@ def _page(
     def told(session: Session, step: Any) -> None:
         board = BY_HAND if robot is None else _state(robot)
         offset = "" if robot is None else robot.steer(0)
-        shown.update(state_of(session, step, skipped_keys(journal.events), board, offset))
+        shown.update(state_of(session, step, board, offset))
         page.publish(dict(shown))
 
     return told, buttons
@@ -218,34 +219,25 @@ def film_reader(side_m: float | None = None) -> FilmReader:
     Needs the extra `video` when it is called, not before.
     """
 
-    def read(path: Path, robot: Robot) -> Tracked:
+    def read(path: Path, robot: Robot, gait: Gait | None) -> Tracked:
+        of = path, robot.links, robot.link_length_m, side_m
         with film_progress(path) as tell:
-            found = track_pushes(path, robot.links, robot.link_length_m, side_m, tell)
-        for remark in found.remarks:
+            if gait is not None:
+                crawl = measure_film(*of, gait, progress=tell)
+                remarks, (cells, samples), closing = crawl.run.remarks, film_cells(crawl), ""
+            else:
+                pushed = track_pushes(*of, tell)
+                remarks, samples = pushed.remarks, pushed.rows
+                cells = {"scale_sigma": round(pushed.scale_sigma, 6)}
+                closing = (
+                    f"{path.name}: all lengths ± {100 * pushed.scale_sigma:.1f} %, kept with its "
+                    "pushes; the fit takes this, or film_scale_sigma_percent in session.toml where "
+                    "that is larger"
+                )
+        for remark in remarks:
             say(f"{path.name}: {remark.name}: {remark.text}")
-        say(
-            f"{path.name}: all lengths ± {100 * found.scale_sigma:.1f} %, kept with its pushes; "
-            "the fit takes this, or film_scale_sigma_percent in session.toml where that is larger"
-        )
-        return Tracked({"scale_sigma": round(found.scale_sigma, 6)}, found.rows)
-
-    return read
-
-
-def crawl_reader(side_m: float | None = None) -> CrawlReader:
-    """Return what reads a film of a crawl; side_m: of a tag, by its links unless given.
-
-    Needs the extra `video` when it is called, not before.
-    """
-
-    def read(path: Path, robot: Robot, gait: Gait) -> Tracked:
-        with film_progress(path) as tell:
-            found = measure_film(
-                path, robot.links, robot.link_length_m, side_m, gait, progress=tell
-            )
-        for remark in found.run.remarks:
-            say(f"{path.name}: {remark.name}: {remark.text}")
-        cells, samples = film_cells(found)
-        return Tracked(cells, samples, "video")
+        if closing:
+            say(closing)
+        return Tracked(cells, samples, "" if gait is None else "video")
 
     return read

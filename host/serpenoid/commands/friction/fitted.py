@@ -208,7 +208,6 @@ def report(
     """
     from ...calibration import advice, comparison
     from ...calibration.session_file import load_session
-    from ...calibration.session_rows import events_of
     from ...model.files import write_text
     from ...show.session.report_page import session_page
 
@@ -227,7 +226,7 @@ def report(
         from ...calibration.advising.two_fits import two_sessions
 
         other = two_sessions(loaded, load_session(beside))
-    page = session_page(loaded, fit, compared, advised, events_of(loaded), other)
+    page = session_page(loaded, fit, compared, advised, other)
     write_text(out, page)
     if bibtex is not None:
         from ...show.citation import entries

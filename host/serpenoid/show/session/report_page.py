@@ -14,8 +14,7 @@ from ...calibration.advising.next_reading import Advice
 from ...calibration.advising.two_fits import TwoFits
 from ...calibration.comparison import Comparison
 from ...calibration.friction_result import FrictionFit
-from ...calibration.session import Session
-from ...calibration.session_rows import Event
+from ...calibration.session import Event, Session
 from ...calibration.taking.procedure import step_in_words
 from ..comparison_figure import PANELS, SIZE, draw_comparison
 from ..plot import draw_friction, figure
@@ -55,10 +54,9 @@ def session_page(
     fit: FrictionFit,
     compared: Comparison | None,
     advice: Advice | None,
-    events: Sequence[Event] = (),
     other: TwoFits | None = None,
 ) -> str:
-    """Return the whole page; what is None is left out. events: the session's, if they are told.
+    """Return the whole page; what is None is left out.
 
     other: its frictions beside those of another session.
     """
@@ -95,9 +93,9 @@ def session_page(
         "<h2>Readings</h2>",
         *_readings(session, fit),
         *_other_readings(session, fit),
-        *_told(events),
+        *_told(session.events),
         "<h2>Where this comes from</h2>",
-        _provenance(session, fit, events),
+        _provenance(session, fit),
     ]
     head = (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
@@ -252,11 +250,11 @@ def _told(events: Sequence[Event]) -> list[str]:
     return ["<h2>What happened</h2>", _table(head, rows, words=True)] if rows else []
 
 
-def _provenance(session: Session, fit: FrictionFit, events: Sequence[Event]) -> str:
+def _provenance(session: Session, fit: FrictionFit) -> str:
     from importlib.metadata import version
 
     setup = session.setup
-    boards = list(dict.fromkeys(e.detail for e in events if e.event == "connect"))
+    boards = list(dict.fromkeys(e.detail for e in session.events if e.event == "connect"))
     driven = f"<p>Robot: {escape('; '.join(boards))}.</p>" if boards else ""
     note = "" if setup.note == "none" else f'<p class="soft">{escape(setup.note)}</p>'
     return (

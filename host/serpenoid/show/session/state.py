@@ -14,9 +14,7 @@ from .bend_drawing import bend_svg
 from .station_drawing import stations_svg
 
 
-def state_of(
-    session: Session, step: Step, skipped: frozenset[str], robot: str, offset: str = ""
-) -> dict[str, Any]:
+def state_of(session: Session, step: Step, robot: str, offset: str = "") -> dict[str, Any]:
     """Return the step, progress, last reading, running fit, and a picture of the stations.
 
     Degrees and SI, as people read them. robot: in words, such as "holds" or "by hand". offset: its
@@ -30,7 +28,7 @@ def state_of(
         "aim": _aim(step),
         "settle_s": round(step.settle_s),
         "asks": [f"{f.words} ({f.unit})" for f in step.asked],
-        "progress": [list(row) for row in progress(session, skipped)],
+        "progress": [list(row) for row in progress(session)],
         "last": _last(session),
         "fit": [
             [

@@ -40,11 +40,11 @@ def push_pose(setup: Setup, series: Series) -> Step:
     return bend_step(series.key, setup, series.bend_deg, then)
 
 
-def push_step(session: Session, series: Series, skipped: frozenset[str]) -> Step | None:
+def push_step(session: Session, series: Series) -> Step | None:
     """Return the next push of a series, its bend still to be told; None where all are done."""
     plan, done = session.setup.procedure, of_series(session, series)
     key = f"push {series.key.removeprefix('pushes ')} {len(done) + 1}"
-    if len(done) >= plan.pushes or key in skipped:
+    if len(done) >= plan.pushes or key in session.skipped:
         return None
     ahead = series.facing == "ahead"
     first = "head first" if ahead else "TAIL FIRST, so that its wheels roll backwards"

@@ -18,14 +18,13 @@ from ...session import Session
 from ..bends import NEAR_DEG
 from ..journal import Journal
 from ..parse_number import span
-from ..procedure import doubts, likely_belt, next_step, skipped_keys
+from ..procedure import doubts, likely_belt, next_step
 from ..steps import Step, Tracked
 from ..treadmill import record_step
 from .prompt import PATIENCE_S, Again, Left, Prompt
 from .push_prompt import (
     CRAWL_QUESTION,
     QUESTION,
-    CrawlReader,
     FilmReader,
     named_file,
     no_films,
@@ -57,10 +56,9 @@ class Dialogue(Prompt):
         patience_s: float = PATIENCE_S,
         clock_s: Callable[[], float] | None = None,
         film: FilmReader = no_films,
-        crawl: CrawlReader = no_films,
     ):
         super().__init__(journal, terminal, robot, patience_s)
-        self._told, self._film, self._crawl = told, film, crawl
+        self._told, self._film = told, film
         self._clock_s = clock_s or time.monotonic
         if robot is not None:
             robot.offset_rad = steered_rad(journal.session) or 0.0
@@ -114,9 +112,8 @@ class Dialogue(Prompt):
 
     def _one_step(self) -> bool:
         """Do one step; return False at the end."""
-        skipped = skipped_keys(self.journal.events)
-        step = next_step(
-            self.journal.session, skipped, self._posture.bend_deg, self._posture.facing
+        self.step = step = next_step(
+            self.journal.session, self._posture.bend_deg, self._posture.facing
         )
         self._told(self.journal.session, step)
         self._skip_doubted = False
@@ -151,11 +148,11 @@ class Dialogue(Prompt):
         what = "straightens" if step.kind == "straight" else "bends"
         if self._robot is None:
             if step.kind == "straight":
-                self.ask("Enter when it lies so: ", step)
+                self.ask("Enter when it lies so: ")
             return
         if step.lambda_deg:
             self._say_reach(self._robot, step)
-        self._ask_to_move(f"Enter {what} the robot (hands off): ", self._robot, step)
+        self._ask_to_move(f"Enter {what} the robot (hands off): ", self._robot)
         reach_deg = self._robot.reach_deg(step.bend) if step.lambda_deg else 0.0
         self._robot.pose(min(step.lambda_deg, reach_deg), step.bend)
         self._steer(self._robot, step)
@@ -169,12 +166,11 @@ class Dialogue(Prompt):
                     "far, and the protractor tells how far that is."
                 )
             self.say(f"! {self._too_far(step.lambda_deg, reach_deg)}")
-            self.ask("  skip, or quit: ", step)
+            self.ask("  skip, or quit: ")
 
     def _steer(self, robot: SessionRobot, step: Step) -> None:
         """Have the offset found that runs straight, before the first reading; it is kept."""
-        steering = replace(step, key="steering")
-        left_out = "steering" in skipped_keys(self.journal.events)
+        left_out = "steering" in self.journal.session.skipped
         if step.lambda_deg or left_out or steered_rad(self.journal.session) is not None:
             return
         if self._on_floor:
@@ -188,30 +184,33 @@ class Dialogue(Prompt):
             "little: steer until the robot runs straight by itself."
         )
         try:
-            self.ask("  Enter keeps it; skip leaves the steering out alone: ", steering)
+            self.step = replace(step, key="steering")
+            self.ask("  Enter keeps it; skip leaves the steering out alone: ")
         except Again:
-            if "steering" in skipped_keys(self.journal.events):
+            if "steering" in self.journal.session.skipped:
                 return  # the pose is there: on to what is asked next
             raise
+        finally:
+            self.step = step
         self.say(f"  every joint has {math.degrees(robot.offset_rad):+.2f} deg from now on")
 
     def _start(self, step: Step) -> None:
         if self._robot is None or step.gait is None:
             return
-        self._ask_to_move("Lay it straight. Enter starts the robot: ", self._robot, step)
+        self._ask_to_move("Lay it straight. Enter starts the robot: ", self._robot)
         self._robot.go(step.gait)
 
-    def _ask_to_move(self, prompt: str, robot: SessionRobot, step: Step) -> None:
+    def _ask_to_move(self, prompt: str, robot: SessionRobot) -> None:
         """Wait for Enter; after a Stop from the page, for the word that releases it, too."""
         while robot.held:
             self._terminal.forget()
             asked = "  stopped from the page. When all hands are off it, type release: "
-            if self.ask(asked, step).lower() == "release":
+            if self.ask(asked).lower() == "release":
                 robot.release()
                 self.journal.event("note", detail="released at the terminal")
-                self._told(self.journal.session, step)
+                self._told(self.journal.session, self.step)
         self._terminal.forget()
-        self.ask(prompt, step)
+        self.ask(prompt)
 
     def _values(self, step: Step) -> Values:
         """Ask for a step's numbers; what is out of line is asked about, never refused."""
@@ -223,12 +222,12 @@ class Dialogue(Prompt):
         begun_s, values = self._belt_set(step), Values()
         for field in step.asked:
             if field.column == "drift_m_s":
-                values |= self._drift(field, step)
+                values |= self._drift(field)
                 continue
             likely = field.likely
             if field.column == "belt_speed_m_s" and step.kind == "station":
                 likely = likely_belt(self.journal.session, step, values)
-            values[field.column] = self.number(field, step, likely, typed=typed)
+            values[field.column] = self.number(field, likely, typed=typed)
             typed = None
         if step.kind == "station" and "places" not in values:
             values["waited_s"] = round(self._clock_s() - begun_s, 1)
@@ -249,7 +248,7 @@ class Dialogue(Prompt):
         """
         text = ""
         while not text:
-            text = self.ask(FILMED[step.kind], step)
+            text = self.ask(FILMED[step.kind])
         named = named_file(text)
         if named is None:
             return text
@@ -258,7 +257,7 @@ class Dialogue(Prompt):
             for kept in take_track(self.journal, *named, cells, self._film):
                 self.say(f"  {kept.in_words()}")
             raise Again
-        crawl = read_crawl(self.journal, named[0], step.gait, self._crawl)
+        crawl = read_crawl(self.journal, named[0], step.gait, self._film)
         gains = ", ".join(f"{float(gain):.3f}" for gain in str(crawl["gains"]).split(","))
         self.say(
             f"  {float(crawl['speed_m_s']):.4f} m/s; joints' amplitudes over the commanded one, "
@@ -269,7 +268,7 @@ class Dialogue(Prompt):
     def _belt_set(self, step: Step) -> float:
         """Ask when a station's belt runs at its last speed; return that moment by the clock."""
         if step.kind == "station":
-            self.ask(f"  Enter when the belt is set; let it settle {step.settle_s:.0f} s: ", step)
+            self.ask(f"  Enter when the belt is set; let it settle {step.settle_s:.0f} s: ")
         return self._clock_s()
 
     def _doubted(self, step: Step, values: Values) -> Values:
@@ -285,21 +284,20 @@ class Dialogue(Prompt):
             why = f" ({field.why})" if field.why else ""
             answer = self.answer(
                 f"  {field.words} {value:.4g} {field.unit}: expected {span(likely)}{why}. "
-                "Type it anew, keep, or again: ",
-                step,
+                "Type it anew, keep, or again: "
             )
             if answer == "keep":
                 kept.add(field.column)
             elif answer:
-                values[field.column] = self.number(field, step, typed=answer)
+                values[field.column] = self.number(field, typed=answer)
 
-    def _drift(self, field: Field, step: Step) -> Values:
+    def _drift(self, field: Field) -> Values:
         """Ask for the drift that is left; or for places over time, of a robot that still drifts."""
         question = f"  places in a film as s:m, {EXAMPLE}; or {field.words} ({field.unit}): "
         while True:
-            text = self.ask(question, step, enter=True)
+            text = self.ask(question, enter=True)
             if ":" not in text:  # no pairs of time and place
-                return {field.column: self.number(field, step, typed=text)}
+                return {field.column: self.number(field, typed=text)}
             try:
                 places = tidy_places(text)
                 return {"places": places, field.column: drifts(places)[0]}

@@ -12,12 +12,10 @@ from ...session import Setup
 from ...settings import quoted
 from ..journal import Journal
 from ..new_session import LENGTH, MASS, NOT_SAID, WORDS, identity_differences
-from ..steps import Step
 from .prompt import Again, Prompt
 from .terminal import Terminal
 
 LINKS = Field("links", "number of links", 2.0, 100.0)
-IDENTITY = Step("", "identity", "")
 
 
 def ask_identity(journal: Journal, terminal: Terminal) -> str:
@@ -49,15 +47,13 @@ class _Identity(Prompt):
                 self.journal.event("amend", detail=f"laboratory.surface = {quoted(surface)}")
         if not resumed:
             return setup.people
-        return self.ask(f"Who measures now? Enter: {setup.people}. ", IDENTITY) or setup.people
+        return self.ask(f"Who measures now? Enter: {setup.people}. ") or setup.people
 
     def _confirm(self, setup: Setup) -> None:
         self.say(f"Resumed: {setup.name}, {in_words(setup)}.")
         answer = "?"
         while answer not in ("", "y", "yes", "n", "no"):
-            answer = self.ask(
-                "Is it this robot, on this surface? Enter: yes, n: no. ", IDENTITY
-            ).lower()
+            answer = self.ask("Is it this robot, on this surface? Enter: yes, n: no. ").lower()
         if answer in ("n", "no"):
             refuse_another(self.journal, self._here(setup))
             self.say("Nothing differs: it is the same robot.")
@@ -73,13 +69,13 @@ class _Identity(Prompt):
         return replace(setup, robot=Robot(links, mass_kg / links, length_m), surface=surface)
 
     def _word(self, name: str, usual: str) -> str:
-        return self.ask(f"  {WORDS[name]} [{usual}]: ", IDENTITY) or usual
+        return self.ask(f"  {WORDS[name]} [{usual}]: ") or usual
 
     def _number(self, field: Field, usual: float) -> float:
         """Return the number typed, `usual` for Enter."""
         shown = "not now" if math.isnan(usual) else f"{usual:.6g}"
         prompt = f"  {field.words} [{shown}]: "
-        return self.number(field, IDENTITY, prompt=prompt, usual=usual)
+        return self.number(field, prompt=prompt, usual=usual)
 
 
 def in_words(setup: Setup) -> str:

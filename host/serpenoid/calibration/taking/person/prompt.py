@@ -10,7 +10,7 @@ from ...kinds.declaration import READ, Field, Range, Values, Word
 from ...kinds.rows import cells_of, kind_of
 from ..journal import Journal
 from ..parse_number import parse_number, redone
-from ..procedure import progress, skipped_keys, step_in_words
+from ..procedure import progress, step_in_words
 from ..steps import Step
 from ..treadmill import Posture
 from .session_robot import SessionRobot
@@ -38,7 +38,7 @@ class Prompt:
     """Ask a person at a terminal, who may type a word of HELP instead of an answer.
 
     robot: None if it is set by hand. patience_s: how long a prompt waits before its servos are let
-    go.
+    go. step: that the person is at.
     """
 
     def __init__(
@@ -51,13 +51,14 @@ class Prompt:
         self.journal = journal
         self._terminal, self._robot, self._patience_s = terminal, robot, patience_s
         self._posture = Posture()
+        self.step = Step("", "identity", "")
         self._skip_doubted = False
 
     def say(self, text: str) -> None:
         """Show a line or more."""
         self._terminal.say(text)
 
-    def ask(self, prompt: str, step: Step, *, enter: bool = False) -> str:
+    def ask(self, prompt: str, *, enter: bool = False) -> str:
         """Return what was typed, once it is none of the words; raises Again and Left.
 
         enter: Enter answers this question, too.
@@ -66,13 +67,13 @@ class Prompt:
             line = self._terminal.ask(prompt, self._patience_s, self._tick)
             if line is None:
                 self._nobody()
-            elif not self._obeyed(line, step, enter):
+            elif not self._obeyed(line, enter):
                 self._skip_doubted = False
                 return line
 
-    def answer(self, question: str, step: Step) -> str:
+    def answer(self, question: str) -> str:
         """Return an answer to a doubt, "keep" for its short forms; `again` raises Again."""
-        answer = self.ask(question, step).lower()
+        answer = self.ask(question).lower()
         if answer in ("again", "a"):
             self.say("  again, from the start of this step")
             raise Again
@@ -81,7 +82,6 @@ class Prompt:
     def number(
         self,
         field: Field,
-        step: Step,
         likely: Range | None = None,
         *,
         prompt: str = "",
@@ -95,17 +95,17 @@ class Prompt:
         """
         prompt = prompt or f"  {field.words} ({field.unit}): "
         enter = field.usual is not None
-        text = self.ask(prompt, step, enter=enter) if typed is None else typed
+        text = self.ask(prompt, enter=enter) if typed is None else typed
         while text or usual is None:
             try:
                 number = parse_number(text, field, likely)
             except BadInput as error:
                 self.say(f"  ! {error}")
-                text = self.ask(prompt, step, enter=enter)
+                text = self.ask(prompt, enter=enter)
                 continue
             if not number.question:
                 return number.value
-            answer = self.answer(f"  {number.question} Type yes, keep, or it anew: ", step)
+            answer = self.answer(f"  {number.question} Type yes, keep, or it anew: ")
             if answer in ("y", "yes") and number.meant is not None:
                 return number.meant
             if answer == "keep":
@@ -145,7 +145,7 @@ class Prompt:
         """Return in words what the servos do once they are let go; "" of a robot set by hand."""
         return "" if self._robot is None else self._robot.without_pulses
 
-    def _obeyed(self, line: str, step: Step, enter: bool) -> bool:
+    def _obeyed(self, line: str, enter: bool) -> bool:
         """Do what a word says; return False if the line is none. Raises Again and Left."""
         word, _, rest = line.partition(" ")
         word = word.lower()
@@ -154,12 +154,13 @@ class Prompt:
         if obey is None:
             return False
         try:
-            obey(rest, step, enter) if word == "skip" else obey(rest, step)
+            obey(rest, enter) if word == "skip" else obey(rest)
         except (BadInput, RecordingFailed) as error:
             self.say(f"  ! {error}")
         return True
 
-    def _do_skip(self, rest: str, step: Step, enter: bool) -> None:
+    def _do_skip(self, rest: str, enter: bool) -> None:
+        step = self.step
         if not step.key:
             raise BadInput("this is no step of the plan; it cannot be left out")
         if not self._skip_doubted and (doubt := _skip_doubt(step, enter)):
@@ -179,13 +180,13 @@ class Prompt:
             )
         raise Again
 
-    def _do_help(self, rest: str, step: Step) -> None:
+    def _do_help(self, rest: str) -> None:
         self.say(HELP)
 
-    def _do_quit(self, rest: str, step: Step) -> None:
+    def _do_quit(self, rest: str) -> None:
         raise Left
 
-    def _do_pause(self, rest: str, step: Step) -> None:
+    def _do_pause(self, rest: str) -> None:
         """Let the servos go until the person is back."""
         self.let_go()
         self.journal.event("pause", detail=rest)
@@ -195,23 +196,23 @@ class Prompt:
         self.journal.event("resume")
         raise Again
 
-    def _do_note(self, rest: str, step: Step) -> None:
+    def _do_note(self, rest: str) -> None:
         if not rest:
             raise BadInput("type the remark after the word: note warm room")
         self.journal.event("note", detail=rest)
         self.say("  noted")
 
-    def _do_status(self, rest: str, step: Step) -> None:
+    def _do_status(self, rest: str) -> None:
         session = self.journal.session
         for r in session.numbered[-8:]:
             state = f"  void: {r.comment}" if r.voided else ""
             self.say(f"  {r.number:4}  {'  '.join(r.in_words())}{state}")
-        parts = progress(session, skipped_keys(self.journal.events))
+        parts = progress(session)
         wide = max(len(name) for name, _ in parts)
         for name, state in parts:
             self.say(f"  {name:{wide}}  {state}")
 
-    def _do_undo(self, rest: str, step: Step) -> None:
+    def _do_undo(self, rest: str) -> None:
         skip = self._last_skip()
         if skip:
             self.journal.event("unskip", detail=skip)
@@ -222,27 +223,27 @@ class Prompt:
             self.say(f"  reading {number} is void")
         raise Again
 
-    def _do_void(self, rest: str, step: Step) -> None:
+    def _do_void(self, rest: str) -> None:
         text, _, why = rest.partition(" ")
         self.journal.event("void", self._numbered(text), why)
         self.say(f"  reading {text} is void")
         raise Again
 
-    def _do_restore(self, rest: str, step: Step) -> None:
+    def _do_restore(self, rest: str) -> None:
         self.journal.event("restore", self._numbered(rest))
         self.say(f"  reading {rest} is used again")
         raise Again
 
-    def _do_redo(self, rest: str, step: Step) -> None:
+    def _do_redo(self, rest: str) -> None:
         number = self._numbered(rest) if rest else self._last_kept()
         row = self.journal.rows[number]
         self.say(f"  reading {number} anew; Enter keeps a value as it was")
-        values = redone(row["kind"], row, self._anew(row, step), self.journal.session.setup)
+        values = redone(row["kind"], row, self._anew(row), self.journal.session.setup)
         new = self.journal.redo(number, values)
         self.say(f"  reading {new} is kept in place of {number}")
         raise Again
 
-    def _anew(self, row: Mapping[str, str], step: Step) -> Values:
+    def _anew(self, row: Mapping[str, str]) -> Values:
         """Ask for a row's numbers again; what the plan or the protractor told stays."""
         values: Values = {}
         there = cells_of(row)
@@ -256,10 +257,10 @@ class Prompt:
                 if is_word
                 else f"{field.words} ({float(old):.4g} {field.unit})"
             )
-            text = self.ask(f"  {shown}: ", step, enter=True)
+            text = self.ask(f"  {shown}: ", enter=True)
             if text:
                 values[field.column] = (
-                    field.read(text) if is_word else self.number(field, step, typed=text)
+                    field.read(text) if is_word else self.number(field, typed=text)
                 )
         return values
 
@@ -276,10 +277,9 @@ class Prompt:
 
         By the number of that reading, which `skip` keeps: clocks may be set back.
         """
-        events, last = self.journal.events, self.journal.last
-        late = [e.detail for e in events if e.event == "skip" and e.reading == last]
-        skipped = skipped_keys(events)
-        return next((key for key in reversed(late) if key in skipped), "")
+        session, last = self.journal.session, self.journal.last
+        late = [e.detail for e in session.events if e.event == "skip" and e.reading == last]
+        return next((key for key in reversed(late) if key in session.skipped), "")
 
     def _last_kept(self) -> int:
         kept = [r.number for r in self.journal.session.numbered if not r.voided]

@@ -23,8 +23,8 @@ from ..floor.pushes import Kept, keep_pushes
 from ..journal import Journal
 from ..steps import Tracked
 
-FilmReader = Callable[[Path, Robot], Tracked]  # a film to its track, and cells of each push in it
-CrawlReader = Callable[[Path, Robot, Gait], Tracked]  # a film of a crawl to cells of `video`
+# A film to its track: of pushes, and cells of each push in it; or of a crawl, to cells of `video`.
+FilmReader = Callable[[Path, Robot, Gait | None], Tracked]
 TEXTS = (".csv", ".txt", ".tsv", ".dat")
 FILMS = (".mp4", ".mov", ".mkv", ".avi", ".m4v", ".webm")
 QUESTION = "  its film or track (of Tracker, Kinovea, CSV), or how far it rolled (m): "
@@ -60,13 +60,13 @@ def take_track(
         track, sha256 = read_track_file(path, unit)
     else:
         sha256 = sha256_of(path)
-        seen = film(path, journal.session.setup.robot)
+        seen = film(path, journal.session.setup.robot, None)
         track, cells = np.array(seen.samples, dtype=float), {**cells, **seen}
     with located(str(path)):
         return keep_pushes(journal, track, cells, file_sha256=sha256)
 
 
-def read_crawl(journal: Journal, path: Path, gait: Gait, film: CrawlReader = no_films) -> Tracked:
+def read_crawl(journal: Journal, path: Path, gait: Gait, film: FilmReader = no_films) -> Tracked:
     """Return the `video` reading of a film of a crawl, or of its track; raises BadInput.
 
     A track is a CSV file as `serpenoid video --track` writes it.
