@@ -72,7 +72,8 @@ class Typist:
 
 def begun(folder: Path, head: str) -> None:
     """Begin the session that a line of === names: its place, and amendments of its plan."""
-    setup = replace(default_setup("made up"), surface="belt", people="Ada")
+    setup = replace(default_setup("made up"), people="Ada")
+    setup = replace(setup, weighed=False) if "unweighed" in head else replace(setup, surface="belt")
     place = "floor" if "floor" in head else "treadmill"
     setup = replace(setup, procedure=on_place(setup.procedure, place))
     create_session(folder, practice_setup(setup, 7, place) if "practice" in head else setup)

@@ -4,9 +4,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from calibration.test_dialogue import Person
 from serpenoid import BadInput, fit_friction
-from serpenoid.calibration.session_file import read_session
 from serpenoid.calibration.session_rows import read_events
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import (
@@ -14,7 +12,6 @@ from serpenoid.calibration.taking.new_session import (
     default_setup,
 )
 from serpenoid.calibration.taking.parse_number import amendment
-from serpenoid.calibration.taking.person.identity import ask_identity
 from serpenoid.commands.friction.calibrate_person import begin
 
 ZERO = {"incline_deg": 0.1, "reversed_deg": -0.1}
@@ -28,26 +25,6 @@ def folder(tmp_path):
     with Journal(made) as journal:
         journal.add("zero", ZERO)
     return made
-
-
-def asked(folder, *lines):
-    """Return what was heard and who measures."""
-    person = Person(*lines)
-    with Journal(folder) as journal:
-        return person, ask_identity(journal, person)
-
-
-def test_a_mass_and_a_surface_left_open_are_asked_until_they_are_known(tmp_path):
-    made = create_session(tmp_path / "session", replace(default_setup("made up"), weighed=False))
-    asked(made, "", "")
-    assert not read_session(made).setup.weighed
-    asked(made, "480 g", 'a "rubber" belt')
-    setup = read_session(made).setup
-    assert setup.weighed
-    assert setup.robot.link_mass_kg == pytest.approx(0.08)
-    assert setup.surface == 'a "rubber" belt'
-    person, _ = asked(made)
-    assert person.heard == ""
 
 
 def test_a_corrected_mass_holds_for_readings_taken_before(folder):
