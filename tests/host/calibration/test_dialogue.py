@@ -64,10 +64,6 @@ ZERO = ("0,1", "-0.1")
 STATION = ("", "2.0", "0.2", "", "", "keep")
 
 
-def station(incline, belt, drift=""):
-    return ("", incline, belt, "", drift, "keep")
-
-
 class Led:
     """Reads off a simulated treadmill what each prompt asks for."""
 
