@@ -69,9 +69,9 @@ def _ladders(scene: Scene) -> Iterator[list[Scene]]:
         if scene.formulation == "explicit":
             yield _by_tolerance(exact_scene(bare, _TIGHT), _TIGHT, _TIGHTEST)
         elif scene.law != "dry":
-            faults = scene.limp or scene.locked
-            for method in ("dop853",) if faults else ("dop853", "radau"):
-                yield _by_tolerance(replace(bare, method=method), _TIGHT, _TIGHTEST)
+            for method in ("dop853", "radau"):
+                if objection(method, bare) is None:
+                    yield _by_tolerance(replace(bare, method=method), _TIGHT, _TIGHTEST)
         yield _by_step(bare)
         return
     tight, tightest = min(tolerance / 10, _TIGHT), min(tolerance / 1000, _TIGHTEST)

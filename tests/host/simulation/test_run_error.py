@@ -212,3 +212,12 @@ def test_the_estimate_of_many_links_that_stick_is_a_bound(links: int, tolerance:
     assert said.settled
     assert off.position_m <= said.integration.position_m + rounding
     assert off.angle_rad <= said.integration.angle_rad + rounding
+
+
+def test_springs_with_geared_servos_have_an_estimate() -> None:
+    """No method that picks its steps runs them."""
+    geared = sn.Servo(gear_friction_nm=0.02)
+    soft = {"formulation": "implicit", "method": "rk4", "dt_s": 1e-4, "duration_s": 0.1}
+    run = sn.simulate(sn.Scene(SIX, VISCOUS, GAIT, drive="servo", servo=geared, **soft))
+    assert "runs at dt_s 0.0002 and 5e-05" in run.error_estimate.how
+    assert run.error_estimate.integration.position_m < 1e-3
