@@ -223,9 +223,9 @@ def _method(scene: Scene) -> str:
     """Return the method that gets a scene most accurate, of those that record what it asks."""
     if scene.formulation == "explicit":
         return exact_scene(scene, scene.tolerance).method
-    if scene.law == "dry":
-        return default_method(scene)
-    return "dop853" if objection("radau", scene) else "radau"
+    smooth = () if scene.law == "dry" else ("radau", "dop853")
+    runs = (method for method in smooth if objection(method, scene) is None)
+    return next(runs, default_method(scene))
 
 
 def _split(scene: Scene, parts: float) -> Scene:

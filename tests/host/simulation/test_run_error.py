@@ -218,6 +218,8 @@ def test_springs_with_geared_servos_have_an_estimate() -> None:
     """No method that picks its steps runs them."""
     geared = sn.Servo(gear_friction_nm=0.02)
     soft = {"formulation": "implicit", "method": "rk4", "dt_s": 1e-4, "duration_s": 0.1}
-    run = sn.simulate(sn.Scene(SIX, VISCOUS, GAIT, drive="servo", servo=geared, **soft))
+    scene = sn.Scene(SIX, VISCOUS, GAIT, drive="servo", servo=geared, **soft)
+    run = sn.simulate(scene)
     assert "runs at dt_s 0.0002 and 5e-05" in run.error_estimate.how
     assert run.error_estimate.integration.position_m < 1e-3
+    assert sn.simulate(replace(scene, method="auto"), accuracy=0.05).scene.method == "nonsmooth"
