@@ -13,6 +13,7 @@ import click
 from ..model.checks import check_number
 
 Option = Callable[[Any], Any]
+Given = dict[str, Any]  # values of options, or an answer
 
 
 def option(*names_and_help: str, choice: Iterable[str] = (), **how: Any) -> Option:
@@ -95,7 +96,7 @@ class Options:
         """Return the fields."""
         return [parameter.name or "" for parameter in click.command(self(lambda: None)).params]
 
-    def take(self, given: dict[str, Any]) -> dict[str, Any]:
+    def take(self, given: Given) -> Given:
         """Take the values of these options out of `given`; return those that were given."""
         taken = {name: given.pop(name) for name in self.names}
         return {name: value for name, value in taken.items() if value is not None}

@@ -10,7 +10,7 @@ from pathlib import Path
 import serpenoid as sn
 
 from .. import _core
-from ..calibration.prediction import SpeedPoint, as_json, one_cycle, predict_all
+from ..calibration.prediction import as_json, one_cycle, predict_all
 from ..show import plot
 from ..show.screen import progress
 from .demo_loop import measure_demo_film, push_along_floor, run_loop, say, step
@@ -57,24 +57,21 @@ def run_demo(out: Path, own: sn.FrictionFit | None = None) -> None:
     parts = {"film": film, "floor": floor}
     numbers = as_json(fit, points, state) | {k: v for k, v in parts.items() if v is not None}
     write_json(out / "demo.json", numbers)
-    step(8, *_robot_of_2005(fit, points))
-    here = Path(sys.argv[0])  # by its path where the shell would not find it
-    serpenoid = here.name if shutil.which(here.name) else str(here)
-    serpenoid = "python -m serpenoid" if here.stem == "__main__" else serpenoid
-    say(f"\nLook at {out / 'report.html'}. Pictures and numbers are beside it.")
-    say(f"Next, without a robot: {serpenoid} view virtual")
-    say(f"With your robot: {serpenoid} flash; then doctor, trim, calibrate new DIR, fit DIR")
-
-
-def _robot_of_2005(fit: sn.FrictionFit, points: list[SpeedPoint]) -> list[str]:
-    """Return what a builder would ask of the robot of 2005, and how far to trust it."""
+    # what a builder would ask of this robot, and how far to trust it
     fastest = [p for p in points if p.follows][-1]
     cn = fit.parameters["cn"]
-    return [
+    step(
+        8,
         f"The robot of 2005: at {fastest.frequency_hz:g} Hz about {fastest.servo_m_s:#.2g} m/s "
         f"with typical servos ({fastest.low_m_s:#.2g} to {fastest.high_m_s:#.2g}).",
         f"Beyond {fastest.managed_hz:.2g} Hz most hobby servos cannot run this gait.",
         "The paper's data points are lost: the readings come from its two printed lines, the "
         f"intervals from assumed instruments. Friction across is known to "
         f"{100 * cn.sigma / cn.value:.0f} % only.",
-    ]
+    )
+    here = Path(sys.argv[0])  # by its path where the shell would not find it
+    serpenoid = here.name if shutil.which(here.name) else str(here)
+    serpenoid = "python -m serpenoid" if here.stem == "__main__" else serpenoid
+    say(f"\nLook at {out / 'report.html'}. Pictures and numbers are beside it.")
+    say(f"Next, without a robot: {serpenoid} view virtual")
+    say(f"With your robot: {serpenoid} flash; then doctor, trim, calibrate new DIR, fit DIR")

@@ -234,8 +234,21 @@ def push_along_floor(out: Path, belt: sn.FrictionFit, ground: sn.Ground) -> dict
     ground: the truth. The session is left in out/floor, its picture in out/floor.png. Returns the
     figures; None where a robot of one's own does not roll well enough to tell.
     """
+    setup = default_setup("demo, floor")
+    plan = replace(on_place(setup.procedure, "floor"), gaits=(), pushes=2)
+    setup = replace(
+        _simulated(setup, "a floor in the virtual lab", "floor"),
+        robot=belt.robot,
+        procedure=plan,
+        floor=FloorTools(wheels_kg=WHEELS_KG),
+    )
     try:
-        session, minutes = _pushed(out / "floor", _floor_setup(belt.robot), ground)
+        begin_anew(out / "floor", setup)
+        person = SimulatedPerson(
+            setup, drawn_floor(setup, ground, np.random.default_rng(SEED)), SEED
+        )
+        with Journal(out / "floor") as journal, working("pushes"):
+            session = take_all(journal, person)
         fit = sn.fit_friction(session)
     except sn.BadInput as error:
         step(6, f"No pushes along a floor for this robot: {error}")
@@ -247,30 +260,10 @@ def push_along_floor(out: Path, belt: sn.FrictionFit, ground: sn.Ground) -> dict
     step(
         6,
         f"No treadmill? {len(session.kept_pushes)} filmed pushes along a floor in "
-        f"{bends} bends, {minutes:.0f} minutes: {beside_truth(fit, ground)}",
+        f"{bends} bends, {person.t_s / 60:.0f} minutes: {beside_truth(fit, ground)}",
         f"Treadmill and floor: {beside.verdict}",
     )
     return {"fit": fit.to_dict(), "beside": beside.to_dict()}
-
-
-def _floor_setup(body: sn.Robot) -> Setup:
-    setup = default_setup("demo, floor")
-    plan = replace(on_place(setup.procedure, "floor"), gaits=(), pushes=2)
-    return replace(
-        _simulated(setup, "a floor in the virtual lab", "floor"),
-        robot=body,
-        procedure=plan,
-        floor=FloorTools(wheels_kg=WHEELS_KG),
-    )
-
-
-def _pushed(folder: Path, setup: Setup, ground: sn.Ground) -> tuple[sn.Session, float]:
-    """Take the session; return it and the minutes that a person would have needed."""
-    begin_anew(folder, setup)
-    truth = drawn_floor(setup, ground, np.random.default_rng(SEED))
-    person = SimulatedPerson(setup, truth, SEED)
-    with Journal(folder) as journal, working("pushes"):
-        return take_all(journal, person), person.t_s / 60
 
 
 def measure_demo_film(out: Path) -> dict[str, Any] | None:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 import serpenoid as sn
 
 from ..show.screen import say
-from .declare import FOLDER, option
+from .declare import FOLDER, Given, option
 
 if TYPE_CHECKING:
     from ..calibration.kinds.video import FilmReading
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 ALARMS = "serpenoid.alarms"  # of click's context: keys that show_json puts into every answer
 
 
-def take_fit(given: dict[str, Any]) -> sn.FrictionFit | None:
+def take_fit(given: Given) -> sn.FrictionFit | None:
     """Take the fit of --session or --ground, None if neither was given; its alarms are told."""
     session, ground = given.pop("session", None), given.pop("ground_file", None)
     if session is not None and ground is not None:

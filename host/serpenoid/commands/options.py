@@ -19,7 +19,7 @@ import serpenoid as sn
 from ..model.checks import FORMULATIONS, check_number
 from ..model.files import write_text
 from ..show.screen import say
-from .declare import Options, angle, flag, number, option, radians
+from .declare import Given, Options, angle, flag, number, option, radians
 from .given import ALARMS, take_fit
 
 T = TypeVar("T")
@@ -189,7 +189,7 @@ def preset_robot(name: str) -> tuple[sn.Robot, sn.Ground]:
 
 
 def make_robot(
-    given: dict[str, Any],
+    given: Given,
     base: tuple[sn.Robot, sn.Ground] | None = None,
     fit: sn.FrictionFit | None = None,
 ) -> tuple[sn.Robot, sn.Ground]:
@@ -213,10 +213,18 @@ def make_robot(
     return replace(robot, **changes), replace(ground, **GROUND.take(given))
 
 
-def make_gait(given: dict[str, Any], base: sn.Gait | None = None) -> sn.Gait:
+def make_gait(given: Given, base: sn.Gait | None = None) -> sn.Gait:
     """Take a gait with either rate or frequency, over `base` if there is one."""
     fields = gait_options.take(given)
-    _doubt_gait(fields)
+    # Figures that look as if typed in another unit are told, not refused: they may be meant.
+    alpha, beta = (math.degrees(fields.get(name, 0.0)) for name in ("alpha_rad", "beta_rad"))
+    if alpha and beta and 0 < alpha <= math.pi and abs(beta) <= math.pi:
+        told = f"{alpha:g} and {beta:g} degrees"
+        _tell("--alpha-deg, --beta-deg", told, "radians", math.degrees(alpha), math.degrees(beta))
+    omega = fields.get("omega_rad_s", 0.0)
+    if _FAST_RAD_S < omega < math.inf:
+        told = f"{omega:g} rad/s, {omega / math.tau:.3g} waves a second"
+        _tell("--omega-rad-s", told, "degrees a second", math.radians(omega))
     rates = [name for name in ("omega_rad_s", "frequency_hz") if name in fields]
     if len(rates) > 1 or not (rates or base):
         raise click.UsageError("give one of --omega-rad-s and --frequency-hz")
@@ -231,9 +239,6 @@ def make_gait(given: dict[str, Any], base: sn.Gait | None = None) -> sn.Gait:
     return sn.Gait(**fields)
 
 
-# Figures that look as if typed in another unit are told, not refused: they may be meant.
-
-
 def doubt_robot(given: Mapping[str, Any], names: str = "--{}") -> None:
     """Warn of links whose length or mass, where given, looks like mm or g."""
     for name, most, unit, small in (
@@ -244,18 +249,6 @@ def doubt_robot(given: Mapping[str, Any], names: str = "--{}") -> None:
         if value is not None and most < value < math.inf:
             option = names.format(name.replace("_", "-"))
             _tell(option, f"{value:g} {unit} for one link", small, value / 1e3)
-
-
-def _doubt_gait(fields: Mapping[str, Any]) -> None:
-    """Warn of a gait whose options look like radians, degrees a second or turns a minute."""
-    alpha, beta = (math.degrees(fields.get(name, 0.0)) for name in ("alpha_rad", "beta_rad"))
-    if alpha and beta and 0 < alpha <= math.pi and abs(beta) <= math.pi:
-        told = f"{alpha:g} and {beta:g} degrees"
-        _tell("--alpha-deg, --beta-deg", told, "radians", math.degrees(alpha), math.degrees(beta))
-    omega = fields.get("omega_rad_s", 0.0)
-    if _FAST_RAD_S < omega < math.inf:
-        told = f"{omega:g} rad/s, {omega / math.tau:.3g} waves a second"
-        _tell("--omega-rad-s", told, "degrees a second", math.radians(omega))
 
 
 def _tell(option: str, value: str, unit: str, *meant: float) -> None:
@@ -279,7 +272,7 @@ def interruptible(work: Callable[[], T]) -> T:
     return done.result()
 
 
-def describe(gait: sn.Gait) -> dict[str, Any]:
+def describe(gait: sn.Gait) -> Given:
     """Return a gait as it is typed."""
     return {
         "alpha_deg": round(math.degrees(gait.alpha_rad), 10),  # 30, not 29.999999999999996
@@ -309,17 +302,17 @@ def finite(values: Any) -> Any:
     return values
 
 
-def json_text(values: dict[str, Any]) -> str:
+def json_text(values: Given) -> str:
     """Return strict JSON; what is not finite becomes null."""
     return json.dumps(finite(values), indent=2, allow_nan=False)
 
 
-def write_json(path: Path, values: dict[str, Any]) -> None:
+def write_json(path: Path, values: Given) -> None:
     """Write strict JSON into a file."""
     write_text(path, json_text(values) + "\n")
 
 
-def show_json(values: dict[str, Any]) -> None:
+def show_json(values: Given) -> None:
     """Print strict JSON, with alarms and notes of its fit."""
     context = click.get_current_context(silent=True)
     say(json_text(values | (context.meta.get(ALARMS, {}) if context else {})))

@@ -15,7 +15,7 @@ import serpenoid as sn
 from ..model.checks import DRIVES, FORMULATIONS, GAPS, STARTS
 from ..show.screen import progress, say, working
 from ..simulation.methods import METHODS
-from .declare import FIGURES, Options, angle, flag, number, option, out_file, refuse_typed
+from .declare import FIGURES, Given, Options, angle, flag, number, option, out_file, refuse_typed
 from .options import (
     AS_TABLES,
     describe,
@@ -175,13 +175,13 @@ def simulate(
         run_report.show_run(run, summary)
 
 
-def make_scene(given: dict[str, Any], base: sn.Scene | None) -> sn.Scene:
+def make_scene(given: Given, base: sn.Scene | None) -> sn.Scene:
     """Make a scene of the options that were given, over a scene file's if there is one."""
     robot, ground = make_robot(given, base and (base.robot, base.ground))
     # joints that are driven by torques need no gait: a straight chain at rest
     usual = base.gait if base else None if given["torque_nm"] is None else sn.Gait(0.0, 0.0, 1.0)
     gait = make_gait(given, usual)
-    parts: dict[str, Any] = {"robot": robot, "ground": ground, "gait": gait}
+    parts: Given = {"robot": robot, "ground": ground, "gait": gait}
     told = scene_options.take(given)
     parts |= _joint_drive(told, base)
     return replace(base, **parts | told) if base is not None else sn.Scene(**parts, **told)
@@ -204,7 +204,7 @@ def _check_that_all_apply(scene: sn.Scene, accuracy: float | None) -> None:
             refuse_typed(f"{{}} has no effect: {why}", *names)
 
 
-def _joint_drive(told: dict[str, Any], base: sn.Scene | None) -> dict[str, Any]:
+def _joint_drive(told: Given, base: sn.Scene | None) -> Given:
     """Take the drive from the options: asking for servos or torques replaces the scene's own."""
     drive, servo, torque = (told.pop(name, None) for name in ("drive", "servo", "torque_nm"))
     asked = {"servo": servo, "torque": torque}

@@ -13,7 +13,7 @@ import click
 import serpenoid as sn
 
 from ..show.screen import progress, say
-from .declare import EXISTING, FIGURES, FOLDER, Options, number, option, out_file
+from .declare import EXISTING, FIGURES, FOLDER, Given, Options, number, option, out_file
 from .group import Commands
 from .options import AS_JSON, gait_options, make_gait, preset_robot, show_json
 
@@ -53,7 +53,7 @@ _ROBOT = Options(
 )
 
 
-def _robot(given: dict[str, Any]) -> tuple[sn.Robot, float | None]:
+def _robot(given: Given) -> tuple[sn.Robot, float | None]:
     """Take the robot and the tag's side (m) from the options, or as the session remembers it."""
     from ..calibration.session_file import read_session
 

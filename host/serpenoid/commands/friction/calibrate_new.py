@@ -11,7 +11,7 @@ import click
 
 from ...model.errors import BadInput
 from ...show.screen import say
-from ..declare import FOLDER, flag, option
+from ..declare import FOLDER, Given, flag, option
 
 if TYPE_CHECKING:
     from ...calibration.session import Setup
@@ -132,7 +132,7 @@ def new(
     say(f"begun: {folder / 'session.toml'}; go on with `serpenoid calibrate {folder}`")
 
 
-def _asked(setup: Setup, answers: dict[str, Any], on: str) -> dict[str, Any]:
+def _asked(setup: Setup, answers: Given, on: str) -> Given:
     """Ask what is not answered yet; Enter takes what stands in brackets."""
     from ...calibration.taking.new_session import QUESTIONS, WORDS
 

@@ -56,10 +56,15 @@ def practice(
     The robot obeys the equations of motion: it yaws and rolls off unless you steer it. Its
     friction is told at the end. The session goes on where it was left, as a real one.
     """
+    import secrets
+
     from ...calibration.session_file import read_session
+    from ...calibration.taking.new_session import create_session, default_setup
     from ...calibration.taking.person.practice import (
         FloorTerminal,
         PracticeTerminal,
+        practice_seed,
+        practice_setup,
         truth_in_words,
     )
     from ...calibration.taking.person.practice_treadmill import TreadmillTerminal
@@ -72,8 +77,15 @@ def practice(
     if on == "floor":
         words = "{} has no effect with --on floor; leave it out"
         refuse_typed(words, "pace", "lan", "with_page")
-    session, drawn = _begun(folder, seed, on)
-    lab = Console(), session.setup, drawn, folder / "films"
+    if not (folder / "session.toml").exists():
+        drawn = secrets.randbelow(10**6) if seed is None else seed
+        setup = default_setup(os.path.basename(os.path.abspath(folder)))
+        create_session(folder, practice_setup(setup, drawn, on))
+    session = read_session(folder)
+    has = practice_seed(session, on)
+    if seed not in (None, has):
+        raise sn.BadInput(f"{folder} is of seed {has}, not {seed}; give another folder")
+    lab = Console(), session.setup, has, folder / "films"
     terminal: PracticeTerminal
     if on == "floor":
         link, page, terminal = None, nullcontext(), FloorTerminal(*lab)
@@ -90,25 +102,6 @@ def practice(
         if len(session.kept) + len(session.kept_pushes) >= ENOUGH:
             truth = truth_in_words(terminal.world.truth, on)
             terminal.say(f"\n{truth}; `serpenoid fit {folder}`")
-
-
-def _begun(folder: Path, seed: int | None, place: str) -> tuple[sn.Session, int]:
-    """Return a session of practice and its seed, begun unless it is there; refuse another seed."""
-    import secrets
-
-    from ...calibration.session_file import read_session
-    from ...calibration.taking.new_session import create_session, default_setup
-    from ...calibration.taking.person.practice import practice_seed, practice_setup
-
-    if not (folder / "session.toml").exists():
-        drawn = secrets.randbelow(10**6) if seed is None else seed
-        setup = default_setup(os.path.basename(os.path.abspath(folder)))
-        create_session(folder, practice_setup(setup, drawn, place))
-    session = read_session(folder)
-    has = practice_seed(session, place)
-    if seed not in (None, has):
-        raise sn.BadInput(f"{folder} is of seed {has}, not {seed}; give another folder")
-    return session, has
 
 
 @contextmanager

@@ -61,7 +61,15 @@ def fit(
     with working(f"fitting {count} readings") if count > MANY or crawls else nullcontext():
         found = sn.fit_friction(loaded, method=method, crawls=crawls, servo=servo)
     if figure is not None:
-        _draw(loaded, found, figure)
+        from ...show.figure_data import beside
+        from ...show.plot import friction_lines
+        from ...show.session.floor_figure import push_figure
+
+        if loaded.on_floor:
+            push_figure(loaded, found, figure)
+        else:
+            friction_lines(loaded, found, figure)
+            report.wrote(figure, beside(figure))
     not_kept = None
     if save and method != "naive":
         try:
@@ -80,20 +88,6 @@ def fit(
         raise sn.SerpenoidError(
             f"{not_kept}: the fit is shown, but not kept as fit.json"
         ) from not_kept
-
-
-def _draw(session: sn.Session, found: sn.FrictionFit, figure: Path) -> None:
-    """Draw what there is: pushes over time, or stations with their lines."""
-    if session.on_floor:
-        from ...show.session.floor_figure import push_figure
-
-        return push_figure(session, found, figure)
-    from ...show.figure_data import beside
-    from ...show.plot import friction_lines
-    from ...show.report import wrote
-
-    friction_lines(session, found, figure)
-    return wrote(figure, beside(figure))
 
 
 @click.command()

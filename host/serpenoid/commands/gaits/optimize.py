@@ -15,7 +15,7 @@ import serpenoid as sn
 
 from ...model.checks import check_number
 from ...show.screen import working
-from ..declare import FIGURES, Options, angle, flag, number, option, out_file, refuse_typed
+from ..declare import FIGURES, Given, Options, angle, flag, number, option, out_file, refuse_typed
 from ..given import (
     joints_option,
     latest_film,
@@ -141,9 +141,6 @@ def optimize(speed_m_s: str, as_json: bool, send: bool, plot: Path | None, **giv
 
     With --session DIR or --ground FILE the friction is a fit's, and --robust takes its samples.
     """
-    from ...show import report
-    from ...show.gaits import gait_report
-
     wanted = _speeds(speed_m_s)
     if not send:
         words = "{} is for --send, which is not there"
@@ -175,6 +172,9 @@ def optimize(speed_m_s: str, as_json: bool, send: bool, plot: Path | None, **giv
     band = interruptible(lambda: predicted_band(fit, ask.robot, ask.ground, best.gait, ask.servo))
     answer = _as_dict(best) | {"margins": margins.to_dict()} | speeds_as_dict(moved, band)
     if not as_json:
+        from ...show import report
+        from ...show.gaits import gait_report
+
         words = f"{best.in_words()} {(moved or best.steady).in_words()}"
         report.show(best, *([moved] if moved else []), margins, answer=words)
         gait_report.warn(best)
@@ -195,7 +195,7 @@ def _draw_cliff(ask: _Asked, gait: sn.Gait, plot: Path) -> None:
     report.wrote(plot, plot.with_suffix(".csv"))
 
 
-def _send(ask: _Asked, gait: sn.Gait, as_json: bool, before: dict[str, Any], **run: Any) -> None:
+def _send(ask: _Asked, gait: sn.Gait, as_json: bool, before: Given, **run: Any) -> None:
     """Drive the gait, its robot checked against the board."""
     from ...robot.robot_match import RobotMatch
     from ..board.driving import drive_gait
@@ -220,7 +220,7 @@ def _speeds(text: str) -> list[float]:
 class _Asked:
     """What the options ask for: robot, ground, servo, doubt, and how to search."""
 
-    def __init__(self, given: dict[str, Any], send: bool) -> None:
+    def __init__(self, given: Given, send: bool) -> None:
         self._robust, cost = given.pop("robust"), given.pop("cost")
         formulation = given.pop("formulation")
         if self._robust and formulation == "implicit":
@@ -286,7 +286,7 @@ def _searched(work: Callable[[], _Result], which: str = "") -> _Result:
         return interruptible(work)
 
 
-def _as_dict(best: sn.LeastPower | sn.RobustGait) -> dict[str, Any]:
+def _as_dict(best: sn.LeastPower | sn.RobustGait) -> Given:
 
     robust = isinstance(best, sn.RobustGait)
     names = _OF_ROBUST if robust else _OF_LEAST_POWER

@@ -11,7 +11,7 @@ import click
 import serpenoid as sn
 
 from ...show.screen import say, working
-from ..declare import Options, flag, number
+from ..declare import Given, Options, flag, number
 from ..given import (
     joints_option,
     predicted_band,
@@ -77,21 +77,14 @@ def steady(
     The figures are those of joints that follow the gait exactly. Beside them stands the speed with
     servos: with any hobby servo unless --servo says which, or `ideal`.
     """
-    from ...calibration.advising.speed_doubts import margin_sigmas, speed_doubts
-    from ...show import report
-    from ...show.gaits import gait_report
-
     springs = _SPRINGS.take(given)
     fit = take_fit(given)
     robot, ground = make_robot(given, fit=fit)
     told = make_gait(given)
     gait = with_joints(told, joints, robot.links)
     if formulation == "implicit":
-        if differentiated:
-            raise click.UsageError(
-                "--sensitivities are those of the exact model; leave --formulation implicit out"
-            )
-        return _on_springs(robot, ground, gait, as_json, rtol=rtol, **springs)
+        body = robot, ground, gait
+        return _on_springs(*body, as_json, differentiated, rtol=rtol, **springs)
     if springs:
         raise click.UsageError(
             "--stiffness-n-m and --damping-n-s-m have no effect: the joints are pinned; give "
@@ -110,6 +103,8 @@ def steady(
         band = interruptible(lambda: predicted_band(fit, robot, ground, gait, servo, commanded))
         doubts, sigmas = None, {}
         if fit and band:
+            from ...calibration.advising.speed_doubts import margin_sigmas, speed_doubts
+
             sigmas = margins.in_sigmas(*margin_sigmas(fit, band.filmed))
             if state.sensitivities is not None and state.sensitivities.at[0] > 0:
                 doubts = speed_doubts(fit, gait, state.sensitivities, band)
@@ -119,6 +114,9 @@ def steady(
         known |= {"doubts": doubts.to_dict()} if doubts else {}
         values = {"gait": describe(gait)} | state.to_dict() | known
         return show_json(values | speeds_as_dict(moved, band))
+    from ...show import report
+    from ...show.gaits import gait_report
+
     report.show(state, *([moved] if moved else []), margins, answer=(moved or state).in_words())
     if state.sensitivities is not None:
         report.show(state.sensitivities)
@@ -129,13 +127,23 @@ def steady(
 
 
 def _on_springs(
-    robot: sn.Robot, ground: sn.Ground, gait: sn.Gait, as_json: bool, rtol: float, **springs: float
+    robot: sn.Robot,
+    ground: sn.Ground,
+    gait: sn.Gait,
+    as_json: bool,
+    differentiated: bool,
+    rtol: float,
+    **springs: float,
 ) -> None:
-    """Tell the periodic state of the implicit model."""
+    """Tell the periodic state of the implicit model; refuse what only the exact one has."""
     from ...show import report
 
     if typed("servo") not in (None, IDEAL):
         raise click.UsageError("--servo has no effect on --formulation implicit; leave one out")
+    if differentiated:
+        raise click.UsageError(
+            "--sensitivities are those of the exact model; leave --formulation implicit out"
+        )
 
     with working("solving"):
         soft = interruptible(lambda: sn.steady_springs(robot, ground, gait, rtol=rtol, **springs))
@@ -155,9 +163,9 @@ def few_links(robot: sn.Robot) -> bool:
     return robot.links <= _FEW_LINKS
 
 
-def speeds_as_dict(moved: sn.ServoSteady | None, band: SpeedBand | None) -> dict[str, Any]:
+def speeds_as_dict(moved: sn.ServoSteady | None, band: SpeedBand | None) -> Given:
     """Return speed with servos and band, the band without ends where servos cannot run the gait."""
-    answer: dict[str, Any] = {"servo": moved.to_dict()} if moved else {}
+    answer: Given = {"servo": moved.to_dict()} if moved else {}
     if band is not None:
         ends = {"low_m_s": None, "high_m_s": None} if moved and not moved.follows else {}
         answer["band"] = band.to_dict() | ends

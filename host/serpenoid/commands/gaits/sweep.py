@@ -13,7 +13,7 @@ import click
 import serpenoid as sn
 
 from ...show.screen import progress, say
-from ..declare import directory, number, option, out_file, radians
+from ..declare import Given, directory, number, option, out_file, radians
 from ..options import (
     ALPHA_DEG,
     AS_JSON,
@@ -61,7 +61,7 @@ def path(value: str) -> Path:
     return kind(there)
 
 
-def _varied(given: tuple[str, ...], fixed: dict[str, Any]) -> dict[str, list[float]]:
+def _varied(given: tuple[str, ...], fixed: Given) -> dict[str, list[float]]:
     """Read each NAME=FIRST:LAST:STEP; fixed: the robot's other options, None if not given."""
     found: dict[str, list[float]] = {}
     names = *_BODY, *GROUND.names
@@ -167,7 +167,7 @@ def _one(
     as_json: bool,
     body: tuple[sn.Robot, sn.Ground],
     grid: dict[str, list[float]],
-    how: dict[str, Any],
+    how: Given,
 ) -> None:
     """Solve and write the gaits of one robot."""
     from ...show.sweep_files import sweep_values, write_sweep
@@ -197,7 +197,7 @@ def _study(
     robot: sn.Robot,
     ground: sn.Ground,
     varied: dict[str, list[float]],
-    how: dict[str, Any],
+    how: Given,
 ) -> None:
     """Solve a study of every robot on every ground into its folder."""
     body: dict[str, list[Any]] = {_BODY[name]: varied[name] for name in _BODY if name in varied}

@@ -52,22 +52,19 @@ def warn_of_cliff(found: Margins, sigmas: dict[str, float] | None = None) -> Non
 
 def front(speeds_m_s: Sequence[float], found: Sequence[LeastPower | RobustGait | None]) -> None:
     """Print the least-power or robust gaits of many speeds."""
-    cells = [
-        [f"{speed:.4g}", *(_front_cells(best) if best else ["out of reach"])]
-        for speed, best in zip(speeds_m_s, found, strict=True)
-    ]
+    cells = []
+    for speed, best in zip(speeds_m_s, found, strict=True):
+        cells.append([f"{speed:.4g}"])
+        if best is None:
+            cells[-1] += ["out of reach"]
+            continue
+        angles = best.gait.alpha_rad, best.gait.beta_rad
+        cells[-1] += [f"{best.power_w:.5g}", f"{best.gait.omega_rad_s:.4g}"]
+        cells[-1] += [f"{math.degrees(angle):.4g}" for angle in angles]
+        cells[-1] += [", ".join(best.active) or "none"]
+        if isinstance(best, RobustGait):  # what it keeps, and what that costs
+            cells[-1] += [f"{best.low_speed_m_s:.4g}", f"{100 * best.premium:.3g} %"]
     heads = ["speed (m/s)", "W", "omega (rad/s)", "alpha (deg)", "beta (deg)", "limits reached"]
     if max(map(len, cells)) > len(heads):
         heads += ["95 % make (m/s)", "premium"]
     table("gaits of least power", heads, cells)
-
-
-def _front_cells(best: LeastPower | RobustGait) -> list[str]:
-    """Return power, gait and limits; of a robust gait what it keeps, and what that costs."""
-    gait = best.gait
-    angles = [f"{math.degrees(angle):.4g}" for angle in (gait.alpha_rad, gait.beta_rad)]
-    cells = [f"{best.power_w:.5g}", f"{gait.omega_rad_s:.4g}", *angles]
-    cells.append(", ".join(best.active) or "none")
-    if isinstance(best, RobustGait):
-        cells += [f"{best.low_speed_m_s:.4g}", f"{100 * best.premium:.3g} %"]
-    return cells

@@ -88,12 +88,8 @@ def watch(
             "; copy it from the phone again"
         )
     times_s, corners_px, edge_px = map(np.array, zip(*looks, strict=True))
-    # Tags whose edges could not be read are left out, where nearly all could.
-    found = np.isfinite(corners_px[..., 0, 0])
-    coarse = found & ~np.isfinite(edge_px)
-    if coarse.sum() <= COARSE_SHARE * found.sum():
-        corners_px[coarse] = np.nan
-    sightings = Sightings.of(times_s, corners_px, (film.width, film.height))
+    sharp_px = _sharp(corners_px, edge_px)
+    sightings = Sightings.of(times_s, sharp_px, (film.width, film.height))
     shifts, plain = (tuple(ground.shifts), ground.plain) if ground is not None else ((), True)
     return Watched(
         film,
@@ -108,3 +104,12 @@ def watch(
         mirrored > 0,
         rotation_deg,
     )
+
+
+def _sharp(corners_px: Single, edge_px: Single) -> Single:
+    """Leave out, in place, tags whose edges could not be read, where nearly all could."""
+    found = np.isfinite(corners_px[..., 0, 0])
+    coarse = found & ~np.isfinite(edge_px)
+    if coarse.sum() <= COARSE_SHARE * found.sum():
+        corners_px[coarse] = np.nan
+    return corners_px
