@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...model.files import write_text
 from ...show.plot import figure, heading
@@ -17,9 +17,6 @@ from ..problems import problems, reference
 from ..rows import write_rows
 from .equal_error import Points, headline, lines, ours_first
 from .measure import Row, absent
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 # ours one by one, in strong colours; of each family of peers the best that any of them does
 OURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#B8860B", "#000000", "#882255", "#3A9BDC")
@@ -30,18 +27,6 @@ WORDS = (
     "Filled: this package; open: the best of what else one might take. Lower is faster, right is "
     "more accurate.\nGrey: the reference is not known better. "
 )
-
-
-def _styles(rows: Sequence[Row]) -> dict[str, dict[str, Any]]:
-    """Return how each series is drawn, the same in all panels; ours come first."""
-    ours = dict.fromkeys(row.method for row in ours_first(rows) if row.family not in PEERS)
-    strong = {"lw": 1.8, "ms": 4.5, "zorder": 3}
-    open_circles = {"lw": 1.2, "ms": 4, "zorder": 2, "mfc": "white", "marker": "o"}
-    looks = zip(ours, OURS, MARKERS, strict=False)
-    return {
-        **{name: {"color": colour, "marker": m, **strong} for name, colour, m in looks},
-        **{name: {"color": colour, **open_circles} for name, colour in PEERS.items()},
-    }
 
 
 def series(rows: Sequence[Row], scene: str) -> dict[str, Points]:
@@ -63,15 +48,6 @@ def front(points: Points) -> Points:
     return best
 
 
-def _panel(ax: Axes, rows: Sequence[Row], scene: str, styles: dict[str, dict[str, Any]]) -> None:
-    problem = next(p for p in problems() if p.name == scene)
-    for name, points in series(rows, scene).items():
-        label = name.removeprefix("serpenoid ")
-        ax.loglog(*zip(*points, strict=True), label=label, **styles[name])
-    ax.axvspan(ERRORS[1], reference(problem).known_to, color="#eeeeee", lw=0)
-    ax.set(title=problem.title, xlim=ERRORS, ylim=TIMES)
-
-
 def accuracy_figure(rows: Sequence[Row], path: Path, where: str | None = None) -> None:
     """Draw every scene that was measured, more accurate to the right, faster below.
 
@@ -81,11 +57,22 @@ def accuracy_figure(rows: Sequence[Row], path: Path, where: str | None = None) -
     scenes = list(dict.fromkeys(row.scene for row in rows))
     columns = min(3, len(scenes))
     down = -(-len(scenes) // columns)
-    styles = _styles(rows)
+    # each series looks the same in all panels; ours come first
+    ours = dict.fromkeys(row.method for row in ours_first(rows) if row.family not in PEERS)
+    strong = {"lw": 1.8, "ms": 4.5, "zorder": 3}
+    open_circles = {"lw": 1.2, "ms": 4, "zorder": 2, "mfc": "white", "marker": "o"}
+    looks = zip(ours, OURS, MARKERS, strict=False)
+    styles: dict[str, Any] = {n: {"color": colour, "marker": m, **strong} for n, colour, m in looks}
+    styles |= {name: {"color": colour, **open_circles} for name, colour in PEERS.items()}
     panels = {"rows": down, "squeeze": False, "sharex": True, "sharey": True}
     with figure(4.2 * columns, 3.4 * down + 1.2, columns, path=path, **panels) as (fig, axes):
         for ax, scene in zip(axes.flat, scenes, strict=False):
-            _panel(ax, rows, scene, styles)
+            problem = next(p for p in problems() if p.name == scene)
+            for name, points in series(rows, scene).items():
+                label = name.removeprefix("serpenoid ")
+                ax.loglog(*zip(*points, strict=True), label=label, **styles[name])
+            ax.axvspan(ERRORS[1], reference(problem).known_to, color="#eeeeee", lw=0)
+            ax.set(title=problem.title, xlim=ERRORS, ylim=TIMES)
         for ax in axes.flat[len(scenes) :]:
             ax.set_axis_off()
         lines_by_name = {

@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,9 +17,6 @@ from . import extremes
 from . import map as stability_map
 from .extremes import DEFECTS, Outcome
 from .map import FULL, QUICK, WORDS, Cell
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 COLOURS = ("#9ecae1", "#f4a582", "#fde0b8", "#b2182b")  # of WORDS
 TITLE = "Joints as springs k and dampers c: does a disturbance grow, at a step dt?"
@@ -32,19 +28,6 @@ def _edges(values: Sequence[float]) -> np.ndarray:
     return 10 ** np.concatenate([[logs[0] - step / 2], logs + step / 2])
 
 
-def _panel(ax: Axes, cells: Sequence[Cell]) -> None:
-    from matplotlib.colors import ListedColormap
-
-    limits = {cell.stiffness_n_m: cell.limit_s or np.nan for cell in cells}
-    kinds = np.reshape([cell.kind for cell in cells], (len(limits), -1))
-    k, dt = _edges([*limits]), _edges([cell.dt_s for cell in cells[: kinds.shape[1]]])
-    look = {"vmin": -0.5, "vmax": 3.5, "edgecolors": "white", "linewidth": 0.4}
-    ax.pcolormesh(k, dt, kinds.T, cmap=ListedColormap(COLOURS), **look)
-    ax.plot(*zip(*limits.items(), strict=True), color="black", lw=1.4, label="limit by the modes")
-    ax.set(xscale="log", yscale="log", xlim=k[[0, -1]], ylim=dt[[0, -1]])
-    ax.grid(visible=False)
-
-
 def shown(cells: Sequence[Cell]) -> list[Cell]:
     """Return the cells of the figure: chains of 6 links and of the most, with c = 0 and 1000."""
     most = max(cell.links for cell in cells)
@@ -53,6 +36,7 @@ def shown(cells: Sequence[Cell]) -> list[Cell]:
 
 def stability_figure(cells: Sequence[Cell], path: Path) -> None:
     """Draw all methods downwards, some chains and dampings to the right."""
+    from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
     panels: dict[tuple[str, int, float], list[Cell]] = {}
@@ -64,7 +48,15 @@ def stability_figure(cells: Sequence[Cell], path: Path) -> None:
     grid = {"rows": len(methods), "squeeze": False, "sharex": True, "sharey": True}
     with figure(*size, columns, path=path, **grid) as (fig, axes):
         for ax, ((_, links, damping), inside) in zip(axes.flat, panels.items(), strict=True):
-            _panel(ax, inside)
+            limits = {cell.stiffness_n_m: cell.limit_s or np.nan for cell in inside}
+            kinds = np.reshape([cell.kind for cell in inside], (len(limits), -1))
+            k, dt = _edges([*limits]), _edges([cell.dt_s for cell in inside[: kinds.shape[1]]])
+            look = {"vmin": -0.5, "vmax": 3.5, "edgecolors": "white", "linewidth": 0.4}
+            ax.pcolormesh(k, dt, kinds.T, cmap=ListedColormap(COLOURS), **look)
+            line = {"color": "black", "lw": 1.4, "label": "limit by the modes"}
+            ax.plot(*zip(*limits.items(), strict=True), **line)
+            ax.set(xscale="log", yscale="log", xlim=k[[0, -1]], ylim=dt[[0, -1]])
+            ax.grid(visible=False)
             ax.set_title(f"{links} links, c = {damping:g} N s/m", fontsize=9)
         for ax, method in zip(axes[:, 0], methods, strict=True):
             ax.set_ylabel(f"{method}\nstep dt (s)")
