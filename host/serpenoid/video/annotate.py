@@ -30,7 +30,7 @@ def annotate_film(found: FilmMeasurement, path: Path) -> None:
     film = found.watched.film
     shrink = max(1, math.ceil(film.width / WIDEST_PX))
     size = (film.width // shrink // 2 * 2, film.height // shrink // 2 * 2)
-    begun = track.t_s[0]
+    begun, hertz = track.t_s[0], found.run.omega_rad_s / math.tau
     # The file's own times: where they were scaled, frames are still counted in them.
     times = begun + (track.t_s - begun) / found.run.time_scale
     with whole_file(path) as part, av.open(str(part), "w") as box:
@@ -48,7 +48,11 @@ def annotate_film(found: FilmMeasurement, path: Path) -> None:
                 _draw(picture, camera, track.states, k)
             picture = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
             picture = np.ascontiguousarray(np.rot90(picture, turns))
-            _words(picture, found, time_s)
+            text = f"{time_s:6.2f} s   {1e3 * found.run.speed_m_s:.1f} mm/s   {hertz:.3f} Hz"
+            low = picture.shape[0]
+            cv2.rectangle(picture, (0, low - 40), (400, low), (0, 0, 0), -1)
+            where = (12, low - 14), cv2.FONT_HERSHEY_SIMPLEX, 0.6
+            cv2.putText(picture, text, *where, (255, 255, 255), 1, cv2.LINE_AA)
             frame = av.VideoFrame.from_ndarray(picture, format="bgr24").reformat(format="yuv420p")
             frame.pts, frame.time_base = round(time_s / TICKS_S), TICKS_S
             box.mux(stream.encode(frame))
@@ -67,15 +71,3 @@ def _draw(picture: Any, camera: Camera, states: Array, k: int) -> None:
     cv2.polylines(picture, [joints], False, CHAIN, thick, cv2.LINE_AA)
     for joint in joints.tolist():
         cv2.circle(picture, joint, 2 * thick, JOINT, -1, cv2.LINE_AA)
-
-
-def _words(picture: Any, found: FilmMeasurement, time_s: float) -> None:
-    import cv2
-
-    run = found.run
-    text = f"{time_s:6.2f} s   {1e3 * run.speed_m_s:.1f} mm/s   {run.omega_rad_s / math.tau:.3f} Hz"
-    place = (12, picture.shape[0] - 14)
-    cv2.rectangle(picture, (0, picture.shape[0] - 40), (400, picture.shape[0]), (0, 0, 0), -1)
-    cv2.putText(
-        picture, text, place, cv2.FONT_HERSHEY_SIMPLEX, 0.6, (255, 255, 255), 1, cv2.LINE_AA
-    )

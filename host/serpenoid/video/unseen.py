@@ -13,7 +13,7 @@ import numpy as np
 
 from ..model.errors import BadInput
 from ..model.sines import basis
-from .arrays import Array, Complex
+from .arrays import Array
 from .fitting.camera import Camera
 from .fitting.start import tag_poses
 from .motion import first_rate
@@ -38,6 +38,8 @@ def travelling_sine(camera: Camera, sightings: Sightings, turns: Array) -> Array
     Unknown: amplitude, lag, phase, offset, and the scale of the picture. Raises BadInput where
     hardly a frame shows two tags.
     """
+    from scipy.optimize import least_squares
+
     first, last = outermost(sightings)
     both = sightings.seen[:, first] & sightings.seen[:, last]
     if first == last or both.sum() < TOGETHER:
@@ -51,30 +53,25 @@ def travelling_sine(camera: Camera, sightings: Sightings, turns: Array) -> Array
     gone = (gone[:, 0] + 1j * gone[:, 1]) * np.exp(-1j * theta[both, first]) / camera.link_m
     omega = first_rate(t[both], apart[:, None], np.ones((len(apart), 1)))
     few = slice(None, None, 1 + len(apart) // FITTED_FRAMES)
-    a, lag, phase, offset, omega = _fit(t[both][few], apart[few], gone[few], omega, last - first)
-    joints = np.arange(sightings.links - 1) - first
-    return offset + a * np.sin(omega * t[:, None] + phase + lag * joints)
-
-
-def _fit(t: Array, apart: Array, gone: Complex, omega: float, joints: int) -> Array:
-    """Return amplitude, lag, phase, offset and rate of the sine."""
-    from scipy.optimize import least_squares
+    times, apart, gone, inside = t[both][few], apart[few], gone[few], np.arange(last - first)
 
     def miss(x: Array) -> Array:
-        phi = x[3] + x[0] * np.sin(x[4] * t[:, None] + x[2] + x[1] * np.arange(joints))
-        theta = np.concatenate([np.zeros((len(t), 1)), np.cumsum(phi, axis=1)], axis=1)
-        unit = np.exp(1j * theta)
+        """Return what amplitude, lag, phase, offset and rate leave of the turn and the vector."""
+        phi = x[3] + x[0] * np.sin(x[4] * times[:, None] + x[2] + x[1] * inside)
+        turned = np.concatenate([np.zeros((len(times), 1)), np.cumsum(phi, axis=1)], axis=1)
+        unit = np.exp(1j * turned)
         way = 0.5 * unit[:, 0] + unit[:, 1:-1].sum(axis=1) + 0.5 * unit[:, -1]
         # The picture's scale is free: the vector counts by its best factor.
         factor = np.sum((way.conj() * gone).real) / np.sum(np.abs(way) ** 2)
         off = gone - factor * way
-        return np.concatenate([theta[:, -1] - apart, off.real, off.imag])
+        return np.concatenate([turned[:, -1] - apart, off.real, off.imag])
 
-    columns = basis(t, omega, 1)
-    _, c, s = np.linalg.lstsq(columns, apart, rcond=None)[0]
+    _, c, s = np.linalg.lstsq(basis(times, omega, 1), apart, rcond=None)[0]
     tried = []
     for amplitude, lag in product(AMPLITUDES, LAGS):
-        sum_phase = np.angle(np.exp(1j * lag * np.arange(joints)).sum())
+        sum_phase = np.angle(np.exp(1j * lag * inside).sum())
         x0 = np.array([amplitude, lag, np.arctan2(c, s) - sum_phase, 0.0, omega])
         tried.append(least_squares(miss, x0, max_nfev=30))
-    return min(tried, key=lambda solved: solved.cost).x
+    a, lag, phase, offset, omega = min(tried, key=lambda solved: solved.cost).x
+    joints = np.arange(sightings.links - 1) - first
+    return offset + a * np.sin(omega * t[:, None] + phase + lag * joints)
