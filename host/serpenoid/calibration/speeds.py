@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -162,14 +161,15 @@ class SpeedModel:
         speeds = []
         for gait, commanded in self._every:
             near, draws = self._draws(whole, amplitude, gait, commanded)
+            states = drawn_states(self.robot, near, draws)
+            ideal = np.array([state.speed_m_s for state in states])
             if commanded is None:
-                speeds.append(_driven(self.robot, near, tuple(draws), tuple(servos)))
-                continue
-            ideal = drawn_speeds(self.robot, near, draws)
-            asked = [(ground, commanded) for ground, _ in draws]
-            states = drawn_states(self.robot, (self.ground, commanded), asked)
-            speeds.append((ideal, ideal * drawn_servo_speeds(states, servos, value=ripple_share)))
-        ideal, both = np.array(speeds, dtype=float).transpose(1, 2, 0)
+                speeds.append((ideal, drawn_servo_speeds(states, servos)))
+            else:
+                asked = [(ground, commanded) for ground, _ in draws]
+                states = drawn_states(self.robot, (self.ground, commanded), asked)
+                speeds.append((ideal, ideal * drawn_servo_speeds(states, servos, value=ripple_share)))
+        ideal, both = np.array(speeds).transpose(1, 2, 0)
         return ideal, both
 
     def effects(self, servos: tuple[Servo, ...], ends: tuple[float, float] = ENDS) -> ServoEffects:
@@ -215,12 +215,3 @@ class SpeedModel:
         made = [gait if commanded else scaled(gait, a) for a in amplitude.tolist()]
         grounds = [ground_of(self.robot.links, row) for row in whole.tolist()]
         return (self.ground, made[0]), list(zip(grounds, made, strict=True))
-
-
-@lru_cache(maxsize=256)
-def _driven(
-    robot: Robot, near: Draw, draws: tuple[Draw, ...], servos: tuple[Servo, ...]
-) -> tuple[Array, Array]:
-    """Return draws' speeds with ideal joints and with servos, m/s; several commands ask twice."""
-    ideal = drawn_states(robot, near, draws)
-    return np.array([state.speed_m_s for state in ideal]), drawn_servo_speeds(ideal, servos)

@@ -120,7 +120,7 @@ class Judge:
         posterior = CrawlPosterior(
             Posterior((known,)),
             replace(measured, sigma_m_s=sigma),
-            self._speeds,
+            SpeedTable(partial(self._model.ideal, unfound_m_s=0.0)),
             effects,
             amplitude_sigma,
         )
@@ -138,10 +138,6 @@ class Judge:
     def _model(self) -> SpeedModel:
         gaits, seen = self._drawn.gaits, self._drawn.seen
         return SpeedModel(self._fit.robot, self._fit.ground, gaits, tuple(map(seen.get, gaits)))
-
-    @cached_property
-    def _speeds(self) -> SpeedTable:
-        return SpeedTable(partial(self._model.ideal, unfound_m_s=0.0))
 
     @cached_property
     def _effects(self) -> ServoEffects:

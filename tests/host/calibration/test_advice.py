@@ -8,13 +8,11 @@ import pytest
 import serpenoid as sn
 from calibration.plain_sessions import World, plain_session
 from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
-from serpenoid.calibration import speeds
 from serpenoid.calibration.advice import advise
 from serpenoid.calibration.advising.stations import places
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.station import Reading
 from serpenoid.calibration.speed_samples import speed_band
-from serpenoid.periodic import servo_steady
 
 GAIT = sn.Gait(math.radians(70), math.radians(75), 2 * math.pi * 0.25)
 
@@ -135,23 +133,3 @@ def test_advise_says_when_a_servo_is_what_to_measure(weak):
     assert "servo" not in poor.note
     ideal = advise(sure, [fast], servo=None)
     assert (ideal.measure_servo, ideal.band_servo_measured) == (False, None)
-
-
-def test_advice_after_a_comparison_solves_for_no_servo_again(monkeypatch):
-    """A report has both; the board's clock was 20 ppm off when the planned gait ran."""
-    made = session(setup(15.0, 30.0), WHOLE_BODY_2005)
-    plan = replace(made.setup.procedure, gaits=(replace(GAIT, omega_rad_s=math.pi),))
-    run = GaitRun(900, GAIT.alpha_rad, GAIT.beta_rad, math.pi * (1 + 2e-5), 0.09, 0.02)
-    made = replace(made, setup=replace(made.setup, procedure=plan), gait_runs=(run,))
-    solved, solve = [], servo_steady.servo_speed
-    monkeypatch.setattr(
-        servo_steady, "servo_speed", lambda *pair: solved.append(pair) or solve(*pair)
-    )
-    shown = sn.compare(made, fit := sn.fit_friction(made)).gaits[0]
-    count = len(solved)
-    assert count >= 64
-    told = advise(made)
-    assert len(solved) == count
-    half = (shown.high_all_m_s - shown.low_all_m_s) / 2
-    best = speeds.speed(fit.robot, fit.ground, run.gait)
-    assert told.band == pytest.approx(half / best, rel=1e-9)

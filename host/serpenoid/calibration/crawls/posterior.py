@@ -8,7 +8,6 @@ speeds alone leave a curved valley beside a cliff.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -17,7 +16,7 @@ from numpy.typing import NDArray
 
 from ...model.particles import tempered
 from ..fitting.bends import Bends, frictions_in
-from ..fitting.posterior import BAD_CHANCE, BAD_WIDTH, Posterior
+from ..fitting.posterior import BAD_WIDTH, Posterior, good_or_misread
 from ..fitting.shared import FRICTIONS
 from ..fitting.unknowns import Floats, Unknown, Values, Whole
 from ..speeds import AMPLITUDE_SIGMA, LEAST_M_S, ServoEffects, SpeedTable
@@ -152,10 +151,9 @@ class CrawlPosterior:
 
     def _ways(self, rows: Floats) -> tuple[Floats, Floats]:
         """Return the log density of rows as good and as misread; -inf: none may be."""
-        if not self.others.misread:
-            return -0.5 * rows**2, np.full(rows.shape, -np.inf)
-        fine = math.log(1.0 - BAD_CHANCE) - 0.5 * rows**2
-        return fine, math.log(BAD_CHANCE / BAD_WIDTH) - 0.5 * (rows / BAD_WIDTH) ** 2
+        if self.others.misread:
+            return good_or_misread(rows**2)
+        return -0.5 * rows**2, np.full(rows.shape, -np.inf)
 
     def good(self, rows: Floats) -> Floats:
         """Return each row's chance to be no misreading."""

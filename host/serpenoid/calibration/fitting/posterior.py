@@ -374,11 +374,16 @@ class Posterior:
         read, which = np.unique(self.numbers[self.numbers >= 0], return_inverse=True)
         belongs = np.arange(len(read))[:, None] == which
         squares = rows[:, self.numbers >= 0] ** 2 @ belongs.T
-        fine = math.log(1.0 - BAD_CHANCE) - 0.5 * squares
-        wide = math.log(BAD_CHANCE) - belongs.sum(axis=1) * math.log(BAD_WIDTH)
+        fine, wide = good_or_misread(squares, belongs.sum(axis=1))
         at = np.zeros(len(self.numbers), dtype=np.intp)
         at[self.numbers >= 0] = which
-        return fine, wide - 0.5 * squares / BAD_WIDTH**2, at
+        return fine, wide, at
+
+
+def good_or_misread(squares: Floats, rows: Whole | int = 1) -> tuple[Floats, Floats]:
+    """Return log densities of readings as good and as misread, by their sums of so many squares."""
+    fine = math.log(1.0 - BAD_CHANCE) - 0.5 * squares
+    return fine, math.log(BAD_CHANCE) - rows * math.log(BAD_WIDTH) - 0.5 * squares / BAD_WIDTH**2
 
 
 def _shares(log: Floats) -> Floats:

@@ -15,7 +15,6 @@ from .posterior import Mode
 from .shared import FRICTIONS
 from .unknowns import Floats
 
-_REFITTED = 5  # so many suspects are fitted without, since a gross outlier is no linear step
 _TOLD_APART = 2 * math.log(10.0)  # of chi2: one suspect is then ten times as likely as another
 Rows = NDArray[np.bool_]
 
@@ -78,15 +77,12 @@ def suspects_in_words(session: Session, mode: Mode) -> str:
     Residuals would mislead, for a line follows its outlier. A suspect is one without which the
     others still tell every friction.
     """
-    suspects, scores = _suspects(session, mode), {}
+    suspects, left = _suspects(session, mode), {}
     for words, rows in suspects.items():
-        without = mode.without(rows)
-        if without is not None:
-            scores[words] = without[0] + 2.0 * rows.sum()
-    left = {}
-    for words in sorted(scores, key=scores.__getitem__)[:_REFITTED]:
         try:
-            left[words] = mode.posterior.mode(mode.x, np.where(suspects[words], 0.0, 1.0)).chi2
+            without = mode.posterior.mode(mode.x, np.where(rows, 0.0, 1.0))
+            assert len(without.covariance)  # raises where a friction is open
+            left[words] = without.chi2
         except NotConverged:
             continue
     if not left:
