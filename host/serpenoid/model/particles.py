@@ -1,8 +1,8 @@
 """Tempered particles: from draws of one density to draws of another, whatever its shape.
 
-Between the first density p and the last p exp(r) stand p exp(t r) with t from 0 to 1. Each step of
-t is as long as leaves half of the particles independent; then each particle moves by the difference
-of two others (differential evolution, ter Braak 2006), which follows the shape that they have.
+Between the first density p and the last q stand p^(1 - t) q^t with t from 0 to 1. Each step of t is
+as long as leaves half of the particles independent; then each particle moves by the difference of
+two others (differential evolution, ter Braak 2006), which follows the shape that they have.
 """
 
 from __future__ import annotations
@@ -61,41 +61,39 @@ def alike(log: Floats) -> float:
 def tempered(
     x: Floats,
     first: LogDensity,
-    rise: LogDensity,
+    last: LogDensity,
     rng: np.random.Generator,
     moves: int = MOVES,
 ) -> tuple[Floats, float]:
-    """Return particles (N, D) of the density first * exp(rise) from such of the first.
+    """Return particles (N, D) of the last density from such of the first.
 
-    And the logarithm of the mean of exp(rise) over the first. All unknowns change in a move: with
-    some of them alone, particles would stay where they are on a narrow ridge. A move must pass by
-    the first density before its rise is computed, which takes longer (Christen and Fox 2005).
+    And the logarithm of the last density's integral over the first one's. All unknowns change in a
+    move: with some of them alone, particles would stay where they are on a narrow ridge.
     """
-    count, power, log_mean = len(x), 0.0, 0.0
-    start, gain = first(x), rise(x)
+    count, power, log_ratio = len(x), 0.0, 0.0
+    log_first, log_last = first(x), last(x)
     while power < 1.0:
-        step = _step(gain, 1.0 - power)
+        rise = np.where(np.isfinite(log_last), log_last - log_first, -np.inf)
+        step = _step(rise, 1.0 - power)
         power = min(power + step, 1.0)
-        weight = np.exp(step * (gain - gain.max()))
-        log_mean += step * float(gain.max()) + math.log(weight.mean())
+        weight = np.exp(step * (rise - rise.max()))
+        log_ratio += step * float(rise.max()) + math.log(weight.mean())
         rows = np.searchsorted(
             np.cumsum(weight / weight.sum()), (np.arange(count) + rng.random()) / count
         )
         rows = np.minimum(rows, count - 1)
-        x, start, gain = x[rows], start[rows], gain[rows]
+        x, log_first, log_last = x[rows], log_first[rows], log_last[rows]
         for _ in range(moves if power < 1.0 else 2 * moves):
             pair = x[rng.permutation(count)] - x[rng.permutation(count)]
             jitter = _JITTER * x.std(axis=0) * rng.normal(size=x.shape)
             tried = x + (rng.choice(_LENGTHS, size=(count, 1)) * pair + jitter)
-            new_start = first(tried)
-            passed = np.flatnonzero(np.log(rng.uniform(size=count)) < new_start - start)
-            if not len(passed):
-                continue
-            new_gain = rise(tried[passed])
-            taken = np.log(rng.uniform(size=len(passed))) < power * (new_gain - gain[passed])
-            rows = passed[taken]
-            x[rows], start[rows], gain[rows] = tried[rows], new_start[rows], new_gain[taken]
-    return x, log_mean
+            new_first, new_last = first(tried), last(tried)
+            gain = (1.0 - power) * (new_first - log_first) + power * (new_last - log_last)
+            taken = np.log(rng.uniform(size=count)) < gain
+            x = np.where(taken[:, None], tried, x)
+            log_first = np.where(taken, new_first, log_first)
+            log_last = np.where(taken, new_last, log_last)
+    return x, log_ratio
 
 
 def _step(rise: Floats, most: float) -> float:

@@ -31,7 +31,7 @@ from ..session_posterior import mode_of, posterior_of, scale_sigmas, usual_frict
 from ..speeds import SpeedTable
 from .data import CrawlData, servos_of
 from .level import floor_slope, is_sloped, on_level
-from .posterior import MOVES, Beforehand, CrawlDraws, CrawlPosterior
+from .posterior import MOVES, NEVER, Beforehand, CrawlDraws, CrawlPosterior
 from .servos import SERVO_DRAWS, with_near_ones
 
 # Where nothing else is known, frictions are the usual ones within a factor of e or so, and no two
@@ -117,15 +117,15 @@ def _others(session: Session, is_open: bool, misread: bool, seed: int) -> tuple[
 
     def before(u: Floats) -> Floats:
         inside = (unknowns(u) >= posterior.low).all(axis=1)
-        return np.where(inside, -0.5 * np.sum(u**2, axis=1), -np.inf)
+        return np.where(inside, -0.5 * np.sum(u**2, axis=1), NEVER)
 
-    def rise(u: Floats) -> Floats:
-        return posterior.log_density(unknowns(u)) + 0.5 * np.sum(u**2, axis=1)
+    def after(u: Floats) -> Floats:
+        return np.where(before(u) > NEVER, posterior.log_density(unknowns(u)), NEVER)
 
     rng = np.random.default_rng(seed)
     u = rng.normal(size=(4 * DRAWS, size))
-    u = u[np.isfinite(before(u))][:DRAWS]
-    return posterior, unknowns(tempered(u, before, rise, rng, MOVES)[0])
+    u = u[before(u) > NEVER][:DRAWS]
+    return posterior, unknowns(tempered(u, before, after, rng, MOVES)[0])
 
 
 def _with_belt(session: Session, draws: Draws) -> tuple[Posterior, Floats]:

@@ -23,7 +23,8 @@ from ..speeds import AMPLITUDE_SIGMA, LEAST_M_S, ServoEffects, SpeedTable
 from .data import CrawlData
 
 MOVES = 3
-_SOLVED, _ROUNDS = 192, 4  # points at which speeds are solved for, and how often at so many more
+NEVER = -1e300  # the logarithm of no chance: a number times 0 is 0
+_SOLVED, _ROUNDS = 128, 4  # points at which speeds are solved for, and how often at so many more
 _CLOSE = 0.1  # sigmas of a measured speed: so good are those between
 _STEP = 0.01  # of an unknown, for slopes
 _NONE = np.empty(0)
@@ -115,7 +116,7 @@ class CrawlPosterior:
         log = self.others.log_density(np.where(inside[:, None], x, 1.0)) - 0.5 * z[:, -1] ** 2
         if not any(isinstance(block, Beforehand) for block in self.others.blocks):
             log += z[:, : self.others.frictions].sum(axis=1)
-        return np.where(inside, log, -np.inf)
+        return np.where(inside, log, NEVER)
 
     def residuals(self, z: Floats) -> Floats:
         """Return (K, servos, gaits and films): predicted less measured, in sigmas.
@@ -149,6 +150,10 @@ class CrawlPosterior:
 
         return np.asarray(logsumexp(self.by_servo(z), axis=1))
 
+    def log_density(self, z: Floats) -> Floats:
+        """Return the logarithm of the density with crawls, but for the same constant."""
+        return self.before(z) + self.log_likelihood(z)
+
     def _ways(self, rows: Floats) -> tuple[Floats, Floats]:
         """Return the log density of rows as good and as misread; -inf: none may be."""
         if self.others.misread:
@@ -169,7 +174,7 @@ class CrawlPosterior:
         rng, evidence = np.random.default_rng(seed), 0.0
         sigma = self.data.sigma_m_s / (self.data.speed_m_s + LEAST_M_S)
         for _ in range(_ROUNDS):
-            z, evidence = tempered(first, self.before, self.log_likelihood, rng, MOVES)
+            z, evidence = tempered(first, self.before, self.log_density, rng, MOVES)
             off = self._solve(z, rng) / sigma
             if np.sqrt(np.mean(off**2, axis=0)).max() < _CLOSE:
                 break
