@@ -125,7 +125,7 @@ def _others(session: Session, is_open: bool, misread: bool, seed: int) -> tuple[
     rng = np.random.default_rng(seed)
     u = rng.normal(size=(4 * DRAWS, size))
     u = u[before(u) > NEVER][:DRAWS]
-    return posterior, unknowns(tempered(u, before, after, rng, MOVES)[0])
+    return posterior, unknowns(tempered(u, before, after, rng, 2 * MOVES)[0])
 
 
 def _with_belt(session: Session, draws: Draws) -> tuple[Posterior, Floats]:

@@ -22,7 +22,7 @@ from ..fitting.unknowns import Floats, Unknown, Values, Whole
 from ..speeds import AMPLITUDE_SIGMA, LEAST_M_S, ServoEffects, SpeedTable
 from .data import CrawlData
 
-MOVES = 3
+MOVES = 2
 NEVER = -1e300  # the logarithm of no chance: a number times 0 is 0
 _SOLVED, _ROUNDS = 128, 4  # points at which speeds are solved for, and how often at so many more
 _CLOSE = 0.1  # sigmas of a measured speed: so good are those between
