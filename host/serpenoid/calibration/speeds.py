@@ -168,7 +168,9 @@ class SpeedModel:
             else:
                 asked = [(ground, commanded) for ground, _ in draws]
                 states = drawn_states(self.robot, (self.ground, commanded), asked)
-                speeds.append((ideal, ideal * drawn_servo_speeds(states, servos, value=ripple_share)))
+                speeds.append(
+                    (ideal, ideal * drawn_servo_speeds(states, servos, value=ripple_share))
+                )
         ideal, both = np.array(speeds).transpose(1, 2, 0)
         return ideal, both
 
