@@ -17,7 +17,7 @@ from avr.toolchain import ToolchainError, build_firmware
 from avr.truth import Wave, pulse_errors_us
 
 BOARDS = ("uno", "mega")
-FLASH = {"uno": 30_720, "nano": 30_720, "mega": 60_000}  # bytes: a Nano's, less its boot loader
+FLASH = {"uno": 30_720, "mega": 60_000}  # bytes: a Nano's, less its boot loader
 PAGE = Path(__file__).resolve().parents[2] / "firmware" / "README.md"
 LEAST_RAM = 250  # bytes never touched, of any number of joints that a board may have
 MEMORY_S = 12.0

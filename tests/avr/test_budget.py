@@ -13,7 +13,7 @@ def test_budget_is_kept(firmware_elf, name):
 
 
 @pytest.mark.parametrize("output", ["servo", "pca9685"])
-@pytest.mark.parametrize(("name", "joints"), [("uno", 8), ("nano", 8), ("mega", 12)])
+@pytest.mark.parametrize(("name", "joints"), [("uno", 8), ("mega", 12)])
 def test_the_most_joints_that_a_board_takes_leave_it_memory(firmware_elf, name, joints, output):
     flash, _, left, _ = memory(name, joints, output)
     assert flash <= FLASH[name]
