@@ -91,15 +91,15 @@ def test_strong_servos_do_not_chatter(tolerance: float) -> None:
 
 @pytest.mark.slow
 def test_few_random_scenes_give_up() -> None:
-    """Of 80 on slopes and level, of every size, at most 2: if 8 % of all did, one time in 25."""
+    """Torques and servos on slopes and level, of every size: at most one in fifty, in words."""
     gave_up = []
     for kind in ("torque", "table", "servo", "full"):
-        for seed in range(20):
+        for seed in range(50):
             try:
                 sn.simulate(replace(free_case(kind, seed, duration_s=3.0), tolerance=1e-6))
             except sn.Diverged as error:
                 gave_up.append(f"{kind} {seed}: {error}")
-    assert len(gave_up) <= 2, gave_up
+    assert len(gave_up) <= 4, gave_up
 
 
 def test_a_wheel_that_turns_back_for_a_moment_is_seen() -> None:
