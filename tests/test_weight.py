@@ -46,7 +46,7 @@ MOST_TOKENS = {
     "host/serpenoid/servos": 4245,
     "host/serpenoid/show": 32759,
     "host/serpenoid/simulation": 12917,
-    "host/serpenoid/video": 22369,
+    "host/serpenoid/video": 22425,
     "studies": 28681,
     "tests": 3342,
     "tests/arm": 1428,
