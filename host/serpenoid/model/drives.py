@@ -453,11 +453,6 @@ class ServoKind:
         return [*normal, NormalDist().inv_cdf((1 + even / math.sqrt(3)) / 2)]
 
 
-def damping_of_line(servo: Servo) -> float:
-    """Return the gear's damping over the motor's S / w0."""
-    return servo.gear_damping_nms_rad * servo.speed_limit_rad_s / servo.torque_limit_nm
-
-
 def _loss(ratios: Mapping[str, float]) -> float:
     """Return the motor's free speed over the whole servo's no-load speed."""
     return (1 + ratios["gear_damping_nms_rad"]) / (1 - ratios["gear_friction_nm"])

@@ -7,14 +7,14 @@ kind's doubt to what the readings leave of it. All servos step through the test 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import asdict, dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..model.checks import check_number
-from ..model.drives import UNCERTAIN, Servo, ServoKind, damping_of_line
+from ..model.drives import UNCERTAIN, Servo, ServoKind
 from ..model.errors import BadInput
 from ..model.particles import tempered
 from ..model.vectors import finite_vector
@@ -24,6 +24,7 @@ PARTICLES, MOVES, KEPT = 768, 10, 128
 _STEP_S, _MOST_STEPS, _MOST_DELAY_S = 1e-3, 20_000, 0.03
 _SAME_S = 1e-9  # a look at a setpoint's time has it
 _NEVER = 2e9  # a sum of squares
+_EXACT = 1e-9  # a sigma
 _FIELDS = (
     "stiffness_nm_rad",
     "damping_nms_rad",
@@ -71,32 +72,74 @@ class BenchTest:
         check_number("inertia_kg_m2", self.inertia_kg_m2, 0.0)
 
 
+class Shown(NamedTuple):
+    """The median of a value, its 95 % interval, and what sigma its logarithm had and has."""
+
+    value: float
+    low: float
+    high: float
+    before: float
+    after: float
+
+    @property
+    def told(self) -> bool:
+        """Tell whether the measurement says much of it."""
+        return self.after < 0.6 * self.before - _EXACT
+
+
 @dataclass(frozen=True)
 class MeasuredServo:
-    """What a measurement leaves of a kind. told, untold: fields, with the sigma of their logarithm
-    before and after it. chi2: of kind.servo, over `readings`."""
+    """What a measurement leaves of a kind.
+
+    shown: by the names of `shown`. chi2: of kind.servo, over `readings`.
+    """
 
     kind: ServoKind
-    told: dict[str, tuple[float, float]]
-    untold: tuple[str, ...]
+    shown: dict[str, Shown]
     chi2: float
     readings: int
 
+    @property
+    def untold(self) -> list[str]:
+        """Return the names of what the measurement hardly says."""
+        return [n for n, one in self.shown.items() if one.before > _EXACT and not one.told]
+
     def to_dict(self) -> dict[str, Any]:
         """Return plain values."""
-        servo = {name: getattr(self.kind.servo, name) for name in _FIELDS}
         return {
             "name": self.kind.name,
-            "servo": servo,
+            "servo": asdict(self.kind.servo),
             "chi2": self.chi2,
             "readings": self.readings,
-            "told": {n: {"before": a, "after": b} for n, (a, b) in self.told.items()},
-            "untold": list(self.untold),
+            "told": {name: one._asdict() for name, one in self.shown.items() if one.told},
+            "untold": self.untold,
         }
 
 
+def shown(servo: Servo) -> dict[str, float]:
+    """Return what measurements show of a servo: of the whole one, most of it as a ratio.
+
+    A joint without load shows no torque. What brakes it, motor and gear, it shows only together,
+    and its speed on a supply that sags: by S (1 - r / w0) / (1 + supply_sag) at the whole duty.
+    """
+    torque = servo.torque_limit_nm
+    line = torque / servo.speed_limit_rad_s
+    sagging = replace(servo, torque_limit_nm=torque / (1 + servo.supply_sag))
+    return {
+        "no_load_rad_s": sagging.no_load_rad_s,
+        "stall_torque_nm": servo.stall_torque_nm,
+        "stiffness_over_torque": servo.stiffness_nm_rad / torque,
+        "rotor_over_brake_s": servo.armature_kg_m2 / (line + servo.gear_damping_nms_rad),
+        "gear_friction_over_torque": servo.gear_friction_nm / torque,
+        "gear_damping_over_motors": servo.gear_damping_nms_rad / line,
+        "dead_band_rad": servo.dead_band_rad,
+        "supply_sag": servo.supply_sag,
+        "supply_v": servo.supply_v,
+    }
+
+
 def moved(test: BenchTest, servos: list[Servo], delay_s: Array) -> Array:
-    """Return the angles (K, T) that each servo would have shown; delay_s: until it hears."""
+    """Return the angles (K, T) that each servo would have shown; delay_s: after the row."""
     fields = np.array([[getattr(s, name) for name in _FIELDS] for s in servos])
     K, D, S, w0, band, J, dry, c, hz, sag = fields.T
     h, steps = _STEP_S, math.ceil(np.ptp(test.t_s) / _STEP_S) + 1
@@ -153,7 +196,7 @@ class _Posterior:
         unit = dict(zip(map(str, UNCERTAIN), units.T, strict=False))
         volts = sigma.get("supply_v", 0.0) * math.sqrt(3) * erf(unit["supply_v"] / math.sqrt(2))
         gear = np.exp(sigma.get("gear_damping_nms_rad", 0.0) * unit["gear_damping_nms_rad"])
-        brake = np.log1p(damping_of_line(self.kind.servo) * gear)
+        brake = np.log1p(shown(self.kind.servo)["gear_damping_over_motors"] * gear)
         for name, logarithm in (("speed_limit_rad_s", -volts), ("armature_kg_m2", brake)):
             if sigma.get(name):
                 unit[name] += logarithm / sigma[name]
@@ -169,11 +212,13 @@ class _Posterior:
 
     def chi2(self, units: Array) -> Array:
         """Return the sum of squares over the readings; _NEVER where no such servo is sold."""
-        from scipy.special import ndtr
+        from scipy.special import erf
 
         servos = self.servos(units)
         tried = [servo or self.kind.servo for servo in servos]
-        off = moved(self.test, tried, _MOST_DELAY_S * ndtr(units[:, -2])) - self.test.angle_rad
+        # below 0: a row has its setpoint late, or lies between two looks
+        delay_s = _MOST_DELAY_S * erf(units[:, -2] / math.sqrt(2))
+        off = moved(self.test, tried, delay_s) - self.test.angle_rad
         squares = np.nan_to_num(np.sum(off**2, axis=1) / self.test.sigma_rad**2, nan=_NEVER)
         return np.where([servo is None for servo in servos], _NEVER, squares)
 
@@ -223,14 +268,13 @@ def measured_servo(
     chi2: float,
     readings: int,
 ) -> MeasuredServo:
-    """Return the kind that some servos make, and which fields the measurement has told."""
-    names = [n for n in UNCERTAIN if like.sigma.get(n, 0.0) > 0]
-    before = _sigmas(like.draws(512), names)
-    after = _sigmas(list(kept), names)
-    told = {n: (before[n], after[n]) for n in names if after[n] < 0.6 * before[n]}
-    kind = ServoKind(name, typical, {}, (), source, kept)
-    return MeasuredServo(kind, told, tuple(n for n in names if n not in told), chi2, readings)
+    """Return the kind that some servos make, and what is known of them."""
+    prior, drawn = _logarithms(like.draws(512)), _logarithms(list(kept))
+    middle = np.exp(np.quantile(drawn, (0.5, 0.025, 0.975), axis=0))
+    rows = np.vstack([middle, prior.std(axis=0), drawn.std(axis=0)]).T.tolist()
+    values = {name: Shown(*row) for name, row in zip(shown(typical), rows, strict=True)}
+    return MeasuredServo(ServoKind(name, typical, {}, (), source, kept), values, chi2, readings)
 
 
-def _sigmas(servos: list[Servo], names: list[str]) -> dict[str, float]:
-    return {n: float(np.std(np.log([max(getattr(s, n), 1e-12) for s in servos]))) for n in names}
+def _logarithms(servos: list[Servo]) -> Array:
+    return np.log(np.maximum([list(shown(servo).values()) for servo in servos], 1e-12))

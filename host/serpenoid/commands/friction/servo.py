@@ -69,7 +69,6 @@ def servo(
         )
     if table is not None:
         check_number("--sigma-deg", sigma_deg, 0.0, 57.0, open_low=True)
-        check_number("--inertia-kg-m2", inertia_kg_m2, 0.0)
         test = read_test(table, math.radians(sigma_deg), inertia_kg_m2)
         with working("trying servos"):
             found = servo_of_test(test, kind, name=name)
@@ -114,27 +113,21 @@ def read_test(path: Path, sigma_rad: float, inertia_kg_m2: float) -> BenchTest:
 
 def show(found: MeasuredServo, out: Path | None) -> None:
     """Print how fast the servo is, what was measured of it, and what was not."""
-    import numpy as np
-
-    from ...model.rows import ranged, two_digits
+    from ...model.rows import Row, ranged, two_digits
     from ...show import report
 
-    rates = [servo.no_load_rad_s for servo in found.kind.drawn]
-    low, typical, high = np.quantile(rates, [0.025, 0.5, 0.975]).tolist()
+    free = found.shown["no_load_rad_s"]
     report.console.print(
-        f"Without load the servo turns at about {ranged(typical, 'rad/s', low, high)}: "
-        f"{two_digits(math.pi / 3 / typical)} s for 60°."
+        "Without load the servo turns at about "
+        f"{ranged(free.value, 'rad/s', free.low, free.high)}: "
+        f"{two_digits(math.pi / 3 / free.value)} s for 60°."
     )
     rows = [
-        [
-            name,
-            f"{getattr(found.kind.servo, name):.3g}",
-            f"{100 * before:.0f} %",
-            f"{100 * after:.0f} %",
-        ]
-        for name, (before, after) in found.told.items()
+        [*Row(name, "", *one[:3]).cells, f"{100 * one.before:.0f} %", f"{100 * one.after:.1f} %"]
+        for name, one in found.shown.items()
+        if one.told
     ]
-    report.table(found.kind.source, ["measured", "typical", "sigma before", "after"], rows)
+    report.table(found.kind.source, ["measured", "typical", "95 %", "sigma before", "after"], rows)
     lines = [f"chi2 {found.chi2:.1f} of {found.readings} readings."]
     if found.untold:
         lines.append("It does not tell " + ", ".join(found.untold) + ".")
