@@ -47,7 +47,7 @@ MOST_TOKENS = {
     "host/serpenoid/show": 32759,
     "host/serpenoid/simulation": 12917,
     "host/serpenoid/video": 22425,
-    "studies": 28542,
+    "studies": 28557,
     "tests": 3342,
     "tests/arm": 1428,
     "tests/avr": 19008,
