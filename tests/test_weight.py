@@ -65,7 +65,7 @@ MOST_TOKENS = {
     "tests/host/model": 4537,
     "tests/host/paper": 771,
     "tests/host/periodic": 17755,
-    "tests/host/robot": 26886,
+    "tests/host/robot": 26887,
     "tests/host/servos": 6318,
     "tests/host/show": 7196,
     "tests/host/simulation": 24270,
