@@ -51,6 +51,8 @@ class Setting:
     @property
     def needed(self) -> bool:
         """Tell whether files of both formats must have it: nothing stands for it."""
+        if self.path in ("surface", "place", "people"):
+            return True  # in Setup they may be blank
         part, _, name = self.path.rpartition(".")
         field = (attrgetter(part)(_BLANK) if part else _BLANK).__dataclass_fields__[name]
         return field.default is MISSING and field.default_factory is MISSING
@@ -231,7 +233,7 @@ SETTINGS: dict[str, tuple[Setting, ...]] = {
         Setting(
             "joint_sigma_deg",
             "uncertainty.joint_sigma_rad",
-            _number(0.0, 11.0),
+            _number(0.0, math.degrees(0.2)),
             "           # of each joint about straight, once aligned",
         ),
         Setting(
@@ -264,7 +266,7 @@ SETTINGS: dict[str, tuple[Setting, ...]] = {
         Setting(
             "floor_slope_sigma_deg",
             "floor.slope_sigma_rad",
-            _number(0.0, 11.0, open_low=True),
+            _number(0.0, math.degrees(0.2), open_low=True),
             "     # of the floor, before both ways tell it",
         ),
     ),

@@ -133,6 +133,7 @@ class BeltCheck(Taken):
     watch: Stopwatch | None = None  # that it was timed with; None: the session's
 
     def __post_init__(self) -> None:
+        Taken.__post_init__(self)
         if not self.voided and not 0.5 < self.scale < 2.0:
             raise BadInput(
                 f"the belt ran {self.scale:.3g} times as fast as it showed in reading "

@@ -42,6 +42,8 @@ def in_si(name: str, value: float) -> float:
     """Return a value in SI that is given in the unit of its name."""
     if name.endswith("_deg"):
         return math.radians(value)
+    if name.endswith("_sigma_percent"):
+        return value * 0.01  # to the last bit: the hash of a session has it
     return value / PER_SI.get(name.rpartition("_")[2], 1.0)
 
 
@@ -153,8 +155,8 @@ class Taken:
     session's hash covers it. columns: of its file of samples (`tracks`), which the attribute
     `track` holds; none if it has no file. track_may_miss: some readings have none.
 
-    Its dataclass has number, voided, comment and time_utc besides the fields' attributes. Limits
-    are checked where a reading is read, from a file or from a person.
+    Its dataclass has number, voided, comment and time_utc besides the fields' attributes. Raises
+    BadInput, naming value and limits, where one of them is out of range.
     """
 
     __slots__ = ()
@@ -164,6 +166,16 @@ class Taken:
     fitted: ClassVar[bool] = False
     columns: ClassVar[tuple[str, ...]] = ()
     track_may_miss: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        for field in self.fields:
+            value, column = getattr(self, field.name), field.column
+            if isinstance(field, Word):
+                if field.choices:
+                    check_choice(column, value, field.choices)
+            elif value is not None or not field.optional:
+                limits = in_si(column, field.low), in_si(column, field.high)
+                check_number(field.name, value, *limits, open_low=field.open_low)
 
     @classmethod
     def numbers(cls) -> dict[str, Field]:

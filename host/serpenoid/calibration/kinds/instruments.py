@@ -3,13 +3,26 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+
+from ...model.checks import check_number
 
 MAX_SPEED_M_S = 10.0  # no treadmill runs faster: beyond it a number is a slip of units
 
 
+class _Instruments:
+    """Numbers of instruments; raises BadInput for one that is negative or NaN."""
+
+    __slots__ = ()
+
+    def __post_init__(self) -> None:
+        for field in fields(self):  # type: ignore[arg-type]
+            if (value := getattr(self, field.name)) is not None:
+                check_number(field.name, value, 0.0)
+
+
 @dataclass(frozen=True, slots=True)
-class Uncertainty:
+class Uncertainty(_Instruments):
     """What the instruments may be off by, as standard deviations.
 
     incline_sigma_rad: of one reading of the inclinometer. incline_zero_sigma_rad: of its zero,
@@ -30,7 +43,7 @@ class Uncertainty:
 
 
 @dataclass(frozen=True, slots=True)
-class TreadmillSteps:
+class TreadmillSteps(_Instruments):
     """What a treadmill can be set to: most home ones by 0.5 % of grade and 0.1 km/h."""
 
     incline_step_rad: float = 0.005
@@ -39,7 +52,7 @@ class TreadmillSteps:
 
 
 @dataclass(frozen=True, slots=True)
-class Stopwatch:
+class Stopwatch(_Instruments):
     """Standard deviations of a gait run's distance (tape and marks) and time (a hand's)."""
 
     distance_sigma_m: float = 0.005
@@ -53,7 +66,7 @@ class Stopwatch:
 
 
 @dataclass(frozen=True, slots=True)
-class FloorTools:
+class FloorTools(_Instruments):
     """What a push or a slide is measured with, as standard deviations, and what its wheels weigh.
 
     wheels_kg: mass of all wheels together, whose turning takes part of a push; None: not told.

@@ -102,6 +102,7 @@ class Reading(Taken):
     watch: Stopwatch | None = None
 
     def __post_init__(self) -> None:
+        Taken.__post_init__(self)
         if not self.voided and self.slip_speed_m_s <= 0.0:
             raise BadInput(
                 f"belt_speed_m_s - drift_m_s is {self.slip_speed_m_s:g} in reading {self.number}; "

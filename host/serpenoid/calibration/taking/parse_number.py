@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...model.errors import BadInput
-from ..kinds.declaration import DERIVED, Field, Range
+from ..kinds.declaration import DERIVED, Field, Range, Word
 from ..kinds.rows import KINDS, cells_of, kind_of
 from ..session import Setup
 from ..settings import quoted
@@ -68,7 +68,7 @@ def parse_number(text: str, field: Field, likely: Range | None = None) -> Typed:
     if found[2]:
         return Typed(_checked(_converted(number, _unit(found[2], field), field), field))
     low, high = likely or field.likely or (-math.inf, math.inf)
-    if number and not low <= number <= high:
+    if number and high < math.inf and not low <= number <= high:
         for unit in list(field.units)[1:]:
             other = _converted(number, unit, field)
             if low <= other <= high:
@@ -127,7 +127,9 @@ def read_cells(
             names = ", ".join(others.get(column, column) for column in columns)
             raise BadInput(f"{cell!r} is not NAME=VALUE with a name of {names}")
         pairs.append((name, text))
+    words = {f.column: f.read for f in kind_of(kind).fields if isinstance(f, Word)}
     typed = typed_cells(kind, pairs)
+    typed |= {column: read(typed[column]) for column, read in words.items() if column in typed}
     return completed(kind, typed, setup) if old is None else redone(kind, old, typed, setup)
 
 

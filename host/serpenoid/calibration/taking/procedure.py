@@ -197,8 +197,8 @@ def doubts(session: Session, step: Step, cells: Cells) -> Doubts:
             likely = likely_belt(session, step, cells)
         if field.column == "reversed_deg":
             likely = _likely_reversed(cells)
-        if field.column == "drift_m_s" and cells.get("places"):
-            continue  # of a short reading: any drift will do
+        if field.column in ("drift_m_s", "waited_s") and cells.get("places"):
+            continue  # of a short reading: any drift will do, and it does not wait
         if likely is not None and not likely[0] <= value <= likely[1]:
             found.append((field, likely))
         elif field.column == "belt_speed_m_s" and step.kind == "station":

@@ -12,7 +12,7 @@ from ...session import Setup
 from ...settings import quoted
 from ..journal import Journal
 from ..new_session import LENGTH, MASS, NOT_SAID, WORDS, identity_differences
-from .prompt import Again, Prompt
+from .prompt import SHORT, Again, Prompt
 from .terminal import Terminal
 
 LINKS = Field("links", "number of links", 2.0, 100.0)
@@ -32,6 +32,11 @@ def ask_identity(journal: Journal, terminal: Terminal) -> str:
 
 
 class _Identity(Prompt):
+    def _obeyed(self, line: str, enter: bool) -> bool:
+        """Obey no word that changes a session: it may be another robot's."""
+        word = line.lower()
+        return SHORT.get(word, word) in ("help", "quit") and super()._obeyed(line, enter)
+
     def people(self) -> str:
         """Ask all; return who measures."""
         setup, resumed = self.journal.session.setup, bool(self.journal.rows)
