@@ -25,6 +25,8 @@ from .data import CrawlData
 MOVES = 2
 NEVER = -1e300  # the logarithm of no chance: a number times 0 is 0
 _SOLVED, _ROUNDS = 128, 4  # points at which speeds are solved for, and how often at so many more
+# The same where no reading but crawls tells the frictions: they spread over decades.
+_MOVES_ALONE, _SOLVED_ALONE = 10, 512
 _CLOSE = 0.1  # sigmas of a measured speed: so good are those between
 _STEP = 0.01  # of an unknown, for slopes
 _NONE = np.empty(0)
@@ -87,6 +89,11 @@ class CrawlPosterior:
     effects: ServoEffects
     amplitude_sigma: float = AMPLITUDE_SIGMA
 
+    @property
+    def alone(self) -> bool:
+        """Tell whether no other reading tells the frictions."""
+        return any(isinstance(block, Beforehand) for block in self.others.blocks)
+
     def points(self, x: Floats, seed: int) -> Floats:
         """Return points with the others' unknowns (K, D - 1), and amplitudes drawn evenly."""
         from scipy.special import ndtri
@@ -114,7 +121,7 @@ class CrawlPosterior:
         x, low = self.unknowns(z), self.others.low
         inside = np.asarray((x >= low).all(axis=1) & np.isfinite(x).all(axis=1))
         log = self.others.log_density(np.where(inside[:, None], x, 1.0)) - 0.5 * z[:, -1] ** 2
-        if not any(isinstance(block, Beforehand) for block in self.others.blocks):
+        if not self.alone:
             log += z[:, : self.others.frictions].sum(axis=1)
         return np.where(inside, log, NEVER)
 
@@ -173,8 +180,9 @@ class CrawlPosterior:
         first = z = self.solved(x, seed)
         rng, evidence = np.random.default_rng(seed), 0.0
         sigma = self.data.sigma_m_s / (self.data.speed_m_s + LEAST_M_S)
+        moves = _MOVES_ALONE if self.alone else MOVES
         for _ in range(_ROUNDS):
-            z, evidence = tempered(first, self.before, self.log_density, rng, MOVES)
+            z, evidence = tempered(first, self.before, self.log_density, rng, moves)
             off = self._solve(z, rng) / sigma
             if np.sqrt(np.mean(off**2, axis=0)).max() < _CLOSE:
                 break
@@ -189,7 +197,7 @@ class CrawlPosterior:
 
     def _solve(self, z: Floats, rng: np.random.Generator) -> Floats:
         """Solve for speeds at some points; return by how much the table was off there."""
-        some = rng.permutation(np.unique(z, axis=0))[:_SOLVED]
+        some = rng.permutation(np.unique(z, axis=0))[: _SOLVED_ALONE if self.alone else _SOLVED]
         return self.speeds.add(self.whole(some), self.amplitude(some))
 
 

@@ -364,6 +364,8 @@ class Posterior:
 
     def good(self, rows: Floats) -> Floats:
         """Return each row's chance (K, rows) that its reading is no misreading; 1 for priors."""
+        if (self.numbers < 0).all():
+            return np.ones(rows.shape)
         fine, misread, which = self._ways(rows)
         chance = np.exp(fine - np.logaddexp(fine, misread))
         return np.where(self.numbers < 0, 1.0, chance[:, which])

@@ -15,6 +15,7 @@ from .posterior import Mode
 from .shared import FRICTIONS
 from .unknowns import Floats
 
+_REFITTED = 8  # so many suspects are fitted without, since a gross outlier is no linear step
 _TOLD_APART = 2 * math.log(10.0)  # of chi2: one suspect is then ten times as likely as another
 Rows = NDArray[np.bool_]
 
@@ -77,10 +78,13 @@ def suspects_in_words(session: Session, mode: Mode) -> str:
     Residuals would mislead, for a line follows its outlier. A suspect is one without which the
     others still tell every friction.
     """
-    suspects, left = _suspects(session, mode), {}
+    suspects, steps, left = _suspects(session, mode), {}, {}
     for words, rows in suspects.items():
+        if (step := mode.without(rows)) is not None:
+            steps[words] = step[0] + 2.0 * rows.sum()
+    for words in sorted(steps, key=steps.__getitem__)[:_REFITTED]:
         try:
-            without = mode.posterior.mode(mode.x, np.where(rows, 0.0, 1.0))
+            without = mode.posterior.mode(mode.x, np.where(suspects[words], 0.0, 1.0))
             _ = without.covariance  # raises where the others leave a friction open
         except NotConverged:
             continue

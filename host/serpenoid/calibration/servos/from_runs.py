@@ -35,14 +35,20 @@ def servo_of_session(
 ) -> MeasuredServo:
     """Return what a session's gait runs and films leave of a kind of servo.
 
-    fit: of all other readings, the session's own unless given. The crawls are fitted with friction,
+    fit: of all other readings, the session's own unless given; a robust one takes any reading for
+    a possible misreading. The crawls are fitted with friction,
     the joints' amplitude and the servos as unknowns (`crawls.fit`); each servo that this leaves
     then counts by the ripple of the joints in films. Raises BadInput.
     """
     fit, like = fit or fit_friction(session), session.setup.driving(like)
     if not session.kept_crawls:
         raise BadInput(f"{session.where}: no gait run and no film; take one with `calibrate`")
-    crawls = with_crawls(session, fit, like, seed)
+    if like.exact or not (session.kept or session.on_floor):
+        raise BadInput(
+            f"{session.where}: a servo is told by crawls beside stations or pushes, and from a "
+            "kind that leaves room, such as hobby"
+        )
+    crawls = with_crawls(session, fit, like, seed, fit.method.startswith("robust"))
     assert crawls.servos is not None
     drawn, index = crawls.servos.drawn, np.array(crawls.servos.index)
     weight = np.exp(-0.5 * _ripple_chi2(session, fit, drawn, np.unique(index)))[index]
