@@ -325,10 +325,10 @@ class Finder:
 
         A flat valley may have low places that are closer to each other than the table's starts.
         """
-        rings = [self.ring(speed, best, radius) for radius in (FIRST, 2 * FIRST)]
         return [
             self.descend(speed, point, FIRST / 2, ROUGH)
-            for points in rings
+            for radius in (FIRST, 2 * FIRST)
+            for points in [self.ring(speed, best, radius)]
             for k, point in enumerate(points)
             if point.price <= min(points[k - 1].price, points[(k + 1) % AROUND].price)
             and point.price < best.price + AS_LOW

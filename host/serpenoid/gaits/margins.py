@@ -136,7 +136,7 @@ def _fall(speed_at: Callable[[float], float], full: float) -> float:
 
     for low, high in pairwise(_LOSSES.tolist()):
         if spare(high) <= 0:
-            return float(brentq(spare, low, high, rtol=np.float64(FINE)))  # pyright: ignore
+            return float(brentq(spare, low, high, rtol=FINE))  # pyright: ignore
     return math.inf
 
 
@@ -179,7 +179,7 @@ def gait_margins(robot: Robot, ground: Ground, gait: Gait) -> Margins:
             return error.best.speed_m_s
 
     def weaker(loss: float) -> float:
-        return speed(ground, replace(gait, alpha_rad=(1 - loss) * gait.alpha_rad))
+        return speed(ground, replace(gait, alpha_rad=min((1 - loss) * gait.alpha_rad, math.pi)))
 
     def looser(loss: float) -> float:
         return speed(replace(ground, fn0=(1 - loss) * ground.fn0), gait)

@@ -121,16 +121,12 @@ def _last_cycle(run: Run, parts: int = 1, cycles: int = 1) -> tuple[Run, Array]:
     Net, absolute and positive, of each joint, (3, n - 1): means of a period's samples.
     """
     scene, period = run.scene, run.scene.gait.period_s
-    on = simulate(
-        replace(
-            scene,
-            start=run.state(),
-            duration_s=cycles * period,
-            dt_s=scene.dt_s / parts,
-            record=("joints",),
-            record_every=1,
-        )
-    )
+    finer = replace(scene, dt_s=scene.dt_s / parts, duration_s=period)
+    if cycles > 1:
+        whole = round(period / finer.dt_s)
+        before = replace(finer, duration_s=(cycles - 1) * period, record_every=whole)
+        run = simulate(replace(before, start=run.state()))
+    on = simulate(replace(finer, start=run.state(), record=("joints",), record_every=1))
     power = on.joint_power_w[-round(period / on.scene.dt_s) :]
     return on, np.stack([power, np.abs(power), np.maximum(power, 0)]).mean(axis=1)
 

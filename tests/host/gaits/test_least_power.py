@@ -192,4 +192,4 @@ def test_at_a_limit_the_power_is_that_of_the_best_lag(
         watts, bounds=(0.5 * waves, 1.8 * waves), method="bounded", options={"xatol": 1e-7}
     )
     assert best.active == ("joint angle",)
-    assert abs(best.power_w - found.fun) < best.power_error_w < 2e-7 * best.power_w
+    assert abs(best.power_w - found.fun) < best.power_error_w < 5e-7 * best.power_w

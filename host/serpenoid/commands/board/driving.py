@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -80,7 +80,8 @@ def _predicted(
     from ...calibration.speed_samples import speed_band
 
     band = interruptible(lambda: speed_band(fit, gait, servo=servo))
-    warn_of_another_motion(sn.steady_gait(fit.robot, fit.ground, gait))
+    with suppress(sn.NotConverged):
+        warn_of_another_motion(sn.steady_gait(fit.robot, fit.ground, gait))
     if not quiet:
         say(f"predicted: {band.in_words()}")
     return band
