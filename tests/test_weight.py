@@ -41,7 +41,7 @@ MOST_TOKENS = {
     "host/serpenoid/lab": 7772,
     "host/serpenoid/model": 12472,
     "host/serpenoid/paper": 2898,
-    "host/serpenoid/periodic": 10595,
+    "host/serpenoid/periodic": 10670,
     "host/serpenoid/robot": 20500,
     "host/serpenoid/servos": 4423,
     "host/serpenoid/show": 32759,

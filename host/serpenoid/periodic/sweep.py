@@ -60,22 +60,22 @@ class Sweep(Result):
     ((2, 1, 1), True)
     """
 
-    alpha_rad: Array
-    beta_rad: Array
-    omega_rad_s: Array
-    speed_m_s: Array
-    power_w: Array
-    abs_power_w: Array
-    positive_power_w: Array
-    turn_rad_per_cycle: Array
-    error_estimate: Array
-    power_error_w: Array
-    positive_power_error_w: Array
-    settling_time_s: Array
+    alpha_rad: NDArray[np.float64]
+    beta_rad: NDArray[np.float64]
+    omega_rad_s: NDArray[np.float64]
+    speed_m_s: NDArray[np.float64]
+    power_w: NDArray[np.float64]
+    abs_power_w: NDArray[np.float64]
+    positive_power_w: NDArray[np.float64]
+    turn_rad_per_cycle: NDArray[np.float64]
+    error_estimate: NDArray[np.float64]
+    power_error_w: NDArray[np.float64]
+    positive_power_error_w: NDArray[np.float64]
+    settling_time_s: NDArray[np.float64]
     converged: NDArray[np.bool_]
-    servo_speed_m_s: Array | None = None
-    servo_low_m_s: Array | None = None
-    servo_high_m_s: Array | None = None
+    servo_speed_m_s: NDArray[np.float64] | None = None
+    servo_low_m_s: NDArray[np.float64] | None = None
+    servo_high_m_s: NDArray[np.float64] | None = None
 
     def in_words(self) -> str:
         """Return the speed of the fastest gait."""
