@@ -67,7 +67,9 @@ def _ladders(scene: Scene) -> Iterator[list[Scene]]:
     bare, tolerance = _bare(scene), scene.tolerance
     if not scene.adaptive:
         if scene.formulation == "explicit":
-            yield _by_tolerance(exact_scene(bare, _TIGHT), _TIGHT, _TIGHTEST)
+            exact = exact_scene(bare, _TIGHT)
+            if exact.adaptive:  # fixed steps take no notice of a tolerance
+                yield _by_tolerance(exact, _TIGHT, _TIGHTEST)
         elif scene.law != "dry":
             for method in ("dop853", "radau"):
                 if objection(method, bare) is None:

@@ -122,6 +122,16 @@ def test_chaos_is_named() -> None:
     assert any("the motion is chaotic" in w and "believe it up to" in w for w in run.warnings)
 
 
+def test_what_only_fixed_steps_run_is_judged_by_shorter_ones() -> None:
+    """Gear friction on smoothed ground: no method that follows a tolerance runs it."""
+    servo = sn.Servo(gear_friction_nm=0.02)
+    scene = replace(SCENES["dry servo"], servo=servo, smoothing_m_s=0.01, method="rk4", dt_s=2e-4)
+    run = sn.simulate(scene)
+    true = difference(run, sn.simulate(replace(scene, dt_s=2e-5, record_every=10)))
+    said = run.error_estimate.integration
+    assert true.position_m <= said.position_m < 3 * true.position_m
+
+
 @pytest.mark.parametrize("method", ["collocation", "nonsmooth"])
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-7])
 def test_methods_in_the_body_frame_know_their_error(method: str, tolerance: float) -> None:
