@@ -33,7 +33,7 @@ NOT_MEASURED = "No gait was run yet: these are predictions. Run one, and compare
 NO_GAIT = "no gait run and no gait planned; give one, or take a run with `serpenoid calibrate`"
 _LEVEL = (
     "Crawls there and back are shown as they would be on level ground: the floor falls by "
-    "{:.2f} ± {:.2f} deg towards there."
+    "{:.2f} ± {:.2f} deg towards there, and by {:.2f} ± {:.2f} deg to the left of it."
 )
 _CURVE_POINTS, _SPRINGS_EVERY = 49, 6  # chords between them are 0.1 % off; springs take longer
 
@@ -267,7 +267,7 @@ def _levelled(session: Session, fit: FrictionFit) -> tuple[Session, str]:
         return session, ""
     slope = floor_slope(session, fit.nuisances)
     level = on_level(session, fit.robot, fit.ground, slope)
-    return level, _LEVEL.format(*map(math.degrees, slope))
+    return level, _LEVEL.format(*(math.degrees(angle) for part in slope for angle in part))
 
 
 def _judged(

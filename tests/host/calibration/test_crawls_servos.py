@@ -22,6 +22,7 @@ from simulated_sessions import MemoryRecord
 
 ROBOT = floor_setup().robot
 GROUND = ground_of(ROBOT.links, TRUTH)
+LEVEL = Estimate(0.0, 1e-6)
 FAST = Gait(math.radians(80), math.radians(75), 2 * math.pi * 0.8)
 
 
@@ -49,10 +50,11 @@ def test_a_slope_acts_on_joints_as_they_were_filmed() -> None:
         way="there",
     )
     session = replace(MemoryRecord(floor_setup()).session, further=(film,))
-    put_right = on_level(session, ROBOT, GROUND, Estimate(0.003, 1e-6)).kept_films[0]
+    put_right = on_level(session, ROBOT, GROUND, (Estimate(0.003, 1e-6), LEVEL)).kept_films[0]
     level, gait = put_right.speed_m_s, film.gait
     slower, commanded = (
-        sloped_speed(ROBOT, GROUND, g, -0.003) / sloped_speed(ROBOT, GROUND, g, 0.0)
+        sloped_speed(ROBOT, GROUND, g, (-0.003, 0.0))[0]
+        / sloped_speed(ROBOT, GROUND, g, (0.0, 0.0))[0]
         for g in (gait, asked)
     )
     assert level == pytest.approx(0.1 / slower, rel=1e-6)
@@ -82,7 +84,7 @@ def test_a_slope_with_a_weak_servo_is_that_of_the_lab() -> None:
         for k, (v, way) in enumerate(((there, "there"), (back, "back")), 1)
     )
     session = replace(MemoryRecord(floor_setup()).session, gait_runs=runs)
-    known = Estimate(slope, 1e-6)
+    known = Estimate(slope, 1e-6), LEVEL
     moved, ideal = (
         [run.speed_m_s for run in on_level(session, ROBOT, GROUND, known, by).gait_runs]
         for by in (weak, None)

@@ -30,7 +30,7 @@ from ..session import Session
 from ..session_posterior import mode_of, posterior_of, scale_sigmas, usual_frictions
 from ..speeds import SpeedTable
 from .data import CrawlData, servos_of
-from .level import floor_slope, is_sloped, on_level
+from .level import Slope, floor_slope, is_sloped, on_level
 from .posterior import MOVES, NEVER, Beforehand, CrawlDraws, CrawlPosterior
 from .servos import SERVO_DRAWS, with_near_ones
 
@@ -150,7 +150,7 @@ def _with_belt(session: Session, draws: Draws) -> tuple[Posterior, Floats]:
 
 
 def _on_level(
-    session: Session, ground: Ground, slope: Estimate, drawn: CrawlDraws | None
+    session: Session, ground: Ground, slope: Slope, drawn: CrawlDraws | None
 ) -> Session:
     """Return the session on level ground, as the likeliest servo drawn so far moves the joints."""
     robot = session.setup.robot

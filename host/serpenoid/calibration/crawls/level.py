@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -21,17 +21,22 @@ from ..session import Session
 from ..speeds import scaled
 from .data import crawls_by_command
 
+Slope = tuple[Estimate, Estimate]  # of a floor: by what it falls towards "there", and to its left
 SLOPE_SIGMA = 0.2  # of what a slope does to a speed: friction is not yet as it will be fitted
 _LEAST_SHARE = 0.05  # of the level speed, that a slope leaves
 _STEPS, _ROWS = 300, 20  # of a period: time steps, and rows that are kept
 _TOLERANCE = 1e-3  # of runs with a servo: the speed is then right to some 0.5 %
-_SETTLE_S, _CYCLES = 6.0, 2
+_FROM_S, _TO_S = 4.0, 16.0  # behind the gait's start: then a crawl is measured
 
 
-def floor_slope(session: Session, nuisances: Mapping[str, Estimate]) -> Estimate:
-    """Return the floor's slope, rad, as readings told it, or as nobody knows it."""
-    told = [value for name, value in nuisances.items() if name.startswith("floor_slope_rad")]
-    return told[0] if told else Estimate(0.0, session.setup.floor.slope_sigma_rad)
+def floor_slope(session: Session, nuisances: Mapping[str, Estimate]) -> Slope:
+    """Return the floor's slopes, rad, as readings told them, or as nobody knows them."""
+    unknown = Estimate(0.0, session.setup.floor.slope_sigma_rad)
+    along, across = (
+        next((value for name, value in nuisances.items() if name.startswith(part)), unknown)
+        for part in ("floor_slope_rad", "floor_slope_across_rad")
+    )
+    return along, across
 
 
 def is_sloped(session: Session) -> bool:
@@ -43,16 +48,15 @@ def on_level(
     session: Session,
     robot: Robot,
     ground: Ground,
-    slope: Estimate,
+    slope: Slope,
     servo: Servo | None = None,
     amplitude: float = 1.0,
 ) -> Session:
     """Return the session with crawls that went there or back brought to level ground.
 
-    slope: of the floor, which falls towards "there". What it does to a crawl is simulated; its
-    doubt is added to the speeds' standard deviations. servo, amplitude: what moves the joints, and
-    their amplitude over the commanded one; None: joints do what was seen. A weak servo's crawl can
-    feel a slope twice as much.
+    What the slope does to a crawl is simulated; its doubt is added to the speeds' standard
+    deviations. servo, amplitude: what moves the joints, and their amplitude over the commanded one;
+    None: joints do what was seen. A weak servo's crawl can feel a slope twice as much.
     """
     level: dict[int, Any] = {}
     for crawl in crawls_by_command(session):
@@ -63,8 +67,9 @@ def on_level(
             if reading.way == "level":
                 continue
             gait = made if servo is None else scaled(crawl.commanded, amplitude)
-            towards = Estimate((1.0 if reading.way == "back" else -1.0) * slope.value, slope.sigma)
-            mean, doubt = _share(robot, ground, gait, towards, servo)
+            sign = 1.0 if reading.way == "back" else -1.0
+            rises = [Estimate(sign * falls.value, falls.sigma) for falls in slope]
+            mean, doubt = _share(robot, ground, gait, rises, servo)
             v = reading.speed_m_s / mean
             sigma = math.hypot(reading.speed_sigma_m_s / mean, math.sqrt(alike) * doubt / mean * v)
             level[reading.number] = replace(
@@ -78,42 +83,62 @@ def on_level(
 
 
 def _share(
-    robot: Robot, ground: Ground, gait: Gait, rises: Estimate, servo: Servo | None
+    robot: Robot, ground: Ground, gait: Gait, rises: Sequence[Estimate], servo: Servo | None
 ) -> tuple[float, float]:
-    """Return the speed up a slope over that on level ground, its mean and standard deviation."""
-    level = max(sloped_speed(robot, ground, gait, 0.0, servo), 1e-6)
-    ends = (rises.value + by * rises.sigma for by in (-1.0, 0.0, 1.0))
-    low, middle, high = (sloped_speed(robot, ground, gait, s, servo) / level for s in ends)
-    odd, even = high - low, high + low - 2 * middle
-    mean = max(middle + even / 2, _LEAST_SHARE)
-    return mean, math.hypot(odd / 2, even / math.sqrt(2), SLOPE_SIGMA * (1.0 - mean))
+    """Return the speed on a slope over that on level ground, its mean and standard deviation.
+
+    rises: ahead of the robot, and to its left.
+    """
+    level = max(sloped_speed(robot, ground, gait, (0.0, 0.0), servo)[0], 1e-6)
+
+    def share(ahead: float, left: float) -> tuple[float, float]:
+        """Return it so many sigmas from the likeliest slope, and its scatter over time."""
+        at = (rise.value + by * rise.sigma for rise, by in zip(rises, (ahead, left), strict=True))
+        mean, scatter = sloped_speed(robot, ground, gait, (next(at), next(at)), servo)
+        return mean / level, scatter / level
+
+    middle, scatter = share(0.0, 0.0)
+    mean, doubts = middle, [scatter]
+    for way in ((1.0, 0.0), (0.0, 1.0)):
+        high, low = share(*way)[0], share(*(-by for by in way))[0]
+        even = high + low - 2 * middle
+        mean += even / 2
+        doubts += [(high - low) / 2, even / math.sqrt(2)]
+    mean = max(mean, _LEAST_SHARE)
+    return mean, math.hypot(*doubts, SLOPE_SIGMA * (1.0 - mean))
 
 
 def sloped_speed(
-    robot: Robot, ground: Ground, gait: Gait, rises_rad: float, servo: Servo | None = None
-) -> float:
-    """Return the speed, m/s, of a crawl up a slope that rises ahead of it, or falls if negative.
+    robot: Robot,
+    ground: Ground,
+    gait: Gait,
+    rises_rad: tuple[float, float],
+    servo: Servo | None = None,
+) -> tuple[float, float]:
+    """Return the speed, m/s, of a crawl on a slope, its mean and scatter while it is measured.
 
-    servo: what moves the joints; None: they follow the gait.
+    rises_rad: how the ground rises ahead of the robot as it sets out, and to its left. A robot
+    turns downhill within some ten seconds, and nobody knows when a reading began. servo: what moves
+    the joints; None: they follow the gait.
     """
-    _, ahead_rad = _crawl(robot, ground, gait, 0.0, 0.0, servo)
-    return _crawl(robot, ground, gait, rises_rad, ahead_rad, servo)[0]
+    _, _, ahead_rad = _crawl(robot, ground, gait, 0.0, 0.0, servo)
+    ahead, left = rises_rad
+    uphill_rad = math.remainder(ahead_rad + math.atan2(left, ahead), 2 * math.pi)
+    return _crawl(robot, ground, gait, math.hypot(ahead, left), uphill_rad, servo)[:2]
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=512)
 def _crawl(
     robot: Robot,
     ground: Ground,
     gait: Gait,
-    rises_rad: float,
-    ahead_rad: float,
+    incline_rad: float,
+    uphill_rad: float,
     servo: Servo | None,
-) -> tuple[float, float]:
-    """Return the speed, m/s, and the direction of the way, rad, once the crawl has settled."""
+) -> tuple[float, float, float]:
+    """Return the speed, m/s, its scatter, and the direction of the first cycle's way, rad."""
     period_s = gait.period_s
-    before = math.ceil(_SETTLE_S / period_s)
-    cycles = _CYCLES if servo is None else 2 * _CYCLES  # frames and gait have no common period
-    uphill = ahead_rad + (math.pi if rises_rad < 0.0 else 0.0)
+    before, last = (math.ceil(at_s / period_s) for at_s in (_FROM_S, _TO_S))
     moved: dict[str, Any] = (
         {"start": "steady", "dt_s": period_s / _STEPS, "record_every": _STEPS // _ROWS}
         if servo is None
@@ -124,13 +149,14 @@ def _crawl(
             robot,
             ground,
             gait,
-            duration_s=(before + cycles) * period_s,
-            incline_rad=abs(rises_rad),
-            incline_direction_rad=math.remainder(uphill, 2 * math.pi),
+            duration_s=(last + 1) * period_s,
+            incline_rad=incline_rad,
+            incline_direction_rad=uphill_rad,
             **moved,
         )
     )
-    at = period_s * (before + np.arange(cycles + 1))
+    at = period_s * (before + np.arange(last + 2 - before))
     x, y = (np.interp(at, run.t_s, way.mean(axis=1)) for way in (run.x_m, run.y_m))
-    speed_m_s = float(np.hypot(np.diff(x), np.diff(y)).mean()) / period_s
-    return speed_m_s, math.atan2(y[-1] - y[0], x[-1] - x[0])
+    speeds_m_s = np.hypot(np.diff(x), np.diff(y)) / period_s
+    direction_rad = math.atan2(y[1] - y[0], x[1] - x[0])
+    return float(speeds_m_s.mean()), float(speeds_m_s.std()), direction_rad
