@@ -149,9 +149,7 @@ def _with_belt(session: Session, draws: Draws) -> tuple[Posterior, Floats]:
     return posterior, np.stack([values[name] for name in posterior.names], axis=1)
 
 
-def _on_level(
-    session: Session, ground: Ground, slope: Slope, drawn: CrawlDraws | None
-) -> Session:
+def _on_level(session: Session, ground: Ground, slope: Slope, drawn: CrawlDraws | None) -> Session:
     """Return the session on level ground, as the likeliest servo drawn so far moves the joints."""
     robot = session.setup.robot
     if drawn is not None and drawn.posterior.effects.servos:
