@@ -25,8 +25,8 @@ from .data import CrawlData
 MOVES = 2
 NEVER = -1e300  # the logarithm of no chance: a number times 0 is 0
 _SOLVED, _ROUNDS = 128, 4  # points at which speeds are solved for, and how often at so many more
-# The same where no reading but crawls tells the frictions: they spread over decades.
-_MOVES_ALONE, _SOLVED_ALONE = 10, 512
+# The same where frictions spread over decades.
+_MOVES_WIDE, _SOLVED_WIDE = 10, 512
 _CLOSE = 0.1  # sigmas of a measured speed: so good are those between
 _STEP = 0.01  # of an unknown, for slopes
 _NONE = np.empty(0)
@@ -80,7 +80,8 @@ class CrawlPosterior:
 
     Points z (K, D) are the others' unknowns, frictions by their logarithms, and last the joints'
     amplitude in sigmas. Where frictions are known beforehand every logarithm is as likely, else
-    every friction. Crawls are misread where other readings may be.
+    every friction. Crawls are misread where other readings may be. wide: frictions may spread over
+    decades, as those of crawls alone.
     """
 
     others: Posterior
@@ -88,6 +89,7 @@ class CrawlPosterior:
     speeds: SpeedTable
     effects: ServoEffects
     amplitude_sigma: float = AMPLITUDE_SIGMA
+    wide: bool = False
 
     @property
     def alone(self) -> bool:
@@ -180,7 +182,7 @@ class CrawlPosterior:
         first = z = self.solved(x, seed)
         rng, evidence = np.random.default_rng(seed), 0.0
         sigma = self.data.sigma_m_s / (self.data.speed_m_s + LEAST_M_S)
-        moves = _MOVES_ALONE if self.alone else MOVES
+        moves = _MOVES_WIDE if self.wide else MOVES
         for _ in range(_ROUNDS):
             z, evidence = tempered(first, self.before, self.log_density, rng, moves)
             off = self._solve(z, rng) / sigma
@@ -197,7 +199,7 @@ class CrawlPosterior:
 
     def _solve(self, z: Floats, rng: np.random.Generator) -> Floats:
         """Solve for speeds at some points; return by how much the table was off there."""
-        some = rng.permutation(np.unique(z, axis=0))[: _SOLVED_ALONE if self.alone else _SOLVED]
+        some = rng.permutation(np.unique(z, axis=0))[: _SOLVED_WIDE if self.wide else _SOLVED]
         return self.speeds.add(self.whole(some), self.amplitude(some))
 
 
