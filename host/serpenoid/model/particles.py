@@ -1,8 +1,8 @@
 """Tempered particles: from draws of one density to draws of another, whatever its shape.
 
-Between the first density p and the last q stand p^(1 - t) q^t with t from 0 to 1. Each step of t is
-as long as leaves half of the particles independent; then each particle moves by the difference of
-two others (differential evolution, ter Braak 2006), which follows the shape that they have.
+Between the first density p and the last q stand p (q / p)^t with t from 0 to 1. Each step of t is as
+long as leaves half of the particles independent; then each particle moves by the difference of two
+others (differential evolution, ter Braak 2006), which follows the shape that they have.
 """
 
 from __future__ import annotations
@@ -61,39 +61,40 @@ def alike(log: Floats) -> float:
 def tempered(
     x: Floats,
     first: LogDensity,
-    last: LogDensity,
+    ratio: LogDensity,
     rng: np.random.Generator,
     moves: int = MOVES,
 ) -> tuple[Floats, float]:
     """Return particles (N, D) of the last density from such of the first.
 
-    And the logarithm of the last density's integral over the first one's. All unknowns change in a
+    And the logarithm of the last density's integral over the first one's. ratio: of the last
+    density to the first, a likelihood where the first is what was known before. All unknowns change in a
     move: with some of them alone, particles would stay where they are on a narrow ridge.
     """
-    count, power, log_ratio = len(x), 0.0, 0.0
-    log_first, log_last = first(x), last(x)
+    count, power, integral = len(x), 0.0, 0.0
+    log_first, log_ratio = first(x), ratio(x)
     while power < 1.0:
-        rise = np.where(np.isfinite(log_last), log_last - log_first, -np.inf)
+        rise = np.where(np.isfinite(log_ratio), log_ratio, -np.inf)
         step = _step(rise, 1.0 - power)
         power = min(power + step, 1.0)
         weight = np.exp(step * (rise - rise.max()))
-        log_ratio += step * float(rise.max()) + math.log(weight.mean())
+        integral += step * float(rise.max()) + math.log(weight.mean())
         rows = np.searchsorted(
             np.cumsum(weight / weight.sum()), (np.arange(count) + rng.random()) / count
         )
         rows = np.minimum(rows, count - 1)
-        x, log_first, log_last = x[rows], log_first[rows], log_last[rows]
+        x, log_first, log_ratio = x[rows], log_first[rows], log_ratio[rows]
         for _ in range(moves if power < 1.0 else 2 * moves):
             pair = x[rng.permutation(count)] - x[rng.permutation(count)]
             jitter = _JITTER * x.std(axis=0) * rng.normal(size=x.shape)
             tried = x + (rng.choice(_LENGTHS, size=(count, 1)) * pair + jitter)
-            new_first, new_last = first(tried), last(tried)
-            gain = (1.0 - power) * (new_first - log_first) + power * (new_last - log_last)
+            new_first, new_ratio = first(tried), ratio(tried)
+            gain = new_first - log_first + power * (new_ratio - log_ratio)
             taken = np.log(rng.uniform(size=count)) < gain
             x = np.where(taken[:, None], tried, x)
             log_first = np.where(taken, new_first, log_first)
-            log_last = np.where(taken, new_last, log_last)
-    return x, log_ratio
+            log_ratio = np.where(taken, new_ratio, log_ratio)
+    return x, integral
 
 
 def _step(rise: Floats, most: float) -> float:

@@ -222,10 +222,10 @@ class _Posterior:
         squares = np.nan_to_num(np.sum(off**2, axis=1) / self.test.sigma_rad**2, nan=_NEVER)
         return np.where([servo is None for servo in servos], _NEVER, squares)
 
-    def log_density(self, x: Array) -> Array:
-        """Return the logarithm of the density that the test leaves."""
+    def log_ratio(self, x: Array) -> Array:
+        """Return the logarithm of the density that the test leaves over the one before it."""
         units = self.units(x)
-        return log_normal(units) - 0.5 * self.chi2(units)
+        return log_normal(units) - log_normal(x) - 0.5 * self.chi2(units)
 
 
 def log_normal(x: Array) -> Array:
@@ -243,7 +243,7 @@ def servo_of_test(
         )
     rng, posterior = np.random.default_rng(seed), _Posterior(test, like)
     x = rng.normal(size=(PARTICLES, sum(posterior.free)))
-    x = tempered(x, log_normal, posterior.log_density, rng, MOVES)[0]
+    x = tempered(x, log_normal, posterior.log_ratio, rng, MOVES)[0]
     units = posterior.units(x)
     servos, chi2 = posterior.servos(units), posterior.chi2(units)
     middle = int(np.argmin(np.sum((x - x.mean(axis=0)) ** 2 / x.var(axis=0), axis=1)))

@@ -119,13 +119,14 @@ def _others(session: Session, is_open: bool, misread: bool, seed: int) -> tuple[
         inside = (unknowns(u) >= posterior.low).all(axis=1)
         return np.where(inside, -0.5 * np.sum(u**2, axis=1), NEVER)
 
-    def after(u: Floats) -> Floats:
-        return np.where(before(u) > NEVER, posterior.log_density(unknowns(u)), NEVER)
+    def ratio(u: Floats) -> Floats:
+        log = before(u)
+        return np.where(log > NEVER, posterior.log_density(unknowns(u)) - log, 0.0)
 
     rng = np.random.default_rng(seed)
     u = rng.normal(size=(4 * DRAWS, size))
     u = u[before(u) > NEVER][:DRAWS]
-    return posterior, unknowns(tempered(u, before, after, rng, 2 * MOVES)[0])
+    return posterior, unknowns(tempered(u, before, ratio, rng, 2 * MOVES)[0])
 
 
 def _with_belt(session: Session, draws: Draws) -> tuple[Posterior, Floats]:

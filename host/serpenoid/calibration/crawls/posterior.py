@@ -159,10 +159,6 @@ class CrawlPosterior:
 
         return np.asarray(logsumexp(self.by_servo(z), axis=1))
 
-    def log_density(self, z: Floats) -> Floats:
-        """Return the logarithm of the density with crawls, but for the same constant."""
-        return self.before(z) + self.log_likelihood(z)
-
     def _ways(self, rows: Floats) -> tuple[Floats, Floats]:
         """Return the log density of rows as good and as misread; -inf: none may be."""
         if self.others.misread:
@@ -179,15 +175,20 @@ class CrawlPosterior:
 
         Speeds are solved for at some of them, until those between are as good.
         """
-        first = z = self.solved(x, seed)
-        rng, evidence = np.random.default_rng(seed), 0.0
+        first, rng = self.solved(x, seed), np.random.default_rng(seed)
         sigma = self.data.sigma_m_s / (self.data.speed_m_s + LEAST_M_S)
-        moves = _MOVES_WIDE if self.wide else MOVES
-        for _ in range(_ROUNDS):
-            z, evidence = tempered(first, self.before, self.log_density, rng, moves)
+
+        def particles(moves: int) -> tuple[Floats, float]:
+            return tempered(first, self.before, self.log_likelihood, rng, moves)
+
+        z, evidence = particles(MOVES)
+        for _ in range(_ROUNDS - 1):
             off = self._solve(z, rng) / sigma
             if np.sqrt(np.mean(off**2, axis=0)).max() < _CLOSE:
                 break
+            z, evidence = particles(MOVES)
+        if self.wide:
+            z, evidence = particles(_MOVES_WIDE)
         return CrawlDraws(self, z, evidence, seed)
 
     def solved(self, x: Floats, seed: int) -> Floats:

@@ -337,11 +337,12 @@ class Posterior:
         x = x[inside] if inside.any() else np.maximum(x, self.low)
         x = np.resize(x[:PARTICLES], (PARTICLES, x.shape[1]))
 
-        def last(x: Floats) -> Floats:
+        def ratio(x: Floats) -> Floats:
             inside = (x >= self.low).all(axis=1)
-            return np.where(inside, self.log_density(np.maximum(x, self.low)), -np.inf)
+            log = self.log_density(np.maximum(x, self.low)) - first.log_density(x)
+            return np.where(inside, log, -np.inf)
 
-        x, _ = tempered(x, first.log_density, last, np.random.default_rng(seed))
+        x, _ = tempered(x, first.log_density, ratio, np.random.default_rng(seed))
         even = np.full(len(x), 1.0 / len(x))
         return Draws(self, x, even, even)
 
