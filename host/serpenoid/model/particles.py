@@ -1,8 +1,8 @@
 """Tempered particles: from draws of one density to draws of another, whatever its shape.
 
-Between the first density p and the last q stand p (q / p)^t with t from 0 to 1. Each step of t is as
-long as leaves half of the particles independent; then each particle moves by the difference of two
-others (differential evolution, ter Braak 2006), which follows the shape that they have.
+Between the first density p and the last q stand p (q / p)^t with t from 0 to 1. Each step of t is
+as long as leaves half of the particles independent; then each particle moves by the difference of
+two others (differential evolution, ter Braak 2006), which follows the shape that they have.
 """
 
 from __future__ import annotations
@@ -68,8 +68,8 @@ def tempered(
     """Return particles (N, D) of the last density from such of the first.
 
     And the logarithm of the last density's integral over the first one's. ratio: of the last
-    density to the first, a likelihood where the first is what was known before. All unknowns change in a
-    move: with some of them alone, particles would stay where they are on a narrow ridge.
+    density to the first, a likelihood where the first is what was known before. All unknowns change
+    in a move: with some of them alone, particles would stay where they are on a narrow ridge.
     """
     count, power, integral = len(x), 0.0, 0.0
     log_first, log_ratio = first(x), ratio(x)
