@@ -37,17 +37,22 @@ test: $(VENV)/built $(VENV)/dev
 	@sh .ci/need chromium=chromium chromedriver=chromium-driver node=nodejs \
 		$$(cat tests/avr/packages.txt) \
 		|| echo "what needs these is skipped"
-	@$(MAKE) --no-print-directory --jobs=3 test-numbers test-robot test-host lint test-board
+	@$(MAKE) --no-print-directory --jobs=3 test-session test-robot test-host \
+		test-numbers lint test-board
 
 # The parts of `make test`, three beside each other (that of the robot waits most of its time), the
 # longest first; each line says whose it is.
 PART = @.ci/part $@ $(VENV)/bin/python -m pytest
-NUMBERS = $(addprefix tests/host/,model periodic simulation gaits calibration)
+NUMBERS = $(addprefix tests/host/,model periodic simulation gaits)
+SESSION = tests/host/calibration
 HOST = tests/host tests/end_to_end
 GAITS = tests/host/gaits
 ROBOT = tests/host/robot
 test-host:
-	$(PART) -m "not slow" $(HOST) $(addprefix --ignore=,$(NUMBERS) $(ROBOT))
+	$(PART) -m "not slow" $(HOST) $(addprefix --ignore=,$(NUMBERS) $(SESSION) $(ROBOT))
+
+test-session:
+	$(PART) -m "not slow" $(SESSION)
 
 test-robot:
 	$(PART) -m "not slow" $(ROBOT)
@@ -140,4 +145,4 @@ $(VENV)/built: $(SOURCES) constraints/run.txt
 	@$(MAKE) --no-print-directory --jobs=2 $(VENV)/core $(VENV)/run
 	@touch $@
 
-.PHONY: help demo test test-host test-robot test-numbers test-board quick quick-tests test-slow slow-host slow-gaits slow-board build lint format docs playground figures bench wheel clean
+.PHONY: help demo test test-host test-robot test-session test-numbers test-board quick quick-tests test-slow slow-host slow-gaits slow-board build lint format docs playground figures bench wheel clean

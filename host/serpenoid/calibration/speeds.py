@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.drives import Servo
+from ..model.errors import NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.long_calls import in_threads
@@ -31,7 +32,7 @@ from .friction_result import ground_of
 Array = NDArray[np.float64]
 Progress = Callable[[int], None]
 Speeds = Callable[[Array, Array], Array]  # (K, P) frictions, (K,) amplitudes -> (K, gaits), m/s
-MODEL_SIGMA = 0.01  # of a predicted speed: joints' centres that are off, wheels that turn
+MODEL_SIGMA = 0.015  # of a predicted speed: joints' centres that are off, wheels that turn
 AMPLITUDE_SIGMA = 0.03  # of the joints' true over commanded amplitude, common to all gaits
 SERVO_SIGMA = 0.005  # relative, of what a servo is predicted to do
 GRAIN = 0.01  # the same, where few servos are drawn of many; a rough state is off by 0.003
@@ -68,11 +69,16 @@ class SpeedTable:
         return self._logs.size > 0
 
     def add(self, whole: Array, amplitude: Array) -> Array:
-        """Solve at K points; return by how much the table was off there, (K, gaits), logarithms.
+        """Solve at points; return by how much the table was off there, (K, gaits), logarithms.
 
-        The first time that is infinite.
+        The first time that is infinite. Points at which a speed is nan are left out.
         """
-        logs, points = np.log(self._solve(whole, amplitude) + LEAST_M_S), _logs(whole, amplitude)
+        speeds = self._solve(whole, amplitude)
+        found = np.isfinite(speeds).all(axis=1)
+        if not found.any():
+            raise NotConverged("no periodic state was found for any friction that may be")
+        whole, amplitude = whole[found], amplitude[found]
+        logs, points = np.log(speeds[found] + LEAST_M_S), _logs(whole, amplitude)
         if not self.known:
             self._points, self._logs, off = points, logs, np.full(logs.shape, np.inf)
         else:

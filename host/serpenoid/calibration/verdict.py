@@ -24,6 +24,7 @@ from .speed_samples import SpeedSamples
 from .speeds import MODEL_SIGMA, Array, ServoEffects, SpeedModel, SpeedTable
 
 DOUBTFUL = 0.05  # a verdict's p-value
+_LEAST_SIGMAS = 0.3  # a friction is as if it were so many standard deviations at least
 # What may have happened between treadmill and ground: standard deviation of the logarithm of each
 # friction, and of the joints' amplitude, in those stated (who has measured it states a small one).
 FREED_FRICTION, FREED_AMPLITUDE = 0.4, 5.0
@@ -88,7 +89,9 @@ class Judge:
         self._drawn, self._seed, self._fit = drawn, seed, fit
         self._amplitude_sigma = max(amplitude_sigma, 1e-6)
         self._servo = servo
-        self._whole = np.maximum(list(fit.whole_snake.values()), 1e-9)
+        sigma = np.sqrt(np.diag(fit.covariance))
+        whole = np.array(list(fit.whole_snake.values()))
+        self._whole = np.maximum(whole, np.maximum(_LEAST_SIGMAS * sigma, 1e-9))
 
     def __call__(self, measured: CrawlData) -> Verdict:
         """Return the verdict on speeds of the gaits drawn."""
@@ -111,7 +114,10 @@ class Judge:
 
         whole = self._whole
         relative = self._fit.covariance / np.outer(whole, whole)
-        root = np.linalg.cholesky(relative + freed**2 * np.eye(len(whole)))
+        # of a friction that may be 0 the logarithm scatters less than its share
+        shrunk = np.sqrt(np.log1p(np.diag(relative)) / np.maximum(np.diag(relative), 1e-300))
+        of_logs = relative * np.outer(shrunk, shrunk)
+        root = np.linalg.cholesky(of_logs + freed**2 * np.eye(len(whole)))
         known = Beforehand(np.log(whole), np.asarray(root, dtype=np.float64))
         best_m_s = self._model.ideal(whole[None], np.ones(1))[0] * np.median(effects.share, axis=0)
         sigma = np.hypot(measured.sigma_m_s, math.hypot(MODEL_SIGMA, effects.sigma) * best_m_s)
@@ -120,7 +126,7 @@ class Judge:
         posterior = CrawlPosterior(
             Posterior((known,)),
             replace(measured, sigma_m_s=sigma),
-            SpeedTable(partial(self._model.ideal, unfound_m_s=0.0)),
+            SpeedTable(partial(self._model.ideal, unfound_m_s=np.nan)),
             effects,
             amplitude_sigma,
         )
@@ -129,7 +135,7 @@ class Judge:
         shares = (drawn.best_whole / whole).tolist()
         return Cause(
             float(chdtrc(len(measured), drawn.chi2)),
-            drawn.evidence,
+            drawn.evidence - float(np.log(sigma).sum()),
             dict(zip(self._fit.names, shares, strict=True)),
             drawn.best_amplitude,
         )

@@ -176,7 +176,7 @@ def test_predictions_take_the_amplitude_that_crawls_told(pushed, crawls_fit, mon
     more = sample_speeds(fit, [gait], amplitude_sigma=0.03, count=256).joints_m_s
     monkeypatch.setattr(speed_samples, "MODEL_SIGMA", 0.0)
     less = sample_speeds(fit, [gait], amplitude_sigma=0.03, count=256).joints_m_s
-    assert np.std(more / less) == pytest.approx(0.01, rel=0.2)
+    assert np.std(more / less) == pytest.approx(0.015, rel=0.2)
     drawn = sample_speeds(fit, [gait], amplitude_sigma=0.03, count=32)
     added = (drawn.joints_m_s / drawn.friction_m_s)[:, 0] - 1.0
     assert abs(np.corrcoef(added, fit.sample_amplitudes(32) - 1.0)[0, 1]) > 0.9

@@ -72,7 +72,7 @@ def with_crawls(
         model = data.model(robot, ground)
         if effects is None or other is None:
             effects = model.effects(servos_of(servo, SERVO_DRAWS, seed))
-        speeds = speeds or SpeedTable(partial(model.ideal, unfound_m_s=0.0))
+        speeds = speeds or SpeedTable(partial(model.ideal, unfound_m_s=np.nan))
         posterior = CrawlPosterior(others, data, speeds, effects, wide=other is None)
         if last and servo is not None and not servo.exact and not servo.drawn:
             posterior = with_near_ones(posterior, x[::_ROUGH], servo, model.effects, seed)

@@ -69,9 +69,12 @@ def on_level(
             gait = made if servo is None else scaled(crawl.commanded, amplitude)
             sign = 1.0 if reading.way == "back" else -1.0
             rises = [Estimate(sign * falls.value, falls.sigma) for falls in slope]
-            mean, doubt = _share(robot, ground, gait, rises, servo)
+            mean, along, across = _share(robot, ground, gait, rises, servo)
             v = reading.speed_m_s / mean
-            sigma = math.hypot(reading.speed_sigma_m_s / mean, math.sqrt(alike) * doubt / mean * v)
+            doubt = (
+                v / mean * math.hypot(math.sqrt(alike) * along, math.sqrt(len(readings)) * across)
+            )
+            sigma = math.hypot(reading.speed_sigma_m_s / mean, doubt)
             level[reading.number] = replace(
                 reading, speed_m_s=v, speed_sigma_m_s=sigma, way="level"
             )
@@ -84,10 +87,11 @@ def on_level(
 
 def _share(
     robot: Robot, ground: Ground, gait: Gait, rises: Sequence[Estimate], servo: Servo | None
-) -> tuple[float, float]:
-    """Return the speed on a slope over that on level ground, its mean and standard deviation.
+) -> tuple[float, float, float]:
+    """Return the speed on a slope over that on level ground, and what that may be off by.
 
-    rises: ahead of the robot, and to its left.
+    By the slope along a crawl, and by the one across, which makes crawls there and back alike too
+    fast. rises: ahead of the robot, and to its left.
     """
     level = max(sloped_speed(robot, ground, gait, (0.0, 0.0), servo)[0], 1e-6)
 
@@ -98,14 +102,14 @@ def _share(
         return mean / level, scatter / level
 
     middle, scatter = share(0.0, 0.0)
-    mean, doubts = middle, [scatter]
+    mean, doubts = middle, []
     for way in ((1.0, 0.0), (0.0, 1.0)):
         high, low = share(*way)[0], share(*(-by for by in way))[0]
         even = high + low - 2 * middle
         mean += even / 2
-        doubts += [(high - low) / 2, even / math.sqrt(2)]
+        doubts.append(math.hypot((high - low) / 2, even / math.sqrt(2)))
     mean = max(mean, _LEAST_SHARE)
-    return mean, math.hypot(*doubts, SLOPE_SIGMA * (1.0 - mean))
+    return mean, math.hypot(doubts[0], SLOPE_SIGMA * (1.0 - mean)), math.hypot(doubts[1], scatter)
 
 
 def sloped_speed(
