@@ -106,8 +106,21 @@ _SESSION = ("session.toml", "readings.csv", "events.csv", "fit.json")
 FIGURES = (".png", ".pdf", ".svg")
 
 
-FOLDER = click.Path(file_okay=False, path_type=Path)
-EXISTING = click.Path(exists=True, dir_okay=False, path_type=Path)
+class PathType(click.Path):
+    """A file or a folder; an empty name is none, where Python takes it for the current folder."""
+
+    def __init__(self, **limits: bool) -> None:
+        super().__init__(**limits, path_type=Path)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the path."""
+        _refuse(None if str(value) else NO_NAME)
+        return super().convert(value, param, ctx)
+
+
+NO_NAME = "the name is empty; '.' is the current folder"
+FOLDER = PathType(file_okay=False)
+EXISTING = PathType(exists=True, dir_okay=False)
 
 
 def out_file(*suffixes: str) -> Callable[[str | Path], Path]:
@@ -148,6 +161,7 @@ def _of_a_session(path: Path) -> Path | None:
 
 def directory(value: str | Path) -> Path:
     """Return a folder to be filled: it is there and may be written to, or can be made."""
+    _refuse(None if str(value) else NO_NAME)
     path = there = Path(value)
     while not there.exists():
         there = there.parent

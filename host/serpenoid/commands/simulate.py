@@ -15,7 +15,18 @@ import serpenoid as sn
 from ..model.checks import DRIVES, FORMULATIONS, GAPS, STARTS
 from ..show.screen import progress, say, working
 from ..simulation.methods import METHODS
-from .declare import FIGURES, Given, Options, angle, flag, number, option, out_file, refuse_typed
+from .declare import (
+    FIGURES,
+    Given,
+    Options,
+    PathType,
+    angle,
+    flag,
+    number,
+    option,
+    out_file,
+    refuse_typed,
+)
 from .options import (
     AS_TABLES,
     describe,
@@ -27,7 +38,7 @@ from .options import (
     show_json,
 )
 
-_FILE = click.Path(dir_okay=False, path_type=Path)
+_FILE = PathType(dir_okay=False)
 
 
 def _pieces(text: str) -> list[str]:

@@ -13,7 +13,7 @@ import click
 import serpenoid as sn
 
 from ..show.screen import progress, say
-from .declare import EXISTING, FIGURES, FOLDER, Given, Options, number, option, out_file
+from .declare import EXISTING, FIGURES, FOLDER, Given, Options, PathType, number, option, out_file
 from .group import Commands
 from .options import AS_JSON, gait_options, make_gait, preset_robot, show_json
 
@@ -100,7 +100,7 @@ def tags(paper: str, out: Path, **given: Any) -> None:
 
 
 @VIDEO_GROUP.command()
-@click.argument("file", type=click.Path(path_type=Path))
+@click.argument("file", type=PathType())
 @_ROBOT
 @gait_options
 @option(

@@ -154,6 +154,10 @@ def whole_file(path: Path) -> Iterator[Path]:
         with part.open("r+b") as file:  # Windows puts on the disk what may be written to alone
             os.fsync(file.fileno())
         part.replace(target)
+    except OSError as error:
+        if error.filename != str(part):
+            raise
+        raise OSError(error.errno, error.strerror, str(path)) from None  # nobody knows of the part
     finally:
         part.unlink(missing_ok=True)
 

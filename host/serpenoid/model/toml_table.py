@@ -54,8 +54,9 @@ class Table:
 
     def check_format(self, newest: int) -> None:
         """Raise BadInput unless the file's format is one that this version reads."""
-        if not self.values:
-            raise BadInput(f"{self.path}: the file is empty; it must begin with format = {newest}")
+        if "format" not in self.values:
+            lacks = "has no format" if self.values else "is empty"
+            raise BadInput(f"{self.path}: the file {lacks}; it must begin with format = {newest}")
         if self.whole("format") > newest:
             raise BadInput(
                 f"{self.where('format')}: format is {self.values['format']}; this version of "

@@ -36,10 +36,12 @@ def servo_faults(run: FilmedRun, gait: Gait | None) -> Iterator[Remark]:
             words = "moves the wrong way round: set its trim's sense to the other sign"
             yield Remark("sense", "; ".join(f"joint {k + 1} {words}" for k in turned))
     off = {j: j.offset_rad - (gait.offset_rad if gait else 0.0) for j in run.joints}
+    ends = run.joints[0], run.joints[-1]
     centres = [
         f"joint {j.joint} swings about {math.degrees(off[j]):+.1f}° ± "
         f"{math.degrees(j.offset_sigma_rad):.1f}° off its centre: move its trim by "
         f"{math.degrees(-off[j]):+.1f}°"
+        + (", unless the tag at that end is glued on askew" if j in ends else "")
         for j in run.joints
         if abs(off[j]) > max(CENTRE_RAD, 2 * j.offset_sigma_rad)
     ]

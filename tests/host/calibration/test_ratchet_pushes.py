@@ -71,7 +71,7 @@ def test_crawls_are_fitted_with_the_backward_frictions() -> None:
     fit = fit_friction(replace(session, gait_runs=(run,)), crawls=True)
     check_holds(fit)
     pushed = np.linalg.det(fit_friction(session).covariance)
-    assert np.linalg.det(fit.covariance) < 0.7 * pushed
+    assert np.linalg.det(fit.covariance) < 0.8 * pushed
 
 
 def test_few_pushes_tail_first_are_not_enough_and_it_is_said() -> None:

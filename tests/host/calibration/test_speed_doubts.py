@@ -130,7 +130,7 @@ def test_what_crawls_told_of_friction_and_amplitude_together_counts(told) -> Non
     draws[:, 6] *= 1 - 0.05 * grip  # of the amplitude, whose is 6
     assert told(draws=draws).each["amplitude"] == pytest.approx(0.3, rel=0.05)
     assert told(draws=draws).with_amplitude == pytest.approx(MODEL_SIGMA, rel=1e-4)
-    assert told(draws=draws).rows()[-2][0] == "with the joints' amplitude and the model's 1 %"
+    assert told(draws=draws).rows()[-2][0] == "with the joints' amplitude and the model's 1.5 %"
     assert told().rows()[-2][0] == "with the joints' amplitude"
 
 

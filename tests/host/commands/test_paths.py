@@ -22,6 +22,9 @@ LONG = ["simulate", *GAIT, "--duration-s", "1e6", "--no-error"]  # would take mi
         (["sweep", "--out", "absent/sweep.csv"], "is not there"),
         (["bench", "accuracy", "--out", "file"], "is a file"),
         (["demo", "--out", "file/deeper"], "is a file"),
+        (["demo", "--out", ""], "the name is empty"),
+        (["sweep", "--out", ""], "the name is empty"),
+        (["fit", ""], "the name is empty"),
         (["drive", "--port", "virtual", *GAIT[2:], "--record", "absent/run.wire"], "is not there"),
     ],
 )

@@ -133,3 +133,10 @@ def test_a_sessions_own_files_are_not_written_over(tmp_path: Path, wish: list[st
     assert done.exit_code == 2
     assert "a session's readings" in done.output
     assert {p.read_text() for p in tmp_path.iterdir()} == {"measured"}
+
+
+def test_an_error_names_the_file_that_was_asked_for(tmp_path) -> None:
+    path = tmp_path / "absent" / "run.csv"
+    with pytest.raises(OSError, match="No such file") as refused:
+        write_csv(path, ["t_s"], [])
+    assert refused.value.filename == str(path)

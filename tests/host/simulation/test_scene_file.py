@@ -153,7 +153,7 @@ TORQUE = 'drive = "torque"\n' + PLAIN + "[torque]\n"
     [
         ("", ": the file is empty"),
         ("# only words\n", ": the file is empty"),
-        (swap("format = 1", ""), ": format is None"),
+        (swap("format = 1", ""), ": the file has no format; it must begin with format = 1"),
         (swap("format = 1", "format = 2"), ":1: format is 2; .* reads formats up to 1"),
         (swap("format = 1", "format = 'x'"), ":1: format is 'x'"),
         (PLAIN + "[gait", ": not TOML"),

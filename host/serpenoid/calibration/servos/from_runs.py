@@ -22,7 +22,7 @@ from ..kinds.video import FilmReading
 from ..session import Session
 
 Array = NDArray[np.float64]
-LEAST_DRAWS = 3.0
+LEAST_SERVOS = 3.0  # alike in weight, that are left of the pool
 
 
 def servo_of_session(
@@ -54,16 +54,17 @@ def servo_of_session(
     weight = np.exp(-0.5 * _ripple_chi2(session, fit, drawn, np.unique(index)))[index]
     weight /= weight.sum()
     poor = crawls.p_value is not None and crawls.p_value < DOUBTFUL
-    count = 1 / float(np.sum(weight**2))
-    if poor or count < LEAST_DRAWS:
-        told = "no servo" if poor else f"{count:.1f} of {len(index)} servos"
+    by_servo = np.bincount(index, weight)
+    count = 1 / float(np.sum(by_servo**2))
+    if poor or count < min(LEAST_SERVOS, len(drawn) / 2):
+        told = "no servo" if poor else f"{count:.1f} of {len(drawn)} servos"
         raise BadInput(
             f"{told} like {like.name} would have run so: too few to tell a servo by; look at "
             "`serpenoid compare`, or take another kind"
         )
     rng = np.random.default_rng(seed)
     kept = tuple(drawn[k] for k in rng.choice(index, KEPT, p=weight))
-    typical = drawn[int(np.bincount(index, weight).argmax())]
+    typical = drawn[int(by_servo.argmax())]
     gaits = len(CrawlData.of(session))
     source = f"{gaits} gaits of {session.setup.name}, from {like.name}"
     readings = len(crawls.residuals) + gaits

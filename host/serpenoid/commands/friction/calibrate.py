@@ -11,7 +11,7 @@ import click
 
 from ...model.errors import BadInput
 from ...show.screen import say
-from ..declare import flag, option, out_file, refuse_typed
+from ..declare import PathType, flag, option, out_file, refuse_typed
 from ..group import Commands
 from ..options import AS_JSON, doubt_robot, show_json
 from .calibrate_new import new
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from ...calibration.taking.journal import Journal
     from ...calibration.taking.steps import Step
 
-FOLDER = click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
-TOML = click.Path(exists=True, path_type=Path)
+FOLDER = click.argument("folder", type=PathType(file_okay=False))
+TOML = PathType(exists=True)
 
 
 class _FolderOrCommand(Commands):

@@ -11,7 +11,7 @@ import click
 
 from ...model.errors import BadInput
 from ...show.screen import say
-from ..declare import FOLDER, Given, flag, option
+from ..declare import FOLDER, Given, PathType, flag, option
 
 if TYPE_CHECKING:
     from ...calibration.session import Setup
@@ -61,7 +61,7 @@ def question_of(name: str) -> Question:
 @option(
     "--template",
     "Another session's folder, whose set-up is taken over unasked.",
-    type=click.Path(exists=True, path_type=Path),
+    type=PathType(exists=True),
 )
 @flag("--defaults", "Ask nothing: 2005 robot, a home treadmill.")
 @option("--surface", "What the wheels roll on.")

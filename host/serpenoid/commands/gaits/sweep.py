@@ -58,7 +58,7 @@ def path(value: str) -> Path:
     """Return a file with a suffix, or a folder for a study."""
     there = Path(value)
     kind = out_file(*SUFFIXES) if there.suffix and not there.is_dir() else directory
-    return kind(there)
+    return kind(value)
 
 
 def _varied(given: tuple[str, ...], fixed: Given) -> dict[str, list[float]]:
