@@ -169,8 +169,9 @@ def _result(session: Session, other: FrictionFit | None, drawn: CrawlDraws) -> F
     amplitude, even = posterior.amplitude(drawn.z), np.full(len(drawn.z), 1.0 / len(drawn.z))
     mode = posterior.others.at(x[0], good + (1.0 - good) / BAD_WIDTH**2)
     fit = fit_of_draws(session, mode, Draws(posterior.others, x[1:], even, even), good)
-    doubted = zip(drawn.misread.tolist(), data.numbers, strict=False)
-    outliers = [number for bad, numbers in doubted if bad for number in numbers]
+    filmed = [n for n, asked in zip(data.numbers, data.commanded, strict=True) if asked]
+    doubted = zip(drawn.misread.tolist(), (*data.numbers, *filmed), strict=True)
+    outliers = sorted({number for bad, numbers in doubted if bad for number in numbers})
     how = "robust" if posterior.others.misread else "joint"
     fit = replace(
         fit,
