@@ -34,7 +34,7 @@ MOST_TOKENS = {
     "host/serpenoid": 857,
     "host/serpenoid/_core": 2780,
     "host/serpenoid/bench": 13170,
-    "host/serpenoid/calibration": 89969,
+    "host/serpenoid/calibration": 89953,
     "host/serpenoid/commands": 26745,
     "host/serpenoid/exchange": 2225,
     "host/serpenoid/gaits": 11998,

@@ -74,15 +74,15 @@ def test_a_zero_that_is_claimed_exact_is_not_believed():
 def test_a_robust_fit_stays_honest_with_a_misreading_in_it(off_m_s):
     rng = np.random.default_rng(1)
     robust, joint, named = [], [], 0
-    for _ in range(24):
+    for _ in range(16):
         made, number = spoiled(session(setup(7.5), WHOLE_BODY_2005, rng), rng, off_m_s)
         robust.append(fit_friction(made, method="robust"))
         joint.append(fit_friction(made))
         named += number in robust[-1].outliers
-    # 24 shares scatter by 4.4 %; at 0.2 m/s a reading at the line's end may hide.
+    # 16 shares scatter by 5.4 %; at 0.2 m/s a reading at the line's end may hide.
     assert min(covered(robust).values()) > 0.8
     assert covered(joint)["cn"] < 0.8
-    assert named >= 18
+    assert named >= 12
 
 
 def test_a_robust_fit_of_good_readings_is_the_joint_one():

@@ -97,8 +97,9 @@ def _share(
 
     def share(ahead: float, left: float) -> tuple[float, float]:
         """Return it so many sigmas from the likeliest slope, and its scatter over time."""
-        at = (rise.value + by * rise.sigma for rise, by in zip(rises, (ahead, left), strict=True))
-        mean, scatter = sloped_speed(robot, ground, gait, (next(at), next(at)), servo)
+        along, across = rises
+        at_rad = along.value + ahead * along.sigma, across.value + left * across.sigma
+        mean, scatter = sloped_speed(robot, ground, gait, at_rad, servo)
         return mean / level, scatter / level
 
     middle, scatter = share(0.0, 0.0)
