@@ -111,6 +111,8 @@ def two_digits(value: float) -> str:
 
 
 def ranged(value: float, unit: str, low: float, high: float) -> str:
-    """Return a value and its range in two digits."""
+    """Return a value and its range in two digits, in four where two are the same."""
+    if two_digits(low) == two_digits(high):
+        return f"{value:.4g} {unit} ({low:.4g} to {high:.4g})"
     ends = f"{two_digits(low)} to {two_digits(high)}" if low else f"below {two_digits(high)}"
     return f"{two_digits(value)} {unit} ({ends})"

@@ -51,7 +51,12 @@ def show(*results: Result, answer: str | None = None) -> None:
 def influence(found: FrictionFit) -> None:
     """Print what every reading does: how the parameters would move without it."""
     cells = [
-        [str(i.reading), f"{i.studentised:+.1f}", f"{i.leverage:.2f}", f"{i.chi2_without:.1f}"]
+        [
+            str(i.reading),
+            f"{round(i.studentised, 1) + 0.0:+.1f}",
+            f"{i.leverage:.2f}",
+            f"{i.chi2_without:.1f}",
+        ]
         + [f"{shift:+.2f}" for shift in i.shift]
         for i in found.influence
     ]

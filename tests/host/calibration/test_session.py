@@ -133,7 +133,7 @@ def test_bad_readings_name_file_line_and_range(folder, old, new, says):
     [
         ("format = 1", "format = 3", r":2: format is 3; .*up to 2; install a newer"),
         ("format = 1", 'format = "1"', r":2: format is '1'; it must be a whole number"),
-        ("format = 1", "", r"toml: format is None"),
+        ("format = 1", "", r"toml: the file has no format"),
         ("links = 6", "links = 1", r":\d+: links is 1; .*2"),
         (
             "link_mass_kg = 0.0756",

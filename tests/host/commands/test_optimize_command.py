@@ -260,6 +260,14 @@ def test_options_that_would_do_nothing_or_make_no_sense(words: str, told: str) -
     assert told in serpenoid(f"optimize --speed 0.1 {words}").stderr
 
 
+def test_springs_have_no_servos() -> None:
+    gait = "--alpha-deg 70 --beta-deg 75 --frequency-hz 0.5"
+    told = serpenoid(f"steady {gait} --formulation implicit --volts 5").stderr
+    assert "--volts and --frame-ms have no effect on --formulation implicit" in " ".join(
+        told.split()
+    )
+
+
 def test_a_speed_that_no_servo_makes_is_warned_of() -> None:
     viscous = "optimize --ft0 0 --fn0 0 --servo ideal --speed"
     assert "no hobby servo does" in run(f"{viscous} 10 --servo-speed-deg-s inf").stderr

@@ -213,11 +213,14 @@ def test_the_command_writes_a_file_that_others_take(tmp_path: Path, monkeypatch)
     [
         ("t_s,angle_deg\n0,1\n", "no column setpoint_deg"),
         ("", "no column t_s"),
-        ("t_s,setpoint_deg,angle_deg\n0,1,x\n", ":2: angle_deg is no number"),
+        ("t_s,setpoint_deg,angle_deg\n0,1,x\n", ":2: angle_deg is no finite number"),
         ("t_s,setpoint_deg,angle_deg\n" + "0,1,0\n" * 12, "rising times"),
         ("t_s,setpoint_deg,angle_deg\n" + "".join(f"{k},1,0\n" for k in range(12)), "never chang"),
         ("t_s,setpoint_deg,angle_deg\n" + "".join(f"{9 * k},{k},0\n" for k in range(12)), "20 s"),
-        ("t_s,setpoint_deg,angle_deg\n" + "".join(f"{k},{k},nan\n" for k in range(12)), "angle_r"),
+        (
+            "t_s,setpoint_deg,angle_deg\n" + "".join(f"{k},{k},nan\n" for k in range(12)),
+            ":2: angle_deg is no finite number",
+        ),
     ],
 )
 def test_a_table_that_is_no_test_is_refused(tmp_path: Path, text: str, says: str) -> None:
@@ -228,5 +231,7 @@ def test_a_table_that_is_no_test_is_refused(tmp_path: Path, text: str, says: str
     assert says in f"{told.exception} {told.output}"
     unsure = CliRunner().invoke(cli, ["servo", "--test", str(table), "--sigma-deg", "-1"])
     assert "--sigma-deg is -1" in f"{unsure.exception} {unsure.output}"
+    crawled = CliRunner().invoke(cli, ["servo", "--session", "x", "--inertia-kg-m2", "1e-4"])
+    assert "--inertia-kg-m2 is for --test" in crawled.output
     neither = CliRunner().invoke(cli, ["servo"])
     assert neither.exit_code == 2

@@ -11,7 +11,7 @@ import click
 import serpenoid as sn
 
 from ...show.screen import working
-from ..declare import EXISTING, FOLDER, number, option, out_file
+from ..declare import EXISTING, FOLDER, number, option, out_file, refuse_typed
 from ..given import session_fit
 from ..options import AS_JSON, plug_options, show_json, take_servo
 
@@ -74,6 +74,7 @@ def servo(
             found = servo_of_test(test, kind, name=name)
     else:
         assert session is not None
+        refuse_typed("{} is for --test; leave it out", "sigma_deg", "inertia_kg_m2")
         from ...calibration.servos.from_runs import servo_of_session
 
         fit = session_fit(session, with_crawls=False)  # tells its alarms
@@ -87,6 +88,7 @@ def read_test(path: Path, sigma_rad: float, inertia_kg_m2: float) -> BenchTest:
     """Read a bench test's table. Raises BadInput."""
     import numpy as np
 
+    from ...model.checks import check_number
     from ...model.files import csv_rows, read_text
     from ...model.toml_table import located
     from ...servos.bench_test import BenchTest
@@ -103,9 +105,9 @@ def read_test(path: Path, sigma_rad: float, inertia_kg_m2: float) -> BenchTest:
             continue
         for column, name in zip(columns, _COLUMNS, strict=True):
             try:
-                column.append(float(row[heading.index(name)]))
+                column.append(check_number(name, float(row[heading.index(name)])))
             except (ValueError, IndexError) as error:
-                raise sn.BadInput(f"{path}:{line}: {name} is no number") from error
+                raise sn.BadInput(f"{path}:{line}: {name} is no finite number") from error
     t, sent, seen = np.array(columns)
     with located(str(path)):
         return BenchTest(t, np.radians(sent), np.radians(seen), sigma_rad, inertia_kg_m2)

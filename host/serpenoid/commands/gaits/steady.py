@@ -138,8 +138,10 @@ def _on_springs(
     """Tell the periodic state of the implicit model; refuse what only the exact one has."""
     from ...show import report
 
-    if typed("servo") not in (None, IDEAL):
-        raise click.UsageError("--servo has no effect on --formulation implicit; leave one out")
+    if typed("servo") not in (None, IDEAL) or typed("volts") or typed("frame_ms"):
+        raise click.UsageError(
+            "--servo, --volts and --frame-ms have no effect on --formulation implicit"
+        )
     if differentiated:
         raise click.UsageError(
             "--sensitivities are those of the exact model; leave --formulation implicit out"

@@ -223,7 +223,7 @@ def _other_readings(session: Session, fit: FrictionFit) -> list[str]:
 def _off(session: Session, fit: FrictionFit) -> dict[int, str]:
     """Return by how many sigmas each reading in the fit is off, by their numbers."""
     fitted = zip(session.fitted, fit.residuals, strict=True)
-    return {reading.number: f"{residual:+.1f}" for reading, residual in fitted}
+    return {reading.number: f"{round(residual, 1) + 0.0:+.1f}" for reading, residual in fitted}
 
 
 def _told(events: Sequence[Event]) -> list[str]:

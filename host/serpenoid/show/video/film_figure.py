@@ -97,11 +97,12 @@ def show_film(found: FilmMeasurement) -> None:
     run, out = found.run, screen(highlight=False, soft_wrap=True)
     out.print(_summary(run))
     out.print(table("joints, in degrees", *_cells(found)), soft_wrap=False)
-    film, camera = run.film, run.camera
+    film, camera, least = run.film, run.camera, min(run.tags_seen)
+    seen = "every frame" if least == 1 else f"{100 * least:.1f} % of the frames or more"
     out.print(
         f"{film['frames']} frames of {film['width_px']} x {film['height_px']} px, "
-        f"{film['duration_s']:.2f} s; tags seen in {100 * min(run.tags_seen):.1f} % of the "
-        f"frames or more; residuals {run.residual_px:.2f} px, {1e3 * run.residual_m:.2f} mm; "
+        f"{film['duration_s']:.2f} s; tags seen in {seen}; "
+        f"residuals {run.residual_px:.2f} px, {1e3 * run.residual_m:.2f} mm; "
         f"links of {1e3 * run.link_length_m:.1f} mm give tags of "
         f"{1e3 * camera['tag_side_m']:.1f} mm, printed {1e3 * camera['printed_side_m']:.1f} mm"
     )
