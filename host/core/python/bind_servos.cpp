@@ -18,9 +18,9 @@ namespace {
 
 ServoGaitState servo_gait_of(const Model& m, const Servo& servo, const Vec3& start,
                              const Mat3& monodromy, double longest, bool rough,
-                             std::vector<int> watch) {
+                             std::vector<int> watch, double slow) {
     return servo_gait(m.robot, m.ground, m.gait, servo, start, monodromy, longest, rough,
-                      std::move(watch));
+                      std::move(watch), slow);
 }
 
 }  // namespace

@@ -172,8 +172,8 @@ void follow(const At& at, double least, ServoGaitState& out) {
 
 ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& gait,
                           const Servo& servo, const Vec3& start, const Mat3& monodromy,
-                          double longest, bool rough, std::vector<int> watch) {
-    const double least = 1e-4 * gait.omega * robot.n * 2 * robot.l;
+                          double longest, bool rough, std::vector<int> watch, double slow) {
+    const double least = slow * gait.omega * robot.n * 2 * robot.l;
     const double T = 2 * std::numbers::pi / gait.omega;
     // the loop's spring is explicit in a step: its quickest swing bends the lightest joint alone
     const double swing = std::sqrt(servo.stiffness / (servo.armature + robot.I / 8));

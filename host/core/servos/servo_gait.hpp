@@ -12,6 +12,7 @@
 #include "drive/servo.hpp"
 #include "model/params.hpp"
 #include "numerics/dense.hpp"
+#include "periodic/periodic_state.hpp"
 #include "servos/servo_steps.hpp"
 
 namespace serpenoid {
@@ -27,9 +28,11 @@ struct ServoGaitState : ServoSteps::Path {
 
 // `start`: (Vx, Vy, rate) at phase 0 and `monodromy` of ideal joints (periodic_state.hpp). Steps
 // are at most `longest`, s. `rough`: for searches, long steps alone, half the phases, no error.
-// `watch`: harmonics of the gait to look for in the joints' rates.
+// `watch`: harmonics of the gait to look for in the joints' rates. `slow`: of body length times
+// rate; a slower speed is known to a part of this one.
 ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& gait,
                           const Servo& servo, const Vec3& start, const Mat3& monodromy,
-                          double longest, bool rough = false, std::vector<int> watch = {});
+                          double longest, bool rough = false, std::vector<int> watch = {},
+                          double slow = kSpeedFloor);
 
 }  // namespace serpenoid

@@ -193,6 +193,7 @@ def servo_gait(
     arg4: float,
     arg5: bool,
     arg6: Sequence[int],
+    arg7: float,
     /,
 ) -> ServoGaitState: ...
 

@@ -34,6 +34,17 @@ def number(*names_and_help: str, **how: Any) -> Option:
     return option(*names_and_help, type=float, **how)
 
 
+class Range(click.FloatRange):
+    """A number within limits; NaN is within none, though no comparison says so."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number."""
+        number = super().convert(value, param, ctx)
+        if math.isnan(number):
+            self.fail("nan is not a number", param, ctx)
+        return number
+
+
 def angle(
     *names_and_help: str, low: float = 0.0, high: float, open_low: bool = False, **how: Any
 ) -> Option:

@@ -19,7 +19,7 @@ import serpenoid as sn
 from ..model.checks import FORMULATIONS, check_number
 from ..model.files import write_text
 from ..show.screen import say
-from .declare import Given, Options, angle, flag, number, option, radians
+from .declare import Given, Options, Range, angle, flag, number, option, radians
 from .given import ALARMS, take_fit
 
 T = TypeVar("T")
@@ -138,14 +138,14 @@ plug_options = Options(
     option(
         "--volts",
         "Voltage at the servos' plug; else the session's, or 4.8 to 6 V.",
-        type=click.FloatRange(1.0, 60.0),
+        type=Range(1.0, 60.0),
         callback=_kept,
         expose_value=False,
     ),
     option(
         "--frame-ms",
         "From setpoint to setpoint of the board; else the session's, or 20 ms.",
-        type=click.FloatRange(1.0, 100.0),
+        type=Range(1.0, 100.0),
         callback=_kept,
         expose_value=False,
     ),

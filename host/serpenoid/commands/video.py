@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,9 +14,20 @@ import click
 import serpenoid as sn
 
 from ..show.screen import progress, say
-from .declare import EXISTING, FIGURES, FOLDER, Given, Options, PathType, number, option, out_file
+from .declare import (
+    EXISTING,
+    FIGURES,
+    FOLDER,
+    Given,
+    Options,
+    PathType,
+    Range,
+    number,
+    option,
+    out_file,
+)
 from .group import Commands
-from .options import AS_JSON, gait_options, make_gait, preset_robot, show_json
+from .options import AS_JSON, doubt_robot, gait_options, make_gait, preset_robot, show_json
 
 if TYPE_CHECKING:
     from ..video.measure_film import FilmMeasurement
@@ -46,9 +58,11 @@ _ROBOT = Options(
         type=FOLDER,
     ),
     option("--links", "Number of links, 2 to 13; 6 unless given.", type=int),
-    number("--length-m", "Length of a link, joint to joint."),
-    number(
-        "--tag-mm", "Side of a tag's black square; the session's, or of the sheet for such links."
+    number("--length-m", "link_length_m", "Length of a link, joint to joint."),
+    option(
+        "--tag-mm",
+        "Side of a tag's black square; the session's, or of the sheet for such links.",
+        type=Range(0, min_open=True),
     ),
 )
 
@@ -60,8 +74,10 @@ def _robot(given: Given) -> tuple[sn.Robot, float | None]:
     session, tag_mm = given.pop("session"), given.pop("tag_mm")
     setup = read_session(session).setup if session else None
     base = setup.robot if setup else preset_robot("2005")[0]
-    links, length = given.pop("links"), given.pop("length_m")
-    robot = sn.Robot(links or base.links, base.link_mass_kg, length or base.link_length_m)
+    doubt_robot(given)
+    sizes = {"links": given.pop("links"), "link_length_m": given.pop("link_length_m")}
+    typed = {name: value for name, value in sizes.items() if value is not None}
+    robot = replace(base, **typed, link_inertia_kg_m2=None)
     side_m = None if tag_mm is None else tag_mm / 1e3
     return robot, setup.tag_side_m if setup and side_m is None else side_m
 

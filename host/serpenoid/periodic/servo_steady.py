@@ -28,6 +28,7 @@ _LEVEL = 0.95
 _LEAST_TAIL = 1e-6  # of few draws: then the outermost one is the end
 _INSIDE = 4  # draws of a band solved finely between two at either end
 _FEW = 16  # draws, of which none is solved roughly
+_SLOW = 5e-3  # of body length times rate: one of many servos is no closer for a slower gait
 _MOST_OFF = 0.15  # of the draws' scatter: what a rough one may be off by, once put right
 
 
@@ -70,8 +71,9 @@ def cannot_run(gait: Gait, servo: Servo | ServoKind | None, named: str = "this g
         return ""
     kind, free = servo.name if isinstance(servo, ServoKind) else "such", free_rad_s(servo)
     return (
-        f"Most {kind} servos cannot run {named}: it asks {asked_rad_s(gait):.2g} rad/s of their "
-        f"{free:.2g}; they manage {managed_hz(gait, free):.2g} Hz. So it has no band."
+        f"Most {kind} servos cannot run {named}: it asks {asked_rad_s(gait):.2g} rad/s, more than "
+        f"{100 * CANNOT:.0f} % of their {free:.2g}; they manage {managed_hz(gait, free):.2g} Hz. "
+        "So it has no band."
     )
 
 
@@ -236,23 +238,32 @@ class ServoSteady(Result):
         return values if self.follows else values | {"low_m_s": None, "high_m_s": None}
 
 
-def servo_state(ideal: Steady, servo: Servo, rough: bool = False, watch: Sequence[int] = ()) -> Any:
+def servo_state(
+    ideal: Steady,
+    servo: Servo,
+    rough: bool = False,
+    watch: Sequence[int] = (),
+    slow: float = _core.SPEED_FLOOR,
+) -> Any:
     """Return the core's answer for one servo: speed, spread, error, amplitude, lag, ...
 
     rough: 1 or 2 % off in a quarter of the time, without an error; for searches. watch: harmonics
-    of the gait whose rms in the joints' rates is wanted, rad/s: `lines` of the answer.
+    of the gait whose rms in the joints' rates is wanted, rad/s: `lines` of the answer. slow: of
+    body length times rate; a slower speed is known to a part of this one.
     """
     long = ideal.gait.period_s > _LONG_PERIOD_S
     step = _ROUGH_STEP_S if rough else _LONG_STEP_S if long else _STEP_S
     step = min(step, servo.frame_s / 4)
     model = core_model(ideal.robot, ideal.ground, ideal.gait)
     start, monodromy = tuple(ideal.body_velocity), tuple(ideal.monodromy.ravel())
-    return _core.servo_gait(model, core_servo(servo), start, monodromy, step, rough, list(watch))
+    return _core.servo_gait(
+        model, core_servo(servo), start, monodromy, step, rough, list(watch), slow
+    )
 
 
 def servo_speed(ideal: Steady, servo: Servo, rough: bool = False) -> float:
-    """Return the speed with a servo, m/s, of a gait whose ideal periodic state is known."""
-    return servo_state(ideal, servo, rough).speed
+    """Return the speed with one of many servos, m/s, of a gait whose ideal state is known."""
+    return servo_state(ideal, servo, rough, slow=_SLOW).speed
 
 
 def ripple_share(ideal: Steady, servo: Servo, rough: bool = False) -> float:
@@ -297,10 +308,12 @@ def drawn_servo_speeds(
     servos: Sequence[Servo],
     threads: int | None = None,
     value: Callable[[Steady, Servo, bool], float] = servo_speed,
+    ends_only: bool = False,
 ) -> Array:
     """Return the speed of each draw with its servo, m/s, by rough states held to fine ones.
 
-    ideal: the draws with ideal joints. value: what is wanted in place of the speed.
+    ideal: the draws with ideal joints. value: what is wanted in place of the speed. ends_only: the
+    ends of a band are wanted, so that the middle half may stay rough.
     A rough state costs a quarter of a fine one or less and is mostly 1 % off.
     The draws at both ends, which make the ends of a band, and some between are solved finely. The
     median ratio there puts the others right. Where one would then still be off by more than
@@ -323,7 +336,9 @@ def drawn_servo_speeds(
     good = np.abs(values[picked] - fine).max() <= _MOST_OFF * values.std()
     values[picked] = fine
     if not good:
-        rest = np.setdiff1d(every, picked)
+        quarter = len(servos) // 4
+        wanted = order[np.r_[:quarter, -quarter:0]] if ends_only else every
+        rest = np.setdiff1d(wanted, picked)
         values[rest] = solved(rest.tolist(), False)
     return values
 
@@ -347,7 +362,8 @@ def with_servo(ideal: Steady, servo: Servo | ServoKind, draws: int = DRAWS) -> S
     drawn: tuple[float, ...] = ()
     moves = s.amplitude >= _LEAST_AMPLITUDE
     if isinstance(servo, ServoKind) and not servo.exact and draws > 0 and moves:
-        drawn = tuple(drawn_servo_speeds([ideal] * draws, servo.draws(draws)).tolist())
+        speeds = drawn_servo_speeds([ideal] * draws, servo.draws(draws), ends_only=True)
+        drawn = tuple(speeds.tolist())
     error = relative_error(s.error, s.speed, ideal.robot, ideal.gait)
     found = ServoSteady(
         ideal, servo, s.speed, s.spread, error, s.amplitude, s.lag, s.ripple, s.power, s.turn, drawn

@@ -108,7 +108,9 @@ def test_without_runs_it_predicts_and_says_what_servos_cannot_run(fitted):
     slow, quick = found.gaits
     assert slow.low_all_m_s < slow.high_all_m_s
     assert (quick.low_all_m_s, quick.high_all_m_s) == (None, None)
-    words = "Most hobby servos cannot run 70°/75°, 2.01 Hz: it asks 15 rad/s of their"
+    words = (
+        "Most hobby servos cannot run 70°/75°, 2.01 Hz: it asks 15 rad/s, more than 90 % of their"
+    )
     assert found.verdict_text.startswith(words)
     assert found.table(verbose=False)[1][1][1] == "servos cannot follow"
     assert slow.frequency_hz < found.managed_hz < quick.frequency_hz

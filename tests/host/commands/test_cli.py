@@ -11,8 +11,10 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
+import click
 import pytest
 import serpenoid as sn
 from click.testing import CliRunner
@@ -133,6 +135,9 @@ def test_ctrl_c_stops_a_long_run_at_once() -> None:
         ("steady --alpha-deg 1,5", 2, "decimals take a point: 1.5; see `"),
         ("steady --links 2.5", 2, "'2.5' is no whole number; type one such as 6"),
         (f"steady {GAIT} --ground {300 * 'x'}", 1, "take a shorter name"),
+        ("video tags --tag-mm nan", 2, "'--tag-mm': nan is not a number"),
+        ("video tags --links 0", 2, "--links is 0"),
+        ("video tags --length-m -1", 2, "--length-m is -1.0"),
         ("nonsense", 2, "No such command"),
     ],
 )
@@ -142,6 +147,19 @@ def test_refusals(line: str, status: int, said: str) -> None:
     assert said in done.stderr
     assert done.stderr.startswith("serpenoid: ")
     assert done.stderr.count("\n") == 1  # one line, without a traceback
+
+
+def test_no_range_of_an_option_takes_nan() -> None:
+    def options(command: click.Command) -> Iterator[click.Parameter]:
+        yield from command.params
+        for inner in getattr(command, "commands", {}).values():
+            yield from options(inner)
+
+    ranges = [option for option in options(cli) if isinstance(option.type, click.FloatRange)]
+    assert len(ranges) > 5
+    for option in ranges:
+        with pytest.raises(click.BadParameter, match="nan is not a number"):
+            option.type.convert("nan", option, None)
 
 
 def test_a_terminal_without_our_letters_gets_question_marks() -> None:

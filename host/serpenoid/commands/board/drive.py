@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from ..declare import flag, option, out_file
+from ..declare import Range, flag, option, out_file
 from ..given import servo_as_filmed, take_fit
 from ..options import AS_JSON, fit_options, gait_options, make_gait, servo_option, take_servo
 from .tools import PORT
@@ -17,9 +17,7 @@ from .tools import PORT
 @gait_options
 @fit_options
 @servo_option
-@option(
-    "--duration-s", "How long; until Ctrl-C unless given.", type=click.FloatRange(0, min_open=True)
-)
+@option("--duration-s", "How long; until Ctrl-C unless given.", type=Range(0, min_open=True))
 @PORT
 @option("--record", "New file for every line of the run.", type=out_file())
 @flag(

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from ...show.screen import say
-from ..declare import FOLDER, flag, option, out_file
+from ..declare import FOLDER, Range, flag, option, out_file
 from ..options import AS_JSON, show_json
 
 PORT = option(
@@ -91,9 +91,7 @@ MARKS = {"ok": "ok  ", "note": "note", "fix": "FIX "}
 
 @click.command()
 @PORT
-@option(
-    "--listen-s", "How long to listen to the board.", type=click.FloatRange(0.2, 600), default=3.0
-)
+@option("--listen-s", "How long to listen to the board.", type=Range(0.2, 600), default=3.0)
 @option(
     "--report",
     "Collect in some five minutes what board and host tell, for docs/first_day.md.",

@@ -11,7 +11,7 @@ import click
 
 from ...model.errors import BadInput
 from ...show.screen import say
-from ..declare import PathType, flag, option, out_file, refuse_typed
+from ..declare import PathType, Range, flag, option, out_file, refuse_typed
 from ..group import Commands
 from ..options import AS_JSON, doubt_robot, show_json
 from .calibrate_new import new
@@ -75,7 +75,7 @@ calibrate.add_command(push)
 @option(
     "--patience-s",
     "With nobody answering for so long, the servos' pulses end.",
-    type=click.FloatRange(1, 86400),
+    type=Range(1, 86400),
     default=300.0,
 )
 @flag("--page", "with_page", "Serve a page for whoever stands at the treadmill.")

@@ -13,7 +13,7 @@ import click
 
 import serpenoid as sn
 
-from ..declare import FOLDER, flag, option, refuse_typed
+from ..declare import FOLDER, Range, flag, option, refuse_typed
 
 if TYPE_CHECKING:
     from ...calibration.taking.person.practice_treadmill import TreadmillTerminal
@@ -36,7 +36,7 @@ ENOUGH = 4  # pushes, after which the truth may be told
 @option(
     "--pace",
     "How many seconds pass at the treadmill in one of the clock.",
-    type=click.FloatRange(0.1, 50.0),
+    type=Range(0.1, 50.0),
     default=1.0,
 )
 @option(

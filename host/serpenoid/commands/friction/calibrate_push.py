@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ...show.screen import say
-from ..declare import EXISTING, FOLDER, flag, number, option
+from ..declare import EXISTING, FOLDER, Range, flag, number, option
 
 if TYPE_CHECKING:
     from ...calibration.taking.journal import Journal
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 @option(
     "--lambda-deg",
     "Bend of the robot, as the protractor showed it; 0 where straight.",
-    type=click.FloatRange(0, 60),
+    type=Range(0, 60),
     default=0.0,
     show_default=True,
 )

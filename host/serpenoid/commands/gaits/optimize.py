@@ -15,7 +15,18 @@ import serpenoid as sn
 
 from ...model.checks import check_number
 from ...show.screen import working
-from ..declare import FIGURES, Given, Options, angle, flag, number, option, out_file, refuse_typed
+from ..declare import (
+    FIGURES,
+    Given,
+    Options,
+    Range,
+    angle,
+    flag,
+    number,
+    option,
+    out_file,
+    refuse_typed,
+)
 from ..given import (
     joints_option,
     latest_film,
@@ -39,7 +50,7 @@ from ..options import (
     typed,
     warn_of_another_motion,
 )
-from .steady import beside_servo, few_links, say_band, speeds_as_dict
+from .steady import beside_servo, few_links, speed_in_words, speeds_as_dict
 
 _Result = TypeVar("_Result")
 _GROUNDS = 4096  # frictions drawn from a fit: half choose the gait, half check it
@@ -96,7 +107,7 @@ RUN = Options(  # of drive_gait
     option(
         "--duration-s",
         "With --send: how long; until Ctrl-C unless given.",
-        type=click.FloatRange(0, min_open=True),
+        type=Range(0, min_open=True),
     ),
     option("--record", "With --send: new file for the run's lines.", type=out_file()),
 )
@@ -175,11 +186,10 @@ def optimize(speed_m_s: str, as_json: bool, send: bool, plot: Path | None, **giv
         from ...show import report
         from ...show.gaits import gait_report
 
-        words = f"{best.in_words()} {(moved or best.steady).in_words()}"
+        words = f"{best.in_words()} {speed_in_words(best.steady, moved, band)}"
         report.show(best, *([moved] if moved else []), margins, answer=words)
         gait_report.warn(best)
         gait_report.warn_of_cliff(margins)
-        say_band(moved, band)
     if send:
         _send(ask, best.gait, as_json, answer, **run)
     elif as_json:

@@ -10,7 +10,7 @@ import click
 
 import serpenoid as sn
 
-from ...show.screen import say, working
+from ...show.screen import working
 from ..declare import Given, Options, flag, number
 from ..given import (
     joints_option,
@@ -117,10 +117,10 @@ def steady(
     from ...show import report
     from ...show.gaits import gait_report
 
-    report.show(state, *([moved] if moved else []), margins, answer=(moved or state).in_words())
+    answer = speed_in_words(state, moved, band)
+    report.show(state, *([moved] if moved else []), margins, answer=answer)
     if state.sensitivities is not None:
         report.show(state.sensitivities)
-    say_band(moved, band)
     if doubts is not None:
         gait_report.doubts(doubts)
     return gait_report.warn_of_cliff(margins, sigmas)
@@ -174,10 +174,11 @@ def speeds_as_dict(moved: sn.ServoSteady | None, band: SpeedBand | None) -> Give
     return answer
 
 
-def say_band(moved: sn.ServoSteady | None, band: SpeedBand | None) -> None:
-    """Print a band, unless servos cannot run the gait."""
-    if band is not None and (moved is None or moved.follows):
-        say(f"predicted: {band.in_words()}")
+def speed_in_words(state: sn.Steady, moved: sn.ServoSteady | None, band: SpeedBand | None) -> str:
+    """Return what a builder may expect: a fit's band, or else what servos leave of the speed."""
+    if band is None or (moved and not moved.follows):
+        return (moved or state).in_words()
+    return f"Predicted: {band.in_words()}."
 
 
 def beside_servo(ideal: sn.Steady, servo: sn.ServoKind | None) -> sn.ServoSteady | None:
