@@ -34,7 +34,8 @@ p code { white-space: nowrap }
 img { display: block; max-width: 100%; min-width: min(36rem, 100%); background: #fff }
 .differs { font-weight: 600 }
 @media (max-width: 40rem) { img { max-width: none; width: 40rem }
-table, tbody, tr, td { display: block } th { display: none } tr { border-bottom: 1px solid var(--line); padding: 0.5rem 0 }
+table, tbody, tr, td { display: block } th { display: none }
+tr { border-bottom: 1px solid var(--line); padding: 0.5rem 0 }
 td { border: 0; padding: 0.1rem 0 } td:nth-child(1) { font-weight: 600 }
 td:nth-child(2)::before { content: "the paper: " } td:nth-child(3)::before { content: "here: " }
 figcaption { position: sticky; left: 0; width: calc(100vw - 2rem) } }
