@@ -233,6 +233,7 @@ def test_tape_and_watch_tell_frictions_with_crawls_and_not_without(crawls_fit) -
     assert fit.chi2 < 0.5 * fit.dof  # nothing errs
 
 
+@pytest.mark.slow
 def test_open_pushes_tell_crawls_the_floors_slope(crawls_fit) -> None:
     """By tape and watch, both ways: the slope is in the fit, and surer than before."""
     session, true = by_hand(slope_rad=0.006), 0.006

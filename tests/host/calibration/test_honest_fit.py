@@ -58,6 +58,7 @@ def test_bends_may_err_one_by_one_or_all_the_same(together, count, least):
     assert min(covered(fits).values()) >= least
 
 
+@pytest.mark.slow
 def test_a_zero_that_is_claimed_exact_is_not_believed():
     rng = np.random.default_rng(22)
     fits = []
@@ -70,7 +71,8 @@ def test_a_zero_that_is_claimed_exact_is_not_believed():
     assert fits[0].nuisances["incline_zero_rad"].sigma == pytest.approx(math.radians(0.1), rel=0.01)
 
 
-@pytest.mark.parametrize("off_m_s", [0.2, pytest.param(0.4, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("off_m_s", [0.2, 0.4])
 def test_a_robust_fit_stays_honest_with_a_misreading_in_it(off_m_s):
     rng = np.random.default_rng(1)
     robust, joint, named = [], [], 0

@@ -69,6 +69,7 @@ class Noted(SimulatedPerson):
         return typed
 
 
+@pytest.mark.slow
 def test_misreadings_out_of_line_are_read_again():
     """All of twenty sessions: of what a person misreads, the dialogue catches most."""
     setup = no_gaits(default_setup("made up"))

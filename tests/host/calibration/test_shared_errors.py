@@ -81,6 +81,7 @@ def test_a_belt_that_nobody_checked_is_as_unsure_as_any_belt():
     assert NO_BELT not in " ".join(sn.fit_friction(checked).unmeasured)
 
 
+@pytest.mark.slow
 def test_links_off_their_path_cost_dry_friction_and_the_fit_knows():
     """Straight links off by some angles, drawn; what they drag is taken off ft0, and told."""
     rng, sigma = np.random.default_rng(5), math.radians(1.5)

@@ -191,6 +191,7 @@ def judged(sessions):
     return (ends[..., 0] <= TRUE) & (ends[..., 1] >= TRUE), (values - TRUE) / sigmas
 
 
+@pytest.mark.slow
 def test_a_robot_whose_joints_are_off_is_known_by_short_readings():
     sessions = [taken(k, 1.0) for k in range(6)]
     bent = [r for s in sessions for r in s.kept if r.lambda_rad]

@@ -167,7 +167,7 @@ def test_advice_and_report_of_a_floor(practised, tmp_path):
     assert best["band"] < advice["band"]
     assert 0 < best["minutes"] < 10
     page = tmp_path / "report.html"
-    run("report", folder, "--out", page)
+    run("report", folder, "--servo", "ideal", "--out", page)
     text = page.read_text()
     assert "pushes: places over time with the law" in text
     assert "<h2>The next reading</h2>" in text

@@ -90,6 +90,7 @@ def unreachable(*_: object, **__: object) -> None:
     raise sn.NotConverged("no gait reaches it")
 
 
+@pytest.mark.slow
 def test_a_front_by_springs() -> None:
     front = answer(f"{FRONT} --formulation implicit")["front"]
     assert front[0]["formulation"] == "implicit"

@@ -108,6 +108,7 @@ def test_power_rises_along_the_front_and_limits_set_in_once(
         assert min(limits.margins(best.gait).values()) > -2e-3
 
 
+@pytest.mark.slow
 def test_a_torque_limit_is_met_and_told() -> None:
     limits = sn.GaitLimits(servo_torque_nm=0.2)
     best = sn.least_power_gait(PAPER, VISCOUS, speed_m_s=0.39, limits=limits)

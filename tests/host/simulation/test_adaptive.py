@@ -17,7 +17,7 @@ from serpenoid.simulation.starts import start_state
 BOTH = ("dop853", "collocation")
 SIX, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
 GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
-PAPER = sn.Scene(SIX, VISCOUS, GAIT, duration_s=2.0, dt_s=0.01, start="link1_at_rest")
+PAPER = sn.Scene(SIX, VISCOUS, GAIT, duration_s=1.0, dt_s=0.01, start="link1_at_rest")
 
 
 def link1(run: sn.Run) -> Array:
@@ -68,14 +68,14 @@ def test_steps_grow_as_the_order_says(method: str, order: int) -> None:
 
 
 EXTREMES = [  # alpha (deg), omega, ct, cn, mass, cycles
-    (170, 5.0, 0.1, 10.0, 1.0, 1),
+    (170, 5.0, 0.1, 10.0, 1.0, 0.5),
     (30, 0.01, 0.1, 10.0, 1.0, 0.01),
-    (70, 100.0, 0.1, 10.0, 1.0, 3),
-    (30, 5.0, 10.0, 1e-5, 1.0, 2),
-    (30, 5.0, 1e-5, 10.0, 1.0, 2),
-    (30, 5.0, 0.1, 10.0, 1e3, 2),
+    (70, 100.0, 0.1, 10.0, 1.0, 1),
+    (30, 5.0, 10.0, 1e-5, 1.0, 1),
+    (30, 5.0, 1e-5, 10.0, 1.0, 1),
+    (30, 5.0, 0.1, 10.0, 1e3, 1),
     (30, 5.0, 0.1, 10.0, 1e-3, 0.01),
-    (30, 5.0, 0.0, 0.0, 1.0, 2),
+    (30, 5.0, 0.0, 0.0, 1.0, 1),
 ]
 
 

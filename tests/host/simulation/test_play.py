@@ -67,7 +67,7 @@ def test_teeth_push_both_sides_alike() -> None:
 
 
 def test_a_hair_of_play_is_none() -> None:
-    tight, hair = run_of(SERVO, duration_s=0.2), run_of(loose(0.02), duration_s=0.2)
+    tight, hair = run_of(SERVO, duration_s=0.05), run_of(loose(0.02), duration_s=0.05)
     assert hair.theta_rad == pytest.approx(tight.theta_rad, abs=1.5e-3)  # 5 joints
 
 
@@ -78,7 +78,7 @@ def test_the_speed_is_that_of_the_quick_state() -> None:
     """
     servo = loose(2.5)
     quick = sn.steady_gait(ROBOT, DRY, GAIT, rtol=1e-3, servo=servo)
-    full, _ = full_speeds(quick.ideal, servo, keep=4, seconds=6)
+    full, _ = full_speeds(quick.ideal, servo, keep=2, seconds=6)
     assert quick.speed_m_s == pytest.approx(full.mean(), rel=0.04)  # cycles differ by 2 %
 
 
