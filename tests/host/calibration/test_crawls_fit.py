@@ -220,6 +220,7 @@ def by_hand(speeds=(0.6, 0.9), bends_deg=(0.0, 20.0, 45.0), slope_rad=0.0):
     return record.session
 
 
+@pytest.mark.slow
 def test_tape_and_watch_tell_frictions_with_crawls_and_not_without(crawls_fit) -> None:
     session = by_hand()
     with pytest.raises(BadInput, match="fit --crawls"):

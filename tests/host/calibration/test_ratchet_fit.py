@@ -39,6 +39,7 @@ def test_readings_without_errors_give_the_truth(method: str) -> None:
     assert [row.name for row in fit.rows()][4:] == ["ct_back_whole", "ft0_back_whole"]
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
     held = []
     for seed in range(1, 25):
