@@ -48,7 +48,7 @@ MOST_TOKENS = {
     "host/serpenoid/simulation": 12980,
     "host/serpenoid/video": 22451,
     "studies": 28557,
-    "tests": 3342,
+    "tests": 3415,
     "tests/arm": 1428,
     "tests/avr": 19008,
     "tests/docs": 7886,
@@ -129,12 +129,16 @@ def room_of(name: str) -> str:
     return "/".join(parts[:depth]) or "."
 
 
-def weights() -> dict[str, int]:
-    """Return the tokens of each room, over all files that git knows or would add."""
+def listed() -> list[str]:
+    """Return all files that git knows or would add."""
     command = ["git", "-C", ROOT, "ls-files", "-co", "--exclude-standard"]
-    listed = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split("\n")
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
+
+
+def weights() -> dict[str, int]:
+    """Return the tokens of each room."""
     found: dict[str, int] = {}
-    for name in listed:
+    for name in listed():
         if DRAWN.fullmatch(name) or not (ROOT / name).is_file():
             continue
         if Path(name).suffix in PYTHON + OTHER:
@@ -144,7 +148,18 @@ def weights() -> dict[str, int]:
     return found
 
 
-@pytest.mark.skipif(not (ROOT / ".git").exists(), reason="needs a system with git's list of files")
+pytestmark = pytest.mark.skipif(
+    not (ROOT / ".git").exists(), reason="needs a system with git's list of files"
+)
+
+
+def test_no_folder_of_a_trial_slips_in() -> None:
+    rooms = {name.partition("/")[0] for name in listed() if "/" in name}
+    hidden = {".ci", ".devcontainer", ".github"}
+    kept = {"calibration_data", "constraints", "docs", "firmware", "host", "studies", "tests"}
+    assert rooms == hidden | kept
+
+
 def test_no_room_outgrows_its_row() -> None:
     found = weights()
     assert set(found) <= set(MOST_TOKENS), "every room has a row"
