@@ -37,7 +37,7 @@ def figures(out: Path, power: str, angles: str, speed_along: str, as_json: bool)
 
     Writes Figs. 6 to 13 and 15 to 17, fronts of least-power and robust gaits, the cliff of a
     fragile and a robust gait, the robot crawling (SVG), a data file beside each,
-    claims.json and index.html. Some ten seconds. Joints follow the gait exactly, as the paper's
+    claims.json and index.html. Some forty seconds. Joints follow the gait exactly, as the paper's
     do, so there is no --servo; the speeds of Fig. 17 have the band of any hobby servo beside them.
     """
     from ...paper.claims import as_dict
