@@ -17,6 +17,8 @@ LONG := $(addprefix tests/,avr docs end_to_end firmware oracle golden studies) \
 
 # Modules are compiled once, not anew in each of the hundred processes that tests start.
 unexport PYTHONDONTWRITEBYTECODE
+# Matrices are small: threads of BLAS only wait for each other, a quarter of all processor time.
+export OPENBLAS_NUM_THREADS := 1
 
 help:
 	@echo "make demo       from the 2005 treadmill to a predicted speed; no robot needed"

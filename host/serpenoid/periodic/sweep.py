@@ -185,7 +185,7 @@ def _with_servo(
         speed = state.speed if state.converged else np.nan
         if not drawn:
             return speed, max(speed - state.spread, 0.0), speed + state.spread
-        return speed, *band(drawn_servo_speeds([ideal] * _DRAWS, drawn, threads=1))
+        return speed, *band(drawn_servo_speeds([ideal] * _DRAWS, drawn, threads=1, ends_only=True))
 
     axes = [getattr(grid, name) for name in AXES]
     speeds = in_threads(of, product(*axes), progress, threads)
