@@ -41,7 +41,7 @@ MOST_TOKENS = {
     "host/serpenoid/lab": 7772,
     "host/serpenoid/model": 12520,
     "host/serpenoid/paper": 2898,
-    "host/serpenoid/periodic": 10731,
+    "host/serpenoid/periodic": 10735,
     "host/serpenoid/robot": 20500,
     "host/serpenoid/servos": 4428,
     "host/serpenoid/show": 32778,
