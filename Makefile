@@ -17,7 +17,7 @@ LONG := $(addprefix tests/,avr docs end_to_end firmware oracle golden studies) \
 
 # Modules are compiled once, not anew in each of the hundred processes that tests start.
 unexport PYTHONDONTWRITEBYTECODE
-# Matrices are small: threads of BLAS only wait for each other, a quarter of all processor time.
+# Matrices are small: threads of BLAS only wait for each other (a quarter of the time of crawl fits).
 export OPENBLAS_NUM_THREADS := 1
 
 help:

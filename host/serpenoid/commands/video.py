@@ -51,14 +51,17 @@ def VIDEO_GROUP() -> None:
     """
 
 
+_SIZES = Options(
+    option("--links", "Number of links, 2 to 13; 6 unless given.", type=int),
+    number("--length-m", "link_length_m", "Length of a link, joint to joint."),
+)
 _ROBOT = Options(
     option(
         "--session",
         "Session whose robot it is; a film becomes a reading of it.",
         type=FOLDER,
     ),
-    option("--links", "Number of links, 2 to 13; 6 unless given.", type=int),
-    number("--length-m", "link_length_m", "Length of a link, joint to joint."),
+    _SIZES,
     option(
         "--tag-mm",
         "Side of a tag's black square; the session's, or of the sheet for such links.",
@@ -75,9 +78,7 @@ def _robot(given: Given) -> tuple[sn.Robot, float | None]:
     setup = read_session(session).setup if session else None
     base = setup.robot if setup else preset_robot("2005")[0]
     doubt_robot(given)
-    sizes = {"links": given.pop("links"), "link_length_m": given.pop("link_length_m")}
-    typed = {name: value for name, value in sizes.items() if value is not None}
-    robot = replace(base, **typed, link_inertia_kg_m2=None)
+    robot = replace(base, **_SIZES.take(given), link_inertia_kg_m2=None)
     side_m = None if tag_mm is None else tag_mm / 1e3
     return robot, setup.tag_side_m if setup and side_m is None else side_m
 

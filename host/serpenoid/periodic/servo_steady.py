@@ -28,7 +28,7 @@ _LEVEL = 0.95
 _LEAST_TAIL = 1e-6  # of few draws: then the outermost one is the end
 _INSIDE = 4  # draws of a band solved finely between two at either end
 _FEW = 16  # draws, of which none is solved roughly
-_SLOW = 5e-3  # of body length times rate: one of many servos is no closer for a slower gait
+_SLOW = 5e-3  # of body length times rate: a draw of a slower gait is known no better
 _MOST_OFF = 0.15  # of the draws' scatter: what a rough one may be off by, once put right
 
 
@@ -262,8 +262,8 @@ def servo_state(
 
 
 def servo_speed(ideal: Steady, servo: Servo, rough: bool = False) -> float:
-    """Return the speed with one of many servos, m/s, of a gait whose ideal state is known."""
-    return servo_state(ideal, servo, rough, slow=_SLOW).speed
+    """Return the speed with a servo, m/s, of a gait whose ideal periodic state is known."""
+    return servo_state(ideal, servo, rough).speed
 
 
 def ripple_share(ideal: Steady, servo: Servo, rough: bool = False) -> float:
@@ -307,21 +307,27 @@ def drawn_servo_speeds(
     ideal: Sequence[Steady],
     servos: Sequence[Servo],
     threads: int | None = None,
-    value: Callable[[Steady, Servo, bool], float] = servo_speed,
+    value: Callable[[Steady, Servo, bool], float] | None = None,
     ends_only: bool = False,
 ) -> Array:
     """Return the speed of each draw with its servo, m/s, by rough states held to fine ones.
 
-    ideal: the draws with ideal joints. value: what is wanted in place of the speed. ends_only: the
-    ends of a band are wanted, so that the middle half may stay rough.
+    ideal: the draws with ideal joints. value: what is wanted in place of the speed, which is known
+    to a part of _SLOW where it is less. ends_only: the ends of a band are wanted, so that the
+    middle half may stay rough.
     A rough state costs a quarter of a fine one or less and is mostly 1 % off.
     The draws at both ends, which make the ends of a band, and some between are solved finely. The
     median ratio there puts the others right. Where one would then still be off by more than
     _MOST_OFF of the scatter of all, every draw is solved finely.
     """
 
+    def drawn(k: int, rough: bool) -> float:
+        if value is not None:
+            return value(ideal[k], servos[k], rough)
+        return servo_state(ideal[k], servos[k], rough, slow=_SLOW).speed
+
     def solved(which: Sequence[int], rough: bool) -> Array:
-        work = in_threads(lambda k: value(ideal[k], servos[k], rough), which, threads=threads)
+        work = in_threads(lambda k: drawn(k, rough), which, threads=threads)
         return np.array(work)
 
     every = range(len(servos))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -147,7 +148,7 @@ class Word:
         return check_choice(self.column, word, self.choices) if self.choices else word
 
 
-class Taken:
+class Taken(ABC):
     """A reading; each kind is a dataclass of this that declares all of its kind.
 
     kind: what readings.csv calls it. fields: numbers and words, in the order of asking. part: the
@@ -193,6 +194,6 @@ class Taken:
         """Put in what follows from other cells, as a speed does; raises BadInput."""
         return cells
 
+    @abstractmethod
     def in_words(self) -> tuple[str, str]:
         """Return what it is, and its values."""
-        raise NotImplementedError
