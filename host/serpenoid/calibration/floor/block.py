@@ -20,6 +20,7 @@ and the start is solved for at every point. A slide's time is the law's from res
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +30,7 @@ from ..fitting.rolling_law import slide_s, way_m
 from ..fitting.shared import FRICTIONS, rolling_share, straightness_factors
 from ..fitting.unknowns import Floats, Unknown, Values, Whole
 from ..session import Session
-from .tracks import PushTrack, Rows, tracks_of
+from .tracks import PushTrack, Rests, Rows, tracks_of
 
 WHERE = " on the floor"
 _LEAST_PULL = 1e-3  # m/s^2, of a slide that would not begin: its time is then long, not infinite
@@ -89,8 +90,8 @@ class Rolling:
 class Pushes:
     """The kept pushes of a session.
 
-    way: +1 there, -1 back. place: which of the places. rows: of
-    each push, its residuals near a point.
+    way: +1 there, -1 back. place: which of the places. rows: of each push by film or marks, its
+    residuals near a point. Those known by their rest come after all others in what is returned.
     """
 
     rolling: Rolling
@@ -121,9 +122,21 @@ class Pushes:
     @property
     def numbers(self) -> Whole:
         """Return the push that each residual belongs to."""
-        rows = {"film": 2, "rest": 1}
-        counts = [rows.get(track.by, len(track.t_s)) for track in self.tracks]
-        return np.repeat(np.array([t.number for t in self.tracks], dtype=np.intp), counts)
+        ordered = [self.tracks[k] for k in (*self._moving, *self._resting)]
+        counts = [2 if track.by == "film" else len(track.t_s) for track in ordered]
+        return np.repeat(np.array([t.number for t in ordered], dtype=np.intp), counts)
+
+    @cached_property
+    def _moving(self) -> list[int]:
+        return [k for k, track in enumerate(self.tracks) if track.by != "rest"]
+
+    @cached_property
+    def _resting(self) -> list[int]:
+        return [k for k, track in enumerate(self.tracks) if track.by == "rest"]
+
+    @cached_property
+    def _rests(self) -> Rests:
+        return Rests.of([self.tracks[k] for k in self._resting])
 
     pool = (), np.empty((0, 0))
 
@@ -157,13 +170,18 @@ class Pushes:
     def residuals(self, values: Values) -> Floats:
         """Return the residuals (K, rows)."""
         c, f, pull = self.law(values)
-        parts = [rows(c[:, k], f[:, k], pull[:, k]) for k, rows in enumerate(self.rows)]
-        return np.concatenate(parts, axis=1)
+        moving = zip(self._moving, self.rows, strict=True)
+        parts = [rows(c[:, k], f[:, k], pull[:, k]) for k, rows in moving]
+        rest = self._resting
+        at_rest = self._rests.profiled(c[:, rest], f[:, rest] - pull[:, rest, 0])[1]
+        return np.concatenate([*parts, at_rest], axis=1)
 
     def near(self, values: Values) -> Pushes:
         """Return the block with films linear about a point."""
+        if not self._moving:
+            return self
         c, f, pull = (part[0] for part in self.law(values))
-        rows = [track.near(c[k], f[k], pull[k]) for k, track in enumerate(self.tracks)]
+        rows = [self.tracks[k].near(c[k], f[k], pull[k]) for k in self._moving]
         return replace(self, rows=tuple(rows))
 
     def nuisances(self, values: Values) -> dict[str, Floats]:

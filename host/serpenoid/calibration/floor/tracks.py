@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,21 +42,14 @@ class PushTrack:
     def profiled(self, c: Floats, f: Floats, spread: Floats | float = 1.0) -> tuple[Floats, ...]:
         """Return speed and place at the start (K,) and what remains, in sigmas, (K, rows).
 
-        spread: each place's standard deviation over sigma_m. Newton's steps in the speed; the place
-        follows.
+        spread: each place's standard deviation over sigma_m. The place follows from the speed.
         """
         c, f = c[:, None], f[:, None]
-        speed = np.full_like(c, self.braking()[0])
-        for _ in range(_NEWTON):
-            off, by_speed = self._off(speed, c, f, spread)
-            size = np.sum(by_speed**2, axis=1, keepdims=True)
-            step = np.sum(by_speed * off, axis=1, keepdims=True) / np.maximum(size, 1e-12)
-            speed = np.maximum(speed - step, np.maximum(0.3 * speed, _LEAST_SPEED_M_S))
-        off, by_speed = self._off(speed, c, f, spread)
-        if self.by == "rest":  # of two rows one is free: the part across what the speed may do
-            size = np.maximum(np.linalg.norm(by_speed, axis=1, keepdims=True), 1e-12)
-            across = (off[:, 1:] * by_speed[:, :1] - off[:, :1] * by_speed[:, 1:]) / size
-            return speed[:, 0], np.zeros(len(c)), across
+        if self.by == "rest":
+            speed, off = Rests.of([self]).profiled(c, f)
+            return speed[:, 0], np.zeros(len(c)), off
+        start = np.full_like(c, self.braking()[0])
+        speed, off, _ = _likeliest(start, lambda speed: self._off(speed, c, f, spread))
         way = way_m(self.t_s, speed, c, f)[0]
         weight = np.broadcast_to(np.asarray(spread), self.t_s.shape) ** -2.0
         place = np.sum(weight * (self.x_m - way), axis=1) / weight.sum()
@@ -70,7 +63,7 @@ class PushTrack:
     def near(self, c: float, f: float, pull: Floats) -> Rows:
         """Return the residuals (K, rows) by c, f (K,) and the floor's pull (K, 2), near a point.
 
-        Those of a film are two, linear about the point. All others keep their closed form, with
+        Those of a film are two, linear about the point. Those of marks keep their closed form, with
         standard deviations as they are at the point.
         """
         level = f - float(pull @ self.heading)
@@ -103,21 +96,8 @@ class PushTrack:
 
     def _off(
         self, speed: Floats, c: Floats, f: Floats, spread: Floats | float
-    ) -> tuple[Floats, ...]:
+    ) -> tuple[Floats, Floats]:
         """Return predicted less measured, in sigmas, and its slope by the speed, (K, rows)."""
-        if self.by == "rest":
-            stop, by_stop = stop_s(speed, c, f)
-            way, by_way, _ = way_m(np.minimum(stop, 100.0 * self.t_s), speed, c, f)
-            off = np.concatenate(
-                [
-                    (way - self.x_m) / self.sigma_m,
-                    (np.minimum(stop, 100.0 * self.t_s) - self.t_s) / self.sigma_s,
-                ],
-                axis=1,
-            )
-            return off, np.concatenate(
-                [by_way[0] / self.sigma_m, by_stop[0] / self.sigma_s], axis=1
-            )
         way, slopes, _ = way_m(self.t_s, speed, c, f)
         scale = np.broadcast_to(self.sigma_m * np.asarray(spread), self.t_s.shape)
         weight = scale**-2.0 / np.sum(scale**-2.0)
@@ -136,6 +116,60 @@ class PushTrack:
         moving = max(int(np.searchsorted(self.x_m, far)) + 1, 3)
         bent, speed, _ = np.polyfit(self.t_s[:moving], self.x_m[:moving], 2)
         return max(float(speed), 0.05), max(float(-2 * bent), 0.02)
+
+
+@dataclass(frozen=True, eq=False)
+class Rests:
+    """N pushes that are known by time t_s and way x_m to their rest alone; each array (N, 1).
+
+    Every push takes a few steps of Newton at every point of a posterior, so that all take them at
+    once.
+    """
+
+    t_s: Floats
+    x_m: Floats
+    sigma_s: Floats
+    sigma_m: Floats
+
+    @classmethod
+    def of(cls, tracks: Sequence[PushTrack]) -> Rests:
+        """Take some pushes that are known by their rest."""
+        rows = [(t.t_s[0], t.x_m[0], t.sigma_s, t.sigma_m) for t in tracks]
+        return cls(*np.array(rows, dtype=float).reshape(-1, 4).T[..., None])
+
+    def profiled(self, c: Floats, f: Floats) -> tuple[Floats, Floats]:
+        """Return speeds at the start and what remains, in sigmas, (K, N), by c and f (K, N).
+
+        One of time and way is free, for the speed fits it: the part across what the speed may do
+        remains.
+        """
+        c, f = c[..., None], f[..., None]
+        start = np.broadcast_to(2 * self.x_m / self.t_s, c.shape)
+        speed, off, by_speed = _likeliest(start, lambda speed: self._off(speed, c, f))
+        size = np.maximum(np.linalg.norm(by_speed, axis=-1), 1e-12)
+        across = off[..., 1] * by_speed[..., 0] - off[..., 0] * by_speed[..., 1]
+        return speed[..., 0], across / size
+
+    def _off(self, speed: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats]:
+        """Return way and time less the measured ones, in sigmas, and slopes by speed (K, N, 2)."""
+        stop, by_stop = stop_s(speed, c, f)
+        stop = np.minimum(stop, 100.0 * self.t_s)
+        way, by_way, _ = way_m(stop, speed, c, f)
+        off = (way - self.x_m) / self.sigma_m, (stop - self.t_s) / self.sigma_s
+        slopes = by_way[0] / self.sigma_m, by_stop[0] / self.sigma_s
+        return np.concatenate(off, axis=-1), np.concatenate(slopes, axis=-1)
+
+
+def _likeliest(
+    speed: Floats, off_of: Callable[[Floats], tuple[Floats, Floats]]
+) -> tuple[Floats, Floats, Floats]:
+    """Return speeds (..., 1) by Newton's steps; residuals (..., rows) and their slopes there."""
+    for _ in range(_NEWTON):
+        off, by_speed = off_of(speed)
+        size = np.sum(by_speed**2, axis=-1, keepdims=True)
+        step = np.sum(by_speed * off, axis=-1, keepdims=True) / np.maximum(size, 1e-12)
+        speed = np.maximum(speed - step, np.maximum(0.3 * speed, _LEAST_SPEED_M_S))
+    return (speed, *off_of(speed))
 
 
 def tracks_of(session: Session) -> tuple[PushTrack, ...]:
