@@ -42,11 +42,10 @@ def push_paths(session: Session) -> list[PushPath]:
     for k, (push, track) in enumerate(zip(session.kept_pushes, pushes[0].tracks, strict=True)):
         c, f = pushes[0].level_law(mode.values, k)
         speed, place, _ = track.profiled(c, f)
-        stop = float(stop_s(speed, c, f)[0][0])
+        stop = float(stop_s(speed, c, f)[0])
         law_t_s = np.linspace(0.0, min(stop + _RESTED_S, 100.0), _POINTS)
         seen_t_s = np.full(1, stop) if track.by == "rest" else track.t_s
-        start = (part[:, None] for part in (speed, c, f))
-        ways = place[0] + way_m(np.concatenate([seen_t_s, law_t_s]), *start)[0][0]
+        ways = place + way_m(np.concatenate([seen_t_s, law_t_s]), speed, c, f)[0]
         seen, law = ways[:-_POINTS], ways[-_POINTS:]
         whose = push.number, push.lambda_rad, push.way
         paths.append(PushPath(*whose, track.t_s, track.x_m, track.x_m - seen, law_t_s, law))

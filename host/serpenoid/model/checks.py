@@ -18,7 +18,6 @@ BLOCK_BYTES = 1 << 20  # of a file that is hashed
 # What a scene may choose from.
 FORMULATIONS = ("explicit", "implicit")
 DRIVES = ("angle", "torque", "servo")
-LAWS = ("viscous", "smoothed", "dry")
 STARTS = ("link1_at_rest", "zero_momentum", "steady")
 GAPS = ("slow_manifold", "zero")
 RECORDS = ("joints", "friction", "energy")

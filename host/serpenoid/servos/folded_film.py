@@ -36,11 +36,6 @@ class Ripple:
     sigma: float
     harmonics: tuple[int, ...]
 
-    @property
-    def rad_s(self) -> float:
-        """Return the rms, rad/s."""
-        return math.sqrt(max(self.square, 0.0))
-
     def chi2(self, made_rad_s: float) -> float:
         """Return how far a servo that makes so much is off; the last hundredths do not count."""
         doubt = 2 * _GRAIN_RAD_S * max(made_rad_s, _GRAIN_RAD_S)

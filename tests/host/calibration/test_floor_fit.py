@@ -37,7 +37,7 @@ def one(*values):
 def test_the_law_is_the_integration(c, f):
     whole = (c * MASS, 0.0, f * MASS, 0.0)
     t, ways = rolled_out(0.8, whole)
-    stop = float(stop_s(*one(0.8, c, f))[0][0])
+    stop = float(stop_s(*one(0.8, c, f))[0])
     assert stop == pytest.approx(t[len(ways) - 4001], abs=2e-4)
     at = np.linspace(0.0, stop + 0.3, 40)
     found, _, speed = way_m(at, np.full(40, 0.8), np.full(40, c), np.full(40, f))
@@ -192,6 +192,15 @@ def test_stations_and_pushes_are_one_fit():
     assert together.parameters["ct"].sigma < 0.8 * alone.parameters["ct"].sigma
 
 
+def test_each_reading_has_its_own_residual_among_pushes_of_all_kinds():
+    session = mixed_session()
+    misread = next(push for push in session.kept_pushes if push.by == "rest")
+    wrong = replace(misread, distance_m=1.3 * misread.distance_m)
+    further = tuple(wrong if push == misread else push for push in session.further)
+    fit = fit_friction(replace(session, further=further))
+    assert session.fitted[int(np.argmax(np.abs(fit.residuals)))] == misread
+
+
 def test_a_push_that_hit_something_is_named_and_counts_next_to_nothing_in_a_robust_fit():
     session = floor_session(seed=2)
     pushes = list(session.further)
@@ -255,8 +264,7 @@ def test_a_floor_that_falls_sideways_is_told_and_alarms_nobody():
     assert max(sigma) < math.radians(0.2)
     assert np.abs(np.divide(off, sigma)).max() < 3.0
     assert max(abs(o) for o in off) < 0.7 * across  # 0 would be told where nothing is
-    chances = [f.p_value for f in fits]
-    assert min(chances) > 0.01
+    assert min(fit.p_value for fit in fits) > 0.01
 
 
 def test_a_path_that_turns_feels_the_slope_where_it_heads():

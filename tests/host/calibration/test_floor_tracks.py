@@ -2,7 +2,6 @@
 
 import math
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -234,12 +233,3 @@ def test_a_session_by_the_whole_procedure_tells_all_four():
     fit = fit_friction(taken)
     for name, true in zip(fit.names, TRUTH, strict=True):
         assert abs(fit.whole_snake[name] - true) < 3.5 * fit.parameters[name].sigma
-
-
-def test_by_tape_and_watch_nothing_is_made_up():
-    setup = replace(floor_setup(), name="hand")
-    truth = replace(drawn_floor(setup, WHOLE, np.random.default_rng(5)), camera=None)
-    taken = take_all(MemoryRecord(setup), SimulatedPerson(setup, truth, 5))
-    assert all(p.track is None for p in taken.kept_pushes)
-    with pytest.raises(BadInput, match="cannot be told"):
-        fit_friction(taken)

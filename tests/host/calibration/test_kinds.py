@@ -75,11 +75,6 @@ def test_what_is_no_track_is_not_kept(folder, bad):
     assert read_session(folder).further == ()
 
 
-def test_limits_hold(folder):
-    with Journal(folder) as journal, pytest.raises(BadInput, match="lambda_deg is 61"):
-        journal.add("coast", FILMED | {"lambda_deg": 61.0}, samples=SAMPLES)
-
-
 def test_a_belt_check_tells_the_scale(folder):
     with Journal(folder) as journal:
         cells = read_cells(

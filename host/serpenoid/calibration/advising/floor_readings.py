@@ -58,7 +58,7 @@ def _pushes(
 ) -> Sequence[Coast]:
     """Return a push each way, as they would be seen; law: c and f of v' = -(c v + f)."""
     start = np.array([[SPEED_M_S], [law[0]], [law[1]]])
-    stop = stop_s(*start)[0]
+    stop = stop_s(*start)
     seen: dict[str, Any] = {"distance_m": float(way_m(stop, *start)[0][0])}
     seen["duration_s"] = float(stop[0])
     if filmed:

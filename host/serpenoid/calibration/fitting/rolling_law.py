@@ -19,28 +19,26 @@ Floats = NDArray[np.float64]
 _SMALL = 0.05  # below it the series are exact to 1e-10
 
 
-def stop_s(v0: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats]:
-    """Return when a body stops, s, and that time's derivatives (3, K) by v0, c and f.
+def stop_s(v0: Floats, c: Floats, f: Floats) -> Floats:
+    """Return when a body stops, s.
 
-    Infinite, with derivatives 0, where f is not above 0; 0, where v0 is not: a fit may try that.
+    Infinite where f is not above 0; 0, where v0 is not: a fit may try that.
     """
     stops, v0 = f > 0.0, np.maximum(v0, 0.0)
     safe = np.where(stops, f, 1.0)
     w = np.where(stops, c * v0 / safe, 0.0)
-    log, by_w = _log_over(w)
-    time = v0 / safe * log
-    slopes = np.stack(
-        [1.0 / (safe * (1.0 + w)), (v0 / safe) ** 2 * by_w, -v0 / (safe**2 * (1.0 + w))]
-    )
-    return np.where(stops, time, np.inf), np.where(stops, slopes, 0.0)
+    small = np.abs(w) < 1e-3
+    far = np.where(small, 1.0, w)
+    log_over_w = np.where(small, polyval(w, _LOG), np.log1p(far) / far)
+    return np.where(stops, v0 / safe * log_over_w, np.inf)
 
 
 def way_m(t: Floats, v0: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats, Floats]:
     """Return the way after t, m, its derivatives (3, K) by v0, c and f, and the speed then, m/s.
 
-    All arguments (K,). Before t = 0 it is taken to have rolled at v0.
+    All arguments (K,), v0, c and f also (1,). Before t = 0 it is taken to have rolled at v0.
     """
-    end = np.minimum(t, stop_s(v0, c, f)[0])
+    end = np.minimum(t, stop_s(v0, c, f))
     rolled = np.maximum(end, 0.0)
     z = c * rolled
     p, q, by_p, by_q = shapes(z)
@@ -85,13 +83,4 @@ def shapes(z: Floats) -> tuple[Floats, Floats, Floats, Floats]:
 
 _Q = (1 / 2, -1 / 6, 1 / 24, -1 / 120, 1 / 720, -1 / 5040, 1 / 40320)
 _BY_Q = (-1 / 6, 1 / 12, -1 / 40, 1 / 180, -1 / 1008, 1 / 6720, -1 / 51840)
-
-
-def _log_over(w: Floats) -> tuple[Floats, Floats]:
-    """Return log(1 + w) / w and its derivative."""
-    small = np.abs(w) < 1e-3
-    far = np.where(small, 1.0, w)
-    log = np.log1p(far) / far
-    by_w = (far / (1.0 + far) - np.log1p(far)) / far**2
-    near, by_near = (1.0, -1 / 2, 1 / 3, -1 / 4, 1 / 5), (-1 / 2, 2 / 3, -3 / 4, 4 / 5)
-    return np.where(small, polyval(w, near), log), np.where(small, polyval(w, by_near), by_w)
+_LOG = (1.0, -1 / 2, 1 / 3, -1 / 4, 1 / 5)

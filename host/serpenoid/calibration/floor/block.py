@@ -19,8 +19,7 @@ and the start is solved for at every point. A slide's time is the law's from res
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +29,7 @@ from ..fitting.rolling_law import slide_s, way_m
 from ..fitting.shared import FRICTIONS, rolling_share, straightness_factors
 from ..fitting.unknowns import Floats, Unknown, Values, Whole
 from ..session import Session
-from .tracks import PushTrack, Rests, Rows, tracks_of
+from .tracks import PushTrack, Rows, at_rest, tracks_of
 
 WHERE = " on the floor"
 _LEAST_PULL = 1e-3  # m/s^2, of a slide that would not begin: its time is then long, not infinite
@@ -90,8 +89,8 @@ class Rolling:
 class Pushes:
     """The kept pushes of a session.
 
-    way: +1 there, -1 back. place: which of the places. rows: of each push by film or marks, its
-    residuals near a point. Those known by their rest come after all others in what is returned.
+    way: +1 there, -1 back. place: which of the places. rows: of each push by film or marks, by its
+    index, its residuals near a point.
     """
 
     rolling: Rolling
@@ -103,7 +102,7 @@ class Pushes:
     tracks: tuple[PushTrack, ...]
     slope_sigma_rad: float
     scale_sigma: float
-    rows: tuple[Rows, ...] = ()
+    rows: dict[int, Rows] = field(default_factory=dict)
 
     @property
     def unknowns(self) -> tuple[Unknown, ...]:
@@ -122,21 +121,8 @@ class Pushes:
     @property
     def numbers(self) -> Whole:
         """Return the push that each residual belongs to."""
-        ordered = [self.tracks[k] for k in (*self._moving, *self._resting)]
-        counts = [2 if track.by == "film" else len(track.t_s) for track in ordered]
-        return np.repeat(np.array([t.number for t in ordered], dtype=np.intp), counts)
-
-    @cached_property
-    def _moving(self) -> list[int]:
-        return [k for k, track in enumerate(self.tracks) if track.by != "rest"]
-
-    @cached_property
-    def _resting(self) -> list[int]:
-        return [k for k, track in enumerate(self.tracks) if track.by == "rest"]
-
-    @cached_property
-    def _rests(self) -> Rests:
-        return Rests.of([self.tracks[k] for k in self._resting])
+        counts = [2 if track.by == "film" else len(track.t_s) for track in self.tracks]
+        return np.repeat(np.array([t.number for t in self.tracks], dtype=np.intp), counts)
 
     pool = (), np.empty((0, 0))
 
@@ -170,19 +156,19 @@ class Pushes:
     def residuals(self, values: Values) -> Floats:
         """Return the residuals (K, rows)."""
         c, f, pull = self.law(values)
-        moving = zip(self._moving, self.rows, strict=True)
-        parts = [rows(c[:, k], f[:, k], pull[:, k]) for k, rows in moving]
-        rest = self._resting
-        at_rest = self._rests.profiled(c[:, rest], f[:, rest] - pull[:, rest, 0])[1]
-        return np.concatenate([*parts, at_rest], axis=1)
+        parts = {k: rows(c[:, k], f[:, k], pull[:, k]) for k, rows in self.rows.items()}
+        rest = [k for k, track in enumerate(self.tracks) if track.by == "rest"]
+        level = f[:, rest] - pull[:, rest, 0]
+        off = at_rest([self.tracks[k] for k in rest], c[:, rest], level)[1]
+        parts |= zip(rest, off.T[..., None], strict=True)
+        return np.concatenate([parts[k] for k in sorted(parts)], axis=1)
 
     def near(self, values: Values) -> Pushes:
         """Return the block with films linear about a point."""
-        if not self._moving:
-            return self
         c, f, pull = (part[0] for part in self.law(values))
-        rows = [self.tracks[k].near(c[k], f[k], pull[k]) for k in self._moving]
-        return replace(self, rows=tuple(rows))
+        moving = {k: track for k, track in enumerate(self.tracks) if track.by != "rest"}
+        rows = {k: track.near(c[k], f[k], pull[k]) for k, track in moving.items()}
+        return replace(self, rows=rows) if rows else self
 
     def nuisances(self, values: Values) -> dict[str, Floats]:
         """Return what pushes share by the name that a fit gives it, in its unit."""

@@ -46,14 +46,13 @@ class PushTrack:
         """
         c, f = c[:, None], f[:, None]
         if self.by == "rest":
-            speed, off = Rests.of([self]).profiled(c, f)
+            speed, off = at_rest([self], c, f)
             return speed[:, 0], np.zeros(len(c)), off
         start = np.full_like(c, self.braking()[0])
         speed, off, _ = _likeliest(start, lambda speed: self._off(speed, c, f, spread))
         way = way_m(self.t_s, speed, c, f)[0]
-        weight = np.broadcast_to(np.asarray(spread), self.t_s.shape) ** -2.0
-        place = np.sum(weight * (self.x_m - way), axis=1) / weight.sum()
-        return speed[:, 0], place, off
+        weight = np.broadcast_to(spread, self.t_s.shape) ** -2.0
+        return speed[:, 0], np.average(self.x_m - way, axis=1, weights=weight), off
 
     @property
     def heading(self) -> Floats:
@@ -67,29 +66,31 @@ class PushTrack:
         standard deviations as they are at the point.
         """
         level = f - float(pull @ self.heading)
-        speed, place, _ = self.profiled(np.array([c]), np.array([level]))
-        one = np.ones_like(self.t_s)
-        way, slopes, moving = way_m(self.t_s, speed * one, c * one, level * one)
+        law = np.array([c]), np.array([level])
+        speed, place, _ = self.profiled(*law)
+        way, slopes, moving = way_m(self.t_s, speed, *law)
         spread = np.hypot(1.0, moving * self.sigma_s / self.sigma_m)
         if self.by != "film":
             return lambda c, f, pull: self.profiled(c, f - pull @ self.heading, spread)[2]
         sigma = self.sigma_m * spread[:, None]
-        by_pull = self._carried(speed[0], c, level)
+        by_pull = self._carried(speed, *law)
         # how far a turning path is from one at its mean angle, by the slopes as they are
         off = place + way - self.x_m + by_pull @ pull - slopes[2] * (level - f)
-        started = np.linalg.qr(np.stack([slopes[0], one], axis=1) / sigma)[0]
+        started = np.linalg.qr(np.stack([slopes[0], np.ones_like(way)], axis=1) / sigma)[0]
         by_law = slopes[1:].T / sigma
         basis, root = np.linalg.qr(by_law - started @ (started.T @ by_law))
         by_pull = basis.T @ (by_pull / sigma)
         at = basis.T @ (off / sigma[:, 0]) - by_pull @ pull - root @ [c, f]
         return lambda c, f, pull: at + np.stack([c, f], axis=1) @ root.T + pull @ by_pull.T
 
-    def _carried(self, speed: float, c: float, f: float) -> Floats:
-        """Return how far (T, 2) accelerations of 1 along cos, and sin, of the path carry it."""
+    def _carried(self, speed: Floats, c: Floats, f: Floats) -> Floats:
+        """Return how far (T, 2) accelerations of 1 along cos, and sin, of the path carry it.
+
+        speed, c, f: (1,).
+        """
         from scipy.integrate import cumulative_trapezoid
 
-        stop = float(stop_s(np.array([speed]), np.array([c]), np.array([f]))[0][0])
-        t = np.minimum(self.t_s, stop)[:, None]
+        t = np.minimum(self.t_s, stop_s(speed, c, f))[:, None]
         pull = np.stack([np.cos(self.off_rad), np.sin(self.off_rad)], axis=1)
         speeds = np.exp(-c * t) * cumulative_trapezoid(np.exp(c * t) * pull, t, axis=0, initial=0)
         return np.asarray(cumulative_trapezoid(speeds, t, axis=0, initial=0))
@@ -99,11 +100,10 @@ class PushTrack:
     ) -> tuple[Floats, Floats]:
         """Return predicted less measured, in sigmas, and its slope by the speed, (K, rows)."""
         way, slopes, _ = way_m(self.t_s, speed, c, f)
-        scale = np.broadcast_to(self.sigma_m * np.asarray(spread), self.t_s.shape)
-        weight = scale**-2.0 / np.sum(scale**-2.0)
+        scale = np.broadcast_to(self.sigma_m * spread, self.t_s.shape)
 
         def centred(rows: Floats) -> Floats:  # the place at the start follows
-            return (rows - np.sum(weight * rows, axis=1, keepdims=True)) / scale
+            return (rows - np.average(rows, 1, scale**-2.0, keepdims=True)) / scale
 
         return centred(way - self.x_m), centred(slopes[0])
 
@@ -118,46 +118,27 @@ class PushTrack:
         return max(float(speed), 0.05), max(float(-2 * bent), 0.02)
 
 
-@dataclass(frozen=True, eq=False)
-class Rests:
-    """N pushes that are known by time t_s and way x_m to their rest alone; each array (N, 1).
+def at_rest(tracks: Sequence[PushTrack], c: Floats, f: Floats) -> tuple[Floats, Floats]:
+    """Return speeds at the start and what remains, in sigmas, (K, N), of pushes by their rest.
 
-    Every push takes a few steps of Newton at every point of a posterior, so that all take them at
-    once.
+    c, f: (K, N), for all pushes at once. One of time and way is free, for the speed fits it: the
+    part across what the speed may do remains.
     """
+    rows = [(t.t_s[0], t.x_m[0], t.sigma_s, t.sigma_m) for t in tracks]
+    t_s, x_m, sigma_s, sigma_m = np.array(rows).reshape(-1, 4).T[..., None]
+    c, f = c[..., None], f[..., None]
 
-    t_s: Floats
-    x_m: Floats
-    sigma_s: Floats
-    sigma_m: Floats
-
-    @classmethod
-    def of(cls, tracks: Sequence[PushTrack]) -> Rests:
-        """Take some pushes that are known by their rest."""
-        rows = [(t.t_s[0], t.x_m[0], t.sigma_s, t.sigma_m) for t in tracks]
-        return cls(*np.array(rows, dtype=float).reshape(-1, 4).T[..., None])
-
-    def profiled(self, c: Floats, f: Floats) -> tuple[Floats, Floats]:
-        """Return speeds at the start and what remains, in sigmas, (K, N), by c and f (K, N).
-
-        One of time and way is free, for the speed fits it: the part across what the speed may do
-        remains.
-        """
-        c, f = c[..., None], f[..., None]
-        start = np.broadcast_to(2 * self.x_m / self.t_s, c.shape)
-        speed, off, by_speed = _likeliest(start, lambda speed: self._off(speed, c, f))
-        size = np.maximum(np.linalg.norm(by_speed, axis=-1), 1e-12)
-        across = off[..., 1] * by_speed[..., 0] - off[..., 0] * by_speed[..., 1]
-        return speed[..., 0], across / size
-
-    def _off(self, speed: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats]:
-        """Return way and time less the measured ones, in sigmas, and slopes by speed (K, N, 2)."""
-        stop, by_stop = stop_s(speed, c, f)
-        stop = np.minimum(stop, 100.0 * self.t_s)
+    def off_of(speed: Floats) -> tuple[Floats, Floats]:
+        stop = np.minimum(stop_s(speed, c, f), 100.0 * t_s)
         way, by_way, _ = way_m(stop, speed, c, f)
-        off = (way - self.x_m) / self.sigma_m, (stop - self.t_s) / self.sigma_s
-        slopes = by_way[0] / self.sigma_m, by_stop[0] / self.sigma_s
+        off = (way - x_m) / sigma_m, (stop - t_s) / sigma_s
+        slopes = by_way[0] / sigma_m, (f > 0.0) / (np.maximum(f, 1e-9) + c * speed) / sigma_s
         return np.concatenate(off, axis=-1), np.concatenate(slopes, axis=-1)
+
+    speed, off, slopes = _likeliest(np.broadcast_to(2 * x_m / t_s, c.shape), off_of)
+    size = np.maximum(np.linalg.norm(slopes, axis=-1), 1e-12)
+    across = off[..., 1] * slopes[..., 0] - off[..., 0] * slopes[..., 1]
+    return speed[..., 0], across / size
 
 
 def _likeliest(
