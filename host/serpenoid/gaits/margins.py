@@ -87,13 +87,15 @@ class Margins(Result):
             )
         if not self.near_cliff:
             return ""
-        told = [f"10 % less amplitude costs {100 * self.amplitude_loss:.0f} % of the speed"]
-        if self.grip_loss == self.grip_loss:
-            told.append(f"13 % less dry friction across (fn0) costs {100 * self.grip_loss:.0f} %")
-        return f"this gait stands at a cliff: {', '.join(told)}; see `optimize --robust`"
+        losses = {
+            "10 % less amplitude": self.amplitude_loss,
+            "13 % less dry friction across (fn0)": self.grip_loss,
+        }
+        costs = ", ".join(f"{n} costs {100 * by:.0f} %" for n, by in losses.items() if by > 0.005)
+        return f"this gait stands at a cliff: {costs} of the speed; see `optimize --robust`"
 
     def rows(self) -> list[Row]:
-        """Return how far the cliff is, and what is lost near by; none for a gait at rest."""
+        """Return how far the cliff is, and what is lost near by; nothing for a gait at rest."""
         falls = "may fall by, for a tenth of the speed"
         parts = {
             f"amplitude {falls}": self.amplitude,
@@ -101,8 +103,6 @@ class Margins(Result):
             "speed lost with 10 % less amplitude": self.amplitude_loss,
             "speed lost with 13 % less fn0 (1 sigma of a session bent by 7.5°)": self.grip_loss,
         }
-        if not self.travels:
-            return []
         return [
             detail(name, "%", 100 * part, "more than 60" if math.isinf(part) else "")
             for name, part in parts.items()

@@ -187,6 +187,8 @@ class ServoSteady(Result):
 
     def in_words(self) -> str:
         """Return what a builder may expect: a speed with its band, or that servos cannot run it."""
+        if not self.ideal.gait.alpha_rad:
+            return "Joints that do not swing (alpha is 0) move no robot."
         if not self.moves:
             return (
                 f"Typical {self.name} servos cannot move this robot: its joints reach "

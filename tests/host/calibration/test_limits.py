@@ -42,8 +42,7 @@ def test_ball_bearings_are_an_answer(fits):
     held = [fit.intervals["ct"] for fit in fits]
     assert all(low == 0.0 and high > 0.0 for low, high in held)  # 0 itself, no 1e-9
     values = [fit.parameters["ct"].value for fit in fits]
-    assert any(v == 0.0 for v in values)
-    assert any(v > 0.0 for v in values)
+    assert min(values) == 0.0 < max(values)
     at_limit = fits[values.index(0.0)]
     assert any("ct ends at its limit of 0" in note for note in at_limit.notes)
 
@@ -77,7 +76,6 @@ def test_a_fit_at_its_limit_predicts_and_is_printed(fits, capsys):
     assert "below 0.0" in text
     assert fit.chi2_in_words in text
     assert "Influence" not in text + repr(fit)
-    assert len(repr(fit)) < 250
     report.show(fit)
     assert "below 0.0" in capsys.readouterr().out
 
