@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .fitting.rolling_law import stop_s, way_m
+from .fitting.rolling_law import rest, way_m
 from .fitting.unknowns import Floats
 from .floor.block import Pushes
 from .session import Session
@@ -42,7 +42,7 @@ def push_paths(session: Session) -> list[PushPath]:
     for k, (push, track) in enumerate(zip(session.kept_pushes, pushes[0].tracks, strict=True)):
         c, f = pushes[0].level_law(mode.values, k)
         speed, place, _ = track.profiled(c, f)
-        stop = float(stop_s(speed, c, f)[0])
+        stop = float(rest(speed, c, f)[0][0])
         law_t_s = np.linspace(0.0, min(stop + _RESTED_S, 100.0), _POINTS)
         seen_t_s = np.full(1, stop) if track.by == "rest" else track.t_s
         ways = place + way_m(np.concatenate([seen_t_s, law_t_s]), speed, c, f)[0]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..fitting.posterior import Mode
-from ..fitting.rolling_law import slide_s, stop_s, way_m
+from ..fitting.rolling_law import rest, slide_s, way_m
 from ..kinds.coast import WAYS, Coast
 from ..kinds.slide import Slide
 from ..kinds.tracks import Track
@@ -58,12 +58,11 @@ def _pushes(
 ) -> Sequence[Coast]:
     """Return a push each way, as they would be seen; law: c and f of v' = -(c v + f)."""
     start = np.array([[SPEED_M_S], [law[0]], [law[1]]])
-    stop = stop_s(*start)
-    seen: dict[str, Any] = {"distance_m": float(way_m(stop, *start)[0][0])}
-    seen["duration_s"] = float(stop[0])
+    rest_s, rest_m = (float(part[0]) for part in rest(*start))
+    seen: dict[str, Any] = {"distance_m": rest_m, "duration_s": rest_s}
     if filmed:
         known = [p.distance_sigma_m for p in session.kept_pushes if p.track and p.distance_sigma_m]
-        t = np.arange(0.0, float(stop[0]) + RESTED_S, 1 / RATE_HZ)
+        t = np.arange(0.0, rest_s + RESTED_S, 1 / RATE_HZ)
         x = way_m(t, *np.broadcast_to(start, (3, len(t))))[0]
         track = Track.of(("t_s", "x_m", "y_m"), np.stack([t, x, 0 * t], axis=1))
         sigma_m = float(np.median(known)) if known else _PLACE_M

@@ -5,8 +5,9 @@ v0 the way after t is, with z = c t,
 
     x(t) = v0 t p(z) - f t^2 q(z),    p = (1 - e^-z) / z,    q = (z - 1 + e^-z) / z^2,
 
-until it stops at t_s = (v0 / f) log(1 + w) / w, w = c v0 / f; afterwards x stays x(t_s). Written
-so, nothing cancels for c near 0. With f below 0 it never stops: a slope too steep, or a slide.
+until it rests at t_s = (v0 / f) l, l = log(1 + w) / w, w = c v0 / f; afterwards x stays x(t_s) =
+(v0^2 / f) (1 - l) / w. Written so, nothing cancels for c near 0. With f below 0 it never rests: a
+slope too steep, or a slide.
 """
 
 from __future__ import annotations
@@ -19,8 +20,8 @@ Floats = NDArray[np.float64]
 _SMALL = 0.05  # below it the series are exact to 1e-10
 
 
-def stop_s(v0: Floats, c: Floats, f: Floats) -> Floats:
-    """Return when a body stops, s.
+def rest(v0: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats]:
+    """Return when a body rests, s, and after what way, m.
 
     Infinite where f is not above 0; 0, where v0 is not: a fit may try that.
     """
@@ -29,8 +30,10 @@ def stop_s(v0: Floats, c: Floats, f: Floats) -> Floats:
     w = np.where(stops, c * v0 / safe, 0.0)
     small = np.abs(w) < 1e-3
     far = np.where(small, 1.0, w)
-    log_over_w = np.where(small, polyval(w, _LOG), np.log1p(far) / far)
-    return np.where(stops, v0 / safe * log_over_w, np.inf)
+    log = np.log1p(far) / far
+    time = v0 / safe * np.where(small, polyval(w, _TIME), log)
+    way = v0**2 / safe * np.where(small, polyval(w, _WAY), (1.0 - log) / far)
+    return np.where(stops, time, np.inf), np.where(stops, way, np.inf)
 
 
 def way_m(t: Floats, v0: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats, Floats]:
@@ -38,7 +41,7 @@ def way_m(t: Floats, v0: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats, 
 
     All arguments (K,), v0, c and f also (1,). Before t = 0 it is taken to have rolled at v0.
     """
-    end = np.minimum(t, stop_s(v0, c, f))
+    end = np.minimum(t, rest(v0, c, f)[0])
     rolled = np.maximum(end, 0.0)
     z = c * rolled
     p, q, by_p, by_q = shapes(z)
@@ -83,4 +86,4 @@ def shapes(z: Floats) -> tuple[Floats, Floats, Floats, Floats]:
 
 _Q = (1 / 2, -1 / 6, 1 / 24, -1 / 120, 1 / 720, -1 / 5040, 1 / 40320)
 _BY_Q = (-1 / 6, 1 / 12, -1 / 40, 1 / 180, -1 / 1008, 1 / 6720, -1 / 51840)
-_LOG = (1.0, -1 / 2, 1 / 3, -1 / 4, 1 / 5)
+_TIME, _WAY = (1.0, -1 / 2, 1 / 3, -1 / 4, 1 / 5), (1 / 2, -1 / 3, 1 / 4, -1 / 5)

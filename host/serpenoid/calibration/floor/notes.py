@@ -18,7 +18,7 @@ def check_floor(session: Session, mode: Mode) -> None:
     """Raise BadInput if a friction's error is as large as all the force there is on a floor."""
     blocks = mode.posterior.blocks
     pushes = [block for block in blocks if isinstance(block, Pushes)]
-    fast = max((t.braking()[0] for block in pushes for t in block.tracks), default=0.5)
+    fast = max((t.pushed_m_s for block in pushes for t in block.tracks), default=0.5)
     bent = any(block.bends.share.any() for block in blocks)
     pairs = [
         ("ct and ft0", 0, 2, "pushes of the straight robot at 0.9 m/s, both ways, filmed"),

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..fitting.rolling_law import stop_s, way_m
+from ..fitting.rolling_law import rest, way_m
 from ..fitting.unknowns import Floats
 from ..kinds.coast import Coast
 from ..session import Session
@@ -21,6 +21,7 @@ _FILM_M = 0.001  # of a place, where nothing states it
 _CROOKED = math.radians(25.0)
 _NEWTON = 3
 _LEAST_SPEED_M_S = 1e-3
+_LEAST_DRY = 1e-6  # m/s^2, of a push that would not come to rest: it then takes long, not for ever
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +49,7 @@ class PushTrack:
         if self.by == "rest":
             speed, off = at_rest([self], c, f)
             return speed[:, 0], np.zeros(len(c)), off
-        start = np.full_like(c, self.braking()[0])
+        start = np.full_like(c, self.pushed_m_s)
         speed, off, _ = _likeliest(start, lambda speed: self._off(speed, c, f, spread))
         way = way_m(self.t_s, speed, c, f)[0]
         weight = np.broadcast_to(spread, self.t_s.shape) ** -2.0
@@ -90,7 +91,7 @@ class PushTrack:
         """
         from scipy.integrate import cumulative_trapezoid
 
-        t = np.minimum(self.t_s, stop_s(speed, c, f))[:, None]
+        t = np.minimum(self.t_s, rest(speed, c, f)[0])[:, None]
         pull = np.stack([np.cos(self.off_rad), np.sin(self.off_rad)], axis=1)
         speeds = np.exp(-c * t) * cumulative_trapezoid(np.exp(c * t) * pull, t, axis=0, initial=0)
         return np.asarray(cumulative_trapezoid(speeds, t, axis=0, initial=0))
@@ -107,15 +108,14 @@ class PushTrack:
 
         return centred(way - self.x_m), centred(slopes[0])
 
-    def braking(self) -> tuple[float, float]:
-        """Return the speed at the start, m/s, and the mean deceleration, m/s^2, roughly."""
+    @property
+    def pushed_m_s(self) -> float:
+        """Return the speed at the start, m/s, roughly."""
         if self.by == "rest":
-            time, way = float(self.t_s[0]), float(self.x_m[0])
-            return 2 * way / time, 2 * way / time**2
+            return 2.0 * float(self.x_m[0] / self.t_s[0])
         far = 0.98 * float(self.x_m[-1])
         moving = max(int(np.searchsorted(self.x_m, far)) + 1, 3)
-        bent, speed, _ = np.polyfit(self.t_s[:moving], self.x_m[:moving], 2)
-        return max(float(speed), 0.05), max(float(-2 * bent), 0.02)
+        return max(float(np.polyfit(self.t_s[:moving], self.x_m[:moving], 2)[1]), 0.05)
 
 
 def at_rest(tracks: Sequence[PushTrack], c: Floats, f: Floats) -> tuple[Floats, Floats]:
@@ -126,13 +126,13 @@ def at_rest(tracks: Sequence[PushTrack], c: Floats, f: Floats) -> tuple[Floats, 
     """
     rows = [(t.t_s[0], t.x_m[0], t.sigma_s, t.sigma_m) for t in tracks]
     t_s, x_m, sigma_s, sigma_m = np.array(rows).reshape(-1, 4).T[..., None]
-    c, f = c[..., None], f[..., None]
+    c, f = c[..., None], np.maximum(f, _LEAST_DRY)[..., None]
 
     def off_of(speed: Floats) -> tuple[Floats, Floats]:
-        stop = np.minimum(stop_s(speed, c, f), 100.0 * t_s)
-        way, by_way, _ = way_m(stop, speed, c, f)
-        off = (way - x_m) / sigma_m, (stop - t_s) / sigma_s
-        slopes = by_way[0] / sigma_m, (f > 0.0) / (np.maximum(f, 1e-9) + c * speed) / sigma_s
+        time, way = rest(speed, c, f)
+        off = (way - x_m) / sigma_m, (time - t_s) / sigma_s
+        braking = c * speed + f
+        slopes = speed / braking / sigma_m, 1.0 / braking / sigma_s
         return np.concatenate(off, axis=-1), np.concatenate(slopes, axis=-1)
 
     speed, off, slopes = _likeliest(np.broadcast_to(2 * x_m / t_s, c.shape), off_of)
