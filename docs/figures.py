@@ -59,19 +59,12 @@ def stability(path: Path) -> None:
     stability_figure(read_rows(STORED / "stability.csv", Cell), path)
 
 
-def coverage(path: Path) -> None:
-    """Draw the study that stands in coverage.json; `studies/calibration_study.py` makes it."""
-    coverage_figure(json.loads((STORED / "coverage.json").read_text()), path)
+STUDIES = {"coverage": coverage_figure, "advise": advised_figure, "verdict": verdict_figure}
 
 
-def advise(path: Path) -> None:
-    """Draw the study that stands in advise.json; `studies/calibration_study.py` makes it."""
-    advised_figure(json.loads((STORED / "advise.json").read_text()), path)
-
-
-def verdict(path: Path) -> None:
-    """Draw the study that stands in verdict.json; `studies/calibration_study.py` makes it."""
-    verdict_figure(json.loads((STORED / "verdict.json").read_text()), path)
+def study(path: Path) -> None:
+    """Draw the study that stands in the JSON file; `studies/calibration_study.py` makes it."""
+    STUDIES[path.stem](json.loads((STORED / f"{path.stem}.json").read_text()), path)
 
 
 FIGURES: dict[str, Callable[[Path], None]] = {
@@ -81,9 +74,7 @@ FIGURES: dict[str, Callable[[Path], None]] = {
     "servos.png": servo_picture.draw,
     "accuracy.png": accuracy,
     "stability.png": stability,
-    "coverage.png": coverage,
-    "advise.png": advise,
-    "verdict.png": verdict,
+    **{f"{name}.png": study for name in STUDIES},
     "wiring.svg": wiring_diagram.draw_file,
     "wiring_pca9685.svg": wiring_diagram.draw_file,
     **{

@@ -261,7 +261,7 @@ class Scene:
 
     @property
     def law(self) -> str:
-        """Return which friction law the ground makes of the links' speeds, one of LAWS."""
+        """Return which friction law the ground makes of speeds: viscous, smoothed or dry."""
         if self.smoothing_m_s > 0:
             return "smoothed"
         return "viscous" if self.ground.smooth else "dry"

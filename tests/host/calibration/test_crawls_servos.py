@@ -12,7 +12,7 @@ from serpenoid.calibration.crawls.level import on_level, sloped_speed
 from serpenoid.calibration.friction_result import Estimate, ground_of
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.video import FilmReading
-from serpenoid.calibration.speeds import GRAIN, SpeedModel, scaled
+from serpenoid.calibration.speeds import GRAIN, SpeedModel, scaled, speed
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
 from serpenoid.model.drives import Servo
@@ -38,6 +38,12 @@ def test_a_weak_servo_does_not_follow_a_larger_amplitude() -> None:
     assert gains[0, 0, 0] == pytest.approx(1.03 * there.amplitude[0, 0], rel=2e-3)
     assert shares[0, 0, 0] == pytest.approx(there.share[0, 0], rel=GRAIN)
     assert abs(gains[0, 0, 0] / here.amplitude[0, 0] - 1.03) > 0.01  # not as ideal joints would
+
+
+@pytest.mark.parametrize("servo", [HOBBY.servo, Servo()], ids=["hobby", "too quick for long steps"])
+def test_a_crawl_up_no_slope_is_the_periodic_state(servo: Servo) -> None:
+    found, _ = sloped_speed(ROBOT, GROUND, FAST, (0.0, 0.0), servo)
+    assert found == pytest.approx(speed(ROBOT, GROUND, FAST, servo), rel=0.01)
 
 
 def test_a_slope_acts_on_joints_as_they_were_filmed() -> None:

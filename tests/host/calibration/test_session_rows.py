@@ -55,6 +55,14 @@ STATION = {
     "belt_speed_m_s": "0.4",
     "drift_m_s": "0",
 }
+RAN = {
+    "kind": "gait",
+    "alpha_deg": 70,
+    "beta_deg": 75,
+    "omega_rad_s": 3,
+    "speed_m_s": 0.1,
+    "speed_sigma_m_s": 0.002,
+}
 
 
 def line(columns, **cells):
@@ -89,15 +97,7 @@ def test_every_kind_of_reading_lands_in_its_place(folder):
         reading(2),
         reading(3, kind="bend", lambda_deg="15", between_links_deg="149"),
         reading(4, lambda_deg="15.5"),
-        reading(
-            5,
-            kind="gait",
-            alpha_deg=70,
-            beta_deg=75,
-            omega_rad_s=3,
-            speed_m_s=0.1,
-            speed_sigma_m_s=0.002,
-        ),
+        reading(5, **RAN),
         reading(6, kind="coastdown", more="height_mm=3"),
         reading(7, kind="zero", incline_deg="0.1", reversed_deg="0.3"),
     )
@@ -207,18 +207,7 @@ def test_the_hash_tells_what_a_fit_rests_on(folder):
     append(folder, reading(1), reading(2))
     first = load_session(folder).sha256
     append(folder, event("note", detail="hello"), to="events.csv")
-    append(
-        folder,
-        reading(
-            3,
-            kind="gait",
-            alpha_deg=70,
-            beta_deg=75,
-            omega_rad_s=3,
-            speed_m_s=0.1,
-            speed_sigma_m_s=0.002,
-        ),
-    )
+    append(folder, reading(3, **RAN))
     assert load_session(folder).sha256 == first
     append(folder, event("void", 2), to="events.csv")
     assert load_session(folder).sha256 != first

@@ -6,23 +6,9 @@ import re
 
 import numpy as np
 import pytest
-from calibration.floor_sessions import TRUTH, push_track
+from calibration.floor_sessions import NEW, TRUTH, push_track
 from command_line import serpenoid
 from serpenoid.calibration.session_file import load_session
-
-NEW = (
-    "calibrate",
-    "new",
-    "--defaults",
-    "--on",
-    "floor",
-    "--surface",
-    "parquet",
-    "--mass-kg",
-    "454g",
-    "--wheels-kg",
-    "0g",
-)
 
 
 def run(*words, typed="", fails=False):

@@ -3,22 +3,10 @@
 import re
 
 import numpy as np
-from calibration.floor_sessions import TRUTH, push_track
+from calibration.floor_sessions import NEW, TRUTH, push_track
 from serpenoid.calibration.session_file import load_session
 from serpenoid.show import screen
 from serpenoid.show.session.terminal_plot import PUSH_HIGH, WIDE, push_picture
-
-NEW = (
-    "calibrate",
-    "new",
-    "--defaults",
-    "--on",
-    "floor",
-    "--surface",
-    "parquet",
-    "--mass-kg",
-    "454g",
-)
 
 
 def most_mm(drawn):
