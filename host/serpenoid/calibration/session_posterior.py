@@ -54,5 +54,5 @@ def covariance_after(session: Session, mode: Mode) -> Floats:
     """
     posterior = posterior_of(session)
     x = np.array([mode.values.get(name, np.zeros(1))[0] for name in posterior.names])
-    there, of = posterior.near(x).near(x).at(x), posterior.frictions
+    there, of = posterior.near(x).at(x), posterior.frictions
     return there.covariance[:of, :of] + shared_covariance(x[:of], *scale_sigmas(session, posterior))
