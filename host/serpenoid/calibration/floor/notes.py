@@ -38,8 +38,8 @@ def check_floor(session: Session, mode: Mode) -> None:
             by = f"are open by {off:.0%} of the force" if off < 1.0 else "stay wholly open"
             raise BadInput(
                 f"{session.where}: {names} cannot be told from {len(session.kept_pushes)} push(es) "
-                f"and {len(session.kept_slides)} slide(s): they {by}; take {cure}; or crawls, and "
-                "`serpenoid fit --crawls`"
+                f"and {len(session.kept_slides)} slide(s): they {by}; take {cure}; or crawls: "
+                "`serpenoid fit --crawls` fits them, too, but `compare` and `advise` do not"
             )
 
 

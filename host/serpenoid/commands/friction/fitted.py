@@ -25,7 +25,7 @@ MANY = 300  # readings, whose fit may take a second or more
     choice=["joint", "robust", "naive"],
     default="joint",
 )
-@flag("--crawls", "Fit the gait runs and films, too, or alone; some 20 s.")
+@flag("--crawls", "Fit the gait runs and films, too, or alone; some 10 s.")
 @servo_option
 @option(
     "--plot",
@@ -198,7 +198,8 @@ def report(
 ) -> None:
     """Write a session's report: one self-contained HTML file, the same bytes when made again.
 
-    Its speeds are those of `compare` and `advise`: any hobby servo unless --servo says which.
+    Its speeds are those of `compare` and `advise`: any hobby servo unless --servo says which. Where
+    only crawls tell the friction, nothing is left to test it by.
     """
     from ...calibration import advice, comparison
     from ...calibration.session_file import load_session
@@ -209,11 +210,17 @@ def report(
     compared = advised = None
     servo = take_servo("hobby")
     loaded = load_session(session)
-    fit = session_fit(session)
-    if comparison.compared_gaits(loaded):
+    fit = tested = session_fit(session)
+    if fit.with_crawls:
+        try:
+            tested = session_fit(session, with_crawls=False)
+        except sn.BadInput as error:
+            tested = None
+            say(f"note: the report has no comparison and no advice: {error}", err=True)
+    if tested and comparison.compared_gaits(loaded):
         with progress(comparison.gait_count(loaded), "gaits") as advance:
-            compared = comparison.compare(loaded, fit, servo=servo, progress=advance)
-    if loaded.setup.procedure.gaits:
+            compared = comparison.compare(loaded, tested, servo=servo, progress=advance)
+    if tested and loaded.setup.procedure.gaits:
         advised = advice.advise(loaded, servo=servo)
     other = None
     if beside is not None:

@@ -173,7 +173,8 @@ def _summary(fit: FrictionFit, compared: Comparison | None) -> str:
         if fit.p_value is None or fit.p_value >= 0.01
         else "The readings disagree by more than their stated errors allow."
     )
-    more = "" if compared is None else " " + compared.verdict_text
+    alone = " By the other readings alone:" if fit.with_crawls else ""
+    more = "" if compared is None else f"{alone} {compared.verdict_text}"
     return f'<p class="verdict">{_prose(text + more)}</p>'
 
 
