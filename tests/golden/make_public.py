@@ -212,7 +212,7 @@ def make_inputs() -> None:
         cells = f"lambda_deg={bend} incline_deg={incline} belt_speed_m_s={belt}"
         run(f"calibrate add MINE station {cells}")
     run(f"calibrate add MINE {CRAWL}")
-    angles = (30 * (1 - math.exp(-max(k - 12, 0) / 4)) for k in range(60))
+    angles = (30 * (1 - math.exp(-max(k - 12, 0) / 4)) for k in range(30))
     rows = (f"{k / 50},{30 * (k > 10)},{angle}\n" for k, angle in enumerate(angles))
     Path("BENCH").write_text("t_s,setpoint_deg,angle_deg\n" + "".join(rows))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -485,8 +486,8 @@ def loop_radius(servo: Servo) -> float:
     glide = (1 - decay) / rate  # angle by a unit of rate, rate by a unit of acceleration
     drift = (look - glide) / rate  # angle by a unit of acceleration
     spring, damper = servo.stiffness_nm_rad / J, (servo.damping_nms_rad - line) / J
-    look_to_look = [
-        [1 - drift * spring, glide - drift * damper],
-        [-glide * spring, decay - glide * damper],
-    ]
-    return float(np.abs(np.linalg.eigvals(look_to_look)).max()) ** (FRAME_S / look)
+    # of the matrix from look to look, whose eigenvalues are half +- root
+    first, last = 1 - drift * spring, decay - glide * damper
+    half, product = (first + last) / 2, (glide - drift * damper) * glide * spring
+    root = cmath.sqrt(half**2 - first * last - product)
+    return max(abs(half + root), abs(half - root)) ** (FRAME_S / look)

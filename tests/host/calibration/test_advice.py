@@ -14,6 +14,7 @@ from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.station import Reading
 from serpenoid.calibration.speed_samples import speed_band
 
+pytestmark = pytest.mark.usefixtures("short_curve")
 GAIT = sn.Gait(math.radians(70), math.radians(75), 2 * math.pi * 0.25)
 
 

@@ -15,6 +15,7 @@ from serpenoid.calibration.speed_samples import SpeedSamples, sample_speeds, spe
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
 
+pytestmark = pytest.mark.usefixtures("short_curve")
 GROUND = sn.Ground.whole_body(6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
 RATES = [2 * math.pi * hz for hz in (0.25, 0.5, 1.0)]
 
@@ -27,11 +28,6 @@ def gait(rate, amplitude=1.0):
 def fitted():
     made = session(setup(30.0), WHOLE_BODY_2005, np.random.default_rng(31))
     return made, sn.fit_friction(made)
-
-
-@pytest.fixture(autouse=True)
-def short_curve(monkeypatch):
-    monkeypatch.setattr(comparison, "_CURVE_POINTS", 2)
 
 
 def measured(made, amplitude=1.0, factor=1.0):
@@ -77,7 +73,7 @@ def test_another_surface_is_told_as_friction(fitted):
     )
     tight = tuple(replace(r, speed_sigma_m_s=0.004 * r.speed_m_s) for r in runs)
     found = comparison.compare(
-        replace(made, gait_runs=tight), fit, samples=24, amplitude_sigma=0.002
+        replace(made, gait_runs=tight), fit, samples=24, amplitude_sigma=0.002, servo=None
     )
     assert found.verdict == "friction"
     assert "uphill would pull as much" in found.verdict_text

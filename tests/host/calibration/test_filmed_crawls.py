@@ -31,6 +31,7 @@ from serpenoid.model.ground import Ground
 from serpenoid.model.robot import Robot
 from simulated_sessions import MemoryRecord
 
+pytestmark = pytest.mark.usefixtures("short_curve")
 GAIT = Gait(math.radians(70), math.radians(60), 2 * math.pi * 0.8)
 GAINS, CENTRES_RAD, LAG_RAD = (0.95, 0.93, 0.97, 0.94, 0.96), (0.01, -0.02, 0.0, 0.03, 0.01), 0.4
 

@@ -80,9 +80,9 @@ def test_a_fit_at_its_limit_predicts_and_is_printed(fits, capsys):
     assert "below 0.0" in capsys.readouterr().out
 
 
-def test_compare_has_a_verdict_for_a_robot_on_ball_bearings(monkeypatch):
+@pytest.mark.usefixtures("short_curve")
+def test_compare_has_a_verdict_for_a_robot_on_ball_bearings():
     """A friction that is 0 has no logarithm: its standard deviation stands for it."""
-    monkeypatch.setattr(comparison, "_CURVE_POINTS", 2)
     session = next(held(0.0, seed) for seed in range(4, 20) if fitted_ct(held(0.0, seed)) == 0.0)
     gait = sn.Gait(math.radians(70), math.radians(75), math.pi)
     true = sn.steady_gait(SETUP.robot, Ground.whole_body(6, 0.0, 1.2, 0.14, 0.27), gait)

@@ -10,6 +10,8 @@ from calibration.floor_sessions import NEW, TRUTH, push_track
 from command_line import serpenoid
 from serpenoid.calibration.session_file import load_session
 
+pytestmark = pytest.mark.usefixtures("short_curve")
+
 
 def run(*words, typed="", fails=False):
     """Return what a command says, on lines of any width."""

@@ -16,6 +16,7 @@ from command_line import answer, serpenoid
 from serpenoid.calibration.friction_result import FitDraws
 from serpenoid.commands.given import session_fit
 
+pytestmark = pytest.mark.usefixtures("short_curve")
 FOLDER_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
 run = partial(serpenoid, check=True)
 GAIT = "--alpha-deg 70 --beta-deg 75 --omega-rad-s 5"

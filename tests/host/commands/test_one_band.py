@@ -13,6 +13,7 @@ from serpenoid.calibration.servos import from_runs
 from serpenoid.calibration.session_file import load_session
 from serpenoid.calibration.taking.journal import Journal
 
+pytestmark = pytest.mark.usefixtures("short_curve")
 SESSION = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
 GAIT = "--alpha-deg 70 --beta-deg 75 --frequency-hz 0.5"
 WISH = "--gait 70 75 0.5"
