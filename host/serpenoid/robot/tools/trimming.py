@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import replace
 
-from ...model.errors import CommandRefused, RobotLost
+from ...model.errors import CommandRefused
 from ..robot import RobotBoard
 from .keys import Keyboard
 
@@ -15,7 +14,6 @@ left, right or a digit: joint (1 at the tail)   up, down or +, -: 1 us   page up
 s: save on the board   q: leave"""
 MOVES = {"up": 1, "+": 1, "down": -1, "-": -1, "page up": 10, "page down": -10}
 TURNS = {"left": -1, "right": 1}
-STRAIGHT_S = 20.0
 WAIT_S = 0.5
 UNATTENDED_S = 3600.0  # the robot holds still while a person looks for a screwdriver
 
@@ -85,8 +83,4 @@ class Trimming:
 def straighten(robot: RobotBoard) -> None:
     """Move all joints to 0 and wait until they are there."""
     robot.straight()
-    end_s = time.monotonic() + STRAIGHT_S
-    while robot.status().moving:
-        if time.monotonic() > end_s:
-            raise RobotLost(f"the robot is not straight after {STRAIGHT_S:g} s; ask for `status`")
-        time.sleep(0.05)
+    robot.settle()

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 
 from ....model.bends import bend_signs, joint_multiples
-from ....model.errors import CommandRefused, RobotError, RobotHeld, RobotLost
+from ....model.errors import CommandRefused, RobotError, RobotHeld
 from ....model.gait import Gait
 from ....robot.robot import RobotBoard
 from ....robot.robot_match import RobotMatch
 from ....robot.tools.first_day import RELEASED
 from ....robot.wire.link import Link
 
-MOVED_S = 20.0  # a pose takes less at any pose_speed that the board has
 SILENCE_S = 2.0
 LIMP = 1.0  # of the setting `released`
 LIMP_S = 30.0  # a host that is there says something each half second
@@ -85,11 +83,7 @@ class SessionRobot:
             self._quick()
             self._lie(bend_deg, bend, self.offset_rad)
             self._posed = bend_deg, bend
-            end_s = time.monotonic() + MOVED_S
-            while self._robot.status().moving:
-                if time.monotonic() > end_s:
-                    raise RobotLost(f"the robot is not there after {MOVED_S:g} s; ask for `status`")
-                time.sleep(0.05)
+            self._robot.settle()
             self._robot.set("pose_speed", STEER_DEG_S)
 
     def reach_deg(self, bend: str) -> float:
