@@ -247,7 +247,7 @@ class RobotBoard:
         return self._asked("status", status_of)
 
     def settle(self, most_s: float = SETTLED_S) -> None:
-        """Wait until no joint is on its way to a pose; raise RobotLost after so many seconds."""
+        """Wait until no joint is on its way to a pose, at most most_s, s; else raise RobotLost."""
         talk = self._dialogue
         end_s = talk.link.now_s() + most_s
         while self.status().moving:
