@@ -23,6 +23,7 @@ from ..model.robot import Robot
 from ..robot.wire.protocol import frame_us
 from .kinds.checks import BendCheck, ZeroReading
 from .kinds.coast import Coast
+from .kinds.declaration import Taken
 from .kinds.gait import GaitRun
 from .kinds.instruments import FloorTools, Stopwatch, TreadmillSteps, Uncertainty
 from .kinds.rows import KINDS
@@ -256,9 +257,9 @@ class Session:
             reading = replace(reading, before=not self.readings)
         return replace(self, **{reading.part: (*getattr(self, reading.part), reading)})
 
-    def uncertainty_of(self, reading: Reading | ZeroReading) -> Uncertainty:
+    def uncertainty_of(self, reading: Taken) -> Uncertainty:
         """Return the uncertainty of the instruments that a reading was taken with."""
-        return reading.uncertainty or self.setup.uncertainty
+        return getattr(reading, "uncertainty", None) or self.setup.uncertainty
 
     def grade_step_of(self, reading: Reading) -> float:
         """Return the step of the treadmill's incline that a reading was taken with, a tangent."""

@@ -45,7 +45,7 @@ class Beforehand:
 
     eliminated = 0
     pool = (), _NONE
-    bends = Bends(_NONE, _NONE, np.empty(0, dtype=np.intp), _NONE, _NONE)
+    bends = Bends(_NONE, _NONE, np.empty(0, dtype=np.intp), np.empty((2, 0)), _NONE, _NONE)
 
     @property
     def unknowns(self) -> tuple[Unknown, ...]:

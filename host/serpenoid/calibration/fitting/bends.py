@@ -13,7 +13,7 @@ from ..kinds.coast import Coast
 from ..kinds.slide import Slide
 from ..kinds.station import Reading
 from ..session import Session
-from .shared import FRICTIONS
+from .shared import FRICTIONS, straightness_factors
 from .unknowns import Floats, Unknown, Values, Whole
 
 # Assumed correlation between the setting errors of two bends. They are set one by one, but by the
@@ -29,30 +29,33 @@ class Bends:
     """The bends of N readings.
 
     lambda_rad, share (of the links that are bent, 0 where straight), posture (which of the bends,
-    -1: straight): (N,). angle_rad, sigma_rad: of each bend, as set, and its error. where: names
-    them.
+    -1: straight): (N,). off_rad: mean and standard deviation of the straight links' mean |angle| to
+    the path, times their share of all links, (2, N). angle_rad, sigma_rad: of
+    each bend, as set, and its error. where: names them.
     """
 
     lambda_rad: Floats
     share: Floats
     posture: Whole
+    off_rad: Floats
     angle_rad: Floats
     sigma_rad: Floats
     where: str = ""
 
     @classmethod
     def of(
-        cls,
-        session: Session,
-        readings: Sequence[Reading | Coast | Slide],
-        sigma_rad: Floats,
-        where: str = "",
+        cls, session: Session, readings: Sequence[Reading | Coast | Slide], where: str = ""
     ) -> Bends:
-        """Take the bends of some of a session's readings; sigma_rad: of each one's bend."""
+        """Take the bends of some of a session's readings."""
+        given, links = [session.uncertainty_of(r) for r in readings], session.setup.robot.links
         lambda_rad = np.array([r.lambda_rad for r in readings], dtype=float)
+        sigma_rad = np.array([g.lambda_sigma_rad for g in given], dtype=float)
         share = np.array([session.bent_share(r) for r in readings], dtype=float)
+        bent = np.round(share * links).astype(int).tolist()
+        factors = np.array([straightness_factors(links, b) for b in bent]).reshape(-1, 2).T
+        off_rad = np.array([g.joint_sigma_rad for g in given]) * (1.0 - share) * factors
         posture, angles, sigmas = postures(lambda_rad, sigma_rad, _settings(session, readings))
-        return cls(lambda_rad, share, posture, angles, sigmas, where)
+        return cls(lambda_rad, share, posture, off_rad, angles, sigmas, where)
 
     def some(self, index: slice | Whole | NDArray[np.bool_]) -> Bends:
         """Return those of some of the readings."""
@@ -61,6 +64,7 @@ class Bends:
             lambda_rad=self.lambda_rad[index],
             share=self.share[index],
             posture=self.posture[index],
+            off_rad=self.off_rad[:, index],
         )
 
     @property
@@ -73,6 +77,19 @@ class Bends:
         """Return each bend's error, and what is common to all, where there are more than one."""
         common = (_COMMON,) if len(self.angle_rad) > 1 else ()
         return tuple(map(Unknown, (*common, *self.names)))
+
+    @property
+    def straightness(self) -> tuple[Unknown, ...]:
+        """Return what the straight links have in common, where they have a doubt: a mean |angle|."""
+        mean, sigma = self.off_rad
+        doubtful = sigma > 0.0
+        least = (-mean[doubtful] / sigma[doubtful]).max(initial=-np.inf)
+        return (Unknown("astray", float(least)),) if doubtful.any() else ()
+
+    def astray_rad(self, values: Values) -> Floats:
+        """Return the straight links' mean |angle| to the path, times their share, (K or 1, N)."""
+        mean, sigma = self.off_rad
+        return mean + sigma * values["astray"][:, None] if "astray" in values else mean[None]
 
     def errors_rad(self, values: Values) -> list[Floats]:
         """Return each bend's error (K,)."""

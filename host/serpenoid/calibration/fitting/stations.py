@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from ..session import Session
 from .bends import Bends, frictions_in, resistance
 from .rounding import Drift, roundings
-from .shared import FRICTIONS, rolling_share, straightness_factors
+from .shared import FRICTIONS, rolling_share
 from .tracks import Tracks
 from .unknowns import Floats, Unknown, Values, Whole
 
@@ -42,12 +42,10 @@ class Stations:
     rounding_sigma_rad's errors its incline has; -1 where that is its alone. rounding_draws: of
     these, (N, errors), in sigmas. zero_sigma_rad: per reading, of what remains of the
     inclinometer's zero, common to all. back: whether a reading's wheels rolled backwards, the snake
-    facing up the belt. ratchet: there are readings of both ways. astray_rad, astray_sigma_rad: per
-    reading, mean and standard deviation of the straight links' mean |angle| to the path, times
-    their share. belt_sigma: relative, of the belt's scale, where pushes beside the stations tell
-    it; else 0. tracks: places of short readings, whose slip_m_s is the mean. inertia_n,
-    inertia_sigma_n: per reading, the force that changes its speed, roughly, and its standard
-    deviation; 0 where it was held.
+    facing up the belt. ratchet: there are readings of both ways. belt_sigma: relative, of the
+    belt's scale, where pushes beside the stations tell it; else 0. tracks: places of short
+    readings, whose slip_m_s is the mean. inertia_n, inertia_sigma_n: per reading, the force that
+    changes its speed, roughly, and its standard deviation; 0 where it was held.
     """
 
     numbers: Whole
@@ -62,8 +60,6 @@ class Stations:
     rounding_draws: Floats
     weight_n: float
     zero_sigma_rad: Floats
-    astray_rad: Floats
-    astray_sigma_rad: Floats
     tracks: Tracks
     inertia_n: Floats
     inertia_sigma_n: Floats
@@ -76,14 +72,12 @@ class Stations:
         kept = session.kept
         belt, belt_sigma = session.belt_scale
         given = [session.uncertainty_of(r) for r in kept]
-        bend_sigma_rad = np.array([g.lambda_sigma_rad for g in given], dtype=float)
-        bends = Bends.of(session, kept, bend_sigma_rad)
+        bends = Bends.of(session, kept)
         steps = np.array([session.grade_step_of(r) for r in kept], dtype=float)
         zero_sigma_rad = np.array(session.zero_sigmas_rad(kept), dtype=float)
         shown_rad = np.array([r.incline_rad for r in kept], dtype=float)
         incline_sigma_rad = np.array([g.incline_sigma_rad for g in given], dtype=float)
         zeros_rad = np.array(session.zeros_rad(kept))
-        astray_rad, astray_sigma_rad = _astray(session, bends.share)
         drifts = session.zero_drifts
         drift = Drift(zeros_rad * drifts, session.zero_drift_sigma_rad if drifts else 0.0)
         tracks = _tracks(session)
@@ -106,8 +100,6 @@ class Stations:
             inertia_n=inertia_n,
             inertia_sigma_n=inertia_sigma_n,
             ratchet=any(r.facing == "up" for r in kept),
-            astray_rad=astray_rad,
-            astray_sigma_rad=astray_sigma_rad,
             belt_sigma=belt_sigma if session.on_floor else 0.0,
         )
 
@@ -139,13 +131,10 @@ class Stations:
     def unknowns(self) -> tuple[Unknown, ...]:
         """Return the frictions, then what readings share."""
         shared = ["zero", *(f"rounding {k}" for k in range(len(self.rounding_sigma_rad)))]
-        for name, sigma in (
-            ("belt", self.belt_sigma),
-            ("astray", self.astray_sigma_rad.max(initial=0.0)),
-        ):
-            shared += [name] if sigma > 0.0 else []
+        shared += ["belt"] if self.belt_sigma > 0.0 else []
         frictions = (Unknown(name, friction=True) for name in FRICTIONS[: self.parameters])
-        return (*frictions, *self.bends.unknowns, *map(Unknown, shared))
+        bends = self.bends
+        return (*frictions, *bends.unknowns, *map(Unknown, shared), *bends.straightness)
 
     def near(self, values: Values) -> Stations:
         """Return itself: nothing in it is made linear."""
@@ -171,11 +160,8 @@ class Stations:
 
     def _balance(self, values: Values, rounding_rad: Floats | float) -> tuple[Floats, ...]:
         """Return excess force, its standard deviation, and its slope by the incline, (K, N), N."""
-        astray = self.astray_rad
-        if "astray" in values:
-            astray = astray + self.astray_sigma_rad * values["astray"][:, None]
-        angles = self.bends.angles_rad(values)
-        law = frictions_in(values), self.bends.share, angles, self.back, astray
+        bends, angles = self.bends, self.bends.angles_rad(values)
+        law = frictions_in(values), bends.share, angles, self.back, bends.astray_rad(values)
         viscous, dry = resistance(*law)
         incline = self.incline_rad - self.zero_sigma_rad * values["zero"][:, None] - rounding_rad
         weight_n, belt = self.weight_n, 1.0
@@ -229,12 +215,3 @@ def _tracks(session: Session) -> Tracks:
         mass_kg,
         rolling_share(setup.floor.wheels_kg, mass_kg),
     )
-
-
-def _astray(session: Session, bent_share: Floats) -> tuple[Floats, Floats]:
-    """Return each reading's mean and sigma of how far straight links are off, times their share."""
-    links = session.setup.robot.links
-    off = np.array([session.uncertainty_of(r).joint_sigma_rad for r in session.kept], dtype=float)
-    factors = [straightness_factors(links, round(share * links)) for share in bent_share.tolist()]
-    both = (off * (1.0 - bent_share))[:, None] * np.array(factors).reshape(-1, 2)
-    return both[:, 0], both[:, 1]

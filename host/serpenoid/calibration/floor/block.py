@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from ..fitting.bends import Bends, frictions_in, projections, resistance
 from ..fitting.rolling_law import slide_s, way_m
-from ..fitting.shared import FRICTIONS, rolling_share, straightness_factors
+from ..fitting.shared import FRICTIONS, rolling_share
 from ..fitting.unknowns import Floats, Unknown, Values, Whole
 from ..session import Session
 from .tracks import PushTrack, Rows, at_rest, tracks_of
@@ -37,50 +37,41 @@ _LEAST_PULL = 1e-3  # m/s^2, of a slide that would not begin: its time is then l
 
 @dataclass(frozen=True)
 class Rolling:
-    """What resists a robot that rolls, besides its frictions: mass, wheels, links off their path.
+    """What a robot that rolls has besides its frictions: its mass, and its wheels'.
 
-    rolling: J / r^2 of all wheels over the mass, mean and standard deviation. straightness_rad: the
-    same of the links' mean |angle| to the path.
+    rolling: J / r^2 of all wheels over the mass, mean and standard deviation.
     """
 
     mass_kg: float
     gravity_m_s2: float
     rolling: tuple[float, float]
-    straightness_rad: tuple[float, float]
 
     @classmethod
     def of(cls, session: Session) -> Rolling:
         """Take what a session's set-up says."""
         setup = session.setup
         mass_kg = setup.robot.links * setup.robot.link_mass_kg
-        factors = straightness_factors(setup.robot.links)
-        mean, scatter = (setup.uncertainty.joint_sigma_rad * factor for factor in factors)
         return cls(
             mass_kg,
             setup.procedure.gravity_m_s2,
             rolling_share(setup.floor.wheels_kg, mass_kg),
-            (mean, scatter),
         )
 
     @property
     def unknowns(self) -> tuple[Unknown, ...]:
-        """Return those that have a doubt; what cannot be below 0 has a limit."""
-        limits = {"rolling": self.rolling, "astray": self.straightness_rad}
-        limited = [Unknown(n, -mean / sigma) for n, (mean, sigma) in limits.items() if sigma > 0.0]
-        return tuple(limited)
+        """Return the wheels' share, where it has a doubt; it cannot be below 0."""
+        mean, sigma = self.rolling
+        return (Unknown("rolling", -mean / sigma),) if sigma > 0.0 else ()
 
     def motion(self, values: Values, bends: Bends, back: NDArray[np.bool_]) -> tuple[Floats, ...]:
         """Return c and f on level ground, and m / m_e, each (K, N)."""
 
-        def value(name: str) -> Floats | float:
-            return values[name][:, None] if name in values else 0.0
-
-        (off, off_sigma), (rolls, spread) = self.straightness_rad, self.rolling
-        angles = bends.angles_rad(values)
-        astray = (1.0 - bends.share) * (off + off_sigma * value("astray"))
+        rolls, spread = self.rolling
+        off = values["rolling"][:, None] if "rolling" in values else 0.0
+        angles, astray = bends.angles_rad(values), bends.astray_rad(values)
         force, dry = resistance(frictions_in(values), bends.share, angles, back, astray)
         by_ct = projections(bends.share, angles)[0]
-        inert = 1.0 + (rolls + spread * value("rolling")) * by_ct
+        inert = 1.0 + (rolls + spread * off) * by_ct
         mass = self.mass_kg * inert
         return force / mass, dry / mass, np.ones_like(force) / inert
 
@@ -111,7 +102,8 @@ class Pushes:
         frictions = tuple(Unknown(name, friction=True) for name in names)
         shared = [f"{part} {place}" for place in self.places for part in ("along", "across")]
         shared += ["film scale"] if self.filmed and self.scale_sigma > 0.0 else []
-        return (*frictions, *self.bends.unknowns, *map(Unknown, shared), *self.rolling.unknowns)
+        bends, rolling = self.bends, self.rolling.unknowns
+        return (*frictions, *bends.unknowns, *map(Unknown, shared), *rolling, *bends.straightness)
 
     @property
     def filmed(self) -> bool:
@@ -209,7 +201,8 @@ class Slides:
     def unknowns(self) -> tuple[Unknown, ...]:
         """Return the frictions, then what the slides share."""
         frictions = tuple(Unknown(name, friction=True) for name in FRICTIONS[:4])
-        return (*frictions, *self.bends.unknowns, Unknown("zero"), *self.rolling.unknowns)
+        bends, rolling = self.bends, self.rolling.unknowns
+        return (*frictions, *bends.unknowns, Unknown("zero"), *rolling, *bends.straightness)
 
     def _times(self, values: Values) -> tuple[Floats, Floats, Floats]:
         """Return each slide's time, and its c and pull at rest, (K, N)."""
@@ -241,9 +234,9 @@ class Slides:
 def floor_blocks(session: Session) -> tuple[Pushes | Slides, ...]:
     """Return the blocks of a session's kept pushes and slides, without one that is empty."""
     pushes, slides = session.kept_pushes, session.kept_slides
-    given, setup, count = session.setup.uncertainty, session.setup, len(pushes)
+    setup, count = session.setup, len(pushes)
     every = (*pushes, *slides)
-    bends = Bends.of(session, every, np.full(len(every), given.lambda_sigma_rad), WHERE)
+    bends = Bends.of(session, every, WHERE)
     rolling, blocks = Rolling.of(session), []
     places = tuple(sorted({p.place for p in pushes}))
     if pushes:
