@@ -64,7 +64,7 @@ def _beside_limits(covariance: Floats, values: Floats, ends: Floats) -> Floats:
 
     sigma = np.sqrt(np.diag(covariance))
     above = (ends[:, 1] - values) / float(ndtri(0.5 + LEVEL / 2))
-    share = np.where(ends[:, 0] > 0.0, 1.0, np.minimum(above / sigma, 1.0))
+    share = np.where(ends[:, 0] > 0.0, 1.0, np.minimum(above / np.maximum(sigma, 1e-300), 1.0))
     return covariance * np.outer(share, share)
 
 

@@ -28,14 +28,14 @@ from .crawls.fit import with_crawls
 from .fit_of_draws import fit_of_draws
 from .fitting.identifiability import check_readings
 from .fitting.paper_fit import errors, points, two_lines
-from .fitting.posterior import BAD_WIDTH, Posterior
+from .fitting.posterior import Posterior, counted
 from .fitting.shared import FRICTIONS
 from .fitting.stations import Stations
 from .fitting.unknowns import Floats
 from .floor.notes import check_floor
 from .friction_result import LEVEL, UNITS, FitDraws, FrictionFit, normal_draws, with_values
 from .session import Session
-from .session_posterior import mode_of, posterior_of
+from .session_posterior import mode_of, posterior_of, resistant_mode_of
 
 METHODS = ("joint", "robust", "naive")
 
@@ -110,7 +110,7 @@ def fit_friction(
     try:
         return _fitted(session, method, seed)
     except NotConverged as error:
-        raise NotConverged(f"{session.where}: {error}") from error
+        raise NotConverged(f"{session.where}: {error}; {_misread(session)}") from error
 
 
 def _beside_crawls(session: Session, method: str) -> FrictionFit | None:
@@ -178,17 +178,30 @@ def _naive(session: Session, data: Stations) -> FrictionFit:
 
 def _fitted(session: Session, method: str, seed: int) -> FrictionFit:
     """Return the fit of all readings, by their posterior."""
-    plain = mode = mode_of(session)
+    robust = method == "robust"
+    first = mode = resistant_mode_of(session) if robust else mode_of(session)
     if session.on_floor:
         check_floor(session, mode)
-    draws, good = plain.posterior.draws(mode, seed), np.ones(len(mode.residuals))
-    if method == "robust":
-        doubtful = replace(plain.posterior, misread=True)
-        draws = doubtful.draws(plain, seed)
-        good = draws.weight @ doubtful.good(doubtful.residuals(draws.x))
-        mode = plain.posterior.mode(plain.x, good + (1.0 - good) / BAD_WIDTH**2)
+    posterior = replace(mode.posterior, misread=robust)
+    draws, good = posterior.draws(mode, seed), np.ones(len(mode.residuals))
+    if robust:
+        good = draws.weight @ posterior.good(posterior.residuals(draws.x))
+        mode = first.posterior.mode(first.x, counted(good))
     fit = replace(fit_of_draws(session, mode, draws, good), method=method)
-    return with_alarms(fit, session, plain)
+    return with_alarms(fit, session, first)
+
+
+def _misread(session: Session) -> str:
+    """Say which readings do not go with the others."""
+    try:
+        mode = resistant_mode_of(session)
+    except NotConverged:
+        return "look for a misread value"
+    numbers = dict.fromkeys(mode.posterior.numbers[mode.good < 0.5].tolist())
+    return (
+        f"reading(s) {', '.join(map(str, numbers)) or 'of any number'} do not go with the others: "
+        "look them up and void or correct them, or fit with method 'robust'"
+    )
 
 
 def _check_signs(session: Session, values: Floats) -> None:

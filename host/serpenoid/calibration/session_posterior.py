@@ -46,6 +46,13 @@ def mode_of(session: Session) -> Mode:
     return posterior.mode(posterior.start(whole))
 
 
+def resistant_mode_of(session: Session) -> Mode:
+    """Return the likeliest values where any reading may be misread. Raises NotConverged."""
+    posterior = posterior_of(session)
+    usual = usual_frictions(session, posterior.frictions)
+    return posterior.resistant_mode(posterior.start(usual))
+
+
 def covariance_after(session: Session, mode: Mode) -> Floats:
     """Return the frictions' covariance (P, P) that a session's readings leave, by their slopes.
 

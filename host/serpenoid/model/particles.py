@@ -52,6 +52,29 @@ class Student:
         return np.asarray(head - 0.5 * (size * math.log(FREEDOM * math.pi) + far))
 
 
+@dataclass(frozen=True)
+class Mixture:
+    """Some such distributions, each with its share; the shares sum to 1."""
+
+    parts: tuple[Student, ...]
+    share: Floats
+
+    def points(self, count: int, seed: int) -> Floats:
+        """Return (count, D) points, of each part by its share."""
+        size = len(self.parts[0].centre)
+        unit = Student(np.zeros(size), np.eye(size)).points(count, seed)
+        even = np.random.default_rng(seed).permutation((np.arange(count) + 0.5) / count)
+        part = np.searchsorted(np.cumsum(self.share[:-1]), even)
+        for k, student in enumerate(self.parts):
+            unit[part == k] = student.centre + unit[part == k] @ student.root.T
+        return unit
+
+    def log_density(self, x: Floats) -> Floats:
+        """Return its logarithm at points (K, D)."""
+        each = [part.log_density(x) for part in self.parts]
+        return np.asarray(np.logaddexp.reduce(np.log(self.share)[:, None] + each))
+
+
 def alike(log: Floats) -> float:
     """Return how many points that are alike are worth as much as weights of such logarithms."""
     weight = np.exp(log - log.max())

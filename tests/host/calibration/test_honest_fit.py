@@ -1,6 +1,7 @@
 """What a fit must not hide: bends set one by one, an undeclared zero, misreadings, gaps."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -89,6 +90,25 @@ def test_a_robust_fit_stays_honest_with_a_misreading_in_it(off_m_s):
     assert min(covered(robust).values()) > 0.8
     assert covered(joint)["cn"] < 0.8
     assert named >= 12
+
+
+@pytest.mark.parametrize("unit", [3.6, 1 / 3.6])
+def test_a_speed_in_another_unit_is_named_and_does_not_pull(unit):
+    made = session(setup(30.0), WHOLE_BODY_2005, np.random.default_rng(8))
+    sound = fit_friction(made)
+    for k in [k for k, r in enumerate(made.readings) if r.belt_speed_m_s > 0.3][::5]:
+        slipped = changed(made, k, belt_speed_m_s=unit * made.readings[k].belt_speed_m_s)
+        number = made.readings[k].number
+        robust = fit_friction(slipped, method="robust")
+        assert robust.outliers == (number,)
+        for name in NAMES:
+            value, sigma = sound.parameters[name]
+            assert abs(robust.parameters[name].value - value) < 1.5 * sigma
+        try:
+            alarms = " ".join(fit_friction(slipped).alarms)
+        except NotConverged as error:
+            alarms = str(error)
+        assert re.search(rf"reading.* {number}\b", alarms)
 
 
 def test_a_robust_fit_of_good_readings_is_the_joint_one():

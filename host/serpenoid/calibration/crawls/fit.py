@@ -13,7 +13,7 @@ from ...model.errors import BadInput, Diverged, NotConverged
 from ...model.ground import Ground
 from ...model.particles import tempered
 from ..fit_of_draws import DRAWS, fit_of_draws
-from ..fitting.posterior import BAD_WIDTH, Draws, Posterior
+from ..fitting.posterior import Draws, Posterior, counted
 from ..fitting.stations import Stations
 from ..fitting.unknowns import Floats
 from ..friction_result import (
@@ -27,7 +27,13 @@ from ..friction_result import (
     weak_notes,
 )
 from ..session import Session
-from ..session_posterior import mode_of, posterior_of, scale_sigmas, usual_frictions
+from ..session_posterior import (
+    mode_of,
+    posterior_of,
+    resistant_mode_of,
+    scale_sigmas,
+    usual_frictions,
+)
 from ..speeds import SpeedTable
 from .data import CrawlData, servos_of
 from .level import Slope, floor_slope, is_sloped, on_level
@@ -102,14 +108,15 @@ def _others(session: Session, is_open: bool, misread: bool, seed: int) -> tuple[
     is_open: they leave frictions open, which are then the usual ones beforehand.
     """
     if not is_open:
-        mode = mode_of(session)
+        mode = resistant_mode_of(session) if misread else mode_of(session)
         draws = replace(mode.posterior, misread=misread).draws(mode, seed).alike(DRAWS)
         return _with_belt(session, draws)
     back = any(push.facing == "back" for push in session.kept_pushes)
     usual = usual_frictions(session, 6 if back else 4)
     known = Beforehand(np.log(usual), USUAL_SIGMA * np.eye(len(usual)))
     posterior = Posterior((known, *posterior_of(session).blocks))
-    posterior = replace(posterior.mode(posterior.start(usual)).posterior, misread=misread)
+    likeliest = posterior.resistant_mode if misread else posterior.mode
+    posterior = replace(likeliest(posterior.start(usual)).posterior, misread=misread)
     size, of = len(posterior.unknowns), len(usual)
 
     def unknowns(u: Floats) -> Floats:
@@ -167,7 +174,7 @@ def _result(session: Session, other: FrictionFit | None, drawn: CrawlDraws) -> F
     posterior, data = drawn.posterior, drawn.posterior.data
     x, good = posterior.unknowns(np.vstack([drawn.best, drawn.z])), drawn.good[0]
     amplitude, even = posterior.amplitude(drawn.z), np.full(len(drawn.z), 1.0 / len(drawn.z))
-    mode = posterior.others.at(x[0], good + (1.0 - good) / BAD_WIDTH**2)
+    mode = posterior.others.at(x[0], counted(good))
     fit = fit_of_draws(session, mode, Draws(posterior.others, x[1:], even, even), good)
     filmed = [n for n, asked in zip(data.numbers, data.commanded, strict=True) if asked]
     doubted = zip(drawn.misread.tolist(), (*data.numbers, *filmed), strict=True)

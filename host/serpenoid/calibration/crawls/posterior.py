@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ...model.particles import tempered
 from ..fitting.bends import Bends, frictions_in
-from ..fitting.posterior import BAD_WIDTH, Posterior, good_or_misread
+from ..fitting.posterior import Posterior, counted, good_or_misread
 from ..fitting.shared import FRICTIONS
 from ..fitting.unknowns import Floats, Unknown, Values, Whole
 from ..speeds import AMPLITUDE_SIGMA, LEAST_M_S, ServoEffects, SpeedTable
@@ -259,7 +259,7 @@ class CrawlDraws:
         from scipy.optimize import least_squares
 
         good = np.append(np.concatenate(self.good), 1.0)
-        root = np.sqrt(good + (1.0 - good) / BAD_WIDTH**2)
+        root = np.sqrt(counted(good))
         start = self.z[self._best[0]]
 
         def slopes(z: Floats) -> Floats:

@@ -80,7 +80,7 @@ class Bends:
 
     @property
     def straightness(self) -> tuple[Unknown, ...]:
-        """Return what the straight links have in common, where they have a doubt: a mean |angle|."""
+        """Return what straight links have in common, where it has a doubt: their mean |angle|."""
         mean, sigma = self.off_rad
         doubtful = sigma > 0.0
         least = (-mean[doubtful] / sigma[doubtful]).max(initial=-np.inf)

@@ -11,6 +11,7 @@ Where a reading may be misread, its density is (1 - e) N(r; 0, 1) + e N(r; 0, K^
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
@@ -19,11 +20,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...model.errors import NotConverged
-from ...model.particles import Student, tempered
+from ...model.particles import Mixture, Student, tempered
 from .bends import Bends
 from .unknowns import Floats, Unknown, Values, Whole
 
 BAD_CHANCE, BAD_WIDTH = 0.05, 12.0  # of a misreading: its chance, and its width in sigmas
+_LEAST_COUNTED = 1e-4  # of a reading that is misread
 PROPOSED = 8192  # points drawn about the mode, a power of two
 PARTICLES = 2048
 _MANY = 256  # residuals: with so many an eighth of the points is enough
@@ -35,6 +37,10 @@ _AT_ONCE = 2**15  # residuals: as many as the processor's own memory holds
 _SETTLED = 1e-2  # standard deviations of a step: the next one is the square of that
 _BEYOND = 0.25  # so much counts a draw with a friction below 0, for intervals of the others
 _NOTHING = 1e-6  # of a friction's standard deviation
+_EVALUATIONS = 200  # of the residuals, until the solver gives up
+_WIDTHS = (30.0, 5.0, 1.0)  # of Cauchy's loss, one after the other, sigmas
+_WEIGHTED = 3  # times, until each reading's chance to be misread has settled
+_CHAINS, _STEPS, _LIKELY = 32, 30, 24  # of sets of misread readings
 
 
 class Block(Protocol):
@@ -115,6 +121,11 @@ class Mode:
     def values(self) -> dict[str, Floats]:
         """Return (1,) of each unknown."""
         return self.posterior.by_name(self.x[None])
+
+    @property
+    def good(self) -> Floats:
+        """Return each row's chance that its reading is no misreading."""
+        return self.posterior.good(self.posterior.residuals(self.x[None]))[0]
 
     def without(self, rows: NDArray[np.bool_]) -> tuple[float, Floats] | None:
         """Return chi2 and the unknowns' shift with some rows left out, by one linear step.
@@ -265,25 +276,44 @@ class Posterior:
                 return posterior.at(posterior._at_limit(x), weight)
         raise NotConverged("the fit came to no end; look for a push or a slide that was misread")
 
-    def _minimum(self, start: Floats, weight: Floats | float) -> Floats:
+    def resistant_mode(self, start: Floats) -> Mode:
+        """Return the likeliest values where any reading may be misread, from a start (D,).
+
+        Each counts by its chance to be good. Raises NotConverged. Cauchy's loss leads to where
+        no gross error pulls; a narrow one holds fast to a start that is good.
+        """
+        ends = []
+        for k in range(len(_WIDTHS)):
+            x = start
+            for width in _WIDTHS[k:]:
+                x = self.near(x)._minimum(x, 1.0, width)
+            doubtful = replace(self.near(x), misread=True)
+            ends.append((float(doubtful.log_density(x[None])[0]), k, x))
+        *_, x = max(ends)
+        mode = self.near(x).at(x)
+        for _ in range(_WEIGHTED):
+            mode = self.mode(mode.x, counted(mode.good))
+        return mode
+
+    def _minimum(self, start: Floats, weight: Floats | float, width: float = math.inf) -> Floats:
+        """Return where the squares' sum is least; residuals beyond width sigmas count less."""
         from scipy.optimize import least_squares
 
         root = np.sqrt(np.broadcast_to(weight, self.numbers.shape))
+        sure = width == math.inf
         found = least_squares(
             lambda x: root * self.residuals(x[None])[0],
             np.maximum(start, self.low + 1e-9),
             jac=lambda x: root[:, None] * self.slopes(x),  # pyright: ignore[reportArgumentType]
             bounds=(self.low, np.inf),
             x_scale="jac",
-            xtol=1e-12,
-            ftol=1e-12,
-            gtol=1e-12,
+            **dict.fromkeys(("xtol", "ftol", "gtol"), 1e-12 if sure else 1e-6),
+            loss="linear" if sure else "cauchy",
+            f_scale=1.0 if sure else width,
+            max_nfev=_EVALUATIONS,
         )
-        if not found.success:
-            raise NotConverged(
-                f"the fit stopped with {found.message!r} at chi2 = {2 * found.cost:.3g}; look for "
-                "a misread value"
-            )
+        if sure and not found.success:
+            raise NotConverged("the readings contradict each other")
         return np.asarray(found.x)
 
     def _at_limit(self, x: Floats) -> Floats:
@@ -294,20 +324,50 @@ class Posterior:
 
     def draws(self, mode: Mode, seed: int = 2005) -> Draws:
         """Return weighted draws: about the mode, or tempered particles where those are too few."""
-        root = np.linalg.cholesky(mode.covariance)
-        about = Student(mode.x, np.asarray(root, dtype=np.float64))
+        plain = Student(mode.x, np.asarray(np.linalg.cholesky(mode.covariance), dtype=np.float64))
+        about = self._by_misread(mode, seed) if self.misread else plain
+        x = about.points(PROPOSED if len(self.numbers) < _MANY else PROPOSED // 8, seed)
+        log = self.log_density(x) - about.log_density(x)
         if not self.misread:
-            x = about.points(PROPOSED if len(self.numbers) < _MANY else PROPOSED // 8, seed)
-            log = self.log_density(x) - about.log_density(x)
             x = self._by_pools(mode, x, seed)
-            weight, boundless = (
-                _shares(np.where((x >= self.low).all(axis=1), log, -np.inf)),
-                _shares(log),
-            )
-            if ENOUGH * np.sum(weight**2) <= 1.0:
-                enough = ENOUGH * np.sum(boundless**2) <= 1.0
-                return Draws(self, x, weight, boundless if enough else weight)
-        return self._tempered(about, seed)
+        weight, boundless = (
+            _shares(np.where((x >= self.low).all(axis=1), log, -np.inf)),
+            _shares(log),
+        )
+        if ENOUGH * np.sum(weight**2) <= 1.0:
+            enough = ENOUGH * np.sum(boundless**2) <= 1.0
+            return Draws(self, x, weight, boundless if enough else weight)
+        return self._tempered(plain, seed)
+
+    def _by_misread(self, mode: Mode, seed: int) -> Mixture:
+        """Return a distribution for each of the likeliest sets of misread readings.
+
+        The law is linear about the mode. Gibbs' sampling: the unknowns by which readings are
+        misread, and those by the unknowns.
+        """
+        rng, there = np.random.default_rng(seed), self.at(mode.x)
+        read = self.numbers >= 0
+        root, every = np.ones((_CHAINS, len(read))), []
+        root[::2, read] /= BAD_WIDTH
+        for _ in range(_STEPS):
+            slopes = root[..., None] * there.slopes
+            turned = slopes.swapaxes(1, 2)
+            covariance = np.linalg.inv(turned @ slopes)
+            centre = mode.x - ((covariance @ turned) @ (root * there.residuals)[..., None])[..., 0]
+            spread = np.linalg.cholesky(covariance)
+            every += zip(map(np.ndarray.tobytes, root < 1.0), centre, spread, strict=True)
+            x = centre + (spread @ rng.normal(size=(*centre.shape, 1)))[..., 0]
+            rows = there.residuals + (x - mode.x) @ there.slopes.T
+            squares, size, which = self._by_reading(rows)
+            fine, wide = good_or_misread(squares, size)
+            bad = rng.uniform(size=fine.shape) < np.exp(wide - np.logaddexp(fine, wide))
+            weight = np.where(bad, (1 + size) / (BAD_WIDTH**2 + squares), 1.0)
+            root = np.sqrt(np.where(read, weight[:, which], 1.0))
+        settled = every[len(every) // 3 :]
+        sets = {key: Student(centre, spread) for key, centre, spread in settled}
+        times = Counter(key for key, *_ in settled).most_common(_LIKELY)
+        share = np.array([count for _, count in times], dtype=float)
+        return Mixture(tuple(sets[key] for key, _ in times), share / share.sum())
 
     def _by_pools(self, mode: Mode, x: Floats, seed: int) -> Floats:
         """Return points (K, D) in which the errors of a block's pool are those of it, not normal.
@@ -359,33 +419,43 @@ class Posterior:
         rows = self.residuals(x)
         if not self.misread:
             return np.asarray(-0.5 * np.sum(rows**2, axis=1))
-        fine, misread, _ = self._ways(rows)
+        squares, size, _ = self._by_reading(rows)
         priors = -0.5 * np.sum(rows[:, self.numbers < 0] ** 2, axis=1)
-        return np.asarray(np.logaddexp(fine, misread).sum(axis=1) + priors)
+        return np.asarray(np.logaddexp(*good_or_misread(squares, size)).sum(axis=1) + priors)
 
     def good(self, rows: Floats) -> Floats:
         """Return each row's chance (K, rows) that its reading is no misreading; 1 for priors."""
         if (self.numbers < 0).all():
             return np.ones(rows.shape)
-        fine, misread, which = self._ways(rows)
+        squares, size, which = self._by_reading(rows)
+        fine, misread = good_or_misread(squares, size)
         chance = np.exp(fine - np.logaddexp(fine, misread))
         return np.where(self.numbers < 0, 1.0, chance[:, which])
 
-    def _ways(self, rows: Floats) -> tuple[Floats, Floats, Whole]:
-        """Return each reading's log density as good and as misread, and which reading a row is."""
+    def _by_reading(self, rows: Floats) -> tuple[Floats, Whole, Whole]:
+        """Return each reading's sum of squares, how many they are, and which reading a row is."""
         read, which = np.unique(self.numbers[self.numbers >= 0], return_inverse=True)
         belongs = np.arange(len(read))[:, None] == which
-        squares = rows[:, self.numbers >= 0] ** 2 @ belongs.T
-        fine, wide = good_or_misread(squares, belongs.sum(axis=1))
         at = np.zeros(len(self.numbers), dtype=np.intp)
         at[self.numbers >= 0] = which
-        return fine, wide, at
+        return rows[:, self.numbers >= 0] ** 2 @ belongs.T, belongs.sum(axis=1), at
 
 
 def good_or_misread(squares: Floats, rows: Whole | int = 1) -> tuple[Floats, Floats]:
-    """Return log densities of readings as good and as misread, by their sums of so many squares."""
+    """Return log densities of readings as good and as misread, by their sums of so many squares.
+
+    Normal ones, and Cauchy's: a number that was typed in another unit is hundreds of sigmas off.
+    """
+    from scipy.special import gammaln
+
     fine = math.log(1.0 - BAD_CHANCE) - 0.5 * squares
-    return fine, math.log(BAD_CHANCE) - rows * math.log(BAD_WIDTH) - 0.5 * squares / BAD_WIDTH**2
+    head = gammaln((1 + rows) / 2) - gammaln(0.5) - rows * math.log(BAD_WIDTH / math.sqrt(2.0))
+    return fine, math.log(BAD_CHANCE) + head - (1 + rows) / 2 * np.log1p(squares / BAD_WIDTH**2)
+
+
+def counted(good: Floats) -> Floats:
+    """Return how much readings count by their chances to be good."""
+    return np.maximum(good, _LEAST_COUNTED)
 
 
 def _shares(log: Floats) -> Floats:
