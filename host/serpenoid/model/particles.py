@@ -25,11 +25,10 @@ _JITTER = 0.02  # standard deviations of the particles
 
 @dataclass(frozen=True)
 class Student:
-    """Student's distribution about a centre (D,), its root (D, D) made wider."""
+    """Student's distribution about a centre (D,), its root (D, D) made somewhat wider."""
 
     centre: Floats
     root: Floats
-    wider: float = WIDER
 
     def points(self, count: int, seed: int) -> Floats:
         """Return (count, D) scrambled Sobol points of it."""
@@ -39,13 +38,13 @@ class Student:
         size = len(self.centre)
         even = qmc.Sobol(size + 1, seed=seed).random(count)  # pyright: ignore[reportCallIssue] (older SciPy)
         tail = chdtri(FREEDOM, even[:, -1:]) / FREEDOM
-        return self.centre + self.wider * (ndtri(even[:, :-1]) / np.sqrt(tail)) @ self.root.T
+        return self.centre + WIDER * (ndtri(even[:, :-1]) / np.sqrt(tail)) @ self.root.T
 
     def log_density(self, x: Floats) -> Floats:
         """Return its logarithm at points (K, D)."""
         from scipy.special import gammaln
 
-        root, size = self.wider * self.root, len(self.centre)
+        root, size = WIDER * self.root, len(self.centre)
         unit = np.linalg.solve(root, (x - self.centre).T)
         head = gammaln((FREEDOM + size) / 2) - gammaln(FREEDOM / 2) - np.linalg.slogdet(root)[1]
         far = (FREEDOM + size) * np.log1p(np.sum(unit**2, axis=0) / FREEDOM)

@@ -324,8 +324,8 @@ class Posterior:
 
     def draws(self, mode: Mode, seed: int = 2005) -> Draws:
         """Return weighted draws: about the mode, or tempered particles where those are too few."""
-        plain = Student(mode.x, np.asarray(np.linalg.cholesky(mode.covariance), dtype=np.float64))
-        about = self._by_misread(mode, seed) if self.misread else plain
+        root = np.asarray(np.linalg.cholesky(mode.covariance), dtype=np.float64)
+        about = self._by_misread(mode, seed) if self.misread else Student(mode.x, root)
         x = about.points(PROPOSED if len(self.numbers) < _MANY else PROPOSED // 8, seed)
         log = self.log_density(x) - about.log_density(x)
         if not self.misread:
@@ -337,7 +337,7 @@ class Posterior:
         if ENOUGH * np.sum(weight**2) <= 1.0:
             enough = ENOUGH * np.sum(boundless**2) <= 1.0
             return Draws(self, x, weight, boundless if enough else weight)
-        return self._tempered(plain, seed)
+        return self._tempered(about, seed)
 
     def _by_misread(self, mode: Mode, seed: int) -> Mixture:
         """Return a distribution for each of the likeliest sets of misread readings.
@@ -389,20 +389,19 @@ class Posterior:
             x = x + (picked - normal) @ gain.T
         return x
 
-    def _tempered(self, about: Student, seed: int) -> Draws:
-        """Return draws by particles that begin where every reading may be misread."""
-        first = replace(about, wider=BAD_WIDTH)
-        x = first.points(16 * PARTICLES, seed)
+    def _tempered(self, about: Student | Mixture, seed: int) -> Draws:
+        """Return draws by particles that begin about the mode, within the limits."""
+        x = about.points(4 * PARTICLES, seed)
         inside = (x >= self.low).all(axis=1)
         x = x[inside] if inside.any() else np.maximum(x, self.low)
-        x = np.resize(x[:PARTICLES], (PARTICLES, x.shape[1]))
+        x = np.resize(x, (PARTICLES, x.shape[1]))
 
         def ratio(x: Floats) -> Floats:
             inside = (x >= self.low).all(axis=1)
-            log = self.log_density(np.maximum(x, self.low)) - first.log_density(x)
+            log = self.log_density(np.maximum(x, self.low)) - about.log_density(x)
             return np.where(inside, log, -np.inf)
 
-        x, _ = tempered(x, first.log_density, ratio, np.random.default_rng(seed))
+        x, _ = tempered(x, about.log_density, ratio, np.random.default_rng(seed))
         even = np.full(len(x), 1.0 / len(x))
         return Draws(self, x, even, even)
 
