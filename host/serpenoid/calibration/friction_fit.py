@@ -35,7 +35,7 @@ from .fitting.unknowns import Floats
 from .floor.notes import check_floor
 from .friction_result import LEVEL, UNITS, FitDraws, FrictionFit, normal_draws, with_values
 from .session import Session
-from .session_posterior import mode_of, posterior_of, resistant_mode_of
+from .session_posterior import mode_of, posterior_of
 
 METHODS = ("joint", "robust", "naive")
 
@@ -179,7 +179,7 @@ def _naive(session: Session, data: Stations) -> FrictionFit:
 def _fitted(session: Session, method: str, seed: int) -> FrictionFit:
     """Return the fit of all readings, by their posterior."""
     robust = method == "robust"
-    first = mode = resistant_mode_of(session) if robust else mode_of(session)
+    first = mode = mode_of(session, robust)
     if session.on_floor:
         check_floor(session, mode)
     posterior = replace(mode.posterior, misread=robust)
@@ -194,7 +194,7 @@ def _fitted(session: Session, method: str, seed: int) -> FrictionFit:
 def _misread(session: Session) -> str:
     """Say which readings do not go with the others."""
     try:
-        mode = resistant_mode_of(session)
+        mode = mode_of(session, misread=True)
     except NotConverged:
         return "look for a misread value"
     numbers = dict.fromkeys(mode.posterior.numbers[mode.good < 0.5].tolist())

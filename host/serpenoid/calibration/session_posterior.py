@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from .fitting.paper_fit import two_lines
 from .fitting.posterior import Mode, Posterior
 from .fitting.shared import shared_covariance
 from .fitting.stations import Stations
@@ -32,25 +31,14 @@ def scale_sigmas(session: Session, posterior: Posterior) -> tuple[float, float]:
     return belt, session.mass_sigma
 
 
-def mode_of(session: Session) -> Mode:
+def mode_of(session: Session, misread: bool = False) -> Mode:
     """Return the likeliest values that a session's readings leave. Raises NotConverged.
 
-    They are sought from two lines through its stations, else from usual frictions.
+    They are sought from usual frictions. misread: any reading may be.
     """
     posterior = posterior_of(session)
-    whole = usual_frictions(session, posterior.frictions)
-    if session.kept:
-        stations = Stations.of(session)
-        if min(stations.parts[part].sum() for part in ("straight", "bent")) > 1:
-            whole[: stations.parameters] = np.abs(two_lines(stations)[0])
-    return posterior.mode(posterior.start(whole))
-
-
-def resistant_mode_of(session: Session) -> Mode:
-    """Return the likeliest values where any reading may be misread. Raises NotConverged."""
-    posterior = posterior_of(session)
-    usual = usual_frictions(session, posterior.frictions)
-    return posterior.resistant_mode(posterior.start(usual))
+    start = posterior.start(usual_frictions(session, posterior.frictions))
+    return posterior.resistant_mode(start) if misread else posterior.mode(start)
 
 
 def covariance_after(session: Session, mode: Mode) -> Floats:

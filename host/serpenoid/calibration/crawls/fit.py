@@ -30,7 +30,6 @@ from ..session import Session
 from ..session_posterior import (
     mode_of,
     posterior_of,
-    resistant_mode_of,
     scale_sigmas,
     usual_frictions,
 )
@@ -108,7 +107,7 @@ def _others(session: Session, is_open: bool, misread: bool, seed: int) -> tuple[
     is_open: they leave frictions open, which are then the usual ones beforehand.
     """
     if not is_open:
-        mode = resistant_mode_of(session) if misread else mode_of(session)
+        mode = mode_of(session, misread)
         draws = replace(mode.posterior, misread=misread).draws(mode, seed).alike(DRAWS)
         return _with_belt(session, draws)
     back = any(push.facing == "back" for push in session.kept_pushes)

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...model.errors import NotConverged
-from ...model.particles import Mixture, Student, tempered
+from ...model.particles import Students, tempered
 from .bends import Bends
 from .unknowns import Floats, Unknown, Values, Whole
 
@@ -325,7 +325,7 @@ class Posterior:
     def draws(self, mode: Mode, seed: int = 2005) -> Draws:
         """Return weighted draws: about the mode, or tempered particles where those are too few."""
         root = np.asarray(np.linalg.cholesky(mode.covariance), dtype=np.float64)
-        about = self._by_misread(mode, seed) if self.misread else Student(mode.x, root)
+        about = self._by_misread(mode, seed) if self.misread else Students.one(mode.x, root)
         x = about.points(PROPOSED if len(self.numbers) < _MANY else PROPOSED // 8, seed)
         log = self.log_density(x) - about.log_density(x)
         if not self.misread:
@@ -339,7 +339,7 @@ class Posterior:
             return Draws(self, x, weight, boundless if enough else weight)
         return self._tempered(about, seed)
 
-    def _by_misread(self, mode: Mode, seed: int) -> Mixture:
+    def _by_misread(self, mode: Mode, seed: int) -> Students:
         """Return a distribution for each of the likeliest sets of misread readings.
 
         The law is linear about the mode. Gibbs' sampling: the unknowns by which readings are
@@ -364,10 +364,13 @@ class Posterior:
             weight = np.where(bad, (1 + size) / (BAD_WIDTH**2 + squares), 1.0)
             root = np.sqrt(np.where(read, weight[:, which], 1.0))
         settled = every[len(every) // 3 :]
-        sets = {key: Student(centre, spread) for key, centre, spread in settled}
+        sets = {key: parts for key, *parts in settled}
         times = Counter(key for key, *_ in settled).most_common(_LIKELY)
+        centres, roots = (
+            np.array(part) for part in zip(*(sets[key] for key, _ in times), strict=True)
+        )
         share = np.array([count for _, count in times], dtype=float)
-        return Mixture(tuple(sets[key] for key, _ in times), share / share.sum())
+        return Students(centres, roots, share / share.sum())
 
     def _by_pools(self, mode: Mode, x: Floats, seed: int) -> Floats:
         """Return points (K, D) in which the errors of a block's pool are those of it, not normal.
@@ -389,7 +392,7 @@ class Posterior:
             x = x + (picked - normal) @ gain.T
         return x
 
-    def _tempered(self, about: Student | Mixture, seed: int) -> Draws:
+    def _tempered(self, about: Students, seed: int) -> Draws:
         """Return draws by particles that begin about the mode, within the limits."""
         x = about.points(4 * PARTICLES, seed)
         inside = (x >= self.low).all(axis=1)
