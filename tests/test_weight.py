@@ -62,7 +62,7 @@ MOST_TOKENS = {
     "tests/host/exchange": 1699,
     "tests/host/gaits": 12079,
     "tests/host/lab": 8140,
-    "tests/host/model": 4588,
+    "tests/host/model": 4978,
     "tests/host/paper": 771,
     "tests/host/periodic": 17921,
     "tests/host/robot": 26887,
