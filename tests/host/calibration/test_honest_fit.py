@@ -92,18 +92,20 @@ def test_a_robust_fit_stays_honest_with_a_misreading_in_it(off_m_s):
     assert named >= 12
 
 
-@pytest.mark.parametrize("unit", [3.6, 1 / 3.6])
-def test_a_speed_in_another_unit_is_named_and_does_not_pull(unit):
+@pytest.mark.parametrize(
+    ("name", "times"), [("belt_speed_m_s", 3.6), ("belt_speed_m_s", 1 / 3.6), ("incline_rad", 5.0)]
+)
+def test_a_number_in_another_unit_is_named_and_does_not_pull(name, times):
     made = session(setup(30.0), WHOLE_BODY_2005, np.random.default_rng(8))
     sound = fit_friction(made)
     for k in [k for k, r in enumerate(made.readings) if r.belt_speed_m_s > 0.3][::5]:
-        slipped = changed(made, k, belt_speed_m_s=unit * made.readings[k].belt_speed_m_s)
+        slipped = changed(made, k, **{name: times * getattr(made.readings[k], name)})
         number = made.readings[k].number
         robust = fit_friction(slipped, method="robust")
         assert robust.outliers == (number,)
-        for name in NAMES:
-            value, sigma = sound.parameters[name]
-            assert abs(robust.parameters[name].value - value) < 1.5 * sigma
+        for friction in NAMES:
+            value, sigma = sound.parameters[friction]
+            assert abs(robust.parameters[friction].value - value) < 1.5 * sigma
         try:
             alarms = " ".join(fit_friction(slipped).alarms)
         except NotConverged as error:

@@ -346,6 +346,8 @@ class Posterior:
         misread, and those by the unknowns.
         """
         rng, there = np.random.default_rng(seed), self.at(mode.x)
+        # no linear law leads a gross error back to where it agrees
+        near = np.abs(there.residuals) < BAD_WIDTH
         read = self.numbers >= 0
         root, every = np.ones((_CHAINS, len(read))), []
         root[::2, read] /= BAD_WIDTH
@@ -353,11 +355,14 @@ class Posterior:
             slopes = root[..., None] * there.slopes
             turned = slopes.swapaxes(1, 2)
             covariance = np.linalg.inv(turned @ slopes)
-            centre = mode.x - ((covariance @ turned) @ (root * there.residuals)[..., None])[..., 0]
+            centre = (
+                mode.x
+                - ((covariance @ turned) @ (root * near * there.residuals)[..., None])[..., 0]
+            )
             spread = np.linalg.cholesky(covariance)
             every += zip(map(np.ndarray.tobytes, root < 1.0), centre, spread, strict=True)
             x = centre + (spread @ rng.normal(size=(*centre.shape, 1)))[..., 0]
-            rows = there.residuals + (x - mode.x) @ there.slopes.T
+            rows = there.residuals + near * ((x - mode.x) @ there.slopes.T)
             squares, size, which = self._by_reading(rows)
             fine, wide = good_or_misread(squares, size)
             bad = rng.uniform(size=fine.shape) < np.exp(wide - np.logaddexp(fine, wide))
