@@ -10,6 +10,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
+
 from ..model.checks import check_number
 from ..model.drives import Servo
 from ..model.errors import BadInput
@@ -34,6 +36,8 @@ from .session import Session
 FORMAT = 2  # 1 had draws only where crawls were fitted
 NAME = "fit.json"
 _LONGEST = 200  # letters of a reason
+# By SciPy, from the covariance, or, where a file of format 1 has none, at random.
+_COMPUTED = ("p_value", "parameters", "draws")
 
 
 def save_fit(fit: FrictionFit, path: str | Path) -> Path:
@@ -107,6 +111,7 @@ def load_fit(path: str | Path) -> FrictionFit:
         raise BadInput(f"{error}; `serpenoid fit DIR` writes it anew") from None
     try:
         fit = _from_json(given)
+        _check_sound(fit, given)
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
         what = f"{error} is missing" if isinstance(error, KeyError) else str(error)[:_LONGEST]
         raise BadInput(
@@ -163,9 +168,46 @@ def _check(given: Mapping[str, Any]) -> None:
         )
 
 
+def _check_sound(fit: FrictionFit, given: Mapping[str, Any]) -> None:
+    """Raise BadInput where numbers are none of a fit, or a file says other than its fit would."""
+    again = json.loads(json.dumps(fit.to_dict()))
+    differ = [k for k in again if k in given and k not in _COMPUTED and again[k] != given[k]]
+    covariance, draws, servos = fit.covariance, fit.draws, fit.servos
+    count = len(fit.parameters)
+    least = float(np.linalg.eigvalsh(covariance)[0])
+    intervals = [(0.0, row.low, row.value, row.high) for row in fit.rows()]
+    sound = {
+        "intervals": all(sorted(ends) == list(ends) for ends in intervals),
+        "covariance": np.abs(covariance - covariance.T).max() <= 1e-6 * covariance.max()
+        and least >= -1e-6 * float(covariance.max()),
+        "draws": draws.names[:count] == fit.names
+        and len(draws) > 0
+        and bool(np.all(draws.rows[:, :count] >= 0.0)),
+        "chi2": fit.chi2 >= 0.0 and fit.dof >= 0,
+        "servos": servos is None
+        or (
+            len(servos.index) == len(draws)
+            and {*servos.index, servos.best} <= {*range(len(servos.drawn))}
+        ),
+    }
+    wrong = [*differ, *(part for part, well in sound.items() if not well)]
+    if wrong:
+        raise BadInput(f"{wrong[0]}: not what a fit would write")
+
+
+def _check_numbers(given: Any) -> None:
+    """Raise BadInput where a number, however deep, is no finite one of a size that can be."""
+    if isinstance(given, Mapping | list):
+        for part in given.values() if isinstance(given, Mapping) else given:
+            _check_numbers(part)
+    elif isinstance(given, int | float):
+        check_number("a number of it", given)
+
+
 def _from_json(given: Mapping[str, Any]) -> FrictionFit:
     """Return the fit that a file holds."""
     _check(given)
+    _check_numbers(given)
     names = tuple(name for name in FRICTIONS if name + WHOLE in given["parameters"])
     parts = [given["parameters"][name + WHOLE] for name in names]
     values = number_array("value", [part["value"] for part in parts])

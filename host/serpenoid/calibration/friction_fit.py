@@ -16,6 +16,7 @@ of draws. The paper's own fit is `fitting.paper_fit`.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -110,7 +111,8 @@ def fit_friction(
     try:
         return _fitted(session, method, seed)
     except NotConverged as error:
-        raise NotConverged(f"{session.where}: {error}; {_misread(session)}") from error
+        told = "look for a misread value" if method == "robust" else _misread(session)
+        raise NotConverged(f"{session.where}: {error}; {told}") from error
 
 
 def _beside_crawls(session: Session, method: str) -> FrictionFit | None:
@@ -192,16 +194,15 @@ def _fitted(session: Session, method: str, seed: int) -> FrictionFit:
 
 
 def _misread(session: Session) -> str:
-    """Say which readings do not go with the others."""
-    try:
+    """Say which readings do not go with the others, where a robust fit finds them."""
+    with suppress(NotConverged):
         mode = mode_of(session, misread=True)
-    except NotConverged:
-        return "look for a misread value"
-    numbers = dict.fromkeys(mode.posterior.numbers[mode.good < 0.5].tolist())
-    return (
-        f"reading(s) {', '.join(map(str, numbers)) or 'of any number'} do not go with the others: "
-        "look them up and void or correct them, or fit with method 'robust'"
-    )
+        if numbers := dict.fromkeys(mode.posterior.numbers[mode.good < 0.5].tolist()):
+            return (
+                f"reading(s) {', '.join(map(str, numbers))} do not go with the others: look them "
+                "up and void or correct them, or fit with method 'robust'"
+            )
+    return "look for a misread value"
 
 
 def _check_signs(session: Session, values: Floats) -> None:

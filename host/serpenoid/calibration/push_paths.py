@@ -32,9 +32,12 @@ class PushPath:
     law_m: Floats
 
 
-def push_paths(session: Session) -> list[PushPath]:
-    """Return the kept pushes of a session with the law as it was fitted; raises BadInput."""
-    mode = mode_of(session)
+def push_paths(session: Session, misread: bool = False) -> list[PushPath]:
+    """Return the kept pushes of a session with the law as it was fitted; misread: robustly.
+
+    Raises BadInput and NotConverged as fits do.
+    """
+    mode = mode_of(session, misread)
     pushes = [block for block in mode.posterior.blocks if isinstance(block, Pushes)]
     if not pushes:
         return []

@@ -75,7 +75,13 @@ def forged(folder, spoil):
         (lambda d: d.update(format=99), "format is 99"),
         (lambda d: d["robot"].update(legs=4), "legs"),
         (lambda d: d["parameters"]["ct_whole"].update(value=-1.0), "ct is -1"),
+        (lambda d: d["parameters"]["cn_whole"].update(interval=[2.0, 3.0]), "intervals: not what"),
         (lambda d: d["covariance"].update(values=[[1.0]]), "cannot reshape"),
+        (lambda d: d["covariance"]["values"][0].__setitem__(0, -1.0), "covariance: not what"),
+        (lambda d: d.update(chi2=10**400), "a number of it is"),
+        (lambda d: d["draws"].update(values=[]), "draws: not what"),
+        (lambda d: d["draws"]["values"][3].__setitem__(1, -0.1), "draws: not what"),
+        (lambda d: d["notes"].append(7), "notes: not what"),
     ],
 )
 def test_what_is_no_fit_is_refused(folder, spoil, message):

@@ -26,6 +26,7 @@ from serpenoid import BadInput
 from serpenoid.calibration.fitting.rolling_law import rest, slide_s, way_m
 from serpenoid.calibration.floor.tracks import PushTrack
 from serpenoid.calibration.friction_fit import fit_friction
+from serpenoid.calibration.push_paths import push_paths
 from simulated_sessions import MemoryRecord
 
 
@@ -220,6 +221,9 @@ def test_a_push_that_hit_something_is_named_and_counts_next_to_nothing_in_a_robu
     for name in robust.names:
         moved = abs(robust.parameters[name].value - clean.parameters[name].value)
         assert moved < clean.parameters[name].sigma
+    off_m = [np.abs(p.residual_m).max() for p in push_paths(record.session, misread=True)]
+    assert max(off_m[:-1]) < 0.005
+    assert off_m[-1] > 0.03
 
 
 def test_what_is_left_open_is_said_with_the_push_that_closes_it():

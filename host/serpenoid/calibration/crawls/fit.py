@@ -27,12 +27,7 @@ from ..friction_result import (
     weak_notes,
 )
 from ..session import Session
-from ..session_posterior import (
-    mode_of,
-    posterior_of,
-    scale_sigmas,
-    usual_frictions,
-)
+from ..session_posterior import mode_of, posterior_of, scale_sigmas, usual_frictions
 from ..speeds import SpeedTable
 from .data import CrawlData, servos_of
 from .level import Slope, floor_slope, is_sloped, on_level

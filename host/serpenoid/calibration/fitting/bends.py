@@ -30,8 +30,8 @@ class Bends:
 
     lambda_rad, share (of the links that are bent, 0 where straight), posture (which of the bends,
     -1: straight): (N,). off_rad: mean and standard deviation of the straight links' mean |angle| to
-    the path, times their share of all links, (2, N). angle_rad, sigma_rad: of
-    each bend, as set, and its error. where: names them.
+    the path, times their share of all links, (2, N). angle_rad, sigma_rad: of each bend, as set,
+    and its error. where: names them.
     """
 
     lambda_rad: Floats

@@ -5,7 +5,7 @@ each is standard normal before the readings. Frictions count in their unit, and 
 is as likely as any other. A block holds the readings of one kind: the unknowns that it needs, and
 its residuals, each normal with standard deviation 1. Blocks that use the same name share it.
 
-Where a reading may be misread, its density is (1 - e) N(r; 0, 1) + e N(r; 0, K^2).
+Where a reading may be misread, its density is (1 - e) N(r; 0, 1) + e Cauchy(r; 0, K).
 """
 
 from __future__ import annotations
@@ -274,7 +274,7 @@ class Posterior:
             moved = np.abs(x - before) * np.linalg.norm(posterior.slopes(x), axis=0)
             if posterior.blocks == linear.blocks or moved.max() < _SETTLED:
                 return posterior.at(posterior._at_limit(x), weight)
-        raise NotConverged("the fit came to no end; look for a push or a slide that was misread")
+        raise NotConverged("the fit came to no end")
 
     def resistant_mode(self, start: Floats) -> Mode:
         """Return the likeliest values where any reading may be misread, from a start (D,).
@@ -300,19 +300,19 @@ class Posterior:
         from scipy.optimize import least_squares
 
         root = np.sqrt(np.broadcast_to(weight, self.numbers.shape))
-        sure = width == math.inf
+        plain = width == math.inf
         found = least_squares(
             lambda x: root * self.residuals(x[None])[0],
             np.maximum(start, self.low + 1e-9),
             jac=lambda x: root[:, None] * self.slopes(x),  # pyright: ignore[reportArgumentType]
             bounds=(self.low, np.inf),
             x_scale="jac",
-            **dict.fromkeys(("xtol", "ftol", "gtol"), 1e-12 if sure else 1e-6),
-            loss="linear" if sure else "cauchy",
-            f_scale=1.0 if sure else width,
+            **dict.fromkeys(("xtol", "ftol", "gtol"), 1e-12 if plain else 1e-6),
+            loss="linear" if plain else "cauchy",
+            f_scale=1.0 if plain else width,
             max_nfev=_EVALUATIONS,
         )
-        if sure and not found.success:
+        if plain and not found.success:
             raise NotConverged("the readings contradict each other")
         return np.asarray(found.x)
 
@@ -363,11 +363,11 @@ class Posterior:
             every += zip(map(np.ndarray.tobytes, root < 1.0), centre, spread, strict=True)
             x = centre + (spread @ rng.normal(size=(*centre.shape, 1)))[..., 0]
             rows = there.residuals + near * ((x - mode.x) @ there.slopes.T)
-            squares, size, which = self._by_reading(rows)
+            squares, size = self._by_reading(rows)
             fine, wide = good_or_misread(squares, size)
             bad = rng.uniform(size=fine.shape) < np.exp(wide - np.logaddexp(fine, wide))
             weight = np.where(bad, (1 + size) / (BAD_WIDTH**2 + squares), 1.0)
-            root = np.sqrt(np.where(read, weight[:, which], 1.0))
+            root = np.sqrt(np.where(read, weight @ self._belongs, 1.0))
         settled = every[len(every) // 3 :]
         sets = {key: parts for key, *parts in settled}
         times = Counter(key for key, *_ in settled).most_common(_LIKELY)
@@ -426,26 +426,24 @@ class Posterior:
         rows = self.residuals(x)
         if not self.misread:
             return np.asarray(-0.5 * np.sum(rows**2, axis=1))
-        squares, size, _ = self._by_reading(rows)
+        squares, size = self._by_reading(rows)
         priors = -0.5 * np.sum(rows[:, self.numbers < 0] ** 2, axis=1)
         return np.asarray(np.logaddexp(*good_or_misread(squares, size)).sum(axis=1) + priors)
 
     def good(self, rows: Floats) -> Floats:
         """Return each row's chance (K, rows) that its reading is no misreading; 1 for priors."""
-        if (self.numbers < 0).all():
-            return np.ones(rows.shape)
-        squares, size, which = self._by_reading(rows)
-        fine, misread = good_or_misread(squares, size)
+        fine, misread = good_or_misread(*self._by_reading(rows))
         chance = np.exp(fine - np.logaddexp(fine, misread))
-        return np.where(self.numbers < 0, 1.0, chance[:, which])
+        return np.where(self.numbers < 0, 1.0, chance @ self._belongs)
 
-    def _by_reading(self, rows: Floats) -> tuple[Floats, Whole, Whole]:
-        """Return each reading's sum of squares, how many they are, and which reading a row is."""
-        read, which = np.unique(self.numbers[self.numbers >= 0], return_inverse=True)
-        belongs = np.arange(len(read))[:, None] == which
-        at = np.zeros(len(self.numbers), dtype=np.intp)
-        at[self.numbers >= 0] = which
-        return rows[:, self.numbers >= 0] ** 2 @ belongs.T, belongs.sum(axis=1), at
+    @cached_property
+    def _belongs(self) -> NDArray[np.bool_]:
+        """Return which rows each reading has, (readings, rows)."""
+        return np.unique(self.numbers[self.numbers >= 0])[:, None] == self.numbers
+
+    def _by_reading(self, rows: Floats) -> tuple[Floats, Whole]:
+        """Return each reading's sum of squares, and how many they are."""
+        return rows**2 @ self._belongs.T, self._belongs.sum(axis=1)
 
 
 def good_or_misread(squares: Floats, rows: Whole | int = 1) -> tuple[Floats, Floats]:

@@ -17,7 +17,7 @@ from .unknowns import Floats
 
 _REFITTED = 8  # so many suspects are fitted without, since a gross outlier is no linear step
 _TOLD_APART = 2 * math.log(10.0)  # of chi2: one suspect is then ten times as likely as another
-_SURE = 1e-12  # of a friction's sigma: draws that all are at its limit of 0
+_LEAST_SIGMA = 1e-12  # of a friction whose draws are all at its limit of 0
 Rows = NDArray[np.bool_]
 
 
@@ -61,7 +61,7 @@ def influences(mode: Mode, sign: Floats, share: Floats, sigma: Floats) -> tuple[
         chi2, shift = without or (mode.chi2, np.zeros(len(mode.x)))
         rare = side * _normal(max(mode.chi2 - chi2, 0.0), int(rows.sum()))
         leverage = min(max(1.0 - (1.0 - says) / alone, 0.0), 1.0)
-        moved = shift[: mode.posterior.frictions] / np.maximum(sigma, _SURE)
+        moved = shift[: mode.posterior.frictions] / np.maximum(sigma, _LEAST_SIGMA)
         out.append(Influence(number, leverage, rare, tuple(moved.tolist()), chi2))
     return tuple(out)
 

@@ -51,11 +51,8 @@ class Rolling:
         """Take what a session's set-up says."""
         setup = session.setup
         mass_kg = setup.robot.links * setup.robot.link_mass_kg
-        return cls(
-            mass_kg,
-            setup.procedure.gravity_m_s2,
-            rolling_share(setup.floor.wheels_kg, mass_kg),
-        )
+        rolling = rolling_share(setup.floor.wheels_kg, mass_kg)
+        return cls(mass_kg, setup.procedure.gravity_m_s2, rolling)
 
     @property
     def unknowns(self) -> tuple[Unknown, ...]:
@@ -67,11 +64,11 @@ class Rolling:
         """Return c and f on level ground, and m / m_e, each (K, N)."""
 
         rolls, spread = self.rolling
-        off = values["rolling"][:, None] if "rolling" in values else 0.0
+        sigmas = values["rolling"][:, None] if "rolling" in values else 0.0
         angles, astray = bends.angles_rad(values), bends.astray_rad(values)
         force, dry = resistance(frictions_in(values), bends.share, angles, back, astray)
         by_ct = projections(bends.share, angles)[0]
-        inert = 1.0 + (rolls + spread * off) * by_ct
+        inert = 1.0 + (rolls + spread * sigmas) * by_ct
         mass = self.mass_kg * inert
         return force / mass, dry / mass, np.ones_like(force) / inert
 
