@@ -36,7 +36,6 @@ python_maximum_signature_line_length = 76
 smartquotes = False
 # The repository's own pages, included as they are, link to files beside them.
 suppress_warnings = ["myst.xref_missing", "myst.header"]
-nitpicky = False
 
 
 def plain(_app, _what, _name, _obj, _options, lines: list[str]) -> None:
@@ -55,13 +54,19 @@ NAMES = {  # what theme and Sphinx leave without a name or a level for a screen 
 }
 
 
+def whole_percentages(text: str) -> str:
+    """Return a page whose numbers stay on one line with their %; what is typed stays as it is."""
+    typed_or_percent = r"<(code|pre)\b.*?</\1>|(?<=\d) %"
+    return re.sub(typed_or_percent, lambda m: m[0] if m[1] else "\u00a0%", text, flags=re.S)
+
+
 def name_parts(app, error) -> None:
     """Name the parts of each page that was written."""
     for path in Path(app.outdir).glob("*.html") if error is None else ():
         text = path.read_text(encoding="utf-8")
         for old, new in NAMES.items():
             text = text.replace(old, new)
-        path.write_text(text, encoding="utf-8")
+        path.write_text(whole_percentages(text), encoding="utf-8")
 
 
 def setup(app) -> None:

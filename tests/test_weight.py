@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[1]
 # moves into strings, data, generated files, docs or another suffix counts where it goes.
 MOST_TOKENS = {
     "calibration_data": 344,
-    "docs": 24894,
+    "docs": 24937,
     "firmware": 24684,
     "host": 1109,
     "host/core/board": 1109,
@@ -35,7 +35,7 @@ MOST_TOKENS = {
     "host/serpenoid/_core": 2784,
     "host/serpenoid/bench": 13170,
     "host/serpenoid/calibration": 90779,
-    "host/serpenoid/commands": 26904,
+    "host/serpenoid/commands": 26892,
     "host/serpenoid/exchange": 2225,
     "host/serpenoid/gaits": 12007,
     "host/serpenoid/lab": 7772,
@@ -44,7 +44,7 @@ MOST_TOKENS = {
     "host/serpenoid/periodic": 10793,
     "host/serpenoid/robot": 20528,
     "host/serpenoid/servos": 4404,
-    "host/serpenoid/show": 32794,
+    "host/serpenoid/show": 32643,
     "host/serpenoid/simulation": 12980,
     "host/serpenoid/video": 22451,
     "studies": 28557,

@@ -86,7 +86,6 @@ def _experiment(out: Path) -> list[SpeedPoint]:
     fit = sn.fit_friction(session)
     lost = "readings regenerated from the lines that the paper prints: its own are lost"
     plot.friction_lines(session, fit, out / "fig15-16.png", lost)
-    gait_figures.friction_data(session, fit, out / "fig15-16.png")
     shape = math.radians(ALPHA_DEG), math.radians(BETA_DEG)
     gaits = [sn.Gait(*shape, math.tau * hertz) for hertz in HERTZ]
     points = predict_all(session.setup.robot, fit, gaits)

@@ -8,10 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...calibration.friction_fit import friction_points, point_errors
-from ...calibration.friction_result import FrictionFit
 from ...calibration.prediction import SpeedPoint
-from ...calibration.session import Session
 from ...gaits.finder import LeastPower
 from ...gaits.margins import Cliff, cliff_around
 from ...gaits.robust import RobustGait
@@ -23,7 +20,7 @@ from ...model.robot import Robot
 from ...paper.study import Comparison
 from ...periodic.sweep import Sweep
 from ...simulation.run import Run
-from ..figure_data import LINES, beside, by_link, write_columns, write_parts
+from ..figure_data import beside, by_link, write_columns, write_parts
 from ..plot import (
     BLUE,
     GREY,
@@ -285,18 +282,6 @@ def path_data(run: Run, path: Path) -> None:
     turned = along_travel(run)
     tables = {"x{}_m": turned.x_m, "y{}_m": turned.y_m, "theta{}_rad": turned.theta_rad}
     write_columns(path, {"t_s": turned.t_s} | by_link(tables))
-
-
-def friction_data(session: Session, fit: FrictionFit, path: Path) -> None:
-    """Write the points of Figs. 15 and 16 with their errors, and the fitted lines at them."""
-    points, errors, whole = friction_points(session, fit), point_errors(session), fit.whole_snake
-    names = ("part", "speed_m_s", "force_n", "speed_sigma_m_s", "force_sigma_n", "line_n")
-    parts = []
-    for part in ("straight", "bent"):
-        speed, force = points[part]
-        slope, rest = (whole[name] for name in LINES[part])
-        parts.append((part, [speed, force, *errors[part], slope * speed + rest]))
-    write_parts(path, names, parts)
 
 
 def speed_data(points: Sequence[SpeedPoint], path: Path) -> None:
