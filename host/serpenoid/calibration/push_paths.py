@@ -42,8 +42,8 @@ def push_paths(session: Session, misread: bool = False) -> list[PushPath]:
     if not pushes:
         return []
     paths = []
-    for k, (push, track) in enumerate(zip(session.kept_pushes, pushes[0].tracks, strict=True)):
-        c, f = pushes[0].level_law(mode.values, k)
+    laws = pushes[0].level_laws(mode.values)
+    for push, (track, c, f) in zip(session.kept_pushes, laws, strict=True):
         speed, place, _ = track.profiled(c, f)
         stop = float(rest(speed, c, f)[0][0])
         law_t_s = np.linspace(0.0, min(stop + _RESTED_S, 100.0), _POINTS)

@@ -27,6 +27,12 @@ from serpenoid.calibration.fitting.rolling_law import rest, slide_s, way_m
 from serpenoid.calibration.floor.tracks import PushTrack
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.push_paths import push_paths
+from serpenoid.lab.floor import Floor, Push
+from serpenoid.lab.recording import Camera, film
+from serpenoid.lab.robot import LabRobot, pose_of
+from serpenoid.model.bends import balanced_signs
+from serpenoid.model.ground import Ground
+from serpenoid.model.robot import Robot
 from simulated_sessions import MemoryRecord
 
 
@@ -101,6 +107,31 @@ def test_pushes_tell_all_four_and_the_floor():
     assert fit.p_value > 0.01
     assert len(fit.residuals) == len(fit.influence) == 12
     assert max(sigma / value for value, sigma in fit.parameters.values()) < 0.04
+
+
+@pytest.mark.parametrize("links", [4, 8])
+def test_a_robot_without_a_straight_link_slips_down_a_floor_that_falls_across(links):
+    """The lab's robot is a rigid body on wheels, let go turning; its floor falls by 0.6 degrees."""
+    body, whole, across = Robot(links, MASS / 6, 0.076), np.array(TRUTH) * links / 6, 0.0105
+    floor = Floor(LabRobot.whole(body, Ground(*whole)), across_rad=across)
+    record = MemoryRecord(replace(floor_setup(wheels_kg=0.0), robot=body))
+    rng, camera = np.random.default_rng(3), Camera(sigma_m=5e-4)
+    for bend in (0.0, 20.0, 45.0):
+        pose = pose_of(balanced_signs(links), math.radians(bend))
+        for way, direction in (("there", 0.0), ("back", math.pi)):
+            for rate in (-0.06, 0.0, 0.06):
+                track = floor.push(pose, Push(0.8, direction, rate_rad_s=rate))
+                rows = film(track, camera, rng)
+                rows = rows[rows[:, 0] > track.released_s, :3]
+                cells = {"lambda_deg": bend, "bend": "balanced", "way": way, "by": "film"}
+                record.add("coast", cells | {"distance_sigma_m": 5e-4}, samples=rows)
+    fit = fit_friction(record.session)
+    for (value, sigma), true in zip(fit.parameters.values(), whole, strict=True):
+        assert abs(value - true) < 2.0 * sigma
+    assert fit.whole_snake["fn0"] == pytest.approx(whole[3], rel=0.08)
+    slope = fit.nuisances["floor_slope_across_rad"]
+    assert slope.value == pytest.approx(across, abs=2.0 * slope.sigma)
+    assert slope.sigma < across / 4
 
 
 def test_intervals_scatter_as_they_say():

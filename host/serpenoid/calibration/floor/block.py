@@ -9,7 +9,7 @@ A = ct k_t + cn k_n, B = ft0 k_f + fn0 (k_g + s): the same projections of the be
 wheels' J / r^2 over the mass m: wheels turn by the speed along their links alone, so that their
 share of the motion's energy is that of ct. A floor falls by s_along towards "there" and by s_across
 to the left of it: at an angle psi to the line of the pushes a = +- g m / m_e (s_along cos psi +
-s_across sin psi), and psi follows the track.
+s_across sin psi), and psi follows the track. A robot without a straight link slips, too (`slip`).
 
 A film tells a c and f of its own, and both speed and place at the start. Its places are linear in
 all of these near a point; with the start eliminated two residuals remain, which say how far the
@@ -29,6 +29,7 @@ from ..fitting.rolling_law import slide_s, way_m
 from ..fitting.shared import FRICTIONS, rolling_share
 from ..fitting.unknowns import Floats, Unknown, Values, Whole
 from ..session import Session
+from .slip import Slip
 from .tracks import PushTrack, Rows, at_rest, tracks_of
 
 WHERE = " on the floor"
@@ -60,14 +61,24 @@ class Rolling:
         mean, sigma = self.rolling
         return (Unknown("rolling", -mean / sigma),) if sigma > 0.0 else ()
 
-    def motion(self, values: Values, bends: Bends, back: NDArray[np.bool_]) -> tuple[Floats, ...]:
-        """Return c and f on level ground, and m / m_e, each (K, N)."""
+    def motion(
+        self,
+        values: Values,
+        bends: Bends,
+        back: NDArray[np.bool_],
+        bent: tuple[Floats | float, Floats] | None = None,
+    ) -> tuple[Floats, ...]:
+        """Return c and f on level ground, and m / m_e, each (K, N).
 
+        bent: share of the links that stand at angles to the way, and these; those of the bends
+        unless given.
+        """
         rolls, spread = self.rolling
         sigmas = values["rolling"][:, None] if "rolling" in values else 0.0
-        angles, astray = bends.angles_rad(values), bends.astray_rad(values)
-        force, dry = resistance(frictions_in(values), bends.share, angles, back, astray)
-        by_ct = projections(bends.share, angles)[0]
+        share, angles = bent or (bends.share, bends.angles_rad(values))
+        astray = bends.astray_rad(values)
+        force, dry = resistance(frictions_in(values), share, angles, back, astray)
+        by_ct = projections(share, angles)[0]
         inert = 1.0 + (rolls + spread * sigmas) * by_ct
         mass = self.mass_kg * inert
         return force / mass, dry / mass, np.ones_like(force) / inert
@@ -77,8 +88,9 @@ class Rolling:
 class Pushes:
     """The kept pushes of a session.
 
-    way: +1 there, -1 back. place: which of the places. rows: of each push by film or marks, by its
-    index, its residuals near a point.
+    way: +1 there, -1 back. place: which of the places. slips: it has no straight link, and nothing
+    guides it (`slip`). rows: of each push by film or marks, by its index, its residuals near a
+    point.
     """
 
     rolling: Rolling
@@ -88,6 +100,7 @@ class Pushes:
     place: Whole
     places: tuple[str, ...]
     tracks: tuple[PushTrack, ...]
+    slips: NDArray[np.bool_]
     slope_sigma_rad: float
     scale_sigma: float
     rows: dict[int, Rows] = field(default_factory=dict)
@@ -120,16 +133,23 @@ class Pushes:
         """Return how many residuals are not free: those of start and speed, of a push by marks."""
         return 2 * sum(track.by == "marks" for track in self.tracks)
 
+    def _motion(
+        self, values: Values, bent: tuple[float, Floats] | None = None
+    ) -> tuple[Floats, ...]:
+        """Return what `Rolling.motion` does, in the lengths as filmed."""
+        c, f, share = self.rolling.motion(values, self.bends, self.back, bent)
+        if "film scale" in values:
+            filmed = np.array([track.by == "film" for track in self.tracks])
+            scale = 1.0 + self.scale_sigma * values["film scale"][:, None] * filmed
+            f, share = f * scale, share * scale
+        return c, f, share
+
     def law(self, values: Values) -> tuple[Floats, Floats, Floats]:
         """Return c and f on level ground in the lengths as filmed, (K, N), and the floor's pull.
 
         That is (along, across), (K, N, 2), m/s^2, + where it helps a push.
         """
-        c, f, share = self.rolling.motion(values, self.bends, self.back)
-        if "film scale" in values:
-            filmed = np.array([track.by == "film" for track in self.tracks])
-            scale = 1.0 + self.scale_sigma * values["film scale"][:, None] * filmed
-            f, share = f * scale, share * scale
+        c, f, share = self._motion(values)
         slopes = [
             np.stack([values[f"{part} {place}"] for place in self.places], axis=1)[:, self.place]
             for part in ("along", "across")
@@ -137,10 +157,34 @@ class Pushes:
         pull = self.slope_sigma_rad * self.rolling.gravity_m_s2 * self.way * share
         return c, f, pull[..., None] * np.stack(slopes, axis=2)
 
-    def level_law(self, values: Values, index: int) -> tuple[Floats, Floats]:
-        """Return a push's c and f (K,) with its floor's slopes in f, as filmed."""
+    def level_laws(self, values: Values) -> list[tuple[PushTrack, Floats, Floats]]:
+        """Return pushes but for their slip, each with its c and f (1,), as filmed.
+
+        The floor's slopes are in f.
+        """
         c, f, pull = self.law(values)
-        return c[:, index], f[:, index] - pull[:, index] @ self.tracks[index].heading
+        return [
+            (track, c[:, k], f[:, k] - pull[:, k] @ track.heading)
+            for k, (track, _) in enumerate(self._without_slip(values))
+        ]
+
+    def _without_slip(self, values: Values) -> list[tuple[PushTrack, Floats | float]]:
+        """Return each push but for its slip at a point, as `PushTrack.without_slip` does."""
+        c, f, pull = (part[0] for part in self.law(values))
+        angles = np.broadcast_to(self.bends.angles_rad(values), (1, len(self.tracks)))
+        share = self._motion(values)[2]
+        across = self._motion(values, (1.0, np.pi / 2 - angles))
+        along = self._motion(values, (0.5, 2 * angles))
+        made: list[tuple[PushTrack, Floats | float]] = [(track, 0.0) for track in self.tracks]
+        for k in np.flatnonzero(self.slips):
+            slip = Slip(
+                angles[0, k],
+                (across[0][0, k], (across[2] / share)[0, k]),
+                (along[0][0, k], along[1][0, k], (along[2] / share)[0, k]),
+                pull[k, 0],
+            )
+            made[k] = self.tracks[k].without_slip(c[k], f[k], pull[k], slip)
+        return made
 
     def residuals(self, values: Values) -> Floats:
         """Return the residuals (K, rows)."""
@@ -155,8 +199,11 @@ class Pushes:
     def near(self, values: Values) -> Pushes:
         """Return the block with films linear about a point."""
         c, f, pull = (part[0] for part in self.law(values))
-        moving = {k: track for k, track in enumerate(self.tracks) if track.by != "rest"}
-        rows = {k: track.near(c[k], f[k], pull[k]) for k, track in moving.items()}
+        rows = {
+            k: track.near(c[k], f[k], pull[k], by_slip)
+            for k, (track, by_slip) in enumerate(self._without_slip(values))
+            if track.by != "rest"
+        }
         return replace(self, rows=rows) if rows else self
 
     def nuisances(self, values: Values) -> dict[str, Floats]:
@@ -247,6 +294,7 @@ def floor_blocks(session: Session) -> tuple[Pushes | Slides, ...]:
                 np.array([places.index(p.place) for p in pushes], dtype=np.intp),
                 places,
                 tracks_of(session),
+                (bends.share[:count] == 1.0) & [p.bend + p.by == "balancedfilm" for p in pushes],
                 setup.floor.slope_sigma_rad,
                 max([setup.floor.film_scale_sigma, *scales]),
             )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from ..fitting.unknowns import Floats
 from ..kinds.coast import Coast
 from ..session import Session
 from .arc import along, directions_rad
+from .slip import Slip
 
 Rows = Callable[[Floats, Floats, Floats], Floats]
 TAPE_M = 0.005  # of a way measured from where a hand let go
@@ -20,6 +21,7 @@ _FILM_M = 0.001  # of a place, where nothing states it
 # A path further off the line of its floor was filmed by a camera that somebody turned.
 _CROOKED = math.radians(25.0)
 _NEWTON = 3
+_LEAST_PULL = 0.01  # across, m/s^2: below it slip grows with the pull's square as it does there
 _LEAST_SPEED_M_S = 1e-3
 _LEAST_DRY = 1e-6  # m/s^2, of a push that would not come to rest: it then takes long, not for ever
 
@@ -60,11 +62,34 @@ class PushTrack:
         """Return the mean cosine and sine of the path's angle to the line of its floor."""
         return np.array([np.cos(self.off_rad).mean(), np.sin(self.off_rad).mean()])
 
-    def near(self, c: float, f: float, pull: Floats) -> Rows:
+    def without_slip(
+        self, c: float, f: float, pull: Floats, slip: Slip
+    ) -> tuple[PushTrack, Floats]:
+        """Return the push as it was but for its slip, and how far that goes with the pull across.
+
+        c, f, pull: of the push, as for `near`. Near that pull slip carries the push further by the
+        second value, (T,), times the square of the pull across.
+        """
+        level = np.array([f - float(pull @ self.heading)])
+        law = self.profiled(np.array([c]), level)[0], np.array([c]), level
+
+        def slipped(across: float) -> tuple[Floats, Floats]:
+            """Return the way and the direction of a push with such a pull across."""
+            places = slip.places(self.t_s, law, across)
+            return along(*places, self.sigma_m), directions_rad(*places, self.sigma_m)
+
+        way, turned_rad = slipped(pull[1])
+        further = way - way_m(self.t_s, *law)[0]
+        made = replace(self, x_m=self.x_m - further, off_rad=self.off_rad - turned_rad)
+        low, high = (by * max(abs(pull[1]), _LEAST_PULL) for by in (0.95, 1.05))
+        return made, (slipped(high)[0] - slipped(low)[0]) / (high**2 - low**2)
+
+    def near(self, c: float, f: float, pull: Floats, by_slip: Floats | float = 0.0) -> Rows:
         """Return the residuals (K, rows) by c, f (K,) and the floor's pull (K, 2), near a point.
 
-        Those of a film are two, linear about the point. Those of marks keep their closed form, with
-        standard deviations as they are at the point.
+        Those of a film are two, linear about the point but for slip. Those of marks keep their
+        closed form, with standard deviations as they are at the point. by_slip: the second value
+        of `without_slip`.
         """
         level = f - float(pull @ self.heading)
         law = np.array([c]), np.array([level])
@@ -82,7 +107,13 @@ class PushTrack:
         basis, root = np.linalg.qr(by_law - started @ (started.T @ by_law))
         by_pull = basis.T @ (by_pull / sigma)
         at = basis.T @ (off / sigma[:, 0]) - by_pull @ pull - root @ [c, f]
-        return lambda c, f, pull: at + np.stack([c, f], axis=1) @ root.T + pull @ by_pull.T
+        slipped, square = basis.T @ (by_slip / sigma[:, 0]), pull[1] ** 2
+
+        def rows(c: Floats, f: Floats, pull: Floats) -> Floats:
+            linear = at + np.stack([c, f], axis=1) @ root.T + pull @ by_pull.T
+            return linear + (pull[:, 1:] ** 2 - square) * slipped
+
+        return rows
 
     def _carried(self, speed: Floats, c: Floats, f: Floats) -> Floats:
         """Return how far (T, 2) accelerations of 1 along cos, and sin, of the path carry it.

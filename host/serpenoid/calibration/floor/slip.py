@@ -1,0 +1,58 @@
+"""How a robot without a straight link slips sideways, down a floor that falls across its way.
+
+All its links stand at +-lambda to its axis, as many to either side. While it rolls fast, half of
+the wheels slip to the left and half to the right, so that dry friction has no part across the axis.
+Viscous friction has, and the robot slips by w' = a - c w, with a the floor's pull across. When the
+speed along the axis has fallen to w / tan(lambda), half of the wheels slip no longer. From then on
+the robot rolls along these, and is braked as one whose other half is bent by twice lambda.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..fitting.rolling_law import rest, way_m
+from ..fitting.unknowns import Floats
+
+_TRIED = 500  # moments at which the end of the slip is looked for
+
+
+@dataclass(frozen=True)
+class Slip:
+    """What a push slips by.
+
+    angle_rad: of all links to the axis. across: c, 1/s, of the slip. along: c, and f on level
+    ground, of the end. Both have last the mass that the push sets in motion over theirs: these
+    differ by the wheels that turn. pull: of the floor along the axis, m/s^2.
+    """
+
+    angle_rad: float
+    across: tuple[float, float]
+    along: tuple[float, float, float]
+    pull: float
+
+    def places(self, t_s: Floats, law: tuple[Floats, ...], pull: float) -> tuple[Floats, Floats]:
+        """Return places (T,) along the axis and across it, m, at times from the start.
+
+        law: speed at the start, c and f along the axis, (1,). pull: of the floor across, m/s^2, +
+        to the left.
+        """
+        (c, share), (end_c, end_f, end_share) = self.across, self.along
+        cos, sin = np.cos(self.angle_rad), np.sin(self.angle_rad)
+        drift = np.zeros(1), np.array([c]), np.array([-share * abs(pull)])
+
+        def moved(t: Floats) -> tuple[Floats, ...]:
+            (x, _, v), (y, _, w) = way_m(t, *law), way_m(t, *drift)
+            return x, y, v, w
+
+        every = np.linspace(0.0, float(rest(*law)[0][0]), _TRIED)
+        *_, v, w = moved(every)
+        at = np.interp(np.zeros(1), w * cos - v * sin, every)
+        *_, v, w = moved(at)
+        end_f -= end_share * (self.pull * cos + abs(pull) * sin)
+        end = np.hypot(v, w), np.array([end_c]), np.array([end_f])
+        rolled = way_m(np.maximum(t_s - at, 0.0), *end)[0]
+        x, y, *_ = moved(np.minimum(t_s, at))
+        return x + cos * rolled, np.copysign(1.0, pull) * (y + sin * rolled)
