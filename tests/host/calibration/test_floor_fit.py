@@ -23,7 +23,9 @@ from calibration.synthetic_session import WHOLE_BODY_2005
 from calibration.synthetic_session import session as stations_session
 from calibration.synthetic_session import setup as stations_setup
 from serpenoid import BadInput
+from serpenoid.calibration.fitting.bends import resistance
 from serpenoid.calibration.fitting.rolling_law import rest, slide_s, way_m
+from serpenoid.calibration.floor.slip import Slip
 from serpenoid.calibration.floor.tracks import PushTrack
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.push_paths import push_paths
@@ -107,6 +109,26 @@ def test_pushes_tell_all_four_and_the_floor():
     assert fit.p_value > 0.01
     assert len(fit.residuals) == len(fit.influence) == 12
     assert max(sigma / value for value, sigma in fit.parameters.values()) < 0.04
+
+
+@pytest.mark.parametrize("bend_deg", [20.0, 45.0])
+def test_a_slipping_push_goes_where_the_labs_rigid_body_goes(bend_deg):
+    """On a floor that falls by 0.6 degrees."""
+    bend, across, links = math.radians(bend_deg), 0.0105, 8
+    whole, mass = np.array(TRUTH) * links / 6, MASS * links / 6
+    lab = LabRobot.whole(Robot(links, MASS / 6, 0.076), Ground(*whole))
+    track = Floor(lab, across_rad=across).push(pose_of(balanced_signs(links), bend), Push(0.9))
+    rolled = track.t_s >= track.released_s
+    t_s, x_m, y_m = (v[rolled] - v[rolled][0] for v in (track.t_s, track.x_m, track.y_m))
+    along, sideways, end = (
+        [float(v) / mass for v in np.ravel(resistance(whole, share, np.array([angle])))]
+        for share, angle in ((1.0, bend), (1.0, math.pi / 2 - bend), (0.5, 2 * bend))
+    )
+    law = one(0.9, *along)
+    x, y = Slip(bend, sideways[0], *end, 0.0).places(t_s, law, 9.81 * math.sin(across))
+    np.testing.assert_allclose(x, x_m, atol=4e-4)
+    np.testing.assert_allclose(y, y_m, atol=4e-4)
+    assert x[-1] - rest(*law)[1][0] > 1e-3  # farther than without the slip
 
 
 @pytest.mark.parametrize("links", [4, 8])

@@ -172,17 +172,11 @@ class Pushes:
         """Return each push but for its slip at a point, as `PushTrack.without_slip` does."""
         c, f, pull = (part[0] for part in self.law(values))
         angles = np.broadcast_to(self.bends.angles_rad(values), (1, len(self.tracks)))
-        share = self._motion(values)[2]
-        across = self._motion(values, (1.0, np.pi / 2 - angles))
-        along = self._motion(values, (0.5, 2 * angles))
+        across = self._motion(values, (1.0, np.pi / 2 - angles))[0]
+        c_end, f_end, _ = self._motion(values, (0.5, 2 * angles))
         made: list[tuple[PushTrack, Floats | float]] = [(track, 0.0) for track in self.tracks]
         for k in np.flatnonzero(self.slips):
-            slip = Slip(
-                angles[0, k],
-                (across[0][0, k], (across[2] / share)[0, k]),
-                (along[0][0, k], along[1][0, k], (along[2] / share)[0, k]),
-                pull[k, 0],
-            )
+            slip = Slip(angles[0, k], across[0, k], c_end[0, k], f_end[0, k], pull[k, 0])
             made[k] = self.tracks[k].without_slip(c[k], f[k], pull[k], slip)
         return made
 

@@ -23,14 +23,14 @@ _TRIED = 500  # moments at which the end of the slip is looked for
 class Slip:
     """What a push slips by.
 
-    angle_rad: of all links to the axis. across: c, 1/s, of the slip. along: c, and f on level
-    ground, of the end. Both have last the mass that the push sets in motion over theirs: these
-    differ by the wheels that turn. pull: of the floor along the axis, m/s^2.
+    angle_rad: of all links to the axis. c_across: 1/s, of the slip. c_end, f_end: of the end, on
+    level ground. pull: of the floor along the axis, m/s^2.
     """
 
     angle_rad: float
-    across: tuple[float, float]
-    along: tuple[float, float, float]
+    c_across: float
+    c_end: float
+    f_end: float
     pull: float
 
     def places(self, t_s: Floats, law: tuple[Floats, ...], pull: float) -> tuple[Floats, Floats]:
@@ -39,20 +39,19 @@ class Slip:
         law: speed at the start, c and f along the axis, (1,). pull: of the floor across, m/s^2, +
         to the left.
         """
-        (c, share), (end_c, end_f, end_share) = self.across, self.along
         cos, sin = np.cos(self.angle_rad), np.sin(self.angle_rad)
-        drift = np.zeros(1), np.array([c]), np.array([-share * abs(pull)])
+        drift = np.zeros(1), np.array([self.c_across]), np.array([-abs(pull)])
 
         def moved(t: Floats) -> tuple[Floats, ...]:
             (x, _, v), (y, _, w) = way_m(t, *law), way_m(t, *drift)
             return x, y, v, w
 
-        every = np.linspace(0.0, float(rest(*law)[0][0]), _TRIED)
+        every = np.linspace(0.0, min(rest(*law)[0][0], t_s[-1]), _TRIED)
         *_, v, w = moved(every)
         at = np.interp(np.zeros(1), w * cos - v * sin, every)
         *_, v, w = moved(at)
-        end_f -= end_share * (self.pull * cos + abs(pull) * sin)
-        end = np.hypot(v, w), np.array([end_c]), np.array([end_f])
+        f = self.f_end - self.pull * cos - abs(pull) * sin
+        end = np.hypot(v, w), np.array([self.c_end]), np.array([f])
         rolled = way_m(np.maximum(t_s - at, 0.0), *end)[0]
         x, y, *_ = moved(np.minimum(t_s, at))
         return x + cos * rolled, np.copysign(1.0, pull) * (y + sin * rolled)
