@@ -25,6 +25,7 @@ from calibration.synthetic_session import setup as stations_setup
 from serpenoid import BadInput
 from serpenoid.calibration.fitting.bends import resistance
 from serpenoid.calibration.fitting.rolling_law import rest, slide_s, way_m
+from serpenoid.calibration.floor.look import look_at
 from serpenoid.calibration.floor.slip import Slip
 from serpenoid.calibration.floor.tracks import PushTrack
 from serpenoid.calibration.friction_fit import fit_friction
@@ -129,6 +130,9 @@ def test_a_slipping_push_goes_where_the_labs_rigid_body_goes(bend_deg):
     np.testing.assert_allclose(x, x_m, atol=4e-4)
     np.testing.assert_allclose(y, y_m, atol=4e-4)
     assert x[-1] - rest(*law)[1][0] > 1e-3  # farther than without the slip
+    seen = t_s[::3], x_m[::3], y_m[::3]
+    assert "turned" in look_at(*seen).doubts[-1]
+    assert not any("turned" in doubt for doubt in look_at(*seen, slips=True).doubts)
 
 
 @pytest.mark.parametrize("links", [4, 8])

@@ -28,6 +28,7 @@ from ..fitting.bends import Bends, frictions_in, projections, resistance
 from ..fitting.rolling_law import slide_s, way_m
 from ..fitting.shared import FRICTIONS, rolling_share
 from ..fitting.unknowns import Floats, Unknown, Values, Whole
+from ..kinds.station import slips
 from ..session import Session
 from .slip import Slip
 from .tracks import PushTrack, Rows, at_rest, tracks_of
@@ -272,7 +273,7 @@ class Slides:
 def floor_blocks(session: Session) -> tuple[Pushes | Slides, ...]:
     """Return the blocks of a session's kept pushes and slides, without one that is empty."""
     pushes, slides = session.kept_pushes, session.kept_slides
-    setup, count = session.setup, len(pushes)
+    setup, count, links = session.setup, len(pushes), session.setup.robot.links
     every = (*pushes, *slides)
     bends = Bends.of(session, every, WHERE)
     rolling, blocks = Rolling.of(session), []
@@ -288,7 +289,7 @@ def floor_blocks(session: Session) -> tuple[Pushes | Slides, ...]:
                 np.array([places.index(p.place) for p in pushes], dtype=np.intp),
                 places,
                 tracks_of(session),
-                (bends.share[:count] == 1.0) & [p.bend + p.by == "balancedfilm" for p in pushes],
+                np.array([p.by == "film" and slips(p.bend, p.lambda_rad, links) for p in pushes]),
                 setup.floor.slope_sigma_rad,
                 max([setup.floor.film_scale_sigma, *scales]),
             )

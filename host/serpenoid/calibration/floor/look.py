@@ -23,7 +23,8 @@ SLOW = 0.03  # of the greatest speed: it rests
 MOVES_M_S = 0.05  # a push is faster than this
 LEAST_M, LEAST_S = 0.2, 0.4  # of a push worth fitting
 FEWEST = 8
-MOST_TURN_RAD = math.radians(10.0)
+# Of a path. That of a robot which slips down the floor's slope turns by itself: the fit knows it.
+MOST_TURN_RAD, MOST_SLIP_RAD = math.radians(10.0), math.radians(30.0)
 ROUGH = 2.5  # scatters about the law, over those between neighbours: something happened
 FEWEST_M_S = 0.35  # at the start; less tells no viscous part
 LONGEST_GAP_S = 0.25
@@ -85,8 +86,11 @@ def pushes_in(t_s: Floats, x_m: Floats, y_m: Floats) -> list[slice]:
     return [slice(*ends) for ends in zip(low.tolist(), high.tolist(), strict=True)]
 
 
-def look_at(t_s: Floats, x_m: Floats, y_m: Floats) -> Look:
-    """Look at the track of one push; raises BadInput where there is none."""
+def look_at(t_s: Floats, x_m: Floats, y_m: Floats, slips: bool = False) -> Look:
+    """Look at the track of one push; raises BadInput where there is none.
+
+    slips: no straight link holds the robot on its path.
+    """
     t, x, y = (np.asarray(v, dtype=float) for v in (t_s, x_m, y_m))
     _check(t, x, y)
     speed = _speeds(t, x, y)
@@ -110,9 +114,9 @@ def look_at(t_s: Floats, x_m: Floats, y_m: Floats) -> Look:
     way = way - way[0]
     fitted, sigma, speed_m_s = _own_path(t[part] - t[start], way)
     turned = turn_rad(x[moving], y[moving]) if rest - start > 3 else 0.0
-    doubts = _doubts(
-        t, (start, rest, end), float(way[-1]), speed_m_s, turned, sigma / max(noise, 1e-4)
-    )
+    at, rough = (start, rest, end), sigma / max(noise, 1e-4)
+    too_far = abs(turned) > (MOST_SLIP_RAD if slips else MOST_TURN_RAD)
+    doubts = _doubts(t, at, float(way[-1]), speed_m_s, too_far * turned, rough)
     return Look(
         float(t[start]),
         float(t[end]),
@@ -233,7 +237,7 @@ def _doubts(
         f"{speed:.2f} m/s is a slow push: it tells no viscous friction; push harder": not short
         and speed < FEWEST_M_S,
         f"it turned by {math.degrees(turned):+.0f} degrees while it rolled: it slipped sideways; "
-        "push straighter, or align the links": abs(turned) > MOST_TURN_RAD,
+        "push straighter, or align the links": bool(turned),
         "the hand was still on it for most of the track: let go sooner": hand,
         f"it was not seen for {gap:.2f} s on its way": gap > LONGEST_GAP_S,
         "it did not roll out evenly: did it hit something, was it touched, or do wheels wobble?": (

@@ -160,3 +160,8 @@ def bent_share(bend: str, links: int) -> float:
     if bend == "zigzag":
         return 1.0
     return sum(map(abs, balanced_signs(links))) / links
+
+
+def slips(bend: str, angle: float, links: int) -> bool:
+    """Tell whether a bent robot has no straight link, and no guide, that holds it on its path."""
+    return bend == "balanced" and angle > 0.0 and bent_share(bend, links) == 1.0

@@ -21,6 +21,7 @@ from ...model.gait import Gait
 from ..crawls.filmed import crawl_cells
 from ..floor.look import look_at
 from ..kinds.declaration import Cells
+from ..kinds.station import slips
 from ..session import Session, Setup
 from .procedure import Doubts
 from .steps import Step, Tracked
@@ -164,7 +165,8 @@ class SimulatedPerson(World):
             if self.truth.camera is None:
                 return self.tape(track)
             samples = self.film(track, self.truth.camera)
-            look = look_at(*samples.T)
+            links = self.setup.robot.links
+            look = look_at(*samples.T, slips(step.bend, step.lambda_deg, links))
             if not look.doubts:
                 return Tracked({**look.cells(), "by": "film"}, samples)
         return None

@@ -10,6 +10,7 @@ from ...floor.look import Look, look_at, pushes_in
 from ...kinds.coast import TRACK, WAYS, Coast
 from ...kinds.declaration import Cells, Values
 from ...kinds.rows import DOUBTFUL
+from ...kinds.station import slips
 from ...kinds.tracks import Floats, Track
 from ..journal import Journal
 
@@ -48,7 +49,9 @@ def keep_pushes(
     file that a kill may have cut short: what it had kept is not kept twice, and tells the way.
     Raises BadInput where no push is, or all are there.
     """
-    looked = _looked_at(track)
+    plan, links = journal.session.setup.procedure, journal.session.setup.robot.links
+    bend, lambda_deg = str(cells.get("bend", plan.bend)), float(cells.get("lambda_deg", 0.0))
+    looked = _looked_at(track, slips(bend, lambda_deg, links))
     if not looked:
         return []
     there = _there(journal, [rows for rows, _ in looked], file_sha256)
@@ -81,7 +84,7 @@ def _there(journal: Journal, pieces: Sequence[Floats], file_sha256: str) -> dict
     return {k: known[sha256] for k, sha256 in enumerate(own) if sha256 in known}
 
 
-def _looked_at(track: Floats) -> list[tuple[Floats, Look]]:
+def _looked_at(track: Floats, slipping: bool) -> list[tuple[Floats, Look]]:
     """Return the pieces of a track that roll out, with what each shows; raises BadInput."""
     pieces = pushes_in(*track.T)
     if not pieces:
@@ -89,7 +92,7 @@ def _looked_at(track: Floats) -> list[tuple[Floats, Look]]:
     looked = []
     for piece in pieces:
         try:
-            looked.append((track[piece], look_at(*track[piece].T)))
+            looked.append((track[piece], look_at(*track[piece].T, slipping)))
         except BadInput:
             if len(pieces) == 1:
                 raise  # else a hand in the picture, nothing that rolls out
