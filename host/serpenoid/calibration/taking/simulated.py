@@ -165,8 +165,8 @@ class SimulatedPerson(World):
             if self.truth.camera is None:
                 return self.tape(track)
             samples = self.film(track, self.truth.camera)
-            links = self.setup.robot.links
-            look = look_at(*samples.T, slips(step.bend, step.lambda_deg, links))
+            slipping = slips(step.bend, step.lambda_deg, self.setup.robot.links)
+            look = look_at(*samples.T, slips=slipping)
             if not look.doubts:
                 return Tracked({**look.cells(), "by": "film"}, samples)
         return None

@@ -92,7 +92,7 @@ def _looked_at(track: Floats, slipping: bool) -> list[tuple[Floats, Look]]:
     looked = []
     for piece in pieces:
         try:
-            looked.append((track[piece], look_at(*track[piece].T, slipping)))
+            looked.append((track[piece], look_at(*track[piece].T, slips=slipping)))
         except BadInput:
             if len(pieces) == 1:
                 raise  # else a hand in the picture, nothing that rolls out
