@@ -73,16 +73,16 @@ class PushTrack:
         level = np.array([f - float(pull @ self.heading)])
         law = self.profiled(np.array([c]), level)[0], np.array([c]), level
 
-        def slipped(across: float) -> tuple[Floats, Floats]:
-            """Return the way and the direction of a push with such a pull across."""
-            places = slip.places(self.t_s, law, across)
-            return along(*places, self.sigma_m), directions_rad(*places, self.sigma_m)
+        def slipped(across: float) -> Floats:
+            """Return the way of a push with such a pull across."""
+            return along(*slip.places(self.t_s, law, across), self.sigma_m)
 
-        way, turned_rad = slipped(pull[1])
-        further = way - way_m(self.t_s, *law)[0]
+        places = slip.places(self.t_s, law, pull[1])
+        further = along(*places, self.sigma_m) - way_m(self.t_s, *law)[0]
+        turned_rad = directions_rad(*places, self.sigma_m)
         made = replace(self, x_m=self.x_m - further, off_rad=self.off_rad - turned_rad)
         low, high = (by * max(abs(pull[1]), _LEAST_PULL) for by in (0.95, 1.05))
-        return made, (slipped(high)[0] - slipped(low)[0]) / (high**2 - low**2)
+        return made, (slipped(high) - slipped(low)) / (high**2 - low**2)
 
     def near(self, c: float, f: float, pull: Floats, by_slip: Floats | float = 0.0) -> Rows:
         """Return the residuals (K, rows) by c, f (K,) and the floor's pull (K, 2), near a point.
