@@ -44,7 +44,7 @@ MOST_TOKENS = {
     "host/serpenoid/periodic": 10793,
     "host/serpenoid/robot": 20528,
     "host/serpenoid/servos": 4404,
-    "host/serpenoid/show": 32515,
+    "host/serpenoid/show": 32643,
     "host/serpenoid/simulation": 12980,
     "host/serpenoid/video": 22451,
     "studies": 28557,

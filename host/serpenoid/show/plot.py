@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -26,9 +26,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from .pages.twin import Motion
-
-Moved = TypeVar("Moved", "Run", "Motion")
 # Okabe and Ito's colours, which colour-blind readers can tell apart.
 BLUE, ORANGE, GREEN, RED, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#555555"
 PURPLE = "#CC79A7"
@@ -236,17 +233,17 @@ def draw_links(ax: Axes, run: Run, index: int, lift_m: float, colour: Any) -> No
     ax.plot(x[-1] + dx[-1], y[-1] + dy[-1], "o", color=colour, ms=6)
 
 
-def along_travel(moved: Moved) -> Moved:
-    """Turn a run or a motion so that it travels along x and starts at the origin."""
-    place = moved.x_m + 1j * moved.y_m
-    start, end = place[0].mean(), place[-1].mean()
-    turn = np.exp(-1j * np.angle(end - start))
-    place, velocity = turn * (place - start), turn * (moved.vx_m_s + 1j * moved.vy_m_s)
+def along_travel(run: Run) -> Run:
+    """Turn a run so that it travels along x and starts at the origin."""
+    x, y = run.centre_m.T
+    turn = np.exp(-1j * np.arctan2(y[-1] - y[0], x[-1] - x[0]))
+    place = turn * (run.x_m - x[0] + 1j * (run.y_m - y[0]))
+    velocity = turn * (run.vx_m_s + 1j * run.vy_m_s)
     return replace(
-        moved,
+        run,
         x_m=place.real,
         y_m=place.imag,
-        theta_rad=moved.theta_rad + np.angle(turn),
+        theta_rad=run.theta_rad + np.angle(turn),
         vx_m_s=velocity.real,
         vy_m_s=velocity.imag,
     )

@@ -33,6 +33,14 @@ class Motion:
         """Return the wheels' speed across their links."""
         return self.vy_m_s * np.cos(self.theta_rad) - self.vx_m_s * np.sin(self.theta_rad)
 
+    def along_x(self) -> Motion:
+        """Return the motion turned so that its centre's way from start to end lies along x."""
+        way = np.mean(self.x_m[-1] - self.x_m[0]) + 1j * np.mean(self.y_m[-1] - self.y_m[0])
+        turn = np.conj(way) / abs(way) if abs(way) > 0 else 1.0
+        place, velocity = turn * (self.x_m + 1j * self.y_m), turn * (self.vx_m_s + 1j * self.vy_m_s)
+        angle = self.theta_rad + np.angle(turn)
+        return Motion(place.real, place.imag, angle, velocity.real, velocity.imag)
+
 
 class Twin:
     """A robot with ideal joints, at rest at first: its mean heading along x, at the origin.

@@ -26,7 +26,7 @@ from ...robot.recording.stream import Stream
 from ...robot.tools.driven_run import DrivenRun
 from ...robot.wire.protocol import Telemetry, frame_us
 from ...simulation.run import Run
-from ..plot import along_travel, gait_title
+from ..plot import gait_title
 from . import filled
 from .server import Page
 from .twin import Motion, Twin
@@ -99,7 +99,7 @@ def of_recording(stream: Stream, robot: Robot, ground: Ground) -> tuple[Gait, di
     told, board_s = stream.setpoint_rad[kept], stream.board_s[kept]
     twin = Twin(robot, ground, told[0])
     every = math.ceil(kept.size / MOST_FRAMES)
-    motion = along_travel(twin.follow(told[1:], np.diff(board_s), every))
+    motion = twin.follow(told[1:], np.diff(board_s), every).along_x()
     t_s, phase = board_s[1::every] - board_s[0], stream.phase_rad[kept][1::every]
     asked = joint_motion(gait, robot.links - 1, phase / gait.omega_rad_s).angle_rad
     return gait, (
