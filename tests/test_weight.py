@@ -34,7 +34,7 @@ MOST_TOKENS = {
     "host/serpenoid": 876,
     "host/serpenoid/_core": 2784,
     "host/serpenoid/bench": 13170,
-    "host/serpenoid/calibration": 92005,
+    "host/serpenoid/calibration": 92030,
     "host/serpenoid/commands": 26892,
     "host/serpenoid/exchange": 2225,
     "host/serpenoid/gaits": 12007,

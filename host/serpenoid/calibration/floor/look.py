@@ -115,8 +115,7 @@ def look_at(t_s: Floats, x_m: Floats, y_m: Floats, slips: bool = False) -> Look:
     fitted, sigma, speed_m_s = _own_path(t[part] - t[start], way)
     turned = turn_rad(x[moving], y[moving]) if rest - start > 3 else 0.0
     at, rough = (start, rest, end), sigma / max(noise, 1e-4)
-    too_far = abs(turned) > (MOST_SLIP_RAD if slips else MOST_TURN_RAD)
-    doubts = _doubts(t, at, float(way[-1]), speed_m_s, too_far * turned, rough)
+    doubts = _doubts(t, at, float(way[-1]), speed_m_s, (turned, slips), rough)
     return Look(
         float(t[start]),
         float(t[end]),
@@ -224,9 +223,15 @@ def _shared(off: Floats) -> float:
 
 
 def _doubts(
-    t: Floats, at: tuple[int, int, int], way: float, speed: float, turned: float, rough: float
+    t: Floats,
+    at: tuple[int, int, int],
+    way: float,
+    speed: float,
+    turn: tuple[float, bool],
+    rough: float,
 ) -> list[str]:
-    start, rest, end = at
+    (start, rest, end), (turned, slips) = at, turn
+    most_rad = MOST_SLIP_RAD if slips else MOST_TURN_RAD
     rolled_s = t[rest] - t[start]
     short = way < LEAST_M or rolled_s < LEAST_S
     hand = start > 0 and t[start] - t[0] > LAST * (t[end] - t[0]) and rolled_s < LEAST_S
@@ -237,7 +242,7 @@ def _doubts(
         f"{speed:.2f} m/s is a slow push: it tells no viscous friction; push harder": not short
         and speed < FEWEST_M_S,
         f"it turned by {math.degrees(turned):+.0f} degrees while it rolled: it slipped sideways; "
-        "push straighter, or align the links": bool(turned),
+        "push straighter, or align the links": abs(turned) > most_rad,
         "the hand was still on it for most of the track: let go sooner": hand,
         f"it was not seen for {gap:.2f} s on its way": gap > LONGEST_GAP_S,
         "it did not roll out evenly: did it hit something, was it touched, or do wheels wobble?": (

@@ -24,23 +24,23 @@ class Slip:
     """What a push slips by.
 
     angle_rad: of all links to the axis. c_across: 1/s, of the slip. c_end, f_end: of the end, on
-    level ground. pull: of the floor along the axis, m/s^2.
+    level ground. pull_along: of the floor along the axis, m/s^2.
     """
 
     angle_rad: float
     c_across: float
     c_end: float
     f_end: float
-    pull: float
+    pull_along: float
 
-    def places(self, t_s: Floats, law: tuple[Floats, ...], pull: float) -> tuple[Floats, Floats]:
+    def places(self, t_s: Floats, law: tuple[Floats, ...], across: float) -> tuple[Floats, Floats]:
         """Return places (T,) along the axis and across it, m, at times from the start.
 
-        law: speed at the start, c and f along the axis, (1,). pull: of the floor across, m/s^2, +
-        to the left.
+        law: speed at the start, c and f along the axis, (1,). across: the floor's pull across it,
+        m/s^2, + to the left.
         """
         cos, sin = np.cos(self.angle_rad), np.sin(self.angle_rad)
-        drift = np.zeros(1), np.array([self.c_across]), np.array([-abs(pull)])
+        drift = np.zeros(1), np.array([self.c_across]), np.array([-abs(across)])
 
         def moved(t: Floats) -> tuple[Floats, ...]:
             (x, _, v), (y, _, w) = way_m(t, *law), way_m(t, *drift)
@@ -50,8 +50,8 @@ class Slip:
         *_, v, w = moved(every)
         at = np.interp(np.zeros(1), w * cos - v * sin, every)
         *_, v, w = moved(at)
-        f = self.f_end - self.pull * cos - abs(pull) * sin
+        f = self.f_end - self.pull_along * cos - abs(across) * sin
         end = np.hypot(v, w), np.array([self.c_end]), np.array([f])
         rolled = way_m(np.maximum(t_s - at, 0.0), *end)[0]
         x, y, *_ = moved(np.minimum(t_s, at))
-        return x + cos * rolled, np.copysign(1.0, pull) * (y + sin * rolled)
+        return x + cos * rolled, np.copysign(1.0, across) * (y + sin * rolled)

@@ -163,5 +163,8 @@ def bent_share(bend: str, links: int) -> float:
 
 
 def slips(bend: str, angle: float, links: int) -> bool:
-    """Tell whether a bent robot has no straight link, and no guide, that holds it on its path."""
+    """Tell whether a bent robot has no straight link, and no guide, that holds it on its path.
+
+    angle: of the bend, in any unit; 0: it is straight.
+    """
     return bend == "balanced" and angle > 0.0 and bent_share(bend, links) == 1.0
