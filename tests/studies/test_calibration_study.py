@@ -59,12 +59,12 @@ def test_the_table_is_the_model(table):
 
 
 @pytest.mark.slow
-def test_intervals_cover_95_percent_of_600_sessions(table, driven):
-    """Of such samples, 1 in 150 fails where 95 % is true, and 98 in 100 where 90 % is."""
+def test_intervals_cover_95_percent_of_320_sessions(table, driven):
+    """Of such samples, 1 in 80 fails where 95 % is true, and 89 in 100 where 90 % is."""
     cases = tuple(c for c in CASES if len(c.lambdas_deg) == 1)
-    found = replace(STUDY, cases=cases, world=lambda _: (table, driven)).run(150, 1, print)
+    found = replace(STUDY, cases=cases, world=lambda _: (table, driven)).run(80, 1, print)
     shares = np.array([[getattr(case, name) for name in NAMES] for case in found])
-    assert ((shares.mean(axis=0) > 0.925) & (shares.mean(axis=0) < 0.975)).all(), shares
+    assert ((shares.mean(axis=0) > 0.92) & (shares.mean(axis=0) < 0.985)).all(), shares
 
 
 def test_advice_needs_fewer_readings_than_the_plan(table):

@@ -159,9 +159,10 @@ def sample_speeds(
     for gait in gaits:
         model = SpeedModel(fit.robot, fit.ground, (gait,), (seen.get(gait),))
         friction = model.ideal(whole, np.ones(count))
-        joints = both = model.ideal(whole, amplitudes) if amplitude_sigma else friction
         if servos:
             joints, both = model.driven(whole, amplitudes, servos)
+        else:
+            joints = both = model.ideal(whole, amplitudes) if amplitude_sigma else friction
         speeds.append((friction, joints, both))
         if progress is not None:
             progress(1)

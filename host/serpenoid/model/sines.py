@@ -43,11 +43,11 @@ def weighted(columns: Array, values: Array, weight: Array) -> Array:
 
     columns: a basis, and others behind it; its overtones are held at 0.
     """
-    normal = np.einsum("fi,fk,fj->kij", columns, weight, columns, optimize=True)
+    normal = columns.T @ (weight.T[..., None] * columns)
     hold = np.full(columns.shape[1], 1e-9)
     hold[3 : 1 + 2 * HARMONICS] = OVERTONES_HELD
-    right = np.einsum("fi,fk,fk->ki", columns, weight, values, optimize=True)
-    return np.linalg.solve(normal + np.diag(hold), right[..., None])[..., 0].T
+    right = columns.T @ (weight * values)
+    return np.linalg.solve(normal + np.diag(hold), right.T[..., None])[..., 0].T
 
 
 def fit_sines(

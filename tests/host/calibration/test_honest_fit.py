@@ -37,8 +37,8 @@ def spoiled(made, rng, off_m_s):
     ("together", "count", "least"),
     [
         (True, 40, 0.8),
-        pytest.param(True, 200, 0.905, marks=pytest.mark.slow),
-        pytest.param(False, 200, 0.905, marks=pytest.mark.slow),
+        pytest.param(True, 120, 0.885, marks=pytest.mark.slow),
+        pytest.param(False, 120, 0.885, marks=pytest.mark.slow),
     ],
 )
 def test_bends_may_err_one_by_one_or_all_the_same(together, count, least):
@@ -58,7 +58,7 @@ def test_bends_may_err_one_by_one_or_all_the_same(together, count, least):
         else:
             made = session(setup(*bends), WHOLE_BODY_2005, rng)
         fits.append(fit_friction(made))
-    # 200 shares scatter by 1.5 %, 40 by 3.4 %: either is missed by intervals of 95 % once in a
+    # 120 shares scatter by 2.0 %, 40 by 3.4 %: either is missed by intervals of 95 % once in a
     # thousand; one offset for all bends covers cn in 48 % of the first kind.
     assert min(covered(fits).values()) >= least
 

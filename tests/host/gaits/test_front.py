@@ -122,7 +122,7 @@ def test_a_torque_limit_is_met_and_told() -> None:
 )
 def test_a_long_front_rises_without_steps(kind: str, cost: str) -> None:
     robot, ground, _ = KINDS[kind]
-    many = 200 if kind == "viscous" else 16
+    many = 60 if kind == "viscous" else 16
     speeds = np.geomspace(0.005, 0.3 if kind != "ratchet" else 0.1, many)
     front = sn.power_front(robot, ground, speeds_m_s=speeds, cost=cost)
     watts = np.array([math.nan if best is None else best.power_w for best in front])

@@ -100,10 +100,10 @@ def test_what_a_servo_makes_of_each_joint_is_what_the_full_simulation_shows() ->
 
 
 @pytest.mark.slow
-def test_a_hundred_random_servos() -> None:
-    """Within 2 % in 94 of 100, where there is a speed; if 88 % of all were, 1 time in 27."""
+def test_fifty_random_servos() -> None:
+    """Within 2 % in 47 of 50, where there is a speed; if 85 % of all were, 1 time in 21."""
     errors, covered = [], []
-    for seed in range(115):
+    for seed in range(60):
         robot, ground, gait, servo = drawn_case(seed)
         try:
             found = sn.steady_gait(robot, ground, gait, rtol=1e-3, servo=servo)
@@ -115,10 +115,10 @@ def test_a_hundred_random_servos() -> None:
             continue
         errors.append(abs(found.speed_m_s / speed - 1))
         covered.append(errors[-1] < found.error_estimate)
-        if len(errors) == 100:
+        if len(errors) == 50:
             break
-    assert len(errors) == 100
-    assert np.sum(np.array(errors) < 0.02) >= 94
+    assert len(errors) == 50
+    assert np.sum(np.array(errors) < 0.02) >= 47
     assert np.mean(covered) > 0.9
 
 

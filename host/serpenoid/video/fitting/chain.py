@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from ..arrays import Array, Mask
 
 
+@cache
 def lever_matrix(links: int) -> Array:
     """Return M of c_i = c + L sum_j M_ij u_j, (links, links).
 
@@ -26,7 +29,7 @@ def link_centres(states: Array, link_m: float) -> Array:
     theta = states[..., 2:]
     along = np.stack([np.cos(theta), np.sin(theta)], axis=-1)
     levers = link_m * lever_matrix(theta.shape[-1])
-    return states[..., None, :2] + np.einsum("ij,...jk->...ik", levers, along)
+    return states[..., None, :2] + levers @ along
 
 
 def wrapped(angle: Array) -> Array:
