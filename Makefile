@@ -22,7 +22,7 @@ export OPENBLAS_NUM_THREADS := 1
 
 help:
 	@echo "make demo       from the 2005 treadmill to a predicted speed; no robot needed"
-	@echo "make test       lint, and every test but the slow ones (some minutes)"
+	@echo "make test       every test but the slow ones (some minutes)"
 	@echo "make quick      lint, and the tests of a minute: before each commit"
 	@echo "make test-slow  the long studies"
 	@echo "make format     settle the style of Python and C++"
@@ -40,7 +40,7 @@ test: $(VENV)/built $(VENV)/dev
 		$$(cat tests/avr/packages.txt) \
 		|| echo "what needs these is skipped"
 	@$(MAKE) --no-print-directory --jobs=3 test-session test-robot test-host \
-		test-numbers lint test-board
+		test-numbers test-board
 
 # The parts of `make test`, three beside each other (that of the robot waits most of its time), the
 # longest first; each line says whose it is.
@@ -75,7 +75,7 @@ test-slow: $(VENV)/built $(VENV)/dev
 	@sh .ci/need chromium=chromium chromedriver=chromium-driver em++=emscripten node=nodejs \
 		$$(cat tests/avr/packages.txt tests/arm/packages.txt) || echo "what needs these is skipped"
 	@sh .ci/need $$(cat tests/portable/packages.txt) || echo "other compilers are skipped"
-	@$(MAKE) --no-print-directory --jobs=2 slow-host slow-gaits slow-board
+	@$(MAKE) --no-print-directory --jobs=3 slow-board slow-host slow-gaits
 
 slow-host:
 	$(PART) -m slow $(HOST) --ignore=$(GAITS)
@@ -113,6 +113,9 @@ bench: $(VENV)/built $(VENV)/bench
 wheel: $(VENV)/built $(VENV)/dev
 	.ci/wheel
 
+lowest:
+	.ci/lowest
+
 clean:
 	rm -rf build dist .pio demo-out bench-out $(VENV)
 
@@ -147,4 +150,4 @@ $(VENV)/built: $(SOURCES) constraints/run.txt
 	@$(MAKE) --no-print-directory --jobs=2 $(VENV)/core $(VENV)/run
 	@touch $@
 
-.PHONY: help demo test test-host test-robot test-session test-numbers test-board quick quick-tests test-slow slow-host slow-gaits slow-board build lint format docs playground figures bench wheel clean
+.PHONY: help demo test test-host test-robot test-session test-numbers test-board quick quick-tests test-slow slow-host slow-gaits slow-board build lint format docs playground figures bench wheel lowest clean

@@ -84,9 +84,9 @@ def test_the_ends_of_a_slow_gaits_band_are_those_of_fine_states() -> None:
     robot = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
     ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
     slow = sn.steady_gait(robot, ground, sn.Gait(math.radians(70), math.radians(-1), 3.0))
-    servos = sn.servo("hobby").draws(32)
-    ends = band(drawn_servo_speeds([slow] * 32, servos, ends_only=True))
-    true = band(servo_speeds(zip([slow] * 32, servos, strict=True)))
+    servos = sn.servo("hobby").draws(20)
+    ends = band(drawn_servo_speeds([slow] * 20, servos, ends_only=True))
+    true = band(servo_speeds(zip([slow] * 20, servos, strict=True)))
     assert ends == pytest.approx(true, abs=0.02 * (true[1] - true[0]))
 
 
