@@ -39,10 +39,10 @@ test: $(VENV)/built $(VENV)/dev
 	@sh .ci/need chromium=chromium chromedriver=chromium-driver node=nodejs \
 		$$(cat tests/avr/packages.txt) \
 		|| echo "what needs these is skipped"
-	@$(MAKE) --no-print-directory --jobs=3 test-session test-robot test-host \
+	@$(MAKE) --no-print-directory --jobs=4 test-session test-robot test-host \
 		test-numbers test-board
 
-# The parts of `make test`, three beside each other (that of the robot waits most of its time), the
+# The parts of `make test`, four beside each other (that of the robot waits most of its time), the
 # longest first; each line says whose it is.
 PART = @.ci/part $@ $(VENV)/bin/python -m pytest
 NUMBERS = $(addprefix tests/host/,model periodic simulation gaits)

@@ -220,7 +220,7 @@ def make_inputs() -> None:
 def sections() -> Iterator[tuple[str, Iterable[str]]]:
     """Yield each part: its heading and its lines."""
     yield "Commands", commands(cli)
-    with patch("serpenoid.servos.bench_test.PARTICLES", 64):  # a twelfth of its time
+    with patch("serpenoid.servos.bench_test.PARTICLES", 128):  # a sixth of its time
         for line in ANSWERS:
             yield f"JSON: {line}", by_table(json.loads(run(f"{line} --json")))
     yield "Files: a scene", dict.fromkeys(scene_keys())

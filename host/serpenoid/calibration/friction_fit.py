@@ -97,13 +97,12 @@ def fit_friction(
             raise BadInput("crawls are fitted by method 'joint' or 'robust', not 'naive'")
         servo, other = servo and session.setup.driving(servo), _beside_crawls(session, method)
         return with_crawls(session, other, servo, seed, misread=method == "robust")
-    if session.kept or not session.on_floor:
+    if not session.on_floor:
         stations = Stations.of(session)
-        if method == "naive" or not session.on_floor:
-            check_readings(session, stations, 3 if method == "naive" else 2)
-        if method == "naive" and not session.on_floor:
+        check_readings(session, stations, 3 if method == "naive" else 2)
+        if method == "naive":
             return _naive(session, stations)
-    if method == "naive":
+    elif method == "naive":
         raise BadInput(
             f"{session.where}: method 'naive' is the paper's, of stations alone; pushes and slides "
             "are fitted by 'joint' or 'robust'"

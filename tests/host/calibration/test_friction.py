@@ -4,7 +4,6 @@ import json
 import math
 import subprocess
 import sys
-import time
 from dataclasses import FrozenInstanceError, replace
 from pathlib import Path
 
@@ -243,18 +242,6 @@ def test_result_is_frozen_and_goes_to_json():
     assert told["ground_per_link"]["ct"] == pytest.approx(fit.parameters["ct"].value / 6)
     assert list(fit.parameters) == [f"{name}_whole" for name in NAMES]
     assert [row.name for row in fit.rows()] == list(fit.parameters)
-
-
-def test_a_fit_takes_milliseconds():
-    made = session(setup(7.5), WHOLE_BODY_2005, np.random.default_rng(6))
-    fit_friction(made)  # the first one imports SciPy
-    times = []
-    for _ in range(10):
-        start = time.process_time()
-        fit_friction(made)
-        times.append(time.process_time() - start)
-    # 20 ms here; of the processor, and the least of ten: a busy machine does not fail it.
-    assert min(times) < 0.1
 
 
 def test_importing_does_not_import_scipy():

@@ -134,7 +134,7 @@ class Camera:
     def on_plane(self, pixels: Array) -> Array:
         """Return where pixels (..., 2) meet the plane of the tags, (..., 2), m."""
         q = d = (pixels - self._middle_px) / self.focal_px
-        for _ in range(8 if self.shared[1:3].any() else 0):  # the distortion undone: a fixed point
+        for _ in range(8 * self.shared[1:3].any()):  # the distortion undone: a fixed point
             q = d / self._stretch(q)
         turn, distance = self.pose
         ray = np.concatenate([q, np.ones((*q.shape[:-1], 1))], axis=-1) @ turn
@@ -151,11 +151,11 @@ class Camera:
     def by_shared(self, states: Array) -> Array:
         """Return the pixels' derivatives by what is shared, (frames, links, 4, 2, 10 + 6 links)."""
 
-        world, side = self.corners(states), LENS.index("log_side")
+        world = self.corners(states)  # moved by a tag's side and mounting alone
 
         def pixels(step: Array) -> Array:
             camera = replace(self, shared=self.shared + step)
-            return camera.image(camera.corners(states) if step[side:].any() else world)
+            return camera.image(camera.corners(states) if step[8:].any() else world)
 
         # What mounts a tag moves no other: all of them step at once.
         tags = np.tile(np.eye(len(MOUNTING)), self.links)
