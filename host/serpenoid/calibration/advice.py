@@ -90,8 +90,8 @@ def advise(
     --------
     >>> session = sn.load_session("calibration_data/nirakh-2005")
     >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=5.0)
-    >>> found = sn.advise(session, [gait], servo=None, samples=16, lambdas_deg=(0.0, 15.0))
-    >>> found.readings[0].kind
+    >>> advice = sn.advise(session, [gait], servo=None, samples=16, lambdas_deg=(0.0, 15.0))
+    >>> advice.readings[0].kind
     'station'
     """
     check_kind("session", session, Session)

@@ -126,8 +126,8 @@ class Comparison(Result):
     --------
     >>> session = sn.load_session("calibration_data/nirakh-2005")
     >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=5.0)
-    >>> found = sn.compare(session, gaits=[gait], servo=None, samples=16)
-    >>> found.gaits[0].low_m_s < found.gaits[0].high_m_s
+    >>> compared = sn.compare(session, gaits=[gait], servo=None, samples=16)
+    >>> compared.gaits[0].low_m_s < compared.gaits[0].high_m_s
     True
     """
 
@@ -217,8 +217,8 @@ def compare(
     --------
     >>> session = sn.load_session("calibration_data/nirakh-2005")
     >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=5.0)
-    >>> found = sn.compare(session, gaits=[gait], servo=None, samples=16)
-    >>> len(found.gaits)
+    >>> compared = sn.compare(session, gaits=[gait], servo=None, samples=16)
+    >>> len(compared.gaits)
     1
     """
     check_kind("session", session, Session)

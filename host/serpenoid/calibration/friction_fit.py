@@ -110,8 +110,8 @@ def fit_friction(
     try:
         return _fitted(session, method, seed)
     except NotConverged as error:
-        told = "look for a misread value" if method == "robust" else _misread(session)
-        raise NotConverged(f"{session.where}: {error}; {told}") from error
+        way_out = "look for a misread value" if method == "robust" else _misread(session)
+        raise NotConverged(f"{session.where}: {error}; {way_out}") from error
 
 
 def _beside_crawls(session: Session, method: str) -> FrictionFit | None:

@@ -314,10 +314,10 @@ class FrictionFit(Result):
         """Return friction of one link, whether the readings agree, and the notes."""
         links = self.robot.links
         parts = [f"{r.name} {r.value / links:.4g} {r.unit}" for r in self.rows()]
-        each = ", ".join(parts).replace(WHOLE, "")
+        text = ", ".join(parts).replace(WHOLE, "")
         notes = [f"note: {note}" for note in self.notes]
         agree = f"{self.session_name}, {self.method} fit: {self.chi2_in_words}"
-        return [f"each of {links} links: {each}", agree, *notes]
+        return [f"each of {links} links: {text}", agree, *notes]
 
     def __str__(self) -> str:
         return "\n".join([super().__str__(), *self.remarks])

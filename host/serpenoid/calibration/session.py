@@ -267,8 +267,8 @@ class Session:
 
     def _most(self, name: str) -> float:
         """Return the largest error of this name that the kept readings' instruments state."""
-        own = [getattr(self.uncertainty_of(r), name) for r in self.kept]
-        return float(max(own, default=getattr(self.setup.uncertainty, name)))
+        values = [getattr(self.uncertainty_of(r), name) for r in self.kept]
+        return float(max(values, default=getattr(self.setup.uncertainty, name)))
 
     @property
     def belt_scale(self) -> tuple[float, float]:
@@ -339,8 +339,8 @@ class Session:
         if not self.zero_drifts:
             return [self.zero.value_rad] * len(readings)
         kept = sorted(self._kept_zeros, key=lambda z: z.number)
-        at, found = [z.number for z in kept], [z.zero_rad for z in kept]
-        return [float(np.interp(r.number, at, found)) for r in readings]
+        at, zeros_rad = [z.number for z in kept], [z.zero_rad for z in kept]
+        return [float(np.interp(r.number, at, zeros_rad)) for r in readings]
 
     @property
     def _kept_zeros(self) -> tuple[ZeroReading, ...]:

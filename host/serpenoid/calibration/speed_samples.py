@@ -168,8 +168,8 @@ def sample_speeds(
             progress(1)
     friction, joints, both = (np.hstack(part) for part in zip(*speeds, strict=True))
     if fit.with_crawls and amplitude_sigma:  # else the amplitude's doubt is far larger
-        left = 1.0 + MODEL_SIGMA * np.random.default_rng(seed).normal(size=joints.shape)
-        joints, both = joints * left, both * left
+        model_error = 1.0 + MODEL_SIGMA * np.random.default_rng(seed).normal(size=joints.shape)
+        joints, both = joints * model_error, both * model_error
     return SpeedSamples(tuple(gaits), whole, friction, joints, both, seen=seen)
 
 
@@ -180,8 +180,8 @@ def drawn_amplitudes(fit: FrictionFit, sigma: float, count: int, seed: int = 200
     """
     from scipy.special import ndtri
 
-    told = fit.sample_amplitudes(count, seed) if sigma else None
-    if told is not None:
-        return told
+    fitted = fit.sample_amplitudes(count, seed) if sigma else None
+    if fitted is not None:
+        return fitted
     evenly = np.random.default_rng(seed).permutation((np.arange(count) + 0.5) / count)
     return 1.0 + sigma * ndtri(evenly)

@@ -74,11 +74,11 @@ class SpeedTable:
         The first time that is infinite. Points at which a speed is nan are left out.
         """
         speeds = self._solve(whole, amplitude)
-        found = np.isfinite(speeds).all(axis=1)
-        if not found.any():
+        finite = np.isfinite(speeds).all(axis=1)
+        if not finite.any():
             raise NotConverged("no periodic state was found for any friction that may be")
-        whole, amplitude = whole[found], amplitude[found]
-        logs, points = np.log(speeds[found] + LEAST_M_S), _logs(whole, amplitude)
+        whole, amplitude = whole[finite], amplitude[finite]
+        logs, points = np.log(speeds[finite] + LEAST_M_S), _logs(whole, amplitude)
         if not self.known:
             self._points, self._logs, off = points, logs, np.full(logs.shape, np.inf)
         else:
@@ -220,6 +220,6 @@ class SpeedModel:
         self, whole: Array, amplitude: Array, gait: Gait, commanded: Gait | None
     ) -> tuple[Draw, list[Draw]]:
         """Return the state to begin from, and the draws of one gait."""
-        made = [gait if commanded else scaled(gait, a) for a in amplitude.tolist()]
+        gaits = [gait if commanded else scaled(gait, a) for a in amplitude.tolist()]
         grounds = [ground_of(self.robot.links, row) for row in whole.tolist()]
-        return (self.ground, made[0]), list(zip(grounds, made, strict=True))
+        return (self.ground, gaits[0]), list(zip(grounds, gaits, strict=True))

@@ -182,9 +182,9 @@ def _chance(drawn: SpeedSamples, measured: CrawlData, rng: np.random.Generator) 
     """
     from scipy.special import logsumexp
 
-    seen = np.repeat(drawn.both_m_s, _NOISE_DRAWS, axis=0)
-    seen = seen + measured.sigma_m_s * rng.normal(size=seen.shape)
-    shares, own = np.unique(drawn.shares, axis=0, return_inverse=True)
+    simulated = np.repeat(drawn.both_m_s, _NOISE_DRAWS, axis=0)
+    simulated = simulated + measured.sigma_m_s * rng.normal(size=simulated.shape)
+    shares, servo = np.unique(drawn.shares, axis=0, return_inverse=True)
     centre, count = drawn.joints_m_s.mean(axis=0), len(drawn.gaits)
     spread = np.cov(drawn.joints_m_s.T).reshape(count, count)
     noise = np.diag(measured.sigma_m_s**2 + (_grain(shares) * centre) ** 2)
@@ -196,9 +196,9 @@ def _chance(drawn: SpeedSamples, measured: CrawlData, rng: np.random.Generator) 
         off = v[:, None, :] - centres
         return -0.5 * (np.einsum("ski,kij,skj->sk", off, inverse, off) + log_volume)
 
-    likely = by_servo(seen)
+    likely = by_servo(simulated)
     if len(shares) > 1:
-        likely[np.arange(len(seen)), np.repeat(own.ravel(), _NOISE_DRAWS)] = -np.inf
+        likely[np.arange(len(simulated)), np.repeat(servo.ravel(), _NOISE_DRAWS)] = -np.inf
         likely -= math.log(len(shares) - 1)
     robot = by_servo(measured.speed_m_s[None]) - math.log(len(shares))
     return float(np.mean(logsumexp(likely, axis=1) <= logsumexp(robot)))

@@ -30,15 +30,15 @@ def in_words(
     worst = int(np.argmax(np.abs(share - 1.0)))
     hz = measured.gaits[worst].omega_rad_s / (2 * math.pi)
     joints = "ideal joints" if servo is None else "typical servos"
-    seen = f"off the speed with {joints} by {share[worst] - 1.0:+.1%} at most, at {hz:.3g} Hz"
+    off_by = f"off the speed with {joints} by {share[worst] - 1.0:+.1%} at most, at {hz:.3g} Hz"
     if verdict.word == "agrees":
         named = "" if servo is None else f" with servos ({servo.name})"
-        how = f"{seen}; {_p(verdict.p_value)}"
+        how = f"{off_by}; {_p(verdict.p_value)}"
         return f"Agrees: the robot runs as its friction{named} predicts ({how})."
-    told = f"Differs: {seen} ({_p(verdict.p_value)}). " + _blame(verdict, amplitude_sigma)
+    text = f"Differs: {off_by} ({_p(verdict.p_value)}). " + _blame(verdict, amplitude_sigma)
     if verdict.word == "friction" and verdict.friction is not None:
-        told += _slope(verdict.friction, fit.whole_snake["ft0"] / weight_n)
-    return told + _common(share, measured, best)
+        text += _slope(verdict.friction, fit.whole_snake["ft0"] / weight_n)
+    return text + _common(share, measured, best)
 
 
 def _blame(verdict: Verdict, amplitude_sigma: float) -> str:

@@ -82,10 +82,10 @@ def servo_as_filmed(kind: sn.ServoKind | None, fit: sn.FrictionFit | None) -> sn
         return replace(kind, drawn=tuple(fit.sample_servos(kind, len(fit.servos.index))))
     if session is None:
         return kind
-    seen = servo_seen(kind, session.kept_films, fit)
-    if seen is not kind:
+    filmed = servo_seen(kind, session.kept_films, fit)
+    if filmed is not kind:
         say(f"servos: those of {kind.name} that would move the joints as filmed", err=True)
-    return seen
+    return filmed
 
 
 def predicted_band(
@@ -156,6 +156,6 @@ def with_joints(gait: sn.Gait, session: Path | None, links: int) -> sn.Gait:
 
 def was_filmed(gait: sn.Gait, session: Path, links: int) -> bool:
     """Tell whether a session's latest film shows this commanded gait; its board's clock errs."""
-    seen = latest_film(session, links).commanded
-    apart = abs(seen.alpha_rad - gait.alpha_rad), abs(seen.beta_rad - gait.beta_rad)
-    return max(apart) < _SAME_RAD and abs(seen.omega_rad_s / gait.omega_rad_s - 1.0) < _SAME_RATE
+    told = latest_film(session, links).commanded
+    apart = abs(told.alpha_rad - gait.alpha_rad), abs(told.beta_rad - gait.beta_rad)
+    return max(apart) < _SAME_RAD and abs(told.omega_rad_s / gait.omega_rad_s - 1.0) < _SAME_RATE

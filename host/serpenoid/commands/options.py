@@ -219,12 +219,12 @@ def make_gait(given: Given, base: sn.Gait | None = None) -> sn.Gait:
     # Figures that look as if typed in another unit are told, not refused: they may be meant.
     alpha, beta = (math.degrees(fields.get(name, 0.0)) for name in ("alpha_rad", "beta_rad"))
     if alpha and beta and 0 < alpha <= math.pi and abs(beta) <= math.pi:
-        told = f"{alpha:g} and {beta:g} degrees"
-        _tell("--alpha-deg, --beta-deg", told, "radians", math.degrees(alpha), math.degrees(beta))
+        words = f"{alpha:g} and {beta:g} degrees"
+        _tell("--alpha-deg, --beta-deg", words, "radians", math.degrees(alpha), math.degrees(beta))
     omega = fields.get("omega_rad_s", 0.0)
     if _FAST_RAD_S < omega < math.inf:
-        told = f"{omega:g} rad/s, {omega / math.tau:.3g} waves a second"
-        _tell("--omega-rad-s", told, "degrees a second", math.radians(omega))
+        words = f"{omega:g} rad/s, {omega / math.tau:.3g} waves a second"
+        _tell("--omega-rad-s", words, "degrees a second", math.radians(omega))
     rates = [name for name in ("omega_rad_s", "frequency_hz") if name in fields]
     if len(rates) > 1 or not (rates or base):
         raise click.UsageError("give one of --omega-rad-s and --frequency-hz")

@@ -172,7 +172,7 @@ def film(
     else:
         gait = make_gait(given) if typed else None
     with film_progress(file) as tell:
-        found = measure_film(
+        film = measure_film(
             file,
             robot.links,
             robot.link_length_m,
@@ -181,16 +181,16 @@ def film(
             board_rate=recording is not None,
             progress=tell,
         )
-    _write(found, track, picture, annotate)
+    _write(film, track, picture, annotate)
     if as_json:
-        show_json(found.run.to_dict())
+        show_json(film.run.to_dict())
     else:
         from ..show.video.film_figure import show_film
 
-        show_film(found)
+        show_film(film)
     if session is not None:
         _remember(session, side)
-        _record(found, session, file.name, way)
+        _record(film, session, file.name, way)
 
 
 @contextmanager

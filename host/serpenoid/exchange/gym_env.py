@@ -137,8 +137,8 @@ class SnakeEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         )
         folded = bool(np.abs(np.diff(self._state.theta_rad)).max() > FOLDED_RAD)
         late = self._t_s >= self.episode_s - 1e-9
-        told = {"way_m": way_m, "work_j": work_j}
-        return self._observation(), way_m - self.work_cost_m_j * work_j, folded, late, told
+        info = {"way_m": way_m, "work_j": work_j}
+        return self._observation(), way_m - self.work_cost_m_j * work_j, folded, late, info
 
     def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
         """Return the snake from above as (300, 600, 3) pixels, the camera beside it."""
@@ -152,14 +152,14 @@ class SnakeEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         s = self._state
         heading = math.atan2(np.sin(s.theta_rad).mean(), np.cos(s.theta_rad).mean())
         moving = [s.vx_m_s.mean(), s.vy_m_s.mean(), s.omega_rad_s.mean()]
-        seen = [
+        observed = [
             math.cos(heading),
             math.sin(heading),
             *moving,
             *np.diff(s.theta_rad),
             *np.diff(s.omega_rad_s),
         ]
-        return np.array(seen, dtype=np.float32)
+        return np.array(observed, dtype=np.float32)
 
 
 gymnasium.register(id="serpenoid/Snake-v0", entry_point=f"{__name__}:SnakeEnv")

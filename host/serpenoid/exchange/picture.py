@@ -27,16 +27,16 @@ def picture(robot: Robot, state: LinkState) -> NDArray[np.uint8]:
     x_m = state.x_m.mean() + pixel_m * (np.arange(WIDE) - (WIDE - 1) / 2)
     y_m = state.y_m.mean() - pixel_m * (np.arange(HIGH) - (HIGH - 1) / 2)
     length = robot.link_length_m
-    found = np.tile(GROUND, (HIGH, WIDE, 1))
-    found[:, _on_grid(x_m, length, pixel_m)] = GRID
-    found[_on_grid(y_m, length, pixel_m)] = GRID
+    picture = np.tile(GROUND, (HIGH, WIDE, 1))
+    picture[:, _on_grid(x_m, length, pixel_m)] = GRID
+    picture[_on_grid(y_m, length, pixel_m)] = GRID
     links = zip(state.x_m, state.y_m, state.theta_rad, strict=True)
     for number, (x, y, theta) in enumerate(links, 1):
         colour = HEAD if number == robot.links else LINK
         away = _distance(x_m - x, y_m[:, None] - y, theta, LINK_HALF * length)
         covered = np.clip((LINK_RADIUS * length - away) / pixel_m + 0.5, 0.0, 1.0)[..., None]
-        found += covered * (colour - found)
-    return np.rint(found).astype(np.uint8)
+        picture += covered * (colour - picture)
+    return np.rint(picture).astype(np.uint8)
 
 
 def _on_grid(values: Array, period: float, pixel_m: float) -> NDArray[np.bool_]:

@@ -130,8 +130,8 @@ def power_front(
     speeds = sorted(set(wanted))
     springs = joint_stiffness_n_m, joint_damping_n_s_m
     front = _front(robot, ground, speeds, cost, limits, rtol, formulation, springs)
-    found = dict(zip(speeds, front, strict=True))
-    return tuple(best if isinstance(best := found[v], LeastPower) else None for v in wanted)
+    by_speed = dict(zip(speeds, front, strict=True))
+    return tuple(best if isinstance(best := by_speed[v], LeastPower) else None for v in wanted)
 
 
 def _front(

@@ -239,7 +239,7 @@ def cliff_around(
             return error.best.speed_m_s if error.best is not None else math.nan
 
     speeds = in_threads(speed, product(amplitude.tolist(), factor.tolist()))
-    own = uncertainty.amplitude / math.sqrt(robot.links - 1)
+    of_joint = uncertainty.amplitude / math.sqrt(robot.links - 1)
     return Cliff(
         robot,
         ground,
@@ -249,7 +249,7 @@ def cliff_around(
         factor,
         np.reshape(speeds, (amplitude.size, factor.size)),
         speed((1.0, 1.0)),
-        (math.hypot(uncertainty.common_amplitude, own), _sigma(uncertainty, grip)),
+        (math.hypot(uncertainty.common_amplitude, of_joint), _sigma(uncertainty, grip)),
     )
 
 

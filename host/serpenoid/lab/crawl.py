@@ -28,8 +28,8 @@ def crawl_speed(
     last_s = (before + CYCLES) * period_s
     track, _ = Floor(robot, -slope_rad, across_rad).driven(gait, last_s, period_s / FRAMES)
     # of servos' frames there is no whole number in a cycle
-    at = period_s * (before + np.arange(CYCLES + 1))
-    x, y = (np.interp(at, track.t_s, way) for way in (track.x_m, track.y_m))
+    t_s = period_s * (before + np.arange(CYCLES + 1))
+    x, y = (np.interp(t_s, track.t_s, way) for way in (track.x_m, track.y_m))
     return float(np.hypot(np.diff(x), np.diff(y)).mean()) / period_s
 
 

@@ -37,8 +37,8 @@ class Track:
     @property
     def turned_rad(self) -> float:
         """Return how far it has turned since it was let go."""
-        at = np.interp(self.released_s, self.t_s, self.heading_rad)
-        return float(self.heading_rad[-1] - at)
+        heading_rad = np.interp(self.released_s, self.t_s, self.heading_rad)
+        return float(self.heading_rad[-1] - heading_rad)
 
 
 @dataclass(frozen=True)
@@ -84,8 +84,8 @@ class Floor:
         """
         if self.robot.servo is not None:
             return self.run_servos(self._told(gait, duration_s, self.robot.servo.frame_s))
-        told = self._told(gait, duration_s, frame_s)
-        return self.follow(told, frame_s), told[1:]
+        setpoints_rad = self._told(gait, duration_s, frame_s)
+        return self.follow(setpoints_rad, frame_s), setpoints_rad[1:]
 
     def _told(self, gait: Gait, duration_s: float, frame_s: float) -> Array:
         """Return the joints' setpoints, (K, n-1), rad, each with its joint's error."""
@@ -99,13 +99,13 @@ class Floor:
 
         Returns the track, a row at the end of each frame, and the joints' true angles there.
         """
-        chain, told = self.robot.driven_chain(), np.ascontiguousarray(setpoints_rad)
+        chain, setpoints = self.robot.driven_chain(), np.ascontiguousarray(setpoints_rad)
         assert self.robot.servo is not None  # driven_chain has asked
         frame_s = self.robot.servo.frame_s
         chain.set_slope(*self._pull)
-        chain.place(-_mean_bend(list(told[0])), told[0].tolist())
-        rows = chain.drive(told, max(1, math.ceil(frame_s / SERVO_STEP_S)))
-        if len(rows) < len(told) or not np.isfinite(rows).all():
+        chain.place(-_mean_bend(list(setpoints[0])), setpoints[0].tolist())
+        rows = chain.drive(setpoints, max(1, math.ceil(frame_s / SERVO_STEP_S)))
+        if len(rows) < len(setpoints) or not np.isfinite(rows).all():
             raise NotConverged("the lab's robot came to no answer; are its numbers sensible?")
         t = np.arange(1, len(rows) + 1, dtype=np.float64) * frame_s
         angles = rows[:, 2:]

@@ -138,10 +138,10 @@ class Person:
             if held is None:  # it left the belt: nobody saw where it would settle
                 stride = stride / 2 if last == -downhill else stride
                 by, last = max(by, stride), downhill
-            found = self.display.nearest(shown + downhill * max(by, step))
-            if found == shown and downhill < 0:
+            nearest = self.display.nearest(shown + downhill * max(by, step))
+            if nearest == shown and downhill < 0:
                 return None
-            shown = found
+            shown = nearest
         return None
 
     def film(self, guess_m_s: float, duration_s: float) -> Held | None:
@@ -156,8 +156,8 @@ class Person:
                 return held if shown - held.drift_m_s > CREEP_M_S else None
             if held is None:
                 return None
-            found = self.display.nearest(shown - 2 * held.drift_m_s)
-            shown = found if found != shown else shown + self.display.step_m_s
+            nearest = self.display.nearest(shown - 2 * held.drift_m_s)
+            shown = nearest if nearest != shown else shown + self.display.step_m_s
         return None
 
     def _filmed(self, shown_m_s: float, duration_s: float) -> Held | None:
@@ -176,8 +176,8 @@ class Person:
         held = self._held(shown_m_s, looks, self._drift(looks), looks[0].t_s - start_s)
         if len(seen) < FEWEST_PLACES:
             return held
-        found = [(FILM_S.shows(at.t_s, rng), -RULER_M.shows(at.along_m, rng)) for at in seen]
-        return replace(held, places=tuple((t - found[0][0], y) for t, y in found))
+        places = [(FILM_S.shows(at.t_s, rng), -RULER_M.shows(at.along_m, rng)) for at in seen]
+        return replace(held, places=tuple((t - places[0][0], y) for t, y in places))
 
     def _again(self, shown_m_s: float, settle_s: float) -> Held | None:
         """Set the belt once more, and take what is read then: it is not what was judged by.

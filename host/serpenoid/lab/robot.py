@@ -59,8 +59,8 @@ class LabRobot:
         cls, body: Robot, ground: Ground, joint_error_rad: Sequence[float] = (), **more: Any
     ) -> LabRobot:
         """Return a robot whose links share the whole snake's friction alike."""
-        each = Ground.whole_body(body.links, ground.ct, ground.cn, ground.ft0, ground.fn0)
-        return cls(body, (each,), tuple(joint_error_rad), **more)
+        link_ground = Ground.whole_body(body.links, ground.ct, ground.cn, ground.ft0, ground.fn0)
+        return cls(body, (link_ground,), tuple(joint_error_rad), **more)
 
     def drawn(
         self, rng: np.random.Generator, joint_sigma_rad: float, link_spread: float = 0.0
@@ -77,9 +77,9 @@ class LabRobot:
 
     def chain(self) -> _core.FreeChain:
         """Return the robot as a body that can be moved, straight but for its joints' errors."""
-        made = _core.FreeChain(*self._numbers())
-        made.set_joints(list(self.joint_error_rad))
-        return made
+        chain = _core.FreeChain(*self._numbers())
+        chain.set_joints(list(self.joint_error_rad))
+        return chain
 
     def driven_chain(self) -> _core.DrivenChain:
         """Return the robot as a body whose joints its servo moves. Raises BadInput without one."""

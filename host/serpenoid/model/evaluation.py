@@ -38,8 +38,8 @@ class TorqueDrive:
     >>> robot = sn.Robot(links=3, link_mass_kg=1.0, link_length_m=0.12)
     >>> ground = sn.Ground(ct=0.1, cn=10.0)
     >>> q, qdot = [0.1, -0.2, 0.3, -0.4, 0.7], [0.05, -0.03, 1.1, -0.7, 0.4]
-    >>> found = sn.acceleration(robot, ground, (q, qdot), drive=sn.TorqueDrive([0.02, -0.01]))
-    >>> found.alpha_rad_s2.round(3).tolist()
+    >>> motion = sn.acceleration(robot, ground, (q, qdot), drive=sn.TorqueDrive([0.02, -0.01]))
+    >>> motion.alpha_rad_s2.round(3).tolist()
     [5.963, -7.688, 2.551]
     """
 
@@ -63,8 +63,8 @@ class AngleDrive:
     >>> robot = sn.Robot(links=3, link_mass_kg=1.0, link_length_m=0.12)
     >>> straight = [0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 0.0]
     >>> drive = sn.AngleDrive([1.0, -1.0])
-    >>> found = sn.acceleration(robot, sn.Ground(ct=0.1, cn=10.0), straight, drive=drive)
-    >>> (found.alpha_rad_s2[1:] - found.alpha_rad_s2[:-1]).round(9).tolist()
+    >>> motion = sn.acceleration(robot, sn.Ground(ct=0.1, cn=10.0), straight, drive=drive)
+    >>> (motion.alpha_rad_s2[1:] - motion.alpha_rad_s2[:-1]).round(9).tolist()
     [1.0, -1.0]
     """
 
@@ -100,8 +100,8 @@ class Acceleration(Result):
     >>> robot = sn.Robot(links=3, link_mass_kg=1.0, link_length_m=0.12)
     >>> ground = sn.Ground(ct=0.1, cn=10.0)
     >>> q, qdot = [0.1, -0.2, 0.3, -0.4, 0.7], [0.05, -0.03, 1.1, -0.7, 0.4]
-    >>> found = sn.acceleration(robot, ground, (q, qdot), drive=sn.TorqueDrive([0.02, -0.01]))
-    >>> found.joint_force_x_n.round(4).tolist()
+    >>> motion = sn.acceleration(robot, ground, (q, qdot), drive=sn.TorqueDrive([0.02, -0.01]))
+    >>> motion.joint_force_x_n.round(4).tolist()
     [0.4285, 0.3458]
     """
 
@@ -164,8 +164,8 @@ def acceleration(
     >>> robot = sn.Robot(links=3, link_mass_kg=1.0, link_length_m=0.12)
     >>> ground = sn.Ground(ct=0.1, cn=10.0)
     >>> q, qdot = [0.1, -0.2, 0.3, -0.4, 0.7], [0.05, -0.03, 1.1, -0.7, 0.4]
-    >>> found = sn.acceleration(robot, ground, (q, qdot), drive=sn.TorqueDrive([0.02, -0.01]))
-    >>> found.qddot.round(4).tolist()
+    >>> motion = sn.acceleration(robot, ground, (q, qdot), drive=sn.TorqueDrive([0.02, -0.01]))
+    >>> motion.qddot.round(4).tolist()
     [0.2964, 0.3223, 5.9634, -7.6883, 2.5509]
     """
     check_parts(robot, ground)

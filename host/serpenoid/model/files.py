@@ -40,18 +40,18 @@ def check_file(path: Path, most_bytes: int = MOST_BYTES) -> int:
         There is no such file, it is a folder, a device or a pipe, or it is too large.
     """
     try:
-        found = path.stat()
+        about = path.stat()
     except (OSError, ValueError) as error:  # ValueError: a name with a zero byte
         raise BadInput(f"{path}: {getattr(error, 'strerror', None) or error}") from error
-    if not stat.S_ISREG(found.st_mode):
-        kind = "a folder" if stat.S_ISDIR(found.st_mode) else "a device, a pipe or a socket"
+    if not stat.S_ISREG(about.st_mode):
+        kind = "a folder" if stat.S_ISDIR(about.st_mode) else "a device, a pipe or a socket"
         raise BadInput(f"{path}: this is {kind}; give the name of a regular file")
-    if found.st_size > most_bytes:
+    if about.st_size > most_bytes:
         raise BadInput(
-            f"{path}: the file has {found.st_size} bytes; the most is {most_bytes}; is it the "
+            f"{path}: the file has {about.st_size} bytes; the most is {most_bytes}; is it the "
             "right one?"
         )
-    return found.st_size
+    return about.st_size
 
 
 def read_text(path: Path, most_bytes: int = MOST_BYTES) -> str:

@@ -97,12 +97,12 @@ def table(
     """Return a table to print; its first columns are text, the others numbers, none cut off."""
     from rich.table import Table
 
-    made = Table(title=title, title_justify="left", title_style="bold", header_style="")
+    table = Table(title=title, title_justify="left", title_style="bold", header_style="")
     for i, head in enumerate(heads):
-        made.add_column(head, justify="left" if i < text_columns else "right", overflow="fold")
+        table.add_column(head, justify="left" if i < text_columns else "right", overflow="fold")
     for row in cells:
-        made.add_row(*row)
-    return made
+        table.add_row(*row)
+    return table
 
 
 def two_digits(value: float) -> str:

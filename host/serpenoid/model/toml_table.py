@@ -79,8 +79,8 @@ class Table:
     def _find(self, key: str) -> int:
         """Return where in the text a key or a table's heading ends, or 0."""
         pattern = re.compile(rf"^[ \t]*\[?[ \t]*\"?{re.escape(key)}\"?[ \t]*[=\]]", re.MULTILINE)
-        found = pattern.search(self.text, self.start)
-        return found.end() if found else 0
+        match = pattern.search(self.text, self.start)
+        return match.end() if match else 0
 
     def only(self, *names: str, optional: tuple[str, ...] = ()) -> None:
         """Raise BadInput unless there are these keys, all but the optional, and no other."""

@@ -13,14 +13,14 @@ Array = NDArray[np.float64]
 def number_array(name: str, values: ArrayLike) -> Array:
     """Return values as an array of floats of any shape; raises BadInput: text, objects, ragged."""
     try:
-        found = np.asarray(values)
-        wrong = found.dtype.kind not in "iufO" or any(
+        array = np.asarray(values)
+        wrong = array.dtype.kind not in "iufO" or any(
             v is None or isinstance(v, (str, bytes, bool))
-            for v in found.flat
-            if found.dtype.kind == "O"
+            for v in array.flat
+            if array.dtype.kind == "O"
         )
         if not wrong:
-            return found.astype(float, copy=False)
+            return array.astype(float, copy=False)
     except (TypeError, ValueError, OverflowError):  # OverflowError: a number of 400 digits
         pass
     shown = f"{values!r}"[:100]

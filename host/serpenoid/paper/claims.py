@@ -135,14 +135,14 @@ def _optima(front: Sequence[LeastPower], reading: Reading) -> list[Claim]:
     alone = [best.runner_up_w > best.power_w for best in front]
     so = "so it does" if all(alone) else f"so it does at {sum(alone)} of {len(alone)} speeds"
     second = min(best.runner_up_w / best.power_w - 1 for best in front)
-    told = f"other valleys of shapes cost {100 * second:.2g} % more at least"
+    valleys = f"other valleys of shapes cost {100 * second:.2g} % more at least"
     flat = ": the valley is flat" if max(low, high) < _FLAT else ""
     return [
         Claim(
             "Fig. 8",
             "for each speed one gait costs least",
             f"{so}, its shape inside the grid at {sum(inside)} of {len(inside)} speeds; "
-            + (told if second < math.inf else "no other valley of shapes was found"),
+            + (valleys if second < math.inf else "no other valley of shapes was found"),
             _held([a and b for a, b in zip(inside, alone, strict=True)]),
             command,
         ),

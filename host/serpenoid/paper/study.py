@@ -103,8 +103,8 @@ def papers_sweep(powers: bool) -> Sweep:
 
 def papers_front(reading: Reading) -> list[LeastPower]:
     """Find the least-power gaits of the paper's robot over its speeds."""
-    found = power_front(ROBOT, GROUND, speeds_m_s=np.array(FRONT_M_S), cost=COSTS[reading.power])
-    return [best for best in found if best is not None]
+    front = power_front(ROBOT, GROUND, speeds_m_s=np.array(FRONT_M_S), cost=COSTS[reading.power])
+    return [best for best in front if best is not None]
 
 
 def shown_amplitude_deg(gait: Gait, reading: Reading) -> float:
@@ -204,14 +204,14 @@ def finer_step(dt_s: float = 2.5e-4) -> float:
 
 def without_dry_friction_along() -> list[tuple[float, float, float]]:
     """Return frequency in Hz, and by what part speed and power change without ft0 (2005 robot)."""
-    found = []
+    changes = []
     for frequency in (0.2, 0.5, 1.0, 1.5, 2.0):
         gait = replace(EXPERIMENT, omega_rad_s=2 * math.pi * frequency)
         full, free = (
             steady_gait(OF_2005, ground, gait, rtol=1e-4)
             for ground in (BINGHAM, replace(BINGHAM, ft0=0.0))
         )
-        found.append(
+        changes.append(
             (frequency, free.speed_m_s / full.speed_m_s - 1, free.power_w / full.power_w - 1)
         )
-    return found
+    return changes

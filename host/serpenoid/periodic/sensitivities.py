@@ -202,16 +202,16 @@ def differentiate(
         changes[rough] = abs(near.mean(axis=2) - far.mean(axis=2)) + unseen * _jumps(near)
         side_changes[rough] = near - far
         sides[rough], noise[rough] = near, near_noise
-    jumps, found = _jumps(sides), sides.mean(axis=2)
+    jumps, slopes = _jumps(sides), sides.mean(axis=2)
     kinks = np.asarray((kinked & (jumps > _allowed(sides, noise))).any(axis=1))
-    errors = noise[..., 1] + np.where(kinks[:, None], jumps / 2, changes) + _CURVED * abs(found)
+    errors = noise[..., 1] + np.where(kinks[:, None], jumps / 2, changes) + _CURVED * abs(slopes)
     apart = kinks[:, None, None]  # then all quantities' sides are told as they are
     return Sensitivities(
         tuple(p.name for p in moved),
         np.array([p.value for p in moved]),
-        found,
+        slopes,
         errors,
-        np.where(apart, sides + _AHEAD * side_changes, found[..., None]),
+        np.where(apart, sides + _AHEAD * side_changes, slopes[..., None]),
         np.where(
             apart, _LEFT * (abs(side_changes) + noise[..., :1]), (errors + jumps / 2)[..., None]
         ),

@@ -200,12 +200,12 @@ class Steady(Result):
             "settling_time_s",
             "settling_error",
         )
-        found = {name: getattr(self, name) for name in names} | {
+        values = {name: getattr(self, name) for name in names} | {
             "floquet_multipliers": [[m.real, m.imag] for m in multipliers.tolist()]
         }
         if self.sensitivities is not None:
-            found["sensitivities"] = self.sensitivities.to_dict()
-        return found
+            values["sensitivities"] = self.sensitivities.to_dict()
+        return values
 
 
 def speed_floor_m_s(robot: Robot, omega_rad_s: float) -> float:
@@ -251,10 +251,10 @@ def steady_gait(
     check_parts(robot, ground, gait)
     check_ground(ground, rtol)
     s = _core.steady(core_model(robot, ground, gait), rtol, powers)
-    found = from_core(robot, ground, gait, s)
+    state = from_core(robot, ground, gait, s)
     if not s.converged:
-        raise NotConverged(_not_found(found, rtol), best=found)
-    return found
+        raise NotConverged(_not_found(state, rtol), best=state)
+    return state
 
 
 def state_near(

@@ -99,15 +99,15 @@ class Study(Result):
         most = 8 * rows * (len(FIELDS) * len(self.grid.omega_rad_s) + 4)
         cure = "delete it and ask for the study again: it is solved anew"
         try:
-            found = read_arrays(path, most + 8 * len(self.grid.omega_rad_s) + 10_000)
+            chunk_arrays = read_arrays(path, most + 8 * len(self.grid.omega_rad_s) + 10_000)
         except BadInput as error:
             raise BadInput(f"{error}; {cure}") from None
-        whose, where = found.pop("study_sha256", ()), found.pop("first_and_last", ())
+        whose, where = chunk_arrays.pop("study_sha256", ()), chunk_arrays.pop("first_and_last", ())
         if not (np.array_equal(whose, self._hash) and np.array_equal(where, chunk)):
             raise BadInput(f"{path} is of another study, or another chunk of this one; {cure}")
-        if any(len(found.get(name, ())) != rows for name in ("robot", *FIELDS)):
+        if any(len(chunk_arrays.get(name, ())) != rows for name in ("robot", *FIELDS)):
             raise BadInput(f"{path} is damaged (it has not {rows} shapes); {cure}")
-        return found
+        return chunk_arrays
 
     def write(self, chunk: Stretch, table: Array) -> None:
         """Write the file of a chunk: whole, or not at all."""

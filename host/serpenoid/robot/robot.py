@@ -208,10 +208,10 @@ class RobotBoard:
 
     def settings(self) -> dict[str, float]:
         """Return the board's settings by name, in the units of PROTOCOL.md."""
-        found = self._asked("set", settings_of)
-        self._dialogue.inbox.expect(int(found["every"]))
-        self._dialogue.feed(found["silence"])
-        return found
+        settings = self._asked("set", settings_of)
+        self._dialogue.inbox.expect(int(settings["every"]))
+        self._dialogue.feed(settings["silence"])
+        return settings
 
     def set(self, name: str, value: float) -> None:
         """Set a setting's value, in the unit of PROTOCOL.md; save() makes it outlive the power."""

@@ -157,7 +157,7 @@ def moved(test: BenchTest, servos: list[Servo], delay_s: Array) -> Array:
     slows = np.exp(-h * line / np.maximum(J + test.inertia_kg_m2, 1e-12))
     drives, holds = (1 - slows) * S / line, (1 - slows) * dry / line
     angle, rate, duty = np.full(len(K), test.angle_rad[0]), np.zeros(len(K)), np.zeros(len(K))
-    seen = np.tile(angle, (steps + 1, 1))
+    angles = np.tile(angle, (steps + 1, 1))
     for k in range(steps):
         off = setpoints[k] - angle - (1 - shares[k]) * h * rate
         off -= np.minimum(np.maximum(off, -band), band)
@@ -170,8 +170,8 @@ def moved(test: BenchTest, servos: list[Servo], delay_s: Array) -> Array:
         rate = slows * rate + drives * mean_duty * np.minimum(np.maximum(supply, 0.0), 1.0)
         rate = rate - np.minimum(np.maximum(rate, -holds), holds)
         angle = angle + h / 2 * (before + rate)
-        seen[k + 1] = angle
-    return np.array([np.interp(test.t_s, times, column) for column in seen.T])
+        angles[k + 1] = angle
+    return np.array([np.interp(test.t_s, times, column) for column in angles.T])
 
 
 class _Posterior:

@@ -63,10 +63,10 @@ def film_ripples(
         return ()
     orders = np.concatenate([np.arange(1, top + 1), frames + beside])
     size, doubt = _squares(t, joints, np.asarray(orders * omega_rad_s, dtype=np.float64))
-    found = [_ripple(size[1:top], doubt[1:top], range(2, top + 1))]
+    ripples = [_ripple(size[1:top], doubt[1:top], range(2, top + 1))]
     if len(beside):
-        found.append(_ripple(size[top:], doubt[top:], (round(frames) + beside).tolist()))
-    return tuple(found)
+        ripples.append(_ripple(size[top:], doubt[top:], (round(frames) + beside).tolist()))
+    return tuple(ripples)
 
 
 def _squares(t: Array, joints: Array, rates: Array) -> tuple[Array, Array]:

@@ -80,14 +80,14 @@ def _mobility(scene: Scene) -> Array:
     robot, joints = scene.robot, scene.robot.links - 1
     if scene.formulation == "implicit" or robot.links > _MOST_LINKS:
         return np.array([4 / robot.inertia_kg_m2, 0.0])
-    ground, found = Ground(0.0, 0.0), []
+    ground, inverse_inertias = Ground(0.0, 0.0), []
     for state in _shapes(robot, scene.gait):
         bends = [
             np.diff(acceleration(robot, ground, state, drive=TorqueDrive(-one)).alpha_rad_s2)
             for one in np.eye(joints)
         ]
-        found.append(np.linalg.eigvalsh(np.array(bends)))
-    return np.array([np.max(found), max(np.min(found), 0.0)])
+        inverse_inertias.append(np.linalg.eigvalsh(np.array(bends)))
+    return np.array([np.max(inverse_inertias), max(np.min(inverse_inertias), 0.0)])
 
 
 def _motor_line(servo: Servo, gait: Gait) -> float:

@@ -68,9 +68,9 @@ def check_imposed(scene: Scene, start: LinkState) -> None:
     joints = np.arange(1, scene.robot.links)
     by_angle = scene.drive == "angle"
     imposed = ~np.isin(joints, scene.limp) if by_angle else np.isin(joints, list(scene.locked))
-    found = np.diff(start.theta_rad), np.diff(start.omega_rad_s)
+    bent = np.diff(start.theta_rad), np.diff(start.omega_rad_s)
     names = "angle {:.6g} rad", "rate {:.6g} rad/s"
-    for name, has, wants in zip(names, found, _joints_at_start(scene), strict=True):
+    for name, has, wants in zip(names, bent, _joints_at_start(scene), strict=True):
         off = imposed & (np.abs(has - wants) > 1e-6 * (1 + np.abs(wants)))
         for i in np.nonzero(off)[0]:
             raise BadInput(

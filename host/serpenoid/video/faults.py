@@ -370,11 +370,11 @@ def bent_tags(track: Track) -> Mask:
 
     With fewer than four tags it is not clear which one is bent: none is named.
     """
-    seen = np.asarray(np.isfinite(track.rest_px).any(axis=0))
-    typical = np.full(len(seen), np.nan)
-    typical[seen] = np.nanmedian(track.rest_px[:, seen], axis=0)
+    held = np.asarray(np.isfinite(track.rest_px).any(axis=0))
+    typical = np.full(len(held), np.nan)
+    typical[held] = np.nanmedian(track.rest_px[:, held], axis=0)
     bent = typical > BENT * np.nanmedian(typical)
-    return bent if seen.sum() >= 4 and bent.sum() <= seen.sum() - 3 else np.zeros_like(bent)
+    return bent if held.sum() >= 4 and bent.sum() <= held.sum() - 3 else np.zeros_like(bent)
 
 
 def bent_faults(bent: Mask) -> list[Remark]:

@@ -172,14 +172,14 @@ def absent() -> list[str]:
 
 def contenders(problem: Problem) -> list[Contender]:
     """Return everyone who solves a problem here; the right-hand sides of peers need Numba."""
-    found = [_own(problem, method) for method in problem.methods()]
+    listed = [_own(problem, method) for method in problem.methods()]
     if find_spec("numba"):
         from ..peers.compiled import numba, scipy, sundials
 
-        found += [*scipy(problem), *numba(problem)]
-        found += sundials(problem) if find_spec("sksundae") else []
+        listed += [*scipy(problem), *numba(problem)]
+        listed += sundials(problem) if find_spec("sksundae") else []
     if find_spec("mujoco"):
         from ..peers.mujoco_peer import mujoco
 
-        found += mujoco(problem)
-    return found
+        listed += mujoco(problem)
+    return listed

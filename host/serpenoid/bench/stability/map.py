@@ -164,13 +164,13 @@ def measure(grid: Grid, tell: Callable[[str], None]) -> Iterator[Cell]:
     axes = (fixed_step_methods(), grid.links, grid.damping, grid.stiffness)
     with Limited() as child:
         for method, links, damping, stiffness in product(*axes):
-            at = (method, links, damping, stiffness)
+            case = (method, links, damping, stiffness)
             if stiffness == grid.stiffness[0]:
                 tell(f"map of {method}, {links} links, c = {damping:g} N s/m ...")
-            limit, note = min(1.0, largest_stable_step_s(scene_of(*at))), ""
+            limit, note = min(1.0, largest_stable_step_s(scene_of(*case))), ""
             try:
-                values = child(LIMIT_S, line_of_growth, at, grid.dt_s, grid.steps)
+                values = child(LIMIT_S, line_of_growth, case, grid.dt_s, grid.steps)
             except (Overran, Crashed, Failed) as failure:
                 values, note = [math.nan] * len(grid.dt_s), str(failure)
             for dt, value in zip(grid.dt_s, values, strict=True):
-                yield Cell(*at, dt, _digits(value, 3), _digits(limit, 3), int(dt > limit), note)
+                yield Cell(*case, dt, _digits(value, 3), _digits(limit, 3), int(dt > limit), note)

@@ -59,17 +59,17 @@ def _pushes(
     """Return a push each way, as they would be seen; law: c and f of v' = -(c v + f)."""
     start = np.array([[SPEED_M_S], [law[0]], [law[1]]])
     rest_s, rest_m = (float(part[0]) for part in rest(*start))
-    seen: dict[str, Any] = {"distance_m": rest_m, "duration_s": rest_s}
+    cells: dict[str, Any] = {"distance_m": rest_m, "duration_s": rest_s}
     if filmed:
         known = [p.distance_sigma_m for p in session.kept_pushes if p.track and p.distance_sigma_m]
         t = np.arange(0.0, rest_s + RESTED_S, 1 / RATE_HZ)
         x = way_m(t, *np.broadcast_to(start, (3, len(t))))[0]
         track = Track.of(("t_s", "x_m", "y_m"), np.stack([t, x, 0 * t], axis=1))
         sigma_m = float(np.median(known)) if known else _PLACE_M
-        seen = {"by": "film", "track": track, "distance_sigma_m": sigma_m}
-    seen["place"] = session.kept_pushes[-1].place if session.kept_pushes else ""
+        cells = {"by": "film", "track": track, "distance_sigma_m": sigma_m}
+    cells["place"] = session.kept_pushes[-1].place if session.kept_pushes else ""
     first = next_number(session)
-    return [Coast(first + k, way=way, **seen, **posed) for k, way in enumerate(WAYS)]
+    return [Coast(first + k, way=way, **cells, **posed) for k, way in enumerate(WAYS)]
 
 
 def _slides(session: Session, law: np.ndarray, posed: dict[str, Any]) -> Iterator[Slide]:

@@ -70,9 +70,9 @@ class SpeedDoubts:
             ("all frictions", self.together, self.drawn),
             (f"with {self._joints}", self.with_amplitude, self.drawn_amplitude),
         ]
-        told = [[name, _percent(slopes), _percent(draws)] for name, slopes, draws in rows]
+        lines = [[name, _percent(slopes), _percent(draws)] for name, slopes, draws in rows]
         ideal = self.drawn_servos == self.drawn_amplitude
-        return told if ideal else [*told, ["with servos", "", _percent(self.drawn_servos)]]
+        return lines if ideal else [*lines, ["with servos", "", _percent(self.drawn_servos)]]
 
     @property
     def _joints(self) -> str:
@@ -83,8 +83,8 @@ class SpeedDoubts:
         """Return what makes most of the interval, and whether the derivatives can be believed."""
         first = max(self.shares, key=self.shares.__getitem__)
         named = self._joints if first == "amplitude" else first
-        told = f"most of it: {named}, {100 * self.shares[first]:.0f} % of the variance by draws"
-        return told + ("" if self.straight else ". Derivatives mislead here: the draws count.")
+        most = f"most of it: {named}, {100 * self.shares[first]:.0f} % of the variance by draws"
+        return most + ("" if self.straight else ". Derivatives mislead here: the draws count.")
 
 
 def _percent(share: float) -> str:
@@ -107,7 +107,7 @@ def speed_doubts(
     slope = np.divide(slope, whole, out=np.zeros_like(slope), where=whole > 0.0)
     slope = np.append(slope, elasticity.get("alpha_rad", 0.0))
     covariance, names = known_covariance(fit, band.filmed), (*fit.names, "amplitude")
-    each = np.abs(slope) * np.sqrt(np.diag(covariance))
+    by_reading = np.abs(slope) * np.sqrt(np.diag(covariance))
     friction = slope[:-1] @ covariance[:-1, :-1] @ slope[:-1]
     left_out = MODEL_SIGMA if fit.with_crawls else 0.0
     ends = (
@@ -118,7 +118,7 @@ def speed_doubts(
     )
     drawn = [(high - low) / (2 * _Z95 * float(found.at[0])) for low, high in ends]
     return SpeedDoubts(
-        dict(zip(names, each.tolist(), strict=True)),
+        dict(zip(names, by_reading.tolist(), strict=True)),
         dict(zip(names, drawn[:-3], strict=True)),
         math.sqrt(friction),
         math.sqrt(slope @ covariance @ slope + left_out**2),

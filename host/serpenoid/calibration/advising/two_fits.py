@@ -168,5 +168,5 @@ def _verdict(p_value: float, causes: tuple[str, ...]) -> str:
     if not causes:
         return OTHER
     either = "They do not agree. " + ("One of these explains it. " if len(causes) > 1 else "")
-    told = "; or ".join(WORDS[cause] for cause in causes)
-    return f"{either}{told[0].upper()}{told[1:]}."
+    words = "; or ".join(WORDS[cause] for cause in causes)
+    return f"{either}{words[0].upper()}{words[1:]}."

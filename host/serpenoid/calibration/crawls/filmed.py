@@ -56,19 +56,19 @@ def crawl_cells(rows: Array, gait: Gait) -> Cells:
 
 def _sines(t: Array, angles: Array, gait: Gait) -> tuple[float, Array, float]:
     """Return the rate, rad/s, centre, cosine and sine of every joint, and an amplitude's sigma."""
-    seen = ~np.isnan(angles)
-    if seen.sum(axis=0).min() < 8:
+    filmed = ~np.isnan(angles)
+    if filmed.sum(axis=0).min() < 8:
         raise BadInput("a joint was seen in less than 8 pictures; a session's reading needs all")
-    held = np.where(seen, angles, 0.0)
-    omega, sines = fit_sines(t, held, seen.astype(float), gait.omega_rad_s, harmonics=1)
-    off = (basis(t, omega, harmonics=1) @ sines - angles)[seen]
+    held = np.where(filmed, angles, 0.0)
+    omega, sines = fit_sines(t, held, filmed.astype(float), gait.omega_rad_s, harmonics=1)
+    off = (basis(t, omega, harmonics=1) @ sines - angles)[filmed]
     mean_square = float(np.mean(off**2))
-    if abs(omega / gait.omega_rad_s - 1.0) > _FAR or mean_square > _UNEVEN * np.var(angles[seen]):
+    if abs(omega / gait.omega_rad_s - 1.0) > _FAR or mean_square > _UNEVEN * np.var(angles[filmed]):
         raise BadInput(
             f"the joints do not swing at {gait.omega_rad_s / (2 * math.pi):.3g} Hz, as was "
             "commanded; is it a film of another gait?"
         )
-    return omega, sines, math.sqrt(2 * mean_square / seen.sum(axis=0).min())
+    return omega, sines, math.sqrt(2 * mean_square / filmed.sum(axis=0).min())
 
 
 def _speed(rows: Array, period_s: float) -> tuple[float, float]:

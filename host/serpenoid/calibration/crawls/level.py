@@ -179,8 +179,8 @@ def _crawl(
             **moved,
         )
     )
-    at = period_s * (before + np.arange(last + 2 - before))
-    x, y = (np.interp(at, run.t_s, way.mean(axis=1)) for way in (run.x_m, run.y_m))
+    t_s = period_s * (before + np.arange(last + 2 - before))
+    x, y = (np.interp(t_s, run.t_s, way.mean(axis=1)) for way in (run.x_m, run.y_m))
     speeds_m_s = np.hypot(np.diff(x), np.diff(y)) / period_s
     direction_rad = math.atan2(y[1] - y[0], x[1] - x[0])
     return float(speeds_m_s.mean()), float(speeds_m_s.std()), direction_rad

@@ -266,7 +266,7 @@ class CrawlDraws:
             ends = self._rows(z + _STEP * np.vstack([np.zeros(len(z)), np.eye(len(z))]))
             return root[:, None] * (ends[1:] - ends[0]).T / _STEP
 
-        found = least_squares(
+        solved = least_squares(
             lambda z: root * self._rows(z[None])[0],
             start,
             jac=slopes,  # pyright: ignore[reportArgumentType]
@@ -276,7 +276,7 @@ class CrawlDraws:
         )
         low = np.append(self.posterior.others.low, -np.inf)
         low[: self.posterior.others.frictions] = -np.inf
-        return np.maximum(np.asarray(found.x), low)
+        return np.maximum(np.asarray(solved.x), low)
 
     @property
     def best_whole(self) -> Floats:

@@ -57,8 +57,8 @@ def with_near_ones(
         every = np.array([kind.units_of(s) for s in effects.servos])
         units = every[:, free]
         kinds = -0.5 * np.sum(units**2 + np.log(2 * np.pi), axis=1)
-        each = [np.log(n) + by.log_density(units) for by, n in drawn_by]
-        draws = np.logaddexp.reduce([np.log(first) + kinds, *each])
+        logs = [np.log(n) + by.log_density(units) for by, n in drawn_by]
+        draws = np.logaddexp.reduce([np.log(first) + kinds, *logs])
         effects = replace(effects, log_weight=kinds + np.log(len(units)) - draws)
         posterior = replace(posterior, effects=effects)
     return posterior

@@ -112,10 +112,10 @@ class Mode:
     @cached_property
     def covariance(self) -> Floats:
         """Return the inverse of the information; raises NotConverged where it has none."""
-        found = _inverse(self.information)
-        if found is None:
+        covariance = _inverse(self.information)
+        if covariance is None:
             raise NotConverged("the readings contradict each other so far that no friction is told")
-        return found
+        return covariance
 
     @property
     def values(self) -> dict[str, Floats]:
@@ -301,7 +301,7 @@ class Posterior:
 
         root = np.sqrt(np.broadcast_to(weight, self.numbers.shape))
         plain = width == math.inf
-        found = least_squares(
+        solved = least_squares(
             lambda x: root * self.residuals(x[None])[0],
             np.maximum(start, self.low + 1e-9),
             jac=lambda x: root[:, None] * self.slopes(x),  # pyright: ignore[reportArgumentType]
@@ -312,9 +312,9 @@ class Posterior:
             f_scale=1.0 if plain else width,
             max_nfev=_EVALUATIONS,
         )
-        if plain and not found.success:
+        if plain and not solved.success:
             raise NotConverged("the readings contradict each other")
-        return np.asarray(found.x)
+        return np.asarray(solved.x)
 
     def _at_limit(self, x: Floats) -> Floats:
         """Return frictions as 0 that the solver left just inside their limit."""

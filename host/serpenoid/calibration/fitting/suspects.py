@@ -104,13 +104,13 @@ def _suspects(session: Session, mode: Mode) -> dict[str, Rows]:
     posterior = mode.posterior
     numbers = posterior.numbers
     readings = dict.fromkeys(numbers[numbers >= 0].tolist())
-    found = {f"reading {number}": numbers == number for number in readings}
+    groups = {f"reading {number}": numbers == number for number in readings}
     pushes = session.kept_pushes
     for sha256 in dict.fromkeys(push.file_sha256 for push in pushes):
         group = [push.number for push in pushes if push.file_sha256 == sha256]
         if sha256 and len(group) > 1:
             named = ", ".join(map(str, group))
-            found[f"the file of readings {named}"] = np.isin(numbers, group)
+            groups[f"the file of readings {named}"] = np.isin(numbers, group)
     shared = {
         name: f"the bend of {math.degrees(angle):.3g}°{block.bends.where} as it was set"
         for block in posterior.blocks
@@ -120,8 +120,8 @@ def _suspects(session: Session, mode: Mode) -> dict[str, Rows]:
     for name, row in priors:
         if name in shared:
             words = shared[name]  # the same of two bends that were set alike
-            found[words] = found.get(words, False) | (np.arange(len(numbers)) == row)
-    return found
+            groups[words] = groups.get(words, False) | (np.arange(len(numbers)) == row)
+    return groups
 
 
 def _named(left: dict[str, float]) -> str:

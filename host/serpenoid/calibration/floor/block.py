@@ -171,17 +171,17 @@ class Pushes:
 
     def _without_slip(self, values: Values) -> list[tuple[PushTrack, Floats | float]]:
         """Return each push but for its slip at a point, as `PushTrack.without_slip` does."""
-        made: list[tuple[PushTrack, Floats | float]] = [(track, 0.0) for track in self.tracks]
+        tracks: list[tuple[PushTrack, Floats | float]] = [(track, 0.0) for track in self.tracks]
         if not self.slips.any():
-            return made
+            return tracks
         c, f, pull = (part[0] for part in self.law(values))
         angles = np.broadcast_to(self.bends.angles_rad(values), (1, len(self.tracks)))
         across = self._motion(values, (1.0, np.pi / 2 - angles))[0]
         c_end, f_end, _ = self._motion(values, (0.5, 2 * angles))
         for k in np.flatnonzero(self.slips):
             slip = Slip(angles[0, k], across[0, k], c_end[0, k], f_end[0, k], pull[k, 0])
-            made[k] = self.tracks[k].without_slip(c[k], f[k], pull[k], slip)
-        return made
+            tracks[k] = self.tracks[k].without_slip(c[k], f[k], pull[k], slip)
+        return tracks
 
     def residuals(self, values: Values) -> Floats:
         """Return the residuals (K, rows)."""

@@ -157,10 +157,10 @@ def _speeds(t: Floats, x: Floats, y: Floats) -> Floats:
         total = np.concatenate([[0.0], np.cumsum(values)])
         return total[high] - total[low]
 
-    at = t - t.mean()
-    mean = sums(at) / count
-    spread = np.maximum(sums(at * at) - count * mean**2, 1e-12)
-    rates = [(sums(at * v) - mean * sums(v)) / spread for v in (x - x.mean(), y - y.mean())]
+    centred = t - t.mean()
+    mean = sums(centred) / count
+    spread = np.maximum(sums(centred * centred) - count * mean**2, 1e-12)
+    rates = [(sums(centred * v) - mean * sums(v)) / spread for v in (x - x.mean(), y - y.mean())]
     return np.hypot(*rates)
 
 

@@ -73,8 +73,8 @@ def _unrounded(t: NDArray[np.float64]) -> NDArray[np.float64]:
     whole = np.abs(100 * t - np.round(100 * t)).max(initial=0.0) < 1e-6
     if not whole or len(t) < 10 or np.median(steps) < 2 * GRAIN_S:
         return t
-    one = steps[steps < 1.5 * np.median(steps)].mean()
-    count = np.concatenate([[0.0], np.cumsum(np.round(steps / one))])
+    step_s = steps[steps < 1.5 * np.median(steps)].mean()
+    count = np.concatenate([[0.0], np.cumsum(np.round(steps / step_s))])
     even = np.asarray(np.polyval(np.polyfit(count, t, 1), count), dtype=np.float64)
     return even if np.ptp(t - even) <= 1.2 * GRAIN_S else t
 

@@ -22,13 +22,13 @@ def tidy_places(text: str) -> str:
     """
     line = text.replace("−", "-").strip()
     parts = re.split(r"[\s;/]+|,(?=\s)", line) if re.search(r"[\s;/]", line) else line.split(",")
-    found = [_PAIR.fullmatch(part) for part in parts if part]
-    if not all(found) or len(found) < 3:
+    matches = [_PAIR.fullmatch(part) for part in parts if part]
+    if not all(matches) or len(matches) < 3:
         raise BadInput(
             f"{text!r} is no track; type three places or more as seconds:metres, uphill +, such "
             f"as {EXAMPLE}"
         )
-    pairs = [[float(x.replace(",", ".")) for x in pair.groups()] for pair in found if pair]
+    pairs = [[float(x.replace(",", ".")) for x in pair.groups()] for pair in matches if pair]
     times = [t for t, _ in pairs]
     if any(later <= t for t, later in pairwise(times)):
         raise BadInput(f"the times of {text!r} must rise from place to place")

@@ -37,19 +37,19 @@ class Track:
 
         A last column with a star stands for any number of them; there NaN says "not seen".
         """
-        found = np.array(values, dtype=np.float64)
-        names = _named(columns, found.shape[-1] if found.ndim else 0)
-        if found.ndim != 2 or found.shape[1] != len(names) or len(found) < 2:
+        samples = np.array(values, dtype=np.float64)
+        names = _named(columns, samples.shape[-1] if samples.ndim else 0)
+        if samples.ndim != 2 or samples.shape[1] != len(names) or len(samples) < 2:
             raise BadInput(
-                f"a track of {found.shape} is none; it must be (samples, {len(columns)}) for "
+                f"a track of {samples.shape} is none; it must be (samples, {len(columns)}) for "
                 f"{', '.join(columns)}, with two samples at least"
             )
         whole = len(columns) - columns[-1].count(STAR)
-        if np.isinf(found).any() or np.isnan(found[:, :whole]).any():
+        if np.isinf(samples).any() or np.isnan(samples[:, :whole]).any():
             raise BadInput("a track has a sample that is no finite number; leave that sample out")
-        text = _text(names, found)
-        found.flags.writeable = False
-        return cls(names, found, hashlib.sha256(text.encode()).hexdigest())
+        text = _text(names, samples)
+        samples.flags.writeable = False
+        return cls(names, samples, hashlib.sha256(text.encode()).hexdigest())
 
     def write(self, folder: Path, number: int) -> str:
         """Put the file of a reading's track onto the disk; return its name in the folder."""

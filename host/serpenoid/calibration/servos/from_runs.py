@@ -57,9 +57,9 @@ def servo_of_session(
     by_servo = np.bincount(index, weight)
     count = 1 / float(np.sum(by_servo**2))
     if poor or count < min(LEAST_SERVOS, len(drawn) / 2):
-        told = "no servo" if poor else f"{count:.1f} of {len(drawn)} servos"
+        few = "no servo" if poor else f"{count:.1f} of {len(drawn)} servos"
         raise BadInput(
-            f"{told} like {like.name} would have run so: too few to tell a servo by; look at "
+            f"{few} like {like.name} would have run so: too few to tell a servo by; look at "
             "`serpenoid compare`, or take another kind"
         )
     rng = np.random.default_rng(seed)

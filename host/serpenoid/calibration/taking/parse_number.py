@@ -61,12 +61,12 @@ def parse_number(text: str, field: Field, likely: Range | None = None) -> Typed:
     text = text.strip()
     if not text and field.usual is not None:
         return Typed(field.usual)
-    found = _NUMBER.fullmatch(text.replace("−", "-"))
-    if not found:
+    match = _NUMBER.fullmatch(text.replace("−", "-"))
+    if not match:
         raise BadInput(f"{text!r} is no number; {field.example}")
-    number = float(found[1].replace(",", "."))
-    if found[2]:
-        return Typed(_checked(_converted(number, _unit(found[2], field), field), field))
+    number = float(match[1].replace(",", "."))
+    if match[2]:
+        return Typed(_checked(_converted(number, _unit(match[2], field), field), field))
     low, high = likely or field.likely or (-math.inf, math.inf)
     if number and high < math.inf and not low <= number <= high:
         for unit in list(field.units)[1:]:

@@ -188,7 +188,7 @@ def doubts(session: Session, step: Step, cells: Cells) -> Doubts:
 
     A station's belt speed is judged at the incline that was typed, with the drift taken off.
     """
-    found = []
+    doubtful = []
     for field in step.fields:
         if field.column not in cells:
             continue
@@ -200,10 +200,10 @@ def doubts(session: Session, step: Step, cells: Cells) -> Doubts:
         if field.column in ("drift_m_s", "waited_s") and cells.get("places"):
             continue  # of a short reading: any drift will do, and it does not wait
         if likely is not None and not likely[0] <= value <= likely[1]:
-            found.append((field, likely))
+            doubtful.append((field, likely))
         elif field.column == "belt_speed_m_s" and step.kind == "station":
-            found += _too_slow(field, value, cells)
-    return found
+            doubtful += _too_slow(field, value, cells)
+    return doubtful
 
 
 def _too_slow(field: Field, belt_m_s: float, cells: Cells) -> Doubts:

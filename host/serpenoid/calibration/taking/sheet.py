@@ -67,10 +67,10 @@ def add_sheet(journal: Journal, path: Path) -> tuple[int, list[str]]:
     if not added:
         raise BadInput(f"{path}: all its readings were taken in before; nothing is added twice")
     journal.event("note", detail=f"sheet {path.name}")
-    told = ["cells parted by semicolons, decimals by commas: read as such"] if semicolons else []
+    notes = ["cells parted by semicolons, decimals by commas: read as such"] if semicolons else []
     if added < len(listed):
-        told.append(f"{len(listed) - added} reading(s) of it were there already")
-    return added, told
+        notes.append(f"{len(listed) - added} reading(s) of it were there already")
+    return added, notes
 
 
 def _row(header: list[str], cells: list[str]) -> dict[str, str]:

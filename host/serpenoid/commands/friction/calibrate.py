@@ -187,8 +187,8 @@ def add(
         raise click.UsageError("give KIND and NAME=VALUE, or --sheet FILE.csv")
     with _journal(folder) as journal:
         if sheet is not None:
-            added, told = add_sheet(journal, sheet)
-            for line in told:
+            added, notes = add_sheet(journal, sheet)
+            for line in notes:
                 say(line, err=True)
             return say(f"{added} reading(s) added; {count(journal.session)}")
         assert kind is not None  # or there is a sheet

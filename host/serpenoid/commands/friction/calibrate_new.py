@@ -137,17 +137,17 @@ def _asked(setup: Setup, answers: Given, on: str) -> Given:
     from ...calibration.taking.new_session import QUESTIONS, WORDS
 
     say("Enter takes what stands in brackets; numbers may be typed with their units.")
-    found = dict(answers)
+    answered = dict(answers)
     for name, words in WORDS.items():
-        if found.get(name) is None:
-            found[name] = click.prompt(words, default=getattr(setup, name))
+        if answered.get(name) is None:
+            answered[name] = click.prompt(words, default=getattr(setup, name))
     links = click.IntRange(2, 100)
-    found["links"] = click.prompt("number of links", default=setup.robot.links, type=links)
+    answered["links"] = click.prompt("number of links", default=setup.robot.links, type=links)
     for question in QUESTIONS:
         field = question.field
-        if found.get(field.column) is None and question.on in ("", on):
+        if answered.get(field.column) is None and question.on in ("", on):
             kind = click.types.FuncParamType(quantity_of(field.column))
-            found[field.column] = click.prompt(
+            answered[field.column] = click.prompt(
                 field.words, default=question.usual_of(setup), type=kind
             )
-    return found
+    return answered

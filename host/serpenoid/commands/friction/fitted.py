@@ -59,31 +59,31 @@ def fit(
     count = len(loaded.kept)
     servo = take_servo("hobby") if crawls else None
     with working(f"fitting {count} readings") if count > MANY or crawls else nullcontext():
-        found = sn.fit_friction(loaded, method=method, crawls=crawls, servo=servo)
+        fit = sn.fit_friction(loaded, method=method, crawls=crawls, servo=servo)
     if figure is not None:
         from ...show.figure_data import beside
         from ...show.plot import friction_lines
         from ...show.session.floor_figure import push_figure
 
         if loaded.on_floor:
-            push_figure(loaded, found, figure)
+            push_figure(loaded, fit, figure)
         else:
-            friction_lines(loaded, found, figure)
+            friction_lines(loaded, fit, figure)
             report.wrote(figure, beside(figure))
     not_kept = None
     if save and method != "naive":
         try:
-            sn.save_fit(found, session)
+            sn.save_fit(fit, session)
         except OSError as error:
             not_kept = error
     if as_json:
-        show_json(found.to_dict())
+        show_json(fit.to_dict())
     else:
-        report.show(found)
-        notes = [f"note: {note}" for note in break_away_notes(found, loaded)]
-        say("\n".join([*found.remarks, *notes]))
+        report.show(fit)
+        notes = [f"note: {note}" for note in break_away_notes(fit, loaded)]
+        say("\n".join([*fit.remarks, *notes]))
         if influence:
-            report.influence(found)
+            report.influence(fit)
     if not_kept is not None:
         raise sn.SerpenoidError(
             f"{not_kept}: the fit is shown, but not kept as fit.json"
@@ -112,8 +112,8 @@ def advise(
     session_fit(session)  # tells its alarms
     with progress(len(gaits) or len(loaded.setup.procedure.gaits), "gaits") as advance:
         servo = take_servo("hobby")
-        found = sn.advise(loaded, gaits, samples=samples, runs=runs, servo=servo, progress=advance)
-    tell(found, as_json)
+        advice = sn.advise(loaded, gaits, samples=samples, runs=runs, servo=servo, progress=advance)
+    tell(advice, as_json)
 
 
 @click.command()
@@ -164,7 +164,7 @@ def compare(
         return report.table("friction in two sessions, whole snake", *two.table())
     fit = session_fit(session, with_crawls=False)
     with progress(comparison.gait_count(loaded, gaits), "gaits") as advance:
-        found = comparison.compare(
+        compared = comparison.compare(
             loaded,
             fit,
             gaits=gaits,
@@ -177,9 +177,9 @@ def compare(
         from ...show.comparison_figure import comparison_figure
         from ...show.figure_data import beside
 
-        comparison_figure(found, figure)
+        comparison_figure(compared, figure)
         report.wrote(figure, beside(figure))
-    return tell(found, as_json)
+    return tell(compared, as_json)
 
 
 @click.command()

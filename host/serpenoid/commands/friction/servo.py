@@ -71,17 +71,17 @@ def servo(
         check_number("--sigma-deg", sigma_deg, 0.0, 57.0, open_low=True)
         test = read_test(table, math.radians(sigma_deg), inertia_kg_m2)
         with working("trying servos"):
-            found = servo_of_test(test, kind, name=name)
+            measured = servo_of_test(test, kind, name=name)
     else:
         assert session is not None
         refuse_typed("{} is for --test; leave it out", "sigma_deg", "inertia_kg_m2")
         from ...calibration.servos.from_runs import servo_of_session
 
         fit = session_fit(session, with_crawls=False)  # tells its alarms
-        found = servo_of_session(sn.load_session(session), kind, fit, name=name)
+        measured = servo_of_session(sn.load_session(session), kind, fit, name=name)
     if out is not None:
-        sn.save_servo(found.kind, out)
-    show_json(found.to_dict()) if as_json else show(found, out)
+        sn.save_servo(measured.kind, out)
+    show_json(measured.to_dict()) if as_json else show(measured, out)
 
 
 def read_test(path: Path, sigma_rad: float, inertia_kg_m2: float) -> BenchTest:

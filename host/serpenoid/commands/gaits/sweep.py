@@ -63,7 +63,7 @@ def path(value: str) -> Path:
 
 def _varied(given: tuple[str, ...], fixed: Given) -> dict[str, list[float]]:
     """Read each NAME=FIRST:LAST:STEP; fixed: the robot's other options, None if not given."""
-    found: dict[str, list[float]] = {}
+    axes: dict[str, list[float]] = {}
     names = *_BODY, *GROUND.names
     for text in given:
         name, equals, span = text.partition("=")
@@ -72,11 +72,11 @@ def _varied(given: tuple[str, ...], fixed: Given) -> dict[str, list[float]]:
                 f"{text!r} is not NAME=FIRST:LAST:STEP with a NAME of " + ", ".join(names),
                 param_hint="--vary",
             )
-        if name in found or fixed[_BODY.get(name, name)] is not None:
-            other = "another one" if name in found else f"--{name.replace('_', '-')}"
+        if name in axes or fixed[_BODY.get(name, name)] is not None:
+            other = "another one" if name in axes else f"--{name.replace('_', '-')}"
             raise click.UsageError(f"--vary {name} and {other} contradict each other; give one")
-        found[name] = _span(span, "--vary")
-    return found
+        axes[name] = _span(span, "--vary")
+    return axes
 
 
 def _each(base: Any, varied: dict[str, list[Any]]) -> Any:
@@ -180,16 +180,16 @@ def _one(
             f"to {most:.3g}; name a folder, --out STUDY, which is filled chunk by chunk"
         )
     with progress(count * (1 if how["servo"] is None else 2), "gaits") as advance:
-        found = sn.sweep(*body, **grid, **how, progress=advance)
+        grid_states = sn.sweep(*body, **grid, **how, progress=advance)
     if out is not None:
-        write_sweep(found, out)
-        missed = int((~found.converged).sum())
+        write_sweep(grid_states, out)
+        missed = int((~grid_states.converged).sum())
         say(f"wrote {count} gaits to {out}; {missed} did not converge", err=True)
-        if found.servo_speed_m_s is not None:
-            lost = sum(map(math.isnan, found.servo_speed_m_s.flat))
+        if grid_states.servo_speed_m_s is not None:
+            lost = sum(map(math.isnan, grid_states.servo_speed_m_s.flat))
             say(f"with servos {lost} do not settle to a speed", err=True)
     if as_json:
-        show_json(sweep_values(found))
+        show_json(sweep_values(grid_states))
 
 
 def _study(

@@ -147,21 +147,23 @@ def _counters(status: Status, losses: Losses, heard: int) -> Finding:
 
 
 def _timing(status: Status) -> Finding:
-    found = (
+    measured = (
         f"{status.overruns} frames missed, latest frame {status.late_us} us late, "
         f"longest pass {status.frame_us} us"
     )
     if status.overruns or status.late_us > LATE_US:
         fix = "flash the newest firmware: serpenoid flash; if it persists, report these numbers"
-        return Finding("timing", "fix", found, fix)
-    return Finding("timing", "ok", found)
+        return Finding("timing", "fix", measured, fix)
+    return Finding("timing", "ok", measured)
 
 
 def _drift(robot: RobotBoard) -> Finding:
     drift = robot.clock
     if not drift.span_s:
         return Finding("clock", "note", "not measured", "listen longer: --listen-s 5")
-    found = f"{drift.ppm:+.0f} ± {drift.sd_ppm:.0f} ppm against this computer"
+    measured = f"{drift.ppm:+.0f} ± {drift.sd_ppm:.0f} ppm against this computer"
     if not drift.believable:
-        return Finding("clock", "fix", found, "beyond any resonator: is the right board flashed?")
-    return Finding("clock", "ok", found)
+        return Finding(
+            "clock", "fix", measured, "beyond any resonator: is the right board flashed?"
+        )
+    return Finding("clock", "ok", measured)

@@ -66,11 +66,11 @@ class KeyReader:
             self._fill(timeout_s)
         while UNFINISHED.search(self._text) and self._fill(REST_S):
             pass
-        found = KEY.match(self._text)
-        if not found:
+        key = KEY.match(self._text)
+        if not key:
             return ""
-        self._text = self._text[found.end() :]
-        return NAMES.get(found[0], found[0])
+        self._text = self._text[key.end() :]
+        return NAMES.get(key[0], key[0])
 
     def _fill(self, timeout_s: float) -> bool:
         data = system.read_input(timeout_s)

@@ -117,8 +117,8 @@ def check_joints(board: str, joints: int) -> None:
 
 def build_flags(joints: int, output: str) -> str:
     """Return what PlatformIO is to add to the compiler's flags, the user's own before it."""
-    own = os.environ.get("PLATFORMIO_BUILD_FLAGS", "")
-    return " ".join(f"{own} -D SERPENOID_JOINTS={joints} {OUTPUTS[output]}".split())
+    flags = os.environ.get("PLATFORMIO_BUILD_FLAGS", "")
+    return " ".join(f"{flags} -D SERPENOID_JOINTS={joints} {OUTPUTS[output]}".split())
 
 
 def find_platformio() -> str | None:

@@ -33,10 +33,10 @@ def greet(talk: Dialogue, timeout_s: float) -> None:
 
 
 def _check_protocol(talk: Dialogue) -> None:
-    found = talk.inbox.protocol
-    if found not in (None, PROTOCOL):
+    spoken = talk.inbox.protocol
+    if spoken not in (None, PROTOCOL):
         raise ProtocolMismatch(
-            f"the board speaks protocol {found}, this program protocol {PROTOCOL}; flash the "
+            f"the board speaks protocol {spoken}, this program protocol {PROTOCOL}; flash the "
             f"firmware that belongs to it: {FLASH.format(port=talk.link.name)}"
         )
 

@@ -154,10 +154,10 @@ def parse(line: bytes) -> Message:
 
 
 def _matched(pattern: re.Pattern[str], body: str) -> tuple[str, ...]:
-    found = pattern.fullmatch(body)
-    if not found:
+    match = pattern.fullmatch(body)
+    if not match:
         raise DamagedLine(f"{body!r} is not in the form of protocol {PROTOCOL}")
-    return tuple(field or "" for field in found.groups())
+    return tuple(field or "" for field in match.groups())
 
 
 def _telemetry(body: str) -> Telemetry:

@@ -82,25 +82,25 @@ def settings_of(data: list[Data]) -> dict[str, float]:
     """Return name -> value from the lines that answer `set`; raise DamagedLine."""
     with _whole("a setting of the board"):
         said = [(line.text.split()[0], _values(line.text)["value"]) for line in data]
-        found = {name: said_field(firmware.SETTINGS, name, value) for name, value in said}
-        return {name: found[name] for name in SETTINGS} | found
+        values = {name: said_field(firmware.SETTINGS, name, value) for name, value in said}
+        return {name: values[name] for name in SETTINGS} | values
 
 
 def trims_of(data: list[Data], joints: int) -> tuple[Trim, ...]:
     """Return all servos from the lines that answer `trim`; raise DamagedLine."""
     with _whole("a trim of the board"):
-        found = [_trim(d.text) for d in data]
-    if [t.joint for t in found] != list(range(1, joints + 1)):
-        raise DamagedLine(f"the board listed the trims of joints {[t.joint for t in found]}")
-    return tuple(found)
+        trims = [_trim(d.text) for d in data]
+    if [t.joint for t in trims] != list(range(1, joints + 1)):
+        raise DamagedLine(f"the board listed the trims of joints {[t.joint for t in trims]}")
+    return tuple(trims)
 
 
 _COUNTS = [n for n in Status.__dataclass_fields__ if n not in ("state", "moving", "stack_bytes")]
 
 
 def _trim(text: str) -> Trim:
-    told = _values(text)
-    value = {name: said_field(firmware.TRIM, name, told[name]) for name in firmware.TRIM}
+    values = _values(text)
+    value = {name: said_field(firmware.TRIM, name, values[name]) for name in firmware.TRIM}
     return Trim(
         said_count("joint", text.split(maxsplit=1)[0].removeprefix("#"), 1, 99),
         value["centre"],

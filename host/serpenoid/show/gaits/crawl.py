@@ -72,14 +72,16 @@ def crawl(robot: Robot, ground: Ground, gait: Gait) -> Crawl:
             record=("friction",),
         )
     )
-    seen = along_travel(run)
-    turn = np.exp(1j * (seen.theta_rad - run.theta_rad)[0, 0])
+    turned = along_travel(run)
+    turn = np.exp(1j * (turned.theta_rad - run.theta_rad)[0, 0])
     force = turn * (run.friction_x_n + 1j * run.friction_y_n)
-    slip = seen.vy_m_s * np.cos(seen.theta_rad) - seen.vx_m_s * np.sin(seen.theta_rad)
-    start, *_, end = seen.centre_m[:, 0].tolist()
-    camera = (end - start) * np.linspace(0, 1, seen.t_s.size) + start
-    centre = seen.x_m - camera[:, None] + 1j * seen.y_m
-    return Crawl(robot, ground, gait, seen.t_s, centre, seen.theta_rad, force, slip, end - start)
+    slip = turned.vy_m_s * np.cos(turned.theta_rad) - turned.vx_m_s * np.sin(turned.theta_rad)
+    start, *_, end = turned.centre_m[:, 0].tolist()
+    camera = (end - start) * np.linspace(0, 1, turned.t_s.size) + start
+    centre = turned.x_m - camera[:, None] + 1j * turned.y_m
+    return Crawl(
+        robot, ground, gait, turned.t_s, centre, turned.theta_rad, force, slip, end - start
+    )
 
 
 def write_data(found: Crawl, path: Path) -> None:

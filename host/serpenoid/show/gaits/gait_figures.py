@@ -240,7 +240,7 @@ def power_of(
     good = cloud.converged & (cloud.speed_m_s > 1e-3) & (watts > 0)
     speed = [b.speed_m_s * part for b, part in zip(front, along, strict=True)]
     wanted = [b.wanted_m_s for b in robust]
-    told = "least power" if min(along, default=1.0) == 1.0 else "least power, speed along x"
+    label = "least power" if min(along, default=1.0) == 1.0 else "least power, speed along x"
     with figure(7.2, 5.0, path=path) as (fig, ax):
         ax.scatter(
             cloud.speed_m_s[good],
@@ -251,12 +251,12 @@ def power_of(
             rasterized=True,
             label=f"{int(good.sum())} gaits that travel",
         )
-        ax.plot(speed, [b.power_w for b in front], "o-", color=BLUE, ms=4, label=told)
+        ax.plot(speed, [b.power_w for b in front], "o-", color=BLUE, ms=4, label=label)
         if robust:
             extra = [max(100 * b.premium, 0.0) for b in robust]
-            told = f"robust: {min(extra):.0f} to {max(extra):.0f} % more"
+            label = f"robust: {min(extra):.0f} to {max(extra):.0f} % more"
             how = {"color": RED, "mfc": "white", "ms": 5, "lw": 1.2}
-            ax.plot(wanted, [b.power_w for b in robust], "s--", label=told, **how)
+            ax.plot(wanted, [b.power_w for b in robust], "s--", label=label, **how)
         ax.set(xlabel="speed (m/s)", ylabel="power (W)", xscale="log", yscale="log")
         if speed:  # the claim is about the front: what is far slower only shrinks it
             ax.set_xlim(left=0.5 * min(speed))

@@ -44,8 +44,10 @@ def warn_of_cliff(found: Margins, sigmas: dict[str, float] | None = None) -> Non
     """Warn beside a cliff; sigmas: `Margins.in_sigmas`, with a fit."""
     known = {name: share for name, share in (sigmas or {}).items() if math.isfinite(share)}
     if known:
-        told = ", ".join(f"{name.partition('_')[0]} {share:.2g}" for name, share in known.items())
-        console.print(f"margins in standard deviations: {told}")
+        known_in_words = ", ".join(
+            f"{name.partition('_')[0]} {share:.2g}" for name, share in known.items()
+        )
+        console.print(f"margins in standard deviations: {known_in_words}")
     if found.warning:
         notices.print(f"serpenoid: warning: {found.warning}")
 

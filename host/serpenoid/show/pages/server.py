@@ -127,7 +127,7 @@ def lan_addresses() -> list[str]:
 
     At least one name comes back: of a machine without a net it is 127.0.0.1.
     """
-    found = []
+    names = []
     for family, far in (  # addresses of documentation, RFC 5737 and RFC 3849
         (socket.AF_INET, "192.0.2.1"),
         (socket.AF_INET6, "2001:db8::1"),
@@ -138,8 +138,8 @@ def lan_addresses() -> list[str]:
                 own = str(probe.getsockname()[0])
         except OSError:
             continue
-        found.append(f"[{own}]" if family == socket.AF_INET6 else own)
-    return found or ["127.0.0.1"]
+        names.append(f"[{own}]" if family == socket.AF_INET6 else own)
+    return names or ["127.0.0.1"]
 
 
 class _Server(ThreadingHTTPServer):

@@ -96,10 +96,10 @@ def of_recording(stream: Stream, robot: Robot, ground: Ground) -> tuple[Gait, di
     kept = np.flatnonzero(stream.state == "gait")
     check_links(robot, stream.setpoint_rad.shape[1] + 1)
     kept = np.arange(kept[0], kept[-1] + 1)
-    told, board_s = stream.setpoint_rad[kept], stream.board_s[kept]
-    twin = Twin(robot, ground, told[0])
+    setpoint_rad, board_s = stream.setpoint_rad[kept], stream.board_s[kept]
+    twin = Twin(robot, ground, setpoint_rad[0])
     every = math.ceil(kept.size / MOST_FRAMES)
-    motion = twin.follow(told[1:], np.diff(board_s), every).along_x()
+    motion = twin.follow(setpoint_rad[1:], np.diff(board_s), every).along_x()
     t_s, phase = board_s[1::every] - board_s[0], stream.phase_rad[kept][1::every]
     asked = joint_motion(gait, robot.links - 1, phase / gait.omega_rad_s).angle_rad
     return gait, (
@@ -172,8 +172,8 @@ class LivePage:
         settling = Twin(robot, ground, led[0]).follow(led[1:], lasts_s)
         shown |= constants(robot, ground, gait, settling)
         shown |= rows(ground, Twin(robot, ground, straight).now())
-        told = f"predicted for the {whose} from the set-points that the robot tells"
-        about = f"{gait_title(gait)}; {told}"
+        label = f"predicted for the {whose} from the set-points that the robot tells"
+        about = f"{gait_title(gait)}; {label}"
         self._page = Page(page_text("the robot, live", about, shown), self._stop)
         self.url = self._page.url
 
@@ -212,14 +212,14 @@ class LivePage:
 
     def _state(self, frame: Telemetry, motion: Motion) -> dict[str, Any]:
         run, losses = self._run, self._run.robot.losses
-        told = f"{frame.state}; {run.frames} frames, {losses.missed_frames} missed"
+        label = f"{frame.state}; {run.frames} frames, {losses.missed_frames} missed"
         if run.clipped_frames:
-            told += f"; {run.clipped_frames} clipped: the robot misses its gait"
+            label += f"; {run.clipped_frames} clipped: the robot misses its gait"
         t_s = frame.phase_rad / run.gait.omega_rad_s
         asked = joint_motion(run.gait, self._robot.links - 1, [t_s]).angle_rad
         shown = rows(self._ground, motion) | {"asked_deg": rounded(np.degrees(asked))}
         return {
-            "told": told,
+            "told": label,
             "t_s": rounded(np.array([run.elapsed_s]))[0],
             "row": {name: table[0] for name, table in shown.items()},
         }

@@ -73,9 +73,9 @@ def _last(session: Session) -> str:
     """Return the newest reading in words, and why it is void if it is."""
     if not session.numbered:
         return "none yet"
-    made = session.numbered[-1]
-    void = f"; VOID: {made.comment}" if made.voided else ""
-    return ": ".join([str(made.number), *made.in_words()]) + void
+    last = session.numbered[-1]
+    void = f"; VOID: {last.comment}" if last.voided else ""
+    return ": ".join([str(last.number), *last.in_words()]) + void
 
 
 def _fit(session: Session) -> FrictionFit | None:
@@ -94,5 +94,5 @@ def agreement(fit: FrictionFit) -> str:
     chi2 = f"χ² {fit.chi2:.1f} for {fit.dof} degrees of freedom"
     if fit.p_value >= DOUBTFUL:
         return f"{chi2}: the readings agree"
-    found = next((alarm for alarm in fit.alarms if alarm.startswith("chi2 is")), "")
-    return f"{chi2}: THE READINGS DISAGREE. {found.partition('intervals. ')[2]}".rstrip()
+    alarm_of_chi2 = next((alarm for alarm in fit.alarms if alarm.startswith("chi2 is")), "")
+    return f"{chi2}: THE READINGS DISAGREE. {alarm_of_chi2.partition('intervals. ')[2]}".rstrip()

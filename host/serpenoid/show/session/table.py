@@ -22,13 +22,13 @@ def rows(session: Session) -> list[list[str]]:
 def show(session: Session, parts: list[tuple[str, str]]) -> None:
     """Print what was read, then how far each part of the plan is."""
     columns = ["reading", "what", "values", "state", "comment"]
-    told = rows(session)
-    if len(told) > MOST_ROWS:
-        earlier = len(told) - MOST_ROWS
+    lines = rows(session)
+    if len(lines) > MOST_ROWS:
+        earlier = len(lines) - MOST_ROWS
         report.console.print(f"{earlier} earlier readings are not shown; --json has them")
-        told = told[-MOST_ROWS:]
-    shown = [k for k, name in enumerate(columns) if name != "state" or any(row[k] for row in told)]
-    cells = [[row[k] for k in shown] for row in told]
+        lines = lines[-MOST_ROWS:]
+    shown = [k for k, name in enumerate(columns) if name != "state" or any(row[k] for row in lines)]
+    cells = [[row[k] for k in shown] for row in lines]
     report.table(session.setup.name, [columns[k] for k in shown], cells, len(shown))
     for name, state in parts:
         report.console.print(f"{name:14} {state}")

@@ -68,8 +68,8 @@ def _joints(ax: Any, film: FilmMeasurement) -> None:
             phase = m.phase_rad[0] + i * film.gait.beta_rad
         sine = offset + amplitude * np.sin(m.omega_rad_s * about + phase)
         ax.plot(t, np.degrees(sine), lw=0.9, color=colour, label=f"joint {i + 1}")
-    told = "commanded sine, in step with joint 1" if film.gait else "fitted sine"
-    ax.set(title=f"joints: dots seen, lines the {told}", ylabel="angle (°)", xlabel="time (s)")
+    label = "commanded sine, in step with joint 1" if film.gait else "fitted sine"
+    ax.set(title=f"joints: dots seen, lines the {label}", ylabel="angle (°)", xlabel="time (s)")
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
     ax.set_xlim(0, t[-1])
 
@@ -98,10 +98,10 @@ def show_film(found: FilmMeasurement) -> None:
     out.print(_summary(run))
     out.print(table("joints, in degrees", *_cells(found)), soft_wrap=False)
     film, camera, least = run.film, run.camera, min(run.tags_seen)
-    seen = "every frame" if least == 1 else f"{100 * least:.1f} % of the frames or more"
+    where_seen = "every frame" if least == 1 else f"{100 * least:.1f} % of the frames or more"
     out.print(
         f"{film['frames']} frames of {film['width_px']} x {film['height_px']} px, "
-        f"{film['duration_s']:.2f} s; tags seen in {seen}; "
+        f"{film['duration_s']:.2f} s; tags seen in {where_seen}; "
         f"residuals {run.residual_px:.2f} px, {1e3 * run.residual_m:.2f} mm; "
         f"links of {1e3 * run.link_length_m:.1f} mm give tags of "
         f"{1e3 * camera['tag_side_m']:.1f} mm, printed {1e3 * camera['printed_side_m']:.1f} mm"

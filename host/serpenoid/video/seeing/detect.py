@@ -42,17 +42,17 @@ class TagFinder:
 
     def find(self, picture: Grey) -> dict[int, Tag]:
         """Return the tags found, by link from 0."""
-        found = self._look(picture) if self.window else {}
-        if len(found) == self.links:
+        tags = self._look(picture) if self.window else {}
+        if len(tags) == self.links:
             self.patience = 0
-        elif not found or self.patience <= 0:
+        elif not tags or self.patience <= 0:
             self.window, self.side_px = (0, 0, picture.shape[1], picture.shape[0]), 0.0
-            found = self._look(picture) | found
+            tags = self._look(picture) | tags
             self.patience = LOOK_AGAIN
         else:
             self.patience -= 1
-        self._follow(found, picture.shape)
-        return found
+        self._follow(tags, picture.shape)
+        return tags
 
     def _look(self, picture: Grey) -> dict[int, Tag]:
         import cv2
@@ -67,23 +67,23 @@ class TagFinder:
             near = int(np.clip(self.side_px * 0.8, 11, 101)) | 1
             p.adaptiveThreshWinSizeMin = p.adaptiveThreshWinSizeMax = near
         corners, ids, _ = cv2.aruco.ArucoDetector(dictionary(), p).detectMarkers(part)
-        found: dict[int, Tag] = {}
+        tags: dict[int, Tag] = {}
         double: set[int] = set()
         if ids is None:
-            return found
+            return tags
         corners, edges = refine(part, np.array([q.reshape(4, 2) for q in corners], float))
         for number, quad, edge_px in zip(ids.ravel().tolist(), corners, edges, strict=True):
             if number >= self.links:
                 self.strangers[number] += 1
                 continue
             tag = np.add(quad, [left, top]), float(edge_px)
-            if number in found and _apart(found[number][0], tag[0]):
+            if number in tags and _apart(tags[number][0], tag[0]):
                 double.add(number)
-            found[number] = tag
+            tags[number] = tag
         for number in double:  # which of them is the robot's?
             self.doubles[number] += 1
-            del found[number]
-        return found
+            del tags[number]
+        return tags
 
     def _follow(self, found: dict[int, Tag], shape: tuple[int, ...]) -> None:
         """Set the window for the next frame."""

@@ -81,10 +81,10 @@ def _crossings(profile: Array) -> tuple[Array, Array]:
         rise = np.where(washed, np.median(rise[~washed]), rise)
     with np.errstate(invalid="ignore", divide="ignore"):
         share = (profile - dark[..., None]) / rise[..., None]
-    at = [_passes(share, level) for level in (0.25, 0.5, 0.75)]
+    crossings = [_passes(share, level) for level in (0.25, 0.5, 0.75)]
     contrast = np.quantile(rise, 0.5, axis=(-2, -1), keepdims=True)
     good = (rise > 0.5 * contrast) & (rise > LEAST_CONTRAST)
-    return np.where(good, at[1], np.nan), np.abs(at[2] - at[0])
+    return np.where(good, crossings[1], np.nan), np.abs(crossings[2] - crossings[0])
 
 
 def _passes(share: Array, level: float) -> Array:
@@ -96,8 +96,8 @@ def _passes(share: Array, level: float) -> Array:
     with np.errstate(invalid="ignore", divide="ignore"):
         part = (level - low) / (high - low)
     step = ACROSS[1] - ACROSS[0]
-    found = ACROSS[np.maximum(k - 1, 0)] + part * step
-    return np.where((k > 0) & np.isfinite(found), found, np.nan)
+    crossing = ACROSS[np.maximum(k - 1, 0)] + part * step
+    return np.where((k > 0) & np.isfinite(crossing), crossing, np.nan)
 
 
 def _lines(offset: Array) -> Array:
@@ -115,8 +115,8 @@ def _median(values: Array, there: Mask) -> Array:
     """Return the median of those that are there along the last axis, NaN of none."""
     ranked = np.sort(np.where(there, values, np.inf), axis=-1)
     middle = np.maximum(there.sum(axis=-1) - 1, 0) // 2
-    found = np.take_along_axis(ranked, middle[..., None], -1)[..., 0]
-    return np.where(np.isfinite(found), found, np.nan)
+    median = np.take_along_axis(ranked, middle[..., None], -1)[..., 0]
+    return np.where(np.isfinite(median), median, np.nan)
 
 
 def _line(offset: Array, there: Mask) -> Array:

@@ -171,9 +171,9 @@ class _Sound:
 
     def ready(self, ended: bool) -> list[tuple[float, Any]]:
         """Return the pictures that nothing later can spoil; at the end all that wait."""
-        found = self.passed + (self.waiting if ended else [])
+        pictures = self.passed + (self.waiting if ended else [])
         self.passed = []
-        return found
+        return pictures
 
 
 def grey(frame: Any) -> Grey:

@@ -108,8 +108,8 @@ def watch(
 
 def _sharp(corners_px: Single, edge_px: Single) -> Single:
     """Leave out, in place, tags whose edges could not be read, where nearly all could."""
-    found = np.isfinite(corners_px[..., 0, 0])
-    coarse = found & ~np.isfinite(edge_px)
-    if coarse.sum() <= COARSE_SHARE * found.sum():
+    seen = np.isfinite(corners_px[..., 0, 0])
+    coarse = seen & ~np.isfinite(edge_px)
+    if coarse.sum() <= COARSE_SHARE * seen.sum():
         corners_px[coarse] = np.nan
     return corners_px

@@ -25,14 +25,14 @@ class Kept:
 
     def in_words(self) -> str:
         """Return it in a line."""
-        at = self.look
-        told = (
-            f"reading {self.number}, {self.way}: {at.way_m:.3f} m in {at.time_s:.2f} s from "
-            f"{at.speed_m_s:.2f} m/s, places ± {1000 * at.sigma_m:.1f} mm"
+        look = self.look
+        words = (
+            f"reading {self.number}, {self.way}: {look.way_m:.3f} m in {look.time_s:.2f} s from "
+            f"{look.speed_m_s:.2f} m/s, places ± {1000 * look.sigma_m:.1f} mm"
         )
-        if not at.doubts:
-            return told
-        return f"{told}; VOID: {'; '.join(at.doubts)} (`restore {self.number}` uses it)"
+        if not look.doubts:
+            return words
+        return f"{words}; VOID: {'; '.join(look.doubts)} (`restore {self.number}` uses it)"
 
 
 def keep_pushes(
@@ -58,13 +58,13 @@ def keep_pushes(
     first = next((k for k, (_, look) in enumerate(looked) if not look.doubts), 0)
     anchor = min(there, default=first)
     way = there[anchor].way if there else str(cells.get("way", WAYS[0]))
-    found = []
+    kept = []
     for k, (rows, look) in enumerate(looked):
         if k not in there:
             same = float(_heading(rows, look) @ _heading(*looked[anchor])) >= 0.0
             one_way = dict(cells) | {"way": way if same else other_way(way)}
-            found.append(_keep(journal, rows, one_way, look, file_sha256))
-    return found
+            kept.append(_keep(journal, rows, one_way, look, file_sha256))
+    return kept
 
 
 def _there(journal: Journal, pieces: Sequence[Floats], file_sha256: str) -> dict[int, Coast]:
@@ -77,11 +77,11 @@ def _there(journal: Journal, pieces: Sequence[Floats], file_sha256: str) -> dict
     if not used:
         return {}
     known = {p.track.sha256: p for p in taken if p.track is not None}
-    own = [Track.of(TRACK, rows).sha256 for rows in pieces]
-    other = any(p.track is None or p.track.sha256 not in own for p in used)
-    if other or all(sha256 in known for sha256 in own):
+    hashes = [Track.of(TRACK, rows).sha256 for rows in pieces]
+    other = any(p.track is None or p.track.sha256 not in hashes for p in used)
+    if other or all(sha256 in known for sha256 in hashes):
         raise BadInput(f"reading {used[0].number} is of this file already; it is not taken twice")
-    return {k: known[sha256] for k, sha256 in enumerate(own) if sha256 in known}
+    return {k: known[sha256] for k, sha256 in enumerate(hashes) if sha256 in known}
 
 
 def _looked_at(track: Floats, slipping: bool) -> list[tuple[Floats, Look]]:

@@ -60,8 +60,8 @@ def take_track(
         track, sha256 = read_track_file(path, unit)
     else:
         sha256 = sha256_of(path)
-        seen = film(path, journal.session.setup.robot, None)
-        track, cells = np.array(seen.samples, dtype=float), {**cells, **seen}
+        filmed = film(path, journal.session.setup.robot, None)
+        track, cells = np.array(filmed.samples, dtype=float), {**cells, **filmed}
     with located(str(path)):
         return keep_pushes(journal, track, cells, file_sha256=sha256)
 
