@@ -45,16 +45,14 @@ def ratio(fit: FrictionFit, session: Session, checks: list[BreakAway]) -> tuple[
 def _note(fit: FrictionFit, session: Session, bend_deg: float, checks: list[BreakAway]) -> str:
     value, sigma = ratio(fit, session, checks)
     pose = f"bent by {bend_deg:g} degrees" if bend_deg else "straight"
-    words = (
+    told = (
         f"Break-away, {pose}: dry friction at rest is {value:.2f} ± {sigma:.2f} of that in motion"
     )
     if abs(value - 1.0) < SURELY * sigma:
-        return f"{words}: no difference is seen."
+        return f"{told}: no difference is seen."
     if value < 1.0:
-        return (
-            f"{words}: less than in motion is no friction's way. Look at the inclinometer's zero."
-        )
+        return f"{told}: less than in motion is no friction's way. Look at the inclinometer's zero."
     return (
-        f"{words}. The model has one dry friction, that in motion. Wheels may hold where a slip is "
+        f"{told}. The model has one dry friction, that in motion. Wheels may hold where a slip is "
         "predicted: gaits that stick may crawl faster."
     )
