@@ -43,8 +43,7 @@ def whole_ground(whole: Sequence[float]) -> Ground:
 
 def ground_of(links: int, whole: Sequence[float]) -> Ground:
     """Return ground per link from the whole snake's frictions, in the order of FRICTIONS."""
-    total = whole_ground(whole)
-    return Ground.whole_body(links, total.ct, total.cn, total.ft0, total.fn0)
+    return whole_ground([friction / links for friction in whole])
 
 
 class Estimate(NamedTuple):
