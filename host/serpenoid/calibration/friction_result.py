@@ -43,7 +43,8 @@ def whole_ground(whole: Sequence[float]) -> Ground:
 
 def ground_of(links: int, whole: Sequence[float]) -> Ground:
     """Return ground per link from the whole snake's frictions, in the order of FRICTIONS."""
-    return whole_ground([friction / links for friction in whole])
+    total = whole_ground(whole)
+    return Ground.whole_body(links, total.ct, total.cn, total.ft0, total.fn0)
 
 
 class Estimate(NamedTuple):
