@@ -21,9 +21,11 @@ from serpenoid.commands.demo_loop import take_session
 
 PACKAGE = ROOT / "host" / "serpenoid"
 EXAMPLES = sorted((ROOT / "host" / "examples").glob("*"))
-# What takes a board or a person is tried elsewhere; what takes hours is asked for its help.
-NEED_A_ROBOT = ("flash", "trim", "monitor", "ports", "doctor", "calibrate")
+# What takes a board or a person, and the demo, is tried elsewhere. These and what takes hours are
+# asked for their help.
+ELSEWHERE = ("flash", "trim", "monitor", "ports", "doctor", "calibrate", "demo")
 LONG = ("bench", "figures")
+TRIED: set[str] = set()
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
@@ -64,8 +66,11 @@ def test_paths_that_a_page_names_are_there(page) -> None:
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
 def test_commands_of_a_page_work(page, folder) -> None:
     for line in typed(page):
+        if line in TRIED:  # on an earlier page
+            continue
         done = run(runnable(line, folder), folder)
         assert done.returncode == 0, f"{line}\n{done.stderr}"
+        TRIED.add(line)
 
 
 @pytest.mark.slow
@@ -102,7 +107,7 @@ def runnable(line: str, folder: Path) -> list[str]:
     A recording that an earlier page made in `folder` goes.
     """
     words = shlex.split(line)
-    if words[1] in NEED_A_ROBOT or words[1] in LONG:
+    if words[1] in ELSEWHERE or words[1] in LONG:
         return [*words[:2], "--help"]
     if words[1] == "drive":
         words = [w for w in words if w not in ("--port", "virtual")]
