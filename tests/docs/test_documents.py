@@ -66,11 +66,10 @@ def test_paths_that_a_page_names_are_there(page) -> None:
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
 def test_commands_of_a_page_work(page, folder) -> None:
     for line in typed(page):
-        if line in TRIED:  # on an earlier page
-            continue
-        done = run(runnable(line, folder), folder)
-        assert done.returncode == 0, f"{line}\n{done.stderr}"
-        TRIED.add(line)
+        if line not in TRIED:  # on an earlier page
+            done = run(runnable(line, folder), folder)
+            assert done.returncode == 0, f"{line}\n{done.stderr}"
+            TRIED.add(line)
 
 
 @pytest.mark.slow
