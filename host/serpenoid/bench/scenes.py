@@ -94,10 +94,10 @@ def measure(program: Path, note: Callable[[str], object]) -> Iterator[Rung]:
             for steps in (STEPS, 2 * STEPS):
                 run = [*VALGRIND, str(program), formulation, rung, str(steps)]
                 said = _run(run, f"rung {rung!r}").stderr
-                found = re.search(r"Collected : (\d+)", said)
-                if not found:
+                collected = re.search(r"Collected : (\d+)", said)
+                if not collected:
                     raise SerpenoidError(f"callgrind printed no count for {rung!r}: {said[-500:]}")
-                counts.append(int(found[1]))
+                counts.append(int(collected[1]))
             count = (counts[1] - counts[0]) / STEPS
             hand = hand or count  # the first rung
             yield Rung(formulation, rung, title, round(count, 1), round(count / hand, 3))

@@ -373,22 +373,22 @@ def with_servo(ideal: Steady, servo: Servo | ServoKind, draws: int = DRAWS) -> S
         speeds = drawn_servo_speeds([ideal] * draws, servo.draws(draws), ends_only=True)
         drawn = tuple(speeds.tolist())
     error = relative_error(s.error, s.speed, ideal.robot, ideal.gait)
-    found = ServoSteady(
+    driven = ServoSteady(
         ideal, servo, s.speed, s.spread, error, s.amplitude, s.lag, s.ripple, s.power, s.turn, drawn
     )
     if s.converged:
-        return found
+        return driven
     if s.hunts:
         raise NotConverged(
             f"speed not defined: the servos' loops hunt, and {ideal.gait} moves at "
             f"{s.speed - s.spread:.2g} to {s.speed + s.spread:.2g} m/s, by how it begins "
             "(the middle is this exception's `best`); use servos with more damping, or a gait "
             "that asks less of them",
-            best=found,
+            best=driven,
         )
     raise NotConverged(
         f"the motion of {ideal.gait} with servos does not settle to a speed: the best is "
         f"{s.speed:.6g} m/s (it is this exception's `best`); follow it in time with simulate, "
         "drive 'servo'",
-        best=found,
+        best=driven,
     )

@@ -145,13 +145,13 @@ def known_covariance(fit: FrictionFit, filmed: bool) -> Floats:
     filmed: a film showed the joints, so that their amplitude is in no doubt.
     """
     size = len(fit.names) + 1
-    found = np.zeros((size, size))
+    covariance = np.zeros((size, size))
     if fit.with_crawls and not filmed:
         columns = [fit.draws[name] for name in (*fit.names, AMPLITUDE)]
         return np.asarray(np.cov(np.array(columns)))
-    found[:-1, :-1] = fit.covariance
-    found[-1, -1] = 0.0 if filmed else AMPLITUDE_SIGMA**2
-    return found
+    covariance[:-1, :-1] = fit.covariance
+    covariance[-1, -1] = 0.0 if filmed else AMPLITUDE_SIGMA**2
+    return covariance
 
 
 def margin_sigmas(fit: FrictionFit, filmed: bool) -> tuple[float, float]:

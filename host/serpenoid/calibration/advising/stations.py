@@ -55,7 +55,7 @@ def places(
     near, (zero,) = _AS_GOOD * given.lambda_sigma_rad, session.zeros_rad(kept[-1:])
     weight_n = session.setup.weight_n
     grade_step = session.setup.treadmill.incline_step_rad
-    found: dict[tuple[Series, float], float] = {}
+    slips: dict[tuple[Series, float], float] = {}
     angles = [now if now and abs(bend - now) < near else bend for bend in bends]
     every = [
         Series(angle, bend=bent)
@@ -71,8 +71,8 @@ def places(
             slip = (weight_n * math.sin(incline - zero) - least) / max(slope, 1e-12)
             fits = LEAST_SLIP_M_S < slip <= fastest and 0.0 < incline <= steepest
             if fits and not _failed(session, series, incline):
-                found[series, round(incline, 6)] = slip
-    return [(series, incline, slip) for (series, incline), slip in found.items()]
+                slips[series, round(incline, 6)] = slip
+    return [(series, incline, slip) for (series, incline), slip in slips.items()]
 
 
 def _failed(session: Session, series: Series, incline_rad: float) -> bool:

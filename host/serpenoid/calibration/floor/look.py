@@ -206,11 +206,11 @@ def _own_path(t: Floats, way: Floats) -> tuple[Floats, float, float]:
     starts = [np.array([0.0, 1.2 * v0, c, v0 / max(t[-1], 0.1)]) for c in (0.1, 1.0)]
     low = [-np.inf, 0.0, 0.0, 1e-4]
     usual = [0.01, 0.1, 0.1, 0.1]
-    found = [
+    fits = [
         least_squares(lambda p: path(p) - way, p, bounds=(low, np.inf), x_scale=usual)
         for p in starts
     ]
-    best = min(found, key=lambda one: one.cost)
+    best = min(fits, key=lambda one: one.cost)
     scatter = math.sqrt(2 * best.cost / max(len(t) - 4, 1))
     return path(best.x), max(scatter, 1e-5), float(best.x[1])
 
