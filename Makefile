@@ -24,6 +24,7 @@ help:
 	@echo "make demo       from the 2005 treadmill to a predicted speed; no robot needed"
 	@echo "make test       every test but the slow ones (some minutes)"
 	@echo "make quick      lint, and the tests of a minute: before each commit"
+	@echo "make lint       style and types"
 	@echo "make test-slow  the long studies"
 	@echo "make format     settle the style of Python and C++"
 	@echo "make playground one page to try gaits in a browser: build/playground/index.html"

@@ -21,10 +21,11 @@ from serpenoid.commands.demo_loop import take_session
 
 PACKAGE = ROOT / "host" / "serpenoid"
 EXAMPLES = sorted((ROOT / "host" / "examples").glob("*"))
-# What takes a board or a person, and the demo, is tried elsewhere. These and what takes hours are
-# asked for their help.
-ELSEWHERE = ("flash", "trim", "monitor", "ports", "doctor", "calibrate", "demo")
-LONG = ("bench", "figures")
+# Tried elsewhere, as they take a board, a person or long; here they are asked for their help.
+ELSEWHERE = (
+    *("flash", "trim", "monitor", "ports", "doctor", "calibrate"),
+    *("bench", "figures", "demo"),
+)
 TRIED: set[str] = set()
 
 
@@ -106,7 +107,7 @@ def runnable(line: str, folder: Path) -> list[str]:
     A recording that an earlier page made in `folder` goes.
     """
     words = shlex.split(line)
-    if words[1] in ELSEWHERE or words[1] in LONG:
+    if words[1] in ELSEWHERE:
         return [*words[:2], "--help"]
     if words[1] == "drive":
         words = [w for w in words if w not in ("--port", "virtual")]

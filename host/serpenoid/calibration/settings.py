@@ -350,14 +350,13 @@ def applied(setup: Setup, table: Table, settings: Iterable[Setting]) -> Setup:
 
 def changed(setup: Setup, values: Mapping[str, Any]) -> Setup:
     """Return a set-up with some values changed, given by their paths; raises BadInput."""
-    parts: dict[str, dict[str, Any]] = {}
     for path, value in values.items():
         part, _, name = path.rpartition(".")
-        parts.setdefault(part, {})[name] = value
-    if "robot" in parts:  # its inertia follows from mass and length
-        parts["robot"]["link_inertia_kg_m2"] = None
-    own = parts.pop("", {})
-    return replace(setup, **own, **{p: replace(getattr(setup, p), **v) for p, v in parts.items()})
+        new = {name: value}
+        if part == "robot":  # its inertia follows from mass and length
+            new["link_inertia_kg_m2"] = None
+        setup = replace(setup, **({part: replace(getattr(setup, part), **new)} if part else new))
+    return setup
 
 
 def amended(setup: Setup, text: str, folder: Path) -> Setup:

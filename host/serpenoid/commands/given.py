@@ -156,6 +156,6 @@ def with_joints(gait: sn.Gait, session: Path | None, links: int) -> sn.Gait:
 
 def was_filmed(gait: sn.Gait, session: Path, links: int) -> bool:
     """Tell whether a session's latest film shows this commanded gait; its board's clock errs."""
-    told = latest_film(session, links).commanded
-    apart = abs(told.alpha_rad - gait.alpha_rad), abs(told.beta_rad - gait.beta_rad)
-    return max(apart) < _SAME_RAD and abs(told.omega_rad_s / gait.omega_rad_s - 1.0) < _SAME_RATE
+    asked = latest_film(session, links).commanded
+    apart = abs(asked.alpha_rad - gait.alpha_rad), abs(asked.beta_rad - gait.beta_rad)
+    return max(apart) < _SAME_RAD and abs(asked.omega_rad_s / gait.omega_rad_s - 1.0) < _SAME_RATE

@@ -96,9 +96,9 @@ class Belt:
 
     def wait(self, duration_s: float) -> None:
         """Let time pass. Raises NotConverged."""
-        rest_s = duration_s
-        while rest_s > 1e-9:
-            dt = min(rest_s, 0.1) if self.speed_m_s != self._wanted else rest_s
+        remaining_s = duration_s
+        while remaining_s > 1e-9:
+            dt = min(remaining_s, 0.1) if self.speed_m_s != self._wanted else remaining_s
             most = SLEW_M_S2 * dt
             self.speed_m_s += min(max(self._wanted - self.speed_m_s, -most), most)
             self._chain.set_ground_velocity(-self.speed_m_s, 0.0)
@@ -106,7 +106,7 @@ class Belt:
                 raise NotConverged("the lab's robot came to no answer; are its numbers sensible?")
             self.t_s += dt
             self.moved_m += self.speed_m_s * dt
-            rest_s -= dt
+            remaining_s -= dt
 
     def look(self) -> Sight:
         """Return where the robot is."""

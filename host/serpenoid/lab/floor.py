@@ -37,8 +37,8 @@ class Track:
     @property
     def turned_rad(self) -> float:
         """Return how far it has turned since it was let go."""
-        heading_rad = np.interp(self.released_s, self.t_s, self.heading_rad)
-        return float(self.heading_rad[-1] - heading_rad)
+        released_rad = np.interp(self.released_s, self.t_s, self.heading_rad)
+        return float(self.heading_rad[-1] - released_rad)
 
 
 @dataclass(frozen=True)

@@ -50,8 +50,9 @@ class Students:
         unit = WIDER * (ndtri(even[:, :-1]) / np.sqrt(tail))
         steps = np.random.default_rng(seed).permutation((np.arange(count) + 0.5) / count)
         part = np.searchsorted(np.cumsum(self.share[:-1]), steps)
-        about = self.centre[:, None] + unit @ self.root.swapaxes(1, 2)
-        return about[part, np.arange(count)]
+        for k, (centre, root) in enumerate(zip(self.centre, self.root, strict=True)):
+            unit[part == k] = centre + unit[part == k] @ root.T
+        return unit
 
     def log_density(self, x: Floats) -> Floats:
         """Return its logarithm at points (K, D)."""

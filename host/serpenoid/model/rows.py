@@ -97,12 +97,12 @@ def table(
     """Return a table to print; its first columns are text, the others numbers, none cut off."""
     from rich.table import Table
 
-    table = Table(title=title, title_justify="left", title_style="bold", header_style="")
+    printed = Table(title=title, title_justify="left", title_style="bold", header_style="")
     for i, head in enumerate(heads):
-        table.add_column(head, justify="left" if i < text_columns else "right", overflow="fold")
+        printed.add_column(head, justify="left" if i < text_columns else "right", overflow="fold")
     for row in cells:
-        table.add_row(*row)
-    return table
+        printed.add_row(*row)
+    return printed
 
 
 def two_digits(value: float) -> str:

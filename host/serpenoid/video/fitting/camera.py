@@ -150,7 +150,6 @@ class Camera:
 
     def by_shared(self, states: Array) -> Array:
         """Return the pixels' derivatives by what is shared, (frames, links, 4, 2, 10 + 6 links)."""
-
         world = self.corners(states)  # moved by a tag's side and mounting alone
 
         def pixels(step: Array) -> Array:
