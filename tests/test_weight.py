@@ -37,7 +37,7 @@ MOST_TOKENS = {
     "host/serpenoid/calibration": 92013,
     "host/serpenoid/commands": 26892,
     "host/serpenoid/exchange": 2225,
-    "host/serpenoid/gaits": 12007,
+    "host/serpenoid/gaits": 11999,
     "host/serpenoid/lab": 7772,
     "host/serpenoid/model": 12687,
     "host/serpenoid/paper": 2898,

@@ -99,13 +99,12 @@ class GaitLimits:
 
     def in_words(self) -> str:
         """Return the limits there are, with their units; angles in degrees."""
-        words = [
+        return ", ".join(
             f"{LIMIT_NAMES[f.name]} {getattr(self, f.name) * scale:.4g} {unit}"
             for f in fields(self)
             for scale, unit in (_UNITS[f.name],)
             if 0 < getattr(self, f.name) < math.inf
-        ]
-        return ", ".join(words)
+        )
 
 
 def peak_torque_nm(robot: Robot, ground: Ground, gait: Gait, steps: int = 240) -> float:

@@ -226,8 +226,7 @@ def cliff_around(
     """Solve a gait for a grid of amplitudes and grips around it. Raises BadInput."""
     grip = "fn0" if ground.fn0 > 0 else "cn"
     amplitude, factor = np.linspace(0.7, 1.2, points), np.linspace(0.5, 1.5, points)
-    top = math.pi / gait.alpha_rad
-    amplitude = amplitude[amplitude <= top]
+    amplitude = amplitude[amplitude <= math.pi / gait.alpha_rad]
 
     def speed(pair: tuple[float, float]) -> float:
         a, f = pair
