@@ -169,7 +169,7 @@ def test_servos_equal_the_package(page, tmp_path) -> None:
     drawn = [s | {"servo": name} for s, name in zip(states(6), ("hobby", "SG90") * 3, strict=True)]
     for s, found in zip(drawn, asked(SERVO, drawn, tmp_path), strict=True):
         robot, ground, gait = parts(s)
-        wanted = sn.steady_gait(robot, ground, gait, servo=sn.servo(s["servo"]))
+        wanted = sn.steady_gait(robot, ground, gait, servo=sn.servo(s["servo"]).servo)
         assert found["speed"] == pytest.approx(wanted.speed_m_s, rel=5e-3), s
         assert found["amplitude"] == pytest.approx(wanted.amplitude_ratio, rel=5e-3), s
 
@@ -276,7 +276,7 @@ def test_a_kind_of_servo_gives_a_second_speed(browser) -> None:
     browser.waits_for("servo && servo.known")
     assert "--servo hobby" in browser.text("#command")
     robot, ground, gait = parts(browser.runs("return state"))
-    wanted = sn.steady_gait(robot, ground, gait, servo=sn.servo()).speed_m_s
+    wanted = sn.steady_gait(robot, ground, gait, servo=sn.servo().servo).speed_m_s
     assert browser.runs("return servo.speed") == pytest.approx(wanted, rel=5e-3)
     assert "typical hobby servos" in browser.text("#speed")
     assert "Ideal joints" in browser.text("#servo-speed")

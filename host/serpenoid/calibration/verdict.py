@@ -180,8 +180,6 @@ def _chance(drawn: SpeedSamples, measured: CrawlData, rng: np.random.Generator) 
     often, by the draws themselves, since they are skewed. A draw is judged by the clouds of all
     other servos, as the robot is, whose own servo was not drawn.
     """
-    from scipy.special import logsumexp
-
     simulated = np.repeat(drawn.both_m_s, _NOISE_DRAWS, axis=0)
     simulated = simulated + measured.sigma_m_s * rng.normal(size=simulated.shape)
     shares, servo = np.unique(drawn.shares, axis=0, return_inverse=True)
@@ -201,7 +199,8 @@ def _chance(drawn: SpeedSamples, measured: CrawlData, rng: np.random.Generator) 
         likely[np.arange(len(simulated)), np.repeat(servo.ravel(), _NOISE_DRAWS)] = -np.inf
         likely -= math.log(len(shares) - 1)
     robot = by_servo(measured.speed_m_s[None]) - math.log(len(shares))
-    return float(np.mean(logsumexp(likely, axis=1) <= logsumexp(robot)))
+    as_likely = np.logaddexp.reduce(likely, axis=1) <= np.logaddexp.reduce(robot, axis=1)
+    return float(np.mean(as_likely))
 
 
 def _grain(shares: Array) -> float:

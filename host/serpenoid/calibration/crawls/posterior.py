@@ -149,25 +149,22 @@ class CrawlPosterior:
         """
         from scipy.special import log_softmax
 
-        fine, misread = self._ways(self.residuals(z))
+        rows = self.residuals(z)
+        log = np.logaddexp(*good_or_misread(rows**2)) if self.others.misread else -0.5 * rows**2
         chance = log_softmax(np.zeros(len(self.effects.share)) + self.effects.log_weight)
-        return np.asarray(np.logaddexp(fine, misread).sum(axis=2) + chance)
+        return np.einsum("ksr->ks", log) + chance
 
     def log_likelihood(self, z: Floats) -> Floats:
         """Return the logarithm of the likelihood, its mean over servos (K,)."""
-        from scipy.special import logsumexp
-
-        return np.asarray(logsumexp(self.by_servo(z), axis=1))
-
-    def _ways(self, rows: Floats) -> tuple[Floats, Floats]:
-        """Return the log density of rows as good and as misread; -inf: none may be."""
-        if self.others.misread:
-            return good_or_misread(rows**2)
-        return -0.5 * rows**2, np.full(rows.shape, -np.inf)
+        log = self.by_servo(z)
+        most = log.max(axis=1)
+        return most + np.log(np.exp(log - most[:, None]).sum(axis=1))
 
     def good(self, rows: Floats) -> Floats:
         """Return each row's chance to be no misreading."""
-        fine, misread = self._ways(rows)
+        if not self.others.misread:
+            return np.ones(rows.shape)
+        fine, misread = good_or_misread(rows**2)
         return np.exp(fine - np.logaddexp(fine, misread))
 
     def draw(self, x: Floats, seed: int) -> CrawlDraws:
