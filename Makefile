@@ -76,7 +76,8 @@ test-slow: $(VENV)/built $(VENV)/dev
 	@sh .ci/need chromium=chromium chromedriver=chromium-driver em++=emscripten node=nodejs \
 		$$(cat tests/avr/packages.txt tests/arm/packages.txt) || echo "what needs these is skipped"
 	@sh .ci/need $$(cat tests/portable/packages.txt) || echo "other compilers are skipped"
-	@$(MAKE) --no-print-directory --jobs=3 slow-board slow-host slow-gaits
+	@$(MAKE) --no-print-directory --jobs=3 slow-host slow-board slow-docs \
+		slow-gaits
 
 slow-host:
 	$(PART) -m slow $(HOST) --ignore=$(GAITS)
@@ -85,7 +86,10 @@ slow-gaits:
 	$(PART) -m slow $(GAITS)
 
 slow-board:
-	$(PART) -m slow $(addprefix --ignore=,$(HOST))
+	$(PART) -m slow $(addprefix --ignore=,$(HOST) tests/docs)
+
+slow-docs:
+	$(PART) -m slow tests/docs
 
 build: $(VENV)/built
 
@@ -151,4 +155,4 @@ $(VENV)/built: $(SOURCES) constraints/run.txt
 	@$(MAKE) --no-print-directory --jobs=2 $(VENV)/core $(VENV)/run
 	@touch $@
 
-.PHONY: help demo test test-host test-robot test-session test-numbers test-board quick quick-tests test-slow slow-host slow-gaits slow-board build lint format docs playground figures bench wheel lowest clean
+.PHONY: help demo test test-host test-robot test-session test-numbers test-board quick quick-tests test-slow slow-host slow-board slow-docs slow-gaits build lint format docs playground figures bench wheel lowest clean

@@ -26,6 +26,7 @@ from .shapes import FINE, STATES, Array, Point, better
 from .uncertainty import Sample, Uncertainty
 
 _RANKED = 0.1, 30  # e-folds of shape between those that are ranked, and how many they are
+_CHANCE = 3.7  # standard errors of one set: sets differ by more once in a hundred
 _DRIVEN = 320  # samples at most with servos, which cost ten times as much
 
 
@@ -117,9 +118,9 @@ class RobustGait(Result):
 
     @property
     def confirmed(self) -> bool:
-        """Tell whether both sets of samples agree, to two standard errors of their difference."""
+        """Tell whether both sets of samples agree, but for what chance makes once in a hundred."""
         apart = abs(self.checked_low_m_s - self.low_speed_m_s)
-        return apart <= 2 * math.sqrt(2) * self.low_error_m_s + STATES * self.low_speed_m_s
+        return apart <= _CHANCE * self.low_error_m_s + STATES * self.low_speed_m_s
 
 
 def robust_gait(
