@@ -40,19 +40,23 @@ test: $(VENV)/built $(VENV)/dev
 	@sh .ci/need chromium=chromium chromedriver=chromium-driver node=nodejs \
 		$$(cat tests/avr/packages.txt) \
 		|| echo "what needs these is skipped"
-	@$(MAKE) --no-print-directory --jobs=4 test-session test-robot test-host \
-		test-numbers test-board
+	@$(MAKE) --no-print-directory --jobs=4 test-robot test-session test-numbers \
+		test-host test-board test-faces
 
-# The parts of `make test`, four beside each other (that of the robot waits most of its time), the
-# longest first; each line says whose it is.
+# The parts of `make test`, four beside each other (that of the robot waits most of its time); each
+# line says whose it is.
 PART = @.ci/part $@ $(VENV)/bin/python -m pytest
 NUMBERS = $(addprefix tests/host/,model periodic simulation gaits)
 SESSION = tests/host/calibration
 HOST = tests/host tests/end_to_end
 GAITS = tests/host/gaits
 ROBOT = tests/host/robot
+FACES = tests/host/show tests/host/video
 test-host:
-	$(PART) -m "not slow" $(HOST) $(addprefix --ignore=,$(NUMBERS) $(SESSION) $(ROBOT))
+	$(PART) -m "not slow" $(HOST) $(addprefix --ignore=,$(NUMBERS) $(SESSION) $(ROBOT) $(FACES))
+
+test-faces:
+	$(PART) -m "not slow" $(FACES)
 
 test-session:
 	$(PART) -m "not slow" $(SESSION)
@@ -155,4 +159,4 @@ $(VENV)/built: $(SOURCES) constraints/run.txt
 	@$(MAKE) --no-print-directory --jobs=2 $(VENV)/core $(VENV)/run
 	@touch $@
 
-.PHONY: help demo test test-host test-robot test-session test-numbers test-board quick quick-tests test-slow slow-host slow-board slow-docs slow-gaits build lint format docs playground figures bench wheel lowest clean
+.PHONY: help demo test test-host test-faces test-robot test-session test-numbers test-board quick quick-tests test-slow slow-host slow-board slow-docs slow-gaits build lint format docs playground figures bench wheel lowest clean

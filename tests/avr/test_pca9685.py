@@ -90,6 +90,7 @@ def test_the_registers_are_the_pulses_of_telemetry(start, name, joints):
     assert not enabled(board)
 
 
+@pytest.mark.slow
 def test_the_rate_and_the_oscillator_are_settings(start):
     board = start("uno", output="pca9685")
     talk = opened(board)

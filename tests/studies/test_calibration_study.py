@@ -67,6 +67,7 @@ def test_intervals_cover_95_percent_of_320_sessions(table, driven):
     assert ((shares.mean(axis=0) > 0.92) & (shares.mean(axis=0) < 0.985)).all(), shares
 
 
+@pytest.mark.slow
 def test_advice_needs_fewer_readings_than_the_plan(table):
     count, band, _ = plan_of(("default", 2, table))
     own, reached, _, first = advised(("default", 2, table, 0.3))

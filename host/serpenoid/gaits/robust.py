@@ -6,7 +6,6 @@ sampled robots keep. Their speeds are solved, never linearised: near a cliff the
 
 from __future__ import annotations
 
-import math
 from copy import copy
 from dataclasses import dataclass, replace
 from typing import Any
@@ -57,9 +56,9 @@ class RobustGait(Result):
 
     Examples
     --------
-    >>> robot = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
-    >>> ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
-    >>> robust = sn.robust_gait(robot, ground, speed_m_s=0.05, samples=256)
+    >>> robot = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)
+    >>> robust = sn.robust_gait(robot, ground, speed_m_s=0.1, samples=64)
     >>> robust.low_speed_m_s > robust.fragile_low_m_s
     True
     """
@@ -167,9 +166,9 @@ def robust_gait(
 
     Examples
     --------
-    >>> robot = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
-    >>> ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
-    >>> robust = sn.robust_gait(robot, ground, speed_m_s=0.05, samples=256)
+    >>> robot = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)
+    >>> robust = sn.robust_gait(robot, ground, speed_m_s=0.1, samples=64)
     >>> robust.low_speed_m_s > robust.fragile_low_m_s
     True
     """

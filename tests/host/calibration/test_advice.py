@@ -52,6 +52,7 @@ def test_advise_promises_what_compare_then_shows(weak):
         assert band == pytest.approx(half / then.speed_m_s, rel=0.25)
 
 
+@pytest.mark.slow
 def test_advise_and_compare_have_the_same_servos_in_their_band(weak):
     kind = sn.servo("hobby")
     told = advise(weak, [GAIT])  # any hobby servo, unless told
@@ -115,6 +116,7 @@ def test_no_gait_is_refused(weak):
         advise(weak)
 
 
+@pytest.mark.slow
 def test_advise_says_when_a_servo_is_what_to_measure(weak):
     """Friction known well: servos lead. Servos known, or friction poor: a reading does."""
     small = replace(

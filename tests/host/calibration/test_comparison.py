@@ -56,6 +56,7 @@ def test_the_verdict_names_the_cause(fitted, amplitude, factor, verdict):
     json.dumps(found.to_dict(), allow_nan=False)
 
 
+@pytest.mark.slow
 def test_what_chance_makes_once_in_a_hundred_is_no_agreement(fitted):
     made, fit = fitted
     found = comparison.compare(measured(made, 0.885), fit, samples=24, servo=None)
@@ -150,6 +151,7 @@ def servo_runs(made, servo):
     return replace(made, gait_runs=tuple(runs))
 
 
+@pytest.mark.slow
 def test_servos_that_nobody_told_are_in_the_band_or_named(fitted):
     """A robot at five sixths of its ideal speed: any hobby servo may do that, a smooth one not."""
     made, fit = fitted
@@ -177,6 +179,7 @@ def chance(drawn, speeds, sigma):
     return verdict._chance(drawn, CrawlData(drawn.gaits, speeds, sigma), np.random.default_rng(5))
 
 
+@pytest.mark.slow
 def test_a_sound_robots_servo_is_doubted_as_often_as_stated():
     """Servos of which none was drawn: p is uniform, though few draws fill the space of servos."""
     rng = np.random.default_rng(3)

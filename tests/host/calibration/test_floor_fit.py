@@ -160,6 +160,7 @@ def test_a_robot_without_a_straight_link_slips_down_a_floor_that_falls_across(li
     assert slope.sigma < across / 4
 
 
+@pytest.mark.slow
 def test_intervals_scatter_as_they_say():
     """12 sets of pushes: deviations over their sigmas have the size of one."""
     off = []
@@ -258,6 +259,7 @@ def test_each_reading_has_its_own_residual_among_pushes_of_all_kinds():
     assert session.fitted[int(np.argmax(np.abs(fit.residuals)))] == misread
 
 
+@pytest.mark.slow
 def test_a_push_that_hit_something_is_named_and_counts_next_to_nothing_in_a_robust_fit():
     session = floor_session(seed=2)
     pushes = list(session.further)

@@ -80,6 +80,7 @@ def test_a_fit_at_its_limit_predicts_and_is_printed(fits, capsys):
     assert "below 0.0" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("short_curve")
 def test_compare_has_a_verdict_for_a_robot_on_ball_bearings():
     """A friction that is 0 has no logarithm: its standard deviation stands for it."""

@@ -145,6 +145,7 @@ def test_a_gait_at_the_end_of_its_range_has_a_band(fit) -> None:
     assert found.each_drawn["amplitude"] > 0
 
 
+@pytest.mark.slow
 def test_the_command_tells_it_with_a_fit_and_derivatives_alone(serpenoid) -> None:
     steady = ["steady", "--alpha-deg", "70", "--beta-deg", "75", "--frequency-hz", "1"]
     session = ("--session", str(session_folder()))

@@ -131,6 +131,7 @@ def practised(tmp_path_factory):
     return folder, said
 
 
+@pytest.mark.slow
 def test_practice_on_the_floor_tells_the_friction_that_was_to_be_found(practised):
     folder, said = practised
     assert "the truth, whole snake: ct 0.0868" in said

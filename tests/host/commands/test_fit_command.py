@@ -44,6 +44,7 @@ def test_fit_shows_whole_and_per_link_values_and_keeps_them(folder):
     assert sn.load_fit(folder).method == "joint"
 
 
+@pytest.mark.slow
 def test_a_fit_of_many_readings_shows_that_it_works(folder):
     """On a terminal alone: a pipe gets nothing of it."""
     path = folder / "readings.csv"

@@ -95,6 +95,7 @@ class Measured:
         return {}
 
 
+@pytest.mark.slow
 def test_a_fit_that_nobody_may_trust_is_told_by_all(contradictory, tmp_path, monkeypatch):
     folder, number = contradictory
     taken = []

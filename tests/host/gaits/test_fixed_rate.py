@@ -36,6 +36,7 @@ def least_of_a_table(
     return float((watts[i, j] * (1 - part) + watts[i + 1, j] * part).min())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_a_pinned_rate_has_its_optimum(case: str) -> None:
     robot, ground, speed, rate, cost = CASES[case]

@@ -33,7 +33,13 @@ def found(kind: str, speeds: list[float], **more: Any) -> list[sn.LeastPower]:
 
 
 @pytest.mark.parametrize(
-    "kind", ["viscous", "dry", "ratchet", pytest.param("springs", marks=pytest.mark.slow)]
+    "kind",
+    [
+        "viscous",
+        "dry",
+        pytest.param("ratchet", marks=pytest.mark.slow),
+        pytest.param("springs", marks=pytest.mark.slow),
+    ],
 )
 def test_each_point_is_what_a_single_call_finds(kind: str) -> None:
     first, second, third = found(kind, [0.06, 0.03, 0.06])
@@ -79,9 +85,16 @@ def free() -> tuple:
 @pytest.mark.parametrize(
     ("name", "limits", "side"),
     [
-        ("servo speed", sn.GaitLimits(servo_speed_rad_s=3.0), "fast"),
         ("highest rate", sn.GaitLimits(omega_high_rad_s=6.0), "fast"),
-        ("joint angle", sn.GaitLimits(joint_angle_rad=0.5), "slow"),
+        pytest.param(
+            "servo speed",
+            sn.GaitLimits(servo_speed_rad_s=3.0),
+            "fast",
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(
+            "joint angle", sn.GaitLimits(joint_angle_rad=0.5), "slow", marks=pytest.mark.slow
+        ),
         ("lowest rate", sn.GaitLimits(omega_low_rad_s=3.0), "slow"),
     ],
 )

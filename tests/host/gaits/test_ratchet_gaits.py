@@ -29,6 +29,7 @@ def test_a_robot_turned_round_takes_the_wave_turned_round() -> None:
     assert grid.power_w[reaches].min() > here.power_w - here.power_error_w
 
 
+@pytest.mark.slow
 def test_a_robust_gait_of_a_robot_turned_round_is_turned_round() -> None:
     """The wave may run either way: what the good way costs, the robot turned round pays too."""
     ground = sn.Ground((0.014, 0.14), 0.2)

@@ -79,6 +79,7 @@ def test_servos_that_differ_by_less_than_rough_states_err_are_told_apart() -> No
     assert found == pytest.approx([servo_speed(ideal[0], servos[0])] * 24, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_ends_of_a_slow_gaits_band_are_those_of_fine_states() -> None:
     """Each draw of it hangs on single frames, so that rough states say little."""
     robot = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)

@@ -202,6 +202,7 @@ def servo_speeds_of(
     return servo_speeds([(ideal, one) for one in kind.draws(count, seed)], rough=True)
 
 
+@pytest.mark.slow
 def test_bands_at_the_voltage_of_the_sheet_are_of_use() -> None:
     """A servo's gear is in its data sheet's speed: what is drawn of it does not slow it again."""
     hobby = band(servo_speeds_of("hobby", 0.5, 6.0, 128))

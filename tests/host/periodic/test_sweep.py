@@ -105,6 +105,7 @@ def test_bad_input_is_named() -> None:
         sn.sweep(PAPER, [VISCOUS, BINGHAM], **GRID, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_sweep_tells_what_servos_leave(tmp_path: Path) -> None:
     """Beside the ideal speeds, the same as gait by gait; the file has both."""
     grid = {"alpha_rad": [1.2], "beta_rad": [1.3], "omega_rad_s": [3.0, 9.0]}

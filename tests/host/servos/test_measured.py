@@ -150,6 +150,7 @@ def test_a_session_without_runs_tells_no_servo() -> None:
         servo_of_session(session, sn.servo(), sn.fit_friction(session))
 
 
+@pytest.mark.slow
 def test_a_film_of_a_session_tells_how_far_the_joints_go(tmp_path: Path, monkeypatch) -> None:
     """A slow servo, filmed by the lab; its speed alone leaves the amplitude open to 0.07."""
     typical = sn.servo().servo

@@ -41,6 +41,7 @@ def test_a_spinning_chain_opens_its_joints_by_the_play_and_no_further() -> None:
     assert rates[-1].max() < 0.02 * rates.max()  # teeth take the bounce
 
 
+@pytest.mark.slow
 def test_teeth_carry_the_torque_of_the_motor() -> None:
     """A bent chain spins, and its loops hold it: each joint has K times its error, by the teeth."""
     bent = replace(STILL, offset_rad=0.3)
@@ -71,6 +72,7 @@ def test_a_hair_of_play_is_none() -> None:
     assert hair.theta_rad == pytest.approx(tight.theta_rad, abs=1.5e-3)  # 5 joints
 
 
+@pytest.mark.slow
 def test_the_speed_is_that_of_the_quick_state() -> None:
     """Which has other coordinates and teeth that are rigid; 2.5 degrees halve the speed.
 

@@ -122,6 +122,7 @@ def test_ringing_is_followed_not_quietly_damped(c: float) -> None:
         assert problem.error(problem.vector(run.state()), exact) < run.local_error
 
 
+@pytest.mark.slow
 def test_swallowed_ringing_is_in_the_stated_error() -> None:
     """Steps too long to follow ringing about as small as the tolerance must own up to it."""
     problem = three(0.003, 1e9, 0.0)

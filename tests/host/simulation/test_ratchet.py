@@ -155,7 +155,7 @@ def test_implicit_friction_is_the_same_under_three_methods() -> None:
         assert max(off.position_m, off.angle_rad) < within, method
 
 
-@pytest.mark.parametrize("factor", [1e3, 1e6])
+@pytest.mark.parametrize("factor", [1e3, pytest.param(1e6, marks=pytest.mark.slow)])
 def test_wheels_that_cannot_roll_back(factor: float) -> None:
     """Backward ct and backward ft0 without end are the same wheel: no link goes backwards."""
     viscous = sn.Ground((0.014, 0.014 * factor), 0.2, 0.0233, 0.045)

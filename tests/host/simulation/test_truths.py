@@ -32,7 +32,7 @@ FAR = {
     ("links", "k", "method", "dt_s"),
     [
         (2, 1e9, "radau", 0.05),
-        (3, 1e9, "radau", 0.05),
+        pytest.param(3, 1e9, "radau", 0.05, marks=pytest.mark.slow),
         (2, 1e7, "dop853", 0.05),
         (3, 1e6, "rk4", 2.5e-4),
         (2, 1e6, "paper", 2.5e-4),
@@ -101,7 +101,12 @@ def long_run(offset_rad: float, method: str, cycles: int, **more: float) -> sn.R
 
 @pytest.mark.parametrize(
     ("method", "offset"),
-    [("collocation", 0.0), ("collocation", TURNS), ("dop853", 0.0), ("nonsmooth", TURNS)],
+    [
+        ("collocation", 0.0),
+        ("collocation", TURNS),
+        ("dop853", 0.0),
+        pytest.param("nonsmooth", TURNS, marks=pytest.mark.slow),
+    ],
 )
 def test_five_thousand_cycles(method: str, offset: float) -> None:
     """Straight on for 1.8 km, or 223 times round: as far off as claimed, in a bounded record."""

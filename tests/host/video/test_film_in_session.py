@@ -246,6 +246,7 @@ def test_what_servos_lose_of_a_filmed_amplitude_is_lost_once(of_2005, free_speed
     assert again.low_all_m_s < robot.speed_m_s < again.high_all_m_s < 1.3 * made
 
 
+@pytest.mark.slow
 def test_predictions_and_advice_have_the_servos_that_a_film_leaves(
     of_2005, monkeypatch, serpenoid
 ) -> None:

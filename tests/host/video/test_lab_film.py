@@ -48,6 +48,7 @@ def filmed(tmp_path):
     return measure
 
 
+@pytest.mark.slow
 def test_a_film_of_the_labs_robot_says_what_the_lab_knows(filmed) -> None:
     run, world, folder = filmed(Servos(LAG_S, GAIN))
     off = errors(run, world)
