@@ -9,13 +9,12 @@ from pathlib import Path
 
 import pytest
 import serpenoid as sn
-from click.testing import CliRunner
+from command_line import serpenoid
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from serpenoid import BadInput, Robot
 from serpenoid.calibration import session_file
 from serpenoid.calibration.session_file import COLUMNS, load_session
-from serpenoid.commands.main import cli
 
 FOLDER_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
 ROW_1 = "1,,0.0,2.0,0.181468,0.0,kept,regenerated from Eq. 59 through Eq. 58"
@@ -250,8 +249,7 @@ def test_a_session_keeps_the_voltage_and_the_frames_of_its_servos(tmp_path) -> N
     folder = str(tmp_path / "mine")
 
     def run(*args: str) -> None:
-        done = CliRunner().invoke(cli, ["calibrate", *args])
-        assert done.exit_code == 0, done.output
+        serpenoid("calibrate", *args, check=True)
 
     run("new", folder, "--defaults", "--surface", "wood", "--mass-kg", "480g", "--volts", "5.2")
     setup = session_file.read_session(folder).setup

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import re
@@ -17,7 +16,6 @@ from pathlib import Path
 import click
 import pytest
 import serpenoid as sn
-from click.testing import CliRunner
 from command_line import answer, serpenoid
 from robot.patience import LONG_S
 from serpenoid.commands.main import cli
@@ -188,8 +186,8 @@ def test_examples_are_copied_without_what_python_compiled(tmp_path, monkeypatch)
         (brought / folder / "__pycache__" / "a.pyc").touch()
         (brought / folder / "a.py").touch()
     monkeypatch.setattr("serpenoid.commands.view.BROUGHT", brought)
-    done = CliRunner().invoke(cli, ["examples", str(tmp_path / "got"), "--json"])
-    assert [Path(name).name for name in json.loads(done.stdout)["files"]] == ["a.py", "a.py"]
+    files = answer("examples", tmp_path / "got")["files"]
+    assert [Path(name).name for name in files] == ["a.py", "a.py"]
 
 
 def test_a_spoilt_reading_is_the_files_fault(tmp_path) -> None:

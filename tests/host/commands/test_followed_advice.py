@@ -6,8 +6,7 @@ import random
 import re
 
 import pytest
-from click.testing import CliRunner
-from serpenoid.commands.main import cli
+from command_line import serpenoid
 
 CHOICES = {
     "--formulation": ["explicit", "implicit"],
@@ -52,12 +51,8 @@ def drawn(rng: random.Random) -> Options:
 def refusal(options: Options) -> str:
     """Return what the command says against these options; empty if it runs."""
     words = [word for pair in options.items() for word in pair if word]
-    done = CliRunner().invoke(cli, ["simulate", *words, "--json"])
-    if done.exit_code == 0:
-        return ""
-    if done.exception is None or isinstance(done.exception, SystemExit):
-        return done.output.strip().splitlines()[-1]
-    return str(done.exception)
+    done = serpenoid("simulate --json", *words)
+    return done.stderr.strip().splitlines()[-1] if done.returncode else ""
 
 
 def ways_out(options: Options, said: str) -> list[Options]:

@@ -3,38 +3,37 @@
 from __future__ import annotations
 
 import pytest
-from click.testing import CliRunner
-from serpenoid.commands.main import cli
+from command_line import serpenoid
 
-GAIT = ["--robot", "paper", "--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "5"]
-LONG = ["simulate", *GAIT, "--duration-s", "1e6", "--no-error"]  # would take minutes
+GAIT = "--alpha-deg 30 --beta-deg 80 --omega-rad-s 5"
+LONG = f"simulate --robot paper {GAIT} --duration-s 1e6 --no-error"  # would take minutes
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("line", "said"),
     [
-        ([*LONG, "--out", "run.txt"], "must end in .csv"),
-        ([*LONG, "--plot", "run.gif"], "must end in .png or .pdf or .svg"),
-        ([*LONG, "--plot", "absent/run.png"], "'absent' is not there"),
-        ([*LONG, "--out", "folder.csv"], "is a folder"),
-        ([*LONG, "--out", "file/run.csv"], "is a file, not a folder"),
-        ([*LONG, "--save-scene", "scene.json"], "must end in .toml"),
-        (["sweep", "--out", "absent/sweep.csv"], "is not there"),
-        (["bench", "accuracy", "--out", "file"], "is a file"),
-        (["demo", "--out", "file/deeper"], "is a file"),
-        (["demo", "--out", ""], "the name is empty"),
-        (["sweep", "--out", ""], "the name is empty"),
-        (["fit", ""], "the name is empty"),
-        (["drive", "--port", "virtual", *GAIT[2:], "--record", "absent/run.wire"], "is not there"),
+        (f"{LONG} --out run.txt", "must end in .csv"),
+        (f"{LONG} --plot run.gif", "must end in .png or .pdf or .svg"),
+        (f"{LONG} --plot absent/run.png", "'absent' is not there"),
+        (f"{LONG} --out folder.csv", "is a folder"),
+        (f"{LONG} --out file/run.csv", "is a file, not a folder"),
+        (f"{LONG} --save-scene scene.json", "must end in .toml"),
+        ("sweep --out absent/sweep.csv", "is not there"),
+        ("bench accuracy --out file", "is a file"),
+        ("demo --out file/deeper", "is a file"),
+        ("demo --out ''", "the name is empty"),
+        ("sweep --out ''", "the name is empty"),
+        ("fit ''", "the name is empty"),
+        (f"drive --port virtual {GAIT} --record absent/run.wire", "is not there"),
     ],
 )
-def test_refused_before_any_work(arguments, said, tmp_path, monkeypatch) -> None:
+def test_refused_before_any_work(line, said, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "folder.csv").mkdir()
     (tmp_path / "file").write_text("")
-    done = CliRunner().invoke(cli, arguments)
-    assert done.exit_code == 2, done.output
-    assert said in " ".join(done.output.split())
+    done = serpenoid(line)
+    assert done.returncode == 2
+    assert said in done.stderr
 
 
 @pytest.mark.parametrize(
@@ -42,8 +41,5 @@ def test_refused_before_any_work(arguments, said, tmp_path, monkeypatch) -> None
 )
 def test_a_figure_is_what_its_name_says(suffix, head, tmp_path) -> None:
     path = tmp_path / f"run.{suffix}"
-    done = CliRunner().invoke(
-        cli, ["simulate", *GAIT, "--duration-s", "0.1", "--no-error", "--plot", str(path)]
-    )
-    assert done.exit_code == 0, done.output
+    serpenoid(f"simulate --robot paper {GAIT} --duration-s 0.1 --no-error --plot", path, check=True)
     assert path.read_bytes().startswith(head)

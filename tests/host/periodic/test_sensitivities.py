@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 import serpenoid as sn
-from click.testing import CliRunner
-from serpenoid.commands.main import cli
+from command_line import answer
 from serpenoid.model.errors import BadInput
 from serpenoid.periodic.sensitivities import QUANTITIES, Sensitivities, differentiate
 
@@ -160,8 +158,7 @@ def test_the_steady_state_takes_them_along() -> None:
     assert isinstance(s, sn.Steady)
     assert s.sensitivities is not None
     asked = "steady --alpha-deg 60 --beta-deg 75 --omega-rad-s 4 --sensitivities --servo ideal"
-    answer = CliRunner().invoke(cli, [*asked.split(), "--json"])
-    told = json.loads(answer.stdout)["sensitivities"]
+    told = answer(asked)["sensitivities"]
     assert set(told) == set(s.sensitivities.names)
     assert told["fn0"]["speed_m_s"]["derivative"] > 0
     row = next(line for line in str(s.sensitivities).splitlines() if " fn0 " in line)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import serpenoid as sn
-from click.testing import CliRunner
+from command_line import answer
 from lab.filmed_robot import Motion, driven
 from serpenoid.calibration.kinds.tracks import Track
 from serpenoid.calibration.kinds.video import FilmReading
@@ -18,7 +17,6 @@ from serpenoid.calibration.servos.from_runs import servo_of_session
 from serpenoid.calibration.session_file import load_session, read_session
 from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.commands.demo import session_folder
-from serpenoid.commands.main import cli
 from serpenoid.periodic.servo_steady import servo_state
 from serpenoid.servos.folded_film import Ripple, film_ripples
 from video.filming import Body, Film, Lens, write
@@ -147,10 +145,8 @@ def test_a_film_of_240_pictures_a_second_from_pixels(tmp_path: Path) -> None:
     path = write(tmp_path / "slow.mp4", [camera.frame(t) for t in times], 8 * times)
     folder = create_session(tmp_path / "session", default_setup("filmed"))
     set_points(quick, 6.0, tmp_path / "run.wire")
-    typed = ["video", path, "--recording", tmp_path / "run.wire", "--session", folder, "--json"]
-    done = CliRunner().invoke(cli, [str(part) for part in typed])
-    assert done.exit_code == 0, done.output
-    assert json.loads(done.stdout)["time_scale"] == pytest.approx(1 / 8, rel=5e-3)
+    told = answer("video", path, "--recording", tmp_path / "run.wire", "--session", folder)
+    assert told["time_scale"] == pytest.approx(1 / 8, rel=5e-3)
     (reading,) = read_session(folder).of("video")
     rows = reading.track.values
     seen = film_ripples(rows[:, 0], rows[:, 4:], reading.omega_rad_s, FRAME_S)

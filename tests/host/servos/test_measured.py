@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import serpenoid as sn
-from click.testing import CliRunner
+from command_line import serpenoid
 from lab.one_joint import ROBOT, filmed_by, shown_by
 from serpenoid import _core
 from serpenoid.calibration.kinds.gait import GaitRun
@@ -17,7 +17,6 @@ from serpenoid.calibration.kinds.video import FilmReading
 from serpenoid.calibration.servos.from_runs import servo_of_session
 from serpenoid.calibration.session_file import load_session
 from serpenoid.commands.demo import session_folder
-from serpenoid.commands.main import cli
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.floor import Floor
 from serpenoid.lab.robot import LabRobot
@@ -174,9 +173,8 @@ def test_a_film_of_a_session_tells_how_far_the_joints_go(tmp_path: Path, monkeyp
     with_film = load_session(session_folder()).with_reading(film)
     monkeypatch.setattr(sn, "load_session", lambda _: with_film)
     out = tmp_path / "slow.toml"
-    told = CliRunner().invoke(cli, ["servo", "--session", str(session_folder()), "--out", str(out)])
-    assert told.exit_code == 0, told.output
-    assert f"Written: {out}" in told.output.replace("\n", "")
+    told = serpenoid("servo --session", session_folder(), "--out", out, check=True)
+    assert f"Written: {out}" in told.stdout.replace("\n", "")
     ideal = sn.steady_gait(fit.robot, fit.ground, quick, rtol=1e-3, powers=False)
     seen = [servo_state(ideal, one, rough=True).amplitude for one in sn.servo(out).drawn]
     assert gains.mean() < 0.85
@@ -204,10 +202,9 @@ def test_the_command_writes_a_file_that_others_take(tmp_path: Path, monkeypatch)
     table, out = tmp_path / "joint.csv", tmp_path / "mine.toml"
     rows = zip(test.t_s, np.degrees(test.setpoint_rad), np.degrees(test.angle_rad), strict=True)
     table.write_text("t_s,setpoint_deg,angle_deg\n" + "".join(f"{t},{s},{a}\n" for t, s, a in rows))
-    told = CliRunner().invoke(cli, ["servo", "--test", str(table), "--out", str(out)])
-    assert told.exit_code == 0, told.output
-    assert told.output.startswith("Without load the servo turns at about ")
-    assert "gear_damping_over_motors" in told.output
+    told = serpenoid("servo --test", table, "--out", out, check=True).stdout
+    assert told.startswith("Without load the servo turns at about ")
+    assert "gear_damping_over_motors" in told
     kind = sn.servo(out)
     assert len(kind.drawn) == 32
 
@@ -230,12 +227,10 @@ def test_the_command_writes_a_file_that_others_take(tmp_path: Path, monkeypatch)
 def test_a_table_that_is_no_test_is_refused(tmp_path: Path, text: str, says: str) -> None:
     table = tmp_path / "joint.csv"
     table.write_text(text)
-    told = CliRunner().invoke(cli, ["servo", "--test", str(table)])
-    assert told.exit_code in (1, 2)
-    assert says in f"{told.exception} {told.output}"
-    unsure = CliRunner().invoke(cli, ["servo", "--test", str(table), "--sigma-deg", "-1"])
-    assert "--sigma-deg is -1" in f"{unsure.exception} {unsure.output}"
-    crawled = CliRunner().invoke(cli, ["servo", "--session", "x", "--inertia-kg-m2", "1e-4"])
-    assert "--inertia-kg-m2 is for --test" in crawled.output
-    neither = CliRunner().invoke(cli, ["servo"])
-    assert neither.exit_code == 2
+    told = serpenoid("servo --test", table)
+    assert told.returncode in (1, 2)
+    assert says in told.stderr
+    assert "--sigma-deg is -1" in serpenoid("servo --sigma-deg -1 --test", table).stderr
+    crawled = serpenoid("servo --session x --inertia-kg-m2 1e-4").stderr
+    assert "--inertia-kg-m2 is for --test" in crawled
+    assert serpenoid("servo").returncode == 2

@@ -7,12 +7,11 @@ from pathlib import Path
 
 import pytest
 import serpenoid as sn
-from click.testing import CliRunner
+from command_line import serpenoid
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.calibration.taking.procedure import next_step
 from serpenoid.calibration.taking.simulated import SimulatedPerson, Truth
 from serpenoid.calibration.taking.treadmill import Posture, take_step
-from serpenoid.commands.main import cli
 from serpenoid.paper.claims import Claim, as_dict
 from serpenoid.paper.study import Reading
 from serpenoid.show.gaits.paper_page import write_page
@@ -36,8 +35,7 @@ def study(folder: Path) -> Path:
 
 def written(folder: Path, *arguments: str) -> Path:
     path = folder / f"{arguments[0]}.html"
-    done = CliRunner().invoke(cli, [*arguments, "--out", str(path)])
-    assert done.exit_code == 0, done.output
+    serpenoid(*arguments, "--out", path, check=True)
     return path
 
 

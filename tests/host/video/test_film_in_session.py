@@ -10,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 import serpenoid as sn
-from click.testing import CliRunner
+from command_line import serpenoid
 from serpenoid.calibration import session_file
 from serpenoid.calibration.advice import advise
 from serpenoid.calibration.comparison import compare
@@ -25,7 +25,6 @@ from serpenoid.calibration.speeds import speed
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.commands.demo import session_folder
-from serpenoid.commands.main import cli
 from serpenoid.model.drives import ServoKind
 from serpenoid.periodic.servo_steady import with_servo
 from serpenoid.servos.catalogue import servo
@@ -69,8 +68,7 @@ def test_a_film_is_kept_with_its_joints_hash_and_track(folder) -> None:
 
 
 def test_a_film_is_redone_with_its_way_and_keeps_its_track(folder) -> None:
-    done = CliRunner().invoke(cli, ["calibrate", "redo", str(folder), "1", "way=there"])
-    assert done.exit_code == 0, done.output
+    serpenoid("calibrate redo", folder, "1", "way=there", check=True)
     old, new = read_session(folder).of("video")
     assert (old.voided, old.way, new.way) == (True, "level", "there")
     assert new.track.sha256 == old.track.sha256
@@ -78,20 +76,20 @@ def test_a_film_is_redone_with_its_way_and_keeps_its_track(folder) -> None:
 
 def test_a_film_without_its_track_is_refused_before_a_line_is_written(folder) -> None:
     typed = [f"{name}={value}" for name, value in CELLS.items()]
-    done = CliRunner().invoke(cli, ["calibrate", "add", str(folder), "video", *typed])
-    assert done.exit_code == 1
-    assert "needs its track" in str(done.exception)
+    done = serpenoid("calibrate add", folder, "video", *typed)
+    assert done.returncode == 2
+    assert "needs its track" in done.stderr
     assert len(read_session(folder).of("video")) == 1
 
 
 def test_a_way_is_refused_where_there_is_no_line_of_pushes(folder) -> None:
-    for more, status, words in (
-        ([], 2, "--way goes with --session"),
-        (["--session", str(folder)], 1, "leave --way out"),
+    for more, words in (
+        ([], "--way goes with --session"),
+        (["--session", folder], "leave --way out"),
     ):
-        done = CliRunner().invoke(cli, ["video", "a.mp4", "--way", "there", *more])
-        assert done.exit_code == status
-        assert words in done.output + str(done.exception)
+        done = serpenoid("video a.mp4 --way there", *more)
+        assert done.returncode == 2
+        assert words in done.stderr
 
 
 @pytest.mark.parametrize("bad", [[math.nan, 0, 0, 0, 1], [0, 0, 0, 0, math.inf], [0, 0, 0]])
@@ -210,13 +208,10 @@ def test_a_voided_film_counts_for_nothing(of_2005) -> None:
 
 
 def test_steady_takes_the_joints_of_a_film(folder) -> None:
-    typed = ["steady", "--alpha-deg", "50", "--beta-deg", "80", "--omega-rad-s", "3", "--json"]
-    typed += ["--servo", "ideal"]
-    plain = CliRunner().invoke(cli, typed)
-    made = CliRunner().invoke(cli, [*typed, "--joints", str(folder)])
-    assert made.exit_code == 0, made.output
-    assert "0.93" in made.output
-    assert made.output != plain.output
+    typed = "steady --alpha-deg 50 --beta-deg 80 --omega-rad-s 3 --json --servo ideal"
+    plain, made = serpenoid(typed), serpenoid(typed, "--joints", folder, check=True)
+    assert "0.93" in made.stdout
+    assert made.stdout != plain.stdout
 
 
 @pytest.mark.parametrize("free_speed_rad_s", [3.5, pytest.param(4.5, marks=pytest.mark.slow)])

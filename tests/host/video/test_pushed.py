@@ -6,11 +6,10 @@ import math
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from command_line import serpenoid
 from serpenoid.calibration.floor.block import floor_blocks
 from serpenoid.calibration.session_file import load_session
 from serpenoid.calibration.taking.new_session import create_session, default_setup
-from serpenoid.commands.main import cli
 from serpenoid.lab.floor import Floor, Push
 from serpenoid.lab.robot import LabRobot
 from serpenoid.model.errors import BadInput
@@ -61,10 +60,8 @@ def test_a_film_of_two_pushes_gives_two_readings(tmp_path) -> None:
     times = np.arange(0, seconds, 1 / RATE_HZ)
     film = write(tmp_path / "pushes.mp4", [camera.frame(t) for t in times], times)
     folder = create_session(tmp_path / "session", default_setup("filmed"))
-    typed = ["calibrate", "push", str(folder), str(film)]
-    done = CliRunner().invoke(cli, typed)
-    assert done.exit_code == 0, done.output
-    assert "all lengths ± 0." in done.output
+    typed = "calibrate push", folder, film
+    assert "all lengths ± 0." in serpenoid(*typed, check=True).stdout
     session = load_session(folder)
     pushes = session.kept_pushes
     (scale_sigma,) = {p.scale_sigma for p in pushes}
@@ -82,8 +79,7 @@ def test_a_film_of_two_pushes_gives_two_readings(tmp_path) -> None:
         scale = (seen @ true) / (seen @ seen)
         assert scale == pytest.approx(1.0, abs=0.01)
         assert np.abs(scale * seen - true).max() < 1e-3
-    again = CliRunner().invoke(cli, typed)
-    assert "not taken twice" in str(again.exception)
+    assert "not taken twice" in serpenoid(*typed).stderr
 
 
 def test_a_crawl_is_no_push() -> None:
