@@ -90,7 +90,7 @@ def test_a_pipe_is_refused_where_a_film_is_asked_for(tmp_path: Path) -> None:
 @pytest.mark.parametrize("command", ["new", "practice"])
 def test_a_link_to_itself_is_no_folder_for_a_session(tmp_path: Path, command: str) -> None:
     (tmp_path / "loop").symlink_to("loop")
-    assert serpenoid(f"calibrate {command}", tmp_path / "loop").returncode == 1
+    assert serpenoid(f"calibrate {command}", tmp_path / "loop").returncode in (1, 2)
 
 
 def test_a_cell_without_end_is_no_csv(tmp_path: Path) -> None:
