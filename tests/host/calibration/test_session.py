@@ -248,17 +248,17 @@ def test_whatever_is_typed_loads_or_is_refused_clearly(folder, name, start, leng
 def test_a_session_keeps_the_voltage_and_the_frames_of_its_servos(tmp_path) -> None:
     folder = str(tmp_path / "mine")
 
-    def run(*args: str) -> None:
-        serpenoid("calibrate", *args, check=True)
+    def run(line: str) -> None:
+        serpenoid(f"calibrate {line}", check=True)
 
-    run("new", folder, "--defaults", "--surface", "wood", "--mass-kg", "480g", "--volts", "5.2")
+    run(f"new {folder} --defaults --surface wood --mass-kg 480g --volts 5.2")
     setup = session_file.read_session(folder).setup
     assert setup.supply_v == 5.2
     kind = setup.driving(sn.servo("S3003"))
     assert {s.supply_v for s in kind.draws(8)} == {5.2}
     assert kind.servo.frame_s == 0.02  # of five joints
-    run("amend", folder, "robot.supply_v=5.6V")
-    run("amend", folder, "robot.frame_ms=5")
+    run(f"amend {folder} robot.supply_v=5.6V")
+    run(f"amend {folder} robot.frame_ms=5")
     setup = session_file.read_session(folder).setup
     assert setup.driving(sn.servo()).servo.supply_v == 5.6
     assert {s.frame_s for s in setup.driving(sn.servo()).draws(8)} == {0.005}

@@ -132,15 +132,14 @@ def test_every_prediction_notes_what_was_not_measured(tmp_path):
         for bend, incline, belt in ((0, 2, 0.3), (0, 3, 1.0), (15, 3.0, 0.1), (15, 4.0, 0.5)):
             cells = {"lambda_deg": bend, "incline_deg": incline, "belt_speed_m_s": belt}
             journal.add("station", cells | {"drift_m_s": 0.0})
-    gait = ["--alpha-deg", "70", "--beta-deg", "75", "--frequency-hz", "0.5"]
-    sweep = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "3"]
-    for command, typed in (
-        ("steady", [*gait, "--servo", "ideal"]),
-        ("simulate", [*gait, "--duration-s", "0.1"]),
-        ("sweep", sweep),
-        ("optimize", ["--speed-m-s", "0.05", "--servo", "ideal"]),
+    gait = "--alpha-deg 70 --beta-deg 75 --frequency-hz 0.5"
+    for typed in (
+        f"steady {gait} --servo ideal",
+        f"simulate {gait} --duration-s 0.1",
+        "sweep --alpha-deg 70 --beta-deg 75 --omega-rad-s 3",
+        "optimize --speed-m-s 0.05 --servo ideal",
     ):
-        done = serpenoid(command, "--session", folder, *typed, "--json")
+        done = serpenoid(f"{typed} --session {folder} --json")
         weight, zero, belt = json.loads(done.stdout)["fit_notes"]
         assert weight.startswith("The robot was not weighed")
         assert "0.1 degrees are 0.0078 N of ft0" in zero

@@ -113,8 +113,8 @@ def test_what_is_no_track_is_said(typed, why):
         tidy_places(typed)
 
 
-def run(*arguments):
-    return serpenoid("calibrate", *arguments)
+def run(line):
+    return serpenoid(f"calibrate {line}")
 
 
 @pytest.fixture
@@ -122,28 +122,28 @@ def folder(tmp_path):
     return create_session(tmp_path / "session", default_setup("made up"))
 
 
-CELLS = ("lambda_deg=15", "incline_deg=4", "belt_speed_m_s=0.5")
+CELLS = "lambda_deg=15 incline_deg=4 belt_speed_m_s=0.5"
 
 
 def test_every_way_into_a_session_takes_places(folder, tmp_path):
-    assert run("add", folder, "station", *CELLS, "places=0:0 2:0.04 4:0.12").returncode == 0
+    assert run(f"add {folder} station {CELLS} 'places=0:0 2:0.04 4:0.12'").returncode == 0
     sheet = tmp_path / "sheet.csv"
-    assert run("sheet", folder, "--out", sheet).returncode == 0
+    assert run(f"sheet {folder} --out {sheet}").returncode == 0
     assert "places" in sheet.read_text().splitlines()[0].split(",")
     sheet.write_text(
         "kind;lambda_deg;incline_deg;belt_speed_m_s;places\nstation;15;4,2;0,5;0:0 2:0,04 4:0,12\n"
     )
-    assert run("add", folder, "--sheet", sheet).returncode == 0
+    assert run(f"add {folder} --sheet {sheet}").returncode == 0
     script = tmp_path / "script.toml"
     script.write_text(
         "[[reading]]\nlambda_deg = 15.0\nincline_deg = 4.4\nbelt_speed_m_s = 0.5\n"
         'places = "0:0 2:0.04 4:0.12"\n'
     )
-    assert run("take", folder, "--script", script).returncode == 0
+    assert run(f"take {folder} --script {script}").returncode == 0
     read = read_session(folder)
     assert [r.places for r in read.kept] == ["0:0,2:0.04,4:0.12"] * 3
     assert [r.drift_m_s for r in read.kept] == pytest.approx([0.03] * 3)
-    said = " ".join(run("status", folder).stdout.split())
+    said = " ".join(run(f"status {folder}").stdout.split())
     assert "+0.010 to +0.050 m/s" in said, said
 
 
@@ -151,12 +151,12 @@ def test_a_listed_reading_without_a_word_of_drift_had_none(folder, tmp_path):
     script = tmp_path / "script.toml"
     script.write_text("[[reading]]\nlambda_deg = 0.0\nincline_deg = 2.3\nbelt_speed_m_s = 0.45\n")
     for _ in range(2):
-        assert run("take", folder, "--script", script).returncode == 0
+        assert run(f"take {folder} --script {script}").returncode == 0
     assert [r.drift_m_s for r in read_session(folder).kept] == [0.0]
 
 
 def test_bad_places_are_refused_and_nothing_is_written(folder):
-    said = run("add", folder, "station", *CELLS, "places=0:0 2:0.04")
+    said = run(f"add {folder} station {CELLS} 'places=0:0 2:0.04'")
     assert said.returncode != 0
     assert "three places" in said.stderr
     assert not read_session(folder).readings

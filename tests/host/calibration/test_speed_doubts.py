@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import serpenoid as sn
+from command_line import serpenoid
 from serpenoid.calibration.advising import speed_doubts as room
 from serpenoid.calibration.advising.speed_doubts import speed_doubts
 from serpenoid.calibration.friction_result import FitDraws
@@ -146,10 +147,10 @@ def test_a_gait_at_the_end_of_its_range_has_a_band(fit) -> None:
 
 
 @pytest.mark.slow
-def test_the_command_tells_it_with_a_fit_and_derivatives_alone(serpenoid) -> None:
-    steady = ["steady", "--alpha-deg", "70", "--beta-deg", "75", "--frequency-hz", "1"]
-    session = ("--session", str(session_folder()))
-    answer = json.loads(serpenoid(*steady, "--json", "--sensitivities", *session)[1])
+def test_the_command_tells_it_with_a_fit_and_derivatives_alone() -> None:
+    steady = "steady --alpha-deg 70 --beta-deg 75 --frequency-hz 1"
+    session = f"--session {session_folder()}"
+    answer = json.loads(serpenoid(f"{steady} --json --sensitivities {session}")[1])
     told, margins = answer["doubts"], answer["margins"]
     fn0 = sn.fit_friction(sn.load_session(session_folder())).parameters["fn0"]
     assert margins["grip_sigmas"] == pytest.approx(margins["grip"] * fn0.value / fn0.sigma)
@@ -157,9 +158,9 @@ def test_the_command_tells_it_with_a_fit_and_derivatives_alone(serpenoid) -> Non
     assert set(told["each"]) == set(told["each_drawn"]) == {"ct", "cn", "ft0", "fn0", "amplitude"}
     assert told["shares"]["servos"] > 0.5  # any hobby servo: the slow ones lose most of the speed
     assert told["straight"]
-    ideal = (*steady, "--servo", "ideal", *session)
-    assert "most of it: friction" in serpenoid(*ideal, "--sensitivities")[1]
+    ideal = f"{steady} --servo ideal {session}"
+    assert "most of it: friction" in serpenoid(f"{ideal} --sensitivities")[1]
     for plain, other in ((True, ()), (False, ("--sensitivities", "--fn0", "0.05"))):
-        found = json.loads(serpenoid(*ideal, "--json", *other)[1])
+        found = json.loads(serpenoid(f"{ideal} --json", *other)[1])
         assert "doubts" not in found
         assert ("grip_sigmas" in found["margins"]) is plain

@@ -13,9 +13,9 @@ from serpenoid.calibration.session_file import load_session
 pytestmark = pytest.mark.usefixtures("short_curve")
 
 
-def run(*words, typed="", fails=False):
+def run(line, typed="", fails=False):
     """Return what a command says, on lines of any width."""
-    done = serpenoid(*words, typed=typed)
+    done = serpenoid(line, typed=typed)
     assert (done.returncode != 0) == fails, done.stdout + done.stderr
     return " ".join((done.stdout + done.stderr).split())
 
@@ -35,35 +35,35 @@ def tracks(tmp_path):
 
 def test_a_session_is_begun_pushed_and_gone_on_with(tmp_path, tracks):
     folder = tmp_path / "s"
-    run(*NEW[:2], folder, *NEW[2:])
+    run(f"{NEW} {folder}")
     plan = (folder / "session.toml").read_text()
     assert 'on = "floor"' in plan
     assert "wheels_kg = 0.0" in plan
-    assert "align its links" in run("calibrate", folder, "--dry-run")
-    first = run("calibrate", folder, typed=f"\n{tracks[0]} cm\nquit\n")
+    assert "align its links" in run(f"calibrate {folder} --dry-run")
+    first = run(f"calibrate {folder}", typed=f"\n{tracks[0]} cm\nquit\n")
     assert "Push 1 of 8, straight, THERE" in first
     assert "reading 1, there: " in first
     # a second process finds all of it, and what a kill left half written does not count
     with (folder / "readings.csv").open("a") as file:
         file.write("2,coast,2026-")
-    again = run("calibrate", folder, typed=f"\n\n\n{tracks[1]} cm\nundo\n{tracks[1]} cm\nquit\n")
+    again = run(f"calibrate {folder}", typed=f"\n\n\n{tracks[1]} cm\nundo\n{tracks[1]} cm\nquit\n")
     assert "Push 2 of 8, straight, BACK" in again
     assert "1 push and 0 gait runs kept" in again
-    taken = run("calibrate", "push", folder, tracks[2], tracks[3], "--unit", "cm")
+    taken = run(f"calibrate push {folder} {tracks[2]} {tracks[3]} --unit cm")
     assert taken.count("reading") == 2
     session = load_session(folder)
     assert [p.way for p in session.kept_pushes] == ["there", "back", "there", "back"]
-    assert "already" in run("calibrate", "push", folder, tracks[2], fails=True)
-    told = run("fit", folder, fails=True)
+    assert "already" in run(f"calibrate push {folder} {tracks[2]}", fails=True)
+    told = run(f"fit {folder}", fails=True)
     assert "cn and fn0 cannot be told" in told
     assert "bend of 42 degrees" in told
 
 
 def test_the_sheet_of_a_floor_is_printed_typed_and_taken_in(tmp_path):
     folder, page, typed = tmp_path / "s", tmp_path / "sheet.html", tmp_path / "typed.csv"
-    serpenoid(*NEW[:2], folder, *NEW[2:], check=True)
+    serpenoid(f"{NEW} {folder}", check=True)
     for out in (page, typed):
-        serpenoid("calibrate", "sheet", folder, "--out", out, check=True)
+        serpenoid(f"calibrate sheet {folder} --out {out}", check=True)
     text = page.read_text()
     assert "Pushes, bend 42°" in text
     assert "at either end shows 140°" in text
@@ -78,7 +78,7 @@ def test_the_sheet_of_a_floor_is_printed_typed_and_taken_in(tmp_path):
         for name, value in read[line[0]].items():
             line[head.index(name)] = value
     typed.write_text("".join(",".join(line) + "\n" for line in (head, *lines)))
-    status, out, err = serpenoid("calibrate", "add", folder, "--sheet", typed)
+    status, out, err = serpenoid(f"calibrate add {folder} --sheet {typed}")
     assert status == 0, err
     assert out.startswith("12 reading(s) added; 10 pushes")
     pushes = load_session(folder).kept_pushes
@@ -91,22 +91,13 @@ def test_the_sheet_of_a_floor_is_printed_typed_and_taken_in(tmp_path):
 
 def test_a_session_of_a_treadmill_goes_on_on_the_floor(tmp_path):
     folder = tmp_path / "s"
-    run("calibrate", "new", folder, "--defaults", "--surface", "belt", "--mass-kg", "454g")
-    said = run("calibrate", folder, "--on", "floor", typed="\n1.0\n2.4\n\nquit\n")
+    run(f"calibrate new {folder} --defaults --surface belt --mass-kg 454g")
+    said = run(f"calibrate {folder} --on floor", typed="\n1.0\n2.4\n\nquit\n")
     assert "kept as reading 1" in said
-    assert "pushes, straight 1 of 8" in run("calibrate", "status", folder)
-    run("calibrate", "amend", folder, "robot.wheels_kg=36g")
+    assert "pushes, straight 1 of 8" in run(f"calibrate status {folder}")
+    run(f"calibrate amend {folder} robot.wheels_kg=36g")
     assert load_session(folder).setup.floor.wheels_kg == pytest.approx(0.036)
-    run(
-        "calibrate",
-        "add",
-        folder,
-        "slide",
-        "lambda_deg=0",
-        "incline_deg=7%",
-        "distance_m=1",
-        "duration_s=2.1",
-    )
+    run(f"calibrate add {folder} slide lambda_deg=0 incline_deg=7% distance_m=1 duration_s=2.1")
     assert len(load_session(folder).kept_slides) == 1
 
 
@@ -116,18 +107,9 @@ def practised(tmp_path_factory):
     folder = tmp_path_factory.mktemp("practice") / "p"
     words = ["", *["push 0.9"] * 4, "protractor", "140", *["push 0.9"] * 4, "protractor", "96.2"]
     words += [*["push 1.0"] * 6, "crawl", "1.0", "19.4", "quit"]
-    run("calibrate", "practice", folder, "--on", "floor", "--seed", "5", typed="quit\n")
-    run("calibrate", "amend", folder, "plan.pushes=4")
-    said = run(
-        "calibrate",
-        "practice",
-        folder,
-        "--on",
-        "floor",
-        "--seed",
-        "5",
-        typed="\n".join(words) + "\n",
-    )
+    run(f"calibrate practice {folder} --on floor --seed 5", typed="quit\n")
+    run(f"calibrate amend {folder} plan.pushes=4")
+    said = run(f"calibrate practice {folder} --on floor --seed 5", typed="\n".join(words) + "\n")
     return folder, said
 
 
@@ -135,33 +117,31 @@ def practised(tmp_path_factory):
 def test_practice_on_the_floor_tells_the_friction_that_was_to_be_found(practised):
     folder, said = practised
     assert "the truth, whole snake: ct 0.0868" in said
-    found = json.loads(run("fit", folder, "--json"))["parameters"]
+    found = json.loads(run(f"fit {folder} --json"))["parameters"]
     for name, true in (("ct", 0.0868), ("cn", 0.8549), ("ft0", 0.1435), ("fn0", 0.2899)):
         value = found[f"{name}_whole"]
         assert abs(value["value"] - true) < 3.5 * value["sigma"]
-    assert "is of seed 5" in run(
-        "calibrate", "practice", folder, "--on", "floor", "--seed", "6", fails=True
-    )
-    assert "no session of practice" in run("calibrate", "practice", folder, fails=True)
-    for more in (["--pace", "2"], ["--page"]):
-        told = run("calibrate", "practice", folder, "--on", "floor", *more, fails=True)
-        assert f"{more[0]} has no effect with --on floor" in told
+    assert "is of seed 5" in run(f"calibrate practice {folder} --on floor --seed 6", fails=True)
+    assert "no session of practice" in run(f"calibrate practice {folder}", fails=True)
+    for more in ("--pace 2", "--page"):
+        told = run(f"calibrate practice {folder} --on floor {more}", fails=True)
+        assert f"{more[:6]} has no effect with --on floor" in told
 
 
 def test_advice_and_report_of_a_floor(practised, tmp_path):
     folder, _ = practised
-    advice = json.loads(run("advise", folder, "--json", "--gait", 70, 75, 0.5, "--samples", 16))
+    advice = json.loads(run(f"advise {folder} --json --gait 70 75 0.5 --samples 16"))
     best = advice["readings"][0]
     assert best["kind"] in ("coast", "slide")
     assert best["band"] < advice["band"]
     assert 0 < best["minutes"] < 10
     page = tmp_path / "report.html"
-    run("report", folder, "--servo", "ideal", "--out", page)
+    run(f"report {folder} --servo ideal --out {page}")
     text = page.read_text()
     assert "pushes: places over time with the law" in text
     assert "<h2>The next reading</h2>" in text
     assert "12 pushes" in text or "13 pushes" in text
     assert "(<code>serpenoid video</code>)" in text
     assert "`" not in re.sub(r"<(style|svg).*?</\1>", "", text, flags=re.S)
-    run("fit", folder, "--plot", tmp_path / "fit.png")
+    run(f"fit {folder} --plot {tmp_path}/fit.png")
     assert (tmp_path / "fit.png").stat().st_size > 10_000

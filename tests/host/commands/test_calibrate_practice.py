@@ -33,13 +33,13 @@ quit
 """
 
 
-def practise(folder, *more, typed=TYPED):
-    return serpenoid("calibrate", "practice", folder, *more, "--pace", "20", typed=typed)
+def practise(folder, more, typed=TYPED):
+    return serpenoid(f"calibrate practice {folder} {more} --pace 20", typed=typed)
 
 
 def test_a_station_is_held_at_the_desk_and_the_session_resumed(tmp_path):
     folder = tmp_path / "desk"
-    done = practise(folder, "--seed", "3", "--no-page")
+    done = practise(folder, "--seed 3 --no-page")
     assert done.returncode == 0, done.stderr
     assert "#####O" in done.stdout  # the robot on the belt
     assert "inclinometer, turned" in done.stdout
@@ -51,15 +51,14 @@ def test_a_station_is_held_at_the_desk_and_the_session_resumed(tmp_path):
     again = practise(folder, "--no-page", typed="treadmill\nquit\n")
     assert again.returncode == 0
     assert "wait 20" in again.stdout
-    other = practise(folder, "--seed", "4", typed="")
+    other = practise(folder, "--seed 4", typed="")
     assert other.returncode == 2
     assert "is of seed 3" in other.stderr
 
 
 def test_a_session_of_a_real_robot_is_not_practised_on(tmp_path):
     folder = tmp_path / "real"
-    asked = ["--defaults", "--surface", "belt", "--mass-kg", "480g"]
-    serpenoid("calibrate", "new", folder, *asked, check=True)
+    serpenoid(f"calibrate new {folder} --defaults --surface belt --mass-kg 480g", check=True)
     done = practise(folder, "--no-page")
     assert done.returncode == 2
     assert "no session of practice" in done.stderr

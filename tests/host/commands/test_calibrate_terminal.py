@@ -4,6 +4,7 @@ import math
 import signal
 
 import pytest
+from command_line import serpenoid
 from robot.terminal import Person
 from serpenoid import load_session
 from serpenoid.calibration.session_file import read_session
@@ -11,11 +12,9 @@ from serpenoid.calibration.session_rows import read_events
 
 
 @pytest.fixture
-def folder(tmp_path, serpenoid):
+def folder(tmp_path):
     path = tmp_path / "session"
-    serpenoid(
-        "calibrate", "new", str(path), "--defaults", "--surface", "belt", "--mass-kg", "453.6 g"
-    )
+    serpenoid(f"calibrate new {path} --defaults --surface belt --mass-kg '453.6 g'")
     return path
 
 

@@ -63,7 +63,7 @@ def test_the_error_can_be_left_out() -> None:
 def test_sweep_writes_every_gait(tmp_path) -> None:
     out = tmp_path / "sweep.csv"
     grid = "--alpha-deg 30:40:10 --beta-deg 80 --omega-rad-s 1:3:1"
-    serpenoid(f"sweep --robot paper {grid} --out", out, check=True)
+    serpenoid(f"sweep --robot paper {grid} --out {out}", check=True)
     assert len(out.read_text().splitlines()) == 1 + 2 * 3
 
 
@@ -195,7 +195,7 @@ def test_a_spoilt_reading_is_the_files_fault(tmp_path) -> None:
     shutil.copytree("calibration_data/nirakh-2005", folder)
     readings = folder / "readings.csv"
     readings.write_text(readings.read_text().replace("0.181468", "nan"))
-    done = serpenoid("fit", folder)
+    done = serpenoid(f"fit {folder}")
     assert done.returncode == 2
     assert "readings.csv:2" in done.stderr
     assert "nan" in done.stderr

@@ -123,7 +123,7 @@ def test_listed_gaits(command: str, gait: str, told: str) -> None:
 
 def test_a_mass_in_grams_is_doubted_when_it_is_amended(tmp_path: Path) -> None:
     folder = tmp_path / "mine"
-    serpenoid("calibrate new --defaults", folder, check=True)
+    serpenoid(f"calibrate new --defaults {folder}", check=True)
     told = warned(f"calibrate amend {folder} robot.mass_kg=480")
     assert "the mass-kg now: 80 kg for one link" in told
 

@@ -32,7 +32,7 @@ def folder(tmp_path):
 
 
 def test_fit_shows_whole_and_per_link_values_and_keeps_them(folder):
-    shown = run("fit --influence", folder).stdout
+    shown = run(f"fit --influence {folder}").stdout
     assert "ct_whole" in shown
     assert "each of 6 links" in shown
     assert "0.084" in shown
@@ -40,7 +40,7 @@ def test_fit_shows_whole_and_per_link_values_and_keeps_them(folder):
     assert "chi2 without" in shown
     kept = sn.load_fit(folder)
     assert kept.parameters["ct_whole"].value == pytest.approx(0.084, rel=1e-4)
-    assert answer("fit --no-save --method robust", folder)["method"] == "robust"
+    assert answer(f"fit --no-save --method robust {folder}")["method"] == "robust"
     assert sn.load_fit(folder).method == "joint"
 
 
@@ -62,20 +62,20 @@ def test_a_fit_of_many_readings_shows_that_it_works(folder):
 
 def test_a_session_or_its_fit_gives_friction_to_other_commands(folder):
     steady = f"steady {GAIT} --servo ideal"
-    asked = answer(steady, "--session", folder)["speed_m_s"]
+    asked = answer(f"{steady} --session {folder}")["speed_m_s"]
     # the speed that the paper's lines give, known to 1e-6
     assert asked == pytest.approx(0.133205, rel=1e-4)
-    run("fit", folder)
+    run(f"fit {folder}")
     file = folder / "fit.json"
     kept = file.read_text()
     file.write_text("{}")  # an older version's, or edited: the readings are there
-    anew = run(steady, "--json", "--session", folder)
+    anew = run(f"{steady} --json --session {folder}")
     assert json.loads(anew.stdout)["speed_m_s"] == pytest.approx(asked, rel=1e-9)
     assert "fitted anew" in anew.stderr
     file.write_text(kept)
-    assert answer(steady, "--ground", file)["speed_m_s"] == pytest.approx(asked, rel=1e-9)
-    assert answer(f"{steady} --fn0 0.1", "--ground", file)["speed_m_s"] > 1.05 * asked
-    assert answer(f"simulate {GAIT} --duration-s 0.1", "--session", folder)
+    assert answer(f"{steady} --ground {file}")["speed_m_s"] == pytest.approx(asked, rel=1e-9)
+    assert answer(f"{steady} --fn0 0.1 --ground {file}")["speed_m_s"] > 1.05 * asked
+    assert answer(f"simulate {GAIT} --duration-s 0.1 --session {folder}")
 
 
 SHEET = """kind,lambda_deg,bend,incline_deg,belt_speed_m_s
@@ -102,12 +102,12 @@ def keep_as_with_crawls(plain, folder):
 
 def test_a_report_of_friction_that_crawls_alone_tell_has_no_test_of_it(folder, tmp_path):
     made, add = tmp_path / "tape", f"calibrate add {tmp_path / 'tape'}"
-    run("calibrate new --defaults --simulated --on floor", made)
+    run(f"calibrate new --defaults --simulated --on floor {made}")
     for way in ("there", "back"):
         run(f"{add} coast lambda_deg=0 way={way} distance_m=0.6 duration_s=2")
     run(f"{add} {CRAWL} omega_rad_s=5")
     keep_as_with_crawls(sn.fit_friction(sn.load_session(folder)), made)
-    assert "no comparison and no advice" in run("report", made).stderr
+    assert "no comparison and no advice" in run(f"report {made}").stderr
     assert "<h2>Friction</h2>" in (made / "report.html").read_text()
 
 
@@ -115,7 +115,7 @@ def test_a_fit_with_crawls_serves_predictions_but_not_their_test(tmp_path, capsy
     """Until a reading comes: then the readings are fitted again, and what is left out is said."""
     folder, sheet = tmp_path / "session", tmp_path / "sheet.csv"
     sheet.write_text(SHEET)
-    run("calibrate new --defaults --simulated", folder)
+    run(f"calibrate new --defaults --simulated {folder}")
     add = f"calibrate add {folder}"
     run(f"{add} --sheet {sheet}")
     run(f"{add} zero incline_deg=0.1 reversed_deg=0")
@@ -127,7 +127,7 @@ def test_a_fit_with_crawls_serves_predictions_but_not_their_test(tmp_path, capsy
     assert not capsys.readouterr().err
     assert not session_fit(folder, with_crawls=False).with_crawls
     assert "no test of them" in capsys.readouterr().err
-    assert "no test of them" in run("report --servo ideal", folder).stderr
+    assert "no test of them" in run(f"report --servo ideal {folder}").stderr
     run(f"{add} {CRAWL} omega_rad_s=4")
     assert not session_fit(folder).with_crawls
     assert "fitted anew, without crawls" in " ".join(capsys.readouterr().err.split())
@@ -142,7 +142,7 @@ def test_a_fit_with_crawls_serves_predictions_but_not_their_test(tmp_path, capsy
     ],
 )
 def test_friction_from_two_places_or_none_is_refused(folder, extra, said):
-    run("fit", folder)
+    run(f"fit {folder}")
     failed = serpenoid(f"steady {GAIT} {extra.format(folder)}")
     assert failed.returncode == 2
     assert said in " ".join(failed.stderr.split())
@@ -154,7 +154,7 @@ def test_compare_predicts_and_draws_what_is_not_measured_yet(folder, tmp_path):
     assert told["verdict"] == "not measured"
     assert told["gaits"][0]["exact_m_s"] == pytest.approx(0.152, rel=0.01)
     assert "no gait run measured yet" in picture.read_text()
-    assert serpenoid("compare", folder).returncode == 2
+    assert serpenoid(f"compare {folder}").returncode == 2
 
 
 def test_advise_names_the_next_reading(folder):

@@ -22,13 +22,13 @@ IDEAL = "--servo ideal"
 
 def told(line):
     """Return the answer of a command, and what it warned of."""
-    done = serpenoid(line, "--json", check=True)
+    done = serpenoid(f"{line} --json", check=True)
     return json.loads(done.stdout[done.stdout.index("{") :]), done.stderr
 
 
 def with_a_plan(folder):
     """Return the session of 2005 in a folder whose plan has GAIT and another gait."""
-    serpenoid("calibrate new --defaults", folder, check=True)
+    serpenoid(f"calibrate new --defaults {folder}", check=True)
     with Journal(folder) as journal:
         gaits = (f"{{alpha_deg=70, beta_deg=75, frequency_hz={hz}}}" for hz in (0.25, 0.5))
         journal.event("amend", detail=f"plan.gaits = [{', '.join(gaits)}]")

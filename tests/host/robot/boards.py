@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-import command_line
 import pytest
 from avr.board import Board
 from robot.fake_board import GAIT, FakeBoard, honest
@@ -78,12 +77,6 @@ def hardware_port(request: pytest.FixtureRequest) -> str:
     if not port:
         pytest.skip("needs a real robot; name its port with --port=/dev/...")
     return port
-
-
-@pytest.fixture
-def serpenoid() -> Callable[..., tuple[int, str, str]]:
-    """Return the command line in this process: (exit status, standard output, standard error)."""
-    return command_line.serpenoid
 
 
 @pytest.fixture

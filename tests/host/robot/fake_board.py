@@ -19,7 +19,7 @@ from serpenoid.robot.wire import protocol
 
 Tamper = Callable[[bytes], bytes]
 GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
-GAIT_TYPED = ["--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "5"]
+GAIT_TYPED = "--alpha-deg 30 --beta-deg 80 --omega-rad-s 5"
 MOST_AT_ONCE_S = 0.02  # that the board runs before its host may speak again
 
 

@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable
 
 import pytest
+from command_line import serpenoid
 from robot.fake_board import GAIT, GAIT_TYPED, FakeBoard, nothing, resealed, sealed, without
 from robot.patience import LONG_S, clock
 from serpenoid.model.errors import (
@@ -245,12 +246,12 @@ def clock_at_double_pace(fake: FakeBoard) -> None:
         (clock_at_double_pace, "clock runs"),
     ],
 )
-def test_drive_tells_a_loss_once_and_keeps_the_recording(serpenoid, tmp_path, harm, said):
+def test_drive_tells_a_loss_once_and_keeps_the_recording(tmp_path, harm, said):
     file = tmp_path / "run.wire"
     with FakeBoard() as fake:
         harm(fake)
-        args = ["--port", fake.port, "--duration-s", "2.5", "--record", str(file), "--json"]
-        status, out, errors = serpenoid("drive", *GAIT_TYPED, *args)
+        args = f"--port {fake.port} --duration-s 2.5 --record {file} --json"
+        status, out, errors = serpenoid(f"drive {GAIT_TYPED} {args}")
     assert status == 1, errors
     told = [line for line in errors.splitlines() if re.search(said, line)]
     assert len(told) == 1, errors
@@ -260,7 +261,7 @@ def test_drive_tells_a_loss_once_and_keeps_the_recording(serpenoid, tmp_path, ha
         assert json.loads(out)["frequency_hz"] is None
 
 
-def test_drive_interrupted_without_a_sure_stop_has_failed(serpenoid):
+def test_drive_interrupted_without_a_sure_stop_has_failed():
     def interrupt(line: bytes) -> bytes:
         fake.to_host = nothing
         os.kill(os.getpid(), signal.SIGINT)
@@ -268,5 +269,5 @@ def test_drive_interrupted_without_a_sure_stop_has_failed(serpenoid):
 
     with FakeBoard() as fake:
         fake.to_host = after_gait_frames(20, interrupt)
-        status, _, errors = serpenoid("drive", *GAIT_TYPED, "--port", fake.port)
+        status, _, errors = serpenoid(f"drive {GAIT_TYPED} --port {fake.port}")
     assert (status, "stop was not confirmed" in errors) == (1, True)

@@ -13,6 +13,7 @@ import time
 
 import numpy as np
 import pytest
+from command_line import serpenoid
 from rich.console import Console
 from robot.fake_board import GAIT_TYPED as GAIT
 from robot.fake_board import FakeBoard, eeprom_after
@@ -23,10 +24,10 @@ from serpenoid.robot.tools.driven_run import DrivenRun
 from serpenoid.show import live
 
 
-def test_a_run_on_every_board(any_port, serpenoid, tmp_path):
+def test_a_run_on_every_board(any_port, tmp_path):
     file = tmp_path / "run.wire"
-    args = ["--port", any_port, "--duration-s", "2", "--record", str(file), "--json"]
-    status, said, _ = serpenoid("drive", *GAIT, *args)
+    args = f"--port {any_port} --duration-s 2 --record {file} --json"
+    status, said, _ = serpenoid(f"drive {GAIT} {args}")
     assert status == 0
     found = json.loads(said)
     assert found["gait"]["beta_deg"] == pytest.approx(80)
@@ -44,16 +45,16 @@ def test_a_run_on_every_board(any_port, serpenoid, tmp_path):
     assert len(stream.frame) >= found["frames"]
 
 
-def test_the_boards_own_clock_gives_the_gaits_own_frequency(serpenoid):
-    args = ["--port", "virtual:fast", "--duration-s", "60", "--json"]
-    found = json.loads(serpenoid("drive", *GAIT, *args)[1])
+def test_the_boards_own_clock_gives_the_gaits_own_frequency():
+    args = "--port virtual:fast --duration-s 60 --json"
+    found = json.loads(serpenoid(f"drive {GAIT} {args}")[1])
     assert found["frames"] == 3000
     assert found["duration_s"] == pytest.approx(59.98)
     assert found["frequency_hz"] == pytest.approx(5 / (2 * math.pi), rel=1e-5)  # 2 ms steps
 
 
-def test_plain_lines_where_there_is_no_terminal(serpenoid):
-    status, said, _ = serpenoid("drive", *GAIT, "--port", "virtual:fast", "--duration-s", "3")
+def test_plain_lines_where_there_is_no_terminal():
+    status, said, _ = serpenoid(f"drive {GAIT} --port virtual:fast --duration-s 3")
     lines = [line for line in said.splitlines() if " deg  late " in line]
     assert (status, len(lines)) == (0, 3)
     assert re.match(r" +1\.0 s  gait  ", lines[1])
@@ -78,7 +79,16 @@ def test_a_live_table_where_there_is_one(monkeypatch):
 def test_ctrl_c_stops_the_robot_and_sums_up(duration, status):
     with FakeBoard(pace=time.monotonic) as fake:
         run = subprocess.Popen(
-            [sys.executable, "-m", "serpenoid", "drive", *GAIT, *duration, "--port", fake.port],
+            [
+                sys.executable,
+                "-m",
+                "serpenoid",
+                "drive",
+                *GAIT.split(),
+                *duration,
+                "--port",
+                fake.port,
+            ],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
@@ -94,26 +104,26 @@ def test_ctrl_c_stops_the_robot_and_sums_up(duration, status):
     assert "Traceback" not in errors
 
 
-def test_a_board_that_tells_nothing_and_forgets_nobody_is_made_watchable(serpenoid):
+def test_a_board_that_tells_nothing_and_forgets_nobody_is_made_watchable():
     with FakeBoard(eeprom=eeprom_after("set every 0", "set silence off")) as fake:
-        args = ["--port", fake.port, "--duration-s", "0.5", "--json"]
-        assert json.loads(serpenoid("drive", *GAIT, *args)[1])["frames"] > 10
+        args = f"--port {fake.port} --duration-s 0.5 --json"
+        assert json.loads(serpenoid(f"drive {GAIT} {args}")[1])["frames"] > 10
     assert b" set silence 2 *" in fake.received
 
 
 @pytest.mark.parametrize(
     ("args", "status", "said"),
     [
-        ([*GAIT[:4], "--omega-rad-s", "50"], 1, "range"),
-        (["--alpha-deg", "90", *GAIT[2:4], "--omega-rad-s", "20"], 1, "servo_speed"),
-        (["--alpha-deg", "300", *GAIT[2:]], 2, "--alpha-deg is 300"),
-        (GAIT[:4], 2, "give one of --omega-rad-s"),
-        ([*GAIT, "--duration-s", "0"], 2, "duration-s"),
-        ([*GAIT, "--record", __file__], 2, "another name"),
-        ([*GAIT, "--record", "/no-such-folder/x"], 2, "/no-such-folder"),
+        ("--alpha-deg 30 --beta-deg 80 --omega-rad-s 50", 1, "range"),
+        ("--alpha-deg 90 --beta-deg 80 --omega-rad-s 20", 1, "servo_speed"),
+        ("--alpha-deg 300 --beta-deg 80 --omega-rad-s 5", 2, "--alpha-deg is 300"),
+        ("--alpha-deg 30 --beta-deg 80", 2, "give one of --omega-rad-s"),
+        (f"{GAIT} --duration-s 0", 2, "duration-s"),
+        (f"{GAIT} --record {__file__}", 2, "another name"),
+        (f"{GAIT} --record /no-such-folder/x", 2, "/no-such-folder"),
     ],
 )
-def test_refusals(serpenoid, args, status, said):
-    found = serpenoid("drive", *args, "--port", "virtual:fast")
+def test_refusals(args, status, said):
+    found = serpenoid(f"drive {args} --port virtual:fast")
     assert found[0] == status
     assert said in found[2]

@@ -11,6 +11,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from command_line import serpenoid
 from robot.fake_board import FakeBoard, nothing
 from robot.patience import until
 from serpenoid.robot.tools import upload as flash
@@ -36,10 +37,10 @@ def pio(tmp_path, monkeypatch):
     return write
 
 
-def test_success_ends_with_the_greeting(pio, serpenoid):
+def test_success_ends_with_the_greeting(pio):
     arguments = pio(f'{BUILT}; echo "avrdude done"; exit 0')
     with FakeBoard() as board:
-        status, said, shown = serpenoid("flash", "--board", "mega", "--port", board.port, "--json")
+        status, said, shown = serpenoid(f"flash --board mega --port {board.port} --json")
     assert status == 0
     assert json.loads(said)["firmware"] == "0.2.0"
     assert "avrdude done" in shown
@@ -48,25 +49,25 @@ def test_success_ends_with_the_greeting(pio, serpenoid):
     )
 
 
-def test_joints_and_output_become_build_flags(pio, serpenoid, monkeypatch):
+def test_joints_and_output_become_build_flags(pio, monkeypatch):
     monkeypatch.setenv("PLATFORMIO_BUILD_FLAGS", "-D MINE")
     arguments = pio(f"{BUILT}; exit 0")
     with FakeBoard() as board:
-        options = ("--board", "uno", "--port", board.port, "--output", "pca9685")
-        assert serpenoid("flash", *options)[0] == 0
+        options = f"--board uno --port {board.port} --output pca9685"
+        assert serpenoid(f"flash {options}")[0] == 0
         flags = arguments.with_name("flags").read_text()
         assert flags == "-D MINE -D SERPENOID_JOINTS=5 -D SERPENOID_PCA9685\n"
-        status, _, errors = serpenoid("flash", *options, "--joints", "7")
+        status, _, errors = serpenoid(f"flash {options} --joints 7")
     assert status == 1
     assert "greets with 5 joints, built were 7" in errors
 
 
 @pytest.mark.parametrize(("board", "joints"), [("uno", 9), ("uno", 1), ("mega", 13)])
-def test_joints_that_a_board_cannot_have_are_refused(pio, serpenoid, board, joints):
+def test_joints_that_a_board_cannot_have_are_refused(pio, board, joints):
     arguments = pio("exit 0")
     with FakeBoard() as fake:
-        options = ("--board", board, "--port", fake.port, "--joints", str(joints))
-        status, _, errors = serpenoid("flash", *options)
+        options = f"--board {board} --port {fake.port} --joints {joints}"
+        status, _, errors = serpenoid(f"flash {options}")
     assert status == 2
     assert f"joints is {joints}; the {board} takes 2 to" in errors
     assert not arguments.exists()
@@ -87,28 +88,28 @@ def test_joints_that_a_board_cannot_have_are_refused(pio, serpenoid, board, join
         (f'{BUILT}; echo "*** [upload] Error 1"; exit 7', "the upload failed (pio exited 7)"),
     ],
 )
-def test_each_failure_has_its_cure(pio, serpenoid, script, said):
+def test_each_failure_has_its_cure(pio, script, said):
     pio(script)
     with FakeBoard() as board:
-        status, _, errors = serpenoid("flash", "--board", "mega", "--port", board.port)
+        status, _, errors = serpenoid(f"flash --board mega --port {board.port}")
         assert not board.received
     assert status == 1
     assert said in errors
 
 
-def test_a_board_that_is_silent_afterwards(pio, serpenoid, monkeypatch):
+def test_a_board_that_is_silent_afterwards(pio, monkeypatch):
     pio(f"{BUILT}; exit 0")
     monkeypatch.setattr(flash, "GREETING_S", 0.3)
     with FakeBoard(nothing) as board:
-        status, _, errors = serpenoid("flash", "--board", "uno", "--port", board.port)
+        status, _, errors = serpenoid(f"flash --board uno --port {board.port}")
     assert (status, "no greeting" in errors) == (1, True)
 
 
-def test_without_platformio(serpenoid, monkeypatch):
+def test_without_platformio(monkeypatch):
     monkeypatch.setattr(flash, "find_platformio", lambda: None)
-    status, _, errors = serpenoid("flash", "--board", "uno", "--port", "/dev/null")
+    status, _, errors = serpenoid("flash --board uno --port /dev/null")
     assert (status, "pip install platformio" in errors) == (1, True)
-    refused = serpenoid("flash", "--board", "uno", "--port", "/dev/null", "--joints", "9")
+    refused = serpenoid("flash --board uno --port /dev/null --joints 9")
     assert (refused[0], "take a Mega" in refused[2]) == (2, True)
 
 
@@ -141,33 +142,33 @@ def alive(pid: int) -> bool:
         return False
 
 
-def test_the_usb_id_tells_an_uno_and_a_mega(monkeypatch, pio, serpenoid):
+def test_the_usb_id_tells_an_uno_and_a_mega(monkeypatch, pio):
     rows = [("/dev/ttyA", 0x2341, 0x43), ("/dev/ttyB", 0x2A03, 0x42), ("/dev/ttyC", 0x1A86, 0x7523)]
     found = [SimpleNamespace(device=d, description="", vid=v, pid=p) for d, v, p in rows]
     monkeypatch.setattr("serial.tools.list_ports.comports", lambda: found)
     assert flash.board_at("/dev/ttyA") == "uno"
     assert flash.board_at("/dev/ttyB") == "mega"
     pio("exit 0")
-    status, _, errors = serpenoid("flash", "--port", "/dev/ttyC")
+    status, _, errors = serpenoid("flash --port /dev/ttyC")
     assert (status, "give --board uno|nano|nano_old|mega" in errors) == (2, True)
 
 
-def test_what_cannot_be_flashed(pio, serpenoid, tmp_path):
+def test_what_cannot_be_flashed(pio, tmp_path):
     pio("exit 0")
-    status, _, errors = serpenoid("flash", "--port", "virtual")
+    status, _, errors = serpenoid("flash --port virtual")
     assert (status, "no flash memory" in errors) == (2, True)
-    status, _, errors = serpenoid("flash", "--board", "uno", "--project", str(tmp_path))
+    status, _, errors = serpenoid(f"flash --board uno --project {tmp_path}")
     assert (status, "--project" in errors) == (2, True)
-    status, _, errors = serpenoid("flash", "--board", "due")
+    status, _, errors = serpenoid("flash --board due")
     assert status == 2
 
 
 @pytest.mark.parametrize("port", ["ttyACM0", "a\x01b", "/tmp", "{folder}/file", "{folder}/no"])
-def test_what_is_no_port_is_told_before_anything_is_built(pio, serpenoid, tmp_path, port):
+def test_what_is_no_port_is_told_before_anything_is_built(pio, tmp_path, port):
     arguments = pio("exit 0")
     (tmp_path / "file").touch()
     port = port.format(folder=tmp_path)
-    status, _, errors = serpenoid("flash", "--board", "uno", "--port", port)
+    status, _, errors = serpenoid(f"flash --board uno --port {port}")
     assert (status, "there is no port" in errors) == (1, True)
     assert not arguments.exists()
 
@@ -180,11 +181,11 @@ def test_a_port_by_its_id_tells_the_board_too(monkeypatch, tmp_path):
     assert flash.board_at(str(port)) == "uno"
 
 
-def test_a_platformio_that_cannot_run(pio, serpenoid):
+def test_a_platformio_that_cannot_run(pio):
     pio("exit 0").with_name("pio").write_text("#!/nowhere/python\n")
     before = signal.getsignal(signal.SIGTERM)
     with FakeBoard() as board:
-        status, _, errors = serpenoid("flash", "--board", "uno", "--port", board.port)
+        status, _, errors = serpenoid(f"flash --board uno --port {board.port}")
     assert (status, "PlatformIO cannot be started" in errors) == (1, True)
     assert signal.getsignal(signal.SIGTERM) is before
 
@@ -203,11 +204,11 @@ def wheel(monkeypatch, tmp_path):
     return brought / "board"
 
 
-def test_a_wheel_brings_its_firmware_and_nothing_of_another_day(wheel, pio, serpenoid):
+def test_a_wheel_brings_its_firmware_and_nothing_of_another_day(wheel, pio):
     arguments = pio("echo 'x.cpp:1: error'; exit 1")
     with FakeBoard() as board:
         for _ in range(2):
-            status, _, errors = serpenoid("flash", "--board", "uno", "--port", board.port)
+            status, _, errors = serpenoid(f"flash --board uno --port {board.port}")
             folder = Path(arguments.read_text().split()[2])
             sources = folder / "firmware" / "src"
             assert [path.name for path in sources.iterdir()] == ["main.cpp"]
@@ -215,18 +216,18 @@ def test_a_wheel_brings_its_firmware_and_nothing_of_another_day(wheel, pio, serp
     assert (status, f"what was changed in {folder}?" in errors) == (1, True)
 
 
-def test_a_cache_that_cannot_be_written(wheel, pio, serpenoid, monkeypatch):
+def test_a_cache_that_cannot_be_written(wheel, pio, monkeypatch):
     pio("exit 0")
     monkeypatch.setenv("XDG_CACHE_HOME", "/dev/null")
-    status, _, errors = serpenoid("flash", "--board", "uno", "--port", "/dev/ttyS0")
+    status, _, errors = serpenoid("flash --board uno --port /dev/ttyS0")
     assert (status, "set XDG_CACHE_HOME" in errors) == (1, True)
 
 
-def test_a_port_in_use_is_not_flashed(pio, serpenoid, monkeypatch):
+def test_a_port_in_use_is_not_flashed(pio, monkeypatch):
     monkeypatch.setattr("serpenoid.model.system.is_pseudo_terminal", lambda _: False)
     arguments = pio("exit 0")
     with FakeBoard() as board, open(board.port, "rb"):
-        status, _, errors = serpenoid("flash", "--board", "uno", "--port", board.port)
+        status, _, errors = serpenoid(f"flash --board uno --port {board.port}")
     assert (status, "in use" in errors) == (1, True)
     assert not arguments.exists()
 

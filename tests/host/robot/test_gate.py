@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 import serpenoid as sn
+from command_line import serpenoid
 from robot.fake_board import GAIT_TYPED, FakeBoard, greeting
 from serpenoid.model.errors import BadInput, DamagedLine
 from serpenoid.model.toml_table import Table
@@ -50,12 +51,12 @@ def test_trims_and_counters_that_no_board_can_have_are_damage(lines):
         status_of([Data("status", "state=idle moving=0 boot=1e3 frame=1")])
 
 
-def test_markup_in_a_path_and_in_a_greeting_is_text(serpenoid, tmp_path):
+def test_markup_in_a_path_and_in_a_greeting_is_text(tmp_path):
     file = tmp_path / "[" / "b]run[bold].wire"
     file.parent.mkdir()
     with FakeBoard(greeting(rb"board=\S+", b"board=[/b]")) as fake:
-        args = ["--port", fake.port, "--duration-s", "0.3", "--record", str(file)]
-        status, said, errors = serpenoid("drive", *GAIT_TYPED, *args)
+        args = f"--port {fake.port} --duration-s 0.3 --record {file}"
+        status, said, errors = serpenoid(f"drive {GAIT_TYPED} {args}")
     assert (status, "Traceback" in errors) == (0, False), errors
     assert "[/b], firmware" in said
     assert "run[bold].wire" in re.sub(r"[\s│]", "", said)

@@ -9,6 +9,7 @@ import subprocess
 import sys
 
 import pytest
+from command_line import serpenoid
 from robot.fake_board import FakeBoard, greeting, nothing
 from robot.patience import LONG_S
 from robot.terminal import Person
@@ -246,10 +247,10 @@ def test_what_the_board_could_not_read_is_not_sent():
     assert not any(line.startswith("ok: #1") for line in shown)
 
 
-def test_another_protocol_ends_the_monitor(serpenoid, monkeypatch):
+def test_another_protocol_ends_the_monitor(monkeypatch):
     monkeypatch.setattr("sys.stdin", None)  # as closed
     with FakeBoard(greeting(rb"protocol=\d+", b"protocol=9")) as fake:
-        status, _, errors = serpenoid("monitor", "--port", fake.port)
+        status, _, errors = serpenoid(f"monitor --port {fake.port}")
     assert (status, "speaks protocol 9" in errors) == (1, True)
 
 
@@ -363,7 +364,7 @@ def test_monitor_at_a_terminal(how):
         assert not fake.board.session
 
 
-def test_trim_wants_a_person(serpenoid, monkeypatch):
+def test_trim_wants_a_person(monkeypatch):
     monkeypatch.setattr("sys.stdin", io.StringIO())
-    status, _, errors = serpenoid("trim", "--port", "virtual")
+    status, _, errors = serpenoid("trim --port virtual")
     assert (status, "no terminal" in errors) == (2, True)

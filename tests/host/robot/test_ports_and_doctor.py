@@ -10,6 +10,7 @@ import sys
 from types import SimpleNamespace
 
 import pytest
+from command_line import serpenoid
 from robot.fake_board import FakeBoard, eeprom_after, greeting, nothing, resealed
 from serpenoid.robot import Robot
 from serpenoid.robot.tools import doctor, first_day
@@ -40,10 +41,10 @@ def fix_of(name: str, port: str | None) -> str:
     return found[name].fix
 
 
-def test_ports_lists_ids_boards_and_users(plugged, serpenoid, tmp_path):
+def test_ports_lists_ids_boards_and_users(plugged, tmp_path):
     with FakeBoard() as board, open(board.port, "rb"):
         plugged((board.port, 0x2341, 0x43), ("/dev/ttyS0", None, None))
-        status, said, _ = serpenoid("ports", "--json")
+        status, said, _ = serpenoid("ports --json")
         assert status == 0
         mine, other = json.loads(said)["ports"]
         assert (mine["usb"], mine["chip"], mine["likely_board"]) == ("2341:0043", "Arduino", True)
@@ -56,8 +57,8 @@ def test_ports_lists_ids_boards_and_users(plugged, serpenoid, tmp_path):
 
 
 @pytest.mark.parametrize("port", ["virtual", "virtual:fast"])
-def test_nothing_is_wrong_with_the_virtual_board(serpenoid, port):
-    status, said, _ = serpenoid("doctor", "--port", port, "--listen-s", "2", "--json")
+def test_nothing_is_wrong_with_the_virtual_board(port):
+    status, said, _ = serpenoid(f"doctor --port {port} --listen-s 2 --json")
     answer = json.loads(said)
     assert (status, answer["well"]) == (0, True)
     names = [f["name"] for f in answer["findings"]]
@@ -75,15 +76,15 @@ def test_nothing_is_wrong_with_the_virtual_board(serpenoid, port):
     ]
 
 
-def test_listening_too_short_to_hear_a_frame_is_refused(serpenoid):
-    status, _, said = serpenoid("doctor", "--port", "virtual", "--listen-s", "0")
+def test_listening_too_short_to_hear_a_frame_is_refused():
+    status, _, said = serpenoid("doctor --port virtual --listen-s 0")
     assert status == 2
     assert "0.2<=x<=600" in said
 
 
-def test_a_report_moves_nothing_and_says_what_it_left_out(serpenoid, tmp_path):
+def test_a_report_moves_nothing_and_says_what_it_left_out(tmp_path):
     file = tmp_path / "day.json"
-    status, _, errors = serpenoid("doctor", "--port", "virtual:fast", "--report", str(file))
+    status, _, errors = serpenoid(f"doctor --port virtual:fast --report {file}")
     facts = json.loads(file.read_text())
     assert (status, facts["frames"]["count"]) == (0, first_day.FRAMES)
     assert facts["left_out"] in errors

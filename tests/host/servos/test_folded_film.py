@@ -145,7 +145,7 @@ def test_a_film_of_240_pictures_a_second_from_pixels(tmp_path: Path) -> None:
     path = write(tmp_path / "slow.mp4", [camera.frame(t) for t in times], 8 * times)
     folder = create_session(tmp_path / "session", default_setup("filmed"))
     set_points(quick, 6.0, tmp_path / "run.wire")
-    told = answer("video", path, "--recording", tmp_path / "run.wire", "--session", folder)
+    told = answer(f"video {path} --recording {tmp_path}/run.wire --session {folder}")
     assert told["time_scale"] == pytest.approx(1 / 8, rel=5e-3)
     (reading,) = read_session(folder).of("video")
     rows = reading.track.values

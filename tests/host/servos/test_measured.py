@@ -173,7 +173,7 @@ def test_a_film_of_a_session_tells_how_far_the_joints_go(tmp_path: Path, monkeyp
     with_film = load_session(session_folder()).with_reading(film)
     monkeypatch.setattr(sn, "load_session", lambda _: with_film)
     out = tmp_path / "slow.toml"
-    told = serpenoid("servo --session", session_folder(), "--out", out, check=True)
+    told = serpenoid(f"servo --session {session_folder()} --out {out}", check=True)
     assert f"Written: {out}" in told.stdout.replace("\n", "")
     ideal = sn.steady_gait(fit.robot, fit.ground, quick, rtol=1e-3, powers=False)
     seen = [servo_state(ideal, one, rough=True).amplitude for one in sn.servo(out).drawn]
@@ -202,7 +202,7 @@ def test_the_command_writes_a_file_that_others_take(tmp_path: Path, monkeypatch)
     table, out = tmp_path / "joint.csv", tmp_path / "mine.toml"
     rows = zip(test.t_s, np.degrees(test.setpoint_rad), np.degrees(test.angle_rad), strict=True)
     table.write_text("t_s,setpoint_deg,angle_deg\n" + "".join(f"{t},{s},{a}\n" for t, s, a in rows))
-    told = serpenoid("servo --test", table, "--out", out, check=True).stdout
+    told = serpenoid(f"servo --test {table} --out {out}", check=True).stdout
     assert told.startswith("Without load the servo turns at about ")
     assert "gear_damping_over_motors" in told
     kind = sn.servo(out)
@@ -227,10 +227,10 @@ def test_the_command_writes_a_file_that_others_take(tmp_path: Path, monkeypatch)
 def test_a_table_that_is_no_test_is_refused(tmp_path: Path, text: str, says: str) -> None:
     table = tmp_path / "joint.csv"
     table.write_text(text)
-    told = serpenoid("servo --test", table)
+    told = serpenoid(f"servo --test {table}")
     assert told.returncode in (1, 2)
     assert says in told.stderr
-    assert "--sigma-deg is -1" in serpenoid("servo --sigma-deg -1 --test", table).stderr
+    assert "--sigma-deg is -1" in serpenoid(f"servo --sigma-deg -1 --test {table}").stderr
     crawled = serpenoid("servo --session x --inertia-kg-m2 1e-4").stderr
     assert "--inertia-kg-m2 is for --test" in crawled
     assert serpenoid("servo").returncode == 2

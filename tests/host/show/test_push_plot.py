@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 from calibration.floor_sessions import NEW, TRUTH, push_track
+from command_line import serpenoid
 from serpenoid.calibration.session_file import load_session
 from serpenoid.show import screen
 from serpenoid.show.session.terminal_plot import PUSH_HIGH, WIDE, push_picture
@@ -14,9 +15,9 @@ def most_mm(drawn):
     return float(re.search(r"█ \+(\S+) mm", drawn)[1])
 
 
-def test_a_push_is_drawn_for_a_person_with_what_is_off_its_law(tmp_path, serpenoid, monkeypatch):
+def test_a_push_is_drawn_for_a_person_with_what_is_off_its_law(tmp_path, monkeypatch):
     folder, files = tmp_path / "s", []
-    assert serpenoid(*NEW[:2], str(folder), *NEW[2:])[0] == 0
+    assert serpenoid(f"{NEW} {folder}")[0] == 0
     rows = push_track(0.9, TRUTH, np.random.default_rng(1))
     hit = push_track(0.9, TRUTH, np.random.default_rng(2))
     after = hit[:, 0] > 0.8
@@ -24,9 +25,9 @@ def test_a_push_is_drawn_for_a_person_with_what_is_off_its_law(tmp_path, serpeno
     for name, track in (("good", rows), ("hit", hit)):
         files.append(tmp_path / f"{name}.csv")
         np.savetxt(files[-1], track, delimiter=",", header="t,x,y", comments="")
-    assert "off the law" not in serpenoid("calibrate", "push", str(folder), str(files[0]))[1]
+    assert "off the law" not in serpenoid(f"calibrate push {folder} {files[0]}")[1]
     monkeypatch.setattr(screen, "at_terminal", lambda: True)
-    said = serpenoid("calibrate", "push", str(folder), str(files[1]))[1]
+    said = serpenoid(f"calibrate push {folder} {files[1]}")[1]
     good, bad = load_session(folder).of("coast")
     assert bad.voided
     assert push_picture(bad) in said
@@ -39,9 +40,9 @@ def test_a_push_is_drawn_for_a_person_with_what_is_off_its_law(tmp_path, serpeno
     assert most_mm(push_picture(bad)) > 8.0  # a wall
 
 
-def test_what_has_no_film_is_not_drawn(tmp_path, serpenoid):
+def test_what_has_no_film_is_not_drawn(tmp_path):
     folder = tmp_path / "s"
-    assert serpenoid(*NEW[:2], str(folder), *NEW[2:])[0] == 0
-    add = ("calibrate", "add", str(folder), "coast", "lambda_deg=0", "distance_m=1")
-    assert serpenoid(*add, "duration_s=2.3")[0] == 0
+    assert serpenoid(f"{NEW} {folder}")[0] == 0
+    add = f"calibrate add {folder} coast lambda_deg=0 distance_m=1"
+    assert serpenoid(f"{add} duration_s=2.3")[0] == 0
     assert push_picture(load_session(folder).of("coast")[0]) == ""

@@ -65,8 +65,8 @@ def test_no_file_commands_the_terminal(tmp_path: Path) -> None:
     given["alarms"], given["notes"] = [f"an alarm {EVIL}"], [f"a note {EVIL}"]
     del given["sha256"]
     fit.write_text(json.dumps(given | {"sha256": fit_file._hash(given)}))
-    gait = ["--alpha-deg", 70, "--beta-deg", 75, "--frequency-hz", 0.5]
-    shown = on_a_terminal("steady", *gait, "--ground", fit, "--servo", "ideal")
+    gait = "--alpha-deg 70 --beta-deg 75 --frequency-hz 0.5"
+    shown = on_a_terminal("steady", *gait.split(), "--ground", fit, "--servo", "ideal")
     assert b"an alarm" in shown
     assert not obeyed(shown)
 

@@ -85,7 +85,7 @@ def test_the_command_tells_it_and_writes_what_was_asked_for(
     monkeypatch.setattr("serpenoid.video.measure_film.measure_film", once)
     names = {"--track": "track.csv", "--plot": "film.png", "--annotate": "drawn.mp4"}
     options = [part for option, name in names.items() for part in (option, str(tmp_path / name))]
-    done = serpenoid("video", path, "--json", *options, check=True)
+    done = serpenoid(f"video {path} --json", *options, check=True)
     told = json.loads(done.stdout)
     assert told["speed_m_s"] == pytest.approx(world.speed_m_s, rel=0.005)
     assert len(told["joints"]) == 5

@@ -10,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 import serpenoid as sn
-from command_line import serpenoid
+from command_line import answer, serpenoid
 from serpenoid.calibration import session_file
 from serpenoid.calibration.advice import advise
 from serpenoid.calibration.comparison import compare
@@ -68,7 +68,7 @@ def test_a_film_is_kept_with_its_joints_hash_and_track(folder) -> None:
 
 
 def test_a_film_is_redone_with_its_way_and_keeps_its_track(folder) -> None:
-    serpenoid("calibrate redo", folder, "1", "way=there", check=True)
+    serpenoid(f"calibrate redo {folder} 1 way=there", check=True)
     old, new = read_session(folder).of("video")
     assert (old.voided, old.way, new.way) == (True, "level", "there")
     assert new.track.sha256 == old.track.sha256
@@ -76,7 +76,7 @@ def test_a_film_is_redone_with_its_way_and_keeps_its_track(folder) -> None:
 
 def test_a_film_without_its_track_is_refused_before_a_line_is_written(folder) -> None:
     typed = [f"{name}={value}" for name, value in CELLS.items()]
-    done = serpenoid("calibrate add", folder, "video", *typed)
+    done = serpenoid(f"calibrate add {folder} video", *typed)
     assert done.returncode == 2
     assert "needs its track" in done.stderr
     assert len(read_session(folder).of("video")) == 1
@@ -139,23 +139,12 @@ def test_the_verdict_is_amplitude_where_a_film_shows_it(of_2005, gain, verdict) 
     assert found.gaits[0].low_all_m_s == pytest.approx(found.gaits[0].low_m_s)
 
 
-def test_a_filmed_amplitude_is_in_no_doubt_again(of_2005, folder, serpenoid) -> None:
+def test_a_filmed_amplitude_is_in_no_doubt_again(of_2005, folder) -> None:
     """Of the gait that was filmed; a film of another one leaves the amplitude's doubt."""
     _, fit = of_2005
-    typed = [
-        "steady",
-        "--beta-deg",
-        "80",
-        "--omega-rad-s",
-        "3.01",
-        "--joints",
-        str(folder),
-        "--session",
-        str(session_folder()),
-        "--json",
-        "--alpha-deg",
-    ]
-    band, other = (json.loads(serpenoid(*typed, alpha)[1])["band"] for alpha in ("50", "52"))
+    steady = f"steady --beta-deg 80 --omega-rad-s 3.01 --joints {folder}"
+    typed = f"{steady} --session {session_folder()} --alpha-deg"
+    band, other = (answer(f"{typed} {alpha}")["band"] for alpha in (50, 52))
     assert (band["filmed"], other["filmed"]) == (True, False)
     ends = [(band[f"low_{name}m_s"], band[f"high_{name}m_s"]) for name in ("friction_", "")]
     assert ends[0] == ends[1]
@@ -209,7 +198,7 @@ def test_a_voided_film_counts_for_nothing(of_2005) -> None:
 
 def test_steady_takes_the_joints_of_a_film(folder) -> None:
     typed = "steady --alpha-deg 50 --beta-deg 80 --omega-rad-s 3 --json --servo ideal"
-    plain, made = serpenoid(typed), serpenoid(typed, "--joints", folder, check=True)
+    plain, made = serpenoid(typed), serpenoid(f"{typed} --joints {folder}", check=True)
     assert "0.93" in made.stdout
     assert made.stdout != plain.stdout
 
@@ -242,9 +231,7 @@ def test_what_servos_lose_of_a_filmed_amplitude_is_lost_once(of_2005, free_speed
 
 
 @pytest.mark.slow
-def test_predictions_and_advice_have_the_servos_that_a_film_leaves(
-    of_2005, monkeypatch, serpenoid
-) -> None:
+def test_predictions_and_advice_have_the_servos_that_a_film_leaves(of_2005, monkeypatch) -> None:
     """Joints at 0.8 of a quick gait: weak servos, which leave less of another gait's speed."""
     session, fit = of_2005
     weak = session.with_reading(replace(filmed(0.8, 0.1), omega_rad_s=8.0))
@@ -253,12 +240,13 @@ def test_predictions_and_advice_have_the_servos_that_a_film_leaves(
     assert before.band_servo_measured is not None
     assert after.band_servo_measured is None  # they are measured, by the film
     monkeypatch.setattr(session_file, "read_session", lambda folder: weak)
-    typed = ["steady", "--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "3", "--json"]
-    _, out, err = serpenoid(*typed, "--session", str(session_folder()))
+    steady = "steady --alpha-deg 70 --beta-deg 75 --omega-rad-s 3 --json"
+    typed = f"{steady} --session {session_folder()}"
+    _, out, err = serpenoid(typed)
     assert "those of hobby that would move the joints as filmed" in err
     band = json.loads(out)["band"]
     known = speed_band(fit, gait, servo=servo_seen(servo("hobby"), weak.kept_films, fit))
     assert (band["low_m_s"], band["high_m_s"]) == (known.low_m_s, known.high_m_s)
     assert band["high_m_s"] < speed_band(fit, gait).high_m_s
-    ideal = serpenoid(*typed, "--session", str(session_folder()), "--servo", "ideal")
+    ideal = serpenoid(f"{typed} --servo ideal")
     assert "as filmed" not in ideal[2]

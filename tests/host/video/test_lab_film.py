@@ -41,8 +41,8 @@ def filmed(tmp_path):
         world = crawled(ROBOT, servos, GAIT, set_points(GAIT, 8.0, wire))
         shoot(world, film, LENS, seconds=2.2 * GAIT.period_s, rate_hz=20, up=2)
         folder = create_session(tmp_path / "session", replace(SETUP, procedure=ON_FLOOR))
-        typed = ["video", film, "--recording", wire, "--session", folder, "--way", "back", "--json"]
-        done = serpenoid(*typed, check=True)
+        typed = f"video {film} --recording {wire} --session {folder} --way back --json"
+        done = serpenoid(typed, check=True)
         return json.loads(done.stdout, object_hook=lambda d: SimpleNamespace(**d)), world, folder
 
     return measure

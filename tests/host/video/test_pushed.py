@@ -60,8 +60,8 @@ def test_a_film_of_two_pushes_gives_two_readings(tmp_path) -> None:
     times = np.arange(0, seconds, 1 / RATE_HZ)
     film = write(tmp_path / "pushes.mp4", [camera.frame(t) for t in times], times)
     folder = create_session(tmp_path / "session", default_setup("filmed"))
-    typed = "calibrate push", folder, film
-    assert "all lengths ± 0." in serpenoid(*typed, check=True).stdout
+    typed = f"calibrate push {folder} {film}"
+    assert "all lengths ± 0." in serpenoid(typed, check=True).stdout
     session = load_session(folder)
     pushes = session.kept_pushes
     (scale_sigma,) = {p.scale_sigma for p in pushes}
@@ -79,7 +79,7 @@ def test_a_film_of_two_pushes_gives_two_readings(tmp_path) -> None:
         scale = (seen @ true) / (seen @ seen)
         assert scale == pytest.approx(1.0, abs=0.01)
         assert np.abs(scale * seen - true).max() < 1e-3
-    assert "not taken twice" in serpenoid(*typed).stderr
+    assert "not taken twice" in serpenoid(typed).stderr
 
 
 def test_a_crawl_is_no_push() -> None:
