@@ -1,4 +1,4 @@
-"""The command line in this process: what it prints, and how it ends."""
+"""The command line, mostly in this process: what it prints, and how it ends."""
 
 from __future__ import annotations
 
@@ -20,6 +20,11 @@ class Done(NamedTuple):
     returncode: int
     stdout: str
     stderr: str
+
+
+def program(line: str) -> list[str]:
+    """Return what starts `serpenoid LINE` in a process of its own."""
+    return [sys.executable, "-m", "serpenoid", *shlex.split(line)]
 
 
 def serpenoid(line: str, *words: object, typed: str = "", check: bool = False) -> Done:

@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import serpenoid as sn
+from command_line import answer
 from serpenoid.calibration.speed_samples import speed_band
 from serpenoid.periodic.servo_steady import CANNOT
 from webdriver import Browser
@@ -221,11 +222,8 @@ def test_a_slider_changes_the_answer_the_link_and_the_command(browser) -> None:
 
 
 def test_the_shell_and_python_it_shows_give_its_number(browser, tmp_path) -> None:
-    command = [*browser.text("#command").split()[1:], "--json"]
-    called = subprocess.run(
-        [sys.executable, "-m", "serpenoid", *command], capture_output=True, text=True, check=True
-    )
-    assert json.loads(called.stdout)["speed_m_s"] == pytest.approx(shown_speed(browser), rel=1e-4)
+    told = answer(browser.text("#command").removeprefix("serpenoid "))
+    assert told["speed_m_s"] == pytest.approx(shown_speed(browser), rel=1e-4)
     script = tmp_path / "same.py"
     script.write_text(browser.text("#python"))
     printed = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True)

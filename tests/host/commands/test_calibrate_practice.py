@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import re
 import subprocess
-import sys
 import urllib.error
 import urllib.request
 
 import pytest
-from command_line import serpenoid
+from command_line import program, serpenoid
 from serpenoid.calibration.session_file import read_session
 
 TYPED = """inclinometer
@@ -65,7 +64,7 @@ def test_a_session_of_a_real_robot_is_not_practised_on(tmp_path):
 
 
 def test_the_page_shows_the_robot_and_its_buttons_work(tmp_path):
-    command = [sys.executable, "-m", "serpenoid", "calibrate", "practice", str(tmp_path / "p")]
+    command = program(f"calibrate practice {tmp_path}/p")
     with subprocess.Popen(
         command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     ) as process:

@@ -19,30 +19,19 @@ def folder(tmp_path):
 
 
 def test_taken_killed_and_resumed_at_a_terminal(folder):
-    with Person("calibrate", str(folder), "--port", "virtual") as person:
-        person.sees("it shows")
-        person.presses("0,1\n0.0\n")
-        person.sees("Enter straightens the robot")
-        person.presses("\n")
-        person.sees("Left and right keys bend every joint")
-        person.presses("\x1b[D\x1b[D\x1b[C\x1b[D")
-        person.sees("+0.50 deg on every joint")
-        person.presses("\n")
+    with Person(f"calibrate {folder} --port virtual") as person:
+        person.answers("it shows", "0,1\n0.0\n")
+        person.answers("Enter straightens the robot", "\n")
+        person.answers("Left and right keys bend every joint", "\x1b[D\x1b[D\x1b[C\x1b[D")
+        person.answers("+0.50 deg on every joint", "\n")
         person.sees("every joint has +0.50 deg from now on")
-        person.sees("Enter when the belt is set")
-        person.presses("\n")
-        person.sees("the inclinometer shows")
-        person.presses("note héllo\n2.1\x7f0\n")
-        person.sees("belt speed")
-        person.presses("9\x150.2\n")
-        person.sees("turned off the belt")
-        person.presses("\n")
-        person.sees("drift left over")
-        person.presses("\n")
-        person.sees("keep, or again")
-        person.presses("\n")
-        person.sees("keep, or again")
-        person.presses("keep\n")
+        person.answers("Enter when the belt is set", "\n")
+        person.answers("the inclinometer shows", "note héllo\n2.1\x7f0\n")
+        person.answers("belt speed", "9\x150.2\n")
+        person.answers("turned off the belt", "\n")
+        person.answers("drift left over", "\n")
+        person.answers("keep, or again", "\n")
+        person.answers("keep, or again", "keep\n")
         person.sees("kept as reading 2")
         person.sends(signal.SIGKILL)
         person.leaves()
@@ -50,26 +39,22 @@ def test_taken_killed_and_resumed_at_a_terminal(folder):
     assert math.degrees(reading.offset_rad) == pytest.approx(0.5)
     assert (math.degrees(reading.incline_rad), reading.belt_speed_m_s) == (pytest.approx(2.0), 0.2)
     assert "note,,héllo" in (folder / "events.csv").read_text()
-    with Person("calibrate", str(folder)) as person:
+    with Person(f"calibrate {folder}") as person:
         person.sees("453.6 g, on belt")
-        person.sees("Is it this robot")
-        person.presses("\n")
-        person.sees("Who measures now")
-        person.presses("Ada\n")
+        person.answers("Is it this robot", "\n")
+        person.answers("Who measures now", "Ada\n")
         person.sees("1 station ")
-        person.sees("Robot straight")
-        person.presses("quit\n")
+        person.answers("Robot straight", "quit\n")
         person.sees("Everything read so far is kept")
         assert person.leaves() == 0
 
 
 def test_the_end_of_the_input_and_ctrl_c_leave_the_session_whole(folder):
-    with Person("calibrate", str(folder)) as person:
-        person.sees("it shows")
-        person.presses("\x04")
+    with Person(f"calibrate {folder}") as person:
+        person.answers("it shows", "\x04")
         person.sees("Left.")
         assert person.leaves() == 0
-    with Person("calibrate", str(folder), "--port", "virtual") as person:
+    with Person(f"calibrate {folder} --port virtual") as person:
         person.sees("it shows")
         person.sends(signal.SIGINT)
         assert person.leaves() == 130
@@ -78,23 +63,17 @@ def test_the_end_of_the_input_and_ctrl_c_leave_the_session_whole(folder):
 
 
 def test_a_new_session_asks_what_it_needs(tmp_path):
-    with Person("calibrate", "new", str(tmp_path / "asked")) as person:
-        person.sees("what the wheels roll on")
-        person.presses("rubber belt\n\n\n\n")
-        person.sees("mass of the whole robot")
-        person.presses("heavy\n")
-        person.sees("'heavy' is no number; type a number in kg or g or lb, such as 0.48 or 480 g")
-        person.presses("480\n")
-        person.sees("did you mean 480 g = 0.48 kg?")
-        person.presses("y\n")
-        person.sees("length of a link")
-        person.presses("80 mm\n")
-        person.sees("voltage at their plug")
-        person.presses("5,2 V\n\n")
-        person.sees("smallest step of its incline")
-        person.presses("0,5 deg\n")
-        person.sees("smallest step it can be set to")
-        person.presses("0.1 mph\n1 km/h\n")
+    with Person(f"calibrate new {tmp_path}/asked") as person:
+        person.answers("what the wheels roll on", "rubber belt\n\n\n\n")
+        person.answers("mass of the whole robot", "heavy\n")
+        person.answers(
+            "'heavy' is no number; type a number in kg or g or lb, such as 0.48 or 480 g", "480\n"
+        )
+        person.answers("did you mean 480 g = 0.48 kg?", "y\n")
+        person.answers("length of a link", "80 mm\n")
+        person.answers("voltage at their plug", "5,2 V\n\n")
+        person.answers("smallest step of its incline", "0,5 deg\n")
+        person.answers("smallest step it can be set to", "0.1 mph\n1 km/h\n")
         person.sees("begun:")
         assert person.leaves() == 0
     setup = read_session(tmp_path / "asked").setup
@@ -108,10 +87,9 @@ def test_a_new_session_asks_what_it_needs(tmp_path):
 
 
 def test_enter_at_the_mass_weighs_nothing(tmp_path):
-    with Person("calibrate", "new", str(tmp_path / "asked")) as person:
+    with Person(f"calibrate new {tmp_path}/asked") as person:
         person.presses("belt\n\n\n6\n")
-        person.sees("mass of the whole robot as it crawls (kg, or 480 g) [later]")
-        person.presses(7 * "\n")
+        person.answers("mass of the whole robot as it crawls (kg, or 480 g) [later]", 7 * "\n")
         person.sees("begun:")
         assert person.leaves() == 0
     session = read_session(tmp_path / "asked")
@@ -120,27 +98,21 @@ def test_enter_at_the_mass_weighs_nothing(tmp_path):
 
 
 def test_pushes_at_a_terminal_outlive_a_kill_and_ctrl_c(tmp_path):
-    typed = ("calibrate", "practice", str(tmp_path / "floor"), "--on", "floor", "--seed", "5")
-    with Person(*typed) as person:
+    typed = f"calibrate practice {tmp_path}/floor --on floor --seed 5"
+    with Person(typed) as person:
         person.sees("0 pushes and")
-        person.sees("Enter when it lies so")
-        person.presses("\n")
-        person.sees("how far it rolled")
-        person.presses("push\n")
+        person.answers("Enter when it lies so", "\n")
+        person.answers("how far it rolled", "push\n")
         person.sees("reading 1, there")
         person.sends(signal.SIGKILL)
         person.leaves()
     assert len(read_session(tmp_path / "floor").of("coast")) == 1
-    with Person(*typed) as person:
-        person.sees("Is it this robot")
-        person.presses("\n")
-        person.sees("Who measures now")
-        person.presses("\n")
+    with Person(typed) as person:
+        person.answers("Is it this robot", "\n")
+        person.answers("Who measures now", "\n")
         person.sees("1 push and")
-        person.sees("Enter when it lies so")
-        person.presses("\n")
-        person.sees("Push 2 of 8")
-        person.presses("push\n")
+        person.answers("Enter when it lies so", "\n")
+        person.answers("Push 2 of 8", "push\n")
         person.sees("reading 2, back")
         person.sends(signal.SIGINT)
         assert person.leaves() == 130

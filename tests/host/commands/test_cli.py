@@ -16,7 +16,7 @@ from pathlib import Path
 import click
 import pytest
 import serpenoid as sn
-from command_line import answer, serpenoid
+from command_line import answer, program, serpenoid
 from robot.patience import LONG_S
 from serpenoid.commands.main import cli
 
@@ -163,7 +163,7 @@ def test_no_range_of_an_option_takes_nan() -> None:
 def test_a_terminal_without_our_letters_gets_question_marks() -> None:
     asked = f"optimize --robot paper --speed-m-s 0.1 {IDEAL}"
     done = subprocess.run(
-        [sys.executable, "-m", "serpenoid", *asked.split()],
+        program(asked),
         capture_output=True,
         text=True,
         check=True,

@@ -4,7 +4,6 @@ import json
 import os
 import shutil
 import subprocess
-import sys
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -12,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import serpenoid as sn
-from command_line import answer, serpenoid
+from command_line import answer, program, serpenoid
 from serpenoid.calibration.friction_result import FitDraws
 from serpenoid.commands.given import session_fit
 
@@ -51,7 +50,7 @@ def test_a_fit_of_many_readings_shows_that_it_works(folder):
     header, *rows = path.read_text().splitlines()
     many = [row.split(",", 1)[1] for row in rows] * 30
     path.write_text("\n".join([header, *(f"{k},{row}" for k, row in enumerate(many, 1))]) + "\n")
-    command = [sys.executable, "-m", "serpenoid", "fit", str(folder), "--no-save", "--json"]
+    command = program(f"fit {folder} --no-save --json")
     for force, shows in (({"FORCE_COLOR": "1"}, True), ({}, False)):
         done = subprocess.run(
             command, check=True, capture_output=True, text=True, env=os.environ | force

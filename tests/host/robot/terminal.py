@@ -7,21 +7,21 @@ import pty
 import select
 import signal
 import subprocess
-import sys
 import termios
 import time
 
+from command_line import program
 from robot.patience import LONG_S
 
 
 class Person:
-    """Run `serpenoid ARGUMENTS` behind a terminal; `before` is how the terminal was set."""
+    """Run `serpenoid LINE` behind a terminal; `before` is how the terminal was set."""
 
-    def __init__(self, *arguments: str):
+    def __init__(self, line: str):
         self._master, self._slave = pty.openpty()
         self.before = termios.tcgetattr(self._slave)
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "serpenoid", *arguments],
+            program(line),
             stdin=self._slave,
             stdout=self._slave,
             stderr=self._slave,
@@ -50,6 +50,11 @@ class Person:
                 self.screen += os.read(self._master, 4096).decode("utf-8", "replace")
         seen, _, self.screen = self.screen.partition(text)
         return seen + text
+
+    def answers(self, question: str, keys: str) -> None:
+        """Press keys once the screen has shown a text."""
+        self.sees(question)
+        self.presses(keys)
 
     def presses(self, keys: str) -> None:
         os.write(self._master, keys.encode())

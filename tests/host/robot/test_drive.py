@@ -8,12 +8,11 @@ import math
 import re
 import signal
 import subprocess
-import sys
 import time
 
 import numpy as np
 import pytest
-from command_line import serpenoid
+from command_line import program, serpenoid
 from rich.console import Console
 from robot.fake_board import GAIT_TYPED as GAIT
 from robot.fake_board import FakeBoard, eeprom_after
@@ -75,20 +74,11 @@ def test_a_live_table_where_there_is_one(monkeypatch):
     assert f"{run.robot.losses.missed_frames}" in shown
 
 
-@pytest.mark.parametrize(("duration", "status"), [([], 0), (["--duration-s", "60"], 130)])
+@pytest.mark.parametrize(("duration", "status"), [("", 0), ("--duration-s 60", 130)])
 def test_ctrl_c_stops_the_robot_and_sums_up(duration, status):
     with FakeBoard(pace=time.monotonic) as fake:
         run = subprocess.Popen(
-            [
-                sys.executable,
-                "-m",
-                "serpenoid",
-                "drive",
-                *GAIT.split(),
-                *duration,
-                "--port",
-                fake.port,
-            ],
+            program(f"drive {GAIT} {duration} --port {fake.port}"),
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,

@@ -6,12 +6,11 @@ import json
 import os
 import signal
 import subprocess
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from command_line import serpenoid
+from command_line import program, serpenoid
 from robot.fake_board import FakeBoard, nothing
 from robot.patience import until
 from serpenoid.robot.tools import upload as flash
@@ -123,7 +122,7 @@ def test_a_signal_ends_platformio_and_what_it_started(pio, tmp_path, reached, nu
     pio(f"sleep 60 & echo $! > {child}; echo {reached} ...; wait")
     with FakeBoard() as board:
         run = subprocess.Popen(
-            [sys.executable, "-m", "serpenoid", "flash", "--board", "uno", "--port", board.port],
+            program(f"flash --board uno --port {board.port}"),
             stderr=subprocess.PIPE,
             text=True,
         )

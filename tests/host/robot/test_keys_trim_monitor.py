@@ -9,7 +9,7 @@ import subprocess
 import sys
 
 import pytest
-from command_line import serpenoid
+from command_line import program, serpenoid
 from robot.fake_board import FakeBoard, greeting, nothing
 from robot.patience import LONG_S
 from robot.terminal import Person
@@ -121,7 +121,7 @@ def test_leaving_unsaved_is_asked_once(trimming):
 
 @pytest.mark.parametrize("how", ["q", "ctrl-c", "term", "unplugged"])
 def test_trim_gives_the_terminal_back_however_it_is_left(how):
-    with FakeBoard() as fake, Person("trim", "--json", "--port", fake.port) as person:
+    with FakeBoard() as fake, Person(f"trim --json --port {fake.port}") as person:
         person.sees("joint 1  centre 1500 us")
         assert person.now != person.before
         assert fake.state == "pose"
@@ -129,8 +129,7 @@ def test_trim_gives_the_terminal_back_however_it_is_left(how):
         person.sees("joint 3  centre 1501 us  (not saved)")
         if how == "q":
             person.presses("s")
-            person.sees("saved on the board")
-            person.presses("q")
+            person.answers("saved on the board", "q")
         elif how == "ctrl-c":
             person.sends(signal.SIGINT)
         elif how == "term":
@@ -270,7 +269,7 @@ def test_monitor_without_a_screen_or_keys(closed):
 def test_monitor_whose_reader_goes_away_stops_the_robot():
     with FakeBoard() as fake:
         child = subprocess.Popen(
-            [sys.executable, "-m", "serpenoid", "monitor", "--all", "--port", fake.port],
+            program(f"monitor --all --port {fake.port}"),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -290,7 +289,7 @@ def test_monitor_whose_reader_goes_away_stops_the_robot():
 def piped(port: str, typed: str) -> str:
     """Return what the monitor says to a pipe that brings it some lines."""
     run = subprocess.run(
-        [sys.executable, "-m", "serpenoid", "monitor", "--port", port],
+        program(f"monitor --port {port}"),
         input=typed,
         capture_output=True,
         text=True,
@@ -320,7 +319,7 @@ def test_the_stop_key_goes_out_before_the_board_has_greeted():
 
     with (
         FakeBoard(nothing, deaf_to_hello) as fake,
-        Person("monitor", "--port", fake.port) as person,
+        Person(f"monitor --port {fake.port}") as person,
     ):
         person.sees("Ctrl-D stops it and leaves")
         while not fake.await_state("gait", 0.3):  # it may reset only now
@@ -333,26 +332,21 @@ def test_the_stop_key_goes_out_before_the_board_has_greeted():
 
 
 def test_what_is_typed_before_the_greeting_is_sent_after_it():
-    with FakeBoard() as fake, Person("monitor", "--port", fake.port) as person:
-        person.sees("Ctrl-D stops it and leaves")
-        person.presses("gait 30 80 5\r")
-        person.sees("state: gait why=command")
-        person.presses("\x04")
+    with FakeBoard() as fake, Person(f"monitor --port {fake.port}") as person:
+        person.answers("Ctrl-D stops it and leaves", "gait 30 80 5\r")
+        person.answers("state: gait why=command", "\x04")
         assert person.leaves() == 0
         assert fake.state == "hold"
 
 
 @pytest.mark.parametrize("how", ["ctrl-c", "ctrl-d", "term"])
 def test_monitor_at_a_terminal(how):
-    with FakeBoard() as fake, Person("monitor", "--port", fake.port) as person:
+    with FakeBoard() as fake, Person(f"monitor --port {fake.port}") as person:
         person.sees("Ctrl-D stops it and leaves")
-        person.sees("ok: #0")
-        person.presses("gait 30 80 5\r")
-        person.sees("state: gait why=command")
-        person.presses("idl")
+        person.answers("ok: #0", "gait 30 80 5\r")
+        person.answers("state: gait why=command", "idl")
         person.presses("!")
-        person.sees("state: hold why=key")
-        person.presses("\x7f\x7f\x7fgait 20 80 5\r")
+        person.answers("state: hold why=key", "\x7f\x7f\x7fgait 20 80 5\r")
         person.sees("state: gait why=command")
         if how == "ctrl-d":
             person.presses("\x04")

@@ -7,10 +7,10 @@ import os
 import pty
 import re
 import subprocess
-import sys
 from pathlib import Path
 
 import serpenoid as sn
+from command_line import program
 from serpenoid.model.files import visible
 from serpenoid.show.screen import screen
 
@@ -19,11 +19,11 @@ FOLDER_2005 = ROOT / "calibration_data" / "nirakh-2005"
 EVIL = "\x1b]0;owned\x07\x1b[2J\x9b31m"
 
 
-def on_a_terminal(*args: object) -> bytes:
+def on_a_terminal(line: str) -> bytes:
     """Return all that a command writes to a pseudo-terminal."""
     ours, theirs = pty.openpty()
-    program = subprocess.Popen(
-        [sys.executable, "-m", "serpenoid", *map(str, args)],
+    child = subprocess.Popen(
+        program(line),
         stdout=theirs,
         stderr=theirs,
         stdin=subprocess.DEVNULL,
@@ -35,7 +35,7 @@ def on_a_terminal(*args: object) -> bytes:
             shown += part
     except OSError:  # Linux says so that the other end is closed
         pass
-    program.wait(60)
+    child.wait(60)
     os.close(ours)
     return shown
 
@@ -55,7 +55,7 @@ def test_control_characters_are_written_out() -> None:
 def test_no_file_commands_the_terminal(tmp_path: Path) -> None:
     recording = tmp_path / "run.wire"
     recording.write_text(f"# serpenoid wire 1, begun x\n{EVIL} < hello\n")
-    shown = on_a_terminal("view", recording)
+    shown = on_a_terminal(f"view {recording}")
     assert b"it is not `SECONDS < LINE`" in shown
     assert not obeyed(shown)
     fit = sn.save_fit(sn.fit_friction(sn.load_session(FOLDER_2005)), tmp_path / "fit.json")
@@ -66,7 +66,7 @@ def test_no_file_commands_the_terminal(tmp_path: Path) -> None:
     del given["sha256"]
     fit.write_text(json.dumps(given | {"sha256": fit_file._hash(given)}))
     gait = "--alpha-deg 70 --beta-deg 75 --frequency-hz 0.5"
-    shown = on_a_terminal("steady", *gait.split(), "--ground", fit, "--servo", "ideal")
+    shown = on_a_terminal(f"steady {gait} --ground {fit} --servo ideal")
     assert b"an alarm" in shown
     assert not obeyed(shown)
 
