@@ -20,6 +20,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from command_line import answer
+from robots import BINGHAM, OF_2005, VISCOUS, gait_in_deg
 from serpenoid.calibration.speed_samples import speed_band
 from serpenoid.periodic.servo_steady import CANNOT
 from webdriver import Browser
@@ -213,9 +214,9 @@ def test_a_slider_changes_the_answer_the_link_and_the_command(browser) -> None:
     browser.waits_for("state.alpha === 40")
     after = shown_speed(browser)
     assert after != before
-    robot = sn.Robot(6, 0.0756, 0.076)
-    ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
-    gait = sn.Gait(math.radians(40), math.radians(75), math.pi)
+    robot = OF_2005
+    ground = BINGHAM
+    gait = gait_in_deg(40, 75, math.pi)
     assert after == pytest.approx(sn.steady_gait(robot, ground, gait).speed_m_s, rel=1e-4)
     browser.waits_for("location.hash.includes('alpha=40')")
     assert "--alpha-deg 40" in browser.text("#command")
@@ -256,7 +257,7 @@ def test_a_fit_dropped_brings_its_friction_and_the_packages_band(browser, fitted
     browser.runs(DROP % json.dumps((fitted / "fit.json").read_text()))
     browser.sees("#fit", "Friction and robot of nirakh-2005")
     browser.sees("#figures", "Speed that your fit allows")
-    gait = sn.Gait(math.radians(70), math.radians(75), math.pi)
+    gait = gait_in_deg(70, 75, math.pi)
     fit = sn.load_fit(fitted)
     few = replace(fit.draws, rows=fit.draws.rows[8::16])  # those that the page takes
     of_few, of_fit = (speed_band(f, gait, servo=None) for f in (replace(fit, draws=few), fit))
@@ -325,7 +326,7 @@ def test_a_preset_is_its_own_ground_and_a_way_to_tell_it_changes_none(browser) -
     assert browser.runs("return [state.ct, state.cn, state.ft0, state.whole]") == [0.1, 10, 0, 0]
     assert browser.runs("return $('preset').value") == "paper"
     robot, ground, gait = parts(browser.runs("return state"))
-    assert ground == sn.Ground(0.1, 10.0)
+    assert ground == VISCOUS
     assert shown_speed(browser) == pytest.approx(
         sn.steady_gait(robot, ground, gait).speed_m_s, rel=1e-4
     )

@@ -4,7 +4,8 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from serpenoid import Ground, Robot
+from robots import OF_2005
+from serpenoid import Ground
 from serpenoid.calibration.kinds.instruments import Uncertainty
 from serpenoid.calibration.kinds.station import Reading
 from serpenoid.calibration.session import Procedure, Session, Setup
@@ -20,7 +21,7 @@ def setup(*lambdas_deg: float, kind="simulated") -> Setup:
         kind=kind,
         source="a test",
         note="a test",
-        robot=Robot(6, 0.0756, 0.076),
+        robot=OF_2005,
         procedure=Procedure(
             lambda_rad=(0.0, *map(math.radians, lambdas_deg)),
             incline_start_rad=math.radians(2.0),

@@ -8,6 +8,7 @@ import pytest
 import serpenoid as sn
 from calibration.plain_sessions import World, plain_session
 from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
+from robots import gait_in_deg
 from serpenoid.calibration.advice import advise
 from serpenoid.calibration.advising.stations import places
 from serpenoid.calibration.kinds.gait import GaitRun
@@ -15,7 +16,7 @@ from serpenoid.calibration.kinds.station import Reading
 from serpenoid.calibration.speed_samples import speed_band
 
 pytestmark = pytest.mark.usefixtures("short_curve")
-GAIT = sn.Gait(math.radians(70), math.radians(75), 2 * math.pi * 0.25)
+GAIT = gait_in_deg(70, 75, 2 * math.pi * 0.25)
 
 
 @pytest.fixture(scope="module")

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
+from robots import BINGHAM
 from serpenoid.calibration import comparison, verdict
 from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.kinds.gait import GaitRun
@@ -16,7 +17,6 @@ from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
 
 pytestmark = pytest.mark.usefixtures("short_curve")
-GROUND = sn.Ground.whole_body(6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
 RATES = [2 * math.pi * hz for hz in (0.25, 0.5, 1.0)]
 
 
@@ -34,7 +34,7 @@ def measured(made, amplitude=1.0, factor=1.0):
     """Return the session with one run of each gait, as joints of this amplitude would run it."""
     runs = []
     for k, rate in enumerate(RATES):
-        v = sn.steady_gait(made.setup.robot, GROUND, gait(rate, amplitude), rtol=1e-3).speed_m_s
+        v = sn.steady_gait(made.setup.robot, BINGHAM, gait(rate, amplitude), rtol=1e-3).speed_m_s
         g = gait(rate)
         runs.append(GaitRun(100 + k, g.alpha_rad, g.beta_rad, rate, factor * v, 0.01 * v))
     return replace(made, gait_runs=tuple(runs))
@@ -146,7 +146,7 @@ def servo_runs(made, servo):
     runs = []
     for k, rate in enumerate(RATES[:2]):
         g = gait(rate)
-        v = crawl_speed(LabRobot(made.setup.robot, (GROUND,), servo=servo), g)
+        v = crawl_speed(LabRobot(made.setup.robot, (BINGHAM,), servo=servo), g)
         runs.append(GaitRun(100 + k, g.alpha_rad, g.beta_rad, rate, v, 0.01 * v))
     return replace(made, gait_runs=tuple(runs))
 
@@ -158,7 +158,7 @@ def test_servos_that_nobody_told_are_in_the_band_or_named(fitted):
     hidden = next(
         s
         for s in sn.servo().draws(60, seed=5)
-        if sn.steady_gait(made.setup.robot, GROUND, gait(RATES[1]), rtol=1e-3, servo=s).speed_m_s
+        if sn.steady_gait(made.setup.robot, BINGHAM, gait(RATES[1]), rtol=1e-3, servo=s).speed_m_s
         < 0.088
     )
     crawled = servo_runs(made, hidden)

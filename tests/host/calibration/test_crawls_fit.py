@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from calibration.floor_sessions import MASS, TRUTH, floor_session, floor_setup, rolled_out
+from robots import gait_in_deg
 from serpenoid import BadInput
 from serpenoid.calibration import speed_samples
 from serpenoid.calibration.crawls.data import CrawlData
@@ -19,10 +20,9 @@ from serpenoid.calibration.friction_result import NAMES, ground_of
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.speed_samples import sample_speeds
 from serpenoid.calibration.speeds import ServoEffects, SpeedModel, SpeedTable
-from serpenoid.model.gait import Gait
 from simulated_sessions import MemoryRecord
 
-GAITS = tuple(Gait(math.radians(70), math.radians(60), math.pi * k) for k in (1, 2, 3, 4, 5, 6))
+GAITS = tuple(gait_in_deg(70, 60, math.pi * k) for k in (1, 2, 3, 4, 5, 6))
 ONE_SERVO = ServoEffects((), np.ones((1, len(GAITS))), np.ones((1, 0)), 0.0)
 RNG = np.random.default_rng(4)
 BY_LOGS = RNG.normal(size=(len(GAITS), 4))
@@ -172,7 +172,7 @@ def test_predictions_take_the_amplitude_that_crawls_told(pushed, crawls_fit, mon
     Beside what the model leaves out, 1 % of each speed.
     """
     fit = crawls_fit(pushed)
-    gait = Gait(math.radians(70), math.radians(75), math.pi)
+    gait = gait_in_deg(70, 75, math.pi)
     more = sample_speeds(fit, [gait], amplitude_sigma=0.03, count=256).joints_m_s
     monkeypatch.setattr(speed_samples, "MODEL_SIGMA", 0.0)
     less = sample_speeds(fit, [gait], amplitude_sigma=0.03, count=256).joints_m_s

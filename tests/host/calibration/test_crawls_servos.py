@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from calibration.floor_sessions import TRUTH, floor_setup
+from robots import gait_in_deg
 from serpenoid.calibration.crawls.level import on_level, sloped_speed
 from serpenoid.calibration.friction_result import Estimate, ground_of
 from serpenoid.calibration.kinds.gait import GaitRun
@@ -16,14 +17,13 @@ from serpenoid.calibration.speeds import GRAIN, SpeedModel, scaled, speed
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
 from serpenoid.model.drives import Servo
-from serpenoid.model.gait import Gait
 from serpenoid.servos.catalogue import HOBBY
 from simulated_sessions import MemoryRecord
 
 ROBOT = floor_setup().robot
 GROUND = ground_of(ROBOT.links, TRUTH)
 LEVEL = Estimate(0.0, 1e-6)
-FAST = Gait(math.radians(80), math.radians(75), 2 * math.pi * 0.8)
+FAST = gait_in_deg(80, 75, 2 * math.pi * 0.8)
 
 
 def test_a_weak_servo_does_not_follow_a_larger_amplitude() -> None:
@@ -48,7 +48,7 @@ def test_a_crawl_up_no_slope_is_the_periodic_state(servo: Servo) -> None:
 
 def test_a_slope_acts_on_joints_as_they_were_filmed() -> None:
     """Joints that made 0.7 of their amplitude: a slope slows them more than commanded ones."""
-    asked = Gait(math.radians(70), math.radians(60), 2 * math.pi * 0.8)
+    asked = gait_in_deg(70, 60, 2 * math.pi * 0.8)
     shifts = ",".join("0" * 5)
     film = FilmReading(
         *(1, asked.alpha_rad, asked.beta_rad, asked.omega_rad_s, 0.1, 0.001, 0.0, 0.003),
@@ -81,7 +81,7 @@ def test_a_slope_with_a_weak_servo_is_that_of_the_lab() -> None:
         update_hz=50.0,
         supply_sag=0.07,
     )
-    gait, slope = Gait(math.radians(70), math.radians(60), 2 * math.pi * 0.8), 0.005
+    gait, slope = gait_in_deg(70, 60, 2 * math.pi * 0.8), 0.005
     lab = LabRobot(ROBOT, (GROUND,), servo=weak)
     there, level = (crawl_speed(lab, gait, slope_rad=s) for s in (-slope, 0.0))
     back = crawl_speed(lab, gait, slope_rad=slope)

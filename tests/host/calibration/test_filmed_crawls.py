@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from calibration.floor_sessions import TRUTH, floor_session
 from calibration.test_dialogue import talk
+from robots import OF_2005, gait_in_deg
 from serpenoid import BadInput
 from serpenoid.calibration.comparison import compare
 from serpenoid.calibration.crawls.data import CrawlData
@@ -26,13 +27,11 @@ from serpenoid.calibration.taking.procedure import next_step, progress
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
 from serpenoid.model.drives import Servo, ServoKind
-from serpenoid.model.gait import Gait
 from serpenoid.model.ground import Ground
-from serpenoid.model.robot import Robot
 from simulated_sessions import MemoryRecord
 
 pytestmark = pytest.mark.usefixtures("short_curve")
-GAIT = Gait(math.radians(70), math.radians(60), 2 * math.pi * 0.8)
+GAIT = gait_in_deg(70, 60, 2 * math.pi * 0.8)
 GAINS, CENTRES_RAD, LAG_RAD = (0.95, 0.93, 0.97, 0.94, 0.96), (0.01, -0.02, 0.0, 0.03, 0.01), 0.4
 
 
@@ -83,7 +82,7 @@ def filmed():
     session = floor_session(bends_deg=(0.0, 45.0), speeds=(0.7, 0.9))
     record = MemoryRecord(session.setup, session)
     ground = Ground.whole_body(6, *TRUTH)
-    for gait in (GAIT, Gait(math.radians(80), math.radians(75), 2 * math.pi * 0.45)):
+    for gait in (GAIT, gait_in_deg(80, 75, 2 * math.pi * 0.45)):
         made = replace(gait, joint_gain=(0.95,) * 5)
         v = speed(session.setup.robot, ground, made)
         rows = crawled(gait, v, gains=(0.95,) * 5)
@@ -96,7 +95,7 @@ def test_films_tell_the_amplitude_that_other_gaits_will_have(filmed) -> None:
     found = fit.nuisances["joint_amplitude"]
     assert found.value == pytest.approx(0.95, abs=3 * found.sigma)
     assert found.sigma < 0.008  # 3 % before
-    other = Gait(math.radians(60), math.radians(60), 2 * math.pi * 0.3)
+    other = gait_in_deg(60, 60, 2 * math.pi * 0.3)
     true = speed(fit.robot, Ground.whole_body(6, *TRUTH), replace(other, joint_gain=(0.95,) * 5))
     assert likeliest_speed(fit, other, None) == pytest.approx(true, rel=0.03)
 
@@ -167,7 +166,7 @@ SLOPE_RAD, LEVEL = 0.0045, Estimate(0.0, 1e-6)
 @pytest.fixture(scope="module")
 def sloped():
     """Return two runs by the lab's robot on 0.25 degrees, there and back, as of one command."""
-    lab = LabRobot(Robot(6, 0.0756, 0.076), (Ground.whole_body(6, *TRUTH),))
+    lab = LabRobot(OF_2005, (Ground.whole_body(6, *TRUTH),))
     return tuple(
         GaitRun(
             900 + k,
@@ -184,7 +183,7 @@ def sloped():
 
 def test_crawls_on_a_slope_are_put_right_by_the_slope_that_pushes_told(sloped) -> None:
     """What the lab's robot does, there, back or both, against the level state."""
-    body, ground = Robot(6, 0.0756, 0.076), Ground.whole_body(6, *TRUTH)
+    body, ground = OF_2005, Ground.whole_body(6, *TRUTH)
     level = speed(body, ground, GAIT)
     assert sloped[0].speed_m_s > 1.05 * level
     assert sloped[1].speed_m_s < 0.95 * level
@@ -200,7 +199,7 @@ def test_crawls_on_a_slope_are_put_right_by_the_slope_that_pushes_told(sloped) -
 
 def test_crawls_on_a_floor_that_tilts_across_are_put_right() -> None:
     """The robot turns downhill and goes faster there and back alike: a mean of both is too fast."""
-    body, ground, across_rad = Robot(6, 0.0756, 0.076), Ground.whole_body(6, *TRUTH), 0.007
+    body, ground, across_rad = OF_2005, Ground.whole_body(6, *TRUTH), 0.007
     lab, level = LabRobot(body, (ground,)), speed(body, ground, GAIT)
     runs = tuple(
         GaitRun(

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from calibration.synthetic_session import setup
+from robots import gait_in_deg
 from serpenoid import Ground
 from serpenoid.calibration import comparison
 from serpenoid.calibration.kinds.gait import GaitRun
@@ -68,7 +69,7 @@ def test_friction_across_of_0_states_no_sigma_wider_than_its_interval():
 
 def test_a_fit_at_its_limit_predicts_and_is_printed(fits, capsys):
     fit = next(f for f in fits if f.parameters["ct"].value == 0.0)
-    gait = sn.Gait(math.radians(70), math.radians(75), math.pi)
+    gait = gait_in_deg(70, 75, math.pi)
     assert sn.steady_gait(fit.robot, fit.ground, gait).speed_m_s > 0.05
     text = str(fit)
     assert text.startswith("Along, the snake resists with")
@@ -85,7 +86,7 @@ def test_a_fit_at_its_limit_predicts_and_is_printed(fits, capsys):
 def test_compare_has_a_verdict_for_a_robot_on_ball_bearings():
     """A friction that is 0 has no logarithm: its standard deviation stands for it."""
     session = next(held(0.0, seed) for seed in range(4, 20) if fitted_ct(held(0.0, seed)) == 0.0)
-    gait = sn.Gait(math.radians(70), math.radians(75), math.pi)
+    gait = gait_in_deg(70, 75, math.pi)
     true = sn.steady_gait(SETUP.robot, Ground.whole_body(6, 0.0, 1.2, 0.14, 0.27), gait)
     run = GaitRun(100, gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, 1.3 * true.speed_m_s, 0.002)
     found = comparison.compare(replace(session, gait_runs=(run,)), servo=None, samples=16)

@@ -2,7 +2,6 @@
 
 import http.client
 import json
-import math
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -16,7 +15,8 @@ import numpy as np
 import pytest
 from robot.fake_board import FakeBoard, honest
 from robot.patience import LONG_S, until
-from serpenoid import Gait, Ground
+from robots import gait_in_deg
+from serpenoid import Ground
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.calibration.taking.person.session_robot import SessionRobot
@@ -174,7 +174,7 @@ def test_streams_are_limited_and_end_with_the_page():
     assert 'data: {"a": 1}' in got[0][1]
 
 
-GAIT = Gait(math.radians(30), math.radians(75), 2.0)
+GAIT = gait_in_deg(30, 75, 2.0)
 WITHIN_MS = 200  # a stop's way from the page to the board's word that it holds
 
 

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import serpenoid as sn
+from robots import PAPER, VISCOUS, gait_in_deg
 from serpenoid.calibration import speed_samples, speeds
 from serpenoid.calibration.prediction import one_cycle, predict
 
 SESSION = Path(__file__).resolve().parents[3] / "calibration_data" / "nirakh-2005"
-PAPER = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +21,7 @@ def fit() -> sn.FrictionFit:
 
 
 def test_speed_of_the_2005_robot(fit) -> None:
-    gait = sn.Gait(math.radians(70), math.radians(75), 5.0)
+    gait = gait_in_deg(70, 75, 5.0)
     point = predict(fit.robot, fit, gait)
     assert point.explicit_m_s == pytest.approx(0.133205, rel=2e-4)
     assert point.explicit_error_m_s < 1e-6
@@ -41,14 +41,15 @@ def test_speed_of_the_2005_robot(fit) -> None:
 
 @pytest.mark.parametrize(("omega", "off"), [(5.0, 0.02), (10.0, 0.08), (20.0, 0.42)])
 def test_the_papers_springs_are_off_by_what_is_known(omega, off) -> None:
-    gait = sn.Gait(math.radians(30), math.radians(80), omega)
-    exact = sn.steady_gait(*PAPER, gait, powers=False).speed_m_s
+    gait = gait_in_deg(30, 80, omega)
+    exact = sn.steady_gait(PAPER, VISCOUS, gait, powers=False).speed_m_s
     # the lowest mode, 16 rad/s with damping 0.008, dies away in 8 s: 60 s of RK4 forget the start
     period = gait.period_s
     cycles = math.ceil(60.0 / period)
     run = sn.simulate(
         sn.Scene(
-            *PAPER,
+            PAPER,
+            VISCOUS,
             gait,
             formulation="implicit",
             dt_s=period / 800,
@@ -83,8 +84,8 @@ def test_samples_follow_the_fit_and_stay_physical(fit) -> None:
 
 
 def test_mean_speed_over_a_cycle_is_the_periodic_states() -> None:
-    gait = sn.Gait(math.radians(30), math.radians(80), 5.0)
-    state, run = one_cycle(*PAPER, gait)
+    gait = gait_in_deg(30, 80, 5.0)
+    state, run = one_cycle(PAPER, VISCOUS, gait)
     # 600 steps of RK4 a period, 120 of them recorded
     speeds = run.mean_speed_m_s(gait.period_s)[::120]
     assert speeds == pytest.approx([state.speed_m_s] * 3, rel=1e-6)

@@ -1,12 +1,12 @@
 """Readings taken facing up and down the belt: friction forwards and backwards."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 import serpenoid as sn
 from calibration import synthetic_session as synthetic
+from robots import gait_in_deg
 from serpenoid.calibration.advice import advise
 from serpenoid.calibration.friction_fit import friction_points, point_errors
 from serpenoid.calibration.session import Session
@@ -79,7 +79,7 @@ def test_samples_files_and_speeds_know_both_ways(tmp_path) -> None:
     back = sn.load_fit(sn.save_fit(fit, tmp_path / "fit.json"))
     assert back.to_dict() == fit.to_dict()
     assert back.ground == fit.ground
-    gait = sn.Gait(math.radians(70), math.radians(75), 3.0)
+    gait = gait_in_deg(70, 75, 3.0)
     speed = sn.steady_gait(fit.robot, fit.ground, gait, rtol=1e-4).speed_m_s
     assert speed > 0.05
 
@@ -93,7 +93,7 @@ def test_points_and_advice_know_both_ways() -> None:
         line = fit.parameters[slope].value * v + fit.parameters[rest].value
         assert len(v) >= 5
         assert (np.abs(force - line) < 5 * np.hypot(errors[part][1], 0.02)).all()
-    gait = sn.Gait(math.radians(70), math.radians(75), 3.0)
+    gait = gait_in_deg(70, 75, 3.0)
     found = advise(session, gaits=[gait], samples=16, servo=None)
     assert found.readings[0].band < found.band
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 import serpenoid as sn
+from robots import gait_in_deg
 from serpenoid.calibration.advice import advise
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
@@ -70,7 +71,7 @@ def test_pages_pictures_and_sheets_show_it(taken, tmp_path):
 
 
 def test_advice_knows_the_way_back(taken):
-    gait = sn.Gait(math.radians(40), math.radians(75), 3.0)
+    gait = gait_in_deg(40, 75, 3.0)
     ways = {r.facing for r in advise(taken, [gait], samples=8, servo=None).readings}
     assert ways == {"down", "up"}
     down = replace(taken, readings=tuple(r for r in taken.readings if r.facing == "down"))

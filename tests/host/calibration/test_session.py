@@ -12,7 +12,8 @@ import serpenoid as sn
 from command_line import serpenoid
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from serpenoid import BadInput, Robot
+from robots import OF_2005
+from serpenoid import BadInput
 from serpenoid.calibration import session_file
 from serpenoid.calibration.session_file import COLUMNS, load_session
 
@@ -45,7 +46,7 @@ def test_the_2005_session_is_what_the_paper_describes():
     assert setup.kind == "regenerated"
     assert "lost" in setup.note
     assert setup == load_session(FOLDER_2005).setup != replace(setup, note="")
-    assert setup.robot == Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
+    assert setup.robot == OF_2005
     assert setup.weight_n == pytest.approx(6 * 0.0756 * 9.80665, rel=1e-15)
     assert [math.degrees(x) for x in setup.procedure.lambda_rad] == pytest.approx([0.0, 7.5])
     straight = [r for r in session.kept if r.lambda_rad == 0.0]

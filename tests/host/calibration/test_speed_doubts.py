@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from command_line import serpenoid
+from robots import gait_in_deg
 from serpenoid.calibration.advising import speed_doubts as room
 from serpenoid.calibration.advising.speed_doubts import speed_doubts
 from serpenoid.calibration.friction_result import FitDraws
@@ -25,7 +26,7 @@ def fit() -> sn.FrictionFit:
 
 
 def doubts(fit: sn.FrictionFit, hz: float) -> Any:
-    gait = sn.Gait(math.radians(70), math.radians(75), math.tau * hz)
+    gait = gait_in_deg(70, 75, math.tau * hz)
     state = sn.steady_gait(fit.robot, fit.ground, gait, sensitivities=True)
     assert state.sensitivities is not None
     return speed_doubts(fit, gait, state.sensitivities, speed_band(fit, gait, servo=None))

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from command_line import answer, serpenoid
+from robots import PAPER, VISCOUS, gait_in_deg
 
 GAIT = "simulate --alpha-deg 30 --beta-deg 80 --omega-rad-s 5"
 SHORT = f"{GAIT} --robot paper --duration-s 0.2"
@@ -73,7 +74,7 @@ def test_every_field_has_its_option(tmp_path: Path) -> None:
 def test_an_option_overrides_its_field_of_the_file_alone(option: str, tmp_path: Path) -> None:
     from serpenoid.commands.simulate import make_scene, simulate
 
-    base = sn.Scene(sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0), sn.Gait(0.1, 0.2, 3.0))
+    base = sn.Scene(PAPER, VISCOUS, sn.Gait(0.1, 0.2, 3.0))
     value, name, wanted = OPTIONS[option]
     given = simulate.make_context("simulate", [option, value]).params
     for other in ("scene_path", "saved_path", "out", "figure", "accuracy", "no_error", "as_json"):
@@ -100,7 +101,7 @@ def test_a_uniform_rod_stays_one_and_a_given_inertia_is_kept(tmp_path: Path) -> 
     path = tmp_path / "scene.toml"
     for inertia, wanted in ((None, 2 * 0.12**2 / 12), (0.7, 0.7)):
         sn.save_scene(
-            sn.Scene(sn.Robot(6, 1.0, 0.12, inertia), sn.Ground(0.1, 10.0), sn.Gait(0.5, 1, 5)),
+            sn.Scene(sn.Robot(6, 1.0, 0.12, inertia), VISCOUS, sn.Gait(0.5, 1, 5)),
             path,
         )
         got = answer(f"simulate --scene {path} --mass-kg 2 --duration-s 0.01")
@@ -128,9 +129,9 @@ def test_the_answer_is_complete_and_the_files_too(tmp_path: Path) -> None:
     recorded = "--duration-s 2 --record joints,friction,energy --record-every 100"
     got = answer(f"{SHORT} {recorded} --out {out} --plot {figure}")
     scene = sn.Scene(
-        sn.Robot(6, 1.0, 0.12),
-        sn.Ground(0.1, 10.0),
-        sn.Gait(math.radians(30), math.radians(80), 5.0),
+        PAPER,
+        VISCOUS,
+        gait_in_deg(30, 80, 5.0),
         duration_s=2.0,
         record_every=100,
         record=("joints", "friction", "energy"),

@@ -1,4 +1,4 @@
-"""Robots that the tests of gaits share, and the speed of one in time."""
+"""Numbers drawn for robots, and the speed of one in time."""
 
 from __future__ import annotations
 
@@ -6,9 +6,6 @@ import math
 
 import numpy as np
 import serpenoid as sn
-
-PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
-OF_2005, BINGHAM = sn.Robot(6, 0.0756, 0.076), sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
 
 
 def between(rng: np.random.Generator, low: float, high: float) -> float:

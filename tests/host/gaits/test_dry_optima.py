@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 import serpenoid as sn
-from gaits.robots import BINGHAM, OF_2005
+from robots import BINGHAM, OF_2005
 
 FIVE = sn.Robot(5, 0.27520463314816174, 0.11092339815470859)
 SLIDING = sn.Ground(0.005672596582976471, 0.01222706077935121, 0.00475924833, 0.02106086158)

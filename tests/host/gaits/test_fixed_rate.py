@@ -7,12 +7,13 @@ import math
 import numpy as np
 import pytest
 import serpenoid as sn
+from robots import OF_2005, PAPER, VISCOUS
 
 D = math.pi / 180
 CASES = {
-    "viscous": (sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0), 0.3, 5.0, "power"),
+    "viscous": (PAPER, VISCOUS, 0.3, 5.0, "power"),
     "dry, where two amplitudes that give the speed meet": (
-        sn.Robot(6, 0.0756, 0.076),
+        OF_2005,
         sn.Ground.whole_body(6, 0.083459, 1.192, 0.1344398, 0.2558096),
         0.05,
         2.0,

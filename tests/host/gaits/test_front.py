@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 import serpenoid as sn
-from gaits.robots import BINGHAM, OF_2005, PAPER, VISCOUS
+from robots import BINGHAM, OF_2005, PAPER, VISCOUS
 from serpenoid.gaits.limits import peak_torque_nm
 
 SMALL, SPRINGS = sn.Robot(3, 0.4, 0.11), {"joint_stiffness_n_m": 60.0, "joint_damping_n_s_m": 4.0}

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
-from gaits.robots import BINGHAM, OF_2005, PAPER, VISCOUS
+from robots import BINGHAM, OF_2005, PAPER, VISCOUS
 from scipy.optimize import brentq, minimize_scalar
 from serpenoid.simulation.steady_springs import steady_springs
 

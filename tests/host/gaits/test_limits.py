@@ -6,7 +6,7 @@ import math
 
 import pytest
 import serpenoid as sn
-from gaits.robots import PAPER, VISCOUS
+from robots import OF_2005, PAPER, VISCOUS
 from serpenoid.gaits.margins import cliff_around
 from serpenoid.gaits.uncertainty import Uncertainty
 
@@ -38,7 +38,7 @@ def test_the_error_of_the_speed_is_part_of_the_powers() -> None:
 
 
 def test_a_ratchet_names_the_cheaper_of_both_waves_as_best_and_the_other_as_runner_up() -> None:
-    robot = sn.Robot(6, 0.0756, 0.076)
+    robot = OF_2005
     ground = sn.Ground((0.014, 0.05), 0.2)
     best = sn.least_power_gait(robot, ground, speed_m_s=0.05)
     other = sn.least_power_gait(robot, ground.turned_round(), speed_m_s=0.05)

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
-from gaits.robots import BINGHAM, OF_2005, PAPER, VISCOUS, run_speed
+from gaits.robots import run_speed
+from robots import BINGHAM, OF_2005, PAPER, VISCOUS
 from serpenoid.periodic.servo_steady import servo_speeds
 
 D = math.pi / 180

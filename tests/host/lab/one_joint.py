@@ -7,11 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import serpenoid as sn
+from robots import OF_2005
 from serpenoid import _core
 from serpenoid.model.drives import core_servo
 from serpenoid.servos.bench_test import BenchTest
 
-ROBOT = sn.Robot(6, 0.0756, 0.076)
+ROBOT = OF_2005
 SENT = np.repeat([0.0, 0.8, 0.1, 0.15, -0.6, -0.62, 0.0], 15)
 # kg m^2, of two free links on one joint: (I + m l^2 (1 - cos angle) / 4) / 2 is 1.8e-5 to 3.5e-5
 OWN_INERTIA = 2.2e-5

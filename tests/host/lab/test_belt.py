@@ -7,13 +7,13 @@ import math
 import numpy as np
 import pytest
 import serpenoid as sn
+from robots import OF_2005
 from serpenoid.lab.belt import HALF_LENGTH_M, HALF_WIDTH_M, SLEW_M_S2, Belt
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.instruments import Instrument
 from serpenoid.lab.robot import LabRobot
 
-BODY = sn.Robot(6, 0.0756, 0.076)
-VISCOUS = LabRobot(BODY, (sn.Ground(0.02, 0.5),))
+VISCOUS = LabRobot(OF_2005, (sn.Ground(0.02, 0.5),))
 
 
 def test_an_instrument_scales_the_true_value_and_then_adds_its_zero() -> None:
@@ -54,6 +54,6 @@ def test_a_robot_is_off_the_belt_beyond_either_edge() -> None:
 def test_a_crawl_is_measured_once_the_start_is_forgotten() -> None:
     """A fast gait on slippery wheels: three cycles are too few to forget the start."""
     gait = sn.Gait(0.6, 1.3, 4 * math.pi)
-    steady = sn.steady_gait(BODY, sn.Ground(0.02, 0.5), gait)
+    steady = sn.steady_gait(OF_2005, sn.Ground(0.02, 0.5), gait)
     assert steady.settling_time_s > 1.5 * gait.period_s
     assert crawl_speed(VISCOUS, gait) == pytest.approx(steady.speed_m_s, rel=0.02)

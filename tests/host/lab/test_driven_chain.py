@@ -8,15 +8,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
+from robots import OF_2005, gait_in_deg
 from serpenoid import _core
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.floor import Floor
 from serpenoid.lab.robot import LabRobot
 from serpenoid.model.drives import Servo, core_servo
 
-BODY, WHOLE = sn.Robot(6, 0.0756, 0.076), sn.Ground(0.084, 1.2, 0.14, 0.27)
+WHOLE = sn.Ground(0.084, 1.2, 0.14, 0.27)
 EACH = sn.Ground.whole_body(6, WHOLE.ct, WHOLE.cn, WHOLE.ft0, WHOLE.fn0)
-GAIT = sn.Gait(math.radians(70), math.radians(75), math.tau * 0.5)
+GAIT = gait_in_deg(70, 75, math.tau * 0.5)
 SERVO = Servo(
     2.3,
     0.06,
@@ -36,7 +37,7 @@ def chain(
     servo: Servo, friction: tuple[float, ...] = (0.0,) * 6, rolling_kg: float = 0.0
 ) -> _core.DrivenChain:
     rows = np.array([[*friction, rolling_kg, 1.0]] * 6)
-    made = _core.DrivenChain(0.0756, 0.076, BODY.inertia_kg_m2, rows, core_servo(servo))
+    made = _core.DrivenChain(0.0756, 0.076, OF_2005.inertia_kg_m2, rows, core_servo(servo))
     made.place(0.0, STILL)
     return made
 
@@ -51,7 +52,7 @@ def full_speed(servo: Servo, cycles: int, keep: int, ground=EACH, gait=GAIT) -> 
     """Return the mean speed of the last cycles by the event-driven simulation."""
     run = sn.simulate(
         sn.Scene(
-            BODY,
+            OF_2005,
             ground,
             gait,
             drive="servo",
@@ -94,7 +95,7 @@ def test_without_friction_momentum_stays_and_servos_work_becomes_motion(rolling_
 )
 def test_it_crawls_as_fast_as_the_event_driven_simulation(servo: Servo, within: float) -> None:
     """Both share the servo's law alone: other unknowns, other steps, other contacts."""
-    lab = crawl_speed(LabRobot.whole(BODY, WHOLE, servo=servo), GAIT)
+    lab = crawl_speed(LabRobot.whole(OF_2005, WHOLE, servo=servo), GAIT)
     assert lab == pytest.approx(full_speed(servo, 8, 4), rel=within)
 
 
@@ -102,9 +103,9 @@ def test_it_crawls_on_ratchets_as_fast_as_the_event_driven_simulation() -> None:
     """All joints in phase: it is the ratchets alone that drive the robot ahead."""
     ratchet = sn.Ground((EACH.ct, 4 * EACH.ct), EACH.cn, (EACH.ft0, 3 * EACH.ft0), EACH.fn0)
     gait = replace(GAIT, alpha_rad=math.radians(60), beta_rad=0.0)
-    lab = crawl_speed(LabRobot(BODY, (ratchet,), servo=SERVO), gait)
+    lab = crawl_speed(LabRobot(OF_2005, (ratchet,), servo=SERVO), gait)
     assert lab == pytest.approx(full_speed(SERVO, 8, 4, ratchet, gait), rel=0.006)
-    assert crawl_speed(LabRobot(BODY, (EACH,), servo=SERVO), gait) < 1e-3 * lab
+    assert crawl_speed(LabRobot(OF_2005, (EACH,), servo=SERVO), gait) < 1e-3 * lab
 
 
 def test_a_servo_that_runs_free_turns_as_fast_as_its_motors_line_says() -> None:
@@ -121,7 +122,7 @@ def test_a_servo_that_runs_free_turns_as_fast_as_its_motors_line_says() -> None:
         supply_sag=0.5,
     )
     rows = np.array([[0.0] * 7 + [1.0]] * 2)
-    pair = _core.DrivenChain(0.0756, 0.076, BODY.inertia_kg_m2, rows, core_servo(servo))
+    pair = _core.DrivenChain(0.0756, 0.076, OF_2005.inertia_kg_m2, rows, core_servo(servo))
     pair.place(0.0, [0.0])
     turned = np.diff(pair.drive(np.full((150, 1), 1e3), 20)[:, 2:], axis=1)[:, 0]
     # by hand: T V - friction = (T / w0 + damping) r with V = 1 - sag (V - r / w0)
@@ -140,10 +141,10 @@ def test_a_servo_works_on_its_rotor_while_that_runs_through_the_play() -> None:
 
 def test_wheels_that_rest_hold_up_to_the_break_away() -> None:
     """On a slope that pulls 1.15 times the dry force: held by 1.3 times that, not by 1.1."""
-    slope = math.asin(1.15 * WHOLE.ft0 / (6 * BODY.link_mass_kg * 9.81))
+    slope = math.asin(1.15 * WHOLE.ft0 / (6 * OF_2005.link_mass_kg * 9.81))
     gone = []
     for breakaway in (1.1, 1.3):
-        robot = LabRobot.whole(BODY, WHOLE, servo=SERVO, breakaway=breakaway)
+        robot = LabRobot.whole(OF_2005, WHOLE, servo=SERVO, breakaway=breakaway)
         track, _ = Floor(robot, slope).run_servos(np.zeros((50, 5)))
         gone.append(float(track.x_m[-1]))
     assert gone[0] > 0.01
@@ -152,8 +153,8 @@ def test_wheels_that_rest_hold_up_to_the_break_away() -> None:
 
 def test_a_stiff_servo_on_quick_frames_is_a_robot_whose_joints_follow() -> None:
     stiff = Servo(30.0, 0.6, 1e3, 1e3, 0.0, frame_s=2e-3, armature_kg_m2=1e-3)
-    ideal = crawl_speed(LabRobot.whole(BODY, WHOLE), GAIT)
-    driven = crawl_speed(LabRobot.whole(BODY, WHOLE, servo=stiff), GAIT)
+    ideal = crawl_speed(LabRobot.whole(OF_2005, WHOLE), GAIT)
+    driven = crawl_speed(LabRobot.whole(OF_2005, WHOLE, servo=stiff), GAIT)
     assert driven == pytest.approx(ideal, rel=0.01)
 
 
@@ -162,7 +163,7 @@ def test_a_held_rotor_lets_its_joint_swing_by_the_play_and_no_further() -> None:
     play = 0.04
     loose = replace(SERVO, backlash_rad=play, gear_friction_nm=0.3, dead_band_rad=0.2)
     pinned = np.array([[100.0, 100.0, 0.0, 0.0, 100.0, 0.0, 0.0, 1.0]] + [[0.0] * 7 + [1.0]] * 5)
-    robot = _core.DrivenChain(0.0756, 0.076, BODY.inertia_kg_m2, pinned, core_servo(loose))
+    robot = _core.DrivenChain(0.0756, 0.076, OF_2005.inertia_kg_m2, pinned, core_servo(loose))
     robot.place(0.0, STILL)
     robot.set_slope(0.0, 5.0)
     rows = robot.drive(np.tile(STILL, (100, 1)), 40)
@@ -171,7 +172,7 @@ def test_a_held_rotor_lets_its_joint_swing_by_the_play_and_no_further() -> None:
 
 
 def test_a_lot_of_play_costs_amplitude_and_none_changes_nothing() -> None:
-    robot = LabRobot.whole(BODY, WHOLE, servo=SERVO)
+    robot = LabRobot.whole(OF_2005, WHOLE, servo=SERVO)
     tight = crawl_speed(robot, GAIT)
     hair = crawl_speed(replace(robot, servo=replace(SERVO, backlash_rad=1e-6)), GAIT)
     assert hair == pytest.approx(tight, rel=2e-3)
@@ -181,8 +182,8 @@ def test_a_lot_of_play_costs_amplitude_and_none_changes_nothing() -> None:
 
 def test_a_robot_without_servo_is_not_driven_and_the_joints_are_seen() -> None:
     with pytest.raises(sn.BadInput, match="no servo"):
-        LabRobot.whole(BODY, WHOLE).driven_chain()
-    told = Floor(LabRobot.whole(BODY, WHOLE, servo=SERVO))
+        LabRobot.whole(OF_2005, WHOLE).driven_chain()
+    told = Floor(LabRobot.whole(OF_2005, WHOLE, servo=SERVO))
     track, joints = told.run_servos(np.tile(STILL, (5, 1)))
     assert joints == pytest.approx(np.tile(STILL, (5, 1)), abs=1e-3)
     assert track.t_s == pytest.approx(0.02 * np.arange(1, 6))

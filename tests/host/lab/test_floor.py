@@ -7,17 +7,17 @@ import math
 import numpy as np
 import pytest
 import serpenoid as sn
+from robots import BINGHAM, OF_2005, gait_in_deg
 from serpenoid.calibration.fitting.shared import straightness_factors
 from serpenoid.lab.floor import Floor, Push
 from serpenoid.lab.instruments import Instrument
 from serpenoid.lab.recording import Camera, film, to_rest
 from serpenoid.lab.robot import LabRobot, pose_of
 from serpenoid.model.ground import Ground
-from serpenoid.model.robot import Robot
 
-BODY, WHOLE = Robot(6, 0.0756, 0.076), Ground(0.084, 1.2, 0.14, 0.27)
+WHOLE = Ground(0.084, 1.2, 0.14, 0.27)
 MASS, G = 6 * 0.0756, 9.81
-ROBOT = LabRobot.whole(BODY, WHOLE)
+ROBOT = LabRobot.whole(OF_2005, WHOLE)
 STRAIGHT, BALANCED = [0.0] * 5, (1, -1, 0, 0, -1, 1)
 EXACT = Instrument()
 
@@ -76,7 +76,7 @@ def test_links_that_stand_off_drag_unless_two_alone_are_straight(bend_deg, bent)
 
 def test_wheels_that_turn_roll_farther():
     a, b = drag(0.0)
-    track = Floor(LabRobot.whole(BODY, WHOLE, rolling_kg=0.02)).push(STRAIGHT, Push(0.8))
+    track = Floor(LabRobot.whole(OF_2005, WHOLE, rolling_kg=0.02)).push(STRAIGHT, Push(0.8))
     assert track.x_m[-1] == pytest.approx(coast(0.8, a, b, MASS + 0.02)[1], rel=2e-3)
 
 
@@ -91,8 +91,8 @@ def test_a_crooked_push_turns_and_joints_that_stand_off_turn_it_more():
 
 
 def test_a_driven_robot_crawls_as_fast_as_the_periodic_state():
-    gait = sn.Gait(math.radians(60), math.radians(70), 2 * math.pi * 0.5)
-    exact = sn.steady_gait(BODY, Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27), gait).speed_m_s
+    gait = gait_in_deg(60, 70, 2 * math.pi * 0.5)
+    exact = sn.steady_gait(OF_2005, BINGHAM, gait).speed_m_s
     track, _ = Floor(ROBOT).driven(gait, 10.0)
     at = [int(np.searchsorted(track.t_s, t)) for t in (5.999, 9.999)]
     way = np.hypot(np.diff(track.x_m[at]), np.diff(track.y_m[at]))[0]

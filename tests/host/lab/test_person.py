@@ -6,20 +6,20 @@ import math
 
 import numpy as np
 import pytest
+from robots import OF_2005
 from serpenoid.lab.belt import Belt
 from serpenoid.lab.person import Display, Habits, Person
 from serpenoid.lab.robot import LabRobot, pose_of
 from serpenoid.model.errors import BadInput
 from serpenoid.model.ground import Ground
-from serpenoid.model.robot import Robot
 
-BODY, WHOLE = Robot(6, 0.0756, 0.076), Ground(0.084, 1.2, 0.14, 0.27)
+WHOLE = Ground(0.084, 1.2, 0.14, 0.27)
 STRAIGHT, BALANCED = (0,) * 6, (1, -1, 0, 0, -1, 1)
 
 
 def person(seed, signs, bend_deg, incline_deg, joint_deg=1.0, **habits):
     rng = np.random.default_rng(seed)
-    robot = LabRobot.whole(BODY, WHOLE).drawn(rng, math.radians(joint_deg))
+    robot = LabRobot.whole(OF_2005, WHOLE).drawn(rng, math.radians(joint_deg))
     belt = Belt(robot)
     belt.tilt(math.radians(incline_deg))
     belt.pose(pose_of(signs, math.radians(bend_deg)))
@@ -76,13 +76,13 @@ def test_the_same_seed_does_the_same_and_a_display_that_is_off_shows():
 
 def test_a_robot_of_the_wrong_size_is_refused():
     with pytest.raises(BadInput, match="grounds has 2"):
-        LabRobot(BODY, (WHOLE, WHOLE))
+        LabRobot(OF_2005, (WHOLE, WHOLE))
     with pytest.raises(BadInput, match="joint_error_rad has 1"):
-        LabRobot(BODY, (WHOLE,), (0.1,))
+        LabRobot(OF_2005, (WHOLE,), (0.1,))
 
 
 def test_drawn_links_share_the_whole():
-    drawn = LabRobot.whole(BODY, WHOLE).drawn(np.random.default_rng(1), 0.01, 0.1)
+    drawn = LabRobot.whole(OF_2005, WHOLE).drawn(np.random.default_rng(1), 0.01, 0.1)
     for name in ("ct", "cn", "ft0", "fn0"):
         each = [getattr(g, name) for g in drawn.grounds]
         assert sum(each) == pytest.approx(getattr(WHOLE, name))
@@ -90,7 +90,7 @@ def test_drawn_links_share_the_whole():
 
 
 def test_the_offset_that_ran_straight_is_kept_when_the_robot_is_laid_down_anew():
-    robot = LabRobot.whole(BODY, WHOLE, [math.radians(1.0)] * 5)
+    robot = LabRobot.whole(OF_2005, WHOLE, [math.radians(1.0)] * 5)
     belt = Belt(robot)
     belt.tilt(math.radians(2.4))
     made = Person(belt, np.random.default_rng(3))

@@ -7,14 +7,14 @@ import re
 import time
 
 import pytest
+from robots import OF_2005
 from serpenoid.lab.instruments import Instrument
 from serpenoid.lab.person import Display
 from serpenoid.lab.practice import PracticeTreadmill
 from serpenoid.lab.robot import LabRobot, pose_of
 from serpenoid.model.ground import Ground
-from serpenoid.model.robot import Robot
 
-ROBOT = LabRobot.whole(Robot(6, 0.0756, 0.076), Ground(0.084, 1.2, 0.14, 0.27))
+ROBOT = LabRobot.whole(OF_2005, Ground(0.084, 1.2, 0.14, 0.27))
 
 
 def treadmill(joints=(0.0,) * 5, **more):

@@ -7,6 +7,7 @@ import pytest
 import serpenoid as sn
 from oracle import dense
 from oracle.params import Params
+from robots import VISCOUS
 
 K_N_M, C_N_S_M = 730.0, 2.3
 
@@ -88,5 +89,5 @@ def test_a_thousand_links_close_the_chain() -> None:
 def test_bad_input_is_named(change: dict, said: str) -> None:
     given = {"state": ([0.0] * 5, [0.0] * 5), "drive": sn.TorqueDrive([0.0, 0.0])} | change
     with pytest.raises(sn.BadInput) as error:
-        sn.acceleration(sn.Robot(3, 1.0, 0.12), sn.Ground(0.1, 10.0), **given)
+        sn.acceleration(sn.Robot(3, 1.0, 0.12), VISCOUS, **given)
     assert said in str(error.value)

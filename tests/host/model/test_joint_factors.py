@@ -8,10 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
+from robots import BINGHAM, OF_2005, PAPER, VISCOUS
 
 D = math.pi / 180
-PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
-OF_2005, BINGHAM = sn.Robot(6, 0.0756, 0.076), sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
 GAIT = sn.Gait(40 * D, 70 * D, 4.0)
 OWN = replace(GAIT, joint_gain=(0.9, 1.1, 1.0, 0.8, 1.05), joint_shift_rad=(0.1, -0.1, 0, 0.2, 0))
 

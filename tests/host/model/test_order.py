@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import pytest
 import serpenoid as sn
+from robots import PAPER, VISCOUS
 
-ROBOT, GROUND, GAIT = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0), sn.Gait(0.5, 1.4, 5.0)
+GAIT = sn.Gait(0.5, 1.4, 5.0)
 ONE = {"alpha_rad": 0.5, "beta_rad": 1.4, "omega_rad_s": 5.0}
 
 
 @pytest.mark.parametrize(
     "call",
     [
-        lambda: sn.steady_gait(ROBOT, GAIT, GROUND),
-        lambda: sn.simulate(sn.Scene(ROBOT, GAIT, GROUND)),
-        lambda: sn.sweep(ROBOT, GAIT, **ONE),
-        lambda: sn.least_power_gait(ROBOT, GAIT, speed_m_s=0.1),
-        lambda: sn.steady_springs(ROBOT, GAIT, GROUND),
+        lambda: sn.steady_gait(PAPER, GAIT, VISCOUS),
+        lambda: sn.simulate(sn.Scene(PAPER, GAIT, VISCOUS)),
+        lambda: sn.sweep(PAPER, GAIT, **ONE),
+        lambda: sn.least_power_gait(PAPER, GAIT, speed_m_s=0.1),
+        lambda: sn.steady_springs(PAPER, GAIT, VISCOUS),
     ],
     ids=["steady_gait", "scene", "sweep", "least_power_gait", "steady_springs"],
 )
@@ -27,19 +28,22 @@ def test_ground_and_gait_exchanged(call) -> None:
 
 def test_robot_last() -> None:
     with pytest.raises(sn.BadInput, match="robot is a Ground"):
-        sn.steady_gait(GROUND, ROBOT, GAIT)
+        sn.steady_gait(VISCOUS, PAPER, GAIT)
 
 
 @pytest.mark.parametrize(
     ("call", "said"),
     [
-        (lambda: sn.simulate(ROBOT), "scene is a Robot; it must be a serpenoid.Scene"),
+        (lambda: sn.simulate(PAPER), "scene is a Robot; it must be a serpenoid.Scene"),
         (lambda: sn.fit_friction("my-robot"), "session is a str; it must be a serpenoid.Session"),
         (lambda: sn.compare("my-robot"), "session is a str"),
         (lambda: sn.advise(GAIT), "session is a Gait"),
-        (lambda: sn.acceleration(GROUND, ROBOT, None, drive=None), "robot is a Ground"),
-        (lambda: sn.acceleration(ROBOT, GROUND, None, drive=None), "state is a NoneType"),
-        (lambda: sn.acceleration(ROBOT, GROUND, ([0] * 8, [0] * 8), drive=GAIT), "drive is a Gait"),
+        (lambda: sn.acceleration(VISCOUS, PAPER, None, drive=None), "robot is a Ground"),
+        (lambda: sn.acceleration(PAPER, VISCOUS, None, drive=None), "state is a NoneType"),
+        (
+            lambda: sn.acceleration(PAPER, VISCOUS, ([0] * 8, [0] * 8), drive=GAIT),
+            "drive is a Gait",
+        ),
     ],
 )
 def test_another_kind_is_named(call, said) -> None:

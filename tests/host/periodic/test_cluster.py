@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 import serpenoid as sn
+from robots import BINGHAM, OF_2005, PAPER, VISCOUS
 from serpenoid.model.errors import BadInput, ClusterFailed
 from serpenoid.periodic import cluster as cluster_module
 from serpenoid.periodic.grid import FIELDS
@@ -21,9 +22,6 @@ from serpenoid.periodic.grid import FIELDS
 distributed = pytest.importorskip("distributed")
 dask = pytest.importorskip("dask")
 
-PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
-OF_2005 = sn.Robot(6, 0.0756, 0.076)
-BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
 AXES = {
     "alpha_rad": np.linspace(0.2, 1.2, 6),
     "beta_rad": [0.5, 0.9, 1.3],

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import math
-
 import pytest
 import serpenoid as sn
+from robots import BINGHAM, OF_2005, gait_in_deg
 from serpenoid import _core
 from serpenoid.model.core_model import core_model
 from serpenoid.periodic.sensitivities import differentiate
-
-OF_2005 = sn.Robot(6, 0.0756, 0.076)
-BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
 
 # Robot, ground, gait, rtol; speed and net power at 1e-9. The first's speed was 15 times its claim
 # off, the second's power 11 times: a resting wheel's force passes from bound to bound within a
@@ -68,7 +64,7 @@ def test_a_short_rest_near_the_bound_is_seen(
 
     Other code (event functions, Dormand-Prince) finds 0.00205337376766 m/s for the first.
     """
-    gait = sn.Gait(math.radians(alpha), math.radians(beta), float(omega))
+    gait = gait_in_deg(alpha, beta, float(omega))
     tight = _core.steady(core_model(OF_2005, BINGHAM, gait), 1e-9, True)
     s = sn.steady_gait(OF_2005, BINGHAM, gait, rtol=rtol)
     assert abs(s.speed_m_s - tight.speed) <= 0.9 * s.error_estimate * tight.speed

@@ -7,9 +7,7 @@ import math
 import numpy as np
 import pytest
 import serpenoid as sn
-
-OF_2005 = sn.Robot(6, 0.0756, 0.076)
-BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
+from robots import BINGHAM, OF_2005
 
 
 def test_wild_dry_robots_converge() -> None:

@@ -7,13 +7,14 @@ import math
 import numpy as np
 import pytest
 import serpenoid as sn
+from robots import BINGHAM, OF_2005, gait_in_deg
 from serpenoid.periodic import neighbours
 from serpenoid.periodic.servo_steady import band, drawn_servo_speeds, servo_speed, servo_speeds
 
 # robot, ground, gait and kind of servo: dry, at the cliff (some draws stick, some run), viscous
 CASES = {
     "dry": (
-        sn.Robot(6, 0.0756, 0.076),
+        OF_2005,
         sn.Ground(0.014, 0.2, 0.0233, 0.045),
         sn.Gait(1.22, 1.31, math.pi),
         "hobby",
@@ -25,7 +26,7 @@ CASES = {
         "XL-330",
     ),
     "cliff": (
-        sn.Robot(6, 0.0756, 0.076),
+        OF_2005,
         sn.Ground(0.014, 0.2, 0.0233, 0.045),
         sn.Gait(0.7, 1.05, math.pi),
         "hobby",
@@ -82,9 +83,9 @@ def test_servos_that_differ_by_less_than_rough_states_err_are_told_apart() -> No
 @pytest.mark.slow
 def test_the_ends_of_a_slow_gaits_band_are_those_of_fine_states() -> None:
     """Each draw of it hangs on single frames, so that rough states say little."""
-    robot = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
-    ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
-    slow = sn.steady_gait(robot, ground, sn.Gait(math.radians(70), math.radians(-1), 3.0))
+    robot = OF_2005
+    ground = BINGHAM
+    slow = sn.steady_gait(robot, ground, gait_in_deg(70, -1, 3.0))
     servos = sn.servo("hobby").draws(20)
     ends = band(drawn_servo_speeds([slow] * 20, servos, ends_only=True))
     true = band(servo_speeds(zip([slow] * 20, servos, strict=True)))

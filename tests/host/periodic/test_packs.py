@@ -7,8 +7,7 @@ import math
 import numpy as np
 import pytest
 import serpenoid as sn
-
-PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
+from robots import PAPER, VISCOUS
 
 
 def wild(rng: np.random.Generator) -> tuple[sn.Robot, sn.Ground, float, float, np.ndarray]:

@@ -9,14 +9,13 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from command_line import answer
+from robots import OF_2005, VISCOUS, gait_in_deg
 from serpenoid.model.errors import BadInput
 from serpenoid.periodic.sensitivities import QUANTITIES, Sensitivities, differentiate
 
-OF_2005 = sn.Robot(6, 0.0756, 0.076)
 DRY = sn.Ground(0.37, 1.2, 0.14, 0.42)
-VISCOUS = sn.Ground(0.1, 10.0)
 RATCHET = sn.Ground((0.3, 0.9), 1.2, (0.05, 0.3), 0.42)
-GAIT = sn.Gait(math.radians(60), math.radians(75), 4.0)
+GAIT = gait_in_deg(60, 75, 4.0)
 
 
 def by_name(found: Sensitivities, quantity: str = "speed_m_s") -> dict[str, float]:
@@ -177,7 +176,7 @@ def test_a_gait_that_goes_nowhere_has_derivatives() -> None:
 def test_what_cannot_be_differentiated_is_named() -> None:
     with pytest.raises(BadInput, match="does not move"):
         differentiate(OF_2005, DRY, replace(GAIT, alpha_rad=0.0))
-    found = differentiate(OF_2005, sn.Ground(0.1, 10.0), replace(GAIT, alpha_rad=math.pi))
+    found = differentiate(OF_2005, VISCOUS, replace(GAIT, alpha_rad=math.pi))
     assert "alpha_rad" not in found.names
     assert "fn0" not in found.names
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from periodic.servo_cases import drawn_case, full_speeds
+from robots import BINGHAM, OF_2005, gait_in_deg
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
 from serpenoid.model.drives import Servo
@@ -22,9 +23,7 @@ from serpenoid.periodic.servo_steady import (
 )
 from serpenoid.simulation.starts import start_state
 
-ROBOT = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
-GROUND = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
-GAIT = sn.Gait(math.radians(70), math.radians(75), math.tau * 0.5)
+GAIT = gait_in_deg(70, 75, math.tau * 0.5)
 VISCOUS = sn.Ground(0.1, 1.0)
 
 
@@ -70,14 +69,14 @@ def test_what_a_servo_makes_of_each_joint_is_what_the_full_simulation_shows() ->
         gear_damping_nms_rad=4.8e-4,
         supply_sag=0.04,
     )
-    gait = sn.Gait(math.radians(70), math.radians(60), math.tau * 0.8)
-    ideal = sn.steady_gait(ROBOT, GROUND, gait, rtol=1e-4)
+    gait = gait_in_deg(70, 60, math.tau * 0.8)
+    ideal = sn.steady_gait(OF_2005, BINGHAM, gait, rtol=1e-4)
     made = as_made(gait, servo_state(ideal, weak))
     period = gait.period_s
     run = sn.simulate(
         sn.Scene(
-            ROBOT,
-            GROUND,
+            OF_2005,
+            BINGHAM,
             gait,
             drive="servo",
             servo=weak,
@@ -124,20 +123,20 @@ def test_fifty_random_servos() -> None:
 
 def test_the_default_servo_shakes_wheels_loose_and_a_rotor_holds_them() -> None:
     """The two columns of the question: quick servos .64 of the ideal speed, heavy ones most."""
-    quick = sn.steady_gait(ROBOT, GROUND, GAIT, servo=sn.Servo())
+    quick = sn.steady_gait(OF_2005, BINGHAM, GAIT, servo=sn.Servo())
     assert quick.speed_m_s / quick.ideal.speed_m_s == pytest.approx(0.642, abs=0.006)
-    heavy = sn.steady_gait(ROBOT, GROUND, GAIT, servo=replace(sn.Servo(), armature_kg_m2=1e-3))
+    heavy = sn.steady_gait(OF_2005, BINGHAM, GAIT, servo=replace(sn.Servo(), armature_kg_m2=1e-3))
     assert heavy.speed_m_s / heavy.ideal.speed_m_s > 0.9
     assert heavy.ripple_rad_s < 0.5 * quick.ripple_rad_s
-    faster = sn.steady_gait(ROBOT, GROUND, GAIT, servo=replace(sn.Servo(), frame_s=0.005))
+    faster = sn.steady_gait(OF_2005, BINGHAM, GAIT, servo=replace(sn.Servo(), frame_s=0.005))
     assert faster.speed_m_s / faster.ideal.speed_m_s > 0.92
 
 
-@pytest.mark.parametrize("ground", [GROUND, VISCOUS], ids=["dry", "viscous"])
+@pytest.mark.parametrize("ground", [BINGHAM, VISCOUS], ids=["dry", "viscous"])
 def test_a_perfect_servo_has_the_ideal_speed(ground: sn.Ground) -> None:
     """Slow, strong, on frames of .5 ms: joints follow the gait, 20 ms late."""
     perfect = sn.Servo(30.0, 0.6, 1e3, 1e3, 0.0, frame_s=5e-4)
-    found = sn.steady_gait(ROBOT, ground, GAIT, servo=perfect)
+    found = sn.steady_gait(OF_2005, ground, GAIT, servo=perfect)
     assert found.speed_m_s == pytest.approx(found.ideal.speed_m_s, rel=0.01)
     assert found.amplitude_ratio == pytest.approx(1, rel=3e-3)
     late = GAIT.omega_rad_s * (perfect.frame_s / 2 + 0.6 / 30)
@@ -146,15 +145,15 @@ def test_a_perfect_servo_has_the_ideal_speed(ground: sn.Ground) -> None:
 
 
 def test_a_mirrored_gait_is_as_fast_and_turns_the_other_way() -> None:
-    left = sn.steady_gait(ROBOT, GROUND, replace(GAIT, offset_rad=0.2), servo=sn.Servo())
-    right = sn.steady_gait(ROBOT, GROUND, replace(GAIT, offset_rad=-0.2), servo=sn.Servo())
+    left = sn.steady_gait(OF_2005, BINGHAM, replace(GAIT, offset_rad=0.2), servo=sn.Servo())
+    right = sn.steady_gait(OF_2005, BINGHAM, replace(GAIT, offset_rad=-0.2), servo=sn.Servo())
     assert left.speed_m_s == pytest.approx(right.speed_m_s, rel=0.01)
     # what the settling leaves of the turn is 2 %, and not the same for both
     assert left.turn_rad_per_cycle == pytest.approx(-right.turn_rad_per_cycle, rel=0.05)
 
 
 def test_an_uncertain_kind_leaves_a_band_around_its_typical_speed() -> None:
-    found = with_servo(sn.steady_gait(ROBOT, GROUND, GAIT), sn.servo("XL-330"), draws=80)
+    found = with_servo(sn.steady_gait(OF_2005, BINGHAM, GAIT), sn.servo("XL-330"), draws=80)
     assert found.low_m_s < found.speed_m_s < found.high_m_s < 1.05 * found.ideal.speed_m_s
     assert len(found.samples_m_s) == 80
     within = [found.low_m_s <= speed <= found.high_m_s for speed in found.samples_m_s]
@@ -166,7 +165,7 @@ def test_a_gait_that_asks_more_than_the_free_speed_is_told() -> None:
     """70 degrees at 1 Hz ask for 7.68 rad/s, a typical hobby servo turns at 6.98 with 6 V."""
     quick = replace(GAIT, omega_rad_s=math.tau)
     hobby = sn.servo().at_volts(6.0)
-    found = with_servo(sn.steady_gait(ROBOT, VISCOUS, quick), hobby, draws=2)
+    found = with_servo(sn.steady_gait(OF_2005, VISCOUS, quick), hobby, draws=2)
     assert found.asked_over_free_speed == pytest.approx(7.676 / 6.981, rel=1e-3)
     assert 0.5 < found.slower_servos < 0.85
     assert not found.follows
@@ -185,7 +184,7 @@ def test_a_gait_that_asks_more_than_the_free_speed_is_told() -> None:
 
 def test_servos_too_weak_for_the_robot_have_no_band() -> None:
     """Millimetres typed for metres: a millionth of the torque that its links ask for."""
-    long = sn.Robot(6, ROBOT.link_mass_kg, 1000 * ROBOT.link_length_m)
+    long = sn.Robot(6, OF_2005.link_mass_kg, 1000 * OF_2005.link_length_m)
     found = with_servo(sn.steady_gait(long, VISCOUS, GAIT), sn.servo("hobby"))
     assert found.amplitude_ratio < 0.2
     assert not found.follows
@@ -198,7 +197,7 @@ def servo_speeds_of(
     """Return speeds of servos of a kind, 70 degrees and 75 between joints, rough states."""
     kind = sn.servo(name) if volts is None else sn.servo(name).at_volts(volts)
     gait = replace(GAIT, omega_rad_s=math.tau * hz)
-    ideal = sn.steady_gait(ROBOT, GROUND, gait, rtol=1e-3, powers=False)
+    ideal = sn.steady_gait(OF_2005, BINGHAM, gait, rtol=1e-3, powers=False)
     return servo_speeds([(ideal, one) for one in kind.draws(count, seed)], rough=True)
 
 
@@ -224,12 +223,12 @@ def test_a_bands_ends_hang_on_no_seed(name: str, hz: float) -> None:
 def test_the_power_is_what_the_full_simulation_gives_the_joints() -> None:
     """The gears' dry friction takes more of the motors' than the ground does."""
     servo = replace(sn.servo().servo, gear_friction_nm=0.04)
-    found = sn.steady_gait(ROBOT, GROUND, GAIT, rtol=1e-3, servo=servo)
-    scene = sn.Scene(ROBOT, GROUND, GAIT, start="steady")
+    found = sn.steady_gait(OF_2005, BINGHAM, GAIT, rtol=1e-3, servo=servo)
+    scene = sn.Scene(OF_2005, BINGHAM, GAIT, start="steady")
     run = sn.simulate(
         sn.Scene(
-            ROBOT,
-            GROUND,
+            OF_2005,
+            BINGHAM,
             GAIT,
             drive="servo",
             servo=servo,
@@ -248,14 +247,14 @@ def test_the_power_is_what_the_full_simulation_gives_the_joints() -> None:
 def test_the_spread_is_that_of_a_full_simulations_cycles() -> None:
     """Half their range: frames begin elsewhere in each cycle."""
     found = sn.steady_gait(
-        ROBOT, GROUND, replace(GAIT, omega_rad_s=math.tau * 1.3), rtol=1e-3, servo=sn.Servo()
+        OF_2005, BINGHAM, replace(GAIT, omega_rad_s=math.tau * 1.3), rtol=1e-3, servo=sn.Servo()
     )
     speeds, _ = full_speeds(found.ideal, sn.Servo(), keep=16, seconds=4)
     assert 0.6 < found.spread_m_s / (0.5 * np.ptp(speeds)) < 1.2
 
 
 def test_an_exact_servos_band_is_its_spread_over_the_frames() -> None:
-    found = sn.steady_gait(ROBOT, GROUND, GAIT, servo=sn.Servo(armature_kg_m2=1e-3))
+    found = sn.steady_gait(OF_2005, BINGHAM, GAIT, servo=sn.Servo(armature_kg_m2=1e-3))
     wide = replace(found, spread_m_s=0.1 * found.speed_m_s)
     assert wide.low_m_s == pytest.approx(0.9 * found.speed_m_s)
     assert wide.high_m_s == pytest.approx(1.1 * found.speed_m_s)
@@ -274,7 +273,7 @@ def test_the_bands_ends_leave_as_many_servos_as_they_say() -> None:
 
 def test_what_is_no_servo_is_refused() -> None:
     with pytest.raises(sn.BadInput, match=r"servo is a str; it must be a serpenoid\.Servo or"):
-        sn.steady_gait(ROBOT, GROUND, GAIT, servo="SG90")  # type: ignore[call-overload]
+        sn.steady_gait(OF_2005, BINGHAM, GAIT, servo="SG90")  # type: ignore[call-overload]
 
 
 @pytest.mark.parametrize("play_deg", [0.0, 0.5, 2.5])
@@ -285,9 +284,9 @@ def test_play_in_gears_is_that_of_the_lab(play_deg: float) -> None:
     """
     typical = replace(sn.servo("MG996R").servo, update_hz=0.0, dead_band_rad=0.0)
     loose = replace(typical, backlash_rad=math.radians(play_deg))
-    found = sn.steady_gait(ROBOT, GROUND, GAIT, rtol=1e-3, servo=loose)
+    found = sn.steady_gait(OF_2005, BINGHAM, GAIT, rtol=1e-3, servo=loose)
     whole = sn.Ground(0.084, 1.2, 0.14, 0.27)
-    lab = crawl_speed(LabRobot.whole(ROBOT, whole, servo=loose), GAIT)
+    lab = crawl_speed(LabRobot.whole(OF_2005, whole, servo=loose), GAIT)
     assert found.speed_m_s == pytest.approx(lab, rel=0.02)
     if play_deg == 2.5:
         assert found.speed_m_s < 0.6 * found.ideal.speed_m_s

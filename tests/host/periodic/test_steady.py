@@ -9,17 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import serpenoid as sn
+from robots import BINGHAM, OF_2005, PAPER, VISCOUS, gait_in_deg
 
-PAPER = sn.Robot(6, 1.0, 0.12)
-VISCOUS = sn.Ground(0.1, 10.0)
-OF_2005 = sn.Robot(6, 0.0756, 0.076)
-BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
 REFERENCE = Path(__file__).parents[2] / "oracle"
 
 
 def gait_deg(alpha: float, beta: float, omega: float) -> sn.Gait:
     """Return a gait from degrees."""
-    return sn.Gait(math.radians(alpha), math.radians(beta), omega)
+    return gait_in_deg(alpha, beta, omega)
 
 
 def test_the_papers_gait() -> None:
@@ -178,7 +175,7 @@ def test_an_answer_that_is_not_good_enough_is_not_thrown_away() -> None:
 
 def test_the_path_of_a_turning_gait_hangs_on_no_phase() -> None:
     """Mirror images start half a cycle apart: same circle, other chords."""
-    robot, ground = sn.Robot(6, 0.0756, 0.076), sn.Ground(0.014, 0.2)
+    robot, ground = OF_2005, sn.Ground(0.014, 0.2)
     left, right = (
         sn.steady_gait(robot, ground, sn.Gait(0.6, 1.2, 4.0, o), rtol=1e-9) for o in (0.2, -0.2)
     )

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 import serpenoid as sn
 from command_line import serpenoid
+from robots import PAPER, VISCOUS, gait_in_deg
 from serpenoid.periodic.grid import FIELDS
 
-PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
 AXES = {"alpha_rad": [0.4, 0.9], "beta_rad": [0.5, 1.3], "omega_rad_s": [1.0, 5.0, 9.0]}
 
 
@@ -55,7 +54,7 @@ def test_vary_is_a_study_of_designs(tmp_path: Path) -> None:
     assert study.grid.robots == tuple(sn.Robot(n, 1.0, L) for n in (3, 4) for L in (0.1, 0.2))
     assert [ground.cn for ground in study.grid.grounds] == [5.0, 10.0]
     speeds = np.concatenate([chunk["speed_m_s"] for chunk in study])
-    gait = sn.Gait(math.radians(30), math.radians(80), 5.0)
+    gait = gait_in_deg(30, 80, 5.0)
     last = sn.steady_gait(sn.Robot(4, 1.0, 0.2), VISCOUS, gait)
     assert speeds[-1, 0] == pytest.approx(last.speed_m_s, rel=1e-6)
 

@@ -9,12 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import serpenoid as sn
+from robots import BINGHAM, OF_2005, PAPER, VISCOUS
 from serpenoid.periodic.servo_steady import with_servo
 from serpenoid.show.sweep_files import write_sweep
 
-PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
-OF_2005 = sn.Robot(6, 0.0756, 0.076)
-BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
 GRID = {"alpha_rad": [0.4, 0.9, 1.2], "beta_rad": [0.5, 1.3], "omega_rad_s": [1.0, 5.0, 9.0]}
 NAMES = (
     "speed_m_s",

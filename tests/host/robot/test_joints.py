@@ -6,17 +6,17 @@ import math
 
 import pytest
 from robot.fake_board import sealed
+from robots import gait_in_deg
 from serpenoid.calibration.taking.board_run import board_gait
 from serpenoid.model.bends import balanced_signs, joint_multiples
 from serpenoid.model.errors import BadInput
-from serpenoid.model.gait import Gait
 from serpenoid.robot import Robot
 from serpenoid.robot.recording.stream import load_stream
 from serpenoid.robot.tools.monitor import Monitor
 from serpenoid.robot.wire.protocol import line_limit
 
 FRAME_US = {6: 20_000, 8: 22_500}
-GAIT = Gait(math.radians(30), math.radians(40), 5.0)
+GAIT = gait_in_deg(30, 40, 5.0)
 
 
 def test_gait_pose_and_recording_have_so_many_joints(joints, joints_link, tmp_path):

@@ -11,6 +11,7 @@ import pytest
 import serpenoid as sn
 from command_line import answer
 from lab.filmed_robot import Motion, driven
+from robots import BINGHAM, OF_2005, gait_in_deg
 from serpenoid.calibration.kinds.tracks import Track
 from serpenoid.calibration.kinds.video import FilmReading
 from serpenoid.calibration.servos.from_runs import servo_of_session
@@ -22,10 +23,8 @@ from serpenoid.servos.folded_film import Ripple, film_ripples
 from video.filming import Body, Film, Lens, write
 from video.lab_world import set_points
 
-ROBOT = sn.Robot(6, 0.0756, 0.076)
 WHOLE = sn.Ground(0.084, 1.2, 0.14, 0.27)
-GROUND = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
-GAIT = sn.Gait(math.radians(70), math.radians(75), math.tau * 0.5)
+GAIT = gait_in_deg(70, 75, math.tau * 0.5)
 HEAVY = sn.servo("MG996R").servo
 LIGHT = replace(HEAVY, armature_kg_m2=HEAVY.armature_kg_m2 / 40, update_hz=0.0)
 FRAME_S = 0.02
@@ -35,7 +34,7 @@ FRAME_S = 0.02
 def runs() -> dict[str, Motion]:
     """Return the lab's motion with a heavy rotor and with a light one."""
     servos = {"heavy": HEAVY, "light": LIGHT}
-    return {n: driven(ROBOT, WHOLE, GAIT, s, 4.4, 4.0) for n, s in servos.items()}
+    return {n: driven(OF_2005, WHOLE, GAIT, s, 4.4, 4.0) for n, s in servos.items()}
 
 
 def filmed(run: Motion, every: int = 5, noise_deg: float = 0.2) -> tuple[np.ndarray, np.ndarray]:
@@ -47,7 +46,7 @@ def filmed(run: Motion, every: int = 5, noise_deg: float = 0.2) -> tuple[np.ndar
 
 def made(servo: sn.Servo, seen: tuple[Ripple, ...]) -> list[float]:
     """Return the same ripples as the quick state has them."""
-    ideal = sn.steady_gait(ROBOT, GROUND, GAIT, rtol=1e-3, powers=False)
+    ideal = sn.steady_gait(OF_2005, BINGHAM, GAIT, rtol=1e-3, powers=False)
     return [math.hypot(*servo_state(ideal, servo, watch=list(r.harmonics)).lines) for r in seen]
 
 
@@ -125,7 +124,7 @@ def test_a_session_tells_light_rotors_by_a_quick_film(runs) -> None:
 def test_a_film_of_240_pictures_a_second_from_pixels(tmp_path: Path) -> None:
     """Rendered, stored as slow motion, measured by the command into a session, folded."""
     quick = replace(GAIT, omega_rad_s=math.tau)
-    run = driven(ROBOT, WHOLE, quick, LIGHT, 2.3, 4.0)
+    run = driven(OF_2005, WHOLE, quick, LIGHT, 2.3, 4.0)
     centre = np.cumsum(
         np.pad(
             0.038 * (np.exp(1j * run.theta_rad[:, 1:]) + np.exp(1j * run.theta_rad[:, :-1])),

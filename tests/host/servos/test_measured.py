@@ -11,6 +11,7 @@ import pytest
 import serpenoid as sn
 from command_line import serpenoid
 from lab.one_joint import ROBOT, filmed_by, shown_by
+from robots import BINGHAM, gait_in_deg
 from serpenoid import _core
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.video import FilmReading
@@ -24,8 +25,7 @@ from serpenoid.periodic.servo_steady import ServoSteady, servo_state, with_servo
 from serpenoid.servos import bench_test
 from serpenoid.servos.bench_test import moved, servo_of_test, shown
 
-GROUND = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
-GAIT = sn.Gait(math.radians(70), math.radians(75), math.tau * 0.5)
+GAIT = gait_in_deg(70, 75, math.tau * 0.5)
 
 
 def test_the_models_joint_moves_as_the_labs() -> None:
@@ -59,8 +59,8 @@ def test_a_bench_test_tells_the_servo(camera, seed, monkeypatch) -> None:
     ):
         assert found.shown[name].value == pytest.approx(shown(true)[name], within)
     assert "no_load_rad_s" not in found.untold
-    crawls = sn.steady_gait(ROBOT, GROUND, GAIT, rtol=1e-3, servo=true).speed_m_s
-    known, before = (driven(GROUND, kind) for kind in (found.kind, sn.servo()))
+    crawls = sn.steady_gait(ROBOT, BINGHAM, GAIT, rtol=1e-3, servo=true).speed_m_s
+    known, before = (driven(BINGHAM, kind) for kind in (found.kind, sn.servo()))
     assert known.low_m_s * 0.98 < crawls < known.high_m_s * 1.02
     assert known.high_m_s - known.low_m_s < 0.7 * (before.high_m_s - before.low_m_s)
 
@@ -117,7 +117,7 @@ def crawls():
     fit = sn.fit_friction(session)
     runs = []
     for k, (alpha, hz) in enumerate(((70, 0.25), (70, 1.0), (50, 0.7))):
-        gait = sn.Gait(math.radians(alpha), math.radians(75), math.tau * hz)
+        gait = gait_in_deg(alpha, 75, math.tau * hz)
         v = crawled(fit, gait, true)
         runs.append(GaitRun(300 + k, gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, v, 0.01 * v))
     return replace(session, gait_runs=tuple(runs)), fit, true

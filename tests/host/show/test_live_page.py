@@ -2,29 +2,26 @@
 
 from __future__ import annotations
 
-import math
 import threading
 from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
-import serpenoid as sn
 from command_line import serpenoid
 from robot.patience import LONG_S
+from robots import BINGHAM, OF_2005, gait_in_deg
 from serpenoid.robot.tools.driven_run import DrivenRun
 from serpenoid.show.pages.view_page import LivePage
 from webdriver import Browser
 
-ROBOT = sn.Robot(6, 0.0756, 0.076)
-GROUND = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
-GAIT = sn.Gait(math.radians(60), math.radians(75), 3.0)
+GAIT = gait_in_deg(60, 75, 3.0)
 
 
 @contextmanager
 def driven():
     """Drive the virtual robot beside its page; gives the run, its page and its thread."""
     run = DrivenRun(GAIT, "virtual", None)
-    with LivePage(run, ROBOT, GROUND, "2005 robot and ground") as page:
+    with LivePage(run, OF_2005, BINGHAM, "2005 robot and ground") as page:
         thread = threading.Thread(target=lambda: run.run(None, page.show))
         thread.start()
         try:

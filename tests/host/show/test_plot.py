@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import matplotlib.image
@@ -10,6 +9,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from matplotlib.figure import Figure
+from robots import PAPER, VISCOUS, gait_in_deg
 from serpenoid.calibration.prediction import SpeedPoint, one_cycle
 from serpenoid.show import plot
 
@@ -18,8 +18,8 @@ SESSION = Path(__file__).resolve().parents[3] / "calibration_data" / "nirakh-200
 
 @pytest.fixture(scope="module")
 def run() -> sn.Run:
-    gait = sn.Gait(math.radians(30), math.radians(80), 5.0)
-    return one_cycle(sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0), gait)[1]
+    gait = gait_in_deg(30, 80, 5.0)
+    return one_cycle(PAPER, VISCOUS, gait)[1]
 
 
 def _points() -> list[SpeedPoint]:

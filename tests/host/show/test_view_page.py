@@ -12,14 +12,13 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from command_line import serpenoid
+from robots import BINGHAM, OF_2005, VISCOUS, gait_in_deg
 from serpenoid.model.gait import joint_motion
 from serpenoid.show.pages.twin import Twin
 from serpenoid.show.pages.view_page import of_run, write_page
 from webdriver import Browser
 
-GAIT = sn.Gait(math.radians(70), math.radians(75), 5.0)
-ROBOT = sn.Robot(6, 0.0756, 0.076)
-GROUND = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
+GAIT = gait_in_deg(70, 75, 5.0)
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +34,7 @@ def data(page: Path) -> dict:
 
 
 def test_a_run_is_shown_as_it_is() -> None:
-    run = sn.simulate(sn.Scene(ROBOT, GROUND, GAIT, start="steady", dt_s=2e-3, duration_s=2.0))
+    run = sn.simulate(sn.Scene(OF_2005, BINGHAM, GAIT, start="steady", dt_s=2e-3, duration_s=2.0))
     shown = of_run(run)
     assert shown["t_s"][-1] == pytest.approx(2.0)
     assert np.array(shown["x_m"][-1]) == pytest.approx(run.x_m[-1], abs=1e-5)
@@ -47,8 +46,8 @@ def test_a_run_is_shown_as_it_is() -> None:
 
 def test_slow_wheels_stick_on_dry_ground_alone() -> None:
     slow = sn.Gait(1.2, 1.3, 0.8)
-    for ground, sticks in ((GROUND, True), (sn.Ground(0.1, 10.0), False)):
-        scene = sn.Scene(ROBOT, ground, slow, start="steady", dt_s=5e-3, duration_s=4.0)
+    for ground, sticks in ((BINGHAM, True), (VISCOUS, False)):
+        scene = sn.Scene(OF_2005, ground, slow, start="steady", dt_s=5e-3, duration_s=4.0)
         assert bool(np.any(of_run(sn.simulate(scene))["stuck"])) == sticks
 
 
@@ -64,16 +63,16 @@ def test_the_twin_of_the_virtual_robot_ramps_with_it_and_then_keeps_its_speed(pa
     centre = np.mean([shown["x_m"], shown["y_m"]], axis=2)
     began = [np.interp(t_s[-1] - 3 * GAIT.period_s, t_s, c) for c in centre]
     travelled = math.hypot(*(centre[:, -1] - began))
-    wanted = sn.steady_gait(ROBOT, GROUND, GAIT).speed_m_s
+    wanted = sn.steady_gait(OF_2005, BINGHAM, GAIT).speed_m_s
     assert travelled == pytest.approx(3 * GAIT.period_s * wanted, rel=2e-3)
 
 
 def test_a_twin_goes_as_the_simulator_says() -> None:
     """Its links, speeds and slip beside a run of the same joints by another method."""
     gait = sn.Gait(1.0, 1.3, 4.0, 0.1)
-    run = sn.simulate(sn.Scene(ROBOT, GROUND, gait, dt_s=1e-3, duration_s=2.0))
+    run = sn.simulate(sn.Scene(OF_2005, BINGHAM, gait, dt_s=1e-3, duration_s=2.0))
     told = np.diff(run.theta_rad, axis=1)
-    motion = Twin(ROBOT, GROUND, told[0]).follow(told[1:], np.diff(run.t_s))
+    motion = Twin(OF_2005, BINGHAM, told[0]).follow(told[1:], np.diff(run.t_s))
     turn = np.exp(1j * (motion.theta_rad[0, 0] - run.theta_rad[1, 0]))
     place, moved = motion.x_m + 1j * motion.y_m, turn * (run.x_m + 1j * run.y_m)[1:]
     assert np.abs((moved - moved[0].mean()) - (place - place[0].mean())).max() < 2e-3
@@ -83,9 +82,9 @@ def test_a_twin_goes_as_the_simulator_says() -> None:
 
 def test_a_gap_in_a_recording_is_bridged() -> None:
     told = joint_motion(sn.Gait(0.5, 1.3, 2.0), 5, np.linspace(0.0, 3.0, 151)).angle_rad
-    whole = Twin(ROBOT, GROUND, told[0]).follow(told[1:], np.full(150, 0.02))
+    whole = Twin(OF_2005, BINGHAM, told[0]).follow(told[1:], np.full(150, 0.02))
     kept = np.r_[0:60, 64:151]
-    some = Twin(ROBOT, GROUND, told[0]).follow(told[kept][1:], 0.02 * np.diff(kept))
+    some = Twin(OF_2005, BINGHAM, told[0]).follow(told[kept][1:], 0.02 * np.diff(kept))
     assert np.mean(some.x_m[-1]) == pytest.approx(np.mean(whole.x_m[-1]), rel=0.03)
 
 
@@ -96,7 +95,7 @@ def test_the_page_is_one_file(page) -> None:
 
 
 def test_a_title_cannot_break_the_page(tmp_path) -> None:
-    run = sn.simulate(sn.Scene(sn.Robot(3, 1.0, 0.1), GROUND, GAIT, duration_s=0.1))
+    run = sn.simulate(sn.Scene(sn.Robot(3, 1.0, 0.1), BINGHAM, GAIT, duration_s=0.1))
     write_page(tmp_path / "p.html", "</script><b>", "a & b", of_run(run))
     assert "</script><b>" not in (tmp_path / "p.html").read_text()
 

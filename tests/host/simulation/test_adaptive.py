@@ -11,13 +11,13 @@ import pytest
 import serpenoid as sn
 from oracle.params import Array
 from oracle.scenes import SlowScene
+from robots import PAPER, VISCOUS, gait_in_deg
 from serpenoid.model.errors import Diverged
 from serpenoid.simulation.starts import start_state
 
 BOTH = ("dop853", "collocation")
-SIX, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
-GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
-PAPER = sn.Scene(SIX, VISCOUS, GAIT, duration_s=1.0, dt_s=0.01, start="link1_at_rest")
+GAIT = gait_in_deg(30, 80, 5.0)
+PAPERS_SCENE = sn.Scene(PAPER, VISCOUS, GAIT, duration_s=1.0, dt_s=0.01, start="link1_at_rest")
 
 
 def link1(run: sn.Run) -> Array:
@@ -42,7 +42,7 @@ def truth(scene: sn.Scene, rtol: float = 1e-10) -> Array:
 
 @pytest.fixture(scope="module")
 def paper_truth() -> Array:
-    return truth(PAPER, 1e-12)
+    return truth(PAPERS_SCENE, 1e-12)
 
 
 @pytest.mark.parametrize("method", BOTH)
@@ -50,7 +50,7 @@ def paper_truth() -> Array:
 def test_every_recorded_time_is_as_good_as_asked(
     method: str, tolerance: float, paper_truth: Array
 ) -> None:
-    run = sn.simulate(replace(PAPER, method=method, tolerance=tolerance))
+    run = sn.simulate(replace(PAPERS_SCENE, method=method, tolerance=tolerance))
     assert error(run, paper_truth) < 3 * tolerance
     assert run.local_error > 0
 
@@ -61,7 +61,7 @@ def test_steps_grow_as_the_order_says(method: str, order: int) -> None:
     output.
     """
     taken = [
-        sn.simulate(replace(PAPER, method=method, tolerance=t, duration_s=10.0)).steps
+        sn.simulate(replace(PAPERS_SCENE, method=method, tolerance=t, duration_s=10.0)).steps
         for t in (1e-5, 1e-12)
     ]
     assert math.log(1e7) / math.log(taken[1] / taken[0]) == pytest.approx(order, abs=0.8)
@@ -83,7 +83,7 @@ EXTREMES = [  # alpha (deg), omega, ct, cn, mass, cycles
 def test_extremes(
     alpha: float, omega: float, ct: float, cn: float, mass: float, cycles: float
 ) -> None:
-    gait = sn.Gait(math.radians(alpha), math.radians(80), omega)
+    gait = gait_in_deg(alpha, 80, omega)
     scene = sn.Scene(
         sn.Robot(3, mass, 0.12),
         sn.Ground(ct, cn),
@@ -119,7 +119,7 @@ def test_a_day_of_crawling_costs_nothing_and_goes_at_the_steady_speed() -> None:
     cycles = round(24 * 3600 / GAIT.period_s)
     run = sn.simulate(
         replace(
-            PAPER,
+            PAPERS_SCENE,
             method="collocation",
             tolerance=1e-9,
             start="steady",
@@ -130,7 +130,7 @@ def test_a_day_of_crawling_costs_nothing_and_goes_at_the_steady_speed() -> None:
     x, y = run.x_m.mean(axis=1), run.y_m.mean(axis=1)
     speed = math.hypot(x[-1] - x[0], y[-1] - y[0]) / run.t_s[-1]
     assert speed == pytest.approx(
-        sn.steady_gait(SIX, VISCOUS, GAIT, rtol=1e-10).speed_m_s, rel=1e-8
+        sn.steady_gait(PAPER, VISCOUS, GAIT, rtol=1e-10).speed_m_s, rel=1e-8
     )
 
 
@@ -140,7 +140,7 @@ def test_dop853_of_torques() -> None:
     def torque(t_s: float) -> Array:
         return 0.03 * np.sin(5 * t_s + np.arange(5))
 
-    scene = replace(PAPER, drive="torque", torque=torque, duration_s=0.5)
+    scene = replace(PAPERS_SCENE, drive="torque", torque=torque, duration_s=0.5)
     rough = sn.simulate(replace(scene, method="dop853", tolerance=1e-10))
     fine = sn.simulate(replace(scene, method="rk4", dt_s=2.5e-4, record_every=40))
     assert rough.theta_rad == pytest.approx(fine.theta_rad, abs=1e-8)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 import serpenoid as sn
+from robots import OF_2005
 from serpenoid.simulation.from_rest import elsewhere
 
 GAINS = (0.9336745413116935, 0.9060444751704962, 0.9791539102821627, 0.890030452956113)
@@ -25,5 +26,5 @@ def test_a_gait_that_goes_straight_or_in_a_circle_says_so() -> None:
 
 @pytest.mark.parametrize("ground", [sn.Ground(0.02, 0.3, 0.02, 0.05), sn.Ground((0.02, 0.2), 0.3)])
 def test_a_gait_with_one_state_says_nothing(ground: sn.Ground) -> None:
-    robot = sn.Robot(6, 0.0756, 0.076)
+    robot = OF_2005
     assert not elsewhere(sn.steady_gait(robot, ground, sn.Gait(1.2, 1.3, 5.0, 0.1)))

@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
+from robots import gait_in_deg
 from serpenoid.simulation.methods import METHODS
 
 ROBOT, GROUND = sn.Robot(4, 0.08, 0.09, 2.5e-4), sn.Ground(0.3, 3.0)
-GAIT = sn.Gait(math.radians(40), math.radians(70), 4.0)
+GAIT = gait_in_deg(40, 70, 4.0)
 # neither limits nor a dead band, which would bend its line
 SERVO = sn.Servo(0.3, 0.02, 1e6, 1e6, 0.0)
 TABLE = sn.TorqueTable(np.array([0.03, 0.1]), np.array([[0.02, -0.01, 0.03], [0.0, 0.01, -0.02]]))

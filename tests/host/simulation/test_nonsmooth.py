@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from oracle import contact_modes
+from robots import BINGHAM, OF_2005, gait_in_deg
 
 from . import truth_cases as tc
-from .truth_cases import BINGHAM, OF_2005
 
-GAIT = sn.Gait(math.radians(70), math.radians(75), 3.0)
+GAIT = gait_in_deg(70, 75, 3.0)
 SOFT = sn.Scene(
     OF_2005,
     BINGHAM,
@@ -171,7 +171,7 @@ def test_what_other_methods_make_of_sticking() -> None:
 def test_hours_of_sticking_and_slipping() -> None:
     """By the phase within a turn, and again where an event is missed: half an hour, 1432 cycles."""
     robot, ground = OF_2005, BINGHAM
-    gait = sn.Gait(math.radians(70), math.radians(75), 5.0)
+    gait = gait_in_deg(70, 75, 5.0)
     scene = sn.Scene(
         robot,
         ground,

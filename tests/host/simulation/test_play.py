@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from periodic.servo_cases import full_speeds
+from robots import BINGHAM, OF_2005, gait_in_deg
 
-ROBOT = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
-DRY, FREE = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27), sn.Ground(0.0, 0.0)
-GAIT = sn.Gait(math.radians(70), math.radians(75), math.tau * 0.5)
+FREE = sn.Ground(0.0, 0.0)
+GAIT = gait_in_deg(70, 75, math.tau * 0.5)
 STILL = sn.Gait(0.0, 1.0, 1.0)
 SERVO = replace(sn.servo("MG996R").servo, update_hz=0.0, dead_band_rad=0.0)
 
@@ -22,17 +22,17 @@ def loose(play_deg: float, **more: float) -> sn.Servo:
     return replace(SERVO, backlash_rad=math.radians(play_deg), **more)
 
 
-def run_of(servo: sn.Servo, ground: sn.Ground = DRY, gait: sn.Gait = GAIT, **more) -> sn.Run:
+def run_of(servo: sn.Servo, ground: sn.Ground = BINGHAM, gait: sn.Gait = GAIT, **more) -> sn.Run:
     """Return a run of servos; its method is the scene's own choice."""
     given = {"duration_s": 1.0, "start": "zero_momentum", "dt_s": 2e-3} | more
-    return sn.simulate(sn.Scene(ROBOT, ground, gait, drive="servo", servo=servo, **given))
+    return sn.simulate(sn.Scene(OF_2005, ground, gait, drive="servo", servo=servo, **given))
 
 
 def test_a_spinning_chain_opens_its_joints_by_the_play_and_no_further() -> None:
     """Rotors too heavy to turn: what spins falls outwards from tooth to tooth, and stays there."""
     held = loose(4.0, armature_kg_m2=1e4, gear_friction_nm=0.0, dead_band_rad=1.0)
     bend = 0.3 * np.arange(6)
-    start = sn.LinkState.joined(ROBOT, [0, 0, *bend], [0, 0, *[6.0] * 6])
+    start = sn.LinkState.joined(OF_2005, [0, 0, *bend], [0, 0, *[6.0] * 6])
     run = run_of(held, FREE, STILL, start=start)
     opened = 0.3 - np.diff(run.theta_rad, axis=1)
     assert opened.max() == pytest.approx(math.radians(2.0), rel=0.02)
@@ -45,7 +45,7 @@ def test_a_spinning_chain_opens_its_joints_by_the_play_and_no_further() -> None:
 def test_teeth_carry_the_torque_of_the_motor() -> None:
     """A bent chain spins, and its loops hold it: each joint has K times its error, by the teeth."""
     bent = replace(STILL, offset_rad=0.3)
-    start = sn.LinkState.joined(ROBOT, [0, 0, *(0.3 * np.arange(6))], [0, 0, *[6.0] * 6])
+    start = sn.LinkState.joined(OF_2005, [0, 0, *(0.3 * np.arange(6))], [0, 0, *[6.0] * 6])
     held = loose(1.0, gear_friction_nm=0.0, supply_sag=0.0)
     run = run_of(held, FREE, bent, start=start, record=("joints",))
     off = 0.3 - np.diff(run.theta_rad[-1])
@@ -56,7 +56,7 @@ def test_teeth_carry_the_torque_of_the_motor() -> None:
 def test_teeth_push_both_sides_alike() -> None:
     """Links without ground keep their momentum, and gain the energy that the teeth give them."""
     run = run_of(loose(2.0), FREE, record=("energy",), tolerance=1e-8)
-    m, inertia = ROBOT.link_mass_kg, ROBOT.inertia_kg_m2
+    m, inertia = OF_2005.link_mass_kg, OF_2005.inertia_kg_m2
     x, y = (p - p.mean(axis=1, keepdims=True) for p in (run.x_m, run.y_m))
     spin = m * (x * run.vy_m_s - y * run.vx_m_s).sum(axis=1) + inertia * run.omega_rad_s.sum(axis=1)
     size = m * (x**2 + y**2).sum(axis=1).max() * GAIT.omega_rad_s
@@ -79,7 +79,7 @@ def test_the_speed_is_that_of_the_quick_state() -> None:
     With 2 or 3 degrees the motion is irregular, and mostly settles to no speed.
     """
     servo = loose(2.5)
-    quick = sn.steady_gait(ROBOT, DRY, GAIT, rtol=1e-3, servo=servo)
+    quick = sn.steady_gait(OF_2005, BINGHAM, GAIT, rtol=1e-3, servo=servo)
     full, _ = full_speeds(quick.ideal, servo, keep=2, seconds=6)
     assert quick.speed_m_s == pytest.approx(full.mean(), rel=0.04)  # cycles differ by 2 %
 

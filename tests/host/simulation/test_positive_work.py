@@ -13,14 +13,15 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from oracle.joint_work import positive_part_of
+from robots import PAPER, VISCOUS
 from serpenoid.simulation.run import ENERGY_COLUMNS
 
 from . import truth_cases as tc
 
 POSITIVE = ENERGY_COLUMNS.index("positive_work_j")
 PAPER = sn.Scene(
-    sn.Robot(6, 1.0, 0.12),
-    sn.Ground(0.1, 10.0),
+    PAPER,
+    VISCOUS,
     tc.PAPER_GAIT,
     method="dop853",
     duration_s=2.0,
@@ -43,7 +44,7 @@ def claim(run: sn.Run) -> float:
 def test_against_events(name: str) -> None:
     """A slow reference with its own equations: to 1e-9, and loose runs to what they claim."""
     if name in ("viscous", "dry"):
-        ground = sn.Ground(0.1, 10.0) if name == "viscous" else sn.Ground(0.1, 1.0, 0.1, 0.5)
+        ground = VISCOUS if name == "viscous" else sn.Ground(0.1, 1.0, 0.1, 0.5)
         scene = replace(
             PAPER,
             robot=sn.Robot(4, 1.0, 0.12),

@@ -8,15 +8,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
+from robots import PAPER, gait_in_deg
 from scipy.integrate import solve_ivp
 from serpenoid.bench.problems import PAPER_GROUND, Problem
 from serpenoid.simulation.starts import start_state
 
 from .truth_cases import rate_of
 
-THREE, SIX = sn.Robot(3, 1.0, 0.12), sn.Robot(6, 1.0, 0.12)
-THREE_GAIT = sn.Gait(math.radians(30), math.radians(90), 3.0)
-SIX_GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
+THREE = sn.Robot(3, 1.0, 0.12)
+THREE_GAIT = gait_in_deg(30, 90, 3.0)
+SIX_GAIT = gait_in_deg(30, 80, 5.0)
 
 
 def three(duration_s: float, k: float, c: float) -> Problem:
@@ -26,7 +27,7 @@ def three(duration_s: float, k: float, c: float) -> Problem:
 def six(k: float, c: float, **changes: object) -> sn.Scene:
     fields = {"method": "radau", "tolerance": 1e-6, "duration_s": 0.3, "dt_s": 0.01, **changes}
     return sn.Scene(
-        SIX,
+        PAPER,
         PAPER_GROUND,
         SIX_GAIT,
         formulation="implicit",
@@ -185,7 +186,7 @@ def test_friction_of_every_size(friction: float) -> None:
     start = start_state(six(1e7, 1e4))  # of another ground: a damped jolt
     run = sn.simulate(
         sn.Scene(
-            SIX,
+            PAPER,
             sn.Ground(friction, friction),
             SIX_GAIT,
             formulation="implicit",

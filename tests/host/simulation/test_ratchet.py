@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from oracle import contact_modes
+from robots import OF_2005, gait_in_deg
 from serpenoid.simulation.judge import difference
 
 from . import truth_cases as tc
 
-OF_2005 = sn.Robot(6, 0.0756, 0.076)
 SMALL = sn.Robot(3, 0.0756, 0.076)
 RATCHET = sn.Ground((0.014, 0.05), 0.2, (0.0233, 0.06), 0.045)
 GROUNDS = {
@@ -23,8 +23,8 @@ GROUNDS = {
     "viscous": sn.Ground((0.014, 0.14), 0.2),
     "viscous, dry across": sn.Ground((0.14, 0.014), 0.2, 0.0, 0.045),
 }
-GAIT = sn.Gait(math.radians(40), math.radians(60), 2.0)
-FREE = sn.Gait(math.radians(60), math.radians(100), 4.0)
+GAIT = gait_in_deg(40, 60, 2.0)
+FREE = gait_in_deg(60, 100, 4.0)
 
 
 def along(run: sn.Run) -> np.ndarray:

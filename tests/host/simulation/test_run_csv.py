@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
+from robots import PAPER, VISCOUS
 
 
 def test_every_column(tmp_path) -> None:
     scene = sn.Scene(
         sn.Robot(3, 1.0, 0.12),
-        sn.Ground(0.1, 10.0),
+        VISCOUS,
         sn.Gait(0.5, 1.4, 5.0),
         duration_s=0.05,
         record=("joints", "friction", "energy"),
@@ -34,8 +35,8 @@ def test_every_column(tmp_path) -> None:
 
 def test_what_is_recorded_changes_no_bit_of_the_motion() -> None:
     scene = sn.Scene(
-        sn.Robot(6, 1.0, 0.12),
-        sn.Ground(0.1, 10.0),
+        PAPER,
+        VISCOUS,
         sn.Gait(0.5, 1.4, 5.0),
         formulation="implicit",
         duration_s=0.1003,

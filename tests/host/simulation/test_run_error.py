@@ -8,29 +8,23 @@ from dataclasses import replace
 
 import pytest
 import serpenoid as sn
+from robots import BINGHAM, OF_2005, PAPER, VISCOUS, gait_in_deg
 from serpenoid.simulation.judge import difference
 
-SIX, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
-GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
-ROBOT_2005, GROUND_2005 = (
-    sn.Robot(6, 0.0756, 0.076),
-    sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27),
-)
+GAIT = gait_in_deg(30, 80, 5.0)
 SERVO = sn.Servo(stiffness_nm_rad=100.0, damping_nms_rad=2.0, torque_limit_nm=5.0)
 SCENES = {
-    "plain": sn.Scene(SIX, VISCOUS, GAIT, duration_s=3.0),
-    "incline": sn.Scene(SIX, VISCOUS, GAIT, duration_s=3.0, incline_rad=0.1),
-    "servo": sn.Scene(SIX, VISCOUS, GAIT, duration_s=1.0, drive="servo", servo=SERVO),
-    "limp": sn.Scene(SIX, VISCOUS, GAIT, duration_s=3.0, limp=(2,)),
-    "locked": sn.Scene(SIX, VISCOUS, GAIT, duration_s=3.0, locked={3: 0.2}),
-    "dry": sn.Scene(ROBOT_2005, GROUND_2005, GAIT, duration_s=2.0),
-    "dry servo": sn.Scene(
-        ROBOT_2005, GROUND_2005, GAIT, duration_s=1.0, drive="servo", servo=sn.Servo()
-    ),
-    "dry limp": sn.Scene(ROBOT_2005, GROUND_2005, GAIT, duration_s=2.0, limp=(2,)),
+    "plain": sn.Scene(PAPER, VISCOUS, GAIT, duration_s=3.0),
+    "incline": sn.Scene(PAPER, VISCOUS, GAIT, duration_s=3.0, incline_rad=0.1),
+    "servo": sn.Scene(PAPER, VISCOUS, GAIT, duration_s=1.0, drive="servo", servo=SERVO),
+    "limp": sn.Scene(PAPER, VISCOUS, GAIT, duration_s=3.0, limp=(2,)),
+    "locked": sn.Scene(PAPER, VISCOUS, GAIT, duration_s=3.0, locked={3: 0.2}),
+    "dry": sn.Scene(OF_2005, BINGHAM, GAIT, duration_s=2.0),
+    "dry servo": sn.Scene(OF_2005, BINGHAM, GAIT, duration_s=1.0, drive="servo", servo=sn.Servo()),
+    "dry limp": sn.Scene(OF_2005, BINGHAM, GAIT, duration_s=2.0, limp=(2,)),
     "dry torque": sn.Scene(
-        ROBOT_2005,
-        GROUND_2005,
+        OF_2005,
+        BINGHAM,
         GAIT,
         duration_s=2.0,
         drive="torque",
@@ -157,8 +151,8 @@ def test_the_springs_error_is_the_difference_to_the_exact_model() -> None:
 def test_the_springs_error_on_dry_ground_with_servos() -> None:
     """Sticking is exact with pinned joints for every drive: the springs' error is the rest."""
     scene = sn.Scene(
-        ROBOT_2005,
-        GROUND_2005,
+        OF_2005,
+        BINGHAM,
         GAIT,
         duration_s=0.5,
         drive="servo",
@@ -190,9 +184,7 @@ def test_an_accuracy_out_of_reach_is_refused() -> None:
 @pytest.mark.parametrize("asked", [{"incline_rad": 0.017}, {"method": "rk4"}])
 def test_a_robot_at_rest_has_no_share_of_its_speed_to_be_off(asked):
     still = sn.Gait(0.0, 1.4, 5.0)
-    scene = sn.Scene(
-        ROBOT_2005, GROUND_2005, still, duration_s=3.0, formulation="implicit", **asked
-    )
+    scene = sn.Scene(OF_2005, BINGHAM, still, duration_s=3.0, formulation="implicit", **asked)
     run = sn.simulate(scene)
     assert math.isnan(run.error_estimate.integration.mean_speed)
     assert math.isnan(run.error_estimate.modelling.mean_speed)
@@ -228,7 +220,7 @@ def test_springs_with_geared_servos_have_an_estimate() -> None:
     """No method that picks its steps runs them."""
     geared = sn.Servo(gear_friction_nm=0.02)
     soft = {"formulation": "implicit", "method": "rk4", "dt_s": 1e-4, "duration_s": 0.1}
-    scene = sn.Scene(SIX, VISCOUS, GAIT, drive="servo", servo=geared, **soft)
+    scene = sn.Scene(PAPER, VISCOUS, GAIT, drive="servo", servo=geared, **soft)
     run = sn.simulate(scene)
     assert "runs at dt_s 0.0002 and 5e-05" in run.error_estimate.how
     assert run.error_estimate.integration.position_m < 1e-3

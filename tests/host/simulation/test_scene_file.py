@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import serpenoid as sn
+from robots import OF_2005
 
 ROBOT = sn.Robot(4, 0.1, 1 / 3)
 GROUND = sn.Ground(0.014, 0.2, 1e-7, 0.3)
@@ -103,9 +104,7 @@ def test_what_is_left_out_has_its_default(tmp_path) -> None:
     path = tmp_path / "scene.toml"
     path.write_text(PLAIN)
     scene = sn.load_scene(path)
-    assert scene == sn.Scene(
-        sn.Robot(6, 0.0756, 0.076), sn.Ground(0.014, 0.2), sn.Gait(1.2, 1.3, 5.0), duration_s=2
-    )
+    assert scene == sn.Scene(OF_2005, sn.Ground(0.014, 0.2), sn.Gait(1.2, 1.3, 5.0), duration_s=2)
 
 
 def test_angles_in_degrees(tmp_path) -> None:

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from oracle.scenes import NAMES, slow_run
+from robots import gait_in_deg
 from serpenoid.model.checks import FORMULATIONS
 
 G = 9.80665
-GAIT = sn.Gait(math.radians(40), math.radians(70), 4.0, 0.1)
+GAIT = gait_in_deg(40, 70, 4.0, 0.1)
 VISCOUS, NONE = sn.Ground(0.3, 3.0), sn.Ground(0.0, 0.0)
 GROUNDS = {
     "viscous": VISCOUS,

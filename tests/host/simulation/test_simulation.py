@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
+from robots import OF_2005, PAPER, VISCOUS, gait_in_deg
 
-THREE, SIX, VISCOUS = sn.Robot(3, 1.0, 0.12), sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
-THREE_GAIT = sn.Gait(math.radians(30), math.radians(90), 3.0)
-PAPERS_GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
+THREE = sn.Robot(3, 1.0, 0.12)
+THREE_GAIT = gait_in_deg(30, 90, 3.0)
+PAPERS_GAIT = gait_in_deg(30, 80, 5.0)
 
 
 def test_three_links_at_ten_seconds() -> None:
@@ -61,7 +62,7 @@ def test_bad_input_is_named(change: dict, said: str) -> None:
 def test_the_slow_manifold_carries_the_forces_of_the_exact_model() -> None:
     """Eq. 51 at the start, dampers included: k gap + c gap rate is the pinned joints' force."""
     soft = sn.Scene(
-        SIX,
+        PAPER,
         VISCOUS,
         PAPERS_GAIT,
         formulation="implicit",
@@ -76,10 +77,10 @@ def test_the_slow_manifold_carries_the_forces_of_the_exact_model() -> None:
 
 
 def test_a_start_of_another_size_or_whose_joints_turn_at_another_rate_is_refused() -> None:
-    start = sn.LinkState.in_gait(SIX, PAPERS_GAIT, 0.0, [0, 0, 0], [0, 0, 0])
+    start = sn.LinkState.in_gait(PAPER, PAPERS_GAIT, 0.0, [0, 0, 0], [0, 0, 0])
     turning = replace(start, omega_rad_s=start.omega_rad_s + 0.1 * np.arange(6))
     with pytest.raises(sn.BadInput, match=r"start has joint 1 at rate"):
-        sn.simulate(sn.Scene(SIX, VISCOUS, PAPERS_GAIT, start=turning, duration_s=0.1))
+        sn.simulate(sn.Scene(PAPER, VISCOUS, PAPERS_GAIT, start=turning, duration_s=0.1))
     with pytest.raises(sn.BadInput, match="start has 6 links, the robot has 3"):
         sn.Scene(THREE, VISCOUS, PAPERS_GAIT, start=start)
 
@@ -94,7 +95,7 @@ def test_springs_start_at_the_links_own_speed_on_heavily_damped_ground(
     The links go some 1e-4 m/s; springs that start open by what they carry add a few per cent.
     """
     scene = sn.Scene(
-        sn.Robot(6, 0.0756, 0.076),
+        OF_2005,
         sn.Ground(ct, 10 * ct),
         sn.Gait(0.5236, 1.3963, 0.005),
         formulation="implicit",
@@ -112,6 +113,6 @@ def test_springs_start_at_the_links_own_speed_on_heavily_damped_ground(
 
 def test_springs_too_soft_to_start_with_are_refused() -> None:
     soft = {"formulation": "implicit", "joint_stiffness_n_m": 1.0}
-    scene = sn.Scene(SIX, VISCOUS, PAPERS_GAIT, **soft)
+    scene = sn.Scene(PAPER, VISCOUS, PAPERS_GAIT, **soft)
     with pytest.raises(sn.BadInput, match=r"more than a link .* gap 'zero'"):
         sn.simulate(scene)

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
+from robots import PAPER, VISCOUS, gait_in_deg
 from serpenoid.bench.stability import extremes
 from serpenoid.bench.stability import map as stability_map
 from serpenoid.bench.stability.extremes import DEFECTS
@@ -16,17 +17,16 @@ from serpenoid.model.link_state import LinkState
 from serpenoid.simulation.methods import METHODS
 from serpenoid.simulation.stability import largest_stable_step_s
 
-SIX = sn.Robot(6, 1.0, 0.12)
-GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
+GAIT = gait_in_deg(30, 80, 5.0)
 
 
 @pytest.mark.parametrize("method", ["euler", "semi_implicit_euler"])
 def test_a_method_that_is_gone_names_another(method: str) -> None:
     with pytest.raises(sn.BadInput, match=f"{method}.* is gone; take method 'rk4'"):
-        sn.Scene(SIX, sn.Ground(0.1, 10.0), GAIT, method=method)
+        sn.Scene(PAPER, VISCOUS, GAIT, method=method)
 
 
-SLOW = sn.Scene(SIX, sn.Ground(1.0, 1.0), sn.Gait(0.5, 1.4, 0.3), method="rk4", dt_s=4.0)
+SLOW = sn.Scene(PAPER, sn.Ground(1.0, 1.0), sn.Gait(0.5, 1.4, 0.3), method="rk4", dt_s=4.0)
 WINDOW = sn.Scene(
     sn.Robot(6, 0.138, 0.047),
     sn.Ground(0.1, 4.55),
@@ -53,7 +53,7 @@ def test_the_refusal_and_the_limit_name_the_same_step(scene: sn.Scene) -> None:
 def test_the_quiet_failure_of_rk4_is_refused() -> None:
     """The limit at 1 ms is 0.78e6 N/m for m = 1 kg; above it a run may stay finite and be wrong."""
     springs = {"formulation": "implicit", "duration_s": 0.02, "start": "link1_at_rest"}
-    scene = sn.Scene(SIX, sn.Ground(0.1, 10.0), GAIT, joint_stiffness_n_m=7e5, **springs)
+    scene = sn.Scene(PAPER, VISCOUS, GAIT, joint_stiffness_n_m=7e5, **springs)
     sn.simulate(scene)
     for k in (9e5, 2.2e6, 1e8):
         with pytest.raises(sn.StepTooLarge, match=r"dt_s is 0\.001; method rk4 is stable up to"):
@@ -63,7 +63,7 @@ def test_the_quiet_failure_of_rk4_is_refused() -> None:
 def test_a_cycle_that_begins_elsewhere_has_the_same_limit() -> None:
     """Of a robot that is straight at phase 0, or a zigzag; a small inertia makes bends count."""
     robot, gait = sn.Robot(6, 1.0, 0.12, 1e-4), sn.Gait(1.2, math.pi, 5.0)
-    scene = sn.Scene(robot, sn.Ground(0.1, 10.0), gait, formulation="implicit", method="rk4")
+    scene = sn.Scene(robot, VISCOUS, gait, formulation="implicit", method="rk4")
     zigzag = replace(scene, gait=replace(gait, joint_shift_rad=(math.pi / 2,) * 5))
     limits_s = [largest_stable_step_s(one) for one in (scene, zigzag)]
     assert limits_s[0] == pytest.approx(limits_s[1], rel=5e-3)
@@ -104,13 +104,13 @@ def changes_of_a_free_snake(method: str, formulation: str, dt_s: float):
     place, rates = (0, 0, 0.1, 0.5, -0.3, 0.2, 0.6, -0.1), (0.3, -0.2, 1, -0.6, 0.8, 0.4, -0.9, 0.5)
     limp = {"drive": "torque", "torque": [0.0] * 5, "joint_damping_n_s_m": 0.0}
     times = {"dt_s": dt_s, "duration_s": 2000 * dt_s, "record_every": 10**9}
-    start = LinkState.joined(SIX, place, rates)
+    start = LinkState.joined(PAPER, place, rates)
     still = {"formulation": formulation, "method": method, "start": start}
-    scene = sn.Scene(SIX, sn.Ground(0.0, 0.0), sn.Gait(0.0, 0.0, 1.0), **still, **limp, **times)
+    scene = sn.Scene(PAPER, sn.Ground(0.0, 0.0), sn.Gait(0.0, 0.0, 1.0), **still, **limp, **times)
     run = sn.simulate(scene)
     vx, vy, w = run.vx_m_s, run.vy_m_s, run.omega_rad_s
-    spin = run.x_m * vy - run.y_m * vx + SIX.inertia_kg_m2 * w
-    energy = (vx**2 + vy**2 + SIX.inertia_kg_m2 * w**2) / 2
+    spin = run.x_m * vy - run.y_m * vx + PAPER.inertia_kg_m2 * w
+    energy = (vx**2 + vy**2 + PAPER.inertia_kg_m2 * w**2) / 2
     return [float(np.ptp(part.sum(axis=1)[[0, -1]])) for part in (energy, vx, vy, spin)]
 
 

@@ -5,18 +5,18 @@ Held to the law itself at recorded times; test_truths.py has references that kno
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 import serpenoid as sn
+from robots import BINGHAM, OF_2005, gait_in_deg
 from serpenoid.simulation.judge import difference
 
-from .truth_cases import BINGHAM, OF_2005, free_case, slips
+from .truth_cases import free_case, slips
 
-GAIT = sn.Gait(math.radians(70), math.radians(75), 1.5)
+GAIT = gait_in_deg(70, 75, 1.5)
 SCENE = sn.Scene(
     OF_2005,
     BINGHAM,

@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import pytest
 import serpenoid as sn
+from robots import PAPER, VISCOUS, gait_in_deg
 from serpenoid.simulation.starts import start_state
 
 from . import truth_cases as tc
@@ -86,11 +87,11 @@ def test_springs_on_dry_ground(links: int, k: float, lasts_s: float, dt_s: float
 
 
 def long_run(offset_rad: float, method: str, cycles: int, **more: float) -> sn.Run:
-    gait = sn.Gait(math.radians(30), math.radians(80), math.pi, offset_rad)
+    gait = gait_in_deg(30, 80, math.pi, offset_rad)
     return sn.simulate(
         sn.Scene(
-            sn.Robot(6, 1.0, 0.12),
-            sn.Ground(0.1, 10.0),
+            PAPER,
+            VISCOUS,
             gait,
             method=method,
             duration_s=2.0 * cycles,

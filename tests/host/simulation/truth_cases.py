@@ -15,14 +15,13 @@ from oracle import joint_work as jw
 from oracle.params import Gait
 from oracle.scenes import SlowScene
 from oracle.scenes import params_of as params
+from robots import BINGHAM, OF_2005, VISCOUS, gait_in_deg
 from serpenoid._core.firmware import gait_setpoints_rad
 from serpenoid.bench.problems import Problem
 from serpenoid.simulation.starts import start_state
 
 Array = np.ndarray
-OF_2005 = sn.Robot(6, 0.0756, 0.076)
-BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
-PAPER_GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
+PAPER_GAIT = gait_in_deg(30, 80, 5.0)
 
 
 def gait_of(gait: sn.Gait) -> Gait:
@@ -32,7 +31,7 @@ def gait_of(gait: sn.Gait) -> Gait:
 
 def hard_scene(links: int, k: float, incline_rad: float = 0.0, **more: Any) -> sn.Scene:
     """Return a second of the paper's robot on springs of k N/m with dampers of 1 N s/m."""
-    fields = {"duration_s": 1.0, "dt_s": 1e-3, "ground": sn.Ground(0.1, 10.0), **more}
+    fields = {"duration_s": 1.0, "dt_s": 1e-3, "ground": VISCOUS, **more}
     return sn.Scene(
         sn.Robot(links, 1.0, 0.12),
         gait=PAPER_GAIT,
@@ -124,7 +123,7 @@ def work_by_events(scene: sn.Scene, rtol: float = 1e-12) -> float:
 
 def far_scene(cycles: int, offset_rad: float = 0.0, **more: Any) -> sn.Scene:
     """Return many cycles of 2 s of the 2005 robot on dry ground."""
-    gait = sn.Gait(math.radians(70), math.radians(75), math.pi, offset_rad)
+    gait = gait_in_deg(70, 75, math.pi, offset_rad)
     return sn.Scene(OF_2005, BINGHAM, gait, method="nonsmooth", duration_s=2.0 * cycles, **more)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from command_line import serpenoid
+from robots import gait_in_deg
 from serpenoid.calibration.filmed_joints import swapped_plugs
 from serpenoid.calibration.kinds.video import FilmReading
 from serpenoid.model.errors import BadInput
@@ -35,7 +36,7 @@ from video.worlds import LINK_M, SIDE_M, crawling, errors, most_sigmas
 FOLDER_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
 QUICK = crawling(seed=2, omega_rad_s=8.0, alpha_deg=40, speed_m_s=0.08, start_m=-0.06)
 TIMES = np.arange(0, 1.7, 1 / 30)
-GAIT = sn.Gait(math.radians(40), math.radians(80), 8.0)
+GAIT = gait_in_deg(40, 80, 8.0)
 
 
 def drawn(body: Body | None = None, lens: Lens | None = None, times=TIMES, world=QUICK, **more):
@@ -333,7 +334,7 @@ def test_a_centre_that_is_off_asks_for_a_trim() -> None:
 
 def test_a_recording_gives_the_gait_that_was_commanded(tmp_path) -> None:
     path = tmp_path / "run.wire"
-    gait = sn.Gait(math.radians(30), math.radians(80), 5.0)
+    gait = gait_in_deg(30, 80, 5.0)
     with Robot("virtual:fast", record=path) as robot:
         robot.gait(gait)
         list(robot.frames(8.0))

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from command_line import answer, serpenoid
+from robots import gait_in_deg
 from serpenoid.calibration import session_file
 from serpenoid.calibration.advice import advise
 from serpenoid.calibration.comparison import compare
@@ -235,7 +236,7 @@ def test_predictions_and_advice_have_the_servos_that_a_film_leaves(of_2005, monk
     """Joints at 0.8 of a quick gait: weak servos, which leave less of another gait's speed."""
     session, fit = of_2005
     weak = session.with_reading(replace(filmed(0.8, 0.1), omega_rad_s=8.0))
-    gait = sn.Gait(math.radians(70), math.radians(75), 3.0)
+    gait = gait_in_deg(70, 75, 3.0)
     before, after = (advise(s, [gait], samples=16) for s in (session, weak))
     assert before.band_servo_measured is not None
     assert after.band_servo_measured is None  # they are measured, by the film

@@ -9,24 +9,21 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import serpenoid as sn
 from command_line import serpenoid
+from robots import OF_2005, gait_in_deg
 from serpenoid.calibration.session_file import read_session
 from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
 from serpenoid.lab.robot import LabRobot
 from serpenoid.model.ground import Ground
-from serpenoid.model.robot import Robot
 from video.filming import Lens
 from video.lab_world import Servos, crawled, set_points
 from video.worlds import errors, shoot
 
 SETUP = default_setup("filmed")
 ON_FLOOR = on_place(SETUP.procedure, "floor")
-GAIT = sn.Gait(math.radians(60), math.radians(75), math.tau / 1.2)
+GAIT = gait_in_deg(60, 75, math.tau / 1.2)
 FRICTION = Ground(0.084, 1.2, 0.14, 0.27)
-ROBOT = LabRobot.whole(Robot(6, 0.0756, 0.076), FRICTION).drawn(
-    np.random.default_rng(3), math.radians(1.5), 0.1
-)
+ROBOT = LabRobot.whole(OF_2005, FRICTION).drawn(np.random.default_rng(3), math.radians(1.5), 0.1)
 LAG_S = np.array([0.02, 0.03, 0.025, 0.02, 0.03])
 GAIN = np.array([0.95, 0.93, 0.96, 0.94, 0.92])
 LENS = Lens((0.38, -0.35, 0.75), (0.315, 0, 0.045), 720, 400, 700, k1=0.05, rolling_s=0.015)
