@@ -48,7 +48,6 @@ def assert_margins_are_true(seed: int, cycles: int) -> sn.Margins:
     return margins
 
 
-@pytest.mark.slow
 def test_margins_at_a_cliff_and_away_from_one_are_true() -> None:
     assert assert_margins_are_true(3, cycles=12).near_cliff
     assert not assert_margins_are_true(10, cycles=12).near_cliff
