@@ -1,13 +1,15 @@
-"""The robots, grounds and gaits that most tests move: the paper's, and the one of 2005."""
+"""What most tests move or read: the paper's robot, that of 2005 with its session, their gaits."""
 
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import serpenoid as sn
 
 PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
+NIRAKH_2005 = Path(__file__).resolve().parents[1] / "calibration_data" / "nirakh-2005"
 OF_2005, BINGHAM = sn.Robot(6, 0.0756, 0.076), sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
 
 

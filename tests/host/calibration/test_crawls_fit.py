@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from calibration.floor_sessions import MASS, TRUTH, floor_session, floor_setup, rolled_out
+from refusals import refused
 from robots import gait_in_deg
-from serpenoid import BadInput
 from serpenoid.calibration import speed_samples
 from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.crawls.posterior import Beforehand, CrawlPosterior
@@ -138,7 +138,7 @@ def test_a_robust_fit_names_the_crawl_that_was_misread(pushed, crawls_fit) -> No
     assert any(f"Crawl(s) {first.number} held for misread" in note for note in fit.notes)
     assert holds_truth(fit)
     assert fit.p_value > 0.01 > crawls_fit(wrong).p_value
-    with pytest.raises(BadInput, match="not 'naive'"):
+    with refused("not 'naive'"):
         fit_friction(pushed, method="naive", crawls=True)
 
 
@@ -150,7 +150,7 @@ def test_crawls_alone_say_that_they_tell_speeds_only(monkeypatch) -> None:
     fit = fit_friction(session, crawls=True)
     assert "Speeds only" in fit.notes[0]
     assert fit.dof == len(GAITS)
-    with pytest.raises(BadInput, match="4 gaits at least"):
+    with refused("4 gaits at least"):
         fit_friction(replace(session, gait_runs=session.gait_runs[:2]), crawls=True)
 
 
@@ -223,7 +223,7 @@ def by_hand(speeds=(0.6, 0.9), bends_deg=(0.0, 20.0, 45.0), slope_rad=0.0):
 @pytest.mark.slow
 def test_tape_and_watch_tell_frictions_with_crawls_and_not_without(crawls_fit) -> None:
     session = by_hand()
-    with pytest.raises(BadInput, match="fit --crawls"):
+    with refused("fit --crawls"):
         fit_friction(session)
     fit = crawls_fit(with_runs(session))
     alone = MemoryRecord(floor_setup()).session

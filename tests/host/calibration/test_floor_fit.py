@@ -22,7 +22,7 @@ from calibration.floor_sessions import (
 from calibration.synthetic_session import WHOLE_BODY_2005
 from calibration.synthetic_session import session as stations_session
 from calibration.synthetic_session import setup as stations_setup
-from serpenoid import BadInput
+from refusals import refused
 from serpenoid.calibration.fitting.bends import resistance
 from serpenoid.calibration.fitting.rolling_law import rest, slide_s, way_m
 from serpenoid.calibration.floor.look import look_at
@@ -216,7 +216,7 @@ def test_slides_tell_what_rests_alone_leave_open():
                     "duration_s": t[-4001] + 0.12 * rng.normal(),
                 },
             )
-    with pytest.raises(BadInput, match=r"ct and ft0 cannot be told from 8 push"):
+    with refused(r"ct and ft0 cannot be told from 8 push"):
         fit_friction(record.session)
     for bend in (0.0, 30.0):
         a, b, inert = forces(TRUTH, math.radians(bend), 0.0595)
@@ -286,9 +286,9 @@ def test_a_push_that_hit_something_is_named_and_counts_next_to_nothing_in_a_robu
 
 
 def test_what_is_left_open_is_said_with_the_push_that_closes_it():
-    with pytest.raises(BadInput, match=r"cn and fn0 cannot be told.*bend of 42 degrees, both ways"):
+    with refused(r"cn and fn0 cannot be told.*bend of 42 degrees, both ways"):
         fit_friction(floor_session(bends_deg=(0.0,)))
-    with pytest.raises(BadInput, match="'naive' is the paper's, of stations alone"):
+    with refused("'naive' is the paper's, of stations alone"):
         fit_friction(floor_session(), method="naive")
 
 

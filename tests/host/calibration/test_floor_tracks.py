@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 from calibration.floor_sessions import TRUTH, floor_setup, push_track
-from serpenoid import BadInput
+from refusals import refused
 from serpenoid.calibration.floor.look import look_at, pushes_in
 from serpenoid.calibration.floor.track_files import read_track_file
 from serpenoid.calibration.friction_fit import fit_friction
@@ -71,11 +71,11 @@ def test_what_happens_to_a_push_is_seen():
     assert any("not seen for 0.4" in d for d in look_at(*gap.T).doubts)
     still = rows.copy()
     still[:, 1:] = 0.001 * np.random.default_rng(0).normal(size=(len(t), 2))
-    with pytest.raises(BadInput, match="nothing moves"):
+    with refused("nothing moves"):
         look_at(*still.T)
-    with pytest.raises(BadInput, match="times must rise"):
+    with refused("times must rise"):
         look_at(*rows[::-1].T)
-    with pytest.raises(BadInput, match="no finite number"):
+    with refused("no finite number"):
         look_at(*np.where(np.arange(len(t))[:, None] == 3, np.nan, rows).T)
 
 
@@ -219,7 +219,7 @@ def test_files_that_are_no_track_are_told(tmp_path):
         ("", "no line names"),
     ):
         path.write_text(text)
-        with pytest.raises(BadInput, match=told):
+        with refused(told):
             read_track_file(path)
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refusals import refused
 from serpenoid.calibration.crawls.filmed import crawl_cells
 from serpenoid.calibration.session import Session
 from serpenoid.calibration.taking.new_session import default_setup
@@ -21,7 +22,6 @@ from serpenoid.calibration.taking.person.practice import (
 )
 from serpenoid.calibration.taking.person.practice_treadmill import TreadmillTerminal, picture
 from serpenoid.calibration.taking.steps import Step
-from serpenoid.model.errors import BadInput
 
 SETUP = practice_setup(default_setup("practice"), 7)
 
@@ -99,7 +99,7 @@ def test_a_seed_is_a_truth_near_the_robot_of_2005():
 def test_a_session_of_practice_knows_its_seed_and_no_other_is_taken():
     assert SETUP.kind == "simulated"
     assert practice_seed(Session(SETUP, ())) == 7
-    with pytest.raises(BadInput, match="no session of practice"):
+    with refused("no session of practice"):
         practice_seed(Session(replace(SETUP, source="my treadmill"), ()))
 
 

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 import serpenoid as sn
-from robots import PAPER, VISCOUS, gait_in_deg
+from robots import NIRAKH_2005, PAPER, VISCOUS, gait_in_deg
 from serpenoid.calibration import speed_samples, speeds
 from serpenoid.calibration.prediction import one_cycle, predict
-
-SESSION = Path(__file__).resolve().parents[3] / "calibration_data" / "nirakh-2005"
 
 
 @pytest.fixture(scope="module")
 def fit() -> sn.FrictionFit:
-    return sn.fit_friction(sn.load_session(SESSION))
+    return sn.fit_friction(sn.load_session(NIRAKH_2005))
 
 
 def test_speed_of_the_2005_robot(fit) -> None:

@@ -5,26 +5,24 @@ import math
 import re
 import shutil
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 import serpenoid as sn
 from command_line import serpenoid
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from robots import OF_2005
+from robots import NIRAKH_2005, OF_2005
 from serpenoid import BadInput
 from serpenoid.calibration import session_file
 from serpenoid.calibration.session_file import COLUMNS, load_session
 
-FOLDER_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
 ROW_1 = "1,,0.0,2.0,0.181468,0.0,kept,regenerated from Eq. 59 through Eq. 58"
 
 
 @pytest.fixture
 def folder(tmp_path):
     for name in ("session.toml", "readings.csv"):
-        shutil.copy(FOLDER_2005 / name, tmp_path)
+        shutil.copy(NIRAKH_2005 / name, tmp_path)
     return tmp_path
 
 
@@ -41,11 +39,11 @@ def complaint(folder):
 
 
 def test_the_2005_session_is_what_the_paper_describes():
-    session = load_session(FOLDER_2005)
+    session = load_session(NIRAKH_2005)
     setup = session.setup
     assert setup.kind == "regenerated"
     assert "lost" in setup.note
-    assert setup == load_session(FOLDER_2005).setup != replace(setup, note="")
+    assert setup == load_session(NIRAKH_2005).setup != replace(setup, note="")
     assert setup.robot == OF_2005
     assert setup.weight_n == pytest.approx(6 * 0.0756 * 9.80665, rel=1e-15)
     assert [math.degrees(x) for x in setup.procedure.lambda_rad] == pytest.approx([0.0, 7.5])
@@ -58,7 +56,7 @@ def test_the_2005_session_is_what_the_paper_describes():
 
 
 def test_every_2005_reading_balances_gravity_and_the_published_lines():
-    session = load_session(FOLDER_2005)
+    session = load_session(NIRAKH_2005)
     for reading in session.kept:
         c, s, v = math.cos(reading.lambda_rad), math.sin(reading.lambda_rad), reading.slip_speed_m_s
         tangential_n, normal_n = 0.084 * v * c + 0.14, 1.2 * v * s + 0.27  # Eqs. 59 and 62
@@ -68,17 +66,17 @@ def test_every_2005_reading_balances_gravity_and_the_published_lines():
 
 
 def test_regenerating_gives_the_committed_file():
-    spec = importlib.util.spec_from_file_location("regenerate", FOLDER_2005 / "regenerate.py")
+    spec = importlib.util.spec_from_file_location("regenerate", NIRAKH_2005 / "regenerate.py")
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)
-    assert script.text() == (FOLDER_2005 / "readings.csv").read_text(encoding="utf-8")
+    assert script.text() == (NIRAKH_2005 / "readings.csv").read_text(encoding="utf-8")
 
 
 def test_columns_may_stand_in_any_order(folder):
     path = folder / "readings.csv"
     lines = [line.split(",") for line in path.read_text().splitlines()]
     path.write_text("\n".join(",".join(reversed(cells)) for cells in lines))
-    assert load_session(folder).readings == load_session(FOLDER_2005).readings
+    assert load_session(folder).readings == load_session(NIRAKH_2005).readings
 
 
 @pytest.mark.parametrize(
@@ -175,7 +173,7 @@ def test_missing_and_empty_files_are_refused(folder, tmp_path):
     path = folder / "readings.csv"
     path.write_text(",".join(COLUMNS) + "\n")
     assert "no reading to use among 0" in complaint(folder)
-    path.write_text((FOLDER_2005 / "readings.csv").read_text("utf-8").replace("kept", "void"))
+    path.write_text((NIRAKH_2005 / "readings.csv").read_text("utf-8").replace("kept", "void"))
     assert "no reading to use among 11" in complaint(folder)
     path.write_text("")
     assert "the file is empty; take it from a backup" in complaint(folder)
@@ -218,7 +216,7 @@ def test_spreadsheet_habits_are_read(folder):
     path = folder / "readings.csv"
     text = path.read_text(encoding="utf-8").replace(",2.0,", ', "2.0" ,'.replace('"', ""))
     path.write_bytes(b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode())
-    assert load_session(folder).readings == load_session(FOLDER_2005).readings
+    assert load_session(folder).readings == load_session(NIRAKH_2005).readings
 
 
 @settings(
@@ -234,7 +232,7 @@ def test_spreadsheet_habits_are_read(folder):
     new=st.text(max_size=8) | st.sampled_from(["nan", "-1", "1e999", '"', "\n", "\0", ","]),
 )
 def test_whatever_is_typed_loads_or_is_refused_clearly(folder, name, start, length, new):
-    good = (FOLDER_2005 / name).read_text(encoding="utf-8")
+    good = (NIRAKH_2005 / name).read_text(encoding="utf-8")
     bad = good[:start] + new + good[start + length :]
     (folder / name).write_bytes(bad.encode("utf-8", "surrogatepass"))
     refused = ""

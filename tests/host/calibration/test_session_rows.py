@@ -7,7 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from serpenoid import BadInput, fit_friction, load_session
+from refusals import refused
+from robots import NIRAKH_2005
+from serpenoid import fit_friction, load_session
 from serpenoid.calibration.fitting.stations import Stations
 from serpenoid.calibration.kinds.checks import ZeroReading
 from serpenoid.calibration.kinds.instruments import Uncertainty
@@ -15,7 +17,6 @@ from serpenoid.calibration.kinds.rows import READING_COLUMNS
 from serpenoid.calibration.session_file import read_session
 from serpenoid.calibration.session_rows import EVENT_COLUMNS, read_events
 
-NIRAKH = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
 SETUP = """
 format = 2
 name = "made up"
@@ -124,7 +125,7 @@ def test_the_zero_is_the_mean_and_doubts_what_moved(folder):
     assert math.degrees(session.zero.value_rad) == pytest.approx(0.115)
     # Each zero has 0.03 / sqrt(2), their mean 0.015; half of what moved is 0.015.
     assert math.degrees(session.zero.sigma_rad) == pytest.approx(math.hypot(0.015, 0.015))
-    reading = load_session(NIRAKH).readings[0]
+    reading = load_session(NIRAKH_2005).readings[0]
     assert session.zeros_rad([reading]) == [session.zero.value_rad]
 
 
@@ -132,14 +133,14 @@ def test_a_zero_that_moved_by_more_than_its_errors_is_followed(folder):
     taken = read_session(folder)
     before = ZeroReading(1, math.radians(0.3), math.radians(-0.1))
     after = ZeroReading(5, math.radians(0.5), math.radians(0.1), before=False)
-    reading = replace(load_session(NIRAKH).readings[0], number=3)
+    reading = replace(load_session(NIRAKH_2005).readings[0], number=3)
     session = replace(taken, zeros=(before, after), readings=(reading,))
     # A quarter of 0.2 is left of what moved.
     assert math.degrees(session.zero.sigma_rad) == pytest.approx(math.hypot(0.015, 0.05))
     found = session.zeros_rad([replace(reading, number=n) for n in (1, 2, 4, 9)])
     assert np.degrees(found) == pytest.approx([0.1, 0.15, 0.25, 0.3])
     assert session.sha256 != replace(session, zeros=(before, replace(after, number=6))).sha256
-    fit = fit_friction(replace(load_session(NIRAKH), zeros=(before, after)))
+    fit = fit_friction(replace(load_session(NIRAKH_2005), zeros=(before, after)))
     assert "drifted evenly" in " ".join(fit.notes)
 
 
@@ -242,17 +243,17 @@ def test_bad_cells_name_file_line_and_range(folder, old, new, says):
     path = folder / "readings.csv"
     assert old in path.read_text()
     path.write_text(path.read_text().replace(old, new, 1))
-    with pytest.raises(BadInput, match=says):
+    with refused(says):
         load_session(folder)
 
 
 def test_other_damage_is_told(folder):
     append(folder, reading(1), reading(1))
-    with pytest.raises(BadInput, match=r"csv:3: reading 1 is there already, at .*csv:2"):
+    with refused(r"csv:3: reading 1 is there already, at .*csv:2"):
         load_session(folder)
     path = folder / "readings.csv"
     path.write_text(path.read_text().replace(",", ";"))
-    with pytest.raises(BadInput, match="semicolons; a spreadsheet did that"):
+    with refused("semicolons; a spreadsheet did that"):
         load_session(folder)
 
 
@@ -271,10 +272,10 @@ def test_events_are_held_to_the_same(folder):
     append(folder, event("start", detail="firmware 0.1"), to="events.csv")
     assert read_events(folder)[0].detail == "firmware 0.1"
     append(folder, event("void", 7), to="events.csv")
-    with pytest.raises(BadInput, match="void of reading 7, which is not there"):
+    with refused("void of reading 7, which is not there"):
         load_session(folder)
     append(folder, event("dance"), to="events.csv")
-    with pytest.raises(BadInput, match=r"events.csv:4: event is 'dance'"):
+    with refused(r"events.csv:4: event is 'dance'"):
         load_session(folder)
 
 
@@ -287,7 +288,7 @@ def test_amendments_are_read_strictly(folder):
     ):
         path = folder / "events.csv"
         path.write_text(",".join(EVENT_COLUMNS) + "\n" + event("amend", detail=detail))
-        with pytest.raises(BadInput, match=says):
+        with refused(says):
             read_session(folder)
 
 
@@ -295,10 +296,10 @@ def test_what_is_not_there_or_empty_has_a_way_on(folder):
     for name in ("readings.csv", "events.csv"):
         whole = (folder / name).read_text()
         (folder / name).write_text("")
-        with pytest.raises(BadInput, match="the file is empty; take it from a backup"):
+        with refused("the file is empty; take it from a backup"):
             read_session(folder)
         (folder / name).unlink()
-        with pytest.raises(BadInput, match="not there, but it belongs to the session; take it"):
+        with refused("not there, but it belongs to the session; take it"):
             read_session(folder)
         (folder / name).write_text(whole)
 

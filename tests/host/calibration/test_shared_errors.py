@@ -3,7 +3,6 @@
 import json
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,7 +16,6 @@ from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.show.session.state import agreement
 
-FOLDER_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
 NAMES = ("ct", "cn", "ft0", "fn0")
 
 

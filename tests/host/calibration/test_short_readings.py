@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from command_line import serpenoid
+from refusals import refused
 from scipy.integrate import solve_ivp
-from serpenoid import BadInput, fit_friction
+from serpenoid import fit_friction
 from serpenoid.calibration.kinds.instruments import Stopwatch
 from serpenoid.calibration.kinds.places import drifts, tidy_places
 from serpenoid.calibration.kinds.station import Reading
@@ -109,7 +110,7 @@ def test_places_are_typed_as_people_write_them(typed, kept):
     ],
 )
 def test_what_is_no_track_is_said(typed, why):
-    with pytest.raises(BadInput, match=why):
+    with refused(why):
         tidy_places(typed)
 
 

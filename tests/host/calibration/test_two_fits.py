@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from calibration.floor_sessions import floor_session
 from calibration.test_ratchet_pushes import with_backward
-from serpenoid import BadInput
+from refusals import refused
 from serpenoid.calibration.advising.two_fits import two_fits, two_sessions
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import Estimate, WholeSnake
@@ -81,5 +81,5 @@ def test_two_sessions_agree_and_two_robots_are_refused() -> None:
     fit = fit_friction(one)
     assert "is not to be trusted. chi2" in two_fits(fit, replace(fit, alarms=("chi2",))).verdict
     longer = replace(other.setup.robot, link_length_m=0.1)
-    with pytest.raises(BadInput, match="one robot"):
+    with refused("one robot"):
         two_sessions(one, replace(other, setup=replace(other.setup, robot=longer)))

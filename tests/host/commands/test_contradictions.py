@@ -8,12 +8,12 @@ import click
 import pytest
 from click.testing import CliRunner
 from command_line import answer, serpenoid
+from robots import NIRAKH_2005
 from serpenoid.commands.main import cli
 from serpenoid.commands.options import as_typed, make_robot
 from serpenoid.model.errors import BadInput
 from serpenoid.model.robot import Robot
 
-SESSION = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
 SHAPE = "--alpha-deg 30 --beta-deg 80"
 GAIT = f"{SHAPE} --omega-rad-s 5"
 
@@ -118,7 +118,7 @@ def test_arguments_in_a_message_keep_their_names() -> None:
     ],
 )
 def test_listed_gaits(command: str, gait: str, told: str) -> None:
-    assert told in refusal(f"{command} {SESSION} --gait {gait}")
+    assert told in refusal(f"{command} {NIRAKH_2005} --gait {gait}")
 
 
 def test_a_mass_in_grams_is_doubted_when_it_is_amended(tmp_path: Path) -> None:

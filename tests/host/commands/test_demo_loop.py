@@ -1,7 +1,7 @@
 """The demo's session: no other is taken for it, and a robot of one's own is its truth."""
 
-import pytest
-from serpenoid import BadInput, fit_friction
+from refusals import refused
+from serpenoid import fit_friction
 from serpenoid.commands.demo_loop import take_session
 
 
@@ -9,7 +9,7 @@ def test_another_session_is_not_taken_for_the_demos(tmp_path):
     from serpenoid.calibration.taking.new_session import create_session, default_setup
 
     create_session(tmp_path / "session", default_setup("mine"))
-    with pytest.raises(BadInput, match="not the demo's"):
+    with refused("not the demo's"):
         take_session(tmp_path / "session")
 
 

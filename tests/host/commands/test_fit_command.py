@@ -6,17 +6,16 @@ import shutil
 import subprocess
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
 import serpenoid as sn
 from command_line import answer, program, serpenoid
+from robots import NIRAKH_2005
 from serpenoid.calibration.friction_result import FitDraws
 from serpenoid.commands.given import session_fit
 
 pytestmark = pytest.mark.usefixtures("short_curve")
-FOLDER_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
 run = partial(serpenoid, check=True)
 GAIT = "--alpha-deg 70 --beta-deg 75 --omega-rad-s 5"
 
@@ -26,7 +25,7 @@ def folder(tmp_path):
     copy = tmp_path / "session"
     copy.mkdir()
     for name in ("session.toml", "readings.csv"):
-        shutil.copy(FOLDER_2005 / name, copy)
+        shutil.copy(NIRAKH_2005 / name, copy)
     return copy
 
 

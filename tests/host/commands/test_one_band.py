@@ -5,16 +5,15 @@ from __future__ import annotations
 import json
 import math
 import shutil
-from pathlib import Path
 
 import pytest
 from command_line import serpenoid
+from robots import NIRAKH_2005
 from serpenoid.calibration.servos import from_runs
 from serpenoid.calibration.session_file import load_session
 from serpenoid.calibration.taking.journal import Journal
 
 pytestmark = pytest.mark.usefixtures("short_curve")
-SESSION = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
 GAIT = "--alpha-deg 70 --beta-deg 75 --frequency-hz 0.5"
 WISH = "--gait 70 75 0.5"
 IDEAL = "--servo ideal"
@@ -32,7 +31,7 @@ def with_a_plan(folder):
     with Journal(folder) as journal:
         gaits = (f"{{alpha_deg=70, beta_deg=75, frequency_hz={hz}}}" for hz in (0.25, 0.5))
         journal.event("amend", detail=f"plan.gaits = [{', '.join(gaits)}]")
-        for r in load_session(SESSION).readings:
+        for r in load_session(NIRAKH_2005).readings:
             bend, incline = math.degrees(r.lambda_rad), math.degrees(r.incline_rad)
             journal.add(
                 "station",
@@ -79,7 +78,7 @@ def test_one_gait_has_one_band_whoever_shows_it(tmp_path):
 @pytest.fixture
 def contradictory(tmp_path):
     """Return the session of 2005 with one incline misread, and that reading's number."""
-    shutil.copytree(SESSION, tmp_path / "session")
+    shutil.copytree(NIRAKH_2005, tmp_path / "session")
     path = tmp_path / "session" / "readings.csv"
     rows = path.read_text().splitlines()
     cells, at = rows[3].split(","), rows[0].split(",").index("incline_deg")

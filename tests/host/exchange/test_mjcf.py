@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 import serpenoid as sn
+from refusals import refused
 
 ROBOT = sn.Robot(4, 0.3, 0.1)
 TORQUE = [0.004, -0.003, 0.002]
@@ -66,7 +67,7 @@ def test_dry_friction_is_left_out_with_a_warning() -> None:
 
 
 def test_refusals() -> None:
-    with pytest.raises(sn.BadInput, match="robot is a Ground"):
+    with refused("robot is a Ground"):
         sn.to_mjcf(sn.Ground(0.1, 1.0), ROBOT)
-    with pytest.raises(sn.BadInput, match="timestep_s is 0"):
+    with refused("timestep_s is 0"):
         sn.to_mjcf(ROBOT, sn.Ground(0.1, 1.0), timestep_s=0)

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
+from refusals import refused
 from robots import BINGHAM, OF_2005, PAPER, VISCOUS
 from scipy.optimize import brentq, minimize_scalar
 from serpenoid.simulation.steady_springs import steady_springs
@@ -98,9 +99,9 @@ def test_a_speed_beyond_the_limits_names_the_fastest() -> None:
 
 
 def test_refusals() -> None:
-    with pytest.raises(sn.BadInput, match="speed_m_s is 0"):
+    with refused("speed_m_s is 0"):
         sn.least_power_gait(PAPER, VISCOUS, speed_m_s=0.0)
-    with pytest.raises(sn.BadInput, match="cost is 'heat'"):
+    with refused("cost is 'heat'"):
         sn.least_power_gait(PAPER, VISCOUS, speed_m_s=0.1, cost="heat")
     isotropic = sn.Ground(1.0, 1.0)  # no wheel grips better than another: nothing travels
     with pytest.raises(sn.NotConverged, match="no gait travels at all"):
@@ -116,7 +117,7 @@ def test_wheels_on_rails_cost_less_the_less_they_bend() -> None:
         assert s.speed_m_s == pytest.approx(0.2 * OF_2005.link_length_m / 0.3, rel=0.03)
         watts.append(s.abs_power_w)
     assert watts[1] < 0.5 * watts[0]
-    with pytest.raises(sn.BadInput, match="less the joints bend, the less power"):
+    with refused("less the joints bend, the less power"):
         sn.least_power_gait(OF_2005, rails, speed_m_s=0.05)
 
 
@@ -157,7 +158,7 @@ def test_a_wish_for_an_absurd_speed_on_dry_ground() -> None:
     smooth = sn.least_power_gait(OF_2005, sn.Ground(BINGHAM.ct, BINGHAM.cn), speed_m_s=10.0)
     assert best.power_w == pytest.approx(smooth.power_w, rel=0.3)
     assert best.gait.omega_rad_s > 300
-    with pytest.raises(sn.BadInput, match=r"4000; it must be at most 45\.6, 100 lengths"):
+    with refused(r"4000; it must be at most 45\.6, 100 lengths"):
         sn.least_power_gait(OF_2005, BINGHAM, speed_m_s=4000)
 
 

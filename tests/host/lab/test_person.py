@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 import pytest
+from refusals import refused
 from robots import OF_2005
 from serpenoid.lab.belt import Belt
 from serpenoid.lab.person import Display, Habits, Person
 from serpenoid.lab.robot import LabRobot, pose_of
-from serpenoid.model.errors import BadInput
 from serpenoid.model.ground import Ground
 
 WHOLE = Ground(0.084, 1.2, 0.14, 0.27)
@@ -75,9 +75,9 @@ def test_the_same_seed_does_the_same_and_a_display_that_is_off_shows():
 
 
 def test_a_robot_of_the_wrong_size_is_refused():
-    with pytest.raises(BadInput, match="grounds has 2"):
+    with refused("grounds has 2"):
         LabRobot(OF_2005, (WHOLE, WHOLE))
-    with pytest.raises(BadInput, match="joint_error_rad has 1"):
+    with refused("joint_error_rad has 1"):
         LabRobot(OF_2005, (WHOLE,), (0.1,))
 
 

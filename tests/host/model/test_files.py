@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import serpenoid as sn
+from refusals import refused
 from serpenoid.model.files import check_file, read_arrays, read_json, read_text
 from serpenoid.model.vectors import number_array
 
@@ -18,7 +18,7 @@ def test_what_is_no_regular_file(tmp_path: Path, path: str, monkeypatch) -> None
     os.mkfifo("pipe")
     os.symlink("loop", "loop")
     for read in (check_file, read_text, read_json, lambda p: read_arrays(p, 1000)):
-        with pytest.raises(sn.BadInput, match=r"regular file|No such|symbolic links|null byte"):
+        with refused(r"regular file|No such|symbolic links|null byte"):
             read(Path(path))
 
 
@@ -26,7 +26,7 @@ def test_a_large_file_is_not_read(tmp_path: Path) -> None:
     path = tmp_path / "large"
     with path.open("wb") as file:
         file.truncate(1 << 40)  # a hole takes no room on the disk
-    with pytest.raises(sn.BadInput, match=r"1099511627776 bytes; the most is 16000000;"):
+    with refused(r"1099511627776 bytes; the most is 16000000;"):
         read_text(path)
 
 
@@ -45,7 +45,7 @@ def test_json_that_is_none_of_ours(tmp_path: Path, text: str, message: str, monk
     monkeypatch.setattr("serpenoid.model.files.MOST_VALUES", 1_000_000)
     path = tmp_path / "x.json"
     path.write_text(text)
-    with pytest.raises(sn.BadInput, match=message):
+    with refused(message):
         read_json(path)
 
 
@@ -53,18 +53,18 @@ def test_arrays_that_inflate_or_run_code(tmp_path: Path) -> None:
     path = tmp_path / "x.npz"
     np.savez_compressed(path, zeros=np.zeros(10_000_000))
     assert path.stat().st_size < 100_000
-    with pytest.raises(sn.BadInput, match=r"1 arrays of 80000128 bytes; the most is"):
+    with refused(r"1 arrays of 80000128 bytes; the most is"):
         read_arrays(path, 1_000_000)
     np.savez(path, thing=np.array([{"a": 1}], dtype=object))
-    with pytest.raises(sn.BadInput, match=r"is damaged .*allow_pickle"):
+    with refused(r"is damaged .*allow_pickle"):
         read_arrays(path, 1_000_000)
     path.write_bytes(b"no archive")
-    with pytest.raises(sn.BadInput, match="is damaged"):
+    with refused("is damaged"):
         read_arrays(path, 1_000_000)
 
 
 @pytest.mark.parametrize("values", [["1"], [10**400], [[1], [1, 2]], [True], None, [None], [1j]])
 def test_what_is_no_array_of_numbers(values) -> None:
-    with pytest.raises(sn.BadInput, match=r"alpha_rad is .*regular array"):
+    with refused(r"alpha_rad is .*regular array"):
         number_array("alpha_rad", values)
     assert number_array("x", [1, 10**20]).tolist() == [1.0, 1e20]

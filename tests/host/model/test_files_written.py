@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 from command_line import serpenoid
+from robots import NIRAKH_2005
 from serpenoid.model.errors import BadInput
 from serpenoid.model.files import visible, whole_file, write_csv
 
-NIRAKH_2005 = Path(__file__).resolve().parents[3] / "calibration_data" / "nirakh-2005"
 WISH = "sweep --robot paper --alpha-deg 30 --beta-deg 80 --omega-rad-s 5 --out"
 
 

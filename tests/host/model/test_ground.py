@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
+from refusals import refused
 
 
 def test_two_equal_values_are_one() -> None:
@@ -60,7 +61,7 @@ def test_whole_body_and_factors_take_both_ways() -> None:
     ],
 )
 def test_bad_pairs_are_named(given: dict, said: str) -> None:
-    with pytest.raises(sn.BadInput, match=said):
+    with refused(said):
         sn.Ground(**{"ct": 0.1, "cn": 1.0, **given})
 
 

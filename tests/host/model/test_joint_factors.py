@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
+from refusals import refused
 from robots import BINGHAM, OF_2005, PAPER, VISCOUS
 
 D = math.pi / 180
@@ -54,13 +55,13 @@ def test_scene_files_hold_them(tmp_path) -> None:
 
 
 def test_refusals() -> None:
-    with pytest.raises(sn.BadInput, match="joint_gain has 2 values; the robot has 5 joints"):
+    with refused("joint_gain has 2 values; the robot has 5 joints"):
         sn.steady_gait(PAPER, VISCOUS, replace(GAIT, joint_gain=(1.0, 1.0)))
-    with pytest.raises(sn.BadInput, match=r"joint_gain is 0\.9; it must be one value a joint"):
+    with refused(r"joint_gain is 0\.9; it must be one value a joint"):
         replace(GAIT, joint_gain=0.9)
-    with pytest.raises(sn.BadInput, match="joint_gain is 3"):
+    with refused("joint_gain is 3"):
         replace(GAIT, joint_gain=(3.0,))
-    with pytest.raises(sn.BadInput, match="has 2 values"):
+    with refused("has 2 values"):
         sn.Scene(
             PAPER,
             VISCOUS,

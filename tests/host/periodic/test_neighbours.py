@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 import serpenoid as sn
+from refusals import refused
 from robots import BINGHAM, OF_2005, gait_in_deg
 from serpenoid.periodic import neighbours
 from serpenoid.periodic.servo_steady import band, drawn_servo_speeds, servo_speed, servo_speeds
@@ -94,5 +95,5 @@ def test_the_ends_of_a_slow_gaits_band_are_those_of_fine_states() -> None:
 
 def test_ground_without_friction_is_refused() -> None:
     robot, near, draws, _ = drawn("viscous", 2)
-    with pytest.raises(sn.BadInput, match="no friction"):
+    with refused("no friction"):
         neighbours.drawn_states(robot, near, [*draws, (sn.Ground(0.0, 0.0), near[1])])

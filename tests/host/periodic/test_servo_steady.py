@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from periodic.servo_cases import drawn_case, full_speeds
+from refusals import refused
 from robots import BINGHAM, OF_2005, gait_in_deg
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
@@ -272,7 +273,7 @@ def test_the_bands_ends_leave_as_many_servos_as_they_say() -> None:
 
 
 def test_what_is_no_servo_is_refused() -> None:
-    with pytest.raises(sn.BadInput, match=r"servo is a str; it must be a serpenoid\.Servo or"):
+    with refused(r"servo is a str; it must be a serpenoid\.Servo or"):
         sn.steady_gait(OF_2005, BINGHAM, GAIT, servo="SG90")  # type: ignore[call-overload]
 
 

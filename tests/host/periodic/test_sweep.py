@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import serpenoid as sn
+from refusals import refused
 from robots import BINGHAM, OF_2005, PAPER, VISCOUS
 from serpenoid.periodic.servo_steady import with_servo
 from serpenoid.show.sweep_files import write_sweep
@@ -95,11 +96,11 @@ def test_files_hold_the_sweep(tmp_path: Path) -> None:
 
 
 def test_bad_input_is_named() -> None:
-    with pytest.raises(sn.BadInput, match="there is no robot in the list"):
+    with refused("there is no robot in the list"):
         sn.sweep([], VISCOUS, **GRID)
-    with pytest.raises(sn.BadInput, match="threads is 0; it must be a whole number from 1"):
+    with refused("threads is 0; it must be a whole number from 1"):
         sn.sweep(PAPER, VISCOUS, **GRID, threads=0)
-    with pytest.raises(sn.BadInput, match="rtol"):
+    with refused("rtol"):
         sn.sweep(PAPER, [VISCOUS, BINGHAM], **GRID, rtol=1e-9)
 
 
@@ -121,5 +122,5 @@ def test_a_sweep_tells_what_servos_leave(tmp_path: Path) -> None:
     rows = list(csv.DictReader((tmp_path / "both.csv").open()))
     assert float(rows[1]["servo_low_m_s"]) == found.servo_low_m_s[0, 0, 1]
     assert sn.sweep(OF_2005, BINGHAM, **grid, rtol=1e-3).servo_speed_m_s is None
-    with pytest.raises(sn.BadInput, match="one robot on one ground"):
+    with refused("one robot on one ground"):
         sn.sweep([OF_2005, PAPER], BINGHAM, **grid, servo=sn.Servo())

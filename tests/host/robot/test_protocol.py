@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, seed
 from hypothesis import strategies as st
+from refusals import refused
 from serpenoid.model.errors import BadInput, DamagedLine
 from serpenoid.robot.wire import protocol
 from serpenoid.robot.wire.encoding import digits
@@ -143,9 +144,9 @@ def test_bad_commands_never_reach_the_wire(command, number):
 
 @pytest.mark.parametrize("value", ["3", None, [3], "9" * 5000, 3j])
 def test_what_is_no_number_is_refused_in_words(value):
-    with pytest.raises(BadInput, match="it must be a number") as refused:
+    with refused("it must be a number") as error:
         digits(value)
-    assert len(str(refused.value)) < 200
+    assert len(str(error.value)) < 200
 
 
 def test_numbers_of_numpy_are_sent():
@@ -158,9 +159,9 @@ def test_thousands_of_digits_are_not_echoed():
             protocol.parse(line)
         assert len(str(damaged.value)) < 200
     for value in (10**5000, -1e300, math.nan):
-        with pytest.raises(BadInput, match="finite") as refused:
+        with refused("finite") as error:
             digits(value)
-        assert len(str(refused.value)) < 200
-    with pytest.raises(BadInput) as refused:
+        assert len(str(error.value)) < 200
+    with pytest.raises(BadInput) as error:
         protocol.seal("9" * 5000, 1)
-    assert len(str(refused.value)) < 200
+    assert len(str(error.value)) < 200

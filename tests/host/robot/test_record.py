@@ -17,10 +17,11 @@ import numpy as np
 import pytest
 from hypothesis import given, seed, settings
 from hypothesis import strategies as st
+from refusals import refused
 from robot.fake_board import GAIT, FakeBoard, sealed
 from robot.patience import LONG_S, clock, until
 from robot.test_leaving import DRIVER, drive
-from serpenoid.model.errors import BadInput, NoAnswer, RecordingFailed, RobotError
+from serpenoid.model.errors import NoAnswer, RecordingFailed, RobotError
 from serpenoid.robot import Robot
 from serpenoid.robot.recording import recorder
 from serpenoid.robot.recording.recorder import Recorder
@@ -92,15 +93,15 @@ def test_a_run_that_never_began_leaves_its_name_free(tmp_path):
 def test_what_holds_data_is_not_overwritten_and_what_is_no_recording_is_refused(tmp_path):
     path = tmp_path / "notes.txt"
     path.write_text("thesis\n")
-    with pytest.raises(BadInput, match="another name"), Robot("virtual:fast", record=path):
+    with refused("another name"), Robot("virtual:fast", record=path):
         pass
     assert path.read_text() == "thesis\n"
-    with pytest.raises(BadInput, match="no recording"):
+    with refused("no recording"):
         load_stream(path)
     path.write_text("# serpenoid wire 1, begun 2026\nx < t:1\n")
-    with pytest.raises(BadInput, match=r":2: .*SECONDS < LINE"):
+    with refused(r":2: .*SECONDS < LINE"):
         load_stream(path)
-    with pytest.raises(BadInput, match="No such file"):
+    with refused("No such file"):
         load_stream(tmp_path / "missing.txt")
 
 
@@ -233,7 +234,7 @@ TITLE = b"# serpenoid wire 1, begun 2026\n"
 def test_a_recording_that_cannot_be_true_is_refused_by_line(tmp_path, rows, where):
     path = tmp_path / "run.txt"
     path.write_bytes(TITLE + rows)
-    with pytest.raises(BadInput, match=where):
+    with refused(where):
         load_stream(path)
 
 
@@ -307,7 +308,7 @@ def test_a_line_without_an_end_and_a_clock_that_hops_are_counted(tmp_path):
 
 
 def test_what_is_no_file_is_not_read():
-    with pytest.raises(BadInput, match="regular file"):
+    with refused("regular file"):
         load_stream(Path("/dev/zero"))
 
 

@@ -6,11 +6,12 @@ import itertools
 import math
 
 import pytest
+from refusals import refused
 from robot.boards import BOARDS
 from robot.fake_board import GAIT, FakeBoard
 from robot.patience import LONG_S, clock
 from serpenoid import Gait
-from serpenoid.model.errors import BadInput, CommandRefused, RobotReset
+from serpenoid.model.errors import CommandRefused, RobotReset
 from serpenoid.robot import Robot
 from serpenoid.robot.wire import inbox
 from serpenoid.robot.wire.protocol import PROTOCOL
@@ -25,9 +26,9 @@ def test_a_run_from_opening_to_stop(any_port):
         numbers = [f.frame for f in frames]
         assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
         assert {f.state for f in frames} == {"gait"}
-        with pytest.raises(CommandRefused, match="low=0 high=90") as refused:
+        with pytest.raises(CommandRefused, match="low=0 high=90") as error:
             robot.gait(Gait(2.0, 0.0, 1.0))
-        assert refused.value.word == "range"
+        assert error.value.word == "range"
         robot.stop()
         held = [f for f in itertools.islice(robot.frames(LONG_S), 20) if f.state == "hold"]
         assert len({f.setpoint_rad for f in held}) == 1
@@ -75,9 +76,9 @@ def test_poses_arrive_in_radians(any_port):
             frames = robot.frames(LONG_S)
             assert any(frame.setpoint_rad == there for frame in frames)
             assert all(frame.setpoint_rad == there for frame in itertools.islice(frames, 10))
-        with pytest.raises(BadInput, match="5 angles"):
+        with refused("5 angles"):
             robot.pose([0.0] * 4)
-        with pytest.raises(BadInput, match="finite"):
+        with refused("finite"):
             robot.bent(math.nan)
 
 
@@ -97,10 +98,10 @@ def test_settings_and_trims_are_kept_when_saved(board, request):
         trims = robot.trims()
         assert (trims[1].joint, trims[1].centre_us, trims[4].low_deg) == (2, 1512, -75.5)
         for ask in (lambda: robot.set("speed", 1), lambda: robot.trim(6, "centre", 1500)):
-            with pytest.raises(CommandRefused) as refused:
+            with pytest.raises(CommandRefused) as error:
                 ask()
-            assert refused.value.word == "name"
-        with pytest.raises(BadInput, match="printable ASCII"):
+            assert error.value.word == "name"
+        with refused("printable ASCII"):
             robot.set("silence 1\n#9 gait", 3)
     if board == "simulated":
         assert request.getfixturevalue("simulated").counts.eeprom_ignored == 0

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 import serpenoid as sn
 from command_line import serpenoid
+from robots import NIRAKH_2005
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.calibration.taking.procedure import next_step
 from serpenoid.calibration.taking.simulated import SimulatedPerson, Truth
@@ -19,8 +20,6 @@ from serpenoid.show.pages.server import Page
 from serpenoid.show.session.state import state_of
 from simulated_sessions import MemoryRecord
 from webdriver import Browser
-
-SESSION = Path(__file__).resolve().parents[3] / "calibration_data" / "nirakh-2005"
 
 
 def study(folder: Path) -> Path:
@@ -44,7 +43,7 @@ def pages(tmp_path_factory) -> list[Path]:
     folder = tmp_path_factory.mktemp("pages")
     return [
         written(folder, "view", "virtual"),
-        written(folder, "report", str(SESSION)),
+        written(folder, "report", str(NIRAKH_2005)),
         study(folder),
     ]
 

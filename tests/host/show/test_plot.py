@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import matplotlib.image
 import numpy as np
 import pytest
 import serpenoid as sn
 from matplotlib.figure import Figure
-from robots import PAPER, VISCOUS, gait_in_deg
+from robots import NIRAKH_2005, PAPER, VISCOUS, gait_in_deg
 from serpenoid.calibration.prediction import SpeedPoint, one_cycle
 from serpenoid.show import plot
-
-SESSION = Path(__file__).resolve().parents[3] / "calibration_data" / "nirakh-2005"
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +39,7 @@ def drawn(monkeypatch) -> list[Figure]:
 def test_every_figure_has_units_and_ink(name, run, tmp_path, drawn) -> None:
     path = tmp_path / f"{name}.png"
     if name == "friction":
-        session = sn.load_session(SESSION)
+        session = sn.load_session(NIRAKH_2005)
         plot.friction_lines(session, sn.fit_friction(session), path)
     elif name == "speed":
         plot.speed_against_frequency(_points(), "title", path)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import serpenoid as sn
+from refusals import refused
 from robots import OF_2005
 
 ROBOT = sn.Robot(4, 0.1, 1 / 3)
@@ -119,7 +120,7 @@ def test_angles_in_degrees(tmp_path) -> None:
 
 def test_a_function_is_not_for_files(tmp_path) -> None:
     scene = sn.Scene(ROBOT, GROUND, GAIT, drive="torque", torque=lambda t: [t] * 3)
-    with pytest.raises(sn.BadInput, match="TorqueTable"):
+    with refused("TorqueTable"):
         sn.save_scene(scene, tmp_path / "scene.toml")
     assert list(tmp_path.iterdir()) == []
 
@@ -209,18 +210,18 @@ TORQUE = 'drive = "torque"\n' + PLAIN + "[torque]\n"
 def test_refusals(text: str, said: str, tmp_path) -> None:
     path = tmp_path / "scene.toml"
     path.write_text(text)
-    with pytest.raises(sn.BadInput, match="scene.toml" + said):
+    with refused("scene.toml" + said):
         sn.load_scene(path)
 
 
 def test_not_a_text_file(tmp_path) -> None:
     path = tmp_path / "scene.toml"
     path.write_bytes(b"format = 1\n# \xff\n")
-    with pytest.raises(sn.BadInput, match=r"scene.toml: not UTF-8 text at byte 13"):
+    with refused(r"scene.toml: not UTF-8 text at byte 13"):
         sn.load_scene(path)
-    with pytest.raises(sn.BadInput, match=r"nowhere.toml: No such file"):
+    with refused(r"nowhere.toml: No such file"):
         sn.load_scene(tmp_path / "nowhere.toml")
-    with pytest.raises(sn.BadInput, match=r": this is a folder"):
+    with refused(r": this is a folder"):
         sn.load_scene(tmp_path)
 
 

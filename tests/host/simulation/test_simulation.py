@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
+from refusals import refused
 from robots import OF_2005, PAPER, VISCOUS, gait_in_deg
 
 THREE = sn.Robot(3, 1.0, 0.12)
@@ -79,9 +80,9 @@ def test_the_slow_manifold_carries_the_forces_of_the_exact_model() -> None:
 def test_a_start_of_another_size_or_whose_joints_turn_at_another_rate_is_refused() -> None:
     start = sn.LinkState.in_gait(PAPER, PAPERS_GAIT, 0.0, [0, 0, 0], [0, 0, 0])
     turning = replace(start, omega_rad_s=start.omega_rad_s + 0.1 * np.arange(6))
-    with pytest.raises(sn.BadInput, match=r"start has joint 1 at rate"):
+    with refused(r"start has joint 1 at rate"):
         sn.simulate(sn.Scene(PAPER, VISCOUS, PAPERS_GAIT, start=turning, duration_s=0.1))
-    with pytest.raises(sn.BadInput, match="start has 6 links, the robot has 3"):
+    with refused("start has 6 links, the robot has 3"):
         sn.Scene(THREE, VISCOUS, PAPERS_GAIT, start=start)
 
 
@@ -114,5 +115,5 @@ def test_springs_start_at_the_links_own_speed_on_heavily_damped_ground(
 def test_springs_too_soft_to_start_with_are_refused() -> None:
     soft = {"formulation": "implicit", "joint_stiffness_n_m": 1.0}
     scene = sn.Scene(PAPER, VISCOUS, PAPERS_GAIT, **soft)
-    with pytest.raises(sn.BadInput, match=r"more than a link .* gap 'zero'"):
+    with refused(r"more than a link .* gap 'zero'"):
         sn.simulate(scene)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 import pytest
-from serpenoid.model.errors import BadInput
+from refusals import refused
 from serpenoid.show.video.tag_sheet import PAPERS_MM, tag_sheet
 from serpenoid.video.seeing.detect import TagFinder
 from serpenoid.video.seeing.tags import tag_cells, tag_side_m
@@ -31,9 +31,9 @@ def test_printed_tags_are_found_with_their_numbers_and_size(tmp_path, links, pap
 def test_thirteen_tags_need_two_pages_and_a_pdf(tmp_path) -> None:
     cells = tag_cells(13)
     assert tag_sheet(cells, 0.034, 0.076, "a4", tmp_path / "tags.pdf") == 2
-    with pytest.raises(BadInput, match=r"2 pages; name a \.pdf"):
+    with refused(r"2 pages; name a \.pdf"):
         tag_sheet(cells, 0.034, 0.076, "a4", tmp_path / "tags.png")
-    with pytest.raises(BadInput, match="does not fit on a4"):
+    with refused("does not fit on a4"):
         tag_sheet(cells, 0.3, 0.7, "a4", tmp_path / "tags.pdf")
-    with pytest.raises(BadInput, match="2 to 13"):
+    with refused("2 to 13"):
         tag_cells(14)
