@@ -57,7 +57,7 @@ MOST_TOKENS = {
     "tests/golden": 3200,
     "tests/host": 771,
     "tests/host/bench": 1920,
-    "tests/host/calibration": 50354,
+    "tests/host/calibration": 50247,
     "tests/host/commands": 14820,
     "tests/host/exchange": 1677,
     "tests/host/gaits": 11993,

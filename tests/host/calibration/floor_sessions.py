@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from serpenoid.calibration.kinds.instruments import FloorTools
@@ -99,3 +100,6 @@ def floor_session(
             }
             record.add("coast", cells, samples=track)
     return record.session
+
+
+short_session = partial(floor_session, bends_deg=(0.0, 45.0), speeds=(0.7, 0.9))

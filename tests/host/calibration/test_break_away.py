@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from calibration.floor_sessions import FN0, FT0, MASS, G, floor_session
+from calibration.floor_sessions import FN0, FT0, MASS, G, short_session
 from serpenoid.calibration.advising.break_away import break_away_notes, ratio
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.kinds.slide import BreakAway
@@ -13,7 +13,7 @@ from serpenoid.calibration.kinds.slide import BreakAway
 
 @pytest.fixture(scope="module")
 def session():
-    return floor_session(bends_deg=(0.0, 45.0), speeds=(0.7, 0.9))
+    return short_session()
 
 
 def checked(session, share, lambda_rad=0.0):

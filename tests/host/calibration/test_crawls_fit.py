@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from calibration.floor_sessions import MASS, TRUTH, floor_session, floor_setup, rolled_out
+from calibration.floor_sessions import MASS, TRUTH, floor_setup, rolled_out, short_session
 from refusals import refused
 from robots import gait_in_deg
 from serpenoid.calibration import speed_samples
@@ -110,7 +110,7 @@ def holds_truth(fit):
 
 @pytest.fixture(scope="module")
 def pushed():
-    session = floor_session(bends_deg=(0.0, 45.0), speeds=(0.7, 0.9))
+    session = short_session()
     return with_runs(session)
 
 
@@ -184,7 +184,7 @@ def test_predictions_take_the_amplitude_that_crawls_told(pushed, crawls_fit, mon
 
 def test_real_speeds_tell_the_amplitude() -> None:
     """Crawls by the package's own solver: joints at 94 % of their amplitude are found."""
-    session = floor_session(bends_deg=(0.0, 45.0), speeds=(0.7, 0.9))
+    session = short_session()
     robot = session.setup.robot
     model = SpeedModel(robot, ground_of(robot.links, TRUTH), GAITS[:2], (None, None))
     assert robot.links * robot.link_mass_kg == pytest.approx(MASS)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from calibration.floor_sessions import TRUTH, floor_session
+from calibration.floor_sessions import TRUTH, floor_session, short_session
 from calibration.test_dialogue import talk
 from refusals import refused
 from robots import OF_2005, gait_in_deg
@@ -79,7 +79,7 @@ def test_films_that_tell_no_gait_are_refused(rows, told) -> None:
 @pytest.fixture(scope="module")
 def filmed():
     """Return pushes and two filmed crawls at 95 % of the amplitude, speeds by the true friction."""
-    session = floor_session(bends_deg=(0.0, 45.0), speeds=(0.7, 0.9))
+    session = short_session()
     record = MemoryRecord(session.setup, session)
     ground = Ground.whole_body(6, *TRUTH)
     for gait in (GAIT, gait_in_deg(80, 75, 2 * math.pi * 0.45)):
@@ -220,7 +220,7 @@ def test_crawls_on_a_floor_that_tilts_across_are_put_right() -> None:
 
 def test_compare_holds_crawls_on_a_slope_to_the_prediction_for_level_ground(sloped) -> None:
     """The lab's crawls there and back are 8 % apart; no friction and no joint is to blame."""
-    pushed = floor_session(bends_deg=(0.0, 45.0), speeds=(0.7, 0.9), slope_rad=SLOPE_RAD)
+    pushed = short_session(slope_rad=SLOPE_RAD)
     assert sloped[0].speed_m_s > 1.08 * sloped[1].speed_m_s
     found = compare(replace(pushed, gait_runs=sloped), servo=None, samples=32)
     assert found.verdict == "agrees"

@@ -18,6 +18,7 @@ from calibration.floor_sessions import (
     forces,
     push_track,
     rolled_out,
+    short_session,
 )
 from calibration.synthetic_session import WHOLE_BODY_2005
 from calibration.synthetic_session import session as stations_session
@@ -68,7 +69,7 @@ def test_a_slide_takes_the_time_of_the_integration():
 
 def mixed_session():
     """Pushes on film, to rest and past marks; slides; stations: every term there is."""
-    filmed = floor_session(bends_deg=(0.0, 45.0), speeds=(0.7, 0.9))
+    filmed = short_session()
     setup = replace(
         floor_setup(), uncertainty=replace(floor_setup().uncertainty, belt_scale_sigma=0.02)
     )

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from calibration.floor_sessions import floor_session
+from calibration.floor_sessions import short_session
 from calibration.test_ratchet_pushes import with_backward
 from refusals import refused
 from serpenoid.calibration.advising.two_fits import two_fits, two_sessions
@@ -16,7 +16,7 @@ from serpenoid.calibration.friction_result import Estimate, WholeSnake
 
 @pytest.fixture(scope="module")
 def fit():
-    return fit_friction(floor_session(bends_deg=(0.0, 45.0), speeds=(0.7, 0.9)))
+    return fit_friction(short_session())
 
 
 def moved(fit, values):
@@ -54,7 +54,7 @@ def test_what_was_changed_is_named(fit, cause, factors) -> None:
 
 
 def test_frictions_backwards_are_compared_where_both_have_them(fit) -> None:
-    ratchet = fit_friction(with_backward(floor_session(bends_deg=(0.0, 45.0), speeds=(0.7, 0.9))))
+    ratchet = fit_friction(with_backward(short_session()))
     held = two_fits(ratchet, moved(ratchet, values_of(ratchet) * [1, 1, 1, 1, 1, 1.6]))
     assert held.causes == ("ft0_back",)
     assert len(two_fits(fit, ratchet).rows) == 4
@@ -73,7 +73,7 @@ def test_a_mass_weighed_once_explains_no_difference(fit) -> None:
 
 
 def test_two_sessions_agree_and_two_robots_are_refused() -> None:
-    one, other = (floor_session(seed, bends_deg=(0.0, 45.0), speeds=(0.7, 0.9)) for seed in (1, 2))
+    one, other = (short_session(seed) for seed in (1, 2))
     found = two_sessions(one, other)
     assert found.p_value > 0.01
     assert "agree within" in found.verdict
