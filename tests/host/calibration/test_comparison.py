@@ -57,7 +57,6 @@ def test_the_verdict_names_the_cause(fitted, amplitude, factor, verdict):
     json.dumps(found.to_dict(), allow_nan=False)
 
 
-@pytest.mark.slow
 def test_what_chance_makes_once_in_a_hundred_is_no_agreement(fitted):
     made, fit = fitted
     found = comparison.compare(measured(made, 0.885), fit, samples=24, servo=None)

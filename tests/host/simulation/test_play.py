@@ -73,7 +73,6 @@ def test_a_hair_of_play_is_none() -> None:
     assert hair.theta_rad == pytest.approx(tight.theta_rad, abs=1.5e-3)  # 5 joints
 
 
-@pytest.mark.slow
 def test_the_speed_is_that_of_the_quick_state() -> None:
     """Which has other coordinates and teeth that are rigid; 2.5 degrees halve the speed.
 
