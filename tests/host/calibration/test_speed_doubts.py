@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from types import SimpleNamespace
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import serpenoid as sn
-from command_line import serpenoid
+from command_line import answer, serpenoid
 from robots import gait_in_deg
 from serpenoid.calibration.advising import speed_doubts as room
 from serpenoid.calibration.advising.speed_doubts import speed_doubts
@@ -151,8 +150,8 @@ def test_a_gait_at_the_end_of_its_range_has_a_band(fit) -> None:
 def test_the_command_tells_it_with_a_fit_and_derivatives_alone() -> None:
     steady = "steady --alpha-deg 70 --beta-deg 75 --frequency-hz 1"
     session = f"--session {session_folder()}"
-    answer = json.loads(serpenoid(f"{steady} --json --sensitivities {session}")[1])
-    told, margins = answer["doubts"], answer["margins"]
+    doubted = answer(f"{steady} --sensitivities {session}")
+    told, margins = doubted["doubts"], doubted["margins"]
     fn0 = sn.fit_friction(sn.load_session(session_folder())).parameters["fn0"]
     assert margins["grip_sigmas"] == pytest.approx(margins["grip"] * fn0.value / fn0.sigma)
     assert margins["amplitude_sigmas"] == pytest.approx(margins["amplitude"] / 0.03)
@@ -162,6 +161,6 @@ def test_the_command_tells_it_with_a_fit_and_derivatives_alone() -> None:
     ideal = f"{steady} --servo ideal {session}"
     assert "most of it: friction" in serpenoid(f"{ideal} --sensitivities")[1]
     for plain, other in ((True, ()), (False, ("--sensitivities", "--fn0", "0.05"))):
-        found = json.loads(serpenoid(f"{ideal} --json", *other)[1])
+        found = answer(ideal, *other)
         assert "doubts" not in found
         assert ("grip_sigmas" in found["margins"]) is plain

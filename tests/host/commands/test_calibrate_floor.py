@@ -1,13 +1,12 @@
 """Sessions on a floor through the commands: begun, pushed, killed, gone on with, practised."""
 
-import json
 import math
 import re
 
 import numpy as np
 import pytest
 from calibration.floor_sessions import NEW, TRUTH, push_track
-from command_line import serpenoid
+from command_line import answer, serpenoid
 from serpenoid.calibration.session_file import load_session
 
 pytestmark = pytest.mark.usefixtures("short_curve")
@@ -117,7 +116,7 @@ def practised(tmp_path_factory):
 def test_practice_on_the_floor_tells_the_friction_that_was_to_be_found(practised):
     folder, said = practised
     assert "the truth, whole snake: ct 0.0868" in said
-    found = json.loads(run(f"fit {folder} --json"))["parameters"]
+    found = answer(f"fit {folder}")["parameters"]
     for name, true in (("ct", 0.0868), ("cn", 0.8549), ("ft0", 0.1435), ("fn0", 0.2899)):
         value = found[f"{name}_whole"]
         assert abs(value["value"] - true) < 3.5 * value["sigma"]
@@ -125,12 +124,12 @@ def test_practice_on_the_floor_tells_the_friction_that_was_to_be_found(practised
     assert "no session of practice" in run(f"calibrate practice {folder}", fails=True)
     for more in ("--pace 2", "--page"):
         told = run(f"calibrate practice {folder} --on floor {more}", fails=True)
-        assert f"{more[:6]} has no effect with --on floor" in told
+        assert f"{more.split()[0]} has no effect with --on floor" in told
 
 
 def test_advice_and_report_of_a_floor(practised, tmp_path):
     folder, _ = practised
-    advice = json.loads(run(f"advise {folder} --json --gait 70 75 0.5 --samples 16"))
+    advice = answer(f"advise {folder} --gait 70 75 0.5 --samples 16")
     best = advice["readings"][0]
     assert best["kind"] in ("coast", "slide")
     assert best["band"] < advice["band"]

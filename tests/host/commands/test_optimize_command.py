@@ -66,8 +66,8 @@ def test_what_shows_a_search_belongs_to_the_thread_that_ctrl_c_ends(monkeypatch)
         yield
 
     monkeypatch.setattr("serpenoid.commands.gaits.optimize.working", busy)
-    serpenoid(IDEAL)
-    serpenoid(f"{OPTIMIZE} 0.1,0.2")
+    serpenoid(IDEAL, check=True)
+    serpenoid(f"{OPTIMIZE} 0.1,0.2", check=True)
     monkeypatch.setattr("serpenoid.robust_gait", unreachable)
     assert serpenoid(f"{OPTIMIZE} 0.1,0.2 --robust").returncode == 1
     assert shown == ["searching"] * 2 + [f"searching, speed {k} of 2" for k in (1, 2)]
@@ -272,7 +272,8 @@ def test_a_stale_fit_is_told_once(tmp_path: Path) -> None:
     last = rows.read_text().splitlines()[-1]
     with rows.open("a") as file:
         file.write(last.replace(",kept,", ",void,") + "\n")
-    done = serpenoid(f"optimize --ground {fit} --ft0 0 --fn0 0 --speed 0.1 --servo ideal")
+    line = f"optimize --ground {fit} --ft0 0 --fn0 0 --speed 0.1 --servo ideal"
+    done = serpenoid(line, check=True)
     assert done.stderr.count("is older than the readings") == 1
 
 

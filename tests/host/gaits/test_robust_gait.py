@@ -248,3 +248,11 @@ def test_a_robust_gait_survives_robots_drawn_and_solved_elsewhere() -> None:
     assert order[int(low)] == pytest.approx(best.checked_low_m_s, abs=4 * noise)
     assert order[int(low)] > 0.09 - 4 * noise
     assert np.median(order) > 1.04 * order[int(low)]
+
+
+def test_samples_that_chance_tells_apart_are_confirmed() -> None:
+    """Two sets scatter by the square root of 2 times the error of one: 4.4 are 3.1 sigma."""
+    robust = sn.robust_gait(PAPER, VISCOUS, speed_m_s=0.1, samples=64)
+    low, error = robust.low_speed_m_s, robust.low_error_m_s
+    apart = [replace(robust, checked_low_m_s=low - k * error).confirmed for k in (0, 3.1, 4.4)]
+    assert apart == [True, True, False]

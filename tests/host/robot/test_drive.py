@@ -12,7 +12,7 @@ import time
 
 import numpy as np
 import pytest
-from command_line import program, serpenoid
+from command_line import answer, program, serpenoid
 from rich.console import Console
 from robot.fake_board import GAIT_TYPED as GAIT
 from robot.fake_board import FakeBoard, eeprom_after
@@ -45,8 +45,7 @@ def test_a_run_on_every_board(any_port, tmp_path):
 
 
 def test_the_boards_own_clock_gives_the_gaits_own_frequency():
-    args = "--port virtual:fast --duration-s 60 --json"
-    found = json.loads(serpenoid(f"drive {GAIT} {args}")[1])
+    found = answer(f"drive {GAIT} --port virtual:fast --duration-s 60")
     assert found["frames"] == 3000
     assert found["duration_s"] == pytest.approx(59.98)
     assert found["frequency_hz"] == pytest.approx(5 / (2 * math.pi), rel=1e-5)  # 2 ms steps
@@ -96,8 +95,7 @@ def test_ctrl_c_stops_the_robot_and_sums_up(duration, status):
 
 def test_a_board_that_tells_nothing_and_forgets_nobody_is_made_watchable():
     with FakeBoard(eeprom=eeprom_after("set every 0", "set silence off")) as fake:
-        args = f"--port {fake.port} --duration-s 0.5 --json"
-        assert json.loads(serpenoid(f"drive {GAIT} {args}")[1])["frames"] > 10
+        assert answer(f"drive {GAIT} --port {fake.port} --duration-s 0.5")["frames"] > 10
     assert b" set silence 2 *" in fake.received
 
 

@@ -10,7 +10,7 @@ import sys
 from types import SimpleNamespace
 
 import pytest
-from command_line import serpenoid
+from command_line import answer, serpenoid
 from robot.fake_board import FakeBoard, eeprom_after, greeting, nothing, resealed
 from serpenoid.robot import Robot
 from serpenoid.robot.tools import doctor, first_day
@@ -44,9 +44,7 @@ def fix_of(name: str, port: str | None) -> str:
 def test_ports_lists_ids_boards_and_users(plugged, tmp_path):
     with FakeBoard() as board, open(board.port, "rb"):
         plugged((board.port, 0x2341, 0x43), ("/dev/ttyS0", None, None))
-        status, said, _ = serpenoid("ports --json")
-        assert status == 0
-        mine, other = json.loads(said)["ports"]
+        mine, other = answer("ports")["ports"]
         assert (mine["usb"], mine["chip"], mine["likely_board"]) == ("2341:0043", "Arduino", True)
         assert mine["held_by"][0]["pid"] == os.getpid()
         assert (other["usb"], other["likely_board"], other["held_by"]) == (None, False, [])
@@ -58,10 +56,9 @@ def test_ports_lists_ids_boards_and_users(plugged, tmp_path):
 
 @pytest.mark.parametrize("port", ["virtual", "virtual:fast"])
 def test_nothing_is_wrong_with_the_virtual_board(port):
-    status, said, _ = serpenoid(f"doctor --port {port} --listen-s 2 --json")
-    answer = json.loads(said)
-    assert (status, answer["well"]) == (0, True)
-    names = [f["name"] for f in answer["findings"]]
+    told = answer(f"doctor --port {port} --listen-s 2")
+    assert told["well"]
+    names = [f["name"] for f in told["findings"]]
     assert names == [
         "pyserial",
         "port",
