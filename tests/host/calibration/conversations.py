@@ -31,9 +31,9 @@ _MARK = re.compile(r"\((nobody|ctrl-c|stop|left|right|\d+ s) ?(\d*)\) ?(.*)")
 
 
 class Typist:
-    """Types prepared lines, then leaves."""
+    """Types prepared lines, then leaves; a function is called for what it types."""
 
-    def __init__(self, lines: list[str], robot: Any = None):
+    def __init__(self, *lines: Any, robot: Any = None):
         self.lines, self.robot, self.t_s = deque(lines), robot, 0.0
         self.heard, self.room = "", None
 
@@ -49,6 +49,7 @@ class Typist:
             self.heard += prompt.rstrip() + "\n"
             raise EOFError
         line = self.lines.popleft()
+        line = line() if callable(line) else line
         self.heard += f"{prompt}» {line}\n"
         marked = _MARK.fullmatch(line)
         return self._marked(*marked.groups()) if marked else line
@@ -119,9 +120,9 @@ def played(path: Path) -> str:
             text += head + "\n"
             if "robot)" in head:
                 with SessionRobot("virtual:fast") as robot:
-                    text += talked(folder, head, Typist(lines, robot))
+                    text += talked(folder, head, Typist(*lines, robot=robot))
             else:
-                text += talked(folder, head, Typist(lines))
+                text += talked(folder, head, Typist(*lines))
     return text
 
 

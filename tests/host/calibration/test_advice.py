@@ -54,19 +54,6 @@ def test_advise_promises_what_compare_then_shows(weak):
         assert band == pytest.approx(half / then.speed_m_s, rel=0.25)
 
 
-@pytest.mark.slow
-def test_advise_and_compare_have_the_same_servos_in_their_band(weak):
-    kind = sn.servo("hobby")
-    told = advise(weak, [GAIT])  # any hobby servo, unless told
-    p = sn.compare(weak, gaits=[GAIT]).gaits[-1]
-    best = told.servo, p.high_all_m_s - p.low_all_m_s
-    ideal = advise(weak, [GAIT], servo=None)
-    assert (best[0], ideal.servo) == ("hobby", None)
-    typical = speed_band(sn.fit_friction(weak), GAIT, servo=kind)
-    assert told.band == pytest.approx(best[1] / 2 / p.exact_m_s, rel=1e-6)
-    assert (typical.low_m_s, typical.high_m_s) == (p.low_all_m_s, p.high_all_m_s)
-
-
 def test_no_bend_is_named_that_would_bias_and_no_speed_at_which_the_law_fails(weak):
     coarse = plain_session(World(bends_deg=(15.0,)), np.random.default_rng(1))  # 0.5 % of grade
     found = advise(coarse, [GAIT], servo=None)

@@ -221,20 +221,6 @@ def by_hand(speeds=(0.6, 0.9), bends_deg=(0.0, 20.0, 45.0), slope_rad=0.0):
 
 
 @pytest.mark.slow
-def test_tape_and_watch_tell_frictions_with_crawls_and_not_without(crawls_fit) -> None:
-    session = by_hand()
-    with refused("fit --crawls"):
-        fit_friction(session)
-    fit = crawls_fit(with_runs(session))
-    alone = MemoryRecord(floor_setup()).session
-    crawled = crawls_fit(with_runs(alone))
-    assert holds_truth(fit)
-    for name in NAMES:
-        assert fit.parameters[name].sigma < 1.15 * crawled.parameters[name].sigma  # by 1024 draws
-    assert fit.chi2 < 0.5 * fit.dof  # nothing errs
-
-
-@pytest.mark.slow
 def test_open_pushes_tell_crawls_the_floors_slope(crawls_fit) -> None:
     """By tape and watch, both ways: the slope is in the fit, and surer than before."""
     session, true = by_hand(slope_rad=0.006), 0.006

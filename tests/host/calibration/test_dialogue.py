@@ -1,11 +1,11 @@
 """The dialogue with a made-up person: every word at every prompt, typos, nobody there, a robot."""
 
 import math
-from collections import deque
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from calibration.conversations import Typist
 from robot.fake_board import eeprom_after
 from serpenoid import Ground, fit_friction
 from serpenoid.calibration.session_rows import read_events
@@ -18,28 +18,6 @@ from serpenoid.model.errors import RecordingFailed, RobotLost
 from serpenoid.robot.wire.virtual import VirtualLink
 
 
-class Person:
-    """Types prepared lines, then leaves; None stands for not answering in time."""
-
-    def __init__(self, *lines):
-        self.lines = deque(lines)
-        self.heard = ""
-
-    def say(self, text):
-        self.heard += text + "\n"
-
-    def forget(self):
-        pass
-
-    def ask(self, prompt, patience_s, tick):
-        self.heard += prompt + "\n"
-        tick()
-        if not self.lines:
-            raise EOFError
-        line = self.lines.popleft()
-        return line() if callable(line) else line
-
-
 @pytest.fixture
 def folder(tmp_path) -> Path:
     return create_session(tmp_path / "session", default_setup("made up"))
@@ -47,7 +25,7 @@ def folder(tmp_path) -> Path:
 
 def talk(folder, *lines, robot=None, **given):
     """Return what a person heard, and the session afterwards."""
-    person = Person(*lines)
+    person = Typist(*lines)
     with Journal(folder) as journal:
         Dialogue(journal, person, robot, patience_s=5, **given).run()
         return person.heard, journal.session
@@ -64,27 +42,23 @@ ZERO = ("0,1", "-0.1")
 STATION = ("", "2.0", "0.2", "", "", "keep")
 
 
-class Led:
+class Led(Typist):
     """Reads off a simulated treadmill what each prompt asks for."""
 
     def __init__(self, setup):
+        super().__init__()
         truth = Truth(Ground(0.084, 1.2, 0.14, 0.27), incline_zero_rad=math.radians(0.1))
         self.treadmill = SimulatedPerson(setup, truth, seed=4)
-        self.heard, self.cells = "", {}
 
     def told(self, session, step):
         self.step = step
         self.cells = {} if step.kind == "done" else self.treadmill.answer(step, session)
 
-    def say(self, text):
-        self.heard += text + "\n"
-
-    def forget(self):
-        pass
-
     def ask(self, prompt, patience_s, tick):
-        tick()
-        self.heard += prompt + "\n"
+        self.lines.append(self._read(prompt))
+        return super().ask(prompt, patience_s, tick)
+
+    def _read(self, prompt):
         if self.cells is None:
             return "skip"
         if "keep" in prompt:
@@ -206,7 +180,9 @@ def test_when_nobody_answers_pulses_end_and_the_pose_is_taken_again(folder, rele
     link.board.eeprom = eeprom_after(f"set released {released}")
     link.board.boot("external")
     with SessionRobot(link) as seat:
-        heard, _ = talk(folder, *ZERO, "", None, lambda: str(seat.powered), "pause", robot=seat)
+        heard, _ = talk(
+            folder, *ZERO, "", "(nobody)", lambda: str(seat.powered), "pause", robot=seat
+        )
         assert not seat.powered
     assert f"nobody answered for 5 s: {off}; the pose is to be taken again" in heard
     assert f"paused; {off}. Enter goes on" in heard

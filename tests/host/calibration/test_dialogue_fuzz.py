@@ -7,7 +7,7 @@ from collections import deque
 from dataclasses import replace
 
 import pytest
-from calibration.test_dialogue import Person
+from calibration.conversations import Typist
 from serpenoid.calibration.session_file import read_session
 from serpenoid.calibration.session_rows import reading_rows
 from serpenoid.calibration.taking.journal import Journal
@@ -95,7 +95,7 @@ def begun(tmp_path_factory, request):
 
 def talk(folder, lines):
     """Return what was heard; whatever was said to be kept is on the disk."""
-    person = Person(*lines)
+    person = Typist(*lines)
     with Journal(folder) as journal:
         Dialogue(journal, person, patience_s=5).run()
     kept = [int(n) for n in re.findall(r"kept as reading (\d+)", person.heard)]

@@ -117,30 +117,6 @@ def test_joint_fit_solves_the_whole_problem(seed, lambdas_deg):
     np.testing.assert_allclose(linear / unit, covariance / unit, rtol=0, atol=0.02)
 
 
-@pytest.fixture(scope="module")
-def many():
-    """Fit 400 made-up sessions of the 2005 procedure."""
-    rng = np.random.default_rng(2005)
-    made = setup(7.5, kind="regenerated")
-    return [fit_friction(session(made, WHOLE_BODY_2005, rng)) for _ in range(400)]
-
-
-@pytest.mark.slow
-def test_joint_intervals_hold_the_truth_as_often_as_they_say(many):
-    # The share of 400 sessions scatters by sqrt(0.95 * 0.05 / 400) = 1.1 %; three times this.
-    ends = np.array([list(fit.intervals.values()) for fit in many])
-    held = np.mean((ends[..., 0] <= TRUTH) & (ends[..., 1] >= TRUTH), axis=0)
-    assert held == pytest.approx(0.95, abs=0.033)
-
-
-@pytest.mark.slow
-def test_chi2_is_distributed_as_it_should_be(many):
-    chances = np.array([fit.p_value for fit in many])
-    # Even on 0 to 1: its mean scatters by 0.29 / sqrt(400) = 0.014; three of these. An
-    # inclinometer's rounding has the right variance but no tails, which leaves the mean alone.
-    assert np.mean(chances) == pytest.approx(0.5, abs=0.043)
-
-
 def test_bends_check_each_other():
     def known_deg(*lambdas_deg):
         fit = fit_friction(session(setup(*lambdas_deg), WHOLE_BODY_2005))

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from calibration.conversations import Typist
 from refusals import refused
 from serpenoid.calibration.crawls.filmed import crawl_cells
 from serpenoid.calibration.session import Session
@@ -26,43 +27,26 @@ from serpenoid.calibration.taking.steps import Step
 SETUP = practice_setup(default_setup("practice"), 7)
 
 
-class Typed:
-    """A terminal whose lines are given, and which keeps what is said."""
-
-    def __init__(self, *lines):
-        self.lines, self.said, self.keys = list(lines), [], {}
-
-    def say(self, text):
-        self.said.append(text)
-
-    def forget(self):
-        pass
-
-    def ask(self, prompt, patience_s, tick):
-        return self.lines.pop(0) if self.lines else None
-
-
 def practised(*lines):
-    typed = Typed(*lines)
+    typed = Typist(*lines)
     terminal = TreadmillTerminal(typed, SETUP, 7, Path("films"), lambda: [0.0] * 5, 50.0)
     return typed, terminal.room, terminal
 
 
 def test_a_gait_is_run_and_filmed_on_level_ground_by_servos(tmp_path):
     """The film is taken in as a phone's; its joints are those of a servo, not ideal ones."""
-    typed = Typed("crawl", "film")
+    typed = Typist("crawl", "film", "(nobody)", "crawl", "film")
     setup = replace(SETUP, procedure=replace(SETUP.procedure, lambda_rad=(), gait_runs=1))
     terminal = TreadmillTerminal(typed, setup, 7, tmp_path / "films", lambda: [0.0] * 5)
     assert terminal.ask("", 1.0, lambda: None) is None  # no gait is to be run yet
-    assert typed.said.count("  no gait is to be run at this step; `treadmill` lists the words") == 1
-    assert typed.said[-1] == "  the robot is not on the belt"
-    typed.lines = ["crawl", "film"]
+    assert "  no gait is to be run at this step; `treadmill` lists the words" in typed.heard
+    assert "  the robot is not on the belt" in typed.heard
     gait = setup.procedure.gaits[1]
     step = Step("gait 2.1", "gait", "", gait=gait)
     terminal.watch(Session(setup, ()), step)
     path = Path(terminal.ask("", 1.0, lambda: None))
     assert path.exists()
-    timed = re.search(r"it crawled ([\d.]+) m in ([\d.]+) s", typed.said[-2])
+    timed = re.search(r"it crawled ([\d.]+) m in ([\d.]+) s", typed.heard)
     speed = float(timed[1]) / float(timed[2])
     cells = crawl_cells(np.loadtxt(path, delimiter=",", skiprows=1), gait)
     assert cells["speed_m_s"] == pytest.approx(speed, rel=0.05)
@@ -71,7 +55,7 @@ def test_a_gait_is_run_and_filmed_on_level_ground_by_servos(tmp_path):
 
 def test_steering_words_press_the_keys():
     typed, _, terminal = practised("left 3", "left 0.5", "right", "")
-    pressed = []
+    typed.keys, pressed = {}, []
     terminal.keys = {w: lambda w=w: pressed.append(w) or w for w in ("left", "right")}
     assert terminal.ask("", 1.0, lambda: None) == ""
     assert pressed == ["left"] * 3 + ["right"]

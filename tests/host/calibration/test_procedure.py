@@ -55,37 +55,6 @@ def test_a_first_bend_is_asked_where_the_robot_of_2005_would_hold(record):
         assert found == pytest.approx(asked_deg, abs=0.01)
 
 
-class Noted(SimulatedPerson):
-    """Keeps what was typed wrong at first."""
-
-    def __init__(self, *args, **more):
-        super().__init__(*args, **more)
-        self.wrong = []
-
-    def _typed(self, step, read):
-        typed = super()._typed(step, read)
-        if typed != dict(read):
-            self.wrong.append((typed["incline_deg"], typed["belt_speed_m_s"]))
-        return typed
-
-
-@pytest.mark.slow
-def test_misreadings_out_of_line_are_read_again():
-    """All of twenty sessions: of what a person misreads, the dialogue catches most."""
-    setup = no_gaits(default_setup("made up"))
-    missed = typed_wrong = 0
-    for seed in range(20):
-        person = Noted(setup, Truth(WHOLE_BODY_2005, misreads=0.1), seed)
-        session = take_all(MemoryRecord(setup), person)
-        typed_wrong += person.misread
-        missed += sum(
-            (round(math.degrees(r.incline_rad), 4), r.belt_speed_m_s) in person.wrong
-            for r in session.kept
-        )
-    assert typed_wrong > 10
-    assert missed <= 0.3 * typed_wrong
-
-
 def test_belts_that_cannot_go_slowly_lose_stations_not_sessions():
     setup = no_gaits(default_setup("made up"))
     setup = replace(setup, treadmill=replace(setup.treadmill, belt_least_m_s=0.25))

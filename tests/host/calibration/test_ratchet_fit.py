@@ -40,18 +40,6 @@ def test_readings_without_errors_give_the_truth(method: str) -> None:
     assert [row.name for row in fit.rows()][4:] == ["ct_back_whole", "ft0_back_whole"]
 
 
-@pytest.mark.slow
-def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
-    held = []
-    for seed in range(1, 25):
-        fit = sn.fit_friction(both_ways(seed, bent_back=False))
-        ends = np.array([fit.intervals[name] for name in WANTED])
-        truth = np.array(list(WANTED.values()))
-        held.append((ends[:, 0] <= truth) & (truth <= ends[:, 1]))
-    # of 24 at 95 %: below 18 once in ten thousand
-    assert (np.sum(held, axis=0) >= 18).all()
-
-
 def test_bent_readings_one_way_are_enough() -> None:
     fit = sn.fit_friction(both_ways(bent_back=False))
     assert fit.whole_snake == pytest.approx(WANTED, rel=1e-5)

@@ -20,19 +20,15 @@ WORLDS = {
 
 
 @pytest.mark.parametrize("world", WORLDS.values(), ids=WORLDS)
-@pytest.mark.parametrize(
-    ("count", "of_all", "least"),
-    [(12, 0.85, 0.66), pytest.param(60, 0.92, 0.86, marks=pytest.mark.slow)],
-)
-def test_intervals_hold_the_truth_of_other_worlds(world, count, of_all, least):
+def test_intervals_hold_the_truth_of_other_worlds(world):
     rng = np.random.default_rng(6)
     held = []
-    for _ in range(count):
+    for _ in range(12):
         ends = np.array(list(fit_friction(plain_session(world, rng)).intervals.values()))
         held.append((ends[:, 0] <= world.truth) & (world.truth <= ends[:, 1]))
-    # 60 of a parameter scatter by 2.8 %, 12 by 6.3 %: those of 12 tell a gross error alone
-    assert np.mean(held) > of_all
-    assert np.mean(held, axis=0).min() > least
+    # 12 of a parameter scatter by 6.3 %: they tell a gross error alone
+    assert np.mean(held) > 0.85
+    assert np.mean(held, axis=0).min() > 0.66
 
 
 class Mean:

@@ -14,9 +14,6 @@ from serpenoid.calibration.kinds.places import drifts, tidy_places
 from serpenoid.calibration.kinds.station import Reading
 from serpenoid.calibration.session_file import read_session
 from serpenoid.calibration.taking.new_session import create_session, default_setup
-from serpenoid.calibration.taking.simulated import SimulatedPerson
-from serpenoid.calibration.taking.treadmill import take_all
-from simulated_sessions import MemoryRecord, drawn_truth
 
 from .synthetic_session import WHOLE_BODY_2005
 from .synthetic_session import session as made_up
@@ -161,46 +158,3 @@ def test_bad_places_are_refused_and_nothing_is_written(folder):
     assert said.returncode != 0
     assert "three places" in said.stderr
     assert not read_session(folder).readings
-
-
-def taken(number, joint_deg, short_s=4.0):
-    """Return a session of a robot whose joints are off, filmed for some seconds where it is bent.
-
-    Its wheels take part of every push, as much as wheels do that nobody weighed.
-    """
-    rng = np.random.default_rng([177, number])
-    base = default_setup("short readings")
-    errs = replace(base.uncertainty, joint_sigma_rad=math.radians(joint_deg))
-    plan = replace(base.procedure, gaits=())
-    setup = replace(
-        base, kind="simulated", uncertainty=errs, procedure=plan, stopwatch=Stopwatch(0.003, 0.03)
-    )
-    truth = drawn_truth(setup, WHOLE_BODY_2005, rng)
-    rolling = max(0.0, 0.045 + 0.03 * float(rng.normal()))
-    truth = replace(truth, short_s=short_s, rolling_kg=6 * setup.robot.link_mass_kg * rolling)
-    treadmill = SimulatedPerson(setup, truth, seed=int(rng.integers(2**31)))
-    return take_all(MemoryRecord(setup), treadmill)
-
-
-def judged(sessions):
-    """Return which intervals held the truth, and how far the values were off in their sigmas."""
-    fits = [fit_friction(session) for session in sessions]
-    ends = np.array([[fit.intervals[name] for name in NAMES] for fit in fits])
-    values = np.array([[fit.whole_snake[name] for name in NAMES] for fit in fits])
-    sigmas = np.array([np.sqrt(np.diag(fit.covariance)) for fit in fits])
-    return (ends[..., 0] <= TRUE) & (ends[..., 1] >= TRUE), (values - TRUE) / sigmas
-
-
-@pytest.mark.slow
-def test_a_robot_whose_joints_are_off_is_known_by_short_readings():
-    sessions = [taken(k, 1.0) for k in range(6)]
-    bent = [r for s in sessions for r in s.kept if r.lambda_rad]
-    assert len(bent) > 50
-    assert all(r.places for r in bent)
-    held, off = judged(sessions)
-    assert held.mean() > 0.79  # of 24, whatever a processor rounds
-    assert np.median(np.abs(off)) < 1.5
-    ignored = [
-        replace(s, readings=tuple(replace(r, places="") for r in s.readings)) for s in sessions
-    ]
-    assert judged(ignored)[0].mean() < 0.7  # drifts that change are no steady ones
