@@ -126,33 +126,6 @@ def test_robust_on_viscous_ground_by_runs_in_time() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("speed", "bend", "most"),
-    [(0.1, 7.5, 0.31), (0.05, 30, 0.25)],
-)
-def test_robust_2005_robot(speed: float, bend: float, most: float) -> None:
-    """Little more power, less where friction is known better; both faults together are borne."""
-    friction = (0.06, 0.35, 0.06, 0.13) if bend == 7.5 else (0.06, 0.036, 0.06, 0.033)
-    best = sn.robust_gait(
-        OF_2005, BINGHAM, speed_m_s=speed, uncertainty=sn.Uncertainty(friction=friction)
-    )
-    assert best.premium < most
-    assert best.low_speed_m_s > 0.899 * speed
-    assert abs(best.checked_low_m_s - best.low_speed_m_s) < 3 * best.low_error_m_s
-    assert best.checked_low_m_s != best.low_speed_m_s  # other samples
-    assert best.low_error_m_s < 0.012 * speed
-    assert best.fragile_low_m_s < best.low_speed_m_s
-    if bend != 7.5:
-        return
-    weak = replace(best.gait, alpha_rad=0.9 * best.gait.alpha_rad)
-    loose = replace(BINGHAM, fn0=0.87 * BINGHAM.fn0)
-    assert run_speed(OF_2005, loose, weak) > 0.85 * speed
-    fragile = best.fragile.gait
-    less = replace(fragile, alpha_rad=0.9 * fragile.alpha_rad)
-    assert run_speed(OF_2005, loose, less) < 0.6 * speed
-
-
-@pytest.mark.slow
 def test_no_shape_around_a_robust_gait_costs_less() -> None:
     """Brute force, all samples, no smoothing: what 25 % more power buys costs no less."""
     speed = 0.05
@@ -173,29 +146,6 @@ def test_no_shape_around_a_robust_gait_costs_less() -> None:
             low, high = (rate, high) if slow else (low, rate)
         state = sn.steady_gait(OF_2005, BINGHAM, replace(gait, omega_rad_s=high), rtol=1e-4)
         assert state.power_w > 0.985 * best.power_w
-
-
-@pytest.mark.slow
-def test_a_robust_gait_survives_a_servo_that_shakes() -> None:
-    """One known servo without a rotor: the gait costs more, and keeps the speed with it."""
-    shaking = sn.ServoKind("no rotor", sn.Servo())
-    known = {"friction": (0.01, 0.01, 0.01, 0.01), "amplitude": 0.01, "common_amplitude": 0.01}
-    plain, best = (
-        sn.robust_gait(
-            OF_2005,
-            BINGHAM,
-            speed_m_s=0.05,
-            samples=20,
-            uncertainty=sn.Uncertainty(**known, servo=servo),
-        )
-        for servo in (None, shaking)
-    )
-    robots = best.uncertainty.samples(OF_2005, BINGHAM, 16, seed=1)
-    assert speeds_of(OF_2005, best.gait, robots).min() > 0.87 * 0.05
-    assert speeds_of(OF_2005, plain.gait, robots).max() < 0.87 * 0.05
-    assert best.power_w > plain.power_w
-    assert best.checked_low_m_s == pytest.approx(0.045, rel=0.06)
-    assert "servos: no rotor" in best.uncertainty.in_words()
 
 
 def test_refusals() -> None:

@@ -123,21 +123,6 @@ def test_a_servo_does_what_its_sheet_says(row: list[str]) -> None:
     assert 0.015 < servo.gear_friction_nm / servo.torque_limit_nm < 0.13
 
 
-def test_identified_servos_have_the_motors_line_that_was_found() -> None:
-    """S / w0 = kt^2 / R of the catalogue's table, in N m s/rad, and its time constant."""
-    found = {
-        "XL-320": (0.0274, 41),
-        "XL-330": (0.0391, 51),
-        "STS3215": (0.559, 47),
-        "MX-64": (0.667, 18),
-    }
-    for name, (line, ms) in found.items():
-        servo = SERVOS[name].servo
-        ratio = servo.torque_limit_nm / servo.speed_limit_rad_s
-        assert ratio == pytest.approx(line, rel=0.005)
-        assert 1e3 * servo.armature_kg_m2 / ratio == pytest.approx(ms, abs=0.5)
-
-
 def test_draws_have_the_sigma_and_follow_torque_and_speed() -> None:
     base = sn.Servo(2.0, 0.05, 0.4, 8.0, 0.005, 2e-3, 0.02, 4e-3)
     kind = sn.ServoKind("x", base, {"torque_limit_nm": 0.3, "armature_kg_m2": 0.4})

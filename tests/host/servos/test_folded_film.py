@@ -4,24 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 import serpenoid as sn
-from command_line import answer
 from lab.filmed_robot import Motion, driven
 from robots import BINGHAM, OF_2005, gait_in_deg
 from serpenoid.calibration.kinds.tracks import Track
 from serpenoid.calibration.kinds.video import FilmReading
 from serpenoid.calibration.servos.from_runs import servo_of_session
-from serpenoid.calibration.session_file import load_session, read_session
-from serpenoid.calibration.taking.new_session import create_session, default_setup
+from serpenoid.calibration.session_file import load_session
 from serpenoid.commands.demo import session_folder
 from serpenoid.periodic.servo_steady import servo_state
 from serpenoid.servos.folded_film import Ripple, film_ripples
-from video.filming import Body, Film, Lens, write
-from video.lab_world import set_points
 
 WHOLE = sn.Ground(0.084, 1.2, 0.14, 0.27)
 GAIT = gait_in_deg(70, 75, math.tau * 0.5)
@@ -62,15 +57,6 @@ def test_a_quick_film_shows_the_ripples_that_the_state_has(runs, name, servo) ->
     for ripple, true in zip(noisy, clean, strict=True):
         assert abs(ripple.square - true.square) < 3 * ripple.sigma
         assert ripple.harmonics == true.harmonics
-
-
-def test_a_slow_film_shows_the_gaits_own_harmonics_alone(runs) -> None:
-    t, joints = filmed(runs["heavy"], every=40)
-    joints[3, 1] = math.nan  # a tag that was not seen
-    (only,) = film_ripples(t, joints, GAIT.omega_rad_s, FRAME_S)
-    (slow,) = made(HEAVY, (only,))
-    assert max(only.harmonics) * 0.5 < 15
-    assert abs(only.square - slow**2) < 3 * only.sigma < slow**2
 
 
 def test_noise_alone_is_no_ripple() -> None:
@@ -118,38 +104,3 @@ def test_a_session_tells_light_rotors_by_a_quick_film(runs) -> None:
     assert set(found.kind.drawn) == {LIGHT}
     unseen = session.with_reading(replace(film, track=None))
     assert set(servo_of_session(unseen, both, fit).kind.drawn) == {HEAVY, LIGHT}
-
-
-@pytest.mark.slow
-def test_a_film_of_240_pictures_a_second_from_pixels(tmp_path: Path) -> None:
-    """Rendered, stored as slow motion, measured by the command into a session, folded."""
-    quick = replace(GAIT, omega_rad_s=math.tau)
-    run = driven(OF_2005, WHOLE, quick, LIGHT, 2.3, 4.0)
-    centre = np.cumsum(
-        np.pad(
-            0.038 * (np.exp(1j * run.theta_rad[:, 1:]) + np.exp(1j * run.theta_rad[:, :-1])),
-            ((0, 0), (1, 0)),
-        ),
-        axis=1,
-    )
-    centre += (run.middle_m - run.middle_m[0])[:, None] - centre.mean(axis=1, keepdims=True)
-
-    def pose(at_s: float) -> tuple[np.ndarray, np.ndarray]:
-        k = min(max(round(at_s / (run.t_s[1] - run.t_s[0])), 0), len(run.t_s) - 1)
-        return np.column_stack([centre[k].real, centre[k].imag]), run.theta_rad[k]
-
-    lens = Lens((0.1, -0.3, 0.75), (0.1, 0, 0.045), 640, 360, 620, exposure_s=0.001)
-    times = np.arange(round(2.2 * 240)) / 240
-    camera = Film(lens, Body(6), pose, up=2)
-    path = write(tmp_path / "slow.mp4", [camera.frame(t) for t in times], 8 * times)
-    folder = create_session(tmp_path / "session", default_setup("filmed"))
-    set_points(quick, 6.0, tmp_path / "run.wire")
-    told = answer(f"video {path} --recording {tmp_path}/run.wire --session {folder}")
-    assert told["time_scale"] == pytest.approx(1 / 8, rel=5e-3)
-    (reading,) = read_session(folder).of("video")
-    rows = reading.track.values
-    seen = film_ripples(rows[:, 0], rows[:, 4:], reading.omega_rad_s, FRAME_S)
-    true = film_ripples(run.t_s[::5], run.joints_rad[::5], quick.omega_rad_s, FRAME_S)
-    for ripple, lab in zip(seen, true, strict=True):
-        assert ripple.square == pytest.approx(lab.square, abs=3 * ripple.sigma)
-    assert seen[1].square > 4 * seen[1].sigma

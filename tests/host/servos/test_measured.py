@@ -13,16 +13,13 @@ from command_line import serpenoid
 from lab.one_joint import ROBOT, filmed_by, shown_by
 from refusals import refused
 from robots import BINGHAM, gait_in_deg
-from serpenoid import _core
 from serpenoid.calibration.kinds.gait import GaitRun
-from serpenoid.calibration.kinds.video import FilmReading
 from serpenoid.calibration.servos.from_runs import servo_of_session
 from serpenoid.calibration.session_file import load_session
 from serpenoid.commands.demo import session_folder
 from serpenoid.lab.crawl import crawl_speed
-from serpenoid.lab.floor import Floor
 from serpenoid.lab.robot import LabRobot
-from serpenoid.periodic.servo_steady import ServoSteady, servo_state, with_servo
+from serpenoid.periodic.servo_steady import ServoSteady, with_servo
 from serpenoid.servos import bench_test
 from serpenoid.servos.bench_test import moved, servo_of_test, shown
 
@@ -64,22 +61,6 @@ def test_a_bench_test_tells_the_servo(camera, seed, monkeypatch) -> None:
     known, before = (driven(BINGHAM, kind) for kind in (found.kind, sn.servo()))
     assert known.low_m_s * 0.98 < crawls < known.high_m_s * 1.02
     assert known.high_m_s - known.low_m_s < 0.7 * (before.high_m_s - before.low_m_s)
-
-
-@pytest.mark.slow
-def test_searches_for_one_servo_agree(monkeypatch) -> None:
-    """Else each states a part of its error: variances between searches, over those inside, were 3
-    when particles moved along some of the unknowns, and are 0.02 to 0.05."""
-    monkeypatch.setattr(bench_test, "PARTICLES", 96)
-    film = filmed_by(sn.servo().draws(1, 200)[0], 200)
-    rows = {name: getattr(film, name)[:300] for name in ("t_s", "setpoint_rad", "angle_rad")}
-    means, variances = [], []
-    for seed in range(3):
-        drawn = servo_of_test(replace(film, **rows), sn.servo(), seed=seed).kind.drawn
-        logs = np.log([(s.no_load_rad_s, s.stiffness_nm_rad / s.torque_limit_nm) for s in drawn])
-        means.append(logs.mean(axis=0))
-        variances.append(logs.var(axis=0))
-    assert np.mean(np.var(means, axis=0, ddof=1) / np.mean(variances, axis=0)) < 0.3
 
 
 def test_a_table_may_have_its_setpoints_a_row_late() -> None:
@@ -148,50 +129,6 @@ def test_a_session_without_runs_tells_no_servo() -> None:
     session = load_session(session_folder())
     with refused("no gait run and no film"):
         servo_of_session(session, sn.servo(), sn.fit_friction(session))
-
-
-@pytest.mark.slow
-def test_a_film_of_a_session_tells_how_far_the_joints_go(tmp_path: Path, monkeypatch) -> None:
-    """A slow servo, filmed by the lab; its speed alone leaves the amplitude open to 0.07."""
-    typical = sn.servo().servo
-    slow = replace(typical, speed_limit_rad_s=5.8, damping_nms_rad=typical.damping_nms_rad * 1.2)
-    fit = sn.fit_friction(load_session(session_folder()))
-    quick = replace(GAIT, omega_rad_s=math.tau)
-    gains, v = gains_of(fit, quick, slow), crawled(fit, quick, slow)
-    film = FilmReading(
-        99,
-        quick.alpha_rad,
-        quick.beta_rad,
-        quick.omega_rad_s,
-        v,
-        0.01 * v,
-        0.0,
-        0.005,
-        ",".join(f"{g:.4f}" for g in gains),
-        "0,0,0,0,0",
-        "cd" * 32,
-    )
-    with_film = load_session(session_folder()).with_reading(film)
-    monkeypatch.setattr(sn, "load_session", lambda _: with_film)
-    out = tmp_path / "slow.toml"
-    told = serpenoid(f"servo --session {session_folder()} --out {out}", check=True)
-    assert f"Written: {out}" in told.stdout.replace("\n", "")
-    ideal = sn.steady_gait(fit.robot, fit.ground, quick, rtol=1e-3, powers=False)
-    seen = [servo_state(ideal, one, rough=True).amplitude for one in sn.servo(out).drawn]
-    assert gains.mean() < 0.85
-    assert np.mean(seen) == pytest.approx(gains.mean(), abs=0.03)
-    assert np.std(seen) < 0.05
-
-
-def gains_of(fit: sn.FrictionFit, gait: sn.Gait, servo: sn.Servo) -> np.ndarray:
-    """Return the joints' amplitudes over the gait's, of the lab's robot after two cycles, (n-1,)"""
-    told = _core.firmware.gait_setpoints_rad(
-        gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, frames=200, joints=5
-    )
-    robot = LabRobot.whole(fit.robot, sn.Ground(*fit.whole_snake.values()), servo=servo)
-    track, joints = Floor(robot).run_servos(np.array(told))
-    wave = np.exp(-1j * gait.omega_rad_s * track.t_s[100:, None])
-    return 2 * np.abs(np.mean(joints[100:] * wave, axis=0)) / gait.alpha_rad
 
 
 @pytest.mark.slow
