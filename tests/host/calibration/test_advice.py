@@ -11,7 +11,6 @@ from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
 from refusals import refused
 from robots import gait_in_deg
 from serpenoid.calibration.advice import advise
-from serpenoid.calibration.advising.stations import places
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.station import Reading
 from serpenoid.calibration.speed_samples import speed_band
@@ -86,18 +85,6 @@ def test_a_gait_run_counts_once_for_what_runs_share(weak):
     assert after.band == pytest.approx(before.best.band, rel=0.1)
     again = [r for r in after.readings if r.kind == "gait"]
     assert again[0].band > 0.9 * after.band
-
-
-def test_the_bend_that_the_robot_lies_in_stands_for_one_as_good(weak):
-    *others, last = weak.readings
-    bent = weak.setup.procedure.bend
-    lies = replace(last, lambda_rad=math.radians(15.2), bend=bent)
-    session = replace(weak, readings=(*others, lies))
-    whole = np.array(
-        [WHOLE_BODY_2005.ct, WHOLE_BODY_2005.cn, WHOLE_BODY_2005.ft0, WHOLE_BODY_2005.fn0]
-    )
-    found = places(session, whole, np.radians([0.0, 15.0, 30.0]))
-    assert {round(math.degrees(series.lambda_rad), 6) for series, _, _ in found} == {0, 15.2, 30}
 
 
 def test_no_gait_is_refused(weak):

@@ -13,7 +13,7 @@ from robots import BINGHAM
 from serpenoid.calibration import comparison, verdict
 from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.kinds.gait import GaitRun
-from serpenoid.calibration.speed_samples import SpeedSamples, sample_speeds, speed_band
+from serpenoid.calibration.speed_samples import SpeedSamples, speed_band
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
 
@@ -116,17 +116,6 @@ def test_without_runs_it_predicts_and_says_what_servos_cannot_run(fitted):
     assert told.to_dict()["low_m_s"] is None
     with refused("no gait run and no gait planned"):
         comparison.compare(made, fit)
-
-
-def test_the_band_is_skewed_where_wheels_stick():
-    fit = sn.fit_friction(session(setup(7.5), WHOLE_BODY_2005))
-    drawn = sample_speeds(fit, [gait(2 * math.pi * 0.25)], count=64)
-    low, middle, high = np.quantile(drawn.friction_m_s[:, 0], [0.025, 0.5, 0.975])
-    # 0.015 to 0.052 m/s for one interval of fn0: the curve hugs the upper edge
-    assert high - middle < 0.15 * (middle - low)
-    assert drawn.both_m_s is drawn.friction_m_s or np.array_equal(
-        drawn.both_m_s, drawn.friction_m_s
-    )
 
 
 def test_springs_that_never_settle_do_not_withhold_the_rest(fitted, monkeypatch):

@@ -13,7 +13,6 @@ from robots import gait_in_deg
 from serpenoid.calibration import speed_samples
 from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.crawls.posterior import Beforehand, CrawlPosterior
-from serpenoid.calibration.fit_file import load_fit, save_fit
 from serpenoid.calibration.fitting.posterior import Posterior
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import NAMES, ground_of
@@ -152,18 +151,6 @@ def test_crawls_alone_say_that_they_tell_speeds_only(monkeypatch) -> None:
     assert fit.dof == len(GAITS)
     with refused("4 gaits at least"):
         fit_friction(replace(session, gait_runs=session.gait_runs[:2]), crawls=True)
-
-
-def test_draws_are_kept_in_the_file_and_with_the_crawls_they_rest_on(
-    pushed, crawls_fit, tmp_path
-) -> None:
-    fit = crawls_fit(pushed)
-    kept = load_fit(save_fit(fit, tmp_path / "f.json"))
-    np.testing.assert_array_equal(kept.draws.rows, fit.draws.rows)
-    np.testing.assert_allclose(kept.sample_whole(64), fit.sample_whole(64), rtol=1e-5)
-    other = replace(pushed, gait_runs=pushed.gait_runs[1:])
-    assert fit.session_sha256 == pushed.sha256_with_crawls != other.sha256_with_crawls
-    assert pushed.sha256 == other.sha256
 
 
 def test_predictions_take_the_amplitude_that_crawls_told(pushed, crawls_fit, monkeypatch) -> None:

@@ -12,7 +12,6 @@ from robots import gait_in_deg
 from serpenoid.calibration.crawls.level import on_level, sloped_speed
 from serpenoid.calibration.friction_result import Estimate, ground_of
 from serpenoid.calibration.kinds.gait import GaitRun
-from serpenoid.calibration.kinds.video import FilmReading
 from serpenoid.calibration.speeds import GRAIN, SpeedModel, scaled, speed
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
@@ -44,27 +43,6 @@ def test_a_weak_servo_does_not_follow_a_larger_amplitude() -> None:
 def test_a_crawl_up_no_slope_is_the_periodic_state(servo: Servo) -> None:
     found, _ = sloped_speed(ROBOT, GROUND, FAST, (0.0, 0.0), servo)
     assert found == pytest.approx(speed(ROBOT, GROUND, FAST, servo), rel=0.01)
-
-
-def test_a_slope_acts_on_joints_as_they_were_filmed() -> None:
-    """Joints that made 0.7 of their amplitude: a slope slows them more than commanded ones."""
-    asked = gait_in_deg(70, 60, 2 * math.pi * 0.8)
-    shifts = ",".join("0" * 5)
-    film = FilmReading(
-        *(1, asked.alpha_rad, asked.beta_rad, asked.omega_rad_s, 0.1, 0.001, 0.0, 0.003),
-        *(",".join(["0.7"] * 5), shifts, "hash"),
-        way="there",
-    )
-    session = replace(MemoryRecord(floor_setup()).session, further=(film,))
-    put_right = on_level(session, ROBOT, GROUND, (Estimate(0.003, 1e-6), LEVEL)).kept_films[0]
-    level, gait = put_right.speed_m_s, film.gait
-    slower, commanded = (
-        sloped_speed(ROBOT, GROUND, g, (-0.003, 0.0))[0]
-        / sloped_speed(ROBOT, GROUND, g, (0.0, 0.0))[0]
-        for g in (gait, asked)
-    )
-    assert level == pytest.approx(0.1 / slower, rel=1e-6)
-    assert abs(slower - 1.0) > 1.5 * abs(commanded - 1.0)
 
 
 def test_a_slope_with_a_weak_servo_is_that_of_the_lab() -> None:

@@ -14,7 +14,7 @@ from serpenoid.calibration.taking.new_session import create_session, default_set
 from serpenoid.calibration.taking.person.dialogue import Dialogue
 from serpenoid.calibration.taking.person.session_robot import SessionRobot
 from serpenoid.calibration.taking.simulated import SimulatedPerson, Truth
-from serpenoid.model.errors import RecordingFailed, RobotLost
+from serpenoid.model.errors import RobotLost
 from serpenoid.robot.wire.virtual import VirtualLink
 
 
@@ -93,22 +93,6 @@ def test_undoing_a_skip_heeds_no_clock(folder, monkeypatch):
     heard, session = talk(folder, "", "skip", "undo")
     assert "no longer left out: station at" in heard
     assert len(session.kept) == 1
-
-
-def test_a_full_disk_is_told_and_the_next_reading_kept(folder, monkeypatch):
-    from serpenoid.calibration.taking import journal as module
-
-    real, full = module.append_line, [True]
-
-    def append(path, line):
-        if full.pop() if full else False:
-            raise RecordingFailed("No space left on device: this is not saved, all before it is")
-        real(path, line)
-
-    monkeypatch.setattr(module, "append_line", append)
-    heard, session = talk(folder, *ZERO, *ZERO)
-    assert "No space left on device: this is not saved, all before it is" in heard
-    assert len(session.zeros) == 1
 
 
 def test_steering_is_slow_and_poses_are_as_quick_as_the_board_has_it():

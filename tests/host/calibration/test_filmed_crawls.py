@@ -181,22 +181,6 @@ def sloped():
     )
 
 
-def test_crawls_on_a_slope_are_put_right_by_the_slope_that_pushes_told(sloped) -> None:
-    """What the lab's robot does, there, back or both, against the level state."""
-    body, ground = OF_2005, Ground.whole_body(6, *TRUTH)
-    level = speed(body, ground, GAIT)
-    assert sloped[0].speed_m_s > 1.05 * level
-    assert sloped[1].speed_m_s < 0.95 * level
-    session = replace(floor_session(), gait_runs=sloped)
-    sure, loose = (
-        on_level(session, body, ground, (Estimate(SLOPE_RAD, sigma), LEVEL)).gait_runs
-        for sigma in (1e-5, 0.002)
-    )
-    for known, unsure in zip(sure, loose, strict=True):
-        assert known.speed_m_s == pytest.approx(level, rel=0.01)
-        assert unsure.speed_sigma_m_s > 1.5 * known.speed_sigma_m_s
-
-
 def test_crawls_on_a_floor_that_tilts_across_are_put_right() -> None:
     """The robot turns downhill and goes faster there and back alike: a mean of both is too fast."""
     body, ground, across_rad = OF_2005, Ground.whole_body(6, *TRUTH), 0.007

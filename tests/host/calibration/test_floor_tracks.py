@@ -147,13 +147,6 @@ def test_the_scatter_of_a_robot_at_rest_is_no_push(tmp_path):
         assert len(keep_pushes(journal, rows, {"lambda_deg": 0.0})) == 1
 
 
-def test_pushes_all_one_way_are_told_from_the_picture(tmp_path):
-    rows = several((1, 1, -1))
-    with Journal(create_session(tmp_path / "s", floor_setup())) as journal:
-        kept = keep_pushes(journal, rows, {"lambda_deg": 0.0})
-    assert [k.way for k in kept] == ["there", "there", "back"]
-
-
 def test_a_doubtful_push_is_kept_and_void(tmp_path):
     short = filmed(4, 0.3)[0]
     with Journal(create_session(tmp_path / "s", floor_setup())) as journal:

@@ -14,7 +14,6 @@ from refusals import refused
 from robots import NIRAKH_2005
 from serpenoid.calibration.friction_fit import (
     fit_friction,
-    friction_points,
 )
 from serpenoid.calibration.friction_result import NAMES
 from serpenoid.calibration.session_file import load_session
@@ -129,33 +128,6 @@ def test_bends_check_each_other():
     assert max(known_deg(7.5, 15.0, 30.0)[:2]) < 0.3
 
 
-def test_the_inclinometers_zero_moves_the_papers_ft0_by_its_share():
-    exact = session(setup(7.5), WHOLE_BODY_2005)
-    off = [replace(r, incline_rad=r.incline_rad + math.radians(0.1)) for r in exact.readings]
-    fit = fit_friction(replace(exact, readings=tuple(off)), method="naive")
-    # m g cos(gamma) * 0.1 deg = 4.448 N * 1.745e-3 = 7.76e-3 N, 5.5 % of 0.14 N.
-    assert fit.whole_snake["ft0"] - WHOLE_BODY_2005.ft0 == pytest.approx(7.76e-3, rel=0.01)
-
-
-def test_drift_is_taken_off_the_belt_speed():
-    exact = session(setup(7.5), WHOLE_BODY_2005)
-    drifting = exact
-    for k, reading in enumerate(exact.readings):
-        drift = 0.05 * (-1) ** k * reading.belt_speed_m_s
-        speed = reading.belt_speed_m_s + drift
-        drifting = changed(drifting, k, belt_speed_m_s=speed, drift_m_s=drift)
-    # The same slip speeds but for round-off, which the solver's tolerances of 1e-12 top.
-    np.testing.assert_allclose(values(fit_friction(drifting)), TRUTH, rtol=1e-9)
-
-
-def test_a_voided_reading_counts_as_absent():
-    made = session(setup(7.5), WHOLE_BODY_2005, np.random.default_rng(3))
-    voided = changed(made, 2, voided=True, incline_rad=0.5)
-    without = replace(made, readings=made.readings[:2] + made.readings[3:])
-    np.testing.assert_array_equal(values(fit_friction(voided)), values(fit_friction(without)))
-    assert any("voided" in note for note in fit_friction(voided).notes)
-
-
 @pytest.mark.parametrize("index", range(11))
 @pytest.mark.parametrize("method", ["joint", "naive"])
 def test_chi2_tells_a_gross_outlier(index, method):
@@ -192,16 +164,6 @@ def test_too_little_to_fit_is_refused(spoil, says):
 def test_a_misspelt_method_is_refused():
     with refused(r"'jiont'.*joint, robust, naive"):
         fit_friction(load_session(NIRAKH_2005), method="jiont")
-
-
-def test_points_lie_on_the_lines():
-    made = load_session(NIRAKH_2005)
-    points = friction_points(made, fit_friction(made))
-    # Rounding of a speed by 5e-7 m/s against forces of 0.1 to 0.4 N; Eq. 61 divides by 0.13.
-    speed, force = points["straight"]
-    np.testing.assert_allclose(force, 0.084 * speed + 0.14, rtol=1e-6)
-    speed, force = points["bent"]
-    np.testing.assert_allclose(force, 1.2 * speed + 0.27, rtol=1e-5)
 
 
 def test_result_is_frozen_and_goes_to_json():

@@ -46,18 +46,6 @@ def test_a_corrected_mass_holds_for_readings_taken_before(folder):
     assert before.session_sha256 != after.session_sha256
 
 
-def test_an_unweighed_robot_is_told_of_in_the_fit(folder):
-    with Journal(folder) as journal:
-        setup = replace(journal.session.setup, weighed=False)
-        for bend, incline, belt in ((0, 2, 0.3), (0, 3, 1.0), (15, 3.0, 0.1), (15, 4.0, 0.5)):
-            cells = {"lambda_deg": bend, "incline_deg": incline, "belt_speed_m_s": belt}
-            journal.add("station", cells | {"drift_m_s": 0.0})
-        fit = fit_friction(replace(journal.session, setup=setup))
-    assert any("was not weighed" in note for note in fit.notes)
-    # frictions go as the weight, of which an assumption is known to 5 %
-    assert all(friction.sigma > 0.049 * friction.value for friction in fit.parameters.values())
-
-
 def test_amendments_are_read_with_units_and_words_quoted():
     assert amendment("laboratory.surface = rubber belt") == 'laboratory.surface = "rubber belt"'
     assert amendment("plan.lambda_deg=[0, 15]") == "plan.lambda_deg = [0, 15]"

@@ -20,20 +20,3 @@ def test_after_a_kill_a_held_pose_is_let_go():
     link.board.run(0.2 * LIMP_S)
     assert link.board.state == "idle"
     assert not any(link.board.pulses_us)
-
-
-def test_after_a_kill_on_the_way_to_a_bend_the_robot_goes_straight_and_is_let_go():
-    link = VirtualLink(fast=True)
-    robot = SessionRobot(link)
-    robot.__enter__()
-    robot._robot.set("pose_speed", 5.0)  # so that it takes some ten seconds
-    robot._robot.bent(0.26)
-    link.board.run(2.5)
-    assert link.board.state == "safing"  # the silence of a robot that moves
-    link.board.run(20.0)
-    assert link.board.state == "safe"
-    assert max(map(abs, link.board.setpoints_rad)) < 1e-3
-    assert all(link.board.pulses_us)
-    link.board.run(0.5 * LIMP_S)
-    assert link.board.state == "idle"
-    assert not any(link.board.pulses_us)

@@ -8,10 +8,8 @@ import pytest
 from refusals import refused
 from serpenoid.calibration.kinds.declaration import in_si
 from serpenoid.calibration.kinds.instruments import Stopwatch
-from serpenoid.calibration.kinds.rows import cells_of
 from serpenoid.calibration.kinds.station import Reading
 from serpenoid.calibration.session_file import read_session
-from serpenoid.calibration.session_rows import reading_rows
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.calibration.taking.parse_number import read_cells
@@ -91,15 +89,6 @@ def test_a_belt_check_tells_the_scale(folder):
         with refused(r"3.6 times as fast as it showed.*check the units"):
             journal.add("belt", cells | {"distance_m": 90.0})
         assert replace(check, voided=True, distance_m=90.0).scale == pytest.approx(3.6)
-
-
-def test_cells_are_kept_as_tidy_words_so_that_a_sheet_is_known_again(folder):
-    cells = ["lambda_deg=0", "incline_deg=2.3", "belt_speed_m_s=0.4", "places=0:0 2:0.045 4:0.13"]
-    with Journal(folder) as journal:
-        read = read_cells("station", cells, journal.session.setup)
-        journal.add("station", read)
-        (row,) = reading_rows(folder).values()
-    assert cells_of(row)["places"] == read["places"]
 
 
 def test_per_cents_are_read_as_files_of_before_were() -> None:

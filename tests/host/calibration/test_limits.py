@@ -13,11 +13,7 @@ from serpenoid.calibration import comparison
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.station import Reading
 from serpenoid.calibration.session import Session
-from serpenoid.calibration.taking.new_session import default_setup
-from serpenoid.calibration.taking.simulated import SimulatedPerson, Truth
-from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.show import report
-from simulated_sessions import MemoryRecord
 
 SETUP = setup(15.0)
 
@@ -96,12 +92,3 @@ def test_compare_has_a_verdict_for_a_robot_on_ball_bearings():
 
 def fitted_ct(session):
     return sn.fit_friction(session).whole_snake["ct"]
-
-
-def test_the_lab_has_robots_on_ball_bearings():
-    """The treadmill's steps change a straight robot's speed by all that the belt has: it skips."""
-    base = default_setup("bearings")
-    base = replace(base, procedure=replace(base.procedure, gaits=()))
-    truth = Truth(Ground(0.0, 1.2, 0.14, 0.27))
-    taken = take_all(MemoryRecord(base), SimulatedPerson(base, truth, seed=3))
-    assert sum(r.lambda_rad > 0 for r in taken.kept) > 5

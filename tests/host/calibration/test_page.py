@@ -223,27 +223,6 @@ def milliseconds(work):
     return 1e3 * (time.monotonic() - begun)
 
 
-def test_stop_reaches_the_moving_robot_within_200_ms():
-    """From the request to a board that moves no more, while the dialogue's thread talks to it."""
-    with SessionRobot("virtual") as seat, Page(HTML, seat.halt) as page:
-
-        def plain():
-            return milliseconds(lambda: (ask(page), seat.tick()))
-
-        def press():
-            seat.release()
-            seat.go(GAIT)
-            assert seat._robot.status().state == "gait"
-            talk = threading.Thread(target=lambda: [seat.tick() for _ in range(20)])
-            talk.start()
-            took_ms = milliseconds(lambda: press_stop(page))
-            talk.join()
-            assert seat._robot.status().state == "hold"
-            return took_ms
-
-        assert in_time(plain, press)
-
-
 @pytest.fixture(scope="module")
 def browser():
     with Browser() as made:

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from robots import NIRAKH_2005, PAPER, VISCOUS, gait_in_deg
-from serpenoid.calibration import speed_samples, speeds
 from serpenoid.calibration.prediction import one_cycle, predict
 
 
@@ -86,17 +85,3 @@ def test_mean_speed_over_a_cycle_is_the_periodic_states() -> None:
     # 600 steps of RK4 a period, 120 of them recorded
     speeds = run.mean_speed_m_s(gait.period_s)[::120]
     assert speeds == pytest.approx([state.speed_m_s] * 3, rel=1e-6)
-
-
-def test_drawn_amplitudes_have_the_sigma_that_was_given(fit, monkeypatch) -> None:
-    """With the amplitude in place of the speed, the samples are the amplitudes themselves."""
-    monkeypatch.setattr(
-        speeds,
-        "drawn_speeds",
-        lambda robot, near, draws, unfound: np.array([gait.alpha_rad for _, gait in draws]),
-    )
-    gait = sn.Gait(0.5, 1.2, 3.0)
-    drawn = speed_samples.sample_speeds(fit, [gait], amplitude_sigma=0.04, count=512)
-    ratio = drawn.both_m_s[:, 0] / gait.alpha_rad
-    assert (ratio.mean(), ratio.std()) == pytest.approx((1.0, 0.04), rel=0.02)
-    assert (drawn.friction_m_s == gait.alpha_rad).all()

@@ -61,18 +61,6 @@ def test_a_way_that_was_not_read_is_named(keeps, said: str) -> None:
         replace(session.readings[0], facing="left")
 
 
-def test_samples_files_and_speeds_know_both_ways(tmp_path) -> None:
-    fit = sn.fit_friction(both_ways(5))
-    assert all(ground.ratchet for ground in fit.sample(8))
-    assert fit.sample_whole(8).shape == (8, 6)
-    back = sn.load_fit(sn.save_fit(fit, tmp_path / "fit.json"))
-    assert back.to_dict() == fit.to_dict()
-    assert back.ground == fit.ground
-    gait = gait_in_deg(70, 75, 3.0)
-    speed = sn.steady_gait(fit.robot, fit.ground, gait, rtol=1e-4).speed_m_s
-    assert speed > 0.05
-
-
 def test_points_and_advice_know_both_ways() -> None:
     session = both_ways(7)
     fit = sn.fit_friction(session)

@@ -18,8 +18,6 @@ from serpenoid.calibration.taking.sheet import sheet_text
 from serpenoid.calibration.taking.simulated import SimulatedPerson
 from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.calibration.taking.world import Truth
-from serpenoid.lab.floor import Floor, Push
-from serpenoid.lab.robot import LabRobot
 from serpenoid.model.gait import Gait
 from simulated_sessions import MemoryRecord
 
@@ -103,11 +101,3 @@ def test_the_plan_of_a_ratchet_asks_for_both_and_a_person_can_do_it() -> None:
     assert "head first" in next_step(started, posed_deg=0.0).say
     done = replace(taken, further=tuple(p for p in taken.further if p not in tail))
     assert "TAIL FIRST" in next_step(done, posed_deg=0.0).say
-
-
-def test_a_robot_pushed_tail_first_rolls_backwards() -> None:
-    """In the lab: with friction forwards only, it rolls tail first for good."""
-    body = floor_setup().robot
-    robot = LabRobot.whole(body, Ground((0.0, 0.5), 1.0, (0.0, 0.5), 1.0))
-    track = Floor(robot).push([0.0] * 5, Push(0.5, tail_first=True))
-    assert 0.15 < track.x_m[-1] - track.x_m[0] < 0.6

@@ -55,28 +55,11 @@ def test_the_2005_session_is_what_the_paper_describes():
     )
 
 
-def test_every_2005_reading_balances_gravity_and_the_published_lines():
-    session = load_session(NIRAKH_2005)
-    for reading in session.kept:
-        c, s, v = math.cos(reading.lambda_rad), math.sin(reading.lambda_rad), reading.slip_speed_m_s
-        tangential_n, normal_n = 0.084 * v * c + 0.14, 1.2 * v * s + 0.27  # Eqs. 59 and 62
-        pull_n = session.setup.weight_n * math.sin(reading.incline_rad)
-        # A speed rounded by 5e-7 m/s times a slope of about 0.1 N s/m.
-        assert tangential_n * c + normal_n * s == pytest.approx(pull_n, abs=1e-7)
-
-
 def test_regenerating_gives_the_committed_file():
     spec = importlib.util.spec_from_file_location("regenerate", NIRAKH_2005 / "regenerate.py")
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)
     assert script.text() == (NIRAKH_2005 / "readings.csv").read_text(encoding="utf-8")
-
-
-def test_columns_may_stand_in_any_order(folder):
-    path = folder / "readings.csv"
-    lines = [line.split(",") for line in path.read_text().splitlines()]
-    path.write_text("\n".join(",".join(reversed(cells)) for cells in lines))
-    assert load_session(folder).readings == load_session(NIRAKH_2005).readings
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,6 @@ from robots import NIRAKH_2005
 from serpenoid import fit_friction, load_session
 from serpenoid.calibration.fitting.stations import Stations
 from serpenoid.calibration.kinds.checks import ZeroReading
-from serpenoid.calibration.kinds.instruments import Uncertainty
 from serpenoid.calibration.kinds.rows import READING_COLUMNS
 from serpenoid.calibration.session_file import read_session
 from serpenoid.calibration.session_rows import EVENT_COLUMNS, read_events
@@ -142,18 +141,6 @@ def test_a_zero_that_moved_by_more_than_its_errors_is_followed(folder):
     assert session.sha256 != replace(session, zeros=(before, replace(after, number=6))).sha256
     fit = fit_friction(replace(load_session(NIRAKH_2005), zeros=(before, after)))
     assert "drifted evenly" in " ".join(fit.notes)
-
-
-def test_a_reading_knows_the_instruments_it_was_taken_with(folder):
-    append(folder, reading(1), reading(2, setup=2))
-    append(
-        folder, event("amend", detail='"instruments.belt_speed_sigma_m_s = 0.05"'), to="events.csv"
-    )
-    session = load_session(folder)
-    assert [r.uncertainty.belt_speed_sigma_m_s for r in session.readings] == [0.01, 0.05]
-    assert isinstance(session.readings[0].uncertainty, Uncertainty)
-    assert session.setup.uncertainty.belt_speed_sigma_m_s == 0.05
-    assert session.setup.uncertainty.lambda_sigma_rad == math.radians(0.5)  # left as it was
 
 
 @pytest.mark.parametrize(

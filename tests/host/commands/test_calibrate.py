@@ -112,29 +112,6 @@ def test_readings_are_added_redone_voided_and_restored(folder):
 GAIT = "alpha_deg=70 beta_deg=75 distance_m=1 duration_s=10"
 
 
-@pytest.mark.parametrize(("rate", "omega"), [("0.5", math.pi), ("0.5Hz", math.pi), ("2 rad/s", 2)])
-def test_a_gaits_rate_is_typed_in_hz(folder, rate, omega):
-    assert calibrate(f"add {folder} gait {GAIT} 'frequency_hz={rate}'")[0] == 0
-    assert load_session(folder).gait_runs[0].omega_rad_s == pytest.approx(omega)
-
-
-@pytest.mark.parametrize(
-    ("rates", "says"),
-    [
-        ("frequency_hz=1 omega_rad_s=6.28", "frequency_hz and omega_rad_s: one quantity"),
-        ("omega_rad_s=3 omega_rad_s=6", "omega_rad_s: one quantity is given twice"),
-        ("", "omega_rad_s is ''"),
-        ("frequency=1", "omega_rad_s (or frequency_hz)"),
-        ("frequency_hz=0", "0 rad/s cannot be"),
-    ],
-)
-def test_one_rate_is_given_and_no_more(folder, rates, says):
-    before = (folder / "readings.csv").read_bytes()
-    status, _, err = calibrate(f"add {folder} gait {GAIT} {rates}")
-    assert (status, says in err) == (2, True), err
-    assert (folder / "readings.csv").read_bytes() == before
-
-
 def test_a_plan_and_a_script_take_hz(folder, tmp_path):
     """A planned gait, one of a list; each with exactly one rate."""
     with Journal(folder) as journal:
@@ -209,28 +186,6 @@ def test_a_new_session_needs_answers_and_a_free_place(tmp_path, folder):
     assert calibrate(f"new {other} --template {folder}")[0] == 0
     assert load_setup(other).surface == "belt"
     assert "no session here" in calibrate(f"void {tmp_path} 1")[2]
-
-
-def test_a_sheet_is_printed_and_taken_in_once(folder, tmp_path):
-    page = tmp_path / "sheet.html"
-    assert calibrate(f"sheet {folder} --out {page}")[0] == 0
-    text = page.read_text()
-    assert "joints from the tail at -60, +30, 0, -30, +60°" in text
-    assert "between the last two links at either end shows 120°" in text
-    path = tmp_path / "typed.csv"
-    path.write_text(
-        "kind;lambda_deg;incline_percent;belt_speed_km_h;drift_m_s;comment\n"
-        "station;0;4,0;1,8;;\nstation;0;4,5;2,9;0,01;shaky\n"
-    )
-    status, out, err = calibrate(f"add {folder} --sheet {path}")
-    assert (status, "semicolons" in err) == (0, True)
-    assert out.startswith("2 reading(s) added")
-    kept = load_session(folder).kept
-    assert kept[0].belt_speed_m_s == pytest.approx(0.5)
-    assert (kept[1].drift_m_s, kept[1].comment) == (0.01, "shaky")
-    assert kept[1].incline_rad == pytest.approx(0.0449697, abs=1e-6)  # atan 0.045
-    again = calibrate(f"add {folder} --sheet {path}")
-    assert (again[0], "nothing is added twice" in again[2]) == (2, True)
 
 
 def test_a_sheet_that_was_cut_short_is_gone_on_with(folder, tmp_path):

@@ -10,9 +10,8 @@ from click.testing import CliRunner
 from command_line import answer, serpenoid
 from robots import NIRAKH_2005
 from serpenoid.commands.main import cli
-from serpenoid.commands.options import as_typed, make_robot
+from serpenoid.commands.options import as_typed
 from serpenoid.model.errors import BadInput
-from serpenoid.model.robot import Robot
 
 SHAPE = "--alpha-deg 30 --beta-deg 80"
 GAIT = f"{SHAPE} --omega-rad-s 5"
@@ -126,13 +125,3 @@ def test_a_mass_in_grams_is_doubted_when_it_is_amended(tmp_path: Path) -> None:
     serpenoid(f"calibrate new --defaults {folder}", check=True)
     told = warned(f"calibrate amend {folder} robot.mass_kg=480")
     assert "the mass-kg now: 80 kg for one link" in told
-
-
-def test_a_uniform_rod_of_another_length_stays_one() -> None:
-    given = dict.fromkeys(option.name for option in cli.commands["steady"].params)
-    robot, _ = make_robot(given | {"link_length_m": 0.2, "preset": "paper"})
-    assert robot == Robot(6, 1.0, 0.2)
-    robot, _ = make_robot(
-        given | {"link_length_m": 0.2, "link_inertia_kg_m2": 0.01, "preset": "paper"}
-    )
-    assert robot == Robot(6, 1.0, 0.2, 0.01)

@@ -54,16 +54,6 @@ def test_a_wave_crawls_both_ways_and_stillness_does_not() -> None:
     assert abs(crawl(1.4, alpha_rad=0.0)) < 0.01
 
 
-def test_the_same_seed_is_the_same_episode() -> None:
-    seen = []
-    for _ in range(2):
-        env = SnakeEnv(ground=sn.Ground(0.014, 0.2, 0.02, 0.04))
-        first, _ = env.reset(seed=7)
-        seen.append((first, env.step(np.full(5, 0.5, np.float32))[0]))
-    assert np.array_equal(seen[0][0], seen[1][0])
-    assert np.array_equal(seen[0][1], seen[1][1])
-
-
 def test_a_folded_joint_and_a_late_hour_end_an_episode() -> None:
     env = SnakeEnv(torque_nm=1.0, episode_s=0.04)
     env.reset(seed=1)

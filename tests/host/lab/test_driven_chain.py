@@ -85,21 +85,6 @@ def test_without_friction_momentum_stays_and_servos_work_becomes_motion(rolling_
     assert missing[2] < 0.35 * missing[0]
 
 
-@pytest.mark.parametrize(
-    ("servo", "within"),
-    [
-        (SERVO, 0.006),
-        (replace(SERVO, update_hz=0.0, supply_sag=0.2, gear_friction_nm=0.0), 0.006),
-        (Servo(), 0.035),  # no rotor: joints go and stop in 5 ms
-    ],
-    ids=["held", "sagging", "no rotor"],
-)
-def test_it_crawls_as_fast_as_the_event_driven_simulation(servo: Servo, within: float) -> None:
-    """Both share the servo's law alone: other unknowns, other steps, other contacts."""
-    lab = crawl_speed(LabRobot.whole(OF_2005, WHOLE, servo=servo), GAIT)
-    assert lab == pytest.approx(full_speed(servo, 8, 4), rel=within)
-
-
 def test_it_crawls_on_ratchets_as_fast_as_the_event_driven_simulation() -> None:
     """All joints in phase: it is the ratchets alone that drive the robot ahead."""
     ratchet = sn.Ground((EACH.ct, 4 * EACH.ct), EACH.cn, (EACH.ft0, 3 * EACH.ft0), EACH.fn0)
@@ -170,15 +155,6 @@ def test_a_held_rotor_lets_its_joint_swing_by_the_play_and_no_further() -> None:
     rows = robot.drive(np.tile(STILL, (100, 1)), 40)
     swung = np.diff(rows[-1, 2:]) - STILL
     assert np.abs(swung) == pytest.approx(play / 2, rel=0.02)
-
-
-def test_a_lot_of_play_costs_amplitude_and_none_changes_nothing() -> None:
-    robot = LabRobot.whole(OF_2005, WHOLE, servo=SERVO)
-    tight = crawl_speed(robot, GAIT)
-    hair = crawl_speed(replace(robot, servo=replace(SERVO, backlash_rad=1e-6)), GAIT)
-    assert hair == pytest.approx(tight, rel=2e-3)
-    loose = crawl_speed(replace(robot, servo=replace(SERVO, backlash_rad=0.2)), GAIT)
-    assert loose < 0.97 * tight
 
 
 def test_a_robot_without_servo_is_not_driven_and_the_joints_are_seen() -> None:

@@ -6,8 +6,7 @@ import math
 
 import numpy as np
 import pytest
-import serpenoid as sn
-from robots import BINGHAM, OF_2005, gait_in_deg
+from robots import OF_2005
 from serpenoid.calibration.fitting.shared import straightness_factors
 from serpenoid.lab.floor import Floor, Push
 from serpenoid.lab.instruments import Instrument
@@ -78,25 +77,6 @@ def test_wheels_that_turn_roll_farther():
     a, b = drag(0.0)
     track = Floor(LabRobot.whole(OF_2005, WHOLE, rolling_kg=0.02)).push(STRAIGHT, Push(0.8))
     assert track.x_m[-1] == pytest.approx(coast(0.8, a, b, MASS + 0.02)[1], rel=2e-3)
-
-
-def test_a_crooked_push_turns_and_joints_that_stand_off_turn_it_more():
-    turned = []
-    for seed in range(12):
-        robot = ROBOT.drawn(np.random.default_rng(seed), math.radians(1.0))
-        turned.append(Floor(robot).push(STRAIGHT, Push(0.9)).turned_rad)
-    assert 2.0 < math.degrees(float(np.sqrt(np.mean(np.square(turned))))) < 10.0
-    spun = Floor(ROBOT).push(STRAIGHT, Push(0.9, rate_rad_s=0.5)).turned_rad
-    assert math.degrees(spun) > 0.5
-
-
-def test_a_driven_robot_crawls_as_fast_as_the_periodic_state():
-    gait = gait_in_deg(60, 70, 2 * math.pi * 0.5)
-    exact = sn.steady_gait(OF_2005, BINGHAM, gait).speed_m_s
-    track, _ = Floor(ROBOT).driven(gait, 10.0)
-    at = [int(np.searchsorted(track.t_s, t)) for t in (5.999, 9.999)]
-    way = np.hypot(np.diff(track.x_m[at]), np.diff(track.y_m[at]))[0]
-    assert way / 4.0 == pytest.approx(exact, rel=0.01)
 
 
 def test_a_film_is_the_track_at_the_times_it_was_taken():

@@ -6,7 +6,6 @@ import json
 import os
 import re
 import signal
-import threading
 import time
 from collections.abc import Callable
 
@@ -134,18 +133,6 @@ def test_frames_that_are_late_at_the_end_are_awaited_and_not_told(crawling):
     assert next(robot.frames(LONG_S))
 
 
-@pytest.mark.parametrize("state", ["hold", "idle"])
-def test_a_state_that_nobody_asked_for_ends_the_frames(state):
-    by_itself = after_gait_frames(
-        5, lambda line: resealed(line, b" st=gait", f" st={state}".encode())
-    )
-    with FakeBoard(by_itself) as fake, Robot(fake.port) as robot:
-        robot.gait(GAIT)
-        with pytest.raises(StateUnasked, match=f"'{state}', asked for was 'gait'"):
-            list(robot.frames(20.0))
-        fake.to_host = lambda line: line
-
-
 def test_a_key_that_somebody_else_sent_is_told_once(crawling):
     fake, robot = crawling
     fake.write(b"\n!\n")
@@ -172,17 +159,6 @@ def test_what_the_program_asks_for_is_no_surprise():
         ):
             ask()
             assert list(robot.frames(0.2))
-
-
-def test_a_stop_from_another_thread_is_no_surprise_to_the_one_that_drives():
-    with FakeBoard() as fake, Robot(fake.port) as robot:
-        for _ in range(5):
-            robot.gait(GAIT)
-            other = threading.Thread(target=robot.stop)
-            other.start()
-            list(robot.frames(0.1))
-            other.join()
-            assert fake.state == "hold"
 
 
 def stopping(line: bytes) -> bool:

@@ -172,14 +172,6 @@ def test_what_is_no_port_is_told_before_anything_is_built(pio, tmp_path, port):
     assert not arguments.exists()
 
 
-def test_a_port_by_its_id_tells_the_board_too(monkeypatch, tmp_path):
-    port = tmp_path / "usb-Arduino-if00"
-    port.symlink_to("/dev/ttyACM7")
-    found = SimpleNamespace(device="/dev/ttyACM7", description="", vid=0x2341, pid=0x43)
-    monkeypatch.setattr("serial.tools.list_ports.comports", lambda: [found])
-    assert flash.board_at(str(port)) == "uno"
-
-
 def test_a_platformio_that_cannot_run(pio):
     pio("exit 0").with_name("pio").write_text("#!/nowhere/python\n")
     before = signal.getsignal(signal.SIGTERM)

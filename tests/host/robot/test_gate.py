@@ -15,7 +15,7 @@ from serpenoid.model.toml_table import Table
 from serpenoid.robot import Robot
 from serpenoid.robot.wire import ports
 from serpenoid.robot.wire.protocol import Data
-from serpenoid.robot.wire.reports import settings_of, status_of, trims_of
+from serpenoid.robot.wire.reports import settings_of
 
 
 @pytest.fixture(scope="module")
@@ -40,16 +40,6 @@ def test_settings_that_no_board_can_have_are_damage(lines, value):
     assert wrong != data
     with pytest.raises(DamagedLine):
         settings_of(wrong)
-
-
-def test_trims_and_counters_that_no_board_can_have_are_damage(lines):
-    data = [Data("trim", x.decode().partition(": ")[2].rpartition(" *")[0]) for x in lines["trim:"]]
-    assert len(trims_of(data, 5)) == 5
-    for old, new in (("centre=1500", "centre=2_0"), ("dir=1", "dir=7"), ("#1 ", "#x ")):
-        with pytest.raises(DamagedLine):
-            trims_of([Data("trim", d.text.replace(old, new)) for d in data], 5)
-    with pytest.raises(DamagedLine):
-        status_of([Data("status", "state=idle moving=0 boot=1e3 frame=1")])
 
 
 def test_markup_in_a_path_and_in_a_greeting_is_text(tmp_path):

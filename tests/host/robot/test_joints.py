@@ -6,14 +6,11 @@ import math
 
 import pytest
 from refusals import refused
-from robot.fake_board import sealed
 from robots import gait_in_deg
 from serpenoid.calibration.taking.board_run import board_gait
 from serpenoid.model.bends import balanced_signs, joint_multiples
 from serpenoid.robot import Robot
 from serpenoid.robot.recording.stream import load_stream
-from serpenoid.robot.tools.monitor import Monitor
-from serpenoid.robot.wire.protocol import line_limit
 
 FRAME_US = {6: 20_000, 8: 22_500}
 GAIT = gait_in_deg(30, 40, 5.0)
@@ -42,56 +39,11 @@ def test_gait_pose_and_recording_have_so_many_joints(joints, joints_link, tmp_pa
     assert period_s == pytest.approx(FRAME_US[joints] * 1e-6, rel=1e-4)
 
 
-def test_a_person_may_type_lines_as_long_as_the_board_takes(joints, joints_link):
-    shown: list[str] = []
-    talk = Monitor(joints_link(), shown.append, 1000)
-    talk.open()
-    angles = " ".join(f"-1{j % 10}.123456" for j in range(joints))
-    longest = f"pose {angles}".ljust(line_limit(joints) - len("#1  *1234"), " ") + "0"
-    for typed in (f"pose {angles}", longest):
-        for key in (*typed, "enter"):
-            talk.press(key)
-        talk.step()
-    talk.leave()
-    assert any("ok: #1" in line for line in shown)
-    assert any(f"at most {line_limit(joints)}" in line for line in shown)
-
-
 def test_the_gait_that_a_board_really_drives(joints, joints_link):
     with Robot("any") as robot:
         gait = board_gait(robot, GAIT)
     assert gait.alpha_rad == pytest.approx(GAIT.alpha_rad, abs=1e-3)
     assert gait.beta_rad == pytest.approx(GAIT.beta_rad, abs=1e-3)
-
-
-@pytest.mark.parametrize("greeted", [True, False])
-def test_hours_without_a_line_do_not_confuse_a_recordings_clock(tmp_path, greeted):
-    """At 22.5 ms a frame six hours differ by 40 minutes from what 20 ms would make of them."""
-    frames = round(6 * 3600 / 0.0225)
-    path = tmp_path / "run.txt"
-    rows = [b"# serpenoid wire 1, begun 2020-01-01T00:00:00.000+00:00", b"# columns"]
-    if greeted:
-        rows.append(b"0.0 < " + HELLO.rstrip())
-    for number in (0, frames):
-        rows.append(f"{number * 0.0225:.6f} < ".encode() + telemetry(number).rstrip())
-    path.write_bytes(b"\n".join(rows) + b"\n")
-    assert load_stream(path).board_s[-1] == pytest.approx(frames * 0.0225)
-
-
-HELLO = sealed(
-    "hello: serpenoid fw=0.2.0 protocol=4 board=mega joints=8 frame_us=22500 boot=1 reset=power"
-    " settings=ok silence=2"
-)
-
-
-def telemetry(frame: int) -> bytes:
-    angles = " ".join(f"j{j}:0.00" for j in range(1, 9))
-    pulses = ",".join(["1500"] * 8)
-    board_us = frame * 22_500 % 2**32
-    return sealed(
-        f"t:{frame} {angles} board_us={board_us} ph=0.000 p={pulses} exec_us=1 late_us=0 clipped=0"
-        " st=hold"
-    )
 
 
 @pytest.mark.parametrize("number", range(3, 13))

@@ -10,7 +10,7 @@ import sys
 
 import pytest
 from command_line import program, serpenoid
-from robot.fake_board import FakeBoard, greeting, nothing
+from robot.fake_board import FakeBoard, nothing
 from robot.patience import LONG_S
 from robot.terminal import Person
 from serpenoid._core import firmware
@@ -244,13 +244,6 @@ def test_what_the_board_could_not_read_is_not_sent():
     assert any("at most 80" in line for line in shown)
     assert "not sent, for want of a line end: ping" in shown
     assert not any(line.startswith("ok: #1") for line in shown)
-
-
-def test_another_protocol_ends_the_monitor(monkeypatch):
-    monkeypatch.setattr("sys.stdin", None)  # as closed
-    with FakeBoard(greeting(rb"protocol=\d+", b"protocol=9")) as fake:
-        status, _, errors = serpenoid(f"monitor --port {fake.port}")
-    assert (status, "speaks protocol 9" in errors) == (1, True)
 
 
 @pytest.mark.parametrize("closed", ["<&-", ">&-", "<&- >&-"])

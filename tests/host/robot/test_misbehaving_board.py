@@ -65,18 +65,6 @@ def test_a_greeting_of_other_joints_than_the_frames_have_ends_the_run():
                 list(robot.frames(LONG_S))
 
 
-def test_another_protocol_is_known_by_the_last_answer_too():
-    """As when the first greeting is lost in the opening."""
-    greeting = sealed("hello: serpenoid fw=9.0.0 protocol=0 name=snake")
-    first = itertools.chain([b""], itertools.repeat(greeting))
-    with (
-        FakeBoard(lambda line: next(first) if line.startswith(b"hello") else b"") as fake,
-        pytest.raises(ProtocolMismatch, match=r"protocol 0.*protocol 4"),
-        Robot(fake.port, timeout_s=1.0),
-    ):
-        pass
-
-
 @pytest.mark.parametrize("protocol", ["4", "9" * 5000])
 def test_a_damaged_greeting_is_not_believed_but_asked_for_again(protocol):
     damaged = itertools.chain([True] * 2, itertools.repeat(False))

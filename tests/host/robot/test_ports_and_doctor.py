@@ -204,13 +204,3 @@ def test_what_the_counters_and_the_timing_mean(name, field, bad):
 
     with FakeBoard(busy) as board:
         assert fix_of(name, board.port)
-
-
-def test_listing_is_by_name_and_says_what_is_allowed(plugged, monkeypatch):
-    monkeypatch.setattr(ports, "allowed", lambda device: device != "/dev/ttyB")
-    plugged(("/dev/ttyB", 0x403, 0x6001), ("/dev/ttyA", None, None))
-    found = ports.port_states()
-    assert [(p["device"], p["chip"], p["allowed"]) for p in found] == [
-        ("/dev/ttyA", None, True),
-        ("/dev/ttyB", "FTDI", False),
-    ]

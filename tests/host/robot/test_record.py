@@ -5,8 +5,6 @@ from __future__ import annotations
 import fcntl
 import os
 import signal
-import sys
-import termios
 import time
 import warnings
 from contextlib import suppress
@@ -20,7 +18,7 @@ from hypothesis import strategies as st
 from refusals import refused
 from robot.fake_board import GAIT, FakeBoard, sealed
 from robot.patience import LONG_S, clock, until
-from robot.test_leaving import DRIVER, drive
+from robot.test_leaving import drive
 from serpenoid.model.errors import NoAnswer, RecordingFailed, RobotError
 from serpenoid.robot import Robot
 from serpenoid.robot.recording import recorder
@@ -157,12 +155,6 @@ def stalled(tmp_path):
     os.close(reader)
 
 
-def waiting(reader: int) -> int:
-    """Return how many bytes a FIFO holds."""
-    held = fcntl.ioctl(reader, termios.FIONREAD, bytes(4))
-    return int.from_bytes(held, sys.byteorder)
-
-
 def reads(reader: int) -> bytes:
     try:
         return os.read(reader, 65536)
@@ -182,22 +174,6 @@ def test_a_stalled_disk_stops_nothing_and_is_told(stalled, monkeypatch):
             assert clock() - begun_s < 5.0  # whoever waited for this disk would wait for ever
     assert len(frames) == 60
     assert robot.losses.missed_frames == 0
-
-
-@needs_pipe_size
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_signals_end_a_process_whose_disk_has_stalled(stalled, number):
-    program = DRIVER.replace("sys.argv[1])", f"sys.argv[1], record={str(stalled[0])!r})")
-    with FakeBoard() as fake:
-        child = drive(fake.port, "from pathlib import Path\n" + program)
-        assert until(lambda: waiting(stalled[1]) > PAGE - 200)
-        for _ in range(2):
-            child.send_signal(number)
-            time.sleep(0.1)
-        _, said = child.communicate(timeout=LONG_S)
-        assert fake.state == "hold"
-    assert "could not be written" in said
-    assert child.returncode == 1
 
 
 def test_threads_that_enter_out_of_turn_leave_time_running_forward(tmp_path):
