@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import os
 import signal
-import subprocess
-import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import serpenoid as sn
-from refusals import refused
 from robots import BINGHAM, OF_2005, PAPER, VISCOUS
 from serpenoid.model.errors import ClusterFailed
 from serpenoid.periodic import cluster as cluster_module
@@ -135,73 +131,3 @@ def test_a_worker_of_another_version_is_refused(local: Any, monkeypatch) -> None
     monkeypatch.setattr("importlib.metadata.version", lambda name: "9.9")
     with pytest.raises(ClusterFailed, match=f"has {there}, here is serpenoid 9.9"):
         sn.sweep(PAPER, VISCOUS, **AXES, scheduler=local.scheduler_address)
-
-
-@contextmanager
-def _processes() -> Iterator[tuple[subprocess.Popen[str], str]]:
-    """Give a scheduler of its own process and its address; a worker is at it."""
-    dask = [sys.executable, "-m"]
-    scheduler = subprocess.Popen(
-        [
-            *dask,
-            "distributed.cli.dask_scheduler",
-            "--host",
-            "127.0.0.1",
-            "--port",
-            "0",
-            "--no-dashboard",
-        ],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    worker = None
-    try:
-        assert scheduler.stderr is not None
-        lines = (line for line in scheduler.stderr if "Scheduler at:" in line)
-        address = next(lines).split()[-1]
-        worker = subprocess.Popen(
-            [*dask, "distributed.cli.dask_worker", address, "--nthreads", "1", "--no-dashboard"],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
-        yield scheduler, address
-    finally:
-        for one in (worker, scheduler):
-            if one is not None:
-                one.terminate()
-                one.wait(30)
-
-
-@pytest.mark.slow
-def test_a_scheduler_that_disappears_is_told_and_the_study_goes_on(tmp_path: Path, monkeypatch):
-    monkeypatch.setattr("serpenoid.periodic.study.stretch_length", lambda grid: 1)
-    options = {**AXES, "rtol": 1e-4, "out": tmp_path / "study"}
-    told: list[int] = []
-    with _processes() as (scheduler, address):
-
-        def kill(_done: int) -> None:
-            told.append(_done)
-            if len(told) == 3:
-                scheduler.kill()
-                scheduler.wait()
-
-        with pytest.raises(ClusterFailed, match=r"does not answer any more.*goes on where it was"):
-            sn.sweep_study(PAPER, VISCOUS, **options, scheduler=address, progress=kill)
-    begun = sn.load_study(tmp_path / "study")
-    assert 0 < len(begun.missing) < len(begun.chunks)
-    study = sn.sweep_study(PAPER, VISCOUS, **options)
-    whole = sn.sweep(PAPER, VISCOUS, **AXES, rtol=1e-4)
-    speeds = np.concatenate([chunk["speed_m_s"] for chunk in study])
-    assert np.array_equal(speeds, whole.speed_m_s.reshape(18, 3))
-
-
-@pytest.mark.parametrize("scheme", ["tls", "wss"])
-@pytest.mark.parametrize("certificate", [None, "/no/such/file.pem", __file__])
-def test_an_encrypted_cluster_without_certificates_is_refused_in_words(scheme, certificate) -> None:
-    keys = ("ca-file", "client.cert", "client.key")
-    with (
-        dask.config.set({f"distributed.comm.tls.{key}": certificate for key in keys}),
-        refused(r"distributed\.comm\.tls"),
-    ):
-        sn.sweep(OF_2005, VISCOUS, **AXES, scheduler=f"{scheme}://127.0.0.1:9")

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from refusals import refused
-from robots import BINGHAM, OF_2005, gait_in_deg
+from robots import OF_2005
 from serpenoid.periodic import neighbours
-from serpenoid.periodic.servo_steady import band, drawn_servo_speeds, servo_speed, servo_speeds
+from serpenoid.periodic.servo_steady import drawn_servo_speeds, servo_speed, servo_speeds
 
 # robot, ground, gait and kind of servo: dry, at the cliff (some draws stick, some run), viscous
 CASES = {
@@ -79,18 +79,6 @@ def test_servos_that_differ_by_less_than_rough_states_err_are_told_apart() -> No
     ideal = neighbours.drawn_states(robot, near, draws) * 24
     found = drawn_servo_speeds(ideal, servos * 24)
     assert found == pytest.approx([servo_speed(ideal[0], servos[0])] * 24, rel=1e-9)
-
-
-@pytest.mark.slow
-def test_the_ends_of_a_slow_gaits_band_are_those_of_fine_states() -> None:
-    """Each draw of it hangs on single frames, so that rough states say little."""
-    robot = OF_2005
-    ground = BINGHAM
-    slow = sn.steady_gait(robot, ground, gait_in_deg(70, -1, 3.0))
-    servos = sn.servo("hobby").draws(20)
-    ends = band(drawn_servo_speeds([slow] * 20, servos, ends_only=True))
-    true = band(servo_speeds(zip([slow] * 20, servos, strict=True)))
-    assert ends == pytest.approx(true, abs=0.02 * (true[1] - true[0]))
 
 
 def test_ground_without_friction_is_refused() -> None:

@@ -18,7 +18,6 @@ from serpenoid.periodic.servo_steady import (
     as_made,
     band,
     ripple_share,
-    servo_speeds,
     servo_state,
     with_servo,
 )
@@ -99,29 +98,6 @@ def test_what_a_servo_makes_of_each_joint_is_what_the_full_simulation_shows() ->
     assert servo_state(ideal, weak).speed < 0.95 * ideal.speed_m_s
 
 
-@pytest.mark.slow
-def test_fifty_random_servos() -> None:
-    """Within 2 % in 47 of 50, where there is a speed; if 85 % of all were, 1 time in 21."""
-    errors, covered = [], []
-    for seed in range(60):
-        robot, ground, gait, servo = drawn_case(seed)
-        try:
-            found = sn.steady_gait(robot, ground, gait, rtol=1e-3, servo=servo)
-            speeds, drift = full_speeds(found.ideal, servo, keep=8)
-        except (sn.NotConverged, sn.Diverged):
-            continue
-        speed = speeds.mean()
-        if abs(drift) > 0.005 * speed:  # the simulation itself has not settled
-            continue
-        errors.append(abs(found.speed_m_s / speed - 1))
-        covered.append(errors[-1] < found.error_estimate)
-        if len(errors) == 50:
-            break
-    assert len(errors) == 50
-    assert np.sum(np.array(errors) < 0.02) >= 47
-    assert np.mean(covered) > 0.9
-
-
 def test_the_default_servo_shakes_wheels_loose_and_a_rotor_holds_them() -> None:
     """The two columns of the question: quick servos .64 of the ideal speed, heavy ones most."""
     quick = sn.steady_gait(OF_2005, BINGHAM, GAIT, servo=sn.Servo())
@@ -190,35 +166,6 @@ def test_servos_too_weak_for_the_robot_have_no_band() -> None:
     assert found.amplitude_ratio < 0.2
     assert not found.follows
     assert not found.samples_m_s
-
-
-def servo_speeds_of(
-    name: str, hz: float, volts: float | None, count: int = 512, seed: int = 0
-) -> np.ndarray:
-    """Return speeds of servos of a kind, 70 degrees and 75 between joints, rough states."""
-    kind = sn.servo(name) if volts is None else sn.servo(name).at_volts(volts)
-    gait = replace(GAIT, omega_rad_s=math.tau * hz)
-    ideal = sn.steady_gait(OF_2005, BINGHAM, gait, rtol=1e-3, powers=False)
-    return servo_speeds([(ideal, one) for one in kind.draws(count, seed)], rough=True)
-
-
-@pytest.mark.slow
-def test_bands_at_the_voltage_of_the_sheet_are_of_use() -> None:
-    """A servo's gear is in its data sheet's speed: what is drawn of it does not slow it again."""
-    hobby = band(servo_speeds_of("hobby", 0.5, 6.0, 128))
-    assert hobby[0] >= 0.08
-    assert band(servo_speeds_of("MG996R", 1.0, 6.0, 128))[0] >= 0.09
-    for name in ("MG996R", "S3003"):  # 0.51 and 0.70 of the free speed
-        low, high = band(servo_speeds_of(name, 0.5, 6.0, 128))
-        assert high - low < 1.02 * (hobby[1] - hobby[0])
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "hz"), [("hobby", 0.5), ("S3003", 0.55)])
-def test_a_bands_ends_hang_on_no_seed(name: str, hz: float) -> None:
-    """Up to 0.9 of the free speed, at a voltage that is not known."""
-    ends = np.array([band(servo_speeds_of(name, hz, None, seed=seed)) for seed in range(3)])
-    assert (np.abs(ends / ends.mean(axis=0) - 1) < 0.05).all()
 
 
 def test_the_power_is_what_the_full_simulation_gives_the_joints() -> None:

@@ -118,44 +118,6 @@ def test_viscous_estimates_hold_for_wild_robots() -> None:
     assert np.mean(np.array(ratios) > 3) < 0.01
 
 
-def test_settling_time_on_stiff_ground() -> None:
-    """Friction that is the same all ways stops all three motions at the rates it is made of."""
-    robot, omega = sn.Robot(6, 1.0, 0.076), 0.5
-    s = sn.steady_gait(robot, sn.Ground(100, 100), gait_deg(30, 80, omega))
-    # V dies at c/m = 100 a second, spin at 100 n sum r^2 / (J/m), which is a little less
-    # such multipliers underflow: the time is bounded
-    assert 0.0105 < s.settling_time_s < 1
-    assert s.settling_error >= 1
-    assert s.stable
-    straight = sn.steady_gait(robot, sn.Ground(1.0, 1000), sn.Gait(1e-3, 1.4, omega))
-    # a straight chain's speed along dies at ct/m; cn alpha^2 = 1e-3 changes that little
-    assert straight.settling_time_s == pytest.approx(1.0, rel=1e-3)
-    assert straight.settling_error < 1e-4
-
-
-def test_the_derivative_of_a_dry_cycle_is_that_of_runs_beside_it() -> None:
-    """Kicked from its periodic state the robot comes back as the multipliers say."""
-    gait = gait_deg(70, 75, 8)
-    s = sn.steady_gait(OF_2005, BINGHAM, gait, rtol=1e-7)
-    slowest = abs(s.floquet_multipliers[0])
-    assert slowest == pytest.approx(math.exp(-gait.period_s / s.settling_time_s), rel=1e-9)
-    run = sn.simulate(
-        sn.Scene(
-            OF_2005,
-            BINGHAM,
-            gait,
-            method="nonsmooth",
-            tolerance=1e-8,
-            start="zero_momentum",
-            dt_s=gait.period_s,
-            duration_s=9 * gait.period_s,
-        )
-    )
-    spin = run.omega_rad_s[:, 0] - run.omega_rad_s[-1, 0]
-    seen = spin[2:6] / spin[1:5]
-    assert seen[-1] == pytest.approx(slowest, rel=0.03)
-
-
 def test_an_answer_that_is_not_good_enough_is_not_thrown_away() -> None:
     """Two heavy links that turn by inertia alone, 21 times a second."""
     robot = sn.Robot(2, 3.1361528892209254, 0.05966134695809396)
@@ -280,10 +242,3 @@ def test_errors_of_a_motion_with_a_long_memory_are_what_they_claim() -> None:
         s = sn.steady_gait(robot, ground, gait, rtol=rtol)
         assert abs(s.speed_m_s / truth.speed_m_s - 1) < s.error_estimate
         assert s.settling_time_s == pytest.approx(truth.settling_time_s, rel=s.settling_error)
-
-
-def test_a_slow_gait_that_grips_along_and_slips_across() -> None:
-    """Its speed, by an event-driven solver of other make, once came with a refusal."""
-    robot, ground = sn.Robot(3, 0.0216, 0.0455), sn.Ground(0.004, 0.01, 0.337, 0.0053)
-    s = sn.steady_gait(robot, ground, sn.Gait(0.7625, 2.5, 0.565), rtol=1e-4)
-    assert s.speed_m_s == pytest.approx(4.572238803e-6, abs=s.error_estimate * 7.8e-6)

@@ -94,25 +94,6 @@ def some_study(folder: Path, **changed: object) -> sn.Study:
     return sn.sweep_study(PAPER, VISCOUS, out=folder, **(AXES | changed))
 
 
-def test_a_chunk_of_elsewhere_is_not_summed_up(tmp_path: Path, monkeypatch) -> None:
-    """A chunk of another study, another chunk's file, and a folder in a chunk's place."""
-    monkeypatch.setattr("serpenoid.periodic.study.stretch_length", lambda grid: 2)
-    study, other = some_study(tmp_path / "a"), some_study(tmp_path / "b", beta_rad=[0.6, 1.4])
-    first, second = (study.path(chunk) for chunk in study.chunks)
-    good = first.read_bytes()
-    for wrong in (second.read_bytes(), other.path(other.chunks[0]).read_bytes()):
-        first.write_bytes(wrong)
-        with refused(r"of another study, or another chunk.* delete it"):
-            list(sn.load_study(study.folder))
-    first.unlink()
-    first.mkdir()
-    with refused("this is a folder"):
-        list(study)
-    first.rmdir()
-    first.write_bytes(good)
-    assert len(list(study)) == 2
-
-
 @pytest.mark.parametrize("shapes", ["-1", "0", "1.5", "true", "5", "1e30", "1" + 30 * "0", '"2"'])
 def test_a_head_with_impossible_chunks(tmp_path: Path, shapes: str) -> None:
     study = some_study(tmp_path / "study")
@@ -120,11 +101,3 @@ def test_a_head_with_impossible_chunks(tmp_path: Path, shapes: str) -> None:
     head.write_text(head.read_text().replace('"shapes": 4', f'"shapes": {shapes}'))
     with refused(r"study\.json is no head of a study .*shapes is"):
         sn.load_study(study.folder)
-
-
-def test_a_head_that_was_changed_disowns_its_chunks(tmp_path: Path) -> None:
-    study = some_study(tmp_path / "study")
-    head = study.folder / "study.json"
-    head.write_text(head.read_text().replace('"rtol": 1e-06', '"rtol": 1e-05'))
-    with refused("of another study"):
-        list(sn.load_study(study.folder))

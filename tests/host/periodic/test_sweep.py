@@ -11,7 +11,6 @@ import pytest
 import serpenoid as sn
 from refusals import refused
 from robots import BINGHAM, OF_2005, PAPER, VISCOUS
-from serpenoid.periodic.servo_steady import with_servo
 from serpenoid.show.sweep_files import write_sweep
 
 GRID = {"alpha_rad": [0.4, 0.9, 1.2], "beta_rad": [0.5, 1.3], "omega_rad_s": [1.0, 5.0, 9.0]}
@@ -102,25 +101,3 @@ def test_bad_input_is_named() -> None:
         sn.sweep(PAPER, VISCOUS, **GRID, threads=0)
     with refused("rtol"):
         sn.sweep(PAPER, [VISCOUS, BINGHAM], **GRID, rtol=1e-9)
-
-
-@pytest.mark.slow
-def test_a_sweep_tells_what_servos_leave(tmp_path: Path) -> None:
-    """Beside the ideal speeds, the same as gait by gait; the file has both."""
-    grid = {"alpha_rad": [1.2], "beta_rad": [1.3], "omega_rad_s": [3.0, 9.0]}
-    found = sn.sweep(OF_2005, BINGHAM, **grid, rtol=1e-3, servo=sn.servo("XL-320"))
-    assert found.servo_speed_m_s is not None
-    gait = sn.Gait(1.2, 1.3, 3.0)
-    ideal = sn.steady_gait(OF_2005, BINGHAM, gait, rtol=1e-3)
-    one = with_servo(ideal, sn.servo("XL-320"), draws=64)  # as many as a grid takes
-    assert found.servo_speed_m_s[0, 0, 0] == pytest.approx(one.speed_m_s, rel=5e-3)
-    assert found.servo_low_m_s[0, 0, 0] == pytest.approx(one.low_m_s, rel=5e-3)
-    assert found.servo_high_m_s[0, 0, 0] == pytest.approx(one.high_m_s, rel=5e-3)
-    # 69 degrees at 9 rad/s ask for more than the motor's free speed
-    assert found.servo_high_m_s[0, 0, 1] < 0.9 * found.speed_m_s[0, 0, 1]
-    write_sweep(found, tmp_path / "both.csv")
-    rows = list(csv.DictReader((tmp_path / "both.csv").open()))
-    assert float(rows[1]["servo_low_m_s"]) == found.servo_low_m_s[0, 0, 1]
-    assert sn.sweep(OF_2005, BINGHAM, **grid, rtol=1e-3).servo_speed_m_s is None
-    with refused("one robot on one ground"):
-        sn.sweep([OF_2005, PAPER], BINGHAM, **grid, servo=sn.Servo())

@@ -132,16 +132,3 @@ def test_a_day_of_crawling_costs_nothing_and_goes_at_the_steady_speed() -> None:
     assert speed == pytest.approx(
         sn.steady_gait(PAPER, VISCOUS, GAIT, rtol=1e-10).speed_m_s, rel=1e-8
     )
-
-
-def test_dop853_of_torques() -> None:
-    """The exact model driven by torques of time, against small fixed steps."""
-
-    def torque(t_s: float) -> Array:
-        return 0.03 * np.sin(5 * t_s + np.arange(5))
-
-    scene = replace(PAPERS_SCENE, drive="torque", torque=torque, duration_s=0.5)
-    rough = sn.simulate(replace(scene, method="dop853", tolerance=1e-10))
-    fine = sn.simulate(replace(scene, method="rk4", dt_s=2.5e-4, record_every=40))
-    assert rough.theta_rad == pytest.approx(fine.theta_rad, abs=1e-8)
-    assert rough.steps < fine.steps / 20

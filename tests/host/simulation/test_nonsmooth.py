@@ -142,51 +142,6 @@ def test_explicit_forces_are_those_of_the_reference() -> None:
     assert checked > 30
 
 
-def test_what_other_methods_make_of_sticking() -> None:
-    """sgn 0 = 0 chatters: speeds of order 1, torques that no step mends (Scene quotes them)."""
-    gait = replace(GAIT, omega_rad_s=1.0)
-    scene = sn.Scene(
-        OF_2005,
-        BINGHAM,
-        gait,
-        method="nonsmooth",
-        start="zero_momentum",
-        tolerance=1e-8,
-        duration_s=2 * gait.period_s,
-        dt_s=gait.period_s / 50,
-        record=("joints",),
-    )
-    exact = sn.simulate(scene)
-    slow, torques = [], []
-    for split in (13, 126, 1257):  # steps of 10, 1 and 0.1 ms
-        rough = replace(scene, method="rk4", dt_s=scene.dt_s / split, record_every=split)
-        run = sn.simulate(rough)
-        slow.append(np.hypot(run.x_m - exact.x_m, run.y_m - exact.y_m).max())
-        missed = run.joint_torque_nm - exact.joint_torque_nm
-        torques.append(np.sqrt(np.mean(missed**2) / np.mean(exact.joint_torque_nm**2)))
-    assert math.log10(slow[0] / slow[2]) / 2 == pytest.approx(1.2, abs=0.3)
-    assert min(torques) > 0.2
-
-
-def test_hours_of_sticking_and_slipping() -> None:
-    """By the phase within a turn, and again where an event is missed: half an hour, 1432 cycles."""
-    robot, ground = OF_2005, BINGHAM
-    gait = gait_in_deg(70, 75, 5.0)
-    scene = sn.Scene(
-        robot,
-        ground,
-        gait,
-        method="nonsmooth",
-        duration_s=1800.0,
-        start="steady",
-        record_every=10**6,
-    )
-    run = sn.simulate(scene)
-    x, y = run.x_m.mean(axis=1), run.y_m.mean(axis=1)
-    exact = sn.steady_gait(robot, ground, gait).speed_m_s
-    assert math.hypot(x[-1] - x[0], y[-1] - y[0]) / 1800 == pytest.approx(exact, rel=1e-4)
-
-
 def balance(scene: sn.Scene) -> float:
     """Return the largest |stores - (work - heat)| of a run with a ledger."""
     energy = sn.simulate(scene).energy_j

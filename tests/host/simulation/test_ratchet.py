@@ -135,27 +135,6 @@ def test_energy_is_kept_and_friction_only_takes(name: str, drive: str) -> None:
     assert np.abs(balance).max() < 2e-6 * max(friction[-1], kinetic.max())
 
 
-def test_implicit_friction_is_the_same_under_three_methods() -> None:
-    soft = sn.Scene(
-        OF_2005,
-        RATCHET,
-        GAIT,
-        formulation="implicit",
-        joint_stiffness_n_m=3000.0,
-        method="nonsmooth",
-        duration_s=0.5,
-        dt_s=2.5e-4,
-    )
-    run = sn.simulate(soft)
-    for method, changes, within in (
-        ("rk4", {}, 1e-4),
-        ("radau", {"smoothing_m_s": 1e-5, "tolerance": 1e-6}, 1e-4),
-        ("dop853", {"smoothing_m_s": 1e-4, "tolerance": 1e-6}, 1e-3),
-    ):
-        off = difference(run, sn.simulate(replace(soft, method=method, **changes)))
-        assert max(off.position_m, off.angle_rad) < within, method
-
-
 @pytest.mark.parametrize("factor", [1e3, pytest.param(1e6, marks=pytest.mark.slow)])
 def test_wheels_that_cannot_roll_back(factor: float) -> None:
     """Backward ct and backward ft0 without end are the same wheel: no link goes backwards."""
@@ -167,17 +146,6 @@ def test_wheels_that_cannot_roll_back(factor: float) -> None:
         run = sn.simulate(sn.Scene(OF_2005, ground, GAIT, duration_s=3.0, tolerance=1e-7))
         assert along(run)[50:].min() > -3 / factor - 1e-5  # m/s: some 0.03 N over ct
         assert along(run).max() > 0.01
-
-
-def test_turning_round_is_swapping_the_values_and_reversing_the_wave() -> None:
-    """Head and tail change places: (forwards, backwards) becomes (backwards, forwards)."""
-    swapped = sn.Ground((0.05, 0.014), 0.2, (0.06, 0.0233), 0.045)
-    back = replace(GAIT, beta_rad=-GAIT.beta_rad)
-    here, there = (sn.steady_gait(OF_2005, *k) for k in ((RATCHET, GAIT), (swapped, back)))
-    assert there.speed_m_s == pytest.approx(here.speed_m_s, rel=3e-6)
-    assert there.power_w == pytest.approx(here.power_w, rel=3e-6)
-    plain = sn.steady_gait(OF_2005, RATCHET, back)  # against its teeth it crawls otherwise
-    assert abs(plain.speed_m_s / here.speed_m_s - 1) > 0.1
 
 
 def test_what_smooth_methods_cannot_do_is_said() -> None:

@@ -73,30 +73,6 @@ def test_an_accuracy_is_kept(name: str, accuracy: float) -> None:
     assert run.scene.method in run.picked
 
 
-def test_steps_too_long_for_their_order_to_show_are_judged_all_the_same() -> None:
-    """Steps of 5 ms: a double step differs by 0.25 m, of which a 15th proves little."""
-    scene = sn.Scene(
-        sn.Robot(6, 0.251, 0.1),
-        sn.Ground(0.0056, 0.704),
-        sn.Gait(0.5, 1, 1),
-        drive="torque",
-        torque=[0.003, -0.0005, -0.0023, 0.0014, -0.0012],
-        method="rk4",
-        dt_s=0.005,
-        duration_s=10.0,
-        incline_rad=0.1,
-        start="link1_at_rest",
-    )
-    run = sn.simulate(scene)
-    true = difference(run, sn.simulate(replace(scene, method="dop853", tolerance=1e-13)))
-    said = run.error_estimate
-    assert true.angle_rad > 8
-    assert said.settled
-    assert true.angle_rad <= said.integration.angle_rad < 1.2 * true.angle_rad
-    assert true.position_m <= said.integration.position_m < 1.2 * true.position_m
-    assert any("put links off by up to 0.5" in w for w in run.warnings)
-
-
 def test_chaos_is_named() -> None:
     """Springs without friction swing as a pendulum chain does: nobody can say where it is."""
     scene = sn.Scene(
@@ -147,29 +123,6 @@ def test_the_springs_error_is_the_difference_to_the_exact_model() -> None:
     assert said is not None
     assert said.position_m == pytest.approx(true.position_m, rel=1e-3)
     assert any("springs (k = 1000 N/m) change the mean speed" in w for w in run.warnings)
-
-
-def test_the_springs_error_on_dry_ground_with_servos() -> None:
-    """Sticking is exact with pinned joints for every drive: the springs' error is the rest."""
-    scene = sn.Scene(
-        OF_2005,
-        BINGHAM,
-        GAIT,
-        duration_s=0.5,
-        drive="servo",
-        servo=sn.Servo(),
-        formulation="implicit",
-        method="nonsmooth",
-        joint_stiffness_n_m=2e3,
-        joint_damping_n_s_m=0.2,
-        dt_s=1e-4,
-    )
-    run = sn.simulate(scene)
-    stiff = replace(scene, joint_stiffness_n_m=1.28e5, joint_damping_n_s_m=12.8, dt_s=1.25e-5)
-    true = difference(run, sn.simulate(replace(stiff, record_every=8)))
-    said = run.error_estimate.modelling
-    assert said is not None
-    assert said.position_m == pytest.approx(true.position_m, rel=0.1)
 
 
 def test_a_method_that_knows_nothing_of_sticking_is_warned_of() -> None:

@@ -60,23 +60,6 @@ def test_bad_input_is_named(change: dict, said: str) -> None:
     assert said in str(error.value)
 
 
-def test_the_slow_manifold_carries_the_forces_of_the_exact_model() -> None:
-    """Eq. 51 at the start, dampers included: k gap + c gap rate is the pinned joints' force."""
-    soft = sn.Scene(
-        PAPER,
-        VISCOUS,
-        PAPERS_GAIT,
-        formulation="implicit",
-        joint_damping_n_s_m=50.0,
-        duration_s=1e-3,
-        record=("joints",),
-    )
-    run = sn.simulate(soft)
-    exact = sn.simulate(replace(soft, formulation="explicit"))
-    for name in ("joint_force_x_n", "joint_force_y_n"):
-        assert getattr(run, name)[0] == pytest.approx(getattr(exact, name)[0], rel=1e-4, abs=1e-4)
-
-
 def test_a_start_of_another_size_or_whose_joints_turn_at_another_rate_is_refused() -> None:
     start = sn.LinkState.in_gait(PAPER, PAPERS_GAIT, 0.0, [0, 0, 0], [0, 0, 0])
     turning = replace(start, omega_rad_s=start.omega_rad_s + 0.1 * np.arange(6))

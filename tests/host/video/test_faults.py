@@ -23,12 +23,9 @@ from serpenoid.robot import Robot
 from serpenoid.robot.recording.run_gait import recorded_gait
 from serpenoid.video.annotate import annotate_film
 from serpenoid.video.faults import camera_faults
-from serpenoid.video.fitting.start import first_cameras
-from serpenoid.video.instrument import measure
 from serpenoid.video.measure_film import measure_film
 from serpenoid.video.result import Joint
 from serpenoid.video.seeing.film import Film as File
-from serpenoid.video.seeing.sightings import Sightings
 from serpenoid.video.seeing.watch import watch
 from serpenoid.video.wiring import servo_faults
 from video.filming import Body, Film, Lens, write
@@ -153,13 +150,6 @@ def test_a_phone_held_upright_that_codes_as_hevc_measures_the_same(frames, told)
 
 
 @pytest.mark.slow
-def test_rows_along_the_travel_that_are_read_slowly_are_within_the_sigmas(told) -> None:
-    lens = Lens(eye_m=(0.35, 0.0, 0.75), width=360, height=640, rolling_s=0.03)
-    run, _ = told(drawn(lens=lens))
-    assert most_sigmas(errors(run, QUICK)) < 4
-
-
-@pytest.mark.slow
 def test_swapped_plugs_are_seen_in_a_film(told) -> None:
     world = crawling(2, 6, 0.08, 40, 8.0, -0.06, plugs=(0, 2, 1, 3, 4))
     _, remarks = told(drawn(world=world), gait=GAIT)
@@ -179,38 +169,11 @@ def test_a_film_that_players_turn_is_measured_and_drawn_upright(frames, tmp_path
 
 
 @pytest.mark.slow
-def test_slow_motion_is_seen_by_the_rate_and_undone_by_the_board(frames, told) -> None:
-    run, remarks = told(frames, times=8 * TIMES, gait=GAIT, board_rate=True)
-    assert run.time_scale == pytest.approx(1 / 8, rel=1e-3)
-    assert run.speed_m_s == pytest.approx(QUICK.speed_m_s, rel=0.005)
-    assert "rate" not in remarks
-    slow = replace(run, omega_rad_s=run.omega_rad_s / 8)
-    assert any("slow motion, 8" in r.text for r in servo_faults(slow, GAIT))
-
-
-@pytest.mark.slow
 def test_blur_is_named(told) -> None:
     lens = Lens(exposure_s=1 / 25)
     run, remarks = told(drawn(lens=lens, steps=6))
     assert "shorten the exposure" in remarks["blur"]
     assert run.speed_m_s == pytest.approx(QUICK.speed_m_s, rel=0.01)
-
-
-@pytest.mark.parametrize("fault", ["strip", pytest.param("ends", marks=pytest.mark.slow)])
-def test_lost_tags_do_not_bend_the_speed(frames, told, tmp_path, fault) -> None:
-    """Nothing is averaged over the tags that happen to be left."""
-    path = write(tmp_path / "film.mp4", frames, TIMES)
-    seen = watch(File.open(path), 6).sightings
-    corners = seen.corners_px.copy()
-    across = corners.mean(axis=2)[..., 0]
-    lost = {"strip": (across > 280) & (across < 400), "ends": np.isin(np.arange(6), range(1, 5))}[
-        fault
-    ]
-    corners[np.broadcast_to(lost, across.shape)] = np.nan
-    left = Sightings.of(seen.t_s, corners, seen.image_px)
-    found = measure(left, SIDE_M, first_cameras(left, LINK_M, SIDE_M))
-    limit = 0.005 if fault == "ends" else 0.01
-    assert found.fitted.motion.speed_m_s == pytest.approx(QUICK.speed_m_s, rel=limit)
 
 
 def spoiled(path, at_s: float, out):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import replace
 from types import MappingProxyType
@@ -12,24 +11,17 @@ import pytest
 import serpenoid as sn
 from command_line import answer, serpenoid
 from refusals import refused
-from robots import gait_in_deg
-from serpenoid.calibration import session_file
-from serpenoid.calibration.advice import advise
 from serpenoid.calibration.comparison import compare
-from serpenoid.calibration.filmed_joints import servo_seen
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import Estimate, FitDraws
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.video import FilmReading
 from serpenoid.calibration.session_file import load_session, read_session
-from serpenoid.calibration.speed_samples import sample_speeds, speed_band
+from serpenoid.calibration.speed_samples import speed_band
 from serpenoid.calibration.speeds import speed
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.commands.demo import session_folder
-from serpenoid.model.drives import ServoKind
-from serpenoid.periodic.servo_steady import with_servo
-from serpenoid.servos.catalogue import servo
 
 CELLS = {
     "alpha_deg": 50.0,
@@ -203,52 +195,3 @@ def test_steady_takes_the_joints_of_a_film(folder) -> None:
     plain, made = serpenoid(typed), serpenoid(f"{typed} --joints {folder}", check=True)
     assert "0.93" in made.stdout
     assert made.stdout != plain.stdout
-
-
-@pytest.mark.parametrize("free_speed_rad_s", [3.5, pytest.param(4.5, marks=pytest.mark.slow)])
-def test_what_servos_lose_of_a_filmed_amplitude_is_lost_once(of_2005, free_speed_rad_s) -> None:
-    """A film of joints whose slow servos lose amplitude: the band is about the robot's speed."""
-    session, fit = of_2005
-    film = replace(
-        filmed(1.0, 0.1), alpha_rad=math.radians(75), beta_rad=math.radians(75), omega_rad_s=4.0
-    )
-    slow = replace(servo("hobby").servo, speed_limit_rad_s=free_speed_rad_s)
-    robot = with_servo(sn.steady_gait(fit.robot, fit.ground, film.commanded), slow)
-    gains = ",".join([str(robot.amplitude_ratio)] * 5)
-    film = replace(film, gains=gains, speed_m_s=robot.speed_m_s)
-    drawn = sample_speeds(
-        fit,
-        [film.gait],
-        amplitude_sigma=0.03,
-        servo=ServoKind("slow", slow),
-        count=16,
-        seen={film.gait: film.commanded},
-    )
-    assert robot.amplitude_ratio < 0.95
-    assert np.mean(drawn.both_m_s) == pytest.approx(robot.speed_m_s, rel=0.1)
-    made = speed(fit.robot, fit.ground, film.gait)
-    assert np.median(drawn.shares) == pytest.approx(robot.speed_m_s / made, rel=0.1)
-    again = compare(session.with_reading(film), fit, samples=16).gaits[0]
-    assert again.low_all_m_s < robot.speed_m_s < again.high_all_m_s < 1.3 * made
-
-
-@pytest.mark.slow
-def test_predictions_and_advice_have_the_servos_that_a_film_leaves(of_2005, monkeypatch) -> None:
-    """Joints at 0.8 of a quick gait: weak servos, which leave less of another gait's speed."""
-    session, fit = of_2005
-    weak = session.with_reading(replace(filmed(0.8, 0.1), omega_rad_s=8.0))
-    gait = gait_in_deg(70, 75, 3.0)
-    before, after = (advise(s, [gait], samples=16) for s in (session, weak))
-    assert before.band_servo_measured is not None
-    assert after.band_servo_measured is None  # they are measured, by the film
-    monkeypatch.setattr(session_file, "read_session", lambda folder: weak)
-    steady = "steady --alpha-deg 70 --beta-deg 75 --omega-rad-s 3 --json"
-    typed = f"{steady} --session {session_folder()}"
-    _, out, err = serpenoid(typed)
-    assert "those of hobby that would move the joints as filmed" in err
-    band = json.loads(out)["band"]
-    known = speed_band(fit, gait, servo=servo_seen(servo("hobby"), weak.kept_films, fit))
-    assert (band["low_m_s"], band["high_m_s"]) == (known.low_m_s, known.high_m_s)
-    assert band["high_m_s"] < speed_band(fit, gait).high_m_s
-    ideal = serpenoid(f"{typed} --servo ideal")
-    assert "as filmed" not in ideal[2]
