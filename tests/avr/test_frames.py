@@ -50,37 +50,6 @@ def test_no_refresh_mixes_frames_and_age_is_constant(start, name):
     check_frames(running(start(name), "gait 45 80 10"), 6.0, 5)
 
 
-@pytest.mark.parametrize("name", ["uno", pytest.param("mega", marks=pytest.mark.slow)])
-def test_a_shorter_frame_is_kept_as_well(start, name):
-    """Five pulses of 2.5 ms and a gap fit into 15 ms: taken at the next start, then as exact."""
-    talk = Dialogue(start(name))
-    talk.hello()
-    assert "low=15 high=20" in talk.ask("set frame_ms 14.9")
-    for line in ("set frame_ms 15", "save"):
-        assert talk.ask(line, 5.0).startswith("ok:")
-    talk.board.reset()
-    talk = running(talk.board, "gait 45 80 8")
-    assert fields(talk.greeting)["frame_us"] == "15000"
-    check_frames(talk, 6.0, 5, 15_000)
-    counters = talk.counters()
-    assert counters["overruns"] == counters["dropped"] == 0
-    seen = telemetry(talk.board.lines[-200:])
-    due_us = seen.time_us - seen.late_us
-    assert np.ptp(due_us - 15_000 * seen.frame) <= 8  # micros() has steps of 4 us
-    talk.board.send(b"!")
-    sent_s = talk.board.time_s
-    talk.board.run_until("state: hold", 0.05)
-    assert talk.board.time_s - sent_s < 0.018
-
-
-@pytest.mark.slow
-def test_no_refresh_mixes_frames_in_two_minutes(start):
-    """6000 frames without a mixed one: fewer than one in 2000, of which 19 in 20 would show."""
-    talk = running(start("uno"), "gait 45 80 10")
-    for _ in range(2):
-        check_frames(talk, 60.0, 5)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "joints"), [("uno", 6), ("mega", 8)])
 def test_other_numbers_of_joints(start, name, joints):

@@ -20,9 +20,8 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from command_line import answer
-from robots import BINGHAM, OF_2005, VISCOUS, gait_in_deg
+from robots import BINGHAM, OF_2005, gait_in_deg
 from serpenoid.calibration.speed_samples import speed_band
-from serpenoid.periodic.servo_steady import CANNOT
 from webdriver import Browser
 
 pytestmark = pytest.mark.slow  # emscripten compiles the core in minutes
@@ -270,32 +269,6 @@ def test_a_fit_dropped_brings_its_friction_and_the_packages_band(browser, fitted
     browser.waits_for("curve && !curve.band")
 
 
-def test_a_kind_of_servo_gives_a_second_speed(browser) -> None:
-    browser.runs("$('servo').value = 'hobby'; $('servo').onchange();")
-    browser.waits_for("servo && servo.known")
-    assert "--servo hobby" in browser.text("#command")
-    robot, ground, gait = parts(browser.runs("return state"))
-    wanted = sn.steady_gait(robot, ground, gait, servo=sn.servo().servo).speed_m_s
-    assert browser.runs("return servo.speed") == pytest.approx(wanted, rel=5e-3)
-    assert "typical hobby servos" in browser.text("#speed")
-    assert "Ideal joints" in browser.text("#servo-speed")
-    browser.runs("$('servo').value = ''; $('servo').onchange();")
-    assert browser.runs("return fromHash(toHash(state), PRESETS['2005']).servo") == ""
-    assert browser.runs("return $('servo-speed').hidden")
-
-
-def test_the_star_is_where_servos_can_run(page) -> None:
-    limit_deg_s = math.degrees(CANNOT * sn.servo().servo.no_load_rad_s)
-    address = page.as_uri() + "#hz=1.2"  # with the servo of a new page
-    with visiting(address, MAPPED) as visitor:
-        assert "too fast" in visitor.text("#speed")
-        values, rates, best = visitor.runs("return [[...map.values], map.rates, map.best]")
-        starred = math.tau * 1.2 * best["alpha"]
-        fastest = max(v for v, rate in zip(values, rates, strict=True) if rate <= limit_deg_s)
-        assert starred <= limit_deg_s
-        assert best["v"] == fastest < max(values)
-
-
 BIG = {"links": 40, "link_mass_kg": 0.1, "link_length_m": 0.1, "link_inertia_kg_m2": 1e-4}
 
 
@@ -319,22 +292,6 @@ def test_a_wrong_or_damaged_file_is_refused_in_words_and_changes_nothing(
     browser.runs(DROP % json.dumps(given))
     browser.sees("#fit", said)
     assert browser.runs("return toHash(state)") == before
-
-
-def test_a_preset_is_its_own_ground_and_a_way_to_tell_it_changes_none(browser) -> None:
-    browser.runs("$('preset').value = 'paper'; $('preset').onchange();")
-    assert browser.runs("return [state.ct, state.cn, state.ft0, state.whole]") == [0.1, 10, 0, 0]
-    assert browser.runs("return $('preset').value") == "paper"
-    robot, ground, gait = parts(browser.runs("return state"))
-    assert ground == VISCOUS
-    assert shown_speed(browser) == pytest.approx(
-        sn.steady_gait(robot, ground, gait).speed_m_s, rel=1e-4
-    )
-    before = shown_speed(browser)
-    browser.runs("$('whole').value = '1'; $('whole').onchange();")
-    assert browser.runs("return state.cn") == 60
-    assert shown_speed(browser) == before
-    browser.runs("$('preset').value = '2005'; $('preset').onchange();")
 
 
 def test_no_friction_at_all_is_said(browser) -> None:

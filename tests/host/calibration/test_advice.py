@@ -90,25 +90,3 @@ def test_a_gait_run_counts_once_for_what_runs_share(weak):
 def test_no_gait_is_refused(weak):
     with refused("--gait"):
         advise(weak)
-
-
-@pytest.mark.slow
-def test_advise_says_when_a_servo_is_what_to_measure(weak):
-    """Friction known well: servos lead. Servos known, or friction poor: a reading does."""
-    small = replace(
-        weak.setup.uncertainty,
-        lambda_sigma_rad=weak.setup.uncertainty.lambda_sigma_rad / 20,
-        incline_sigma_rad=weak.setup.uncertainty.incline_sigma_rad / 20,
-    )
-    sure = replace(weak, setup=replace(weak.setup, uncertainty=small))
-    fast = replace(GAIT, omega_rad_s=math.tau * 0.7)
-    told = advise(sure, [fast])
-    assert told.measure_servo
-    assert "Measure a servo next" in told.note
-    assert told.band_servo_measured < told.band_after_best < 1.02 * told.band  # by 64 draws
-    assert told.to_dict()["measure_servo"] is True
-    poor = advise(weak, [GAIT], servo=sn.servo("XL-320"))
-    assert not poor.measure_servo
-    assert "servo" not in poor.note
-    ideal = advise(sure, [fast], servo=None)
-    assert (ideal.measure_servo, ideal.band_servo_measured) == (False, None)

@@ -13,7 +13,7 @@ from robots import BINGHAM
 from serpenoid.calibration import comparison, verdict
 from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.kinds.gait import GaitRun
-from serpenoid.calibration.speed_samples import SpeedSamples, speed_band
+from serpenoid.calibration.speed_samples import speed_band
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
 
@@ -166,25 +166,3 @@ def test_servos_that_nobody_told_are_in_the_band_or_named(fitted):
 
 def chance(drawn, speeds, sigma):
     return verdict._chance(drawn, CrawlData(drawn.gaits, speeds, sigma), np.random.default_rng(5))
-
-
-@pytest.mark.slow
-def test_a_sound_robots_servo_is_doubted_as_often_as_stated():
-    """Servos of which none was drawn: p is uniform, though few draws fill the space of servos."""
-    rng = np.random.default_rng(3)
-
-    def made(count, lost):
-        share = 1 - lost * rng.random((count, 3))  # what servos leave of three gaits
-        ideal = np.array([0.05, 0.1, 0.15]) * np.exp(0.05 * rng.normal(size=(count, 1)))
-        return SpeedSamples(
-            tuple(gait(r) for r in RATES), np.zeros((count, 4)), ideal, ideal, ideal * share
-        )
-
-    drawn, robots = made(64, 0.3), made(150, 0.3).both_m_s
-    chances = [chance(drawn, v + 0.01 * v * rng.normal(size=3), 0.01 * v) for v in robots]
-    assert np.mean(np.array(chances) < 0.05) < 0.1
-    assert np.quantile(chances, [0.25, 0.5, 0.75]) == pytest.approx([0.25, 0.5, 0.75], abs=0.12)
-    sure = made(64, 0.0)  # the ends: in the middle nothing is likelier, and far off nothing less
-    middle = sure.both_m_s.mean(axis=0)
-    assert chance(sure, middle, 0.002 * middle) > 0.99
-    assert chance(sure, middle * [1, 1, 1.02], 0.002 * middle) < 1e-3

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from calibration.floor_sessions import MASS, TRUTH, floor_setup, rolled_out, short_session
+from calibration.floor_sessions import MASS, TRUTH, floor_setup, short_session
 from refusals import refused
 from robots import gait_in_deg
 from serpenoid.calibration import speed_samples
@@ -182,38 +182,3 @@ def test_real_speeds_tell_the_amplitude() -> None:
     assert amplitude.value == pytest.approx(0.94, abs=2.5 * amplitude.sigma)
     assert amplitude.sigma < 0.025
     assert fit.method == "joint, with crawls"
-
-
-def by_hand(speeds=(0.6, 0.9), bends_deg=(0.0, 20.0, 45.0), slope_rad=0.0):
-    """Take ways and times to rest, exact ones, there and back."""
-    record = MemoryRecord(floor_setup())
-    for bend in bends_deg:
-        for k, v0 in enumerate(speeds):
-            t, way = rolled_out(
-                v0,
-                TRUTH,
-                bend_rad=math.radians(bend),
-                rolling=0.0595,
-                slope_rad=slope_rad * (1, -1)[k % 2],
-            )
-            cells = {
-                "lambda_deg": bend,
-                "bend": "balanced",
-                "way": ("there", "back")[k % 2],
-                "distance_m": float(way[-1]),
-                "duration_s": float(t[-4001]),
-            }
-            record.add("coast", cells)
-    return record.session
-
-
-@pytest.mark.slow
-def test_open_pushes_tell_crawls_the_floors_slope(crawls_fit) -> None:
-    """By tape and watch, both ways: the slope is in the fit, and surer than before."""
-    session, true = by_hand(slope_rad=0.006), 0.006
-    fit = crawls_fit(with_runs(session))
-    slope = fit.nuisances["floor_slope_rad"]
-    assert slope.value == pytest.approx(true, abs=slope.sigma)
-    assert slope.sigma < 0.5 * session.setup.floor.slope_sigma_rad
-    level = crawls_fit(with_runs(by_hand()))
-    assert abs(level.nuisances["floor_slope_rad"].value) < 0.2 * true

@@ -95,20 +95,6 @@ def test_undoing_a_skip_heeds_no_clock(folder, monkeypatch):
     assert len(session.kept) == 1
 
 
-def test_steering_is_slow_and_poses_are_as_quick_as_the_board_has_it():
-    with SessionRobot("virtual:fast") as robot:
-        board, speeds = robot._robot, []
-        speeds.append(board.settings()["pose_speed"])
-        robot.pose(7.5)
-        speeds.append(board.settings()["pose_speed"])
-        robot.pose(0.0)
-        robot.steer(1)
-        speeds.append(board.settings()["pose_speed"])
-        robot.idle()
-        speeds.append(board.settings()["pose_speed"])
-    assert speeds == [45.0, 2.0, 2.0, 45.0]
-
-
 def test_the_offset_that_runs_straight_is_found_kept_and_resumed(folder):
     def left(robot, times):
         def press():

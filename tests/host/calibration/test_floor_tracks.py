@@ -79,16 +79,6 @@ def test_what_happens_to_a_push_is_seen():
         look_at(*np.where(np.arange(len(t))[:, None] == 3, np.nan, rows).T)
 
 
-def test_a_robot_that_is_picked_up_is_left_out_from_there():
-    rows, _ = filmed(3)
-    whole = look_at(*rows.T)
-    more = np.outer(np.arange(1, 30), [1 / 30, 0.02, 0.0])
-    lifted = np.concatenate([rows, rows[-1] + more])
-    look = look_at(*lifted.T)
-    assert look.way_m == pytest.approx(whole.way_m, abs=0.004)
-    assert look.end_s < rows[-1, 0] + 0.1
-
-
 def several(signs=(1, -1, 1, -1), hidden=()):
     """One film of pushes there and back, the robot resting 1.5 s and turned by hand between.
 

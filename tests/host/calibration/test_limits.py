@@ -1,16 +1,12 @@
 """Frictions of 0: a robot on ball bearings is a truth, and an answer."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 import serpenoid as sn
 from calibration.synthetic_session import setup
 from robots import gait_in_deg
-from serpenoid import Ground
-from serpenoid.calibration import comparison
-from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.station import Reading
 from serpenoid.calibration.session import Session
 from serpenoid.show import report
@@ -75,20 +71,3 @@ def test_a_fit_at_its_limit_predicts_and_is_printed(fits, capsys):
     assert "Influence" not in text + repr(fit)
     report.show(fit)
     assert "below 0.0" in capsys.readouterr().out
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("short_curve")
-def test_compare_has_a_verdict_for_a_robot_on_ball_bearings():
-    """A friction that is 0 has no logarithm: its standard deviation stands for it."""
-    session = next(held(0.0, seed) for seed in range(4, 20) if fitted_ct(held(0.0, seed)) == 0.0)
-    gait = gait_in_deg(70, 75, math.pi)
-    true = sn.steady_gait(SETUP.robot, Ground.whole_body(6, 0.0, 1.2, 0.14, 0.27), gait)
-    run = GaitRun(100, gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, 1.3 * true.speed_m_s, 0.002)
-    found = comparison.compare(replace(session, gait_runs=(run,)), servo=None, samples=16)
-    assert found.p_value < 0.01
-    assert found.verdict != "agrees"
-
-
-def fitted_ct(session):
-    return sn.fit_friction(session).whole_snake["ct"]

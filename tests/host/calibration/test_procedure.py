@@ -4,14 +4,12 @@ import math
 from dataclasses import replace
 
 import pytest
-from serpenoid import Ground, fit_friction
+from serpenoid import Ground
 from serpenoid.calibration.taking.expected import Series
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.calibration.taking.procedure import (
     next_incline_deg,
 )
-from serpenoid.calibration.taking.simulated import SimulatedPerson, Truth
-from serpenoid.calibration.taking.treadmill import take_all
 from simulated_sessions import MemoryRecord
 
 WHOLE_BODY_2005 = Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
@@ -53,16 +51,3 @@ def test_a_first_bend_is_asked_where_the_robot_of_2005_would_hold(record):
             replace(record.session, readings=tuple(slips)), Series(math.radians(15))
         )
         assert found == pytest.approx(asked_deg, abs=0.01)
-
-
-def test_belts_that_cannot_go_slowly_lose_stations_not_sessions():
-    setup = no_gaits(default_setup("made up"))
-    setup = replace(setup, treadmill=replace(setup.treadmill, belt_least_m_s=0.25))
-    record = MemoryRecord(setup)
-    session = take_all(record, SimulatedPerson(setup, Truth(WHOLE_BODY_2005), 1))
-    again = take_all(MemoryRecord(setup), SimulatedPerson(setup, Truth(WHOLE_BODY_2005), 1))
-    assert again.readings == session.readings  # of the same seed
-    least = min(r.belt_speed_m_s for r in session.kept)
-    assert 0.25 <= least < 0.31  # belts are set in steps of 0.028 m/s
-    assert session.skipped
-    assert fit_friction(session).dof > 5

@@ -7,9 +7,6 @@ import pytest
 import serpenoid as sn
 from calibration import synthetic_session as synthetic
 from refusals import refused
-from robots import gait_in_deg
-from serpenoid.calibration.advice import advise
-from serpenoid.calibration.friction_fit import friction_points, point_errors
 from serpenoid.calibration.session import Session
 
 AHEAD = synthetic.WHOLE_BODY_2005
@@ -59,20 +56,6 @@ def test_a_way_that_was_not_read_is_named(keeps, said: str) -> None:
         sn.fit_friction(replace(session, readings=kept))
     with refused("facing is 'left'"):
         replace(session.readings[0], facing="left")
-
-
-def test_points_and_advice_know_both_ways() -> None:
-    session = both_ways(7)
-    fit = sn.fit_friction(session)
-    points, errors = friction_points(session, fit), point_errors(session)
-    for part, slope, rest in (("straight", "ct", "ft0"), ("back", "ct_back", "ft0_back")):
-        v, force = points[part]
-        line = fit.parameters[slope].value * v + fit.parameters[rest].value
-        assert len(v) >= 5
-        assert (np.abs(force - line) < 5 * np.hypot(errors[part][1], 0.02)).all()
-    gait = gait_in_deg(70, 75, 3.0)
-    found = advise(session, gaits=[gait], samples=16, servo=None)
-    assert found.readings[0].band < found.band
 
 
 def test_a_reading_is_typed_kept_and_redone_with_its_facing() -> None:

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 from calibration.floor_sessions import TRUTH, floor_session, floor_setup, push_track
-from refusals import refused
 from serpenoid import Ground
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import ground_of
@@ -70,17 +69,6 @@ def test_crawls_are_fitted_with_the_backward_frictions() -> None:
     check_holds(fit)
     pushed = np.linalg.det(fit_friction(session).covariance)
     assert np.linalg.det(fit.covariance) < 0.8 * pushed
-
-
-def test_few_pushes_tail_first_are_not_enough_and_it_is_said() -> None:
-    short = with_backward(floor_session(), speeds=())
-    record = MemoryRecord(short.setup, short)
-    record.add(
-        "coast",
-        {"lambda_deg": 0.0, "facing": "back", "way": "there", "distance_m": 0.5, "duration_s": 1.2},
-    )
-    with refused(r"ct_back and ft0_back.*tail first"):
-        fit_friction(record.session)
 
 
 def test_the_plan_of_a_ratchet_asks_for_both_and_a_person_can_do_it() -> None:

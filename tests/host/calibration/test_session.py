@@ -179,17 +179,6 @@ def test_a_reading_is_voided_by_appending_it_again(folder):
     assert [r.number for r in session.kept] == list(range(2, 12))
 
 
-@pytest.mark.parametrize(
-    "rows", [[ROW_1], [ROW_1.replace("kept", "void").replace("0.181468", "0.2")], ["void"] * 2]
-)
-def test_a_row_repeats_another_only_to_void_it_once(folder, rows):
-    path = folder / "readings.csv"
-    rows = [ROW_1.replace("kept", "void") if row == "void" else row for row in rows]
-    path.write_text(path.read_text(encoding="utf-8") + "\n".join(rows), encoding="utf-8")
-    line = 12 + len(rows)
-    assert f":{line}: reading 1 is there already" in complaint(folder)
-
-
 def test_a_voided_reading_may_have_stuck_wheels(folder):
     rewrite(folder / "readings.csv", "0.181468,0.0,kept", "0.0,0.0,void")
     assert load_session(folder).readings[0].slip_speed_m_s == 0.0

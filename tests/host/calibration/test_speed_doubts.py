@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 import serpenoid as sn
-from command_line import answer, serpenoid
 from robots import gait_in_deg
 from serpenoid.calibration.advising import speed_doubts as room
 from serpenoid.calibration.advising.speed_doubts import speed_doubts
@@ -144,23 +143,3 @@ def test_a_gait_at_the_end_of_its_range_has_a_band(fit) -> None:
     found = speed_doubts(fit, gait, state.sensitivities, band)
     assert found.each["amplitude"] == 0  # no derivative: one side is shut
     assert found.each_drawn["amplitude"] > 0
-
-
-@pytest.mark.slow
-def test_the_command_tells_it_with_a_fit_and_derivatives_alone() -> None:
-    steady = "steady --alpha-deg 70 --beta-deg 75 --frequency-hz 1"
-    session = f"--session {session_folder()}"
-    doubted = answer(f"{steady} --sensitivities {session}")
-    told, margins = doubted["doubts"], doubted["margins"]
-    fn0 = sn.fit_friction(sn.load_session(session_folder())).parameters["fn0"]
-    assert margins["grip_sigmas"] == pytest.approx(margins["grip"] * fn0.value / fn0.sigma)
-    assert margins["amplitude_sigmas"] == pytest.approx(margins["amplitude"] / 0.03)
-    assert set(told["each"]) == set(told["each_drawn"]) == {"ct", "cn", "ft0", "fn0", "amplitude"}
-    assert told["shares"]["servos"] > 0.5  # any hobby servo: the slow ones lose most of the speed
-    assert told["straight"]
-    ideal = f"{steady} --servo ideal {session}"
-    assert "most of it: friction" in serpenoid(f"{ideal} --sensitivities")[1]
-    for plain, other in ((True, ()), (False, ("--sensitivities", "--fn0", "0.05"))):
-        found = answer(ideal, *other)
-        assert "doubts" not in found
-        assert ("grip_sigmas" in found["margins"]) is plain

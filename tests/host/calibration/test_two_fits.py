@@ -60,18 +60,6 @@ def test_frictions_backwards_are_compared_where_both_have_them(fit) -> None:
     assert len(two_fits(fit, ratchet).rows) == 4
 
 
-def test_a_mass_weighed_once_explains_no_difference(fit) -> None:
-    """A common error of 20 % covers a factor on both, not one between them."""
-    v = values_of(fit)
-    wide, other = (
-        replace(one, covariance=fit.covariance + 0.04 * np.outer(*[values_of(one)] * 2))
-        for one in (fit, moved(fit, 1.2 * v))
-    )
-    assert two_fits(wide, other).p_value > 0.5
-    assert two_fits(wide, other, 0.2).p_value < 0.05
-    assert two_fits(wide, other, 0.2).causes[0] == "mass"
-
-
 def test_two_sessions_agree_and_two_robots_are_refused() -> None:
     one, other = (short_session(seed) for seed in (1, 2))
     found = two_sessions(one, other)

@@ -188,24 +188,6 @@ def test_a_new_session_needs_answers_and_a_free_place(tmp_path, folder):
     assert "no session here" in calibrate(f"void {tmp_path} 1")[2]
 
 
-def test_a_sheet_that_was_cut_short_is_gone_on_with(folder, tmp_path):
-    path = tmp_path / "typed.csv"
-    lines = [f"station,0,{2 + k / 10},{0.2 + k / 10}\n" for k in range(6)]
-    path.write_text(HEAD + "".join(lines))
-    add = f"add {folder} --sheet {path}"
-    assert calibrate(add)[0] == 0
-    whole = (folder / "readings.csv").read_bytes()
-    for cut in (2, 60, 300):  # as by a power cut in the middle of writing
-        (folder / "readings.csv").write_bytes(whole[:-cut])
-        status, _, err = calibrate(add)
-        assert (status, "were there already" in err) == (0, True)
-        speeds = [r.belt_speed_m_s for r in load_session(folder).kept]
-        assert speeds == pytest.approx([0.2 + k / 10 for k in range(6)])
-    path.write_text(HEAD + "".join(lines) + "station,0,2.7,0.95\n")
-    assert calibrate(add)[1].startswith("1 reading(s) added")
-    assert len(load_session(folder).kept) == 7
-
-
 def test_the_sheet_to_type_into_takes_a_whole_session(folder, tmp_path):
     with Journal(folder) as journal:
         gait = "{ alpha_deg = 70, beta_deg = 75, omega_rad_s = 3.0 }"

@@ -112,21 +112,6 @@ def practised(tmp_path_factory):
     return folder, said
 
 
-@pytest.mark.slow
-def test_practice_on_the_floor_tells_the_friction_that_was_to_be_found(practised):
-    folder, said = practised
-    assert "the truth, whole snake: ct 0.0868" in said
-    found = answer(f"fit {folder}")["parameters"]
-    for name, true in (("ct", 0.0868), ("cn", 0.8549), ("ft0", 0.1435), ("fn0", 0.2899)):
-        value = found[f"{name}_whole"]
-        assert abs(value["value"] - true) < 3.5 * value["sigma"]
-    assert "is of seed 5" in run(f"calibrate practice {folder} --on floor --seed 6", fails=True)
-    assert "no session of practice" in run(f"calibrate practice {folder}", fails=True)
-    for more in ("--pace 2", "--page"):
-        told = run(f"calibrate practice {folder} --on floor {more}", fails=True)
-        assert f"{more.split()[0]} has no effect with --on floor" in told
-
-
 def test_advice_and_report_of_a_floor(practised, tmp_path):
     folder, _ = practised
     advice = answer(f"advise {folder} --gait 70 75 0.5 --samples 16")

@@ -95,25 +95,3 @@ def test_enter_at_the_mass_weighs_nothing(tmp_path):
     session = read_session(tmp_path / "asked")
     assert not session.setup.weighed
     assert session.mass_sigma == 0.05
-
-
-def test_pushes_at_a_terminal_outlive_a_kill_and_ctrl_c(tmp_path):
-    typed = f"calibrate practice {tmp_path}/floor --on floor --seed 5"
-    with Person(typed) as person:
-        person.sees("0 pushes and")
-        person.answers("Enter when it lies so", "\n")
-        person.answers("how far it rolled", "push\n")
-        person.sees("reading 1, there")
-        person.sends(signal.SIGKILL)
-        person.leaves()
-    assert len(read_session(tmp_path / "floor").of("coast")) == 1
-    with Person(typed) as person:
-        person.answers("Is it this robot", "\n")
-        person.answers("Who measures now", "\n")
-        person.sees("1 push and")
-        person.answers("Enter when it lies so", "\n")
-        person.answers("Push 2 of 8", "push\n")
-        person.sees("reading 2, back")
-        person.sends(signal.SIGINT)
-        assert person.leaves() == 130
-    assert [p.way for p in read_session(tmp_path / "floor").of("coast")] == ["there", "back"]

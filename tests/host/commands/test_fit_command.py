@@ -4,16 +4,12 @@ import json
 import os
 import shutil
 import subprocess
-from dataclasses import replace
 from functools import partial
 
-import numpy as np
 import pytest
 import serpenoid as sn
 from command_line import answer, program, serpenoid
 from robots import NIRAKH_2005
-from serpenoid.calibration.friction_result import FitDraws
-from serpenoid.commands.given import session_fit
 
 pytestmark = pytest.mark.usefixtures("short_curve")
 run = partial(serpenoid, check=True)
@@ -76,59 +72,7 @@ def test_a_session_or_its_fit_gives_friction_to_other_commands(folder):
     assert answer(f"simulate {GAIT} --duration-s 0.1 --session {folder}")
 
 
-SHEET = """kind,lambda_deg,bend,incline_deg,belt_speed_m_s
-station,0,,2.02,0.2
-station,0,,2.66,0.8
-station,25,balanced,3.02,0.2
-station,25,balanced,4.40,0.8
-"""
 CRAWL = "gait alpha_deg=70 beta_deg=75 distance_m=2.5 duration_s=20"
-
-
-def keep_as_with_crawls(plain, folder):
-    """Keep a fit as if the crawls of a session's folder were in it."""
-    session, rows = sn.load_session(folder), np.column_stack([plain.sample_whole(64), np.ones(64)])
-    kept = replace(
-        plain,
-        method="joint, with crawls",
-        session_sha256=session.sha256_with_crawls,
-        draws=FitDraws((*plain.names, "amplitude"), rows),
-        residuals=plain.residuals[: len(session.fitted)],
-    )
-    sn.save_fit(kept, folder)
-
-
-def test_a_report_of_friction_that_crawls_alone_tell_has_no_test_of_it(folder, tmp_path):
-    made, add = tmp_path / "tape", f"calibrate add {tmp_path / 'tape'}"
-    run(f"calibrate new --defaults --simulated --on floor {made}")
-    for way in ("there", "back"):
-        run(f"{add} coast lambda_deg=0 way={way} distance_m=0.6 duration_s=2")
-    run(f"{add} {CRAWL} omega_rad_s=5")
-    keep_as_with_crawls(sn.fit_friction(sn.load_session(folder)), made)
-    assert "no comparison and no advice" in run(f"report {made}").stderr
-    assert "<h2>Friction</h2>" in (made / "report.html").read_text()
-
-
-def test_a_fit_with_crawls_serves_predictions_but_not_their_test(tmp_path, capsys):
-    """Until a reading comes: then the readings are fitted again, and what is left out is said."""
-    folder, sheet = tmp_path / "session", tmp_path / "sheet.csv"
-    sheet.write_text(SHEET)
-    run(f"calibrate new --defaults --simulated {folder}")
-    add = f"calibrate add {folder}"
-    run(f"{add} --sheet {sheet}")
-    run(f"{add} zero incline_deg=0.1 reversed_deg=0")
-    run(f"{add} belt belt_speed_m_s=0.5 distance_m=28 duration_s=56")
-    run(f"{add} {CRAWL} omega_rad_s=5")
-    session = sn.load_session(folder)
-    keep_as_with_crawls(sn.fit_friction(session), folder)
-    assert session_fit(folder).with_crawls
-    assert not capsys.readouterr().err
-    assert not session_fit(folder, with_crawls=False).with_crawls
-    assert "no test of them" in capsys.readouterr().err
-    assert "no test of them" in run(f"report --servo ideal {folder}").stderr
-    run(f"{add} {CRAWL} omega_rad_s=4")
-    assert not session_fit(folder).with_crawls
-    assert "fitted anew, without crawls" in " ".join(capsys.readouterr().err.split())
 
 
 @pytest.mark.parametrize(

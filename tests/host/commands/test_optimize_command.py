@@ -6,17 +6,13 @@ import shutil
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
-from types import MappingProxyType
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 import serpenoid as sn
 from command_line import answer, serpenoid
-from serpenoid.calibration.friction_result import Estimate, FitDraws, FittedServos
-from serpenoid.commands.demo import session_folder
 from serpenoid.paper import study as paper_study
 from serpenoid.show.gaits import crawl
 
@@ -223,17 +219,6 @@ def test_a_crawl_closes_in_itself_and_shows_what_the_ground_does(tmp_path: Path)
     assert svg.count('class="force"') == svg.count('class="wheel"') == 6
 
 
-def test_the_start_explains_fig_6() -> None:
-    """Closed gaps ring and double the error; both starts settle to errors of the same size."""
-    closed = paper_study.compare_formulations("zero")
-    opened = paper_study.compare_formulations("slow_manifold")
-    first, other = (np.abs(c.theta_error_rad) for c in (closed, opened))
-    assert first.max() == pytest.approx(1.70e-3, rel=0.01)
-    assert closed.t_s[first.argmax()] == pytest.approx(0.031, abs=0.002)
-    assert other.max() == pytest.approx(0.869e-3, rel=0.01)
-    assert first[closed.t_s > 8].max() == pytest.approx(other[opened.t_s > 8].max(), rel=0.05)
-
-
 @pytest.mark.parametrize(
     ("words", "told"),
     [
@@ -275,43 +260,3 @@ def test_a_stale_fit_is_told_once(tmp_path: Path) -> None:
     line = f"optimize --ground {fit} --ft0 0 --fn0 0 --speed 0.1 --servo ideal"
     done = serpenoid(line, check=True)
     assert done.stderr.count("is older than the readings") == 1
-
-
-@pytest.mark.parametrize("crawls", [False, True])
-def test_robust_samples_are_those_that_crawls_in_the_fit_leave(
-    monkeypatch: pytest.MonkeyPatch, crawls: bool
-) -> None:
-    """Their servos and the joints' amplitude, in place of any hobby servo and 3 %."""
-    fit = sn.fit_friction(sn.load_session(session_folder()))
-    kept = tuple(sn.servo("hobby").draws(3, 1))
-    if crawls:
-        fit = replace(
-            fit,
-            draws=FitDraws(
-                (*fit.names, "amplitude"),
-                np.column_stack([fit.sample_whole(64), np.full(64, 0.9)]),
-            ),
-            nuisances=MappingProxyType({"joint_amplitude": Estimate(0.9, 0.018)}),
-            servos=FittedServos("hobby", kept, (0, 1, 1, 2) * 16, 1),
-        )
-    asked: list[sn.Uncertainty] = []
-
-    def robust_gait(*_: object, uncertainty: sn.Uncertainty, **__: object) -> None:
-        asked.append(uncertainty)
-        raise sn.NotConverged("asked enough")
-
-    monkeypatch.setattr("serpenoid.robust_gait", robust_gait)
-    monkeypatch.setattr("serpenoid.commands.given.session_fit", lambda folder: fit)
-    line = f"optimize --session {session_folder()} --robust --speed 0.05"
-    done = serpenoid(line)
-    assert "asked enough" in done.stderr
-    serpenoid(f"{line} --common-amplitude-sigma 0.01")
-    first, other = asked
-    assert first.servo is not None
-    assert sorted(map(kept.index, first.servo.drawn)) == (
-        sorted([0, 1, 1, 2] * 16) if crawls else []
-    )
-    assert ("that the fit's crawls leave" in done.stderr) is crawls
-    assert first.common_amplitude == pytest.approx(0.02 if crawls else 0.03)
-    assert first.joint_gain == ((0.9,) * 5 if crawls else ())
-    assert (other.common_amplitude, other.joint_gain) == (0.01, first.joint_gain)

@@ -108,22 +108,6 @@ def test_a_uniform_rod_stays_one_and_a_given_inertia_is_kept(tmp_path: Path) -> 
         assert got["scene"]["robot"]["link_inertia_kg_m2"] == pytest.approx(wanted, rel=1e-15)
 
 
-def test_a_drive_replaces_the_files(tmp_path: Path) -> None:
-    path = tmp_path / "scene.toml"
-    answer(f"{SHORT} --servo-fields stiffness_nm_rad=5 --save-scene {path}")
-
-    def scene(options: str) -> dict:
-        return answer(f"simulate --scene {path} --duration-s 0.01 {options}")["scene"]
-
-    assert scene("--servo-fields")["servo"]["stiffness_nm_rad"] == 5
-    assert scene("--servo-fields dead_band_rad=0")["servo"]["stiffness_nm_rad"] == 5
-    torque = scene("--torque-nm 0.1,0,0,0,-0.1")
-    assert torque["drive"] == "torque"
-    assert torque["torque"] == {"torque_nm": [0.1, 0, 0, 0, -0.1]}
-    assert "servo" not in torque
-    assert scene("--drive angle")["drive"] == "angle"
-
-
 def test_the_answer_is_complete_and_the_files_too(tmp_path: Path) -> None:
     out, figure = tmp_path / "run.csv", tmp_path / "run.png"
     recorded = "--duration-s 2 --record joints,friction,energy --record-every 100"

@@ -78,16 +78,3 @@ def test_drawn_links_share_the_whole():
         each = [getattr(g, name) for g in drawn.grounds]
         assert sum(each) == pytest.approx(getattr(WHOLE, name))
         assert max(each) > min(each)
-
-
-def test_the_offset_that_ran_straight_is_kept_when_the_robot_is_laid_down_anew():
-    robot = LabRobot.whole(OF_2005, WHOLE, [math.radians(1.0)] * 5)
-    belt = Belt(robot)
-    belt.tilt(math.radians(2.4))
-    made = Person(belt, np.random.default_rng(3))
-    assert made.hold(0.4, 16.0) is not None
-    assert math.degrees(made.helm.trim_rad) == pytest.approx(-1.0, abs=0.5)
-    made._let_go(0.4)
-    belt.wait(1.0)  # joints are steered slowly
-    joints = np.degrees(np.diff(belt.places()[:, 2]))
-    assert abs(joints.mean()) < 0.5

@@ -159,20 +159,6 @@ def test_lines_lost_on_the_way_to_the_board_are_sent_again_and_obeyed_once():
         assert fake.board.counters["lost"] == 0
 
 
-def test_a_lost_verdict_is_repeated_and_its_command_obeyed_once():
-    lost = itertools.cycle([True, False])
-
-    def lose_every_other(line: bytes) -> bytes:
-        return b"" if line.startswith(b"ok: #") and next(lost) else line
-
-    with FakeBoard() as fake, Robot(fake.port) as robot:
-        fake.to_host = lose_every_other
-        robot.gait(GAIT)
-        fake.to_host = honest
-        assert robot.losses.resent >= 1
-        assert until(lambda: fake.board.counters["repeated"] == robot.losses.resent)
-
-
 def test_data_lines_that_come_damaged_are_asked_for_again():
     spoil = itertools.chain([True] * 3, itertools.repeat(False))
 
@@ -242,21 +228,6 @@ def test_a_line_without_end_does_not_fill_the_memory():
         fake.to_host = lambda _: b"x" * 1000
         assert until(lambda: robot.losses.damaged_lines >= 2)
         fake.to_host = honest
-
-
-@pytest.mark.parametrize("flood", [b"x" * 4000 + b"\n", sealed("ok: #!") * 200, b"\n" * 4000])
-def test_a_flood_drowns_nothing(flood):
-    def pour(line: bytes) -> bytes:
-        return line + flood if line.startswith(b"t:") else line
-
-    with FakeBoard() as fake, Robot(fake.port) as robot:
-        fake.to_host = pour
-        robot.gait(GAIT)
-        assert fake.await_state("gait")
-        for _ in range(20):  # each behind a flood of its own, however long that takes
-            assert next(robot.frames(LONG_S)).state == "gait"
-        robot.stop()
-        assert fake.state == "hold"
 
 
 @pytest.mark.parametrize(

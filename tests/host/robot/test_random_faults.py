@@ -152,11 +152,3 @@ def check(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("seed", range(15))
 def test_any_program_with_any_board_ends_well_or_by_name(seed, monkeypatch):
     check(seed, monkeypatch)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("hundred", range(4))
-def test_hundreds_of_programs_end_well_or_by_name(hundred, monkeypatch):
-    """None of 400 fails: one in 130 would in 19 of 20 such tests."""
-    for seed in range(1000 + 100 * hundred, 1100 + 100 * hundred):
-        check(seed, monkeypatch)

@@ -9,7 +9,7 @@ import pytest
 from refusals import refused
 from robot.boards import BOARDS
 from robot.fake_board import GAIT, FakeBoard
-from robot.patience import LONG_S, clock
+from robot.patience import LONG_S
 from serpenoid import Gait
 from serpenoid.model.errors import CommandRefused, RobotReset
 from serpenoid.robot import Robot
@@ -138,13 +138,6 @@ def test_reset_and_hang_of_the_simulated_board_end_the_run(simulated):
                 robot.gait(GAIT)
                 harm()
                 list(robot.frames(60.0))
-
-
-def test_a_board_that_boots_slowly_is_found():
-    begun_s = clock()
-    with FakeBoard(lambda line: line if clock() > begun_s + 1.0 else b"") as fake:
-        with Robot(fake.port) as robot:
-            robot.straight()
 
 
 def test_a_board_that_opening_does_not_reset_is_found():

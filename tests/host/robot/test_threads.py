@@ -96,26 +96,6 @@ def test_a_motion_that_waits_for_its_verdict_is_not_sent_again_after_such_a_stop
     assert b"pose straight" not in after
 
 
-def test_eight_threads_share_the_frames():
-    seen: list[int] = []
-    wrong: list[BaseException] = []
-
-    def watch(robot: Robot) -> None:
-        try:
-            seen.extend(frame.frame for frame in robot.frames(0.6))
-        except BaseException as error:
-            wrong.append(error)
-
-    with FakeBoard() as fake, Robot(fake.port) as robot:
-        threads = [threading.Thread(target=watch, args=(robot,)) for _ in range(8)]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
-    assert not wrong
-    assert len(seen) == len(set(seen)) > 10
-
-
 def test_a_robot_that_did_not_open_has_no_greeting():
     with FakeBoard(nothing) as fake:
         robot = Robot(fake.port, timeout_s=0.2)

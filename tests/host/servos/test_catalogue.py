@@ -140,19 +140,6 @@ def test_draws_have_the_sigma_and_follow_torque_and_speed() -> None:
     assert sn.ServoKind("x", base).draws(3) == [base] * 3
 
 
-def test_doubt_about_gears_leaves_the_speed_of_the_whole_servo() -> None:
-    base = sn.Servo(2.0, 0.05, 0.4, 8.0, 0.005, 2e-3, 0.02, 4e-3)
-    doubt = {"gear_friction_nm": 0.5, "gear_damping_nms_rad": 0.8}
-    drawn = sn.ServoKind("x", base, doubt).draws(50)
-    assert np.std([s.speed_limit_rad_s for s in drawn]) > 0.2
-    assert [s.no_load_rad_s for s in drawn] == pytest.approx([base.no_load_rad_s] * 50)
-    assert [s.stall_torque_nm for s in drawn] == pytest.approx([base.stall_torque_nm] * 50)
-    lines = [s.torque_limit_nm / s.speed_limit_rad_s for s in drawn]
-    for name in ("damping_nms_rad", "armature_kg_m2"):
-        ratios = [getattr(s, name) / line for s, line in zip(drawn, lines, strict=True)]
-        assert np.ptp(ratios) < 1e-12
-
-
 def test_drawn_servos_do_not_hunt_and_look_as_often_as_the_kind_says() -> None:
     drawn = sn.servo().draws(300)
     assert max(map(loop_radius, drawn)) < 0.97

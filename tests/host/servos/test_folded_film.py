@@ -10,11 +10,6 @@ import pytest
 import serpenoid as sn
 from lab.filmed_robot import Motion, driven
 from robots import BINGHAM, OF_2005, gait_in_deg
-from serpenoid.calibration.kinds.tracks import Track
-from serpenoid.calibration.kinds.video import FilmReading
-from serpenoid.calibration.servos.from_runs import servo_of_session
-from serpenoid.calibration.session_file import load_session
-from serpenoid.commands.demo import session_folder
 from serpenoid.periodic.servo_steady import servo_state
 from serpenoid.servos.folded_film import Ripple, film_ripples
 
@@ -75,32 +70,3 @@ def test_noise_alone_is_no_ripple() -> None:
 def test_too_few_or_too_slow_pictures_tell_nothing(t_s: np.ndarray) -> None:
     joints = np.sin(GAIT.omega_rad_s * t_s)[:, None] * np.ones(5)
     assert film_ripples(t_s, joints, GAIT.omega_rad_s, FRAME_S) == ()
-
-
-@pytest.mark.slow
-def test_a_session_tells_light_rotors_by_a_quick_film(runs) -> None:
-    """Amplitude and a speed in doubt leave both; what runs and rests inside a frame does not."""
-    session = load_session(session_folder())
-    fit = sn.fit_friction(session)
-    t, joints = filmed(runs["light"])
-    rows = np.column_stack([t, 0 * t, 0 * t, 0 * t, joints])
-    names = ("t_s", "x_m", "y_m", "heading_rad", *(f"joint{i}_rad" for i in range(1, 6)))
-    film = FilmReading(
-        99,
-        GAIT.alpha_rad,
-        GAIT.beta_rad,
-        GAIT.omega_rad_s,
-        0.08,
-        0.05,
-        0.0,
-        0.02,
-        "1,1,1,1,1",
-        "0,0,0,0,0",
-        "cd" * 32,
-        track=Track.of(names, rows),
-    )
-    both = sn.ServoKind("both", HEAVY, drawn=(HEAVY, LIGHT))
-    found = servo_of_session(session.with_reading(film), both, fit)
-    assert set(found.kind.drawn) == {LIGHT}
-    unseen = session.with_reading(replace(film, track=None))
-    assert set(servo_of_session(unseen, both, fit).kind.drawn) == {HEAVY, LIGHT}

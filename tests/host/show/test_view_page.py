@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from command_line import serpenoid
-from robots import BINGHAM, OF_2005, VISCOUS, gait_in_deg
+from robots import BINGHAM, OF_2005, gait_in_deg
 from serpenoid.model.gait import joint_motion
 from serpenoid.show.pages.twin import Twin
 from serpenoid.show.pages.view_page import of_run, write_page
@@ -42,13 +42,6 @@ def test_a_run_is_shown_as_it_is() -> None:
     v, theta = np.array([run.vx_m_s[-1], run.vy_m_s[-1]]), run.theta_rad[-1]
     sideways = v[1] * np.cos(theta) - v[0] * np.sin(theta)
     assert np.array(shown["slip_m_s"][-1]) == pytest.approx(sideways, abs=1e-5)
-
-
-def test_slow_wheels_stick_on_dry_ground_alone() -> None:
-    slow = sn.Gait(1.2, 1.3, 0.8)
-    for ground, sticks in ((BINGHAM, True), (VISCOUS, False)):
-        scene = sn.Scene(OF_2005, ground, slow, start="steady", dt_s=5e-3, duration_s=4.0)
-        assert bool(np.any(of_run(sn.simulate(scene))["stuck"])) == sticks
 
 
 def test_the_twin_of_the_virtual_robot_ramps_with_it_and_then_keeps_its_speed(page) -> None:

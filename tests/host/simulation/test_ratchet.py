@@ -135,19 +135,6 @@ def test_energy_is_kept_and_friction_only_takes(name: str, drive: str) -> None:
     assert np.abs(balance).max() < 2e-6 * max(friction[-1], kinetic.max())
 
 
-@pytest.mark.parametrize("factor", [1e3, pytest.param(1e6, marks=pytest.mark.slow)])
-def test_wheels_that_cannot_roll_back(factor: float) -> None:
-    """Backward ct and backward ft0 without end are the same wheel: no link goes backwards."""
-    viscous = sn.Ground((0.014, 0.014 * factor), 0.2, 0.0233, 0.045)
-    dry = sn.Ground(0.014, 0.2, (0.0233, 0.0233 * factor), 0.045)
-    speeds = [sn.steady_gait(OF_2005, g, GAIT, rtol=1e-5).speed_m_s for g in (viscous, dry)]
-    assert speeds[0] == pytest.approx(speeds[1], rel=50 / factor + 2e-5)
-    for ground in (viscous, dry):
-        run = sn.simulate(sn.Scene(OF_2005, ground, GAIT, duration_s=3.0, tolerance=1e-7))
-        assert along(run)[50:].min() > -3 / factor - 1e-5  # m/s: some 0.03 N over ct
-        assert along(run).max() > 0.01
-
-
 def test_what_smooth_methods_cannot_do_is_said() -> None:
     for method in ("dop853", "collocation"):
         with refused("nonsmooth"):

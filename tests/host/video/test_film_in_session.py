@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from types import MappingProxyType
 
 import numpy as np
 import pytest
 import serpenoid as sn
-from command_line import answer, serpenoid
+from command_line import serpenoid
 from refusals import refused
 from serpenoid.calibration.comparison import compare
 from serpenoid.calibration.friction_fit import fit_friction
-from serpenoid.calibration.friction_result import Estimate, FitDraws
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.video import FilmReading
 from serpenoid.calibration.session_file import load_session, read_session
-from serpenoid.calibration.speed_samples import speed_band
 from serpenoid.calibration.speeds import speed
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
@@ -131,29 +128,6 @@ def test_the_verdict_is_amplitude_where_a_film_shows_it(of_2005, gain, verdict) 
     assert shown in found.verdict_text
     assert found.gaits[0].residual_m_s == pytest.approx(0.0, abs=1e-4)
     assert found.gaits[0].low_all_m_s == pytest.approx(found.gaits[0].low_m_s)
-
-
-def test_a_filmed_amplitude_is_in_no_doubt_again(of_2005, folder) -> None:
-    """Of the gait that was filmed; a film of another one leaves the amplitude's doubt."""
-    _, fit = of_2005
-    steady = f"steady --beta-deg 80 --omega-rad-s 3.01 --joints {folder}"
-    typed = f"{steady} --session {session_folder()} --alpha-deg"
-    band, other = (answer(f"{typed} {alpha}")["band"] for alpha in (50, 52))
-    assert (band["filmed"], other["filmed"]) == (True, False)
-    ends = [(band[f"low_{name}m_s"], band[f"high_{name}m_s"]) for name in ("friction_", "")]
-    assert ends[0] == ends[1]
-    assert other["high_m_s"] != other["high_friction_m_s"]
-    # crawls in the fit told of the same joints: their amplitude does not count twice
-    gait = sn.Gait(math.radians(50), math.radians(80), 3.0, joint_gain=(0.93,) * 5)
-    rows = np.column_stack([fit.sample_whole(64), np.full(64, 0.9)])
-    draws = FitDraws((*fit.names, "amplitude"), rows)
-    of_crawls = replace(
-        fit, draws=draws, nuisances=MappingProxyType({"joint_amplitude": Estimate(0.9, 0.01)})
-    )
-    told = replace(gait, joint_gain=())
-    made = speed_band(of_crawls, gait, servo=None, commanded=told).speed_m_s
-    assert made == pytest.approx(speed(fit.robot, fit.ground, gait), rel=1e-6)
-    assert speed_band(of_crawls, gait, servo=None).speed_m_s != pytest.approx(made, rel=0.05)
 
 
 def test_films_and_timed_runs_of_one_command_are_one_gait(of_2005) -> None:
