@@ -1,8 +1,7 @@
 """Hold runs in time, and what they claim, to the references of tests/oracle: hard kinds.
 
 `springs`: k from 1e2 to 1e9 N/m, every method. `free`: torques and servos on dry ground, by
-events. `dry-springs`: springs on dry ground, by events. `work`: the positive work of random scenes
-with every kind of drive, joint and ground.
+events. `dry-springs`: springs on dry ground, by events.
 """
 
 from __future__ import annotations
@@ -19,7 +18,6 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "host"))
 import serpenoid as sn
-from serpenoid.simulation.run import ENERGY_COLUMNS
 from serpenoid.simulation.stability import largest_stable_step_s
 from serpenoid.simulation.starts import start_state
 from simulation import truth_cases as tc
@@ -123,53 +121,19 @@ def dry_springs() -> None:
             )
 
 
-def work(cases: int) -> None:
-    """Print how far the positive work is off at three tolerances, and the largest true/claimed."""
-    column = ENERGY_COLUMNS.index("positive_work_j")
-    for k, kind in enumerate(tc.WORK_KINDS):
-        far: dict[float, list[float]] = {1e-6: [], 1e-9: [], 1e-12: []}
-        ratios = []
-        for seed in range(k, cases, len(tc.WORK_KINDS)):
-            scene = tc.work_case(seed)
-            try:
-                truth = tc.true_work(scene)
-            except (RuntimeError, np.linalg.LinAlgError):
-                continue  # the reference's modes did not settle
-            for t, found in far.items():
-                run = sn.simulate(replace(scene, tolerance=t))
-                found.append(abs(run.energy_j[-1, column] / truth - 1))
-                claim = run.error_estimate.integration.energy_j
-                assert claim is not None
-                rounding = 1e-10 * truth
-                ratios.append(
-                    max(found[-1] * truth, rounding) / max(claim["positive_work_j"], rounding)
-                )
-        line = "; ".join(
-            f"{t:g}: median {np.median(e):.0e}, largest {max(e):.0e}" for t, e in far.items()
-        )
-        print(
-            f"{kind}: {len(far[1e-6])} cases, {line}; largest true over claimed {max(ratios):.2f}",
-            flush=True,
-        )
-
-
 def main() -> None:
     """Run what is asked for."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("what", choices=("springs", "dry-springs", "free", "work"))
-    parser.add_argument(
-        "--cases", type=int, default=40, help="of every kind of free joints; of the work in all"
-    )
+    parser.add_argument("what", choices=("springs", "dry-springs", "free"))
+    parser.add_argument("--cases", type=int, default=40, help="of every kind of free joints")
     parser.add_argument("--rounds", type=int, default=1, help="runs that a time is the mean of")
     given = parser.parse_args()
     if given.what == "springs":
         springs(given.rounds)
     elif given.what == "free":
         free(given.cases)
-    elif given.what == "dry-springs":
-        dry_springs()
     else:
-        work(given.cases)
+        dry_springs()
 
 
 if __name__ == "__main__":

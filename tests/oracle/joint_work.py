@@ -11,7 +11,6 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial import Chebyshev
-from scipy.interpolate import PPoly, make_interp_spline
 
 from .contact_modes import Mode, World, pieces
 from .params import Array, Gait
@@ -96,14 +95,3 @@ def _positive(power: Chebyshev) -> float:
     inside = np.sort(roots[(abs(roots.imag) < 1e-12) & (abs(roots.real) < 1)].real)
     up = power.integ()
     return sum(max(up(b) - up(a), 0.0) for a, b in pairwise([-1.0, *inside, 1.0]))
-
-
-def positive_part_of(t_s: Array, power_w: Array) -> float:
-    """Return the integral of a smooth power's positive part from its values (T,), J: by a spline.
-
-    For T rows so close that the spline has no error that counts.
-    """
-    spline = PPoly.from_spline(make_interp_spline(t_s, power_w, k=5))
-    zeros = [z for z in spline.roots(extrapolate=False) if t_s[0] < z < t_s[-1]]
-    up = spline.antiderivative()
-    return float(sum(max(up(b) - up(a), 0.0) for a, b in pairwise([t_s[0], *zeros, t_s[-1]])))

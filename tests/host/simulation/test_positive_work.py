@@ -1,7 +1,7 @@
 """The ledger's positive work, whose integrand has kinks: its error, its order, its claim, its cost.
 
-References: the event-driven one of tests/oracle (joint_work.py), splines of joint powers, and the
-periodic state. `studies/truths.py work` holds 48 random scenes to them.
+References: the event-driven one of tests/oracle (joint_work.py), pinned joints for hard springs,
+and the periodic state.
 """
 
 from __future__ import annotations
@@ -60,6 +60,19 @@ def test_against_events(name: str) -> None:
         run = positive(scene, tolerance)
         error = abs(run.energy_j[-1, POSITIVE] - truth)
         assert error <= 1.1 * claim(run) + 1e-10 * truth
+
+
+def test_hard_springs_do_the_work_of_pinned_joints() -> None:
+    """Their error falls as 1 / k."""
+    pinned = replace(PAPER, duration_s=0.5)
+    exact = positive(pinned, 1e-12).energy_j[-1, POSITIVE]
+    gaps = []
+    for k in (1e5, 1e6):
+        springs = replace(pinned, formulation="implicit", joint_stiffness_n_m=k, method="radau")
+        run = positive(springs, 1e-9)
+        gaps.append(run.energy_j[-1, POSITIVE] / exact - 1)
+        assert claim(run) < 1e-4 * exact
+    assert abs(gaps[1]) < 0.2 * abs(gaps[0]) < 2e-3
 
 
 @pytest.mark.parametrize("dry", [False, True])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -161,43 +160,6 @@ def free_case(kind: str, seed: int, duration_s: float = 0.6) -> sn.Scene:
         **incline,
         **drive,
     )
-
-
-WORK_KINDS = ("viscous", "dry", "springs", "viscous servo", "dry servo", "dry torques")
-
-
-def work_case(seed: int) -> sn.Scene:
-    """Return a random scene for the positive work, of the kind WORK_KINDS[seed % 6]."""
-    rng, kind = np.random.default_rng([seed, 6]), WORK_KINDS[seed % 6]
-    n = int(rng.integers(3, 9))
-    robot = sn.Robot(n, 10 ** rng.uniform(-1.2, 0), rng.uniform(0.05, 0.15))
-    ct, weight = 10 ** rng.uniform(-2, -0.5), 9.81 * robot.link_mass_kg
-    dry = (weight * 10 ** rng.uniform(-2.5, -1.5), weight * 10 ** rng.uniform(-1.2, -0.4))
-    ground = sn.Ground(ct, ct * 10 ** rng.uniform(0.5, 2), *(dry if "dry" in kind else ()))
-    gait = sn.Gait(rng.uniform(0.2, 1.0), rng.uniform(0.5, 2.1), rng.uniform(1, 8))
-    more: dict[str, Any] = {"method": "nonsmooth" if "dry" in kind else "dop853"}
-    if "servo" in kind:
-        stiff = robot.inertia_kg_m2 * 10 ** rng.uniform(2.5, 3.5)
-        servo = sn.Servo(stiff, 0.05 * stiff, stiff * rng.uniform(0.3, 1))
-        more |= {"drive": "servo", "servo": servo}
-    elif "torques" in kind:
-        rows = rng.normal(size=(3, n - 1)) * 0.7 * ground.fn0 * robot.link_length_m
-        more |= {"drive": "torque", "torque": sn.TorqueTable(np.array([0, 0.2, 0.5]), rows)}
-    elif kind == "springs":
-        more |= {
-            "formulation": "implicit",
-            "joint_stiffness_n_m": 10 ** rng.uniform(2.5, 5),
-            "method": ("radau", "dop853")[seed // 6 % 2],
-        }
-    return sn.Scene(robot, ground, gait, duration_s=0.5, dt_s=0.01, record=("energy",), **more)
-
-
-def true_work(scene: sn.Scene) -> float:
-    """Return the positive work of a scene's joints, J: by events, or on springs by fine steps."""
-    if scene.formulation == "explicit":
-        return work_by_events(scene)
-    run = sn.simulate(replace(scene, method="rk4", dt_s=1e-5, record=("joints",), record_every=2))
-    return sum(jw.positive_part_of(run.t_s, power) for power in run.joint_power_w.T)
 
 
 def _drive(kind: str, robot: sn.Robot, size_nm: float, rng: Generator) -> dict[str, Any]:
