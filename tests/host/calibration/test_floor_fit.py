@@ -13,7 +13,6 @@ from calibration.floor_sessions import (
     floor_session,
     floor_setup,
     forces,
-    push_track,
     rolled_out,
     short_session,
 )
@@ -260,43 +259,6 @@ def test_what_is_left_open_is_said_with_the_push_that_closes_it():
         fit_friction(floor_session(bends_deg=(0.0,)))
     with refused("'naive' is the paper's, of stations alone"):
         fit_friction(floor_session(), method="naive")
-
-
-def across_session(seed, across_rad):
-    """Pushes up to 5 degrees off their line, on a floor that falls to the left of it.
-
-    Every 0.5 ms a push heads where its own line says, and the floor pulls it along that.
-    """
-    rng = np.random.default_rng([seed, 3])
-    record = MemoryRecord(floor_setup())
-    for bend in (0.0, 20.0, 45.0):
-        for k, v0 in enumerate((0.6, 0.7, 0.9, 1.0)):
-            sign, off = 1 - 2 * (k % 2), math.radians(5.0) * rng.uniform(-1.0, 1.0)
-            along = math.sin(0.003) * math.cos(off) + math.sin(across_rad) * math.sin(off)
-            track = push_track(
-                v0,
-                TRUTH,
-                rng,
-                direction_rad=off + (0.0 if sign > 0 else math.pi),
-                bend_rad=math.radians(bend),
-                rolling=0.0595,
-                slope_rad=sign * math.asin(along),
-            )
-            cells = {"lambda_deg": bend, "bend": "balanced", "way": ("there", "back")[k % 2]}
-            record.add("coast", cells | {"by": "film", "distance_sigma_m": 0.001}, samples=track)
-    return record.session
-
-
-def test_a_floor_that_falls_sideways_is_told_and_alarms_nobody():
-    across = math.radians(0.4)
-    fits = [fit_friction(across_session(seed, across)) for seed in range(4)]
-    assert not any(fit.alarms for fit in fits)
-    off = [(f.nuisances["floor_slope_across_rad"].value - across) for f in fits]
-    sigma = [f.nuisances["floor_slope_across_rad"].sigma for f in fits]
-    assert max(sigma) < math.radians(0.2)
-    assert np.abs(np.divide(off, sigma)).max() < 3.0
-    assert max(abs(o) for o in off) < 0.7 * across  # 0 would be told where nothing is
-    assert min(fit.p_value for fit in fits) > 0.01
 
 
 def test_a_path_that_turns_feels_the_slope_where_it_heads():

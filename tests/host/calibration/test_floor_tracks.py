@@ -186,13 +186,6 @@ def test_files_of_tracker_and_kinovea_are_read(tmp_path, text, row, unit):
     assert len(digest) == 64
 
 
-def test_times_that_no_even_pictures_explain_stay_as_they_are(tmp_path):
-    at = np.round(np.cumsum(np.random.default_rng(2).uniform(0.02, 0.06, 50)), 2)
-    path = tmp_path / "track.csv"
-    path.write_text("t,x,y\n" + "\n".join(f"{t:.2f},{t:.4f},0" for t in at))
-    assert read_track_file(path)[0][:, 0].tolist() == at.tolist()
-
-
 def test_files_that_are_no_track_are_told(tmp_path):
     path = tmp_path / "t.csv"
     for text, told in (

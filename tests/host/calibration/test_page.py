@@ -95,13 +95,6 @@ def test_only_the_token_the_own_host_and_the_own_origin_are_answered():
         assert stops == [1]
 
 
-def test_keys_at_the_terminal_steer_the_page_too():
-    robot, told = SteeredRobot(), []
-    keys = steering(robot, told.append)
-    assert [keys["left"](), keys["left"](), keys["right"]()] == ["1 step", "2 step", "1 step"]
-    assert told == ["1 step", "2 step", "1 step"]
-
-
 def test_keys_that_two_pages_press_at_once_all_count():
     robot = SteeredRobot()
     keys = steering(robot)

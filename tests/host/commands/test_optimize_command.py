@@ -73,21 +73,6 @@ def unreachable(*_: object, **__: object) -> None:
     raise sn.NotConverged("no gait reaches it")
 
 
-@pytest.mark.slow
-def test_a_front_by_springs() -> None:
-    front = answer(f"{FRONT} --formulation implicit")["front"]
-    assert front[0]["formulation"] == "implicit"
-    assert 7.637e-3 < front[0]["cost_w"] < 7.66e-3  # springs cost a little here
-    assert front[1] is None
-
-
-@pytest.mark.slow
-def test_a_front_of_robust_gaits() -> None:
-    robust = " ".join(serpenoid(f"{FRONT} --robust", check=True).stdout.split())
-    assert "95 % make" in robust
-    assert "out of" in robust
-
-
 def test_robust_says_what_it_costs_and_what_it_keeps() -> None:
     found = answer(f"{OPTIMIZE} 0.2 --robust --amplitude-sigma 0.05 --servo ideal")
     assert found["low_speed_m_s"] >= 0.179

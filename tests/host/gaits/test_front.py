@@ -51,14 +51,6 @@ def test_each_point_is_what_a_single_call_finds(kind: str) -> None:
     assert abs(one.power_w - first.power_w) <= one.power_error_w + first.power_error_w
 
 
-def test_creeping_costs_by_the_square_of_the_speed() -> None:
-    """No inertia, no limit: alpha and beta stay, the rate goes as the speed."""
-    front = found("viscous", [1e-9, 1e-5])
-    per_square = [best.power_w / best.speed_m_s**2 for best in front]
-    assert per_square == pytest.approx([per_square[0]] * 2, rel=1e-6)
-    assert front[1].gait.alpha_rad == pytest.approx(front[0].gait.alpha_rad, rel=2e-3)
-
-
 def test_mass_and_speed_count_together() -> None:
     """Mass times rate over friction is all there is: half the mass, twice the speed."""
     speeds = [0.1, 0.4, 1.0]

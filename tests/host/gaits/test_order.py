@@ -12,11 +12,8 @@ import serpenoid as sn
 COSTS = ("power", "positive_power", "abs_power")
 
 
-@pytest.mark.parametrize(
-    "seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 7))]
-)
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_random_ladders_of_limits_and_costs(seed: int) -> None:
-    """None of seven is out of order: a share of 35 % would show in 19 of 20 cases."""
     rng = np.random.default_rng((34, seed))
     robot = sn.Robot(int(rng.integers(3, 8)), float(rng.uniform(0.05, 0.5)), 0.08)
     ct = float(np.exp(rng.uniform(math.log(0.01), math.log(0.3))))

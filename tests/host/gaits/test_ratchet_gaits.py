@@ -27,13 +27,3 @@ def test_a_robot_turned_round_takes_the_wave_turned_round() -> None:
     reaches = grid.speed_m_s >= 0.03
     assert reaches.any()
     assert grid.power_w[reaches].min() > here.power_w - here.power_error_w
-
-
-def test_a_sample_turned_round_runs_the_wave_the_other_way() -> None:
-    gait = sn.Gait(1.0, 1.8, 3.0)
-    sample = sn.Uncertainty().samples(ROBOT, sn.Ground((0.014, 0.05), 0.2), 1)[0]
-    turned = sample.turned_round()
-    one = sn.steady_gait(ROBOT, sample.ground, sample.gait(gait), rtol=1e-6)
-    back = sn.Gait(1.0, -1.8, 3.0)
-    other = sn.steady_gait(ROBOT, turned.ground, turned.gait(back), rtol=1e-6)
-    assert other.speed_m_s == pytest.approx(one.speed_m_s, rel=1e-5)

@@ -10,7 +10,7 @@ from robots import OF_2005
 from serpenoid.calibration.fitting.shared import straightness_factors
 from serpenoid.lab.floor import Floor, Push
 from serpenoid.lab.instruments import Instrument
-from serpenoid.lab.recording import Camera, film, to_rest
+from serpenoid.lab.recording import to_rest
 from serpenoid.lab.robot import LabRobot, pose_of
 from serpenoid.model.ground import Ground
 
@@ -77,20 +77,6 @@ def test_wheels_that_turn_roll_farther():
     a, b = drag(0.0)
     track = Floor(LabRobot.whole(OF_2005, WHOLE, rolling_kg=0.02)).push(STRAIGHT, Push(0.8))
     assert track.x_m[-1] == pytest.approx(coast(0.8, a, b, MASS + 0.02)[1], rel=2e-3)
-
-
-def test_a_film_is_the_track_at_the_times_it_was_taken():
-    track = Floor(ROBOT).push(STRAIGHT, Push(0.9))
-    rows = film(track, Camera(missing=0.2, scale=1.02), np.random.default_rng(1))
-    t_s, x_m = rows[:, 0], rows[:, 1]
-    true = np.interp(t_s, track.t_s, track.x_m)
-    assert np.std(x_m - 1.02 * true) == pytest.approx(0.001, rel=0.3)
-    gaps = np.diff(t_s)
-    assert gaps.min() > 0.02
-    assert 0.05 < np.mean(gaps > 0.05) < 0.35  # some are missing
-    still = t_s > track.t_s[-1]
-    assert still.sum() >= 5
-    assert np.std(x_m[still]) < 0.002
 
 
 def test_tape_and_watch():

@@ -43,12 +43,6 @@ def test_whoever_steers_holds_straight_and_balanced(signs, bend_deg, incline_deg
     assert np.sqrt(np.mean(np.square(turned))) < 3.0
 
 
-def test_whoever_does_not_steer_loses_most():
-    lost = held(range(8), STRAIGHT, 0, 2.4, steers=False).count(None)
-    assert lost >= 4
-    assert held(range(8), STRAIGHT, 0, 2.4).count(None) == 0
-
-
 def test_below_break_away_the_belt_carries_it_off():
     assert person(1, STRAIGHT, 0, 1.0).hold(0.2, 16.0) is None
 

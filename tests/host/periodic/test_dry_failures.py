@@ -7,7 +7,6 @@ import math
 import numpy as np
 import pytest
 import serpenoid as sn
-from robots import BINGHAM, OF_2005
 
 
 def test_wild_dry_robots_converge() -> None:
@@ -74,14 +73,3 @@ def test_chattering_wheels_are_known_to_1e_7() -> None:
     s = sn.steady_gait(robot, ground, gait, rtol=1e-7)
     assert s.speed_m_s == pytest.approx(0.184637541, rel=s.error_estimate + 3e-9)
     assert s.positive_power_w == pytest.approx(8.61887095, abs=s.positive_power_error_w)
-
-
-@pytest.mark.parametrize("offset", [0.0, 0.3])
-@pytest.mark.parametrize("ground", [BINGHAM, sn.Ground(0.014, 0.2, 0.0, 0.05)])
-def test_joints_that_stand(ground: sn.Ground, offset: float) -> None:
-    """Without amplitude there is no scale of speed: once six tries, five seconds, and an error."""
-    s = sn.steady_gait(OF_2005, ground, sn.Gait(0.0, 1.3, 5.0, offset))
-    assert (s.speed_m_s, s.power_w, s.turn_rad_per_cycle, s.error_estimate) == (0, 0, 0, 0)
-    near = sn.steady_gait(OF_2005, ground, sn.Gait(0.01, 1.3, 5.0, offset))
-    assert s.settling_time_s == pytest.approx(near.settling_time_s, rel=0.05, abs=3e-3)
-    assert s.stable

@@ -113,13 +113,6 @@ def test_a_reset_in_mid_run_ends_it_and_keeps_the_recording(tmp_path, tamper, fo
     assert "# end: RobotReset" in text
 
 
-def test_a_late_second_greeting_of_the_same_start_is_no_reset():
-    with FakeBoard(lambda line: line * 2 if line.startswith(b"hello") else line) as fake:
-        with Robot(fake.port) as robot:
-            robot.gait(GAIT)
-            list(robot.frames(0.2))
-
-
 @pytest.mark.parametrize(
     "tamper",
     [
@@ -159,19 +152,6 @@ def test_lines_lost_on_the_way_to_the_board_are_sent_again_and_obeyed_once():
         assert fake.board.counters["lost"] == 0
 
 
-def test_data_lines_that_come_damaged_are_asked_for_again():
-    spoil = itertools.chain([True] * 3, itertools.repeat(False))
-
-    def spoil_three(line: bytes) -> bytes:
-        hit = line.startswith(b"trim:") and next(spoil)
-        return line.replace(b"scale", b"scald") if hit else line
-
-    with FakeBoard() as fake, Robot(fake.port) as robot:
-        fake.to_host = spoil_three
-        assert [t.joint for t in robot.trims()] == [1, 2, 3, 4, 5]
-        assert robot.losses.damaged_lines == 3
-
-
 @pytest.mark.filterwarnings("error")
 def test_a_reset_without_greeting_or_frames_shows_in_the_status():
     with FakeBoard() as fake, pytest.raises(RobotReset, match=r"boot \d+, now \d+.*lost"):
@@ -181,14 +161,6 @@ def test_a_reset_without_greeting_or_frames_shows_in_the_status():
             fake.to_host = without("hello:", "t:")
             fake.reset("brownout")
             robot.status()
-
-
-def test_a_greeting_that_was_asked_for_is_no_reset():
-    with Robot("virtual:fast") as robot:
-        list(robot.frames(1.0))
-        assert robot.command("hello")[0].accepted
-        robot.gait(GAIT)
-        assert robot.status().state == "gait"
 
 
 def test_a_board_that_does_not_list_its_settings_can_be_driven():

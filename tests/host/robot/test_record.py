@@ -22,7 +22,6 @@ from robot.test_leaving import drive
 from serpenoid.model.errors import NoAnswer, RecordingFailed, RobotError
 from serpenoid.robot import Robot
 from serpenoid.robot.recording import recorder
-from serpenoid.robot.recording.recorder import Recorder
 from serpenoid.robot.recording.stream import load_stream
 from serpenoid.robot.wire.virtual import VirtualLink
 
@@ -176,14 +175,6 @@ def test_a_stalled_disk_stops_nothing_and_is_told(stalled, monkeypatch):
     assert robot.losses.missed_frames == 0
 
 
-def test_threads_that_enter_out_of_turn_leave_time_running_forward(tmp_path):
-    record = Recorder(tmp_path / "run.txt", 0.0)
-    for host_s in (1.0, 0.999, 1.5):
-        record.line(host_s, ">", b"#1 ping *0000")
-    record.close()
-    assert [t for t, _ in load_stream(tmp_path / "run.txt").sent] == [1.0, 1.0, 1.5]
-
-
 def test_an_error_whose_text_cannot_be_written_is_passed_on(tmp_path):
     path = tmp_path / "run.txt"
     with pytest.raises(ValueError, match="caf"), Robot("virtual:fast", record=path):
@@ -261,26 +252,6 @@ def test_any_bytes_on_the_wire_give_a_recording_that_loads(tmp_path_factory, pie
         stream = load_stream(path)
         assert set(stream.frame.tolist()) >= {f.frame for f in frames if len(f.pulse_us) == 5}
         assert stream.setpoint_rad.shape == (len(stream.frame), 5) or not frames
-
-
-def test_a_line_without_an_end_and_a_clock_that_hops_are_counted(tmp_path):
-    path = tmp_path / "run.txt"
-    frame = "t:{} j1:0.00 j2:0.00 board_us={} ph=0.000 p=0,0 exec_us=9 late_us=0 clipped=0 st=idle"
-    lines = [
-        *(sealed(frame.format(n, 20_000 * n)) for n in (1, 2)),
-        bytes(1030),  # each takes four bytes of its row
-        b"\xff" * 70_000,
-        *(sealed(frame.format(n, 20_000 * n + 2**31)) for n in (3, 4, 5)),
-    ]
-    record = Recorder(path, 0.0)
-    for line in lines:
-        record.line(1.0, "<", line)
-    record.close()
-    stream = load_stream(path)
-    assert stream.frame.tolist() == [1, 2, 4, 5]
-    assert stream.damaged == 3
-    np.testing.assert_allclose(stream.board_s, [0.02, 0.04, 0.08, 0.1])
-    assert stream.end == "closed"
 
 
 def test_what_is_no_file_is_not_read():

@@ -79,17 +79,6 @@ def test_voltage_moves_torque_and_speed_and_leaves_the_gear() -> None:
         sn.Servo().at_volts(5.0)
 
 
-def test_an_unknown_voltage_is_drawn_and_a_known_one_is_not() -> None:
-    kind = sn.servo("S3003")
-    volts = [s.supply_v for s in kind.draws(512)]
-    assert 4.8 <= min(volts) < 4.85
-    assert 5.95 < max(volts) <= 6.0
-    known = kind.at_volts(5.0)
-    assert {s.supply_v for s in known.draws(20)} == {5.0} == {known.servo.supply_v}
-    again = known.at_volts(6.0).servo
-    assert again.no_load_rad_s == pytest.approx(kind.at_volts(6.0).servo.no_load_rad_s)
-
-
 def test_every_kind_is_a_servo_that_does_not_hunt() -> None:
     for name, kind in SERVOS.items():
         assert kind.name == name

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import csv
-import io
-import re
 from pathlib import Path
 
 import pytest
 import serpenoid as sn
 from command_line import serpenoid
-from serpenoid.show import citation, report
-from serpenoid.show.screen import screen
-from serpenoid.show.session import table
+from serpenoid.show import citation
 
 ROOT = Path(__file__).parents[3]
 FOLDER_2005 = ROOT / "calibration_data" / "nirakh-2005"
@@ -45,27 +41,6 @@ def test_a_comparisons_picture_has_its_numbers_beside(tmp_path: Path) -> None:
     rows = rows_of(tmp_path / "speeds.csv")
     assert {row["kind"] for row in rows} == {"curve", "gait"}
     assert all(float(r["low_m_s"]) <= float(r["exact_m_s"]) * (1 + 1e-9) for r in rows)
-
-
-@pytest.mark.parametrize("width", [30, 40, 80])
-def test_a_narrow_table_keeps_every_letter(width, monkeypatch) -> None:
-    shown = io.StringIO()
-    monkeypatch.setattr(report, "console", screen(width=width, file=shown))
-    cell = "Donaudampfschifffahrtsgesellschaft"
-    report.table("title", ["reading", "comment"], [["1", cell], ["2", "1234567890.123456789"]])
-    letters = "".join(c for c in shown.getvalue() if c.isalnum() or c == ".")
-    for column in (cell, "1234567890.123456789"):
-        assert column in letters
-    assert "…" not in shown.getvalue()
-
-
-def test_a_long_sessions_newest_readings_are_shown(monkeypatch) -> None:
-    shown = io.StringIO()
-    monkeypatch.setattr(report, "console", screen(width=100, file=shown))
-    monkeypatch.setattr(table, "MOST_ROWS", 4)
-    table.show(sn.load_session(FOLDER_2005), [])
-    assert "7 earlier readings are not shown; --json has them" in shown.getvalue()
-    assert re.findall(r"^│ (\d+)", shown.getvalue(), re.M) == ["8", "9", "10", "11"]
 
 
 def test_a_page_that_is_there_stays_unless_it_is_named(tmp_path: Path, monkeypatch) -> None:

@@ -6,10 +6,9 @@ import struct
 import subprocess
 import sys
 
-import pytest
 from refusals import refused
 from robot.patience import LONG_S, until
-from serpenoid.show.pages.server import MOST_SILENT, Page, lan_addresses
+from serpenoid.show.pages.server import Page, lan_addresses
 
 FEW_FILES = """
 import resource, sys
@@ -68,22 +67,6 @@ def test_connections_that_break_off_print_nothing(capfd):
         assert press("127.0.0.1", page.port, page.token) == 200
         assert until(lambda: not page._server._silent)
     assert capfd.readouterr() == ("", "")
-
-
-def test_a_silent_connection_stays_while_there_is_room():
-    with Page("<p>") as page:
-        many = [
-            socket.create_connection(("127.0.0.1", page.port), timeout=LONG_S)
-            for _ in range(MOST_SILENT)
-        ]
-        assert until(lambda: len(page._server._silent) == MOST_SILENT)
-        first, other = many[0], socket.create_connection(("127.0.0.1", page.port), timeout=LONG_S)
-        assert first.recv(1) == b""  # the one too many ended the oldest, and no other
-        many[1].settimeout(0.05)
-        with pytest.raises(TimeoutError):
-            many[1].recv(1)
-        for connection in (*many, other):
-            connection.close()
 
 
 def test_both_internet_protocols_reach_a_page_for_the_net():

@@ -152,30 +152,3 @@ def test_the_stiffness_that_an_accuracy_asks_for_is_enough() -> None:
     advised = float(re.search(r"joint_stiffness_n_m ([\d.e+]+)", str(refused.value))[1])
     run = sn.simulate(replace(scene, joint_stiffness_n_m=advised), accuracy=1e-3)
     assert run.error_estimate.worst(scene.robot.body_length_m) <= 1e-3
-
-
-def many_links(links: int, tolerance: float, duration_s: float = 0.5) -> sn.Scene:
-    robot, gait = sn.Robot(links, 0.0756, 0.076), sn.Gait(0.5, 9.4 / links, 4.0)
-    steps = {"tolerance": tolerance, "dt_s": 5e-3, "duration_s": duration_s}
-    return sn.Scene(robot, sn.Ground(0.014, 0.2, 0.02, 0.045), gait, start="link1_at_rest", **steps)
-
-
-@pytest.mark.parametrize(("links", "tolerance"), [(6, 1e-6), (20, 1e-8), (40, 1e-10), (40, 1e-6)])
-def test_the_estimate_of_many_links_that_stick_is_a_bound(links: int, tolerance: float) -> None:
-    run = sn.simulate(many_links(links, tolerance))
-    truth = sn.simulate(replace(run.scene, tolerance=1e-11 if links < 40 else 1e-10))
-    off, said, rounding = difference(run, truth), run.error_estimate, 1e-11
-    assert said.settled
-    assert off.position_m <= said.integration.position_m + rounding
-    assert off.angle_rad <= said.integration.angle_rad + rounding
-
-
-def test_springs_with_geared_servos_have_an_estimate() -> None:
-    """No method that picks its steps runs them."""
-    geared = sn.Servo(gear_friction_nm=0.02)
-    soft = {"formulation": "implicit", "method": "rk4", "dt_s": 1e-4, "duration_s": 0.1}
-    scene = sn.Scene(PAPER, VISCOUS, GAIT, drive="servo", servo=geared, **soft)
-    run = sn.simulate(scene)
-    assert "runs at dt_s 0.0002 and 5e-05" in run.error_estimate.how
-    assert run.error_estimate.integration.position_m < 1e-3
-    assert sn.simulate(replace(scene, method="auto"), accuracy=0.05).scene.method == "nonsmooth"

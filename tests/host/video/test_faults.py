@@ -127,25 +127,10 @@ def test_swapped_tags_are_refused(told) -> None:
 
 
 @pytest.mark.slow
-def test_turned_tags_are_allowed_for(told) -> None:
-    turn = np.radians([0, 0, 180, 0, 90, 0])
-    run, remarks = told(drawn(Body(turn_rad=turn)))  # tag 3 upside down, tag 5 a quarter turn
-    assert run.speed_m_s == pytest.approx(QUICK.speed_m_s, rel=0.005)
-    assert "tags" in remarks
-
-
-@pytest.mark.slow
 def test_lost_frames_leave_the_numbers_right(frames, told) -> None:
     keep = [k for k in range(len(frames)) if k not in (12, 13, 14, 30)]
     run, remarks = told([frames[k] for k in keep], times=TIMES[keep])
     assert "4 frames are missing" in remarks["frames lost"]
-    assert run.speed_m_s == pytest.approx(QUICK.speed_m_s, rel=0.005)
-
-
-@pytest.mark.slow
-def test_a_phone_held_upright_that_codes_as_hevc_measures_the_same(frames, told) -> None:
-    run, _ = told([np.ascontiguousarray(np.rot90(f)) for f in frames], codec="libx265")
-    assert run.film["codec"] == "hevc"
     assert run.speed_m_s == pytest.approx(QUICK.speed_m_s, rel=0.005)
 
 
