@@ -140,29 +140,5 @@ def servo_runs(made, servo):
     return replace(made, gait_runs=tuple(runs))
 
 
-@pytest.mark.slow
-def test_servos_that_nobody_told_are_in_the_band_or_named(fitted):
-    """A robot at five sixths of its ideal speed: any hobby servo may do that, a smooth one not."""
-    made, fit = fitted
-    hidden = next(
-        s
-        for s in sn.servo().draws(60, seed=5)
-        if sn.steady_gait(made.setup.robot, BINGHAM, gait(RATES[1]), rtol=1e-3, servo=s).speed_m_s
-        < 0.088
-    )
-    crawled = servo_runs(made, hidden)
-    known = comparison.compare(crawled, fit, samples=16, servo=sn.servo())
-    assert known.verdict == "agrees"
-    assert known.servo == "hobby"
-    assert "with servos (hobby)" in known.verdict_text
-    smooth = sn.ServoKind("smooth", replace(sn.servo("STS3215").servo, update_hz=0.0))
-    told = comparison.compare(crawled, fit, samples=16, servo=smooth)
-    assert "servos" in told.verdict
-    assert told.p_servos is not None
-    assert told.p_servos > 0.05
-    assert "servo" in told.verdict_text
-    json.dumps(told.to_dict(), allow_nan=False)
-
-
 def chance(drawn, speeds, sigma):
     return verdict._chance(drawn, CrawlData(drawn.gaits, speeds, sigma), np.random.default_rng(5))

@@ -153,22 +153,6 @@ def test_what_makes_no_sense_is_told_and_not_kept(folder, cells, says):
     assert (folder / "readings.csv").read_bytes() == before
 
 
-def test_amendments_hold_from_there_on(folder):
-    add = f"add {folder} station lambda_deg=0 incline_deg=2.3 belt_speed_m_s=0.5"
-    calibrate(add)
-    calibrate(f"amend {folder} instruments.belt_speed_sigma_m_s=0.05")
-    calibrate(add)
-    sigmas = [r.uncertainty.belt_speed_sigma_m_s for r in load_session(folder).kept]
-    assert sigmas == [0.01, 0.05]
-    assert calibrate(f"amend {folder} plan.ratchet=true")[0] == 0
-    assert calibrate(f"amend {folder} plan.bend=zigzag")[0] == 0
-    plan = load_session(folder).setup.procedure
-    assert (plan.ratchet, plan.bend) == (True, "zigzag")
-    status, _, err = calibrate(f"amend {folder} plan.bend=round")
-    assert (status, "bend is 'round'; it must be one of zigzag, balanced" in err) == (2, True)
-    assert calibrate(f"amend {folder} robot.links=5")[0] == 2
-
-
 def test_status_and_dry_run_tell_and_write_nothing(folder):
     before = {p.name: p.read_bytes() for p in folder.iterdir()}
     assert "next: Inclinometer zero" in calibrate(f"{folder} --dry-run")[1]

@@ -18,7 +18,6 @@ from serpenoid.show.gaits import crawl
 
 OPTIMIZE = "optimize --robot paper --speed"
 IDEAL = f"{OPTIMIZE} 0.1 --servo ideal"  # joints that follow the gait
-FRONT = f"{OPTIMIZE} 0.1,99 --omega-high-rad-s 20"
 
 
 def test_optimum_with_its_error_and_margins() -> None:

@@ -125,29 +125,6 @@ def test_robust_on_viscous_ground_by_runs_in_time() -> None:
         assert by_time == pytest.approx(best.speeds_m_s[k], rel=3e-3)
 
 
-@pytest.mark.slow
-def test_no_shape_around_a_robust_gait_costs_less() -> None:
-    """Brute force, all samples, no smoothing: what 25 % more power buys costs no less."""
-    speed = 0.05
-    best = sn.robust_gait(OF_2005, BINGHAM, speed_m_s=speed)
-    drawn = sn.Uncertainty().samples(OF_2005, BINGHAM, best.speeds_m_s.size)
-    for a, b in ((-2, 0), (2, 0), (0, -3), (0, 3)):
-        gait = replace(
-            best.gait, alpha_rad=best.gait.alpha_rad + a * D, beta_rad=best.gait.beta_rad + b * D
-        )
-        slowest = np.argsort(speeds_of(OF_2005, gait, drawn))[:300]
-        low, high = 0.8 * gait.omega_rad_s, 1.3 * gait.omega_rad_s
-        for _ in range(7):
-            rate = math.sqrt(low * high)
-            speeds = speeds_of(
-                OF_2005, replace(gait, omega_rad_s=rate), [drawn[i] for i in slowest]
-            )
-            slow = np.sort(speeds)[round(0.05 * len(drawn))] < 0.9 * speed
-            low, high = (rate, high) if slow else (low, rate)
-        state = sn.steady_gait(OF_2005, BINGHAM, replace(gait, omega_rad_s=high), rtol=1e-4)
-        assert state.power_w > 0.985 * best.power_w
-
-
 def test_refusals() -> None:
     with refused("amplitude is 3"):
         sn.Uncertainty(amplitude=3.0)
