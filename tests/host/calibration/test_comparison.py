@@ -14,8 +14,6 @@ from serpenoid.calibration import comparison, verdict
 from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.speed_samples import speed_band
-from serpenoid.lab.crawl import crawl_speed
-from serpenoid.lab.robot import LabRobot
 
 pytestmark = pytest.mark.usefixtures("short_curve")
 RATES = [2 * math.pi * hz for hz in (0.25, 0.5, 1.0)]
@@ -128,16 +126,6 @@ def test_springs_that_never_settle_do_not_withhold_the_rest(fitted, monkeypatch)
     found = comparison.compare(*fitted, gaits=[gait(5.0)], samples=16, servo=None)
     assert found.gaits[-1].implicit_m_s is None
     assert found.gaits[-1].exact_m_s > 0.1
-
-
-def servo_runs(made, servo):
-    """Return the session with one run of each gait by the lab's robot with this servo."""
-    runs = []
-    for k, rate in enumerate(RATES[:2]):
-        g = gait(rate)
-        v = crawl_speed(LabRobot(made.setup.robot, (BINGHAM,), servo=servo), g)
-        runs.append(GaitRun(100 + k, g.alpha_rad, g.beta_rad, rate, v, 0.01 * v))
-    return replace(made, gait_runs=tuple(runs))
 
 
 def chance(drawn, speeds, sigma):
