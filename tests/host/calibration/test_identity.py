@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import pytest
 from refusals import refused
-from serpenoid import fit_friction
+from robots import NIRAKH_2005
+from serpenoid import fit_friction, load_session
 from serpenoid.calibration.session_rows import read_events
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import (
@@ -44,6 +45,19 @@ def test_a_corrected_mass_holds_for_readings_taken_before(folder):
         after = fit_friction(journal.session)
     assert after.parameters["ct"].value == pytest.approx(1.1 * before.parameters["ct"].value)
     assert before.session_sha256 != after.session_sha256
+
+
+def test_an_unweighed_robot_has_frictions_as_doubtful_as_its_mass():
+    """A twentieth, beside what readings leave open."""
+    session = load_session(NIRAKH_2005)
+    weighed, unweighed = (
+        fit_friction(replace(session, setup=replace(session.setup, weighed=w)))
+        for w in (True, False)
+    )
+    for name, (value, sigma) in weighed.parameters.items():
+        more = math.sqrt(unweighed.parameters[name].sigma ** 2 - sigma**2)
+        assert more > 0.045 * value
+    assert any("was not weighed" in note for note in unweighed.notes)
 
 
 def test_amendments_are_read_with_units_and_words_quoted():
