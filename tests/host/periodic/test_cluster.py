@@ -28,12 +28,13 @@ AXES = {
 
 @pytest.fixture(scope="module")
 def local() -> Iterator[Any]:
-    with (
-        dask.config.set({"distributed.comm.timeouts.connect": "120s"}),  # of a busy machine
-        distributed.LocalCluster(
+    """Return a cluster of two processes; who asks a worker that is dead waits for 5 s, not 30."""
+    started_by, asked_by = ({"distributed.comm.timeouts.connect": s} for s in ("120s", "5s"))
+    with dask.config.set(started_by):  # of a busy machine
+        made = distributed.LocalCluster(
             n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0"
-        ) as made,
-    ):
+        )
+    with made, dask.config.set(asked_by):
         yield made
 
 
