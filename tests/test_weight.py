@@ -64,7 +64,7 @@ MOST_TOKENS = {
     "tests/host/lab": 7137,
     "tests/host/model": 4629,
     "tests/host/paper": 771,
-    "tests/host/periodic": 14622,
+    "tests/host/periodic": 14734,
     "tests/host/robot": 23740,
     "tests/host/servos": 4100,
     "tests/host/show": 6394,

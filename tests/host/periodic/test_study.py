@@ -94,6 +94,17 @@ def some_study(folder: Path, **changed: object) -> sn.Study:
     return sn.sweep_study(PAPER, VISCOUS, out=folder, **(AXES | changed))
 
 
+def test_a_chunk_of_elsewhere_is_not_summed_up(tmp_path: Path, monkeypatch) -> None:
+    """Another chunk's file, and one of another study."""
+    monkeypatch.setattr("serpenoid.periodic.study.stretch_length", lambda grid: 2)
+    study, other = some_study(tmp_path / "a"), some_study(tmp_path / "b", beta_rad=[0.6, 1.4])
+    first, second = (study.path(chunk) for chunk in study.chunks)
+    for wrong in (second, other.path(other.chunks[0])):
+        first.write_bytes(wrong.read_bytes())
+        with refused(r"of another study, or another chunk.* delete it"):
+            list(sn.load_study(study.folder))
+
+
 @pytest.mark.parametrize("shapes", ["-1", "0", "1.5", "true", "5", "1e30", "1" + 30 * "0", '"2"'])
 def test_a_head_with_impossible_chunks(tmp_path: Path, shapes: str) -> None:
     study = some_study(tmp_path / "study")
