@@ -147,8 +147,8 @@ ROAD = (
 
 @pytest.mark.parametrize("begun", ["treadmill"], indirect=True)
 @pytest.mark.parametrize("word", WORDS)
-def test_every_word_at_every_prompt(begun, tmp_path, word):
-    for prompt in range(len(ROAD)):
+def test_every_word_at_every_other_prompt(begun, tmp_path, word):
+    for prompt in range(WORDS.index(word) % 2, len(ROAD), 2):
         folder = shutil.copytree(begun, tmp_path / f"session{prompt}")
         lines = deque(ROAD[:prompt])
         lines.extend((word, "", "quit"))
