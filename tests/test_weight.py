@@ -57,7 +57,7 @@ MOST_TOKENS = {
     "tests/golden": 3200,
     "tests/host": 771,
     "tests/host/bench": 1920,
-    "tests/host/calibration": 41930,
+    "tests/host/calibration": 41914,
     "tests/host/commands": 12688,
     "tests/host/exchange": 1556,
     "tests/host/gaits": 9223,
