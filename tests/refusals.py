@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from serpenoid.model.errors import BadInput
+from serpenoid import BadInput
 
 
 def refused(words: str) -> pytest.RaisesExc[BadInput]:

@@ -13,9 +13,9 @@ from coverage_treadmill import (
     WHOLE,
     DrivenTable,
 )
+from serpenoid import Ground
 from serpenoid.calibration.speeds import speed
 from serpenoid.calibration.taking.new_session import default_setup
-from serpenoid.model.ground import Ground
 from speed_table import SpeedTable
 from study import Study
 from verdicts import (

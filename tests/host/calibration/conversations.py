@@ -15,6 +15,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from serpenoid import SerpenoidError
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
 from serpenoid.calibration.taking.person.dialogue import Dialogue
@@ -23,7 +24,6 @@ from serpenoid.calibration.taking.person.practice import FloorTerminal, practice
 from serpenoid.calibration.taking.person.practice_treadmill import TreadmillTerminal
 from serpenoid.calibration.taking.person.prompt import Left
 from serpenoid.calibration.taking.person.session_robot import SessionRobot
-from serpenoid.model.errors import SerpenoidError
 
 FOLDER = Path(__file__).with_name("conversations")
 FILES = sorted(FOLDER.glob("*.txt"))

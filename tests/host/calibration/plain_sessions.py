@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from serpenoid import Robot
+from serpenoid import Robot, Session
 from serpenoid.calibration.kinds.checks import BendCheck, ZeroReading
 from serpenoid.calibration.kinds.instruments import TreadmillSteps, Uncertainty
 from serpenoid.calibration.kinds.station import Reading
-from serpenoid.calibration.session import Procedure, Session, Setup
+from serpenoid.calibration.session import Procedure, Setup
 
 G, STEPS_DEG, BEND_SIGMA_DEG = 9.81, 0.1, 0.5  # of gravity, inclinometer and protractor
 

@@ -10,7 +10,7 @@ from calibration.plain_sessions import World, plain_session
 from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
 from refusals import refused
 from robots import gait_in_deg
-from serpenoid.calibration.advice import advise
+from serpenoid import advise
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.station import Reading
 from serpenoid.calibration.speed_samples import speed_band

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from calibration.synthetic_session import setup
+from serpenoid import Session
 from serpenoid.calibration.kinds.station import Reading
-from serpenoid.calibration.session import Session
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.calibration.taking.simulated import SimulatedPerson, Truth
 from serpenoid.calibration.taking.treadmill import take_all

@@ -6,8 +6,8 @@ import math
 
 import pytest
 from calibration.floor_sessions import FN0, FT0, MASS, G, short_session
+from serpenoid import fit_friction
 from serpenoid.calibration.advising.break_away import break_away_notes, ratio
-from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.kinds.slide import BreakAway
 
 

@@ -10,11 +10,11 @@ import pytest
 from calibration.floor_sessions import MASS, TRUTH, floor_setup, short_session
 from refusals import refused
 from robots import gait_in_deg
+from serpenoid import fit_friction
 from serpenoid.calibration import speed_samples
 from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.crawls.posterior import Beforehand, CrawlPosterior
 from serpenoid.calibration.fitting.posterior import Posterior
-from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import NAMES, ground_of
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.speed_samples import sample_speeds

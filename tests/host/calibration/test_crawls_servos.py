@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from calibration.floor_sessions import TRUTH, floor_setup
 from robots import gait_in_deg
+from serpenoid import Servo
 from serpenoid.calibration.crawls.level import on_level, sloped_speed
 from serpenoid.calibration.friction_result import Estimate, ground_of
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.speeds import GRAIN, SpeedModel, scaled, speed
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
-from serpenoid.model.drives import Servo
 from serpenoid.servos.catalogue import HOBBY
 from simulated_sessions import MemoryRecord
 

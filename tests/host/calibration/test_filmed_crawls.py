@@ -11,23 +11,27 @@ from calibration.floor_sessions import TRUTH, floor_session, short_session
 from calibration.test_dialogue import talk
 from refusals import refused
 from robots import OF_2005, gait_in_deg
-from serpenoid.calibration.comparison import compare
+from serpenoid import (
+    Ground,
+    Servo,
+    ServoKind,
+    compare,
+    fit_friction,
+    load_fit,
+    load_session,
+    save_fit,
+)
 from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.crawls.filmed import crawl_cells
 from serpenoid.calibration.crawls.level import on_level
-from serpenoid.calibration.fit_file import load_fit, save_fit
-from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import Estimate
 from serpenoid.calibration.kinds.gait import GaitRun
-from serpenoid.calibration.session_file import load_session
 from serpenoid.calibration.speed_samples import likeliest_speed, sample_speeds
 from serpenoid.calibration.speeds import ServoEffects, SpeedModel, speed
 from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
 from serpenoid.calibration.taking.procedure import next_step, progress
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
-from serpenoid.model.drives import Servo, ServoKind
-from serpenoid.model.ground import Ground
 from simulated_sessions import MemoryRecord
 
 pytestmark = pytest.mark.usefixtures("short_curve")

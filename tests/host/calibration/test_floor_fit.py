@@ -20,20 +20,18 @@ from calibration.synthetic_session import WHOLE_BODY_2005
 from calibration.synthetic_session import session as stations_session
 from calibration.synthetic_session import setup as stations_setup
 from refusals import refused
+from serpenoid import Ground, Robot, fit_friction
 from serpenoid.calibration.fitting.bends import resistance
 from serpenoid.calibration.fitting.rolling_law import rest, slide_s, way_m
 from serpenoid.calibration.floor.look import look_at
 from serpenoid.calibration.floor.slip import Slip
 from serpenoid.calibration.floor.tracks import PushTrack
-from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.kinds.tracks import Track
 from serpenoid.calibration.push_paths import push_paths
 from serpenoid.lab.floor import Floor, Push
 from serpenoid.lab.recording import Camera, film
 from serpenoid.lab.robot import LabRobot, pose_of
 from serpenoid.model.bends import balanced_signs
-from serpenoid.model.ground import Ground
-from serpenoid.model.robot import Robot
 from simulated_sessions import MemoryRecord
 
 

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 from calibration.floor_sessions import TRUTH, floor_setup, push_track
 from refusals import refused
+from serpenoid import Ground, fit_friction, load_session
 from serpenoid.calibration.floor.look import look_at, pushes_in
 from serpenoid.calibration.floor.track_files import read_track_file
-from serpenoid.calibration.friction_fit import fit_friction
-from serpenoid.calibration.session_file import load_session
 from serpenoid.calibration.taking.floor.pushes import keep_pushes, way_after
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session
@@ -20,7 +19,6 @@ from serpenoid.calibration.taking.world import drawn_floor
 from serpenoid.lab.floor import Floor, Push
 from serpenoid.lab.recording import Camera, film
 from serpenoid.lab.robot import LabRobot
-from serpenoid.model.ground import Ground
 from simulated_sessions import MemoryRecord
 
 WHOLE = Ground(*TRUTH)

@@ -12,11 +12,8 @@ from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, set
 from odrpack import odr_fit
 from refusals import refused
 from robots import NIRAKH_2005
-from serpenoid.calibration.friction_fit import (
-    fit_friction,
-)
+from serpenoid import fit_friction, load_session
 from serpenoid.calibration.friction_result import NAMES
-from serpenoid.calibration.session_file import load_session
 from serpenoid.calibration.session_posterior import mode_of
 
 TRUTH = np.array([getattr(WHOLE_BODY_2005, name) for name in NAMES])

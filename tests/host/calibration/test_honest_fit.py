@@ -7,12 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup
-from serpenoid import BadInput, NotConverged
-from serpenoid.calibration.friction_fit import fit_friction
+from serpenoid import BadInput, NotConverged, Session, fit_friction
 from serpenoid.calibration.friction_result import NAMES
 from serpenoid.calibration.kinds.checks import ZeroReading
 from serpenoid.calibration.kinds.station import Reading
-from serpenoid.calibration.session import Session
 
 TRUTH = [getattr(WHOLE_BODY_2005, name) for name in NAMES]
 

@@ -7,8 +7,8 @@ import pytest
 import serpenoid as sn
 from calibration.synthetic_session import setup
 from robots import gait_in_deg
+from serpenoid import Session
 from serpenoid.calibration.kinds.station import Reading
-from serpenoid.calibration.session import Session
 from serpenoid.show import report
 
 SETUP = setup(15.0)

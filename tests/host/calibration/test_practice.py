@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from calibration.conversations import Typist
 from refusals import refused
+from serpenoid import Session
 from serpenoid.calibration.crawls.filmed import crawl_cells
-from serpenoid.calibration.session import Session
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.calibration.taking.person.practice import (
     USUAL,

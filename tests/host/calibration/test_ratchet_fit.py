@@ -7,7 +7,7 @@ import pytest
 import serpenoid as sn
 from calibration import synthetic_session as synthetic
 from refusals import refused
-from serpenoid.calibration.session import Session
+from serpenoid import Session
 
 AHEAD = synthetic.WHOLE_BODY_2005
 BACK = sn.Ground(ct=0.35, cn=1.2, ft0=0.42, fn0=0.27)

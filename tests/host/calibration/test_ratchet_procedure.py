@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 import serpenoid as sn
 from robots import gait_in_deg
-from serpenoid.calibration.advice import advise
+from serpenoid import advise
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.calibration.taking.procedure import next_step, progress

@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 from calibration.floor_sessions import TRUTH, floor_session, floor_setup, push_track
-from serpenoid import Ground
-from serpenoid.calibration.friction_fit import fit_friction
+from serpenoid import Gait, Ground, fit_friction
 from serpenoid.calibration.friction_result import ground_of
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.speeds import speed
@@ -17,7 +16,6 @@ from serpenoid.calibration.taking.sheet import sheet_text
 from serpenoid.calibration.taking.simulated import SimulatedPerson
 from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.calibration.taking.world import Truth
-from serpenoid.model.gait import Gait
 from simulated_sessions import MemoryRecord
 
 CT_BACK, FT0_BACK = 0.3, 0.4

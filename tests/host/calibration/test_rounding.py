@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 from calibration.plain_sessions import World, plain_session
+from serpenoid import fit_friction
 from serpenoid.calibration.fitting.posterior import Posterior, Unknown
-from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import narrowest
 
 WORLDS = {

@@ -12,9 +12,9 @@ from command_line import serpenoid
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from robots import NIRAKH_2005, OF_2005
-from serpenoid import BadInput
+from serpenoid import BadInput, load_session
 from serpenoid.calibration import session_file
-from serpenoid.calibration.session_file import COLUMNS, load_session
+from serpenoid.calibration.session_file import COLUMNS
 
 ROW_1 = "1,,0.0,2.0,0.181468,0.0,kept,regenerated from Eq. 59 through Eq. 58"
 

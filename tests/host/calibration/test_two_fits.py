@@ -9,8 +9,8 @@ import pytest
 from calibration.floor_sessions import short_session
 from calibration.test_ratchet_pushes import with_backward
 from refusals import refused
+from serpenoid import fit_friction
 from serpenoid.calibration.advising.two_fits import two_fits, two_sessions
-from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import Estimate, WholeSnake
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from calibration.floor_sessions import NEW, TRUTH, push_track
 from command_line import answer, serpenoid
-from serpenoid.calibration.session_file import load_session
+from serpenoid import load_session
 
 pytestmark = pytest.mark.usefixtures("short_curve")
 

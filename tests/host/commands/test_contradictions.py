@@ -9,9 +9,9 @@ import pytest
 from click.testing import CliRunner
 from command_line import answer, serpenoid
 from robots import NIRAKH_2005
+from serpenoid import BadInput
 from serpenoid.commands.main import cli
 from serpenoid.commands.options import as_typed
-from serpenoid.model.errors import BadInput
 
 SHAPE = "--alpha-deg 30 --beta-deg 80"
 GAIT = f"{SHAPE} --omega-rad-s 5"

@@ -9,8 +9,8 @@ import shutil
 import pytest
 from command_line import serpenoid
 from robots import NIRAKH_2005
+from serpenoid import load_session
 from serpenoid.calibration.servos import from_runs
-from serpenoid.calibration.session_file import load_session
 from serpenoid.calibration.taking.journal import Journal
 
 pytestmark = pytest.mark.usefixtures("short_curve")

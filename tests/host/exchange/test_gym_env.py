@@ -12,10 +12,9 @@ import pytest
 import serpenoid as sn
 from gymnasium.utils.env_checker import check_env
 from refusals import refused
+from serpenoid import LinkState, StepTooLarge
 from serpenoid.exchange.gym_env import SnakeEnv
 from serpenoid.exchange.picture import GROUND, HEAD, LINK, picture
-from serpenoid.model.errors import StepTooLarge
-from serpenoid.model.link_state import LinkState
 
 
 def test_gymnasiums_own_check() -> None:

@@ -10,7 +10,7 @@ import serpenoid as sn
 from refusals import refused
 from robots import BINGHAM, OF_2005, PAPER, VISCOUS
 from scipy.optimize import brentq, minimize_scalar
-from serpenoid.simulation.steady_springs import steady_springs
+from serpenoid import steady_springs
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,8 @@ import math
 import pytest
 import serpenoid as sn
 from robots import OF_2005, PAPER, VISCOUS
+from serpenoid import Uncertainty
 from serpenoid.gaits.margins import cliff_around
-from serpenoid.gaits.uncertainty import Uncertainty
 
 
 def test_an_offset_takes_its_share_of_the_joint_angle() -> None:

@@ -10,11 +10,11 @@ import pytest
 import serpenoid as sn
 from refusals import refused
 from robots import OF_2005, gait_in_deg
-from serpenoid import _core
+from serpenoid import Servo, _core
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.floor import Floor
 from serpenoid.lab.robot import LabRobot
-from serpenoid.model.drives import Servo, core_servo
+from serpenoid.model.drives import core_servo
 
 WHOLE = sn.Ground(0.084, 1.2, 0.14, 0.27)
 EACH = sn.Ground.whole_body(6, WHOLE.ct, WHOLE.cn, WHOLE.ft0, WHOLE.fn0)

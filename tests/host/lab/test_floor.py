@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 from robots import OF_2005
+from serpenoid import Ground
 from serpenoid.calibration.fitting.shared import straightness_factors
 from serpenoid.lab.floor import Floor, Push
 from serpenoid.lab.instruments import Instrument
 from serpenoid.lab.recording import to_rest
 from serpenoid.lab.robot import LabRobot, pose_of
-from serpenoid.model.ground import Ground
 
 WHOLE = Ground(0.084, 1.2, 0.14, 0.27)
 MASS, G = 6 * 0.0756, 9.81

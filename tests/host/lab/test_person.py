@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from refusals import refused
 from robots import OF_2005
+from serpenoid import Ground
 from serpenoid.lab.belt import Belt
 from serpenoid.lab.person import Display, Habits, Person
 from serpenoid.lab.robot import LabRobot, pose_of
-from serpenoid.model.ground import Ground
 
 WHOLE = Ground(0.084, 1.2, 0.14, 0.27)
 STRAIGHT, BALANCED = (0,) * 6, (1, -1, 0, 0, -1, 1)

@@ -8,11 +8,11 @@ import time
 
 import pytest
 from robots import OF_2005
+from serpenoid import Ground
 from serpenoid.lab.instruments import Instrument
 from serpenoid.lab.person import Display
 from serpenoid.lab.practice import PracticeTreadmill
 from serpenoid.lab.robot import LabRobot, pose_of
-from serpenoid.model.ground import Ground
 
 ROBOT = LabRobot.whole(OF_2005, Ground(0.084, 1.2, 0.14, 0.27))
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from command_line import serpenoid
 from robots import NIRAKH_2005
-from serpenoid.model.errors import BadInput
+from serpenoid import BadInput
 from serpenoid.model.files import visible, whole_file, write_csv
 
 WISH = "sweep --robot paper --alpha-deg 30 --beta-deg 80 --omega-rad-s 5 --out"

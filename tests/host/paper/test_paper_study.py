@@ -6,9 +6,8 @@ import math
 from dataclasses import replace
 
 import pytest
+from serpenoid import Scene, simulate
 from serpenoid.paper import claims, study
-from serpenoid.simulation.scene import Scene
-from serpenoid.simulation.simulate import simulate
 
 
 def test_a_finer_step_changes_next_to_nothing() -> None:

@@ -11,9 +11,9 @@ import serpenoid as sn
 from periodic.servo_cases import drawn_case, full_speeds
 from refusals import refused
 from robots import BINGHAM, OF_2005, gait_in_deg
+from serpenoid import Servo
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
-from serpenoid.model.drives import Servo
 from serpenoid.periodic.servo_steady import (
     as_made,
     band,

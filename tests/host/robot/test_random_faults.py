@@ -9,8 +9,7 @@ from collections.abc import Callable
 
 import pytest
 from robot.fake_board import sealed
-from serpenoid import Gait
-from serpenoid.model.errors import SerpenoidError
+from serpenoid import Gait, SerpenoidError
 from serpenoid.robot import Robot
 from serpenoid.robot.tools.driven_run import DrivenRun
 from serpenoid.robot.wire.virtual import VirtualLink

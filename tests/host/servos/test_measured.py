@@ -13,13 +13,13 @@ from command_line import serpenoid
 from lab.one_joint import ROBOT, filmed_by, shown_by
 from refusals import refused
 from robots import BINGHAM, gait_in_deg
+from serpenoid import ServoSteady, load_session
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.servos.from_runs import servo_of_session
-from serpenoid.calibration.session_file import load_session
 from serpenoid.commands.demo import session_folder
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
-from serpenoid.periodic.servo_steady import ServoSteady, with_servo
+from serpenoid.periodic.servo_steady import with_servo
 from serpenoid.servos import bench_test
 from serpenoid.servos.bench_test import moved, servo_of_test, shown
 

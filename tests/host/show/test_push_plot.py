@@ -5,7 +5,7 @@ import re
 import numpy as np
 from calibration.floor_sessions import NEW, TRUTH, push_track
 from command_line import serpenoid
-from serpenoid.calibration.session_file import load_session
+from serpenoid import load_session
 from serpenoid.show import screen
 from serpenoid.show.session.terminal_plot import PUSH_HIGH, WIDE, push_picture
 

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup
-from serpenoid.calibration.comparison import ComparedGait, Comparison
+from serpenoid import Comparison
+from serpenoid.calibration.comparison import ComparedGait
 from serpenoid.calibration.kinds.checks import BendCheck, ZeroReading
 from serpenoid.calibration.kinds.coast import Coast
 from serpenoid.calibration.kinds.gait import GaitRun

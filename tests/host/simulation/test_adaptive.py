@@ -12,7 +12,7 @@ import serpenoid as sn
 from oracle.params import Array
 from oracle.scenes import SlowScene
 from robots import PAPER, VISCOUS, gait_in_deg
-from serpenoid.model.errors import Diverged
+from serpenoid import Diverged
 from serpenoid.simulation.starts import start_state
 
 BOTH = ("dop853", "collocation")

@@ -18,9 +18,9 @@ import pytest
 import serpenoid as sn
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from serpenoid import load_scene
 from serpenoid.model.checks import DRIVES, FORMULATIONS, GAPS, RECORDS, STARTS
 from serpenoid.simulation.methods import METHODS
-from serpenoid.simulation.scene_file import load_scene
 
 EXAMPLES = int(os.environ.get("SERPENOID_FUZZ_EXAMPLES", "150"))
 LIMIT_S, GRACE_S = 0.05, 10.0

@@ -9,11 +9,11 @@ import pytest
 import serpenoid as sn
 from refusals import refused
 from robots import PAPER, VISCOUS, gait_in_deg
+from serpenoid import LinkState
 from serpenoid.bench.stability import extremes
 from serpenoid.bench.stability import map as stability_map
 from serpenoid.bench.stability.extremes import DEFECTS
 from serpenoid.bench.stability.map import Grid
-from serpenoid.model.link_state import LinkState
 from serpenoid.simulation.methods import METHODS
 from serpenoid.simulation.stability import largest_stable_step_s
 

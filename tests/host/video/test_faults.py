@@ -16,9 +16,9 @@ import serpenoid as sn
 from command_line import serpenoid
 from refusals import refused
 from robots import NIRAKH_2005, gait_in_deg
+from serpenoid import BadInput
 from serpenoid.calibration.filmed_joints import swapped_plugs
 from serpenoid.calibration.kinds.video import FilmReading
-from serpenoid.model.errors import BadInput
 from serpenoid.robot import Robot
 from serpenoid.robot.recording.run_gait import recorded_gait
 from serpenoid.video.annotate import annotate_film

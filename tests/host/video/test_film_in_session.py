@@ -10,11 +10,10 @@ import pytest
 import serpenoid as sn
 from command_line import serpenoid
 from refusals import refused
-from serpenoid.calibration.comparison import compare
-from serpenoid.calibration.friction_fit import fit_friction
+from serpenoid import compare, fit_friction, load_session
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.video import FilmReading
-from serpenoid.calibration.session_file import load_session, read_session
+from serpenoid.calibration.session_file import read_session
 from serpenoid.calibration.speeds import speed
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup

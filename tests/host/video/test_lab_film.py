@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from command_line import serpenoid
 from robots import OF_2005, gait_in_deg
+from serpenoid import Ground
 from serpenoid.calibration.session_file import read_session
 from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
 from serpenoid.lab.robot import LabRobot
-from serpenoid.model.ground import Ground
 from video.filming import Lens
 from video.lab_world import Servos, crawled, set_points
 from video.worlds import errors, shoot

@@ -8,13 +8,11 @@ import numpy as np
 import pytest
 from command_line import serpenoid
 from refusals import refused
+from serpenoid import Ground, Robot, load_session
 from serpenoid.calibration.floor.block import floor_blocks
-from serpenoid.calibration.session_file import load_session
 from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.lab.floor import Floor, Push
 from serpenoid.lab.robot import LabRobot
-from serpenoid.model.ground import Ground
-from serpenoid.model.robot import Robot
 from serpenoid.video.pushed import still_joints
 from video.filming import Body, Film, Lens, Pose, write
 from video.worlds import LINK_M
