@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from coverage_treadmill import GAIT, SERVOS, WHOLE, WHOLE_2005, DrivenTable
 from numpy.typing import NDArray
-from serpenoid.calibration.friction_fit import fit_friction
-from serpenoid.calibration.friction_result import NAMES, FrictionFit
+from serpenoid import FrictionFit, Gait, SerpenoidError, ServoKind, fit_friction
+from serpenoid.calibration.friction_result import NAMES
 from serpenoid.calibration.kinds.instruments import FloorTools
 from serpenoid.calibration.session import Setup
 from serpenoid.calibration.speed_samples import likeliest_speed, sample_speeds
@@ -27,9 +27,6 @@ from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.calibration.taking.world import drawn_floor
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.recording import Camera
-from serpenoid.model.drives import ServoKind
-from serpenoid.model.errors import SerpenoidError
-from serpenoid.model.gait import Gait
 from serpenoid.periodic.servo_steady import band
 from simulated_sessions import MemoryRecord
 from speed_table import SpeedTable

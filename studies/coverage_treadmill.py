@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from serpenoid.calibration.friction_fit import fit_friction
+from serpenoid import Gait, Ground, Robot, SerpenoidError, fit_friction, servo
 from serpenoid.calibration.friction_result import NAMES, ground_of
 from serpenoid.calibration.session import Setup
 from serpenoid.calibration.speeds import AMPLITUDE_SIGMA, scaled
@@ -22,13 +22,8 @@ from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.calibration.taking.simulated import SimulatedPerson
 from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.lab.crawl import crawl_speed
-from serpenoid.model.errors import SerpenoidError
-from serpenoid.model.gait import Gait
-from serpenoid.model.ground import Ground
-from serpenoid.model.robot import Robot
 from serpenoid.periodic.servo_steady import band, servo_speeds
 from serpenoid.periodic.steady import steady_gait
-from serpenoid.servos.catalogue import servo
 from simulated_sessions import MemoryRecord, drawn_truth
 from speed_table import SpeedTable
 from study import Study

@@ -15,9 +15,8 @@ import numpy as np
 import serpenoid as sn
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "host"))
+from serpenoid import Ground, Robot
 from serpenoid.lab.robot import LabRobot
-from serpenoid.model.ground import Ground
-from serpenoid.model.robot import Robot
 from video.filming import Body, Lens
 from video.lab_world import Servos, crawled, set_points
 from video.worlds import World, shoot

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "host"))
-from serpenoid.model.errors import BadInput
+from serpenoid import BadInput
 from serpenoid.video.measure_film import FilmMeasurement, measure_film
 from video.filming import Body, Film, Glare, Lens, write
 from video.worlds import LINK_M, World, crawling
@@ -148,45 +148,40 @@ def shot(scene: Scene, path: Path, seed: int) -> Path:
     return write(path, [camera.frame(t) for t in t_s], t_s - t_s[0])
 
 
-def _wrapped(angle: np.ndarray) -> np.ndarray:
-    return (angle + math.pi) % math.tau - math.pi
-
-
 def errors(found: FilmMeasurement, world: World) -> tuple[Errors, Errors]:
     """Return the numbers' errors, in % and degrees, and the same in their standard deviations."""
     run = found.run
-    told = {
-        name: np.array([getattr(joint, name) for joint in run.joints])
-        for name in ("amplitude_rad", "phase_rad", "offset_rad")
+
+    def of_joints(name: str) -> np.ndarray:
+        return np.array([getattr(joint, name) for joint in run.joints])
+
+    late = of_joints("phase_rad") - world.phase_rad + world.phase_rad[0]
+    off = {
+        "amplitude": of_joints("amplitude_rad") - world.amplitude_rad,
+        "phase": (late[1:] + math.pi) % math.tau - math.pi,
+        "centre": of_joints("offset_rad") - world.offset_rad,
+        "turn": np.array([run.turn_rad_s - world.turn_rad_s]),
+        "speed": np.array([run.speed_m_s - world.speed_m_s]),
+        "rate": np.array([run.omega_rad_s - world.omega_rad_s]),
     }
     sigma = {
-        name: np.array([getattr(joint, name.replace("_rad", "_sigma_rad")) for joint in run.joints])
-        for name in told
+        "amplitude": of_joints("amplitude_sigma_rad"),
+        "phase": of_joints("phase_sigma_rad")[1:],
+        "centre": of_joints("offset_sigma_rad"),
+        "turn": run.turn_sigma_rad_s,
+        "speed": run.speed_sigma_m_s,
+        "rate": run.omega_sigma_rad_s,
     }
-    off = {
-        "amplitude": told["amplitude_rad"] - world.amplitude_rad,
-        "phase": _wrapped(told["phase_rad"] - world.phase_rad + world.phase_rad[0])[1:],
-        "centre": told["offset_rad"] - world.offset_rad,
-        "turn": np.array([run.turn_rad_s - world.turn_rad_s]),
-    }
-    z = {
-        "amplitude": off["amplitude"] / sigma["amplitude_rad"],
-        "phase": off["phase"] / sigma["phase_rad"][1:],
-        "centre": off["centre"] / sigma["offset_rad"],
-        "turn": off["turn"] / run.turn_sigma_rad_s,
-        "speed": np.array([(run.speed_m_s - world.speed_m_s) / run.speed_sigma_m_s]),
-        "rate": np.array([(run.omega_rad_s - world.omega_rad_s) / run.omega_sigma_rad_s]),
-    }
-    size = {name: np.degrees(value) for name, value in off.items()}
-    size["speed"] = np.array([100 * (run.speed_m_s / world.speed_m_s - 1)])
-    size["rate"] = np.array([100 * (run.omega_rad_s / world.omega_rad_s - 1)])
-    return size, z
+    size = {name: np.degrees(error) for name, error in off.items()}
+    for name, true in (("speed", world.speed_m_s), ("rate", world.omega_rad_s)):
+        size[name] = 100 * off[name] / true
+    return size, {name: error / sigma[name] for name, error in off.items()}
 
 
-def measured(world: str, films: range, seed: int) -> Iterator[tuple[Errors, Errors]]:
+def measured(world: str, films: int, seed: int) -> Iterator[tuple[Errors, Errors]]:
     """Render and measure films of a world; those that are refused are told."""
     with tempfile.TemporaryDirectory() as folder:
-        for k in films:
+        for k in range(films):
             scene = WORLDS[world](np.random.default_rng([seed, k]))
             path = shot(scene, Path(folder) / "film.mp4", k)
             try:
@@ -228,12 +223,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("world", choices=[*WORLDS, "worlds"])
     parser.add_argument("--films", type=int, default=8)
-    parser.add_argument("--first", type=int, default=0, help="number of the first film")
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
-    numbers = range(given.first, given.first + given.films)
     for world in list(WORLDS)[1:] if given.world == "worlds" else [given.world]:
-        films = list(measured(world, numbers, given.seed))
+        films = list(measured(world, given.films, given.seed))
         if films:
             print(f"{world}: {summary(films)}\n", flush=True)
 

@@ -6,14 +6,13 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from serpenoid import Ground, ServoKind, Session
 from serpenoid.calibration.kinds.declaration import Cells
 from serpenoid.calibration.kinds.rows import kind_of, make_reading, reading_row
 from serpenoid.calibration.kinds.tracks import Samples, Track
-from serpenoid.calibration.session import Event, Session, Setup
+from serpenoid.calibration.session import Event, Setup
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.world import Truth
-from serpenoid.model.drives import ServoKind
-from serpenoid.model.ground import Ground
 
 
 class MemoryRecord(Journal):

@@ -7,10 +7,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from numpy.typing import NDArray
+from serpenoid import Gait, Ground, Robot
 from serpenoid.calibration.speeds import speed
-from serpenoid.model.gait import Gait
-from serpenoid.model.ground import Ground
-from serpenoid.model.robot import Robot
 
 Array = NDArray[np.float64]
 # Of the 2005 robot's ct, cn, ft0, fn0: as far as a session with a 7.5 degree bend errs.

@@ -23,20 +23,18 @@ def main() -> None:
     parser.add_argument("--every", type=int, default=1, help="one gait in so many")
     every = parser.parse_args().every
     grid = list(itertools.product(range(5, 80, 5), range(20, 95, 5), range(1, 21)))[::every]
-    errors, failed = [], []
+    errors, failed = [], 0
     for alpha, beta, omega in track(grid, "gaits", transient=True):
         gait = sn.Gait(math.radians(alpha), math.radians(beta), float(omega))
         try:
             soft = sn.steady_springs(ROBOT, GROUND, gait, rtol=1e-3)
             errors.append(abs(soft.modelling_error))
-        except sn.SerpenoidError as error:  # some soft gaits have no state that repeats
-            failed.append(f"alpha {alpha}, beta {beta}, omega {omega}: {error}")
+        except sn.SerpenoidError:  # some soft gaits have no state that repeats
+            failed += 1
     far = sum(error > 0.1 for error in errors)
     median = 100 * np.median(errors)
     print(f"{len(grid)} gaits: the median error of the speed is {median:.3g} %")
-    print(f"more than 10 % off: {far}; without a state that repeats: {len(failed)}")
-    for line in failed[:5]:
-        print(line)
+    print(f"more than 10 % off: {far}; without a state that repeats: {failed}")
 
 
 if __name__ == "__main__":

@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 from coverage_treadmill import INCLINE_STEP_DEG, WHOLE, WHOLE_2005, shown_in_steps
 from numpy.typing import NDArray
+from serpenoid import Gait, Robot, Servo, fit_friction, servo
 from serpenoid.calibration.crawls.data import CrawlData
-from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import ground_of, whole_ground
 from serpenoid.calibration.speed_samples import sample_speeds
 from serpenoid.calibration.speeds import AMPLITUDE_SIGMA, scaled, speed
@@ -32,10 +32,6 @@ from serpenoid.calibration.taking.world import RUN_M, RUN_S
 from serpenoid.calibration.verdict import Judge
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
-from serpenoid.model.drives import Servo
-from serpenoid.model.gait import Gait
-from serpenoid.model.robot import Robot
-from serpenoid.servos.catalogue import servo
 from simulated_sessions import MemoryRecord, drawn_truth
 from study import Study
 
@@ -99,11 +95,10 @@ def _jerky() -> Servo:
 def _slow() -> Servo:
     """Return a hobby servo on a tired battery."""
     typical = servo(HOBBY).servo
-    share = 0.6
     return replace(
         typical,
-        torque_limit_nm=share * typical.torque_limit_nm,
-        speed_limit_rad_s=share * typical.speed_limit_rad_s,
+        torque_limit_nm=0.6 * typical.torque_limit_nm,
+        speed_limit_rad_s=0.6 * typical.speed_limit_rad_s,
     )
 
 
