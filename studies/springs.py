@@ -31,10 +31,10 @@ def main() -> None:
             errors.append(abs(soft.modelling_error))
         except sn.SerpenoidError:  # some soft gaits have no state that repeats
             failed += 1
-    far = sum(error > 0.1 for error in errors)
-    median = 100 * np.median(errors)
-    print(f"{len(grid)} gaits: the median error of the speed is {median:.3g} %")
-    print(f"more than 10 % off: {far}; without a state that repeats: {failed}")
+    print(f"{len(grid)} gaits: the median error of the speed is {np.median(errors):.2%}")
+    print(
+        f"more than 10 % off: {sum(np.array(errors) > 0.1)}; without a state that repeats: {failed}"
+    )
 
 
 if __name__ == "__main__":
