@@ -15,7 +15,6 @@ import numpy as np
 import serpenoid as sn
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "host"))
-from serpenoid import Ground, Robot
 from serpenoid.lab.robot import LabRobot
 from video.filming import Body, Lens
 from video.lab_world import Servos, crawled, set_points
@@ -32,7 +31,7 @@ SECONDS = 2.2 * GAIT.period_s
 def world() -> World:
     """Return the demo's robot on its ground; its servos lag and miss the commanded angle."""
     rng = np.random.default_rng(2005)
-    whole = LabRobot.whole(Robot(6, 0.0756, 0.076), Ground(0.084, 1.2, 0.14, 0.27))
+    whole = LabRobot.whole(sn.Robot(6, 0.0756, 0.076), sn.Ground(0.084, 1.2, 0.14, 0.27))
     robot = whole.drawn(rng, math.radians(1.5), 0.1)
     servos = Servos(rng.uniform(0.02, 0.035, 5), rng.uniform(0.9, 0.97, 5))
     return crawled(robot, servos, GAIT, set_points(GAIT, 8.0))

@@ -47,7 +47,7 @@ MOST_TOKENS = {
     "host/serpenoid/show": 32643,
     "host/serpenoid/simulation": 12980,
     "host/serpenoid/video": 22483,
-    "studies": 27991,
+    "studies": 27990,
     "tests": 3646,
     "tests/arm": 1428,
     "tests/avr": 18761,
