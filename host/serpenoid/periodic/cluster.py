@@ -29,13 +29,23 @@ def stretch_length(grid: Grid) -> int:
     return max(1, (_DRY_GAITS if dry else _GAITS) // len(grid.omega_rad_s))
 
 
-def solve_stretch(grid: Grid, stretch: Stretch) -> Array:
-    """Solve a stretch on a worker, in the one thread that the worker gives to it."""
+def solve_stretch(grid: Grid, wanted: str, stretch: Stretch) -> Array:
+    """Solve a stretch on a worker, in the one thread that the worker gives to it.
+
+    wanted: the package's version; the figures of another one may differ. Raises ClusterFailed.
+    """
+    from distributed import get_worker
+
+    if (there := own_version()) != wanted:
+        raise ClusterFailed(
+            f"the worker {get_worker().address} has {there}, here is serpenoid {wanted}; "
+            "figures are the same to the bit only with the same version on all: install it there"
+        )
     return grid.solve(*stretch, threads=1)
 
 
-def worker_version() -> str:
-    """Return the package's version on a worker."""
+def own_version() -> str:
+    """Return the package's version."""
     from importlib.metadata import version
 
     return version("serpenoid")
@@ -43,7 +53,7 @@ def worker_version() -> str:
 
 @contextmanager
 def connected(scheduler: str) -> Iterator[Any]:
-    """Give a Dask client of a cluster whose workers have this version of the package."""
+    """Give a Dask client of a cluster."""
     try:
         import distributed
     except ImportError:
@@ -90,16 +100,17 @@ def _check_certificates(scheduler: str) -> None:
 
 @contextmanager
 def _answering(scheduler: str) -> Iterator[None]:
-    """Raise ClusterFailed where the scheduler is gone."""
-    from distributed import CancelledError
+    """Raise ClusterFailed where the scheduler is gone, or work is lost on its workers."""
+    from distributed import CancelledError, KilledWorker
 
     try:
         yield
-    except (OSError, CancelledError) as error:
+    except (OSError, CancelledError, KilledWorker, ImportError) as error:
         why = f"{type(error).__name__}: {' '.join(str(error).split())}"
         raise ClusterFailed(
-            f"the scheduler at {scheduler} does not answer any more ({why}); start it and its "
-            "workers again, and call again: a study (a folder) goes on where it was"
+            f"the cluster at {scheduler} gives no answer ({why}); what its scheduler and workers "
+            "logged says more, such as a worker without serpenoid. Start it again and call again: "
+            "a study (a folder) goes on where it was"
         ) from None
 
 
@@ -122,37 +133,36 @@ def solved(
             yield stretch, grid.solve(*stretch, threads, progress)
         return
     with connected(scheduler) as client:
-        checked, under_way = set[str](), dict[Any, Stretch]()
-        threads = _threads(client, checked, scheduler)
+        under_way = dict[Any, Stretch]()
+        threads = _threads(client, scheduler)
         if pieces is None:
             share = -(-grid.shapes // (4 * threads))
             pieces = stretches(grid.shapes, max(1, min(stretch_length(grid), share)))
-        waiting = iter(pieces)
+        waiting, solve = iter(pieces), partial(solve_stretch, grid, own_version())
         try:
             while True:
                 begun = list(islice(waiting, max(0, _AHEAD * threads - len(under_way))))
-                futures = client.map(partial(solve_stretch, grid), begun, pure=False)
-                under_way |= zip(futures, begun, strict=True)
+                under_way |= zip(client.map(solve, begun, pure=False), begun, strict=True)
                 if not under_way:
                     return
                 for future in _done(client, list(under_way), scheduler):
-                    table = _result(future, under_way[future], scheduler)
+                    with _answering(scheduler):
+                        table = future.result()
                     stretch = under_way.pop(future)
                     if progress is not None:
                         progress((stretch[1] - stretch[0]) * len(grid.omega_rad_s))
                     yield stretch, table
                 if under_way:
-                    threads = _threads(client, checked, scheduler)
+                    threads = _threads(client, scheduler)
         finally:
             with suppress(OSError):  # of a scheduler that is gone, with all that was under way
                 client.cancel(list(under_way), force=True)
 
 
-def _threads(client: Any, checked: set[str], scheduler: str) -> int:
-    """Return the threads of the workers there are; refuse new ones of another version, or none."""
+def _threads(client: Any, scheduler: str) -> int:
+    """Return the threads of the workers there are. Raises ClusterFailed where none comes."""
     import distributed
 
-    here = worker_version()
     with _answering(scheduler):
         try:
             if not client.nthreads():
@@ -163,19 +173,7 @@ def _threads(client: Any, checked: set[str], scheduler: str) -> int:
                 f"with `dask worker {scheduler}`; if one ended by itself, its log says why, often "
                 "another version of Dask"
             ) from None
-        threads = client.nthreads()
-        new = list(threads.keys() - checked)
-        versions = client.run(worker_version, workers=new, on_error="return") if new else {}
-    for worker, there in versions.items():
-        if there == here:
-            checked.add(worker)
-        elif isinstance(there, (str, ModuleNotFoundError)):
-            raise ClusterFailed(
-                f"the worker {worker} has {there if isinstance(there, str) else 'no serpenoid'}, "
-                f"here is serpenoid {here}; figures are the same to the bit only with the same "
-                "version on all: install it there"
-            )
-    return max(sum(threads.values()), 1)
+        return max(sum(client.nthreads().values()), 1)
 
 
 def _done(client: Any, futures: list[Any], scheduler: str) -> Iterable[Any]:
@@ -186,17 +184,3 @@ def _done(client: Any, futures: list[Any], scheduler: str) -> Iterable[Any]:
         waited: Any = distributed.wait(futures, _LOOK_S, return_when="FIRST_COMPLETED")
         return waited.done
     return ()
-
-
-def _result(future: Any, stretch: Stretch, scheduler: str) -> Array:
-    import distributed
-
-    with _answering(scheduler):
-        try:
-            return future.result()
-        except (distributed.KilledWorker, ImportError, OSError) as error:
-            raise ClusterFailed(
-                f"the cluster at {scheduler} lost the work on shapes {stretch} for good "
-                f"({type(error).__name__}: {error}); what its workers and its scheduler logged "
-                "says why"
-            ) from None

@@ -128,7 +128,7 @@ def test_a_cluster_without_workers_is_told(monkeypatch) -> None:
 
 
 def test_a_worker_of_another_version_is_refused(local: Any, monkeypatch) -> None:
-    there = cluster_module.worker_version()
+    there = cluster_module.own_version()
     monkeypatch.setattr("importlib.metadata.version", lambda name: "9.9")
     with pytest.raises(ClusterFailed, match=f"has {there}, here is serpenoid 9.9"):
         sn.sweep(PAPER, VISCOUS, **AXES, scheduler=local.scheduler_address)
