@@ -367,17 +367,10 @@ def with_servo(ideal: Steady, servo: Servo | ServoKind, draws: int = DRAWS) -> S
             f"{ideal.robot.inertia_kg_m2:g} kg m^2 would take more steps than anybody waits for; "
             "give it a rotor (armature_kg_m2), which real ones have"
         )
-    drawn: tuple[float, ...] = ()
-    moves = s.amplitude >= _LEAST_AMPLITUDE
-    if isinstance(servo, ServoKind) and not servo.exact and draws > 0 and moves:
-        speeds = drawn_servo_speeds([ideal] * draws, servo.draws(draws), ends_only=True)
-        drawn = tuple(speeds.tolist())
     error = relative_error(s.error, s.speed, ideal.robot, ideal.gait)
     driven = ServoSteady(
-        ideal, servo, s.speed, s.spread, error, s.amplitude, s.lag, s.ripple, s.power, s.turn, drawn
+        ideal, servo, s.speed, s.spread, error, s.amplitude, s.lag, s.ripple, s.power, s.turn
     )
-    if s.converged:
-        return driven
     if s.hunts:
         raise NotConverged(
             f"speed not defined: the servos' loops hunt, and {ideal.gait} moves at "
@@ -386,9 +379,14 @@ def with_servo(ideal: Steady, servo: Servo | ServoKind, draws: int = DRAWS) -> S
             "that asks less of them",
             best=driven,
         )
-    raise NotConverged(
-        f"the motion of {ideal.gait} with servos does not settle to a speed: the best is "
-        f"{s.speed:.6g} m/s (it is this exception's `best`); follow it in time with simulate, "
-        "drive 'servo'",
-        best=driven,
-    )
+    if not s.converged:
+        raise NotConverged(
+            f"the motion of {ideal.gait} with servos does not settle to a speed: the best is "
+            f"{s.speed:.6g} m/s (it is this exception's `best`); follow it in time with simulate, "
+            "drive 'servo'",
+            best=driven,
+        )
+    if not isinstance(servo, ServoKind) or servo.exact or draws == 0 or not driven.moves:
+        return driven
+    speeds = drawn_servo_speeds([ideal] * draws, servo.draws(draws), ends_only=True)
+    return replace(driven, samples_m_s=tuple(speeds.tolist()))
