@@ -316,7 +316,7 @@ def drawn_servo_speeds(
 
     ideal: the draws with ideal joints. value: what is wanted in place of the speed, which is known
     to a part of _SLOW where it is less. ends_only: the ends of a band are wanted, so that the
-    middle half may stay rough.
+    middle three quarters may stay rough.
     A rough state costs a quarter of a fine one or less and is mostly 1 % off.
     The draws at both ends, which make the ends of a band, and some between are solved finely. The
     median ratio there puts the others right. Where one would then still be off by more than
@@ -344,8 +344,8 @@ def drawn_servo_speeds(
     good = np.abs(values[picked] - fine).max() <= _MOST_OFF * values.std()
     values[picked] = fine
     if not good:
-        quarter = len(servos) // 4
-        wanted = order[np.r_[:quarter, -quarter:0]] if ends_only else every
+        eighth = len(servos) // 8
+        wanted = order[np.r_[:eighth, -eighth:0]] if ends_only else every
         rest = np.setdiff1d(wanted, picked)
         values[rest] = solved(rest.tolist(), False)
     return values
