@@ -167,18 +167,15 @@ def _without_outlier(
     """
     if fit.p_value is None or fit.p_value > DOUBTFUL or session.folder is None:
         return session, fit, ""
-    fits = {}
-    for reading in session.kept:
-        others = tuple(replace(r, voided=r.voided or r is reading) for r in session.readings)
-        fits[reading.number] = sn.fit_friction(replace(session, readings=others))
-    worst = min(fits, key=lambda number: fits[number].chi2)
-    words = (
-        f"chi2 was {fit.chi2:.0f} for {fit.dof} degrees of freedom, and is "
-        f"{fits[worst].chi2:.0f} without reading {worst}: this misreading is voided."
-    )
+    worst = min(fit.influence, key=lambda reading: reading.chi2_without).reading
     with Journal(session.folder) as journal:
         journal.event("void", worst, "misread: chi2 says so")
-        return journal.session, fits[worst], words
+        without = sn.fit_friction(journal.session)
+        words = (
+            f"chi2 was {fit.chi2:.0f} for {fit.dof} degrees of freedom, and is "
+            f"{without.chi2:.0f} without reading {worst}: this misreading is voided."
+        )
+        return journal.session, without, words
 
 
 def _compare(session: sn.Session, fit: sn.FrictionFit, out: Path) -> sn.Comparison:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import difflib
 import errno
 import inspect
 import itertools
 import os
 import re
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import click
@@ -33,17 +35,28 @@ Sections = Mapping[str, Sequence[click.Command]]
 class Commands(click.Group):
     """A group whose help tells the first paragraph of every command, section by section.
 
-    sections: its commands, unless they are added one by one.
+    sections: its commands, unless they are added one by one. usual: the command that is meant where
+    a file, a folder or an option stands first.
     """
 
-    def __init__(self, *args: Any, sections: Sections | None = None, **kwargs: Any) -> None:
+    def __init__(
+        self, *args: Any, sections: Sections | None = None, usual: str = "", **kwargs: Any
+    ) -> None:
         super().__init__(*args, **kwargs)
-        self.sections = sections or {}
+        self.sections, self.usual = sections or {}, usual
         for command in itertools.chain(*self.sections.values()):
             self.add_command(command)
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Print the plain help where no command is given: versions of click differ here."""
+        """Put the usual command in; print the plain help where nothing is given.
+
+        Of the latter versions of click differ.
+        """
+        if self.usual and args and args[0] not in (*self.commands, "-h", "--help"):
+            meant = difflib.get_close_matches(args[0], self.commands, n=1)
+            if meant and not Path(args[0]).exists():
+                raise click.UsageError(f"nothing is called {args[0]!r}; {meant[0]!r}?", ctx)
+            args = [self.usual, *args]
         return super().parse_args(ctx, args or ["--help"])
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

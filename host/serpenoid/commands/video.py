@@ -33,17 +33,7 @@ if TYPE_CHECKING:
     from ..video.measure_film import FilmMeasurement
 
 
-class _FilmOrTags(Commands):
-    """`serpenoid video FILE` is short for `serpenoid video film FILE`."""
-
-    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Put the command's name before a film's."""
-        if args and args[0] not in (*self.commands, "-h", "--help"):
-            args = ["film", *args]
-        return super().parse_args(ctx, args)
-
-
-@click.group(name="video", cls=_FilmOrTags)
+@click.group(name="video", cls=Commands, usual="film")
 def VIDEO_GROUP() -> None:
     """Measure speed, path and every joint from a film of the robot with printed tags.
 

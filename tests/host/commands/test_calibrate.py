@@ -230,7 +230,7 @@ def test_a_mistyped_command_is_no_folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     status, _, err = calibrate("statsu session")
     assert status == 2
-    assert "no session and no command 'statsu'; 'status'?" in err
+    assert "nothing is called 'statsu'; 'status'?" in err
     (tmp_path / "statsu").mkdir()
     assert "no session here" in calibrate("statsu")[2]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -28,20 +27,7 @@ FOLDER = click.argument("folder", type=PathType(file_okay=False))
 TOML = PathType(exists=True)
 
 
-class _FolderOrCommand(Commands):
-    """Take `calibrate DIR` for `calibrate take DIR`."""
-
-    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Put the command's name in where a folder or an option stands first."""
-        if args and args[0] not in self.commands and args[0] not in ("-h", "--help"):
-            meant = difflib.get_close_matches(args[0], self.commands, n=1)
-            if meant and not Path(args[0]).exists():
-                raise click.UsageError(f"no session and no command {args[0]!r}; {meant[0]!r}?", ctx)
-            args = ["take", *args]
-        return super().parse_args(ctx, args)
-
-
-@click.group(cls=_FolderOrCommand)
+@click.group(cls=Commands, usual="take")
 def calibrate() -> None:
     """Measure friction on a floor or a treadmill: `calibrate new DIR`, then `calibrate DIR`.
 

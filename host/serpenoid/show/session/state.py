@@ -23,11 +23,8 @@ def state_of(session: Session, step: Step, robot: str, offset: str = "") -> dict
     fit = _fit(session)
     return {
         "name": session.setup.name,
-        "kind": step.kind,
         "say": step.say,
         "aim": _aim(step),
-        "settle_s": round(step.settle_s),
-        "asks": [f"{f.words} ({f.unit})" for f in step.asked],
         "progress": [list(row) for row in progress(session)],
         "last": _last(session),
         "fit": [
