@@ -30,6 +30,7 @@ from .table import GaitTable
 ANY = GaitLimits()
 # no snake robot comes near; without a limit of servos or rate (the first) it takes minutes beyond
 MOST_LENGTHS_A_SECOND = 100.0, 1e4
+LEAST_LENGTHS_A_SECOND = 1e-6  # on dry ground states of slower gaits drown in rounding
 FIRST = 0.15  # e-folds of shape: the first simplex, half a step of the table; later ones are half
 ROUGH = 0.02  # e-folds of shape: where the first descents end, and what lies on a limit for them
 AROUND = 12  # shapes of a ring around the best, half a radius from each to the next
@@ -134,12 +135,14 @@ class Finder:
         limited = min(limits.servo_speed_rad_s, limits.omega_high_rad_s) < math.inf
         lengths = MOST_LENGTHS_A_SECOND[bool(limited)]
         for speed in speeds:
-            most = lengths * robot.body_length_m
-            if check_number("speed_m_s", speed, 0.0, open_low=True) > most:
+            check_number("speed_m_s", speed)
+            least, most = (x * robot.body_length_m for x in (LEAST_LENGTHS_A_SECOND, lengths))
+            if not least <= speed <= most:
+                limit = "" if limited or speed < least else "; or limit the speed of the servos"
                 raise BadInput(
-                    f"speed_m_s is {speed:g}; it must be at most {most:.4g}, {lengths:g} lengths "
-                    "of the body a second, and no snake robot comes near. Ask for less speed"
-                    f"{'' if limited else ', or limit the speed of the servos'}"
+                    f"speed_m_s is {speed:g}; it must be at least {least:.3g} and at most "
+                    f"{most:.4g}: no snake robot makes less than {LEAST_LENGTHS_A_SECOND:g} or "
+                    f"more than {lengths:g} lengths of its body a second{limit}"
                 )
         check_choice("cost", cost, COSTS)
         smooth = ground.smooth and springs is None

@@ -23,6 +23,7 @@ LIMIT_NAMES = {
     "omega_high_rad_s": "highest rate",
     "omega_low_rad_s": "lowest rate",
 }
+LEAST_RATE_RAD_S = 1e-5  # of servos and gaits: a period of a week; slower states take minutes
 _DEG = math.degrees(1.0)
 _UNITS = {
     "joint_angle_rad": (_DEG, "deg"),
@@ -71,9 +72,11 @@ class GaitLimits:
 
     def __post_init__(self) -> None:
         check_number("joint_angle_rad", self.joint_angle_rad, 0.0, math.pi, open_low=True)
-        for name in ("servo_speed_rad_s", "servo_torque_nm", "omega_high_rad_s"):
+        for name in ("servo_speed_rad_s", "omega_high_rad_s"):
             if getattr(self, name) != math.inf:
-                check_number(name, getattr(self, name), 0.0, open_low=True)
+                check_number(name, getattr(self, name), LEAST_RATE_RAD_S)
+        if self.servo_torque_nm != math.inf:
+            check_number("servo_torque_nm", self.servo_torque_nm, 0.0, open_low=True)
         check_number("omega_low_rad_s", self.omega_low_rad_s, 0.0, self.omega_high_rad_s)
 
     def margins(self, gait: Gait, torque_nm: float = 0.0) -> dict[str, float]:

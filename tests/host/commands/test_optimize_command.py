@@ -117,9 +117,9 @@ def test_board_and_recording_are_looked_for_before_the_search(
     assert "holds something already" in again
 
 
-@pytest.mark.parametrize("speed", ["1e6", "0.05,9e9"])
+@pytest.mark.parametrize("speed", ["1e6", "0.05,9e9", "1e-8"])
 def test_a_speed_without_sense_is_refused_at_once(speed: str) -> None:
-    """Searched for, it took minutes of ever higher rates."""
+    """Searched for, it took minutes: of ever higher rates, or of states that drown in rounding."""
     refused = serpenoid(f"optimize --speed {speed}")
     assert refused.returncode == 2
     assert "at most 4560" in refused.stderr

@@ -90,8 +90,8 @@ LIMITS = Options(  # of GaitLimits
     angle(
         "--servo-speed-deg-s",
         "Most a servo turns; 500, a new board's limit, unless given; inf: no limit.",
+        low=1e-3,
         high=math.inf,
-        open_low=True,
     ),
     number("--servo-torque-nm", "Most a servo holds."),
     number("--omega-low-rad-s", "Lowest rate of the gait."),
