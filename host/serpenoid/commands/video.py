@@ -194,28 +194,28 @@ def film_progress(file: Path) -> Iterator[Callable[[float], None]]:
 
 
 def _write(
-    found: FilmMeasurement, track: Path | None, picture: Path | None, annotate: Path | None
+    measured: FilmMeasurement, track: Path | None, picture: Path | None, annotate: Path | None
 ) -> None:
     from ..show.report import wrote
 
     if track is not None:
         from ..video.result import write_track
 
-        write_track(found.measured, track)
+        write_track(measured.measured, track)
         wrote(track)
     if picture is not None:
         from ..show.video.film_figure import film_figure
 
-        film_figure(found, picture)
+        film_figure(measured, picture)
         wrote(picture)
     if annotate is not None:
         from ..video.annotate import annotate_film
 
-        annotate_film(found, annotate)
+        annotate_film(measured, annotate)
         wrote(annotate)
 
 
-def _record(found: FilmMeasurement, session: Path, name: str, way: str | None) -> None:
+def _record(measured: FilmMeasurement, session: Path, name: str, way: str | None) -> None:
     """Write the film's numbers and its track into a session; a film that is there already is not.
 
     way: along the line of the pushes; None: on level ground. A film that cannot be a reading is
@@ -225,7 +225,7 @@ def _record(found: FilmMeasurement, session: Path, name: str, way: str | None) -
     from ..video.reading import film_cells
 
     try:
-        cells, samples = film_cells(found)
+        cells, samples = film_cells(measured)
     except sn.BadInput as error:
         say(f"serpenoid: warning: no reading: {error}", err=True)
         return

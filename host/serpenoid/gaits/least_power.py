@@ -150,7 +150,7 @@ def _front(
     soft = springs if formulation == "implicit" else None
     finders = [Finder(robot, on, speeds, cost, limits, rtol, soft) for on in directions(ground)]
     fronts = [one.front(speeds) for one in finders]
-    return [cheaper(finders, found) for found in zip(*fronts, strict=True)]
+    return [cheaper(finders, optima) for optima in zip(*fronts, strict=True)]
 
 
 def directions(ground: Ground) -> list[Ground]:
@@ -163,12 +163,12 @@ def directions(ground: Ground) -> list[Ground]:
 
 
 def cheaper(
-    finders: Sequence[Finder], found: Sequence[LeastPower | NotConverged]
+    finders: Sequence[Finder], optima: Sequence[LeastPower | NotConverged]
 ) -> LeastPower | NotConverged:
     """Return the cheapest gait of both directions of the wave, as the robot is to run it."""
-    gaits = [(one, k) for k, one in enumerate(found) if isinstance(one, LeastPower)]
+    gaits = [(one, k) for k, one in enumerate(optima) if isinstance(one, LeastPower)]
     if not gaits:
-        return found[0]
+        return optima[0]
     (best, turned), *others = sorted(gaits, key=lambda pair: pair[0].power_w)
     changes: dict[str, Any] = {
         "basins": sum(one.basins for one, _ in gaits),

@@ -241,9 +241,9 @@ def _experiment(bands: Sequence[tuple[float, float, float]]) -> list[Claim]:
     ]
 
 
-def as_dict(found: Sequence[Claim], reading: Reading) -> dict[str, Any]:
+def as_dict(judged: Sequence[Claim], reading: Reading) -> dict[str, Any]:
     """Return claims and reading as plain values."""
     return {
         "reading": asdict(reading),
-        "claims": [asdict(claim) for claim in found],
+        "claims": [asdict(claim) for claim in judged],
     }

@@ -19,40 +19,40 @@ SIZE = 7.2, 6.0  # inches
 PANELS: dict[str, Any] = {"rows": 2, "sharex": True, "height_ratios": [3, 1]}
 
 
-def comparison_figure(found: Comparison, path: Path) -> None:
+def comparison_figure(compared: Comparison, path: Path) -> None:
     """Draw a comparison into a file, its data beside."""
     with figure(*SIZE, path=path, **PANELS) as (fig, axes):
-        draw_comparison(fig, axes, found)
-    write_comparison(found, path)
+        draw_comparison(fig, axes, compared)
+    write_comparison(compared, path)
 
 
-def draw_comparison(fig: Figure, axes: Any, found: Comparison) -> None:
+def draw_comparison(fig: Figure, axes: Any, compared: Comparison) -> None:
     """Draw speed over frequency and residuals below it."""
     top, bottom = axes
-    _predicted(top, found)
-    ran = tuple(p for p in found.gaits if p.measured_m_s is not None)
+    _predicted(top, compared)
+    ran = tuple(p for p in compared.gaits if p.measured_m_s is not None)
     if ran:
         f, measured, sigma = columns(ran, "frequency_hz", "measured_m_s", "sigma_m_s")
         top.errorbar(
             f, measured, 1.96 * sigma, fmt="o", color=RED, capsize=3, ms=5, label="measured, 95 %"
         )
     _residuals(bottom, ran)
-    first = found.curve[0]
+    first = compared.curve[0]
     top.set(
-        title=f"{found.session}: α = {np.degrees(first.alpha_rad):.3g}°, "
+        title=f"{compared.session}: α = {np.degrees(first.alpha_rad):.3g}°, "
         f"β = {np.degrees(first.beta_rad):.3g}°",
         ylabel="speed (m/s)",
         ylim=(0, 1.2 * top.get_ylim()[1]),  # room for the legend
     )
     top.legend(loc="upper left")
-    bottom.set_xlim(0, 1.02 * found.curve[-1].frequency_hz)
+    bottom.set_xlim(0, 1.02 * compared.curve[-1].frequency_hz)
     fig.align_ylabels()
     fig.supxlabel(HUGS, fontsize=8, color=GREY)
 
 
-def _predicted(ax: Axes, found: Comparison) -> None:
+def _predicted(ax: Axes, compared: Comparison) -> None:
     f, exact, low, high, implicit = columns(
-        found.curve, "frequency_hz", "exact_m_s", "low_m_s", "high_m_s", "implicit_m_s"
+        compared.curve, "frequency_hz", "exact_m_s", "low_m_s", "high_m_s", "implicit_m_s"
     )
     ax.fill_between(
         f,
@@ -65,8 +65,8 @@ def _predicted(ax: Axes, found: Comparison) -> None:
     )
     ax.plot(f, exact, color=BLUE, label="exact model")
     ax.plot(f, implicit, ".", color=ORANGE, ms=6, label="implicit model, k = 1000 N/m")
-    f, low, high = columns(found.gaits, "frequency_hz", "low_all_m_s", "high_all_m_s")
-    servos = "" if found.servo is None else f", servos: {found.servo}"
+    f, low, high = columns(compared.gaits, "frequency_hz", "low_all_m_s", "high_all_m_s")
+    servos = "" if compared.servo is None else f", servos: {compared.servo}"
     ax.vlines(
         f,
         low,
@@ -74,9 +74,11 @@ def _predicted(ax: Axes, found: Comparison) -> None:
         color=GREY,
         lw=6,
         alpha=0.35,
-        label=f"with the joints' amplitude, {found.amplitude_sigma:.0%}{servos}",
+        label=f"with the joints' amplitude, {compared.amplitude_sigma:.0%}{servos}",
     )
-    hatch_beyond(ax, found.managed_hz, 1.02 * found.curve[-1].frequency_hz, str(found.servo))
+    hatch_beyond(
+        ax, compared.managed_hz, 1.02 * compared.curve[-1].frequency_hz, str(compared.servo)
+    )
 
 
 def _residuals(ax: Axes, ran: tuple[ComparedGait, ...]) -> None:

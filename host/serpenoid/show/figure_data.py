@@ -77,11 +77,11 @@ def line(fit: FrictionFit, part: str, speeds_m_s: np.ndarray) -> np.ndarray:
     return np.column_stack([v, force, np.zeros_like(v), np.sqrt(variance)])
 
 
-def write_comparison(found: Comparison, path: Path) -> None:
+def write_comparison(compared: Comparison, path: Path) -> None:
     """Write what `comparison_figure` draws: the curve, and the gaits with what was measured."""
     rows = [
         {"kind": kind} | asdict(point) | {"runs": " ".join(map(str, point.runs))}
-        for kind, points in (("curve", found.curve), ("gait", found.gaits))
+        for kind, points in (("curve", compared.curve), ("gait", compared.gaits))
         for point in points
     ]
     write_csv(beside(path), list(rows[0]), [list(row.values()) for row in rows])

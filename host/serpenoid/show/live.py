@@ -76,18 +76,21 @@ def tables(run: DrivenRun, frame: Telemetry, band: SpeedBand | None = None) -> G
     return Group(joints, _rows(facts, band), "Ctrl-C stops the robot")
 
 
-def show_summary(found: Summary, band: SpeedBand | None = None) -> None:
+def show_summary(summary: Summary, band: SpeedBand | None = None) -> None:
     """Print what a run came to, and the speed that was predicted for it."""
     rows = [
-        ("board", f"{found.board}, firmware {found.firmware}"),
-        ("driven", f"{found.duration_s:.2f} s"),
-        ("frames", f"{found.frames}, missed {found.missed_frames}"),
-        ("damaged lines", f"{found.damaged_lines}, commands sent again {found.resent_commands}"),
-        ("latest frame", f"{found.latest_us} us"),
-        ("clipped frames", str(found.clipped_frames)),
-        ("board's clock", f"{found.drift_ppm:+.0f} ± {found.drift_sd_ppm:.0f} ppm"),
-        ("true gait frequency", _frequency(found.frequency_hz, found.frequency_sd_hz)),
-        ("recording", found.recording or "none (--record FILE)"),
+        ("board", f"{summary.board}, firmware {summary.firmware}"),
+        ("driven", f"{summary.duration_s:.2f} s"),
+        ("frames", f"{summary.frames}, missed {summary.missed_frames}"),
+        (
+            "damaged lines",
+            f"{summary.damaged_lines}, commands sent again {summary.resent_commands}",
+        ),
+        ("latest frame", f"{summary.latest_us} us"),
+        ("clipped frames", str(summary.clipped_frames)),
+        ("board's clock", f"{summary.drift_ppm:+.0f} ± {summary.drift_sd_ppm:.0f} ppm"),
+        ("true gait frequency", _frequency(summary.frequency_hz, summary.frequency_sd_hz)),
+        ("recording", summary.recording or "none (--record FILE)"),
     ]
     screen().print(_rows(rows, band))
 

@@ -48,7 +48,7 @@ def show(*results: Result, answer: str | None = None) -> None:
         console.print("errors, margins and other powers: --verbose")
 
 
-def influence(found: FrictionFit) -> None:
+def influence(fit: FrictionFit) -> None:
     """Print what every reading does: how the parameters would move without it."""
     cells = [
         [
@@ -58,7 +58,7 @@ def influence(found: FrictionFit) -> None:
             f"{i.chi2_without:.1f}",
         ]
         + [f"{shift:+.2f}" for shift in i.shift]
-        for i in found.influence
+        for i in fit.influence
     ]
     columns = ["reading", "off by", "leverage", "chi2 without", "ct", "cn", "ft0", "fn0"]
     table("without each reading, parameters would move by (in their sigmas)", columns, cells)

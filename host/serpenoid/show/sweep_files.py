@@ -16,20 +16,20 @@ from ..periodic.sweep import Sweep
 AXES = ("alpha_rad", "beta_rad", "omega_rad_s")
 
 
-def _arrays(found: Sweep) -> dict[str, NDArray[Any]]:
-    arrays = {field.name: getattr(found, field.name) for field in fields(found)}
+def _arrays(grid_states: Sweep) -> dict[str, NDArray[Any]]:
+    arrays = {field.name: getattr(grid_states, field.name) for field in fields(grid_states)}
     return {name: values for name, values in arrays.items() if values is not None}
 
 
-def write_sweep(found: Sweep, path: Path) -> None:
+def write_sweep(grid_states: Sweep, path: Path) -> None:
     """Write a sweep of one robot and ground in the format that the suffix names."""
     if path.suffix.lower() == ".npz":
         with whole_file(path) as part, part.open("wb") as file:  # NumPy renames an .NPZ
-            np.savez_compressed(file, allow_pickle=False, **_arrays(found))
+            np.savez_compressed(file, allow_pickle=False, **_arrays(grid_states))
     elif path.suffix.lower() == ".json":
-        write_text(path, json.dumps(sweep_values(found), allow_nan=False) + "\n")
+        write_text(path, json.dumps(sweep_values(grid_states), allow_nan=False) + "\n")
     else:
-        arrays = _arrays(found)  # one gait a row, numbers by their shortest exact digits
+        arrays = _arrays(grid_states)  # one gait a row, numbers by their shortest exact digits
         grid = np.meshgrid(*(arrays.pop(axis) for axis in AXES), indexing="ij")
         values = [v.astype(int) if v.dtype == bool else v for v in arrays.values()]
         cells = [column.flat for column in (*grid, *values)]  # lists take four times as much
@@ -46,9 +46,9 @@ def _plain(values: NDArray[Any]) -> list[Any]:
     return plain
 
 
-def sweep_values(found: Sweep) -> dict[str, Any]:
+def sweep_values(grid_states: Sweep) -> dict[str, Any]:
     """Return a sweep as plain lists, indexed [alpha, beta, omega]; angles in degrees, too."""
     return {
-        "alpha_deg": np.degrees(found.alpha_rad).round(10).tolist(),
-        "beta_deg": np.degrees(found.beta_rad).round(10).tolist(),
-    } | {name: _plain(values) for name, values in _arrays(found).items()}
+        "alpha_deg": np.degrees(grid_states.alpha_rad).round(10).tolist(),
+        "beta_deg": np.degrees(grid_states.beta_rad).round(10).tolist(),
+    } | {name: _plain(values) for name, values in _arrays(grid_states).items()}

@@ -21,21 +21,21 @@ CHAIN, JOINT, PATH = (40, 60, 235), (0, 200, 255), (220, 150, 0)  # blue, green,
 TICKS_S = Fraction(1, 90000)
 
 
-def annotate_film(found: FilmMeasurement, path: Path) -> None:
+def annotate_film(measured: FilmMeasurement, path: Path) -> None:
     """Write the film's first LONGEST_S seconds with chain, path and numbers, as H.264."""
     import av
     import cv2
 
-    camera, track = found.measured.bundle.camera, found.measured.track
-    film = found.watched.film
+    camera, track = measured.measured.bundle.camera, measured.measured.track
+    film = measured.watched.film
     shrink = max(1, math.ceil(film.width / WIDEST_PX))
     size = (film.width // shrink // 2 * 2, film.height // shrink // 2 * 2)
-    begun, hertz = track.t_s[0], found.run.omega_rad_s / math.tau
+    begun, hertz = track.t_s[0], measured.run.omega_rad_s / math.tau
     # The file's own times: where they were scaled, frames are still counted in them.
-    times = begun + (track.t_s - begun) / found.run.time_scale
+    times = begun + (track.t_s - begun) / measured.run.time_scale
     with whole_file(path) as part, av.open(str(part), "w") as box:
         stream: Any = box.add_stream("libx264", rate=30)
-        turns = found.watched.rotation_deg // 90
+        turns = measured.watched.rotation_deg // 90
         stream.width, stream.height = size[::-1] if turns % 2 else size
         stream.pix_fmt = "yuv420p"
         stream.time_base = stream.codec_context.time_base = TICKS_S
@@ -48,7 +48,7 @@ def annotate_film(found: FilmMeasurement, path: Path) -> None:
                 _draw(picture, camera, track.states, k)
             picture = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
             picture = np.ascontiguousarray(np.rot90(picture, turns))
-            text = f"{time_s:6.2f} s   {1e3 * found.run.speed_m_s:.1f} mm/s   {hertz:.3f} Hz"
+            text = f"{time_s:6.2f} s   {1e3 * measured.run.speed_m_s:.1f} mm/s   {hertz:.3f} Hz"
             low = picture.shape[0]
             cv2.rectangle(picture, (0, low - 40), (400, low), (0, 0, 0), -1)
             where = (12, low - 14), cv2.FONT_HERSHEY_SIMPLEX, 0.6

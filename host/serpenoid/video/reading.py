@@ -14,17 +14,17 @@ from .result import track_rows
 from .wiring import measured_gait
 
 
-def film_cells(found: FilmMeasurement) -> tuple[dict[str, Any], Array]:
+def film_cells(film: FilmMeasurement) -> tuple[dict[str, Any], Array]:
     """Return the cells of a `video` reading, and the samples of its track.
 
     Raises BadInput where a joint was not seen: a reading holds all of them.
     """
-    run = found.run
+    run = film.run
     if any(math.isnan(joint.amplitude_rad) for joint in run.joints):
         raise BadInput(
             f"{run.film['name']}: not every joint was seen; a session's reading needs them all"
         )
-    gait = measured_gait(run, found.gait)
+    gait = measured_gait(run, film.gait)
     spread = [joint.amplitude_sigma_rad / gait.alpha_rad for joint in run.joints]
     cells = {
         "alpha_deg": math.degrees(gait.alpha_rad),
@@ -38,5 +38,5 @@ def film_cells(found: FilmMeasurement) -> tuple[dict[str, Any], Array]:
         "shifts_deg": ",".join(f"{math.degrees(s):.3f}" for s in gait.joint_shift_rad),
         "film_sha256": run.film["sha256"],
     }
-    _, rows = track_rows(found.measured)
+    _, rows = track_rows(film.measured)
     return cells, rows

@@ -94,13 +94,13 @@ def _percent(share: float) -> str:
 
 
 def speed_doubts(
-    fit: FrictionFit, gait: Gait, found: Sensitivities, band: SpeedBand
+    fit: FrictionFit, gait: Gait, sensitivities: Sensitivities, band: SpeedBand
 ) -> SpeedDoubts:
     """Return what a fit leaves of the speed of a gait whose derivatives and band were found.
 
     A friction that has no derivative (it is 0) counts as 0 in the derivatives, not in the draws.
     """
-    elasticity = dict(zip(found.names, found.elasticities().tolist(), strict=True))
+    elasticity = dict(zip(sensitivities.names, sensitivities.elasticities().tolist(), strict=True))
     whole = np.array(list(fit.whole_snake.values()))
     ratchet = len(fit.names) > 4
     slope = np.array([elasticity.get(_of_link(name, ratchet), 0.0) for name in fit.names])
@@ -116,7 +116,7 @@ def speed_doubts(
         (band.low_joints_m_s, band.high_joints_m_s),
         (band.low_m_s, band.high_m_s),
     )
-    drawn = [(high - low) / (2 * _Z95 * float(found.at[0])) for low, high in ends]
+    drawn = [(high - low) / (2 * _Z95 * float(sensitivities.at[0])) for low, high in ends]
     return SpeedDoubts(
         dict(zip(names, by_reading.tolist(), strict=True)),
         dict(zip(names, drawn[:-3], strict=True)),

@@ -53,7 +53,7 @@ def drive_gait(
             interrupted = _watch(run, duration_s, shows)
     finally:  # a run that failed has a summary too
         values = before or {}
-        if (found := run.summary()) is not None:
+        if (summary := run.summary()) is not None:
             frame_ms = run.robot.hello.frame_us / 1e3
             if band and servo and frame_ms != round(1e3 * servo.servo.frame_s, 3):
                 say(
@@ -63,10 +63,10 @@ def drive_gait(
                 )
             told = {"gait": describe(run.gait), "frame_ms": frame_ms}
             told |= {"predicted": band.to_dict()} if band else {}
-            told |= vars(found)
+            told |= vars(summary)
             values = told if before is None else before | {"drive": told}
             if not as_json:
-                show_summary(found, band)
+                show_summary(summary, band)
         if as_json and values:
             show_json(values)
     if interrupted and duration_s is not None:

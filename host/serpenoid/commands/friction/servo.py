@@ -113,12 +113,12 @@ def read_test(path: Path, sigma_rad: float, inertia_kg_m2: float) -> BenchTest:
         return BenchTest(t, np.radians(sent), np.radians(seen), sigma_rad, inertia_kg_m2)
 
 
-def show(found: MeasuredServo, out: Path | None) -> None:
+def show(measured: MeasuredServo, out: Path | None) -> None:
     """Print how fast the servo is, what was measured of it, and what was not."""
     from ...model.rows import Row, ranged, two_digits
     from ...show import report
 
-    free = found.shown["no_load_rad_s"]
+    free = measured.shown["no_load_rad_s"]
     report.console.print(
         "Without load the servo turns at about "
         f"{ranged(free.value, 'rad/s', free.low, free.high)}: "
@@ -126,13 +126,15 @@ def show(found: MeasuredServo, out: Path | None) -> None:
     )
     rows = [
         [*Row(name, "", *one[:3]).cells, f"{100 * one.before:.0f} %", f"{100 * one.after:.1f} %"]
-        for name, one in found.shown.items()
+        for name, one in measured.shown.items()
         if one.told
     ]
-    report.table(found.kind.source, ["measured", "typical", "95 %", "sigma before", "after"], rows)
-    lines = [f"chi2 {found.chi2:.1f} of {found.readings} readings."]
-    if found.untold:
-        lines.append("It does not tell " + ", ".join(found.untold) + ".")
+    report.table(
+        measured.kind.source, ["measured", "typical", "95 %", "sigma before", "after"], rows
+    )
+    lines = [f"chi2 {measured.chi2:.1f} of {measured.readings} readings."]
+    if measured.untold:
+        lines.append("It does not tell " + ", ".join(measured.untold) + ".")
     if out is not None:
         lines.append(f"Written: {out}; give it to other commands with --servo {out}.")
     for line in lines:

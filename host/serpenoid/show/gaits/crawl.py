@@ -84,27 +84,27 @@ def crawl(robot: Robot, ground: Ground, gait: Gait) -> Crawl:
     )
 
 
-def write_data(found: Crawl, path: Path) -> None:
+def write_data(cycle: Crawl, path: Path) -> None:
     """Write the frames: where each link is, what the ground does to it, how fast it slips."""
     tables = {
-        "x{}_m": found.centre.real,
-        "y{}_m": found.centre.imag,
-        "theta{}_rad": found.theta_rad,
-        "force_x{}_n": found.force_n.real,
-        "force_y{}_n": found.force_n.imag,
-        "slip{}_m_s": found.slip_m_s,
+        "x{}_m": cycle.centre.real,
+        "y{}_m": cycle.centre.imag,
+        "theta{}_rad": cycle.theta_rad,
+        "force_x{}_n": cycle.force_n.real,
+        "force_y{}_n": cycle.force_n.imag,
+        "slip{}_m_s": cycle.slip_m_s,
     }
-    write_columns(path, {"t_s": found.t_s} | by_link(tables))
+    write_columns(path, {"t_s": cycle.t_s} | by_link(tables))
 
 
-def write_svg(found: Crawl, path: Path) -> None:
+def write_svg(cycle: Crawl, path: Path) -> None:
     """Write the animated SVG, which moves without any script.
 
     A wheel is filled while it sticks, open while it slips sideways.
     """
-    robot, gait, way = found.robot, found.gait, found.centre
-    arm = robot.link_length_m / 2 * np.exp(1j * found.theta_rad)
-    arrow = _ARROW * robot.link_length_m / float(np.abs(found.force_n).max()) * found.force_n
+    robot, gait, way = cycle.robot, cycle.gait, cycle.centre
+    arm = robot.link_length_m / 2 * np.exp(1j * cycle.theta_rad)
+    arrow = _ARROW * robot.link_length_m / float(np.abs(cycle.force_n).max()) * cycle.force_n
     places = np.stack([way - arm, way + arm, way, way + arrow])
     ends, margin = places[:2].real, 1.2 * robot.link_length_m
     left, right = float(ends.min()) - margin, float(ends.max()) + margin
@@ -115,8 +115,8 @@ def write_svg(found: Crawl, path: Path) -> None:
     pace = gait.period_s / seconds
     pace_words = "in real time" if abs(pace - 1) < 0.01 else f"at {pace:.2g} times real speed"
     # marks on the ground, half a link apart or so, which go by
-    count = max(1, round(found.way_m / (0.5 * robot.link_length_m)))
-    apart = found.way_m / count
+    count = max(1, round(cycle.way_m / (0.5 * robot.link_length_m)))
+    apart = cycle.way_m / count
     marks = "".join(
         f'<line class="mark" x1="{x:.1f}" x2="{x:.1f}" y1="{_HIGH - 34}" y2="{_HIGH - 26}"/>'
         for x in ((np.arange(left, right + 2 * apart, apart) - left) * scale).tolist()
@@ -124,8 +124,8 @@ def write_svg(found: Crawl, path: Path) -> None:
     parts = [
         f"{_HEAD}"
         f'<text x="8" y="18" font-size="14">{gait_title(gait)}: '
-        f"{found.way_m / gait.period_s:.3g} m/s</text>\n"
-        f'<text x="8" y="36" fill="{GREY}">{robot_words(robot, found.ground)}</text>\n'
+        f"{cycle.way_m / gait.period_s:.3g} m/s</text>\n"
+        f'<text x="8" y="36" fill="{GREY}">{robot_words(robot, cycle.ground)}</text>\n'
         f'<text x="8" y="{_HIGH - 8}" fill="{GREY}">shaded: head; wheels filled: they stick'
         f" sideways, open: they slip; thin: force of the ground; {pace_words}</text>\n"
         f'<g>{marks}<animateTransform attributeName="transform" type="translate" from="0 0" '
@@ -133,7 +133,7 @@ def write_svg(found: Crawl, path: Path) -> None:
         'repeatCount="indefinite"/></g>\n'
     ]
     for i, (tail, head, start, tip) in enumerate(drawn.transpose(2, 0, 1)):
-        fills = np.where(found.stuck[:, i], "#111111", "#ffffff").tolist()
+        fills = np.where(cycle.stuck[:, i], "#111111", "#ffffff").tolist()
         wheel = {"fill": fills, "cx": _digits(start.real), "cy": _digits(start.imag)}
         kind = "head" if i == robot.links - 1 else "link"
         parts += [

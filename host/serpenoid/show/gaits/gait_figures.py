@@ -142,15 +142,15 @@ def optimum_figure(
     write_columns(path, {"speed_m_s": speed} | optimum)
 
 
-def shape_maps(found: Sweep, at: int, title: str, path: Path) -> None:
+def shape_maps(states: Sweep, at: int, title: str, path: Path) -> None:
     """Draw heat maps of speed and of power per speed over (alpha, beta) at one rate of a sweep."""
     from matplotlib.colors import LogNorm
     from matplotlib.ticker import LogLocator, MaxNLocator
 
-    speed, power = found.speed_m_s[:, :, at], found.power_w[:, :, at]
+    speed, power = states.speed_m_s[:, :, at], states.power_w[:, :, at]
     with np.errstate(divide="ignore", invalid="ignore"):
         cost = np.where(speed > 0.02 * speed.max(), power / speed, np.nan)
-    alpha, beta = np.degrees(found.alpha_rad), np.degrees(found.beta_rad)
+    alpha, beta = np.degrees(states.alpha_rad), np.degrees(states.beta_rad)
     parts = (("speed (m/s)", speed), ("net power over speed (N)", cost))
     least = float(np.nanmin(cost))
     scales = (

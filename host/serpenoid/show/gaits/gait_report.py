@@ -18,21 +18,21 @@ if TYPE_CHECKING:
 _FASTEST_SERVO_RAD_S = 30.0  # no load, the fastest that hobbyists can buy; common ones make 5 to 10
 
 
-def doubts(found: SpeedDoubts) -> None:
+def doubts(doubted: SpeedDoubts) -> None:
     """Print what makes a predicted speed's interval wide."""
     columns = ["uncertain", "by derivatives", "by draws"]
-    table("what that leaves of the predicted speed, 1 sigma", columns, found.rows())
-    console.print(found.in_words())
+    table("what that leaves of the predicted speed, 1 sigma", columns, doubted.rows())
+    console.print(doubted.in_words())
 
 
-def warn(found: LeastPower | RobustGait) -> None:
+def warn(best: LeastPower | RobustGait) -> None:
     """Warn of samples that disagree, and of joints that turn faster than any servo does."""
-    if isinstance(found, RobustGait) and not found.confirmed:
+    if isinstance(best, RobustGait) and not best.confirmed:
         notices.print(
             "serpenoid: warning: the other samples disagree by more than chance; believe the lower "
             "of the two speeds"
         )
-    rate = found.gait.alpha_rad * found.gait.omega_rad_s
+    rate = best.gait.alpha_rad * best.gait.omega_rad_s
     if rate > _FASTEST_SERVO_RAD_S:
         notices.print(
             f"serpenoid: warning: the joints would turn at up to {math.degrees(rate):.3g} deg/s, "
@@ -40,7 +40,7 @@ def warn(found: LeastPower | RobustGait) -> None:
         )
 
 
-def warn_of_cliff(found: Margins, sigmas: dict[str, float] | None = None) -> None:
+def warn_of_cliff(margins: Margins, sigmas: dict[str, float] | None = None) -> None:
     """Warn beside a cliff; sigmas: `Margins.in_sigmas`, with a fit."""
     known = {name: share for name, share in (sigmas or {}).items() if math.isfinite(share)}
     if known:
@@ -48,14 +48,14 @@ def warn_of_cliff(found: Margins, sigmas: dict[str, float] | None = None) -> Non
             f"{name.partition('_')[0]} {share:.2g}" for name, share in known.items()
         )
         console.print(f"margins in standard deviations: {known_in_words}")
-    if found.warning:
-        notices.print(f"serpenoid: warning: {found.warning}")
+    if margins.warning:
+        notices.print(f"serpenoid: warning: {margins.warning}")
 
 
-def front(speeds_m_s: Sequence[float], found: Sequence[LeastPower | RobustGait | None]) -> None:
+def front(speeds_m_s: Sequence[float], optima: Sequence[LeastPower | RobustGait | None]) -> None:
     """Print the least-power or robust gaits of many speeds."""
     cells = []
-    for speed, best in zip(speeds_m_s, found, strict=True):
+    for speed, best in zip(speeds_m_s, optima, strict=True):
         cells.append([f"{speed:.4g}"])
         if best is None:
             cells[-1] += ["out of reach"]

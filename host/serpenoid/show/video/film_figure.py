@@ -92,11 +92,11 @@ def _residuals(ax: Any, film: FilmMeasurement) -> None:
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
 
 
-def show_film(found: FilmMeasurement) -> None:
+def show_film(measured: FilmMeasurement) -> None:
     """Print speed, turn, rate, the joints and the remarks."""
-    run, out = found.run, screen(highlight=False, soft_wrap=True)
+    run, out = measured.run, screen(highlight=False, soft_wrap=True)
     out.print(_summary(run))
-    out.print(table("joints, in degrees", *_cells(found)), soft_wrap=False)
+    out.print(table("joints, in degrees", *_cells(measured)), soft_wrap=False)
     film, camera, least = run.film, run.camera, min(run.tags_seen)
     where_seen = "every frame" if least == 1 else f"{100 * least:.1f} % of the frames or more"
     out.print(
@@ -126,11 +126,11 @@ def _summary(run: FilmedRun) -> str:
     return "\n".join(lines)
 
 
-def _cells(found: FilmMeasurement) -> tuple[list[str], list[list[str]]]:
+def _cells(film: FilmMeasurement) -> tuple[list[str], list[list[str]]]:
     """Return heads and cells of the joints' table, with what was commanded where it is known."""
-    gait, cells = found.gait, []
+    gait, cells = film.gait, []
     commanded = ["gain", "late"] if gait else []
-    for joint in found.run.joints:
+    for joint in film.run.joints:
         row = [
             str(joint.joint),
             _pair(joint.amplitude_rad, joint.amplitude_sigma_rad),

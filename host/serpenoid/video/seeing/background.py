@@ -88,10 +88,10 @@ class Background:
         import cv2
 
         size = (PATCH_PX, PATCH_PX)
-        found, status, _ = cv2.calcOpticalFlowPyrLK(
+        there, status, _ = cv2.calcOpticalFlowPyrLK(
             first, other, points, points.copy(), winSize=size, maxLevel=4
         )
-        return found, status
+        return there, status
 
 
 def _similar(points: Array) -> Array:

@@ -85,15 +85,15 @@ class TagFinder:
             del tags[number]
         return tags
 
-    def _follow(self, found: dict[int, Tag], shape: tuple[int, ...]) -> None:
+    def _follow(self, tags: dict[int, Tag], shape: tuple[int, ...]) -> None:
         """Set the window for the next frame."""
-        if not found:
+        if not tags:
             self.window = None
             return
-        quads = np.array([quad for quad, _ in found.values()])
+        quads = np.array([quad for quad, _ in tags.values()])
         self.side_px = float(np.median(np.linalg.norm(quads[:, 1] - quads[:, 0], axis=1)))
         # Links that were not seen may be on either side: room for all of them.
-        room = self.side_px * (MARGIN_SIDES + 2.5 * (self.links - len(found)))
+        room = self.side_px * (MARGIN_SIDES + 2.5 * (self.links - len(tags)))
         ends = quads.min(axis=(0, 1)) - room, quads.max(axis=(0, 1)) + room + 1
         left, top, right, bottom = np.clip(ends, 0, shape[::-1]).astype(int).ravel().tolist()
         self.window = left, top, right, bottom
