@@ -10,10 +10,10 @@ LONG := $(addprefix tests/,avr docs end_to_end firmware oracle golden studies) \
 	$(addprefix tests/host/simulation/test_,adaptive.py nonsmooth.py play.py positive_work.py \
 	radau.py ratchet.py run_error.py stability.py steady_springs.py truths.py) \
 	$(addprefix tests/host/servos/test_,measured.py folded_film.py) \
-	$(addprefix tests/host/calibration/test_,advice.py balanced_bends.py comparison.py \
-	crawls_fit.py dialogue.py dialogue_fuzz.py filmed_crawls.py floor_fit.py floor_tracks.py \
-	friction.py honest_fit.py page.py prediction.py procedure.py ratchet_fit.py \
-	ratchet_procedure.py rounding.py shared_errors.py short_readings.py speed_doubts.py)
+	$(addprefix tests/host/calibration/test_,balanced_bends.py crawls_fit.py dialogue.py \
+	dialogue_fuzz.py filmed_crawls.py floor_fit.py floor_tracks.py friction.py honest_fit.py page.py \
+	procedure.py ratchet_fit.py ratchet_procedure.py rounding.py shared_errors.py short_readings.py) \
+	$(addprefix tests/host/prediction/test_,advice.py comparison.py prediction.py speed_doubts.py)
 
 # Modules are compiled once, not anew in each of the hundred processes that tests start.
 unexport PYTHONDONTWRITEBYTECODE
@@ -47,7 +47,7 @@ test: $(VENV)/built $(VENV)/dev
 # line says whose it is.
 PART = @.ci/part $@ $(VENV)/bin/python -m pytest
 NUMBERS = $(addprefix tests/host/,model periodic simulation gaits)
-SESSION = tests/host/calibration
+SESSION = $(addprefix tests/host/,calibration prediction)
 HOST = tests/host tests/end_to_end
 GAITS = tests/host/gaits
 ROBOT = tests/host/robot

@@ -15,10 +15,10 @@ import numpy as np
 from scipy.special import ndtri
 from scipy.stats import qmc
 from serpenoid._core import SERVO_FIELDS
-from serpenoid.calibration.prediction import SAMPLES
 from serpenoid.calibration.speeds import AMPLITUDE_SIGMA
 from serpenoid.model.drives import Servo
 from serpenoid.periodic.servo_steady import CANNOT
+from serpenoid.prediction.predict import SAMPLES
 from serpenoid.servos.catalogue import SERVOS
 
 SEED, REFILLS = 2005, 4  # as a fit's sample_whole; batches beside those that fall below 0

@@ -16,12 +16,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from coverage_treadmill import GAIT, INCLINE_STEP_DEG, WHOLE_2005, shown_in_steps
 from serpenoid import BadInput, Session, advise, fit_friction
-from serpenoid.calibration.advising.next_reading import NextReading
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.calibration.taking.simulated import SimulatedPerson
 from serpenoid.calibration.taking.steps import Step
 from serpenoid.calibration.taking.treadmill import record_step, take_all
 from serpenoid.periodic.servo_steady import band as speed_band
+from serpenoid.prediction.next_reading import NextReading
 from simulated_sessions import MemoryRecord, drawn_truth
 from speed_table import SpeedTable
 from study import all_cores

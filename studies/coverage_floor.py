@@ -19,7 +19,6 @@ from serpenoid import FrictionFit, Gait, SerpenoidError, ServoKind, fit_friction
 from serpenoid.calibration.friction_result import NAMES
 from serpenoid.calibration.kinds.instruments import FloorTools
 from serpenoid.calibration.session import Setup
-from serpenoid.calibration.speed_samples import likeliest_speed, sample_speeds
 from serpenoid.calibration.speeds import AMPLITUDE_SIGMA, scaled, speed
 from serpenoid.calibration.taking.new_session import CRAWL_RUNS, CRAWLS, PUSHES, default_setup
 from serpenoid.calibration.taking.simulated import SimulatedPerson
@@ -28,6 +27,7 @@ from serpenoid.calibration.taking.world import drawn_floor
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.recording import Camera
 from serpenoid.periodic.servo_steady import band
+from serpenoid.prediction.speed_samples import likeliest_speed, sample_speeds
 from simulated_sessions import MemoryRecord
 from speed_table import SpeedTable
 from study import Study

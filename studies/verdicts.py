@@ -23,15 +23,15 @@ from numpy.typing import NDArray
 from serpenoid import Gait, Robot, Servo, fit_friction, servo
 from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.friction_result import ground_of, whole_ground
-from serpenoid.calibration.speed_samples import sample_speeds
 from serpenoid.calibration.speeds import AMPLITUDE_SIGMA, scaled, speed
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.calibration.taking.simulated import SimulatedPerson
 from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.calibration.taking.world import RUN_M, RUN_S
-from serpenoid.calibration.verdict import Judge
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
+from serpenoid.prediction.speed_samples import sample_speeds
+from serpenoid.prediction.verdict import Judge
 from simulated_sessions import MemoryRecord, drawn_truth
 from study import Study
 

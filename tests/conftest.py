@@ -45,7 +45,7 @@ def pytest_configure() -> None:
 @pytest.fixture
 def short_curve(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let `compare` draw its curve of speeds through two points; 49 take seconds."""
-    monkeypatch.setattr("serpenoid.calibration.comparison._CURVE_POINTS", 2)
+    monkeypatch.setattr("serpenoid.prediction.comparison._CURVE_POINTS", 2)
 
 
 def judged(report: Report) -> Report:

@@ -24,6 +24,7 @@ ROOMS = [
     "robot",
     "lab",
     "calibration",
+    "prediction",
     "video",
     "show",
     "bench",

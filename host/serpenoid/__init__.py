@@ -7,9 +7,6 @@ if TYPE_CHECKING:
     from typing import Any
 
     __version__: str
-    from .calibration.advice import advise
-    from .calibration.advising.next_reading import Advice
-    from .calibration.comparison import Comparison, compare
     from .calibration.fit_file import load_fit, save_fit
     from .calibration.friction_fit import fit_friction
     from .calibration.friction_result import FrictionFit
@@ -34,6 +31,9 @@ if TYPE_CHECKING:
     from .periodic.steady_gait import steady_gait
     from .periodic.study import Study, load_study, sweep_study
     from .periodic.sweep import Sweep, sweep
+    from .prediction.advice import advise
+    from .prediction.comparison import Comparison, compare
+    from .prediction.next_reading import Advice
     from .servos.catalogue import servo
     from .servos.servo_file import load_servo, save_servo
     from .simulation.run import Run
@@ -45,9 +45,9 @@ if TYPE_CHECKING:
 # Where the rest is, imported at first use: the command line answers --help without NumPy.
 _HOMES = {
     "model.errors": ("BadInput", "Diverged", "NotConverged", "SerpenoidError", "StepTooLarge"),
-    "calibration.advice": ("advise",),
-    "calibration.advising.next_reading": ("Advice",),
-    "calibration.comparison": ("Comparison", "compare"),
+    "prediction.advice": ("advise",),
+    "prediction.next_reading": ("Advice",),
+    "prediction.comparison": ("Comparison", "compare"),
     "calibration.fit_file": ("load_fit", "save_fit"),
     "calibration.friction_fit": ("fit_friction",),
     "calibration.friction_result": ("FrictionFit",),

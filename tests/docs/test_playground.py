@@ -21,7 +21,7 @@ import pytest
 import serpenoid as sn
 from command_line import answer
 from robots import BINGHAM, OF_2005, gait_in_deg
-from serpenoid.calibration.speed_samples import speed_band
+from serpenoid.prediction.speed_samples import speed_band
 from webdriver import Browser
 
 pytestmark = pytest.mark.slow  # emscripten compiles the core in minutes

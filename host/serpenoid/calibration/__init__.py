@@ -1,1 +1,1 @@
-"""From the treadmill to friction, and from friction to a speed that can be compared."""
+"""From readings on a treadmill or a floor to friction, with honest intervals."""

@@ -10,7 +10,7 @@ from pathlib import Path
 import serpenoid as sn
 
 from .. import _core
-from ..calibration.prediction import as_json, one_cycle, predict_all
+from ..prediction.predict import as_json, one_cycle, predict_all
 from ..show import plot
 from ..show.screen import progress
 from .demo_loop import measure_demo_film, push_along_floor, run_loop, say, step

@@ -17,11 +17,8 @@ import numpy as np
 import serpenoid as sn
 
 from .. import _core
-from ..calibration.advising.two_fits import two_fits
-from ..calibration.comparison import gait_count
 from ..calibration.friction_result import DOUBTFUL, whole_ground
 from ..calibration.kinds.instruments import FloorTools
-from ..calibration.speed_samples import speed_band
 from ..calibration.taking.board_run import board_gait
 from ..calibration.taking.journal import Journal
 from ..calibration.taking.new_session import create_session, default_setup, on_place
@@ -30,6 +27,9 @@ from ..calibration.taking.treadmill import take_all
 from ..calibration.taking.world import Truth, drawn_floor
 from ..lab.crawl import crawl_speed
 from ..model.files import read_json, write_text
+from ..prediction.comparison import gait_count
+from ..prediction.speed_samples import speed_band
+from ..prediction.two_fits import two_fits
 from ..robot.robot import RobotBoard
 from ..show.comparison_figure import comparison_figure
 from ..show.report import console

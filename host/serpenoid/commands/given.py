@@ -15,7 +15,7 @@ from .declare import FOLDER, Given, option
 
 if TYPE_CHECKING:
     from ..calibration.kinds.video import FilmReading
-    from ..calibration.speed_samples import SpeedBand
+    from ..prediction.speed_samples import SpeedBand
 
 ALARMS = "serpenoid.alarms"  # of click's context: keys that show_json puts into every answer
 
@@ -68,8 +68,8 @@ def servo_as_filmed(kind: sn.ServoKind | None, fit: sn.FrictionFit | None) -> sn
 
     At the session's voltage, with the frames of its board.
     """
-    from ..calibration.filmed_joints import servo_seen
     from ..calibration.session_file import read_session
+    from ..prediction.filmed_joints import servo_seen
 
     if kind is None or fit is None:
         return kind
@@ -102,7 +102,7 @@ def predicted_band(
     """
     if fit is None or (robot, ground) != (fit.robot, fit.ground):
         return None
-    from ..calibration.speed_samples import speed_band
+    from ..prediction.speed_samples import speed_band
 
     return speed_band(fit, gait, servo=servo, commanded=commanded)
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..calibration.comparison import ComparedGait, Comparison
+from ..prediction.comparison import ComparedGait, Comparison
 from .figure_data import write_comparison
 from .plot import BLUE, GREY, HUGS, ORANGE, RED, columns, figure, hatch_beyond
 

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from ..calibration.comparison import Comparison
 from ..calibration.friction_fit import friction_points, point_errors, voided_points
 from ..calibration.friction_result import FrictionFit
 from ..calibration.session import Session
 from ..model.files import write_csv
+from ..prediction.comparison import Comparison
 
 # Of each part of the readings, the parameters of its line.
 LINES = {"straight": ("ct", "ft0"), "back": ("ct_back", "ft0_back"), "bent": ("cn", "fn0")}

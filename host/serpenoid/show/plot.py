@@ -13,12 +13,12 @@ import numpy as np
 
 from ..calibration.friction_fit import friction_points, point_errors, voided_points
 from ..calibration.friction_result import FrictionFit
-from ..calibration.prediction import SpeedPoint
 from ..calibration.session import Session
 from ..model.files import whole_file
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..prediction.predict import SpeedPoint
 from ..simulation.run import Run
 from .figure_data import LINES, line, write_friction
 

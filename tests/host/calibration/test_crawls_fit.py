@@ -11,14 +11,14 @@ from calibration.floor_sessions import MASS, TRUTH, floor_setup, short_session
 from refusals import refused
 from robots import gait_in_deg
 from serpenoid import fit_friction
-from serpenoid.calibration import speed_samples
 from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.crawls.posterior import Beforehand, CrawlPosterior
 from serpenoid.calibration.fitting.posterior import Posterior
 from serpenoid.calibration.friction_result import NAMES, ground_of
 from serpenoid.calibration.kinds.gait import GaitRun
-from serpenoid.calibration.speed_samples import sample_speeds
 from serpenoid.calibration.speeds import ServoEffects, SpeedModel, SpeedTable
+from serpenoid.prediction import speed_samples
+from serpenoid.prediction.speed_samples import sample_speeds
 from simulated_sessions import MemoryRecord
 
 GAITS = tuple(gait_in_deg(70, 60, math.pi * k) for k in (1, 2, 3, 4, 5, 6))

@@ -26,12 +26,12 @@ from serpenoid.calibration.crawls.filmed import crawl_cells
 from serpenoid.calibration.crawls.level import on_level
 from serpenoid.calibration.friction_result import Estimate
 from serpenoid.calibration.kinds.gait import GaitRun
-from serpenoid.calibration.speed_samples import likeliest_speed, sample_speeds
 from serpenoid.calibration.speeds import ServoEffects, SpeedModel, speed
 from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
 from serpenoid.calibration.taking.procedure import next_step, progress
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
+from serpenoid.prediction.speed_samples import likeliest_speed, sample_speeds
 from simulated_sessions import MemoryRecord
 
 pytestmark = pytest.mark.usefixtures("short_curve")

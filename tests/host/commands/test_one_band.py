@@ -10,8 +10,8 @@ import pytest
 from command_line import serpenoid
 from robots import NIRAKH_2005
 from serpenoid import load_session
-from serpenoid.calibration.servos import from_runs
 from serpenoid.calibration.taking.journal import Journal
+from serpenoid.prediction import session_servo
 
 pytestmark = pytest.mark.usefixtures("short_curve")
 GAIT = "--alpha-deg 70 --beta-deg 75 --frequency-hz 0.5"
@@ -99,7 +99,7 @@ def test_a_fit_that_nobody_may_trust_is_told_by_all(contradictory, tmp_path, mon
     folder, number = contradictory
     taken = []
     monkeypatch.setattr(
-        from_runs, "servo_of_session", lambda *args, **more: taken.append(args[2]) or Measured()
+        session_servo, "servo_of_session", lambda *args, **more: taken.append(args[2]) or Measured()
     )
     of = f"--session {folder}"
     lines = (

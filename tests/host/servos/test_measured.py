@@ -15,11 +15,11 @@ from refusals import refused
 from robots import BINGHAM, gait_in_deg
 from serpenoid import ServoSteady, load_session
 from serpenoid.calibration.kinds.gait import GaitRun
-from serpenoid.calibration.servos.from_runs import servo_of_session
 from serpenoid.commands.demo import session_folder
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
 from serpenoid.periodic.servo_steady import with_servo
+from serpenoid.prediction.session_servo import servo_of_session
 from serpenoid.servos import bench_test
 from serpenoid.servos.bench_test import moved, servo_of_test, shown
 

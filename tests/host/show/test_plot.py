@@ -8,7 +8,7 @@ import pytest
 import serpenoid as sn
 from matplotlib.figure import Figure
 from robots import NIRAKH_2005, PAPER, VISCOUS, gait_in_deg
-from serpenoid.calibration.prediction import SpeedPoint, one_cycle
+from serpenoid.prediction.predict import SpeedPoint, one_cycle
 from serpenoid.show import plot
 
 

@@ -10,11 +10,11 @@ import pytest
 import serpenoid as sn
 from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup
 from serpenoid import Comparison
-from serpenoid.calibration.comparison import ComparedGait
 from serpenoid.calibration.kinds.checks import BendCheck, ZeroReading
 from serpenoid.calibration.kinds.coast import Coast
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.session import Event
+from serpenoid.prediction.comparison import ComparedGait
 from serpenoid.show.session.report_page import session_page
 from webdriver import Browser
 

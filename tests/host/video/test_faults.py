@@ -17,8 +17,8 @@ from command_line import serpenoid
 from refusals import refused
 from robots import NIRAKH_2005, gait_in_deg
 from serpenoid import BadInput
-from serpenoid.calibration.filmed_joints import swapped_plugs
 from serpenoid.calibration.kinds.video import FilmReading
+from serpenoid.prediction.filmed_joints import swapped_plugs
 from serpenoid.robot import Robot
 from serpenoid.robot.recording.run_gait import recorded_gait
 from serpenoid.video.annotate import annotate_film

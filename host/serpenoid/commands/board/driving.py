@@ -15,7 +15,7 @@ from ...show.screen import say
 from ..options import describe, interruptible, preset_robot, show_json, warn_of_another_motion
 
 if TYPE_CHECKING:
-    from ...calibration.speed_samples import SpeedBand
+    from ...prediction.speed_samples import SpeedBand
 
 
 def drive_gait(
@@ -77,7 +77,7 @@ def _predicted(
     fit: sn.FrictionFit, gait: sn.Gait, quiet: bool, servo: sn.ServoKind | None
 ) -> SpeedBand:
     """Return the speed to expect, told before anything moves."""
-    from ...calibration.speed_samples import speed_band
+    from ...prediction.speed_samples import speed_band
 
     band = interruptible(lambda: speed_band(fit, gait, servo=servo))
     with suppress(sn.NotConverged):

@@ -52,7 +52,7 @@ def fit(
 
     Prints the whole snake's friction and each link's; --session DIR gives it to any other command.
     """
-    from ...calibration.advising.break_away import break_away_notes
+    from ...prediction.break_away import break_away_notes
     from ...show import report
 
     loaded = sn.load_session(session)
@@ -151,8 +151,8 @@ def compare(
     With --beside the frictions of two sessions are compared instead, such as of treadmill and
     floor: they agree within their intervals, or which differs.
     """
-    from ...calibration import comparison
-    from ...calibration.advising.two_fits import two_sessions
+    from ...prediction import comparison
+    from ...prediction.two_fits import two_sessions
     from ...show import report
 
     loaded = sn.load_session(session)
@@ -201,9 +201,9 @@ def report(
     Its speeds are those of `compare` and `advise`: any hobby servo unless --servo says which. Where
     only crawls tell the friction, nothing is left to test it by.
     """
-    from ...calibration import advice, comparison
     from ...calibration.session_file import load_session
     from ...model.files import write_text
+    from ...prediction import advice, comparison
     from ...show.session.report_page import session_page
 
     out = out or session / "report.html"
@@ -224,7 +224,7 @@ def report(
         advised = advice.advise(loaded, servo=servo)
     other = None
     if beside is not None:
-        from ...calibration.advising.two_fits import two_sessions
+        from ...prediction.two_fits import two_sessions
 
         other = two_sessions(loaded, load_session(beside))
     page = session_page(loaded, fit, compared, advised, other)

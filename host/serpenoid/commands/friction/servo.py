@@ -75,7 +75,7 @@ def servo(
     else:
         assert session is not None
         refuse_typed("{} is for --test; leave it out", "sigma_deg", "inertia_kg_m2")
-        from ...calibration.servos.from_runs import servo_of_session
+        from ...prediction.session_servo import servo_of_session
 
         fit = session_fit(session, with_crawls=False)  # tells its alarms
         measured = servo_of_session(sn.load_session(session), kind, fit, name=name)

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import serpenoid as sn
 
-from ...calibration.prediction import SpeedPoint, predict_all
 from ...paper import study
 from ...paper.claims import Claim, claims
+from ...prediction.predict import SpeedPoint, predict_all
 from ...show import plot
 from ...show.gaits import crawl, gait_figures
 from ..demo import ALPHA_DEG, BETA_DEG, session_folder

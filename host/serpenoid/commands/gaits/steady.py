@@ -38,7 +38,7 @@ from ..options import (
 )
 
 if TYPE_CHECKING:
-    from ...calibration.speed_samples import SpeedBand
+    from ...prediction.speed_samples import SpeedBand
 
 
 _FEW_LINKS = 20
@@ -103,7 +103,7 @@ def steady(
         band = interruptible(lambda: predicted_band(fit, robot, ground, gait, servo, commanded))
         doubts, sigmas = None, {}
         if fit and band:
-            from ...calibration.advising.speed_doubts import margin_sigmas, speed_doubts
+            from ...prediction.speed_doubts import margin_sigmas, speed_doubts
 
             sigmas = margins.in_sigmas(*margin_sigmas(fit, band.filmed))
             if state.sensitivities is not None and state.sensitivities.at[0] > 0:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...calibration.prediction import SpeedPoint
 from ...gaits.finder import LeastPower
 from ...gaits.margins import Cliff, cliff_around
 from ...gaits.robust import RobustGait
@@ -19,6 +18,7 @@ from ...model.ground import Ground
 from ...model.robot import Robot
 from ...paper.study import Comparison
 from ...periodic.sweep import Sweep
+from ...prediction.predict import SpeedPoint
 from ...simulation.run import Run
 from ..figure_data import beside, by_link, write_columns, write_parts
 from ..plot import (

@@ -10,9 +10,9 @@ from ...gaits.robust import RobustGait
 from ..report import console, notices, table
 
 if TYPE_CHECKING:
-    from ...calibration.advising.speed_doubts import SpeedDoubts
     from ...gaits.finder import LeastPower
     from ...gaits.margins import Margins
+    from ...prediction.speed_doubts import SpeedDoubts
 
 
 _FASTEST_SERVO_RAD_S = 30.0  # no load, the fastest that hobbyists can buy; common ones make 5 to 10

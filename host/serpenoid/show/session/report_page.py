@@ -9,13 +9,13 @@ from collections.abc import Callable, Sequence
 from html import escape
 from typing import Any
 
-from ...calibration.advising.break_away import break_away_notes
-from ...calibration.advising.next_reading import Advice
-from ...calibration.advising.two_fits import TwoFits
-from ...calibration.comparison import Comparison
 from ...calibration.friction_result import FrictionFit
 from ...calibration.session import Event, Session
 from ...calibration.taking.procedure import step_in_words
+from ...prediction.break_away import break_away_notes
+from ...prediction.comparison import Comparison
+from ...prediction.next_reading import Advice
+from ...prediction.two_fits import TwoFits
 from ..comparison_figure import PANELS, SIZE, draw_comparison
 from ..plot import draw_friction, figure
 from .floor_figure import draw_pushes

@@ -7,19 +7,19 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ...model.drives import Servo, ServoKind
-from ...model.errors import BadInput
-from ...model.long_calls import in_threads
-from ...periodic.servo_steady import servo_state
-from ...periodic.steady import steady_gait
-from ...servos.bench_test import KEPT, MeasuredServo, measured_servo
-from ...servos.folded_film import film_ripples
-from ..crawls.data import CrawlData
-from ..crawls.fit import with_crawls
-from ..friction_fit import fit_friction
-from ..friction_result import DOUBTFUL, FrictionFit
-from ..kinds.video import FilmReading
-from ..session import Session
+from ..calibration.crawls.data import CrawlData
+from ..calibration.crawls.fit import with_crawls
+from ..calibration.friction_fit import fit_friction
+from ..calibration.friction_result import DOUBTFUL, FrictionFit
+from ..calibration.kinds.video import FilmReading
+from ..calibration.session import Session
+from ..model.drives import Servo, ServoKind
+from ..model.errors import BadInput
+from ..model.long_calls import in_threads
+from ..periodic.servo_steady import servo_state
+from ..periodic.steady import steady_gait
+from ..servos.bench_test import KEPT, MeasuredServo, measured_servo
+from ..servos.folded_film import film_ripples
 
 Array = NDArray[np.float64]
 LEAST_SERVOS = 3.0  # alike in weight, that are left of the pool

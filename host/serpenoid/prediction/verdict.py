@@ -14,14 +14,14 @@ from functools import cached_property, partial
 
 import numpy as np
 
+from ..calibration.crawls.data import CrawlData, servos_of
+from ..calibration.crawls.posterior import Beforehand, CrawlPosterior
+from ..calibration.fitting.posterior import Posterior
+from ..calibration.friction_result import FrictionFit
+from ..calibration.speeds import MODEL_SIGMA, Array, ServoEffects, SpeedModel, SpeedTable
 from ..model.drives import ServoKind
 from ..servos.catalogue import servo
-from .crawls.data import CrawlData, servos_of
-from .crawls.posterior import Beforehand, CrawlPosterior
-from .fitting.posterior import Posterior
-from .friction_result import FrictionFit
 from .speed_samples import SpeedSamples
-from .speeds import MODEL_SIGMA, Array, ServoEffects, SpeedModel, SpeedTable
 
 DOUBTFUL = 0.05  # a verdict's p-value
 _LEAST_SIGMAS = 0.3  # a friction is as if it were so many standard deviations at least

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from ..fitting.posterior import Mode
-from ..fitting.rolling_law import rest, slide_s, way_m
-from ..kinds.coast import WAYS, Coast
-from ..kinds.slide import Slide
-from ..kinds.tracks import Track
-from ..session import Session
-from ..taking.expected import pull_of
+from ..calibration.fitting.posterior import Mode
+from ..calibration.fitting.rolling_law import rest, slide_s, way_m
+from ..calibration.kinds.coast import WAYS, Coast
+from ..calibration.kinds.slide import Slide
+from ..calibration.kinds.tracks import Track
+from ..calibration.session import Session
+from ..calibration.taking.expected import pull_of
 from .next_reading import NextReading, Option, next_number
 
 SPEED_M_S, RATE_HZ, RESTED_S = 0.9, 30.0, 0.4

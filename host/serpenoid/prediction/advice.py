@@ -12,13 +12,22 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
+from ..calibration.crawls.data import same_command
+from ..calibration.fitting.posterior import Mode
+from ..calibration.friction_fit import fit_friction
+from ..calibration.friction_result import FrictionFit
+from ..calibration.kinds.gait import GaitRun
+from ..calibration.session import Session
+from ..calibration.session_posterior import covariance_after, mode_of
+from ..calibration.speeds import Progress
 from ..model.checks import check_kind
 from ..model.drives import ServoKind
 from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..servos.catalogue import HOBBY
-from .advising.floor_readings import floor_options
-from .advising.next_reading import (
+from .filmed_joints import servo_seen
+from .floor_readings import floor_options
+from .next_reading import (
     Advice,
     NextReading,
     Option,
@@ -26,17 +35,8 @@ from .advising.next_reading import (
     next_number,
     repeated,
 )
-from .advising.speed_bands import SpeedBands, speed_bands
-from .advising.stations import station_options
-from .crawls.data import same_command
-from .filmed_joints import servo_seen
-from .fitting.posterior import Mode
-from .friction_fit import fit_friction
-from .friction_result import FrictionFit
-from .kinds.gait import GaitRun
-from .session import Session
-from .session_posterior import covariance_after, mode_of
-from .speeds import Progress
+from .speed_bands import SpeedBands, speed_bands
+from .stations import station_options
 
 LAMBDAS_DEG = (0.0, 7.5, 15.0, 20.0, 30.0)  # further, the end joints stand beyond 60 degrees
 _WORTH_ANOTHER = 0.1

@@ -10,8 +10,8 @@ from calibration.floor_sessions import short_session
 from calibration.test_ratchet_pushes import with_backward
 from refusals import refused
 from serpenoid import fit_friction
-from serpenoid.calibration.advising.two_fits import two_fits, two_sessions
 from serpenoid.calibration.friction_result import Estimate, WholeSnake
+from serpenoid.prediction.two_fits import two_fits, two_sessions
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from robots import gait_in_deg
 from serpenoid import advise
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.station import Reading
-from serpenoid.calibration.speed_samples import speed_band
+from serpenoid.prediction.speed_samples import speed_band
 
 pytestmark = pytest.mark.usefixtures("short_curve")
 GAIT = gait_in_deg(70, 75, 2 * math.pi * 0.25)

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
+from ..calibration.crawls.data import CrawlData
+from ..calibration.friction_result import FrictionFit
+from ..calibration.speeds import MODEL_SIGMA, Array, speed
 from ..model.drives import ServoKind
-from .crawls.data import CrawlData
-from .friction_result import FrictionFit
-from .speeds import MODEL_SIGMA, Array, speed
 from .verdict import Cause, Verdict
 
 _LEAST_PULL = 2e-3  # of the weight: a tenth of a degree

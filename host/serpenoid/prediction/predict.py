@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..calibration.friction_result import FrictionFit
+from ..calibration.speeds import AMPLITUDE_SIGMA, Progress
 from ..model.drives import ServoKind
 from ..model.gait import Gait
 from ..model.ground import Ground
@@ -22,9 +24,7 @@ from ..simulation.run import Run
 from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
 from ..simulation.steady_springs import steady_springs
-from .friction_result import FrictionFit
 from .speed_samples import likeliest_speed, sample_speeds
-from .speeds import AMPLITUDE_SIGMA, Progress
 
 STIFFNESS_N_M, DAMPING_N_S_M = 1000.0, 1.0  # the paper's
 SPRINGS_RTOL = 1e-3

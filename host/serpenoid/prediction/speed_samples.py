@@ -9,12 +9,20 @@ from typing import Any
 
 import numpy as np
 
+from ..calibration.friction_result import FrictionFit
+from ..calibration.speeds import (
+    AMPLITUDE_SIGMA,
+    MODEL_SIGMA,
+    Array,
+    Progress,
+    SpeedModel,
+    scaled,
+    speed,
+)
 from ..model.drives import ServoKind
 from ..model.gait import Gait
 from ..periodic.servo_steady import band, cannot_run
 from ..servos.catalogue import HOBBY
-from .friction_result import FrictionFit
-from .speeds import AMPLITUDE_SIGMA, MODEL_SIGMA, Array, Progress, SpeedModel, scaled, speed
 
 
 @dataclass(frozen=True)

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from ...model.gait import Gait
-from ...periodic.sensitivities import Sensitivities
-from ...periodic.servo_steady import band as speed_interval
-from ..fitting.unknowns import Floats
-from ..friction_result import AMPLITUDE, FrictionFit
-from ..speed_samples import SpeedBand, drawn_amplitudes
-from ..speeds import AMPLITUDE_SIGMA, MODEL_SIGMA, SpeedModel
+from ..calibration.fitting.unknowns import Floats
+from ..calibration.friction_result import AMPLITUDE, FrictionFit
+from ..calibration.speeds import AMPLITUDE_SIGMA, MODEL_SIGMA, SpeedModel
+from ..model.gait import Gait
+from ..periodic.sensitivities import Sensitivities
+from ..periodic.servo_steady import band as speed_interval
+from .speed_samples import SpeedBand, drawn_amplitudes
 
 _Z95 = 1.959964
 _DRAWS = 64

@@ -9,6 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from ..calibration.crawls.data import CrawlData, crawls_by_command, mean_speed, same_command
+from ..calibration.crawls.level import floor_slope, is_sloped, on_level
+from ..calibration.friction_fit import fit_friction
+from ..calibration.friction_result import FrictionFit
+from ..calibration.kinds.gait import GaitRun
+from ..calibration.session import Session
+from ..calibration.speeds import AMPLITUDE_SIGMA, Progress, speed
 from ..model.checks import check_kind, check_number
 from ..model.drives import ServoKind
 from ..model.errors import BadInput, NotConverged
@@ -17,15 +24,8 @@ from ..model.rows import Result
 from ..periodic.servo_steady import cannot_run, free_rad_s, managed_hz
 from ..servos.catalogue import HOBBY
 from ..simulation.steady_springs import steady_springs
-from .crawls.data import CrawlData, crawls_by_command, mean_speed, same_command
-from .crawls.level import floor_slope, is_sloped, on_level
 from .filmed_joints import seen_on_film, servo_seen, swapped_plugs
-from .friction_fit import fit_friction
-from .friction_result import FrictionFit
-from .kinds.gait import GaitRun
-from .session import Session
 from .speed_samples import SpeedSamples, sample_speeds
-from .speeds import AMPLITUDE_SIGMA, Progress, speed
 from .verdict import Judge
 from .verdict_words import in_words
 

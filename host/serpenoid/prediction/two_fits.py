@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from ...model.errors import BadInput
-from ..fitting.shared import FRICTIONS
-from ..friction_fit import fit_friction
-from ..friction_result import UNITS, Floats, FrictionFit
-from ..session import Session
+from ..calibration.fitting.shared import FRICTIONS
+from ..calibration.friction_fit import fit_friction
+from ..calibration.friction_result import UNITS, Floats, FrictionFit
+from ..calibration.session import Session
+from ..model.errors import BadInput
 
 DOUBTFUL = 0.05
 _AS_GOOD = 4.0  # of chi2: no worse than the best cause

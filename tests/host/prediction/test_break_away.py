@@ -7,8 +7,8 @@ import math
 import pytest
 from calibration.floor_sessions import FN0, FT0, MASS, G, short_session
 from serpenoid import fit_friction
-from serpenoid.calibration.advising.break_away import break_away_notes, ratio
 from serpenoid.calibration.kinds.slide import BreakAway
+from serpenoid.prediction.break_away import break_away_notes, ratio
 
 
 @pytest.fixture(scope="module")

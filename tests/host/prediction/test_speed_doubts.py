@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from robots import gait_in_deg
-from serpenoid.calibration.advising import speed_doubts as room
-from serpenoid.calibration.advising.speed_doubts import speed_doubts
 from serpenoid.calibration.friction_result import FitDraws
-from serpenoid.calibration.speed_samples import SpeedBand, speed_band
 from serpenoid.calibration.speeds import MODEL_SIGMA
 from serpenoid.commands.demo import session_folder
+from serpenoid.prediction import speed_doubts as room
+from serpenoid.prediction.speed_doubts import speed_doubts
+from serpenoid.prediction.speed_samples import SpeedBand, speed_band
 
 
 @pytest.fixture(scope="module")

@@ -7,13 +7,13 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ..fitting.identifiability import SAFE_BEND
-from ..fitting.posterior import Mode
-from ..fitting.rounding import nearest_shown
-from ..fitting.unknowns import Floats
-from ..kinds.station import LEAST_SLIP_M_S, Reading
-from ..session import Session
-from ..taking.expected import Series, pull_of
+from ..calibration.fitting.identifiability import SAFE_BEND
+from ..calibration.fitting.posterior import Mode
+from ..calibration.fitting.rounding import nearest_shown
+from ..calibration.fitting.unknowns import Floats
+from ..calibration.kinds.station import LEAST_SLIP_M_S, Reading
+from ..calibration.session import Session
+from ..calibration.taking.expected import Series, pull_of
 from .next_reading import NextReading, Option, next_number, repeated
 
 MOST_INCLINE_RAD = math.atan(0.15)  # of home treadmills, unless this one stood steeper already

@@ -12,14 +12,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...model.drives import ServoKind
-from ...model.errors import BadInput
-from ...model.gait import Gait
-from ...model.rows import two_digits
-from ..fitting.unknowns import Floats
-from ..friction_result import FrictionFit
-from ..speed_samples import sample_speeds
-from ..speeds import AMPLITUDE_SIGMA, Progress, speed
+from ..calibration.fitting.unknowns import Floats
+from ..calibration.friction_result import FrictionFit
+from ..calibration.speeds import AMPLITUDE_SIGMA, Progress, speed
+from ..model.drives import ServoKind
+from ..model.errors import BadInput
+from ..model.gait import Gait
+from ..model.rows import two_digits
+from .speed_samples import sample_speeds
 
 _Z95 = 1.959964
 SERVO_LEFT = 0.5  # of the servos' doubt, after a bench test of one joint

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from robots import NIRAKH_2005, PAPER, VISCOUS, gait_in_deg
-from serpenoid.calibration.prediction import one_cycle, predict
+from serpenoid.prediction.predict import one_cycle, predict
 
 
 @pytest.fixture(scope="module")

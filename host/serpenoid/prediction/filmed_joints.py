@@ -7,18 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..calibration.crawls.data import CrawlData, Crawls
+from ..calibration.friction_result import FrictionFit
+from ..calibration.kinds.video import FilmReading
+from ..calibration.session import Session
+from ..calibration.speeds import AMPLITUDE_SIGMA, speed
 from ..model.drives import Servo, ServoKind
 from ..model.long_calls import in_threads
 from ..model.particles import alike
 from ..model.plugs import plugs
 from ..periodic.servo_steady import servo_state
 from ..periodic.steady import steady_gait
-from .crawls.data import CrawlData, Crawls
-from .friction_result import FrictionFit
-from .kinds.video import FilmReading
-from .session import Session
 from .speed_samples import SpeedSamples
-from .speeds import AMPLITUDE_SIGMA, speed
 
 AGREES = 2.0  # standard deviations
 DRAWS, LEAST_DRAWS = 128, 3.0

@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
-from ..fitting.bends import projections
-from ..friction_result import FrictionFit
-from ..kinds.slide import BreakAway
-from ..kinds.station import bent_share
-from ..session import Session
+from ..calibration.fitting.bends import projections
+from ..calibration.friction_result import FrictionFit
+from ..calibration.kinds.slide import BreakAway
+from ..calibration.kinds.station import bent_share
+from ..calibration.session import Session
 
 SURELY = 2.0  # standard deviations
 TILT_RAD = math.radians(0.3)  # of a board tilted by hand, when the robot lets go

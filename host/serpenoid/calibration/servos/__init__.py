@@ -1,1 +1,0 @@
-"""What gait runs and films of a session say about the servos."""
