@@ -15,6 +15,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "studies"))
 import film_pictures
 import serpenoid as sn
 import servo_picture
+import wiring_diagram
 from calibration_figures import advised_figure, coverage_figure, verdict_figure
 from serpenoid.bench.accuracy.figure import accuracy_figure
 from serpenoid.bench.accuracy.measure import Row
@@ -74,6 +75,8 @@ FIGURES: dict[str, Callable[[Path], None]] = {
     "accuracy.png": accuracy,
     "stability.png": stability,
     **{f"{name}.png": study for name in STUDIES},
+    "wiring.svg": wiring_diagram.draw_file,
+    "wiring_pca9685.svg": wiring_diagram.draw_file,
     **{
         f"film-{part}.png": film_pictures.draw
         for part in ("tags", "robot", "tripod", "frame", "light")
