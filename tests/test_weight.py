@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[1]
 # moves into strings, data, generated files, docs or another suffix counts where it goes.
 MOST_TOKENS = {
     "calibration_data": 344,
-    "docs": 28185,
+    "docs": 24937,
     "firmware": 24684,
     "host": 1109,
     "host/core/board": 1109,
@@ -52,7 +52,7 @@ MOST_TOKENS = {
     "tests": 3656,
     "tests/arm": 1428,
     "tests/avr": 18761,
-    "tests/docs": 7389,
+    "tests/docs": 7422,
     "tests/end_to_end": 1081,
     "tests/firmware": 11826,
     "tests/golden": 3200,
