@@ -35,7 +35,7 @@ MOST_TOKENS = {
     "host/serpenoid/_core": 2784,
     "host/serpenoid/bench": 13170,
     "host/serpenoid/calibration": 77600,
-    "host/serpenoid/commands": 26747,
+    "host/serpenoid/commands": 26758,
     "host/serpenoid/exchange": 2225,
     "host/serpenoid/gaits": 12037,
     "host/serpenoid/lab": 7772,

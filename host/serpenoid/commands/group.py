@@ -54,7 +54,7 @@ class Commands(click.Group):
         """
         if self.usual and args and args[0] not in (*self.commands, "-h", "--help"):
             meant = difflib.get_close_matches(args[0], self.commands, n=1)
-            if meant and not Path(args[0]).exists():
+            if meant and not Path(args[0]).suffix and not Path(args[0]).exists():
                 raise click.UsageError(f"nothing is called {args[0]!r}; {meant[0]!r}?", ctx)
             args = [self.usual, *args]
         return super().parse_args(ctx, args or ["--help"])
