@@ -10,7 +10,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from ..model.checks import check_choice, check_number
+from ..model.checks import check_choice, check_number, check_smoothing
 from ..model.core_model import check_parts
 from ..model.gait import Gait
 from ..model.ground import Ground
@@ -84,7 +84,7 @@ class SnakeEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         self.control_s = check_number("control_s", control_s, 0.0, open_low=True)
         self.episode_s = check_number("episode_s", episode_s, 0.0, open_low=True)
         self.work_cost_m_j = check_number("work_cost_m_j", work_cost_m_j, 0.0)
-        smoothing_m_s = check_number("smoothing_m_s", smoothing_m_s, 0.0)
+        smoothing_m_s = check_smoothing(smoothing_m_s)
         self.smoothing_m_s = 0.0 if self.ground.smooth else smoothing_m_s
         dt_s = check_number("dt_s", dt_s, self.control_s / MOST_STEPS, open_low=True)
         self.steps = math.ceil(self.control_s / dt_s - 1e-9)  # of an action

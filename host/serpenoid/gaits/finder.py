@@ -36,6 +36,11 @@ ROUGH = 0.02  # e-folds of shape: where the first descents end, and what lies on
 AROUND = 12  # shapes of a ring around the best, half a radius from each to the next
 AS_LOW = 0.1  # e-folds of cost: a ring's shape this much above the best may lead to a lower one
 ROUNDS = 3  # closer searches at most: each gains less than a third of the one before
+_MISSED = 0.05  # of the speed: a precise state that is farther off shows the rough ones to be wrong
+_AT_REST = (
+    "no gait travels at all: of two links' one joint a stroke undoes the one before it; take three "
+    "links or more"
+)
 _NEAR_MISS = 10  # times the accuracy asked for: a state this good still ranks shapes
 
 
@@ -159,6 +164,11 @@ class Finder:
         self.speed: Callable[[Gait, Any], float] = lambda _, state: state.speed_m_s
         self.table = GaitTable(robot, ground, cost, limits, speeds)
 
+    @property
+    def at_rest(self) -> bool:
+        """Tell whether symmetry keeps all gaits in place: one joint, wheels alike both ways."""
+        return self.robot.links == 2 and not self.ground.ratchet
+
     def solve(self, gait: Gait, rtol: float, start: Any = None) -> Any:
         """Return a gait's state, also one that is a near miss, or None. start: a state near it."""
         self.solved["states"] += 1
@@ -260,6 +270,8 @@ class Finder:
 
         Each is searched from the table, then from the gaits of the slower and the faster speed.
         """
+        if self.at_rest:
+            return [NotConverged(_AT_REST) for _ in speeds]
         search, exact = self.with_springs if self.springs else self.closest, copy(self)
         exact.springs = None
         return [
@@ -367,7 +379,9 @@ class Finder:
             rivals += [narrow.descend(speed, start, FIRST, ROUGH) for start in table.starts(speed)]
         return min([best, *rivals], key=better)
 
-    def finish(self, speed: float, best: Point, gap: float, others: list[Point]) -> LeastPower:
+    def finish(
+        self, speed: float, best: Point, gap: float, others: list[Point]
+    ) -> LeastPower | NotConverged:
         """Solve the best once more, to the accuracy that was asked for."""
         end = self.point(best.shape, speed, best, self.rtol)
         if end.gait is None or abs(end.value - best.value) > STATES:
@@ -379,6 +393,8 @@ class Finder:
         assert gait is not None
         gap += abs(end.value - best.value)
         state = self.solve(gait, self.rtol)
+        if state is None or not abs(state.speed_m_s / speed - 1) < _MISSED:
+            return self.unreachable(speed, [])
         watts = self.watts(state)
         others = [p for p in others if p.margin >= 0 and math.dist(p.shape, best.shape) > FIRST]
         numerical = getattr(state, f"{self.cost}_error_w") + 2 * state.error_estimate * watts

@@ -72,11 +72,11 @@ class GaitLimits:
 
     def __post_init__(self) -> None:
         check_number("joint_angle_rad", self.joint_angle_rad, 0.0, math.pi, open_low=True)
-        for name in ("servo_speed_rad_s", "omega_high_rad_s"):
-            if getattr(self, name) != math.inf:
-                check_number(name, getattr(self, name), LEAST_RATE_RAD_S)
-        if self.servo_torque_nm != math.inf:
-            check_number("servo_torque_nm", self.servo_torque_nm, 0.0, open_low=True)
+        rates = dict.fromkeys(("servo_speed_rad_s", "omega_high_rad_s"), LEAST_RATE_RAD_S)
+        for name, low in (rates | {"servo_torque_nm": 0.0}).items():
+            most = getattr(self, name)
+            if not (isinstance(most, float) and most == math.inf):
+                check_number(name, most, low, open_low=low == 0.0)
         check_number("omega_low_rad_s", self.omega_low_rad_s, 0.0, self.omega_high_rad_s)
 
     def margins(self, gait: Gait, torque_nm: float = 0.0) -> dict[str, float]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import _core
-from .checks import FORMULATIONS, check_choice, check_kind, check_number
+from .checks import FORMULATIONS, check_choice, check_kind, check_number, check_smoothing
 from .core_model import check_parts, core_model
 from .errors import BadInput
 from .gait import Gait, joint_motion
@@ -19,7 +19,6 @@ from .robot import Robot
 from .rows import Result
 from .vectors import Array, finite_vector
 
-_NUMBERS = ("joint_stiffness_n_m", "joint_damping_n_s_m", "smoothing_m_s")
 # Of the fields of Acceleration, in the core.
 _CORE_NAMES = ("ax", "ay", "alpha", "fx", "fy", "joint_fx", "joint_fy", "joint_torque")
 
@@ -174,9 +173,9 @@ def acceleration(
     request = _core.RunRequest(core_model(robot, ground, Gait(0.0, 0.0, 1.0)))
     request.formulation = getattr(_core.Formulation, formulation)
     request.drive, field = _driven(drive)
-    numbers = joint_stiffness_n_m, joint_damping_n_s_m, smoothing_m_s
-    for name, value in zip(_NUMBERS, numbers, strict=True):
-        setattr(request, name, check_number(name, value, 0.0))
+    request.joint_stiffness_n_m = check_number("joint_stiffness_n_m", joint_stiffness_n_m, 0.0)
+    request.joint_damping_n_s_m = check_number("joint_damping_n_s_m", joint_damping_n_s_m, 0.0)
+    request.smoothing_m_s = check_smoothing(smoothing_m_s)
     by_joint = finite_vector(field, getattr(drive, field), robot.links - 1)
     out = _core.evaluate(request, links.packed(), by_joint)
     return Acceleration(*(out[name] for name in _CORE_NAMES))

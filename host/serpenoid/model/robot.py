@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import SupportsIndex
 
@@ -13,7 +14,8 @@ MAX_LINKS = 100_000
 def check_links(links: object) -> int:
     """Return links as an int, or raise BadInput."""
     if isinstance(links, SupportsIndex) and not isinstance(links, bool):
-        links = links.__index__()
+        with suppress(TypeError):  # an array is no index, though it has the method
+            links = links.__index__()
     return check_whole("links", links, 2, MAX_LINKS)
 
 

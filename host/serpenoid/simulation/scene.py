@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
@@ -21,6 +21,7 @@ from ..model.checks import (
     check_choice,
     check_fields,
     check_number,
+    check_smoothing,
     check_whole,
 )
 from ..model.core_model import check_parts
@@ -34,7 +35,6 @@ from ..model.vectors import finite_vector
 from .methods import GONE, METHODS, OwnChoice
 
 MAX_LINK_STEPS = 10**11
-LEAST_SMOOTHING_M_S = 1e-12  # far below what any wheel shows, far above what overflows
 MAX_RECORDED_BYTES = 4_000_000_000
 DEFAULT_ROWS = 20_000
 _FIRST_ADVISED = ("dop853", "rk4", "radau")  # behind the one that suits a scene
@@ -156,8 +156,8 @@ class Scene:
         if not isinstance(self.method, OwnChoice):
             check_choice("method", self.method, ("auto", *METHODS))
         check_choice("gap", self.gap, GAPS)
-        if isinstance(self.record, str):
-            raise BadInput(f"record is {self.record!r}; give a tuple, ({self.record!r},)")
+        if isinstance(self.record, str) or not isinstance(self.record, Collection):
+            raise BadInput(f"record is {self.record!r}; give a tuple, ('joints',) for one")
         for name in self.record:
             check_choice("record", name, RECORDS)
         self._check_numbers()
@@ -172,11 +172,7 @@ class Scene:
 
     def _check_numbers(self) -> None:
         check_fields(self, _LIMITS)
-        if 0.0 < self.smoothing_m_s < LEAST_SMOOTHING_M_S:
-            raise BadInput(
-                f"smoothing_m_s is {self.smoothing_m_s!r}; it must be 0, which keeps dry friction "
-                f"exact, or at least {LEAST_SMOOTHING_M_S:g}"
-            )
+        check_smoothing(self.smoothing_m_s)
 
     def _check_counts(self) -> None:
         links = self.robot.links
@@ -227,6 +223,10 @@ class Scene:
 
     def _check_faults(self) -> None:
         joints = self.robot.links - 1
+        if not isinstance(self.limp, Collection):
+            raise BadInput(f"limp is {self.limp!r}; give a tuple of joints, (2,) for one")
+        if not isinstance(self.locked, Mapping):
+            raise BadInput(f"locked is {self.locked!r}; give angles by joint, {{2: 0.0}} for one")
         for name in ("limp", "locked"):
             for joint in getattr(self, name):
                 if isinstance(joint, bool) or not isinstance(joint, int) or not 0 < joint <= joints:
