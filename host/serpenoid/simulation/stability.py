@@ -32,7 +32,7 @@ from ..model.vectors import Array
 from .scene import Scene, objection
 
 _PHASES, _MOST_LINKS = 8, 60
-_SHORTEST_S, _LONGEST_S = 1e-15, 1e9
+_LONGEST_S, _SPAN = 1e9, 1e-24  # steps, s, and how far down each search looks
 _SHORTER = np.geomspace(0.03, 0.99, 40)  # parts of a limit that must be stable, too
 _SLACK = 1e-9  # rounding on the edge, where undamped modes live
 
@@ -190,7 +190,7 @@ def largest_stable_step_s(scene: Scene) -> float:
     if stable is None or stable(high):
         return math.inf
     while True:
-        low = _SHORTEST_S
+        low = high * _SPAN
         for _ in range(60):
             middle = math.sqrt(low * high)
             low, high = (middle, high) if stable(middle) else (low, middle)

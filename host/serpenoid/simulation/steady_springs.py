@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..model.checks import check_number
-from ..model.errors import NotConverged
+from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
@@ -22,6 +22,7 @@ from .simulate import simulate
 from .stability import largest_stable_step_s
 
 _MOST_CYCLES = 4096
+_MOST_STEPS = 1e6  # a cycle, of which a state takes 20 at least: minutes
 _STEPS_A_CYCLE = 1000  # for powers to 1e-4 or closer; a tenth of them for speeds to 1e-3
 
 
@@ -86,7 +87,14 @@ def _cycles(
     period, method = gait.period_s, "rk4" if ground.smooth else "nonsmooth"
     scene = Scene(robot, ground, gait, "implicit", *springs, method=method, start="steady")
     wanted = _STEPS_A_CYCLE * min(max(1e-4 / rtol, 0.1), 1.0)
-    steps = 2 * math.ceil(max(wanted, 2 * period / largest_stable_step_s(scene)) / 2)
+    wanted = max(wanted, 2 * period / largest_stable_step_s(scene))
+    if wanted > _MOST_STEPS:
+        raise BadInput(
+            f"joint_stiffness_n_m {springs[0]:g} and joint_damping_n_s_m {springs[1]:g} ask for "
+            f"{wanted:.1g} time steps a cycle; at most {_MOST_STEPS:.0e} are taken: make joints "
+            "softer or less damped, or take the exact model, to which stiff joints come near"
+        )
+    steps = 2 * math.ceil(wanted / 2)
     return replace(scene, dt_s=period / steps, record_every=steps)
 
 

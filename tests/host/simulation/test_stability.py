@@ -51,6 +51,16 @@ def test_what_runs_does_not_grow_and_what_grows_is_refused(method: str) -> None:
         assert above > stability_map.GROWN, line
 
 
+def test_the_limit_goes_as_the_damping_over_thirty_decades() -> None:
+    """Dampers alone have no other scale; below 1e-15 s the search came to no end."""
+    damped = [
+        sn.Scene(PAPER, VISCOUS, gait_in_deg(30, 80, 5.0), "implicit", 0.0, c, method="rk4")
+        for c in (1e6, 1e18, 1e30)
+    ]
+    limits = [scene.joint_damping_n_s_m * largest_stable_step_s(scene) for scene in damped]
+    assert limits == pytest.approx([limits[0]] * 3, rel=1e-6)
+
+
 def test_a_small_map_has_no_cell_that_runs_and_is_unstable() -> None:
     grid = Grid((3,), (0.0, 100.0), (1e3, 1e6), (1e-4, 1e-3, 1e-2), 600)
     cells = list(stability_map.measure(grid, lambda _: None))

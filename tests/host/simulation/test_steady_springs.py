@@ -42,6 +42,8 @@ def test_dry_ground_too() -> None:
 def test_bad_input_is_named() -> None:
     with refused("rtol is 0"):
         sn.steady_springs(PAPER, VISCOUS, gait(5.0), rtol=0)
+    with refused(r"and joint_damping_n_s_m 1e\+06 ask for .* time steps a cycle"):
+        sn.steady_springs(OF_2005, BINGHAM, gait(5.0), joint_damping_n_s_m=1e6)
     with refused("joint_stiffness_n_m is -1"):
         sn.steady_springs(PAPER, VISCOUS, gait(5.0), joint_stiffness_n_m=-1.0)
 
