@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -72,7 +73,7 @@ class Uncertainty:
     servo: ServoKind | None = None
 
     def __post_init__(self) -> None:
-        if len(self.friction) != len(FRICTION):
+        if not isinstance(self.friction, Collection) or len(self.friction) != len(FRICTION):
             raise BadInput(f"friction is {self.friction!r}; it must be four sigmas, {FRICTION}")
         for name, value in zip(FRICTION, self.friction, strict=True):
             check_number(f"friction, {name}", value, 0.0, 3.0)

@@ -276,6 +276,11 @@ class ServoKind:
     drawn: tuple[Servo, ...] = ()
 
     def __post_init__(self) -> None:
+        if not isinstance(self.sigma, Mapping):
+            raise BadInput(f"sigma is {self.sigma!r}; give sigmas by name, as sn.servo().sigma has")
+        for name in ("updates_hz", "drawn"):
+            if not isinstance(getattr(self, name), (tuple, list)):
+                raise BadInput(f"{name} is {getattr(self, name)!r}; it must be a tuple")
         for servo in (self.servo, *self.drawn):
             if not isinstance(servo, Servo):
                 raise BadInput(

@@ -128,8 +128,9 @@ def test_robust_on_viscous_ground_by_runs_in_time() -> None:
 def test_refusals() -> None:
     with refused("amplitude is 3"):
         sn.Uncertainty(amplitude=3.0)
-    with refused("four sigmas"):
-        sn.Uncertainty(friction=(0.1, 0.1))  # pyright: ignore[reportArgumentType]
+    for sigmas in ((0.1, 0.1), 0.1):
+        with refused("four sigmas"):
+            sn.Uncertainty(friction=sigmas)  # pyright: ignore[reportArgumentType]
     with refused("samples is 3"):
         sn.robust_gait(PAPER, VISCOUS, speed_m_s=0.1, samples=3)
 

@@ -188,6 +188,9 @@ def test_a_kind_is_made_of_servos() -> None:
     for one in ({"servo": math.inf}, {"servo": sn.Servo(), "drawn": (math.nan,)}):
         with refused(r"servo is (inf|nan); it must be an sn\.Servo"):
             sn.ServoKind("x", **one)
+    for name in ("sigma", "updates_hz", "drawn"):
+        with refused(f"{name} is 0.1"):
+            sn.ServoKind("x", sn.Servo(), **{name: 0.1})
 
 
 def test_doubt_about_what_is_no_field_is_refused() -> None:
