@@ -16,8 +16,7 @@ CURE = (
 
 
 def test_every_case_has_its_answer() -> None:
-    assert sorted(KEPT) == sorted(names([]))
-    assert len(KEPT) == 300
+    assert list(KEPT) == names([])
 
 
 @pytest.mark.parametrize("name", sorted(SAMPLE))
