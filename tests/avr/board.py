@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from avr.toolchain import MCUS, build_simulator
+from avr.toolchain import COMPILER, MCUS, build_simulator
 
 F_CPU_HZ = 16_000_000
 RAM_END = {"atmega328p": 0x8FF, "atmega2560": 0x21FF}
@@ -94,7 +94,7 @@ def _library() -> ctypes.CDLL:
 @cache
 def symbols(elf: Path) -> dict[str, int]:
     """Map the names of the ELF's RAM variables to their addresses in data memory."""
-    listing = subprocess.run(["avr-nm", str(elf)], text=True, capture_output=True, check=True)
+    listing = subprocess.run([COMPILER / "avr-nm", elf], text=True, capture_output=True, check=True)
     found = {}
     for row in listing.stdout.splitlines():
         address, kind, name = row.rsplit(" ", 2)

@@ -13,7 +13,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # so that it runs 
 import numpy as np
 from avr.board import SERVO_PINS, Board, wired
 from avr.dialogue import Dialogue, telemetry
-from avr.toolchain import ToolchainError, build_firmware
+from avr.toolchain import COMPILER, ToolchainError, build_firmware
 from avr.truth import Wave, pulse_errors_us
 
 BOARDS = ("uno", "mega")
@@ -43,7 +43,7 @@ class Row:
 def flash_bytes(elf: Path) -> int:
     """Return the program memory that the ELF takes: code and initial values."""
     listing = subprocess.run(
-        ["avr-size", "-A", "-d", str(elf)], text=True, capture_output=True, check=True
+        [COMPILER / "avr-size", "-A", "-d", elf], text=True, capture_output=True, check=True
     )
     rows = [line.split() for line in listing.stdout.splitlines()]
     return sum(int(row[1]) for row in rows if row[:1] in ([".text"], [".data"]))
@@ -98,8 +98,9 @@ def harassed(
             if rng.random() < 0.1:
                 board.send(bytes(rng.randrange(256) for _ in range(30)) + b"\n!\n")
             board.run(rng.uniform(0.002, 0.08))
+        board.run(0.5)  # Bytes that find the board's buffer full are lost, the end of a line, too.
         board.send(b"\n")
-        board.run(0.5)
+        board.run(0.1)
         return board.stack_free, talk.counters()["late_us"]
 
 

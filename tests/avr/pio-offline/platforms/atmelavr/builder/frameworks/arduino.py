@@ -21,8 +21,6 @@ env.Append(
         ("F_CPU", "$BOARD_F_CPU"),
         "ARDUINO_ARCH_AVR",
         ("ARDUINO", 10808),
-        # The core's WString.cpp uses DECIMAL_DIG, which avr-gcc 5.4's float.h hides from C++.
-        ("DECIMAL_DIG", "__DECIMAL_DIG__"),
     ],
     CPPPATH=[core_src, variant],
     LINKFLAGS=["-Os", "-mmcu=$BOARD_MCU", "-Wl,--gc-sections", "-flto", "-fuse-linker-plugin"],
