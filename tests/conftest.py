@@ -24,7 +24,6 @@ os.environ["MPLBACKEND"] = "agg"
 OPTIONAL = (
     "needs a real robot",
     "an optional peer",
-    "needs actionlint",
     "needs x86",
     "needs Linux",
     "needs a system with",
