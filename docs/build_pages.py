@@ -35,7 +35,6 @@ ANSWERS = {  # commands whose --json is shown key by key
     "simulate": ["simulate", "--scene", str(LIMPING), "--duration-s", "0.5"],
     "fit": ["fit", SESSION],
     "compare": ["compare", SESSION, "--gait", "70", "75", "0.5", "--samples", "16"],
-    "compare --beside": ["compare", SESSION, "--beside", SESSION],
     "advise": ["advise", SESSION, "--gait", "70", "75", "0.5", "--samples", "16"],
     "drive": ["drive", "--port", "virtual:fast", *GAIT, "--duration-s", "1"],
     "doctor": ["doctor", "--port", "virtual:fast", "--listen-s", "1"],
