@@ -1,1 +1,1 @@
-"""A world to practise and test in: a robot on a belt or a floor, instruments, and a person."""
+"""A world for the demo and tests: a robot on a belt or a floor, instruments, and a person."""

@@ -13,7 +13,6 @@ from ..model.vectors import Array
 from .robot import LabRobot
 
 STEER_RATE_RAD_S = math.radians(2.0)  # of a board that steers in a session
-LEAD_RATE_RAD_S = 8.0  # of a servo that follows set-points
 STEP_S = 0.004  # of the motion; ten times shorter ones turn the zigzag of 6 s 0.005 deg less
 SLEW_M_S2 = 0.25  # a belt's own haste
 HALF_WIDTH_M, HALF_LENGTH_M = 0.22, 0.6  # of the belt that a robot's centre may be on
@@ -37,13 +36,12 @@ class Belt:
     """Hold a treadmill and the robot on it. The frame is the room's, x downhill along the belt.
 
     speed_m_s: the belt's true speed now, uphill. pose_rad: where the joints are told to stand, the
-    steering left out. moved_m: by the belt, uphill.
+    steering left out.
     """
 
     def __init__(self, robot: LabRobot, *, gravity_m_s2: float = 9.81):
         self.robot = robot
         self.t_s = 0.0
-        self.moved_m = 0.0
         self._chain, self._gravity = robot.chain(), gravity_m_s2
         self.pose_rad, self._offset = [0.0] * (robot.body.links - 1), 0.0
         self._facing_rad = 0.0
@@ -70,11 +68,6 @@ class Belt:
         """Add an offset to every joint, while the robot is where it is."""
         self._offset = offset_rad
         self._chain.aim(self._joints(), STEER_RATE_RAD_S)
-
-    def lead(self, set_rad: Sequence[float]) -> None:
-        """Let the joints go to set-points that move, where the robot is."""
-        self.pose_rad, self._offset = list(set_rad), 0.0
-        self._chain.aim(self._joints(), LEAD_RATE_RAD_S)
 
     def put(
         self,
@@ -105,7 +98,6 @@ class Belt:
             if not self._chain.advance(dt, STEP_S):
                 raise NotConverged("the lab's robot came to no answer; are its numbers sensible?")
             self.t_s += dt
-            self.moved_m += self.speed_m_s * dt
             remaining_s -= dt
 
     def look(self) -> Sight:

@@ -20,8 +20,6 @@ from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
 from serpenoid.calibration.taking.person.dialogue import Dialogue
 from serpenoid.calibration.taking.person.identity import ask_identity
-from serpenoid.calibration.taking.person.practice import FloorTerminal, practice_setup
-from serpenoid.calibration.taking.person.practice_treadmill import TreadmillTerminal
 from serpenoid.calibration.taking.person.prompt import Left
 from serpenoid.calibration.taking.person.session_robot import SessionRobot
 
@@ -35,7 +33,7 @@ class Typist:
 
     def __init__(self, *lines: Any, robot: Any = None):
         self.lines, self.robot, self.t_s = deque(lines), robot, 0.0
-        self.heard, self.room = "", None
+        self.heard = ""
 
     def say(self, text: str) -> None:
         self.heard += text + "\n"
@@ -64,10 +62,7 @@ class Typist:
         elif mark in ("left", "right"):
             self.robot.steer(int(count) * (1 if mark == "left" else -1))
         else:
-            passed_s = float(mark.removesuffix(" s"))
-            self.t_s += passed_s
-            if self.room is not None:
-                self.room.pass_time(passed_s)
+            self.t_s += float(mark.removesuffix(" s"))
         return rest
 
 
@@ -77,7 +72,7 @@ def begun(folder: Path, head: str) -> None:
     setup = replace(setup, weighed=False) if "unweighed" in head else replace(setup, surface="belt")
     place = "floor" if "floor" in head else "treadmill"
     setup = replace(setup, procedure=on_place(setup.procedure, place))
-    create_session(folder, practice_setup(setup, 7, place) if "practice" in head else setup)
+    create_session(folder, setup)
     with Journal(folder) as journal:
         for change in re.findall(r"plan\.\w+ = [^;]+", head):
             journal.event("amend", detail=change)
@@ -89,18 +84,9 @@ def talked(folder: Path, head: str, typist: Typist) -> str:
     """Return all that is said in one conversation, by what is typed."""
     try:
         with Journal(folder) as journal:
-            terminal, watch, setup = typist, lambda session, step: None, journal.session.setup
-            if "practice" in head:
-                films = folder / "films"
-                terminal = (
-                    FloorTerminal(typist, setup, 7, films)
-                    if setup.procedure.on == "floor"
-                    else TreadmillTerminal(typist, setup, 7, films, lambda: [0.0] * 5)
-                )
-                typist.room, watch = getattr(terminal, "room", None), terminal.watch
-            ask_identity(journal, terminal)
-            clock_s = lambda: typist.t_s  # noqa: E731
-            Dialogue(journal, terminal, typist.robot, watch, 5, clock_s).run()
+            ask_identity(journal, typist)
+            watch, clock_s = lambda session, step: None, lambda: typist.t_s
+            Dialogue(journal, typist, typist.robot, watch, 5, clock_s).run()
     except (Left, EOFError, KeyboardInterrupt, SerpenoidError) as error:
         typist.heard += f"({type(error).__name__}) {error}\n"
     return typist.heard.replace(str(folder), "DIR")

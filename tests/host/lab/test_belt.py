@@ -33,8 +33,6 @@ def test_a_belt_comes_to_speed_at_its_own_haste() -> None:
     assert belt.speed_m_s == pytest.approx(0.2 * SLEW_M_S2)
     belt.wait(1.8)
     assert belt.speed_m_s == pytest.approx(0.1)
-    ramp_s = 0.1 / SLEW_M_S2  # the belt's speed is held for 0.1 s at a time
-    assert belt.moved_m == pytest.approx(0.1 * (2.0 - ramp_s / 2), abs=0.1 * 0.1)
 
 
 def test_a_robot_is_off_the_belt_beyond_either_edge() -> None:

@@ -60,7 +60,7 @@ def state() -> dict:
     return state_of(record.session, step, "holds")
 
 
-@pytest.mark.parametrize("name", ["beside.html", "practice.html"])
+@pytest.mark.parametrize("name", ["beside.html"])
 def test_axe_finds_nothing_beside_a_treadmill(name) -> None:
     text = files("serpenoid.show.session").joinpath(name).read_text(encoding="utf-8")
     with Page(text, lambda: None) as page, Browser(390, 844, dark=True) as browser:

@@ -40,7 +40,6 @@ class Truth:
 
     Of a treadmill: incline_zero_rad: what the inclinometer shows where it is level. belt_scale:
     true belt speed over shown. incline_scale: its true steps of grade over those stated.
-    deck_rad: how the deck lies where it says 0.
 
     Of a floor: slope_rad, across_rad: by what it falls towards "there" and to the left of it.
     film_scale: lengths in films over true. camera: what films; None: tape and watch.
@@ -62,7 +61,6 @@ class Truth:
     incline_zero_rad: float = 0.0
     belt_scale: float = 1.0
     incline_scale: float = 1.0
-    deck_rad: float = 0.0
     slope_rad: float = 0.0
     across_rad: float = 0.0
     film_scale: float = 1.0

@@ -14,7 +14,6 @@ from ..declare import PathType, Range, flag, option, out_file, refuse_typed
 from ..group import Commands
 from ..options import AS_JSON, doubt_robot, show_json
 from .calibrate_new import new
-from .calibrate_practice import practice
 from .calibrate_push import push
 
 if TYPE_CHECKING:
@@ -41,7 +40,6 @@ def calibrate() -> None:
 
 
 calibrate.add_command(new)
-calibrate.add_command(practice)
 calibrate.add_command(push)
 
 

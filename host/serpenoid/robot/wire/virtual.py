@@ -58,11 +58,6 @@ class VirtualLink:
             time.sleep(NAP_S)
         return said
 
-    def set_points_rad(self) -> list[float]:
-        """Return where the board tells the joints to stand now, tail first, rad."""
-        with self._using:
-            return list(self.board.setpoints_rad)
-
     def write(self, data: bytes) -> None:
         """Put bytes on the wire to the board."""
         with self._using:
