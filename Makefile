@@ -9,7 +9,7 @@ LONG := $(addprefix tests/,avr docs end_to_end firmware oracle golden studies) \
 	$(addprefix tests/host/,bench commands gaits model/test_stubs.py periodic robot show video) \
 	$(addprefix tests/host/simulation/test_,adaptive.py nonsmooth.py play.py positive_work.py \
 	radau.py ratchet.py run_error.py stability.py steady_springs.py truths.py) \
-	$(addprefix tests/host/servos/test_,measured.py folded_film.py) \
+	tests/host/servos/test_measured.py \
 	$(addprefix tests/host/calibration/test_,balanced_bends.py crawls_fit.py dialogue.py \
 	dialogue_fuzz.py filmed_crawls.py floor_fit.py floor_tracks.py friction.py honest_fit.py page.py \
 	procedure.py ratchet_fit.py ratchet_procedure.py rounding.py shared_errors.py short_readings.py) \

@@ -14,7 +14,6 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "studies"))
 import film_pictures
 import serpenoid as sn
-import servo_picture
 import wiring_diagram
 from calibration_figures import advised_figure, coverage_figure, verdict_figure
 from serpenoid.bench.accuracy.figure import accuracy_figure
@@ -71,7 +70,6 @@ FIGURES: dict[str, Callable[[Path], None]] = {
     "speed.png": of_demo,
     "path.png": of_demo,
     "run.png": run,
-    "servos.png": servo_picture.draw,
     "accuracy.png": accuracy,
     "stability.png": stability,
     **{f"{name}.png": study for name in STUDIES},

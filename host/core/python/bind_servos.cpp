@@ -5,7 +5,6 @@
 #include <nanobind/stl/vector.h>
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "python/core_model.hpp"
@@ -17,10 +16,8 @@ using namespace serpenoid;
 namespace {
 
 ServoGaitState servo_gait_of(const Model& m, const Servo& servo, const Vec3& start,
-                             const Mat3& monodromy, double longest, bool rough,
-                             std::vector<int> watch, double slow) {
-    return servo_gait(m.robot, m.ground, m.gait, servo, start, monodromy, longest, rough,
-                      std::move(watch), slow);
+                             const Mat3& monodromy, double longest, bool rough, double slow) {
+    return servo_gait(m.robot, m.ground, m.gait, servo, start, monodromy, longest, rough, slow);
 }
 
 }  // namespace
@@ -45,7 +42,6 @@ void bind_servos(nb::module_& m) {
         .def_ro("ripple", &ServoGaitState::ripple)
         .def_ro("gain", &ServoGaitState::gain)
         .def_ro("shift", &ServoGaitState::shift)
-        .def_ro("lines", &ServoGaitState::lines)
         .def_ro("converged", &ServoGaitState::converged)
         .def_ro("hunts", &ServoGaitState::hunts);
     m.def("servo_gait", &servo_gait_of, nb::call_guard<nb::gil_scoped_release>());

@@ -172,7 +172,7 @@ void follow(const At& at, double least, ServoGaitState& out) {
 
 ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& gait,
                           const Servo& servo, const Vec3& start, const Mat3& monodromy,
-                          double longest, bool rough, std::vector<int> watch, double slow) {
+                          double longest, bool rough, double slow) {
     const double least = slow * gait.omega * robot.n * 2 * robot.l;
     const double T = 2 * std::numbers::pi / gait.omega;
     // the loop's spring is explicit in a step: its quickest swing bends the lightest joint alone
@@ -192,9 +192,9 @@ ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& 
     // step is cut in two.
     const auto at = [&](int split, const Plan& plan) {
         ServoSteps again = steps;
-        again.take_steps(2 * longest, split), again.watch(watch);
+        again.take_steps(2 * longest, split);
         const Measured found = measure(again, plan);
-        found.cycles.report(out), out.lines = again.lines();
+        found.cycles.report(out);
         return found.phases;
     };
     const Plan plan{phases, few, 1};

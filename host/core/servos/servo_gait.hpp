@@ -19,20 +19,17 @@ namespace serpenoid {
 
 // A mean cycle over the phases; its speed is NaN where steps would be far too many.
 struct ServoGaitState : ServoSteps::Path {
-    double spread = 0;            // half the range of the speed over the phases
-    double error = 0;             // estimated, of `speed`
-    std::vector<double> lines{};  // rms of the rates in each watched harmonic, rad/s, last phase
+    double spread = 0;  // half the range of the speed over the phases
+    double error = 0;   // estimated, of `speed`
     bool converged = false;
     bool hunts = false;  // no one speed: what it is hangs on the start; a range, speed +- spread
 };
 
 // `start`: (Vx, Vy, rate) at phase 0 and `monodromy` of ideal joints (periodic_state.hpp). Steps
 // are at most `longest`, s. `rough`: for searches, long steps alone, half the phases, no error.
-// `watch`: harmonics of the gait to look for in the joints' rates. `slow`: of body length times
-// rate; a slower speed is known to a part of this one.
+// `slow`: of body length times rate; a slower speed is known to a part of this one.
 ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& gait,
                           const Servo& servo, const Vec3& start, const Mat3& monodromy,
-                          double longest, bool rough = false, std::vector<int> watch = {},
-                          double slow = kSpeedFloor);
+                          double longest, bool rough = false, double slow = kSpeedFloor);
 
 }  // namespace serpenoid

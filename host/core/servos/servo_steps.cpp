@@ -46,7 +46,7 @@ ServoSteps::ServoSteps(const Robot& robot, const Ground& ground, const Gait& gai
       gap_(n_ - 1),
       tick_(servo.update_hz > 0 ? 1 / servo.update_hz : 0),
       period_(2 * std::numbers::pi / gait.omega) {
-    watch({});
+    wave_.assign(2 * (n_ - 1), 0.0);
     // centres from that of link 1 in half lengths of links, then from their mean
     for (int i = 1; i < n_; ++i)
         for (int j = 0; j <= i; ++j) lever_[i * n_ + j] = j == 0 || j == i ? 1 : 2;
@@ -134,7 +134,7 @@ void ServoSteps::cycle() {
     const double heading = theta_[0];
     path_ = {}, squares_ = work_ = 0;
     samples_.clear();
-    std::fill(lines_.begin(), lines_.end(), 0.0);
+    std::fill(wave_.begin(), wave_.end(), 0.0);
     for (t_ = 0; t_ < period_ - 1e-9 * servo_.frame;) {
         enter();
         const double stop = std::min({period_, frame_, tick_ > 0 ? update_ : period_});
@@ -375,39 +375,18 @@ bool ServoSteps::turn_round(double h) {
 void ServoSteps::tally(double h) {
     const double middle = t_ + 0.5 * h, phase = gait_.omega * middle;
     samples_.push_back({middle, h, 0.5 * (before_[0] + u_[0]), 0.5 * (before_[1] + u_[1])});
+    const double cosine = h * std::cos(phase), sine = h * std::sin(phase);
     for (int i = 0; i + 1 < n_; ++i) {
         const double rate = 0.5 * (joint(before_, i) + joint(u_, i));
         squares_ += h * rate * rate;
+        wave_[2 * i] += cosine * rate;
+        wave_[2 * i + 1] += sine * rate;
         const double turns = 0.5 * (rotor(before_, i) + rotor(u_, i));
         work_ += h * (still_[i] - slope_[i] * turns) * turns;
         const Contact& gear = contact_[2 * n_ + i];
         if (gear.dry()) work_ += gear.impulse * turns;
     }
-    double* line = lines_.data();
-    for (const int order : watched_) {
-        const double cosine = h * std::cos(order * phase), sine = h * std::sin(order * phase);
-        for (int i = 0; i + 1 < n_; ++i, line += 2) {
-            const double rate = 0.5 * (joint(before_, i) + joint(u_, i));
-            line[0] += cosine * rate, line[1] += sine * rate;
-        }
-    }
     t_ += h;
-}
-
-void ServoSteps::watch(std::vector<int> harmonics) {
-    watched_ = std::move(harmonics);
-    watched_.insert(watched_.begin(), 1);
-    lines_.assign(2 * (n_ - 1) * watched_.size(), 0.0);
-}
-
-std::vector<double> ServoSteps::lines() const {
-    const int each = 2 * (n_ - 1);
-    std::vector<double> rms;
-    for (std::size_t k = 1; k < watched_.size(); ++k) {
-        const double* line = &lines_[k * each];
-        rms.push_back(std::sqrt(2 * dot(line, line, each) / (n_ - 1)) / period_);
-    }
-    return rms;
 }
 
 void ServoSteps::finish(double turn) {
@@ -421,7 +400,7 @@ void ServoSteps::finish(double turn) {
     path_.gain.assign(n_ - 1, 1.0), path_.shift.assign(n_ - 1, 0.0);
     for (int i = 0; i + 1 < n_; ++i) {
         // rates a cos + b sin, over those of the gait: omega alpha gain cos(phase + lead)
-        const double a = lines_[2 * i] * 2 / period_, b = lines_[2 * i + 1] * 2 / period_;
+        const double a = wave_[2 * i] * 2 / period_, b = wave_[2 * i + 1] * 2 / period_;
         const double want = gait_.omega * gait_.alpha;
         const double cosine = want * table_.cosine(i), sine = -want * table_.sine(i);
         const double with = a * cosine + b * sine, beside = b * cosine - a * sine;

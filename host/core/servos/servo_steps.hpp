@@ -34,8 +34,6 @@ class ServoSteps {
     void cycle();
     // Take steps of at most `longest`, each cut into so many equal ones.
     void take_steps(double longest, int split) { longest_ = longest, split_ = split; }
-    // Sum up these harmonics of the gait in the joints' rates, too.
-    void watch(std::vector<int> harmonics);
 
     // The body's state, as start() takes it, but for the momentum L in place of the rate.
     void body(double* v) const;
@@ -52,7 +50,6 @@ class ServoSteps {
         std::vector<double> gain, shift;  // of each joint: amplitude over the gait's, phase, rad
     };
     const Path& path() const { return path_; }
-    std::vector<double> lines() const;  // rms of the rates in the watched harmonics, rad/s
 
   private:
     struct Contact {
@@ -112,8 +109,7 @@ class ServoSteps {
         double t, h, vx, vy;
     };
     std::vector<Sample> samples_;
-    std::vector<int> watched_;   // the first harmonic and those asked for
-    std::vector<double> lines_;  // sums of cos, sin by watched harmonic and joint
+    std::vector<double> wave_;  // of each joint's rate: sums over cos and sin of the gait's phase
     double squares_ = 0, work_ = 0;
     Path path_;
 };

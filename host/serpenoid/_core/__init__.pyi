@@ -179,8 +179,6 @@ class ServoGaitState:
     @property
     def shift(self) -> list[float]: ...
     @property
-    def lines(self) -> list[float]: ...
-    @property
     def converged(self) -> bool: ...
     @property
     def hunts(self) -> bool: ...
@@ -192,8 +190,7 @@ def servo_gait(
     arg3: Sequence[float],
     arg4: float,
     arg5: bool,
-    arg6: Sequence[int],
-    arg7: float,
+    arg6: float,
     /,
 ) -> ServoGaitState: ...
 

@@ -244,23 +244,19 @@ def servo_state(
     ideal: Steady,
     servo: Servo,
     rough: bool = False,
-    watch: Sequence[int] = (),
     slow: float = _core.SPEED_FLOOR,
 ) -> Any:
     """Return the core's answer for one servo: speed, spread, error, amplitude, lag, ...
 
-    rough: 1 or 2 % off in a quarter of the time, without an error; for searches. watch: harmonics
-    of the gait whose rms in the joints' rates is wanted, rad/s: `lines` of the answer. slow: of
-    body length times rate; a slower speed is known to a part of this one.
+    rough: 1 or 2 % off in a quarter of the time, without an error; for searches. slow: of body
+    length times rate; a slower speed is known to a part of this one.
     """
     long = ideal.gait.period_s > _LONG_PERIOD_S
     step = _ROUGH_STEP_S if rough else _LONG_STEP_S if long else _STEP_S
     step = min(step, servo.frame_s / 4)
     model = core_model(ideal.robot, ideal.ground, ideal.gait)
     start, monodromy = tuple(ideal.body_velocity), tuple(ideal.monodromy.ravel())
-    return _core.servo_gait(
-        model, core_servo(servo), start, monodromy, step, rough, list(watch), slow
-    )
+    return _core.servo_gait(model, core_servo(servo), start, monodromy, step, rough, slow)
 
 
 def servo_speed(ideal: Steady, servo: Servo, rough: bool = False) -> float:

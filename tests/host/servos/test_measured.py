@@ -11,15 +11,9 @@ import pytest
 import serpenoid as sn
 from command_line import serpenoid
 from lab.one_joint import ROBOT, filmed_by, shown_by
-from refusals import refused
 from robots import BINGHAM, gait_in_deg
-from serpenoid import ServoSteady, load_session
-from serpenoid.calibration.kinds.gait import GaitRun
-from serpenoid.commands.demo import session_folder
-from serpenoid.lab.crawl import crawl_speed
-from serpenoid.lab.robot import LabRobot
+from serpenoid import ServoSteady
 from serpenoid.periodic.servo_steady import with_servo
-from serpenoid.prediction.session_servo import servo_of_session
 from serpenoid.servos import bench_test
 from serpenoid.servos.bench_test import moved, servo_of_test, shown
 
@@ -85,52 +79,6 @@ def test_what_a_joint_does_not_show_is_an_unknown_by_itself() -> None:
     assert brake == pytest.approx(brake[:1] * 3)
 
 
-def crawled(fit: sn.FrictionFit, gait: sn.Gait, servo: sn.Servo) -> float:
-    """Return the speed of the lab's robot, m/s: a simulation in time that no fit uses."""
-    whole = sn.Ground(*fit.whole_snake.values())
-    return crawl_speed(LabRobot.whole(fit.robot, whole, servo=servo), gait)
-
-
-@pytest.fixture(scope="module")
-def crawls():
-    """Return the 2005 session with runs of three gaits by a hidden servo; its fit; the servo."""
-    true = sn.servo().draws(1, 104)[0]
-    session = load_session(session_folder())
-    fit = sn.fit_friction(session)
-    runs = []
-    for k, (alpha, hz) in enumerate(((70, 0.25), (70, 1.0), (50, 0.7))):
-        gait = gait_in_deg(alpha, 75, math.tau * hz)
-        v = crawled(fit, gait, true)
-        runs.append(GaitRun(300 + k, gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, v, 0.01 * v))
-    return replace(session, gait_runs=tuple(runs)), fit, true
-
-
-@pytest.mark.slow
-def test_crawls_narrow_what_servos_leave_of_the_speed(crawls) -> None:
-    session, fit, true = crawls
-    found = servo_of_session(session, sn.servo(), fit)
-    crawls = crawled(fit, GAIT, true)
-    known, before = (driven(fit.ground, kind) for kind in (found.kind, sn.servo()))
-    assert known.low_m_s * 0.98 < crawls < known.high_m_s * 1.02
-    # 0.51 to 0.79 of it by 48 draws, 0.81 to 0.97 by 192: few servos are left either way
-    assert known.high_m_s - known.low_m_s < 0.9 * (before.high_m_s - before.low_m_s)
-    assert found.untold  # speeds do not tell each number
-
-
-@pytest.mark.slow
-def test_speeds_that_no_servo_makes_are_refused(crawls) -> None:
-    session, fit, _ = crawls
-    quick = tuple(replace(r, speed_m_s=3 * r.speed_m_s) for r in session.gait_runs[1:])
-    with refused(r"too few to tell a servo by"):
-        servo_of_session(replace(session, gait_runs=quick), sn.servo(), fit)
-
-
-def test_a_session_without_runs_tells_no_servo() -> None:
-    session = load_session(session_folder())
-    with refused("no gait run and no film"):
-        servo_of_session(session, sn.servo(), sn.fit_friction(session))
-
-
 @pytest.mark.slow
 def test_the_command_writes_a_file_that_others_take(tmp_path: Path, monkeypatch) -> None:
     monkeypatch.setattr(bench_test, "PARTICLES", 96)
@@ -169,6 +117,4 @@ def test_a_table_that_is_no_test_is_refused(tmp_path: Path, text: str, says: str
     assert told.returncode in (1, 2)
     assert says in told.stderr
     assert "--sigma-deg is -1" in serpenoid(f"servo --sigma-deg -1 --test {table}").stderr
-    crawled = serpenoid("servo --session x --inertia-kg-m2 1e-4").stderr
-    assert "--inertia-kg-m2 is for --test" in crawled
     assert serpenoid("servo").returncode == 2

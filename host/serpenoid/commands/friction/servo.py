@@ -1,4 +1,4 @@
-"""`serpenoid servo`: a servo's file from a bench test of one joint, or from a session's gaits."""
+"""`serpenoid servo`: a servo's file from a bench test of one joint."""
 
 from __future__ import annotations
 
@@ -11,8 +11,7 @@ import click
 import serpenoid as sn
 
 from ...show.screen import working
-from ..declare import EXISTING, FOLDER, number, option, out_file, refuse_typed
-from ..given import session_fit
+from ..declare import EXISTING, number, option, out_file
 from ..options import AS_JSON, plug_options, show_json, take_servo
 
 if TYPE_CHECKING:
@@ -26,10 +25,10 @@ _COLUMNS = ("t_s", "setpoint_deg", "angle_deg")
     "--test",
     "table",
     "Bench test of one joint: columns t_s, setpoint_deg, angle_deg.",
+    required=True,
     type=EXISTING,
     metavar="CSV",
 )
-@option("--session", "A session with gait runs or films.", type=FOLDER)
 @option("--like", "What is known before.", default="hobby", metavar="NAME|FILE")
 @plug_options
 @number("--sigma-deg", "Standard deviation of the angles of --test.", default=0.5)
@@ -42,43 +41,31 @@ _COLUMNS = ("t_s", "setpoint_deg", "angle_deg")
 @option("--out", "File for --servo of other commands.", type=out_file(".toml"))
 @AS_JSON
 def servo(
-    table: Path | None,
-    session: Path | None,
+    table: Path,
     like: str,
     sigma_deg: float,
     inertia_kg_m2: float,
     out: Path | None,
     as_json: bool,
 ) -> None:
-    """Measure a servo: which ones of a kind would have moved so, or crawled so.
+    """Measure a servo: which ones of a kind would have moved so.
 
     A bench test tells speed, loop, rotor and gear, all but the rotor and the torque themselves:
-    only their ratio, unless the joint turns a known inertia as large as the rotor's. Gait runs tell
-    what the servos leave of the speed.
+    only their ratio, unless the joint turns a known inertia as large as the rotor's.
     """
     from ...model.checks import check_number
     from ...servos.bench_test import servo_of_test
 
-    if (table is None) == (session is None):
-        raise click.UsageError("give --test CSV or --session DIR, one of both")
     name = "measured" if out is None else out.stem
     kind = take_servo(like)
     if kind is None:
         raise click.UsageError(
             "--like ideal has no servo to measure; give hobby, or a sheet's name"
         )
-    if table is not None:
-        check_number("--sigma-deg", sigma_deg, 0.0, 57.0, open_low=True)
-        test = read_test(table, math.radians(sigma_deg), inertia_kg_m2)
-        with working("trying servos"):
-            measured = servo_of_test(test, kind, name=name)
-    else:
-        assert session is not None
-        refuse_typed("{} is for --test; leave it out", "sigma_deg", "inertia_kg_m2")
-        from ...prediction.session_servo import servo_of_session
-
-        fit = session_fit(session, with_crawls=False)  # tells its alarms
-        measured = servo_of_session(sn.load_session(session), kind, fit, name=name)
+    check_number("--sigma-deg", sigma_deg, 0.0, 57.0, open_low=True)
+    test = read_test(table, math.radians(sigma_deg), inertia_kg_m2)
+    with working("trying servos"):
+        measured = servo_of_test(test, kind, name=name)
     if out is not None:
         sn.save_servo(measured.kind, out)
     show_json(measured.to_dict()) if as_json else show(measured, out)
