@@ -24,11 +24,6 @@ def say(text: object = "", *, err: bool = False, nl: bool = True) -> None:
     click.echo(visible(str(text)), err=err, nl=nl)
 
 
-def at_terminal() -> bool:
-    """Tell whether a person sees standard output; a picture is no use to a program."""
-    return sys.stdout is not None and sys.stdout.isatty()  # it may be closed
-
-
 def screen(**options: Any) -> Console:
     """Return a rich console that shows text as it is: no markup, no emoji, no control codes."""
     from rich.console import Console

@@ -9,7 +9,6 @@ from serpenoid import load_session
 from serpenoid.calibration.session_file import load_setup, read_session
 from serpenoid.calibration.taking.journal import Journal
 
-HEAD = "kind,lambda_deg,incline_deg,belt_speed_m_s\n"
 PLAN = "[simulated]\nseed = 3\nct = 0.084\ncn = 1.2\nft0 = 0.14\nfn0 = 0.27\n"
 
 
@@ -170,60 +169,6 @@ def test_a_new_session_needs_answers_and_a_free_place(tmp_path, folder):
     assert calibrate(f"new {other} --template {folder}")[0] == 0
     assert load_setup(other).surface == "belt"
     assert "no session here" in calibrate(f"void {tmp_path} 1")[2]
-
-
-def test_the_sheet_to_type_into_takes_a_whole_session(folder, tmp_path):
-    with Journal(folder) as journal:
-        gait = "{ alpha_deg = 70, beta_deg = 75, omega_rad_s = 3.0 }"
-        journal.event("amend", detail=f"plan.gaits = [{gait}]")
-    path = tmp_path / "typed.csv"
-    assert calibrate(f"sheet {folder} --out {path}")[0] == 0
-    lines = [line.split(",") for line in path.read_text().splitlines()]
-    at = lines[0].index
-    empty = calibrate(f"add {folder} --sheet {path}")
-    assert (empty[0], "no line has a reading in it" in empty[2]) == (2, True)
-    read = {
-        "zero": {"incline_deg": "0,1", "reversed_deg": "0,3"},
-        "bend": {"between_links_deg": "148"},
-        "station": {"incline_deg": "2,5", "belt_speed_km_h": "1,8", "comment": "ok"},
-        "gait": {"distance_m": "1", "duration_s": "10"},
-    }
-    kinds = []
-    for line in lines[1:]:
-        if line[0] not in kinds[-1:] or line[0] == "gait":  # the rest stays empty
-            for name, text in read[line[0]].items():
-                line[at(name)] = text
-        kinds.append(line[0])
-    path.write_text("\r\n".join(";".join(line) for line in lines))
-    status, out, err = calibrate(f"add {folder} --sheet {path}")
-    assert status == 0, err
-    assert out.startswith("12 reading(s) added; 4 stations and 3 gait runs kept")
-    session = load_session(folder)
-    # A station's bend is what the protractor above it showed, not what was planned.
-    assert [round(math.degrees(r.lambda_rad), 3) for r in session.kept] == [0, 16, 16, 16]
-    assert session.kept[0].belt_speed_m_s == pytest.approx(0.5)
-    assert session.gait_runs[0].omega_rad_s == pytest.approx(3.0, rel=1e-5)
-    assert [round(math.degrees(z.zero_rad), 3) for z in session.zeros] == [0.2, 0.2]
-
-
-@pytest.mark.parametrize(
-    ("text", "says"),
-    [
-        ("station,0,2.3,0.4\n", "typed.csv:1: the first line must name the columns"),
-        ("kind,lambda_deg,belt_speed_m_s\nstation,0,1\n", "typed.csv:2: incline_deg is ''"),
-        ("kind,lambda_deg\nstation,0\n", "no line has a reading in it"),
-        (f"{HEAD}station,0,2,3,0.4\n", "parted by semicolons"),
-        (f"{HEAD}station,0,2.3,0.4\nhop,0,2,1\n", ":3: kind is"),
-        ("", "must name the columns"),
-    ],
-)
-def test_a_sheet_with_one_bad_row_adds_nothing(folder, tmp_path, text, says):
-    path = tmp_path / "typed.csv"
-    path.write_text(text)
-    before = (folder / "readings.csv").read_bytes()
-    status, _, err = calibrate(f"add {folder} --sheet {path}")
-    assert (status, says in err) == (2, True), err
-    assert (folder / "readings.csv").read_bytes() == before
 
 
 def test_a_mistyped_command_is_no_folder(tmp_path, monkeypatch):

@@ -1,6 +1,5 @@
 """Sessions on a floor through the commands: begun, pushed, killed, gone on with."""
 
-import math
 import re
 from dataclasses import replace
 
@@ -61,36 +60,6 @@ def test_a_session_is_begun_pushed_and_gone_on_with(tmp_path, tracks):
     told = run(f"fit {folder}", fails=True)
     assert "cn and fn0 cannot be told" in told
     assert "bend of 42 degrees" in told
-
-
-def test_the_sheet_of_a_floor_is_printed_typed_and_taken_in(tmp_path):
-    folder, page, typed = tmp_path / "s", tmp_path / "sheet.html", tmp_path / "typed.csv"
-    serpenoid(f"{NEW} {folder}", check=True)
-    for out in (page, typed):
-        serpenoid(f"calibrate sheet {folder} --out {out}", check=True)
-    text = page.read_text()
-    assert "Pushes, bend 42°" in text
-    assert "at either end shows 140°" in text
-    assert "nclinometer" not in text
-    head, *lines = (line.split(",") for line in typed.read_text().splitlines())
-    read = {
-        "bend": {"between_links_deg": "142"},
-        "coast": {"distance_m": "1.1", "duration_s": "2.4"},
-        "slide": {"incline_deg": "4", "distance_m": "1", "duration_s": "2.1"},
-    }
-    for line in lines[:11] + lines[-7:-6]:  # straight, two of the first bend, one slide
-        for name, value in read[line[0]].items():
-            line[head.index(name)] = value
-    typed.write_text("".join(",".join(line) + "\n" for line in (head, *lines)))
-    status, out, err = serpenoid(f"calibrate add {folder} --sheet {typed}")
-    assert status == 0, err
-    assert out.startswith("12 reading(s) added; 10 pushes")
-    pushes = load_session(folder).kept_pushes
-    assert [p.way for p in pushes] == ["there", "back"] * 5
-    # a bend is what the protractor above it showed
-    assert [round(math.degrees(p.lambda_rad), 3) for p in pushes] == [0] * 8 + [19, 19]
-    assert {p.bend for p in pushes[8:]} == {"balanced"}
-    assert len(load_session(folder).kept_slides) == 1
 
 
 def test_a_session_of_a_treadmill_goes_on_on_the_floor(tmp_path):

@@ -111,7 +111,7 @@ class BeltCheck(Taken):
             0.0,
             MAX_SPEED_M_S,
             open_low=True,
-            sheet=("belt_speed_km_h", "km/h"),
+            other_unit=("belt_speed_km_h", "km/h"),
         ),
         Field(
             "distance_m",

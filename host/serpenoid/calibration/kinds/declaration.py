@@ -64,7 +64,7 @@ class Field:
     it means to be beyond it. usual: what an empty answer means, or None. source: READ off by a
     person, PLANNED (the plan or the board tells it) or DERIVED from the others. attribute: of the
     reading, in SI; the column's name with `_rad` for `_deg` unless given. optional: the cell may be
-    empty. sheet: column and unit of the sheet to type into, where people use another unit.
+    empty. other_unit: column and unit that people may type instead.
     """
 
     column: str
@@ -78,7 +78,7 @@ class Field:
     source: str = READ
     attribute: str = ""
     optional: bool = False
-    sheet: tuple[str, str] | None = None
+    other_unit: tuple[str, str] | None = None
 
     @property
     def units(self) -> Units:

@@ -51,7 +51,7 @@ class GaitRun(Taken):
             1000.0,
             open_low=True,
             source=PLANNED,
-            sheet=("frequency_hz", "Hz"),
+            other_unit=("frequency_hz", "Hz"),
         ),
         Field(
             "distance_m",

@@ -18,7 +18,7 @@ from .slide import BreakAway, Slide
 from .station import Reading
 from .video import FilmReading
 
-# All kinds by their names, in the order of a session's sheet.
+# All kinds by their names, in the order in which a session takes them.
 KINDS: dict[str, type[Taken]] = {
     reading.kind: reading
     for reading in (

@@ -56,7 +56,7 @@ class Reading(Taken):
             "belt speed",
             0.0,
             MAX_SPEED_M_S,
-            sheet=("belt_speed_km_h", "km/h"),
+            other_unit=("belt_speed_km_h", "km/h"),
         ),
         Field(
             "turned_deg",

@@ -127,12 +127,6 @@ def shown_bend(session: Session, lambda_rad: float) -> float | None:
     return checks[-1].found_rad if checks[-1].bend == session.setup.procedure.bend else None
 
 
-def series_it_is_of(session: Session, reading: Reading) -> Series:
-    """Return the series that a reading belongs to, one of the plan's or another."""
-    bend = reading.bend if reading.lambda_rad else session.setup.procedure.bend
-    return Series(planned_bend(session, reading.lambda_rad), reading.facing, bend)
-
-
 def of_series(session: Session, series: Series) -> list[Any]:
     """Return the kept stations or pushes of one of the plan's bends, this way, bent as it says."""
     aim, bend = planned_bend(session, series.lambda_rad), session.setup.procedure.bend

@@ -20,10 +20,10 @@ from ..settings import quoted
 
 # Other names of columns, by which people type another unit: name -> column, unit.
 OTHER_UNITS = {
-    f.sheet[0]: (column, f.sheet[1])
+    f.other_unit[0]: (column, f.other_unit[1])
     for kind in KINDS.values()
     for column, f in kind.numbers().items()
-    if f.sheet
+    if f.other_unit
 }
 OTHER_UNITS |= {"incline_percent": ("incline_deg", "%"), "drift_km_h": ("drift_m_s", "km/h")}
 _NUMBER = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*(\S*)")

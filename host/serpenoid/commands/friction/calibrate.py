@@ -10,7 +10,7 @@ import click
 
 from ...model.errors import BadInput
 from ...show.screen import say
-from ..declare import PathType, Range, flag, option, out_file, refuse_typed
+from ..declare import PathType, Range, flag, option, refuse_typed
 from ..group import Commands
 from ..options import AS_JSON, doubt_robot, show_json
 from .calibrate_new import new
@@ -146,57 +146,24 @@ def _scripted(folder: Path, script: Path) -> None:
 
 @calibrate.command()
 @FOLDER
-@click.argument("kind", required=False)
+@click.argument("kind")
 @click.argument("cells", nargs=-1, metavar="NAME=VALUE...")
-@option("--sheet", "CSV of readings that were written down by hand.", type=TOML)
 @option("--replaces", "Number of the reading that this redoes.", default=0)
 @option("--comment", "What was odd.", default="")
 def add(
     folder: Path,
-    kind: str | None,
+    kind: str,
     cells: tuple[str, ...],
-    sheet: Path | None,
     replaces: int,
     comment: str,
 ) -> None:
-    """Add one reading, such as `station lambda_deg=0 incline_deg=2.3 belt_speed_m_s=1.6km/h`.
-
-    Or all of a sheet: --sheet readings.csv, with a column `kind` and those of the kinds.
-    """
+    """Add one reading, such as `station lambda_deg=0 incline_deg=2.3 belt_speed_m_s=1.6km/h`."""
     from ...calibration.taking.parse_number import read_cells
-    from ...calibration.taking.sheet import add_sheet
-    from .calibrate_person import count
 
-    if (sheet is None) is (kind is None):
-        raise click.UsageError("give KIND and NAME=VALUE, or --sheet FILE.csv")
     with _journal(folder) as journal:
-        if sheet is not None:
-            added, notes = add_sheet(journal, sheet)
-            for line in notes:
-                say(line, err=True)
-            return say(f"{added} reading(s) added; {count(journal.session)}")
-        assert kind is not None  # or there is a sheet
         values = read_cells(kind, cells, journal.session.setup)
         number = journal.add(kind, values, replaces=replaces, comment=comment)
     say(f"reading {number} is kept" + (f"; reading {replaces} is not" if replaces else ""))
-    return None
-
-
-@calibrate.command()
-@FOLDER
-@option(
-    "--out",
-    "Page to print on A4; or CSV to type it into.",
-    type=out_file(".html", ".csv"),
-    default=Path("sheet.html"),
-)
-def sheet(folder: Path, out: Path) -> None:
-    """Write a sheet to print and fill in by hand; `add --sheet` takes the readings in later."""
-    from ...show.session.sheet import write_sheet
-
-    write_sheet(_session(folder), out)
-    typed = f"type the readings into it, then: serpenoid calibrate add {folder} --sheet {out}"
-    say(f"wrote {out}; {typed if out.suffix == '.csv' else 'print it from a browser'}")
 
 
 @calibrate.command()

@@ -1,4 +1,4 @@
-"""A treadmill session with a person: terminal, robot, picture and page put together."""
+"""A treadmill session with a person: terminal, robot and page put together."""
 
 from __future__ import annotations
 
@@ -26,9 +26,8 @@ from ...model.robot import Robot
 from ...robot.robot_match import RobotMatch
 from ...robot.wire.link import Link
 from ...show.pages.server import Page
-from ...show.screen import at_terminal, say
+from ...show.screen import say
 from ...show.session.state import agreement, state_of
-from ...show.session.terminal_plot import picture, push_picture
 from ...video.measure_film import measure_film
 from ...video.pushed import track_pushes
 from ...video.reading import film_cells
@@ -68,7 +67,7 @@ def with_a_person(
         board = BY_HAND if robot is None else robot.greeting
         for line in begin(journal, people, board):
             console.say(line)
-        told = [_pictures(console)]
+        told = [_running_fit(console)]
         told += [] if watching is None else [watching]
         if with_page:
             page, keys = _page(stack, journal, robot, lan, console)
@@ -157,24 +156,14 @@ def _state(robot: SessionRobot) -> str:
     return "stopped" if robot.held else "holds" if robot.powered else "idle"
 
 
-def _pictures(console: Any) -> Any:
-    """Return a function that draws the session in text after each new station.
-
-    A push is drawn at a terminal only, a void one, too.
-    """
-    shown, drawn = -1, 0
+def _running_fit(console: Any) -> Any:
+    """Return a function that tells the fit after each new station or push."""
+    shown = -1
 
     def told(session: Session, step: Any) -> None:
-        nonlocal shown, drawn
-        pushes = session.of("coast")
-        if shown >= 0 and at_terminal():
-            for push in pushes[drawn:]:
-                console.say(push_picture(push))
-        drawn = len(pushes)
+        nonlocal shown
         kept = len(session.kept) + len(session.kept_pushes)
-        stations = picture(session) if kept != shown else ""
-        if shown >= 0 and (stations or (session.on_floor and kept != shown)):
-            console.say(stations)
+        if shown >= 0 and kept != shown:
             console.say(_so_far(session))
         shown = kept
 

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from ...show.screen import say
 from ..declare import EXISTING, FOLDER, Range, flag, number, option
-
-if TYPE_CHECKING:
-    from ...calibration.taking.journal import Journal
 
 
 @click.command()
@@ -79,15 +75,4 @@ def push(
             kept = take_track(journal, path, unit, cells, film)
             for one in kept:
                 say(one.in_words())
-                _draw(journal, one.number)
             way = way_after(kept, way)
-
-
-def _draw(journal: Journal, number: int) -> None:
-    """Draw a push, for a person at a terminal."""
-    from ...show.screen import at_terminal
-    from ...show.session.terminal_plot import push_picture
-
-    if at_terminal():
-        push = next(p for p in journal.session.of("coast") if p.number == number)
-        say(push_picture(push))

@@ -1,1 +1,1 @@
-"""A calibration session shown: report, table, sheet, pictures in terminal, window and page."""
+"""A calibration session shown: report, table, pictures and page."""
