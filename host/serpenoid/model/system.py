@@ -16,7 +16,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from _typeshed import HasFileno
@@ -36,13 +36,35 @@ def signals(*names: str) -> tuple[signal.Signals, ...]:
     return tuple(getattr(signal, name) for name in names if hasattr(signal, name))
 
 
-ENDING = signals("SIGTERM", "SIGHUP", "SIGBREAK")  # they would kill without a word
+ENDING = signals("SIGTERM", "SIGHUP", "SIGQUIT", "SIGBREAK")  # they would kill without a word
 SUSPENDING = signals("SIGTSTP")  # Ctrl-Z
 
 
-def suspend() -> None:
-    """Suspend this program until it is told to go on."""
+class _Terminal(NamedTuple):
+    """A terminal that gives single keys: its attributes before, and those for keys."""
+
+    fd: int
+    before: list[Any]
+    keys: list[Any]
+
+
+_single_keys: list[_Terminal] = []
+
+
+def suspend(*_: object) -> None:
+    """Suspend this program until it is told to go on; its terminal is meanwhile as it was."""
+    for terminal in _single_keys:
+        _set_terminal(terminal.fd, terminal.before)
     signal.raise_signal(signal.SIGSTOP)  # SIGTSTP does nothing without a shell above
+    for terminal in _single_keys:
+        _set_terminal(terminal.fd, terminal.keys)
+
+
+def _set_terminal(fd: int, attributes: list[Any]) -> None:
+    import termios
+
+    with suppress(termios.error):  # it may be gone
+        termios.tcsetattr(fd, termios.TCSANOW, attributes)
 
 
 def lock(fd: int) -> bool:
@@ -66,22 +88,28 @@ def lock(fd: int) -> bool:
 
 @contextmanager
 def single_keys() -> Iterator[None]:
-    """Let the terminal at standard input give each key at once, unseen; Ctrl-Z is off."""
+    """Let the terminal at standard input give each key at once, unseen, but while suspended."""
     try:
         import termios
     except ImportError:  # Windows gives single keys anyway
         yield
         return
     fd = sys.stdin.fileno()
-    before = termios.tcgetattr(fd)
-    raw = termios.tcgetattr(fd)
-    raw[3] &= ~(termios.ICANON | termios.ECHO)
-    raw[6][termios.VSUSP] = b"\0"
-    termios.tcsetattr(fd, termios.TCSADRAIN, raw)
+    before, keys = termios.tcgetattr(fd), termios.tcgetattr(fd)
+    keys[3] &= ~(termios.ICANON | termios.ECHO)
+    _single_keys.append(_Terminal(fd, before, keys))
+    in_main = threading.current_thread() is threading.main_thread()
+    suspends = in_main and signal.getsignal(signal.SIGTSTP) is signal.SIG_DFL
+    if suspends:
+        signal.signal(signal.SIGTSTP, suspend)
+    _set_terminal(fd, keys)
     try:
         yield
     finally:
-        termios.tcsetattr(fd, termios.TCSADRAIN, before)
+        _set_terminal(fd, before)
+        _single_keys.pop()
+        if suspends:
+            signal.signal(signal.SIGTSTP, signal.SIG_DFL)
 
 
 def read_input(timeout_s: float) -> bytes | None:

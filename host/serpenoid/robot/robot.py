@@ -55,11 +55,11 @@ class RobotBoard:
     unattended_s: if the program calls nothing for so long (iterating frames() counts as calling),
     it is taken to hang: the robot is stopped and the next call raises.
 
-    When the block ends, also by an exception, Ctrl-C, SIGTERM or SIGHUP, and before Ctrl-Z suspends
-    the program, the robot is stopped first. If the board did not confirm that, StopUnconfirmed is
-    raised; beside an error of the program itself it is a warning. Signals are caught in the main
-    thread only: elsewhere, after a kill, the board's own silence time has to do. A fork of the
-    process cannot use the robot.
+    When the block ends, also by an exception, Ctrl-C, SIGQUIT, SIGTERM or SIGHUP, and before Ctrl-Z
+    suspends the program, the robot is stopped first. If the board did not confirm that,
+    StopUnconfirmed is raised; beside an error of the program itself it is a warning. Signals are
+    caught in the main thread only: elsewhere, after a kill, the board's own silence time has to
+    do. A fork of the process cannot use the robot.
 
     Opening raises PortMissing, PortBusy, NoAnswer or ProtocolMismatch; any call may raise
     RobotLost (unplugged or hung), RobotReset (it started again), StateUnasked (it left the motion
@@ -258,8 +258,9 @@ class RobotBoard:
     def frames(self, duration_s: float | None = None) -> Iterator[Telemetry]:
         """Iterate over the frames that come from now on, for a time in s or without end.
 
-        Frames wait for a slow program, up to five minutes of them; older ones are then counted
-        in losses.unread_frames. Iterating keeps the robot going.
+        Frames wait for a slow program, up to five minutes of them; older ones, and those that
+        wait when the time is over, are counted in losses.unread_frames. Iterating keeps the robot
+        going; leaving the block, or stop(), ends its motion.
         """
         if duration_s is not None:
             check_number("duration_s", duration_s, 0.0)

@@ -15,12 +15,11 @@ _WATCHED = (signal.SIGINT, *system.ENDING, *system.SUSPENDING)
 class SignalGuard:
     """Call `stop` at once on a signal, then let it do what it did before.
 
-    SIGTERM and SIGHUP, which would kill, raise SystemExit instead, so that `with` blocks are
-    left in order. Ctrl-Z (SIGTSTP) suspends; `resumed` is called when that is over. A
-    signal that is ignored stays ignored. While `held` is set, and at the start of
-    the functions `leaving`, which set it, signals are kept for restore(): an impatient second
-    Ctrl-C cannot cut the stopping short. Outside the main thread Python allows no handlers, and
-    this does nothing.
+    SIGTERM, SIGHUP and SIGQUIT, which would kill, raise SystemExit instead, so that `with` blocks
+    are left in order. Ctrl-Z (SIGTSTP) suspends; `resumed` is called when that is over. A signal
+    that is ignored stays ignored. While `held` is set, and at the start of the functions
+    `leaving`, which set it, signals are kept for restore(): an impatient second Ctrl-C cannot cut
+    the stopping short. Outside the main thread Python allows no handlers, and this does nothing.
     """
 
     def __init__(
@@ -49,13 +48,10 @@ class SignalGuard:
     def restore(self, *, forget: bool = False) -> None:
         """Restore the handlers, and send the signal that was kept unless it is to be dropped."""
         try:
-            while self._before:
-                number = next(reversed(self._before))  # SIGINT last: until then it is kept
-                signal.signal(number, self._before[number])
-                del self._before[number]
-        except BaseException:  # another signal came, whose own handler raised
-            self.restore(forget=True)
-            raise
+            for number, before in reversed(self._before.items()):  # SIGINT last: it is kept so far
+                signal.signal(number, before)
+        finally:  # where the handler of another signal raised, those that are left act at once
+            self.held = False
         kept, self._kept = self._kept, None
         if kept is not None and not forget:
             signal.raise_signal(kept)

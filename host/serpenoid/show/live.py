@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -34,15 +35,29 @@ def view(band: SpeedBand | None = None) -> Iterator[View]:
         yield _thinned(FRAMES_A_LINE, lambda run, frame: print(line(run, frame), flush=True))
         return
     with Live(console=console, auto_refresh=False) as live:
-        yield _thinned(
-            FRAMES_A_TABLE,
-            lambda run, frame: live.update(tables(run, frame, band), refresh=True),
-        )
+
+        def show(run: DrivenRun, frame: Telemetry) -> None:
+            if not console.is_terminal:  # rich would go on without a word
+                raise OSError(errno.EIO, "the terminal was closed")
+            live.update(tables(run, frame, band), refresh=True)
+
+        yield _thinned(FRAMES_A_TABLE, show)
 
 
-def _thinned(frames: int, show: Callable[..., None]) -> View:
-    """Return what shows a run and its latest frame, of so many one."""
-    return lambda run: show(run, run.last) if run.frames % frames == 1 else None
+def _thinned(frames: int, show: Callable[[DrivenRun, Telemetry], None]) -> View:
+    """Return what shows a run and its latest frame, of so many one, and none that is outdated.
+
+    So a slow terminal shows fewer of them, and what it shows is true.
+    """
+    shown = 0
+
+    def watch(run: DrivenRun) -> None:
+        nonlocal shown
+        if run.last is not None and run.last is run.robot.latest and run.frames > shown:
+            shown = run.frames + frames - 1
+            show(run, run.last)
+
+    return watch
 
 
 def line(run: DrivenRun, frame: Telemetry) -> str:
@@ -81,7 +96,10 @@ def show_summary(summary: Summary, band: SpeedBand | None = None) -> None:
     rows = [
         ("board", f"{summary.board}, firmware {summary.firmware}"),
         ("driven", f"{summary.duration_s:.2f} s"),
-        ("frames", f"{summary.frames}, missed {summary.missed_frames}"),
+        (
+            "frames",
+            f"{summary.frames}, missed {summary.missed_frames}, unread {summary.unread_frames}",
+        ),
         (
             "damaged lines",
             f"{summary.damaged_lines}, commands sent again {summary.resent_commands}",

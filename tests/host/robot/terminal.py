@@ -15,16 +15,16 @@ from robot.patience import LONG_S
 
 
 class Person:
-    """Run `serpenoid LINE` behind a terminal; `before` is how the terminal was set."""
+    """Run `serpenoid LINE` or a command behind a terminal; `before` is how that was set."""
 
-    def __init__(self, line: str):
-        self._master, self._slave = pty.openpty()
+    def __init__(self, line: str | list[str]):
+        self.master, self._slave = pty.openpty()
         self.before = termios.tcgetattr(self._slave)
+        name = os.ttyname(self._slave)  # who opens it first is reached by its Ctrl-C
+        command = program(line) if isinstance(line, str) else line
         self.process = subprocess.Popen(
-            program(line),
-            stdin=self._slave,
-            stdout=self._slave,
-            stderr=self._slave,
+            ["sh", "-c", f'exec "$@" <{name} >{name} 2>&1', "sh", *command],
+            stdin=subprocess.DEVNULL,
             start_new_session=True,
             env={k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")},
         )
@@ -37,8 +37,14 @@ class Person:
         if self.process.poll() is None:
             self.process.kill()
             self.process.wait()
-        os.close(self._master)
+        self.closes()
         os.close(self._slave)
+
+    def closes(self) -> None:
+        """Close the terminal's window."""
+        if self.master >= 0:
+            os.close(self.master)
+        self.master = -1
 
     def sees(self, text: str, most_s: float = LONG_S) -> str:
         """Wait until the screen has shown a text since the last call; return what came."""
@@ -46,8 +52,8 @@ class Person:
         while text not in self.screen:
             if time.monotonic() > end:
                 raise AssertionError(f"no {text!r} in {self.screen!r}")
-            if select.select([self._master], [], [], 0.05)[0]:
-                self.screen += os.read(self._master, 4096).decode("utf-8", "replace")
+            if select.select([self.master], [], [], 0.05)[0]:
+                self.screen += os.read(self.master, 4096).decode("utf-8", "replace")
         seen, _, self.screen = self.screen.partition(text)
         return seen + text
 
@@ -57,7 +63,7 @@ class Person:
         self.presses(keys)
 
     def presses(self, keys: str) -> None:
-        os.write(self._master, keys.encode())
+        os.write(self.master, keys.encode())
 
     def sends(self, number: signal.Signals) -> None:
         self.process.send_signal(number)
@@ -66,8 +72,8 @@ class Person:
         """Wait for the command's end, reading on; return its exit status."""
         end = time.monotonic() + most_s
         while self.process.poll() is None and time.monotonic() < end:
-            if select.select([self._master], [], [], 0.02)[0]:
-                self.screen += os.read(self._master, 4096).decode("utf-8", "replace")
+            if select.select([self.master], [], [], 0.02)[0]:
+                self.screen += os.read(self.master, 4096).decode("utf-8", "replace")
         return self.process.wait(1)
 
     @property

@@ -94,7 +94,7 @@ def test_a_stop_is_confirmed_before_bye():
         assert [w for w in tail if w][-3:] == [b"!", b"stop", b"bye"]
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT])
 @pytest.mark.parametrize("case", range(2))
 def test_a_signal_at_any_moment_stops_the_robot(number, case):
     moment = random.Random(f"{number}{case}")

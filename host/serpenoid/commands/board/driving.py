@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import time
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import serpenoid as sn
 
+from ...model.errors import RobotUnattended
 from ...robot.robot_match import RobotMatch
-from ...robot.tools.driven_run import DrivenRun
+from ...robot.tools.driven_run import UNATTENDED_S, DrivenRun
 from ...show.live import View, show_summary, view
 from ...show.screen import say
 from ..options import describe, interruptible, preset_robot, show_json, warn_of_another_motion
@@ -89,13 +91,24 @@ def _predicted(
 
 def _watch(run: DrivenRun, duration_s: float | None, shows: list[View]) -> bool:
     """Drive; return whether Ctrl-C or the page ended it."""
+    shown_in_s = 0.0
 
     def show(now: DrivenRun) -> None:
+        nonlocal shown_in_s
+        begun_s = time.monotonic()
         for one in shows:
             one(now)
+        shown_in_s = time.monotonic() - begun_s
 
     try:
         run.run(duration_s, show)
+    except RobotUnattended as error:
+        if shown_in_s < 0.5 * UNATTENDED_S:  # something else held the program up
+            raise
+        raise RobotUnattended(
+            f"the terminal took nothing for {UNATTENDED_S:g} s, so the robot was stopped; Ctrl-S "
+            "halts a terminal and Ctrl-Q lets it go on: start again, or pipe the output to a file"
+        ) from error
     except KeyboardInterrupt:
         if run.last is None:
             raise

@@ -16,9 +16,7 @@ from ...model.errors import BadInput, RecordingFailed
 
 TITLE = "# serpenoid wire 1"
 COLUMNS = "# seconds since the start, < from or > to the board, the line with its CRC"
-MOST_WAITING = 60_000  # rows: some fifteen minutes of a run, 10 MB
-KEEP_UP_S = 0.01  # a disk that takes longer for a row is stalled: nobody waits for it then
-OPEN_S = CLOSE_S = 2.0
+OPEN_S = CLOSE_S = 2.0  # for the disk to take the first row, and all that waits at the end
 
 
 @dataclass
@@ -35,18 +33,16 @@ class Recorder:
     """Write every line of a run to a file within milliseconds; a stalled disk stops nothing.
 
     Each row is `SECONDS < LINE` or `SECONDS > LINE`; bytes that are not printable are escaped
-    as in Python. `# lost: N lines` stands where a stalled disk took none and too many waited
-    already. The last row, `# end: ...`, says how the run ended. Raises BadInput for a file that
-    has content already, RecordingFailed when the disk takes no more. Safe from any thread; with
-    wait=False from a signal handler, too.
+    as in Python. The last row, `# end: ...`, says how the run ended. Raises BadInput for a file
+    that has content already, RecordingFailed when the disk takes no more. Safe from any thread
+    and from a signal handler: rows wait in memory, some 40 MB for an hour.
     """
 
     def __init__(self, path: Path, start_s: float):
         self.path = path
         self._start_s = start_s
         self._queue: queue.SimpleQueue[Row | None] = queue.SimpleQueue()
-        self._gap = self._lost = 0
-        self._stalled = self._closed = False
+        self._closed = False
         self._failure: RecordingFailed | None = None
         self._progress = threading.Condition()
         self._process = os.getpid()
@@ -68,23 +64,12 @@ class Recorder:
         if not self._wait(head, OPEN_S) or self._failure:
             raise self._failure or self._failed(f"it took nothing for {OPEN_S:g} s")
 
-    def line(self, host_s: float, direction: str, line: bytes, *, wait: bool = True) -> None:
-        """Add one line; direction is `<` or `>`. After close(), or on a full queue, it is lost."""
+    def line(self, host_s: float, direction: str, line: bytes) -> None:
+        """Add one line; direction is `<` or `>`. After close() it is lost."""
         if self._failure:
             raise self._failure
-        if self._closed:
-            return
-        if self._queue.qsize() >= MOST_WAITING:
-            with self._progress:  # reader, pinger and program may come at once
-                self._gap += 1
-            return
-        self._tell_gap()
-        row = Row(direction, line, host_s)
-        self._queue.put(row)
-        if wait:
-            self._stalled = not self._wait(row, 0.0 if self._stalled else KEEP_UP_S)
-        if self._failure:
-            raise self._failure
+        if not self._closed:
+            self._queue.put(Row(direction, line, host_s))
 
     def close(self, how: str = "closed") -> None:
         """Say how the run ended and close the file; harmless when done twice.
@@ -95,7 +80,6 @@ class Recorder:
             return
         self._closed = True
         atexit.unregister(self._at_exit)
-        self._tell_gap()
         end = Row(f"# end: {how}")
         self._queue.put(end)
         self._queue.put(None)
@@ -103,8 +87,9 @@ class Recorder:
             self._thread.join(CLOSE_S)
         if self._failure:
             raise self._failure
-        if lost := self._lost + (0 if end.written else self._queue.qsize()):
-            raise self._failed(f"the disk stalled, and {lost} rows could not be written")
+        if not end.written:
+            rows = self._queue.qsize()
+            raise self._failed(f"the disk stalled, and {rows} rows could not be written")
 
     def discard(self) -> None:
         """Remove the recording of a run that never began, so that its name is free again."""
@@ -118,13 +103,6 @@ class Recorder:
         if os.getpid() == self._process:
             with suppress(RecordingFailed):
                 self.close("the program ended without leaving the robot")
-
-    def _tell_gap(self) -> None:
-        with self._progress:
-            gap, self._gap = self._gap, 0
-        if gap:
-            self._lost += gap
-            self._queue.put(Row(f"# lost: {gap} lines"))
 
     def _wait(self, row: Row, most_s: float) -> bool:
         """Wait until a row, and all before it, is written; return whether it is."""

@@ -34,7 +34,6 @@ _COLUMNS = {  # what is kept of each frame, with the type codes of array.array
     "pulse_us": "q",
 }
 _ROW = re.compile(rb"(\d{1,12}(?:\.\d{1,9})?) ([<>]) (.*)", re.DOTALL)
-BACKWARDS_S = 0.01  # between lines that threads wrote a moment apart, as versions before 0.2 did
 
 
 @dataclass(frozen=True)
@@ -47,8 +46,7 @@ class Stream:
     PROTOCOL.md. sent, said: all lines to the board, and those from it that are not telemetry, as
     (host_s, text).
     damaged: lines from the board that cannot be trusted: a wrong CRC, too many bytes, a clock that
-    hops, another number of joints. lost: lines that a stalled disk did not take. end: how the run
-    ended, None if it was cut off.
+    hops, another number of joints. end: how the run ended, None if it was cut off.
     """
 
     begun: str
@@ -65,7 +63,6 @@ class Stream:
     sent: tuple[tuple[float, str], ...]
     said: tuple[tuple[float, str], ...]
     damaged: int
-    lost: int
     end: str | None
 
 
@@ -105,7 +102,7 @@ class _Reading:
         self._states: dict[str, int] = {}
         self._sent: list[tuple[float, str]] = []
         self._said: list[tuple[float, str]] = []
-        self._damaged = self._lost = 0
+        self._damaged = 0
         self._greeted = False
         self._end: str | None = None
         self._begin_frames(0)
@@ -140,15 +137,12 @@ class _Reading:
             sent=tuple(self._sent),
             said=tuple(self._said),
             damaged=self._damaged,
-            lost=self._lost,
             end=self._end,
         )
 
     def _note(self, text: str) -> None:
         if text.startswith("# end: "):
             self._end = text.removeprefix("# end: ")
-        elif text.startswith("# lost: "):
-            self._lost += int(text.split()[2])
 
     def _parts(self, row: bytes) -> tuple[float, str, bytes]:
         parts = _ROW.fullmatch(row)
@@ -156,9 +150,9 @@ class _Reading:
             raise ValueError("it is not `SECONDS < LINE` or `SECONDS > LINE`")
         seconds, direction, text = parts.groups()
         host_s = float(seconds)
-        if host_s < self._last_s - BACKWARDS_S:
+        if host_s < self._last_s:
             raise ValueError(f"time is {seconds.decode()} after {self._last_s}: it runs backwards")
-        self._last_s = max(self._last_s, host_s)
+        self._last_s = host_s
         if len(row) == LONGEST_ROW:  # cut, perhaps amid an escaped byte
             text = b""
         return host_s, direction.decode(), text.decode("unicode_escape").encode("latin-1")

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ...model.gait import Gait
 
 SILENCE_S = 2.0
+UNATTENDED_S = 2.0  # a watch that takes longer, as on a halted terminal, stops the robot
 MOST_MISSED = 0.1  # of the frames due: of a run that has lost more, little can be said
 UNDERWAY_S = 0.3  # frames that a busy computer may not have taken in at the end
 
@@ -26,11 +27,11 @@ UNDERWAY_S = 0.3  # frames that a busy computer may not have taken in at the end
 class Summary:
     """The summary of a run.
 
-    frames: that arrived; missed, damaged and resent: as in Losses. latest_us: the latest frame.
-    clipped_frames: in which a joint was held back at a limit or at the servos' speed, and missed
-    the gait. drift_ppm: board's clock against this computer's, with its s.d. frequency_hz: of the
-    settled gait in this computer's seconds, with its s.d.; None where the board's clock is
-    unbelievable.
+    frames: that were looked at; missed, unread, damaged and resent: as in Losses. latest_us: the
+    latest frame. clipped_frames: in which a joint was held back at a limit or at the servos'
+    speed, and missed the gait. drift_ppm: board's clock against this computer's, with its s.d.
+    frequency_hz: of the settled gait in this computer's seconds, with its s.d.; None where the
+    board's clock is unbelievable.
     """
 
     board: str
@@ -38,6 +39,7 @@ class Summary:
     duration_s: float
     frames: int
     missed_frames: int
+    unread_frames: int
     damaged_lines: int
     resent_commands: int
     latest_us: int
@@ -60,7 +62,7 @@ class DrivenRun:
     ):
         self.gait = gait
         self.match, self.halted = match, False
-        self.robot = RobotBoard(port, record=record)
+        self.robot = RobotBoard(port, record=record, unattended_s=UNATTENDED_S)
         self.first: Telemetry | None = None
         self.last: Telemetry | None = None
         self.frames = self.latest_us = self.clipped_frames = 0
@@ -130,6 +132,7 @@ class DrivenRun:
             self.elapsed_s,
             self.frames,
             losses.missed_frames,
+            losses.unread_frames,
             losses.damaged_lines,
             losses.resent,
             self.latest_us,
@@ -144,10 +147,11 @@ class DrivenRun:
     def _check_frames(self, duration_s: float) -> None:
         """Raise FramesMissing if many of a time's frames did not come, the last ones too."""
         due = (duration_s - UNDERWAY_S) * 1e6 / self.robot.hello.frame_us
-        missed = max(self.robot.losses.missed_frames, math.ceil(due) - self.frames)
-        if missed >= MOST_MISSED * (self.frames + missed):
+        came = self.frames + self.robot.losses.unread_frames
+        missed = max(self.robot.losses.missed_frames, math.ceil(due) - came)
+        if missed >= MOST_MISSED * (came + missed):
             raise FramesMissing(
-                f"{self.frames} frames came and {missed} did not; use a shorter or better USB "
+                f"{came} frames came and {missed} did not; use a shorter or better USB "
                 "cable, and no hub; `serpenoid doctor` counts what is lost"
             )
 

@@ -63,7 +63,7 @@ class Dialogue:
     def __init__(
         self,
         link: Link,
-        record: Callable[..., None] | None,
+        record: Callable[[float, str, bytes], None] | None,
         unattended_s: float,
         listen: Callable[[bytes], None] = lambda _: None,
     ):
@@ -174,7 +174,11 @@ class Dialogue:
             self.inbox.unread.clear()
 
     def next_frame(self, until_s: float) -> Telemetry | None:
-        """Return the next frame, or None at the host's time until_s; keeps the board awake."""
+        """Return the next frame, or None at the host's time until_s; keeps the board awake.
+
+        The time and the board come before frames that wait: a program that is slower than the
+        frames ends in time, and is told of a reset at once.
+        """
         unread = self.inbox.unread
         while True:
             self._attend()
@@ -182,7 +186,10 @@ class Dialogue:
                 self._ping_if_quiet()
             now_s = self.link.now_s()
             with self._changed:  # kept between the look and the taking
-                if self.wait(lambda: bool(unread), min(until_s, now_s + self._ping_s)):
+                self._check()
+                if now_s >= until_s:
+                    self.inbox.drop_unread()
+                elif self.wait(lambda: bool(unread), min(until_s, now_s + self._ping_s)):
                     return unread.popleft()
             self._check_telemetry()
             if now_s >= until_s:
@@ -250,13 +257,13 @@ class Dialogue:
         self.link.write(data)
         for line in data.split(b"\n"):
             if line:
-                self._record(self.link.now_s(), ">", line, wait=data is not STOP)
+                self._record(self.link.now_s(), ">", line)
 
-    def _record(self, host_s: float, direction: str, line: bytes, *, wait: bool = True) -> None:
+    def _record(self, host_s: float, direction: str, line: bytes) -> None:
         if not self._record_line:
             return
         try:
-            self._record_line(host_s, direction, line, wait=wait)
+            self._record_line(host_s, direction, line)
         except RobotError as error:
             self._record_line = None
             raise self._fail(error) from error

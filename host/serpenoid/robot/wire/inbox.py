@@ -22,7 +22,8 @@ CHANGES_CADENCE = ("set every ", "set silence ", "load", "defaults")
 class Losses:
     """What did not arrive whole: damaged lines, frames that never came or came twice.
 
-    unread_frames: dropped here because the program iterated too slowly. resent: commands that
+    unread_frames: dropped here because the program iterated too slowly, or still waiting when the
+    time of frames() was over. resent: commands that
     were sent again for want of a verdict.
     """
 
@@ -95,6 +96,11 @@ class Inbox:
         self.in_session, self._session_s = True, host_s
         self.clock, self.losses, self.latest = BoardClock(self.frame_us), Losses(), None
         self._counted, self.quiet_s = None, 0.0
+        self.unread.clear()
+
+    def drop_unread(self) -> None:
+        """Count the frames that wait as unread, and drop them."""
+        self.losses.unread_frames += len(self.unread)
         self.unread.clear()
 
     def take(self, line: bytes, host_s: float) -> None:
