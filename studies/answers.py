@@ -239,7 +239,7 @@ def acceleration(r: Random) -> Answer:
     torque = sn.TorqueDrive([r.uniform(-0.05, 0.05) for _ in range(robot.links - 1)])
     drive = r.choice((torque, sn.AngleDrive.of(robot, gait, 0.2)))
     how = r.choice(("explicit", "implicit")) if drive is torque else "explicit"
-    found = sn.acceleration(robot, ground, state, drive=drive, formulation=how, smoothing_m_s=1e-3)
+    found = sn.acceleration(robot, ground, state, drive=drive, formulation=how)
     size = max(abs(v) for v in found.alpha_rad_s2)
     return {f"alpha_rad_s2 {k}": [float(v), 1e-10 * size] for k, v in enumerate(found.alpha_rad_s2)}
 
@@ -261,14 +261,12 @@ RUNS: tuple[dict[str, Any], ...] = (
 
 
 def run(how: str) -> Callable[[Random], Answer]:
-    """Return the case of a run of two periods: viscous, dry by its law, or dry smoothed."""
+    """Return the case of a run of two periods: viscous, dry by its law"""
 
     def case(r: Random, number: int) -> Answer:
         robot, ground, gait = parts(r, "viscous" if how == "viscous" else "dry")
         robot = sn.Robot(r.choice((3, 4, 6)), robot.link_mass_kg, robot.link_length_m)
         fields = {"duration_s": 4 * math.pi / gait.omega_rad_s, **RUNS[number % len(RUNS)]}
-        if how == "smoothed":
-            fields["smoothing_m_s"] = 0.01
         if fields.get("drive") == "torque":
             rows = [[r.uniform(-1, 1) * 0.02 for _ in range(robot.links - 1)] for _ in range(6)]
             times = [k * fields["duration_s"] / 5 for k in range(6)]
@@ -489,7 +487,6 @@ KINDS = {
     "acceleration": Kind(10, acceleration),
     "run-viscous": Kind(12, run("viscous"), 1e-6, True),
     "run-dry": Kind(12, run("dry"), 1e-6, True),
-    "run-smoothed": Kind(12, run("smoothed"), 1e-6, True),
     "extreme": Kind(20, extreme, 1e-6, True),
     "fit": Kind(40, fit("joint"), 0.0, True),
     "fit-crawls": Kind(4, crawls, 0.0, True),

@@ -55,16 +55,14 @@ def closed_links(p: Params, q: Array, qdot: Array) -> tuple[Array, Array]:
     return np.column_stack([centres, q[2:]]), np.column_stack([speeds, qdot[2:]])
 
 
-def friction(p: Params, theta: Array, velocity: Array, signs: Array | None = None) -> Array:
+def friction(p: Params, theta: Array, velocity: Array) -> Array:
     """Return the friction force on each link (n, 2), opposing motion: f = -(C v + F_0 sgn v).
 
-    `signs` (n, 2), tangential then normal, replaces sgn v. Along a link C and F_0 go over from
-    those backwards to those forwards as the sign does.
+    Along a link C and F_0 forwards differ from those backwards on ratchet wheels.
     """
     tangent, normal = axes(theta)
     vt, vn = np.sum(velocity * tangent, -1), np.sum(velocity * normal, -1)
-    if signs is None:
-        signs = np.stack([np.sign(vt), np.sign(vn)], -1)
+    signs = np.stack([np.sign(vt), np.sign(vn)], -1)
     ct, ft0 = (
         (ahead + back) / 2 + (ahead - back) / 2 * signs[:, 0]
         for ahead, back in zip((p.ct, p.ft0), p.backwards, strict=True)
@@ -106,7 +104,6 @@ def evaluate(
     driven: Array | None = None,
     spring: Spring | None = None,
     gap_rate: Array | None = None,
-    signs: Array | None = None,
     rotor: Array | float = 0.0,
 ) -> Motion:
     """Return the motion of links with pose and rates (n, 3), joints pinned or on springs.
@@ -120,7 +117,7 @@ def evaluate(
     n = p.links
     driven = np.full(n - 1, torque is None) if driven is None else driven
     torque = np.zeros(n - 1) if torque is None else np.where(driven, 0.0, torque)
-    ground = friction(p, pose[:, 2], rates[:, :2], signs)
+    ground = friction(p, pose[:, 2], rates[:, :2])
     load = np.zeros((n, 3))
     load[:, :2] = ground + p.mass_kg * np.asarray(p.gravity_m_s2)
     gaps, drift = gap_rows(p, pose, rates)

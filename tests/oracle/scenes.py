@@ -186,14 +186,9 @@ class SlowScene:
         if self.scene.servo is not None:
             sound = [j not in self.scene.limp for j in range(1, self.p.links)]
             joints["rotor"] = np.where(sound, self.scene.servo.armature_kg_m2, 0.0)
-        signs = None
-        if self.scene.smoothing_m_s > 0:
-            axes = np.stack(dense.axes(pose[:, 2]), 1)  # (n, 2, 2)
-            slip = np.einsum("nad,nd->na", axes, rates[:, :2])
-            signs = slip / np.sqrt(slip**2 + self.scene.smoothing_m_s**2)
         if not self.pinned:
             joints |= {"spring": self.spring, "gap_rate": self.held_gap_rate}
-        return dense.evaluate(self.p, pose, rates, **joints, signs=signs), pose, rates
+        return dense.evaluate(self.p, pose, rates, **joints), pose, rates
 
     def rate(self, t_s: float, y: Array) -> Array:
         """Return y': rates, accelerations, and the powers of joints, friction, dampers, servos."""

@@ -21,8 +21,8 @@ struct ChainForce {
 
 template <class Law, class Plane>
 struct GroundForce final : ChainForce {
-    GroundForce(const Ground& g, double smoothing, const Slope& s, double m)
-        : law(g, smoothing), weight_x(m * s.gx), weight_y(m * s.gy) {}
+    GroundForce(const Ground& g, const Slope& s, double m)
+        : law(g), weight_x(m * s.gx), weight_y(m * s.gy) {}
 
     struct Pair {
         double x, y;

@@ -8,10 +8,7 @@ namespace serpenoid {
 
 void evaluate(const RunRequest& q, const double* joint_acceleration, Chain& chain, Joints& joints) {
     chain.directions();
-    if (q.smoothing > 0)
-        GroundForce<SmoothedRatchet, Flat>(q.ground, q.smoothing, {}, 0)(chain);
-    else
-        GroundForce<Ratchet, Flat>(q.ground, 0, {}, 0)(chain);
+    GroundForce<Ratchet, Flat>(q.ground, {}, 0)(chain);
     const std::vector<char> imposed(q.robot.n - 1, q.drive == Drive::angle);
     std::vector<double> rotor(q.robot.n - 1), scratch(q.robot.n);
     if (q.formulation == Formulation::explicit_) {

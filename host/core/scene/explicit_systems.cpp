@@ -55,7 +55,7 @@ template <class Force>
 class ExplicitAngleOn final : public ExplicitAngle {
   public:
     explicit ExplicitAngleOn(const RunRequest& q)
-        : ExplicitAngle(q), force(q.ground, q.smoothing, q.slope, q.robot.m) {}
+        : ExplicitAngle(q), force(q.ground, q.slope, q.robot.m) {}
 
     // One pass over the links that keeps nothing: everything else would be for the record.
     void rate(double t, const double* y, double* dy) override {

@@ -16,7 +16,7 @@ struct MethodKind {
     const char* formulations = "explicit implicit";
     const char* adaptive = "";  // formulations in which it picks its steps; in the others dt_s
     const char* drives = "angle torque servo";
-    const char* laws = "viscous smoothed dry";
+    const char* laws = "viscous dry";
     const char* records = "joints friction energy";  // beside the motion
     bool plain = false;           // all joints must follow the gait, on the level
     bool faults = true;           // runs with limp or locked joints
@@ -29,7 +29,7 @@ struct MethodKind {
 inline constexpr MethodKind kMethods[] = {
     {.name = "rk4", .order = 4},
     {.name = "paper", .order = 1, .formulations = "implicit", .holds_dampers = true},
-    {.name = "dop853", .order = 8, .adaptive = "explicit implicit", .laws = "viscous smoothed"},
+    {.name = "dop853", .order = 8, .adaptive = "explicit implicit", .laws = "viscous"},
     {.name = "collocation",
      .order = 7,
      .formulations = "explicit",
@@ -42,7 +42,7 @@ inline constexpr MethodKind kMethods[] = {
      .order = 5,
      .formulations = "implicit",
      .adaptive = "implicit",
-     .laws = "viscous smoothed",
+     .laws = "viscous",
      .faults = false},
     {.name = "nonsmooth",
      .order = 2,

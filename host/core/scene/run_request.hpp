@@ -25,7 +25,6 @@ struct RunRequest {
     Slope slope{};
     Formulation formulation = Formulation::explicit_;
     JointSpring spring{1e3, 1.0};
-    double smoothing = 0;  // m/s; above 0 the dry friction is smoothed, by name
     Drive drive = Drive::angle;
     TorqueFunction torque;  // drive torque has one of these two
     TorqueRows table;
@@ -72,7 +71,6 @@ void each_scene_field(const Visit& field) {
     using Q = RunRequest&;
     field("joint_stiffness_n_m", [](Q q) -> double& { return q.spring.k; });
     field("joint_damping_n_s_m", [](Q q) -> double& { return q.spring.c; });
-    field("smoothing_m_s", [](Q q) -> double& { return q.smoothing; });
     field("dt_s", [](Q q) -> double& { return q.dt; });
     field("tolerance", [](Q q) -> double& { return q.tolerance; });
     field("duration_s", [](Q q) -> double& { return q.duration; });

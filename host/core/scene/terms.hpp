@@ -16,10 +16,7 @@ std::unique_ptr<Made> with_force(const RunRequest& q, const Make& make) {
         return q.slope.tilted() ? make.template operator()<GroundForce<Law, Tilted>>()
                                 : make.template operator()<GroundForce<Law, Flat>>();
     };
-    if (q.ground.ratchet())
-        return q.smoothing > 0 ? plane.template operator()<SmoothedRatchet>()
-                               : plane.template operator()<Ratchet>();
-    if (q.ground.dry() && q.smoothing > 0) return plane.template operator()<Smoothed>();
+    if (q.ground.ratchet()) return plane.template operator()<Ratchet>();
     if (q.ground.dry() && q.ground.viscous()) return plane.template operator()<Bingham>();
     if (q.ground.dry()) return plane.template operator()<Coulomb>();
     return q.ground.viscous() ? plane.template operator()<Viscous>()
@@ -29,7 +26,7 @@ std::unique_ptr<Made> with_force(const RunRequest& q, const Make& make) {
 // The same force behind a virtual call, for systems that are compiled once.
 inline std::unique_ptr<ChainForce> make_force(const RunRequest& q) {
     return with_force<ChainForce>(q, [&]<class Force>() -> std::unique_ptr<ChainForce> {
-        return std::make_unique<Force>(q.ground, q.smoothing, q.slope, q.robot.m);
+        return std::make_unique<Force>(q.ground, q.slope, q.robot.m);
     });
 }
 

@@ -71,7 +71,6 @@ scene_options = Options(
     ),
     number("--stiffness-n-m", "joint_stiffness_n_m", "Implicit: k of the joints; 1000."),
     number("--damping-n-s-m", "joint_damping_n_s_m", "Implicit: c of the joints; 1."),
-    number("--smoothing-m-s", "Width over which dry friction is smoothed."),
     angle("--incline-deg", "Slope of the ground.", high=90.0),
     angle("--incline-direction-deg", "Uphill, from the x axis.", low=-360.0, high=360.0),
     option("--drive", "What moves the joints; angle.", choice=DRIVES),
@@ -207,7 +206,6 @@ def _check_that_all_apply(scene: sn.Scene, accuracy: float | None) -> None:
     steps = f"method {scene.method!r} takes fixed steps; give --dt-s, or a --method that picks them"
     for no_use, why, *names in (
         (pinned, springs, "joint_stiffness_n_m", "joint_damping_n_s_m", "gap"),
-        (scene.ground.smooth, "the ground has no dry friction", "smoothing_m_s"),
         (scene.incline_rad == 0, "the ground is level", "incline_direction_rad"),
         (not (scene.adaptive or accuracy), steps, "tolerance"),
     ):

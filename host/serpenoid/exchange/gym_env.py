@@ -10,7 +10,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from ..model.checks import check_choice, check_number, check_smoothing
+from ..model.checks import check_choice, check_number
 from ..model.core_model import check_parts
 from ..model.gait import Gait
 from ..model.ground import Ground
@@ -49,8 +49,6 @@ class SnakeEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         Length of an episode, s.
     work_cost_m_j
         Price of the joints' positive work, m/J.
-    smoothing_m_s
-        Speed over which dry friction is smoothed, m/s.
     render_mode
         `rgb_array`: render() returns a picture; None: nothing.
 
@@ -71,7 +69,6 @@ class SnakeEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         control_s: float = 0.02,
         episode_s: float = 10.0,
         work_cost_m_j: float = 1.0,
-        smoothing_m_s: float = 1e-3,
         dt_s: float = 1e-3,
         render_mode: str | None = None,
     ):
@@ -84,8 +81,6 @@ class SnakeEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         self.control_s = check_number("control_s", control_s, 0.0, open_low=True)
         self.episode_s = check_number("episode_s", episode_s, 0.0, open_low=True)
         self.work_cost_m_j = check_number("work_cost_m_j", work_cost_m_j, 0.0)
-        smoothing_m_s = check_smoothing(smoothing_m_s)
-        self.smoothing_m_s = 0.0 if self.ground.smooth else smoothing_m_s
         dt_s = check_number("dt_s", dt_s, self.control_s / MOST_STEPS, open_low=True)
         self.steps = math.ceil(self.control_s / dt_s - 1e-9)  # of an action
         if render_mode is not None:
@@ -121,11 +116,9 @@ class SnakeEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
                 drive="torque",
                 torque=torque,
                 start=before,
-                method="rk4",
                 dt_s=self.control_s / self.steps,
                 duration_s=self.control_s,
                 record_every=self.steps,
-                smoothing_m_s=self.smoothing_m_s,
                 record=("energy",),
             )
         )

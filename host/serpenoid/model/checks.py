@@ -13,7 +13,6 @@ from .errors import BadInput
 # What is made of numbers (squares, quotients, products of several) must be finite as well. No
 # robot is larger than the universe (1e27 m) or lighter than an electron (1e-30 kg).
 MOST, LEAST = 1e30, 1e-30
-LEAST_SMOOTHING_M_S = 1e-12  # far below what any wheel shows, far above what overflows
 BLOCK_BYTES = 1 << 20  # of a file that is hashed
 
 # What a scene may choose from.
@@ -47,17 +46,6 @@ def check_number(
     beyond = math.isfinite(number) and (abs(number) > MOST or 0 < abs(number) < LEAST)
     rule += f", and {LEAST:g} to {MOST:g} in magnitude" if beyond else ""
     raise BadInput(f"{name} is {number!r}; it must be {rule}")
-
-
-def check_smoothing(value: object) -> float:
-    """Return the speed over which dry friction is smoothed, m/s; 0 keeps it exact."""
-    number = check_number("smoothing_m_s", value, 0.0)
-    if 0.0 < number < LEAST_SMOOTHING_M_S:
-        raise BadInput(
-            f"smoothing_m_s is {number!r}; it must be 0, which keeps dry friction exact, or at "
-            f"least {LEAST_SMOOTHING_M_S:g}"
-        )
-    return number
 
 
 class Limits(NamedTuple):

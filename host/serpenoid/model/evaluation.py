@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import _core
-from .checks import FORMULATIONS, check_choice, check_kind, check_number, check_smoothing
+from .checks import FORMULATIONS, check_choice, check_kind, check_number
 from .core_model import check_parts, core_model
 from .errors import BadInput
 from .gait import Gait, joint_motion
@@ -128,14 +128,13 @@ def acceleration(
     formulation: str = "explicit",
     joint_stiffness_n_m: float = 1e3,
     joint_damping_n_s_m: float = 1.0,
-    smoothing_m_s: float = 0.0,
 ) -> Acceleration:
     """Evaluate a formulation once: Eqs. 1-9 with pinned joints (explicit) or Eqs. 51-56 (implicit).
 
     Parameters
     ----------
     robot, ground
-        What moves, and on what.
+        What moves, and on what. Dry friction at rest is 0 here (sgn 0 = 0).
     state
         A LinkState, or (q, qdot) as `LinkState.joined` takes them. The explicit model reads the
         position and velocity of link 1 only, and all angles and rates.
@@ -145,8 +144,6 @@ def acceleration(
         "explicit" or "implicit".
     joint_stiffness_n_m, joint_damping_n_s_m
         Of the implicit formulation, N/m and N s/m.
-    smoothing_m_s
-        Speed w, m/s. Dry friction uses v / sqrt(v^2 + w^2), or sgn 0 = 0 where w is 0.
 
     Returns
     -------
@@ -175,7 +172,6 @@ def acceleration(
     request.drive, field = _driven(drive)
     request.joint_stiffness_n_m = check_number("joint_stiffness_n_m", joint_stiffness_n_m, 0.0)
     request.joint_damping_n_s_m = check_number("joint_damping_n_s_m", joint_damping_n_s_m, 0.0)
-    request.smoothing_m_s = check_smoothing(smoothing_m_s)
     by_joint = finite_vector(field, getattr(drive, field), robot.links - 1)
     out = _core.evaluate(request, links.packed(), by_joint)
     return Acceleration(*(out[name] for name in _CORE_NAMES))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from ..model.rows import Result, Row, detail
@@ -156,12 +156,6 @@ def _no_sticking(scene: Scene) -> Iterator[str]:
         yield (
             f"method {scene.method!r} knows nothing of sticking: at rest its wheels chatter, and "
             f"joint torques may be wrong by a third at any step; take {_sticking(scene)}"
-        )
-    if scene.law == "smoothed":
-        exact = replace(scene, smoothing_m_s=0.0, method="rk4")
-        yield (
-            f"smoothing_m_s {scene.smoothing_m_s:g} lets stuck wheels creep; take smoothing_m_s 0 "
-            f"and {_sticking(exact)}"
         )
 
 

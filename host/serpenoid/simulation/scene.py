@@ -21,7 +21,6 @@ from ..model.checks import (
     check_choice,
     check_fields,
     check_number,
-    check_smoothing,
     check_whole,
 )
 from ..model.core_model import check_parts
@@ -38,12 +37,11 @@ MAX_LINK_STEPS = 10**11
 MAX_RECORDED_BYTES = 4_000_000_000
 DEFAULT_ROWS = 20_000
 _FIRST_ADVISED = ("dop853", "rk4", "radau")  # behind the one that suits a scene
-_ANY_WAY = "formulation 'explicit' without smoothing_m_s, and leave the method to the scene"
+_ANY_WAY = "formulation 'explicit', and leave the method to the scene"
 _HAVE_PLAY = (("explicit", "nonsmooth"), ("explicit", "dop853"))
 _LIMITS = {
     "joint_stiffness_n_m": NOT_NEGATIVE,
     "joint_damping_n_s_m": NOT_NEGATIVE,
-    "smoothing_m_s": NOT_NEGATIVE,
     "incline_rad": Limits(0.0, math.pi / 2),
     "incline_direction_rad": Limits(-math.tau, math.tau),
     "tolerance": Limits(1e-13, 0.1),
@@ -103,8 +101,6 @@ class Scene:
     gap
         Start of the implicit formulation: "slow_manifold" (springs already carry the joint forces)
         or "zero".
-    smoothing_m_s
-        Above 0, dry friction is smoothed by this width, m/s, for study.
     record
         "joints" adds forces and torques of the joints, "friction" the ground's force on each link.
         "energy" adds a ledger (kinetic energy, work, heat), integrated with the motion.
@@ -140,7 +136,6 @@ class Scene:
     duration_s: float = 10.0
     start: str | LinkState = "zero_momentum"
     gap: str = "slow_manifold"
-    smoothing_m_s: float = 0.0
     record: tuple[str, ...] = ()
     record_every: int | None = None
 
@@ -160,7 +155,7 @@ class Scene:
             raise BadInput(f"record is {self.record!r}; give a tuple, ('joints',) for one")
         for name in self.record:
             check_choice("record", name, RECORDS)
-        self._check_numbers()
+        check_fields(self, _LIMITS)
         self._check_counts()
         self.gait.joint_factors(self.robot.links - 1)
         self._check_drive()
@@ -169,10 +164,6 @@ class Scene:
             object.__setattr__(self, "method", OwnChoice(default_method(self)))
         self._check_method()
         self._check_start()
-
-    def _check_numbers(self) -> None:
-        check_fields(self, _LIMITS)
-        check_smoothing(self.smoothing_m_s)
 
     def _check_counts(self) -> None:
         links = self.robot.links
@@ -261,9 +252,7 @@ class Scene:
 
     @property
     def law(self) -> str:
-        """Return which friction law the ground makes of speeds: viscous, smoothed or dry."""
-        if self.smoothing_m_s > 0:
-            return "smoothed"
+        """Return which friction law the ground makes of speeds: viscous or dry."""
         return "viscous" if self.ground.smooth else "dry"
 
     @property

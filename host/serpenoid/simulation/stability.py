@@ -131,11 +131,7 @@ def _step(method: str, stiff: Array, damped: Array) -> Array:
 def friction_rate(scene: Scene) -> float:
     """Return the fastest rate at which friction brakes a link, 1/s."""
     ground = scene.ground
-    slope = max(ground.ct_forward, ground.ct_backward, ground.cn)
-    if scene.smoothing_m_s > 0:
-        dry = max(ground.ft0_forward, ground.ft0_backward, ground.fn0)
-        slope += dry / scene.smoothing_m_s
-    return slope / scene.robot.link_mass_kg
+    return max(ground.ct_forward, ground.ct_backward, ground.cn) / scene.robot.link_mass_kg
 
 
 def modes(scene: Scene) -> tuple[Array, Array]:

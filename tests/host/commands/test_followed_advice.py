@@ -27,7 +27,6 @@ CHOICES = {
     "--torque-nm": ["0.01,0.01,0,0,0"],
     "--limp": ["2"],
     "--locked-deg": ["1=10"],
-    "--smoothing-m-s": ["1e-3"],
     "--stiffness-n-m": ["1e3", "1e6"],
     "--damping-n-s-m": ["1", "100"],
     "--start": ["zero_momentum", "link1_at_rest", "steady"],

@@ -69,8 +69,6 @@ def test_a_folded_joint_and_a_late_hour_end_an_episode() -> None:
         {"control_s": -1.0},
         {"episode_s": 0.0},
         {"work_cost_m_j": float("nan")},
-        {"smoothing_m_s": -1.0},
-        {"smoothing_m_s": 1e-300},
         {"robot": 6},
         {"ground": "wet"},
         {"dt_s": 0.0},

@@ -67,5 +67,4 @@ def test_a_scene_that_names_no_method_chooses_anew_when_changed() -> None:
     dry = sn.Ground(0.1, 1.0, 0.01, 0.02)
     assert smooth.method == "rk4"
     assert replace(smooth, ground=dry).method == "nonsmooth"
-    assert replace(smooth, ground=dry, smoothing_m_s=1e-2).method == "rk4"
     assert replace(replace(smooth, method="rk4"), ground=dry).method == "rk4"

@@ -63,7 +63,7 @@ def test_it_meets_its_tolerance(
 
 
 @pytest.mark.parametrize("method", ["radau", "dop853"])
-@pytest.mark.parametrize("case", ["servo", "torque", "smoothed", "incline", "offset"])
+@pytest.mark.parametrize("case", ["servo", "torque", "incline", "offset"])
 def test_what_a_scene_may_have(case: str, method: str) -> None:
     """Held to RK4 with small steps on springs that it can bear."""
     ground, gait, more = PAPER_GROUND, THREE_GAIT, {}
@@ -71,8 +71,6 @@ def test_what_a_scene_may_have(case: str, method: str) -> None:
         more = {"drive": "servo", "servo": sn.Servo(2.0, 0.05, 1.0, 6.0)}
     elif case == "torque":
         more = {"drive": "torque", "torque": lambda t: 0.02 * np.sin(3 * t + np.arange(2))}
-    elif case == "smoothed":
-        ground, more = sn.Ground(0.1, 10.0, 0.1, 0.3), {"smoothing_m_s": 1e-2}
     elif case == "incline":
         more = {"incline_rad": 0.2, "incline_direction_rad": 0.7}
     else:

@@ -50,7 +50,6 @@ SCENES = {
         duration_s=1.1,
         start="zero_momentum",
         gap="zero",
-        smoothing_m_s=1e-5,
         record=("energy", "joints"),
         record_every=7,
     ),
@@ -106,6 +105,14 @@ def test_what_is_left_out_has_its_default(tmp_path) -> None:
     path.write_text(PLAIN)
     scene = sn.load_scene(path)
     assert scene == sn.Scene(OF_2005, sn.Ground(0.014, 0.2), sn.Gait(1.2, 1.3, 5.0), duration_s=2)
+
+
+def test_a_setting_that_was_removed_is_passed_over_where_it_had_no_effect(tmp_path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(swap("duration_s = 2", "duration_s = 2\nsmoothing_m_s = 0.0"))
+    old = sn.load_scene(path)
+    path.write_text(PLAIN)
+    assert old == sn.load_scene(path)
 
 
 def test_angles_in_degrees(tmp_path) -> None:
@@ -180,6 +187,7 @@ TORQUE = 'drive = "torque"\n' + PLAIN + "[torque]\n"
         (PLAIN + "[start]\nx_m = [1]\n", ": no key y_m, theta_rad"),
         (swap("duration_s = 2", 'drive = "torque"'), ":2: drive is 'torque' and torque is None"),
         (TORQUE, ": no key torque_nm"),
+        (swap("duration_s = 2", "smoothing_m_s = 0.01"), ":2: smoothing_m_s is 0.01; .* remove"),
         (TORQUE + "t_s = [0, 1]\ntorque_nm = [[1], [1, 2]]", ":15: torque_nm is .* regular array"),
         (TORQUE + "t_s = [1, 0]\ntorque_nm = [[1], [1]]", ":15: .* rising times"),
         (TORQUE + "t_s = [0]\ntorque_nm = [[1]]", ":15: the torque table has 1 columns"),

@@ -87,7 +87,6 @@ numbers = st.fixed_dictionaries(
         "tolerance": usual(1e-7, across(1e-13, 0.1)),
         "start": st.sampled_from(("link1_at_rest", *STARTS)),
         "gap": st.sampled_from(GAPS),
-        "smoothing_m_s": usual(0.0, across(1e-12, 1e3)),
         "record": st.lists(st.sampled_from(RECORDS), unique=True),
     }
 )

@@ -94,11 +94,11 @@ FAULTS = {
 }
 DRIVES = ("angle", "table", "function", "constant", "servo", "held servo", "rotor")
 CASES = [
-    (formulation, drive, fault, tuple(GROUNDS)[(i + j) % 5], 0.3 * (j % 2), (2 * i + j) % 5 == 0)
+    (formulation, drive, fault, tuple(GROUNDS)[(i + j) % 5], 0.3 * (j % 2))
     for formulation in FORMULATIONS
     for i, drive in enumerate(DRIVES)
     for j, fault in enumerate(FAULTS)
-]  # formulation, drive, fault, ground, slope, smoothed
+]  # formulation, drive, fault, ground, slope
 
 
 def assert_alike(run: sn.Run, truth: dict[str, np.ndarray], rtol: float) -> None:
@@ -110,9 +110,9 @@ def assert_alike(run: sn.Run, truth: dict[str, np.ndarray], rtol: float) -> None
         assert np.abs(found - wanted).max() <= rtol * scale, name
 
 
-@pytest.mark.parametrize(("formulation", "drive", "fault", "ground", "slope", "smooth"), CASES)
+@pytest.mark.parametrize(("formulation", "drive", "fault", "ground", "slope"), CASES)
 def test_scenes_are_those_of_the_dense_models(
-    formulation: str, drive: str, fault: str, ground: str, slope: float, smooth: bool
+    formulation: str, drive: str, fault: str, ground: str, slope: float
 ) -> None:
     scene = sn.Scene(
         robot_of(5),
@@ -126,7 +126,6 @@ def test_scenes_are_those_of_the_dense_models(
         joint_damping_n_s_m=0.4,
         incline_rad=slope,
         incline_direction_rad=2.2,
-        smoothing_m_s=0.05 if smooth else 0.0,
         dt_s=2e-3,
         duration_s=0.05,
         record=("joints", "friction", "energy"),

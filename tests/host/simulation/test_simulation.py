@@ -48,7 +48,6 @@ def test_a_run_ends_when_it_should(method: str) -> None:
         ({"formulation": "both"}, "formulation is 'both'"),
         ({"drive": "torque"}, "give torque with drive"),
         ({"drive": "torque", "torque": [0.0] * 2, "method": "collocation"}, "drive 'torque'"),
-        ({"smoothing_m_s": 1e-3, "method": "nonsmooth"}, "law 'smoothed'"),
         ({"record": "joints"}, "give a tuple"),
         ({"record": 1.0}, "record is 1.0"),
         ({"limp": 2}, "limp is 2"),

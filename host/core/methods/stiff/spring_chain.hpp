@@ -32,7 +32,7 @@ class SpringChain {
           c_(q.spring.c),
           weight_x_(r_.m * q.slope.gx),
           weight_y_(r_.m * q.slope.gy),
-          law_(q.ground, q.smoothing),
+          ground_(q.ground),
           slope_(r_.n) {}
 
     int dim() const { return B * r_.n + (B == 2); }
@@ -142,9 +142,9 @@ class SpringChain {
             const double fx = last ? 0 : k_ * q[g] + c_ * v[g];
             const double fy = last ? 0 : k_ * q[g + 1] + c_ * v[g + 1];
             const double T = last || !torque ? 0 : torque[i];
-            const LinkFriction ground(law_, k);
-            r[B * i] = r_.m * k.ax - ground.x() - weight_x_ + px - fx;
-            r[B * i + 1] = r_.m * k.ay - ground.y() - weight_y_ + py - fy;
+            const LinkFriction friction(ground_, k);
+            r[B * i] = r_.m * k.ax - friction.x() - weight_x_ + px - fx;
+            r[B * i + 1] = r_.m * k.ay - friction.y() - weight_y_ + py - fy;
             const double couple = r_.I * k.dw + pT - T - r_.l * (k.c * (py + fy) - k.s * (px + fx));
             turn(r, i) = couple + (B == 2 ? turn(r, i) : 0);
             px = fx, py = fy, pT = T;
@@ -160,7 +160,7 @@ class SpringChain {
             double gx = 0, gy = 0;
             for (int g : {B * i, B * i + B})
                 if (g > 0 && g < B * r_.n) gx += gaps[g], gy += gaps[g + 1];
-            slope_[i] = {LinkFriction(law_, k).slope(law_), -r_.l * k.s, r_.l * k.c,
+            slope_[i] = {LinkFriction(ground_, k).slope(), -r_.l * k.s, r_.l * k.c,
                          k_ * r_.l * (k.c * gx + k.s * gy)};
         }
     }
@@ -224,7 +224,7 @@ class SpringChain {
     }
 
     double k_, c_, weight_x_, weight_y_;
-    SmoothLaw law_;
+    Ground ground_;
     std::vector<LinkSlope> slope_;
 };
 

@@ -15,31 +15,9 @@
 
 #include <cmath>
 
-#include "model/friction_law.hpp"
 #include "model/params.hpp"
 
 namespace serpenoid {
-
-// The law of a scene and its derivatives by the speed: viscous, or smoothed on ratchet wheels,
-// whose two ways may be alike.
-class SmoothLaw {
-  public:
-    SmoothLaw(const Ground& g, double width_m_s)
-        : dry_(g.dry() || g.ratchet()), viscous_(g), dry_law_(g, dry_ ? width_m_s : 1.0) {}
-    double along(double v) const { return dry_ ? dry_law_.along(v) : viscous_.along(v); }
-    double across(double v) const { return dry_ ? dry_law_.across(v) : viscous_.across(v); }
-    double slope_along(double v) const {
-        return dry_ ? dry_law_.slope_along(v) : viscous_.slope_along(v);
-    }
-    double slope_across(double v) const {
-        return dry_ ? dry_law_.slope_across(v) : viscous_.slope_across(v);
-    }
-
-  private:
-    bool dry_;
-    Viscous viscous_;
-    SmoothedRatchet dry_law_;
-};
 
 // A link on its way: direction, turning; velocity and acceleration of its centre.
 struct LinkMotion {
@@ -60,24 +38,23 @@ struct FrictionSlope {
     double xx, xy, yy, tx, ty;
 };
 
-// Friction on one link.
+// Viscous friction on one link (Eqs. 28 and 29).
 struct LinkFriction {
-    LinkFriction(const SmoothLaw& law, const LinkMotion& k)
+    LinkFriction(const Ground& ground, const LinkMotion& k)
         : c(k.c),
           s(k.s),
+          ct(ground.ct),
+          cn(ground.cn),
           vt(c * k.vx + s * k.vy),
-          vn(c * k.vy - s * k.vx),
-          ft(law.along(vt)),
-          fn(law.across(vn)) {}
-    double x() const { return ft * c - fn * s; }
-    double y() const { return ft * s + fn * c; }
-    FrictionSlope slope(const SmoothLaw& law) const {
-        const double dt = law.slope_along(vt), dn = law.slope_across(vn);
-        const double along = dt * vn - fn, across = ft - dn * vt;
-        return {dt * c * c + dn * s * s, (dt - dn) * c * s, dt * s * s + dn * c * c,
+          vn(c * k.vy - s * k.vx) {}
+    double x() const { return cn * vn * s - ct * vt * c; }
+    double y() const { return -(ct * vt * s + cn * vn * c); }
+    FrictionSlope slope() const {
+        const double along = (cn - ct) * vn, across = (cn - ct) * vt;
+        return {-(ct * c * c + cn * s * s), (cn - ct) * c * s, -(ct * s * s + cn * c * c),
                 along * c - across * s, along * s + across * c};
     }
-    double c, s, vt, vn, ft, fn;
+    double c, s, ct, cn, vt, vn;
 };
 
 }  // namespace serpenoid
