@@ -14,6 +14,7 @@ PACKAGE = ROOT / "host" / "serpenoid"
 CORE = ROOT / "host" / "core"
 # From the ground up: a file imports from its own room and from rooms named before it.
 ROOMS = [
+    "base",
     "model",
     "periodic",
     "simulation",
@@ -47,9 +48,9 @@ CORE_ROOMS = [
 ]
 # Rooms that see less than all that is below them: name -> the modules they may import.
 NARROW = {
-    "lab": r"(lab|servos|simulation|model)(\..*)?|robot\.wire\..*",
-    "servos": r"(servos|simulation|periodic|model)(\..*)?",
-    "video": r"(video|model)(\..*)?|calibration\.session\w*",
+    "lab": r"(lab|servos|simulation|model|base)(\..*)?|robot\.wire\..*",
+    "servos": r"(servos|simulation|periodic|model|base)(\..*)?",
+    "video": r"(video|model|base)(\..*)?|calibration\.session\w*",
 }
 # Libraries that are slow or optional: name -> the rooms that may import them.
 LIBRARIES = {
@@ -227,7 +228,7 @@ def test_a_library_lives_in_its_rooms(library: str) -> None:
 # What one gate alone may do: a pattern -> the files that are that gate. A `part` is whole_file's.
 GATES = {
     r"(?<!part)\.(open\([^)]*[\"'][wx]b?[\"']|write_(text|bytes)\()": ("model/files.py",),
-    r"csv\.(Dict)?[rR]eader\(": ("model/files.py",),
+    r"csv\.(Dict)?[rR]eader\(": ("base/files.py",),
     r"\bav\.open\((?!str\(part\))": ("video/seeing/film.py",),
     r"np\.load\(": ("model/files.py",),
 }

@@ -14,9 +14,9 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+from ..base.files import csv_rows, read_text
 from ..model.checks import check_choice
 from ..model.errors import BadInput
-from ..model.files import csv_rows, read_text
 from ..model.toml_table import check_names, located
 from .kinds.declaration import Taken
 from .kinds.rows import DOUBTFUL, KINDS, READING_COLUMNS, TRACK_WORDS, Row, make_reading, words_of

@@ -14,7 +14,7 @@ from typing import Any
 
 import click
 
-from ..model.errors import SerpenoidError, shortened
+from ..base.errors import SerpenoidError, shortened
 from .options import as_typed, options_of
 
 _WRONG_TYPE = re.compile(r"('[^']*') is not a valid (float|integer)(?: range)?\.")

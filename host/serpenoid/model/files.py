@@ -1,12 +1,10 @@
-"""Read regular files of a size that memory bears; write files whole or not at all."""
+"""Read JSON and arrays of a size that memory bears; write files whole or not at all."""
 
 from __future__ import annotations
 
 import csv
-import io
 import json
 import os
-import stat
 import zipfile
 import zlib
 from collections.abc import Iterable, Iterator, Sequence
@@ -14,13 +12,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from .errors import BadInput
+from ..base.errors import BadInput
+from ..base.files import MOST_BYTES, check_file, read_text
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-MOST_BYTES = 16_000_000  # of a file that people or this program write as text
 MOST_VALUES = 2_000_000  # numbers, texts, lists and objects of a JSON file: some 150 MB in memory
 MOST_ARRAYS = 100  # of one .npz file
 # What a terminal obeys is written out, but for line ends and tabs: control characters as \x1b,
@@ -29,52 +27,6 @@ _CONTROL = (*range(32), *range(127, 160))
 _DIRECTION = (0x61C, 0x200E, 0x200F, *range(0x202A, 0x202F), *range(0x2066, 0x206A))
 _WRITTEN = {k: f"\\x{k:02x}" for k in _CONTROL if chr(k) not in "\n\t"}
 _WRITTEN |= {k: f"\\u{k:04x}" for k in _DIRECTION}
-
-
-def check_file(path: Path, most_bytes: int = MOST_BYTES) -> int:
-    """Return the size of a regular file in bytes.
-
-    Raises
-    ------
-    BadInput
-        There is no such file, it is a folder, a device or a pipe, or it is too large.
-    """
-    try:
-        about = path.stat()
-    except (OSError, ValueError) as error:  # ValueError: a name with a zero byte
-        raise BadInput(f"{path}: {getattr(error, 'strerror', None) or error}") from error
-    if not stat.S_ISREG(about.st_mode):
-        kind = "a folder" if stat.S_ISDIR(about.st_mode) else "a device, a pipe or a socket"
-        raise BadInput(f"{path}: this is {kind}; give the name of a regular file")
-    if about.st_size > most_bytes:
-        raise BadInput(
-            f"{path}: the file has {about.st_size} bytes; the most is {most_bytes}; is it the "
-            "right one?"
-        )
-    return about.st_size
-
-
-def read_text(path: Path, most_bytes: int = MOST_BYTES) -> str:
-    """Return a UTF-8 file's text with line ends as LF; raises BadInput."""
-    check_file(path, most_bytes)
-    try:
-        with path.open("rb") as file:
-            text = file.read(most_bytes).decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise BadInput(f"{path}: not UTF-8 text at byte {error.start}; save it as UTF-8") from error
-    except OSError as error:
-        raise BadInput(f"{path}: {error.strerror or error}") from error
-    return text.replace("\r\n", "\n").replace("\r", "\n")
-
-
-def csv_rows(text: str, path: Path | None = None, delimiter: str = ",") -> list[list[str]]:
-    """Return the rows of a CSV text; raises BadInput, naming the line of the file if given."""
-    rows = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True)
-    try:
-        return list(rows)
-    except csv.Error as error:
-        where = f"{path}:{rows.line_num}: " if path else ""
-        raise BadInput(f"{where}not CSV: {error}") from error
 
 
 def read_json(path: Path, most_bytes: int = 4 * MOST_BYTES) -> Any:

@@ -9,7 +9,6 @@ from calibration.floor_sessions import TRUTH, floor_setup, push_track
 from refusals import refused
 from serpenoid import Ground, fit_friction, load_session
 from serpenoid.calibration.floor.look import look_at, pushes_in
-from serpenoid.calibration.floor.track_files import read_track_file
 from serpenoid.calibration.taking.floor.pushes import keep_pushes, way_after
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session
@@ -145,56 +144,6 @@ def test_a_doubtful_push_is_kept_and_void(tmp_path):
         assert "VOID" in kept.in_words()
         journal.event("restore", kept.number)
         assert len(journal.session.kept_pushes) == 1
-
-
-TRACKER = "\tmass_A\t\nt\tx\ty\n{rows}"
-COMMAS = "t,x,y,v\n{rows}"
-KINOVEA_TEXT = "#Kinovea Trajectory data export\n#T X Y\n\n{rows}\n\n0:00:00:00 9.0 9.0\n"
-KINOVEA_CSV = '"Time (ms)";"Trajectory 1 X (cm)";"Trajectory 1 Y (cm)"\n{rows}'
-
-
-def clock(t):
-    return f"0:00:{int(t):02}:{round(100 * (t - int(t))):02}"
-
-
-@pytest.mark.parametrize(
-    ("text", "row", "unit"),
-    [
-        (TRACKER, lambda t, x, y: f"{t:.4E}\t{x:.6E}\t{y:.6E}", "m"),
-        (TRACKER, lambda t, x, y: f"{t:.4f}\t{100 * x:.4f}\t{100 * y:.4f}".replace(".", ","), "cm"),
-        (COMMAS, lambda t, x, y: f"{t:.4f},{x:.6f},{y:.6f},", "m"),
-        (KINOVEA_TEXT, lambda t, x, y: f"{clock(t)} {1000 * x:.2f} {1000 * y:.2f} ", "mm"),
-        (
-            KINOVEA_TEXT,
-            lambda t, x, y: f"{clock(t)} {1000 * x:.2f} {1000 * y:.2f} ".replace(".", ","),
-            "mm",
-        ),
-        (KINOVEA_CSV, lambda t, x, y: f"{1000 * t:.1f};{100 * x:.4f};{100 * y:.4f}", "m"),
-    ],
-)
-def test_files_of_tracker_and_kinovea_are_read(tmp_path, text, row, unit):
-    rows = push_track(0.8, TRUTH, np.random.default_rng(1))
-    true_s = rows[:, 0].copy()
-    rows[:, 0] = np.round(rows[:, 0], 2)
-    path = tmp_path / "track.txt"
-    path.write_text(text.format(rows="\n".join(row(*r) for r in rows)))
-    found, digest = read_track_file(path, unit)
-    np.testing.assert_allclose(found[:, 1:], rows[:, 1:], atol=2e-5)
-    assert np.ptp(found[:, 0] - true_s) < 1e-3  # pictures come evenly; hundredths are undone
-    assert len(digest) == 64
-
-
-def test_files_that_are_no_track_are_told(tmp_path):
-    path = tmp_path / "t.csv"
-    for text, told in (
-        ("a,b\n1,2\n", "no line names its columns"),
-        ("t,x,y\n0,1,2\n0.1,one,2\n0.2,1,2\n", r"t.csv:3: .*one.* are not numbers"),
-        ("t,x,y\n0,1,2\n", r"1 place\(s\) in it"),
-        ("", "no line names"),
-    ):
-        path.write_text(text)
-        with refused(told):
-            read_track_file(path)
 
 
 def test_a_session_by_the_whole_procedure_tells_all_four():

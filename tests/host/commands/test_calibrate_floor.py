@@ -56,7 +56,7 @@ def test_a_session_is_begun_pushed_and_gone_on_with(tmp_path, tracks):
     assert taken.count("reading") == 2
     session = load_session(folder)
     assert [p.way for p in session.kept_pushes] == ["there", "back", "there", "back"]
-    assert "already" in run(f"calibrate push {folder} {tracks[2]}", fails=True)
+    assert "already" in run(f"calibrate push {folder} {tracks[2]} --unit cm", fails=True)
     told = run(f"fit {folder}", fails=True)
     assert "cn and fn0 cannot be told" in told
     assert "bend of 42 degrees" in told

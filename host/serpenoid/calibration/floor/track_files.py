@@ -1,69 +1,205 @@
-"""Tracks made by other programs: Tracker's, Kinovea's and plain CSV files of time and place."""
+"""Tracks made by other programs: Tracker's, Kinovea's and plain tables of time and place."""
 
 from __future__ import annotations
 
 import hashlib
 import math
 import re
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.errors import BadInput
+from ...base.tables import TextTable, is_missing, read_table
 from ...model.checks import check_choice
-from ...model.errors import BadInput
-from ...model.files import read_text
+from ...model.toml_table import located
+from .track_columns import NEEDED, TIME_ADVICE, UNITS, Column, TrackColumns, track_columns
 
-UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
-_NAMED_UNITS = UNITS | {"s": 1.0, "ms": 0.001, "min": 60.0}
-_CLOCK = re.compile(r"(\d+):(\d\d):(\d\d)[:.](\d+)")
-_UNIT = re.compile(r"[(\[]\s*(\w+)\s*[)\]]")
-# Names of the columns wanted, in this order, their units taken off; the last may be missing.
-_TIME = r"(?i)#?(t|time|t_s|timestamp)\b"
-_WANTED = (_TIME, *(rf"(?i)(.*[/ _])?{axis}(_m)?$" for axis in "xy"))
-GRAIN_S = 0.01  # of Kinovea's clock
-Columns = list[tuple[int, float | None]]  # where each is, and its unit where it is named
+Floats = NDArray[np.float64]
+_CLOCK = re.compile(r"(?:(\d+):)?(\d+):(\d\d)(?:[:.,](\d+))?(?:\s*\(\d+\))?")
+CLOCK_STEP_S = 0.01  # of Kinovea's clock
+MOST_FRAMES_A_SECOND = 60  # that a timecode of hours, minutes, seconds and pictures counts
+LEAST_STEP_S = 1 / 2000  # between two pictures: no camera of a phone is faster
+MOST_STEP_S = 0.5  # between two pictures of a push, where the time has no unit
+FEWEST_PLACES = 3
 
 
-def read_track_file(path: Path, unit: str = "m") -> tuple[NDArray[np.float64], str]:
-    """Return t_s, x_m, y_m (rows, 3) of a file's first point, and the file's SHA-256.
+@dataclass(frozen=True)
+class TrackFile:
+    """Hold t_s, x_m, y_m (rows, 3) of one point, the file's SHA-256, and what is to be told."""
 
-    Columns are told by their names: a time (t, time, ...), then the first x and the first y after
-    it; y may be missing. Units may stand in the names, as in `Time (ms)` and `x (cm)`; else times
-    are s, or a clock as Kinovea's h:mm:ss:cc, and lengths are `unit`. Times in whole hundredths
-    become those of even pictures where they can be. Rows with an empty place are
-    left out. Raises BadInput, naming the line.
+    values: Floats
+    sha256: str
+    notes: tuple[str, ...] = ()
+
+
+def read_track_file(path: Path, unit: str | None = None) -> TrackFile:
+    """Return the track of a file's first point.
+
+    Columns are told by their names: a time, and x and y of one point; y may be missing. Units stand
+    in the names, as in `Time (ms)` and `x (cm)`. A time without one is in s, or a clock as
+    Kinovea's h:mm:ss:cc. Times in whole hundredths become those of even pictures where they can be.
+    Rows with an empty place are left out.
+
+    Parameters
+    ----------
+    path
+        The file.
+    unit
+        Of lengths whose column names none: one of UNITS.
+
+    Raises
+    ------
+    BadInput
+        A unit is missing or is none of time or length, or a cell is no number; the message names
+        the line, and what to change.
     """
-    check_choice("unit", unit, tuple(UNITS))
-    text = read_text(path)
-    lines = text.split("\n")
-    cut = _delimiter(lines)
-    head, columns = _header(path, lines, cut)
-    usual = (1.0, UNITS[unit], UNITS[unit])
-    scales = [named or other for (_, named), other in zip(columns, usual, strict=False)]
-    rows = []
-    for number, line in enumerate(lines[head + 1 :], head + 2):
-        cells = _cells(line, cut)
-        if not any(cells) and rows and lines[head].startswith("#"):
-            break  # Kinovea's text form puts an empty line between points
-        texts = [cells[at] for at, _ in columns if at < len(cells)]
-        if len(texts) < len(columns) or not all(texts):
+    if unit is not None:
+        check_choice("unit", unit, tuple(UNITS))
+    table, columns = read_table(path, track_columns, NEEDED)
+    with located(str(path)):
+        scales = _scales(columns, unit)
+        kept = [columns.time, columns.x, *([columns.y] if columns.y else [])]
+        cells, point, others = _rows_of_first_point(table, columns, [c.place for c in kept])
+    times = _times_s(table, columns.time, cells)
+    places = [[_value(table, line, text) for text in texts[1:]] for line, texts in cells]
+    if len(times) < FEWEST_PLACES:
+        raise BadInput(f"{path}: {len(times)} place(s) in it; is it a track of time, x and y?")
+    track = np.zeros((len(times), 3))
+    track[:, 0] = times
+    track[:, 1 : len(kept)] = np.array(places) * scales
+    with located(str(path)):
+        _check_times(track[:, 0], columns.time, cells)
+    track = track[np.concatenate([[True], np.diff(track[:, 0]) != 0.0])]
+    track[:, 0] = _without_rounding(track[:, 0])
+    notes = []
+    if others:
+        notes.append(
+            f"{path.name}: the point {point or columns.x.name!r} is taken; {', '.join(others)} "
+            "in the same file is left out"
+        )
+    if columns.y is None:
+        notes.append(f"{path.name}: no column y; the track is taken as straight along x")
+    return TrackFile(track, hashlib.sha256(table.text.encode()).hexdigest(), tuple(notes))
+
+
+def _scales(columns: TrackColumns, unit: str | None) -> list[float]:
+    """Return the lengths of the units of x and y, m; raises BadInput."""
+    scales = []
+    for column in (columns.x, columns.y):
+        if column is None:
             continue
-        try:
-            row = [scale * _number(t, cut) for scale, t in zip(scales, texts, strict=True)]
-        except ValueError:
-            raise BadInput(f"{path}:{number}: {', '.join(texts)} are not numbers") from None
-        if all(map(math.isfinite, row)):
-            rows.append([*row, 0.0][:3])
-    if len(rows) < 3:
-        raise BadInput(f"{path}: {len(rows)} place(s) in it; is it a track of time, x and y?")
-    track = np.array(rows)
-    track[:, 0] = _unrounded(track[:, 0])
-    digest = hashlib.sha256(text.encode()).hexdigest()
-    return track[np.concatenate([[True], np.diff(track[:, 0]) > 0.0])], digest
+        length_m = column.length_m
+        if length_m is None and unit is None:
+            raise BadInput(
+                f"its lengths have no unit ({column.name}); say it: --unit with one of "
+                f"{', '.join(UNITS)} (in the dialogue behind the file: track.csv cm)"
+            )
+        scales.append(UNITS[unit or "m"] if length_m is None else length_m)
+    return scales
 
 
-def _unrounded(t: NDArray[np.float64]) -> NDArray[np.float64]:
+def _rows_of_first_point(
+    table: TextTable, columns: TrackColumns, places: list[int]
+) -> tuple[list[tuple[int, list[str]]], str, list[str]]:
+    """Return line and cells of each place of the first point, its name, and those of others.
+
+    Kinovea's text form has its points one after the other, a blank line or a name between.
+    """
+    rows: list[tuple[int, list[str]]] = []
+    point, others = columns.x.point or _name_above(table, columns.x.place), list(columns.others)
+    in_parts = table.head[0].startswith("#")
+    ended = False
+    for line, cells in table.rows:
+        name = " ".join(cells).lstrip("# ") if cells and cells[0].startswith("#") else ""
+        if in_parts and rows and (name or not any(cells)):
+            ended = True
+        if name:
+            if ended:
+                others.append(name)
+            else:
+                point = name
+            continue
+        texts = [cells[place] if place < len(cells) else "" for place in places]
+        if any(is_missing(text) for text in texts):
+            continue
+        if not ended:
+            rows.append((line, texts))
+        elif not others:
+            others.append("another point")
+    return rows, point, others
+
+
+def _name_above(table: TextTable, place: int) -> str:
+    """Return the name of a point as Tracker writes it: above its first column."""
+    names = [cell for cell in table.above[: place + 1] if cell]
+    return names[-1] if names and not table.head[0].startswith("#") else ""
+
+
+def _value(table: TextTable, line: int, text: str) -> float:
+    try:
+        value = table.number(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise BadInput(f"{table.where(line)}: {text!r} is not a number")
+    return value
+
+
+def _times_s(table: TextTable, column: Column, cells: list[tuple[int, list[str]]]) -> list[float]:
+    """Return the times of rows; raises BadInput."""
+    if cells and all(_CLOCK.fullmatch(texts[0]) for _, texts in cells):
+        return [_clock_s(texts[0]) for _, texts in cells]
+    with located(str(table.path)):
+        scale = column.time_s or 1.0
+    return [scale * _value(table, line, texts[0]) for line, texts in cells]
+
+
+def _clock_s(text: str) -> float:
+    """Return the time of a clock, s."""
+    match = _CLOCK.fullmatch(text)
+    assert match is not None
+    hours, minutes, seconds, rest = match.groups()
+    fraction = int(rest) / 10 ** len(rest) if rest else 0.0
+    return 3600 * int(hours or 0) + 60 * int(minutes) + int(seconds) + fraction
+
+
+def _check_times(t: Floats, column: Column, cells: list[tuple[int, list[str]]]) -> None:
+    """Raise BadInput where times cannot be seconds, or what their unit says."""
+    steps = np.diff(t)
+    steps = steps[steps > 0]
+    if not len(steps):
+        raise BadInput(f"the times in {column.name} do not rise; {TIME_ADVICE}")
+    step = float(np.median(steps))
+    clocks = [_CLOCK.fullmatch(texts[0]) for _, texts in cells]
+    if clocks[0]:
+        ends = [match[4] for match in clocks if match and match[4]]
+        counts_frames = (
+            ends and max(map(len, ends)) == 2 and max(map(int, ends)) < (MOST_FRAMES_A_SECOND)
+        )
+        if counts_frames and t[-1] - t[0] > 1.0 and step < 1.5 * CLOCK_STEP_S:
+            raise BadInput(f"the clock in {column.name} counts pictures; {TIME_ADVICE}")
+        return
+    if column.unit is None and step > MOST_STEP_S:
+        what = "pictures" if np.all(steps == np.round(steps)) else "ms"
+        raise BadInput(
+            f"{column.name} has no unit and rises by {step:.4g} from one place to the next: it "
+            f"looks like {what}, not s; {TIME_ADVICE}"
+        )
+    if column.unit is None and t[0] == 0.0 and abs(t[-1] - 1.0) < 1e-6:
+        raise BadInput(
+            f"{column.name} has no unit and runs from 0 to 1: it looks like a normalized time; "
+            f"{TIME_ADVICE}"
+        )
+    if step < LEAST_STEP_S:
+        raise BadInput(
+            f"{column.name} says {1 / step:.3g} pictures a second: its unit is wrong; {TIME_ADVICE}"
+        )
+
+
+def _without_rounding(t: Floats) -> Floats:
     """Return times as they were before a clock of whole hundredths cut them, s.
 
     Pictures come evenly, pictures without a place counted. Where no even line is within a hundredth
@@ -71,51 +207,9 @@ def _unrounded(t: NDArray[np.float64]) -> NDArray[np.float64]:
     """
     steps = np.diff(t)
     whole = np.abs(100 * t - np.round(100 * t)).max(initial=0.0) < 1e-6
-    if not whole or len(t) < 10 or np.median(steps) < 2 * GRAIN_S:
+    if not whole or len(t) < 10 or np.median(steps) < 2 * CLOCK_STEP_S:
         return t
     step_s = steps[steps < 1.5 * np.median(steps)].mean()
     count = np.concatenate([[0.0], np.cumsum(np.round(steps / step_s))])
     even = np.asarray(np.polyval(np.polyfit(count, t, 1), count), dtype=np.float64)
-    return even if np.ptp(t - even) <= 1.2 * GRAIN_S else t
-
-
-def _delimiter(lines: list[str]) -> str:
-    """Return what parts the cells: tabs before semicolons before commas, which may be decimals."""
-    sample = "\n".join(lines[:40])
-    named = next((line for line in lines[:20] if re.match(_TIME, line)), "")
-    if "\t" not in sample and len(named.split()) > 2 and not re.search("[,;]", named):
-        return " "  # commas in it are decimals
-    return next((cut for cut in "\t;," if sample.count(cut) > 2), " ")
-
-
-def _cells(line: str, cut: str) -> list[str]:
-    parts = line.split() if cut == " " else line.split(cut)
-    return [part.strip().strip('"') for part in parts]
-
-
-def _header(path: Path, lines: list[str], cut: str) -> tuple[int, Columns]:
-    """Return the header's line and where t, x and y are; raises BadInput."""
-    for k, line in enumerate(lines[:20]):
-        columns: Columns = []
-        names = iter(enumerate(_cells(line, cut)))
-        for wanted in _WANTED:
-            for at, name in names:
-                if re.match(wanted, _UNIT.sub("", name).strip()):
-                    unit = _UNIT.search(name)
-                    columns.append((at, _NAMED_UNITS.get(unit[1].lower()) if unit else None))
-                    break
-        if len(columns) > 1:
-            return k, columns
-    raise BadInput(
-        f"{path}: no line names its columns; the first must be such as t,x,y (Tracker: export with "
-        "the column names; Kinovea: export trajectories as text, or the diagram's data)"
-    )
-
-
-def _number(text: str, cut: str) -> float:
-    """Return a number, or a clock's time in s."""
-    clock = _CLOCK.fullmatch(text)
-    if clock is None:
-        return float(text if cut == "," else text.replace(",", "."))
-    hours, minutes, seconds, rest = clock.groups()
-    return 3600 * int(hours) + 60 * int(minutes) + int(seconds) + int(rest) / 10 ** len(rest)
+    return even if np.ptp(t - even) <= 1.2 * CLOCK_STEP_S else t

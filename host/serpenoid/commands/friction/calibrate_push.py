@@ -28,7 +28,9 @@ from ..declare import EXISTING, FOLDER, Range, flag, number, option
 )
 @flag("--tail-first", "Its wheels rolled backwards: of ratchets, which roll harder so.")
 @option(
-    "--unit", "Of lengths that do not name theirs.", choice=["m", "cm", "mm", "in"], default="m"
+    "--unit",
+    "Of lengths in a table that names none.",
+    choice=["m", "cm", "mm", "in", "ft", "yd"],
 )
 @option("--place", "Of the floor's line, where there is more than one.", default="")
 @flag("--marks", "Times taken by hand at marks, from the first mark on.")
@@ -39,7 +41,7 @@ def push(
     lambda_deg: float,
     way: str,
     tail_first: bool,
-    unit: str,
+    unit: str | None,
     place: str,
     marks: bool,
     tag_mm: float | None,
@@ -66,13 +68,13 @@ def push(
             cells |= {"bend": plan.bend} if lambda_deg else {}
             cells |= {"facing": "back"} if tail_first else {}
             if marks:
-                rows, sha256 = read_track_file(path, unit)
-                cells |= {"by": "marks", "file_sha256": sha256[:16]}
-                number = journal.add("coast", cells, samples=rows)
-                say(f"reading {number}, {way}: {len(rows)} marks")
+                found = read_track_file(path, unit)
+                cells |= {"by": "marks", "file_sha256": found.sha256[:16]}
+                number = journal.add("coast", cells, samples=found.values)
+                say(f"reading {number}, {way}: {len(found.values)} marks")
                 way = other_way(way)
                 continue
-            kept = take_track(journal, path, unit, cells, film)
+            kept = take_track(journal, path, unit, cells, film, say)
             for one in kept:
                 say(one.in_words())
             way = way_after(kept, way)

@@ -75,8 +75,8 @@ def read_test(path: Path, sigma_rad: float, inertia_kg_m2: float) -> BenchTest:
     """Read a bench test's table. Raises BadInput."""
     import numpy as np
 
+    from ...base.files import csv_rows, read_text
     from ...model.checks import check_number
-    from ...model.files import csv_rows, read_text
     from ...model.toml_table import located
     from ...servos.bench_test import BenchTest
 

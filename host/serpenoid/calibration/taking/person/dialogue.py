@@ -254,7 +254,7 @@ class Dialogue(Prompt):
             return text
         if step.gait is None:
             cells = {**step.cells, **self._steering()}
-            for kept in take_track(self.journal, *named, cells, self._film):
+            for kept in take_track(self.journal, *named, cells, self._film, self._note):
                 self.say(f"  {kept.in_words()}")
             raise Again
         crawl = read_crawl(self.journal, named[0], step.gait, self._film)
@@ -264,6 +264,9 @@ class Dialogue(Prompt):
             f"from the tail: {gains}"
         )
         return crawl
+
+    def _note(self, text: str) -> None:
+        self.say(f"  {text}")
 
     def _belt_set(self, step: Step) -> float:
         """Ask when a station's belt runs at its last speed; return that moment by the clock."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable
 from os.path import isfile  # False, too, for what cannot be a name
@@ -9,14 +10,15 @@ from pathlib import Path
 
 import numpy as np
 
+from ....base.tables import NO_TEXT, columns_named, is_missing, read_table
 from ....model.checks import sha256_of
 from ....model.errors import BadInput
-from ....model.files import csv_rows, read_text
 from ....model.gait import Gait
 from ....model.robot import Robot
 from ....model.toml_table import located
 from ...crawls.filmed import crawl_cells
-from ...floor.track_files import UNITS, read_track_file
+from ...floor.track_columns import UNITS
+from ...floor.track_files import read_track_file
 from ...kinds.declaration import Cells
 from ...kinds.tracks import Floats
 from ..floor.pushes import Kept, keep_pushes
@@ -32,12 +34,17 @@ CRAWL_QUESTION = "  its film, or the distance between the marks (m): "
 CRAWL_COLUMNS = ("t_s", "x_m", "y_m", "heading_rad")  # of `video --track`; then the joints
 
 
-def named_file(text: str) -> tuple[Path, str] | None:
+def named_file(text: str) -> tuple[Path, str | None] | None:
     """Return the file that was typed and the unit of its lengths, None if it names none."""
     words = text.strip().strip("'\"").split()
-    unit = words.pop() if len(words) > 1 and words[-1] in UNITS else "m"
+    unit = words.pop() if len(words) > 1 and words[-1] in UNITS else None
     path = Path(os.path.expanduser(" ".join(words)))
-    return (path, unit) if isfile(path) or path.suffix.lower() in (*TEXTS, *FILMS) else None
+    known = (*TEXTS, *FILMS, *NO_TEXT)
+    return (path, unit) if isfile(path) or path.suffix.lower() in known else None
+
+
+def no_words(text: str) -> None:
+    """Tell nobody."""
 
 
 def no_films(path: Path, *given: object) -> Tracked:
@@ -50,14 +57,23 @@ def no_films(path: Path, *given: object) -> Tracked:
 
 
 def take_track(
-    journal: Journal, path: Path, unit: str, cells: Cells, film: FilmReader = no_films
+    journal: Journal,
+    path: Path,
+    unit: str | None,
+    cells: Cells,
+    film: FilmReader = no_films,
+    tell: Callable[[str], object] = no_words,
 ) -> list[Kept]:
     """Keep the pushes of a file; raises BadInput where there is none, or it was taken in before.
 
-    film: what reads a film of the robot with tags, whose joints hold still.
+    unit: of its lengths, where the file names none. film: what reads a film of the robot with tags,
+    whose joints hold still. tell: is called with what a person should know of the file.
     """
-    if path.suffix.lower() in TEXTS or not isfile(path):
-        track, sha256 = read_track_file(path, unit)
+    if path.suffix.lower() in (*TEXTS, *NO_TEXT) or not isfile(path):
+        found = read_track_file(path, unit)
+        track, sha256 = found.values, found.sha256
+        for note in found.notes:
+            tell(note)
     else:
         sha256 = sha256_of(path)
         filmed = film(path, journal.session.setup.robot, None)
@@ -90,18 +106,18 @@ def joint_columns(joints: int) -> list[str]:
 
 def _crawl_rows(path: Path, joints: int) -> Floats:
     names = [*CRAWL_COLUMNS, *joint_columns(joints)]
-    header, *lines = csv_rows(read_text(path), path) or [[]]
-    if header != names:
-        raise BadInput(
-            f"{path}: the columns are {', '.join(header)}; they must be "
-            f"{', '.join(names)}, as `serpenoid video --track` writes them"
-        )
-    try:
-        rows = np.array([[float(cell or "nan") for cell in line] for line in lines], dtype=float)
-    except ValueError as error:
-        raise BadInput(f"{path}: {error}; every cell must be a number") from None
-    if rows.ndim != 2 or rows.shape[1] != len(names) or not np.isfinite(rows[:, :4]).all():
-        raise BadInput(
-            f"{path}: every line must have {len(names)} cells; joints alone may be empty"
-        )
-    return rows
+    table, places = read_table(
+        path, columns_named(*names), f"{','.join(names)}, as `serpenoid video --track` writes them"
+    )
+    rows: list[list[float]] = []
+    for line, cells in table.rows:
+        if not any(cells):
+            continue
+        texts = [cells[place] if place < len(cells) else "" for place in places]
+        try:
+            rows.append([math.nan if is_missing(text) else table.number(text) for text in texts])
+        except ValueError as error:
+            raise BadInput(f"{table.where(line)}: {error}; every cell must be a number") from None
+        if not all(map(math.isfinite, rows[-1][: len(CRAWL_COLUMNS)])):
+            raise BadInput(f"{table.where(line)}: a cell is empty; joints alone may be empty")
+    return np.array(rows, dtype=float).reshape(len(rows), len(names))

@@ -1,0 +1,218 @@
+"""Tables of numbers that other programs exported as text: separators, decimals, names of columns.
+
+Cells are parted by tabs, semicolons, commas or spaces, whichever parts the names of the columns.
+Decimals have a point or a comma. A byte-order mark and the line `sep=;` of spreadsheets are
+skipped. UTF-16 with its mark is read; what is not UTF-8 is read as Windows-1252, since numbers are
+the same in it. Lines above the names of the columns, such as a title, are no part of the table.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+from .errors import BadInput
+from .files import csv_rows, read_bytes, with_line_feeds
+
+HEAD_LINES = 20  # of a file, among which the names of the columns are looked for
+SEPARATORS = ("\t", ";", ",", " ")  # tried in this order: a comma may be a decimal's, or in a name
+SHOWN = 120  # characters of a file's own line in a message
+MISSING = frozenset(("", "nan", "n/a", "#n/a", "na", "null", "none", "-", "--", "–", "?"))
+NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
+# A thousands mark shows in a number that has both marks; it is none of the decimal's.
+THOUSANDS = {
+    ",": re.compile(r"[+-]?\d{1,3}(,\d{3})+\.\d*"),
+    ".": re.compile(r"[+-]?\d{1,3}(\.\d{3})+,\d*"),
+}
+SPACES_IN_NUMBERS = re.compile(r"(?<=\d)[\u00a0\u202f' ](?=\d{3})")
+# Files of programs that hold a table but are none: suffix -> what to export from it, and how.
+NO_TEXT = {
+    ".trk": "a file of Tracker itself; in Tracker take File > Export > Data File with t, x and y",
+    ".trz": "a project of Tracker; in Tracker take File > Export > Data File with t, x and y",
+    ".kva": "a file of Kinovea itself; in Kinovea export the trajectory's data as text/CSV",
+    ".xlsx": "a workbook; in the spreadsheet save the sheet as text/CSV",
+    ".xls": "a workbook; in the spreadsheet save the sheet as text/CSV",
+    ".ods": "a workbook; in the spreadsheet save the sheet as text/CSV",
+    ".numbers": "a workbook; in the spreadsheet save the sheet as text/CSV",
+    ".json": "a JSON file; export it as text/CSV",
+}
+# How files begin that are no text, whatever their suffix.
+BINARY = {
+    b"PK\x03\x04": "packed, as workbooks and projects are",
+    b"\xd0\xcf\x11\xe0": "a workbook of an old Excel",
+    b"<?xml": "XML, as Tracker, Kinovea and spreadsheets save their own files",
+}
+Found = TypeVar("Found")
+
+
+@dataclass(frozen=True)
+class TextTable:
+    """Hold the cells of a table, stripped and without quotes.
+
+    path, text: of the file. head: names of the columns. head_line: which line they are, from 1.
+    above: the cells of the line above them. rows: number of its line and cells, for each line
+    below; a blank line has no cells. thousands: the mark between thousands, or "".
+    """
+
+    path: Path
+    text: str
+    head: list[str]
+    head_line: int
+    above: list[str]
+    rows: list[tuple[int, list[str]]]
+    thousands: str
+
+    def number(self, cell: str) -> float:
+        """Return the number of a cell; raises ValueError."""
+        text = SPACES_IN_NUMBERS.sub("", cell.replace("−", "-"))
+        if self.thousands:
+            text = text.replace(self.thousands, "")
+        text = text.replace(",", ".")
+        if not NUMBER.fullmatch(text):
+            raise ValueError(f"{cell!r} is not a number")
+        return float(text)
+
+    def where(self, line: int) -> str:
+        """Return file and line."""
+        return f"{self.path}:{line}"
+
+
+def is_missing(cell: str) -> bool:
+    """Tell whether a cell says that nothing was measured there."""
+    return cell.casefold() in MISSING
+
+
+def check_text_file(path: Path) -> None:
+    """Raise BadInput with what to export if a file's suffix is that of a program's own file."""
+    if told := NO_TEXT.get(path.suffix.lower()):
+        raise BadInput(f"{path}: this is {told}; export it as text/CSV, and give that file")
+
+
+def read_table(
+    path: Path, find: Callable[[list[str]], Found | None], needed: str
+) -> tuple[TextTable, Found]:
+    """Return a file's table, and what was found in the names of its columns.
+
+    Parameters
+    ----------
+    path
+        The text file.
+    find
+        Returns from the names of columns what the caller wants of them; None if they are not in
+        this line.
+    needed
+        Names of columns as the file should have them, for the message where no line has them.
+
+    Raises
+    ------
+    BadInput
+        It is no text file, or no line names the columns; the message shows what is needed.
+    """
+    check_text_file(path)
+    text = _decoded(path)
+    lines = text.split("\n")
+    separators: Sequence[str] = SEPARATORS
+    if declared := re.fullmatch(r'\ufeff?"?sep=(.)"?', lines[0].strip(" ")):
+        separators, lines = (declared[1],), ["", *lines[1:]]
+    for number, line in enumerate(lines[:HEAD_LINES]):
+        for separator in separators:
+            cells = _cells(line, separator)
+            found = find(cells) if cells else None
+            if found is not None:
+                table = _table(path, text, lines, number, separator)
+                return table, found
+    first = next((line.strip() for line in lines if line.strip()), "")
+    says = f"its first line is {first[:SHOWN]!r}" if first else "the file is empty"
+    raise BadInput(
+        f"{path}: no line names the columns that are needed; {says}; make the names of the "
+        f"columns {needed}"
+    )
+
+
+def columns_named(*names: str) -> Callable[[list[str]], tuple[int, ...] | None]:
+    """Return a `find` for read_table: where columns of exactly these names are, or None."""
+
+    def find(head: list[str]) -> tuple[int, ...] | None:
+        known = [cell.casefold() for cell in head]
+        if all(name.casefold() in known for name in names):
+            return tuple(known.index(name.casefold()) for name in names)
+        return None
+
+    return find
+
+
+def number_columns(path: Path, *names: str) -> list[list[float]]:
+    """Return the numbers of columns of these names, a list each; blank lines do not count.
+
+    Raises BadInput where a column or a number is missing.
+    """
+    table, places = read_table(path, columns_named(*names), ",".join(names))
+    columns: list[list[float]] = [[] for _ in names]
+    for line, cells in table.rows:
+        if not any(cells):
+            continue
+        for column, place, name in zip(columns, places, names, strict=True):
+            try:
+                value = table.number(cells[place])
+            except (IndexError, ValueError):
+                value = math.nan
+            if not math.isfinite(value):
+                raise BadInput(f"{table.where(line)}: {name} is no finite number")
+            column.append(value)
+    return columns
+
+
+def _decoded(path: Path) -> str:
+    """Return the text of a file in UTF-8, UTF-16 with its mark, or Windows-1252."""
+    data = read_bytes(path)
+    for start, what in BINARY.items():
+        if data.lstrip(b"\xef\xbb\xbf").startswith(start):
+            raise BadInput(f"{path}: this file is {what}; export it as text/CSV, and give that")
+    try:
+        if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+            return with_line_feeds(data.decode("utf-16"))
+        if b"\0" in data:
+            raise BadInput(f"{path}: zero bytes in it; if it is text in UTF-16, save it as UTF-8")
+        return with_line_feeds(data.decode("utf-8-sig"))
+    except UnicodeDecodeError:
+        return with_line_feeds(data.decode("cp1252", errors="replace"))
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    """Return the cells of one line, [] if nothing is in it."""
+    if not line.strip():
+        return []
+    if separator == " ":
+        return re.sub(r" +(?=[(\[])", "", line.replace('"', " ")).split()
+    try:
+        cells = csv_rows(line, delimiter=separator)[0]
+    except BadInput:  # a lone quote is no quotation
+        cells = line.split(separator)
+    return [cell.strip().strip('"').strip() for cell in cells]
+
+
+def _table(path: Path, text: str, lines: list[str], head: int, separator: str) -> TextTable:
+    """Return the table below a line of names; raises BadInput for a row with too many cells."""
+    names = _cells(lines[head], separator)
+    rows: list[tuple[int, list[str]]] = []
+    marks: set[str] = set()
+    for number, line in enumerate(lines[head + 1 :], head + 2):
+        cells = _cells(line, separator)
+        surplus = any(cells[len(names) :]) and not cells[0].startswith("#")
+        if surplus and separator != " ":
+            raise BadInput(
+                f"{path}:{number}: {len(cells)} cells where the names of the columns are "
+                f"{len(names)}; decimals with a comma need cells parted by semicolons or tabs"
+            )
+        for mark, pattern in THOUSANDS.items():
+            if any(pattern.fullmatch(cell) for cell in cells):
+                marks.add(mark)
+        rows.append((number, cells))
+    if len(marks) > 1:
+        raise BadInput(f"{path}: numbers as 1,234.5 and as 1.234,5 in one file; write all alike")
+    above = _cells(lines[head - 1], separator) if head else []
+    return TextTable(path, text, names, head + 1, above, rows, next(iter(marks), ""))

@@ -1,0 +1,171 @@
+"""Files of Tracker, Kinovea and spreadsheets: read in metres and seconds, or refused in words."""
+
+import numpy as np
+import pytest
+from calibration.floor_sessions import TRUTH, push_track
+from calibration.track_writers import (
+    METRES,
+    SECONDS,
+    kinovea_table,
+    kinovea_text,
+    tracker,
+)
+from refusals import refused
+from serpenoid.calibration.floor.track_files import read_track_file
+
+ROWS = push_track(0.8, TRUTH, np.random.default_rng(1))
+ROWS[:, 0] = np.arange(len(ROWS)) / 30
+# Heads of a time in milliseconds as Kinovea has them in its languages.
+TIMES_MS = """\
+Time (ms)|Temps (ms)|Zeit (ms)|Tiempo (ms)|Tempo (ms)|Tid (ms)|Tijd (ms)|Czas (ms)|Čas (ms)
+Vreme (ms)|Vrijeme (ms)|Време (мс)|Время (мс)|Час (ms)|Χρόνος (ms)|Aika (ms)|Zaman (ms)|Masa (ms)
+Waktu (ms)|Timp (ms)|Laikas (ms)|時間 (毫秒)|时间(毫秒)|時間(ms)|เวลา (ms)|Thời gian (ms)
+t [ms]|time_ms|t/ms|t in ms"""
+TIMES_MS = TIMES_MS.replace("\n", "|").split("|")
+
+
+def read(tmp_path, text, unit=None, encoding="utf-8", name="track.csv"):
+    path = tmp_path / name
+    path.write_bytes(text.encode(encoding))
+    return read_track_file(path, unit)
+
+
+def same(found, atol_m=2e-5, atol_s=1e-4):
+    np.testing.assert_allclose(found.values[:, 1:], ROWS[:, 1:], atol=atol_m)
+    return np.ptp(found.values[:, 0] - ROWS[:, 0]) < atol_s
+
+
+@pytest.mark.parametrize("unit", METRES)
+@pytest.mark.parametrize("separator", ["\t", ";", ",", " "])
+def test_units_and_separators_of_tracker(tmp_path, unit, separator):
+    text = tracker(ROWS, unit, separator, comma=separator in "\t;")
+    assert same(read(tmp_path, text, unit))
+    with refused("no unit .*--unit with one of m, cm, mm, in, ft, yd"):
+        read(tmp_path, text)
+
+
+@pytest.mark.parametrize("unit", METRES)
+@pytest.mark.parametrize("time", TIMES_MS)
+def test_units_and_languages_of_kinovea(tmp_path, unit, time):
+    separator = ";" if "(" in time else ","
+    assert same(read(tmp_path, kinovea_table(ROWS, unit, time, separator=separator)))
+
+
+@pytest.mark.parametrize("name", SECONDS)
+def test_units_of_time(tmp_path, name):
+    text = kinovea_table(ROWS, time=f"Time ({name})", seconds=SECONDS[name])
+    assert same(read(tmp_path, text), atol_s=1e-3)
+
+
+@pytest.mark.parametrize(
+    "head", ["t_s,x_m,y_m", "Time [s],X [m],Y [m]", "t (s),pos_x (m),pos_y (m)", "t;x in m;y in m"]
+)
+def test_heads_that_people_write(tmp_path, head):
+    lines = [head, *(",".join(f"{v:.6f}" for v in row) for row in ROWS)]
+    text = "\n".join(lines)
+    assert same(read(tmp_path, text.replace(",", ";") if ";" in head else text))
+
+
+def test_columns_are_told_by_names_in_any_order(tmp_path):
+    lines = ["step,v_x (m/s),y (cm),x (cm),t (s),vy (m/s)"]
+    for k, (t, x, y) in enumerate(ROWS):
+        lines.append(f"{k},9.0,{100 * y:.5f},{100 * x:.5f},{t:.5f},9.0")
+    assert same(read(tmp_path, "\n".join(lines)))
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "cp1252"])
+@pytest.mark.parametrize("first", ["", "sep=;\r\n", "Bewegung größer\r\n"])
+def test_what_spreadsheets_put_around_a_table(tmp_path, encoding, first):
+    text = first + kinovea_table(ROWS, separator=";").replace('"', "")
+    assert same(read(tmp_path, text, encoding=encoding))
+
+
+def test_thousands_marks_of_a_spreadsheet(tmp_path):
+    for marks in (str.maketrans(",.", ",."), str.maketrans(",.", ".,")):
+        rows = [";".join(f"{1000 * v:,.3f}".translate(marks) for v in row) for row in ROWS]
+        found = read(tmp_path, "\n".join(["t (ms);x (mm);y (mm)", *rows]))
+        assert same(found)
+
+
+@pytest.mark.parametrize("comma", [False, True])
+@pytest.mark.parametrize("names", [(), ("head", "tail")])
+def test_text_of_kinovea(tmp_path, comma, names):
+    found = read(tmp_path, kinovea_text(ROWS, "mm", comma, names), "mm")
+    # pictures come evenly: what a clock of hundredths cut off is undone
+    assert same(found, atol_s=1e-3)
+    assert f"the point {names[0] if names else 'X'!r} is taken" in found.notes[0]
+    assert (names[1] if names else "another point") in found.notes[0]
+
+
+def test_the_point_that_was_taken_is_told(tmp_path):
+    found = read(tmp_path, tracker(ROWS, points=("head", "mass B")), "m")
+    assert same(found)
+    assert "'head' is taken" in found.notes[0]
+    assert read(tmp_path, tracker(ROWS), "m").notes == ()
+    text = kinovea_table(ROWS).replace("\r\n", ',"",""\r\n')
+    text = text.replace(',"",""', ',"Track 2/X (cm)","Track 2/Y (cm)"', 1)
+    found = read(tmp_path, text)
+    assert same(found)
+    assert found.notes[0].endswith("'Track 1' is taken; Track 2 in the same file is left out")
+    flat = "\n".join(["t_s,x_m", *(f"{t},{x}" for t, x, _ in ROWS)])
+    found = read(tmp_path, flat)
+    assert "no column y" in found.notes[0]
+    assert not found.values[:, 2].any()
+
+
+def test_places_that_were_not_seen_are_left_out(tmp_path):
+    lines = kinovea_table(ROWS).split("\r\n")
+    for row, empty in ((5, ""), (9, "NaN"), (12, "-"), (20, "#N/A")):
+        lines[row + 1] = lines[row + 1].split(",")[0] + f',"{empty}","{empty}"'
+    found = read(tmp_path, "\n".join(lines))
+    seen = np.delete(ROWS, [5, 9, 12, 20], axis=0)
+    np.testing.assert_allclose(found.values, seen, atol=1e-4)
+
+
+TIMECODE = [f"0:00:{k // 30:02}:{k % 30:02}" for k in range(len(ROWS))]
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "told"),
+    [
+        (kinovea_table(ROWS, "px"), None, "in 'px', which is no length; set the scale .*Kinovea"),
+        (kinovea_table(ROWS, "%"), None, "in '%', which is no length"),
+        (kinovea_table(ROWS, "px"), "cm", "in 'px', which is no length"),
+        (kinovea_table(ROWS, time="Time (normalized)"), None, "no time in seconds but in normal"),
+        (kinovea_table(ROWS, time="Time", seconds=ROWS[-1, 0]), None, "from 0 to 1: .* normalized"),
+        (kinovea_table(ROWS, time="Time (F)"), None, "no time in seconds but in F"),
+        (kinovea_table(ROWS, time="Time (ts)"), None, "no time in seconds but in ts"),
+        (kinovea_table(ROWS, time="Time"), None, "rises by 33.3.* looks like ms"),
+        (kinovea_table(ROWS, time="Time", seconds=1 / 30), None, "rises by 1 .* like pictures"),
+        (kinovea_table(ROWS, time="Time (ms)", seconds=1.0), None, r"3e\+04 pictures a second"),
+        (tracker(ROWS, first="frame"), "m", "but in frames; .*Tracker: take t"),
+        ("\n".join(["t,x,y", *(f"{c},0,{k}" for k, c in enumerate(TIMECODE))]), "mm", "pictures"),
+        ("a,b\n1,2\n", None, "no line names .* first line is 'a,b'; .* t_s,x_m,y_m"),
+        ("t,x,y\n0,1,2\n0.1,one,2\n0.2,1,2\n", "m", r"csv:3: 'one' is not a number"),
+        ("t,x,y\n0,1,2\n0.1,1_0,2\n0.2,1,2\n", "m", r"csv:3: '1_0' is not a number"),
+        ("t,x,y\n0,1,2\n", "m", r"1 place\(s\) in it"),
+        ("t,x,y\n0,1,2\n0,1,2\n0,1,2\n", "m", "do not rise"),
+        ("t,x,y\n0,0,0,1,0,2\n", "m", ":2: 6 cells where .* 3; decimals with a comma need"),
+        ("", None, "the file is empty"),
+    ],
+)
+def test_what_is_no_track_in_seconds_and_metres_is_refused(tmp_path, text, unit, told):
+    with refused(told):
+        read(tmp_path, text, unit)
+
+
+@pytest.mark.parametrize(
+    ("name", "start", "told"),
+    [
+        ("a.trk", "<?xml ", "Tracker itself; in Tracker take File > Export"),
+        ("a.kva", "<?xml ", "Kinovea itself; in Kinovea export"),
+        ("a.xlsx", "PK\x03\x04", "a workbook; .* text/CSV"),
+        ("a.ods", "PK\x03\x04", "a workbook; .* text/CSV"),
+        ("a.csv", "PK\x03\x04", "this file is packed, as workbooks .* text/CSV"),
+        ("a.txt", "<?xml ", "this file is XML, .* text/CSV"),
+        ("a.csv", "t\0,\0x\0", "UTF-16, save it as UTF-8"),
+    ],
+)
+def test_files_that_are_no_text_are_told_what_to_export(tmp_path, name, start, told):
+    with refused(told):
+        read(tmp_path, start, name=name)

@@ -1,0 +1,54 @@
+"""Writes a track as Tracker, Kinovea and spreadsheets do: their heads, units, marks and cells."""
+
+from __future__ import annotations
+
+METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048, "yd": 0.9144}
+SECONDS = {"s": 1.0, "ms": 1e-3, "μs": 1e-6, "min/100": 0.6, "hour/10000": 0.36}
+
+
+def spelled(value, comma=False, digits=5):
+    text = f"{value:.{digits}f}"
+    return text.replace(".", ",") if comma else text
+
+
+def tracker(rows, unit="m", separator="\t", comma=False, points=("mass A",), first="t"):
+    """Tracker's File > Export > Data File: points beside each other, never a unit."""
+    lines = ["#multi:"] if len(points) > 1 else []
+    lines.append(separator + "".join(name + 2 * separator for name in points))
+    lines.append(first + separator + len(points) * f"x{separator}y{separator}")
+    for number, (t, x, y) in enumerate(rows):
+        time = str(number) if first == "frame" else f"{t:.4E}".replace(".", "," * comma or ".")
+        cells = [time]
+        for k in range(len(points)):
+            cells += [spelled(v / METRES[unit] + k, comma) for v in (x, y)]
+        lines.append(separator.join(cells))
+    return "\n".join(lines) + "\n"
+
+
+def kinovea_table(rows, unit="cm", time="Time (ms)", seconds=1e-3, separator=",", point="Track 1"):
+    """Kinovea's kinematics dialog, or its trajectory CSV where no unit is in the names."""
+    comma, of_length = separator == ";", f" ({unit})" if unit else ""
+    names = [time, f"{point}/X{of_length}", f"{point}/Y{of_length}"]
+    lines = [separator.join(f'"{name}"' for name in names)]
+    for t, x, y in rows:
+        numbers = [t / seconds, *(v / METRES.get(unit, 0.01) for v in (x, y))]
+        lines.append(separator.join(f'"{spelled(v, comma)}"' for v in numbers))
+    return "\r\n".join(lines) + "\r\n"
+
+
+def clock(t):
+    return f"0:00:{int(t):02}:{int(100 * t + 0.5) % 100:02}"
+
+
+def kinovea_text(rows, unit="mm", comma=False, names=()):
+    """Kinovea's text for gnuplot: points one after the other; with names, times as numbers."""
+    lines = ["#Kinovea Trajectory data export", "#T X Y", ""]
+    for k, name in enumerate(names or ("", "")):
+        lines += [f"# {name}"] if name else []
+        for t, x, y in rows:
+            time = spelled(t, comma) if names else clock(t)
+            lines.append(
+                f"{time} " + " ".join(spelled(v / METRES[unit] + k, comma) for v in (x, y))
+            )
+        lines.append("")
+    return "\n".join(lines)
