@@ -44,7 +44,7 @@ def fit_of_draws(session: Session, mode: Mode, draws: Draws, good: Floats) -> Fr
         covariance,
         np.array(ends),
         chi2=float(np.sum(rows[counted] ** 2)),
-        dof=int(np.sum(counted[: posterior.rows])) - posterior.eliminated - count,
+        dof=int(np.sum(counted[: posterior.rows])) - count,
         nuisances=MappingProxyType(
             {name: Estimate(float(part[0]), spread[name]) for name, part in nuisances.items()}
         ),
@@ -71,7 +71,7 @@ def _beside_limits(covariance: Floats, values: Floats, ends: Floats) -> Floats:
 def _shown(mode: Mode, rows: Floats, readings: list[int]) -> tuple[Floats, Floats, Floats]:
     """Return each reading's residual, its sign, and the share of its variance that it has alone.
 
-    Of a push or a slide + where it rolled farther, or took less time, than the law.
+    Of a push + where it rolled farther, or took less time, than the law.
     """
     shown, alone, stations = np.zeros(len(readings)), np.ones(len(readings)), 0
     for block in mode.posterior.blocks:

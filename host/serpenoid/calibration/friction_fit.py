@@ -9,7 +9,7 @@ m g, with a share q of its links turned by lambda to the direction of the belt a
 
 q = 1 is Eq. 60, the paper's zigzag; lambda = 0 is Eq. 58. A balanced bend of six links has q = 4/6.
 
-All readings of a session, pushes and slides on a floor among them (`floor.block`), make one
+All readings of a session, pushes along a floor among them (`floor.block`), make one
 posterior (`fitting.posterior`): the fit's values are its mode, its intervals and covariance those
 of draws. The paper's own fit is `fitting.paper_fit`.
 """
@@ -49,7 +49,7 @@ def fit_friction(
     servo: ServoKind | None = None,
     seed: int = 2005,
 ) -> FrictionFit:
-    """Fit ct, cn, ft0 and fn0 to a session's kept readings: stations, pushes and slides together.
+    """Fit ct, cn, ft0 and fn0 to a session's kept readings: stations and pushes together.
 
     Readings taken facing up the belt tell ct and ft0 backwards: the ground is then a ratchet.
 
@@ -104,7 +104,7 @@ def fit_friction(
             return _naive(session, stations)
     elif method == "naive":
         raise BadInput(
-            f"{session.where}: method 'naive' is the paper's, of stations alone; pushes and slides "
+            f"{session.where}: method 'naive' is the paper's, of stations alone; pushes "
             "are fitted by 'joint' or 'robust'"
         )
     try:

@@ -437,8 +437,7 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
             f"{NOT_WEIGHED}, and one per cent of mass is one per cent of friction: "
             "`serpenoid calibrate amend DIR robot.mass_kg=480g` puts its mass in."
         )
-    inclined = session.kept or session.kept_slides
-    if inclined and not session.zero.readings and session.setup.kind != "regenerated":
+    if session.kept and not session.zero.readings and session.setup.kind != "regenerated":
         notes.append(
             f"{NO_ZERO}: it is taken as 0, within incline_zero_sigma_deg of session.toml, or 0.1 "
             "degrees where that is 0. "

@@ -27,7 +27,6 @@ from .kinds.declaration import Taken
 from .kinds.gait import GaitRun
 from .kinds.instruments import FloorTools, Stopwatch, TreadmillSteps, Uncertainty
 from .kinds.rows import KINDS
-from .kinds.slide import Slide
 from .kinds.station import Reading, bent_share
 from .kinds.video import FilmReading
 
@@ -209,19 +208,14 @@ class Session:
         return self._kept("coast")
 
     @property
-    def kept_slides(self) -> tuple[Slide, ...]:
-        """Return the slides down a board that were not voided."""
-        return self._kept("slide")
-
-    @property
-    def fitted(self) -> tuple[Reading | Coast | Slide, ...]:
+    def fitted(self) -> tuple[Reading | Coast, ...]:
         """Return what a friction fit rests on, in the order of its residuals."""
-        return (*self.kept, *self.kept_pushes, *self.kept_slides)
+        return (*self.kept, *self.kept_pushes)
 
     @property
     def on_floor(self) -> bool:
         """Tell whether there are readings for the fit that were not taken on a treadmill."""
-        return bool(self.kept_pushes or self.kept_slides)
+        return bool(self.kept_pushes)
 
     @property
     def skipped(self) -> frozenset[str]:
@@ -365,7 +359,7 @@ class Session:
         read = [self.uncertainty_of(z).incline_sigma_rad / math.sqrt(2) for z in self._kept_zeros]
         return math.sqrt(sum(s * s for s in read) / len(read))
 
-    def bent_share(self, reading: Reading | Coast | Slide) -> float:
+    def bent_share(self, reading: Reading | Coast) -> float:
         """Return which share of the links stands at lambda in a reading; 0 where straight."""
         if not reading.lambda_rad:
             return 0.0

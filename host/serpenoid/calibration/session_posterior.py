@@ -15,7 +15,7 @@ USUAL, USUAL_N = (0.084, 1.2, 0.14, 0.27, 0.084, 0.14), 4.4484  # of the 2005 ro
 
 
 def posterior_of(session: Session) -> Posterior:
-    """Return the posterior of a session's kept stations, pushes and slides."""
+    """Return the posterior of a session's kept stations and pushes."""
     stations = (Stations.of(session),) if session.kept else ()
     return Posterior((*stations, *floor_blocks(session)))
 

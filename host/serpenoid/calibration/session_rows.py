@@ -8,6 +8,7 @@ restored or amended by an event, and redone by a later reading that says which o
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from datetime import datetime
@@ -54,11 +55,11 @@ def read_format_2(setup: Setup, folder: Path) -> Session:
     rows = _numbered(path, notes)
     voided = _voided(rows, events, folder / "events.csv")
     session = Session(setups[-1], (), str(path), folder=folder, events=tuple(events))
-    unknown: list[str] = []
+    left_out = Counter[str]()
     for number, row in rows.items():
         kind = KINDS.get(row["kind"])
-        if kind is None:
-            unknown.append(row["kind"])
+        if kind is None or words_of(row).get("by") == "marks":
+            left_out[row["kind"] if kind is None else f"{row['kind']} by marks"] += 1
             continue
         comment = "; ".join(filter(None, (voided.get(number), row["comment"])))
         common = {"number": number, "voided": number in voided, "comment": comment}
@@ -67,9 +68,9 @@ def read_format_2(setup: Setup, folder: Path) -> Session:
             reading = make_reading(row, common | _track(row, kind, folder))
             reading = _with_instruments(reading, _setup_of(row, setups))
             session = session.with_reading(reading)
-    if unknown:
-        kinds = ", ".join(sorted(set(unknown)))
-        notes.append(f"{len(unknown)} reading(s) of kinds not used here ({kinds}) left out")
+    if left_out:
+        kinds = ", ".join(sorted(left_out))
+        notes.append(f"{left_out.total()} reading(s) of kinds not used here ({kinds}) left out")
     return replace(session, notes=tuple(notes))
 
 

@@ -261,7 +261,7 @@ SETTINGS: dict[str, tuple[Setting, ...]] = {
             "push_time_sigma_s",
             "floor.push_time_sigma_s",
             _number(0.0, 10.0, open_low=True),
-            "         # of a push or a slide timed by hand",
+            "         # of a push timed by hand",
         ),
         Setting(
             "floor_slope_sigma_deg",

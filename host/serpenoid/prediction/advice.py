@@ -58,7 +58,7 @@ def advise(
 ) -> Advice:
     """Rank the readings that could be taken next by the speed band they leave.
 
-    Of a session on a floor pushes and slides. No reading is named at a voided one's place, beyond
+    Of a session on a floor pushes. No reading is named at a voided one's place, beyond
     the plan's belt speed, or steeper than MOST_INCLINE_RAD or the steepest one taken.
 
     Parameters

@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 
 from ..calibration.fitting.posterior import Mode
-from ..calibration.fitting.rolling_law import rest, slide_s, way_m
+from ..calibration.fitting.rolling_law import rest, way_m
 from ..calibration.kinds.coast import WAYS, Coast
-from ..calibration.kinds.slide import Slide
 from ..calibration.kinds.tracks import Track
 from ..calibration.session import Session
 from ..calibration.taking.expected import pull_of
@@ -20,14 +19,12 @@ from .next_reading import NextReading, Option, next_number
 
 SPEED_M_S, RATE_HZ, RESTED_S = 0.9, 30.0, 0.4
 BENDS_RAD = tuple(map(math.radians, (0.0, 20.0, 42.0)))
-TIMES_BREAKAWAY = (1.4, 2.0, 3.0)
-PUSH_MIN, BEND_MIN, SLIDE_MIN = 0.7, 1.5, 1.0  # what a person takes
-STEEPEST = math.sin(math.radians(30.0))
+PUSH_MIN, BEND_MIN = 0.7, 1.5  # what a person takes
 _PLACE_M = 0.001  # of a film, where none before it states what a place is off by
 
 
 def floor_options(session: Session, mode: Mode) -> Iterator[Option]:
-    """Yield pushes, seen as those before, and slides that could be taken next."""
+    """Yield pushes that could be taken next, seen as those before."""
     filmed = any(push.track is not None for push in session.kept_pushes)
     how = "filmed" if filmed else "by tape and watch"
     setup, last = session.setup, math.nan
@@ -39,18 +36,11 @@ def floor_options(session: Session, mode: Mode) -> Iterator[Option]:
         drag, dry_n = pull_of(setup, mode.x[:4].tolist(), angle)
         law = np.array([drag, dry_n]) * setup.procedure.gravity_m_s2 / setup.weight_n
         posed = {"lambda_rad": angle, "bend": setup.procedure.bend}
-        pushes, slides = _pushes(session, law, posed, filmed), list(_slides(session, law, posed))
-        inclines = ", ".join(f"{math.degrees(s.incline_rad):.1f}" for s in slides)
-        ways = f"at {SPEED_M_S:g} m/s, one there and one back, {how}"
-        first_min = 0.0 if angle == last else BEND_MIN
-        for kind, readings, each_min, told in (
-            ("coast", pushes, PUSH_MIN, f"pushes, {pose}, {ways}"),
-            ("slide", slides, SLIDE_MIN, f"slides, {pose}, over 1 m of board at {inclines}°"),
-        ):
-            if readings:
-                times, minutes = len(readings), len(readings) * each_min + first_min
-                shown = NextReading(kind, times=times, minutes=minutes, told=told, **posed)
-                yield shown, [replace(session, further=(*session.further, *readings))]
+        pushes = _pushes(session, law, posed, filmed)
+        minutes = len(pushes) * PUSH_MIN + (0.0 if angle == last else BEND_MIN)
+        told = f"pushes, {pose}, at {SPEED_M_S:g} m/s, one there and one back, {how}"
+        shown = NextReading("coast", times=len(pushes), minutes=minutes, told=told, **posed)
+        yield shown, [replace(session, further=(*session.further, *pushes))]
 
 
 def _pushes(
@@ -70,17 +60,3 @@ def _pushes(
     cells["place"] = session.kept_pushes[-1].place if session.kept_pushes else ""
     first = next_number(session)
     return [Coast(first + k, way=way, **cells, **posed) for k, way in enumerate(WAYS)]
-
-
-def _slides(session: Session, law: np.ndarray, posed: dict[str, Any]) -> Iterator[Slide]:
-    """Yield slides down a metre at some times the least incline."""
-    c, f = law[:, None]
-    gravity = session.setup.procedure.gravity_m_s2
-    for k, times in enumerate(TIMES_BREAKAWAY):
-        sine = times * float(f[0]) / gravity
-        if sine > STEEPEST:
-            return
-        incline = math.asin(sine) + session.zero.value_rad
-        time_s = float(slide_s(np.ones(1), c, (times - 1.0) * f)[0])
-        number = next_number(session) + k
-        yield Slide(number, incline_rad=incline, distance_m=1.0, duration_s=time_s, **posed)

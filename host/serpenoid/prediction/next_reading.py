@@ -140,7 +140,7 @@ class Advice(Result):
     def in_words(self) -> str:
         """Return how well the speed is known, and which reading to take, if any."""
         if self.measure_servo and not self._worth:
-            what = "No further push, slide or station is worth its time now."
+            what = "No further push or station is worth its time now."
         else:
             first = "Of the readings take" if self.measure_servo else "Take next:"
             after = f"then the speed is known to {100 * self.band_after_best:.2g} %"

@@ -1,4 +1,4 @@
-"""Pushes and slides fitted, against an integration in small steps and a brute likelihood."""
+"""Pushes fitted, against an integration in small steps and a brute likelihood."""
 
 import math
 from dataclasses import replace
@@ -9,10 +9,8 @@ from calibration.floor_sessions import (
     FT0,
     MASS,
     TRUTH,
-    G,
     floor_session,
     floor_setup,
-    forces,
     rolled_out,
     short_session,
 )
@@ -22,7 +20,7 @@ from calibration.synthetic_session import setup as stations_setup
 from refusals import refused
 from serpenoid import Ground, Robot, fit_friction
 from serpenoid.calibration.fitting.bends import resistance
-from serpenoid.calibration.fitting.rolling_law import rest, slide_s, way_m
+from serpenoid.calibration.fitting.rolling_law import rest, way_m
 from serpenoid.calibration.floor.look import look_at
 from serpenoid.calibration.floor.slip import Slip
 from serpenoid.calibration.floor.tracks import PushTrack
@@ -52,18 +50,8 @@ def test_the_law_is_the_integration(c, f):
     assert (speed[at > stop] == 0.0).all()
 
 
-def test_a_slide_takes_the_time_of_the_integration():
-    c, pull = 0.4, 0.35
-    t, v, x = 0.0, 0.0, 0.0
-    while x < 1.0:
-        half = v + 5e-5 * (pull - c * v)
-        v, x, t = v + 1e-4 * (pull - c * half), x + 1e-4 * half, t + 1e-4
-    assert slide_s(*one(1.0, c, pull))[0] == pytest.approx(t, abs=2e-4)
-    assert np.isinf(slide_s(*one(1.0, c, -0.1))).all()
-
-
 def mixed_session():
-    """Pushes on film, to rest and past marks; slides; stations: every term there is."""
+    """Pushes on film and to rest; stations: every term there is."""
     filmed = short_session()
     setup = replace(
         floor_setup(), uncertainty=replace(floor_setup().uncertainty, belt_scale_sigma=0.02)
@@ -77,21 +65,6 @@ def mixed_session():
         t, x = rolled_out(0.8, TRUTH)
         cells = {"lambda_deg": 0.0, "way": way}
         record.add("coast", cells | {"distance_m": x[-1], "duration_s": t[-4001]})
-        marks = [[float(np.interp(m, x, t)), m, 0.0] for m in (0.0, 0.2, 0.4, 0.6)]
-        record.add("coast", cells | {"by": "marks", "place": "hall"}, samples=marks)
-    a, b, inert = forces(TRUTH, math.radians(30), 0.0595)
-    net = G * math.sin(math.radians(8)) * MASS / inert - b / inert
-    time = float(slide_s(*one(1.0, a / inert, net))[0])
-    record.add(
-        "slide",
-        {
-            "lambda_deg": 30.0,
-            "bend": "balanced",
-            "incline_deg": 8.0,
-            "distance_m": 1.0,
-            "duration_s": time,
-        },
-    )
     return record.session
 
 
@@ -175,47 +148,19 @@ def test_one_way_only_is_as_sure_as_the_floor_is_level():
     assert low < FT0 < high
 
 
-def test_slides_tell_what_rests_alone_leave_open():
-    """Tape and watch: ways and times to rest tell the sum of frictions; slides part them."""
+def test_tape_and_watch_leave_viscous_and_dry_friction_open():
+    """Ways and times to rest tell the sum of frictions alone."""
     rng = np.random.default_rng(4)
-    setup = floor_setup()
-    record = MemoryRecord(setup)
+    record = MemoryRecord(floor_setup())
     for bend in (0.0, 30.0):
         for k in range(4):
             t, x = rolled_out(0.8, TRUTH, bend_rad=math.radians(bend), rolling=0.0595)
-            record.add(
-                "coast",
-                {
-                    "lambda_deg": bend,
-                    "bend": "balanced",
-                    "way": ("there", "back")[k % 2],
-                    "distance_m": x[-1] + 0.005 * rng.normal(),
-                    "duration_s": t[-4001] + 0.12 * rng.normal(),
-                },
-            )
+            cells = {"lambda_deg": bend, "bend": "balanced", "way": ("there", "back")[k % 2]}
+            cells["distance_m"] = x[-1] + 0.005 * rng.normal()
+            cells["duration_s"] = t[-4001] + 0.12 * rng.normal()
+            record.add("coast", cells)
     with refused(r"ct and ft0 cannot be told from 8 push"):
         fit_friction(record.session)
-    for bend in (0.0, 30.0):
-        a, b, inert = forces(TRUTH, math.radians(bend), 0.0595)
-        for times in (1.4, 2.0, 3.0):
-            angle = math.asin(times * b / (MASS * G))
-            net = (MASS * G * math.sin(angle) - b) / inert
-            for _ in range(2):
-                took = float(slide_s(*one(1.0, a / inert, net))[0]) + 0.12 * rng.normal()
-                record.add(
-                    "slide",
-                    {
-                        "lambda_deg": bend,
-                        "bend": "balanced",
-                        "distance_m": 1.0,
-                        "incline_deg": math.degrees(angle),
-                        "duration_s": took,
-                    },
-                )
-    fit = fit_friction(record.session)
-    for name, true in zip(fit.names, TRUTH, strict=True):
-        assert abs(fit.whole_snake[name] - true) < 3.5 * fit.parameters[name].sigma
-    assert fit.parameters["ft0"].sigma < 0.1 * FT0
 
 
 def test_stations_and_pushes_are_one_fit():

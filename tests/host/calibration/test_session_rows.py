@@ -115,6 +115,30 @@ def test_every_kind_of_reading_lands_in_its_place(folder):
     assert session.folder == folder
 
 
+def test_readings_of_ways_that_are_gone_are_left_out_by_name_and_the_fit_stays(folder):
+    """A slide, a check of break-away and a push by marks in an older file."""
+    stations = [
+        reading(k, lambda_deg=bend, incline_deg=2.3 + 0.3 * k, belt_speed_m_s=speed, more="")
+        for k, bend, speed in ((1, 0, 0.3), (2, 0, 0.6), (3, 15, 0.2), (4, 15, 0.5))
+    ]
+    append(folder, *stations)
+    before = fit_friction(load_session(folder))
+    marks = {"kind": "coast", "more": "by=marks track=tracks/0007.csv track_sha256=0"}
+    append(
+        folder,
+        reading(5, kind="slide", distance_m=1, duration_s=2.1),
+        reading(6, kind="breakaway"),
+        reading(7, **marks),
+        reading(8, **marks),
+    )
+    session = load_session(folder)
+    assert (
+        "4 reading(s) of kinds not used here (breakaway, coast by marks, slide)"
+        in (session.notes[0])
+    )
+    assert fit_friction(session).intervals == before.intervals
+
+
 def test_the_zero_is_the_mean_and_doubts_what_moved(folder):
     taken = read_session(folder)
     assert math.degrees(taken.zero.sigma_rad) == pytest.approx(0.1)  # as declared

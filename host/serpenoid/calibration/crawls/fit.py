@@ -53,7 +53,7 @@ def with_crawls(
     """Fit friction to a session's crawls and all its other readings.
 
     The fit's values are the likeliest; intervals and covariance are those of draws, which it keeps.
-    other: the fit of its stations, pushes and slides; None where there are none, or these leave
+    other: the fit of its stations and pushes; None where there are none, or these leave
     frictions open. misread: any reading may be a misreading. Raises BadInput where crawls are too
     few.
     """

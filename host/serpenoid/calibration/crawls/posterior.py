@@ -43,7 +43,6 @@ class Beforehand:
     mean: Floats
     root: Floats
 
-    eliminated = 0
     pool = (), _NONE
     bends = Bends(_NONE, _NONE, np.empty(0, dtype=np.intp), np.empty((2, 0)), _NONE, _NONE)
 

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..kinds.coast import Coast
-from ..kinds.slide import Slide
 from ..kinds.station import Reading
 from ..session import Session
 from .shared import FRICTIONS, straightness_factors
@@ -43,9 +42,7 @@ class Bends:
     where: str = ""
 
     @classmethod
-    def of(
-        cls, session: Session, readings: Sequence[Reading | Coast | Slide], where: str = ""
-    ) -> Bends:
+    def of(cls, session: Session, readings: Sequence[Reading | Coast], where: str = "") -> Bends:
         """Take the bends of some of a session's readings."""
         given, links = [session.uncertainty_of(r) for r in readings], session.setup.robot.links
         lambda_rad = np.array([r.lambda_rad for r in readings], dtype=float)
@@ -154,11 +151,11 @@ def frictions_in(values: Values) -> Floats:
     return np.stack([values[name] for name in FRICTIONS if name in values], axis=-1)
 
 
-def _settings(session: Session, readings: Sequence[Reading | Coast | Slide]) -> Whole:
+def _settings(session: Session, readings: Sequence[Reading | Coast]) -> Whole:
     """Return per reading which protractor check its bend was set by; -1 where none tells."""
     checks = [b for b in session.bends if not b.voided]
 
-    def of(reading: Reading | Coast | Slide) -> int:
+    def of(reading: Reading | Coast) -> int:
         earlier = [
             k
             for k, b in enumerate(checks)

@@ -65,11 +65,6 @@ class Block(Protocol):
         """Return the residuals (K, rows) at K values of each unknown."""
         ...
 
-    @property
-    def eliminated(self) -> int:
-        """Return how many unknowns were fitted within the block: residuals that are not free."""
-        ...
-
     def nuisances(self, values: Values) -> dict[str, Floats]:
         """Return what the readings share by the name that a fit gives it, in its unit."""
         ...
@@ -217,11 +212,6 @@ class Posterior:
     def rows(self) -> int:
         """Return how many residuals are the blocks': those of priors come after them."""
         return len(self.numbers) - len(self.unknowns) + self.frictions
-
-    @property
-    def eliminated(self) -> int:
-        """Return how many residuals are not free."""
-        return sum(block.eliminated for block in self.blocks)
 
     def nuisances(self, values: Values) -> dict[str, Floats]:
         """Return what readings share by the name that a fit gives it, in its unit."""

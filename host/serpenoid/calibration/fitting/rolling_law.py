@@ -6,8 +6,8 @@ v0 the way after t is, with z = c t,
     x(t) = v0 t p(z) - f t^2 q(z),    p = (1 - e^-z) / z,    q = (z - 1 + e^-z) / z^2,
 
 until it rests at t_s = (v0 / f) l, l = log(1 + w) / w, w = c v0 / f; afterwards x stays x(t_s) =
-(v0^2 / f) (1 - l) / w. Written so, nothing cancels for c near 0. With f below 0 it never rests: a
-slope too steep, or a slide.
+(v0^2 / f) (1 - l) / w. Written so, nothing cancels for c near 0. With f below 0 it never rests: the
+slope is too steep.
 """
 
 from __future__ import annotations
@@ -55,23 +55,6 @@ def way_m(t: Floats, v0: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats, 
     )
     speed = np.where(t > end, 0.0, v0 * np.exp(-z) - f * rolled * p)
     return way, slopes, speed
-
-
-def slide_s(length_m: Floats, c: Floats, pull: Floats) -> Floats:
-    """Return the time of a slide from rest over a length, s; infinite where it does not begin.
-
-    pull: the acceleration at rest, m/s^2, which is -f.
-    """
-    slides = pull > 0.0
-    safe = np.where(slides, pull, 1.0)
-    t = np.sqrt(2 * length_m / safe)
-    for _ in range(60):  # Newton's steps from below the answer: way is convex in t
-        way, _, speed = way_m(t, np.zeros_like(t), c, -safe)
-        step = (length_m - way) / speed
-        t = t + step
-        if np.max(np.abs(step) / t, initial=0.0) < 1e-13:
-            break
-    return np.where(slides, t, np.inf)
 
 
 def shapes(z: Floats) -> tuple[Floats, Floats, Floats, Floats]:

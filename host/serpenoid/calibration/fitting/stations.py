@@ -184,8 +184,6 @@ class Stations:
         errors = unit @ (self.rounding_sigma_rad[:, None] * self.rounding_root).T
         return np.column_stack([errors, np.zeros(len(errors))])[:, self.rounding]
 
-    eliminated = 0
-
     @cached_property
     def rounding_root(self) -> Floats:
         """Return the root of the shared rounding errors' correlation, (errors, errors)."""

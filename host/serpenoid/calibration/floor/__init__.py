@@ -1,1 +1,1 @@
-"""Robots that roll out on a floor or slide down a board: the law, the fit, tracks, their checks."""
+"""Robots that roll out on a floor: the law, the fit, tracks, their checks."""

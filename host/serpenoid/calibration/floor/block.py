@@ -1,4 +1,4 @@
-"""Pushes and slides as blocks of a posterior.
+"""Pushes as a block of a posterior.
 
 A push along a floor obeys, while it moves, v' = -(c v + f) + a, with
 
@@ -13,8 +13,8 @@ s_across sin psi), and psi follows the track. A robot without a straight link sl
 
 A film tells a c and f of its own, and both speed and place at the start. Its places are linear in
 all of these near a point; with the start eliminated two residuals remain, which say how far the
-common c and f are from those of the film. Marks, ways and times to rest have the law's closed form,
-and the start is solved for at every point. A slide's time is the law's from rest.
+common c and f are from those of the film. Ways and times to rest have the law's closed form, and
+the start is solved for at every point.
 """
 
 from __future__ import annotations
@@ -25,7 +25,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..fitting.bends import Bends, frictions_in, projections, resistance
-from ..fitting.rolling_law import slide_s, way_m
 from ..fitting.shared import FRICTIONS, rolling_share
 from ..fitting.unknowns import Floats, Unknown, Values, Whole
 from ..kinds.station import slips
@@ -34,7 +33,6 @@ from .slip import Slip
 from .tracks import PushTrack, Rows, at_rest, tracks_of
 
 WHERE = " on the floor"
-_LEAST_PULL = 1e-3  # m/s^2, of a slide that would not begin: its time is then long, not infinite
 
 
 @dataclass(frozen=True)
@@ -90,8 +88,7 @@ class Pushes:
     """The kept pushes of a session.
 
     way: +1 there, -1 back. place: which of the places. slips: it has no straight link, and nothing
-    guides it (`slip`). rows: of each push by film or marks, by its index, its residuals near a
-    point.
+    guides it (`slip`). rows: of each push by film, by its index, its residuals near a point.
     """
 
     rolling: Rolling
@@ -124,15 +121,10 @@ class Pushes:
     @property
     def numbers(self) -> Whole:
         """Return the push that each residual belongs to."""
-        counts = [2 if track.by == "film" else len(track.t_s) for track in self.tracks]
+        counts = [2 if track.by == "film" else 1 for track in self.tracks]
         return np.repeat(np.array([t.number for t in self.tracks], dtype=np.intp), counts)
 
     pool = (), np.empty((0, 0))
-
-    @property
-    def eliminated(self) -> int:
-        """Return how many residuals are not free: those of start and speed, of a push by marks."""
-        return 2 * sum(track.by == "marks" for track in self.tracks)
 
     def _motion(
         self, values: Values, bent: tuple[float, Floats] | None = None
@@ -219,101 +211,24 @@ class Pushes:
         return out
 
 
-@dataclass(frozen=True, eq=False)
-class Slides:
-    """The kept slides of a session: incline_rad with the zero taken off, and how each may err."""
-
-    rolling: Rolling
-    bends: Bends
-    numbers: Whole
-    incline_rad: Floats
-    length_m: Floats
-    time_s: Floats
-    sigma_rad: Floats
-    sigma_m: Floats
-    sigma_s: Floats
-    zero_sigma_rad: float
-    spread_s: Floats | float = 1.0
-
-    eliminated = 0
-    pool = (), np.empty((0, 0))
-
-    @property
-    def unknowns(self) -> tuple[Unknown, ...]:
-        """Return the frictions, then what the slides share."""
-        frictions = tuple(Unknown(name, friction=True) for name in FRICTIONS[:4])
-        bends, rolling = self.bends, self.rolling.unknowns
-        return (*frictions, *bends.unknowns, Unknown("zero"), *rolling, *bends.straightness)
-
-    def _times(self, values: Values) -> tuple[Floats, Floats, Floats]:
-        """Return each slide's time, and its c and pull at rest, (K, N)."""
-        level = np.zeros(len(self.time_s), dtype=bool)
-        c, f, share = self.rolling.motion(values, self.bends, level)
-        incline = self.incline_rad - self.zero_sigma_rad * values["zero"][:, None]
-        pull = share * self.rolling.gravity_m_s2 * np.sin(incline) - f
-        pull = np.maximum(pull, _LEAST_PULL)
-        return slide_s(self.length_m, c, pull), c, pull
-
-    def residuals(self, values: Values) -> Floats:
-        """Return the residuals (K, N)."""
-        return (self._times(values)[0] - self.time_s) / self.spread_s
-
-    def near(self, values: Values) -> Slides:
-        """Return the block with each time's standard deviation as it is at a point."""
-        time, c, pull = (part[0] for part in self._times(values))
-        _, slopes, speed = way_m(time, np.zeros_like(time), c, -pull)
-        by_pull = slopes[2] / speed
-        by_incline = by_pull * self.rolling.gravity_m_s2 * np.cos(self.incline_rad)
-        parts = self.sigma_s, by_incline * self.sigma_rad, self.sigma_m / speed
-        return replace(self, spread_s=np.sqrt(sum(part**2 for part in parts)))
-
-    def nuisances(self, values: Values) -> dict[str, Floats]:
-        """Return nothing: what slides share is told by pushes and stations."""
-        return {}
-
-
-def floor_blocks(session: Session) -> tuple[Pushes | Slides, ...]:
-    """Return the blocks of a session's kept pushes and slides, without one that is empty."""
-    pushes, slides = session.kept_pushes, session.kept_slides
-    setup, count, links = session.setup, len(pushes), session.setup.robot.links
-    every = (*pushes, *slides)
-    bends = Bends.of(session, every, WHERE)
-    rolling, blocks = Rolling.of(session), []
+def floor_blocks(session: Session) -> tuple[Pushes, ...]:
+    """Return the block of a session's kept pushes; none where there are none."""
+    pushes, setup = session.kept_pushes, session.setup
+    if not pushes:
+        return ()
     places = tuple(sorted({p.place for p in pushes}))
-    if pushes:
-        scales = [push.scale_sigma or 0.0 for push in pushes]
-        blocks.append(
-            Pushes(
-                rolling,
-                bends.some(slice(count)),
-                np.array([p.facing == "back" for p in pushes], dtype=bool),
-                np.array([1.0 if p.way == "there" else -1.0 for p in pushes]),
-                np.array([places.index(p.place) for p in pushes], dtype=np.intp),
-                places,
-                tracks_of(session),
-                np.array([p.by == "film" and slips(p.bend, p.lambda_rad, links) for p in pushes]),
-                setup.floor.slope_sigma_rad,
-                max([setup.floor.film_scale_sigma, *scales]),
-            )
-        )
-    if slides:
-        blocks.append(_slides(session, rolling, bends.some(slice(count, None))))
-    return tuple(blocks)
-
-
-def _slides(session: Session, rolling: Rolling, bends: Bends) -> Slides:
-    setup, slides = session.setup, session.kept_slides
-    zero, same = session.zero, np.ones(len(slides))
-    usual_s = setup.floor.push_time_sigma_s
-    return Slides(
-        rolling,
-        bends,
-        np.array([s.number for s in slides], dtype=np.intp),
-        np.array([s.incline_rad for s in slides], dtype=float) - zero.value_rad,
-        np.array([s.distance_m for s in slides], dtype=float),
-        np.array([s.duration_s for s in slides], dtype=float),
-        setup.uncertainty.incline_sigma_rad * same,
-        setup.stopwatch.distance_sigma_m * same,
-        np.array([s.time_sigma_s or usual_s for s in slides], dtype=float),
-        zero.sigma_rad or setup.uncertainty.incline_sigma_rad,
+    scales = [push.scale_sigma or 0.0 for push in pushes]
+    links = setup.robot.links
+    block = Pushes(
+        Rolling.of(session),
+        Bends.of(session, pushes, WHERE),
+        np.array([p.facing == "back" for p in pushes], dtype=bool),
+        np.array([1.0 if p.way == "there" else -1.0 for p in pushes]),
+        np.array([places.index(p.place) for p in pushes], dtype=np.intp),
+        places,
+        tracks_of(session),
+        np.array([p.by == "film" and slips(p.bend, p.lambda_rad, links) for p in pushes]),
+        setup.floor.slope_sigma_rad,
+        max([setup.floor.film_scale_sigma, *scales]),
     )
+    return (block,)

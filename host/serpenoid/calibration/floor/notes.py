@@ -1,4 +1,4 @@
-"""What to know about pushes and slides: which friction they leave open, and what was odd."""
+"""What to know about pushes: which friction they leave open, and what was odd."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from ...model.errors import BadInput
 from ..fitting.posterior import Mode, Posterior
 from ..session import Session
-from .block import Pushes, Slides
+from .block import Pushes
 
 OPEN = 0.5  # of the whole force, in error: a friction is then not told
 
@@ -37,8 +37,8 @@ def check_floor(session: Session, mode: Mode) -> None:
         if not np.isfinite(off) or off > OPEN:
             by = f"are open by {off:.0%} of the force" if off < 1.0 else "stay wholly open"
             raise BadInput(
-                f"{session.where}: {names} cannot be told from {len(session.kept_pushes)} push(es) "
-                f"and {len(session.kept_slides)} slide(s): they {by}; take {cure}; or crawls: "
+                f"{session.where}: {names} cannot be told from {len(session.kept_pushes)} "
+                f"push(es): they {by}; take {cure}; or crawls: "
                 "`serpenoid fit --crawls` fits them, too, but `compare` and `advise` do not"
             )
 
@@ -65,13 +65,13 @@ def _turned_round(session: Session) -> list[int]:
 
 def floor_notes(session: Session, posterior: Posterior) -> list[str]:
     """Return what a reader of a floor session's numbers should know, in words."""
-    blocks = [block for block in posterior.blocks if isinstance(block, Pushes | Slides)]
+    blocks = [block for block in posterior.blocks if isinstance(block, Pushes)]
     if not blocks:
         return []
     notes, rolls = [], blocks[0].rolling.rolling
-    voided = sum(r.voided for kind in ("coast", "slide") for r in session.of(kind))
+    voided = sum(push.voided for push in session.of("coast"))
     if voided:
-        notes.append(f"{voided} voided push(es) or slide(s) left out.")
+        notes.append(f"{voided} voided push(es) left out.")
     odd = _turned_round(session)
     if odd:
         notes.append(
@@ -85,7 +85,7 @@ def floor_notes(session: Session, posterior: Posterior) -> list[str]:
             f"{rolls[0]:.1%} ± {rolls[1]:.1%} of the mass. `serpenoid calibrate "
             "amend DIR robot.wheels_kg=36g` makes all four frictions surer."
         )
-    return notes + [note for b in blocks if isinstance(b, Pushes) for note in _one_way(b)]
+    return notes + [note for block in blocks for note in _one_way(block)]
 
 
 def _one_way(pushes: Pushes) -> list[str]:

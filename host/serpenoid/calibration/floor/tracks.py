@@ -42,20 +42,19 @@ class PushTrack:
     off_rad: Floats
     by: str
 
-    def profiled(self, c: Floats, f: Floats, spread: Floats | float = 1.0) -> tuple[Floats, ...]:
+    def profiled(self, c: Floats, f: Floats) -> tuple[Floats, ...]:
         """Return speed and place at the start (K,) and what remains, in sigmas, (K, rows).
 
-        spread: each place's standard deviation over sigma_m. The place follows from the speed.
+        The place follows from the speed.
         """
         c, f = c[:, None], f[:, None]
         if self.by == "rest":
             speed, off = at_rest([self], c, f)
             return speed[:, 0], np.zeros(len(c)), off
         start = np.full_like(c, self.pushed_m_s)
-        speed, off, _ = _likeliest(start, lambda speed: self._off(speed, c, f, spread))
+        speed, off, _ = _likeliest(start, lambda speed: self._off(speed, c, f))
         way = way_m(self.t_s, speed, c, f)[0]
-        weight = np.broadcast_to(spread, self.t_s.shape) ** -2.0
-        return speed[:, 0], np.average(self.x_m - way, axis=1, weights=weight), off
+        return speed[:, 0], np.mean(self.x_m - way, axis=1), off
 
     @property
     def heading(self) -> Floats:
@@ -85,19 +84,15 @@ class PushTrack:
         return made, (slipped(high) - slipped(low)) / (high**2 - low**2)
 
     def near(self, c: float, f: float, pull: Floats, by_slip: Floats | float = 0.0) -> Rows:
-        """Return the residuals (K, rows) by c, f (K,) and the floor's pull (K, 2), near a point.
+        """Return the residuals (K, 2) of a film by c, f (K,) and the floor's pull (K, 2).
 
-        Those of a film are two, linear about the point but for slip. Those of marks keep their
-        closed form, with standard deviations as they are at the point. by_slip: the second value
-        of `without_slip`.
+        They are linear about a point but for slip. by_slip: the second value of `without_slip`.
         """
         level = f - float(pull @ self.heading)
         law = np.array([c]), np.array([level])
         speed, place, _ = self.profiled(*law)
         way, slopes, moving = way_m(self.t_s, speed, *law)
         spread = np.hypot(1.0, moving * self.sigma_s / self.sigma_m)
-        if self.by != "film":
-            return lambda c, f, pull: self.profiled(c, f - pull @ self.heading, spread)[2]
         sigma = self.sigma_m * spread[:, None]
         by_pull = self._carried(speed, *law)
         # how far a turning path is from one at its mean angle, by the slopes as they are
@@ -127,15 +122,13 @@ class PushTrack:
         speeds = np.exp(-c * t) * cumulative_trapezoid(np.exp(c * t) * pull, t, axis=0, initial=0)
         return np.asarray(cumulative_trapezoid(speeds, t, axis=0, initial=0))
 
-    def _off(
-        self, speed: Floats, c: Floats, f: Floats, spread: Floats | float
-    ) -> tuple[Floats, Floats]:
+    def _off(self, speed: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats]:
         """Return predicted less measured, in sigmas, and its slope by the speed, (K, rows)."""
         way, slopes, _ = way_m(self.t_s, speed, c, f)
-        scale = np.broadcast_to(self.sigma_m * spread, self.t_s.shape)
+        weight = np.full_like(self.t_s, self.sigma_m) ** -2.0
 
         def centred(rows: Floats) -> Floats:  # the place at the start follows
-            return (rows - np.average(rows, 1, scale**-2.0, keepdims=True)) / scale
+            return (rows - np.average(rows, 1, weight, keepdims=True)) / self.sigma_m
 
         return centred(way - self.x_m), centred(slopes[0])
 
@@ -195,8 +188,8 @@ def tracks_of(session: Session) -> tuple[PushTrack, ...]:
 
 
 def _track(push: Coast, time_sigma_s: float, off_rad: Floats | None) -> PushTrack:
-    sigma_s = time_sigma_s if push.time_sigma_s is None else push.time_sigma_s
     if push.track is None:
+        sigma_s = time_sigma_s if push.time_sigma_s is None else push.time_sigma_s
         assert push.duration_s is not None  # Coast has checked
         assert push.distance_m is not None
         one = np.ones(1)
@@ -206,11 +199,10 @@ def _track(push: Coast, time_sigma_s: float, off_rad: Floats | None) -> PushTrac
         )
     t, x, y = (np.array(column) for column in push.counted)
     sigma_m = push.distance_sigma_m or _FILM_M
-    by_hand = push.by == "marks"
-    way = x if by_hand else along(x, y, sigma_m)
-    usual_s = sigma_s if by_hand or push.time_sigma_s is not None else 0.0
+    way = along(x, y, sigma_m)
     off = np.zeros_like(t) if off_rad is None else off_rad
-    return PushTrack(push.number, t - t[0], way - way[0], sigma_m, usual_s, off, push.by)
+    sigma_s = push.time_sigma_s or 0.0
+    return PushTrack(push.number, t - t[0], way - way[0], sigma_m, sigma_s, off, push.by)
 
 
 def _off_line(pushes: tuple[Coast, ...], place: str) -> dict[int, Floats]:

@@ -14,7 +14,7 @@ from .tracks import Floats, Track
 
 WAYS = ("there", "back")
 FACINGS = ("ahead", "back")  # head first; or tail first, where ratchet wheels roll backwards
-SOURCES = ("rest", "marks", "film")  # what a push is known by: tape and watch, marks passed, a film
+SOURCES = ("rest", "film")  # what a push is known by: tape and watch, or a table of places
 TRACK = ("t_s", "x_m", "y_m")
 
 
@@ -25,12 +25,12 @@ class Coast(Taken):
     number: from 1, unique in a session. lambda_rad, bend: as of a station. way: "there" or "back"
     along one line of the floor, so that its slope cancels. place: of the line, where there are more
     than one. facing: "back" where it was pushed tail first, for the backward friction of ratchet
-    wheels. by: "film" (track: where the robot was in every picture), "marks" (track: times at
-    which it passed marks; y is 0) or "rest" (distance_m and duration_s alone). start_s, end_s: what
-    part of the track counts. scale_sigma: of all lengths of a film, relative, where its tags tell
-    it; one scale for all films, as of one sheet of tags. distance_sigma_m, time_sigma_s: of one
-    place and one time; None: those of the set-up. offset_rad: steering on every joint; None where
-    nobody told. file_sha256: of the file that the track came from. Raises BadInput.
+    wheels. by: "film" (track: where the robot was in every picture) or "rest" (distance_m and
+    duration_s alone). start_s, end_s: what part of the track counts. scale_sigma: of all lengths of
+    a film, relative, where its tags tell it; one scale for all films, as of one sheet of tags.
+    distance_sigma_m, time_sigma_s: of one place and one time; None: those of the set-up.
+    offset_rad: steering on every joint; None where nobody told. file_sha256: of the file that the
+    track came from. Raises BadInput.
     """
 
     kind = "coast"
@@ -137,10 +137,10 @@ class Coast(Taken):
         if self.track is None and (self.by != "rest" or None in (self.distance_m, self.duration_s)):
             raise BadInput(
                 f"push {self.number} has neither a track nor distance_m and duration_s; give a "
-                "film, the times at marks, or the way and the time to rest"
+                "film, or the way and the time to rest"
             )
         if self.track is not None and self.by == "rest":
-            raise BadInput(f"push {self.number} has a track; say by=film or by=marks")
+            raise BadInput(f"push {self.number} has a track; say by=film")
         if self.track is not None and len(self.counted[0]) < 3:
             raise BadInput(
                 f"push {self.number} has {len(self.counted[0])} sample(s) between start_s and "

@@ -67,7 +67,7 @@ class Stopwatch(_Instruments):
 
 @dataclass(frozen=True, slots=True)
 class FloorTools(_Instruments):
-    """What a push or a slide is measured with, as standard deviations, and what its wheels weigh.
+    """What a push is measured with, as standard deviations, and what its wheels weigh.
 
     wheels_kg: mass of all wheels together, whose turning takes part of a push; None: not told.
     film_scale_sigma: of all lengths in films, relative. push_time_sigma_s: of a time taken by hand.

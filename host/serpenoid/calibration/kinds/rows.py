@@ -14,7 +14,6 @@ from .checks import BeltCheck, BendCheck, ZeroReading
 from .coast import Coast
 from .declaration import Cells, Taken, Word
 from .gait import GaitRun
-from .slide import BreakAway, Slide
 from .station import Reading
 from .video import FilmReading
 
@@ -29,8 +28,6 @@ KINDS: dict[str, type[Taken]] = {
         GaitRun,
         FilmReading,
         Coast,
-        Slide,
-        BreakAway,
     )
 }
 

@@ -190,13 +190,12 @@ def program() -> str:
 def count(session: Session) -> str:
     """Return how much a session holds, in words."""
     stations, runs = len(session.kept), len(session.kept_crawls)
-    pushes, slides = len(session.kept_pushes), len(session.kept_slides)
-    taken = (*session.readings, *session.gait_runs, *session.of("coast"), *session.of("slide"))
+    pushes = len(session.kept_pushes)
+    taken = (*session.readings, *session.gait_runs, *session.of("coast"))
     void = sum(r.voided for r in taken)
     on_floor = session.has_line
     parts = [f"{stations} station{'s' * (stations != 1)}"] if stations or not on_floor else []
     parts += [f"{pushes} push{'es' * (pushes != 1)}"] if on_floor else []
-    parts += [f"{slides} slide{'s' * (slides != 1)}"] if slides else []
     return f"{', '.join(parts)} and {runs} gait run{'s' * (runs != 1)} kept" + (
         f", {void} void" if void else ""
     )

@@ -33,7 +33,6 @@ from ..declare import EXISTING, FOLDER, Range, flag, number, option
     choice=["m", "cm", "mm", "in", "ft", "yd"],
 )
 @option("--place", "Of the floor's line, where there is more than one.", default="")
-@flag("--marks", "Times taken by hand at marks, from the first mark on.")
 @number("--tag-mm", "Side of a film's tags; the session's unless given.")
 def push(
     folder: Path,
@@ -43,7 +42,6 @@ def push(
     tail_first: bool,
     unit: str | None,
     place: str,
-    marks: bool,
     tag_mm: float | None,
 ) -> None:
     """Take pushes along a floor from FILES: films, tracks of Tracker or Kinovea, CSV of t, x, y.
@@ -53,8 +51,7 @@ def push(
     shows. The hand's part is found and left out. A push that turned, was short or hit something is
     kept, void, with the reason.
     """
-    from ...calibration.floor.track_files import read_track_file
-    from ...calibration.taking.floor.pushes import other_way, way_after
+    from ...calibration.taking.floor.pushes import way_after
     from ...calibration.taking.journal import Journal
     from ...calibration.taking.person.push_prompt import take_track
     from .calibrate_person import film_reader
@@ -67,13 +64,6 @@ def push(
             cells |= {"place": place} if place else {}
             cells |= {"bend": plan.bend} if lambda_deg else {}
             cells |= {"facing": "back"} if tail_first else {}
-            if marks:
-                found = read_track_file(path, unit)
-                cells |= {"by": "marks", "file_sha256": found.sha256[:16]}
-                number = journal.add("coast", cells, samples=found.values)
-                say(f"reading {number}, {way}: {len(found.values)} marks")
-                way = other_way(way)
-                continue
             kept = take_track(journal, path, unit, cells, film, say)
             for one in kept:
                 say(one.in_words())

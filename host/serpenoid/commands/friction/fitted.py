@@ -45,17 +45,18 @@ def fit(
     save: bool,
     as_json: bool,
 ) -> None:
-    """Fit friction to a session's readings: stations (Eqs. 58-62), pushes and slides.
+    """Fit friction to a session's readings: stations (Eqs. 58-62) and pushes.
 
     Crawls stay out, since `compare` tests predictions by them. --crawls fits them, too: any hobby
     servo may have moved the joints unless --servo says which.
 
     Prints the whole snake's friction and each link's; --session DIR gives it to any other command.
     """
-    from ...prediction.break_away import break_away_notes
     from ...show import report
 
     loaded = sn.load_session(session)
+    for note in loaded.notes:
+        say(f"note: {note}", err=True)
     count = len(loaded.kept)
     servo = take_servo("hobby") if crawls else None
     with working(f"fitting {count} readings") if count > MANY or crawls else nullcontext():
@@ -80,8 +81,7 @@ def fit(
         show_json(fit.to_dict())
     else:
         report.show(fit)
-        notes = [f"note: {note}" for note in break_away_notes(fit, loaded)]
-        say("\n".join([*fit.remarks, *notes]))
+        say("\n".join(fit.remarks))
         if influence:
             report.influence(fit)
     if not_kept is not None:

@@ -12,7 +12,6 @@ from typing import Any
 from ...calibration.friction_result import FrictionFit
 from ...calibration.session import Event, Session
 from ...calibration.taking.procedure import step_in_words
-from ...prediction.break_away import break_away_notes
 from ...prediction.comparison import Comparison
 from ...prediction.next_reading import Advice
 from ...prediction.two_fits import TwoFits
@@ -61,7 +60,7 @@ def session_page(
     other: its frictions beside those of another session.
     """
     setup, drawings = session.setup, []
-    notes = [fit.remarks[0], *fit.notes, *break_away_notes(fit, session), *session.notes]
+    notes = [fit.remarks[0], *fit.notes, *session.notes]
     if session.kept and not session.on_floor:
         what = "friction against speed, readings and lines"
         drawings.append(_svg(what, draw_friction, session, fit, size=(9.0, 4.2), columns=2))
@@ -154,10 +153,9 @@ def _story(session: Session) -> str:
     kept = {
         "stations held": len(session.kept),
         "pushes": len(session.kept_pushes),
-        "slides": len(session.kept_slides),
     }
     parts = [f"{n} {name}" for name, n in kept.items() if n or not any(kept.values())]
-    taken = (*session.readings, *session.of("coast"), *session.of("slide"))
+    taken = (*session.readings, *session.of("coast"))
     parts.append(f"{sum(r.voided for r in taken)} voided")
     return (
         f'<p class="soft">A {escape(setup.kind)} session: a robot of {robot.links} links, '
