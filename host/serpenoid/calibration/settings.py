@@ -10,13 +10,14 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
-from ..model.checks import check_choice, check_whole
+from ..model.checks import check_choice, check_number, check_whole
 from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..model.robot import Robot, check_links
 from ..model.toml_table import Table, located
 from .kinds.declaration import in_si, in_unit
 from .kinds.instruments import MAX_SPEED_M_S, Uncertainty
+from .kinds.push_size import unlikely_sigma
 from .kinds.station import BENDS, MAX_INCLINE_DEG, MAX_LAMBDA_DEG
 from .session import MAX_GRAVITY_M_S2, PLACES, PROVENANCE, Procedure, Setup
 
@@ -113,6 +114,13 @@ def _check_flag(key: str, value: Any) -> bool:
     if not isinstance(value, bool):
         raise BadInput(f"{key} is {value!r}; it must be true or false")
     return value
+
+
+def _check_place_sigma(key: str, value: Any) -> float:
+    sigma_m = check_number(key, value, 0.0)
+    if told := unlikely_sigma(sigma_m):
+        raise BadInput(told)
+    return sigma_m
 
 
 def _bends(table: Table, key: str) -> tuple[float, ...]:
@@ -247,7 +255,7 @@ SETTINGS: dict[str, tuple[Setting, ...]] = {
         Setting(
             "distance_sigma_m",
             "stopwatch.distance_sigma_m",
-            _FROM_0,
+            _checked(_check_place_sigma),
             "        # of a gait run: tape and marks; stopwatch",
         ),
         Setting("time_sigma_s", "stopwatch.time_sigma_s", _FROM_0),

@@ -124,6 +124,22 @@ def test_a_void_push_does_not_turn_the_ways_of_the_others(tmp_path):
         assert way_after([], "there") == "there"
 
 
+def test_what_is_too_fast_or_too_long_for_a_push_is_not_taken(tmp_path):
+    rows, cells = filmed(2, 0.9)[0], {"lambda_deg": 0.0}
+    with Journal(create_session(tmp_path / "s", floor_setup())) as journal:
+        with refused("from 8.* is no push: at most 10 m and 3 m/s; .*--tag-mm"):
+            keep_pushes(journal, rows * (1.0, 10.0, 10.0), cells)
+        typed = [
+            ({"distance_m": 80.0, "duration_s": 3.0}, "no push.* likely instead of m: cm .0.8 m"),
+            ({"distance_m": 9.0, "duration_s": 3.0}, "9 m from 6 m/s is no push"),
+            ({"distance_m": 0.8, "duration_s": 3.0, "distance_sigma_m": 2.0}, "of m: cm.* mm .0.0"),
+        ]
+        for more, told in typed:
+            with refused(told):
+                journal.add("coast", cells | more)
+        assert journal.add("coast", cells | {"distance_m": 0.8, "duration_s": 3.0}) == 1
+
+
 def test_the_scatter_of_a_robot_at_rest_is_no_push(tmp_path):
     rng = np.random.default_rng(8)
     rest = np.arange(30.0, 60.0, 1 / 30)

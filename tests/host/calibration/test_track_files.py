@@ -154,6 +154,29 @@ def test_what_is_no_track_in_seconds_and_metres_is_refused(tmp_path, text, unit,
         read(tmp_path, text, unit)
 
 
+@pytest.mark.parametrize("unit", METRES)
+@pytest.mark.parametrize("wrong", METRES)
+def test_a_unit_that_makes_no_push_is_refused_with_the_likely_ones(tmp_path, unit, wrong):
+    """Pushes of 0.8 m/s that are stated in another unit: faster than 3 m/s or hardly moving."""
+    text = tracker(ROWS, unit)
+    speed_m_s = 0.8 * METRES[wrong] / METRES[unit]
+    with refused(f"no unit .*likely: .*{unit} \\("):
+        read(tmp_path, text)
+    if 0.05 < speed_m_s < 3.0:
+        assert len(read(tmp_path, text, wrong).values) == len(ROWS)
+    else:
+        with refused(f"is no push.* likely instead of {wrong}: .*{unit} .*give another --unit"):
+            read(tmp_path, text, wrong)
+        with refused(r"likely instead of .*; correct the name x \("):
+            read(tmp_path, text.replace("x", f"x ({wrong})").replace("y\t", f"y ({wrong})\t"))
+
+
+def test_one_lost_place_does_not_make_a_push_too_fast(tmp_path):
+    rows = ROWS.copy()
+    rows[30, 1] += 3.0
+    assert len(read(tmp_path, tracker(rows), "m").values) == len(rows)
+
+
 @pytest.mark.parametrize(
     ("name", "start", "told"),
     [

@@ -70,7 +70,7 @@ def pushes_in(t_s: Floats, x_m: Floats, y_m: Floats) -> list[slice]:
     is one, and is left out by what `look_at` says of it, or by hand.
     """
     t, x, y = (np.asarray(v, dtype=float) for v in (t_s, x_m, y_m))
-    moves = np.concatenate([[0], _speeds(t, x, y) > MOVES_M_S, [0]]).astype(int)
+    moves = np.concatenate([[0], speeds(t, x, y) > MOVES_M_S, [0]]).astype(int)
     first, last = np.flatnonzero(np.diff(moves)).reshape(-1, 2).T
     if not len(first):
         return []
@@ -93,10 +93,12 @@ def look_at(t_s: Floats, x_m: Floats, y_m: Floats, slips: bool = False) -> Look:
     """
     t, x, y = (np.asarray(v, dtype=float) for v in (t_s, x_m, y_m))
     _check(t, x, y)
-    speed = _speeds(t, x, y)
+    speed = speeds(t, x, y)
     peak = int(np.argmax(speed))
     if speed[peak] < MOVES_M_S:
-        raise BadInput(f"nothing moves in this track: {speed[peak]:.2g} m/s at most; is it in m?")
+        raise BadInput(
+            f"nothing moves in this track: {speed[peak]:.2g} m/s at most; is its unit right?"
+        )
     # some time after the fastest place, the hand being gone
     start = int(np.searchsorted(t, t[peak] + AFTER_S)) if peak else 0
     rest, touched = _rest(t, x, y, speed, peak)
@@ -142,7 +144,7 @@ def _check(t: Floats, x: Floats, y: Floats) -> None:
         )
 
 
-def _speeds(t: Floats, x: Floats, y: Floats) -> Floats:
+def speeds(t: Floats, x: Floats, y: Floats) -> Floats:
     """Return speeds, each the slope of a line through the piece of PIECE_S about it."""
     low = np.searchsorted(t, t - PIECE_S / 2 - 1e-9)
     high = np.searchsorted(t, t + PIECE_S / 2 + 1e-9, side="right")

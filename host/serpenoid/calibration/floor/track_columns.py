@@ -10,8 +10,8 @@ import re
 from dataclasses import dataclass
 
 from ...base.errors import BadInput
+from ..kinds.declaration import LENGTH_UNITS
 
-UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048, "yd": 0.9144}
 TIME_UNITS = {
     "s": 1.0,
     "ms": 1e-3,
@@ -62,18 +62,18 @@ class Column:
     unit: str | None
 
     @property
-    def length_m(self) -> float | None:
-        """Return the length of its unit, m; None if it names none. Raises BadInput."""
+    def length_unit(self) -> str | None:
+        """Return its unit, a key of LENGTH_UNITS; None if it names none. Raises BadInput."""
         if self.unit is None:
             return None
         unit = _UNIT.get(self.unit.casefold(), "")
-        if unit in UNITS:
-            return UNITS[unit]
+        if unit in LENGTH_UNITS:
+            return unit
         raise BadInput(
             f"{self.name} is in {self.unit or 'an empty unit'!r}, which is no length; set the "
             "scale and export again (Tracker: Track > New > Calibration Tools; Kinovea: "
             "draw a line of known length, right-click it, Calibrate); units that are read: "
-            f"{', '.join(UNITS)}"
+            f"{', '.join(LENGTH_UNITS)}"
         )
 
     @property

@@ -15,13 +15,17 @@ from ...base.errors import BadInput
 from ...base.tables import TextTable, is_missing, read_table
 from ...model.checks import check_choice
 from ...model.toml_table import located
-from .track_columns import NEEDED, TIME_ADVICE, UNITS, Column, TrackColumns, track_columns
+from ..kinds.declaration import LENGTH_UNITS
+from ..kinds.push_size import likely_units, unlikely_push
+from .look import MOVES_M_S, speeds
+from .track_columns import NEEDED, TIME_ADVICE, Column, TrackColumns, track_columns
 
 Floats = NDArray[np.float64]
 _CLOCK = re.compile(r"(?:(\d+):)?(\d+):(\d\d)(?:[:.,](\d+))?(?:\s*\(\d+\))?")
 CLOCK_STEP_S = 0.01  # of Kinovea's clock
 MOST_FRAMES_A_SECOND = 60  # that a timecode of hours, minutes, seconds and pictures counts
 LEAST_STEP_S = 1 / 2000  # between two pictures: no camera of a phone is faster
+FAST_S = 0.1  # a push is at its fastest for longer than this
 MOST_STEP_S = 0.5  # between two pictures of a push, where the time has no unit
 FEWEST_PLACES = 3
 
@@ -48,7 +52,7 @@ def read_track_file(path: Path, unit: str | None = None) -> TrackFile:
     path
         The file.
     unit
-        Of lengths whose column names none: one of UNITS.
+        Of lengths whose column names none: one of LENGTH_UNITS.
 
     Raises
     ------
@@ -57,11 +61,11 @@ def read_track_file(path: Path, unit: str | None = None) -> TrackFile:
         the line, and what to change.
     """
     if unit is not None:
-        check_choice("unit", unit, tuple(UNITS))
+        check_choice("unit", unit, tuple(LENGTH_UNITS))
     table, columns = read_table(path, track_columns, NEEDED)
+    kept = [columns.time, columns.x, *([columns.y] if columns.y else [])]
     with located(str(path)):
-        scales = _scales(columns, unit)
-        kept = [columns.time, columns.x, *([columns.y] if columns.y else [])]
+        units = [column.length_unit or unit for column in kept[1:]]
         cells, point, others = _rows_of_first_point(table, columns, [c.place for c in kept])
     times = _times_s(table, columns.time, cells)
     places = [[_value(table, line, text) for text in texts[1:]] for line, texts in cells]
@@ -69,11 +73,15 @@ def read_track_file(path: Path, unit: str | None = None) -> TrackFile:
         raise BadInput(f"{path}: {len(times)} place(s) in it; is it a track of time, x and y?")
     track = np.zeros((len(times), 3))
     track[:, 0] = times
-    track[:, 1 : len(kept)] = np.array(places) * scales
+    track[:, 1 : len(kept)] = np.array(places) * [LENGTH_UNITS[name or "m"] for name in units]
     with located(str(path)):
         _check_times(track[:, 0], columns.time, cells)
-    track = track[np.concatenate([[True], np.diff(track[:, 0]) != 0.0])]
-    track[:, 0] = _without_rounding(track[:, 0])
+        track = track[np.concatenate([[True], np.diff(track[:, 0]) != 0.0])]
+        track[:, 0] = _without_rounding(track[:, 0])
+    if None in units:
+        raise UnitMissing(path, columns.x.name, track)
+    with located(str(path)):
+        _check_size(track, units[0] or "m", columns.x)
     notes = []
     if others:
         notes.append(
@@ -82,23 +90,47 @@ def read_track_file(path: Path, unit: str | None = None) -> TrackFile:
         )
     if columns.y is None:
         notes.append(f"{path.name}: no column y; the track is taken as straight along x")
+    if columns.x.unit is not None and unit not in (None, *units):
+        notes.append(f"{path.name}: its lengths are in {units[0]}, as it says; not in {unit}")
     return TrackFile(track, hashlib.sha256(table.text.encode()).hexdigest(), tuple(notes))
 
 
-def _scales(columns: TrackColumns, unit: str | None) -> list[float]:
-    """Return the lengths of the units of x and y, m; raises BadInput."""
-    scales = []
-    for column in (columns.x, columns.y):
-        if column is None:
-            continue
-        length_m = column.length_m
-        if length_m is None and unit is None:
-            raise BadInput(
-                f"its lengths have no unit ({column.name}); say it: --unit with one of "
-                f"{', '.join(UNITS)} (in the dialogue behind the file: track.csv cm)"
-            )
-        scales.append(UNITS[unit or "m"] if length_m is None else length_m)
-    return scales
+class UnitMissing(BadInput):
+    """A table names no unit of length; `likely` has what the track would be in likely ones."""
+
+    def __init__(self, path: Path, column: str, track: Floats):
+        self.likely = likely_units(*speed_and_way(track))
+        some = f"; likely: {', '.join(self.likely)}" if self.likely else ""
+        super().__init__(
+            f"{path}: its lengths have no unit ({column}); say it: --unit with one of "
+            f"{', '.join(LENGTH_UNITS)}{some}"
+        )
+
+
+def speed_and_way(track: Floats) -> tuple[float, float]:
+    """Return the speed that a track exceeds for FAST_S in all, m/s, and its extent, m.
+
+    So a place that was mistaken for another does not count.
+    """
+    order = np.argsort(-(rates := speeds(*track.T)))
+    shares = np.gradient(track[:, 0])[order]
+    fast = min(int(np.searchsorted(np.cumsum(shares), FAST_S)), len(rates) - 1)
+    ends = np.quantile(track[:, 1:], (0.02, 0.98), axis=0)
+    return float(rates[order][fast]), float(np.hypot(*(ends[1] - ends[0])))
+
+
+def _check_size(track: Floats, unit: str, column: Column) -> None:
+    """Raise BadInput for a track that is too fast, too long or too slow for a push."""
+    speed_m_s, way_m = speed_and_way(track)
+    told = unlikely_push(speed_m_s, way_m, unit)
+    if not told and speed_m_s < MOVES_M_S and (units := likely_units(speed_m_s, way_m, unit)):
+        told = (
+            f"{way_m:.2g} m at {speed_m_s:.2g} m/s at most is no push; likely instead of {unit}: "
+            f"{', '.join(units)}"
+        )
+    if told:
+        where = "give another --unit" if column.unit is None else f"correct the name {column.name}"
+        raise BadInput(f"{told}; {where}, or the scale")
 
 
 def _rows_of_first_point(
@@ -172,6 +204,12 @@ def _check_times(t: Floats, column: Column, cells: list[tuple[int, list[str]]]) 
     steps = steps[steps > 0]
     if not len(steps):
         raise BadInput(f"the times in {column.name} do not rise; {TIME_ADVICE}")
+    falls = np.flatnonzero(np.diff(t) < 0.0)
+    if len(falls):
+        raise BadInput(
+            f"times must rise: {t[falls[0] + 1]:.6g} s comes after {t[falls[0]]:.6g} s in "
+            f"{column.name}; is that the time?"
+        )
     step = float(np.median(steps))
     clocks = [_CLOCK.fullmatch(texts[0]) for _, texts in cells]
     if clocks[0]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...model.errors import BadInput
 from .declaration import DERIVED, Field, Taken, Word
+from .push_size import unlikely_push, unlikely_sigma
 from .station import BEND_WORD, LAMBDA, STEERING, bend_in_words
 from .tracks import Floats, Track
 
@@ -89,7 +90,7 @@ class Coast(Taken):
             "distance_sigma_m",
             "standard deviation of a place",
             0.0,
-            1.0,
+            100.0,
             open_low=True,
             source=DERIVED,
             optional=True,
@@ -146,6 +147,15 @@ class Coast(Taken):
                 f"push {self.number} has {len(self.counted[0])} sample(s) between start_s and "
                 "end_s; three at least"
             )
+
+    def doubt(self) -> str:
+        """Return why it is no push: too fast, too long, or places too uncertain."""
+        if self.distance_sigma_m is not None and (told := unlikely_sigma(self.distance_sigma_m)):
+            return told
+        if self.distance_m is None or not self.duration_s:
+            return ""
+        # Dry friction alone brakes evenly: the speed at the start is twice the mean one.
+        return unlikely_push(2 * self.distance_m / self.duration_s, self.distance_m)
 
     @property
     def counted(self) -> Floats:

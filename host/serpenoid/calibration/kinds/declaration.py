@@ -15,6 +15,14 @@ Cells = Mapping[str, str | float]
 Values = dict[str, float | str]
 Range = tuple[float, float]  # that a number is expected in
 Units = dict[str, float]
+LENGTH_UNITS: Units = {
+    "m": 1.0,
+    "cm": 0.01,
+    "mm": 0.001,
+    "in": 0.0254,
+    "ft": 0.3048,
+    "yd": 0.9144,
+}
 _INCLINE: tuple[Units, str] = {"deg": 1.0, "%": 0.0}, "2.3 or 4 %"  # grade: by the arctangent
 # By the ends of columns' names, the first that fits: the units that a person may type a number in,
 # unit -> factor to the first, and an example.
@@ -29,7 +37,7 @@ QUANTITIES: dict[str, tuple[Units, str]] = {
         {"m/s": 1.0, "km/h": 1 / 3.6, "cm/s": 0.01, "mm/s": 0.001, "mph": 0.44704},
         "0.45 or 1.6 km/h",
     ),
-    "_m": ({"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}, "1.2 or 76 mm"),
+    "_m": (LENGTH_UNITS, "1.2 or 76 mm"),
     "_kg": ({"kg": 1.0, "g": 0.001, "lb": 0.45359237}, "0.48 or 480 g"),
     "_s": ({"s": 1.0, "min": 60.0}, "9.5"),
     "_v": ({"V": 1.0}, "5.2"),
@@ -193,6 +201,10 @@ class Taken(ABC):
     def derived(cls, cells: dict[str, Any], watch: Stopwatch) -> dict[str, Any]:
         """Put in what follows from other cells, as a speed does; raises BadInput."""
         return cells
+
+    def doubt(self) -> str:
+        """Return why it is not taken although each number is within its limits; "" if it is."""
+        return ""
 
     @abstractmethod
     def in_words(self) -> tuple[str, str]:

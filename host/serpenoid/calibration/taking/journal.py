@@ -157,7 +157,8 @@ class Journal:
                 "`serpenoid video FILE --session DIR` adds a film"
             )
         common: dict[str, Any] = {"number": 1} | ({"track": track} if track is not None else {})
-        make_reading(reading_row(kind, cells), common)
+        if told := make_reading(reading_row(kind, cells), common).doubt():
+            raise BadInput(told)
 
     def event(self, event: str, reading: int = 0, detail: str = "") -> None:
         """Write one event; void, restore and undo need a reading that is there."""

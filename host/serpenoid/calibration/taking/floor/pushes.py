@@ -9,6 +9,7 @@ from ....model.errors import BadInput
 from ...floor.look import Look, look_at, pushes_in
 from ...kinds.coast import TRACK, WAYS, Coast
 from ...kinds.declaration import Cells, Values
+from ...kinds.push_size import unlikely_push
 from ...kinds.rows import DOUBTFUL
 from ...kinds.station import slips
 from ...kinds.tracks import Floats, Track
@@ -88,7 +89,7 @@ def _looked_at(track: Floats, slipping: bool) -> list[tuple[Floats, Look]]:
     """Return the pieces of a track that roll out, with what each shows; raises BadInput."""
     pieces = pushes_in(*track.T)
     if not pieces:
-        raise BadInput("nothing was pushed in this track: no place moves; are lengths in metres?")
+        raise BadInput("nothing was pushed in this track: no place moves; is its unit right?")
     looked = []
     for piece in pieces:
         try:
@@ -96,6 +97,9 @@ def _looked_at(track: Floats, slipping: bool) -> list[tuple[Floats, Look]]:
         except BadInput:
             if len(pieces) == 1:
                 raise  # else a hand in the picture, nothing that rolls out
+    for _, look in looked:
+        if not look.doubts and (told := unlikely_push(look.speed_m_s, look.way_m)):
+            raise BadInput(f"{told}; is the scale right (--unit of a table, --tag-mm of a film)?")
     return looked
 
 

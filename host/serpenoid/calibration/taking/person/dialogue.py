@@ -10,12 +10,15 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 from ....model.errors import BadInput, CommandRefused, RecordingFailed, RobotError
-from ...kinds.declaration import Field, Values
+from ...floor.track_files import UnitMissing
+from ...kinds.declaration import LENGTH_UNITS, Field, Values
 from ...kinds.places import EXAMPLE, drifts, tidy_places
 from ...session import Session
 from ..bends import NEAR_DEG
+from ..floor.pushes import Kept
 from ..journal import Journal
 from ..parse_number import span
 from ..procedure import doubts, likely_belt, next_step
@@ -254,7 +257,7 @@ class Dialogue(Prompt):
             return text
         if step.gait is None:
             cells = {**step.cells, **self._steering()}
-            for kept in take_track(self.journal, *named, cells, self._film, self._note):
+            for kept in self._taken(*named, cells):
                 self.say(f"  {kept.in_words()}")
             raise Again
         crawl = read_crawl(self.journal, named[0], step.gait, self._film)
@@ -264,6 +267,17 @@ class Dialogue(Prompt):
             f"from the tail: {gains}"
         )
         return crawl
+
+    def _taken(self, path: Path, unit: str | None, cells: Values) -> list[Kept]:
+        """Take the pushes of a file; ask for the unit of its lengths where it names none."""
+        while True:
+            try:
+                return take_track(self.journal, path, unit, cells, self._film, self._note)
+            except UnitMissing as error:
+                likely = f"; likely: {', '.join(error.likely)}" if error.likely else ""
+                names = ", ".join(LENGTH_UNITS)
+                typed = self.ask(f"  unit of its lengths ({names}{likely}): ").strip()
+                unit = typed if typed in LENGTH_UNITS else None
 
     def _note(self, text: str) -> None:
         self.say(f"  {text}")

@@ -17,9 +17,8 @@ from ....model.gait import Gait
 from ....model.robot import Robot
 from ....model.toml_table import located
 from ...crawls.filmed import crawl_cells
-from ...floor.track_columns import UNITS
 from ...floor.track_files import read_track_file
-from ...kinds.declaration import Cells
+from ...kinds.declaration import LENGTH_UNITS, Cells
 from ...kinds.tracks import Floats
 from ..floor.pushes import Kept, keep_pushes
 from ..journal import Journal
@@ -36,9 +35,9 @@ CRAWL_COLUMNS = ("t_s", "x_m", "y_m", "heading_rad")  # of `video --track`; then
 
 def named_file(text: str) -> tuple[Path, str | None] | None:
     """Return the file that was typed and the unit of its lengths, None if it names none."""
-    words = text.strip().strip("'\"").split()
-    unit = words.pop() if len(words) > 1 and words[-1] in UNITS else None
-    path = Path(os.path.expanduser(" ".join(words)))
+    name, _, last = text.strip().rpartition(" ")
+    unit = last if name and last in LENGTH_UNITS else None
+    path = Path(os.path.expanduser((name if unit else text).strip().strip("'\"")))
     known = (*TEXTS, *FILMS, *NO_TEXT)
     return (path, unit) if isfile(path) or path.suffix.lower() in known else None
 
