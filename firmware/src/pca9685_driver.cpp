@@ -17,6 +17,7 @@ namespace {
 const uint8_t kDevice = 0x40;
 const uint8_t kMode1 = 0x00, kFirstChannel = 0x06, kAllOffHigh = 0xFD, kPrescale = 0xFE;
 const uint8_t kAwake = 0x20, kAsleep = 0x30;  // MODE1, with registers that count up by themselves
+const uint8_t kRestart = 0x80;                // MODE1, where outputs were on when it fell asleep
 const uint8_t kFullOff = 0x10;
 const uint8_t kMostPrescale = 255;
 const uint16_t kCounts = 4096;  // a cycle
@@ -90,7 +91,7 @@ bool quiet() { return true; }
 // A chip that lost its power for a moment sleeps, and runs at another rate: it is begun anew only
 // when nothing is attached.
 bool answers() {
-    if (good) good = two_wire::read(kDevice, kMode1) == kAwake;
+    if (good) good = (two_wire::read(kDevice, kMode1) & ~kRestart) == kAwake;
     if (!good && attached == 0) start();
     if (!good) enable(false);
     return good;
@@ -109,8 +110,9 @@ void detach() {
 }
 
 void pulses(const int16_t (&pulse_us)[firmware::kJoints], uint32_t) {
-    good = good && write_channels(pulse_us);
-    if (!good) enable(false);
+    if (good && write_channels(pulse_us)) return;
+    good = false;
+    enable(false);
 }
 
 }  // namespace servo_driver

@@ -103,18 +103,50 @@ def test_the_rate_and_the_oscillator_are_settings(start):
     obeyed(talk, "set silence off", "pose 10 -20 30 -40 50")
     board.run(3.0)
     seen = telemetry(board.lines[-8:])
-    assert set(np.diff(seen.frame)) == {3}  # a line takes longer than two frames
+    assert set(np.diff(seen.frame)) == {4}  # a line and an answer take longer than three frames
     tick_us = (board.pca9685[PRESCALE] + 1) / 26.5
     widths = outputs_us(board, oscillator_mhz=26.5)
     assert np.all(np.abs(widths - seen.pulse_us[-1]) <= tick_us / 2 + 1e-6)
     obeyed(talk, "gait 30 80 6")
     board.run(3.0)
     before = talk.counters()
-    talk.keep_alive(2.0, every_s=0.1)  # a line every third frame leaves room for the answers
+    talk.keep_alive(2.0, every_s=0.1)  # a line every fourth frame leaves room for the answers
     counters = talk.counters()
     assert counters["overruns"] == 0
     assert counters["dropped"] - before["dropped"] <= 2
     assert counters["late_us"] <= 2000
+
+
+@pytest.mark.parametrize(
+    ("name", "joints", "frame_ms", "every"),
+    [
+        ("uno", 5, 12.2, 2),  # just above the place where a line alone fits each frame
+        pytest.param("uno", 5, 14.0, 1, marks=pytest.mark.slow),
+        pytest.param("mega", 8, 15.5, 2, marks=pytest.mark.slow),
+        pytest.param("mega", 8, 20.0, 1, marks=pytest.mark.slow),
+    ],
+)
+def test_answers_cost_no_telemetry_line(start, name, joints, frame_ms, every):
+    board = start(name, joints=joints, output="pca9685")
+    obeyed(opened(board), f"set frame_ms {frame_ms}", "save")
+    board.reset()
+    talk = opened(board)
+    obeyed(talk, "set silence off", "gait 60 80 8")
+    board.run(0.2 + 0.1 * joints)  # until all are attached
+    seen = len(board.lines)
+    for _ in range(10):
+        obeyed(talk, "ping")
+        board.run(0.0937)  # no fraction of a frame: pings meet every part of it
+    assert set(np.diff(telemetry(board.lines[seen:]).frame)) == {every}
+
+
+def test_a_restart_bit_that_stays_is_no_lost_driver(start):
+    """Only a write of 1 clears it on some chips, though their outputs run."""
+    board = in_gait(start).board
+    board.fault_pca9685("restart")
+    board.run(0.5)
+    assert enabled(board)
+    assert telemetry(board.lines[-3:]).state == ["gait"] * 3
 
 
 @pytest.mark.parametrize("fault", ["silent", "data low", "clock low"])

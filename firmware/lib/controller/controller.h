@@ -107,9 +107,11 @@ class Controller : private Memory {
     // What is queued when a frame is due must leave room for the longest telemetry line.
     static const uint16_t kTelemetryRoom = 95 + 18 * kJoints;
     static const uint8_t kByteUs = 40;
-    // The wire's time for a telemetry line, and for some other line beside it; and how long each
-    // frame keeps the wire waiting.
-    static const uint16_t kTelemetryUs = kTelemetryRoom * kByteUs + 4000U;
+    // What may_speak() asks for between two telemetry lines, if all lines are the longest: the
+    // wire's time, and a frame's own from its beginning to the end of its line. And how long each
+    // frame keeps the wire waiting. Measured with the PCA9685: 3.3 ms with 5 joints, 4.8 with 8.
+    static const uint16_t kTelemetryUs =
+        kByteUs * (2 * kTelemetryRoom + kRoom + 1 - Output::kSize) + 400 * kJoints;
     static const uint16_t kBusyUs = 150 * kJoints;
     // Servos are attached one after the other, so far apart: each starts with a jerk.
     static const uint32_t kAttachUs = 100000;

@@ -174,7 +174,7 @@ Refusal Controller::change_trim(const Command& command) {
     return Refusal();
 }
 
-// Telemetry every so many frames at least, or its lines do not fit the wire.
+// Telemetry every so many frames at least, or its lines leave the wire no time for answers.
 uint8_t Controller::least_every() const {
     const uint16_t usable_us = static_cast<uint16_t>(frame_us() - kBusyUs);
     return static_cast<uint8_t>((kTelemetryUs + usable_us - 1) / usable_us);

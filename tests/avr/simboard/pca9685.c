@@ -80,7 +80,8 @@ int pca9685_take(struct pca9685* p, uint8_t byte, int is_address) {
 uint8_t pca9685_give(struct pca9685* p) {
     const int hidden = p->next >= ALL && p->next <= LAST_ALL;
     if (!p->addressed || p->fault == PCA9685_SILENT) return 0xff;
-    return hidden ? 0 : p->registers[p->next];
+    const int restart = p->next == MODE1 && p->fault == PCA9685_RESTART ? RESTART : 0;
+    return hidden ? 0 : (uint8_t)(p->registers[p->next] | restart);
 }
 
 // Outputs change at the stop, all at once.

@@ -11,13 +11,14 @@ struct board;
 
 enum reset_cause { RESET_POWER_ON, RESET_EXTERNAL, RESET_BROWN_OUT };
 // What ails a PCA9685: no power (it comes back as at power-up); it holds a wire low;
-// one byte is not acknowledged.
+// one byte is not acknowledged; its RESTART bit reads as 1.
 enum pca9685_fault {
     PCA9685_WELL,
     PCA9685_SILENT,
     PCA9685_DATA_LOW,
     PCA9685_CLOCK_LOW,
-    PCA9685_NO_ACK
+    PCA9685_NO_ACK,
+    PCA9685_RESTART
 };
 
 struct edge {
