@@ -20,7 +20,7 @@ _SURELY = 3.0  # standard deviations below 0, from which a friction is an alarm
 def with_alarms(fit: FrictionFit, session: Session, mode: Mode) -> FrictionFit:
     """Return a fit with its notes; first those that say why it is not to be trusted, if any.
 
-    mode: of all readings, none taken for misread.
+    mode: of all readings.
     """
     stations = [block for block in mode.posterior.blocks if isinstance(block, Stations)]
     alarms = [

@@ -162,6 +162,8 @@ def _check(given: Mapping[str, Any]) -> None:
             f"format is {given['format']}; this version reads formats up to {FORMAT}; install a "
             "newer one"
         )
+    if str(given["method"]).startswith("robust"):
+        raise BadInput(f"method is {given['method']}; it is one that is gone")
     if given.get("sha256") != _hash({k: v for k, v in given.items() if k != "sha256"}):
         raise BadInput(
             "sha256 is not that of its numbers: an older version wrote it, or it was edited"
@@ -230,7 +232,6 @@ def _from_json(given: Mapping[str, Any]) -> FrictionFit:
             }
         ),
         residuals=tuple(map(float, given["residuals"])),
-        outliers=tuple(map(int, given["outliers"])),
         influence=tuple(map(_influence, given["influence"])),
         notes=tuple(map(str, given["notes"])),
         alarms=tuple(map(str, given["alarms"])),

@@ -19,11 +19,8 @@ from .session_posterior import scale_sigmas
 DRAWS = 1024  # kept with a fit
 
 
-def fit_of_draws(session: Session, mode: Mode, draws: Draws, good: Floats) -> FrictionFit:
-    """Return the fit whose values are the mode's, intervals and covariance the draws'.
-
-    good: each row's chance to be no misreading.
-    """
+def fit_of_draws(session: Session, mode: Mode, draws: Draws) -> FrictionFit:
+    """Return the fit whose values are the mode's, intervals and covariance the draws'."""
     posterior, count = mode.posterior, mode.posterior.frictions
     x = scaled(draws.x[:, :count], *scale_sigmas(session, posterior))
     draws, weight = replace(draws, x=np.column_stack([x, draws.x[:, count:]])), draws.weight
@@ -35,7 +32,7 @@ def fit_of_draws(session: Session, mode: Mode, draws: Draws, good: Floats) -> Fr
     alike = draws.alike(DRAWS)
     columns = [*alike.x[:, :count].T, *posterior.nuisances(alike.values).values()]
     rows = posterior.residuals(mode.x[None])[0]
-    counted, numbers = good > 0.5, posterior.numbers
+    numbers = posterior.numbers
     readings = list(dict.fromkeys(numbers[numbers >= 0].tolist()))
     shown, sign, alone = _shown(mode, rows, readings)
     return with_values(
@@ -43,13 +40,12 @@ def fit_of_draws(session: Session, mode: Mode, draws: Draws, good: Floats) -> Fr
         mode.x[:count],
         covariance,
         np.array(ends),
-        chi2=float(np.sum(rows[counted] ** 2)),
-        dof=int(np.sum(counted[: posterior.rows])) - count,
+        chi2=float(np.sum(rows**2)),
+        dof=posterior.rows - count,
         nuisances=MappingProxyType(
             {name: Estimate(float(part[0]), spread[name]) for name, part in nuisances.items()}
         ),
         residuals=tuple(shown.tolist()),
-        outliers=tuple(dict.fromkeys(numbers[~counted].tolist())),
         influence=influences(mode, sign, alone, np.sqrt(np.diag(covariance))),
         draws=FitDraws((*FRICTIONS[:count], *nuisances), np.stack(columns, axis=1)),
     )

@@ -29,16 +29,16 @@ from .crawls.fit import with_crawls
 from .fit_of_draws import fit_of_draws
 from .fitting.identifiability import check_readings
 from .fitting.paper_fit import errors, points, two_lines
-from .fitting.posterior import Posterior, counted
+from .fitting.posterior import Posterior
 from .fitting.shared import FRICTIONS
 from .fitting.stations import Stations
 from .fitting.unknowns import Floats
 from .floor.notes import check_floor
 from .friction_result import LEVEL, UNITS, FitDraws, FrictionFit, normal_draws, with_values
 from .session import Session
-from .session_posterior import mode_of, posterior_of
+from .session_posterior import mode_of, posterior_of, usual_frictions
 
-METHODS = ("joint", "robust", "naive")
+METHODS = ("joint", "naive")
 
 
 def fit_friction(
@@ -59,8 +59,7 @@ def fit_friction(
         What was read.
     method
         "joint": errors in variables, all readings at once, no parameter below 0. Sigma is absolute,
-        never rescaled by the scatter: chi2 tells whether the stated uncertainties hold. "robust":
-        the same, but any reading may be a misreading. Those in doubt count less, and are named.
+        never rescaled by the scatter: chi2 tells whether the stated uncertainties hold.
         "naive": the paper's Eq. 61 and two straight lines, of stations alone; sigma is rescaled.
     crawls
         Fit the session's gait runs and films, too, or alone where there is nothing else. By draws,
@@ -94,9 +93,9 @@ def fit_friction(
     check_choice("method", method, METHODS)
     if crawls:
         if method == "naive":
-            raise BadInput("crawls are fitted by method 'joint' or 'robust', not 'naive'")
-        servo, other = servo and session.setup.driving(servo), _beside_crawls(session, method)
-        return with_crawls(session, other, servo, seed, misread=method == "robust")
+            raise BadInput("crawls are fitted by method 'joint', not 'naive'")
+        servo, other = servo and session.setup.driving(servo), _beside_crawls(session)
+        return with_crawls(session, other, servo, seed)
     if not session.on_floor:
         stations = Stations.of(session)
         check_readings(session, stations, 3 if method == "naive" else 2)
@@ -105,23 +104,22 @@ def fit_friction(
     elif method == "naive":
         raise BadInput(
             f"{session.where}: method 'naive' is the paper's, of stations alone; pushes "
-            "are fitted by 'joint' or 'robust'"
+            "are fitted by 'joint'"
         )
     try:
-        return _fitted(session, method, seed)
+        return _fitted(session, seed)
     except NotConverged as error:
-        way_out = "look for a misread value" if method == "robust" else _misread(session)
-        raise NotConverged(f"{session.where}: {error}; {way_out}") from error
+        raise NotConverged(f"{session.where}: {error}; {_suspect(session)}") from error
 
 
-def _beside_crawls(session: Session, method: str) -> FrictionFit | None:
+def _beside_crawls(session: Session) -> FrictionFit | None:
     """Return the fit of all other readings; None where there are none, or pushes that leave some
     frictions open, such as those by tape and watch.
     """
     if not session.fitted:
         return None
     try:
-        return fit_friction(session, method=method)
+        return fit_friction(session)
     except (BadInput, NotConverged):
         if session.on_floor and not session.kept:
             return None
@@ -177,31 +175,26 @@ def _naive(session: Session, data: Stations) -> FrictionFit:
     return with_alarms(fit, session, joint.mode(joint.start(values)))
 
 
-def _fitted(session: Session, method: str, seed: int) -> FrictionFit:
+def _fitted(session: Session, seed: int) -> FrictionFit:
     """Return the fit of all readings, by their posterior."""
-    robust = method == "robust"
-    first = mode = mode_of(session, robust)
+    mode = mode_of(session)
     if session.on_floor:
         check_floor(session, mode)
-    posterior = replace(mode.posterior, misread=robust)
-    draws, good = posterior.draws(mode, seed), np.ones(len(mode.residuals))
-    if robust:
-        good = draws.weight @ posterior.good(posterior.residuals(draws.x))
-        mode = first.posterior.mode(first.x, counted(good))
-    fit = replace(fit_of_draws(session, mode, draws, good), method=method)
-    return with_alarms(fit, session, first)
+    return with_alarms(fit_of_draws(session, mode, mode.posterior.draws(mode, seed)), session, mode)
 
 
-def _misread(session: Session) -> str:
-    """Say which readings do not go with the others, where a robust fit finds them."""
-    with suppress(NotConverged):
-        mode = mode_of(session, misread=True)
-        if numbers := dict.fromkeys(mode.posterior.numbers[mode.good < 0.5].tolist()):
-            return (
-                f"reading(s) {', '.join(map(str, numbers))} do not go with the others: look them "
-                "up and void or correct them, or fit with method 'robust'"
-            )
-    return "look for a misread value"
+def _suspect(session: Session) -> str:
+    """Name the reading without which the others agree best, where all together have no fit."""
+    posterior = posterior_of(session)
+    start = posterior.start(usual_frictions(session, posterior.frictions))
+    numbers, left = posterior.numbers, dict[int, float]()
+    for number in dict.fromkeys(numbers[numbers >= 0].tolist()):
+        with suppress(NotConverged):
+            left[number] = posterior.mode(start, np.where(numbers == number, 0.0, 1.0)).chi2
+    if not left:
+        return "look for a misread value"
+    best = min(left, key=lambda number: left[number])
+    return f"without reading {best} chi2 would be {left[best]:.1f}: look at that one first"
 
 
 def _check_signs(session: Session, values: Floats) -> None:

@@ -147,8 +147,7 @@ class FrictionFit(Result):
     Attributes
     ----------
     method
-        "joint", "robust" or "naive"; where crawls are fitted "joint, with crawls", "robust, with
-        crawls", or "crawls" alone.
+        "joint" or "naive"; where crawls are fitted "joint, with crawls", or "crawls" alone.
     sigma
         "absolute": from the stated uncertainties of the instruments. "rescaled": from the scatter.
     parameters
@@ -164,14 +163,12 @@ class FrictionFit(Result):
     ground
         The fitted friction per link, as simulations take it.
     chi2, dof
-        Of readings and priors under the stated uncertainties, without outliers.
+        Of readings and priors under the stated uncertainties.
     nuisances
         name -> (value, sigma): lambda_offset_rad_at_..._deg of each bend and incline_zero_rad; none
         for "naive".
     residuals
         One for each kept reading, in standard deviations.
-    outliers
-        Numbers of the readings that a robust fit takes for misread.
     influence
         One for each kept reading; none for "naive".
     notes, alarms
@@ -202,7 +199,6 @@ class FrictionFit(Result):
     dof: int = 0
     nuisances: Mapping[str, Estimate] = field(default_factory=dict[str, Estimate])
     residuals: tuple[float, ...] = ()
-    outliers: tuple[int, ...] = ()
     influence: tuple[Influence, ...] = ()
     notes: tuple[str, ...] = ()
     alarms: tuple[str, ...] = ()
@@ -370,7 +366,7 @@ class FrictionFit(Result):
             "ground_per_link": {name: getattr(self.ground, name) for name in NAMES},
             **{name: getattr(self, name) for name in ("chi2", "dof", "p_value")},
             "nuisances": {name: e._asdict() for name, e in self.nuisances.items()},
-            **{name: list(getattr(self, name)) for name in ("residuals", "outliers")},
+            "residuals": list(self.residuals),
             "influence": [i.to_dict() for i in self.influence],
             **{name: list(getattr(self, name)) for name in ("alarms", "notes")},
             "draws": self.draws.to_dict(),
@@ -463,12 +459,6 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
         notes.append(
             "Naive intervals leave out the errors that readings share (bend, inclinometer zero, "
             "tangential friction in Eq. 61) and are too narrow."
-        )
-    if fit.outliers:
-        named = ", ".join(map(str, fit.outliers))
-        notes.append(
-            f"Reading(s) {named} held for misread: they count next to nothing. Look them up, and "
-            "void or correct them."
         )
     if belt := belt_note(session):
         notes.append(belt)

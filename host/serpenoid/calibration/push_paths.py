@@ -32,12 +32,12 @@ class PushPath:
     law_m: Floats
 
 
-def push_paths(session: Session, misread: bool = False) -> list[PushPath]:
-    """Return the kept pushes of a session with the law as it was fitted; misread: robustly.
+def push_paths(session: Session) -> list[PushPath]:
+    """Return the kept pushes of a session with the law as it was fitted.
 
     Raises BadInput and NotConverged as fits do.
     """
-    mode = mode_of(session, misread)
+    mode = mode_of(session)
     pushes = [block for block in mode.posterior.blocks if isinstance(block, Pushes)]
     if not pushes:
         return []

@@ -31,14 +31,13 @@ def scale_sigmas(session: Session, posterior: Posterior) -> tuple[float, float]:
     return belt, session.mass_sigma
 
 
-def mode_of(session: Session, misread: bool = False) -> Mode:
+def mode_of(session: Session) -> Mode:
     """Return the likeliest values that a session's readings leave. Raises NotConverged.
 
-    They are sought from usual frictions. misread: any reading may be.
+    They are sought from usual frictions.
     """
     posterior = posterior_of(session)
-    start = posterior.start(usual_frictions(session, posterior.frictions))
-    return posterior.resistant_mode(start) if misread else posterior.mode(start)
+    return posterior.mode(posterior.start(usual_frictions(session, posterior.frictions)))
 
 
 def covariance_after(session: Session, mode: Mode) -> Floats:

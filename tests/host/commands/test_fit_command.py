@@ -34,7 +34,7 @@ def test_fit_shows_whole_and_per_link_values_and_keeps_them(folder):
     assert "chi2 without" in shown
     kept = sn.load_fit(folder)
     assert kept.parameters["ct_whole"].value == pytest.approx(0.084, rel=1e-4)
-    assert answer(f"fit --no-save --method robust {folder}")["method"] == "robust"
+    assert answer(f"fit --no-save --method naive {folder}")["method"] == "naive"
     assert sn.load_fit(folder).method == "joint"
 
 

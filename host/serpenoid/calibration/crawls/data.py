@@ -28,8 +28,7 @@ class CrawlData:
 
     gaits: as filmed, where they were, else as commanded. sigma_m_s: standard deviations, what the
     model leaves out among them. commanded: as of `SpeedModel`; () where there is no film. gain,
-    gain_sigma: of the films, the joints' mean amplitude over the commanded one. numbers: of each
-    gait's readings.
+    gain_sigma: of the films, the joints' mean amplitude over the commanded one.
     """
 
     gaits: tuple[Gait, ...]
@@ -38,7 +37,6 @@ class CrawlData:
     commanded: tuple[Gait | None, ...] = ()
     gain: Array = field(default_factory=lambda: np.zeros(0))
     gain_sigma: Array = field(default_factory=lambda: np.zeros(0))
-    numbers: tuple[tuple[int, ...], ...] = ()
 
     @classmethod
     def of(cls, session: Session) -> CrawlData:
@@ -48,16 +46,12 @@ class CrawlData:
             # what the model leaves out is the same in all rows of a gait
             model = math.sqrt(bool(crawl.timed) + len(crawl.films)) * MODEL_SIGMA
             if crawl.timed:
-                numbers = tuple(run.number for run in crawl.timed)
-                speed = mean_speed(crawl.timed)
-                rows.append((crawl.commanded, None, model, *speed, numbers, None))
+                rows.append((crawl.commanded, None, model, *mean_speed(crawl.timed), None))
             for film in crawl.films:
                 off = math.hypot(model, GAIN_ELASTICITY * film.gain_sigma)
                 speed = film.speed_m_s, film.speed_sigma_m_s
-                rows.append((crawl.gait, crawl.commanded, off, *speed, (film.number,), film))
-        gaits, asked, off, speeds, sigmas, numbers, films = (
-            zip(*rows, strict=True) if rows else ((),) * 7
-        )
+                rows.append((crawl.gait, crawl.commanded, off, *speed, film))
+        gaits, asked, off, speeds, sigmas, films = zip(*rows, strict=True) if rows else ((),) * 6
         kept = [film for film in films if film]
         left_out = np.array(off) * np.array(speeds)
         return cls(
@@ -67,7 +61,6 @@ class CrawlData:
             asked,
             np.array([film.mean_gain for film in kept]),
             np.array([film.gain_sigma for film in kept]),
-            numbers,
         )
 
     def __len__(self) -> int:

@@ -13,7 +13,7 @@ from ...model.errors import BadInput, Diverged, NotConverged
 from ...model.ground import Ground
 from ...model.particles import tempered
 from ..fit_of_draws import DRAWS, fit_of_draws
-from ..fitting.posterior import Draws, Posterior, counted
+from ..fitting.posterior import Draws, Posterior
 from ..fitting.stations import Stations
 from ..fitting.unknowns import Floats
 from ..friction_result import (
@@ -40,7 +40,6 @@ USUAL_SIGMA = 1.0
 LEAST_GAITS = 4  # alone
 _ROUGH = 4  # of the draws, one in so many where crawls are not yet on level ground
 _OPEN = 2.0  # upper end over lower: such a friction is not told
-_MISREAD = "Crawl(s) {} held for misread: they count next to nothing. Look them up."
 
 
 def with_crawls(
@@ -48,18 +47,16 @@ def with_crawls(
     other: FrictionFit | None,
     servo: ServoKind | None = None,
     seed: int = 2005,
-    misread: bool = False,
 ) -> FrictionFit:
     """Fit friction to a session's crawls and all its other readings.
 
     The fit's values are the likeliest; intervals and covariance are those of draws, which it keeps.
     other: the fit of its stations and pushes; None where there are none, or these leave
-    frictions open. misread: any reading may be a misreading. Raises BadInput where crawls are too
-    few.
+    frictions open. Raises BadInput where crawls are too few.
     """
     data = CrawlData.of(session)
     _check(session, data, other)
-    others, x = _others(session, other is None, misread, seed)
+    others, x = _others(session, other is None, seed)
     shared = others.nuisances(others.by_name(x)).items()
     slope = floor_slope(session, {n: Estimate(float(d.mean()), float(d.std())) for n, d in shared})
     robot, whole = session.setup.robot, np.median(x[:, : others.frictions], axis=0)
@@ -96,21 +93,19 @@ def _check(session: Session, data: CrawlData, other: FrictionFit | None) -> None
         )
 
 
-def _others(session: Session, is_open: bool, misread: bool, seed: int) -> tuple[Posterior, Floats]:
+def _others(session: Session, is_open: bool, seed: int) -> tuple[Posterior, Floats]:
     """Return the posterior of all other readings, and draws of its unknowns (DRAWS, D).
 
     is_open: they leave frictions open, which are then the usual ones beforehand.
     """
     if not is_open:
-        mode = mode_of(session, misread)
-        draws = replace(mode.posterior, misread=misread).draws(mode, seed).alike(DRAWS)
-        return _with_belt(session, draws)
+        mode = mode_of(session)
+        return _with_belt(session, mode.posterior.draws(mode, seed).alike(DRAWS))
     back = any(push.facing == "back" for push in session.kept_pushes)
     usual = usual_frictions(session, 6 if back else 4)
     known = Beforehand(np.log(usual), USUAL_SIGMA * np.eye(len(usual)))
     posterior = Posterior((known, *posterior_of(session).blocks))
-    likeliest = posterior.resistant_mode if misread else posterior.mode
-    posterior = replace(likeliest(posterior.start(usual)).posterior, misread=misread)
+    posterior = posterior.mode(posterior.start(usual)).posterior
     size, of = len(posterior.unknowns), len(usual)
 
     def unknowns(u: Floats) -> Floats:
@@ -166,20 +161,15 @@ def _on_level(session: Session, ground: Ground, slope: Slope, drawn: CrawlDraws 
 def _result(session: Session, other: FrictionFit | None, drawn: CrawlDraws) -> FrictionFit:
     """Return the fit with notes; other's alarms stay."""
     posterior, data = drawn.posterior, drawn.posterior.data
-    x, good = posterior.unknowns(np.vstack([drawn.best, drawn.z])), drawn.good[0]
+    x = posterior.unknowns(np.vstack([drawn.best, drawn.z]))
     amplitude, even = posterior.amplitude(drawn.z), np.full(len(drawn.z), 1.0 / len(drawn.z))
-    mode = posterior.others.at(x[0], counted(good))
-    fit = fit_of_draws(session, mode, Draws(posterior.others, x[1:], even, even), good)
-    filmed = [n for n, asked in zip(data.numbers, data.commanded, strict=True) if asked]
-    doubted = zip(drawn.misread.tolist(), (*data.numbers, *filmed), strict=True)
-    outliers = sorted({number for bad, numbers in doubted if bad for number in numbers})
-    how = "robust" if posterior.others.misread else "joint"
+    mode = posterior.others.at(x[0])
+    fit = fit_of_draws(session, mode, Draws(posterior.others, x[1:], even, even))
     fit = replace(
         fit,
-        method="crawls" if other is None else f"{how}, with crawls",
+        method="crawls" if other is None else "joint, with crawls",
         chi2=drawn.chi2,
-        dof=fit.dof + int(np.sum(~drawn.misread)),
-        outliers=(*fit.outliers, *outliers),
+        dof=fit.dof + len(data) + len(data.gain),
         nuisances=MappingProxyType(
             dict(fit.nuisances)
             | {"joint_amplitude": Estimate(drawn.best_amplitude, float(amplitude.std()))}
@@ -189,11 +179,10 @@ def _result(session: Session, other: FrictionFit | None, drawn: CrawlDraws) -> F
     )
     contradiction, earlier = _contradicts(fit), other or replace(fit, notes=(), alarms=())
     kept = [note for note in earlier.notes if note not in weak_notes(earlier)]
-    misread = [_MISREAD.format(", ".join(map(str, outliers)))] if outliers else []
     return replace(
         fit,
         alarms=(*contradiction, *earlier.alarms),
-        notes=(*contradiction, *_notes(fit, data), *misread, *kept),
+        notes=(*contradiction, *_notes(fit, data), *kept),
     )
 
 

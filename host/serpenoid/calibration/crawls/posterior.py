@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ...model.particles import tempered
 from ..fitting.bends import Bends, frictions_in
-from ..fitting.posterior import Posterior, counted, good_or_misread
+from ..fitting.posterior import Posterior
 from ..fitting.shared import FRICTIONS
 from ..fitting.unknowns import Floats, Unknown, Values, Whole
 from ..speeds import AMPLITUDE_SIGMA, LEAST_M_S, ServoEffects, SpeedTable
@@ -79,8 +79,7 @@ class CrawlPosterior:
 
     Points z (K, D) are the others' unknowns, frictions by their logarithms, and last the joints'
     amplitude in sigmas. Where frictions are known beforehand every logarithm is as likely, else
-    every friction. Crawls are misread where other readings may be. wide: frictions may spread over
-    decades, as those of crawls alone.
+    every friction. wide: frictions may spread over decades, as those of crawls alone.
     """
 
     others: Posterior
@@ -148,8 +147,7 @@ class CrawlPosterior:
         """
         from scipy.special import log_softmax
 
-        rows = self.residuals(z)
-        log = np.logaddexp(*good_or_misread(rows**2)) if self.others.misread else -0.5 * rows**2
+        log = -0.5 * self.residuals(z) ** 2
         chance = log_softmax(np.zeros(len(self.effects.share)) + self.effects.log_weight)
         return np.einsum("ksr->ks", log) + chance
 
@@ -158,13 +156,6 @@ class CrawlPosterior:
         log = self.by_servo(z)
         most = log.max(axis=1)
         return most + np.log(np.exp(log - most[:, None]).sum(axis=1))
-
-    def good(self, rows: Floats) -> Floats:
-        """Return each row's chance to be no misreading."""
-        if not self.others.misread:
-            return np.ones(rows.shape)
-        fine, misread = good_or_misread(rows**2)
-        return np.exp(fine - np.logaddexp(fine, misread))
 
     def draw(self, x: Floats, seed: int) -> CrawlDraws:
         """Return as many draws as of the others' unknowns (N, D - 1), of which they are made.
@@ -234,16 +225,6 @@ class CrawlDraws:
         """Return the likeliest servo."""
         return self._best[1]
 
-    @cached_property
-    def good(self) -> tuple[Floats, Floats]:
-        """Return each row's chance to be no misreading: the others' rows, and the crawls'."""
-        posterior, x = self.posterior, self.posterior.unknowns(self.z)
-        others = np.ones(len(posterior.others.numbers))
-        if posterior.others.misread:
-            others = posterior.others.good(posterior.others.residuals(x)).mean(axis=0)
-        rows = posterior.residuals(self.z)[np.arange(len(self.z)), self.servo]
-        return others, posterior.good(rows).mean(axis=0)
-
     def _rows(self, z: Floats) -> Floats:
         """Return the residuals of all readings with the likeliest servo, then the amplitude's."""
         others = self.posterior.others.residuals(self.posterior.unknowns(z))
@@ -254,16 +235,14 @@ class CrawlDraws:
         """Return the likeliest point (D,) near the likeliest draw."""
         from scipy.optimize import least_squares
 
-        good = np.append(np.concatenate(self.good), 1.0)
-        root = np.sqrt(counted(good))
         start = self.z[self._best[0]]
 
         def slopes(z: Floats) -> Floats:
             ends = self._rows(z + _STEP * np.vstack([np.zeros(len(z)), np.eye(len(z))]))
-            return root[:, None] * (ends[1:] - ends[0]).T / _STEP
+            return (ends[1:] - ends[0]).T / _STEP
 
         solved = least_squares(
-            lambda z: root * self._rows(z[None])[0],
+            lambda z: self._rows(z[None])[0],
             start,
             jac=slopes,  # pyright: ignore[reportArgumentType]
             ftol=1e-3,
@@ -285,12 +264,6 @@ class CrawlDraws:
         return float(self.posterior.amplitude(self.best[None])[0])
 
     @property
-    def misread(self) -> NDArray[np.bool_]:
-        """Return of each of the crawls' rows whether it is held for misread."""
-        return self.good[1] < 0.5
-
-    @property
     def chi2(self) -> float:
-        """Return the sum of squares of all rows there but those held for misread."""
-        good = np.append(np.concatenate(self.good), 1.0)
-        return float(np.sum(self._rows(self.best[None])[0, good > 0.5] ** 2))
+        """Return the sum of squares of all rows there."""
+        return float(np.sum(self._rows(self.best[None])[0] ** 2))

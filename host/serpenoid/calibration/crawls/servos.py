@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...model.drives import Servo, ServoKind
-from ...model.particles import Students, alike
+from ...model.particles import Student, alike
 from ..fitting.unknowns import Floats
 from ..speeds import ServoEffects
 from .posterior import CrawlPosterior
@@ -43,7 +43,7 @@ def with_near_ones(
     effects = posterior.effects
     first, every = len(effects.servos), np.array([kind.units_of(s) for s in effects.servos])
     free = np.flatnonzero(np.ptp(every, axis=0) > 0.0)
-    drawn_by: list[tuple[Students, int]] = []
+    drawn_by: list[tuple[Student, int]] = []
     z = posterior.solved(x, seed)
     for part in range(_ROUNDS):
         off = _off(posterior, z)
@@ -71,7 +71,7 @@ def _off(posterior: CrawlPosterior, z: Floats) -> Floats:
     return np.linalg.solve(np.linalg.cholesky(doubt), rows.mean(axis=0).T).T
 
 
-def _near(units: Floats, off: Floats, log: Floats) -> Students:
+def _near(units: Floats, off: Floats, log: Floats) -> Student:
     """Return what linear fits of what is left make of the posterior, near the best servos."""
     known = np.column_stack([np.ones(len(units)), units])
     root = np.sqrt(_softened(log, _PER_UNKNOWN * known.shape[1]))[:, None]
@@ -80,7 +80,7 @@ def _near(units: Floats, off: Floats, log: Floats) -> Students:
     spread = np.linalg.inv(np.eye(off.shape[1]) + rest.T @ rest)
     slopes = fitted[1:]  # (D, R)
     covariance = np.linalg.inv(slopes @ spread @ slopes.T + np.eye(len(slopes)))
-    return Students.one(-covariance @ slopes @ spread @ fitted[0], np.linalg.cholesky(covariance))
+    return Student(-covariance @ slopes @ spread @ fitted[0], np.linalg.cholesky(covariance))
 
 
 def _softened(log: Floats, least: float) -> Floats:
@@ -92,7 +92,7 @@ def _softened(log: Floats, least: float) -> Floats:
     return np.asarray(weight / weight.sum())
 
 
-def _drawn(kind: ServoKind, near: Students, free: NDArray[np.intp], seed: int) -> tuple[Servo, ...]:
+def _drawn(kind: ServoKind, near: Student, free: NDArray[np.intp], seed: int) -> tuple[Servo, ...]:
     """Return some servos that are possible."""
     rates = kind.updates_hz or (kind.servo.update_hz,)
     units = np.zeros((_TRIED, len(kind.units_of(kind.servo))))

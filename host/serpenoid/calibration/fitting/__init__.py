@@ -1,1 +1,1 @@
-"""The fit's mathematics: readings as arrays, identifiability, joint, naive, robust, influence."""
+"""The fit's mathematics: readings as arrays, identifiability, joint, naive, influence."""

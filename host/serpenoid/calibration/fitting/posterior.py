@@ -4,14 +4,10 @@ An unknown is a name with a prior. Nuisances count in standard deviations of the
 each is standard normal before the readings. Frictions count in their unit, and every value above 0
 is as likely as any other. A block holds the readings of one kind: the unknowns that it needs, and
 its residuals, each normal with standard deviation 1. Blocks that use the same name share it.
-
-Where a reading may be misread, its density is (1 - e) N(r; 0, 1) + e Cauchy(r; 0, K).
 """
 
 from __future__ import annotations
 
-import math
-from collections import Counter
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
@@ -20,12 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...model.errors import NotConverged
-from ...model.particles import Students, tempered
+from ...model.particles import Student, tempered
 from .bends import Bends
 from .unknowns import Floats, Unknown, Values, Whole
 
-BAD_CHANCE, BAD_WIDTH = 0.05, 12.0  # of a misreading: its chance, and its width in sigmas
-_LEAST_COUNTED = 1e-4  # of a reading that is misread
 PROPOSED = 8192  # points drawn about the mode, a power of two
 PARTICLES = 2048
 _MANY = 256  # residuals: with so many an eighth of the points is enough
@@ -38,9 +32,6 @@ _SETTLED = 1e-2  # standard deviations of a step: the next one is the square of 
 _BEYOND = 0.25  # so much counts a draw with a friction below 0, for intervals of the others
 _NOTHING = 1e-6  # of a friction's standard deviation
 _EVALUATIONS = 200  # of the residuals, until the solver gives up
-_WIDTHS = (30.0, 5.0, 1.0)  # of Cauchy's loss, one after the other, sigmas
-_WEIGHTED = 3  # times, until each reading's chance to be misread has settled
-_CHAINS, _STEPS, _LIKELY = 32, 30, 24  # of sets of misread readings
 
 
 class Block(Protocol):
@@ -86,7 +77,7 @@ class Block(Protocol):
 class Mode:
     """The likeliest values x (D,), and residuals and their slopes there.
 
-    Rows of a reading that counts less are smaller by the root of its weight.
+    Rows of a reading that is left out are 0.
     """
 
     posterior: Posterior
@@ -116,11 +107,6 @@ class Mode:
     def values(self) -> dict[str, Floats]:
         """Return (1,) of each unknown."""
         return self.posterior.by_name(self.x[None])
-
-    @property
-    def good(self) -> Floats:
-        """Return each row's chance that its reading is no misreading."""
-        return self.posterior.good(self.posterior.residuals(self.x[None]))[0]
 
     def without(self, rows: NDArray[np.bool_]) -> tuple[float, Floats] | None:
         """Return chi2 and the unknowns' shift with some rows left out, by one linear step.
@@ -173,13 +159,9 @@ class Draws:
 
 @dataclass(frozen=True)
 class Posterior:
-    """What some blocks of readings and the priors say together.
-
-    misread: a reading may be a misreading.
-    """
+    """What some blocks of readings and the priors say together."""
 
     blocks: tuple[Block, ...]
-    misread: bool = False
 
     @cached_property
     def unknowns(self) -> tuple[Unknown, ...]:
@@ -266,43 +248,21 @@ class Posterior:
                 return posterior.at(posterior._at_limit(x), weight)
         raise NotConverged("the fit came to no end")
 
-    def resistant_mode(self, start: Floats) -> Mode:
-        """Return the likeliest values where any reading may be misread, from a start (D,).
-
-        Each counts by its chance to be good. Raises NotConverged. Cauchy's loss leads to where
-        no gross error pulls; a narrow one holds fast to a start that is good.
-        """
-        ends = []
-        for k in range(len(_WIDTHS)):
-            x = start
-            for width in _WIDTHS[k:]:
-                x = self.near(x)._minimum(x, 1.0, width)
-            doubtful = replace(self.near(x), misread=True)
-            ends.append((float(doubtful.log_density(x[None])[0]), k, x))
-        *_, x = max(ends)
-        mode = self.near(x).at(x)
-        for _ in range(_WEIGHTED):
-            mode = self.mode(mode.x, counted(mode.good))
-        return mode
-
-    def _minimum(self, start: Floats, weight: Floats | float, width: float = math.inf) -> Floats:
-        """Return where the squares' sum is least; residuals beyond width sigmas count less."""
+    def _minimum(self, start: Floats, weight: Floats | float) -> Floats:
+        """Return where the weighted sum of squares is least; raises NotConverged."""
         from scipy.optimize import least_squares
 
         root = np.sqrt(np.broadcast_to(weight, self.numbers.shape))
-        plain = width == math.inf
         solved = least_squares(
             lambda x: root * self.residuals(x[None])[0],
             np.maximum(start, self.low + 1e-9),
             jac=lambda x: root[:, None] * self.slopes(x),  # pyright: ignore[reportArgumentType]
             bounds=(self.low, np.inf),
             x_scale="jac",
-            **dict.fromkeys(("xtol", "ftol", "gtol"), 1e-12 if plain else 1e-6),
-            loss="linear" if plain else "cauchy",
-            f_scale=1.0 if plain else width,
+            **dict.fromkeys(("xtol", "ftol", "gtol"), 1e-12),
             max_nfev=_EVALUATIONS,
         )
-        if plain and not solved.success:
+        if not solved.success:
             raise NotConverged("the readings contradict each other")
         return np.asarray(solved.x)
 
@@ -315,11 +275,10 @@ class Posterior:
     def draws(self, mode: Mode, seed: int = 2005) -> Draws:
         """Return weighted draws: about the mode, or tempered particles where those are too few."""
         root = np.asarray(np.linalg.cholesky(mode.covariance), dtype=np.float64)
-        about = self._by_misread(mode, seed) if self.misread else Students.one(mode.x, root)
+        about = Student(mode.x, root)
         x = about.points(PROPOSED if len(self.numbers) < _MANY else PROPOSED // 8, seed)
         log = self.log_density(x) - about.log_density(x)
-        if not self.misread:
-            x = self._by_pools(mode, x, seed)
+        x = self._by_pools(mode, x, seed)
         weight, boundless = (
             _shares(np.where((x >= self.low).all(axis=1), log, -np.inf)),
             _shares(log),
@@ -328,44 +287,6 @@ class Posterior:
             enough = ENOUGH * np.sum(boundless**2) <= 1.0
             return Draws(self, x, weight, boundless if enough else weight)
         return self._tempered(about, seed)
-
-    def _by_misread(self, mode: Mode, seed: int) -> Students:
-        """Return a distribution for each of the likeliest sets of misread readings.
-
-        The law is linear about the mode. Gibbs' sampling: the unknowns by which readings are
-        misread, and those by the unknowns.
-        """
-        rng, there = np.random.default_rng(seed), self.at(mode.x)
-        # no linear law leads a gross error back to where it agrees
-        near = np.abs(there.residuals) < BAD_WIDTH
-        read = self.numbers >= 0
-        root, every = np.ones((_CHAINS, len(read))), []
-        root[::2, read] /= BAD_WIDTH
-        for _ in range(_STEPS):
-            slopes = root[..., None] * there.slopes
-            turned = slopes.swapaxes(1, 2)
-            covariance = np.linalg.inv(turned @ slopes)
-            centre = (
-                mode.x
-                - ((covariance @ turned) @ (root * near * there.residuals)[..., None])[..., 0]
-            )
-            spread = np.linalg.cholesky(covariance)
-            every += zip(map(np.ndarray.tobytes, root < 1.0), centre, spread, strict=True)
-            x = centre + (spread @ rng.normal(size=(*centre.shape, 1)))[..., 0]
-            rows = there.residuals + near * ((x - mode.x) @ there.slopes.T)
-            squares, size = self._by_reading(rows)
-            fine, wide = good_or_misread(squares, size)
-            bad = rng.uniform(size=fine.shape) < np.exp(wide - np.logaddexp(fine, wide))
-            weight = np.where(bad, (1 + size) / (BAD_WIDTH**2 + squares), 1.0)
-            root = np.sqrt(np.where(read, weight @ self._belongs, 1.0))
-        settled = every[len(every) // 3 :]
-        sets = {key: parts for key, *parts in settled}
-        times = Counter(key for key, *_ in settled).most_common(_LIKELY)
-        centres, roots = (
-            np.array(part) for part in zip(*(sets[key] for key, _ in times), strict=True)
-        )
-        share = np.array([count for _, count in times], dtype=float)
-        return Students(centres, roots, share / share.sum())
 
     def _by_pools(self, mode: Mode, x: Floats, seed: int) -> Floats:
         """Return points (K, D) in which the errors of a block's pool are those of it, not normal.
@@ -387,7 +308,7 @@ class Posterior:
             x = x + (picked - normal) @ gain.T
         return x
 
-    def _tempered(self, about: Students, seed: int) -> Draws:
+    def _tempered(self, about: Student, seed: int) -> Draws:
         """Return draws by particles that begin about the mode, within the limits."""
         x = about.points(4 * PARTICLES, seed)
         inside = (x >= self.low).all(axis=1)
@@ -413,44 +334,7 @@ class Posterior:
             return np.concatenate([self._log_density(x) for x in np.array_split(x, pieces)])
 
     def _log_density(self, x: Floats) -> Floats:
-        rows = self.residuals(x)
-        if not self.misread:
-            return np.asarray(-0.5 * np.sum(rows**2, axis=1))
-        squares, size = self._by_reading(rows)
-        priors = -0.5 * np.sum(rows[:, self.numbers < 0] ** 2, axis=1)
-        return np.asarray(np.logaddexp(*good_or_misread(squares, size)).sum(axis=1) + priors)
-
-    def good(self, rows: Floats) -> Floats:
-        """Return each row's chance (K, rows) that its reading is no misreading; 1 for priors."""
-        fine, misread = good_or_misread(*self._by_reading(rows))
-        chance = np.exp(fine - np.logaddexp(fine, misread))
-        return np.where(self.numbers < 0, 1.0, chance @ self._belongs)
-
-    @cached_property
-    def _belongs(self) -> NDArray[np.bool_]:
-        """Return which rows each reading has, (readings, rows)."""
-        return np.unique(self.numbers[self.numbers >= 0])[:, None] == self.numbers
-
-    def _by_reading(self, rows: Floats) -> tuple[Floats, Whole]:
-        """Return each reading's sum of squares, and how many they are."""
-        return rows**2 @ self._belongs.T, self._belongs.sum(axis=1)
-
-
-def good_or_misread(squares: Floats, rows: Whole | int = 1) -> tuple[Floats, Floats]:
-    """Return log densities of readings as good and as misread, by their sums of so many squares.
-
-    Normal ones, and Cauchy's: a number that was typed in another unit is hundreds of sigmas off.
-    """
-    from scipy.special import gammaln
-
-    fine = math.log(1.0 - BAD_CHANCE) - 0.5 * squares
-    head = gammaln((1 + rows) / 2) - gammaln(0.5) - rows * math.log(BAD_WIDTH / math.sqrt(2.0))
-    return fine, math.log(BAD_CHANCE) + head - (1 + rows) / 2 * np.log1p(squares / BAD_WIDTH**2)
-
-
-def counted(good: Floats) -> Floats:
-    """Return how much readings count by their chances to be good."""
-    return np.maximum(good, _LEAST_COUNTED)
+        return np.asarray(-0.5 * np.sum(self.residuals(x) ** 2, axis=1))
 
 
 def _shares(log: Floats) -> Floats:

@@ -129,8 +129,8 @@ def _named(left: dict[str, float]) -> str:
     if len(left) == 1:
         ((words, chi2),) = left.items()
         return (
-            f"Without {words} chi2 would be {chi2:.1f}: look at that one first, or fit with method "
-            "'robust'."
+            f"Without {words} chi2 would be {chi2:.1f}: look at that one first. Void it if it was "
+            "misread."
         )
     numbers = sorted(int(w.removeprefix("reading ")) for w in left if w.startswith("reading "))
     others = [words for words in left if not words.startswith("reading ")]

@@ -21,8 +21,8 @@ MANY = 300  # readings, whose fit may take a second or more
 @click.argument("session", type=FOLDER)
 @option(
     "--method",
-    "Honest intervals; the same with misreadings in it; or the paper's two lines.",
-    choice=["joint", "robust", "naive"],
+    "Honest intervals, or the paper's two lines.",
+    choice=["joint", "naive"],
     default="joint",
 )
 @flag("--crawls", "Fit the gait runs and films, too, or alone; some 10 s.")

@@ -21,7 +21,7 @@ MOST_MM = 4.0  # of the residuals' axis, at least
 
 def draw_pushes(fig: Figure, axes: Any, session: Session, fit: FrictionFit) -> None:
     """Draw ways over time with the law's line, and residuals; one colour a bend."""
-    paths = push_paths(session, misread=fit.method.startswith("robust"))
+    paths = push_paths(session)
     bends = sorted({round(math.degrees(p.lambda_rad)) for p in paths})
     colour = {bend: COLOURS[k % len(COLOURS)] for k, bend in enumerate(bends)}
     named: set[int] = set()
