@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from .periodic.servo_steady import ServoSteady
     from .periodic.steady import Steady
     from .periodic.steady_gait import steady_gait
-    from .periodic.study import Study, load_study, sweep_study
     from .periodic.sweep import Sweep, sweep
     from .prediction.advice import advise
     from .prediction.comparison import Comparison, compare
@@ -71,7 +70,6 @@ _HOMES = {
     "periodic.steady": ("Steady",),
     "servos.catalogue": ("servo",),
     "servos.servo_file": ("load_servo", "save_servo"),
-    "periodic.study": ("Study", "load_study", "sweep_study"),
     "periodic.sweep": ("Sweep", "sweep"),
     "simulation.steady_springs": ("SteadySprings", "steady_springs"),
     "simulation.scene": ("Scene",),
@@ -108,7 +106,6 @@ __all__ = [
     "Steady",
     "SteadySprings",
     "StepTooLarge",
-    "Study",
     "Sweep",
     "TorqueDrive",
     "TorqueTable",
@@ -123,7 +120,6 @@ __all__ = [
     "load_scene",
     "load_servo",
     "load_session",
-    "load_study",
     "power_front",
     "robust_gait",
     "save_fit",
@@ -134,7 +130,6 @@ __all__ = [
     "steady_gait",
     "steady_springs",
     "sweep",
-    "sweep_study",
     "to_mjcf",
 ]
 

@@ -39,7 +39,6 @@ UNITS = {
 ENDING = re.compile(rf"_({'|'.join(sorted(UNITS, key=len, reverse=True))})$")
 NUMBER = re.compile(r"float|NDArray|Array")
 NO_NUMBER = re.compile(r"bool|Callable|LinkState|TorqueTable|^'?Mapping")
-INSIDE = {"table"}  # a dict of a study's chunk
 PLAIN = (
     "relative",
     "factor",
@@ -106,12 +105,7 @@ def missing(name: str, text: str) -> str:
 def test_every_quantity_names_its_unit(public) -> None:
     wrong = []
     for name, kind, text in documented(PUBLIC[public]):
-        quantity = (
-            NUMBER.search(kind)
-            and not NO_NUMBER.search(kind)
-            and name[0] != "_"
-            and name not in INSIDE
-        )
+        quantity = NUMBER.search(kind) and not NO_NUMBER.search(kind) and name[0] != "_"
         if quantity and (lacks := missing(name, text)):
             wrong.append(f"{name}: docstring lacks {lacks}")
     assert not wrong, f"{public}: {wrong}"

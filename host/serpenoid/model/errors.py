@@ -61,8 +61,7 @@ class Diverged(SerpenoidError, ArithmeticError):
 class ClusterFailed(SerpenoidError):
     """A cluster does not answer, has no worker, or lost a piece of work for good.
 
-    Way out: see that scheduler and workers run; the same call goes on with what a study's
-    folder has.
+    Way out: see that scheduler and workers run, with the same version of this package.
     """
 
 

@@ -1,26 +1,19 @@
-"""Read JSON and arrays of a size that memory bears; write files whole or not at all."""
+"""Read JSON of a size that memory bears; write files whole or not at all."""
 
 from __future__ import annotations
 
 import csv
 import json
 import os
-import zipfile
-import zlib
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn
 
 from ..base.errors import BadInput
-from ..base.files import MOST_BYTES, check_file, read_text
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+from ..base.files import MOST_BYTES, read_text
 
 MOST_VALUES = 2_000_000  # numbers, texts, lists and objects of a JSON file: some 150 MB in memory
-MOST_ARRAYS = 100  # of one .npz file
 # What a terminal obeys is written out, but for line ends and tabs: control characters as \x1b,
 # marks of writing direction as \u202e.
 _CONTROL = (*range(32), *range(127, 160))
@@ -45,43 +38,6 @@ def read_json(path: Path, most_bytes: int = 4 * MOST_BYTES) -> Any:
 
 def _refuse_constant(name: str) -> NoReturn:
     raise ValueError(f"{name} is no number in JSON")
-
-
-def read_arrays(path: Path, most_bytes: int) -> dict[str, NDArray[np.generic]]:
-    """Return the arrays of an .npz file that take at most so many bytes when unpacked.
-
-    Raises
-    ------
-    BadInput
-        It is no .npz file, a damaged one, one with Python objects, or one that is too large.
-    """
-    import numpy as np
-
-    check_file(path, most_bytes)
-    try:
-        with zipfile.ZipFile(path) as packed:
-            parts = packed.infolist()
-            size = sum(part.file_size for part in parts)
-        if size > most_bytes or len(parts) > MOST_ARRAYS:
-            raise BadInput(
-                f"{path}: {len(parts)} arrays of {size} bytes; the most is {MOST_ARRAYS} arrays "
-                f"and {most_bytes} bytes"
-            )
-        with np.load(path, allow_pickle=False) as file:
-            return {name: file[name] for name in file.files}
-    except BadInput:
-        raise
-    except (
-        zipfile.BadZipFile,
-        zlib.error,
-        ValueError,
-        OverflowError,
-        EOFError,
-        OSError,
-        MemoryError,
-        RuntimeError,
-    ) as error:
-        raise BadInput(f"{path} is damaged ({error})") from None
 
 
 def visible(text: str) -> str:

@@ -21,6 +21,7 @@ from ..model.vectors import Array, number_array
 from .steady import check_ground, speed_floor_m_s
 
 MOST_GAITS = 10**12
+Stretch = tuple[int, int]  # of shapes: the first, and the last plus one
 AXES = ("alpha_rad", "beta_rad", "omega_rad_s")
 FIELDS = (
     "speed_m_s",
@@ -116,12 +117,12 @@ class Grid:
         count = min(threads, len(models))
         return _core.sweep(models, rates, self.rtol, self.powers, count, progress)
 
-    def named(self, table: Array, first: int = 0) -> dict[str, NDArray[Any]]:
-        """Return the figures of a stretch by name, each (shape, rate); errors and times derived."""
+    def named(self, table: Array) -> dict[str, NDArray[Any]]:
+        """Return the figures of all shapes by name, each (shape, rate), with errors and times."""
         columns = (table[..., k] for k in (*range(9), 10))
         values: dict[str, NDArray[Any]] = dict(zip(FIELDS, columns, strict=True))
         w, slowest = np.array(self.omega_rad_s), values["settling_time_s"]
-        robot = np.unravel_index(np.arange(first, first + len(table)), self.size)[0]
+        robot = np.unravel_index(np.arange(self.shapes), self.size)[0]
         floors = np.array([speed_floor_m_s(r, 1.0) for r in self.robots])[robot, None] * w
         with np.errstate(divide="ignore"):
             settling = np.where(slowest < 0, -2 * math.pi / w / slowest, math.inf)
@@ -149,6 +150,6 @@ def several(kind: type, parts: Any) -> tuple[Any, ...]:
     return (parts,)
 
 
-def stretches(shapes: int, length: int) -> Iterator[tuple[int, int]]:
+def stretches(shapes: int, length: int) -> Iterator[Stretch]:
     """Cut the list of shapes into stretches of at most `length`."""
     return ((at, min(at + length, shapes)) for at in range(0, shapes, length))

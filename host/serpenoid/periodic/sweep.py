@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -19,12 +19,13 @@ from ..model.long_calls import Progress, in_threads, threads_to_use
 from ..model.robot import Robot
 from ..model.rows import Result, two_digits
 from ..model.vectors import Array
-from .cluster import Stretch, solved
-from .grid import AXES, Grid
+from .cluster import solve_on_cluster
+from .grid import AXES, Grid, Stretch, stretches
 from .servo_steady import band, drawn_servo_speeds, servo_state
 from .steady import steady_gait
 
 _RTOL, _DRAWS = 1e-3, 64  # of gaits with servos: a grid has many
+_SHAPES_AT_ONCE = 4096  # solved here: bounds the memory beside the result
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +98,7 @@ def sweep(
     scheduler: str | None = None,
     progress: Progress | None = None,
 ) -> Sweep:
-    """Solve every gait of a grid: one robot and ground or all pairs; `sweep_study` if it is large.
+    """Solve every gait of a grid: one robot and ground, or all pairs.
 
     Parameters
     ----------
@@ -143,19 +144,36 @@ def sweep(
             raise BadInput("servo wants one robot on one ground; sweep them one by one")
     grid = Grid.of(robot, ground, (alpha_rad, beta_rad, omega_rad_s), rtol, powers)
     count = threads_to_use(threads)
-    values = _figures(grid, solved(grid, count, scheduler, progress), tuple(single))
+    if scheduler is None:
+        parts = _solve_here(grid, count, progress)
+    else:
+        parts = solve_on_cluster(grid, scheduler)
+    values = _figures(grid, parts, tuple(single), None if scheduler is None else progress)
     moved = () if servo is None else _with_servo(grid, servo, count, progress)
     return Sweep(*(np.array(getattr(grid, name)) for name in AXES), *values, *moved)
 
 
+def _solve_here(
+    grid: Grid, threads: int, progress: Progress | None
+) -> Iterator[tuple[Stretch, Array]]:
+    """Yield stretches of a grid with their figures, solved by some threads."""
+    for stretch in stretches(grid.shapes, _SHAPES_AT_ONCE):
+        yield stretch, grid.solve(*stretch, threads, progress)
+
+
 def _figures(
-    grid: Grid, parts: Iterable[tuple[Stretch, Array]], single: tuple[int, ...]
+    grid: Grid,
+    parts: Iterator[tuple[Stretch, Array]],
+    single: tuple[int, ...],
+    progress: Progress | None,
 ) -> list[NDArray[Any]]:
     """Return the figures of all stretches over the grid, without the axes of single parts."""
     rates = len(grid.omega_rad_s)
     table = np.empty((grid.shapes, rates, 11))
     for (first, last), part in parts:
         table[first:last] = part
+        if progress is not None:
+            progress((last - first) * rates)
     size = (*grid.size, rates)
     return [np.squeeze(v.reshape(size), axis=single) for v in grid.named(table).values()]
 

@@ -1,8 +1,7 @@
-"""Files of a sweep: npz, CSV and JSON, by the suffix; every name carries its unit."""
+"""A sweep as npz, CSV or plain lists; every name carries its unit."""
 
 from __future__ import annotations
 
-import json
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.files import whole_file, write_csv, write_text
+from ..model.files import whole_file, write_csv
 from ..periodic.sweep import Sweep
 
 AXES = ("alpha_rad", "beta_rad", "omega_rad_s")
@@ -26,8 +25,6 @@ def write_sweep(grid_states: Sweep, path: Path) -> None:
     if path.suffix.lower() == ".npz":
         with whole_file(path) as part, part.open("wb") as file:  # NumPy renames an .NPZ
             np.savez_compressed(file, allow_pickle=False, **_arrays(grid_states))
-    elif path.suffix.lower() == ".json":
-        write_text(path, json.dumps(sweep_values(grid_states), allow_nan=False) + "\n")
     else:
         arrays = _arrays(grid_states)  # one gait a row, numbers by their shortest exact digits
         grid = np.meshgrid(*(arrays.pop(axis) for axis in AXES), indexing="ij")

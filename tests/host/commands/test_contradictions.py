@@ -52,18 +52,11 @@ def test_ranges(span: str, told: str) -> None:
     assert told in refusal(f"sweep --alpha-deg {span} --json")
 
 
-def test_what_varies_is_not_fixed(tmp_path: Path) -> None:
-    sweep = f"sweep --out {tmp_path / 'study'}"
-    told = refusal(f"{sweep} --links 8 --vary links=2:4:1")
-    assert "--vary links and --links contradict each other" in told
-    told = refusal(f"{sweep} --vary ct=0:1:1 --vary ct=2:3:1")
-    assert "--vary ct and another one contradict" in told
-    assert not (tmp_path / "study").exists()
-
-
 def test_more_gaits_than_memory_holds(tmp_path: Path) -> None:
     out = f"--out {tmp_path / 'a.csv'}"
-    assert "--out STUDY" in refusal(f"sweep --alpha-deg 1:75:0.01 --beta-deg 1:90:0.01 {out}")
+    assert "too many for one file" in refusal(
+        f"sweep --alpha-deg 1:75:0.01 --beta-deg 1:90:0.01 {out}"
+    )
     few = "--alpha-deg 1:75:0.1 --beta-deg 1:90:0.1 --omega-rad-s 1:20:1"
     assert "too many for JSON" in refusal(f"sweep {few} --json")
 

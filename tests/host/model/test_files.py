@@ -5,10 +5,9 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-import numpy as np
 import pytest
 from refusals import refused
-from serpenoid.model.files import check_file, read_arrays, read_json, read_text
+from serpenoid.model.files import check_file, read_json, read_text
 from serpenoid.model.vectors import number_array
 
 
@@ -17,7 +16,7 @@ def test_what_is_no_regular_file(tmp_path: Path, path: str, monkeypatch) -> None
     monkeypatch.chdir(tmp_path)
     os.mkfifo("pipe")
     os.symlink("loop", "loop")
-    for read in (check_file, read_text, read_json, lambda p: read_arrays(p, 1000)):
+    for read in (check_file, read_text, read_json):
         with refused(r"regular file|No such|symbolic links|null byte"):
             read(Path(path))
 
@@ -47,20 +46,6 @@ def test_json_that_is_none_of_ours(tmp_path: Path, text: str, message: str, monk
     path.write_text(text)
     with refused(message):
         read_json(path)
-
-
-def test_arrays_that_inflate_or_run_code(tmp_path: Path) -> None:
-    path = tmp_path / "x.npz"
-    np.savez_compressed(path, zeros=np.zeros(10_000_000))
-    assert path.stat().st_size < 100_000
-    with refused(r"1 arrays of 80000128 bytes; the most is"):
-        read_arrays(path, 1_000_000)
-    np.savez(path, thing=np.array([{"a": 1}], dtype=object))
-    with refused(r"is damaged .*allow_pickle"):
-        read_arrays(path, 1_000_000)
-    path.write_bytes(b"no archive")
-    with refused("is damaged"):
-        read_arrays(path, 1_000_000)
 
 
 @pytest.mark.parametrize("values", [["1"], [10**400], [[1], [1, 2]], [True], None, [None], [1j]])

@@ -105,7 +105,7 @@ def test_long_text_from_outside_is_shortened_and_marks_of_direction_are_shown() 
     assert visible("a\u202eb\x1b") == "a\\u202eb\\x1b"
 
 
-@pytest.mark.parametrize("suffix", [".csv", ".npz", ".json", ".NPZ"])
+@pytest.mark.parametrize("suffix", [".csv", ".npz", ".NPZ"])
 def test_sweeps_of_every_kind_are_replaced(tmp_path: Path, suffix: str) -> None:
     file = tmp_path / f"a{suffix}"
     file.write_text("old")
@@ -119,7 +119,6 @@ def test_sweeps_of_every_kind_are_replaced(tmp_path: Path, suffix: str) -> None:
     [
         (WISH, "readings.csv"),
         ("optimize --robot paper --speed 0.1 --plot", "readings.png"),
-        (WISH, "fit.json"),
     ],
 )
 def test_a_sessions_own_files_are_not_written_over(tmp_path: Path, wish: str, file: str) -> None:

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from ...base.files import check_file
 from ...model.errors import BadInput
-from ...model.files import check_file
 from ..arrays import Grey
 from .extra import need_extra
 
