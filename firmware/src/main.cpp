@@ -28,6 +28,6 @@ void loop() {
     if (board::kWatchdog) wdt_reset();
     hardware.service();
     controller.poll();
-    if (!hardware.quiet() || !controller.quiet()) return;
+    if (!hardware.quiet() || !controller.quiet() || controller.uses_eeprom()) return;
     if (controller.spare_us() > kTooSoonToSleepUs) sleep_mode();
 }

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import configparser
 import os
 import tarfile
 
 import pytest
-from avr.toolchain import ROOT, ToolchainError, pio, require
+from avr.toolchain import ToolchainError, pio, require
 
 
 @pytest.fixture(autouse=True)
@@ -27,11 +26,6 @@ def test_the_native_suites_pass() -> None:
 
 
 @pytest.mark.avr
-def test_a_board_to_type_at_is_built_and_greets() -> None:
-    assert "\nhello: serpenoid " in pio("run", "-e", "native", "-t", "exec")
-
-
-@pytest.mark.avr
 @pytest.mark.parametrize("library", ["gait", "protocol"])
 def test_the_libraries_pack_for_others(library: str, tmp_path) -> None:
     pio("pkg", "pack", f"firmware/lib/{library}", "-o", str(tmp_path))
@@ -41,9 +35,3 @@ def test_the_libraries_pack_for_others(library: str, tmp_path) -> None:
     assert {"library.json"} <= names
     assert any(name.endswith(".cpp") for name in names)
 
-
-def test_an_upload_without_a_name_is_for_a_board() -> None:
-    """`pio run -t upload` takes the default: the native environment would run its program."""
-    ini = configparser.ConfigParser()
-    ini.read(ROOT / "platformio.ini")
-    assert ini["platformio"]["default_envs"] == "uno"

@@ -19,7 +19,7 @@ ERRORS = {
     for word, cause, cure in re.findall(r"^\| `(\w+)` \| \d+ \| (.*?) \| (.*?) \|$", PAGE, re.M)
 }
 HELLO = (
-    "hello: serpenoid fw=0.2.0 protocol=4 board=virtual joints=5 frame_us=20000 boot=0 "
+    "hello: serpenoid fw=0.2.0 protocol=5 board=virtual joints=5 frame_us=20000 boot=0 "
     "reset=power settings=new silence=2"
 )
 
@@ -215,7 +215,7 @@ state: idle why=limp
 
 # The count of all that, and good-bye, by a host and by a person.
 ask 138 status
-counters: good=49 crc=2 nocrc=1 garbled=1 overlong=1 sequence=1 lost=2 repeated=5 dropped=0 rxfull=0
+counters: good=49 damaged=6 lost=2 dropped=0 rxfull=0
 ok: #138
 ask 139 bye
 ok: #139

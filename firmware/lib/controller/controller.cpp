@@ -12,7 +12,7 @@ namespace {
 
 const char kStateNames[][7] FLASH = {"idle", "pose", "gait", "hold", "safing", "safe"};
 const char kResetNames[][9] FLASH = {"power", "brownout", "external", "watchdog", "unknown"};
-const char kFoundNames[][9] FLASH = {"ok", "new", "older", "damaged", "migrated", "newer"};
+const char kFoundNames[][9] FLASH = {"ok", "new", "older", "damaged", "migrated"};
 const char kWhySilence[] FLASH = "silence";
 const char kWhyArrived[] FLASH = "arrived";
 const char kWhyLimp[] FLASH = "limp";
@@ -69,7 +69,7 @@ void Controller::poll() {
     next_report_line();
     work_on_store();
     const uint32_t pass_us = hardware_.micros() - now_us;
-    if (pass_us > counters_.pass_us) counters_.pass_us = pass_us;
+    if (pass_us > counters_.longest_pass_us) counters_.longest_pass_us = pass_us;
 }
 
 uint32_t Controller::spare_us() {
@@ -188,8 +188,10 @@ void Controller::send_telemetry(uint16_t frames) {
     }
     telemetry_wait_ = every;
     // One line passes who waits for an answer; the next gives way, or he might wait for ever.
-    passed_ = quiet() ? 0 : static_cast<uint8_t>(passed_ + 1);
-    if (passed_ > 1 || !write_telemetry(line_, frame_)) count(counters_.dropped);
+    telemetry_sent_while_waiting_ =
+        quiet() ? 0 : static_cast<uint8_t>(telemetry_sent_while_waiting_ + 1);
+    if (telemetry_sent_while_waiting_ > 1 || !write_telemetry(line_, frame_))
+        count(counters_.dropped);
 }
 
 }  // namespace firmware

@@ -16,7 +16,7 @@ namespace firmware {
 
 extern const char kVersion[];     // of the firmware, in flash
 extern const char kWhyCommand[];  // the reason of a change of state, in flash
-const uint8_t kProtocol = 4;
+const uint8_t kProtocol = 5;
 
 enum class State : uint8_t { Idle, Pose, Gait, Hold, Safing, Safe };
 enum class Reset : uint8_t { Power, Brownout, External, Watchdog, Unknown };
@@ -29,8 +29,7 @@ struct Start {
 };
 
 // Those of `counters:`, by the names that they have on the wire.
-#define FIRMWARE_COUNTERS(X) \
-    X(good) X(crc) X(nocrc) X(garbled) X(overlong) X(sequence) X(lost) X(repeated) X(dropped)
+#define FIRMWARE_COUNTERS(X) X(good) X(damaged) X(lost) X(dropped)
 
 // 16-bit counters that stay at their end.
 struct Counters {
@@ -38,7 +37,7 @@ struct Counters {
     FIRMWARE_COUNTERS(FIRMWARE_COUNTER)
 #undef FIRMWARE_COUNTER
     uint16_t overruns, clipped;
-    uint32_t late_us, pass_us;  // the worst so far
+    uint32_t late_us, longest_pass_us;  // the worst so far
 };
 
 inline void count(uint16_t& counter, uint16_t more = 1) {
@@ -48,9 +47,10 @@ inline void count(uint16_t& counter, uint16_t more = 1) {
 // What a controller remembers. All of it is zero at first: one loop on an AVR instead of fifty
 // stores.
 struct Memory {
-    // Whom a verdict answers: a number, a typed line, the stop key, a damaged line.
+    // What a verdict answers; all but Numbered stand on the wire as they are.
+    enum class Source : char { Numbered = '#', Typed = '-', StopKey = '!', Damaged = '?' };
     struct Tag {
-        char kind;  // '#', '-', '!', '?'
+        Source source;
         uint16_t number;
     };
     enum class Report : uint8_t { None, Status, Help, Set, Trim };
@@ -72,9 +72,10 @@ struct Memory {
     LineReader::Event waiting_;
     Report report_;
     uint8_t report_row_;
-    uint8_t passed_;                  // telemetry lines sent since a line waits for its answer
-    uint8_t keys_due_, words_due_;    // stops obeyed and not answered yet: `!`, `stop`
-    uint8_t attached_, attach_wait_;  // servos from the tail; frames until the next one
+    uint8_t
+        telemetry_sent_while_waiting_;  // telemetry lines sent since a line waits for its answer
+    uint8_t keys_due_, words_due_;      // stops obeyed and not answered yet: `!`, `stop`
+    uint8_t attached_, attach_wait_;    // servos from the tail; frames until the next one
     bool session_;
 };
 
@@ -92,6 +93,7 @@ class Controller : private Memory {
     uint16_t frame_us() const { return motion_.frame_us(); }
     // Nothing is to be answered or reported.
     bool quiet() const;
+    bool uses_eeprom() const { return store_.busy(); }
 
     State state() const { return state_; }
     const Counters& counters() const { return counters_; }
@@ -155,7 +157,7 @@ class Controller : private Memory {
     OWN_FRAME void accept_line();
     OWN_FRAME void accept_body(const Envelope& envelope);
     bool in_order(const Envelope& envelope);
-    void refuse_damaged(Error error, uint16_t& counter);
+    void refuse_damaged(Error error);
     OWN_FRAME void verdict(const Tag& tag, const Refusal& refusal, bool again = false);
     OWN_FRAME void work_on_store();
     void send();

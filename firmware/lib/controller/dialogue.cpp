@@ -61,10 +61,10 @@ void Controller::answer_stops() {
     if ((keys_due_ | words_due_) == 0 || !may_speak()) return;
     if (keys_due_ != 0) {
         --keys_due_;
-        verdict(Tag{'!', 0}, Refusal());
+        verdict(Tag{Source::StopKey, 0}, Refusal());
     } else if (words_due_ != 0) {
         --words_due_;
-        verdict(Tag{'-', 0}, Refusal());
+        verdict(Tag{Source::Typed, 0}, Refusal());
     }
 }
 
@@ -74,10 +74,8 @@ void Controller::accept_waiting() {
     if (!may_speak()) return;
     if (waiting_ == LineReader::kLine) {
         accept_line();
-    } else if (waiting_ == LineReader::kOverlong) {
-        refuse_damaged(Error::Overlong, counters_.overlong);
     } else {
-        refuse_damaged(Error::Garbled, counters_.garbled);
+        refuse_damaged(waiting_ == LineReader::kOverlong ? Error::Overlong : Error::Garbled);
     }
     reader_.clear();
     waiting_ = LineReader::kNothing;
@@ -86,12 +84,12 @@ void Controller::accept_waiting() {
 void Controller::accept_line() {
     Envelope envelope;
     const Error damage = check_line(reader_.data(), reader_.length(), envelope);
-    if (damage == Error::Crc) return refuse_damaged(damage, counters_.crc);
+    if (damage == Error::Crc) return refuse_damaged(damage);
     const bool leaves = is_bare_bye(reader_.data(), reader_.length());
     if (leaves) session_ = false;
-    if (session_ && !envelope.has_crc) return refuse_damaged(Error::NoCrc, counters_.nocrc);
+    if (session_ && !envelope.has_crc) return refuse_damaged(Error::NoCrc);
     if (damage == Error::Sequence || (session_ && !envelope.has_number)) {
-        return refuse_damaged(Error::Sequence, counters_.sequence);
+        return refuse_damaged(Error::Sequence);
     }
     accept_body(envelope);
 }
@@ -100,7 +98,7 @@ void Controller::accept_body(const Envelope& envelope) {
     Command command;
     Refusal refusal = parse_command(envelope.body, envelope.length, command);
     const bool greets = refusal.none() && command.verb == Verb::Hello;
-    tag_ = Tag{envelope.has_number ? '#' : '-', envelope.number};
+    tag_ = Tag{envelope.has_number ? Source::Numbered : Source::Typed, envelope.number};
     if (session_ && !greets && !in_order(envelope)) return;
     last_number_ = envelope.number;
     if (refusal.none()) {
@@ -127,16 +125,15 @@ bool Controller::in_order(const Envelope& envelope) {
         count(counters_.lost, static_cast<uint16_t>(ahead - 1));
         return true;
     }
-    count(counters_.repeated);
     const bool pending = store_.busy() && store_tag_.number == envelope.number;
     if (ahead == 0 && !pending) verdict(tag_, Refusal(last_error_), true);
     if (ahead != 0) verdict(tag_, Refusal(Error::Sequence));
     return false;
 }
 
-void Controller::refuse_damaged(Error error, uint16_t& counter) {
-    count(counter);
-    tag_ = Tag{'?', 0};
+void Controller::refuse_damaged(Error error) {
+    count(counters_.damaged);
+    tag_ = Tag{Source::Damaged, 0};
     verdict(tag_, Refusal(error));
 }
 
@@ -153,10 +150,10 @@ void Controller::work_on_store() {
 
 void Controller::verdict(const Tag& tag, const Refusal& refusal, bool again) {
     line_.begin().put_flash(refusal.none() ? FLASH_TEXT("ok: #") : FLASH_TEXT("err: #"));
-    if (tag.kind == '#') {
+    if (tag.source == Source::Numbered) {
         line_.put_unsigned(tag.number);
     } else {
-        line_.put(tag.kind);
+        line_.put(static_cast<char>(tag.source));
     }
     const ErrorText text = error_text(refusal.error);
     if (!refusal.none()) line_.put(' ').put_flash(text.word);
@@ -178,7 +175,7 @@ void Controller::verdict(const Tag& tag, const Refusal& refusal, bool again) {
 // Output never waits: what does not fit is dropped, and counted.
 void Controller::send() {
     if (!line_.finish()) count(counters_.dropped);
-    passed_ = 0;
+    telemetry_sent_while_waiting_ = 0;
 }
 
 }  // namespace firmware

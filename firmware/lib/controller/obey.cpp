@@ -195,7 +195,6 @@ Refusal Controller::begin_save(const Command& command) {
     if (store_.busy()) return Refusal(Error::Saving);
     if (moving()) return Refusal(Error::Motion);
     if (settings_.value_u[kSilence] == 0 && !command.unattended) return Refusal(Error::Unattended);
-    if (store_.newer() && !command.replaces) return Refusal(Error::Newer);
     store_.save(settings_);
     return Refusal();
 }

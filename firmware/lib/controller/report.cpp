@@ -92,7 +92,7 @@ void Controller::put_timing() {
     line_.put_flash(FLASH_TEXT("timing: overruns=")).put_unsigned(counters_.overruns);
     line_.put_flash(FLASH_TEXT(" clipped=")).put_unsigned(counters_.clipped);
     line_.put_flash(FLASH_TEXT(" late_us=")).put_unsigned(counters_.late_us);
-    line_.put_flash(FLASH_TEXT(" frame_us=")).put_unsigned(counters_.pass_us);
+    line_.put_flash(FLASH_TEXT(" longest_pass_us=")).put_unsigned(counters_.longest_pass_us);
     line_.put_flash(FLASH_TEXT(" stack=")).put_unsigned(hardware_.unused_ram());
 }
 

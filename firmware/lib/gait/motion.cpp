@@ -82,7 +82,7 @@ void Motion::pose(const int32_t (&target_q30)[kJoints]) {
     next_.alpha_q14 = 0;
     next_.beta_q31_turn = to_.beta_q31_turn;
     for (uint8_t i = 0; i < kJoints; ++i) next_.base_q14[i] = q14_from_q30(target_q30[i]);
-    order(step_, false);
+    order(phase_rate_, false);
 }
 
 void Motion::freeze() {
@@ -92,12 +92,12 @@ void Motion::freeze() {
     blending_ = waiting_ = gait_ = turning_ = false;
 }
 
-void Motion::order(uint64_t step, bool gait) {
-    step_next_ = step;
+void Motion::order(uint64_t phase_rate, bool gait) {
+    next_phase_rate_ = phase_rate;
     next_gait_ = gait;
     waiting_ = true;
     if (under_way() && gait == gait_ && same(next_, to_)) {  // the change leads there anyway
-        step_target_ = step;
+        target_phase_rate_ = phase_rate;
         waiting_ = false;
     }
 }
@@ -112,16 +112,17 @@ void Motion::begin() {
     ChangeRequest request;
     request.alpha_1_rad = from_.alpha_q14 * kRadPerQ14;
     request.alpha_2_rad = to_.alpha_q14 * kRadPerQ14;
-    request.omega_1_rad_s = turning_ ? rate_of(step_, frame_s) : 0;
-    request.omega_2_rad_s = gait_ ? rate_of(step_next_, frame_s) : 0;
+    request.omega_1_rad_s = turning_ ? rate_of(phase_rate_, frame_s) : 0;
+    request.omega_2_rad_s = gait_ ? rate_of(next_phase_rate_, frame_s) : 0;
     request.swing_rad = swing_between(from_, to_);
     request.shift_rad = shift_between(from_, to_);
     const ChangePlan plan = plan_change(request, limits_.change);
-    step_blend_ = step_of(plan.omega_rad_s, frame_s);
-    step_target_ = gait_ ? step_next_ : static_cast<uint64_t>(step_blend_) << 32;
-    if (step_blend_ > upper(step_target_)) step_blend_ = upper(step_target_);
-    if (!turning_) step_ = static_cast<uint64_t>(step_blend_) << 32;
-    rate_step_ = step_of(plan.omega_rate_rad_s2 * frame_s, frame_s);
+    blend_phase_rate_ = step_of(plan.omega_rad_s, frame_s);
+    target_phase_rate_ = gait_ ? next_phase_rate_ : static_cast<uint64_t>(blend_phase_rate_) << 32;
+    if (blend_phase_rate_ > upper(target_phase_rate_))
+        blend_phase_rate_ = upper(target_phase_rate_);
+    if (!turning_) phase_rate_ = static_cast<uint64_t>(blend_phase_rate_) << 32;
+    phase_rate_change_ = step_of(plan.omega_rate_rad_s2 * frame_s, frame_s);
     turning_ = turning_ || gait_;
     blending_ = request.swing_rad + request.shift_rad > 0;
     const float frames = plan.duration_s / frame_s + 1;
@@ -131,20 +132,23 @@ void Motion::begin() {
 }
 
 // One frame's change of the rate towards this one; true when it is there, to 2⁻³² turns.
-bool Motion::approach(uint32_t step) {
-    const uint32_t now = upper(step_);
-    const uint32_t gap = now < step ? step - now : now - step;
-    if (gap <= rate_step_) return true;
-    step_ = static_cast<uint64_t>(now < step ? now + rate_step_ : now - rate_step_) << 32;
+bool Motion::approach(uint32_t rate) {
+    const uint32_t now = upper(phase_rate_);
+    const uint32_t gap = now < rate ? rate - now : now - rate;
+    if (gap <= phase_rate_change_) return true;
+    phase_rate_ =
+        static_cast<uint64_t>(now < rate ? now + phase_rate_change_ : now - phase_rate_change_)
+        << 32;
     return false;
 }
 
 // One frame further: the rate first, if it must come down, then the blend, then the rate.
 void Motion::proceed() {
     if (!blending_) {
-        if (approach(upper(step_target_))) step_ = step_target_;
-    } else if (turning_ && upper(step_) > step_blend_) {
-        if (approach(step_blend_)) step_ = static_cast<uint64_t>(step_blend_) << 32;
+        if (approach(upper(target_phase_rate_))) phase_rate_ = target_phase_rate_;
+    } else if (turning_ && upper(phase_rate_) > blend_phase_rate_) {
+        if (approach(blend_phase_rate_))
+            phase_rate_ = static_cast<uint64_t>(blend_phase_rate_) << 32;
     } else {
         const uint32_t before = progress_q32_;
         progress_q32_ += progress_step_q32_;
@@ -175,7 +179,7 @@ int16_t Motion::held(uint8_t joint, int32_t wanted_q14) {
 
 void Motion::advance(uint16_t frames) {
     if (waiting_ && !under_way()) begin();
-    if (turning_) phase_ += step_ * frames;
+    if (turning_) phase_ += phase_rate_ * frames;
     proceed();
     clipped_ = 0;
     const int32_t weight_q14 = smooth_q14(static_cast<uint16_t>(progress_q32_ >> 16));

@@ -60,18 +60,20 @@ class Motion {
     uint8_t clipped() const { return clipped_; }
 
   private:
-    void order(uint64_t step, bool gait);
+    void order(uint64_t phase_rate, bool gait);
     bool under_way() const { return blending_ && progress_q32_ != 0; }
     OWN_FRAME void begin();
     void proceed();
-    bool approach(uint32_t step);
+    bool approach(uint32_t rate);
     int16_t at(const GaitShape& shape, uint8_t joint) const;
     int16_t held(uint8_t joint, int32_t wanted_q14);
 
     MotionLimits limits_;
-    uint64_t phase_, step_, step_target_;  // in 2⁻⁶⁴ turns: the phase, its growth in a frame
-    uint64_t step_next_;
-    uint32_t step_blend_, rate_step_;  // in 2⁻³² turns: the most while blending; change in a frame
+    uint64_t phase_;  // in 2⁻⁶⁴ turns
+    // Growth of the phase in a frame, in 2⁻⁶⁴ turns: now, after the ramp, and of the gait to come.
+    uint64_t phase_rate_, target_phase_rate_, next_phase_rate_;
+    uint32_t blend_phase_rate_;   // upper bound of it while blending, in 2⁻³² turns
+    uint32_t phase_rate_change_;  // of it from frame to frame, in 2⁻³² turns
     GaitShape from_, to_, next_;
     uint32_t progress_q32_, progress_step_q32_;  // u above
     int16_t setpoint_q14_[kJoints];

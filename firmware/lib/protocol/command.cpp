@@ -81,7 +81,6 @@ const char* help_of(uint8_t verb) {
 
 const char kStraight[] FLASH = "straight";
 const char kUnattended[] FLASH = "unattended";
-const char kReplace[] FLASH = "replace";
 const char kOff[] FLASH = "off";
 
 int8_t hex_digit(char c) {
@@ -175,13 +174,9 @@ Refusal parse_pose(const Words& words, Command& command) {
 }
 
 Refusal parse_save(const Words& words, Command& command) {
-    for (uint8_t i = 1; i < words.count; ++i) {
-        bool& asked = words.word[i].text[0] == 'u' ? command.unattended : command.replaces;
-        const char* const known = words.word[i].text[0] == 'u' ? kUnattended : kReplace;
-        if (!words.word[i].is_flash(known)) return Refusal(Error::Arguments);
-        asked = true;
-    }
-    return Refusal();
+    command.unattended = words.count == 2;
+    const bool understood = !command.unattended || words.word[1].is_flash(kUnattended);
+    return Refusal(understood ? Error::None : Error::Arguments);
 }
 
 // The controller looks at the limits, which depend on the board.

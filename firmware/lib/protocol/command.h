@@ -21,7 +21,7 @@
     X(Idle, "idle", 0, 0, " - end all pulses")                          \
     X(Set, "set", 0, 2, " [NAME VALUE]")                                \
     X(Trim, "trim", 0, 3, " [J FIELD VALUE]")                           \
-    X(Save, "save", 0, 2, " [unattended] [replace]")                    \
+    X(Save, "save", 0, 1, " [unattended]")                              \
     X(Load, "load", 0, 0, " - from EEPROM")                             \
     X(Defaults, "defaults", 0, 0, "")
 
@@ -58,7 +58,7 @@ const uint8_t kMostValues = kJoints > kMostGaitFields ? kJoints : kMostGaitField
 struct Command {
     Verb verb;
     bool lists;                    // `set` or `trim` without fields
-    bool unattended, replaces;     // of `save`
+    bool unattended;               // of `save`
     uint8_t joint;                 // of `trim`, from 0
     uint8_t field;                 // Setting or TrimField
     int32_t value_u[kMostValues];  // gait fields, joint angles, or the value of set and trim

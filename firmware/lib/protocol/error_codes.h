@@ -33,10 +33,6 @@
       "send it again if still wanted")                                                           \
     X(Unattended, 18, "unattended", "with silence off nothing stops a robot left alone",         \
       "set silence, or send save unattended")                                                    \
-    X(Unbalanced, 19, "unbalanced", "three links have no bend that balances itself",             \
-      "guide the robot and bend it as a zigzag")                                                 \
-    X(Newer, 20, "newer", "a newer firmware's settings are saved",                               \
-      "flash that firmware, or send save replace to lose them")                                  \
     X(Output, 21, "output", "the servo driver does not answer", "check its power and its two wires")
 
 namespace firmware {

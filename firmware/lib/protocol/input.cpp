@@ -61,8 +61,8 @@ uint16_t Input::full() const {
 // is met by the next call.
 int16_t Input::pop() {
     const uint8_t head = head_, stopped = stops();
-    if (stopped != passed_ && tail_ == mark_) {
-        passed_ = stopped;
+    if (stopped != stops_seen_ && tail_ == mark_) {
+        stops_seen_ = stopped;
         return kStopHere;
     }
     if (head == tail_) return kNothing;

@@ -27,7 +27,7 @@ class Input {
           words_(0),
           keys_taken_(0),
           words_taken_(0),
-          passed_(0),
+          stops_seen_(0),
           progress_(0),
           full_(0),
           queue_() {}
@@ -41,7 +41,7 @@ class Input {
     // One stop that has not been taken yet: '!', 's' for `stop`, or 0.
     char take_stop();
     // What is popped now came before a stop.
-    bool before_stop() const { return stops() != passed_; }
+    bool before_stop() const { return stops() != stops_seen_; }
 
     uint16_t full() const;  // bytes lost as the queue was full
 
@@ -52,7 +52,7 @@ class Input {
     uint8_t stops() const { return static_cast<uint8_t>(keys_ + words_); }
 
     volatile uint8_t head_, tail_, mark_, keys_, words_;
-    uint8_t keys_taken_, words_taken_, passed_;
+    uint8_t keys_taken_, words_taken_, stops_seen_;
     volatile uint8_t progress_;  // letters of `stop` that have come
     volatile uint16_t full_;
     uint8_t queue_[kSize];  // last, where the rest is reached in fewer steps on an AVR

@@ -7,7 +7,7 @@
 namespace firmware {
 namespace {
 
-const uint8_t kCells = 32;
+const uint8_t kCells = 8;
 
 uint16_t cell(Eeprom& eeprom, uint8_t index) {
     const uint16_t at = static_cast<uint16_t>(2 * index);

@@ -31,10 +31,8 @@ class BoardOfJoints : public AnyBoard {
     bool session() const override { return controller().session(); }
     std::vector<std::pair<std::string, unsigned>> counters() const override {
         const firmware::Counters& c = controller().counters();
-        return {{"good", c.good},         {"crc", c.crc},           {"nocrc", c.nocrc},
-                {"garbled", c.garbled},   {"overlong", c.overlong}, {"sequence", c.sequence},
-                {"lost", c.lost},         {"repeated", c.repeated}, {"dropped", c.dropped},
-                {"overruns", c.overruns}, {"clipped", c.clipped}};
+        return {{"good", c.good},       {"damaged", c.damaged},   {"lost", c.lost},
+                {"dropped", c.dropped}, {"overruns", c.overruns}, {"clipped", c.clipped}};
     }
     std::vector<double> setpoints_rad() const override {
         const std::int16_t* const q14 = controller().motion().setpoints_q14();

@@ -188,7 +188,7 @@ def frames_end(fake: FakeBoard) -> None:
 
 
 def browned_out(fake: FakeBoard) -> None:
-    hello = "hello: serpenoid fw=0.2.0 protocol=4 board=uno joints=5 frame_us=20000 boot=9"
+    hello = "hello: serpenoid fw=0.2.0 protocol=5 board=uno joints=5 frame_us=20000 boot=9"
     again = sealed(f"{hello} reset=brownout settings=ok silence=2")
     fake.to_host = after_gait_frames(25, lambda line: line + again)
 

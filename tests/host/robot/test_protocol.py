@@ -23,7 +23,7 @@ FRAME = (
 )
 BODIES = [
     FRAME,
-    "hello: serpenoid fw=0.2.0 protocol=4 board=uno joints=5 frame_us=20000 boot=37 reset=power"
+    "hello: serpenoid fw=0.2.0 protocol=5 board=uno joints=5 frame_us=20000 boot=37 reset=power"
     " settings=ok silence=2",
     "ok: #12",
     "err: #12 range alpha=95 low=0 high=90 - CAUSE; CURE",
@@ -44,7 +44,7 @@ def test_table_is_the_firmwares():
     header = (ROOT / "firmware/lib/protocol/error_codes.h").read_text().replace("\\\n", "")
     row = r'X\(\w+, (\d+), "(\w+)",\s*"([^"]*)",\s*"([^"]*)"\)'
     assert {w: (int(n), c, u) for n, w, c, u in re.findall(row, header)} == ERRORS
-    assert len(ERRORS) == 21
+    assert len(ERRORS) == 19
 
 
 def test_telemetry_in_si():
@@ -58,7 +58,7 @@ def test_telemetry_in_si():
 
 def test_hello_and_verdicts():
     hello = protocol.parse(sealed(BODIES[1]))
-    assert hello == protocol.Hello("0.2.0", 4, "uno", 5, 20000, 37, "power", "ok", 2.0)
+    assert hello == protocol.Hello("0.2.0", 5, "uno", 5, 20000, 37, "power", "ok", 2.0)
     assert protocol.parse(sealed("ok: #12 again")).again
     refused = protocol.parse(sealed("err: #12 range again - the cause"))
     assert (refused.error, refused.again, refused.number) == ("range", True, 12)

@@ -32,7 +32,7 @@ RESETS = {
     "brownout": "give the servos a supply of their own and join the grounds",
     "watchdog": "the program hung: flash the newest firmware; if it persists, report it",
 }
-BOARD_COUNTS = ("crc", "garbled", "overlong", "lost", "rxfull")
+BOARD_COUNTS = ("damaged", "lost", "rxfull")
 HOST_COUNTS = ("damaged_lines", "missed_frames")
 LATE_US = 2000  # the firmware's own budget for the lateness of a frame (firmware/README.md)
 
@@ -149,7 +149,7 @@ def _counters(status: Status, losses: Losses, heard: int) -> Finding:
 def _timing(status: Status) -> Finding:
     measured = (
         f"{status.overruns} frames missed, latest frame {status.late_us} us late, "
-        f"longest pass {status.frame_us} us"
+        f"longest pass {status.longest_pass_us} us"
     )
     if status.overruns or status.late_us > LATE_US:
         fix = "flash the newest firmware: serpenoid flash; if it persists, report these numbers"

@@ -18,10 +18,11 @@ SETTINGS = tuple(firmware.SETTINGS)
 class Status:
     """The board's state and counters since its start; they stay at 65535.
 
-    Counts of lines to the board: good, crc, nocrc, garbled, overlong, sequence, lost, repeated;
-    dropped: of lines from it; rxfull: of times its receive buffer was full. overruns: frames
-    missed; clipped: frames in which a joint was held back; late_us, frame_us: the latest frame
-    and the longest pass of its loop; stack_bytes: RAM never touched.
+    Counts of lines to the board: good; damaged: refused, as they came damaged or out of order;
+    lost: missing between the numbers of those that came. dropped: lines from the board that its
+    output had no room for. rxfull: bytes lost as its receive buffer was full. overruns: frames
+    missed; clipped: frames in which a joint was held back; late_us, longest_pass_us: the latest
+    frame and the longest pass of its loop; stack_bytes: RAM never touched.
     """
 
     state: str
@@ -29,19 +30,14 @@ class Status:
     boot: int
     frame: int
     good: int
-    crc: int
-    nocrc: int
-    garbled: int
-    overlong: int
-    sequence: int
+    damaged: int
     lost: int
-    repeated: int
     dropped: int
     rxfull: int
     overruns: int
     clipped: int
     late_us: int
-    frame_us: int
+    longest_pass_us: int
     stack_bytes: int
 
 
