@@ -15,6 +15,7 @@ namespace servo_driver {
 namespace {
 
 const uint8_t kDevice = 0x40;
+const uint8_t kGeneralCall = 0x00, kSoftwareReset = 0x06;
 const uint8_t kMode1 = 0x00, kFirstChannel = 0x06, kAllOffHigh = 0xFD, kPrescale = 0xFE;
 const uint8_t kAwake = 0x20, kAsleep = 0x30;  // MODE1, with registers that count up by themselves
 const uint8_t kRestart = 0x80;                // MODE1, where outputs were on when it fell asleep
@@ -41,9 +42,11 @@ bool set_register(uint8_t first, uint8_t value) {
     return two_wire::write(kDevice, first, &value, 1);
 }
 
-// All outputs off, then the rate, which can be set only while it sleeps.
+// All outputs off, then the rate, which can be set only while it sleeps. Before that a software
+// reset for all chips: else one that was told once to use an external clock keeps to it (EXTCLK).
 bool start() {
-    good = set_register(kMode1, kAsleep) && set_register(kAllOffHigh, kFullOff) &&
+    good = set_register(kMode1, kAsleep) && two_wire::write(kGeneralCall, kSoftwareReset, 0, 0) &&
+           set_register(kMode1, kAsleep) && set_register(kAllOffHigh, kFullOff) &&
            set_register(kPrescale, prescale) && set_register(kMode1, kAwake);
     delayMicroseconds(500);  // until its oscillator runs
     return good;

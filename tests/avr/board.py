@@ -24,7 +24,9 @@ SERVO_PINS = {
 }
 ENABLE_PIN = {**dict.fromkeys(("uno", "nano", "nano_old"), "D4"), "mega": "G5"}
 TWO_WIRES = {**dict.fromkeys(("uno", "nano", "nano_old"), ("C", 5, 4)), "mega": ("D", 0, 1)}
-FAULTS = ("well", "silent", "data low", "clock low", "no ack", "restart")
+FAULTS = (
+    "well", "silent", "data low", "clock low", "no ack", "restart", "external clock",
+)  # fmt: skip
 CAUSES = ("power-on", "external", "brown-out")
 EDGE = np.dtype([("cycle", "u8"), ("pin", "u4"), ("level", "u4")])
 SENT = np.dtype([("cycle", "u8"), ("value", "u4"), ("unused", "u4")])

@@ -7,7 +7,7 @@ from avr.dialogue import Dialogue, fields, telemetry
 pytestmark = pytest.mark.avr
 
 MODE1, FIRST_CHANNEL, PRESCALE = 0x00, 0x06, 0xFE
-ASLEEP_OR_WAITING = 0x90  # SLEEP, RESTART
+NO_PULSES = 0xD0  # RESTART, EXTCLK (no such clock is connected), SLEEP
 FULL_OFF = 0x10
 OSCILLATOR_MHZ = 25.0
 TWSR, TWCR, TWINT = 0xB9, 0xBC, 0x80  # data memory of both chips
@@ -43,7 +43,7 @@ def outputs_us(board, joints: int = 5, oscillator_mhz: float = OSCILLATOR_MHZ) -
     for joint in range(joints):
         at = FIRST_CHANNEL + 4 * joint
         on, off = (int.from_bytes(registers[k : k + 2], "little") for k in (at, at + 2))
-        is_off = registers[at + 3] & FULL_OFF or registers[MODE1] & ASLEEP_OR_WAITING
+        is_off = registers[at + 3] & FULL_OFF or registers[MODE1] & NO_PULSES
         widths.append(0.0 if is_off else (off - on) % 4096 * tick_us)
     return np.array(widths)
 
@@ -159,6 +159,15 @@ def test_without_a_driver_nothing_moves(start, fault):
     assert not enabled(board)
     board.fault_pca9685("well")
     obeyed(talk, "pose straight")
+    board.run(1.0)
+    assert np.all(np.abs(outputs_us(board) - 1500) < 3)
+
+
+def test_a_chip_that_was_told_to_use_an_external_clock_is_reset(start):
+    board = start("uno", output="pca9685")
+    board.fault_pca9685("external clock")
+    board.reset()
+    obeyed(opened(board), "pose straight")
     board.run(1.0)
     assert np.all(np.abs(outputs_us(board) - 1500) < 3)
 

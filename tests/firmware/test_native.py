@@ -34,4 +34,3 @@ def test_the_libraries_pack_for_others(library: str, tmp_path) -> None:
         names = set(archive.getnames())
     assert {"library.json"} <= names
     assert any(name.endswith(".cpp") for name in names)
-

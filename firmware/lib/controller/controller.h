@@ -107,7 +107,7 @@ class Controller : private Memory {
     // A line is taken up only if all that it may bring forth at once fits the output queue.
     static const uint8_t kRoom = 165;
     // What is queued when a frame is due must leave room for the longest telemetry line.
-    static const uint16_t kTelemetryRoom = 95 + 18 * kJoints;
+    static const uint16_t kTelemetryRoom = 95 + 18 * kJoints + kOwnSensorRoom;
     static const uint8_t kByteUs = 40;
     // What may_speak() asks for between two telemetry lines, if all lines are the longest: the
     // wire's time, and a frame's own from its beginning to the end of its line. And how long each

@@ -22,6 +22,8 @@ const ErrorText kTexts[] FLASH = {{kNoText, kNoText, kNoText},
                                   FIRMWARE_ERRORS(FIRMWARE_ERROR_ROW)
 #undef FIRMWARE_ERROR_ROW
 };
+static_assert(sizeof kTexts / sizeof kTexts[0] == static_cast<uint8_t>(Error::Output) + 1,
+              "numbers leave no gap, and Output is the last one");
 
 }  // namespace
 

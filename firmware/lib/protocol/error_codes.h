@@ -33,7 +33,7 @@
       "send it again if still wanted")                                                           \
     X(Unattended, 18, "unattended", "with silence off nothing stops a robot left alone",         \
       "set silence, or send save unattended")                                                    \
-    X(Output, 21, "output", "the servo driver does not answer", "check its power and its two wires")
+    X(Output, 19, "output", "the servo driver does not answer", "check its power and its two wires")
 
 namespace firmware {
 

@@ -22,6 +22,9 @@ bool write_telemetry(Output& line, const Frame& frame) {
     line.put_flash(FLASH_TEXT(" late_us=")).put_unsigned(frame.late_us);
     line.put_flash(FLASH_TEXT(" clipped=")).put_unsigned(frame.clipped);
     line.put_flash(FLASH_TEXT(" st=")).put_flash(frame.state);
+#ifdef SERPENOID_SENSOR
+    line.put_flash(FLASH_TEXT(" sensor=")).put_fixed(own_sensor(), 0);
+#endif
     return line.finish();
 }
 

@@ -20,6 +20,13 @@ struct Frame {
     const char* state;          // in flash
 };
 
+#ifdef SERPENOID_SENSOR
+int16_t own_sensor();               // see firmware/src/own_sensor.cpp
+const uint8_t kOwnSensorRoom = 14;  // bytes of ` sensor=-32768`
+#else
+const uint8_t kOwnSensorRoom = 0;
+#endif
+
 // False if the line did not fit.
 bool write_telemetry(Output& line, const Frame& frame);
 

@@ -6,7 +6,7 @@
 namespace firmware {
 namespace {
 
-enum Head : uint8_t { kAge, kLayoutByte, kJointsByte };
+const uint16_t kAge = 0, kLayoutByte = 1, kJointsByte = 2;  // offsets in a copy
 const uint8_t kAges = 3;
 const uint8_t kMaxJoints = 12;  // of any board; a larger number is damage
 
@@ -32,7 +32,8 @@ void Store::begin(Job job, uint8_t slot) {
 
 // The age of a copy that is newer than the newest one.
 uint8_t Store::next_age() {
-    return newest_ == kNone ? 0 : (eeprom_.read(slot_address(newest_)) + 1) % kAges;
+    if (newest_ == kNone) return 0;
+    return static_cast<uint8_t>((eeprom_.read(slot_address(newest_)) + 1) % kAges);
 }
 
 void Store::load(Settings& settings) {

@@ -54,7 +54,8 @@ struct twi {
 
 struct pca9685 {
     uint8_t registers[256], outputs[64];  // as written; as the outputs follow them
-    uint8_t addressed, pointed, next;     // it was called; it has a register; which
+    uint8_t addressed, pointed, next;     // it was addressed; it has a register; which
+    uint8_t called;                       // all chips were, by the general call
     uint8_t changed, bits_left;           // since the stop; of a byte that was cut off
     enum pca9685_fault fault;
     uint32_t bursts, bytes_left;  // changes of outputs; until it falls silent, 0 = never

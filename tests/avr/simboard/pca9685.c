@@ -6,7 +6,8 @@
 
 enum { ADDRESS = 0x40, MODE1 = 0x00, MODE2 = 0x01, PRESCALE = 0xfe };
 enum { FIRST = 0x06, LAST = 0x45, ALL = 0xfa, LAST_ALL = 0xfd };
-enum { RESTART = 0x80, COUNTS_UP = 0x20, SLEEP = 0x10 };
+enum { RESTART = 0x80, EXTCLK = 0x40, COUNTS_UP = 0x20, SLEEP = 0x10 };
+enum { GENERAL_CALL = 0x00, SOFTWARE_RESET = 0x06 };
 enum { FULL_OFF = 0x10, LEAST_PRESCALE = 3 };
 
 static void power_up(struct pca9685* p) {
@@ -30,7 +31,8 @@ static void set_mode1(struct pca9685* p, uint8_t v) {
     uint8_t restart = p->registers[MODE1] & RESTART;
     if ((v & SLEEP) && !(p->registers[MODE1] & SLEEP) && any_output_on(p)) restart = RESTART;
     if ((v & RESTART) && !(v & SLEEP)) restart = 0;
-    p->registers[MODE1] = (uint8_t)((v & 0x7f) | restart);
+    const uint8_t sticky = p->registers[MODE1] & EXTCLK;
+    p->registers[MODE1] = (uint8_t)((v & 0x7f) | restart | sticky);
 }
 
 static void set_channel(struct pca9685* p, int r, uint8_t v) {
@@ -61,11 +63,16 @@ int pca9685_take(struct pca9685* p, uint8_t byte, int is_address) {
     if (p->fault == PCA9685_SILENT) return 0;
     if (p->acks_left && --p->acks_left == 0) return 0;
     if (is_address) {
-        p->addressed = byte >> 1 == ADDRESS;
+        p->called = byte == GENERAL_CALL;
+        p->addressed = byte >> 1 == ADDRESS || p->called;
         p->pointed = byte & 1;  // a read goes on where the pointer stands
         return p->addressed;
     }
     if (!p->addressed) return 0;
+    if (p->called) {
+        if (byte == SOFTWARE_RESET) power_up(p);
+        return byte == SOFTWARE_RESET;
+    }
     if (p->bytes_left && --p->bytes_left == 0) {
         power_up(p);
         p->fault = PCA9685_SILENT;
@@ -137,6 +144,10 @@ void board_fault_pca9685(struct board* b, enum pca9685_fault fault, uint32_t aft
     struct pca9685* p = &b->pca9685;
     if (fault == PCA9685_NO_ACK) {
         p->acks_left = after_bytes;
+        return;
+    }
+    if (fault == PCA9685_EXTERNAL_CLOCK) {
+        p->registers[MODE1] |= EXTCLK;
         return;
     }
     p->bytes_left = after_bytes;

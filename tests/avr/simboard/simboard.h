@@ -18,7 +18,8 @@ enum pca9685_fault {
     PCA9685_DATA_LOW,
     PCA9685_CLOCK_LOW,
     PCA9685_NO_ACK,
-    PCA9685_RESTART
+    PCA9685_RESTART,
+    PCA9685_EXTERNAL_CLOCK
 };
 
 struct edge {

@@ -53,7 +53,8 @@ def test_telemetry_in_si():
     assert frame.setpoint_rad[1] == math.radians(-3.25)
     assert frame.phase_rad == math.radians(123.456)
     assert frame.pulse_us == (1600, 1467, 1500, 1575, 1400)
-    assert (frame.clipped, frame.state) == (1, "gait")
+    assert (frame.clipped, frame.state, frame.sensor) == (1, "gait", None)
+    assert protocol.parse(sealed(f"{FRAME} sensor=-12")).sensor == -12
 
 
 def test_hello_and_verdicts():

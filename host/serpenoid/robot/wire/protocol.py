@@ -21,7 +21,8 @@ _COUNT = r"(\d{1,10})"
 _TELEMETRY = re.compile(
     rf"t:{_COUNT}(?P<joints>(?: j\d{{1,2}}:-?\d{{1,3}}\.\d\d){{2,12}}) board_us={_COUNT}"
     rf" ph=(\d{{1,3}}\.\d{{3}}) p=(?P<pulses>\d{{1,5}}(?:,\d{{1,5}}){{1,11}}) exec_us={_COUNT}"
-    rf" late_us={_COUNT} clipped=(\d{{1,2}}) st=([a-z]+)",
+    rf" late_us={_COUNT} clipped=(\d{{1,2}}) st=([a-z]+)"
+    r"(?: sensor=(-?\d{1,5}))?",
     re.ASCII,
 )
 _VERDICT = re.compile(r"(ok|err): #(\d{1,5}|[-!?])(?: ([a-z].*))?", re.ASCII)
@@ -47,7 +48,8 @@ def frame_us(joints: int) -> int:
 class Telemetry:
     """One frame: setpoints in rad (tail first), board time and pulses in µs, phase in rad.
 
-    clipped: how many joints the board held back at a limit or at the servos' speed.
+    clipped: how many joints the board held back at a limit or at the servos' speed. sensor: the
+    reading of a builder's own sensor, None where the firmware has none.
     """
 
     frame: int
@@ -59,6 +61,7 @@ class Telemetry:
     late_us: int
     clipped: int
     state: str
+    sensor: int | None = None
 
 
 @dataclass(frozen=True)
@@ -161,7 +164,7 @@ def _matched(pattern: re.Pattern[str], body: str) -> tuple[str, ...]:
 
 
 def _telemetry(body: str) -> Telemetry:
-    frame, joints, board_us, phase, pulses, exec_us, late_us, clipped, state = _matched(
+    frame, joints, board_us, phase, pulses, exec_us, late_us, clipped, state, sensor = _matched(
         _TELEMETRY, body
     )
     if state not in STATES:
@@ -183,6 +186,7 @@ def _telemetry(body: str) -> Telemetry:
         said_count("late_us", late_us),
         int(clipped),
         state,
+        int(sensor) if sensor else None,
     )
 
 
