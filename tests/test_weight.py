@@ -52,7 +52,7 @@ MOST_TOKENS = {
     "studies": 27988,
     "tests": 3664,
     "tests/arm": 1428,
-    "tests/avr": 19212,
+    "tests/avr": 19213,
     "tests/docs": 6703,
     "tests/end_to_end": 1081,
     "tests/firmware": 11827,
