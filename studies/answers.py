@@ -392,17 +392,6 @@ def asked(*words: object) -> dict[str, Any]:
     return json.loads(done.stdout)
 
 
-PAIRS = (("belt-three-bends", "floor-0"), ("paper", "belt-steep"), ("floor-3", "belt-one-bend"))
-
-
-def beside(_r: Random, number: int) -> Answer:
-    """Return whether two sessions agree, and by how many sigmas they differ."""
-    first, second = (folder_of(name) for name in PAIRS[number])
-    answer = asked("compare", first, "--beside", second)
-    sigmas = {f"{row['name']} sigmas": [row["sigmas"], FITTED] for row in answer["rows"]}
-    return {"causes": " ".join(answer["causes"])} | sigmas
-
-
 def advice(_r: Random, number: int) -> Answer:
     """Return the band today and after the best reading, which draws tell to a tenth."""
     folder = folder_of(("paper", "belt-one-bend", "floor-0")[number])
@@ -491,7 +480,6 @@ KINDS = {
     "fit": Kind(40, fit("joint"), 0.0, True),
     "fit-crawls": Kind(4, crawls, 0.0, True),
     "predict": Kind(4, predict, 0.0, True),
-    "beside": Kind(3, beside, 0.0, True),
     "advice": Kind(3, advice, 0.0, True),
     "film": Kind(1, film),
     "bench-test": Kind(3, bench_test),

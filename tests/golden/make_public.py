@@ -52,7 +52,6 @@ ANSWERS = (  # MINE is a session with a crawl; BENCH a servo's test
     "fit DIR --influence",
     "fit MINE --crawls --servo SG90",
     f"compare DIR {NEXT}",
-    "compare DIR --beside DIR",
     f"advise DIR {NEXT}",
     "report DIR --out report.html",
     "calibrate status MINE",

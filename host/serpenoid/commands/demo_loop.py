@@ -29,7 +29,6 @@ from ..lab.crawl import crawl_speed
 from ..model.files import read_json, write_text
 from ..prediction.comparison import gait_count
 from ..prediction.speed_samples import speed_band
-from ..prediction.two_fits import two_fits
 from ..robot.robot import RobotBoard
 from ..show.comparison_figure import comparison_figure
 from ..show.report import console
@@ -251,16 +250,14 @@ def push_along_floor(out: Path, belt: sn.FrictionFit, ground: sn.Ground) -> dict
         step(6, f"No pushes along a floor for this robot: {error}")
         return None
     sn.save_fit(fit, out / "floor")
-    beside = two_fits(belt, fit)
     bends = len({push.lambda_rad for push in session.kept_pushes})
     push_figure(session, fit, out / "floor.png")
     step(
         6,
         f"No treadmill? {len(session.kept_pushes)} filmed pushes along a floor in "
         f"{bends} bends, {person.t_s / 60:.0f} minutes: {beside_truth(fit, ground)}",
-        f"Treadmill and floor: {beside.verdict}",
     )
-    return {"fit": fit.to_dict(), "beside": beside.to_dict()}
+    return {"fit": fit.to_dict()}
 
 
 def measure_demo_film(out: Path) -> dict[str, Any] | None:

@@ -126,12 +126,6 @@ def advise(
 )
 @servo_option
 @option("--samples", "Frictions drawn from the fit.", type=click.IntRange(16, 4096), default=64)
-@option(
-    "--beside",
-    "other",
-    "Another session of this robot: do both tell the same friction?",
-    type=FOLDER,
-)
 @option("--plot", "figure", "Draw it into this file.", type=out_file(*FIGURES))
 @AS_TABLES
 def compare(
@@ -139,7 +133,6 @@ def compare(
     gaits: list[sn.Gait],
     amplitude_sigma: float,
     samples: int,
-    other: Path | None,
     figure: Path | None,
     as_json: bool,
 ) -> None:
@@ -147,21 +140,11 @@ def compare(
 
     Exact and implicit model, with the 95 % bands of sampled frictions, and of amplitude and servos
     besides; then a verdict in words. Any hobby servo may move the joints unless --servo says which.
-
-    With --beside the frictions of two sessions are compared instead, such as of treadmill and
-    floor: they agree within their intervals, or which differs.
     """
     from ...prediction import comparison
-    from ...prediction.two_fits import two_sessions
     from ...show import report
 
     loaded = sn.load_session(session)
-    if other is not None:
-        two = two_sessions(loaded, sn.load_session(other))
-        if as_json:
-            return show_json(two.to_dict())
-        report.console.print(f"p = {two.p_value:.2g}. {two.verdict}")
-        return report.table("friction in two sessions, whole snake", *two.table())
     fit = session_fit(session, with_crawls=False)
     with progress(comparison.gait_count(loaded, gaits), "gaits") as advance:
         compared = comparison.compare(
@@ -179,21 +162,19 @@ def compare(
 
         comparison_figure(compared, figure)
         report.wrote(figure, beside(figure))
-    return tell(compared, as_json)
+    tell(compared, as_json)
 
 
 @click.command()
 @click.argument("session", type=FOLDER)
 @option("--out", "Where to; report.html in the session's folder.", type=out_file(".html"))
 @option("--bibtex", "Write what to cite into this file, too.", type=out_file(".bib"))
-@option("--beside", "Another session of this robot, to compare the frictions with.", type=FOLDER)
 @servo_option
 @AS_JSON
 def report(
     session: Path,
     out: Path | None,
     bibtex: Path | None,
-    beside: Path | None,
     as_json: bool,
 ) -> None:
     """Write a session's report: one self-contained HTML file, the same bytes when made again.
@@ -222,12 +203,7 @@ def report(
             compared = comparison.compare(loaded, tested, servo=servo, progress=advance)
     if tested and loaded.setup.procedure.gaits:
         advised = advice.advise(loaded, servo=servo)
-    other = None
-    if beside is not None:
-        from ...prediction.two_fits import two_sessions
-
-        other = two_sessions(loaded, load_session(beside))
-    page = session_page(loaded, fit, compared, advised, other)
+    page = session_page(loaded, fit, compared, advised)
     write_text(out, page)
     if bibtex is not None:
         from ...show.citation import entries

@@ -14,7 +14,6 @@ from ...calibration.session import Event, Session
 from ...calibration.taking.procedure import step_in_words
 from ...prediction.comparison import Comparison
 from ...prediction.next_reading import Advice
-from ...prediction.two_fits import TwoFits
 from ..comparison_figure import PANELS, SIZE, draw_comparison
 from ..plot import draw_friction, figure
 from .floor_figure import draw_pushes
@@ -53,12 +52,8 @@ def session_page(
     fit: FrictionFit,
     compared: Comparison | None,
     advice: Advice | None,
-    other: TwoFits | None = None,
 ) -> str:
-    """Return the whole page; what is None is left out.
-
-    other: its frictions beside those of another session.
-    """
+    """Return the whole page; what is None is left out."""
     setup, drawings = session.setup, []
     notes = [fit.remarks[0], *fit.notes, *session.notes]
     if session.kept and not session.on_floor:
@@ -80,10 +75,6 @@ def session_page(
         what = "speeds predicted and measured"
         drawn = _svg(what, draw_comparison, compared, size=SIZE, **PANELS)
         parts += ["<h2>Speed</h2>", drawn, _table(*compared.table(verbose=False))]
-    if other is not None:
-        head, rows = other.table()
-        said = f'<p class="verdict">{_prose(other.verdict)}</p>'
-        parts += ["<h2>Another session beside it</h2>", said, _table(head, rows)]
     if advice is not None:
         heads, cells = advice.table()
         listed = _table(heads, cells, words=True) if cells else ""
