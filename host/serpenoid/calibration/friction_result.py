@@ -16,6 +16,7 @@ from ..model.ground import Ground
 from ..model.robot import Robot
 from ..model.rows import Result, Row, ranged
 from .fitting.shared import FRICTIONS
+from .fitting.stations import ZERO_SIGMA_RAD
 from .fitting.suspects import Influence
 from .session import NO_BELT, Session, belt_note
 
@@ -434,12 +435,11 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
             "`serpenoid calibrate amend DIR robot.mass_kg=480g` puts its mass in."
         )
     if session.kept and not session.zero.readings and session.setup.kind != "regenerated":
+        sigma_rad = max(session.zero_sigmas_rad(session.kept)) or ZERO_SIGMA_RAD
         notes.append(
-            f"{NO_ZERO}: it is taken as 0, within incline_zero_sigma_deg of session.toml, or 0.1 "
-            "degrees where that is 0. "
-            f"0.1 degrees are {np.radians(0.1) * session.setup.weight_n:.2g} N of ft0. "
-            "Read it both ways round: `serpenoid calibrate add DIR zero incline_deg=0.1 "
-            "reversed_deg=0`."
+            f"{NO_ZERO}: 0 ± {np.degrees(sigma_rad):.2g} degrees are assumed, which is "
+            f"± {sigma_rad * session.setup.weight_n:.2g} N of ft0. Read it both ways round; that "
+            "takes a minute: `serpenoid calibrate add DIR zero incline_deg=0.1 reversed_deg=0`."
         )
     if session.zero_moved_sigmas > SURELY:
         notes.append(

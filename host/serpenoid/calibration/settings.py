@@ -217,7 +217,7 @@ SETTINGS: dict[str, tuple[Setting, ...]] = {
             "incline_zero_sigma_deg",
             "uncertainty.incline_zero_sigma_rad",
             _number(0.0, MAX_INCLINE_DEG),
-            "    # where it is not measured by reversal",
+            "    # assumed of phones; a zero measured by reversal takes its place",
         ),
         Setting("belt_speed_sigma_m_s", "uncertainty.belt_speed_sigma_m_s", _SPEED),
         Setting(
@@ -242,7 +242,7 @@ SETTINGS: dict[str, tuple[Setting, ...]] = {
             "joint_sigma_deg",
             "uncertainty.joint_sigma_rad",
             _number(0.0, math.degrees(0.2)),
-            "           # of each joint about straight, once aligned",
+            "           # of each joint about straight: 0.5 by servos or straightedge, 1.5 by hand",
         ),
         Setting(
             "incline_step_percent",

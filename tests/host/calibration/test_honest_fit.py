@@ -19,7 +19,7 @@ def test_a_zero_that_is_claimed_exact_is_not_believed():
     made = session(setup(7.5), WHOLE_BODY_2005)
     claimed = replace(made.setup.uncertainty, incline_zero_sigma_rad=0.0)
     fit = fit_friction(replace(made, setup=replace(made.setup, uncertainty=claimed)))
-    assert any("or 0.1 degrees where that is 0" in note for note in fit.notes)
+    assert any("0 ± 0.1 degrees are assumed" in note for note in fit.notes)
     assert fit.nuisances["incline_zero_rad"].sigma == pytest.approx(math.radians(0.1), rel=0.03)
 
 

@@ -130,7 +130,7 @@ def test_every_prediction_notes_what_was_not_measured(tmp_path):
         done = serpenoid(f"{typed} --session {folder} --json")
         weight, zero, belt = json.loads(done.stdout)["fit_notes"]
         assert weight.startswith("The robot was not weighed")
-        assert "0.1 degrees are 0.0078 N of ft0" in zero
+        assert "0 ± 0.5 degrees are assumed, which is ± 0.039 N of ft0" in zero
         assert belt.startswith(NO_BELT)
         assert f"note: {zero}" in done.stderr
 

@@ -77,6 +77,11 @@ def question_of(name: str) -> Question:
     default="treadmill",
 )
 @option(
+    "--joints",
+    "What sets the joints: servos, a straightedge, or the hand alone.",
+    choice=["servos", "straightedge", "hand"],
+)
+@option(
     "--wheels-kg",
     "Mass of all wheels together, which a push sets turning.",
     type=quantity_of("wheels_kg"),
@@ -134,7 +139,7 @@ def new(
 
 def _asked(setup: Setup, answers: Given, on: str) -> Given:
     """Ask what is not answered yet; Enter takes what stands in brackets."""
-    from ...calibration.taking.new_session import QUESTIONS, WORDS
+    from ...calibration.taking.new_session import JOINT_SIGMA_RAD, QUESTIONS, WORDS
 
     say("Enter takes what stands in brackets; numbers may be typed with their units.")
     answered = dict(answers)
@@ -143,6 +148,13 @@ def _asked(setup: Setup, answers: Given, on: str) -> Given:
             answered[name] = click.prompt(words, default=getattr(setup, name))
     links = click.IntRange(2, 100)
     answered["links"] = click.prompt("number of links", default=setup.robot.links, type=links)
+    if answered.get("joints") is None:
+        answered["joints"] = click.prompt(
+            "what sets the joints: servos, straightedge, or hand (by eye they are 1.5 deg off)",
+            default="servos",
+            type=click.Choice(list(JOINT_SIGMA_RAD)),
+            show_choices=False,
+        )
     for question in QUESTIONS:
         field = question.field
         if answered.get(field.column) is None and question.on in ("", on):

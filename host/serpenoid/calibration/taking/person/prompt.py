@@ -10,7 +10,7 @@ from ...kinds.declaration import READ, Field, Range, Values, Word
 from ...kinds.rows import cells_of, kind_of
 from ..journal import Journal
 from ..parse_number import parse_number, redone
-from ..procedure import progress, step_in_words
+from ..procedure import ZERO_BEFORE, progress, step_in_words
 from ..steps import Step
 from ..treadmill import Posture
 from .session_robot import SessionRobot
@@ -163,16 +163,12 @@ class Prompt:
         step = self.step
         if not step.key:
             raise BadInput("this is no step of the plan; it cannot be left out")
-        if not self._skip_doubted and (doubt := _skip_doubt(step, enter)):
+        zero_sigma_rad = self.journal.session.setup.uncertainty.incline_zero_sigma_rad
+        if not self._skip_doubted and (doubt := _skip_doubt(step, enter, zero_sigma_rad)):
             self._skip_doubted = True
             return self.say(doubt)
         self.journal.event("skip", self.journal.last, step.key)
         self.say(f"  left out: {step_in_words(step.key)}")
-        if step.kind == "zero":
-            self.say(
-                "  ! without a zero, 0.1 deg that nobody sees is 6 % of the 2005 robot's ft0; the "
-                "fit then counts the error that session.toml states. `undo` brings the step back."
-            )
         if step.key == "straight":
             self.say(
                 "  ! that is all of the straight stations, without which nothing can be fitted. "
@@ -288,8 +284,17 @@ class Prompt:
         return max(kept)
 
 
-def _skip_doubt(step: Step, enter: bool) -> str:
-    """Return what `skip` leaves out where one may mean less; "" where nobody can."""
+def _skip_doubt(step: Step, enter: bool, zero_sigma_rad: float) -> str:
+    """Return what `skip` leaves out where one may mean less, or not know it; "" where nobody can.
+
+    zero_sigma_rad: that is assumed of an inclinometer's zero that nobody measured.
+    """
+    if step.key == ZERO_BEFORE:
+        return (
+            "  ! zeros of phones and cheap inclinometers are 0.3 to 0.5 deg off, and 0.3 deg are "
+            "17 % of the 2005 robot's ft0. Two readings take a minute. skip once more leaves them "
+            f"out: {math.degrees(zero_sigma_rad):.2g} deg are then assumed."
+        )
     if step.kind == "straight" and step.key != "steering":
         what = "pushes" if step.key.startswith("pushes") else "stations"
         return (
