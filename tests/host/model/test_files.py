@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 from refusals import refused
-from serpenoid.model.files import check_file, read_json, read_text
+from serpenoid.base.files import check_file, read_text
+from serpenoid.model.files import read_json
 from serpenoid.model.vectors import number_array
 
 
