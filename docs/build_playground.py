@@ -17,9 +17,9 @@ from scipy.stats import qmc
 from serpenoid._core import SERVO_FIELDS
 from serpenoid.calibration.speeds import AMPLITUDE_SIGMA
 from serpenoid.model.drives import Servo
-from serpenoid.periodic.servo_steady import CANNOT
 from serpenoid.prediction.predict import SAMPLES
 from serpenoid.servos.catalogue import SERVOS
+from serpenoid.servos.speed_limit import MAX_NO_LOAD_SHARE
 
 SEED, REFILLS = 2005, 4  # as a fit's sample_whole; batches beside those that fall below 0
 ROOT = Path(__file__).resolve().parents[1]
@@ -86,7 +86,7 @@ def compile_core(build: Path) -> Path:
 
 def _limits(servo: Servo) -> list[float]:
     """Return the fastest rate of a joint that servos can run, degrees/s, and the stalled torque."""
-    return [float(np.degrees(CANNOT * servo.no_load_rad_s)), servo.stall_torque_nm]
+    return [float(np.degrees(MAX_NO_LOAD_SHARE * servo.no_load_rad_s)), servo.stall_torque_nm]
 
 
 def tables() -> str:

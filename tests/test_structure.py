@@ -16,9 +16,9 @@ CORE = ROOT / "host" / "core"
 ROOMS = [
     "base",
     "model",
+    "servos",
     "periodic",
     "simulation",
-    "servos",
     "gaits",
     "paper",
     "exchange",
@@ -49,7 +49,7 @@ CORE_ROOMS = [
 # Rooms that see less than all that is below them: name -> the modules they may import.
 NARROW = {
     "lab": r"(lab|servos|simulation|model|base)(\..*)?|robot\.wire\..*",
-    "servos": r"(servos|simulation|periodic|model|base)(\..*)?",
+    "servos": r"(servos|model|base)(\..*)?",
     "video": r"(video|model|base)(\..*)?|calibration\.session\w*",
 }
 # Libraries that are slow or optional: name -> the rooms that may import them.

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from .model.robot import Robot
     from .periodic.servo_steady import ServoSteady
     from .periodic.steady import Steady
-    from .periodic.steady_gait import steady_gait
     from .periodic.sweep import Sweep, sweep
     from .prediction.advice import advise
     from .prediction.comparison import Comparison, compare
@@ -39,6 +38,7 @@ if TYPE_CHECKING:
     from .simulation.scene import Scene
     from .simulation.scene_file import load_scene, save_scene
     from .simulation.simulate import simulate
+    from .simulation.steady_gait import steady_gait
     from .simulation.steady_springs import SteadySprings, steady_springs
 
 # Where the rest is, imported at first use: the command line answers --help without NumPy.
@@ -66,7 +66,7 @@ _HOMES = {
     "gaits.robust": ("RobustGait", "robust_gait"),
     "gaits.uncertainty": ("Uncertainty",),
     "periodic.servo_steady": ("ServoSteady",),
-    "periodic.steady_gait": ("steady_gait",),
+    "simulation.steady_gait": ("steady_gait",),
     "periodic.steady": ("Steady",),
     "servos.catalogue": ("servo",),
     "servos.servo_file": ("load_servo", "save_servo"),

@@ -178,9 +178,9 @@ SteadyState Refinement::refine(const Levels& levels, const Acceptance& accepted)
             next.converged = true;
             return next;
         }
-        next.converged = !first_ && accepted(next);
-        if (first_ || accepted.excess(next) < accepted.excess(best)) best = next;
-        if (best.converged) break;
+        next.converged = !first_ && accepted.state(next);
+        if (first_ || accepted.better(next, best)) best = next;
+        if (!first_ && accepted(best)) break;
         if (!first_) before_ = LevelChange(next, coarse_);
         coarse_ = next, first_ = false;
     }

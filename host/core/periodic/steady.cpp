@@ -97,7 +97,7 @@ void SteadyByPieces::from_rest(CycleMap& map, FixedPoint& point, const Acceptanc
         SteadyState anew = Refinement(map, point, options)
                                .refine(levels(map, from * first_tolerance(options.rtol)), accepted);
         if (!settled && anew.slowest > 0) anew.converged = false;
-        if (anew.converged || accepted.excess(anew) < accepted.excess(out)) out = anew;
+        if (anew.converged || accepted.better(anew, out)) out = anew;
         if (anew.converged) break;
     }
 }

@@ -4,6 +4,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <chrono>
 #include <string>
 #include <vector>
 
@@ -16,8 +17,21 @@ using namespace serpenoid;
 namespace {
 
 ServoGaitState servo_gait_of(const Model& m, const Servo& servo, const Vec3& start,
-                             const Mat3& monodromy, double longest, bool rough, double slow) {
-    return servo_gait(m.robot, m.ground, m.gait, servo, start, monodromy, longest, rough, slow);
+                             const Mat3& monodromy, double longest, bool rough, double slow,
+                             const nb::object& progress) {
+    using Clock = std::chrono::steady_clock;
+    constexpr auto kEvery = std::chrono::milliseconds(50);
+    auto last_call = Clock::now();
+    const auto report = [&](double done_cycles, double all_cycles) {
+        if (Clock::now() - last_call < kEvery) return;
+        const nb::gil_scoped_acquire acquire;
+        if (PyErr_CheckSignals() != 0) throw nb::python_error();
+        if (!progress.is_none()) progress(done_cycles, all_cycles);
+        last_call = Clock::now();
+    };
+    const nb::gil_scoped_release release;
+    return servo_gait(m.robot, m.ground, m.gait, servo, start, monodromy, longest, rough, slow,
+                      report);
 }
 
 }  // namespace
@@ -44,5 +58,6 @@ void bind_servos(nb::module_& m) {
         .def_ro("shift", &ServoGaitState::shift)
         .def_ro("converged", &ServoGaitState::converged)
         .def_ro("hunts", &ServoGaitState::hunts);
-    m.def("servo_gait", &servo_gait_of, nb::call_guard<nb::gil_scoped_release>());
+    m.def("servo_gait", &servo_gait_of, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
+          nb::arg(), nb::arg(), nb::arg("progress") = nb::none());
 }

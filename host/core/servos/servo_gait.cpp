@@ -26,6 +26,7 @@ constexpr double kHunts = 0.01;      // of the speed: half its range over the ph
 constexpr int kForgets = 8;          // cycles in which a loop that hunts leaves its start behind
 constexpr int kFollowed = 12;        // cycles whose mean speed is compared with others'
 constexpr double kOneSpeed = 0.25;   // of the speed: half the range that such means may have
+constexpr double kSettles = 5;       // cycles to the fixed point: the mean of 40 random gaits
 
 // A cycle of the servos' steps as a map of the body's state. Its derivative is learned from one
 // cycle to the next (Broyden's update).
@@ -130,7 +131,9 @@ class Mean {
 // The cycles to take from one phase of the frames after another.
 struct Plan {
     int phases, forget, keep;
+    int cycles() const { return phases * (forget + keep); }
 };
+constexpr Plan kFollow{4, kForgets, kFollowed};
 struct Measured {
     Mean cycles, phases;
 };
@@ -157,7 +160,7 @@ void follow(const At& at, double least, ServoGaitState& out) {
     double low = out.speed, high = out.speed, apart = 0;
     for (int split : {1, 2}) {
         const double before = out.speed;
-        const Mean phases = at(split, {4, kForgets, kFollowed});
+        const Mean phases = at(split, kFollow);
         low = std::min(low, phases.low), high = std::max(high, phases.high);
         apart = std::hypot(out.speed - before, phases.high - phases.low);
     }
@@ -172,7 +175,7 @@ void follow(const At& at, double least, ServoGaitState& out) {
 
 ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& gait,
                           const Servo& servo, const Vec3& start, const Mat3& monodromy,
-                          double longest, bool rough, double slow) {
+                          double longest, bool rough, double slow, const ServoProgress& progress) {
     const double least = slow * gait.omega * robot.n * 2 * robot.l;
     const double T = 2 * std::numbers::pi / gait.omega;
     // the loop's spring is explicit in a step: its quickest swing bends the lightest joint alone
@@ -182,12 +185,16 @@ ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& 
     out.speed = NAN;
     if (T > kMostSteps * longest) return out;
     ServoSteps steps(robot, ground, gait, servo, longest);
+    const bool few = T < kMany * servo.frame;
+    const int phases = (few ? 4 : 2) / (rough ? 2 : 1);  // of the frames in the gait
+    const Plan plan{phases, few, 1};
+    double done_cycles = 0, all_cycles = kSettles + plan.cycles() * (rough ? 1 : 3);
+    if (progress)
+        steps.report_steps([&](double share) { progress(done_cycles += share, all_cycles); });
     steps.start(start[0], start[1], start[2]);
     ServoCycle map(steps, robot, gait, monodromy);
     const double left = settle(steps, map, rough ? kRough : kNearFixed, least);
     out.converged = left < HUGE_VAL;
-    const bool few = T < kMany * servo.frame;
-    const int phases = (few ? 4 : 2) / (rough ? 2 : 1);  // of the frames in the gait
     // Steps end at frames and looks of the loop, so a shorter limit alone may change little: each
     // step is cut in two.
     const auto at = [&](int split, const Plan& plan) {
@@ -197,15 +204,17 @@ ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& 
         found.cycles.report(out);
         return found.phases;
     };
-    const Plan plan{phases, few, 1};
     at(1, plan), out.error = NAN;
     if (rough) return out;
-    if (!out.converged || out.spread > kHunts * std::max(out.speed, least))
+    if (!out.converged || out.spread > kHunts * std::max(out.speed, least)) {
+        all_cycles = done_cycles + 3 * kFollow.cycles();
         return follow(at, least, out), out;
+    }
     double by_step = HUGE_VAL;
     for (int split = 2; split <= kFinest; split *= 2) {
         if (std::fabs(by_step) <= kByStep * std::max(out.speed, least)) break;
         const double coarse = out.speed;
+        all_cycles = std::max(all_cycles, done_cycles + split * plan.cycles());
         at(split, plan), by_step = out.speed - coarse;
     }
     const double by_phase = out.spread / std::sqrt(3.0 * phases);

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include "drive/servo.hpp"
@@ -25,11 +26,16 @@ struct ServoGaitState : ServoSteps::Path {
     bool hunts = false;  // no one speed: what it is hangs on the start; a range, speed +- spread
 };
 
+// Called after every step with the work done and the work in all as far as it is known, both in
+// cycles of the longest steps. It may throw to end the work.
+using ServoProgress = std::function<void(double done_cycles, double all_cycles)>;
+
 // `start`: (Vx, Vy, rate) at phase 0 and `monodromy` of ideal joints (periodic_state.hpp). Steps
 // are at most `longest`, s. `rough`: for searches, long steps alone, half the phases, no error.
 // `slow`: of body length times rate; a slower speed is known to a part of this one.
 ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& gait,
                           const Servo& servo, const Vec3& start, const Mat3& monodromy,
-                          double longest, bool rough = false, double slow = kSpeedFloor);
+                          double longest, bool rough = false, double slow = kSpeedFloor,
+                          const ServoProgress& progress = {});
 
 }  // namespace serpenoid

@@ -141,7 +141,10 @@ void ServoSteps::cycle() {
         const double whole = std::ceil((stop - t_) / longest_ - 1e-6);
         const int parts = split_ * std::max(1, static_cast<int>(whole));
         const double h = (stop - t_) / parts;
-        for (int p = 0; p < parts; ++p) step(h);
+        for (int p = 0; p < parts; ++p) {
+            step(h);
+            if (after_step_) after_step_(h * split_ / period_);
+        }
         t_ = stop;
     }
     frame_ -= period_, update_ -= period_;

@@ -11,6 +11,8 @@
 // at which a straight line passes 0: the step is of order 2 there, too.
 #pragma once
 
+#include <functional>
+#include <utility>
 #include <vector>
 
 #include "drive/servo.hpp"
@@ -34,6 +36,11 @@ class ServoSteps {
     void cycle();
     // Take steps of at most `longest`, each cut into so many equal ones.
     void take_steps(double longest, int split) { longest_ = longest, split_ = split; }
+    // Call `after_step(share)` after every step: the share of a cycle of the longest steps that the
+    // work of this one is. It may throw to end the work.
+    void report_steps(std::function<void(double)> after_step) {
+        after_step_ = std::move(after_step);
+    }
 
     // The body's state, as start() takes it, but for the momentum L in place of the rate.
     void body(double* v) const;
@@ -91,6 +98,7 @@ class ServoSteps {
     Servo servo_;
     double longest_;
     int split_ = 1;
+    std::function<void(double)> after_step_{};
     int n_;
     bool play_;
     int size_;

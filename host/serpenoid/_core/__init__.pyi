@@ -191,7 +191,7 @@ def servo_gait(
     arg4: float,
     arg5: bool,
     arg6: float,
-    /,
+    progress: object | None = None,
 ) -> ServoGaitState: ...
 
 class Formulation(enum.Enum):

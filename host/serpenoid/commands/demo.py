@@ -11,6 +11,8 @@ import serpenoid as sn
 
 from .. import _core
 from ..prediction.predict import as_json, one_cycle, predict_all
+from ..servos.catalogue import HOBBY
+from ..servos.speed_limit import too_fast_text
 from ..show import plot
 from ..show.screen import progress
 from .demo_loop import measure_demo_film, push_along_floor, run_loop, say, step
@@ -64,7 +66,7 @@ def run_demo(out: Path, own: sn.FrictionFit | None = None) -> None:
         8,
         f"The robot of 2005: at {fastest.frequency_hz:g} Hz about {fastest.servo_m_s:#.2g} m/s "
         f"with typical servos ({fastest.low_m_s:#.2g} to {fastest.high_m_s:#.2g}).",
-        f"Beyond {fastest.managed_hz:.2g} Hz most hobby servos cannot run this gait.",
+        too_fast_text(GAITS[-1], HOBBY, f"Its gait at {points[-1].frequency_hz:g} Hz"),
         "The paper's data points are lost: the readings come from its two printed lines, the "
         f"intervals from assumed instruments. Friction across is known to "
         f"{100 * cn.sigma / cn.value:.0f} % only.",

@@ -204,7 +204,7 @@ def _drive_wanted(
     with working("the lab's robot crawls"):
         crawls = crawl_speed(truth.robot(session.setup.robot, np.random.default_rng(SEED)), driven)
     alpha, beta = math.degrees(driven.alpha_rad), math.degrees(driven.beta_rad)
-    with_servos = band.cannot_run or (
+    with_servos = band.too_fast or (
         f"With typical servos about {band.speed_m_s:#.2g} m/s ({band.low_m_s:#.2g} to "
         f"{band.high_m_s:#.2g})."
     )

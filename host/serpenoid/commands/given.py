@@ -88,6 +88,11 @@ def servo_as_filmed(kind: sn.ServoKind | None, fit: sn.FrictionFit | None) -> sn
     return filmed
 
 
+def is_of_fit(fit: sn.FrictionFit | None, robot: sn.Robot, ground: sn.Ground) -> bool:
+    """Return whether robot and ground are a fit's own, without an option that changes them."""
+    return fit is not None and (robot, ground) == (fit.robot, fit.ground)
+
+
 def predicted_band(
     fit: sn.FrictionFit | None,
     robot: sn.Robot,
@@ -100,7 +105,7 @@ def predicted_band(
 
     commanded: as for `speed_band`.
     """
-    if fit is None or (robot, ground) != (fit.robot, fit.ground):
+    if fit is None or not is_of_fit(fit, robot, ground):
         return None
     from ..prediction.speed_samples import speed_band
 

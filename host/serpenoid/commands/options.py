@@ -260,7 +260,11 @@ def interruptible(work: Callable[[], T]) -> T:
     """Return work(), run in a thread: Python hears Ctrl-C only while it is not in the core."""
     from concurrent.futures import Future
 
+    from ..model.long_calls import stoppable
+
     done: Future[T] = Future()
+    stop = threading.Event()
+    work = stoppable(work, stop)
 
     def run() -> None:
         try:
@@ -269,7 +273,10 @@ def interruptible(work: Callable[[], T]) -> T:
             done.set_exception(error)
 
     threading.Thread(target=run, daemon=True).start()
-    return done.result()
+    try:
+        return done.result()
+    finally:
+        stop.set()
 
 
 def describe(gait: sn.Gait) -> Given:
@@ -337,9 +344,11 @@ def options_of(command: click.Command) -> dict[str, str]:
     return {p.name: p.opts[0] for p in command.params if isinstance(p, click.Option) and p.name}
 
 
-def warn_of_another_motion(state: sn.Steady) -> None:
-    """Warn where the robot, from rest, ends in another motion than the reported one."""
-    from ..simulation.from_rest import elsewhere
+def warn_of_two_motions(state: sn.Steady) -> sn.Steady:
+    """Return the state with where a start from rest leads; warn where there are two motions."""
+    from ..simulation.from_rest import from_rest, two_motions_text
 
-    if other := interruptible(lambda: elsewhere(state)):
-        warnings.warn(other, stacklevel=2)
+    state = replace(state, from_rest=interruptible(lambda: from_rest(state)))
+    if text := two_motions_text(state):
+        warnings.warn(text, stacklevel=2)
+    return state

@@ -46,7 +46,7 @@ class Margins(Result):
     --------
     >>> robot = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
     >>> ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
-    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=5.0)
+    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=4.0)
     >>> margins = sn.gait_margins(robot, ground, gait)
     >>> round(margins.amplitude, 2), round(margins.amplitude_loss, 2)
     (0.15, 0.04)
@@ -164,7 +164,7 @@ def gait_margins(robot: Robot, ground: Ground, gait: Gait) -> Margins:
     --------
     >>> robot = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
     >>> ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
-    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=5.0)
+    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=4.0)
     >>> margins = sn.gait_margins(robot, ground, gait)
     >>> bool(margins.amplitude > 0)
     True

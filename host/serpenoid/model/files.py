@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NoReturn
 
-from ..base.errors import BadInput
+from ..base.errors import BadInput, SerpenoidError
 from ..base.files import MOST_BYTES, read_text
 
 MOST_VALUES = 2_000_000  # numbers, texts, lists and objects of a JSON file: some 150 MB in memory
@@ -74,6 +74,16 @@ def write_text(path: Path, text: str) -> None:
     """Write a UTF-8 file whole, with line ends as LF. Raises OSError."""
     with whole_file(path) as part:
         part.write_text(text, encoding="utf-8", newline="")
+
+
+def write_named(path: str | Path, text: str) -> None:
+    """Write a text file that a caller named, whole or not at all. Raises SerpenoidError."""
+    try:
+        write_text(Path(path), text)
+    except OSError as error:
+        raise SerpenoidError(
+            f"{path}: cannot be written: {error.strerror or error}; choose another place"
+        ) from error
 
 
 def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:

@@ -51,7 +51,7 @@ class Gait:
 
     Examples
     --------
-    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=5.0)
+    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=4.0)
     >>> round(gait.period_s, 4)
     1.2566
     """
@@ -98,6 +98,12 @@ def gait_words(gait: Gait) -> str:
     alpha, beta, offset = map(math.degrees, (gait.alpha_rad, gait.beta_rad, gait.offset_rad))
     bend = f", bend {offset:.5g}°" if offset else ""
     return f"{alpha:.5g}°/{beta:.5g}°, {gait.omega_rad_s:.5g} rad/s{bend}"
+
+
+def gait_name(gait: Gait) -> str:
+    """Return amplitude, lag and frequency, e.g. '70°/75°, 0.5 Hz'."""
+    alpha, beta = math.degrees(gait.alpha_rad), math.degrees(gait.beta_rad)
+    return f"{alpha:.3g}°/{beta:.3g}°, {gait.omega_rad_s / math.tau:.3g} Hz"
 
 
 class JointMotion(NamedTuple):

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import threading
 import time
 from collections.abc import Callable, Iterable
-from typing import TypeVar
+from contextvars import ContextVar
+from typing import Any, TypeVar
 
 from .checks import check_whole
 from .errors import NotConverged
@@ -14,6 +16,25 @@ LIMIT_S = 20.0  # of calls whose cost is not known before
 Progress = Callable[[int], object]
 Item = TypeVar("Item")
 Value = TypeVar("Value")
+_stops: ContextVar[tuple[threading.Event, ...]] = ContextVar("_stops", default=())
+
+
+def stoppable(work: Callable[..., Value], stop: threading.Event) -> Callable[..., Value]:
+    """Return the work for another thread, in which `keep_running` raises once `stop` is set."""
+    stops = (*_stops.get(), stop)
+
+    def run(*items: Any) -> Value:
+        _stops.set(stops)
+        keep_running()
+        return work(*items)
+
+    return run
+
+
+def keep_running() -> None:
+    """Raise KeyboardInterrupt in a thread whose result nobody waits for any more."""
+    if any(stop.is_set() for stop in _stops.get()):
+        raise KeyboardInterrupt
 
 
 def threads_to_use(threads: int | None = None) -> int:
@@ -31,15 +52,22 @@ def in_threads(
     progress: Progress | None = None,
     threads: int | None = None,
 ) -> list[Value]:
-    """Return what each item gives. progress: called with 1 after each; may raise to stop."""
+    """Return what each item gives. progress: called with 1 after each; may raise to stop.
+
+    An exception, Ctrl-C too, ends the work in hand where that calls `keep_running`.
+    """
     from concurrent.futures import ThreadPoolExecutor  # slow to import
 
-    values = []
+    values, stop = [], threading.Event()
     with ThreadPoolExecutor(threads_to_use(threads)) as pool:
-        for value in pool.map(work, items):
-            values.append(value)
-            if progress is not None:
-                progress(1)
+        try:
+            for value in pool.map(stoppable(work, stop), items):
+                values.append(value)
+                if progress is not None:
+                    progress(1)
+        except BaseException:
+            stop.set()
+            raise
     return values
 
 

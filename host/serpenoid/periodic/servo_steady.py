@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import time
+import warnings
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -15,15 +17,24 @@ from ..model.core_model import core_model
 from ..model.drives import Servo, ServoKind, core_servo
 from ..model.errors import NotConverged
 from ..model.gait import Gait
-from ..model.long_calls import in_threads
+from ..model.long_calls import in_threads, keep_running, threads_to_use
 from ..model.rows import Result, Row, detail, two_digits
 from ..model.vectors import Array
+from ..servos.speed_limit import (
+    highest_hz,
+    is_too_fast,
+    joint_rate_rad_s,
+    no_load_rad_s,
+    too_fast_text,
+)
 from .steady import Steady, relative_error, steady_gait
 
 DRAWS = 512
-CANNOT = 0.9  # of the free speed: what most servos cannot follow, and no band is given for
-_LEAST_AMPLITUDE = 0.2  # of the gait's: below it the typical servo is too weak for the robot
+LEAST_AMPLITUDE = 0.2  # of the gait's: below it the typical servo is too weak for the robot
 _STEP_S, _LONG_STEP_S, _ROUGH_STEP_S, _LONG_PERIOD_S = 1e-3, 2e-3, 4e-3, 2.0
+SLOW_S = 10.0  # work that takes longer is announced
+_DRAW_SHARE = 0.4  # of the typical servo's time: what a draw takes, few of them solved finely
+MEASURED_S = 0.2  # of a state's work: by it the rest is estimated
 _LEVEL = 0.95
 _LEAST_TAIL = 1e-6  # of few draws: then the outermost one is the end
 _INSIDE = 4  # draws of a band solved finely between two at either end
@@ -46,35 +57,6 @@ def band(drawn: Array | Sequence[float]) -> tuple[float, float]:
     weight = np.diff(betainc((n + 1) * tail, (n + 1) * (1 - tail), np.arange(n + 1) / n))
     ordered = np.sort(np.ravel(drawn))
     return float(weight @ ordered), float(weight[::-1] @ ordered)
-
-
-def asked_rad_s(gait: Gait) -> float:
-    """Return the fastest rate that a gait asks of a joint, rad/s."""
-    return gait.alpha_rad * gait.omega_rad_s * max(gait.joint_gain or (1.0,))
-
-
-def managed_hz(gait: Gait, free_rad_s: float) -> float:
-    """Return the highest frequency at which servos of a free speed follow a gait of this shape."""
-    asked = asked_rad_s(gait)
-    return CANNOT * free_rad_s / asked * gait.omega_rad_s / math.tau if asked else math.inf
-
-
-def free_rad_s(servo: Servo | ServoKind) -> float:
-    """Return how fast a servo, or the typical one of a kind, turns without load, rad/s."""
-    servos = (servo,) if isinstance(servo, Servo) else servo.drawn or (servo.servo,)
-    return float(np.median([one.no_load_rad_s for one in servos]))
-
-
-def cannot_run(gait: Gait, servo: Servo | ServoKind | None, named: str = "this gait") -> str:
-    """Return in words that most servos of a kind cannot run a gait, else ""; named: the gait."""
-    if servo is None or asked_rad_s(gait) <= CANNOT * free_rad_s(servo):
-        return ""
-    kind, free = servo.name if isinstance(servo, ServoKind) else "such", free_rad_s(servo)
-    return (
-        f"Most {kind} servos cannot run {named}: it asks {asked_rad_s(gait):.2g} rad/s, more than "
-        f"{100 * CANNOT:.0f} % of their {free:.2g}; they manage {managed_hz(gait, free):.2g} Hz. "
-        "So it has no band."
-    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,15 +83,15 @@ class ServoSteady(Result):
     turn_rad_per_cycle
         Change of heading in a period, rad.
     samples_m_s
-        Speeds of servos drawn from the kind, m/s; () for a servo that is exact. low_m_s and
-        high_m_s are their 95 % interval, or the spread of an exact one. Most servos cannot run the
-        gait, and the band means little, unless `follows`.
+        Speeds of servos drawn from the kind, m/s; () for a servo that is exact, and where the gait
+        is too fast. low_m_s and high_m_s are their 95 % interval, or the spread of an exact one.
+        Both are NaN for a kind in doubt without samples.
 
     Examples
     --------
     >>> robot = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
     >>> ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
-    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=5.0)
+    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=4.0)
     >>> s = sn.steady_gait(robot, ground, gait, servo=sn.Servo())
     >>> s.speed_m_s < s.ideal.speed_m_s
     True
@@ -143,50 +125,46 @@ class ServoSteady(Result):
         return self._ends[1]
 
     @property
-    def asked_rad_s(self) -> float:
-        """Return the fastest rate that the gait asks of a joint, rad/s."""
-        return asked_rad_s(self.ideal.gait)
+    def joint_rate_rad_s(self) -> float:
+        """Return the fastest rate at which the gait turns a joint, rad/s."""
+        return joint_rate_rad_s(self.ideal.gait)
 
     @property
-    def free_rad_s(self) -> float:
-        """Return how fast the typical servo turns without load, rad/s."""
-        return free_rad_s(self.servo)
+    def no_load_rad_s(self) -> float:
+        """Return the no-load speed of the typical servo, rad/s."""
+        return no_load_rad_s(self.servo)
 
     @property
-    def asked_over_free_speed(self) -> float:
-        """Return the fastest rate that the gait asks of a joint over the servo's free speed."""
-        return self.asked_rad_s / self.free_rad_s
+    def joint_rate_over_no_load(self) -> float:
+        """Return the fastest joint rate over the typical servo's no-load speed."""
+        return self.joint_rate_rad_s / self.no_load_rad_s
 
     @property
     def follows(self) -> bool:
-        """Tell whether the typical servo has the speed for the gait, and moves the robot."""
-        return self.moves and not cannot_run(self.ideal.gait, self.servo)
+        """Return whether the gait is not too fast for the typical servo, which moves the robot."""
+        return self.moves and not is_too_fast(self.ideal.gait, self.servo)
 
     @property
     def moves(self) -> bool:
-        """Tell whether the typical servo reaches a fifth of the gait's amplitude."""
-        return self.amplitude_ratio >= _LEAST_AMPLITUDE
+        """Return whether the typical servo reaches a fifth of the gait's amplitude."""
+        return self.amplitude_ratio >= LEAST_AMPLITUDE
 
     @property
-    def managed_hz(self) -> float:
-        """Return the highest frequency, Hz, at which the typical servo follows such a gait."""
-        return managed_hz(self.ideal.gait, self.free_rad_s)
-
-    @property
-    def slower_servos(self) -> float:
-        """Return the share of such servos whose free speed is less than the gait asks."""
-        kind = self.servo
-        servos = kind.draws(DRAWS) if isinstance(kind, ServoKind) else [kind]
-        return float(np.mean([one.no_load_rad_s < self.asked_rad_s for one in servos]))
+    def highest_hz(self) -> float:
+        """Return the frequency, Hz, up to which such a gait is not too fast."""
+        return highest_hz(self.ideal.gait, self.servo)
 
     @property
     def _ends(self) -> tuple[float, float]:
+        in_doubt = isinstance(self.servo, ServoKind) and not self.servo.exact
+        if not self.follows or (in_doubt and not self.samples_m_s):
+            return math.nan, math.nan
         if self.samples_m_s:
             return band(self.samples_m_s)
         return max(self.speed_m_s - self.spread_m_s, 0.0), self.speed_m_s + self.spread_m_s
 
     def in_words(self) -> str:
-        """Return what a builder may expect: a speed with its band, or that servos cannot run it."""
+        """Return what a builder may expect: a speed with its band, or why it has none."""
         if not self.ideal.gait.alpha_rad:
             return "Joints that do not swing (alpha is 0) move no robot."
         if not self.moves:
@@ -194,23 +172,21 @@ class ServoSteady(Result):
                 f"Typical {self.name} servos cannot move this robot: its joints reach "
                 f"{self.amplitude_ratio:.0%} of the gait's amplitude. So it has no band."
             )
-        if words := cannot_run(self.ideal.gait, self.servo):
-            return words
+        if too_fast := too_fast_text(self.ideal.gait, self.servo):
+            return too_fast
         speed, low, high = map(two_digits, (self.speed_m_s, self.low_m_s, self.high_m_s))
         ideal = two_digits(self.ideal.speed_m_s)
         return f"About {speed} m/s with typical servos ({low} to {high}); ideal joints {ideal}."
 
     def rows(self) -> list[Row]:
         """Return speed with its band, what becomes of the joints, voltage, source and error."""
-        low, high = (self.low_m_s, self.high_m_s) if self.follows else (math.nan, math.nan)
-        asked, slower = 100 * self.asked_over_free_speed, 100 * self.slower_servos
+        share = 100 * self.joint_rate_over_no_load
         rows = [
             Row("servos", "", words=self.name),
-            Row("speed, typical servo", "m/s", self.speed_m_s, low, high),
+            *([] if self.follows and math.isnan(self.low_m_s) else [self._speed_row()]),
             Row("amplitude that joints reach", "%", 100 * self.amplitude_ratio),
             Row("lag of the joints", "deg", math.degrees(self.lag_rad)),
-            Row("fastest rate asked, of the free speed", "%", asked),
-            Row("such servos that are slower", "%", slower, detail=slower < 1),
+            Row("fastest joint rate, of the no-load speed", "%", share),
             detail("error of the speed, relative", "", self.error_estimate),
         ]
         if isinstance(self.servo, ServoKind):
@@ -218,8 +194,12 @@ class ServoSteady(Result):
             return [*rows, volts, detail("source", "", words=self.servo.source)]
         return rows
 
+    def _speed_row(self) -> Row:
+        """Return the speed with its interval. Without samples a fit's own band stands elsewhere."""
+        return Row("speed, typical servo", "m/s", self.speed_m_s, self.low_m_s, self.high_m_s)
+
     def to_dict(self) -> dict[str, Any]:
-        """Return the figures as plain numbers, for JSON; no band where servos cannot follow."""
+        """Return the figures as plain numbers, for JSON; None for what is not known."""
         names = (
             "speed_m_s",
             "low_m_s",
@@ -231,13 +211,40 @@ class ServoSteady(Result):
             "ripple_rad_s",
             "power_w",
             "turn_rad_per_cycle",
-            "asked_over_free_speed",
-            "slower_servos",
+            "joint_rate_over_no_load",
             "follows",
-            "managed_hz",
+            "highest_hz",
         )
         values = {"name": self.name} | {name: getattr(self, name) for name in names}
-        return values if self.follows else values | {"low_m_s": None, "high_m_s": None}
+        known = not math.isnan(self.low_m_s)
+        return values if known else values | {"low_m_s": None, "high_m_s": None}
+
+
+class _SlowWork:
+    """Hear Ctrl-C while a state is solved, and announce work that will take more than SLOW_S.
+
+    The core calls it with the cycles done and those in all, as far as they are known.
+    """
+
+    def __init__(self, links: int, progress: Callable[[float], object] | None) -> None:
+        self._links, self._progress = links, progress
+        self._begin_s, self._announced_cycles = time.monotonic(), 0.0
+
+    def __call__(self, done_cycles: float, all_cycles: float) -> None:
+        keep_running()
+        spent_s = time.monotonic() - self._begin_s
+        if spent_s > MEASURED_S and all_cycles > 1.5 * self._announced_cycles:
+            announce(f"servos on {self._links} links", spent_s * (all_cycles / done_cycles - 1))
+            self._announced_cycles = all_cycles
+        if self._progress is not None:
+            self._progress(min(done_cycles / all_cycles, 1.0))
+
+
+def announce(work: str, seconds: float) -> None:
+    """Warn of work that will take more than SLOW_S, before it begins."""
+    if seconds > SLOW_S:
+        takes = f"{seconds:.0f} s" if seconds < 100 else f"{seconds / 60:.0f} minutes"
+        warnings.warn(f"{work}: this takes some {takes}; Ctrl-C stops it", stacklevel=2)
 
 
 def servo_state(
@@ -245,18 +252,29 @@ def servo_state(
     servo: Servo,
     rough: bool = False,
     slow: float = _core.SPEED_FLOOR,
+    progress: Callable[[float, float], None] | None = None,
 ) -> Any:
     """Return the core's answer for one servo: speed, spread, error, amplitude, lag, ...
 
     rough: 1 or 2 % off in a quarter of the time, without an error; for searches. slow: of body
-    length times rate; a slower speed is known to a part of this one.
+    length times rate; a slower speed is known to a part of this one. progress: called with the
+    cycles done and those in all; may raise to stop.
     """
     long = ideal.gait.period_s > _LONG_PERIOD_S
     step = _ROUGH_STEP_S if rough else _LONG_STEP_S if long else _STEP_S
     step = min(step, servo.frame_s / 4)
     model = core_model(ideal.robot, ideal.ground, ideal.gait)
     start, monodromy = tuple(ideal.body_velocity), tuple(ideal.monodromy.ravel())
-    return _core.servo_gait(model, core_servo(servo), start, monodromy, step, rough, slow)
+    return _core.servo_gait(
+        model,
+        core_servo(servo),
+        start,
+        monodromy,
+        step,
+        rough,
+        slow,
+        progress or (lambda _done, _all: keep_running()),
+    )
 
 
 def servo_speed(ideal: Steady, servo: Servo, rough: bool = False) -> float:
@@ -307,12 +325,13 @@ def drawn_servo_speeds(
     threads: int | None = None,
     value: Callable[[Steady, Servo, bool], float] | None = None,
     ends_only: bool = False,
+    progress: Callable[[float], object] | None = None,
 ) -> Array:
     """Return the speed of each draw with its servo, m/s, by rough states held to fine ones.
 
     ideal: the draws with ideal joints. value: what is wanted in place of the speed, which is known
     to a part of _SLOW where it is less. ends_only: the ends of a band are wanted, so that the
-    middle three quarters may stay rough.
+    middle three quarters may stay rough. progress: called with the share of the rough states done.
     A rough state costs a quarter of a fine one or less and is mostly 1 % off.
     The draws at both ends, which make the ends of a band, and some between are solved finely. The
     median ratio there puts the others right. Where one would then still be off by more than
@@ -324,9 +343,16 @@ def drawn_servo_speeds(
             return value(ideal[k], servos[k], rough)
         return servo_state(ideal[k], servos[k], rough, slow=_SLOW).speed
 
+    done = 0
+
+    def tell(count: int) -> None:
+        nonlocal done
+        done += count
+        if progress is not None:
+            progress(min(done / len(servos), 1.0))
+
     def solved(which: Sequence[int], rough: bool) -> Array:
-        work = in_threads(lambda k: drawn(k, rough), which, threads=threads)
-        return np.array(work)
+        return np.array(in_threads(lambda k: drawn(k, rough), which, tell, threads))
 
     every = range(len(servos))
     if len(servos) <= _FEW:
@@ -347,16 +373,24 @@ def drawn_servo_speeds(
     return values
 
 
-def with_servo(ideal: Steady, servo: Servo | ServoKind, draws: int = DRAWS) -> ServoSteady:
+def with_servo(
+    ideal: Steady,
+    servo: Servo | ServoKind,
+    draws: int = DRAWS,
+    progress: Callable[[float], object] | None = None,
+) -> ServoSteady:
     """Return the speed that servos leave of a gait's; draws: so many of an uncertain kind.
 
     Servos make the joints lag and their rates ripple at the frames' rate; on dry ground the ripple
     loosens wheels which should hold. Time steps with impulses for all that is dry, and a secant
-    method to the fixed point of the cycle. Raises BadInput, and NotConverged with the best found.
+    method to the fixed point of the cycle. progress: called with the share of the typical servo's
+    state that is done, and of the draws. Warns of work that will take more than SLOW_S. Raises
+    BadInput, and NotConverged with the best found.
     """
     check_kind("servo", servo, (Servo, ServoKind))
     typical = servo.servo if isinstance(servo, ServoKind) else servo
-    s = servo_state(ideal, typical)
+    begin_s = time.monotonic()
+    s = servo_state(ideal, typical, progress=_SlowWork(ideal.robot.links, progress))
     if math.isnan(s.speed):
         raise NotConverged(
             f"a servo of stiffness {typical.stiffness_nm_rad:g} N m/rad on links of inertia "
@@ -382,7 +416,13 @@ def with_servo(ideal: Steady, servo: Servo | ServoKind, draws: int = DRAWS) -> S
             "drive 'servo'",
             best=driven,
         )
-    if not isinstance(servo, ServoKind) or servo.exact or draws == 0 or not driven.moves:
+    if not isinstance(servo, ServoKind) or servo.exact or draws == 0 or not driven.follows:
         return driven
-    speeds = drawn_servo_speeds([ideal] * draws, servo.draws(draws), ends_only=True)
+    announce(
+        f"{draws} servos on {ideal.robot.links} links",
+        draws * _DRAW_SHARE * (time.monotonic() - begin_s) / threads_to_use(),
+    )
+    speeds = drawn_servo_speeds(
+        [ideal] * draws, servo.draws(draws), ends_only=True, progress=progress
+    )
     return replace(driven, samples_m_s=tuple(speeds.tolist()))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,6 +21,29 @@ from ..model.vectors import Array
 
 if TYPE_CHECKING:
     from .sensitivities import Sensitivities
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """Hold what a stable motion does in a cycle: it turns, rad, and goes on, m over the period."""
+
+    turn_rad_per_cycle: float
+    chord_m_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class FromRest:
+    """Hold whether a start from rest ends in the reported state, and another stable motion."""
+
+    reaches_reported: bool
+    other: Motion | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values, for JSON; other is None where no other motion was found."""
+        return asdict(self)
+
+
+POWER_DOUBT = 1e-4  # share of positive power: a smaller error needs no words
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +79,9 @@ class Steady(Result):
         relative.
     sensitivities
         Derivatives by gait, friction and robot, where they were asked for.
+    from_rest
+        Whether a start from rest ends in this state (`reaches_reported`), and the `other` stable
+        motion if the gait has two; None where that was not asked for, or not known.
 
     Notes
     -----
@@ -69,13 +95,14 @@ class Steady(Result):
 
     If a wheel's speed comes so near to nothing that its stick or slip state is ambiguous, its dry
     friction is uncertain, and so are the joint torques, though hardly the speed or net power.
-    positive_power_error_w covers both cases.
+    positive_power_error_w covers both cases. It may be far larger than what was asked for:
+    `power_doubt_text` then says so.
 
     Examples
     --------
     >>> robot = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
     >>> ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
-    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=5.0)
+    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=4.0)
     >>> s = sn.steady_gait(robot, ground, gait)
     >>> bool(s.error_estimate < 1e-5), bool(s.positive_power_w > s.power_w)
     (True, True)
@@ -100,6 +127,7 @@ class Steady(Result):
     _body_velocity: tuple[float, ...] = field(repr=False)
     _monodromy: tuple[float, ...] = field(repr=False)
     sensitivities: Sensitivities | None = field(default=None, repr=False, compare=False)
+    from_rest: FromRest | None = field(default=None, repr=False, compare=False)
 
     @property
     def body_velocity(self) -> Array:
@@ -149,6 +177,17 @@ class Steady(Result):
     def stable(self) -> bool:
         """Tell whether small disturbances die out."""
         return math.isfinite(self.settling_time_s)
+
+    def power_doubt_text(self, rtol: float = 1e-6) -> str:
+        """Return which power is not known to the accuracy asked for, and to how much; or ""."""
+        share = self.positive_power_error_w / max(self.positive_power_w, 1e-300)
+        if share <= max(10 * rtol, POWER_DOUBT):
+            return ""
+        return (
+            f"the power without regeneration, {self.positive_power_w:.3g} W, is known to "
+            f"{100 * share:.2g} % only, and so is that of each joint's absolute value; speed and "
+            "net power are known as asked"
+        )
 
     def in_words(self) -> str:
         """Return the speed as a builder asks for it."""
@@ -205,6 +244,8 @@ class Steady(Result):
         }
         if self.sensitivities is not None:
             values["sensitivities"] = self.sensitivities.to_dict()
+        if self.from_rest is not None:
+            values["from_rest"] = self.from_rest.to_dict()
         return values
 
 
@@ -243,10 +284,11 @@ def steady_gait(
     """Solve for the periodic state of a gait under imposed joint angles, explicit model.
 
     Newton's method on the period map, with half a period where mirror symmetry allows it; dry
-    ground as the set-valued law with exact sticking. rtol: wanted
-    relative accuracy of speed and powers, 0.1 to 1e-12 (dry ground: to 1e-7, powers to 10 rtol).
-    powers=False leaves abs_power_w and positive_power_w out (0) and is faster. Raises BadInput, and
-    NotConverged whose `best` is the best Steady found, with the error that it has.
+    ground as the set-valued law with exact sticking. rtol: wanted relative accuracy of speed and
+    net power, 0.1 to 1e-12 (dry ground: to 1e-7, net power to 10 rtol). The other powers have their
+    own stated errors, which never refuse a state. powers=False leaves them out (0) and is faster.
+    Raises BadInput, and NotConverged whose `best` is the best Steady found, with the error that it
+    has.
     """
     check_parts(robot, ground, gait)
     check_ground(ground, rtol)
@@ -301,17 +343,16 @@ def from_core(robot: Robot, ground: Ground, gait: Gait, s: _core.SteadyState) ->
 
 def _not_found(best: Steady, rtol: float) -> str:
     """Return why a state is no answer, and what to do."""
-    case, follow = f"{best.gait} on {best.ground}", "follow the motion in time with simulate"
+    gait, follow = gait_words(best.gait), "follow the motion in time with simulate"
     if math.isinf(best.error_estimate):
-        return f"no periodic state found for {case}, nor anything near one; {follow}"
-    watts = max(best.positive_power_error_w, best.power_error_w)
-    else_ = f", its powers one of {watts:.1g} W"
+        return f"no periodic state found for {gait}, nor anything near one; {follow}"
+    also = f", its net power one of {best.power_error_w:.1g} W"
     if best.error_estimate > rtol:
-        else_ = ""
+        also = ""
     elif not best.stable:
-        else_ = ", but disturbances of it grow: no motion stays there"
+        also = ", but disturbances of it grow: no motion stays there"
     return (
-        f"no periodic state found to rtol {rtol:g} for {case}: the best has a speed of "
-        f"{best.speed_m_s:.6g} m/s with an error of {best.error_estimate:.1g} of itself{else_} (it "
-        f"is this exception's `best`); ask for a larger rtol, or {follow}"
+        f"no periodic state found to rtol {rtol:g} for {gait}: the best has a speed of "
+        f"{best.speed_m_s:.6g} m/s with an error of {best.error_estimate:.1g} of itself{also}; "
+        f"ask for a larger rtol, or {follow}"
     )

@@ -19,9 +19,10 @@ from ..model.long_calls import Progress, in_threads, threads_to_use
 from ..model.robot import Robot
 from ..model.rows import Result, two_digits
 from ..model.vectors import Array
+from ..servos.speed_limit import is_too_fast
 from .cluster import solve_on_cluster
 from .grid import AXES, Grid, Stretch, stretches
-from .servo_steady import band, drawn_servo_speeds, servo_state
+from .servo_steady import LEAST_AMPLITUDE, band, drawn_servo_speeds, servo_state
 from .steady import steady_gait
 
 _RTOL, _DRAWS = 1e-3, 64  # of gaits with servos: a grid has many
@@ -50,7 +51,8 @@ class Sweep(Result):
         Whether the wanted accuracy was reached; where not, the best value is given with its error.
     servo_speed_m_s, servo_low_m_s, servo_high_m_s
         Speed with the (typical) servo and the 95 % band of servos drawn from the kind, m/s. NaN
-        where the motion does not settle; None without a servo. All others are of ideal joints.
+        where the motion does not settle; the band also where the gait is too fast for the servo, or
+        the robot too heavy. None without a servo. All others are of ideal joints.
 
     Examples
     --------
@@ -186,8 +188,7 @@ def _with_servo(
 ) -> list[Array]:
     """Return speed of the typical servo, and ends of the band of drawn ones, m/s.
 
-    NaN where the motion with servos does not settle. An exact servo's band is its spread over the
-    frames' phase.
+    NaN as in Sweep. An exact servo's band is its spread over the frames' phase.
     """
     (robot,), (ground,) = grid.robots, grid.grounds
     alone = isinstance(servo, Servo)
@@ -196,11 +197,14 @@ def _with_servo(
 
     def of(shape: tuple[float, float, float]) -> tuple[float, float, float]:
         try:
-            ideal = steady_gait(robot, ground, Gait(*shape), rtol=_RTOL, powers=False)
+            gait = Gait(*shape)
+            ideal = steady_gait(robot, ground, gait, rtol=_RTOL, powers=False)
         except NotConverged:
             return np.nan, np.nan, np.nan
         state = servo_state(ideal, typical)
         speed = state.speed if state.converged else np.nan
+        if state.amplitude < LEAST_AMPLITUDE or is_too_fast(gait, servo):
+            return speed, np.nan, np.nan
         if not drawn:
             return speed, max(speed - state.spread, 0.0), speed + state.spread
         return speed, *band(drawn_servo_speeds([ideal] * _DRAWS, drawn, threads=1, ends_only=True))

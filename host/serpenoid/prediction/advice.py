@@ -23,8 +23,9 @@ from ..calibration.speeds import Progress
 from ..model.checks import check_kind
 from ..model.drives import ServoKind
 from ..model.errors import BadInput
-from ..model.gait import Gait
+from ..model.gait import Gait, gait_name
 from ..servos.catalogue import HOBBY
+from ..servos.speed_limit import too_fast_text
 from .filmed_joints import servo_seen
 from .floor_readings import floor_options
 from .next_reading import (
@@ -64,7 +65,8 @@ def advise(
     Parameters
     ----------
     session, gaits
-        The readings so far, and the gaits that matter: the planned ones unless given.
+        The readings so far, and the gaits that matter: the planned ones unless given. Those that
+        are too fast for the servo have no band and do not count; the note names them.
     samples
         Number of frictions drawn from the fit.
     lambdas_deg
@@ -84,12 +86,13 @@ def advise(
     Raises
     ------
     BadInput
-        No gait, or readings that leave a parameter open: the message names one that would close it.
+        No gait that the servo can follow, or readings that leave a parameter open: the message
+        names one that would close it.
 
     Examples
     --------
     >>> session = sn.load_session("calibration_data/nirakh-2005")
-    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=5.0)
+    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=4.0)
     >>> advice = sn.advise(session, [gait], servo=None, samples=16, lambdas_deg=(0.0, 15.0))
     >>> advice.readings[0].kind
     'station'
@@ -100,6 +103,7 @@ def advise(
         raise BadInput(f"{session.where}: no station was held, and no push; take one first")
     fit, mode = fit_friction(session), mode_of(session)
     servo = servo and servo_seen(session.setup.driving(servo), session.kept_films, fit)
+    wanted, too_fast = _that_servos_follow(session, wanted, servo)
     speeds = speed_bands(fit, wanted, servo, samples, progress)
     linear = speeds.by_friction(covariance_after(session, mode))
 
@@ -113,10 +117,27 @@ def advise(
     readings.sort(key=lambda r: (r.band - now) / (r.minutes or 1.0))
     after = readings[0].band_after_times
     told = _ON_FLOOR if session.on_floor else _ratchet_note(session, fit)
-    note = " ".join(filter(None, (told, speeds.servo_note(servo, after))))
+    note = " ".join(filter(None, (*too_fast, told, speeds.servo_note(servo, after))))
     measured = None if servo is None or servo.drawn else speeds.servo_measured
     named = servo and servo.name
     return Advice(wanted, now, after, tuple(readings), note, named, measured, fit.alarms)
+
+
+def _that_servos_follow(
+    session: Session, gaits: Sequence[Gait], servo: ServoKind | None
+) -> tuple[tuple[Gait, ...], list[str]]:
+    """Return the gaits whose speed has a band, and the sentences about those that are too fast.
+
+    Raises BadInput where all are.
+    """
+    texts = [too_fast_text(gait, servo, gait_name(gait)) for gait in gaits]
+    slow = tuple(gait for gait, text in zip(gaits, texts, strict=True) if not text)
+    if not slow:
+        raise BadInput(
+            f"{session.where}: {' '.join(texts)} So no speed has a band to make narrower; name "
+            "a slower gait"
+        )
+    return slow, [text for text in texts if text]
 
 
 def _options(

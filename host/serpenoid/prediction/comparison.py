@@ -19,10 +19,10 @@ from ..calibration.speeds import AMPLITUDE_SIGMA, Progress, speed
 from ..model.checks import check_kind, check_number
 from ..model.drives import ServoKind
 from ..model.errors import BadInput, NotConverged
-from ..model.gait import Gait
+from ..model.gait import Gait, gait_name
 from ..model.rows import Result
-from ..periodic.servo_steady import cannot_run, free_rad_s, managed_hz
 from ..servos.catalogue import HOBBY
+from ..servos.speed_limit import highest_hz, too_fast_text
 from ..simulation.steady_springs import steady_springs
 from .filmed_joints import seen_on_film, servo_seen, swapped_plugs
 from .speed_samples import SpeedSamples, sample_speeds
@@ -43,7 +43,7 @@ class ComparedGait:
     """One gait: predicted by exact and implicit model, with its 95 % bands, and measured.
 
     low_m_s, high_m_s: of the frictions that the fit allows. low_all_m_s, high_all_m_s: with the
-    joints' amplitude and the servos besides; None where most servos cannot run the gait. runs:
+    joints' amplitude and the servos besides; None where the gait is too fast for them. runs:
     numbers of the measured runs; measured_m_s, sigma_m_s: their mean and its standard deviation;
     none if not measured. residual_m_s: measured less predicted.
     implicit_m_s: None where the paper's springs never settle, or were not asked.
@@ -65,15 +65,14 @@ class ComparedGait:
 
     @property
     def name(self) -> str:
-        """Return the gait's angles and rate."""
-        degrees = f"{math.degrees(self.alpha_rad):.3g}°/{math.degrees(self.beta_rad):.3g}°"
-        return f"{degrees}, {self.frequency_hz:.3g} Hz"
+        """Return the gait's angles and frequency."""
+        return gait_name(Gait(self.alpha_rad, self.beta_rad, math.tau * self.frequency_hz))
 
     @property
     def band_in_words(self) -> str:
         """Return the band with joints and servos, m/s, or that there is none."""
         if self.low_all_m_s is None:
-            return "servos cannot follow"
+            return "too fast"
         return f"{self.low_all_m_s:.3g} to {self.high_all_m_s:.3g}"
 
     def cells(self) -> list[str]:
@@ -119,13 +118,13 @@ class Comparison(Result):
         Name of the kind of servo; None for joints that follow the gait.
     fit_alarms
         Why the friction fit that this rests on is not to be trusted.
-    managed_hz
-        Frequency up to which most such servos follow the curve's gait, Hz; None without servos.
+    highest_hz
+        Frequency up to which the curve's gait is not too fast for such servos, Hz; None without.
 
     Examples
     --------
     >>> session = sn.load_session("calibration_data/nirakh-2005")
-    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=5.0)
+    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=4.0)
     >>> compared = sn.compare(session, gaits=[gait], servo=None, samples=16)
     >>> compared.gaits[0].low_m_s < compared.gaits[0].high_m_s
     True
@@ -144,7 +143,7 @@ class Comparison(Result):
     servo: str | None = None
     p_servos: float | None = None
     fit_alarms: tuple[str, ...] = ()
-    managed_hz: float | None = None
+    highest_hz: float | None = None
 
     def in_words(self) -> str:
         """Return the verdict."""
@@ -216,7 +215,7 @@ def compare(
     Examples
     --------
     >>> session = sn.load_session("calibration_data/nirakh-2005")
-    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=5.0)
+    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=4.0)
     >>> compared = sn.compare(session, gaits=[gait], servo=None, samples=16)
     >>> len(compared.gaits)
     1
@@ -242,7 +241,7 @@ def compare(
     )
     points, words = [_point(fit, drawn, j, runs.get(g, ())) for j, g in enumerate(wanted)], []
     for j, g in enumerate(wanted):
-        if g not in drawn.seen and (too_fast := cannot_run(g, servo, points[j].name)):
+        if g not in drawn.seen and (too_fast := too_fast_text(g, servo, points[j].name)):
             words.append(too_fast)
             points[j] = replace(points[j], low_all_m_s=None, high_all_m_s=None)
     judged = _judged(session, fit, drawn, points, (amplitude_sigma, seed, servo))
@@ -257,7 +256,7 @@ def compare(
         verdict_text=text,
         servo=servo and servo.name,
         fit_alarms=fit.alarms,
-        managed_hz=servo and managed_hz(wanted[0], free_rad_s(servo)),
+        highest_hz=servo and highest_hz(wanted[0], servo),
     )
 
 

@@ -107,7 +107,7 @@ class Advice(Result):
     Examples
     --------
     >>> session = sn.load_session("calibration_data/nirakh-2005")
-    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=5.0)
+    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=4.0)
     >>> advice = sn.advise(session, [gait], servo=None, samples=16, lambdas_deg=(0.0, 15.0))
     >>> bool(advice.band_after_best < advice.band)
     True

@@ -17,9 +17,9 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.long_calls import in_threads
 from ..model.robot import Robot
-from ..periodic.servo_steady import free_rad_s, managed_hz
 from ..periodic.steady import Steady, steady_gait
 from ..servos.catalogue import HOBBY
+from ..servos.speed_limit import highest_hz, is_too_fast
 from ..simulation.run import Run
 from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
@@ -40,8 +40,8 @@ class SpeedPoint:
     explicit_m_s: periodic state of the exact model, explicit_error_m_s: its numerical error;
     sigma_m_s, low_m_s, high_m_s: standard deviation and 95 % interval of the speed that friction
     fit, joints and servos leave, by 64 samples (`speed_samples.SpeedBand`); low_ideal_m_s,
-    high_ideal_m_s: without the servos. servo_m_s: with the typical servo; managed_hz: the highest
-    frequency at which it follows such a gait: beyond, the band with servos means little.
+    high_ideal_m_s: without the servos. servo_m_s: with the typical servo; highest_hz: the frequency
+    up to which such a gait is not too fast for it; beyond, sigma_m_s, low_m_s, high_m_s are NaN.
     implicit_m_s: periodic state of the implicit model with the paper's springs, run until it
     repeats; implicit_error_m_s: what cycles and time steps leave open
     in it.
@@ -59,12 +59,12 @@ class SpeedPoint:
     implicit_error_m_s: float
     settling_time_s: float
     servo_m_s: float
-    managed_hz: float
+    highest_hz: float
 
     @property
     def follows(self) -> bool:
-        """Tell whether typical servos can run the gait."""
-        return self.frequency_hz <= self.managed_hz
+        """Return whether the gait is not too fast for typical servos."""
+        return self.frequency_hz <= self.highest_hz
 
     def to_dict(self) -> dict[str, float]:
         """Return the figures by name."""
@@ -81,7 +81,11 @@ def predict(
     hangs on friction only once it is weak enough for them to slip.
     """
     s = steady_gait(robot, fit.ground, gait, powers=False)
-    drawn = sample_speeds(fit, [gait], amplitude_sigma=AMPLITUDE_SIGMA, servo=servo, count=SAMPLES)
+    too_fast = is_too_fast(gait, servo)
+    moved_by = None if too_fast else servo
+    drawn = sample_speeds(
+        fit, [gait], amplitude_sigma=AMPLITUDE_SIGMA, servo=moved_by, count=SAMPLES
+    )
     _, (low_ideal, high_ideal), (low, high) = drawn.ends_m_s[0].tolist()
     springs = steady_springs(
         robot,
@@ -95,16 +99,16 @@ def predict(
         frequency_hz=gait.omega_rad_s / (2 * math.pi),
         explicit_m_s=s.speed_m_s,
         explicit_error_m_s=s.error_estimate * s.speed_m_s,
-        sigma_m_s=float(drawn.both_m_s.std()),
-        low_m_s=low,
-        high_m_s=high,
+        sigma_m_s=math.nan if too_fast else float(drawn.both_m_s.std()),
+        low_m_s=math.nan if too_fast else low,
+        high_m_s=math.nan if too_fast else high,
         low_ideal_m_s=low_ideal,
         high_ideal_m_s=high_ideal,
         implicit_m_s=springs.speed_m_s,
         implicit_error_m_s=springs.error_estimate * springs.speed_m_s,
         settling_time_s=s.settling_time_s,
         servo_m_s=likeliest_speed(fit, gait, servo),
-        managed_hz=math.inf if servo is None else managed_hz(gait, free_rad_s(servo)),
+        highest_hz=math.inf if servo is None else highest_hz(gait, servo),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
@@ -21,8 +22,9 @@ from ..calibration.speeds import (
 )
 from ..model.drives import ServoKind
 from ..model.gait import Gait
-from ..periodic.servo_steady import band, cannot_run
+from ..periodic.servo_steady import band
 from ..servos.catalogue import HOBBY
+from ..servos.speed_limit import too_fast_text
 
 
 @dataclass(frozen=True)
@@ -34,8 +36,8 @@ class SpeedBand:
     draws' quantiles by `band`. low_friction_m_s, high_friction_m_s: the narrower one, of friction
     alone and ideal joints; low_joints_m_s, high_joints_m_s: that with the amplitude's doubt. servo:
     the kind of servo; None: joints that follow the gait. filmed: the joints are as a film showed
-    them, so that their amplitude is in no doubt. cannot_run: in words that most servos cannot run
-    the gait, so that low_m_s and high_m_s mean little; or "".
+    them, so that their amplitude is in no doubt. too_fast: the sentence that the gait is too fast
+    for the servos, or ""; low_m_s and high_m_s are then NaN.
     """
 
     speed_m_s: float
@@ -47,17 +49,17 @@ class SpeedBand:
     high_joints_m_s: float
     servo: str | None = None
     filmed: bool = False
-    cannot_run: str = ""
+    too_fast: str = ""
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain values; None for the ends of a band that means little."""
+        """Return plain values; None for the ends of a band where the gait is too fast."""
         values = asdict(self)
-        return values | ({"low_m_s": None, "high_m_s": None} if values.pop("cannot_run") else {})
+        return values | ({"low_m_s": None, "high_m_s": None} if values.pop("too_fast") else {})
 
     def in_words(self) -> str:
         """Return the speed with its band, or why it has none."""
-        if self.cannot_run:
-            return self.cannot_run
+        if self.too_fast:
+            return self.too_fast
         ends = f"{self.low_m_s:.4f} to {self.high_m_s:.4f}"
         joints = ", joints as filmed" if self.filmed else " and joints"
         joints += "" if self.servo is None else f", servos: {self.servo}"
@@ -79,17 +81,20 @@ def speed_band(
     """
     filmed, named = commanded is not None, servo and servo.name
     seen = {gait: commanded} if commanded else {}
+    too_fast = "" if filmed else too_fast_text(gait, servo)
+    moved_by = None if too_fast else servo
     drawn = sample_speeds(
-        fit, [gait], amplitude_sigma=AMPLITUDE_SIGMA, servo=servo, seen=seen, count=count
+        fit, [gait], amplitude_sigma=AMPLITUDE_SIGMA, servo=moved_by, seen=seen, count=count
     )
     ends = drawn.ends_m_s[0][[2, 0, 1]].ravel().tolist()
+    if too_fast:
+        ends[:2] = math.nan, math.nan
     best = (
         speed(fit.robot, fit.ground, gait) * float(np.median(drawn.shares))
         if filmed
         else likeliest_speed(fit, gait, servo)
     )
-    words = "" if filmed else cannot_run(gait, servo)
-    return SpeedBand(best, *ends, servo=named, filmed=filmed, cannot_run=words)
+    return SpeedBand(best, *ends, servo=named, filmed=filmed, too_fast=too_fast)
 
 
 def likeliest_speed(fit: FrictionFit, gait: Gait, servo: ServoKind | None) -> float:

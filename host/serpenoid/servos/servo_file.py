@@ -9,6 +9,7 @@ from typing import Any
 
 from ..model.drives import UNCERTAIN, Servo, ServoKind
 from ..model.errors import BadInput
+from ..model.files import write_named
 from ..model.toml_table import Table, located
 
 FORMAT = 1
@@ -100,8 +101,6 @@ def save_servo(kind: ServoKind, path: str | Path) -> None:
     """
     import tomli_w
 
-    from ..simulation.scene_file import write_whole
-
     values: dict[str, Any] = {"format": FORMAT, "name": kind.name}
     if kind.source:
         values["source"] = kind.source
@@ -116,4 +115,4 @@ def save_servo(kind: ServoKind, path: str | Path) -> None:
             for name in _FIELDS
             if len({getattr(one, name) for one in (*kind.drawn, kind.servo)}) > 1
         }
-    write_whole(path, tomli_w.dumps(values))
+    write_named(path, tomli_w.dumps(values))

@@ -77,7 +77,7 @@ def _predicted(ax: Axes, compared: Comparison) -> None:
         label=f"with the joints' amplitude, {compared.amplitude_sigma:.0%}{servos}",
     )
     hatch_beyond(
-        ax, compared.managed_hz, 1.02 * compared.curve[-1].frequency_hz, str(compared.servo)
+        ax, compared.highest_hz, 1.02 * compared.curve[-1].frequency_hz, str(compared.servo)
     )
 
 

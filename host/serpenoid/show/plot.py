@@ -199,20 +199,20 @@ def speed_against_frequency(points: Sequence[SpeedPoint], title: str, path: Path
 
 
 def _servos(ax: Axes, points: Sequence[SpeedPoint]) -> None:
-    """Draw typical servos with their band, and hatch the frequencies that they cannot follow."""
+    """Draw typical servos with their band, and hatch the frequencies that are too fast."""
     names = "frequency_hz", "servo_m_s", "low_m_s", "high_m_s"
     f, typical, low, high = columns([p for p in points if p.follows], *names)
     ax.fill_between(f, low, high, color=RED, alpha=0.25, lw=0, label="95 %, with servos besides")
     ax.plot(f, typical, color=RED, lw=2.2, label="typical hobby servos")
-    hatch_beyond(ax, points[-1].managed_hz, 1.02 * points[-1].frequency_hz, "hobby")
+    hatch_beyond(ax, points[-1].highest_hz, 1.02 * points[-1].frequency_hz, "hobby")
 
 
-def hatch_beyond(ax: Axes, managed_hz: float | None, last_hz: float, servos: str) -> None:
-    """Hatch the frequencies up to the last one that most servos of a kind cannot follow."""
-    if managed_hz is None or managed_hz >= last_hz:
+def hatch_beyond(ax: Axes, highest_hz: float | None, last_hz: float, servos: str) -> None:
+    """Hatch the frequencies up to the last one that are too fast for a typical servo of a kind."""
+    if highest_hz is None or highest_hz >= last_hz:
         return
     ax.axvspan(
-        managed_hz,
+        highest_hz,
         last_hz,
         facecolor="none",
         edgecolor=GREY,
@@ -220,7 +220,7 @@ def hatch_beyond(ax: Axes, managed_hz: float | None, last_hz: float, servos: str
         hatch="//",
         zorder=0,
         lw=0,
-        label=f"beyond {managed_hz:.2g} Hz most {servos} servos cannot follow",
+        label=f"above {highest_hz:.2g} Hz too fast for a typical {servos} servo",
     )
 
 

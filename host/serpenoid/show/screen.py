@@ -48,13 +48,16 @@ def _watched() -> bool:
 
 
 @contextmanager
-def working(what: str) -> Iterator[None]:
-    """Show on standard error that work goes on whose end cannot be told."""
+def working(what: str) -> Iterator[Callable[[float], object]]:
+    """Show on standard error that work goes on; gives a function that takes the share done of it.
+
+    The share, 0 to 1, is shown where a long part of the work knows it.
+    """
     if not _watched():
-        yield
+        yield lambda share: None
         return
-    with screen(stderr=True).status(what):
-        yield
+    with screen(stderr=True).status(what) as status:
+        yield lambda share: status.update(f"{what}, {100 * share:.0f} %")
 
 
 @contextmanager

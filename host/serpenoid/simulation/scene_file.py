@@ -11,8 +11,8 @@ from typing import Any, TypeVar
 
 from ..model.checks import check_number
 from ..model.drives import Servo, TorqueTable
-from ..model.errors import BadInput, SerpenoidError
-from ..model.files import write_text
+from ..model.errors import BadInput
+from ..model.files import write_named
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.link_state import LinkState
@@ -106,17 +106,7 @@ def save_scene(scene: Scene, path: str | Path) -> None:
     """
     import tomli_w
 
-    write_whole(path, _HEAD + tomli_w.dumps({"format": FORMAT} | scene_values(scene)))
-
-
-def write_whole(path: str | Path, text: str) -> None:
-    """Write a text file, which is there whole or not at all. Raises SerpenoidError."""
-    try:
-        write_text(Path(path), text)
-    except OSError as error:
-        raise SerpenoidError(
-            f"{path}: cannot be written: {error.strerror or error}; choose another place"
-        ) from error
+    write_named(path, _HEAD + tomli_w.dumps({"format": FORMAT} | scene_values(scene)))
 
 
 def scene_values(scene: Scene) -> dict[str, Any]:

@@ -14,6 +14,7 @@ import pytest
 import serpenoid as sn
 from command_line import answer, serpenoid
 from serpenoid.paper import study as paper_study
+from serpenoid.periodic.steady import FromRest, Motion
 from serpenoid.show.gaits import crawl
 
 OPTIMIZE = "optimize --robot paper --speed"
@@ -38,9 +39,13 @@ def test_limits_in_degrees_are_kept_and_told() -> None:
 
 
 @pytest.mark.parametrize("asked", [IDEAL, "steady --alpha-deg 60 --beta-deg 75 --omega-rad-s 4"])
-def test_another_motion_from_rest_is_warned_of(asked: str, monkeypatch) -> None:
-    monkeypatch.setattr("serpenoid.simulation.from_rest.elsewhere", lambda state: "a circle")
-    assert "a circle" in serpenoid(asked, check=True).stderr
+def test_two_motions_are_named_with_that_from_rest(asked: str, monkeypatch) -> None:
+    circle = FromRest(False, Motion(0.2, 0.1))
+    monkeypatch.setattr("serpenoid.simulation.from_rest.from_rest", lambda state: circle)
+    assert "from rest the robot ends in the one that turns 11.5 deg" in (
+        serpenoid(asked, check=True).stderr
+    )
+    assert answer(asked)["from_rest"] == circle.to_dict()
 
 
 def test_several_speeds_are_a_front() -> None:
@@ -65,7 +70,8 @@ def test_what_shows_a_search_belongs_to_the_thread_that_ctrl_c_ends(monkeypatch)
     serpenoid(f"{OPTIMIZE} 0.1,0.2", check=True)
     monkeypatch.setattr("serpenoid.robust_gait", unreachable)
     assert serpenoid(f"{OPTIMIZE} 0.1,0.2 --robust").returncode == 1
-    assert shown == ["searching"] * 2 + [f"searching, speed {k} of 2" for k in (1, 2)]
+    of_each = [f"searching, speed {k} of 2" for k in (1, 2)]
+    assert shown == ["searching", "servos", "searching", *of_each]
 
 
 def unreachable(*_: object, **__: object) -> None:

@@ -3,6 +3,12 @@
 from __future__ import annotations
 
 import math
+import os
+import signal
+import threading
+import time
+import warnings
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +20,7 @@ from robots import BINGHAM, OF_2005, gait_in_deg
 from serpenoid import Servo
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
+from serpenoid.periodic import servo_steady
 from serpenoid.periodic.servo_steady import (
     as_made,
     band,
@@ -130,24 +137,22 @@ def test_an_uncertain_kind_leaves_a_band_around_its_typical_speed() -> None:
     assert set(found.to_dict()) >= {"speed_m_s", "low_m_s", "high_m_s", "spread_m_s"}
 
 
-def test_a_gait_that_asks_more_than_the_free_speed_is_told() -> None:
+def test_a_gait_faster_than_the_no_load_speed_has_no_band() -> None:
     """70 degrees at 1 Hz ask for 7.68 rad/s, a typical hobby servo turns at 6.98 with 6 V."""
     quick = replace(GAIT, omega_rad_s=math.tau)
     hobby = sn.servo().at_volts(6.0)
     found = with_servo(sn.steady_gait(OF_2005, VISCOUS, quick), hobby, draws=2)
-    assert found.asked_over_free_speed == pytest.approx(7.676 / 6.981, rel=1e-3)
-    assert 0.5 < found.slower_servos < 0.85
+    assert found.joint_rate_over_no_load == pytest.approx(7.676 / 6.981, rel=1e-3)
     assert not found.follows
+    assert not found.samples_m_s
     assert found.to_dict()["low_m_s"] is found.to_dict()["high_m_s"] is None
     # 0.9 of 6.98 rad/s over 70 degrees
-    assert found.managed_hz == pytest.approx(0.9 * 6.981 / math.radians(70) / math.tau, rel=1e-3)
+    assert found.highest_hz == pytest.approx(0.9 * 6.981 / math.radians(70) / math.tau, rel=1e-3)
     exact = replace(found, servo=hobby.servo.at_volts(8.0))
-    assert exact.slower_servos == 0
     assert exact.follows
-    assert exact.asked_over_free_speed < 0.9
+    assert exact.joint_rate_over_no_load < 0.9
     gained = replace(found.ideal.gait, joint_gain=(1.0, 1.0, 1.3, 1.0, 1.0))
     more = replace(exact, ideal=replace(found.ideal, gait=gained))
-    assert more.slower_servos == 1
     assert not more.follows
 
 
@@ -231,3 +236,41 @@ def test_play_in_gears_is_that_of_the_lab(play_deg: float) -> None:
     if play_deg == 2.5:
         assert found.speed_m_s < 0.6 * found.ideal.speed_m_s
         assert found.ripple_rad_s > 0.8
+
+
+def interrupted_after(seconds: float, work: Callable[[], object]) -> float:
+    """Return how long after Ctrl-C, given so many seconds from now, the work ends, s."""
+    timer = threading.Timer(seconds, lambda: os.kill(os.getpid(), signal.SIGINT))
+    begin_s = time.monotonic()
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        work()
+    return time.monotonic() - begin_s - seconds
+
+
+@pytest.mark.skipif(os.name == "nt", reason="os.kill ends the process there")
+def test_ctrl_c_ends_a_servo_state_of_many_links_within_a_second() -> None:
+    """In the typical servo's state, which takes seconds, and while servos are drawn in threads."""
+    many = sn.steady_gait(
+        sn.Robot(60, 0.0756, 0.076), BINGHAM, gait_in_deg(70, 75, 1.0), powers=False
+    )
+    assert interrupted_after(0.3, lambda: with_servo(many, sn.Servo())) < 1
+    few = sn.steady_gait(sn.Robot(12, 0.0756, 0.076), BINGHAM, GAIT, powers=False)
+    shares: list[float] = []
+    assert interrupted_after(0.7, lambda: with_servo(few, sn.servo(), progress=shares.append)) < 1
+    assert shares
+
+
+def test_long_work_is_announced_before_it_begins(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Estimated from its first part; a state that soon ends says nothing."""
+    many = sn.steady_gait(
+        sn.Robot(40, 0.0756, 0.076), BINGHAM, gait_in_deg(70, 75, 1.0), powers=False
+    )
+    monkeypatch.setattr(servo_steady, "SLOW_S", 0.2)
+    monkeypatch.setattr(servo_steady, "MEASURED_S", 0.05)
+    with pytest.warns(UserWarning, match=r"servos on 40 links: this takes some \d+ s; Ctrl-C"):
+        with_servo(many, sn.Servo())
+    monkeypatch.undo()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with_servo(sn.steady_gait(OF_2005, BINGHAM, GAIT), sn.Servo())

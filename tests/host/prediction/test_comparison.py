@@ -94,7 +94,7 @@ def test_repeated_runs_are_one_mean(fitted):
     assert found.gaits[1].runs == (101,)
 
 
-def test_without_runs_it_predicts_and_says_what_servos_cannot_run(fitted):
+def test_without_runs_it_predicts_and_says_what_is_too_fast(fitted):
     """70 deg at 2 Hz asks 15 rad/s of some 6, which no film showed; half a hertz they follow."""
     made, fit = fitted
     found = comparison.compare(made, fit, gaits=[gait(3.0), gait(12.6)], samples=16)
@@ -104,13 +104,13 @@ def test_without_runs_it_predicts_and_says_what_servos_cannot_run(fitted):
     assert slow.low_all_m_s < slow.high_all_m_s
     assert (quick.low_all_m_s, quick.high_all_m_s) == (None, None)
     words = (
-        "Most hobby servos cannot run 70°/75°, 2.01 Hz: it asks 15 rad/s, more than 90 % of their"
+        "70°/75°, 2.01 Hz is too fast for a typical hobby servo: the joints must turn at 15 rad/s; "
     )
     assert found.verdict_text.startswith(words)
-    assert found.table(verbose=False)[1][1][1] == "servos cannot follow"
-    assert slow.frequency_hz < found.managed_hz < quick.frequency_hz
+    assert found.table(verbose=False)[1][1][1] == "too fast"
+    assert slow.frequency_hz < found.highest_hz < quick.frequency_hz
     told = speed_band(fit, gait(12.6), count=16)
-    assert told.in_words().startswith("Most hobby servos cannot run this gait")
+    assert told.in_words().startswith("Too fast for a typical hobby servo: ")
     assert told.to_dict()["low_m_s"] is None
     with refused("no gait run and no gait planned"):
         comparison.compare(made, fit)

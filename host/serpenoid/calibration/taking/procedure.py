@@ -11,6 +11,8 @@ import math
 from collections.abc import Iterator, Set
 from dataclasses import replace
 
+from ...servos.catalogue import HOBBY
+from ...servos.speed_limit import too_fast_text
 from ..kinds.checks import BeltCheck, ZeroReading
 from ..kinds.declaration import Cells, Field, Range, Values
 from ..kinds.gait import RUN_WAYS, GaitRun
@@ -344,6 +346,8 @@ def _gait_step(session: Session) -> Step | None:
             "Once it goes steadily, film it from above for two cycles at least, or time it between "
             "two marks."
         )
+        too_fast = too_fast_text(gait, session.setup.driving(HOBBY))
+        say = f"{say} {too_fast}".rstrip()
         fields = GaitRun.asked("distance_m", "duration_s")
         cells: Values = {
             "alpha_deg": round(alpha, 6),

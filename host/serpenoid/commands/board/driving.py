@@ -12,9 +12,10 @@ import serpenoid as sn
 from ...model.errors import RobotUnattended
 from ...robot.robot_match import RobotMatch
 from ...robot.tools.driven_run import UNATTENDED_S, DrivenRun
+from ...servos.speed_limit import too_fast_text
 from ...show.live import View, show_summary, view
 from ...show.screen import say
-from ..options import describe, interruptible, preset_robot, show_json, warn_of_another_motion
+from ..options import describe, interruptible, preset_robot, show_json, warn_of_two_motions
 
 if TYPE_CHECKING:
     from ...prediction.speed_samples import SpeedBand
@@ -41,6 +42,8 @@ def drive_gait(
     "drive".
     """
     band = None
+    if fit is None and (too_fast := too_fast_text(gait, servo)):
+        say(f"serpenoid: warning: {too_fast}", err=True)
     if fit is not None:
         band = _predicted(fit, gait, as_json, servo)
         match = match or RobotMatch(
@@ -83,7 +86,7 @@ def _predicted(
 
     band = interruptible(lambda: speed_band(fit, gait, servo=servo))
     with suppress(sn.NotConverged):
-        warn_of_another_motion(sn.steady_gait(fit.robot, fit.ground, gait))
+        warn_of_two_motions(sn.steady_gait(fit.robot, fit.ground, gait))
     if not quiet:
         say(f"predicted: {band.in_words()}")
     return band

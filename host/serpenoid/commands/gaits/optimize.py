@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
@@ -28,6 +29,7 @@ from ..declare import (
     refuse_typed,
 )
 from ..given import (
+    is_of_fit,
     joints_option,
     latest_film,
     predicted_band,
@@ -48,7 +50,7 @@ from ..options import (
     show_json,
     take_servo,
     typed,
-    warn_of_another_motion,
+    warn_of_two_motions,
 )
 from .steady import beside_servo, few_links, speed_in_words, speeds_as_dict
 
@@ -177,9 +179,11 @@ def optimize(speed_m_s: str, as_json: bool, send: bool, plot: Path | None, **giv
     margins = interruptible(lambda: sn.gait_margins(ask.robot, ask.ground, best.gait))
     if plot is not None:
         _draw_cliff(ask, best.gait, plot)
-    warn_of_another_motion(best.steady)
-    moved = beside_servo(best.steady, ask.shown_servo)
+    best = replace(best, steady=warn_of_two_motions(best.steady))
     fit = None if send else ask.fit  # what is sent is predicted when it is driven
+    with_band = not is_of_fit(fit, ask.robot, ask.ground)
+    with working("servos") as show_share:
+        moved = beside_servo(best.steady, ask.shown_servo, with_band, show_share)
     band = interruptible(lambda: predicted_band(fit, ask.robot, ask.ground, best.gait, ask.servo))
     answer = _as_dict(best) | {"margins": margins.to_dict()} | speeds_as_dict(moved, band)
     if not as_json:
@@ -188,7 +192,7 @@ def optimize(speed_m_s: str, as_json: bool, send: bool, plot: Path | None, **giv
 
         words = f"{best.in_words()} {speed_in_words(best.steady, moved, band)}"
         report.show(best, *([moved] if moved else []), margins, answer=words)
-        gait_report.warn(best)
+        gait_report.warn(best, moved)
         gait_report.warn_of_cliff(margins)
     if send:
         _send(ask, best.gait, as_json, answer, **run)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ import serpenoid as sn
 from ...show.screen import working
 from ..declare import Given, Options, flag, number
 from ..given import (
+    is_of_fit,
     joints_option,
     predicted_band,
     servo_as_filmed,
@@ -34,7 +36,7 @@ from ..options import (
     show_json,
     take_servo,
     typed,
-    warn_of_another_motion,
+    warn_of_two_motions,
 )
 
 if TYPE_CHECKING:
@@ -94,11 +96,12 @@ def steady(
     usual = "hobby" if joints is None and few_links(robot) else IDEAL
     servo = servo_as_filmed(take_servo(usual), fit)
     commanded = told if joints and was_filmed(told, joints, robot.links) else None
-    with working("solving"):
+    with working("solving") as show_share:
         state = interruptible(
             lambda: sn.steady_gait(robot, ground, gait, rtol=rtol, sensitivities=differentiated)
         )
-        moved = beside_servo(state, servo)
+        with_band = not is_of_fit(fit, robot, ground)
+        moved = beside_servo(state, servo, with_band, show_share)
         margins = interruptible(lambda: sn.gait_margins(robot, ground, gait))
         band = interruptible(lambda: predicted_band(fit, robot, ground, gait, servo, commanded))
         doubts, sigmas = None, {}
@@ -108,7 +111,9 @@ def steady(
             sigmas = margins.in_sigmas(*margin_sigmas(fit, band.filmed))
             if state.sensitivities is not None and state.sensitivities.at[0] > 0:
                 doubts = speed_doubts(fit, gait, state.sensitivities, band)
-    warn_of_another_motion(state)
+    state = warn_of_two_motions(state)
+    if doubt := state.power_doubt_text(rtol):
+        warnings.warn(doubt, stacklevel=2)
     if as_json:
         known = {"margins": margins.to_dict() | sigmas}
         known |= {"doubts": doubts.to_dict()} if doubts else {}
@@ -166,11 +171,14 @@ def few_links(robot: sn.Robot) -> bool:
 
 
 def speeds_as_dict(moved: sn.ServoSteady | None, band: SpeedBand | None) -> Given:
-    """Return speed with servos and band, the band without ends where servos cannot run the gait."""
+    """Return the speed with servos, and a fit's band; that is then the only interval of the speed.
+
+    The band has no ends where the servos cannot follow the gait.
+    """
+    no_ends = {"low_m_s": None, "high_m_s": None}
     answer: Given = {"servo": moved.to_dict()} if moved else {}
     if band is not None:
-        ends = {"low_m_s": None, "high_m_s": None} if moved and not moved.follows else {}
-        answer["band"] = band.to_dict() | ends
+        answer["band"] = band.to_dict() | (no_ends if moved and not moved.follows else {})
     return answer
 
 
@@ -181,14 +189,24 @@ def speed_in_words(state: sn.Steady, moved: sn.ServoSteady | None, band: SpeedBa
     return f"Predicted: {band.in_words()}."
 
 
-def beside_servo(ideal: sn.Steady, servo: sn.ServoKind | None) -> sn.ServoSteady | None:
-    """Return the speed with servos; what does not settle is told, and is no reason to stop."""
-    from ...periodic.servo_steady import with_servo
+def beside_servo(
+    ideal: sn.Steady,
+    servo: sn.ServoKind | None,
+    with_band: bool,
+    show_share: Callable[[float], object] | None,
+) -> sn.ServoSteady | None:
+    """Return the speed with servos; what does not settle is told, and is no reason to stop.
+
+    with_band: solve the servos drawn from the kind, too, for the interval that they leave.
+    show_share: called with the share of the work that is done.
+    """
+    from ...periodic.servo_steady import DRAWS, with_servo
 
     if servo is None:
         return None
+    draws = DRAWS if with_band else 0
     try:
-        return interruptible(lambda: with_servo(ideal, servo))
+        return interruptible(lambda: with_servo(ideal, servo, draws, show_share))
     except sn.NotConverged as error:
         warnings.warn(str(error), stacklevel=2)
         return error.best

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import click
 
 import serpenoid as sn
 
+from ...servos.speed_limit import is_too_fast, speed_limit_text, typical_servo_name
 from ...show.screen import progress, say
 from ..declare import number, option, out_file, radians
 from ..options import (
@@ -115,5 +117,19 @@ def sweep(
         if grid_states.servo_speed_m_s is not None:
             lost = sum(map(math.isnan, grid_states.servo_speed_m_s.flat))
             say(f"with servos {lost} do not settle to a speed", err=True)
+    if servo is not None:
+        _say_too_fast(grid, servo)
     if as_json:
         show_json(sweep_values(grid_states))
+
+
+def _say_too_fast(grid: dict[str, list[float]], servo: sn.ServoKind) -> None:
+    """Say how many gaits are too fast for the servo, so that they have no band."""
+    shapes = product(grid["alpha_rad"], grid["beta_rad"], grid["omega_rad_s"])
+    too_fast = sum(is_too_fast(sn.Gait(*shape), servo) for shape in shapes)
+    if too_fast:
+        say(
+            f"{too_fast} gaits are too fast for {typical_servo_name(servo)} and have no band: the "
+            f"joints must turn faster than {speed_limit_text(servo, unit='rad/s')}",
+            err=True,
+        )

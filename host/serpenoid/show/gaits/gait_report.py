@@ -7,15 +7,15 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ...gaits.robust import RobustGait
+from ...servos.catalogue import HOBBY
+from ...servos.speed_limit import too_fast_text
 from ..report import console, notices, table
 
 if TYPE_CHECKING:
     from ...gaits.finder import LeastPower
     from ...gaits.margins import Margins
+    from ...periodic.servo_steady import ServoSteady
     from ...prediction.speed_doubts import SpeedDoubts
-
-
-_FASTEST_SERVO_RAD_S = 30.0  # no load, the fastest that hobbyists can buy; common ones make 5 to 10
 
 
 def doubts(doubted: SpeedDoubts) -> None:
@@ -25,18 +25,18 @@ def doubts(doubted: SpeedDoubts) -> None:
     console.print(doubted.in_words())
 
 
-def warn(best: LeastPower | RobustGait) -> None:
-    """Warn of samples that disagree, and of joints that turn faster than any servo does."""
+def warn(best: LeastPower | RobustGait, moved: ServoSteady | None) -> None:
+    """Warn of samples that disagree, and of a gait that is too fast; moved: servos that say so."""
     if isinstance(best, RobustGait) and not best.confirmed:
         notices.print(
             "serpenoid: warning: the other samples disagree by more than chance; believe the lower "
             "of the two speeds"
         )
-    rate = best.gait.alpha_rad * best.gait.omega_rad_s
-    if rate > _FASTEST_SERVO_RAD_S:
+    too_fast = too_fast_text(best.gait, moved.servo if moved else HOBBY)
+    if too_fast:
+        told = "" if moved else f"{too_fast} "
         notices.print(
-            f"serpenoid: warning: the joints would turn at up to {math.degrees(rate):.3g} deg/s, "
-            "which no hobby servo does; --servo-speed-deg-s keeps to what yours do"
+            f"serpenoid: warning: {told}--servo-speed-deg-s keeps the search to what servos can do"
         )
 
 
@@ -70,3 +70,7 @@ def front(speeds_m_s: Sequence[float], optima: Sequence[LeastPower | RobustGait 
     if max(map(len, cells)) > len(heads):
         heads += ["95 % make (m/s)", "premium"]
     table("gaits of least power", heads, cells)
+    for speed, best in zip(speeds_m_s, optima, strict=True):
+        too_fast = best and too_fast_text(best.gait, HOBBY, f"The gait for {speed:.4g} m/s")
+        if too_fast:
+            notices.print(f"serpenoid: warning: {too_fast}")

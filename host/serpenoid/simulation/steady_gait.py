@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, overload
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from .steady import Steady, speed_floor_m_s
-from .steady import steady_gait as ideal_gait
+from ..periodic.steady import Steady, speed_floor_m_s
+from ..periodic.steady import steady_gait as ideal_gait
 
 if TYPE_CHECKING:
     from ..model.drives import Servo, ServoKind
-    from .servo_steady import ServoSteady
+    from ..periodic.servo_steady import ServoSteady
 
 
 @overload
@@ -29,6 +29,7 @@ def steady_gait(
     powers: bool = ...,
     servo: None = None,
     sensitivities: bool = ...,
+    from_rest: bool = ...,
 ) -> Steady: ...
 @overload
 def steady_gait(
@@ -40,6 +41,7 @@ def steady_gait(
     powers: bool = ...,
     servo: Servo | ServoKind,
     sensitivities: bool = ...,
+    from_rest: bool = ...,
 ) -> ServoSteady: ...
 def steady_gait(
     robot: Robot,
@@ -50,6 +52,7 @@ def steady_gait(
     powers: bool = True,
     servo: Servo | ServoKind | None = None,
     sensitivities: bool = False,
+    from_rest: bool = False,
 ) -> Steady | ServoSteady:
     """Solve for the periodic state of a gait: joints that follow it exactly, or moved by servos.
 
@@ -58,14 +61,18 @@ def steady_gait(
     robot, ground, gait : Robot, Ground, Gait
         What crawls, on what, and how.
     rtol : float
-        Wanted relative accuracy of speed and powers of ideal joints, 0.1 to 1e-12 (dry ground: to
-        1e-7, powers to 10 rtol).
+        Wanted relative accuracy of speed and net power of ideal joints, 0.1 to 1e-12 (dry ground:
+        to 1e-7, net power to 10 rtol). The other powers have their own stated errors.
     powers : bool
         Whether to solve for abs_power_w and positive_power_w, too (W; 0 without).
     servo : Servo or ServoKind, optional
         What moves the joints; None for joints that follow the gait exactly.
     sensitivities : bool
         Whether to add the derivatives of the ideal joints' state by gait, friction and robot.
+
+    from_rest : bool
+        Whether to follow runs from rest, and on viscous ground of low friction from other starts,
+        for the state's `from_rest`: two seconds at most.
 
     Returns
     -------
@@ -83,19 +90,23 @@ def steady_gait(
     --------
     >>> robot = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
     >>> ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
-    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=5.0)
+    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=4.0)
     >>> s = sn.steady_gait(robot, ground, gait)
     >>> round(s.speed_m_s, 4)
-    0.1332
+    0.1211
     """
     ideal = ideal_gait(robot, ground, gait, rtol=rtol, powers=powers)
     if sensitivities:
-        from .sensitivities import differentiate
+        from ..periodic.sensitivities import differentiate
 
         floor_m_s = speed_floor_m_s(robot, gait.omega_rad_s)
         ideal = replace(ideal, sensitivities=differentiate(robot, ground, gait, floor_m_s))
+    if from_rest:
+        from .from_rest import from_rest as follow
+
+        ideal = replace(ideal, from_rest=follow(ideal))
     if servo is None:
         return ideal
-    from .servo_steady import with_servo
+    from ..periodic.servo_steady import with_servo
 
     return with_servo(ideal, servo)

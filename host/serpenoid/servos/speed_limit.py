@@ -1,0 +1,87 @@
+"""Whether a gait is too fast for a servo: the one decision, and the sentence that states it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..model.drives import Servo, ServoKind
+from ..model.gait import Gait
+
+# Share of the no-load speed, where a servo has no torque left. Up to this share the speeds of a
+# robot with servos of one kind spread by some 8 %, above it by a factor of 1.5 and more.
+MAX_NO_LOAD_SHARE = 0.9
+MAX_ROUNDING = 1.005  # of a frequency limit: what rounding may add to it in a sentence
+
+
+def joint_rate_rad_s(gait: Gait) -> float:
+    """Return the fastest rate at which a gait turns a joint, rad/s."""
+    return gait.alpha_rad * gait.omega_rad_s * max(gait.joint_gain or (1.0,))
+
+
+def no_load_rad_s(servo: Servo | ServoKind) -> float:
+    """Return the no-load speed of a servo, or of the typical one of a kind, at its voltage, rad/s.
+
+    The typical one of a kind that was measured is the median of its samples.
+    """
+    servos = (servo,) if isinstance(servo, Servo) else servo.drawn or (servo.servo,)
+    return float(np.median([one.no_load_rad_s for one in servos]))
+
+
+def highest_hz(gait: Gait, servo: Servo | ServoKind) -> float:
+    """Return the frequency, Hz, up to which a gait of this shape is not too fast for a servo."""
+    rate_rad_s = joint_rate_rad_s(gait)
+    if rate_rad_s == 0.0:
+        return math.inf
+    limit_rad_s = MAX_NO_LOAD_SHARE * no_load_rad_s(servo)
+    return limit_rad_s / rate_rad_s * gait.omega_rad_s / math.tau
+
+
+def is_too_fast(gait: Gait, servo: Servo | ServoKind | None) -> bool:
+    """Return whether the joints must turn faster than a servo can follow; None: ideal joints."""
+    if servo is None:
+        return False
+    return joint_rate_rad_s(gait) > MAX_NO_LOAD_SHARE * no_load_rad_s(servo)
+
+
+def typical_servo_name(servo: Servo | ServoKind) -> str:
+    """Return what messages call the servo, e.g. 'a typical hobby servo'."""
+    return f"a typical {servo.name} servo" if isinstance(servo, ServoKind) else "the given servo"
+
+
+def speed_limit_text(servo: Servo | ServoKind, digits: int = 2, unit: str = "") -> str:
+    """Return a servo's limit in words, e.g. '5.6 (90 % of its no-load speed, 6.2)', rad/s."""
+    speed_rad_s = no_load_rad_s(servo)
+    limit = f"{MAX_NO_LOAD_SHARE * speed_rad_s:.{digits}g} {unit}".rstrip()
+    return f"{limit} ({100 * MAX_NO_LOAD_SHARE:.0f} % of its no-load speed, {speed_rad_s:.2g})"
+
+
+def too_fast_text(gait: Gait, servo: Servo | ServoKind | None, gait_name: str = "") -> str:
+    """Return the sentence that a gait is too fast for a servo, or "" where it is not.
+
+    gait_name: begins the sentence where several gaits are spoken of.
+    """
+    if servo is None or not is_too_fast(gait, servo):
+        return ""
+    rate_rad_s, limit_rad_s = joint_rate_rad_s(gait), MAX_NO_LOAD_SHARE * no_load_rad_s(servo)
+    digits = 2
+    while digits < 6 and f"{rate_rad_s:.{digits}g}" == f"{limit_rad_s:.{digits}g}":
+        digits += 1
+    too_fast = f"{gait_name} is too fast" if gait_name else "Too fast"
+    return (
+        f"{too_fast} for {typical_servo_name(servo)}: the joints must turn at "
+        f"{rate_rad_s:.{digits}g} rad/s; the limit is {speed_limit_text(servo, digits)}. "
+        f"Stay below {_frequency_text(gait, highest_hz(gait, servo))} Hz."
+    )
+
+
+def _frequency_text(gait: Gait, limit_hz: float) -> str:
+    """Return the limit with 2 digits, or with more where they would be too high to heed."""
+    frequency_hz, digits = gait.omega_rad_s / math.tau, 2
+    while digits < 6:
+        rounded_hz = float(f"{limit_hz:.{digits}g}")
+        if rounded_hz <= MAX_ROUNDING * limit_hz and rounded_hz < frequency_hz:
+            break
+        digits += 1
+    return f"{limit_hz:.{digits}g}"
