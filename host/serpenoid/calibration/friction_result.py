@@ -30,7 +30,7 @@ WHOLE = "_whole"
 NOT_WEIGHED = "The robot was not weighed"
 NO_ZERO = "The inclinometer's zero was not measured"
 AMPLITUDE = "amplitude"  # of the joints, over the commanded one
-SURELY = 2.0  # errors of its difference, beyond which a zero that drifted is told
+SURELY = 2.0  # errors of its difference, beyond which a zero that moved is told
 _FEW = 4  # of the draws, one in so many or less
 _TAILS = 11  # shares below an interval that are tried
 DOUBTFUL = 0.01  # below this p-value the stated uncertainties and the readings do not agree
@@ -444,7 +444,7 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
     if session.zero_moved_sigmas > SURELY:
         notes.append(
             "The inclinometer's zero moved between before and after by more than its readings' "
-            "errors; it is taken to have drifted evenly. Measure it more often, or let it warm up."
+            "errors: half of that is in the zero's uncertainty. Let it warm up, and measure again."
         )
     if any(r.lambda_rad and r.bend == "zigzag" for r in session.kept):
         notes.append(

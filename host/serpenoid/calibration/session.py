@@ -9,13 +9,10 @@ import hashlib
 import json
 import math
 from collections import Counter
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from ..model.drives import FRAME_S, ServoKind
 from ..model.gait import Gait
@@ -23,7 +20,6 @@ from ..model.robot import Robot
 from ..robot.wire.protocol import frame_us
 from .kinds.checks import BendCheck, ZeroReading
 from .kinds.coast import Coast
-from .kinds.declaration import Taken
 from .kinds.gait import GaitRun
 from .kinds.instruments import FloorTools, Stopwatch, TreadmillSteps, Uncertainty
 from .kinds.rows import KINDS
@@ -32,7 +28,6 @@ from .kinds.video import FilmReading
 
 PLACES = ("treadmill", "floor")  # where a plan is carried out
 PROVENANCE = ("measured", "regenerated", "simulated")
-FOLLOWED = 1.5  # errors of the zero's difference, beyond which it is taken to have drifted
 MAX_GRAVITY_M_S2 = 30.0
 NOT_WEIGHED = 0.05  # relative standard deviation of a mass that is an assumption
 ANY_BELT = 0.07  # of a belt's true speed over the one shown, before a mark on it was timed
@@ -251,19 +246,6 @@ class Session:
             reading = replace(reading, before=not self.readings)
         return replace(self, **{reading.part: (*getattr(self, reading.part), reading)})
 
-    def uncertainty_of(self, reading: Taken) -> Uncertainty:
-        """Return the uncertainty of the instruments that a reading was taken with."""
-        return getattr(reading, "uncertainty", None) or self.setup.uncertainty
-
-    def grade_step_of(self, reading: Reading) -> float:
-        """Return the step of the treadmill's incline that a reading was taken with, a tangent."""
-        return (reading.treadmill or self.setup.treadmill).incline_step_rad
-
-    def _most(self, name: str) -> float:
-        """Return the largest error of this name that the kept readings' instruments state."""
-        values = [getattr(self.uncertainty_of(r), name) for r in self.kept]
-        return float(max(values, default=getattr(self.setup.uncertainty, name)))
-
     @property
     def belt_scale(self) -> tuple[float, float]:
         """Return the belt's true speed over the one shown, and its standard deviation.
@@ -272,7 +254,7 @@ class Session:
         or within what the instruments state where that is more. Readings that were regenerated from
         published fits, whose belt nobody can check, are taken as their instruments state.
         """
-        stated = self._most("belt_scale_sigma")
+        stated = self.setup.uncertainty.belt_scale_sigma
         if self.setup.kind != "regenerated":
             stated = max(stated, ANY_BELT)
         known = [*([(1.0, stated)] if stated else []), *belt_checks(self)]
@@ -293,28 +275,15 @@ class Session:
         """Return the inclinometer's zero and its standard deviation.
 
         Measured by reversal: the mean, with what two readings' errors leave and with half of what
-        it moved between before and after; a quarter where it drifted and is followed (zeros_rad).
-        Not measured: 0, with what the set-up declares.
+        it moved between before and after. Not measured: 0, with what the set-up declares.
         """
         kept = self._kept_zeros
         if not kept:
-            return Zero(0.0, self._most("incline_zero_sigma_rad"), 0)
+            return Zero(0.0, self.setup.uncertainty.incline_zero_sigma_rad, 0)
         means = self._zero_sides
-        moved_rad = abs(means[-1] - means[0]) / (4 if self.zero_drifts else 2)
+        moved_rad = abs(means[-1] - means[0]) / 2
         sigma_rad = self._zero_reading_sigma_rad / math.sqrt(len(kept))
         return Zero(sum(means) / len(means), math.hypot(sigma_rad, moved_rad), len(kept))
-
-    def zero_sigmas_rad(self, readings: Sequence[Reading]) -> list[float]:
-        """Return the zero's error at each reading: where not measured, as was stated then."""
-        zero = self.zero
-        if zero.readings:
-            return [zero.sigma_rad] * len(readings)
-        return [self.uncertainty_of(r).incline_zero_sigma_rad for r in readings]
-
-    @property
-    def zero_drifts(self) -> bool:
-        """Tell whether the zero is followed: it moved by more than its readings' errors explain."""
-        return self.zero_moved_sigmas > FOLLOWED
 
     @property
     def zero_moved_sigmas(self) -> float:
@@ -322,19 +291,9 @@ class Session:
         means = self._zero_sides
         if len(means) < 2:
             return 0.0
-        return abs(means[1] - means[0]) / self.zero_drift_sigma_rad
-
-    def zeros_rad(self, readings: Sequence[Reading]) -> list[float]:
-        """Return the zero to be taken off each reading's incline, as it stood at the time.
-
-        A zero that drifts is taken to move evenly from one measurement to the next, in the order
-        of readings; else it is the mean for all.
-        """
-        if not self.zero_drifts:
-            return [self.zero.value_rad] * len(readings)
-        kept = sorted(self._kept_zeros, key=lambda z: z.number)
-        at, zeros_rad = [z.number for z in kept], [z.zero_rad for z in kept]
-        return [float(np.interp(r.number, at, zeros_rad)) for r in readings]
+        counts = [sum(z.before is side for z in self._kept_zeros) for side in (True, False)]
+        sigma_rad = self._zero_reading_sigma_rad * math.sqrt(sum(1 / n for n in counts))
+        return abs(means[1] - means[0]) / sigma_rad
 
     @property
     def _kept_zeros(self) -> tuple[ZeroReading, ...]:
@@ -348,16 +307,9 @@ class Session:
         return [sum(side) / len(side) for side in sides if side]
 
     @property
-    def zero_drift_sigma_rad(self) -> float:
-        """Return the error of the difference between both sides' means, rad."""
-        sides = [sum(z.before is side for z in self._kept_zeros) for side in (True, False)]
-        return self._zero_reading_sigma_rad * math.sqrt(sum(1 / n for n in sides))
-
-    @property
     def _zero_reading_sigma_rad(self) -> float:
         """Return the error of one zero: two readings of the inclinometer, halved."""
-        read = [self.uncertainty_of(z).incline_sigma_rad / math.sqrt(2) for z in self._kept_zeros]
-        return math.sqrt(sum(s * s for s in read) / len(read))
+        return self.setup.uncertainty.incline_sigma_rad / math.sqrt(2)
 
     def bent_share(self, reading: Reading | Coast) -> float:
         """Return which share of the links stands at lambda in a reading; 0 where straight."""
@@ -381,16 +333,15 @@ class Session:
                     r.incline_rad,
                     r.belt_speed_m_s,
                     r.drift_m_s,
-                    repr(self.uncertainty_of(r)),
-                    self.grade_step_of(r),
+                    repr(setup.uncertainty),
+                    setup.treadmill.incline_step_rad,
                     *(["up"] if r.facing == "up" else []),
                     *([r.bend] if r.bend != "zigzag" else []),
-                    *([r.places, repr(r.watch or setup.stopwatch)] if r.places else []),
+                    *([r.places, repr(setup.stopwatch)] if r.places else []),
                 ]
                 for r in self.kept
             ],
             *(repr(r) for r in self.numbered if r.fitted and r.part == "further" and not r.voided),
-            *([self.zeros_rad(self.kept)] if self.zero_drifts else []),
             *([repr(setup.floor)] if self.on_floor else []),
         ]
         return hashlib.sha256(json.dumps(rests_on).encode()).hexdigest()
@@ -405,7 +356,7 @@ class Session:
 def belt_checks(session: Session) -> list[tuple[float, float]]:
     """Return the belt's true speed over the one shown, and its sigma, of each timed mark."""
     checks = (b for b in session.of("belt") if not b.voided)
-    return [(b.scale, b.scale_sigma(b.watch or session.setup.stopwatch)) for b in checks]
+    return [(b.scale, b.scale_sigma(session.setup.stopwatch)) for b in checks]
 
 
 def belt_note(session: Session) -> str:

@@ -13,7 +13,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
-from typing import Any
 
 from ..base.files import csv_rows, read_text
 from ..model.checks import check_choice
@@ -42,6 +41,7 @@ EVENTS = (
     "connect",
 )
 ON_READINGS = ("void", "restore", "undo")
+INCLINED = ("station", "zero")  # kinds whose errors the session's [instruments] state
 Numbered = dict[int, Row]  # rows by the numbers of their readings
 
 
@@ -65,9 +65,10 @@ def read_format_2(setup: Setup, folder: Path) -> Session:
         common = {"number": number, "voided": number in voided, "comment": comment}
         common |= {"time_utc": row["time_utc"]}
         with located(row["where"]):
-            reading = make_reading(row, common | _track(row, kind, folder))
-            reading = _with_instruments(reading, _setup_of(row, setups))
-            session = session.with_reading(reading)
+            setup = _setup_of(row, setups)
+            if number not in voided:
+                check_instruments(row, setup, setups[-1])
+            session = session.with_reading(make_reading(row, common | _track(row, kind, folder)))
     if left_out:
         kinds = ", ".join(sorted(left_out))
         notes.append(f"{left_out.total()} reading(s) of kinds not used here ({kinds}) left out")
@@ -203,10 +204,23 @@ def _replaced_later(restored: Event, rows: Numbered) -> bool:
     )
 
 
-def _with_instruments(reading: Any, setup: Setup) -> Any:
-    """Return a reading that keeps the instruments it was taken with, whatever is amended later."""
-    of = {"uncertainty": setup.uncertainty, "treadmill": setup.treadmill, "watch": setup.stopwatch}
-    return replace(reading, **{name: tool for name, tool in of.items() if hasattr(reading, name)})
+def check_instruments(row: Row, then: Setup, now: Setup) -> None:
+    """Raise BadInput if what a reading was measured with is not what the session states now.
+
+    then, now: the set-up under which it was taken, and the last one.
+    """
+    timed = row["kind"] == "belt" or "places" in words_of(row)
+
+    def measured_with(setup: Setup) -> list[object]:
+        shown = replace(setup.uncertainty, mass_sigma=0.0), setup.treadmill.incline_step_rad
+        return [*(shown if row["kind"] in INCLINED else ()), *([setup.stopwatch] if timed else [])]
+
+    if measured_with(then) != measured_with(now):
+        raise BadInput(
+            f"reading {row['reading']} was taken with other instruments: a session has one set of "
+            "instruments. Begin a new session for others; correct in session.toml what was "
+            "mistyped there"
+        )
 
 
 def _track(row: Row, kind: type[Taken], folder: Path) -> dict[str, Track]:

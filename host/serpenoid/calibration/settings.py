@@ -370,8 +370,7 @@ def changed(setup: Setup, values: Mapping[str, Any]) -> Setup:
 def amended(setup: Setup, text: str, folder: Path) -> Setup:
     """Return a set-up with an amendment's line of TOML applied; raises BadInput.
 
-    [instruments] and [plan] hold from here on. [robot] and [laboratory] correct what was mistyped
-    or left open, for all of the session.
+    [plan] holds from here on. [robot], [laboratory] and [instruments] hold for all of the session.
     """
     path = folder / "events.csv"
     try:

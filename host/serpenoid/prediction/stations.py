@@ -52,7 +52,7 @@ def places(
     now = kept[-1].lambda_rad if kept[-1].bend == bent else 0.0
     fastest = session.setup.procedure.belt_speed_max_m_s
     steepest = max(MOST_INCLINE_RAD, float(shown.max()))
-    near, (zero,) = _AS_GOOD * given.lambda_sigma_rad, session.zeros_rad(kept[-1:])
+    near, zero = _AS_GOOD * given.lambda_sigma_rad, session.zero.value_rad
     weight_n = session.setup.weight_n
     grade_step = session.setup.treadmill.incline_step_rad
     slips: dict[tuple[Series, float], float] = {}

@@ -32,7 +32,6 @@ def test_intervals_hold_the_truth_of_other_worlds(world):
 class Mean:
     """One friction that a reading shows but for a normal error and one of the pool."""
 
-    eliminated = 0
     numbers = np.zeros(1, dtype=int)
     unknowns = (Unknown("ct", friction=True), Unknown("rounding 0"))
     pool = ("rounding 0",), np.linspace(-1.0, 1.0, 2001)[:, None] * math.sqrt(3)

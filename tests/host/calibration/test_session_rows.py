@@ -5,16 +5,15 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from refusals import refused
 from robots import NIRAKH_2005
 from serpenoid import fit_friction, load_session
-from serpenoid.calibration.fitting.stations import Stations
 from serpenoid.calibration.kinds.checks import ZeroReading
 from serpenoid.calibration.kinds.rows import READING_COLUMNS
 from serpenoid.calibration.session_file import read_session
 from serpenoid.calibration.session_rows import EVENT_COLUMNS, read_events
+from serpenoid.calibration.taking.journal import Journal
 
 SETUP = """
 format = 2
@@ -148,54 +147,48 @@ def test_the_zero_is_the_mean_and_doubts_what_moved(folder):
     assert math.degrees(session.zero.value_rad) == pytest.approx(0.115)
     # Each zero has 0.03 / sqrt(2), their mean 0.015; half of what moved is 0.015.
     assert math.degrees(session.zero.sigma_rad) == pytest.approx(math.hypot(0.015, 0.015))
-    reading = load_session(NIRAKH_2005).readings[0]
-    assert session.zeros_rad([reading]) == [session.zero.value_rad]
 
 
-def test_a_zero_that_moved_by_more_than_its_errors_is_followed(folder):
-    taken = read_session(folder)
+def test_a_zero_that_moved_by_more_than_its_errors_is_in_the_uncertainty_and_told(folder):
     before = ZeroReading(1, math.radians(0.3), math.radians(-0.1))
     after = ZeroReading(5, math.radians(0.5), math.radians(0.1), before=False)
-    reading = replace(load_session(NIRAKH_2005).readings[0], number=3)
-    session = replace(taken, zeros=(before, after), readings=(reading,))
-    # A quarter of 0.2 is left of what moved.
-    assert math.degrees(session.zero.sigma_rad) == pytest.approx(math.hypot(0.015, 0.05))
-    found = session.zeros_rad([replace(reading, number=n) for n in (1, 2, 4, 9)])
-    assert np.degrees(found) == pytest.approx([0.1, 0.15, 0.25, 0.3])
-    assert session.sha256 != replace(session, zeros=(before, replace(after, number=6))).sha256
-    fit = fit_friction(replace(load_session(NIRAKH_2005), zeros=(before, after)))
-    assert "drifted evenly" in " ".join(fit.notes)
+    zero = replace(read_session(folder), zeros=(before, after)).zero
+    assert math.degrees(zero.value_rad) == pytest.approx(0.2)
+    assert math.degrees(zero.sigma_rad) == pytest.approx(math.hypot(0.015, 0.1))
+    moved, stood = (
+        fit_friction(replace(load_session(NIRAKH_2005), zeros=(before, last)))
+        for last in (after, replace(before, number=5, before=False))
+    )
+    assert "zero moved" in " ".join(moved.notes)
+    assert "zero moved" not in " ".join(stood.notes)
+    assert moved.parameters["ft0"].sigma > 1.5 * stood.parameters["ft0"].sigma
 
 
 @pytest.mark.parametrize(
-    "change",
+    ("change", "kept"),
     [
-        "instruments.incline_step_percent = 1.0",
-        "instruments.incline_zero_sigma_deg = 0.4",
-        "instruments.belt_scale_sigma_percent = 8",
-        "instruments.joint_sigma_deg = 2",
-        "instruments.lambda_sigma_deg = 2",
+        ("instruments.incline_step_percent = 1.0", {}),
+        ("instruments.incline_zero_sigma_deg = 0.4", {}),
+        ("instruments.belt_scale_sigma_percent = 8", {"kind": "zero", "reversed_deg": -2}),
+        ("instruments.time_sigma_s = 0.5", {"more": '"places=0:0,2:0.045,4:0.13"'}),
     ],
 )
-def test_no_amendment_changes_what_was_read_before_it(folder, change):
-    rows = [reading(k, incline_deg=2.0 + 0.3 * k, belt_speed_m_s=0.2 * k) for k in (1, 2, 3)]
-    append(folder, *rows)
-    session = load_session(folder)
-    before, hashed = Stations.of(session), session.sha256
+def test_instruments_that_changed_in_mid_session_are_refused(folder, change, kept):
+    append(folder, reading(1, **kept), reading(2, **RAN))
+    before = load_session(folder)
+    with Journal(folder) as journal, refused("reading 1 was taken with other instruments"):
+        journal.event("amend", detail=change)
+    assert load_session(folder).sha256 == before.sha256
     append(folder, event("amend", detail=f'"{change}"'), to="events.csv")
-    session = load_session(folder)
-    after = Stations.of(session)
-    before, after = (
-        {**vars(data), **vars(data.tracks), **vars(data.bends)} for data in (before, after)
-    )
-    for name in before.keys() - {"tracks", "bends"}:
-        np.testing.assert_array_equal(after[name], before[name], err_msg=name)
-    assert session.sha256 == hashed
-    append(folder, reading(4, setup=2, incline_deg=3.5, belt_speed_m_s=0.7))
-    with_new = load_session(folder).sha256
-    own = folder / "readings.csv"
-    own.write_text(own.read_text().replace("4,station,,2", "4,station,,1"))
-    assert load_session(folder).sha256 != with_new  # the same reading by other instruments
+    with refused("reading 1 was taken with other instruments.*correct in session.toml"):
+        load_session(folder)
+
+
+def test_instruments_stated_before_the_first_reading_hold_for_all(folder):
+    change = "instruments.incline_zero_sigma_deg = 0.4"
+    append(folder, event("amend", detail=f'"{change}"'), to="events.csv")
+    append(folder, reading(1, setup=2))
+    assert math.degrees(load_session(folder).zero.sigma_rad) == pytest.approx(0.4)
 
 
 def test_void_restore_and_redo(folder):

@@ -44,13 +44,13 @@ class Bends:
     @classmethod
     def of(cls, session: Session, readings: Sequence[Reading | Coast], where: str = "") -> Bends:
         """Take the bends of some of a session's readings."""
-        given, links = [session.uncertainty_of(r) for r in readings], session.setup.robot.links
+        given, links = session.setup.uncertainty, session.setup.robot.links
         lambda_rad = np.array([r.lambda_rad for r in readings], dtype=float)
-        sigma_rad = np.array([g.lambda_sigma_rad for g in given], dtype=float)
+        sigma_rad = np.full(len(readings), given.lambda_sigma_rad)
         share = np.array([session.bent_share(r) for r in readings], dtype=float)
         bent = np.round(share * links).astype(int).tolist()
         factors = np.array([straightness_factors(links, b) for b in bent]).reshape(-1, 2).T
-        off_rad = np.array([g.joint_sigma_rad for g in given]) * (1.0 - share) * factors
+        off_rad = given.joint_sigma_rad * (1.0 - share) * factors
         posture, angles, sigmas = postures(lambda_rad, sigma_rad, _settings(session, readings))
         return cls(lambda_rad, share, posture, off_rad, angles, sigmas, where)
 

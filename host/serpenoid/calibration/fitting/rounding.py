@@ -9,15 +9,9 @@ they would make ct and cn look better known than they are.
 So phi is drawn evenly, and h, known to a hundredth alone, as a normal distribution. What the errors
 then have in common is their correlation; how far they may reach together is told by the draws
 themselves, for sawteeth have no tails.
-
-A zero that drifts shifts the sawtooth's phase: a set point that is read again later is rounded
-another way. How far it drifted is known from its readings before and after, with an error of its
-own, which the readings share, too: none in the middle of the session, opposite ones at its ends.
 """
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,20 +24,7 @@ DRAWS = 1024
 _TRIALS = 256
 _LEAST_STEP = 1.5  # of the treadmill in the inclinometer's; below, set points cannot be told apart
 _ON_GRID, _SLACK = 0.02, 0.1  # in steps of the inclinometer
-_GOLDEN, _PLASTIC = (5**0.5 - 1) / 2, 0.7548776662466927
-_STILL = 0.25  # of the inclinometer's step: a zero that has moved less has not moved
-
-
-@dataclass(frozen=True)
-class Drift:
-    """Where the zero stood at each reading, and the standard deviation of how far it moved."""
-
-    zero_rad: Floats
-    sigma_rad: float
-
-    def of(self, own: Whole) -> Drift:
-        """Return that of some of the readings, the share of the way kept."""
-        return Drift(self.zero_rad[own], self.sigma_rad)
+_GOLDEN = (5**0.5 - 1) / 2
 
 
 def shown_step_rad(shown_rad: Floats, sigma_rad: float) -> float | None:
@@ -60,9 +41,7 @@ def shown_step_rad(shown_rad: Floats, sigma_rad: float) -> float | None:
     return None
 
 
-def set_points(
-    shown_rad: Floats, step_rad: float, grade_step: float, slack_rad: float = 0.0
-) -> Whole | None:
+def set_points(shown_rad: Floats, step_rad: float, grade_step: float) -> Whole | None:
     """Return which of its steps the treadmill stood at, from any one; None where it had none."""
     if grade_step < _LEAST_STEP * step_rad:
         return None
@@ -70,7 +49,7 @@ def set_points(
     nearest = np.round(grade / grade_step)
     off = np.abs(grade - nearest * grade_step).max(axis=0)
     best = int(off.argmin())
-    if off[best] > (0.5 + _SLACK) * step_rad + grade_step / _TRIALS + slack_rad:
+    if off[best] > (0.5 + _SLACK) * step_rad + grade_step / _TRIALS:
         return None
     return nearest[:, best].astype(np.intp)
 
@@ -90,59 +69,26 @@ def _normal(irrational: float) -> Floats:
     return np.asarray(ndtri((np.arange(DRAWS) * irrational + 0.5) % 1.0), dtype=np.float64)
 
 
-def shared_rounding(
-    shown_rad: Floats, sigma_rad: float, grade_step: float, drift: Drift
-) -> tuple[Whole, Floats] | None:
-    """Return which rounding error each reading has, and (DRAWS, errors) draws of them, rad.
+def shared_rounding(shown_rad: Floats, sigma_rad: float, grade_step: float) -> tuple[Whole, Floats]:
+    """Return which shared rounding error each reading has (-1: none), and draws of them, rad.
 
-    The drift's own error is in them. Readings of one set point that showed the same while the zero
-    stood still share an error; where one showed now this, now that, it is not held exactly, and
-    goes with no other. None where the readings do not lie on the inclinometer's steps, or not on
-    the treadmill's: then nothing tells that their errors go together.
+    The draws are (DRAWS, errors). Readings of one set point that showed the same share an error;
+    where one showed now this, now that, it is not held exactly, and goes with no other. None is
+    shared where the readings do not lie on the inclinometer's steps, or not on the treadmill's:
+    then nothing tells that their errors go together.
     """
+    alone = np.full(len(shown_rad), -1, dtype=np.intp), np.empty((DRAWS, 0))
     step_rad = shown_step_rad(shown_rad, sigma_rad)
-    if step_rad is None:
-        return None
-    level, slack_rad = shown_rad - drift.zero_rad, 2.0 * drift.sigma_rad
-    points = set_points(level, step_rad, grade_step, slack_rad)
-    if points is None:
-        return None
+    points = None if step_rad is None else set_points(shown_rad, step_rad, grade_step)
+    if step_rad is None or points is None:
+        return alone
     shown = np.round(shown_rad / step_rad).astype(np.intp)
-    stood = np.round(drift.zero_rad / (_STILL * step_rad)).astype(np.intp)
-    groups, index = np.unique(np.column_stack([points, stood, shown]), axis=0, return_inverse=True)
-    index = index.astype(np.intp).ravel()
-    zero_rad = np.bincount(index, drift.zero_rad) / np.bincount(index)
-    share = (zero_rad - np.mean(drift.zero_rad)) / (np.ptp(drift.zero_rad) or 1.0)
-    moved = drift.sigma_rad * _normal(_PLASTIC)[:, None] * share
+    groups, index = np.unique(np.column_stack([points, shown]), axis=0, return_inverse=True)
     even, phase = _phases(groups[:, 0], step_rad, grade_step)
-    phase = phase + (zero_rad + moved) / step_rad
-    for k in np.flatnonzero((np.diff(groups[:, :2], axis=0) == 0).all(axis=1)) + 1:
+    for k in np.flatnonzero(np.diff(groups[:, 0]) == 0) + 1:
         phase[:, k] = np.random.default_rng(k).permutation(even)
-    return index, moved + step_rad * (np.round(phase) - phase)
-
-
-def roundings(
-    shown_rad: Floats, sigma_rad: Floats, grade_step: Floats | float, drift: Drift
-) -> tuple[Whole, Floats, Floats]:
-    """Return which shared rounding error each reading has (-1: none), their sigmas, draws.
-
-    Readings of inclinometers that err differently share nothing, nor do those of treadmills with
-    other steps.
-    """
-    steps = np.broadcast_to(np.asarray(grade_step, dtype=float), np.shape(sigma_rad))
-    index = np.full(len(shown_rad), -1, dtype=np.intp)
-    draws = np.empty((DRAWS, 0))
-    for sigma, step in np.unique(np.column_stack([sigma_rad, steps]), axis=0).tolist():
-        alike = np.flatnonzero((sigma_rad == sigma) & (steps == step))
-        shared = shared_rounding(shown_rad[alike], sigma, step, drift.of(alike))
-        if shared is not None:
-            count = draws.shape[1]
-            index[alike] = count + shared[0]
-            # another inclinometer's phase is another's: shuffled
-            shuffle = np.random.default_rng(count).permutation(DRAWS)
-            draws = np.column_stack([draws, shared[1][shuffle]])
-    sigmas = draws.std(axis=0)
-    return index, sigmas, draws / sigmas
+    errors = step_rad * (np.round(phase) - phase)
+    return index.astype(np.intp).ravel(), errors[np.random.default_rng(0).permutation(DRAWS)]
 
 
 def nearest_shown(

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from ..session import Session
 from .bends import Bends, frictions_in, resistance
-from .rounding import Drift, roundings
+from .rounding import shared_rounding
 from .shared import FRICTIONS, rolling_share
 from .tracks import Tracks
 from .unknowns import Floats, Unknown, Values, Whole
@@ -71,31 +71,27 @@ class Stations:
         """Take a session's kept stations."""
         kept = session.kept
         belt, belt_sigma = session.belt_scale
-        given = [session.uncertainty_of(r) for r in kept]
-        bends = Bends.of(session, kept)
-        steps = np.array([session.grade_step_of(r) for r in kept], dtype=float)
-        zero_sigma_rad = np.array(session.zero_sigmas_rad(kept), dtype=float)
+        given, same = session.setup.uncertainty, np.ones(len(kept))
+        bends, zero = Bends.of(session, kept), session.zero
         shown_rad = np.array([r.incline_rad for r in kept], dtype=float)
-        incline_sigma_rad = np.array([g.incline_sigma_rad for g in given], dtype=float)
-        zeros_rad = np.array(session.zeros_rad(kept))
-        drifts = session.zero_drifts
-        drift = Drift(zeros_rad * drifts, session.zero_drift_sigma_rad if drifts else 0.0)
         tracks = _tracks(session)
         inertia_n, inertia_sigma_n = tracks.inertia()
-        rounding, sigma_rad, draws = roundings(shown_rad, incline_sigma_rad, steps, drift)
+        step = session.setup.treadmill.incline_step_rad
+        rounding, draws = shared_rounding(shown_rad, given.incline_sigma_rad, step)
+        sigma_rad = draws.std(axis=0)
         return cls(
             numbers=np.array([r.number for r in kept], dtype=np.intp),
             bends=bends,
-            incline_rad=shown_rad - zeros_rad,
+            incline_rad=shown_rad - zero.value_rad,
             slip_m_s=np.array([belt * r.belt_speed_m_s - r.drift_m_s for r in kept], dtype=float),
-            incline_sigma_rad=np.where(rounding < 0, incline_sigma_rad, 0.0),
-            speed_sigma_m_s=np.array([g.belt_speed_sigma_m_s for g in given], dtype=float),
+            incline_sigma_rad=np.where(rounding < 0, given.incline_sigma_rad, 0.0),
+            speed_sigma_m_s=given.belt_speed_sigma_m_s * same,
             back=np.array([r.facing == "up" for r in kept], dtype=bool),
             rounding=rounding,
             rounding_sigma_rad=sigma_rad,
-            rounding_draws=draws,
+            rounding_draws=draws / sigma_rad,
             weight_n=session.setup.weight_n,
-            zero_sigma_rad=np.where(zero_sigma_rad > 0.0, zero_sigma_rad, ZERO_SIGMA_RAD),
+            zero_sigma_rad=(zero.sigma_rad or ZERO_SIGMA_RAD) * same,
             tracks=tracks,
             inertia_n=inertia_n,
             inertia_sigma_n=inertia_sigma_n,
@@ -209,7 +205,7 @@ def _tracks(session: Session) -> Tracks:
     mass_kg = setup.robot.links * setup.robot.link_mass_kg
     return Tracks.of(
         [r.places for r in kept],
-        [r.watch or setup.stopwatch for r in kept],
+        [setup.stopwatch] * len(kept),
         mass_kg,
         rolling_share(setup.floor.wheels_kg, mass_kg),
     )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ...model.errors import BadInput
 from .declaration import Field, Taken
-from .instruments import MAX_SPEED_M_S, Stopwatch, Uncertainty
+from .instruments import MAX_SPEED_M_S, Stopwatch
 from .station import BEND_WORD, LAMBDA, MAX_INCLINE_DEG
 
 LIKELY_DEG = (-5.0, 5.0)
@@ -49,7 +49,6 @@ class ZeroReading(Taken):
     voided: bool = False
     comment: str = ""
     time_utc: str = ""
-    uncertainty: Uncertainty | None = None
 
     @property
     def zero_rad(self) -> float:
@@ -130,7 +129,6 @@ class BeltCheck(Taken):
     voided: bool = False
     comment: str = ""
     time_utc: str = ""
-    watch: Stopwatch | None = None  # that it was timed with; None: the session's
 
     def __post_init__(self) -> None:
         Taken.__post_init__(self)

@@ -9,7 +9,7 @@ from typing import Any
 from ...model.bends import balanced_signs
 from ...model.errors import BadInput
 from .declaration import PLANNED, READ, Field, Taken, Word
-from .instruments import MAX_SPEED_M_S, Stopwatch, TreadmillSteps, Uncertainty
+from .instruments import MAX_SPEED_M_S, Stopwatch
 from .places import drifts, tidy_places
 
 FACINGS = ("down", "up")
@@ -38,11 +38,10 @@ class Reading(Taken):
     forwards. drift_m_s: what was left of the snake's own motion, positive when carried along with
     the belt. voided: not to be used, for the reason in comment. time_utc: ISO 8601, empty if not
     recorded. facing: "down" the incline, or "up": the wheels then roll backwards, which tells a
-    ratchet. uncertainty, treadmill: of the instruments it was taken with, None for those of the
-    session's set-up. turned_rad: heading when it was read. offset_rad: steering on every joint.
+    ratchet. turned_rad: heading when it was read. offset_rad: steering on every joint.
     waited_s: how long the belt had run at this speed; each None where nobody told. places: of a
     short reading, where the robot was at some times while it still drifted (`kinds.places`); the
-    drift is then the mean. watch: what these were timed with. Raises BadInput.
+    drift is then the mean. Raises BadInput.
     """
 
     kind = "station"
@@ -91,15 +90,12 @@ class Reading(Taken):
     voided: bool = False
     comment: str = ""
     time_utc: str = ""
-    uncertainty: Uncertainty | None = None
     facing: str = "down"
     bend: str = "zigzag"
     turned_rad: float | None = None
     offset_rad: float | None = None
     waited_s: float | None = None
-    treadmill: TreadmillSteps | None = None
     places: str = ""
-    watch: Stopwatch | None = None
 
     def __post_init__(self) -> None:
         Taken.__post_init__(self)

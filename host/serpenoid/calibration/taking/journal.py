@@ -34,7 +34,7 @@ from ..kinds.rows import (
 from ..kinds.tracks import Samples, Track
 from ..session import Session
 from ..session_file import read_session
-from ..session_rows import EVENT_COLUMNS, ON_READINGS, TORN, reading_rows
+from ..session_rows import EVENT_COLUMNS, ON_READINGS, TORN, check_instruments, reading_rows
 from ..settings import amended
 
 LOCK = ".lock"
@@ -168,7 +168,10 @@ class Journal:
         if event == "restore":
             detail = f"after reading {self.last}"
         if event == "amend":
-            amended(self.session.setup, detail, self.folder)
+            setup = amended(self.session.setup, detail, self.folder)
+            void = {reading.number for reading in self.session.numbered if reading.voided}
+            for row in (self.rows[number] for number in self.rows.keys() - void):
+                check_instruments(row, self.session.setup, setup)
         row = {"time_utc": utc_now(), "event": event, "reading": str(reading or "")}
         self._append("events.csv", EVENT_COLUMNS, [row | {"detail": detail}])
 

@@ -28,9 +28,9 @@ SAME = 0.005
 LATER = "later"  # answers for what nobody has measured yet
 NOT_SAID = "not said"
 TEXT = """\
-# How this session was set up. Changes are made by `serpenoid calibrate amend`: those of instruments
-# and plan hold from then on, so that each reading keeps those it was taken with; those of robot and
-# laboratory correct what was mistyped, for all of the session. Another robot is another session.
+# How this session was set up. Changes are made by `serpenoid calibrate amend`: those of the plan
+# hold from then on; those of robot and laboratory correct what was mistyped, for the whole session;
+# instruments change before the first reading. Another robot or instrument is another session.
 format = 2
 name = {name}
 program = {program}

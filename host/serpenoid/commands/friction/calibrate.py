@@ -201,10 +201,11 @@ def redo(folder: Path, number: int, cells: tuple[str, ...], comment: str) -> Non
 @FOLDER
 @click.argument("changes", nargs=-1, required=True, metavar="TABLE.ENTRY=VALUE...")
 def amend(folder: Path, changes: tuple[str, ...]) -> None:
-    """Change instruments or plan from here on: `instruments.lambda_sigma_deg=0.3`.
+    """Change the plan from here on: `plan.gait_runs=2`.
 
     Or correct what was mistyped, for all of the session: `robot.mass_kg=480g`,
-    `laboratory.surface="rubber belt"`.
+    `laboratory.surface="rubber belt"`. Or, before the first reading, state the instruments:
+    `instruments.lambda_sigma_deg=0.3`.
     """
     from ...calibration.taking.parse_number import amendment
 
@@ -216,7 +217,7 @@ def amend(folder: Path, changes: tuple[str, ...]) -> None:
     if all(change.startswith(("robot.", "laboratory.")) for change in changes):
         say("corrected, for all of the session")
     else:
-        say("amended; readings from here on are under this, earlier ones under theirs")
+        say("amended")
 
 
 @calibrate.command()
