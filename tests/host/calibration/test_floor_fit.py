@@ -22,7 +22,7 @@ from serpenoid import Ground, Robot, fit_friction
 from serpenoid.calibration.fitting.bends import resistance
 from serpenoid.calibration.fitting.rolling_law import rest, way_m
 from serpenoid.calibration.floor.look import look_at
-from serpenoid.calibration.floor.slip import Slip
+from serpenoid.calibration.floor.slip import Slip, Start
 from serpenoid.calibration.floor.tracks import PushTrack
 from serpenoid.calibration.kinds.tracks import Track
 from serpenoid.calibration.push_paths import push_paths
@@ -82,31 +82,40 @@ def test_pushes_tell_all_four_and_the_floor():
 
 
 @pytest.mark.parametrize("bend_deg", [20.0, 45.0])
-def test_a_slipping_push_goes_where_the_labs_rigid_body_goes(bend_deg):
-    """On a floor that falls by 0.6 degrees."""
-    bend, across, links = math.radians(bend_deg), 0.0105, 8
+@pytest.mark.parametrize(("across", "crooked_deg", "turning_deg_s"), [(0.0105, 0, 0), (0, 2, -4)])
+def test_a_slipping_push_goes_where_the_labs_rigid_body_goes(
+    bend_deg, across, crooked_deg, turning_deg_s
+):
+    """On a floor that falls by 0.6 degrees, and let go crooked and turning."""
+    bend, crooked, links = math.radians(bend_deg), math.radians(crooked_deg), 8
     whole, mass = np.array(TRUTH) * links / 6, MASS * links / 6
     lab = LabRobot.whole(Robot(links, MASS / 6, 0.076), Ground(*whole))
-    track = Floor(lab, across_rad=across).push(pose_of(balanced_signs(links), bend), Push(0.9))
+    push = Push(0.9, heading_rad=crooked, rate_rad_s=math.radians(turning_deg_s))
+    track = Floor(lab, across_rad=across).push(pose_of(balanced_signs(links), bend), push)
     rolled = track.t_s >= track.released_s
     t_s, x_m, y_m = (v[rolled] - v[rolled][0] for v in (track.t_s, track.x_m, track.y_m))
     along, sideways, end = (
         [float(v) / mass for v in np.ravel(resistance(whole, share, np.array([angle])))]
         for share, angle in ((1.0, bend), (1.0, math.pi / 2 - bend), (0.5, 2 * bend))
     )
-    law = one(0.9, *along)
-    x, y = Slip(bend, sideways[0], *end, 0.0).places(t_s, law, 9.81 * math.sin(across))
-    np.testing.assert_allclose(x, x_m, atol=4e-4)
-    np.testing.assert_allclose(y, y_m, atol=4e-4)
-    assert x[-1] - rest(*law)[1][0] > 1e-3  # farther than without the slip
-    seen = t_s[::3], x_m[::3], y_m[::3]
-    assert "turned" in look_at(*seen).doubts[-1]
-    assert not any("turned" in doubt for doubt in look_at(*seen, slips=True).doubts)
+    law = one(0.9 * math.cos(crooked), *along)
+    start = Start(-0.9 * math.sin(crooked), push.rate_rad_s)
+    pull = 0.0, 9.81 * math.sin(across)
+    ahead, left, turned = Slip(bend, sideways[0], *end).places(t_s, law, pull, start, crooked)
+    place = (ahead + 1j * left) * np.exp(1j * crooked)
+    np.testing.assert_allclose(place.real, x_m, atol=4e-4)
+    np.testing.assert_allclose(place.imag, y_m, atol=4e-4)
+    assert turned[-1] == pytest.approx(track.turned_rad, abs=2e-3)
+    if across:
+        assert ahead[-1] - rest(*law)[1][0] > 1e-3  # farther than without the slip
+        seen = t_s[::3], x_m[::3], y_m[::3]
+        assert "turned" in look_at(*seen).doubts[-1]
+        assert not any("turned" in doubt for doubt in look_at(*seen, slips=True).doubts)
 
 
 @pytest.mark.parametrize("links", [4, 8])
 def test_a_robot_without_a_straight_link_slips_down_a_floor_that_falls_across(links):
-    """The lab's robot is a rigid body on wheels, let go turning; its floor falls by 0.6 degrees."""
+    """The lab's robot is a rigid body on wheels, let go crooked and turning."""
     body, whole, across = Robot(links, MASS / 6, 0.076), np.array(TRUTH) * links / 6, 0.0105
     floor = Floor(LabRobot.whole(body, Ground(*whole)), across_rad=across)
     record = MemoryRecord(replace(floor_setup(wheels_kg=0.0), robot=body))
@@ -114,13 +123,15 @@ def test_a_robot_without_a_straight_link_slips_down_a_floor_that_falls_across(li
     for bend in (0.0, 20.0, 45.0):
         pose = pose_of(balanced_signs(links), math.radians(bend))
         for way, direction in (("there", 0.0), ("back", math.pi)):
-            for rate in (-0.06, 0.0, 0.06):
-                track = floor.push(pose, Push(0.8, direction, rate_rad_s=rate))
+            for crooked in (-1.0, 0.0, 1.0):
+                more = {"heading_rad": 0.03 * crooked * (-1) ** links, "rate_rad_s": 0.06 * crooked}
+                track = floor.push(pose, Push(0.8, direction, **more))
                 rows = film(track, camera, rng)
                 rows = rows[rows[:, 0] > track.released_s, :3]
                 cells = {"lambda_deg": bend, "bend": "balanced", "way": way, "by": "film"}
                 record.add("coast", cells | {"distance_sigma_m": 5e-4}, samples=rows)
     fit = fit_friction(record.session)
+    assert fit.p_value > 0.01
     for (value, sigma), true in zip(fit.parameters.values(), whole, strict=True):
         assert abs(value - true) < 2.0 * sigma
     assert fit.whole_snake["fn0"] == pytest.approx(whole[3], rel=0.08)
@@ -211,6 +222,7 @@ def test_a_path_that_turns_feels_the_slope_where_it_heads():
     off_rad = 0.35 * at / 2.4 - 0.1
     way = np.interp(at, step * np.arange(len(ways)), ways)
     track = PushTrack(1, at, way, 0.001, 0.0, off_rad, "film")
-    rows = track.near(0.19, 0.29, np.zeros(2))
-    left, level = (rows(*one(c, f), np.array([[0.0, across]])) for across in (pull, 0.0))
+    no_slip = np.zeros(4)
+    rows = track.near(0.19, 0.29, np.zeros(2), no_slip)
+    left, level = (rows(*one(c, f), np.array([[0.0, a]]), no_slip[None]) for a in (pull, 0.0))
     assert np.abs(left).max() < 0.03 * np.abs(left - level).max()

@@ -19,6 +19,12 @@ def along(x_m: Floats, y_m: Floats, sigma_m: float) -> Floats:
     return ahead + np.polyval(longer, ahead) - np.polyval(longer, ahead[0])
 
 
+def across(x_m: Floats, y_m: Floats) -> Floats:
+    """Return how far each place is to the left of the chord, m."""
+    chord_rad = _curve(x_m, y_m, 0.0)[2]
+    return np.asarray(np.cos(chord_rad) * y_m - np.sin(chord_rad) * x_m)
+
+
 def turn_rad(x_m: Floats, y_m: Floats) -> float:
     """Return how far the path turns from its first place to its last, rad, + to the left."""
     directions = directions_rad(x_m, y_m, 0.0)

@@ -29,7 +29,7 @@ from ..fitting.shared import FRICTIONS, rolling_share
 from ..fitting.unknowns import Floats, Unknown, Values, Whole
 from ..kinds.station import slips
 from ..session import Session
-from .slip import Slip
+from .crooked import Sideways
 from .tracks import PushTrack, Rows, at_rest, tracks_of
 
 WHERE = " on the floor"
@@ -121,7 +121,8 @@ class Pushes:
     @property
     def numbers(self) -> Whole:
         """Return the push that each residual belongs to."""
-        counts = [2 if track.by == "film" else 1 for track in self.tracks]
+        of_film = np.where(self.slips, 3, 2)
+        counts = [of_film[k] if track.by == "film" else 1 for k, track in enumerate(self.tracks)]
         return np.repeat(np.array([t.number for t in self.tracks], dtype=np.intp), counts)
 
     pool = (), np.empty((0, 0))
@@ -161,24 +162,32 @@ class Pushes:
             for k, (track, _) in enumerate(self._without_slip(values))
         ]
 
-    def _without_slip(self, values: Values) -> list[tuple[PushTrack, Floats | float]]:
+    def _without_slip(self, values: Values) -> list[tuple[PushTrack, Sideways | None]]:
         """Return each push but for its slip at a point, as `PushTrack.without_slip` does."""
-        tracks: list[tuple[PushTrack, Floats | float]] = [(track, 0.0) for track in self.tracks]
+        tracks: list[tuple[PushTrack, Sideways | None]] = [(track, None) for track in self.tracks]
         if not self.slips.any():
             return tracks
         c, f, pull = (part[0] for part in self.law(values))
-        angles = np.broadcast_to(self.bends.angles_rad(values), (1, len(self.tracks)))
+        numbers = self._slip_numbers(values)[0]
+        for k in np.flatnonzero(self.slips):
+            tracks[k] = self.tracks[k].without_slip(c[k], f[k], pull[k], numbers[k])
+        return tracks
+
+    def _slip_numbers(self, values: Values) -> Floats:
+        """Return the numbers of each push's `Slip`, (K, N, 4); 0 where no push slips."""
+        angles = self.bends.angles_rad(values)
+        if not self.slips.any():
+            return np.zeros((1, len(self.tracks), 4))
         across = self._motion(values, (1.0, np.pi / 2 - angles))[0]
         c_end, f_end, _ = self._motion(values, (0.5, 2 * angles))
-        for k in np.flatnonzero(self.slips):
-            slip = Slip(angles[0, k], across[0, k], c_end[0, k], f_end[0, k], pull[k, 0])
-            tracks[k] = self.tracks[k].without_slip(c[k], f[k], pull[k], slip)
-        return tracks
+        parts = np.broadcast_arrays(angles, across, c_end, f_end)
+        return np.stack(parts, axis=2)
 
     def residuals(self, values: Values) -> Floats:
         """Return the residuals (K, rows)."""
         c, f, pull = self.law(values)
-        parts = {k: rows(c[:, k], f[:, k], pull[:, k]) for k, rows in self.rows.items()}
+        slip = self._slip_numbers(values)
+        parts = {k: rows(c[:, k], f[:, k], pull[:, k], slip[:, k]) for k, rows in self.rows.items()}
         rest = [k for k, track in enumerate(self.tracks) if track.by == "rest"]
         level = f[:, rest] - pull[:, rest, 0]
         off = at_rest([self.tracks[k] for k in rest], c[:, rest], level)[1]
@@ -188,9 +197,10 @@ class Pushes:
     def near(self, values: Values) -> Pushes:
         """Return the block with films linear about a point."""
         c, f, pull = (part[0] for part in self.law(values))
+        slip = self._slip_numbers(values)[0]
         rows = {
-            k: track.near(c[k], f[k], pull[k], by_slip)
-            for k, (track, by_slip) in enumerate(self._without_slip(values))
+            k: track.near(c[k], f[k], pull[k], slip[k], sideways)
+            for k, (track, sideways) in enumerate(self._without_slip(values))
             if track.by != "rest"
         }
         return replace(self, rows=rows) if rows else self

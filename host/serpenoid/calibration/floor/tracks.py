@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -12,16 +12,16 @@ from ..fitting.rolling_law import rest, way_m
 from ..fitting.unknowns import Floats
 from ..kinds.coast import Coast
 from ..session import Session
-from .arc import along, directions_rad
-from .slip import Slip
+from .arc import across, along, directions_rad
+from .crooked import CrookedPush, PushRows, Sideways
 
-Rows = Callable[[Floats, Floats, Floats], Floats]
+# Residuals (K, rows) by c, f (K,), the floor's pull (K, 2) and the slip's numbers (K, 4).
+Rows = Callable[[Floats, Floats, Floats, Floats], Floats]
 TAPE_M = 0.005  # of a way measured from where a hand let go
 _FILM_M = 0.001  # of a place, where nothing states it
 # A path further off the line of its floor was filmed by a camera that somebody turned.
 _CROOKED = math.radians(25.0)
 _NEWTON = 3
-_LEAST_PULL = 0.01  # across, m/s^2: below it slip grows with the pull's square as it does there
 _LEAST_SPEED_M_S = 1e-3
 _LEAST_DRY = 1e-6  # m/s^2, of a push that would not come to rest: it then takes long, not for ever
 
@@ -32,6 +32,7 @@ class PushTrack:
 
     Of a push that is known by its rest alone that one way and time. sigma_m, sigma_s: of a place
     and a time. off_rad: angle of the path to the line of its floor, at each time. by: as Coast's.
+    across_m: of a film, places to the left of a straight line.
     """
 
     number: int
@@ -41,6 +42,7 @@ class PushTrack:
     sigma_s: float
     off_rad: Floats
     by: str
+    across_m: Floats = field(default_factory=lambda: np.zeros(1))
 
     def profiled(self, c: Floats, f: Floats) -> tuple[Floats, ...]:
         """Return speed and place at the start (K,) and what remains, in sigmas, (K, rows).
@@ -62,31 +64,36 @@ class PushTrack:
         return np.array([np.cos(self.off_rad).mean(), np.sin(self.off_rad).mean()])
 
     def without_slip(
-        self, c: float, f: float, pull: Floats, slip: Slip
-    ) -> tuple[PushTrack, Floats]:
-        """Return the push as it was but for its slip, and how far that goes with the pull across.
+        self, c: float, f: float, pull: Floats, slip: Floats
+    ) -> tuple[PushTrack, Sideways]:
+        """Return the push as it was but for its slip, and what that does; arguments as of `near`.
 
-        c, f, pull: of the push, as for `near`. Near that pull slip carries the push further by the
-        second value, (T,), times the square of the pull across.
+        The angle to the line of the floor is then that of its axis.
         """
-        level = np.array([f - float(pull @ self.heading)])
-        law = self.profiled(np.array([c]), level)[0], np.array([c]), level
+        made = replace(self, off_rad=np.full_like(self.off_rad, self.off_rad[0]))
+        # The axis's direction follows from the slip, and that from the floor's pull along the axis.
+        made, _ = self._slipped(made, c, f, pull, slip)
+        return self._slipped(made, c, f, pull, slip)
 
-        def slipped(across: float) -> Floats:
-            """Return the way of a push with such a pull across."""
-            return along(*slip.places(self.t_s, law, across), self.sigma_m)
+    def _slipped(
+        self, made: PushTrack, c: float, f: float, pull: Floats, slip: Floats
+    ) -> tuple[PushTrack, Sideways]:
+        """Return what `without_slip` does, from a first answer to it."""
+        level = f - float(pull @ made.heading)
+        speed = float(made.profiled(np.array([c]), np.array([level]))[0][0])
+        law, axis_rad = (speed, c, level), float(made.off_rad[0])
+        known = self.t_s, self.across_m, self.sigma_m
+        sideways = CrookedPush(slip, law, pull, axis_rad, *known).near()
+        x_m, off_rad = self.x_m - sideways.further_m, self.off_rad - sideways.axis_rad
+        return replace(self, x_m=x_m, off_rad=off_rad), sideways
 
-        places = slip.places(self.t_s, law, pull[1])
-        further = along(*places, self.sigma_m) - way_m(self.t_s, *law)[0]
-        turned_rad = directions_rad(*places, self.sigma_m)
-        made = replace(self, x_m=self.x_m - further, off_rad=self.off_rad - turned_rad)
-        low, high = (by * max(abs(pull[1]), _LEAST_PULL) for by in (0.95, 1.05))
-        return made, (slipped(high) - slipped(low)) / (high**2 - low**2)
+    def near(
+        self, c: float, f: float, pull: Floats, slip: Floats, sideways: Sideways | None = None
+    ) -> Rows:
+        """Return the residuals near a point: c, f, the floor's pull (2,), the slip's numbers (4,).
 
-    def near(self, c: float, f: float, pull: Floats, by_slip: Floats | float = 0.0) -> Rows:
-        """Return the residuals (K, 2) of a film by c, f (K,) and the floor's pull (K, 2).
-
-        They are linear about a point but for slip. by_slip: the second value of `without_slip`.
+        Those of a film are two, linear about the point; of one that slips a third, by the floor's
+        pull across. sideways: the second value of `without_slip`.
         """
         level = f - float(pull @ self.heading)
         law = np.array([c]), np.array([level])
@@ -97,18 +104,21 @@ class PushTrack:
         by_pull = self._carried(speed, *law)
         # how far a turning path is from one at its mean angle, by the slopes as they are
         off = place + way - self.x_m + by_pull @ pull - slopes[2] * (level - f)
-        started = np.linalg.qr(np.stack([slopes[0], np.ones_like(way)], axis=1) / sigma)[0]
-        by_law = slopes[1:].T / sigma
-        basis, root = np.linalg.qr(by_law - started @ (started.T @ by_law))
-        by_pull = basis.T @ (by_pull / sigma)
-        at = basis.T @ (off / sigma[:, 0]) - by_pull @ pull - root @ [c, f]
-        slipped, square = basis.T @ (by_slip / sigma[:, 0]), pull[1] ** 2
-
-        def rows(c: Floats, f: Floats, pull: Floats) -> Floats:
-            linear = at + np.stack([c, f], axis=1) @ root.T + pull @ by_pull.T
-            return linear + (pull[:, 1:] ** 2 - square) * slipped
-
-        return rows
+        own = np.stack([slopes[0], np.ones_like(way)], axis=1) / sigma
+        rows = PushRows(off / sigma[:, 0], own, slopes[1:].T / sigma, by_pull / sigma)
+        shared = rows.by_law
+        if sideways is not None:
+            rows = rows.with_sideways(sideways, sigma[:, 0], self.heading)
+            shared = np.column_stack([rows.by_law, rows.by_pull[:, 1]])
+        own = np.linalg.qr(rows.own)[0]
+        basis, root = np.linalg.qr(shared - own @ (own.T @ shared))
+        root, by_pull = root[:, :2], basis.T @ rows.by_pull
+        at = basis.T @ rows.off - by_pull @ pull - root @ [c, f]
+        if sideways is None:
+            return lambda c, f, pull, _: at + np.stack([c, f], 1) @ root.T + pull @ by_pull.T
+        by_slip = basis.T @ rows.by_slip
+        by_all, at = np.hstack([root, by_pull, by_slip]), at - by_slip @ slip
+        return lambda c, f, pull, slip: at + np.column_stack([c, f, pull, slip]) @ by_all.T
 
     def _carried(self, speed: Floats, c: Floats, f: Floats) -> Floats:
         """Return how far (T, 2) accelerations of 1 along cos, and sin, of the path carry it.
@@ -201,8 +211,8 @@ def _track(push: Coast, time_sigma_s: float, off_rad: Floats | None) -> PushTrac
     sigma_m = push.distance_sigma_m or _FILM_M
     way = along(x, y, sigma_m)
     off = np.zeros_like(t) if off_rad is None else off_rad
-    sigma_s = push.time_sigma_s or 0.0
-    return PushTrack(push.number, t - t[0], way - way[0], sigma_m, sigma_s, off, push.by)
+    own = push.number, t - t[0], way - way[0], sigma_m, push.time_sigma_s or 0.0
+    return PushTrack(*own, off, push.by, across(x, y))
 
 
 def _off_line(pushes: tuple[Coast, ...], place: str) -> dict[int, Floats]:
