@@ -435,7 +435,7 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
             "`serpenoid calibrate amend DIR robot.mass_kg=480g` puts its mass in."
         )
     if session.kept and not session.zero.readings and session.setup.kind != "regenerated":
-        sigma_rad = max(session.zero_sigmas_rad(session.kept)) or ZERO_SIGMA_RAD
+        sigma_rad = session.zero.sigma_rad or ZERO_SIGMA_RAD
         notes.append(
             f"{NO_ZERO}: 0 ± {np.degrees(sigma_rad):.2g} degrees are assumed, which is "
             f"± {sigma_rad * session.setup.weight_n:.2g} N of ft0. Read it both ways round; that "

@@ -78,7 +78,7 @@ def shared_rounding(shown_rad: Floats, sigma_rad: float, grade_step: float) -> t
     then nothing tells that their errors go together.
     """
     alone = np.full(len(shown_rad), -1, dtype=np.intp), np.empty((DRAWS, 0))
-    step_rad = shown_step_rad(shown_rad, sigma_rad)
+    step_rad = shown_step_rad(shown_rad, sigma_rad) if len(shown_rad) else None
     points = None if step_rad is None else set_points(shown_rad, step_rad, grade_step)
     if step_rad is None or points is None:
         return alone
