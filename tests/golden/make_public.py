@@ -63,7 +63,7 @@ ANSWERS = (  # MINE is a session with a crawl; BENCH a servo's test
 )
 STATIONS = ((0, 2.02, 0.2), (0, 2.66, 0.8), (25, 3.02, 0.2), (25, 4.4, 0.8))
 CRAWL = "gait alpha_deg=70 beta_deg=75 distance_m=2.5 duration_s=20 omega_rad_s=5"
-KINDS = ("station", "bend", "zero", "belt", "gait", "video", "coast")
+KINDS = ("station", "bend", "zero", "belt", "gait", "video", "push")
 WORD = r"[^ ,|()]+"  # of a line of public.txt
 ODD = "zzzz"  # a name that nothing has: who reads it says which names there are
 

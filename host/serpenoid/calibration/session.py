@@ -19,9 +19,9 @@ from ..model.gait import Gait
 from ..model.robot import Robot
 from ..robot.wire.protocol import frame_us
 from .kinds.checks import BendCheck, ZeroReading
-from .kinds.coast import Coast
 from .kinds.gait import GaitRun
 from .kinds.instruments import FloorTools, Stopwatch, TreadmillSteps, Uncertainty
+from .kinds.push import Push
 from .kinds.rows import KINDS
 from .kinds.station import Reading, bent_share
 from .kinds.video import FilmReading
@@ -198,12 +198,12 @@ class Session:
         return (*self.kept_gait_runs, *(film.gait_run for film in self.kept_films))
 
     @property
-    def kept_pushes(self) -> tuple[Coast, ...]:
+    def kept_pushes(self) -> tuple[Push, ...]:
         """Return the pushes along a floor that were not voided."""
-        return self._kept("coast")
+        return self._kept("push")
 
     @property
-    def fitted(self) -> tuple[Reading | Coast, ...]:
+    def fitted(self) -> tuple[Reading | Push, ...]:
         """Return what a friction fit rests on, in the order of its residuals."""
         return (*self.kept, *self.kept_pushes)
 
@@ -311,7 +311,7 @@ class Session:
         """Return the error of one zero: two readings of the inclinometer, halved."""
         return self.setup.uncertainty.incline_sigma_rad / math.sqrt(2)
 
-    def bent_share(self, reading: Reading | Coast) -> float:
+    def bent_share(self, reading: Reading | Push) -> float:
         """Return which share of the links stands at lambda in a reading; 0 where straight."""
         if not reading.lambda_rad:
             return 0.0

@@ -19,7 +19,16 @@ from ..model.checks import check_choice
 from ..model.errors import BadInput
 from ..model.toml_table import check_names, located
 from .kinds.declaration import Taken
-from .kinds.rows import DOUBTFUL, KINDS, READING_COLUMNS, TRACK_WORDS, Row, make_reading, words_of
+from .kinds.rows import (
+    DOUBTFUL,
+    KINDS,
+    OLD_KINDS,
+    READING_COLUMNS,
+    TRACK_WORDS,
+    Row,
+    make_reading,
+    words_of,
+)
 from .kinds.tracks import FOLDER, Track, read_track
 from .session import Event, Session, Setup
 from .settings import amended
@@ -170,7 +179,7 @@ def _numbered(path: Path, notes: list[str]) -> Numbered:
                     "order of the lines counts"
                 )
             latest = row["time_utc"] or latest
-        rows[number] = row
+        rows[number] = {**row, "kind": OLD_KINDS.get(row["kind"], row["kind"])}
     return rows
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..calibration.fitting.posterior import Mode
 from ..calibration.fitting.rolling_law import rest, way_m
-from ..calibration.kinds.coast import WAYS, Coast
+from ..calibration.kinds.push import WAYS, Push
 from ..calibration.kinds.tracks import Track
 from ..calibration.session import Session
 from ..calibration.taking.expected import pull_of
@@ -39,13 +39,13 @@ def floor_options(session: Session, mode: Mode) -> Iterator[Option]:
         pushes = _pushes(session, law, posed, filmed)
         minutes = len(pushes) * PUSH_MIN + (0.0 if angle == last else BEND_MIN)
         told = f"pushes, {pose}, at {SPEED_M_S:g} m/s, one there and one back, {how}"
-        shown = NextReading("coast", times=len(pushes), minutes=minutes, told=told, **posed)
+        shown = NextReading("push", times=len(pushes), minutes=minutes, told=told, **posed)
         yield shown, [replace(session, further=(*session.further, *pushes))]
 
 
 def _pushes(
     session: Session, law: np.ndarray, posed: dict[str, Any], filmed: bool
-) -> Sequence[Coast]:
+) -> Sequence[Push]:
     """Return a push each way, as they would be seen; law: c and f of v' = -(c v + f)."""
     start = np.array([[SPEED_M_S], [law[0]], [law[1]]])
     rest_s, rest_m = (float(part[0]) for part in rest(*start))
@@ -59,4 +59,4 @@ def _pushes(
         cells = {"by": "film", "track": track, "distance_sigma_m": sigma_m}
     cells["place"] = session.kept_pushes[-1].place if session.kept_pushes else ""
     first = next_number(session)
-    return [Coast(first + k, way=way, **cells, **posed) for k, way in enumerate(WAYS)]
+    return [Push(first + k, way=way, **cells, **posed) for k, way in enumerate(WAYS)]

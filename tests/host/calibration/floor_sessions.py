@@ -98,7 +98,7 @@ def floor_session(
                 "by": "film",
                 "distance_sigma_m": sigma_m,
             }
-            record.add("coast", cells, samples=track)
+            record.add("push", cells, samples=track)
     return record.session
 
 

@@ -64,7 +64,7 @@ def mixed_session():
     for way in ("there", "back"):
         t, x = rolled_out(0.8, TRUTH)
         cells = {"lambda_deg": 0.0, "way": way}
-        record.add("coast", cells | {"distance_m": x[-1], "duration_s": t[-4001]})
+        record.add("push", cells | {"distance_m": x[-1], "duration_s": t[-4001]})
     return record.session
 
 
@@ -129,7 +129,7 @@ def test_a_robot_without_a_straight_link_slips_down_a_floor_that_falls_across(li
                 rows = film(track, camera, rng)
                 rows = rows[rows[:, 0] > track.released_s, :3]
                 cells = {"lambda_deg": bend, "bend": "balanced", "way": way, "by": "film"}
-                record.add("coast", cells | {"distance_sigma_m": 5e-4}, samples=rows)
+                record.add("push", cells | {"distance_sigma_m": 5e-4}, samples=rows)
     fit = fit_friction(record.session)
     assert fit.p_value > 0.01
     for (value, sigma), true in zip(fit.parameters.values(), whole, strict=True):
@@ -169,7 +169,7 @@ def test_tape_and_watch_leave_viscous_and_dry_friction_open():
             cells = {"lambda_deg": bend, "bend": "balanced", "way": ("there", "back")[k % 2]}
             cells["distance_m"] = x[-1] + 0.005 * rng.normal()
             cells["duration_s"] = t[-4001] + 0.12 * rng.normal()
-            record.add("coast", cells)
+            record.add("push", cells)
     with refused(r"ct and ft0 cannot be told from 8 push"):
         fit_friction(record.session)
 

@@ -136,8 +136,8 @@ def test_what_is_too_fast_or_too_long_for_a_push_is_not_taken(tmp_path):
         ]
         for more, told in typed:
             with refused(told):
-                journal.add("coast", cells | more)
-        assert journal.add("coast", cells | {"distance_m": 0.8, "duration_s": 3.0}) == 1
+                journal.add("push", cells | more)
+        assert journal.add("push", cells | {"distance_m": 0.8, "duration_s": 3.0}) == 1
 
 
 def test_the_scatter_of_a_robot_at_rest_is_no_push(tmp_path):
@@ -154,7 +154,7 @@ def test_a_doubtful_push_is_kept_and_void(tmp_path):
     short = filmed(4, 0.3)[0]
     with Journal(create_session(tmp_path / "s", floor_setup())) as journal:
         (kept,) = keep_pushes(journal, short, {"lambda_deg": 0.0})
-        (push,) = journal.session.of("coast")
+        (push,) = journal.session.of("push")
         assert push.voided
         assert "push harder" in push.comment
         assert "VOID" in kept.in_words()

@@ -27,10 +27,10 @@ def folder(tmp_path):
 def test_a_reading_is_kept_shown_voided_and_hashed(folder):
     with Journal(folder) as journal:
         before = journal.session.sha256
-        cells = read_cells("coast", ["lambda_deg=20", "turned_deg=2,5"], journal.session.setup)
-        assert journal.add("coast", cells | {"by": "film", "way": "back"}, samples=SAMPLES) == 1
+        cells = read_cells("push", ["lambda_deg=20", "turned_deg=2,5"], journal.session.setup)
+        assert journal.add("push", cells | {"by": "film", "way": "back"}, samples=SAMPLES) == 1
         assert journal.session.sha256 != before
-        (push,) = journal.session.of("coast")
+        (push,) = journal.session.of("push")
         assert (push.way, push.number) == ("back", 1)
         assert push.turned_rad == pytest.approx(math.radians(2.5))
         assert push.track.values == pytest.approx(np.array(SAMPLES))
@@ -38,7 +38,7 @@ def test_a_reading_is_kept_shown_voided_and_hashed(folder):
         assert (number, what) == ("1", "push back, bend 20°")
         assert "3 places" in values
         journal.event("void", 1, "hit a chair")
-        assert journal.session.of("coast")[0].voided
+        assert journal.session.of("push")[0].voided
         assert journal.session.sha256 == before
     assert (folder / "tracks" / "0001.csv").read_text().startswith("t_s,x_m,y_m\n0,0,0\n")
     header = (folder / "readings.csv").read_text().splitlines()[0]
@@ -47,7 +47,7 @@ def test_a_reading_is_kept_shown_voided_and_hashed(folder):
 
 def test_a_track_that_was_changed_or_lost_is_told(folder):
     with Journal(folder) as journal:
-        journal.add("coast", FILMED, samples=SAMPLES)
+        journal.add("push", FILMED, samples=SAMPLES)
     path = folder / "tracks" / "0001.csv"
     text = path.read_text()
     path.write_text(text.replace("0.05", "0.06"))
@@ -68,7 +68,7 @@ def test_a_track_that_was_changed_or_lost_is_told(folder):
 )
 def test_what_is_no_track_is_not_kept(folder, bad):
     with Journal(folder) as journal, refused("a track"):
-        journal.add("coast", FILMED, samples=bad)
+        journal.add("push", FILMED, samples=bad)
     assert not (folder / "tracks").exists()
     assert read_session(folder).further == ()
 

@@ -44,7 +44,7 @@ def with_backward(session, ways=("there", "back"), speeds=(0.7, 0.8, 0.9, 1.0)):
             "by": "film",
             "distance_sigma_m": 0.001,
         }
-        record.add("coast", cells, samples=track)
+        record.add("push", cells, samples=track)
     return record.session
 
 

@@ -114,6 +114,13 @@ def test_every_kind_of_reading_lands_in_its_place(folder):
     assert session.folder == folder
 
 
+def test_a_push_by_its_older_name_is_a_push(folder):
+    append(folder, reading(1, kind="coast", lambda_deg=0, distance_m=1, duration_s=2.1, more=""))
+    (push,) = read_session(folder).of("push")
+    assert push.in_words()[1] == "1.000 m in 2.10 s to rest"
+    assert push.kind == "push"
+
+
 def test_readings_of_ways_that_are_gone_are_left_out_by_name_and_the_fit_stays(folder):
     """A slide, a check of break-away and a push by marks in an older file."""
     stations = [
@@ -132,7 +139,7 @@ def test_readings_of_ways_that_are_gone_are_left_out_by_name_and_the_fit_stays(f
     )
     session = load_session(folder)
     assert (
-        "4 reading(s) of kinds not used here (breakaway, coast by marks, slide)"
+        "4 reading(s) of kinds not used here (breakaway, push by marks, slide)"
         in (session.notes[0])
     )
     assert fit_friction(session).intervals == before.intervals

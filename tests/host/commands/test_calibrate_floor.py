@@ -49,7 +49,7 @@ def test_a_session_is_begun_pushed_and_gone_on_with(tmp_path, tracks):
     assert "reading 1, there: " in first
     # a second process finds all of it, and what a kill left half written does not count
     with (folder / "readings.csv").open("a") as file:
-        file.write("2,coast,2026-")
+        file.write("2,push,2026-")
     again = run(f"calibrate {folder}", typed=f"\n\n\n{tracks[1]} cm\nundo\n{tracks[1]} cm\nquit\n")
     assert "Push 2 of 8, straight, BACK" in again
     assert "1 push and 0 gait runs kept" in again
@@ -81,7 +81,7 @@ def test_advice_and_report_of_a_floor(tmp_path):
         take_all(journal, person)
     advice = answer(f"advise {folder} --gait 70 75 0.5 --samples 16")
     best = advice["readings"][0]
-    assert best["kind"] == "coast"
+    assert best["kind"] == "push"
     assert best["band"] < advice["band"]
     assert 0 < best["minutes"] < 10
     page = tmp_path / "report.html"

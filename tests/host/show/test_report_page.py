@@ -11,8 +11,8 @@ import serpenoid as sn
 from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup
 from serpenoid import Comparison
 from serpenoid.calibration.kinds.checks import BendCheck, ZeroReading
-from serpenoid.calibration.kinds.coast import Coast
 from serpenoid.calibration.kinds.gait import GaitRun
+from serpenoid.calibration.kinds.push import Push
 from serpenoid.calibration.session import Event
 from serpenoid.prediction.comparison import ComparedGait
 from serpenoid.show.session.report_page import session_page
@@ -74,7 +74,7 @@ def test_the_page_says_what_it_must(made, page):
 def test_the_summary_and_the_counts_say_what_the_session_is(made, fit):
     assert "readings agree" in session_page(made, fit, None, None)
     assert "disagree by more than" in session_page(made, replace(fit, chi2=1e3), None, None)
-    push = Coast(90, 0.0, 1.0, 1.5, voided=True)
+    push = Push(90, 0.0, 1.0, 1.5, voided=True)
     page = session_page(replace(made, further=(push,)), fit, None, None)
     assert "2 voided" in page
     for row in fit.rows():

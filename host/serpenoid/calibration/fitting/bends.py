@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kinds.coast import Coast
+from ..kinds.push import Push
 from ..kinds.station import Reading
 from ..session import Session
 from .shared import FRICTIONS, straightness_factors
@@ -42,7 +42,7 @@ class Bends:
     where: str = ""
 
     @classmethod
-    def of(cls, session: Session, readings: Sequence[Reading | Coast], where: str = "") -> Bends:
+    def of(cls, session: Session, readings: Sequence[Reading | Push], where: str = "") -> Bends:
         """Take the bends of some of a session's readings."""
         given, links = session.setup.uncertainty, session.setup.robot.links
         lambda_rad = np.array([r.lambda_rad for r in readings], dtype=float)
@@ -151,11 +151,11 @@ def frictions_in(values: Values) -> Floats:
     return np.stack([values[name] for name in FRICTIONS if name in values], axis=-1)
 
 
-def _settings(session: Session, readings: Sequence[Reading | Coast]) -> Whole:
+def _settings(session: Session, readings: Sequence[Reading | Push]) -> Whole:
     """Return per reading which protractor check its bend was set by; -1 where none tells."""
     checks = [b for b in session.bends if not b.voided]
 
-    def of(reading: Reading | Coast) -> int:
+    def of(reading: Reading | Push) -> int:
         earlier = [
             k
             for k, b in enumerate(checks)

@@ -69,7 +69,7 @@ def floor_notes(session: Session, posterior: Posterior) -> list[str]:
     if not blocks:
         return []
     notes, rolls = [], blocks[0].rolling.rolling
-    voided = sum(push.voided for push in session.of("coast"))
+    voided = sum(push.voided for push in session.of("push"))
     if voided:
         notes.append(f"{voided} voided push(es) left out.")
     odd = _turned_round(session)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..fitting.rolling_law import rest, way_m
 from ..fitting.unknowns import Floats
-from ..kinds.coast import Coast
+from ..kinds.push import Push
 from ..session import Session
 from .arc import across, along, directions_rad
 from .crooked import CrookedPush, PushRows, Sideways
@@ -31,7 +31,7 @@ class PushTrack:
     """One push: the way x_m at times t_s, both from its first place.
 
     Of a push that is known by its rest alone that one way and time. sigma_m, sigma_s: of a place
-    and a time. off_rad: angle of the path to the line of its floor, at each time. by: as Coast's.
+    and a time. off_rad: angle of the path to the line of its floor, at each time. by: as Push's.
     across_m: of a film, places to the left of a straight line.
     """
 
@@ -197,10 +197,10 @@ def tracks_of(session: Session) -> tuple[PushTrack, ...]:
     )
 
 
-def _track(push: Coast, time_sigma_s: float, off_rad: Floats | None) -> PushTrack:
+def _track(push: Push, time_sigma_s: float, off_rad: Floats | None) -> PushTrack:
     if push.track is None:
         sigma_s = time_sigma_s if push.time_sigma_s is None else push.time_sigma_s
-        assert push.duration_s is not None  # Coast has checked
+        assert push.duration_s is not None  # Push has checked
         assert push.distance_m is not None
         one = np.ones(1)
         t, x = push.duration_s * one, push.distance_m * one
@@ -215,7 +215,7 @@ def _track(push: Coast, time_sigma_s: float, off_rad: Floats | None) -> PushTrac
     return PushTrack(*own, off, push.by, across(x, y))
 
 
-def _off_line(pushes: tuple[Coast, ...], place: str) -> dict[int, Floats]:
+def _off_line(pushes: tuple[Push, ...], place: str) -> dict[int, Floats]:
     """Return by number the angle of each filmed path to the line that all at one place follow.
 
     The line has no sense: a path there and one back along it are both at 0.

@@ -11,9 +11,9 @@ from typing import Any
 
 from ...model.errors import BadInput
 from .checks import BeltCheck, BendCheck, ZeroReading
-from .coast import Coast
 from .declaration import Cells, Taken, Word
 from .gait import GaitRun
+from .push import Push
 from .station import Reading
 from .video import FilmReading
 
@@ -27,9 +27,11 @@ KINDS: dict[str, type[Taken]] = {
         BeltCheck,
         GaitRun,
         FilmReading,
-        Coast,
+        Push,
     )
 }
+
+OLD_KINDS = {"coast": "push"}  # names of kinds in older files -> their names
 
 READING_COLUMNS = (
     "reading",
@@ -61,6 +63,7 @@ Row = Mapping[str, str]
 
 def kind_of(name: str) -> type[Taken]:
     """Return a kind of reading by its name; raises BadInput."""
+    name = OLD_KINDS.get(name, name)
     if name not in KINDS:
         raise BadInput(f"kind is {name!r}; it must be one of {', '.join(KINDS)}")
     return KINDS[name]
@@ -76,7 +79,7 @@ def reading_row(name: str, cells: Cells, plan: object = None) -> dict[str, str]:
     if plan is not None:
         cells = {c: getattr(plan, c) for c, w in words.items() if w.of_plan} | dict(cells)
     known = [f.column for f in kind.fields]
-    row, more = dict.fromkeys(READING_COLUMNS, "") | {"kind": name}, []
+    row, more = dict.fromkeys(READING_COLUMNS, "") | {"kind": kind.kind}, []
     for column, value in cells.items():
         text = value if isinstance(value, str) else f"{value:.10g}"
         if column in row:

@@ -12,7 +12,7 @@ import numpy as np
 from ..fitting.bends import projections
 from ..fitting.paper_fit import two_lines
 from ..fitting.stations import Stations
-from ..kinds.coast import FACINGS as PUSH_FACINGS
+from ..kinds.push import FACINGS as PUSH_FACINGS
 from ..kinds.station import FACINGS, Reading, bent_share
 from ..session import Procedure, Session, Setup
 

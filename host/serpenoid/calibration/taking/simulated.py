@@ -52,7 +52,7 @@ class SimulatedPerson(World):
     reversed_deg), bend (between_links_deg, between the last two links at an end of a robot bent as
     `step.bend` says), station (incline_deg, belt_speed_m_s, drift_m_s, turned_deg, offset_deg and
     waited_s), belt (belt_speed_m_s, distance_m, duration_s of a mark on the belt), gait
-    (distance_m, duration_s, omega_rad_s; or a `Tracked` of kind `video`), coast (distance_m,
+    (distance_m, duration_s, omega_rad_s; or a `Tracked` of kind `video`), push (distance_m,
     duration_s, or a `Tracked` with the track of a push); straight has none. A person who types
     takes the same steps (`person.dialogue`).
 
@@ -157,7 +157,7 @@ class SimulatedPerson(World):
             "duration_s": round(way_m / (shown * self.truth.belt_scale) + off_s, 2),
         }
 
-    def _coast(self, step: Step) -> Cells | None:
+    def _push(self, step: Step) -> Cells | None:
         """Push until a push is as it should be; return its track, or way and time to rest."""
         for _ in range(TRIES):
             self.t_s += PUSH_S

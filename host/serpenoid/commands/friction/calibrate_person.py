@@ -191,7 +191,7 @@ def count(session: Session) -> str:
     """Return how much a session holds, in words."""
     stations, runs = len(session.kept), len(session.kept_crawls)
     pushes = len(session.kept_pushes)
-    taken = (*session.readings, *session.gait_runs, *session.of("coast"))
+    taken = (*session.readings, *session.gait_runs, *session.of("push"))
     void = sum(r.voided for r in taken)
     on_floor = session.has_line
     parts = [f"{stations} station{'s' * (stations != 1)}"] if stations or not on_floor else []

@@ -146,7 +146,7 @@ def _story(session: Session) -> str:
         "pushes": len(session.kept_pushes),
     }
     parts = [f"{n} {name}" for name, n in kept.items() if n or not any(kept.values())]
-    taken = (*session.readings, *session.of("coast"))
+    taken = (*session.readings, *session.of("push"))
     parts.append(f"{sum(r.voided for r in taken)} voided")
     return (
         f'<p class="soft">A {escape(setup.kind)} session: a robot of {robot.links} links, '

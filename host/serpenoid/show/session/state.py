@@ -61,7 +61,7 @@ def _aim(step: Step) -> str:
         "straight": "robot straight",
         "done": "all done",
         "gait": "gait run",
-        "coast": f"push {step.cells.get('way', '')}, then hands off",
+        "push": f"push {step.cells.get('way', '')}, then hands off",
         "belt": "belt check: time ten turns",
     }[step.kind]
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
-from ...kinds.coast import Coast
 from ...kinds.declaration import Values
+from ...kinds.push import Push
 from ...session import Session, Setup
 from ..bends import bend_step
 from ..expected import USUAL, USUAL_KG, Series, of_series, pull_of
@@ -64,9 +64,9 @@ def push_step(session: Session, series: Series) -> Step | None:
         **({"bend": plan.bend} if bend_deg else {}),
         **({} if ahead else {"facing": series.facing}),
     }
-    fields = Coast.asked("distance_m", "duration_s", "turned_deg")
+    fields = Push.asked("distance_m", "duration_s", "turned_deg")
     bent = series.bend_deg
-    return Step(key, "coast", say, fields, bent, bend=plan.bend, cells=cells, series=series)
+    return Step(key, "push", say, fields, bent, bend=plan.bend, cells=cells, series=series)
 
 
 def expected_way_m(setup: Setup, bend_rad: float, speed_m_s: float) -> float:

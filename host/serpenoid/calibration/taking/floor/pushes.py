@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from ....model.errors import BadInput
 from ...floor.look import Look, look_at, pushes_in
-from ...kinds.coast import TRACK, WAYS, Coast
 from ...kinds.declaration import Cells, Values
+from ...kinds.push import TRACK, WAYS, Push
 from ...kinds.push_size import unlikely_push
 from ...kinds.rows import DOUBTFUL
 from ...kinds.station import slips
@@ -68,12 +68,12 @@ def keep_pushes(
     return kept
 
 
-def _there(journal: Journal, pieces: Sequence[Floats], file_sha256: str) -> dict[int, Coast]:
+def _there(journal: Journal, pieces: Sequence[Floats], file_sha256: str) -> dict[int, Push]:
     """Return which pieces of a file are readings; none where no push of it is in use.
 
     Raises BadInput unless a piece is left to take.
     """
-    taken = [p for p in journal.session.of("coast") if p.file_sha256 == file_sha256[:16] != ""]
+    taken = [p for p in journal.session.of("push") if p.file_sha256 == file_sha256[:16] != ""]
     used = [p for p in taken if not p.voided]
     if not used:
         return {}
@@ -134,5 +134,5 @@ def _keep(
     told = {k: round(v, 9) for k, v in look.cells().items()}
     whole = {**cells, **told, "by": "film", "file_sha256": file_sha256[:16]}
     whole |= {DOUBTFUL: "yes"} if look.doubts else {}
-    number = journal.add("coast", whole, comment="; ".join(look.doubts), samples=rows)
+    number = journal.add("push", whole, comment="; ".join(look.doubts), samples=rows)
     return Kept(number, look, str(cells["way"]))

@@ -37,7 +37,7 @@ from .push_prompt import (
 from .session_robot import SessionRobot
 from .terminal import Terminal
 
-FILMED = {"coast": QUESTION, "gait": CRAWL_QUESTION}  # kinds of steps that a film answers, too
+FILMED = {"push": QUESTION, "gait": CRAWL_QUESTION}  # kinds of steps that a film answers, too
 LEFT = "Left. Everything read so far is kept; the same command goes on from here."
 Told = Callable[[Session, Step], None]
 
@@ -234,7 +234,7 @@ class Dialogue(Prompt):
             typed = None
         if step.kind == "station" and "places" not in values:
             values["waited_s"] = round(self._clock_s() - begun_s, 1)
-        if step.kind in ("station", "coast"):
+        if step.kind in ("station", "push"):
             values |= self._steering()
         return self._doubted(step, values)
 
@@ -324,5 +324,5 @@ class Dialogue(Prompt):
 
 def steered_rad(session: Session) -> float | None:
     """Return the steering on every joint at the last reading that kept it; None before."""
-    kept = [r for r in (*session.readings, *session.of("coast")) if r.offset_rad is not None]
+    kept = [r for r in (*session.readings, *session.of("push")) if r.offset_rad is not None]
     return max(kept, key=lambda r: r.number).offset_rad if kept else None

@@ -1,4 +1,4 @@
-"""The kind `coast`: a push along a floor, after which the robot rolls out and comes to rest."""
+"""The kind `push`: a push along a floor, after which the robot rolls out and comes to rest."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ TRACK = ("t_s", "x_m", "y_m")
 
 
 @dataclass(frozen=True, slots=True)
-class Coast(Taken):
+class Push(Taken):
     """One push: the robot let go at speed on a level floor, and followed until it rests.
 
     number: from 1, unique in a session. lambda_rad, bend: as of a station. way: "there" or "back"
@@ -34,7 +34,7 @@ class Coast(Taken):
     track came from. Raises BadInput.
     """
 
-    kind = "coast"
+    kind = "push"
     fitted = True
     track_may_miss = True
     columns = TRACK
