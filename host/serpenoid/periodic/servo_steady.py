@@ -17,7 +17,7 @@ from ..model.core_model import core_model
 from ..model.drives import Servo, ServoKind, core_servo
 from ..model.errors import NotConverged
 from ..model.gait import Gait
-from ..model.long_calls import in_threads, keep_running, threads_to_use
+from ..model.long_calls import in_threads, keep_running
 from ..model.rows import Result, Row, detail, two_digits
 from ..model.vectors import Array
 from ..servos.speed_limit import (
@@ -33,8 +33,7 @@ DRAWS = 512
 LEAST_AMPLITUDE = 0.2  # of the gait's: below it the typical servo is too weak for the robot
 _STEP_S, _LONG_STEP_S, _ROUGH_STEP_S, _LONG_PERIOD_S = 1e-3, 2e-3, 4e-3, 2.0
 SLOW_S = 10.0  # work that takes longer is announced
-_DRAW_SHARE = 0.4  # of the typical servo's time: what a draw takes, few of them solved finely
-MEASURED_S = 0.2  # of a state's work: by it the rest is estimated
+MEASURED_S = 0.5  # of the work: by it the rest is estimated
 _LEVEL = 0.95
 _LEAST_TAIL = 1e-6  # of few draws: then the outermost one is the end
 _INSIDE = 4  # draws of a band solved finely between two at either end
@@ -221,30 +220,29 @@ class ServoSteady(Result):
 
 
 class _SlowWork:
-    """Hear Ctrl-C while a state is solved, and announce work that will take more than SLOW_S.
+    """Hear Ctrl-C while work goes on, and announce work that will take more than SLOW_S.
 
-    The core calls it with the cycles done and those in all, as far as they are known.
+    It is called with the cycles done and those in all as far as they are known, or with the share
+    that is done. Where the work in all grows by half, it announces that, too.
     """
 
-    def __init__(self, links: int, progress: Callable[[float], object] | None) -> None:
-        self._links, self._progress = links, progress
-        self._begin_s, self._announced_cycles = time.monotonic(), 0.0
+    def __init__(self, work: str, progress: Callable[[float], object] | None) -> None:
+        self._work, self._progress = work, progress
+        self._begin_s, self._estimated = time.monotonic(), 0.0
 
-    def __call__(self, done_cycles: float, all_cycles: float) -> None:
+    def __call__(self, done: float, in_all: float = 1.0) -> None:
         keep_running()
         spent_s = time.monotonic() - self._begin_s
-        if spent_s > MEASURED_S and all_cycles > 1.5 * self._announced_cycles:
-            announce(f"servos on {self._links} links", spent_s * (all_cycles / done_cycles - 1))
-            self._announced_cycles = all_cycles
+        if spent_s > MEASURED_S and in_all > 1.5 * self._estimated:
+            self._announce(spent_s * (in_all / done - 1))
+            self._estimated = in_all
         if self._progress is not None:
-            self._progress(min(done_cycles / all_cycles, 1.0))
+            self._progress(min(done / in_all, 1.0))
 
-
-def announce(work: str, seconds: float) -> None:
-    """Warn of work that will take more than SLOW_S, before it begins."""
-    if seconds > SLOW_S:
-        takes = f"{seconds:.0f} s" if seconds < 100 else f"{seconds / 60:.0f} minutes"
-        warnings.warn(f"{work}: this takes some {takes}; Ctrl-C stops it", stacklevel=2)
+    def _announce(self, left_s: float) -> None:
+        if left_s > SLOW_S:
+            takes = f"{left_s:.0f} s" if left_s < 100 else f"{left_s / 60:.0f} minutes"
+            warnings.warn(f"{self._work}: this takes some {takes}; Ctrl-C stops it", stacklevel=2)
 
 
 def servo_state(
@@ -389,8 +387,8 @@ def with_servo(
     """
     check_kind("servo", servo, (Servo, ServoKind))
     typical = servo.servo if isinstance(servo, ServoKind) else servo
-    begin_s = time.monotonic()
-    s = servo_state(ideal, typical, progress=_SlowWork(ideal.robot.links, progress))
+    links = f"{ideal.robot.links} links"
+    s = servo_state(ideal, typical, progress=_SlowWork(f"servos on {links}", progress))
     if math.isnan(s.speed):
         raise NotConverged(
             f"a servo of stiffness {typical.stiffness_nm_rad:g} N m/rad on links of inertia "
@@ -418,11 +416,6 @@ def with_servo(
         )
     if not isinstance(servo, ServoKind) or servo.exact or draws == 0 or not driven.follows:
         return driven
-    announce(
-        f"{draws} servos on {ideal.robot.links} links",
-        draws * _DRAW_SHARE * (time.monotonic() - begin_s) / threads_to_use(),
-    )
-    speeds = drawn_servo_speeds(
-        [ideal] * draws, servo.draws(draws), ends_only=True, progress=progress
-    )
+    slow = _SlowWork(f"{draws} servos on {links}", progress)
+    speeds = drawn_servo_speeds([ideal] * draws, servo.draws(draws), ends_only=True, progress=slow)
     return replace(driven, samples_m_s=tuple(speeds.tolist()))

@@ -129,7 +129,7 @@ def _say_too_fast(grid: dict[str, list[float]], servo: sn.ServoKind) -> None:
     too_fast = sum(is_too_fast(sn.Gait(*shape), servo) for shape in shapes)
     if too_fast:
         say(
-            f"{too_fast} gaits are too fast for {typical_servo_name(servo)} and have no band: the "
+            f"too fast for {typical_servo_name(servo)}, so without a band: {too_fast} gaits, whose "
             f"joints must turn faster than {speed_limit_text(servo, unit='rad/s')}",
             err=True,
         )
