@@ -213,17 +213,6 @@ def front(r: Random) -> Answer:
     return {f"least power_w {k}": [b.power_w, b.power_error_w] for k, b in enumerate(found)}
 
 
-def robust(r: Random) -> Answer:
-    """Return a gait that uncertainty leaves fast enough: 2048 samples tell its power to 2 %."""
-    robot, ground, gait = robot_of_2005(r)
-    speed_m_s = 0.3 * abs(sn.steady_gait(robot, ground, gait).speed_m_s)
-    best = sn.robust_gait(robot, ground, speed_m_s=speed_m_s)
-    return {
-        "least power_w": [best.power_w, 0.01 * best.power_w],
-        "low_speed_m_s": [best.low_speed_m_s, 0.01 * best.low_speed_m_s],
-    }
-
-
 def margins(r: Random) -> Answer:
     """Return how far a gait stands from its cliff; its search ends at 1e-4 of a margin."""
     distance = sn.gait_margins(*robot_of_2005(r)).to_dict()
@@ -471,7 +460,6 @@ KINDS = {
     "optimum-dry": Kind(8, optimum("dry"), 3e-3),
     "optimum-limits": Kind(6, optimum("limits"), 3e-3),
     "front": Kind(2, front, 3e-3),
-    "robust": Kind(2, robust),
     "margins": Kind(6, margins),
     "acceleration": Kind(10, acceleration),
     "run-viscous": Kind(12, run("viscous"), 1e-6, True),

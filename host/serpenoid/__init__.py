@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from .gaits.least_power import least_power_gait, power_front
     from .gaits.limits import GaitLimits
     from .gaits.margins import Margins, gait_margins
-    from .gaits.robust import RobustGait, robust_gait
-    from .gaits.uncertainty import Uncertainty
     from .model.drives import Servo, ServoKind, TorqueTable
     from .model.errors import BadInput, Diverged, NotConverged, SerpenoidError, StepTooLarge
     from .model.evaluation import Acceleration, AngleDrive, TorqueDrive, acceleration
@@ -63,8 +61,6 @@ _HOMES = {
     "gaits.least_power": ("least_power_gait", "power_front"),
     "gaits.limits": ("GaitLimits",),
     "gaits.margins": ("Margins", "gait_margins"),
-    "gaits.robust": ("RobustGait", "robust_gait"),
-    "gaits.uncertainty": ("Uncertainty",),
     "periodic.servo_steady": ("ServoSteady",),
     "simulation.steady_gait": ("steady_gait",),
     "periodic.steady": ("Steady",),
@@ -95,7 +91,6 @@ __all__ = [
     "Margins",
     "NotConverged",
     "Robot",
-    "RobustGait",
     "Run",
     "Scene",
     "SerpenoidError",
@@ -109,7 +104,6 @@ __all__ = [
     "Sweep",
     "TorqueDrive",
     "TorqueTable",
-    "Uncertainty",
     "acceleration",
     "advise",
     "compare",
@@ -121,7 +115,6 @@ __all__ = [
     "load_servo",
     "load_session",
     "power_front",
-    "robust_gait",
     "save_fit",
     "save_scene",
     "save_servo",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
-from itertools import pairwise, product
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -14,14 +14,12 @@ from ..model.core_model import check_parts
 from ..model.errors import NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
-from ..model.long_calls import in_threads
 from ..model.robot import Robot
 from ..model.rows import Result, Row, detail
 from ..periodic.steady import speed_floor_m_s, steady_gait
-from .sampled_speeds import KEEP
-from .shapes import FINE, STATES, Array
-from .uncertainty import FRICTION, Uncertainty
+from .shapes import FINE
 
+KEEP = 0.9  # of its speed: a gait's margin ends where it makes less
 LESS_AMPLITUDE, LESS_GRIP = 0.10, 0.13  # servos under load; one sigma of a 7.5 deg session
 BELOW = 1.0, 3.0  # gaining more than this by 10 % or 60 % of amplitude it lies below one
 CLIFF = 0.25  # a gait that loses more than this of its speed to either stands at a cliff
@@ -92,7 +90,7 @@ class Margins(Result):
             "13 % less dry friction across (fn0)": self.grip_loss,
         }
         costs = ", ".join(f"{n} costs {100 * by:.0f} %" for n, by in losses.items() if by > 0.005)
-        return f"this gait stands at a cliff: {costs} of the speed; see `optimize --robust`"
+        return f"this gait stands at a cliff: {costs} of the speed"
 
     def rows(self) -> list[Row]:
         """Return how far the cliff is, and what is lost near by; nothing for a gait at rest."""
@@ -199,62 +197,3 @@ def gait_margins(robot: Robot, ground: Ground, gait: Gait) -> Margins:
             for gain in (LESS_AMPLITUDE, _LOSSES[-1])
         ),
     )
-
-
-@dataclass(frozen=True, slots=True)
-class Cliff:
-    """Hold speeds over factors of amplitude (A,) and of the grip across the links (F,).
-
-    speed_m_s: (A, F), NaN where no periodic state was found. grip: the friction that is varied,
-    "fn0", or "cn" on ground without. sigma: of both factors, as the uncertainty states them.
-    """
-
-    robot: Robot
-    ground: Ground
-    gait: Gait
-    grip: str
-    amplitude: Array
-    factor: Array
-    speed_m_s: Array
-    full_m_s: float
-    sigma: tuple[float, float]
-
-
-def cliff_around(
-    robot: Robot, ground: Ground, gait: Gait, uncertainty: Uncertainty, points: int = 17
-) -> Cliff:
-    """Solve a gait for a grid of amplitudes and grips around it. Raises BadInput."""
-    grip = "fn0" if ground.fn0 > 0 else "cn"
-    amplitude, factor = np.linspace(0.7, 1.2, points), np.linspace(0.5, 1.5, points)
-    amplitude = amplitude[amplitude <= math.pi / gait.alpha_rad]
-
-    def speed(pair: tuple[float, float]) -> float:
-        a, f = pair
-        other = replace(ground, **{grip: f * getattr(ground, grip)})
-        weak = replace(gait, alpha_rad=a * gait.alpha_rad)
-        try:
-            return steady_gait(robot, other, weak, rtol=STATES, powers=False).speed_m_s
-        except NotConverged as error:
-            return error.best.speed_m_s if error.best is not None else math.nan
-
-    speeds = in_threads(speed, product(amplitude.tolist(), factor.tolist()))
-    of_joint = uncertainty.amplitude / math.sqrt(robot.links - 1)
-    return Cliff(
-        robot,
-        ground,
-        gait,
-        grip,
-        amplitude,
-        factor,
-        np.reshape(speeds, (amplitude.size, factor.size)),
-        speed((1.0, 1.0)),
-        (math.hypot(uncertainty.common_amplitude, of_joint), _sigma(uncertainty, grip)),
-    )
-
-
-def _sigma(uncertainty: Uncertainty, grip: str) -> float:
-    """Return the relative sigma of a friction."""
-    if not uncertainty.grounds:
-        return uncertainty.friction[FRICTION.index(grip)]
-    values = np.array([getattr(ground, grip) for ground in uncertainty.grounds])
-    return float(values.std() / values.mean())

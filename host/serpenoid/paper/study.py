@@ -11,7 +11,6 @@ import numpy as np
 
 from ..gaits.finder import LeastPower
 from ..gaits.least_power import power_front
-from ..gaits.robust import RobustGait, robust_gait
 from ..gaits.shapes import shape_of
 from ..model.drives import TorqueTable
 from ..model.gait import Gait
@@ -34,7 +33,6 @@ OF_2005, BINGHAM = Robot(6, 0.0756, 0.076), Ground.whole_body(6, 0.084, 1.2, 0.1
 PATH_GAIT, EXPERIMENT = Gait(30 * D, 80 * D, 5.0), Gait(70 * D, 75 * D, math.pi)
 PAPERS_OPTIMUM = (30 * D, 80 * D)
 FRONT_M_S = (0.03, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7)
-ROBUST_M_S = (0.05, 0.2, 0.4, 0.7)
 FRONT_2005_M_S = (0.03, 0.05, 0.1, 0.15, 0.2)
 GRID_ALPHA, GRID_BETA = (5 * D, 75 * D), (20 * D, 90 * D)
 
@@ -131,15 +129,6 @@ def along_x(gait: Gait) -> float:
     )
     x, y = run.x_m.mean(axis=1)[[start, -1]], run.y_m.mean(axis=1)[[start, -1]]
     return abs(x[1] - x[0]) / math.hypot(x[1] - x[0], y[1] - y[0])
-
-
-def robust_front(
-    robot: Robot, ground: Ground, speeds: Sequence[float], cost: str, samples: int
-) -> list[RobustGait]:
-    """Find the robust gaits over some speeds, by fewer samples than one alone would get."""
-    return [
-        robust_gait(robot, ground, speed_m_s=speed, cost=cost, samples=samples) for speed in speeds
-    ]
 
 
 def cloud_2005(powers: bool) -> Sweep:

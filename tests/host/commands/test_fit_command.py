@@ -131,9 +131,3 @@ def test_friction_of_a_robot_with_other_links_drives_nothing(folder):
     assert driven.returncode == 2
     assert "a robot of 9 links, but this board moves 6 links" in driven.stderr
     assert "--port virtual:joints=8" in driven.stderr
-
-
-def test_robust_takes_the_fits_friction_or_none(folder):
-    refused = serpenoid(f"optimize --speed 0.05 --robust --session {folder} --fn0 0.1")
-    assert refused.returncode == 2
-    assert "draws the friction from the fit" in refused.stderr

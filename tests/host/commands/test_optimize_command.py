@@ -51,7 +51,7 @@ def test_two_motions_are_named_with_that_from_rest(asked: str, monkeypatch) -> N
 def test_several_speeds_are_a_front() -> None:
     costs = [best["cost_w"] for best in answer(f"{OPTIMIZE} 0.1,0.5")["front"]]
     assert costs == pytest.approx([7.63769e-3, 0.22733], rel=2e-5)
-    for refused in ("0.1,0.2 --plot cliff.png", "0.1,0.2 --send", "fast"):
+    for refused in ("0.1,0.2 --send", "fast"):
         assert serpenoid(f"{OPTIMIZE} {refused}").returncode == 2
 
 
@@ -68,37 +68,13 @@ def test_what_shows_a_search_belongs_to_the_thread_that_ctrl_c_ends(monkeypatch)
     monkeypatch.setattr("serpenoid.commands.gaits.optimize.working", busy)
     serpenoid(IDEAL, check=True)
     serpenoid(f"{OPTIMIZE} 0.1,0.2", check=True)
-    monkeypatch.setattr("serpenoid.robust_gait", unreachable)
-    assert serpenoid(f"{OPTIMIZE} 0.1,0.2 --robust").returncode == 1
-    of_each = [f"searching, speed {k} of 2" for k in (1, 2)]
-    assert shown == ["searching", "servos", "searching", *of_each]
-
-
-def unreachable(*_: object, **__: object) -> None:
-    raise sn.NotConverged("no gait reaches it")
-
-
-def test_robust_says_what_it_costs_and_what_it_keeps() -> None:
-    found = answer(f"{OPTIMIZE} 0.2 --robust --amplitude-sigma 0.05 --servo ideal")
-    assert found["low_speed_m_s"] >= 0.179
-    assert found["premium"] > 0
-    assert -0.01 < found["premium_per_metre"] <= found["premium"] + 1e-5
-    assert "amplitude ± 3 % common and ± 5 % of each joint" in found["uncertainty"]
+    assert shown == ["searching", "servos", "searching"]
 
 
 def test_steady_warns_at_a_cliff() -> None:
     line = "steady --alpha-deg 66.7 --beta-deg 78.8 --omega-rad-s 1.6 --servo ideal"
     assert "stands at a cliff" in serpenoid(line, check=True).stderr
     assert answer(line)["margins"]["near_cliff"] is True
-
-
-def test_the_cliff_is_drawn_with_its_data(tmp_path: Path) -> None:
-    picture = tmp_path / "cliff.png"
-    serpenoid(f"{IDEAL} --plot {picture}", check=True)
-    assert picture.read_bytes()[:4] == b"\x89PNG"
-    rows = picture.with_suffix(".csv").read_text().splitlines()
-    assert rows[0] == "amplitude_factor,cn_factor,speed_m_s"
-    assert len(rows) == 1 + 17 * 17
 
 
 def test_a_gait_goes_to_the_board() -> None:
@@ -174,7 +150,6 @@ def test_the_whole_study(tmp_path: Path) -> None:
         "fig12-13",
         "fig15-16",
         "fig17",
-        "cliff-fragile",
         "front-2005",
         "shapes",
     ):
@@ -214,7 +189,6 @@ def test_a_crawl_closes_in_itself_and_shows_what_the_ground_does(tmp_path: Path)
     [
         ("--port virtual", "--port is for --send"),
         ("--duration-s 3", "--duration-s is for --send"),
-        ("--lag-sigma-deg 3", "--lag-sigma-deg is for --robust or --plot"),
         ("--joint-angle-deg 300", "--joint-angle-deg is 300.0; it must be"),
         ("--servo-speed-deg-s -3", "--servo-speed-deg-s is -3.0; it must be"),
     ],

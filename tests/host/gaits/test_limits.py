@@ -1,4 +1,4 @@
-"""Limits, uncertainty and errors that a gait states, from their definitions."""
+"""Limits and errors that a gait states, from their definitions."""
 
 from __future__ import annotations
 
@@ -7,8 +7,6 @@ import math
 import pytest
 import serpenoid as sn
 from robots import OF_2005, PAPER, VISCOUS
-from serpenoid import Uncertainty
-from serpenoid.gaits.margins import cliff_around
 
 
 def test_an_offset_takes_its_share_of_the_joint_angle() -> None:
@@ -22,12 +20,6 @@ def test_a_limit_counts_as_reached_from_a_thousandth_below_it_on() -> None:
     assert limits.active(sn.Gait(0.999, 1.2, 5.0)) == ("joint angle", "servo speed")
     assert limits.active(sn.Gait(0.999, 1.2, 4.0)) == ("joint angle",)
     assert limits.active(sn.Gait(0.9, 1.2, 4.0)) == ()
-
-
-def test_the_cliffs_sigma_averages_what_each_joint_errs_alone() -> None:
-    known = Uncertainty(amplitude=0.04, common_amplitude=0.03, friction=(0.06, 0.35, 0.06, 0.13))
-    cliff = cliff_around(PAPER, VISCOUS, sn.Gait(0.5, 1.4, 3.0), known, points=2)
-    assert cliff.sigma == pytest.approx((math.hypot(0.03, 0.04 / math.sqrt(5)), 0.35))
 
 
 def test_the_error_of_the_speed_is_part_of_the_powers() -> None:

@@ -35,10 +35,10 @@ from ..options import AS_JSON, interruptible, show_json, write_json
 def figures(out: Path, power: str, angles: str, speed_along: str, as_json: bool) -> None:
     """Draw the figures of the 2005 paper anew, and set its claims beside what is found.
 
-    Writes Figs. 6 to 13 and 15 to 17, fronts of least-power and robust gaits, the cliff of a
-    fragile and a robust gait, the robot crawling (SVG), a data file beside each,
-    claims.json and index.html. Some forty seconds. Joints follow the gait exactly, as the paper's
-    do, so there is no --servo; the speeds of Fig. 17 have the band of any hobby servo beside them.
+    Writes Figs. 6 to 13 and 15 to 17, fronts of least-power gaits, the robot crawling (SVG), a data
+    file beside each, claims.json and index.html. Some twenty seconds. Joints follow the gait
+    exactly, as the paper's do, so there is no --servo; the speeds of Fig. 17 have the band of any
+    hobby servo beside them.
     """
     from ...paper.claims import as_dict
     from ...paper.study import Reading
@@ -47,7 +47,7 @@ def figures(out: Path, power: str, angles: str, speed_along: str, as_json: bool)
 
     out.mkdir(parents=True, exist_ok=True)
     reading = Reading(power, angles, speed_along)
-    with progress(7, "figures") as advance:
+    with progress(6, "figures") as advance:
         found, shown = interruptible(lambda: draw(out, reading, advance))
     values = as_dict(found, reading)
     write_json(out / "claims.json", values)

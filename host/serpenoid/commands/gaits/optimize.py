@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import replace
-from functools import partial
-from pathlib import Path
 from typing import Any, TypeVar
 
 import click
@@ -17,7 +14,6 @@ import serpenoid as sn
 from ...model.checks import check_number
 from ...show.screen import working
 from ..declare import (
-    FIGURES,
     Given,
     Options,
     Range,
@@ -30,8 +26,6 @@ from ..declare import (
 )
 from ..given import (
     is_of_fit,
-    joints_option,
-    latest_film,
     predicted_band,
     servo_as_filmed,
     take_fit,
@@ -55,7 +49,6 @@ from ..options import (
 from .steady import beside_servo, few_links, speed_in_words, speeds_as_dict
 
 _Result = TypeVar("_Result")
-_GROUNDS = 4096  # frictions drawn from a fit: half choose the gait, half check it
 _BOARD_ANGLE_DEG, _BOARD_SPEED_DEG_S = 90.0, 500.0  # a new board's own limits
 
 # Keys of answers, in their order; each is an attribute's name, or stands here beside it.
@@ -71,20 +64,6 @@ _OF_LEAST_POWER = (
     "basins",
     "runner_up_w",
 )
-_OF_ROBUST = (
-    "gait",
-    "cost",
-    "cost_w",
-    "active",
-    "uncertainty",
-    "low_speed_m_s",
-    "checked_low_m_s",
-    "premium",
-    "premium_per_metre",
-    "fragile",
-    "fragile_low_m_s",
-)
-
 LIMITS = Options(  # of GaitLimits
     angle(
         "--joint-angle-deg", "Most a joint may bend; 110 unless given.", high=180.0, open_low=True
@@ -98,11 +77,6 @@ LIMITS = Options(  # of GaitLimits
     number("--servo-torque-nm", "Most a servo holds."),
     number("--omega-low-rad-s", "Lowest rate of the gait."),
     number("--omega-high-rad-s", "Highest rate of the gait."),
-)
-DOUBTS = Options(  # of Uncertainty
-    number("--amplitude-sigma", "amplitude", "Of each joint, relative; 0.02."),
-    number("--common-amplitude-sigma", "common_amplitude", "Of all joints, relative; 0.03."),
-    angle("--lag-sigma-deg", "lag_rad", "Of each joint's phase; 1.", high=57.0),
 )
 RUN = Options(  # of drive_gait
     option("--port", "Serial port; found by its USB id unless given."),
@@ -133,36 +107,25 @@ RUN = Options(  # of drive_gait
 )
 @formulation_option
 @LIMITS
-@flag("--robust", "Keep 90 % of the speed for 95 % of the robots that may be the real one.")
-@DOUBTS
-@joints_option
 @servo_option
-@option(
-    "--plot",
-    "Draw speed against amplitude and fn0 around the gait: the cliff.",
-    type=out_file(*FIGURES),
-)
 @flag("--send", "Drive the gait on the robot, as `drive` does.")
 @RUN
 @AS_TABLES
-def optimize(speed_m_s: str, as_json: bool, send: bool, plot: Path | None, **given: Any) -> None:
+def optimize(speed_m_s: str, as_json: bool, send: bool, **given: Any) -> None:
     """Find the gait that costs least power at a speed, and say how near to a cliff it stands.
 
     Gaits are searched with ideal joints. Beside the speed stands what servos leave of it: any hobby
-    servo unless --servo says which, or `ideal`. With --robust and a fit the sampled robots have
-    such servos, too.
+    servo unless --servo says which, or `ideal`.
 
-    With --session DIR or --ground FILE the friction is a fit's, and --robust takes its samples.
+    With --session DIR or --ground FILE the friction is a fit's.
     """
     wanted = _speeds(speed_m_s)
     if not send:
         words = "{} is for --send, which is not there"
         refuse_typed(words, *RUN.names)
-    if not given["robust"] and plot is None:
-        refuse_typed("{} is for --robust or --plot; neither is there", *DOUBTS.names, "joints")
     run = RUN.take(given)
-    if len(wanted) > 1 and (send or plot or typed("servo")):
-        raise click.UsageError("--send, --plot and --servo take one speed")
+    if len(wanted) > 1 and (send or typed("servo")):
+        raise click.UsageError("--send and --servo take one speed")
     if send:  # board and the recording's place are found before the search, not after it
         from ...robot.recording.recorder import check_free
         from ...robot.wire.ports import find_port
@@ -177,8 +140,6 @@ def optimize(speed_m_s: str, as_json: bool, send: bool, plot: Path | None, **giv
     best = _searched(lambda: ask.find(wanted[0]))
 
     margins = interruptible(lambda: sn.gait_margins(ask.robot, ask.ground, best.gait))
-    if plot is not None:
-        _draw_cliff(ask, best.gait, plot)
     best = replace(best, steady=warn_of_two_motions(best.steady))
     fit = None if send else ask.fit  # what is sent is predicted when it is driven
     with_band = not is_of_fit(fit, ask.robot, ask.ground)
@@ -199,14 +160,6 @@ def optimize(speed_m_s: str, as_json: bool, send: bool, plot: Path | None, **giv
     elif as_json:
         show_json(answer)
     return None
-
-
-def _draw_cliff(ask: _Asked, gait: sn.Gait, plot: Path) -> None:
-    from ...show import report
-    from ...show.gaits.gait_figures import cliff_figure
-
-    interruptible(lambda: cliff_figure(ask.robot, ask.ground, gait, ask.uncertainty, plot))
-    report.wrote(plot, plot.with_suffix(".csv"))
 
 
 def _send(ask: _Asked, gait: sn.Gait, as_json: bool, before: Given, **run: Any) -> None:
@@ -232,83 +185,48 @@ def _speeds(text: str) -> list[float]:
 
 
 class _Asked:
-    """What the options ask for: robot, ground, servo, doubt, and how to search."""
+    """What the options ask for: robot, ground, servo, and how to search."""
 
     def __init__(self, given: Given, send: bool) -> None:
-        self._robust, cost = given.pop("robust"), given.pop("cost")
-        formulation = given.pop("formulation")
-        if self._robust and formulation == "implicit":
-            raise click.UsageError("--robust runs on the exact model; leave --formulation out")
+        cost, formulation = given.pop("cost"), given.pop("formulation")
         # a new board's speed unless given, and its angle if the gait is sent
         board = {"servo_speed_rad_s": math.radians(_BOARD_SPEED_DEG_S)}
         board |= {"joint_angle_rad": math.radians(_BOARD_ANGLE_DEG)} if send else {}
         self._how = {"cost": cost, "limits": sn.GaitLimits(**board | LIMITS.take(given))}
-        fit, joints, doubt = take_fit(given), given.pop("joints"), DOUBTS.take(given)
+        fit = take_fit(given)
         changed = [
             p.opts[0]
             for p in click.get_current_context().command.params
             if p.name in (*ROBOT.names, *GROUND.names) and given[p.name] is not None
         ]
-        if fit is not None and changed and self._robust:
-            raise click.UsageError(
-                f"--robust draws the friction from the fit, so {changed[0]} has no place beside "
-                "it; leave out one of the two"
-            )
         self.fit = None if changed else fit
-        if self.fit is not None:
-            doubt["grounds"] = self.fit.sample(_GROUNDS)
-            if self.fit.with_crawls and joints is None:  # they tell the joints' amplitude, too
-                value, sigma = self.fit.nuisances["joint_amplitude"]
-                gains = (value,) * (self.fit.robot.links - 1)
-                doubt = {"common_amplitude": sigma / value, "joint_gain": gains} | doubt
-        # a film has shown what servos make of the joints
-        ideal = self.fit is None or joints is not None
+        ideal = self.fit is None
         self.servo = servo_as_filmed(take_servo(IDEAL if ideal else "hobby"), self.fit)
         self.robot, self.ground = make_robot(given, fit=fit)
-        if joints is not None:
-            seen = latest_film(joints, self.robot.links).gait
-            doubt |= {"joint_gain": seen.joint_gain, "joint_shift_rad": seen.joint_shift_rad}
-        self.uncertainty = sn.Uncertainty(**doubt, servo=self.servo)
-        shown = typed("servo") is None and joints is None and few_links(self.robot)
+        shown = typed("servo") is None and few_links(self.robot)
         self.shown_servo = take_servo("hobby") if shown and self.servo is None else self.servo
-        self._how |= (
-            {"uncertainty": self.uncertainty} if self._robust else {"formulation": formulation}
+        self._how["formulation"] = formulation
+
+    def find(self, speed: float) -> sn.LeastPower:
+        """Search for one speed."""
+        return sn.least_power_gait(self.robot, self.ground, speed_m_s=speed, **self._how)
+
+    def front(self, speeds: list[float]) -> Sequence[sn.LeastPower | None]:
+        """Search for many speeds; None for one that no gait reaches."""
+        return _searched(
+            lambda: sn.power_front(self.robot, self.ground, speeds_m_s=speeds, **self._how)
         )
 
-    def find(self, speed: float) -> sn.LeastPower | sn.RobustGait:
-        """Search for one speed."""
-        search = sn.robust_gait if self._robust else sn.least_power_gait
-        return search(self.robot, self.ground, speed_m_s=speed, **self._how)
 
-    def front(self, speeds: list[float]) -> Sequence[sn.LeastPower | sn.RobustGait | None]:
-        """Search for many speeds; None for one that no gait reaches."""
-        if not self._robust:
-            return _searched(
-                lambda: sn.power_front(self.robot, self.ground, speeds_m_s=speeds, **self._how)
-            )
-        front: list[sn.LeastPower | sn.RobustGait | None] = [None] * len(speeds)
-        for k, speed in enumerate(speeds):
-            with suppress(sn.NotConverged):
-                which = f", speed {k + 1} of {len(speeds)}"
-                front[k] = _searched(partial(self.find, speed), which)
-        return front
-
-
-def _searched(work: Callable[[], _Result], which: str = "") -> _Result:
+def _searched(work: Callable[[], _Result]) -> _Result:
     """Return work() and show that it goes on; Ctrl-C ends both, so this thread shows it."""
-    with working(f"searching{which}"):
+    with working("searching"):
         return interruptible(work)
 
 
-def _as_dict(best: sn.LeastPower | sn.RobustGait) -> Given:
-
-    robust = isinstance(best, sn.RobustGait)
-    names = _OF_ROBUST if robust else _OF_LEAST_POWER
-    answer = {name: getattr(best, _KEYS.get(name, name)) for name in names}
-    answer["gait"] = describe(best.gait)
-    if robust:
-        answer |= {"uncertainty": best.uncertainty.in_words(), "fragile": _as_dict(best.fragile)}
-    return answer | best.steady.to_dict()
+def _as_dict(best: sn.LeastPower) -> Given:
+    answer = {name: getattr(best, _KEYS.get(name, name)) for name in _OF_LEAST_POWER}
+    return answer | {"gait": describe(best.gait)} | best.steady.to_dict()
 
 
 def _show_front(ask: _Asked, speeds: list[float], as_json: bool) -> None:

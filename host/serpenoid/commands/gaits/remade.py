@@ -15,21 +15,17 @@ from ...show import plot
 from ...show.gaits import crawl, gait_figures
 from ..demo import ALPHA_DEG, BETA_DEG, session_folder
 
-CLIFF_M_S = 0.05  # speed of the two gaits whose cliffs are drawn
 HERTZ = 0.2, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0
 CAPTIONS = {
     "crawl.svg": "The 2005 robot crawling, with slip and forces",
     "fig6-7.png": "Figs. 6 and 7: implicit less exact model, tail of three links",
     "fig12-13.png": "Figs. 12 and 13: path and six poses of the periodic state",
-    "fig8.png": "Fig. 8: power against speed, the least, and the robust gaits'",
+    "fig8.png": "Fig. 8: power against speed, and the least",
     "fig9-11.png": "Figs. 9 to 11: the optimum's rate, lag and amplitude",
     "shapes.png": "Speed and cost of transport over the shapes",
     "fig15-16.png": "Figs. 15 and 16: friction along and across the links",
     "fig17.png": "Fig. 17: speed against frequency of the 2005 robot",
-    "front-2005.png": "The 2005 robot on dry ground: least power, and what robust costs",
-    "cliff-fragile.png": f"The cliff: the least-power gait for {CLIFF_M_S:g} m/s stands beside it",
-    "cliff-robust.png": f"The robust gait for {CLIFF_M_S:g} m/s, {{:.0f}} % dearer: "
-    "95 % of the robots that may be real keep nine tenths of the speed",
+    "front-2005.png": "The 2005 robot on dry ground: least power",
 }
 
 
@@ -54,27 +50,21 @@ def draw(
     advance(1)
     points = _experiment(out)
     advance(1)
-    robust = _robustness(out, study.COSTS[reading.power])
-    advance(1)
-    for name, gait in (("fragile", robust.fragile.gait), ("robust", robust.gait)):
-        path = out / f"cliff-{name}.png"
-        gait_figures.cliff_figure(study.OF_2005, study.BINGHAM, gait, sn.Uncertainty(), path)
+    _front_of_2005(out, study.COSTS[reading.power])
     advance(1)
     bands = [(p.frequency_hz, p.low_ideal_m_s, p.high_ideal_m_s) for p in points]
     beside = claims(closed, opened, front, reading, bands)
     advance(1)
-    dearer = 100 * robust.premium
-    return beside, [(name, words.format(dearer)) for name, words in CAPTIONS.items()]
+    return beside, list(CAPTIONS.items())
 
 
 def _optima(out: Path, cloud: sn.Sweep, front: list[sn.LeastPower], reading: study.Reading) -> None:
     cost = study.COSTS[reading.power]
-    robust = study.robust_front(study.ROBOT, study.GROUND, study.ROBUST_M_S, cost, samples=256)
     along = [1.0 if reading.speed_along == "mean" else study.along_x(b.gait) for b in front]
     robot = plot.robot_words(study.ROBOT, study.GROUND)
     words = f"the paper's robot: {robot}; {reading.power} power"
     amplitudes = [study.shown_amplitude_deg(b.gait, reading) for b in front]
-    gait_figures.power_of(cloud, front, robust, along, cost, words, out / "fig8.png")
+    gait_figures.power_of(cloud, front, along, cost, words, out / "fig8.png")
     papers = {"beta_deg": 80.0, "alpha_deg": 30.0}
     gait_figures.optimum_figure(front, papers, words, out / "fig9-11.png", amplitudes, along)
     gait_figures.shape_maps(cloud, 4, f"{words}; ω = 5 rad/s", out / "shapes.png")
@@ -95,13 +85,11 @@ def _experiment(out: Path) -> list[SpeedPoint]:
     return points
 
 
-def _robustness(out: Path, cost: str) -> sn.RobustGait:
-    """Draw both fronts of the 2005 robot; return the robust gait for CLIFF_M_S."""
+def _front_of_2005(out: Path, cost: str) -> None:
+    """Draw the least power of the 2005 robot against its speed."""
     body, speeds = (study.OF_2005, study.BINGHAM), study.FRONT_2005_M_S
     front = [best for best in sn.power_front(*body, speeds_m_s=speeds, cost=cost) if best]
-    robust = study.robust_front(*body, speeds, cost, samples=256)
     words = f"2005 robot: {plot.robot_words(*body)}"
     cloud = study.cloud_2005(powers=cost != "power")
     path, along = out / "front-2005.png", [1.0] * len(front)
-    gait_figures.power_of(cloud, front, robust, along, cost, words, path)
-    return robust[speeds.index(CLIFF_M_S)]
+    gait_figures.power_of(cloud, front, along, cost, words, path)

@@ -1,4 +1,4 @@
-"""Pictures of gaits, with their data: the cliff, the front, maps; figures of the 2005 paper."""
+"""Pictures of gaits, with their data: the front, maps; figures of the 2005 paper."""
 
 from __future__ import annotations
 
@@ -9,13 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...gaits.finder import LeastPower
-from ...gaits.margins import Cliff, cliff_around
-from ...gaits.robust import RobustGait
-from ...gaits.uncertainty import Uncertainty
 from ...model.files import write_csv
-from ...model.gait import Gait
-from ...model.ground import Ground
-from ...model.robot import Robot
 from ...paper.study import Comparison
 from ...periodic.sweep import Sweep
 from ...prediction.predict import SpeedPoint
@@ -29,63 +23,11 @@ from ..plot import (
     along_travel,
     columns,
     figure,
-    gait_title,
     heading,
-    robot_words,
 )
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-
-def cliff_figure(
-    robot: Robot, ground: Ground, gait: Gait, uncertainty: Uncertainty, path: Path
-) -> None:
-    """Draw speed against amplitude and grip around a gait, with its doubt and the edge.
-
-    Its numbers go into a CSV file beside the picture.
-    """
-    cliff = cliff_around(robot, ground, gait, uncertainty)
-    with figure(6.4, 5.2, path=path) as (fig, ax):
-        _draw_cliff(fig, ax, cliff)
-        fig.suptitle(robot_words(robot, ground), fontsize=8, color=GREY)
-    amplitude, factor = np.meshgrid(cliff.amplitude, cliff.factor, indexing="ij")
-    names = "amplitude_factor", f"{cliff.grip}_factor", "speed_m_s"
-    write_columns(path, dict(zip(names, (amplitude, factor, cliff.speed_m_s), strict=True)))
-
-
-def _draw_cliff(fig: Any, ax: Axes, cliff: Cliff) -> None:
-    from matplotlib.patches import Ellipse
-
-    x, y = 100 * (cliff.amplitude - 1), 100 * (cliff.factor - 1)
-    ratio = 100 * cliff.speed_m_s.T / cliff.full_m_s
-    levels = np.arange(0, 141, 10)
-    shade = ax.contourf(x, y, ratio, levels=levels, cmap="cividis", extend="max")
-    fig.colorbar(shade, ax=ax, label="speed (% of the gait's)")
-    edge = ax.contour(x, y, ratio, levels=[90], colors="white", linewidths=2)
-    ax.clabel(edge, fmt=lambda _: "90 %", fontsize=8)
-    for k, style in ((1, "-"), (2, "--")):
-        width, height = (200 * k * s for s in cliff.sigma)
-        ax.add_patch(Ellipse((0, 0), width, height, fill=False, ec="black", ls=style, lw=1.5))
-    ax.plot(0, 0, "o", color="black", mec="white", ms=7)
-    ax.text(
-        0.98,
-        0.02,
-        "dot: the gait; ellipses: 1σ and 2σ\nthick line: a tenth of the speed is lost",
-        transform=ax.transAxes,
-        ha="right",
-        va="bottom",
-        fontsize=8,
-        color="white",
-    )
-    ax.set(
-        xlabel="amplitude of the joints, off by (%)",
-        ylabel=f"{cliff.grip}, off by (%)",
-        xlim=(x[0], x[-1]),
-        ylim=(y[0], y[-1]),
-    )
-    ax.set_title(f"{gait_title(cliff.gait)}: {cliff.full_m_s:.3g} m/s", fontsize=10)
-    ax.grid(visible=False)
+    pass
 
 
 def optimum_figure(
@@ -225,21 +167,18 @@ def errors_in_time(closed: Comparison, opened: Comparison, path: Path) -> None:
 def power_of(
     cloud: Sweep,
     front: Sequence[LeastPower],
-    robust: Sequence[RobustGait],
     along: Sequence[float],
     cost: str,
     title: str,
     path: Path,
 ) -> None:
-    """Draw the power of all gaits against speed, the least (Fig. 8), and the robust gaits'.
+    """Draw the power of all gaits against speed, and the least (Fig. 8).
 
-    along: what part of each optimum's speed counts. cost: a power's name. A robust gait stands at
-    the speed that was wanted, which 95 % of the robots that may be real keep to nine tenths.
+    along: what part of each optimum's speed counts. cost: a power's name.
     """
     watts = getattr(cloud, f"{cost}_w")
     good = cloud.converged & (cloud.speed_m_s > 1e-3) & (watts > 0)
     speed = [b.speed_m_s * part for b, part in zip(front, along, strict=True)]
-    wanted = [b.wanted_m_s for b in robust]
     label = "least power" if min(along, default=1.0) == 1.0 else "least power, speed along x"
     with figure(7.2, 5.0, path=path) as (fig, ax):
         ax.scatter(
@@ -252,11 +191,6 @@ def power_of(
             label=f"{int(good.sum())} gaits that travel",
         )
         ax.plot(speed, [b.power_w for b in front], "o-", color=BLUE, ms=4, label=label)
-        if robust:
-            extra = [max(100 * b.premium, 0.0) for b in robust]
-            label = f"robust: {min(extra):.0f} to {max(extra):.0f} % more"
-            how = {"color": RED, "mfc": "white", "ms": 5, "lw": 1.2}
-            ax.plot(wanted, [b.power_w for b in robust], "s--", label=label, **how)
         ax.set(xlabel="speed (m/s)", ylabel="power (W)", xscale="log", yscale="log")
         if speed:  # the claim is about the front: what is far slower only shrinks it
             ax.set_xlim(left=0.5 * min(speed))
@@ -269,10 +203,9 @@ def power_of(
         indexing="ij",
     )
     parts = [("gait", [v[good] for v in (cloud.speed_m_s, watts, alpha, beta, omega)])]
-    for kind, speeds, optima in (("least", speed, front), ("robust", wanted, robust)):
-        *angles, rate = columns([b.gait for b in optima], "alpha_rad", "beta_rad", "omega_rad_s")
-        powers = columns(optima, "power_w")
-        parts.append((kind, [np.array(speeds), *powers, *map(np.degrees, angles), rate]))
+    *angles, rate = columns([b.gait for b in front], "alpha_rad", "beta_rad", "omega_rad_s")
+    powers = columns(front, "power_w")
+    parts.append(("least", [np.array(speed), *powers, *map(np.degrees, angles), rate]))
     names = ("speed_m_s", f"{cost}_w", "alpha_deg", "beta_deg", "omega_rad_s")
     write_parts(path, ("kind", *names), parts)
 

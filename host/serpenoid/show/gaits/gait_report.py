@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ...gaits.robust import RobustGait
 from ...servos.catalogue import HOBBY
 from ...servos.speed_limit import too_fast_text
 from ..report import console, notices, table
@@ -25,13 +24,8 @@ def doubts(doubted: SpeedDoubts) -> None:
     console.print(doubted.in_words())
 
 
-def warn(best: LeastPower | RobustGait, moved: ServoSteady | None) -> None:
-    """Warn of samples that disagree, and of a gait that is too fast; moved: servos that say so."""
-    if isinstance(best, RobustGait) and not best.confirmed:
-        notices.print(
-            "serpenoid: warning: the other samples disagree by more than chance; believe the lower "
-            "of the two speeds"
-        )
+def warn(best: LeastPower, moved: ServoSteady | None) -> None:
+    """Warn of a gait that is too fast; moved: servos that say so."""
     too_fast = too_fast_text(best.gait, moved.servo if moved else HOBBY)
     if too_fast:
         told = "" if moved else f"{too_fast} "
@@ -52,8 +46,8 @@ def warn_of_cliff(margins: Margins, sigmas: dict[str, float] | None = None) -> N
         notices.print(f"serpenoid: warning: {margins.warning}")
 
 
-def front(speeds_m_s: Sequence[float], optima: Sequence[LeastPower | RobustGait | None]) -> None:
-    """Print the least-power or robust gaits of many speeds."""
+def front(speeds_m_s: Sequence[float], optima: Sequence[LeastPower | None]) -> None:
+    """Print the least-power gaits of many speeds."""
     cells = []
     for speed, best in zip(speeds_m_s, optima, strict=True):
         cells.append([f"{speed:.4g}"])
@@ -64,11 +58,7 @@ def front(speeds_m_s: Sequence[float], optima: Sequence[LeastPower | RobustGait 
         cells[-1] += [f"{best.power_w:.5g}", f"{best.gait.omega_rad_s:.4g}"]
         cells[-1] += [f"{math.degrees(angle):.4g}" for angle in angles]
         cells[-1] += [", ".join(best.active) or "none"]
-        if isinstance(best, RobustGait):  # what it keeps, and what that costs
-            cells[-1] += [f"{best.low_speed_m_s:.4g}", f"{100 * best.premium:.3g} %"]
     heads = ["speed (m/s)", "W", "omega (rad/s)", "alpha (deg)", "beta (deg)", "limits reached"]
-    if max(map(len, cells)) > len(heads):
-        heads += ["95 % make (m/s)", "premium"]
     table("gaits of least power", heads, cells)
     for speed, best in zip(speeds_m_s, optima, strict=True):
         too_fast = best and too_fast_text(best.gait, HOBBY, f"The gait for {speed:.4g} m/s")
