@@ -134,8 +134,9 @@ def _page(
 def steering(
     robot: SessionRobot, told: Callable[[str], None] = lambda words: None
 ) -> dict[str, Callable[[], str]]:
-    """Return what the left and right keys do: one step on every joint each; told: the offset.
+    """Return what keys do: left and right a step on every joint, Esc and space stop the robot.
 
+    told: of the offset.
     The terminal and several pages may press at the same time: every press counts.
     """
     pressing = threading.Lock()
@@ -149,7 +150,7 @@ def steering(
 
         return key
 
-    return {"left": by(1), "right": by(-1)}
+    return {"left": by(1), "right": by(-1), "\x1b": robot.stop, " ": robot.stop}
 
 
 def _state(robot: SessionRobot) -> str:

@@ -79,6 +79,8 @@ class Dialogue(Prompt):
 
     def _go_on(self) -> None:
         self.say("At every prompt: undo, redo, skip, pause, quit, help.")
+        if self._robot is not None:
+            self.say("Esc or space stops the robot; Ctrl-C stops it and leaves, nothing is lost.")
         try:
             self._check_plan()
             while self._one_step():

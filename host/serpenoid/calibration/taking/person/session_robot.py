@@ -35,8 +35,8 @@ class SessionRobot:
         self._match = match
         self._robot = RobotBoard(port, unattended_s=HOURS_S)
         self.powered = False
-        self.stopped = False  # by the page's Stop button, and nobody has seen it yet
-        self.held = False  # by it, until release()
+        self.stopped = False  # by a key or the page's button, and no prompt has seen it yet
+        self.held = False  # by the page's button, until release()
         self.offset_rad = 0.0  # on every joint, to steer
         self._posed: tuple[float, str] | None = None
         self._pose_deg_s = POSE_DEG_S  # the board's own
@@ -131,6 +131,17 @@ class SessionRobot:
             self._quick()
             self._posed = None
             self._robot.gait(gait)
+
+    def stop(self) -> str:
+        """Stop now, joints held until a prompt lets them go; return that in words.
+
+        Nothing is to be stopped of a robot whose servos are off.
+        """
+        if not self.powered:
+            return "the servos are off"
+        self.stopped = True
+        self._robot.stop()
+        return "stopped"
 
     def halt(self) -> None:
         """Stop now, joints held, and move no more until release(); from any thread."""

@@ -39,7 +39,7 @@ class Console:
     """Standard input and output; works behind a pipe, too.
 
     keys: what single keys do while a line is asked for at a terminal, key -> function that returns
-    what to show; such as those that steer a robot.
+    what to show; such as those that steer a robot. A space is one only where a line begins.
     """
 
     def __init__(self) -> None:
@@ -96,14 +96,20 @@ class Console:
                         return None
                     tick()
                     continue
-                line = self._after(key, line, prompt)
+                if key in self.keys and not (key == " " and line):
+                    self._act(key, line, prompt)
+                    tick()  # which tells at once of a robot that was stopped
+                else:
+                    line = self._after(key, line)
 
-    def _after(self, key: str, line: str, prompt: str) -> str:
+    def _act(self, key: str, line: str, prompt: str) -> None:
+        """Do what a key does, and show it before the line."""
+        shown = f"{prompt.lstrip()}{line}"[-40:]
+        print(f"\r\x1b[K  [{self.keys[key]()}] {shown}", end="", flush=True)
+
+    def _after(self, key: str, line: str) -> str:
         """Return the line after one more key, and show it."""
-        if key in self.keys:
-            shown = f"{prompt.lstrip()}{line}"[-40:]
-            print(f"\r\x1b[K  [{self.keys[key]()}] {shown}", end="", flush=True)
-        elif key == "backspace":
+        if key == "backspace":
             print("\b \b" if line else "", end="", flush=True)
             return line[:-1]
         elif key == "\x15":  # Ctrl-U
