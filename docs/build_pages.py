@@ -171,7 +171,9 @@ def pages(folder: Path) -> None:
         study = OUT / "pages" / "study-of-2005" / "index.html"
         back = '<p><a href="../index.html">← the documentation</a></p>\n<h1>'
         study.write_text(study.read_text(encoding="utf-8").replace("<h1>", back), encoding="utf-8")
-        invoke(["view", "virtual", "--out", str(folder / "virtual.html")])
+        gait = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "5", "--duration-s", "8"]
+        invoke(["drive", "--port", "virtual:fast", *gait, "--record", "run.wire"])
+        invoke(["view", "run.wire", "--out", str(folder / "virtual.html")])
         invoke(["view", str(LIMPING), "--out", str(folder / "limping.html")])
 
 
@@ -183,8 +185,8 @@ its address.
 """
 NO_PLAYGROUND = """<iframe class="view" src="_static/virtual.html" title="a robot"></iframe>
 
-This build has no playground: it needs emscripten. The snake is the virtual robot of
-`serpenoid view virtual`.
+This build has no playground: it needs emscripten. The snake is the virtual robot
+of `serpenoid drive --port virtual`.
 """
 
 

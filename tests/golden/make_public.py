@@ -57,7 +57,7 @@ ANSWERS = (  # MINE is a session with a crawl; BENCH a servo's test
     "calibrate status MINE",
     "servo --test BENCH",
     "video FILM",
-    "view virtual --out view.html",
+    "view SCENE --out view.html",
     f"drive --port virtual:fast {GAIT} --duration-s 1",
     "doctor --port virtual:fast --listen-s 1",
 )

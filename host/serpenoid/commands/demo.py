@@ -75,5 +75,8 @@ def run_demo(out: Path, own: sn.FrictionFit | None = None) -> None:
     serpenoid = here.name if shutil.which(here.name) else str(here)
     serpenoid = "python -m serpenoid" if here.stem == "__main__" else serpenoid
     say(f"\nLook at {out / 'report.html'}. Pictures and numbers are beside it.")
-    say(f"Next, without a robot: {serpenoid} view virtual")
+    say(
+        f"Next, without a robot: {serpenoid} drive --port virtual "
+        "--alpha-deg 70 --beta-deg 75 --omega-rad-s 5"
+    )
     say(f"With your robot: {serpenoid} flash; then doctor, trim, calibrate new DIR, fit DIR")

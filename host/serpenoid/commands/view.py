@@ -1,13 +1,12 @@
-"""The commands that show: a scene, a recording or the virtual robot as a page; the examples."""
+"""The commands that show: a scene or a recording as a page; the examples."""
 
 from __future__ import annotations
 
 import itertools
-import math
 import shutil
 import webbrowser
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -18,14 +17,9 @@ from ..show.screen import say
 from .declare import FOLDER, flag, option, out_file
 from .options import AS_JSON, describe, interruptible, make_robot, robot_options, show_json
 
-if TYPE_CHECKING:
-    from ..robot.recording.stream import Stream
-
-_VIRTUAL_S = 8.0
-
 
 @click.command()
-@click.argument("what", metavar="SCENE|RECORDING|virtual")
+@click.argument("what", metavar="SCENE|RECORDING")
 @robot_options
 @option(
     "--out",
@@ -37,19 +31,17 @@ _VIRTUAL_S = 8.0
 def view(what: str, out: Path | None, open_it: bool, as_json: bool, **given: Any) -> None:
     """Write a page in which the snake crawls: play, scrub, slow down; slip and sticking of wheels.
 
-    WHAT is a scene file, a recording of `serpenoid drive --record`, or `virtual`: eight seconds of
-    the virtual robot. Of a recording it shows how the robot and ground of the options move while
-    the joints follow the recorded set-points.
+    WHAT is a scene file or a recording of `serpenoid drive --record`. Of a recording it shows how
+    the robot and ground of the options move while the joints follow the recorded set-points.
     """
     from ..robot.recording.stream import load_stream
     from ..show.pages import view_page
     from ..show.plot import gait_title
     from ..show.run_figure import scene_words
 
-    if what != "virtual" and not Path(what).is_file():
+    if not Path(what).is_file():
         raise click.UsageError(
-            f"{what!r} is no file; name a scene (.toml), a recording of `serpenoid drive "
-            "--record`, or virtual"
+            f"{what!r} is no file; name a scene (.toml) or a recording (`serpenoid drive --record`)"
         )
     if out is None:  # a name in this folder that no page has yet
         names = itertools.chain(["view.html"], (f"view-{k}.html" for k in itertools.count(2)))
@@ -68,9 +60,9 @@ def view(what: str, out: Path | None, open_it: bool, as_json: bool, **given: Any
         whose = f"{given['preset'] or 2005} robot and ground"
         whose = f"robot and ground of {fitted}" if fitted else whose
         robot, ground = make_robot(given)
-        stream = _virtual_stream() if what == "virtual" else load_stream(Path(what))
+        stream = load_stream(Path(what))
         gait, shown = interruptible(lambda: view_page.of_recording(stream, robot, ground))
-        title = "the virtual robot" if what == "virtual" else Path(what).name
+        title = Path(what).name
         about = (
             f"{gait_title(gait)}; the path is predicted for the {whose} "
             "from the set-points that the firmware reported"
@@ -82,22 +74,6 @@ def view(what: str, out: Path | None, open_it: bool, as_json: bool, **given: Any
         show_json({"page": str(out), "duration_s": shown["t_s"][-1], "gait": describe(gait)})
     else:
         say(f"wrote {out}; open it in a browser")
-
-
-def _virtual_stream() -> Stream:
-    """Drive the virtual robot, as fast as it computes, and return its recording."""
-    import tempfile
-
-    from ..robot import RobotBoard
-    from ..robot.recording.stream import load_stream
-
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "run.wire"
-        with RobotBoard("virtual:fast", record=path) as robot:
-            robot.gait(sn.Gait(math.radians(70), math.radians(75), 5.0))
-            if not sum(1 for _ in robot.frames(_VIRTUAL_S)):
-                raise sn.BadInput("the virtual robot sent no frames")
-        return load_stream(path)
 
 
 BROUGHT = Path(_core.__file__).parent

@@ -1,8 +1,8 @@
 """Play the conversations in conversations/*.txt again: all that is said, by what was typed.
 
 `» ` parts a prompt from what is typed. (nobody) does not answer, (ctrl-c) interrupts, (left 3) and
-(right 1) press keys that steer, (stop) is the page's button, (20 s) lets time pass before what
-follows. A line of === begins a new session, with what is amended or left out; or goes on with it.
+(right 1) press keys that steer, (20 s) lets time pass before what follows. A line of === begins a
+new session, with what is amended or left out; or goes on with it.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from serpenoid.calibration.taking.person.session_robot import SessionRobot
 
 FOLDER = Path(__file__).with_name("conversations")
 FILES = sorted(FOLDER.glob("*.txt"))
-_MARK = re.compile(r"\((nobody|ctrl-c|stop|left|right|\d+ s) ?(\d*)\) ?(.*)")
+_MARK = re.compile(r"\((nobody|ctrl-c|left|right|\d+ s) ?(\d*)\) ?(.*)")
 
 
 class Typist:
@@ -57,9 +57,7 @@ class Typist:
             return None
         if mark == "ctrl-c":
             raise KeyboardInterrupt
-        if mark == "stop":
-            self.robot.halt()
-        elif mark in ("left", "right"):
+        if mark in ("left", "right"):
             self.robot.steer(int(count) * (1 if mark == "left" else -1))
         else:
             self.t_s += float(mark.removesuffix(" s"))

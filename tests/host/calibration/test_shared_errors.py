@@ -14,7 +14,7 @@ from serpenoid.calibration.friction_result import NO_BELT
 from serpenoid.calibration.kinds.checks import BeltCheck
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
-from serpenoid.show.session.state import agreement
+from serpenoid.show.session.agreement import agreement
 
 NAMES = ("ct", "cn", "ft0", "fn0")
 
@@ -139,4 +139,4 @@ def test_one_misread_incline_is_named():
     made = session(setup(15.0, 30.0), WHOLE_BODY_2005)
     fit = sn.fit_friction(changed(made, 2, incline_rad=2 * made.readings[2].incline_rad))
     assert any("Without reading 3 " in alarm for alarm in fit.alarms)
-    assert "DISAGREE. Without reading 3 " in agreement(fit)  # on the page, too
+    assert "DISAGREE. Without reading 3 " in agreement(fit)  # at the terminal, too

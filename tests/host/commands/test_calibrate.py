@@ -180,11 +180,10 @@ def test_a_mistyped_command_is_no_folder(tmp_path, monkeypatch):
     assert "no session here" in calibrate("statsu")[2]
 
 
-@pytest.mark.parametrize("more", ["--page", "--port virtual"])
-def test_what_is_for_a_person_is_refused_where_nobody_is_asked(folder, more):
-    status, *said = calibrate(f"{folder} --dry-run {more}")
+def test_what_is_for_a_person_is_refused_where_nobody_is_asked(folder):
+    status, *said = calibrate(f"{folder} --dry-run --port virtual")
     assert status == 2
-    assert f"{more.split()[0]} has no effect with --dry-run" in " ".join(said)
+    assert "--port has no effect with --dry-run" in " ".join(said)
 
 
 def test_a_dry_run_elsewhere_tells_the_steps_there_and_writes_nothing(folder):

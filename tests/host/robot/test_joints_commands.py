@@ -24,14 +24,6 @@ def test_drive_and_view_take_the_boards_joints(joints, joints_link, tmp_path):
     assert len(json.loads(data)["joint_deg"][0]) == joints
 
 
-def test_the_page_beside_a_drive_has_a_twin_of_the_right_robot_or_none(joints, joints_link):
-    status, _, errors = serpenoid(f"drive {GAIT} --port any --duration-s 1 --page")
-    assert status == 2
-    assert f"of 6 links, but this board moves {joints + 1} links" in errors
-    assert "leave --page out" in errors
-    assert "friction" not in errors
-
-
 def session_of(tmp_path, links: int) -> str:
     """Begin a session of a robot of so many links; return its folder."""
     folder = tmp_path / f"session-of-{links}"

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from ..declare import Range, flag, option, out_file
+from ..declare import Range, option, out_file
 from ..given import servo_as_filmed, take_fit
 from ..options import AS_JSON, fit_options, gait_options, make_gait, servo_option, take_servo
 from .tools import PORT
@@ -20,17 +20,11 @@ from .tools import PORT
 @option("--duration-s", "How long; until Ctrl-C unless given.", type=Range(0, min_open=True))
 @PORT
 @option("--record", "New file for every line of the run.", type=out_file())
-@flag(
-    "--page",
-    "Show the robot live on a page of this machine's browser: where the model goes "
-    "with the joints as reported, for the 2005 robot and ground without a fit.",
-)
 @AS_JSON
 def drive(
     duration_s: float | None,
     port: str | None,
     record: Path | None,
-    page: bool,
     as_json: bool,
     **given: Any,
 ) -> None:
@@ -40,11 +34,11 @@ def drive(
     with any hobby servo unless --servo says which.
 
     Exit status 0 at the end of --duration-s, or at Ctrl-C where none was given; 130 at an earlier
-    Ctrl-C, or Stop on the page.
+    Ctrl-C.
     """
     from .driving import drive_gait
 
     fit = take_fit(given)
     servo = servo_as_filmed(take_servo("hobby"), fit)
     gait, run = make_gait(given), {"duration_s": duration_s, "port": port, "record": record}
-    drive_gait(gait, as_json, fit, page=page, servo=servo, **run)
+    drive_gait(gait, as_json, fit, servo=servo, **run)

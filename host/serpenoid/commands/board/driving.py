@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from contextlib import ExitStack, suppress
+from contextlib import nullcontext, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +15,7 @@ from ...robot.tools.driven_run import UNATTENDED_S, DrivenRun
 from ...servos.speed_limit import too_fast_text
 from ...show.live import View, show_summary, view
 from ...show.screen import say
-from ..options import describe, interruptible, preset_robot, show_json, warn_of_two_motions
+from ..options import describe, interruptible, show_json, warn_of_two_motions
 
 if TYPE_CHECKING:
     from ...prediction.speed_samples import SpeedBand
@@ -30,7 +30,6 @@ def drive_gait(
     port: str | None = None,
     record: Path | None = None,
     match: RobotMatch | None = None,
-    page: bool = False,
     before: dict[str, Any] | None = None,
     servo: sn.ServoKind | None = None,
 ) -> None:
@@ -51,11 +50,8 @@ def drive_gait(
         )
     run = DrivenRun(gait, port, record, match)
     try:
-        with ExitStack() as stack:
-            shows = [_page(stack, run, fit, as_json)] if page else []
-            if not as_json:
-                shows.append(stack.enter_context(view(band)))
-            interrupted = _watch(run, duration_s, shows)
+        with nullcontext(_show_nothing) if as_json else view(band) as show:
+            interrupted = _watch(run, duration_s, show)
     finally:  # a run that failed has a summary too
         values = before or {}
         if (summary := run.summary()) is not None:
@@ -92,19 +88,22 @@ def _predicted(
     return band
 
 
-def _watch(run: DrivenRun, duration_s: float | None, shows: list[View]) -> bool:
-    """Drive; return whether Ctrl-C or the page ended it."""
+def _show_nothing(run: DrivenRun) -> None:
+    """Stand for a display."""
+
+
+def _watch(run: DrivenRun, duration_s: float | None, show: View) -> bool:
+    """Drive; return whether Ctrl-C ended it."""
     shown_in_s = 0.0
 
-    def show(now: DrivenRun) -> None:
+    def timed(now: DrivenRun) -> None:
         nonlocal shown_in_s
         begun_s = time.monotonic()
-        for one in shows:
-            one(now)
+        show(now)
         shown_in_s = time.monotonic() - begun_s
 
     try:
-        run.run(duration_s, show)
+        run.run(duration_s, timed)
     except RobotUnattended as error:
         if shown_in_s < 0.5 * UNATTENDED_S:  # something else held the program up
             raise
@@ -116,17 +115,4 @@ def _watch(run: DrivenRun, duration_s: float | None, shows: list[View]) -> bool:
         if run.last is None:
             raise
         return True
-    return run.halted
-
-
-def _page(stack: ExitStack, run: DrivenRun, fit: sn.FrictionFit | None, quiet: bool) -> View:
-    """Serve the page, say its address, and return what brings it up to date."""
-    from ...show.pages.view_page import LivePage
-
-    robot, ground = preset_robot("2005") if fit is None else (fit.robot, fit.ground)
-    whose = "2005 robot and ground" if fit is None else "robot and ground of the session"
-    cure = "give the session of this robot, or leave --page out"
-    run.match = run.match or RobotMatch(robot.links, f"the page's twin, {whose},", cure)
-    page = stack.enter_context(LivePage(run, robot, ground, whose))
-    say(f"page: {page.url}", err=quiet)
-    return page.show
+    return False

@@ -34,7 +34,7 @@ def calibrate() -> None:
 
     Every reading is on the disk before the next is asked for; nothing is ever overwritten.
 
-    `calibrate DIR` takes --on floor, --port (a robot that bends and steers itself), --page, --lan,
+    `calibrate DIR` takes --on floor, --port (a robot that bends and steers itself),
     --script and --dry-run: see `serpenoid calibrate take --help`.
     """
 
@@ -62,8 +62,6 @@ calibrate.add_command(push)
     type=Range(1, 86400),
     default=300.0,
 )
-@flag("--page", "with_page", "Serve a page for whoever stands at the treadmill.")
-@flag("--lan", "With --page: reachable from a phone in the same net.")
 def take(
     folder: Path,
     on: str | None,
@@ -71,13 +69,9 @@ def take(
     dry_run: bool,
     port: str | None,
     patience_s: float,
-    with_page: bool,
-    lan: bool,
 ) -> None:
     """Start or resume a session; `serpenoid calibrate DIR` is short for this."""
-    if lan and not with_page:
-        raise click.UsageError("--lan goes with --page")
-    unasked = "port", "patience_s", "with_page"
+    unasked = "port", "patience_s"
     if dry_run:
         refuse_typed("{} has no effect with --dry-run; leave it out", "script", *unasked)
         return _dry_run(folder, on)
@@ -91,7 +85,7 @@ def take(
         return _scripted(folder, script)
     from .calibrate_person import with_a_person
 
-    return with_a_person(folder, port, patience_s, with_page, lan)
+    return with_a_person(folder, port, patience_s)
 
 
 def _journal(folder: Path) -> Journal:

@@ -1,39 +1,35 @@
-"""A treadmill session with a person: terminal, robot and page put together."""
+"""A treadmill session with a person: terminal and robot put together."""
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from importlib.metadata import version
-from importlib.resources import files
 from pathlib import Path
-from typing import Any
 
 from ...calibration.friction_fit import fit_friction
 from ...calibration.session import Session
 from ...calibration.taking.journal import Journal
-from ...calibration.taking.person.dialogue import Dialogue
+from ...calibration.taking.person.dialogue import Dialogue, Told
 from ...calibration.taking.person.identity import ask_identity, in_words
 from ...calibration.taking.person.prompt import Left
 from ...calibration.taking.person.push_prompt import FilmReader
 from ...calibration.taking.person.session_robot import SessionRobot
 from ...calibration.taking.person.terminal import Console
-from ...calibration.taking.steps import Tracked
+from ...calibration.taking.steps import Step, Tracked
 from ...model.errors import RecordingFailed, SerpenoidError
 from ...model.gait import Gait
 from ...model.robot import Robot
 from ...robot.robot_match import RobotMatch
 from ...robot.wire.link import Link
-from ...show.pages.server import Page
 from ...show.screen import say
-from ...show.session.state import agreement, state_of
+from ...show.session.agreement import agreement
 from ...video.measure_film import measure_film
 from ...video.pushed import track_pushes
 from ...video.reading import film_cells
 from ..video import film_progress
 
-BY_HAND = "by hand"  # what the page's script goes by, too
+BY_HAND = "by hand"
 CURE = "take the board of that robot, or begin a session of this one: `serpenoid calibrate new`"
 
 
@@ -41,16 +37,9 @@ def with_a_person(
     folder: Path,
     port: str | Link | None,
     patience_s: float,
-    with_page: bool,
-    lan: bool,
-    console: Any = None,
-    watching: Any = None,
 ) -> None:
-    """Take or resume a session at the terminal; exit status 1 where the robot was lost.
-
-    console: another terminal than standard input and output. watching: is told of every step, too.
-    """
-    console = console or Console()
+    """Take or resume a session at the terminal; exit status 1 where the robot was lost."""
+    console = Console()
     with ExitStack() as stack:
         journal = stack.enter_context(Journal(folder))
         for note in journal.session.notes:
@@ -63,25 +52,13 @@ def with_a_person(
         if port is not None:
             match = RobotMatch(journal.session.setup.robot.links, "the session", CURE)
             robot = stack.enter_context(SessionRobot(port, match))
-            console.keys = steering(robot)
+            console.keys = keys_of(robot)
         board = BY_HAND if robot is None else robot.greeting
         for line in begin(journal, people, board):
             console.say(line)
-        told = [_running_fit(console)]
-        told += [] if watching is None else [watching]
-        if with_page:
-            page, keys = _page(stack, journal, robot, lan, console)
-            told.append(page)
-            if robot is not None:
-                console.keys = keys
-
-        def tell(session: Session, step: Any) -> None:
-            for one in told:
-                one(session, step)
-
         film = film_reader(journal.session.setup.tag_side_m)
-        clock_s = getattr(console, "clock_s", None)
-        dialogue = Dialogue(journal, console, robot, tell, patience_s, clock_s, film)
+        told = _running_fit(console)
+        dialogue = Dialogue(journal, console, robot, told, patience_s, film=film)
         try:
             well = dialogue.run()
         finally:
@@ -107,61 +84,21 @@ def begin(journal: Journal, people: str, robot: str) -> list[str]:
     return lines
 
 
-def _page(
-    stack: Any, journal: Journal, robot: SessionRobot | None, lan: bool, console: Console
-) -> tuple[Any, dict[str, Any]]:
-    """Serve the page; return what brings it up to date, and the keys that steer."""
-    html = files("serpenoid.show.session").joinpath("beside.html").read_text("utf-8")
-    shown: dict[str, Any] = {}
-
-    def steered(words: str) -> None:
-        shown["offset"] = words
-        page.publish(dict(shown))
-
-    buttons = {} if robot is None else steering(robot, steered)
-    page = stack.enter_context(Page(html, robot and robot.halt, lan=lan, buttons=buttons))
-    console.say(f"page: {page.url}")
-
-    def told(session: Session, step: Any) -> None:
-        board = BY_HAND if robot is None else _state(robot)
-        offset = "" if robot is None else robot.steer(0)
-        shown.update(state_of(session, step, board, offset))
-        page.publish(dict(shown))
-
-    return told, buttons
+def keys_of(robot: SessionRobot) -> dict[str, Callable[[], str]]:
+    """Return what keys do: left and right a step on every joint, Esc and space stop the robot."""
+    return {
+        "left": lambda: robot.steer(1),
+        "right": lambda: robot.steer(-1),
+        "\x1b": robot.stop,
+        " ": robot.stop,
+    }
 
 
-def steering(
-    robot: SessionRobot, told: Callable[[str], None] = lambda words: None
-) -> dict[str, Callable[[], str]]:
-    """Return what keys do: left and right a step on every joint, Esc and space stop the robot.
-
-    told: of the offset.
-    The terminal and several pages may press at the same time: every press counts.
-    """
-    pressing = threading.Lock()
-
-    def by(steps: int) -> Callable[[], str]:
-        def key() -> str:
-            with pressing:
-                words = robot.steer(steps)
-                told(words)
-            return words
-
-        return key
-
-    return {"left": by(1), "right": by(-1), "\x1b": robot.stop, " ": robot.stop}
-
-
-def _state(robot: SessionRobot) -> str:
-    return "stopped" if robot.held else "holds" if robot.powered else "idle"
-
-
-def _running_fit(console: Any) -> Any:
+def _running_fit(console: Console) -> Told:
     """Return a function that tells the fit after each new station or push."""
     shown = -1
 
-    def told(session: Session, step: Any) -> None:
+    def told(session: Session, step: Step) -> None:
         nonlocal shown
         kept = len(session.kept) + len(session.kept_pushes)
         if shown >= 0 and kept != shown:

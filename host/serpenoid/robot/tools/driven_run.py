@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...model.errors import ClockWrong, FramesMissing, RobotHeld
+from ...model.errors import ClockWrong, FramesMissing
 from ..robot import RobotBoard
 from ..robot_match import RobotMatch
 from ..wire.protocol import Telemetry
@@ -61,7 +60,7 @@ class DrivenRun:
         self, gait: Gait, port: str | None, record: Path | None, match: RobotMatch | None = None
     ):
         self.gait = gait
-        self.match, self.halted = match, False
+        self.match = match
         self.robot = RobotBoard(port, record=record, unattended_s=UNATTENDED_S)
         self.first: Telemetry | None = None
         self.last: Telemetry | None = None
@@ -82,21 +81,12 @@ class DrivenRun:
             if not robot.settings()["silence"]:
                 robot.set("silence", SILENCE_S)  # the board stops if this program dies
             self._follow(duration_s, watch)
-        if self.frames or not self.halted:
-            self._check_frames(0.0 if self.halted else duration_s or 0.0)
-            self.robot.clock.check()
-
-    def halt(self) -> None:
-        """Stop the robot, joints held, and with it the run; from any thread."""
-        self.halted = True
-        self.robot.stop(stay=True)
+        self._check_frames(duration_s or 0.0)
+        self.robot.clock.check()
 
     def _follow(self, duration_s: float | None, watch: Callable[[DrivenRun], None]) -> None:
-        with suppress(RobotHeld):
-            self.robot.gait(self.gait)
+        self.robot.gait(self.gait)
         for frame in self.robot.frames(duration_s):
-            if self.halted:
-                return
             self._count(frame)
             watch(self)
 

@@ -57,11 +57,6 @@ class Twin:
         heading = float(np.cumsum(self._joints).sum()) / robot.links
         self._chain.place(0.0, 0.0, -heading, 0.0, 0.0, 0.0)
 
-    def now(self) -> Motion:
-        """Return where the links are; the joints' own rates are left out."""
-        state = np.array([self._chain.state[:6]])
-        return self._motion(state, self._joints[None], np.zeros((1, self._joints.size)))
-
     def follow(self, setpoint_rad: Array, lasts_s: Array, every: int = 1) -> Motion:
         """Lead the joints to set-points (N, n-1), each within a time (N,); where it then is.
 

@@ -1,14 +1,10 @@
-"""Pages that show a snake crawling: a run or the twin of a recording, in one file; a robot live.
-
-Beside a robot that is driven its telemetry comes as it is told, over its predicted twin.
-"""
+"""A page that shows a snake crawling, a run or the twin of a recording, in one file."""
 
 from __future__ import annotations
 
 import html
 import json
 import math
-import time
 from pathlib import Path
 from typing import Any
 
@@ -23,12 +19,7 @@ from ...model.robot import Robot
 from ...model.rows import two_digits
 from ...robot.recording.run_gait import longest_gait
 from ...robot.recording.stream import Stream
-from ...robot.tools.driven_run import DrivenRun
-from ...robot.wire.protocol import Telemetry, frame_us
 from ...simulation.run import Run
-from ..plot import gait_title
-from . import filled
-from .server import Page
 from .twin import Motion, Twin
 
 Array = NDArray[np.float64]
@@ -38,12 +29,7 @@ STUCK_M_S = 1e-4  # slower than this a wheel on dry ground is shown as one that 
 
 def write_page(path: Path, title: str, about: str, shown: dict[str, Any]) -> None:
     """Write the page: it needs no other file and no network."""
-    write_text(path, page_text(title, about, shown).replace("@NONCE@", ""))
-
-
-def page_text(title: str, about: str, shown: dict[str, Any]) -> str:
-    """Return the page, the nonce of its scripts still to be filled in."""
-    text = filled("@PAGE@", PAGE="view.html", STYLE="page.css", LIVE="live.js")
+    text = Path(__file__).with_name("view.html").read_text(encoding="utf-8")
     data = json.dumps(shown, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
     slip = two_digits(shown["most_slip_m_s"])
     wheels = [
@@ -65,7 +51,7 @@ def page_text(title: str, about: str, shown: dict[str, Any]) -> str:
     }
     for mark, value in marks.items():
         text = text.replace(f"@{mark}@", value)
-    return text
+    write_text(path, text)
 
 
 def _key(kind: str, colour: str, words: str) -> str:
@@ -94,7 +80,9 @@ def of_recording(stream: Stream, robot: Robot, ground: Ground) -> tuple[Gait, di
     """
     gait = longest_gait(stream)
     kept = np.flatnonzero(stream.state == "gait")
-    check_links(robot, stream.setpoint_rad.shape[1] + 1)
+    links = stream.setpoint_rad.shape[1] + 1
+    if robot.links != links:
+        raise BadInput(f"links is {robot.links}; what is shown is of a robot of {links}")
     kept = np.arange(kept[0], kept[-1] + 1)
     setpoint_rad, board_s = stream.setpoint_rad[kept], stream.board_s[kept]
     twin = Twin(robot, ground, setpoint_rad[0])
@@ -107,12 +95,6 @@ def of_recording(stream: Stream, robot: Robot, ground: Ground) -> tuple[Gait, di
         | constants(robot, ground, gait, motion)
         | rows(ground, motion)
     )
-
-
-def check_links(robot: Robot, links: int) -> None:
-    """Refuse a twin of other links than the robot that is driven."""
-    if robot.links != links:
-        raise BadInput(f"links is {robot.links}; what is shown is of a robot of {links}")
 
 
 def constants(robot: Robot, ground: Ground, gait: Gait, motion: Motion) -> dict[str, Any]:
@@ -147,79 +129,3 @@ def rounded(values: Array) -> Any:
 def _columns(at: Array, x: Array, values: Array) -> Array:
     """Interpolate each column (N, m), given at x (N,), at other places."""
     return np.stack([np.interp(at, x, column) for column in values.T], axis=1)
-
-
-EVERY_S = 1 / 30  # between two states that are sent to the page
-
-
-class LivePage:
-    """Serve a run while it is driven: `with LivePage(...) as page:`, page.show after every frame.
-
-    The twin's joints follow the set-points that the board tells, from the first frame on.
-    """
-
-    def __init__(self, run: DrivenRun, robot: Robot, ground: Ground, whose: str):
-        self._run, self._robot, self._ground = run, robot, ground
-        self._twin: Twin | None = None
-        self._last: Telemetry | None = None
-        self._shown_s = 0.0
-        gait, joints = run.gait, robot.links - 1
-        straight = np.zeros(joints)
-        shown = {"t_s": [0.0], "live": True, "asked_deg": [straight.tolist()]}
-        # the fastest slip is that of a twin that settles for two periods
-        led = joint_motion(gait, joints, np.linspace(0.0, 2 * gait.period_s, 101)).angle_rad
-        lasts_s = np.full(100, gait.period_s / 50)
-        settling = Twin(robot, ground, led[0]).follow(led[1:], lasts_s)
-        shown |= constants(robot, ground, gait, settling)
-        shown |= rows(ground, Twin(robot, ground, straight).now())
-        label = f"predicted for the {whose} from the set-points that the robot tells"
-        about = f"{gait_title(gait)}; {label}"
-        self._page = Page(page_text("the robot, live", about, shown), self._stop)
-        self.url = self._page.url
-
-    def __enter__(self) -> LivePage:
-        self._page.__enter__()
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        kind = error[0]
-        ended = "the run has ended" if kind is None else "the run was ended by an error or Ctrl-C"
-        self._page.publish({"ended": "stopped from here" if self._run.halted else ended})
-        self._page.__exit__(*error)
-
-    def show(self, run: DrivenRun) -> None:
-        """Send the latest frame, thirty a second at most."""
-        frame = run.last
-        assert frame is not None  # shown after a frame
-        motion = self._follow(frame)
-        if time.monotonic() - self._shown_s >= EVERY_S:
-            self._shown_s = time.monotonic()
-            self._page.publish(self._state(frame, motion))
-
-    def _stop(self) -> None:
-        """Stop the robot for the page; the run that is watched ends."""
-        self._run.halt()
-
-    def _follow(self, frame: Telemetry) -> Motion:
-        """Lead the twin to a frame's set-points, in the time since the frame before."""
-        told, last = np.array([frame.setpoint_rad]), self._last
-        self._last = frame
-        if self._twin is None or last is None or frame.frame <= last.frame:
-            self._twin = Twin(self._robot, self._ground, told[0])
-            return self._twin.now()
-        lasts_s = 1e-6 * frame_us(len(frame.setpoint_rad)) * (frame.frame - last.frame)
-        return self._twin.follow(told, np.array([lasts_s]))
-
-    def _state(self, frame: Telemetry, motion: Motion) -> dict[str, Any]:
-        run, losses = self._run, self._run.robot.losses
-        label = f"{frame.state}; {run.frames} frames, {losses.missed_frames} missed"
-        if run.clipped_frames:
-            label += f"; {run.clipped_frames} clipped: the robot misses its gait"
-        t_s = frame.phase_rad / run.gait.omega_rad_s
-        asked = joint_motion(run.gait, self._robot.links - 1, [t_s]).angle_rad
-        shown = rows(self._ground, motion) | {"asked_deg": rounded(np.degrees(asked))}
-        return {
-            "told": label,
-            "t_s": rounded(np.array([run.elapsed_s]))[0],
-            "row": {name: table[0] for name, table in shown.items()},
-        }

@@ -1,1 +1,1 @@
-"""A person at the treadmill: what is asked and typed, the robot, the page to look at."""
+"""A person at the treadmill: what is asked and typed, and the robot."""

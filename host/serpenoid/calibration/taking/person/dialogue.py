@@ -46,7 +46,7 @@ class Dialogue(Prompt):
     """Take a session step by step with a person.
 
     robot, patience_s: as of a Prompt. told: called with session and step when a step begins, for
-    pictures and the page. clock_s: the time at the treadmill, by which it settles; this machine's
+    pictures. clock_s: the time at the treadmill, by which it settles; this machine's
     unless given.
     """
 
@@ -157,7 +157,7 @@ class Dialogue(Prompt):
             return
         if step.lambda_deg:
             self._say_reach(self._robot, step)
-        self._ask_to_move(f"Enter {what} the robot (hands off): ", self._robot)
+        self._ask_to_move(f"Enter {what} the robot (hands off): ")
         reach_deg = self._robot.reach_deg(step.bend) if step.lambda_deg else 0.0
         self._robot.pose(min(step.lambda_deg, reach_deg), step.bend)
         self._steer(self._robot, step)
@@ -202,18 +202,11 @@ class Dialogue(Prompt):
     def _start(self, step: Step) -> None:
         if self._robot is None or step.gait is None:
             return
-        self._ask_to_move("Lay it straight. Enter starts the robot: ", self._robot)
+        self._ask_to_move("Lay it straight. Enter starts the robot: ")
         self._robot.go(step.gait)
 
-    def _ask_to_move(self, prompt: str, robot: SessionRobot) -> None:
-        """Wait for Enter; after a Stop from the page, for the word that releases it, too."""
-        while robot.held:
-            self._terminal.forget()
-            asked = "  stopped from the page. When all hands are off it, type release: "
-            if self.ask(asked).lower() == "release":
-                robot.release()
-                self.journal.event("note", detail="released at the terminal")
-                self._told(self.journal.session, self.step)
+    def _ask_to_move(self, prompt: str) -> None:
+        """Wait for Enter, typed now and not ahead."""
         self._terminal.forget()
         self.ask(prompt)
 

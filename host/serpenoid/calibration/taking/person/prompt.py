@@ -131,7 +131,7 @@ class Prompt:
         self._robot.tick()
         if self._robot.stopped:
             self._robot.stopped = False
-            self._pulses_off("stopped from the page" if self._robot.held else "stopped by a key")
+            self._pulses_off("stopped by a key")
 
     def _pulses_off(self, why: str) -> None:
         self.let_go()

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack
 
 from ....model.bends import bend_signs, joint_multiples
-from ....model.errors import CommandRefused, RobotError, RobotHeld
+from ....model.errors import CommandRefused, RobotError
 from ....model.gait import Gait
 from ....robot.robot import RobotBoard
 from ....robot.robot_match import RobotMatch
@@ -35,8 +34,7 @@ class SessionRobot:
         self._match = match
         self._robot = RobotBoard(port, unattended_s=HOURS_S)
         self.powered = False
-        self.stopped = False  # by a key or the page's button, and no prompt has seen it yet
-        self.held = False  # by the page's button, until release()
+        self.stopped = False  # by a key, and no prompt has seen it yet
         self.offset_rad = 0.0  # on every joint, to steer
         self._posed: tuple[float, str] | None = None
         self._pose_deg_s = POSE_DEG_S  # the board's own
@@ -79,12 +77,11 @@ class SessionRobot:
     def pose(self, bend_deg: float, bend: str = "balanced") -> None:
         """Bend the robot, balanced or as a zigzag; straight at 0."""
         self.powered = True
-        with self._unless_stopped():
-            self._quick()
-            self._lie(bend_deg, bend, self.offset_rad)
-            self._posed = bend_deg, bend
-            self._robot.settle()
-            self._robot.set("pose_speed", STEER_DEG_S)
+        self._quick()
+        self._lie(bend_deg, bend, self.offset_rad)
+        self._posed = bend_deg, bend
+        self._robot.settle()
+        self._robot.set("pose_speed", STEER_DEG_S)
 
     def reach_deg(self, bend: str) -> float:
         """Return the largest bend, deg, that every joint's limits allow with the steering."""
@@ -111,26 +108,23 @@ class SessionRobot:
     def steer(self, steps: int) -> str:
         """Add steps to every joint of a robot that holds a pose; return the offset in words.
 
-        Positive turns it to the left. From any thread, one call after another. A pose that
-        a joint cannot reach is left as it was.
+        Positive turns it to the left. A pose that a joint cannot reach is left as it was.
         """
-        if self.powered and self._posed is not None and not self.held:
+        if self.powered and self._posed is not None:
             wanted_rad = self.offset_rad + steps * STEER_RAD
-            with suppress(RobotHeld):
-                try:
-                    self._lie(*self._posed, wanted_rad)
-                except CommandRefused as error:
-                    return f"not steered: {error}"
-                self.offset_rad = wanted_rad
+            try:
+                self._lie(*self._posed, wanted_rad)
+            except CommandRefused as error:
+                return f"not steered: {error}"
+            self.offset_rad = wanted_rad
         return f"{math.degrees(self.offset_rad):+.2f} deg on every joint"
 
     def go(self, gait: Gait) -> None:
         """Start a gait."""
         self.powered = True
-        with self._unless_stopped():
-            self._quick()
-            self._posed = None
-            self._robot.gait(gait)
+        self._quick()
+        self._posed = None
+        self._robot.gait(gait)
 
     def stop(self) -> str:
         """Stop now, joints held until a prompt lets them go; return that in words.
@@ -143,16 +137,6 @@ class SessionRobot:
         self._robot.stop()
         return "stopped"
 
-    def halt(self) -> None:
-        """Stop now, joints held, and move no more until release(); from any thread."""
-        self.stopped = self.held = True
-        self._robot.stop(stay=True)
-
-    def release(self) -> None:
-        """Let it move again when it is next told to."""
-        self._robot.release()
-        self.stopped = self.held = False
-
     def idle(self) -> None:
         """Stop, and let the servos go limp."""
         if self.powered:
@@ -163,17 +147,7 @@ class SessionRobot:
 
     def tick(self) -> None:
         """Show that the program is alive; raises RobotLost and the like when the robot is not."""
-        with self._unless_stopped():
-            self._robot.status()
-
-    @contextmanager
-    def _unless_stopped(self) -> Iterator[None]:
-        """Let pass that a command was overtaken by halt(): whoever waits sees `held`."""
-        try:
-            yield
-        except (CommandRefused, RobotHeld):
-            if not self.held:
-                raise
+        self._robot.status()
 
     def rate(self, gait: Gait) -> float:
         """Return the gait's true rate by the board's clock, rad/s; nominal where that is unsure."""
