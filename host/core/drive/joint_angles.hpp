@@ -23,16 +23,12 @@ class GaitDrive {
           cos_(turn_),
           sin_(turn_) {}
 
-    // Stages of a step share their times: a wave is kept until another time is asked for.
-    const GaitWave& wave(double t) {
-        if (t != t_) wave_ = table_.wave(omega_, t_ = t);
-        return wave_;
-    }
-
     // Angles, directions and rates of all links from those of link 1; keeps phi''.
     void place(double t, double theta1, double omega1, Chain& k) {
-        if (t != shape_t_) set_shape(t);
-        const double c = std::cos(theta1), s = std::sin(theta1);
+        Pack sines, cosines;
+        sincos(Pack{theta1, omega_ * t}, sines, cosines);
+        const double c = cosines[0], s = sines[0];
+        if (t != shape_t_) set_shape(t, sines[1], cosines[1]);
         for (int i = 0; i < k.n(); ++i) {
             k.theta[i] = theta1 + turn_[i], k.omega[i] = omega1 + rate_[i];
             k.c[i] = c * cos_[i] - s * sin_[i], k.s[i] = s * cos_[i] + c * sin_[i];
@@ -41,21 +37,26 @@ class GaitDrive {
     const double* joint_accel() const { return accel_.data(); }
 
   private:
+    // Stages of a step share their times: the shape is kept until another time is asked for.
     // The links' angles from link 1, their cosines and sines, and the rates of these angles.
-    void set_shape(double t) {
-        const GaitWave& now = wave(shape_t_ = t);
-        for (std::size_t i = 0; i < accel_.size(); ++i) {
-            const GaitWave::Joint j = now.at(static_cast<int>(i));
-            turn_[i + 1] = turn_[i] + j.angle, rate_[i + 1] = rate_[i] + j.rate;
-            accel_[i] = j.acceleration;
+    void set_shape(double t, double sine, double cosine) {
+        shape_t_ = t;
+        const GaitWave now = table_.wave(omega_, sine, cosine);
+        double turn = 0, rate = 0;
+        for (int i = 0; i < table_.joints(); ++i) {
+            const GaitWave::Joint joint = now.at(i);
+            turn += joint.angle;
+            rate += joint.rate;
+            turn_[i + 1] = turn;
+            rate_[i + 1] = rate;
+            accel_[i] = joint.acceleration;
         }
         for (std::size_t i = 0; i < turn_.size(); i += kPack)
             sincos(pack_at(&turn_[i]), pack_at(&sin_[i]), pack_at(&cos_[i]));
     }
 
-    double omega_, t_ = std::numeric_limits<double>::quiet_NaN(), shape_t_ = t_;
+    double omega_, shape_t_ = std::numeric_limits<double>::quiet_NaN();
     GaitTable table_;
-    GaitWave wave_{};
     std::vector<double> accel_, turn_, rate_, cos_, sin_;
 };
 

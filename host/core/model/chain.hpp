@@ -35,11 +35,16 @@ struct Chain {
 
     // Positions and velocities of all links from those of link 1 and all angles (Eqs. 10-21).
     void follow(double l) {
+        double px = x[0], py = y[0], ux = vx[0], uy = vy[0];
         for (int i = 0; i + 1 < n(); ++i) {
-            x[i + 1] = x[i] + l * (c[i] + c[i + 1]);
-            y[i + 1] = y[i] + l * (s[i] + s[i + 1]);
-            vx[i + 1] = vx[i] - l * (omega[i] * s[i] + omega[i + 1] * s[i + 1]);
-            vy[i + 1] = vy[i] + l * (omega[i] * c[i] + omega[i + 1] * c[i + 1]);
+            px += l * (c[i] + c[i + 1]);
+            py += l * (s[i] + s[i + 1]);
+            ux -= l * (omega[i] * s[i] + omega[i + 1] * s[i + 1]);
+            uy += l * (omega[i] * c[i] + omega[i + 1] * c[i + 1]);
+            x[i + 1] = px;
+            y[i + 1] = py;
+            vx[i + 1] = ux;
+            vy[i + 1] = uy;
         }
     }
 

@@ -2,12 +2,11 @@
 #include "model/explicit_model.hpp"
 
 #include "model/joint_sums.hpp"
-#include "model/tail_acceleration.hpp"
 #include "numerics/dense.hpp"
 
 namespace serpenoid {
 
-void explicit_angle(const Robot& robot, const double* joint_accel, Chain& k) {
+TailMotion tail_motion(const Robot& robot, const double* joint_accel, Chain& k) {
     TailSums sums{k.fx[0], k.fy[0]};
     Along at{};
     HalfLink before = HalfLink::of(robot.l, k.c[0], k.s[0], k.omega[0]);
@@ -20,7 +19,11 @@ void explicit_angle(const Robot& robot, const double* joint_accel, Chain& k) {
         k.ax[i] = at.bx, k.ay[i] = at.by, k.alpha[i] = at.turn;
         sums.add(robot.m, at, k.fx[i], k.fy[i]);
     }
-    const TailMotion tail = sums.solve(robot);
+    return sums.solve(robot);
+}
+
+void explicit_angle(const Robot& robot, const double* joint_accel, Chain& k) {
+    const TailMotion tail = tail_motion(robot, joint_accel, k);
     for (int i = 0; i < k.n(); ++i) {
         const double rx = k.x[i] - k.x[0], ry = k.y[i] - k.y[0];
         k.ax[i] += tail.ax - tail.alpha * ry, k.ay[i] += tail.ay + tail.alpha * rx;

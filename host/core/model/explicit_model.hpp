@@ -2,14 +2,18 @@
 #pragma once
 
 #include "model/chain.hpp"
+#include "model/tail_acceleration.hpp"
 
 namespace serpenoid {
 
 // These take a chain whose angles, rates, positions, velocities, directions and friction are
 // filled, and fill its accelerations or the forces and torques of the joints.
 
-// Joint angles imposed: `joint_accel[j]` = phi_j'' for j = 0..n-2. The equations are those of
-// tail_acceleration.hpp.
+// Joint angles imposed: `joint_accel[j]` = phi_j'' for j = 0..n-2. The acceleration of link 1, by
+// the equations of tail_acceleration.hpp; the chain gets b_i and s_i'' in place of its own.
+TailMotion tail_motion(const Robot& robot, const double* joint_accel, Chain& chain);
+
+// The same, and the accelerations of all links.
 void explicit_angle(const Robot& robot, const double* joint_accel, Chain& chain);
 
 // The forces and torques behind the accelerations that the chain has.

@@ -1,7 +1,5 @@
-// Friction of one wheel direction: the law as a whole, and the types with which a model is
-// compiled.
-//
-// What a solver needs of the law (force, dissipation, bounds at rest, slope) stands here.
+// Friction of one wheel direction: its force, and what a solver needs of the law (bounds at rest,
+// coefficients by the direction).
 #pragma once
 
 #include <algorithm>
@@ -29,6 +27,13 @@ class WheelLaw {
     static WheelLaw across(const Ground& g) { return {g.cn, g.cn, g.fn0, g.fn0}; }
 
     double bound, thrust;  // N
+
+    // The force at a speed, with sgn 0 = 0 (Eqs. 28, 29, 59 and 62): a single evaluation, which
+    // knows nothing of sticking.
+    double force(double speed) const {
+        const double dry_force = speed > 0 ? f0_ : speed < 0 ? -f0_back_ : 0;
+        return -((speed < 0 ? c_back_ : c_) * speed + dry_force);
+    }
 
     // c by the direction in which the wheel goes, N s/m; 0: at rest, the mean of both.
     double viscous(double direction) const {
@@ -67,49 +72,5 @@ inline double least_dry(const Ground& g) {
     const double t = WheelLaw::along(g).least(), n = WheelLaw::across(g).least();
     return t == 0 || n == 0 ? std::max(t, n) : std::min(t, n);
 }
-
-// No friction at all, for which momentum is conserved.
-struct Frictionless {
-    explicit Frictionless(const Ground&) {}
-    double along(double) const { return 0; }
-    double across(double) const { return 0; }
-};
-
-// Force = -(c v): Eqs. 28 and 29 with the sign that opposes motion.
-struct Viscous {
-    explicit Viscous(const Ground& g) : ct(g.ct), cn(g.cn) {}
-    double along(double v) const { return -ct * v; }
-    double across(double v) const { return -cn * v; }
-    double ct, cn;
-};
-
-inline double sgn(double v) { return (v > 0) - (v < 0); }
-
-// Force = -F0 sgn v with sgn 0 = 0: a single evaluation, which knows nothing of sticking.
-struct Coulomb {
-    explicit Coulomb(const Ground& g) : ft0(g.ft0), fn0(g.fn0) {}
-    double along(double v) const { return -ft0 * sgn(v); }
-    double across(double v) const { return -fn0 * sgn(v); }
-    double ft0, fn0;
-};
-
-// Force = -(c v + F0 sgn v) with sgn 0 = 0 (Eqs. 59 and 62).
-struct Bingham {
-    explicit Bingham(const Ground& g) : ground(g) {}
-    double along(double v) const { return -(ground.ct * v + ground.ft0 * sgn(v)); }
-    double across(double v) const { return -(ground.cn * v + ground.fn0 * sgn(v)); }
-    Ground ground;
-};
-
-// Bingham's law with other coefficients backwards.
-struct Ratchet {
-    explicit Ratchet(const Ground& g) : ground(g) {}
-    double along(double v) const {
-        if (v < 0) return ground.ft0_back - ground.ct_back * v;
-        return v > 0 ? -(ground.ft0 + ground.ct * v) : 0;
-    }
-    double across(double v) const { return -(ground.cn * v + ground.fn0 * sgn(v)); }
-    Ground ground;
-};
 
 }  // namespace serpenoid

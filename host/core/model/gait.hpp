@@ -52,7 +52,10 @@ class GaitTable {
     }
 
     GaitWave wave(double omega, double t) const {
-        const double s = alpha_ * std::sin(omega * t), c = alpha_ * std::cos(omega * t);
+        return wave(omega, std::sin(omega * t), std::cos(omega * t));
+    }
+    GaitWave wave(double omega, double sin_tau, double cos_tau) const {
+        const double s = alpha_ * sin_tau, c = alpha_ * cos_tau;
         return {s, c, omega * s, omega * c, offset_, -omega * omega, cos_.data(), sin_.data()};
     }
 

@@ -1,11 +1,9 @@
 // The exact model as first-order systems, one for each way to drive the joints.
 #include <algorithm>
-#include <cmath>
 #include <memory>
 
 #include "drive/joint_angles.hpp"
 #include "model/explicit_model.hpp"
-#include "model/tail_acceleration.hpp"
 #include "scene/make_system.hpp"
 #include "scene/paired_system.hpp"
 #include "scene/rotor_system.hpp"
@@ -16,13 +14,13 @@ namespace serpenoid {
 namespace {
 
 // All angles imposed. State: x, y, theta of link 1, then their rates.
-class ExplicitAngle : public PairedSystem {
+class ExplicitAngle final : public PairedSystem {
   public:
     explicit ExplicitAngle(const RunRequest& q)
         : PairedSystem(q.robot.n, 3),
           robot(q.robot),
           drive(q.robot.n, q.gait),
-          chain_force(make_force(q)) {}
+          force(ground_force(q)) {}
 
     void set(const Chain& c, double* y) const override {
         const double from[6] = {c.x[0], c.y[0], c.theta[0], c.vx[0], c.vy[0], c.omega[0]};
@@ -33,56 +31,29 @@ class ExplicitAngle : public PairedSystem {
         chain.x[0] = y[0], chain.y[0] = y[1], chain.vx[0] = y[3], chain.vy[0] = y[4];
         chain.follow(robot.l);
     }
-    void load(double t, const double* y) override { fill(t, y), (*chain_force)(chain); }
+    void load(double t, const double* y) override {
+        fill(t, y);
+        force(chain);
+    }
     void accelerate() override { explicit_angle(robot, drive.joint_accel(), chain); }
     void recover() override { joint_forces(robot, chain, joints); }
+    void rate(double t, const double* y, double* dy) override {
+        load(t, y);
+        const TailMotion tail = tail_motion(robot, drive.joint_accel(), chain);
+        std::copy_n(y + 3, 3, dy);
+        dy[3] = tail.ax;
+        dy[4] = tail.ay;
+        dy[5] = tail.alpha;
+    }
     void derivative(const double* y, double* dy) const override {
         std::copy_n(y + 3, 3, dy);
         dy[3] = chain.ax[0], dy[4] = chain.ay[0], dy[5] = chain.alpha[0];
     }
 
-  protected:
+  private:
     Robot robot;
     GaitDrive drive;
-
-  private:
-    std::unique_ptr<ChainForce> chain_force;
-};
-
-// The same with a right-hand side that is compiled for the ground force: runs in time spend most
-// of their time here.
-template <class Force>
-class ExplicitAngleOn final : public ExplicitAngle {
-  public:
-    explicit ExplicitAngleOn(const RunRequest& q)
-        : ExplicitAngle(q), force(q.ground, q.slope, q.robot.m) {}
-
-    // One pass over the links that keeps nothing: everything else would be for the record.
-    void rate(double t, const double* y, double* dy) override {
-        const GaitWave wave = drive.wave(t);
-        const Robot& r = robot;
-        double theta = y[2], rate = y[5], c = std::cos(theta), s = std::sin(theta);
-        Along at{0, 0, y[3], y[4], 0, 0, 0};
-        HalfLink before = HalfLink::of(r.l, c, s, rate);
-        const auto first = force.on(c, s, at.vx, at.vy);
-        TailSums sums{first.x, first.y};
-        for (int i = 0; i + 1 < r.n; ++i) {
-            const GaitWave::Joint j = wave.at(i);
-            theta += j.angle, rate += j.rate, at.turn += j.acceleration;
-            c = std::cos(theta), s = std::sin(theta);
-            const HalfLink now = HalfLink::of(r.l, c, s, rate, at.turn);
-            at.pass(before, now);
-            before = now;
-            const auto f = force.on(c, s, at.vx, at.vy);
-            sums.add(r.m, at, f.x, f.y);
-        }
-        const TailMotion tail = sums.solve(r);
-        dy[0] = y[3], dy[1] = y[4], dy[2] = y[5];
-        dy[3] = tail.ax, dy[4] = tail.ay, dy[5] = tail.alpha;
-    }
-
-  private:
-    Force force;
+    GroundForce force;
 };
 
 // Some angles imposed, some torques given, or all of one kind. State: x, y, theta of link 1, the
@@ -93,7 +64,7 @@ class ExplicitMixed final : public PairedSystem {
                   std::unique_ptr<TorqueSource> torques)
         : PairedSystem(q.robot.n, 3 + joint_drive.free_joints()),
           robot(q.robot),
-          force(make_force(q)),
+          force(ground_force(q)),
           drive(std::move(joint_drive)),
           source(std::move(torques)) {}
 
@@ -114,7 +85,7 @@ class ExplicitMixed final : public PairedSystem {
     }
     void load(double t, const double* y) override {
         fill(t, y);
-        (*force)(chain);
+        force(chain);
         source->torques(t, chain, driven.data());
         drive.limp(driven.data());
     }
@@ -137,7 +108,7 @@ class ExplicitMixed final : public PairedSystem {
 
   private:
     Robot robot;
-    std::unique_ptr<ChainForce> force;
+    GroundForce force;
     MixedDrive drive;
     std::unique_ptr<TorqueSource> source;
 };
@@ -160,9 +131,7 @@ static std::unique_ptr<PairedSystem> make_with_play(const RunRequest& q) {
 std::unique_ptr<PairedSystem> make_paired(const RunRequest& q) {
     if (q.drive == Drive::servo && q.servo.backlash > 0) return make_with_play(q);
     if (mixed(q)) return make_driven(q, make_torques(q));
-    return with_force<PairedSystem>(q, [&]<class Force>() -> std::unique_ptr<PairedSystem> {
-        return std::make_unique<ExplicitAngleOn<Force>>(q);
-    });
+    return std::make_unique<ExplicitAngle>(q);
 }
 
 std::unique_ptr<System> make_explicit(const RunRequest& q) { return make_paired(q); }

@@ -19,7 +19,7 @@ class ImplicitSystem : public System {
         : System(q.robot.n),
           robot(q.robot),
           spring(q.spring),
-          force(make_force(q)),
+          force(ground_force(q)),
           damper(q.robot.n, q.method.holds_dampers),
           turns(turning_coordinates) {}
 
@@ -47,7 +47,7 @@ class ImplicitSystem : public System {
         std::copy_n(y + 2 * n, n, chain.vx.data()), std::copy_n(y + 3 * n, n, chain.vy.data());
     }
     void act() {
-        (*force)(chain);
+        force(chain);
         spring_forces(robot, spring, damper, chain, joints);
     }
     void give_centres(const double* y, double* dy) const {
@@ -58,7 +58,7 @@ class ImplicitSystem : public System {
 
     Robot robot;
     JointSpring spring;
-    std::unique_ptr<ChainForce> force;
+    GroundForce force;
     Damper damper;
     int turns;
 };

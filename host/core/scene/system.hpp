@@ -1,8 +1,7 @@
 // What a scene moves, as a system of first order y' = rate(t, y); methods see no more than this.
 //
 // The concrete systems are in explicit_systems.cpp and implicit_systems.cpp. A method pays one
-// virtual call per right-hand side, and most systems another one for the ground. The explicit model
-// with imposed angles, in which runs spend most time, is compiled for each ground force instead.
+// virtual call per right-hand side.
 #pragma once
 
 #include <limits>

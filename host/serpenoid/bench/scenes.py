@@ -2,113 +2,107 @@
 
 from __future__ import annotations
 
+import math
 import re
 import shutil
 import subprocess
-import tempfile
+import sys
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+from ..model.drives import Servo
 from ..model.errors import SerpenoidError
+from ..model.gait import Gait
+from ..model.ground import Ground
+from ..model.robot import Robot
+from ..simulation.scene import Scene
+from ..simulation.simulate import simulate
 from .rows import write_rows
 
-SOURCE = Path(__file__).resolve().parents[2]  # host/, of a checkout
-LADDER = SOURCE.parent / "studies" / "ladder"
-RUNGS = {
-    "by hand": "viscous, level, written by hand",
-    "viscous": "viscous, level",
-    "bingham": "+ Bingham friction",
-    "ratchet": "the same, on ratchet wheels",
-    "incline": "+ incline",
-    "servo": "+ servos",
-    "record forces": "+ recording forces each step",
-    "energy ledger": "+ energy ledger (no record)",
-    "record motion": "viscous, level, recording each step",
-}
 FORMULATIONS = ("explicit", "implicit")
-STEPS = 500
-VALGRIND = ("valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null")
-_OTHERS = ("python", "board", "lab", "web")  # rooms of the core that no run needs
-# as in CMakeLists.txt
-FLAGS = (
-    "-std=c++20",
-    "-O3",
-    "-DNDEBUG",
-    "-ffp-contract=off",
-    "-fno-math-errno",
-    "-fno-trapping-math",
-)
+STEPS = 20_000  # so many that the start of Python differs by less than ten instructions a step
+STEP_S = 1e-3
+_PROGRAM = "from serpenoid.bench.scenes import run_rung; run_rung(*{!r})"
+_VALGRIND = ("valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null")
 
 
 @dataclass(frozen=True)
 class Rung:
-    """Hold one line of the ladder; its ratio is to the kernel by hand for the plain scene."""
+    """Hold one line of the ladder; its ratio is to the plain scene of its formulation."""
 
     formulation: str
     rung: str
-    title: str
     instructions_per_step: float
-    ratio_to_hand: float
+    ratio_to_plain: float
 
 
-def _run(command: list[str], what: str) -> subprocess.CompletedProcess[str]:
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise SerpenoidError(f"{what} failed: {done.stderr.strip()[-2000:]}")
-    return done
+def ladder(formulation: str, steps: int) -> dict[str, Scene]:
+    """Return the scenes by their rungs: the plain one, and others with one thing more each."""
+    gait = Gait(math.radians(30), math.radians(80), 5.0)
+    plain = Scene(
+        Robot(6, 1.0, 0.12, 0.0012),
+        Ground(0.1, 10.0),
+        gait,
+        formulation=formulation,
+        method="rk4",
+        dt_s=STEP_S,
+        duration_s=STEP_S * steps,
+        record_every=steps,
+        gap="zero",
+    )
+    dry = replace(plain, ground=Ground(0.1, 10.0, 0.02, 0.05))
+    incline = replace(dry, incline_rad=0.05)
+    servo = replace(incline, drive="servo", servo=Servo())
+    return {
+        "viscous, level": plain,
+        "Bingham friction": dry,
+        "ratchet wheels, too": replace(dry, ground=Ground(0.1, 10.0, (0.02, 0.2), 0.05)),
+        "Bingham friction, incline": incline,
+        "servos, too": servo,
+        "servos, recording forces": replace(servo, record_every=1, record=("joints", "friction")),
+        "servos, energy ledger": replace(servo, record=("energy",)),
+        "viscous, recording motion": replace(plain, record_every=1),
+    }
 
 
-def _needed() -> None:
-    for tool, package in (("valgrind", "valgrind"), ("g++", "g++")):
-        if not shutil.which(tool):
-            raise SerpenoidError(f"{tool} is not there; install it (Debian: apt install {package})")
-    if not (SOURCE / "core" / "run" / "simulation.cpp").exists():
-        raise SerpenoidError("bench scenes compiles the core; run it in a checkout of the source")
+def run_rung(formulation: str, rung: str, steps: int) -> None:
+    """Run a rung's scene; `count` has this counted in a process of its own."""
+    simulate(ladder(formulation, steps)[rung])
 
 
-def parts() -> tuple[list[Path], list[str]]:
-    """Return the sources of the ladder's program, and where their headers are."""
-    core, firmware = SOURCE / "core", SOURCE.parent / "firmware" / "lib"
-    sources = [p for p in sorted(core.rglob("*.cpp")) if p.parent.name not in _OTHERS]
-    sources += [*sorted(firmware.glob("gait/*.cpp")), LADDER / "ladder.cpp"]
-    return sources, [f"-I{core}", f"-I{firmware / 'gait'}", f"-I{firmware / 'avr'}"]
+def count(formulation: str, rung: str, steps: int) -> int:
+    """Return the instructions of a process that runs a rung's scene, its start included."""
+    program = _PROGRAM.format((formulation, rung, steps))
+    done = subprocess.run(
+        [*_VALGRIND, sys.executable, "-c", program],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    collected = re.search(r"Collected : (\d+)", done.stderr)
+    if not collected:
+        raise SerpenoidError(f"counting {rung!r} failed: {done.stderr.strip()[-2000:]}")
+    return int(collected[1])
 
 
-def build(folder: Path) -> Path:
-    """Compile the core and the ladder into a folder and return the program."""
-    sources, include = parts()
-    program = folder / "ladder"
-    command = ["g++", *FLAGS, *include, *map(str, sources), "-o", str(program)]
-    _run(command, "compiling the core and the ladder")
-    return program
-
-
-def measure(program: Path, note: Callable[[str], object]) -> Iterator[Rung]:
+def measure(note: Callable[[str], object]) -> Iterator[Rung]:
     """Yield every rung of both formulations: of two runs, so that start and end cancel."""
+    if not shutil.which(_VALGRIND[0]):
+        raise SerpenoidError("valgrind is not there; install it (Debian: apt install valgrind)")
     for formulation in FORMULATIONS:
-        hand = 0.0
-        for rung, title in RUNGS.items():
-            note(f"{formulation}: {title}")
-            counts = []
-            for steps in (STEPS, 2 * STEPS):
-                run = [*VALGRIND, str(program), formulation, rung, str(steps)]
-                said = _run(run, f"rung {rung!r}").stderr
-                collected = re.search(r"Collected : (\d+)", said)
-                if not collected:
-                    raise SerpenoidError(f"callgrind printed no count for {rung!r}: {said[-500:]}")
-                counts.append(int(collected[1]))
-            count = (counts[1] - counts[0]) / STEPS
-            hand = hand or count  # the first rung
-            yield Rung(formulation, rung, title, round(count, 1), round(count / hand, 3))
+        plain = 0.0
+        for rung in ladder(formulation, STEPS):
+            note(f"{formulation}: {rung}")
+            counts = [count(formulation, rung, k * STEPS) for k in (1, 2)]
+            per_step = (counts[1] - counts[0]) / STEPS
+            plain = plain or per_step  # the first rung
+            yield Rung(formulation, rung, round(per_step), round(per_step / plain, 2))
 
 
 def run(out: Path, note: Callable[[str], object]) -> list[Rung]:
-    """Build, count, and write scenes.csv into out."""
-    _needed()
-    with tempfile.TemporaryDirectory() as folder:
-        note("compiling the core (about a minute)")
-        rungs = list(measure(build(Path(folder)), note))
+    """Count all rungs, and write scenes.csv into out."""
+    rungs = list(measure(note))
     out.mkdir(parents=True, exist_ok=True)
     write_rows(out / "scenes.csv", rungs)
     return rungs

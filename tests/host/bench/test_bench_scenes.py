@@ -1,17 +1,20 @@
-"""The ladder of scenes, which is compiled anew for each count: its sources find their headers."""
+"""The ladder of scenes: every rung is a scene that runs, and is counted."""
 
 from __future__ import annotations
 
-import re
-from pathlib import Path
+import shutil
 
+import pytest
 from serpenoid.bench import scenes
 
 
-def test_every_source_of_the_ladder_finds_its_headers() -> None:
-    sources, include = scenes.parts()
-    assert {"simulation.cpp", "radau.cpp", "ladder.cpp"} <= {source.name for source in sources}
-    for source in sources:
-        folders = [source.parent, *(Path(flag.removeprefix("-I")) for flag in include)]
-        for header in re.findall(r'^#include "(.+)"', source.read_text(), re.MULTILINE):
-            assert any((folder / header).exists() for folder in folders), (source, header)
+@pytest.mark.parametrize("formulation", scenes.FORMULATIONS)
+def test_every_rung_runs(formulation: str) -> None:
+    for rung in scenes.ladder(formulation, 10):
+        scenes.run_rung(formulation, rung, 10)
+
+
+@pytest.mark.slow  # valgrind runs all of Python's start
+@pytest.mark.skipif(shutil.which("valgrind") is None, reason="valgrind is not installed")
+def test_instructions_are_counted() -> None:
+    assert scenes.count("explicit", "viscous, level", 20_000) > 20_000 * 2000
