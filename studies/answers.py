@@ -237,7 +237,7 @@ RUNS: tuple[dict[str, Any], ...] = (
     {},
     {"method": "dop853"},
     {"method": "rk4"},
-    {"method": "collocation"},
+    {"method": "dop853", "tolerance": 1e-9},
     {"drive": "torque"},
     {"drive": "servo"},
     {"limp": (2,)},

@@ -198,8 +198,7 @@ nb::list method_table() {
         nb::dict row;
         row["name"] = k.name, row["order"] = k.order;
         row["formulations"] = k.formulations, row["adaptive"] = k.adaptive;
-        row["drives"] = k.drives, row["laws"] = k.laws, row["records"] = k.records;
-        row["plain"] = k.plain, row["faults"] = k.faults;
+        row["laws"] = k.laws, row["faults"] = k.faults;
         rows.append(row);
     }
     return rows;

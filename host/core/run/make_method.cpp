@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "methods/adaptive/collocation.hpp"
 #include "methods/adaptive/dop853.hpp"
 #include "methods/adaptive/error_scale.hpp"
 #include "methods/adaptive/mode_steps.hpp"
@@ -39,8 +38,6 @@ std::unique_ptr<Method> make_method(const RunRequest& q, System& system) {
     if (is("rk4")) return std::make_unique<Rk4>(system, q.dt);
     if (is("paper")) return std::make_unique<PaperScheme>(system, q.dt);
     if (is("dop853")) return smooth(q, system);
-    if (is("collocation"))
-        return std::make_unique<Collocation>(q.robot, q.ground, q.gait, q.tolerance);
     if (is("radau")) return make_radau(q, system);
     if (is("nonsmooth")) return nonsmooth(q, system);
     throw std::logic_error("no maker");

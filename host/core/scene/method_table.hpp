@@ -15,10 +15,7 @@ struct MethodKind {
     int order;  // of convergence at recorded times, for smooth motion
     const char* formulations = "explicit implicit";
     const char* adaptive = "";  // formulations in which it picks its steps; in the others dt_s
-    const char* drives = "angle torque servo";
     const char* laws = "viscous dry";
-    const char* records = "joints friction energy";  // beside the motion
-    bool plain = false;           // all joints must follow the gait, on the level
     bool faults = true;           // runs with limp or locked joints
     bool holds_dampers = false;   // dampers take the rates of the step before
     bool makes_friction = false;  // implicit: applies the friction itself, to a system without
@@ -30,14 +27,6 @@ inline constexpr MethodKind kMethods[] = {
     {.name = "rk4", .order = 4},
     {.name = "paper", .order = 1, .formulations = "implicit", .holds_dampers = true},
     {.name = "dop853", .order = 8, .adaptive = "explicit implicit", .laws = "viscous"},
-    {.name = "collocation",
-     .order = 7,
-     .formulations = "explicit",
-     .adaptive = "explicit",
-     .drives = "angle",
-     .laws = "viscous",
-     .records = "joints friction",
-     .plain = true},
     {.name = "radau",
      .order = 5,
      .formulations = "implicit",

@@ -126,5 +126,5 @@ def peak_torque_nm(robot: Robot, ground: Ground, gait: Gait, steps: int = 240) -
     try:
         run = simulate(scene)
     except StepTooLarge:  # a gait so slow that friction holds it: steps are not what limits it
-        run = simulate(replace(scene, method="collocation"))
+        run = simulate(replace(scene, method="nonsmooth"))
     return float(np.abs(run.joint_torque_nm).max())

@@ -34,13 +34,11 @@ _RESTS = 1e-4  # body lengths a period: a robot that goes less has no speed wort
 _UNKNOWN = Difference(math.inf, math.inf, math.inf)
 _TIGHT, _TIGHTEST = 1e-8, 1e-10  # of methods that pick their steps
 _LEAST = 1e-13
-_MOST_ACCURATE = ("collocation", "dop853", "nonsmooth", "rk4")
+_MOST_ACCURATE = ("dop853", "nonsmooth", "rk4")
 _TRIES = 6
 _MOST_LINK_STEPS = 10**8  # some ten seconds
 KEEPABLE = ("dt_s", "tolerance")
 _WHY = {
-    "collocation": "the joint angles are imposed and friction is viscous: three equations in the "
-    "body frame, whose linear part is solved once a cycle",
     "nonsmooth": "dry friction holds wheels: sticking must be exact",
     "dop853": "smooth motion, without springs that ring: high order at few steps",
     "radau": "stiff springs: steps as long as the slow motion allows",

@@ -13,22 +13,18 @@ class MethodKind:
     """Say which scenes a method runs; a row of host/core/scene/method_table.hpp.
 
     order: of convergence at recorded times, for smooth motion. adaptive: formulations in which it
-    takes steps of its own to scene.tolerance; in the others steps of dt_s. records: what it can
-    record besides the motion. plain: whether all joints must follow the gait, on the level. faults:
-    whether it runs with limp or locked joints.
+    takes steps of its own to scene.tolerance; in the others steps of dt_s. faults: whether it runs
+    with limp or locked joints.
     """
 
     order: int
     formulations: tuple[str, ...]
     adaptive: tuple[str, ...]
-    drives: tuple[str, ...]
     laws: tuple[str, ...]
-    records: tuple[str, ...]
-    plain: bool
     faults: bool
 
 
-_WORDS = ("formulations", "adaptive", "drives", "laws", "records")
+_WORDS = ("formulations", "adaptive", "laws")
 
 
 def _kind(row: dict[str, Any]) -> MethodKind:
@@ -39,7 +35,8 @@ def _kind(row: dict[str, Any]) -> MethodKind:
 METHODS = {row.pop("name"): _kind(row) for row in _core.method_table()}
 
 
-GONE = ("euler", "semi_implicit_euler")  # of order 1
+# Methods that scene files may name and that are no longer there, each with one to take.
+GONE = {"euler": "rk4", "semi_implicit_euler": "rk4", "collocation": "dop853"}
 
 
 class OwnChoice(str):

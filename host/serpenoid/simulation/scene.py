@@ -144,10 +144,7 @@ class Scene:
         check_choice("formulation", self.formulation, FORMULATIONS)
         check_choice("drive", self.drive, DRIVES)
         if self.method in GONE:
-            raise BadInput(
-                f"method {self.method!r} is gone; take method 'rk4', which is more accurate at any "
-                "step"
-            )
+            raise BadInput(f"method {self.method!r} is gone; take method {GONE[self.method]!r}")
         if not isinstance(self.method, OwnChoice):
             check_choice("method", self.method, ("auto", *METHODS))
         check_choice("gap", self.gap, GAPS)
@@ -271,28 +268,21 @@ class Scene:
         return self.formulation in METHODS[self.method].adaptive
 
 
-def objection(
-    name: str, scene: Scene, formulation: str | None = None, record: tuple[str, ...] | None = None
-) -> str | None:
+def objection(name: str, scene: Scene, formulation: str | None = None) -> str | None:
     """Return why a method does not run a scene, or None if it does; what is given replaces."""
     kind = METHODS[name]
     formulation = formulation or scene.formulation
     for what, value, runs in (
         ("formulation", formulation, kind.formulations),
-        ("drive", scene.drive, kind.drives),
         ("law", scene.law, kind.laws),
     ):
         if value not in runs:
             return f"does not run with {what} {value!r}"
     if (why := _servo_objection(name, formulation, scene.servo)) is not None:
         return why
-    if (scene.limp or scene.locked) and (kind.plain or not kind.faults):
+    if (scene.limp or scene.locked) and not kind.faults:
         return "does not run with limp or locked joints"
-    if scene.incline_rad > 0 and kind.plain:
-        return "does not run with an incline"
-    asked = scene.record if record is None else record
-    lacks = [one for one in asked if one not in kind.records]
-    return f"cannot record {lacks[0]!r}" if lacks else None
+    return None
 
 
 def _servo_objection(name: str, formulation: str, servo: Servo | None) -> str | None:
@@ -324,10 +314,5 @@ def ways_out(name: str, scene: Scene) -> str:
         f"formulation {one!r}"
         for one in ("explicit", "implicit")
         if objection(name, scene, formulation=one) is None
-    ]
-    ways += [
-        f"record without {one!r}"
-        for one in scene.record
-        if objection(name, scene, record=tuple(r for r in scene.record if r != one)) is None
     ]
     return ", or ".join(ways) or _ANY_WAY

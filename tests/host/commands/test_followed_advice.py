@@ -14,7 +14,6 @@ CHOICES = {
         "rk4",
         "paper",
         "dop853",
-        "collocation",
         "radau",
         "nonsmooth",
     ],

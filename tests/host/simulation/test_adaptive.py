@@ -1,4 +1,4 @@
-"""Methods that pick their own steps for smooth motion: truth, order, symmetry, limits, refusals."""
+"""dop853, which picks its own steps for smooth motion: truth, order, limits, refusals."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from robots import PAPER, VISCOUS, gait_in_deg
 from serpenoid import Diverged
 from serpenoid.simulation.starts import start_state
 
-BOTH = ("dop853", "collocation")
 GAIT = gait_in_deg(30, 80, 5.0)
 PAPERS_SCENE = sn.Scene(PAPER, VISCOUS, GAIT, duration_s=1.0, dt_s=0.01, start="link1_at_rest")
 
@@ -45,26 +44,20 @@ def paper_truth() -> Array:
     return truth(PAPERS_SCENE, 1e-12)
 
 
-@pytest.mark.parametrize("method", BOTH)
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8, 1e-10])
-def test_every_recorded_time_is_as_good_as_asked(
-    method: str, tolerance: float, paper_truth: Array
-) -> None:
-    run = sn.simulate(replace(PAPERS_SCENE, method=method, tolerance=tolerance))
+def test_every_recorded_time_is_as_good_as_asked(tolerance: float, paper_truth: Array) -> None:
+    run = sn.simulate(replace(PAPERS_SCENE, method="dop853", tolerance=tolerance))
     assert error(run, paper_truth) < 3 * tolerance
     assert run.local_error > 0
 
 
-@pytest.mark.parametrize(("method", "order"), [("dop853", 8), ("collocation", 7)])
-def test_steps_grow_as_the_order_says(method: str, order: int) -> None:
-    """An estimate of order p needs tolerance^(-1/p) steps; collocation's is that of its dense
-    output.
-    """
+def test_steps_grow_as_the_order_says() -> None:
+    """An estimate of order p needs tolerance^(-1/p) steps."""
     taken = [
-        sn.simulate(replace(PAPERS_SCENE, method=method, tolerance=t, duration_s=10.0)).steps
+        sn.simulate(replace(PAPERS_SCENE, method="dop853", tolerance=t, duration_s=10.0)).steps
         for t in (1e-5, 1e-12)
     ]
-    assert math.log(1e7) / math.log(taken[1] / taken[0]) == pytest.approx(order, abs=0.8)
+    assert math.log(1e7) / math.log(taken[1] / taken[0]) == pytest.approx(8, abs=0.8)
 
 
 EXTREMES = [  # alpha (deg), omega, ct, cn, mass, cycles
@@ -92,9 +85,8 @@ def test_extremes(
         start="link1_at_rest",
     )
     exact = truth(scene)
-    for method in BOTH:
-        # at the edge of its stability an explicit method's errors are all of the tolerance's size
-        assert error(sn.simulate(replace(scene, method=method)), exact) < 3e-7, method
+    # at the edge of its stability an explicit method's errors are all of the tolerance's size
+    assert error(sn.simulate(replace(scene, method="dop853")), exact) < 3e-7
 
 
 def test_a_stiff_scene_is_refused_by_the_explicit_method() -> None:
@@ -110,23 +102,3 @@ def test_a_stiff_scene_is_refused_by_the_explicit_method() -> None:
     with pytest.raises(Diverged, match="stiff"):
         sn.simulate(scene)
     assert time.process_time() - began < 20  # the run itself would take hours
-
-
-def test_a_day_of_crawling_costs_nothing_and_goes_at_the_steady_speed() -> None:
-    """24 hours in whole cycles; pieces of the cycle are kept, so time and memory stay small."""
-    cycles = round(24 * 3600 / GAIT.period_s)
-    run = sn.simulate(
-        replace(
-            PAPERS_SCENE,
-            method="collocation",
-            tolerance=1e-9,
-            start="steady",
-            duration_s=cycles * GAIT.period_s,
-            dt_s=cycles * GAIT.period_s / 4,
-        )
-    )
-    x, y = run.x_m.mean(axis=1), run.y_m.mean(axis=1)
-    speed = math.hypot(x[-1] - x[0], y[-1] - y[0]) / run.t_s[-1]
-    assert speed == pytest.approx(
-        sn.steady_gait(PAPER, VISCOUS, GAIT, rtol=1e-10).speed_m_s, rel=1e-8
-    )

@@ -26,7 +26,7 @@ FIXED = [
     for method, kind in METHODS.items()
     for formulation in kind.formulations
     if formulation not in kind.adaptive
-    for drive in kind.drives
+    for drive in DRIVES
 ]
 
 
