@@ -45,20 +45,12 @@ struct CycleEnd {
 // How to follow: local errors stay below `tolerance` of the scales.
 struct Following {
     double tolerance;
-    bool work = false;       // sum up the joints' work
-    bool derivative = true;  // needed; exact maps always have it
-    double spin = 0;         // turning of the axes in which x, y are counted, rad a rad
+    bool work = false;  // sum up the joints' work
+    double spin = 0;    // turning of the axes in which x, y are counted, rad a rad
 };
 
 // Signs of the components half a cycle later, or a whole one.
 inline Vec3 mirror_signs(bool mirrored) { return mirrored ? Vec3{1, -1, -1} : Vec3{1, 1, 1}; }
-
-// The rows of a matrix in mirrored axes.
-inline Mat3 mirror_rows(Mat3 M, bool mirrored) {
-    if (mirrored)
-        for (int i = 3; i < 9; ++i) M[i] = -M[i];
-    return M;
-}
 
 // Displacement in the axes of the start, and change of heading.
 struct Path {
@@ -83,13 +75,6 @@ class CycleMap {
 
     // Follow from p at phase 0 over the span. Nothing where the steps run out or get too short.
     virtual std::optional<CycleEnd> follow(const Vec3& p, const Following& how) = 0;
-
-    // Whether the derivative is measured by differences, and so has an error. Such a map can
-    // measure that of p again, from both sides at `distance` of the scales.
-    virtual bool measures_derivative() const { return false; }
-    virtual std::optional<Mat3> measured_derivative(const Vec3&, const Following&, double) {
-        return {};
-    }
 
     // Whether no wheel has modes. Then the ends of pieces are far more accurate than `tolerance`.
     virtual bool smooth() const { return false; }

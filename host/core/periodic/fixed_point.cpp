@@ -78,7 +78,7 @@ bool FixedPoint::follow_cycles(int most, double near_enough, double tolerance, d
     constexpr double kPromising = 1e-3;
     for (int i = 0; i < most; ++i, share = 1) {
         Orbit orbit;
-        if (!evaluate({tolerance, false, false}, orbit)) return false;
+        if (!evaluate({tolerance}, orbit)) return false;
         double change = 0;
         for (int k = 0; k < 3; ++k) {
             const double by = share * orbit.residual[k];

@@ -51,7 +51,7 @@ void bound_errors(const LevelChange& change, const LevelChange& before, const Er
         return least_bound(seen, rtol, value);
     };
     s.speed_error = bound(change.speed, rule.earlier * before.speed, rule.speed, s.speed);
-    s.power_error = bound(change.power, rule.earlier_power * before.power, rule.power, s.power);
+    s.power_error = bound(change.power, rule.earlier * before.power, rule.power, s.power);
     s.turn_error =
         std::max(bound(change.turn, rule.earlier * before.turn, rule.turn, s.turn), 1e-14);
     s.positive_power_error = least_bound(s.positive_power_error, rtol, s.positive_power);

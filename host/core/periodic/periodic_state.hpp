@@ -88,7 +88,6 @@ struct LevelChange {
 struct ErrorRule {
     double shrinks = 1;  // what the next level will change, as a part of what this one did
     double earlier = 0;  // and as a part of the change before: one change may be small by luck
-    double earlier_power = 0;               // the same for power
     double speed = 0, power = 0, turn = 0;  // by the error of the state, and by rounding
 };
 

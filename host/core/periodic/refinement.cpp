@@ -17,7 +17,6 @@ constexpr double kLeastSettling = 4;  // levels may agree by luck
 constexpr double kRounding = 1e-15;   // of a map on smooth ground, over the scales
 constexpr double kTwice = 2;          // smooth ground: a change may be a part of the error alone
 constexpr double kKinks = 0.3;        // the same for positive power on smooth ground
-constexpr double kSpikes = 0.6;       // the same for positive power by steps
 
 // The derivative over a period in (Vx, Vy, L), of that of the image by p.
 Mat3 monodromy_of(Mat3 M, const CycleMap& map) {
@@ -34,10 +33,7 @@ Vec3 times(const Vec3& a, const Vec3& b) { return {a[0] * b[0], a[1] * b[1], a[2
 SteadyState Refinement::report(const Orbit& orbit, double tolerance) const {
     const Vec3 &scale = map_.scale(), p = times(orbit.start(), scale);
     const CycleState& end = orbit.end.state;
-    const bool measured = map_.measures_derivative();  // by differences, which add noise
-    const auto value = [&](double v, int row) {
-        return measured ? v : orbit.at_start(v, row, scale);
-    };
+    const auto value = [&](double v, int row) { return orbit.at_start(v, row, scale); };
     Path path{value(end.x, CycleState::kX), value(end.y, CycleState::kY),
               value(end.theta, CycleState::kTheta)};
     const double period = 2 * std::numbers::pi / map_.gait().omega;
@@ -48,31 +44,13 @@ SteadyState Refinement::report(const Orbit& orbit, double tolerance) const {
     if (map_.mirrored()) path = path.twice_mirrored();
     out.chord = path.length() / period, out.turn = path.turn;
     if (!map_.mirrored()) {
-        const auto arc =
-            map_.follow(p, {tolerance, false, false, path.turn / (2 * std::numbers::pi)});
+        const auto arc = map_.follow(p, {tolerance, false, path.turn / (2 * std::numbers::pi)});
         if (arc) path = {arc->state.x, arc->state.y, path.turn};
     }
     out.speed = path.length() / period, out.direction = path.direction();
     out.power = value(end.dissipated, CycleState::kDissipated) / map_.time();
     out.start = {p[0] / map_.nm(), p[1] / map_.nm(), map_.rate(p[2])};
     return out;
-}
-
-// A measured derivative is known from both sides, at two distances. Below what the steps' own
-// errors make of it a multiplier cannot be told from zero.
-void Refinement::measure_multipliers(double tolerance, SteadyState& s) const {
-    const double near = std::max(1e-5, 0.3 * std::sqrt(tolerance));
-    const Vec3 p = times(z_, map_.scale());
-    const auto M = map_.measured_derivative(p, {tolerance}, near),
-               wide = map_.measured_derivative(p, {tolerance}, 3 * near);
-    if (!M || !wide) return;
-    const bool half = map_.mirrored();
-    s.monodromy = monodromy_of(mirror_rows(*M, half), map_);
-    s.slowest = log_spectral_radius(s.monodromy);
-    const double other = log_spectral_radius(monodromy_of(mirror_rows(*wide, half), map_));
-    const double noise = 10 * tolerance / near, seen = std::exp(s.slowest / (half ? 2 : 1));
-    s.slowest_error = (s.slowest == other ? 0 : std::fabs(s.slowest - other)) +
-                      (half ? 2 : 1) * std::log1p(noise / (seen + 1e-300));
 }
 
 // Sums over the joints. Every joint's change from the level before counts as an error, and so does
@@ -85,8 +63,7 @@ void Refinement::add_positive(const JointWork& work, double mismatch, SteadyStat
         next.positive_power += work.positive[i] / time;
         change += std::fabs(work.positive[i] - positive_[i]) / time;
     }
-    // spikes of torque that steps hit or miss make levels agree by luck
-    const double earlier = map_.measures_derivative() ? kSpikes : map_.smooth() ? kKinks : 0;
+    const double earlier = map_.smooth() ? kKinks : 0;
     next.positive_power_error =
         change + earlier * positive_change_ + (mismatch + work.doubtful) / time;
     positive_change_ = first_ ? 0 : change;
@@ -100,28 +77,17 @@ void Refinement::bound(const Orbit& orbit, double tolerance, SteadyState& next) 
     constexpr double kState = 0.8;
     constexpr double kLuck = 0.15;  // a power seldom changes by less than this of a tolerance
     const Vec3 &scale = map_.scale(), z = orbit.start();
-    double moved = 0, step = 0;
-    for (int k = 0; k < 3; ++k) {
-        moved = std::max(moved, std::fabs(z[k] - z_[k]));
-        step = std::max(step, std::fabs(orbit.step[k]));
-    }
+    double moved = 0;
+    for (int k = 0; k < 3; ++k) moved = std::max(moved, std::fabs(z[k] - z_[k]));
     z_ = z;
-    // a measured derivative knows neither the rest of Newton's way nor what an error of the map
-    // does
-    const bool measured = map_.measures_derivative();
     // smooth pieces gain so much from a level to the next that its change tells all but rounding
     const bool smooth = map_.smooth();
     const double by_map = smooth ? kRounding : tolerance;
-    const double state =
-        measured ? step : kState * ((smooth ? kTwice : 1) * moved + by_map * orbit.condition());
-    const double by_state =
-        measured ? 0 : state * orbit.sensitivity(CycleState::kDissipated, scale) / map_.time();
+    const double state = kState * ((smooth ? kTwice : 1) * moved + by_map * orbit.condition());
+    const double by_state = state * orbit.sensitivity(CycleState::kDissipated, scale) / map_.time();
     // where wheels hardly roll back, coarse levels say little about the power
     const double earlier = smooth ? kKinks : kEarlier;
-    ErrorRule rule{smooth ? kTwice : 1,
-                   earlier,
-                   measured ? 0 : earlier,
-                   state * scale[0] / map_.nm(),
+    ErrorRule rule{smooth ? kTwice : 1, earlier, state * scale[0] / map_.nm(),
                    kLuck * by_map * next.power + by_state,
                    kLuck * by_map + state * orbit.sensitivity(CycleState::kTheta, scale)};
     if (options_.powers) {
@@ -163,7 +129,6 @@ SteadyState Refinement::refine(const Levels& levels, const Acceptance& accepted)
     SteadyState best = SteadyState::unknown();
     z_ = point_.z, point_.near = false;
     int broken = 0;
-    double reached = 0;
     for (double tolerance = levels.first; tolerance > levels.last; tolerance *= levels.tighter) {
         SteadyState next;
         const auto ended = level(tolerance, levels, next);
@@ -173,7 +138,6 @@ SteadyState Refinement::refine(const Levels& levels, const Acceptance& accepted)
             tolerance *= 10;  // half of this one comes next
             continue;
         }
-        reached = tolerance;
         if (options_.rough) {
             next.converged = true;
             return next;
@@ -184,7 +148,6 @@ SteadyState Refinement::refine(const Levels& levels, const Acceptance& accepted)
         if (!first_) before_ = LevelChange(next, coarse_);
         coarse_ = next, first_ = false;
     }
-    if (reached > 0 && map_.measures_derivative()) measure_multipliers(reached, best);
     return best;
 }
 

@@ -29,7 +29,6 @@ class Refinement {
     SteadyState report(const Orbit& orbit, double tolerance) const;
     void bound(const Orbit& orbit, double tolerance, SteadyState& next);
     void add_positive(const JointWork& work, double mismatch, SteadyState& next);
-    void measure_multipliers(double tolerance, SteadyState& s) const;
 
     CycleMap& map_;
     FixedPoint& point_;

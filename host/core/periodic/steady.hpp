@@ -2,8 +2,8 @@
 // tighter tolerances until the errors are small enough.
 //
 // At a tolerance Newton's method runs until its next step is so small that the derivatives stand
-// for it. The map goes by smooth pieces (pieces/sliding_cycle.hpp); where they run out the
-// runs of general_cycle.hpp take over.
+// for it. The map goes by smooth pieces (pieces/sliding_cycle.hpp). Where these run out the best
+// state found is the answer, with its errors.
 #pragma once
 
 #include <optional>
@@ -36,7 +36,6 @@ class SteadyByPieces {
     SteadyState at_rest(double omega, const SteadyOptions& options) const;
     void from_rest(CycleMap& map, FixedPoint& point, const Acceptance& accepted,
                    const SteadyOptions& options, SteadyState& out) const;
-    SteadyState by_runs(const Acceptance& accepted, const SteadyOptions& options) const;
     Vec3 guess(double omega) const;
     void remember(double omega, const Vec3& z, bool converged);
 

