@@ -33,7 +33,8 @@ DRAWS = 512
 LEAST_AMPLITUDE = 0.2  # of the gait's: below it the typical servo is too weak for the robot
 _STEP_S, _LONG_STEP_S, _ROUGH_STEP_S, _LONG_PERIOD_S = 1e-3, 2e-3, 4e-3, 2.0
 SLOW_S = 10.0  # work that takes longer is announced
-MEASURED_S = 0.5  # of the work: by it the rest is estimated
+# Of the work: by this much the rest is estimated. One slow draw of many would mislead.
+MEASURED_S, MEASURED_SHARE = 0.5, 0.03
 _LEVEL = 0.95
 _LEAST_TAIL = 1e-6  # of few draws: then the outermost one is the end
 _INSIDE = 4  # draws of a band solved finely between two at either end
@@ -233,7 +234,8 @@ class _SlowWork:
     def __call__(self, done: float, in_all: float = 1.0) -> None:
         keep_running()
         spent_s = time.monotonic() - self._begin_s
-        if spent_s > MEASURED_S and in_all > 1.5 * self._estimated:
+        enough = done > MEASURED_SHARE * in_all or spent_s > SLOW_S / 2
+        if enough and spent_s > MEASURED_S and in_all > 1.5 * self._estimated:
             self._announce(spent_s * (in_all / done - 1))
             self._estimated = in_all
         if self._progress is not None:
