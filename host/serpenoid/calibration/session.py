@@ -81,6 +81,7 @@ class Setup:
     what it can be set to. stopwatch: how gait runs are timed. weighed: the mass is no assumption.
     floor: what pushes are measured with. supply_v: voltage at the servos' plug, frame_s: time
     between the board's setpoints, tag_side_m: of its printed tags; None where nobody said it.
+    belt_speed_unit: that the treadmill shows.
     """
 
     name: str
@@ -100,6 +101,7 @@ class Setup:
     supply_v: float | None = None
     frame_s: float | None = None
     tag_side_m: float | None = None
+    belt_speed_unit: str = "m/s"
 
     def driving(self, kind: ServoKind) -> ServoKind:
         """Return a kind of servo at the session's voltage and frames, where it states none."""

@@ -15,7 +15,7 @@ from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..model.robot import Robot, check_links
 from ..model.toml_table import Table, located
-from .kinds.declaration import in_si, in_unit
+from .kinds.declaration import BELT_UNITS, in_si, in_unit
 from .kinds.instruments import MAX_SPEED_M_S, Uncertainty
 from .kinds.push_size import unlikely_sigma
 from .kinds.station import BENDS, MAX_INCLINE_DEG, MAX_LAMBDA_DEG
@@ -249,6 +249,12 @@ SETTINGS: dict[str, tuple[Setting, ...]] = {
             "treadmill.incline_step_rad",
             _ABOVE_0,
             "      # what the treadmill can be set to",
+        ),
+        Setting(
+            "belt_speed_unit",
+            "belt_speed_unit",
+            _choice(BELT_UNITS),
+            "          # that the treadmill shows: of a speed typed without one",
         ),
         Setting("belt_speed_step_m_s", "treadmill.belt_step_m_s", _ABOVE_0),
         Setting("belt_speed_least_m_s", "treadmill.belt_least_m_s", _number(0.0, MAX_SPEED_M_S)),

@@ -8,11 +8,12 @@ import pytest
 from refusals import refused
 from serpenoid.calibration.kinds.declaration import in_si
 from serpenoid.calibration.kinds.instruments import Stopwatch
+from serpenoid.calibration.kinds.rows import kind_of
 from serpenoid.calibration.kinds.station import Reading
 from serpenoid.calibration.session_file import read_session
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
-from serpenoid.calibration.taking.parse_number import read_cells
+from serpenoid.calibration.taking.parse_number import parse_number, read_cells
 from serpenoid.show.session.table import rows
 
 SAMPLES = [[0.0, 0.0, 0.0], [0.1, 0.05, 0.0], [0.2, 0.0911, 0.001]]
@@ -100,3 +101,29 @@ def test_instruments_and_readings_are_numbers() -> None:
         replace(default_setup("made up").uncertainty, mass_sigma=math.nan)
     with refused("incline_rad"):
         Reading(1, 0.0, math.nan, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value", "question"),
+    [
+        ("1.8", "km/h", 0.5, ""),
+        ("1.8 mph", "km/h", 0.804672, ""),
+        ("0.5", "m/s", 0.5, ""),
+        ("0.5", "km/h", 0.5 / 3.6, "0.5 km/h is outside 0.3 to 1.2 m/s; did you mean 0.5 m/s"),
+    ],
+)
+def test_a_number_without_unit_is_in_the_one_that_the_belt_shows(text, unit, value, question):
+    field = kind_of("station").numbers()["belt_speed_m_s"]
+    typed = parse_number(text, field, (0.3, 1.2), unit)
+    assert typed.value == pytest.approx(value)
+    assert typed.question.startswith(question)
+    assert bool(typed.question) == bool(question)
+
+
+def test_a_length_that_only_another_unit_makes_likely_needs_its_unit(folder):
+    with Journal(folder) as journal:
+        setup = journal.session.setup
+        with refused("distance_m: 80 m is outside .* mean 80 cm = 0.8 m. Type the unit, too"):
+            read_cells("push", ["lambda_deg=0", "distance_m=80", "duration_s=2"], setup)
+        cells = read_cells("push", ["lambda_deg=0", "distance_m=80 cm", "duration_s=2"], setup)
+        assert cells["distance_m"] == pytest.approx(0.8)

@@ -65,15 +65,19 @@ def test_the_end_of_the_input_and_ctrl_c_leave_the_session_whole(folder):
 def test_a_new_session_asks_what_it_needs(tmp_path):
     with Person(f"calibrate new {tmp_path}/asked") as person:
         person.answers("what the wheels roll on", "rubber belt\n\n\n\n")
+        person.answers("what sets the joints", "hand\n")
+        person.answers("unit of the belt's speed", "mph\n")
         person.answers("mass of the whole robot", "heavy\n")
         person.answers(
-            "'heavy' is no number; type a number in kg or g or lb, such as 0.48 or 480 g", "480\n"
+            "'heavy' is no number; type a number in kg or g or lb, such as 0.48 or 480 g", "760\n"
         )
-        person.answers("did you mean 480 g = 0.48 kg?", "y\n")
+        person.answers("did you mean 760 g = 0.76 kg? [Y/n]", "n\n")
+        person.answers("then type it anew", "480\n")
+        person.answers("did you mean 480 g = 0.48 kg? [Y/n]", "y\n")
         person.answers("length of a link", "80 mm\n")
         person.answers("voltage at their plug", "5,2 V\n\n")
         person.answers("smallest step of its incline", "0,5 deg\n")
-        person.answers("smallest step it can be set to", "0.1 mph\n1 km/h\n")
+        person.answers("smallest step it can be set to", "0.1\n1 km/h\n")
         person.sees("begun:")
         assert person.leaves() == 0
     setup = read_session(tmp_path / "asked").setup
@@ -84,11 +88,13 @@ def test_a_new_session_asks_what_it_needs(tmp_path):
     assert setup.treadmill.incline_step_rad == pytest.approx(0.0087269, rel=1e-4)
     assert setup.treadmill.belt_step_m_s == pytest.approx(0.044704)
     assert setup.weighed
+    assert setup.belt_speed_unit == "mph"
+    assert math.degrees(setup.uncertainty.joint_sigma_rad) == pytest.approx(1.5)
 
 
 def test_enter_at_the_mass_weighs_nothing(tmp_path):
     with Person(f"calibrate new {tmp_path}/asked") as person:
-        person.presses("belt\n\n\n6\n")
+        person.presses("belt\n\n\n6\n\n\n")
         person.answers("mass of the whole robot as it crawls (kg, or 480 g) [later]", 7 * "\n")
         person.sees("begun:")
         assert person.leaves() == 0

@@ -23,6 +23,7 @@ LENGTH_UNITS: Units = {
     "ft": 0.3048,
     "yd": 0.9144,
 }
+BELT_UNITS = ("m/s", "km/h", "mph")  # that treadmills show
 _INCLINE: tuple[Units, str] = {"deg": 1.0, "%": 0.0}, "2.3 or 4 %"  # grade: by the arctangent
 # By the ends of columns' names, the first that fits: the units that a person may type a number in,
 # unit -> factor to the first, and an example.

@@ -156,7 +156,7 @@ QUESTIONS = (
     Question(
         Field(
             "belt_speed_step_km_h",
-            "belt: smallest step it can be set to (km/h, m/s or mph)",
+            "belt: smallest step it can be set to",
             0.0001,
             5.0,
             attribute="treadmill.belt_step_m_s",
@@ -169,7 +169,7 @@ QUESTIONS = (
     Question(
         Field(
             "belt_speed_least_km_h",
-            "belt: least speed above 0 (km/h, m/s or mph)",
+            "belt: least speed above 0",
             0.0,
             10.0,
             attribute="treadmill.belt_least_m_s",
@@ -251,6 +251,8 @@ def answered(setup: Setup, answers: Mapping[str, Any]) -> Setup:
         setup = changed(setup, {"procedure.bend": "zigzag"})
     words = {name: given[name] for name in WORDS if name in given}
     setup = changed(setup, {"robot.links": links, **words})
+    if "belt_speed_unit" in given:
+        setup = changed(setup, {"belt_speed_unit": given["belt_speed_unit"]})
     if "joints" in given:
         setup = changed(setup, {"uncertainty.joint_sigma_rad": JOINT_SIGMA_RAD[given["joints"]]})
     for question in QUESTIONS:

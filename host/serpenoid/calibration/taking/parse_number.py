@@ -53,10 +53,11 @@ class Typed:
     meant: float | None = None
 
 
-def parse_number(text: str, field: Field, likely: Range | None = None) -> Typed:
+def parse_number(text: str, field: Field, likely: Range | None = None, unit: str = "") -> Typed:
     """Read a number with or without unit; raises BadInput with one sentence that says the way out.
 
-    likely: the range expected now, the field's own unless given.
+    likely: the range expected now, the field's own unless given. unit: of a number without one, the
+    field's own unless given.
     """
     text = text.strip()
     if not text and field.usual is not None:
@@ -67,17 +68,27 @@ def parse_number(text: str, field: Field, likely: Range | None = None) -> Typed:
     number = float(match[1].replace(",", "."))
     if match[2]:
         return Typed(_checked(_converted(number, _unit(match[2], field), field), field))
+    unit = unit or field.unit
+    value = number if unit == field.unit else _converted(number, unit, field)
     low, high = likely or field.likely or (-math.inf, math.inf)
-    if number and high < math.inf and not low <= number <= high:
-        for unit in list(field.units)[1:]:
-            other = _converted(number, unit, field)
-            if low <= other <= high:
-                question = (
-                    f"{number:g} {field.unit} is outside {span((low, high))} {field.unit}; "
-                    f"did you mean {number:g} {unit} = {other:.4g} {field.unit}?"
-                )
-                return Typed(number, question, other)
-    return Typed(_checked(number, field))
+    if number and high < math.inf and not low <= value <= high:
+        others = {other: _converted(number, other, field) for other in field.units if other != unit}
+        in_range = {other: x for other, x in others.items() if low <= x <= high}
+        if in_range:
+            other = min(in_range, key=lambda name: _off_middle(in_range[name], (low, high)))
+            question = (
+                f"{number:g} {unit} is outside {span((low, high))} {field.unit}; "
+                f"did you mean {number:g} {other} = {in_range[other]:.4g} {field.unit}?"
+            )
+            return Typed(value, question, in_range[other])
+    return Typed(_checked(value, field))
+
+
+def _off_middle(value: float, likely: Range) -> float:
+    """Return how far a value is from the geometric middle of a range, in factors of e."""
+    low, high = likely
+    middle = math.sqrt(max(low, 1e-3 * high) * high)
+    return abs(math.log(max(abs(value), 1e-12) / middle))
 
 
 def span(likely: Range) -> str:
@@ -152,7 +163,10 @@ def typed_cells(kind: str, typed: Iterable[tuple[str, Any]]) -> dict[str, Any]:
         bare = unit and not re.search(r"[^\W\d_]$|%$", str(value).strip())
         typed_value = f"{value} {unit}" if bare else value
         if isinstance(typed_value, str) and column in numbers:
-            typed_value = parse_number(typed_value, numbers[column]).value
+            parsed = parse_number(typed_value, numbers[column])
+            if parsed.question:
+                raise BadInput(f"{column}: {parsed.question} Type the unit, too")
+            typed_value = parsed.value
         cells[column] = typed_value
     return cells
 

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from ...calibration.taking.new_session import Question
 
 
-def quantity_of(name: str) -> Callable[[Any], float | str]:
-    """Return the type of a number with a unit or in the field's own, with a point or a comma.
+def quantity_of(name: str, unit: str = "") -> Callable[[Any], float | str]:
+    """Return the type of a number with a unit or in the one given, with a point or a comma.
 
     A bare number that only another unit makes likely is asked about where somebody can answer.
     `later` answers for a mass or a voltage.
@@ -40,14 +40,16 @@ def quantity_of(name: str) -> Callable[[Any], float | str]:
         if question.usual == LATER and str(value).strip().lower() == LATER:
             return LATER
         try:
-            typed = parse_number(str(value), question.field)
+            typed = parse_number(str(value), question.field, unit=unit)
         except BadInput as error:
             raise click.BadParameter(str(error)) from None
         if not typed.question or typed.meant is None:
             return typed.value
         if not sys.stdin.isatty():
             raise click.BadParameter(f"{typed.question} Type the unit, too")
-        return typed.meant if click.confirm(typed.question, default=True) else typed.value
+        if click.confirm(typed.question, default=True):
+            return typed.meant
+        raise click.BadParameter("then type it anew, with its unit")
 
     return quantity
 
@@ -145,6 +147,7 @@ def new(
 
 def _asked(setup: Setup, answers: Given, on: str) -> Given:
     """Ask what is not answered yet; Enter takes what stands in brackets."""
+    from ...calibration.kinds.declaration import BELT_UNITS
     from ...calibration.taking.new_session import JOINT_SIGMA_RAD, QUESTIONS, WORDS
 
     say("Enter takes what stands in brackets; numbers may be typed with their units.")
@@ -161,10 +164,16 @@ def _asked(setup: Setup, answers: Given, on: str) -> Given:
             type=click.Choice(list(JOINT_SIGMA_RAD)),
             show_choices=False,
         )
+    belt_unit = ""
+    if on == "treadmill":
+        choice = click.Choice(BELT_UNITS)
+        belt_unit = click.prompt("unit of the belt's speed", default="km/h", type=choice)
+        answered["belt_speed_unit"] = belt_unit
     for question in QUESTIONS:
         field = question.field
         if answered.get(field.column) is None and question.on in ("", on):
-            kind = click.types.FuncParamType(quantity_of(field.column))
+            unit = belt_unit if belt_unit in field.units else ""
+            kind = click.types.FuncParamType(quantity_of(field.column, unit))
             answered[field.column] = click.prompt(
                 field.words, default=question.usual_of(setup), type=kind
             )

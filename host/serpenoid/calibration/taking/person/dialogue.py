@@ -222,10 +222,12 @@ class Dialogue(Prompt):
             if field.column == "drift_m_s":
                 values |= self._drift(field)
                 continue
-            likely = field.likely
-            if field.column == "belt_speed_m_s" and step.kind == "station":
-                likely = likely_belt(self.journal.session, step, values)
-            values[field.column] = self.number(field, likely, typed=typed)
+            likely, unit = field.likely, ""
+            if field.column == "belt_speed_m_s":
+                unit = self.journal.session.setup.belt_speed_unit
+                if step.kind == "station":
+                    likely = likely_belt(self.journal.session, step, values)
+            values[field.column] = self.number(field, likely, typed=typed, unit=unit)
             typed = None
         if step.kind == "station" and "places" not in values:
             values["waited_s"] = round(self._clock_s() - begun_s, 1)

@@ -87,30 +87,32 @@ class Prompt:
         prompt: str = "",
         typed: str | None = None,
         usual: float | None = None,
+        unit: str = "",
     ) -> float:
         """Return the number asked for; what is none is told, and asked for again.
 
         typed: the answer, where that is there already. usual: what Enter means, where that is not
-        as the field says.
+        as the field says. unit: of a number without one, where that is not the field's.
         """
-        prompt = prompt or f"  {field.words} ({field.unit}): "
+        prompt = prompt or f"  {field.words} ({unit or field.unit}): "
         enter = field.usual is not None
         text = self.ask(prompt, enter=enter) if typed is None else typed
         while text or usual is None:
             try:
-                number = parse_number(text, field, likely)
+                number = parse_number(text, field, likely, unit)
             except BadInput as error:
                 self.say(f"  ! {error}")
                 text = self.ask(prompt, enter=enter)
                 continue
             if not number.question:
                 return number.value
-            answer = self.answer(f"  {number.question} Type yes, keep, or it anew: ")
-            if answer in ("y", "yes") and number.meant is not None:
+            answer = self.ask(f"  {number.question} [Y/n] ", enter=True).lower()
+            if answer in ("", "y", "yes") and number.meant is not None:
                 return number.meant
-            if answer == "keep":
-                return number.value
-            text = answer or text
+            if answer in ("n", "no"):
+                self.say("  then type it anew, with its unit")
+                answer = self.ask(prompt, enter=enter)
+            text = answer
         return usual
 
     def let_go(self) -> None:
