@@ -16,6 +16,7 @@ import click
 
 import serpenoid as sn
 
+from ..model.capture_rate import HIGHEST_HZ, OPTION
 from ..model.checks import FORMULATIONS, check_number
 from ..model.files import write_text
 from ..show.screen import say
@@ -24,6 +25,11 @@ from .given import ALARMS, take_fit
 
 T = TypeVar("T")
 AS_JSON = flag("--json", "as_json", "Answer with JSON.")
+CAPTURE_FPS = option(
+    OPTION,
+    "Pictures a second that the camera took, of slow motion whose file has no tag that says so.",
+    type=Range(1, HIGHEST_HZ),
+)
 
 
 def _kept(context: click.Context, option: click.Parameter, value: Any) -> None:

@@ -27,7 +27,15 @@ from .declare import (
     out_file,
 )
 from .group import Commands
-from .options import AS_JSON, doubt_robot, gait_options, make_gait, preset_robot, show_json
+from .options import (
+    AS_JSON,
+    CAPTURE_FPS,
+    doubt_robot,
+    gait_options,
+    make_gait,
+    preset_robot,
+    show_json,
+)
 
 if TYPE_CHECKING:
     from ..video.measure_film import FilmMeasurement
@@ -118,6 +126,7 @@ def tags(paper: str, out: Path, **given: Any) -> None:
     "With --session on a floor: which way along the line of the pushes; else level ground.",
     choice=["there", "back"],
 )
+@CAPTURE_FPS
 @option("--track", "Write time, place, heading, joints.", type=out_file(".csv"))
 @option("--plot", "picture", "Draw what was measured.", type=out_file(*FIGURES))
 @option("--annotate", "Write a film with the chain drawn in.", type=out_file(".mp4"))
@@ -126,6 +135,7 @@ def film(
     file: Path,
     recording: Path | None,
     way: str | None,
+    capture_fps: float | None,
     track: Path | None,
     picture: Path | None,
     annotate: Path | None,
@@ -161,7 +171,7 @@ def film(
         gait: sn.Gait | None = recorded_gait(recording, robot.links - 1)
     else:
         gait = make_gait(given) if typed else None
-    with film_progress(file) as tell:
+    with film_progress(file, capture_fps) as tell:
         film = measure_film(
             file,
             robot.links,
@@ -170,6 +180,7 @@ def film(
             gait,
             board_rate=recording is not None,
             progress=tell,
+            capture_fps=capture_fps,
         )
     _write(film, track, picture, annotate)
     if as_json:
@@ -184,11 +195,13 @@ def film(
 
 
 @contextmanager
-def film_progress(file: Path) -> Iterator[Callable[[float], None]]:
-    """Show a bar of a film's seconds; gives a function that is told times of it, s."""
+def film_progress(
+    file: Path, capture_fps: float | None = None
+) -> Iterator[Callable[[float], None]]:
+    """Show a bar of a film's real seconds; gives a function that is told times of it, s."""
     from ..video.seeing.film import Film
 
-    seconds = max(1, math.ceil(Film.open(file).duration_s))
+    seconds = max(1, math.ceil(Film.open(file, capture_fps).duration_s))
     with progress(seconds, "seconds of film", so_far=True) as tell:
         yield tell
 
@@ -221,11 +234,12 @@ def _record(measured: FilmMeasurement, session: Path, name: str, way: str | None
     way: along the line of the pushes; None: on level ground. A film that cannot be a reading is
     told, and its numbers are shown all the same.
     """
+    from ..calibration.session_file import read_session
     from ..calibration.taking.journal import Journal
     from ..video.reading import film_cells
 
     try:
-        cells, samples = film_cells(measured)
+        cells, samples = film_cells(measured, read_session(session).setup.procedure.gaits)
     except sn.BadInput as error:
         say(f"serpenoid: warning: no reading: {error}", err=True)
         return

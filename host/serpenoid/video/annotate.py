@@ -31,8 +31,8 @@ def annotate_film(measured: FilmMeasurement, path: Path) -> None:
     shrink = max(1, math.ceil(film.width / WIDEST_PX))
     size = (film.width // shrink // 2 * 2, film.height // shrink // 2 * 2)
     begun, hertz = track.t_s[0], measured.run.omega_rad_s / math.tau
-    # The file's own times: where they were scaled, frames are still counted in them.
-    times = begun + (track.t_s - begun) / measured.run.time_scale
+    # The film's own times: where those of the track are the board's, frames are counted in them.
+    times = begun + (track.t_s - begun) * film.time_scale / measured.run.time_scale
     with whole_file(path) as part, av.open(str(part), "w") as box:
         stream: Any = box.add_stream("libx264", rate=30)
         turns = measured.watched.rotation_deg // 90

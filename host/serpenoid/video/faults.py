@@ -24,7 +24,7 @@ from .seeing.watch import Watched
 LEAST_FRAMES = 10
 SURELY = 4.0  # standard deviations
 MOVED_FLAG, MOVED_REFUSE = 0.015, 0.06  # of the floor's shift, in sides of a tag
-SIDE_REFUSE = 0.08  # of a tag's side beside the links, relative
+SIDE_FLAG, SIDE_REFUSE = 0.025, 0.08  # of a tag's side beside the links, relative
 SMALL_TAG_PX = 20.0
 STRANGER_SHARE = 0.2
 BLUR_CELLS, BLUR_PX = 0.2, 1.0  # width of an edge, in cells of the tag, and at least
@@ -166,6 +166,9 @@ def picture_faults(w: Watched) -> Iterator[Remark]:
             f"the tags' edges are {_blur(w):.2f} cells wide where they move: add light or shorten "
             f"the exposure; all σ are taken {factor:g} times as wide",
         )
+    capture = w.film.capture
+    if capture is not None and (capture.stated or capture.time_scale != 1.0):
+        yield Remark("slow motion", capture.in_words())
     gaps = np.diff(w.sightings.t_s)
     long = 1.6 * float(np.median(gaps))
     if missing := float(np.round(gaps[gaps > long] * 1.6 / long - 1).sum()):
@@ -203,10 +206,22 @@ def _blur(watched: Watched) -> float:
     return float(np.nan_to_num(np.nanquantile(cells, 0.9)))
 
 
-def widened(watched: Watched, measured: Measured) -> Array:
-    """Return the standard deviations of a film's numbers, wider for blur and a camera that moved.
+def scale_off(camera: Camera, side_m: float) -> float:
+    """Return how far links and tags disagree, relative: then all lengths may be as far off.
 
-    A floor that moves by s halfway through a film of length T changes a line's slope by 1.5 s / T.
+    0 up to SIDE_FLAG, which prints and tags askew explain. camera: fitted to the film. side_m: of a
+    printed tag.
+    """
+    off = abs(camera.side_m / side_m - 1.0) if camera.links > 2 else 0.0
+    return off if off > SIDE_FLAG else 0.0
+
+
+def widened(watched: Watched, measured: Measured, side_m: float) -> Array:
+    """Return the standard deviations of a film's numbers.
+
+    They are wider for blur, for a camera that moved, and for links and tags that disagree; side_m:
+    of a printed tag. A floor that moves by s halfway through a film of length T changes a line's
+    slope by 1.5 s / T.
     """
     camera, span_s = measured.bundle.camera, float(np.ptp(measured.track.t_s))
     drift_m_s = 1.5 * _moved(watched) * camera.side_m / span_s
@@ -214,6 +229,7 @@ def widened(watched: Watched, measured: Measured) -> Array:
     sigmas = blurred(watched) * measured.sigmas
     drifts = drift_m_s / np.array([speed_m_s, 1.0, camera.links * camera.link_m])
     sigmas[-3:] = np.hypot(sigmas[-3:], drifts)  # direction, speed, turn
+    sigmas[-2] = np.hypot(sigmas[-2], scale_off(camera, side_m) * speed_m_s)
     return sigmas
 
 
@@ -222,13 +238,13 @@ def view_faults(w: Watched, camera: Camera, side_m: float) -> list[Remark]:
 
     camera: fitted to the film. side_m: of a printed tag. Raises BadInput.
     """
-    remarks, off = [], abs(camera.side_m / side_m - 1) if camera.links > 2 else 0.0
-    if off > 0.025:
+    remarks, off = list[Remark](), scale_off(camera, side_m)
+    if off:
         text = (
             f"beside links of {1e3 * camera.link_m:.1f} mm the tags are "
             f"{1e3 * camera.side_m:.1f} mm wide, not {1e3 * side_m:.1f} mm: either the links "
             "have another length or the print another scale; measure both, and give --length-m or "
-            "--tag-mm. Speeds go with the link length"
+            f"--tag-mm. Until then σ of all lengths and speeds holds these {off:.1%}"
         )
         refused = off > SIDE_REFUSE
         limit = f"; more than {SIDE_REFUSE:.0%} is refused" if refused else ""

@@ -17,6 +17,7 @@ from .faults import (
     bent_tags,
     check_order,
     motion_faults,
+    scale_off,
     view_faults,
     watched_faults,
     widened,
@@ -24,12 +25,14 @@ from .faults import (
 from .fitting.camera import Camera
 from .fitting.start import first_cameras, tag_poses
 from .instrument import Measured, measure
-from .result import FilmedRun, filmed_run
+from .result import FilmedRun, Remark, filmed_run
 from .seeing.film import Film
 from .seeing.sightings import Sightings
 from .seeing.tags import MOST_LINKS, tag_side_m
 from .seeing.watch import Watched, watch
 from .wiring import servo_faults
+
+BOARD_TIME_OFF = 0.02  # relative, of real time in a film: no clock of a camera or board is so wrong
 
 
 @dataclass(frozen=True)
@@ -50,15 +53,17 @@ def measure_film(
     gait: Gait | None = None,
     board_rate: bool = False,
     progress: Callable[[float], None] = lambda _: None,
+    capture_fps: float | None = None,
 ) -> FilmMeasurement:
     """Measure what the robot of a film does.
 
     links, link_m: number and length (m) of its links. side_m: of a printed tag, without its white
     rim; that of the printed sheet unless given. gait: what was commanded. board_rate: its rate is
-    the board's own (of a recording), and the film's times are scaled to it. Raises BadInput: no
+    the board's own (of a recording), and the film's times are scaled to it. capture_fps: pictures a
+    second that the camera took, of slow motion whose file does not tell. Raises BadInput: no
     film, or one that cannot be measured; the message says why and what to do.
     """
-    film = seen_film(path, links, link_m, side_m, progress)
+    film = seen_film(path, links, link_m, side_m, progress, capture_fps)
     watched, side, starts = film.watched, film.side_m, film.starts
     with refusals(watched):
         sightings = watched.sightings
@@ -73,13 +78,16 @@ def measure_film(
             t_s = sightings.t_s[0] + (sightings.t_s - sightings.t_s[0]) * scale
             there = Sightings.of(t_s, sightings.corners_px, sightings.image_px)
             measured = measure(there, side, starts)
-        measured = replace(measured, sigmas=widened(watched, measured))
+        measured = replace(measured, sigmas=widened(watched, measured, side))
         remarks = [
             *motion_faults(measured),
             *view_faults(watched, measured.bundle.camera, side),
             *bent_faults(bent),
         ]
         run = filmed_run(watched, measured, sha256_of(watched.film.path), scale)
+        run = replace(run, scale_sigma=scale_off(measured.bundle.camera, side))
+        if abs(scale - 1.0) > BOARD_TIME_OFF and watched.film.time_scale != 1.0:
+            remarks.append(Remark("capture rate", _not_the_boards_time(scale)))
         run = replace(run, remarks=(*remarks, *servo_faults(run, gait)))
         return FilmMeasurement(run, watched, measured, gait)
 
@@ -91,6 +99,13 @@ class SeenFilm:
     watched: Watched
     side_m: float
     starts: list[Camera]
+
+
+def _not_the_boards_time(scale: float) -> str:
+    return (
+        f"by the recording's time the robot moved {scale:.3g} times as slowly as by the camera's "
+        "rate: is that rate right? The recording's time is taken"
+    )
 
 
 @contextmanager
@@ -115,13 +130,14 @@ def seen_film(
     link_m: float,
     side_m: float | None,
     progress: Callable[[float], None],
+    capture_fps: float | None = None,
 ) -> SeenFilm:
     """Watch a film of a robot; arguments as of `measure_film`. Raises BadInput: it shows none."""
     if not 2 <= links <= MOST_LINKS:
         raise BadInput(f"links is {links}; a film can be measured of 2 to {MOST_LINKS}")
     check_number("link_m", link_m, 0.005, 3.0)
     side = tag_side_m(link_m) if side_m is None else check_number("side_m", side_m, 0.003, link_m)
-    watched = watch(Film.open(path), links, progress)
+    watched = watch(Film.open(path, capture_fps), links, progress)
     with refusals(watched):
         watched_faults(watched)
         starts = first_cameras(watched.sightings, link_m, side)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..model.errors import BadInput
 from .arrays import Array, Mask
-from .faults import view_faults
+from .faults import scale_off, view_faults
 from .fitting import frames, start
 from .fitting.camera import LENS
 from .fitting.chain import filled_headings, joint_angles
@@ -44,6 +44,7 @@ def track_pushes(
     link_m: float,
     side_m: float | None = None,
     progress: Callable[[float], None] = lambda _: None,
+    capture_fps: float | None = None,
 ) -> PushedRobot:
     """Follow a robot whose joints are locked through a film of one push or more.
 
@@ -57,6 +58,8 @@ def track_pushes(
         Of a printed tag, without its white rim; that of the printed sheet unless given.
     progress
         Is told the time in the film that was reached, s.
+    capture_fps
+        Pictures a second that the camera took, of slow motion whose file does not tell.
 
     Returns
     -------
@@ -68,7 +71,7 @@ def track_pushes(
     BadInput
         No film, one that cannot be measured, or joints that move; the message says what to do.
     """
-    film = seen_film(path, links, link_m, side_m, progress)
+    film = seen_film(path, links, link_m, side_m, progress, capture_fps)
     with refusals(film.watched):
         s = film.watched.sightings
         fit, turns = calibrate(s, film.side_m, film.starts, still=True)
@@ -87,7 +90,8 @@ def track_pushes(
     # Joints that do not move tell the link length only as well as tags lie on the links: all
     # lengths are known as the tags' printed side is.
     side = LENS.index("log_side")
-    return PushedRobot(rows, float(np.sqrt(fit.covariance[side, side])), tuple(remarks))
+    scale_sigma = math.hypot(fit.covariance[side, side] ** 0.5, scale_off(fit.camera, film.side_m))
+    return PushedRobot(rows, scale_sigma, tuple(remarks))
 
 
 def still_joints(phi: Array, seen: Mask) -> Array:

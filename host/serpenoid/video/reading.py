@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
 from ..model.errors import BadInput
+from ..model.gait import Gait
 from .arrays import Array
 from .measure_film import FilmMeasurement
 from .result import track_rows
-from .wiring import measured_gait
+from .wiring import measured_gait, slow_motion_words
 
 
-def film_cells(film: FilmMeasurement) -> tuple[dict[str, Any], Array]:
+def film_cells(film: FilmMeasurement, gaits: Iterable[Gait] = ()) -> tuple[dict[str, Any], Array]:
     """Return the cells of a `video` reading, and the samples of its track.
 
-    Raises BadInput where a joint was not seen: a reading holds all of them.
+    gaits: of the session. Raises BadInput where a joint was not seen, since a reading holds all of
+    them, and where the gait that was driven shows slow motion.
     """
     run = film.run
     if any(math.isnan(joint.amplitude_rad) for joint in run.joints):
@@ -25,6 +28,8 @@ def film_cells(film: FilmMeasurement) -> tuple[dict[str, Any], Array]:
             f"{run.film['name']}: not every joint was seen; a session's reading needs them all"
         )
     gait = measured_gait(run, film.gait)
+    if words := slow_motion_words(run, gait, [film.gait] if film.gait else gaits):
+        raise BadInput(f"{run.film['name']}: {words}")
     spread = [joint.amplitude_sigma_rad / gait.alpha_rad for joint in run.joints]
     cells = {
         "alpha_deg": math.degrees(gait.alpha_rad),

@@ -49,7 +49,8 @@ class FilmedRun:
     Speed, along the mean path; direction of travel from the links' mean heading (0: head first);
     turn; rate; path_m: length of the mean path. joints: from the tail. residual_px, residual_m:
     root mean square of the corners beside the fitted chain. time_scale: what the file's times were
-    multiplied with. film, camera: what JSON holds of them.
+    multiplied with, for slow motion and the board's time. film, camera: what JSON holds of them.
+    scale_sigma: relative, of all lengths, and part of the speed's: how far links and tags disagree.
     """
 
     links: int
@@ -72,6 +73,7 @@ class FilmedRun:
     time_scale: float
     camera: dict[str, Any]
     film: dict[str, Any]
+    scale_sigma: float = 0.0
     remarks: tuple[Remark, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
@@ -106,7 +108,7 @@ def filmed_run(watched: Watched, measured: Measured, sha256: str, time_scale: fl
         frames_used=float(seen.any(axis=1).mean()),
         residual_px=rms_px,
         residual_m=rms_px * m_per_px,
-        time_scale=time_scale,
+        time_scale=time_scale * film.time_scale,
         camera={
             "focal_px": camera.focal_px,
             "k1": float(lens[1]),
@@ -128,6 +130,8 @@ def filmed_run(watched: Watched, measured: Measured, sha256: str, time_scale: fl
             "frames": len(t),
             "duration_s": float(np.ptp(t)),
             "frame_rate_hz": float(1 / np.median(np.diff(t))),
+            "capture_fps": film.capture and film.capture.taken_hz,
+            "played_fps": film.capture and film.capture.played_hz,
         },
     )
 

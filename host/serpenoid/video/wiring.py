@@ -3,38 +3,43 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
+from ..model.capture_rate import OPTION, played_hz
 from ..model.gait import Gait
 from ..model.plugs import EXPLAINED_RAD, even_steps, plugs
 from .result import FilmedRun, Remark
 
 CENTRE_RAD = math.radians(1.0)  # a centre further off is worth a trim
 RATE_FLAG = 0.02
+ALIKE = 0.15  # of two gaits: amplitudes, relative, and phase lags, rad
+SLOW_MOTION = 1.5  # commanded rate over the filmed one: no robot lags behind its gait so much
 
 
 def servo_faults(run: FilmedRun, gait: Gait | None) -> Iterator[Remark]:
     """Yield what the joints say of the servos: order, sense, centres, and the gait's rate."""
     phase = np.array([j.phase_rad for j in run.joints])
+    unplugged = swapped_joints(run, gait)
     if len(phase) > 2 and np.isfinite(phase).all():
-        swap, turned, rest = plugs(phase, gait.beta_rad if gait else None)
+        _, turned, rest = plugs(phase, gait.beta_rad if gait else None)
         if rest > EXPLAINED_RAD:
             yield Remark(
                 "phases",
                 f"the joints' phases are no even steps ({math.degrees(rest):.0f}° off): plugs of "
                 "several servos may be swapped",
             )
-        if swapped := [str(k + 1) for k, other in enumerate(swap) if k != other]:
+        if unplugged:
             yield Remark(
                 "plugs",
-                f"joints {' and '.join(swapped)} move as if their plugs were swapped: swap them "
-                "back",
+                f"joints {' and '.join(map(str, unplugged))} move as if their plugs were swapped: "
+                "swap them back, and film again. Which way round their servos turn, their trims, "
+                "gains and lags are unknown until then",
             )
-        if turned:
-            words = "moves the wrong way round: set its trim's sense to the other sign"
-            yield Remark("sense", "; ".join(f"joint {k + 1} {words}" for k in turned))
+        words = "moves the wrong way round: set its trim's sense to the other sign"
+        if reversed_joints := [k + 1 for k in turned if k + 1 not in unplugged]:
+            yield Remark("sense", "; ".join(f"joint {k} {words}" for k in reversed_joints))
     off = {j: j.offset_rad - (gait.offset_rad if gait else 0.0) for j in run.joints}
     ends = run.joints[0], run.joints[-1]
     centres = [
@@ -43,28 +48,57 @@ def servo_faults(run: FilmedRun, gait: Gait | None) -> Iterator[Remark]:
         f"{math.degrees(-off[j]):+.1f}°"
         + (", unless the tag at that end is glued on askew" if j in ends else "")
         for j in run.joints
-        if abs(off[j]) > max(CENTRE_RAD, 2 * j.offset_sigma_rad)
+        if j.joint not in unplugged and abs(off[j]) > max(CENTRE_RAD, 2 * j.offset_sigma_rad)
     ]
     if centres:
         yield Remark("centre", "; ".join(centres))
     if gait is not None:
         ratio, sigma = run.omega_rad_s / gait.omega_rad_s, run.omega_sigma_rad_s / gait.omega_rad_s
         if abs(ratio - 1) > max(RATE_FLAG, 4 * sigma):
-            yield Remark("rate", _rate_words(run.omega_rad_s, gait.omega_rad_s))
+            yield Remark("rate", _rate_words(run, gait))
 
 
-def _rate_words(filmed_rad_s: float, commanded_rad_s: float) -> str:
+def swapped_joints(run: FilmedRun, gait: Gait | None) -> list[int]:
+    """Return the numbers of two joints that move as if their plugs were swapped; none if all fit.
+
+    Nothing is told of the servo that moves them: it is not known which one that is.
+    """
+    phase = np.array([j.phase_rad for j in run.joints])
+    if len(phase) <= 2 or not np.isfinite(phase).all():
+        return []
+    order = plugs(phase, gait.beta_rad if gait else None)[0]
+    return [k + 1 for k, other in enumerate(order) if k != other]
+
+
+def _rate_words(run: FilmedRun, gait: Gait) -> str:
     text = (
-        f"the film shows {filmed_rad_s / math.tau:.4g} Hz, commanded were "
-        f"{commanded_rad_s / math.tau:.4g} Hz"
+        f"the film shows {run.omega_rad_s / math.tau:.4g} Hz, commanded were "
+        f"{gait.omega_rad_s / math.tau:.4g} Hz"
     )
-    ratio = commanded_rad_s / filmed_rad_s
-    if ratio > 1.5:
-        return (
-            f"{text}: is it slow motion, {ratio:.2g} times? Give the run's recording with "
-            "--recording, and the times are put right; speeds are those of the file"
-        )
-    return f"{text}: the robot did not run that gait, or the file's times are wrong"
+    ratio = gait.omega_rad_s / run.omega_rad_s
+    if ratio < SLOW_MOTION:
+        return f"{text}: the robot did not run that gait, or the file's times are wrong"
+    scale = run.time_scale
+    taken_hz = ratio / scale * played_hz([0.0, 1.0 / (scale * run.film["frame_rate_hz"])])
+    return (
+        f"{text}: is it slow motion, {ratio:.2g} times? Then give the camera's pictures a second, "
+        f"some {taken_hz:.0f}, with {OPTION}, or the run's recording with --recording; speeds are "
+        "those of the file"
+    )
+
+
+def slow_motion_words(run: FilmedRun, made: Gait, gaits: Iterable[Gait]) -> str:
+    """Return what is to be done if the joints made one of the gaits, but in slow motion; else "".
+
+    made: the gait that the joints made. Slow motion is a whole number of times slower.
+    """
+    for gait in gaits:
+        ratio = gait.omega_rad_s / run.omega_rad_s
+        bent = abs(made.alpha_rad / max(gait.alpha_rad, 1e-9) - 1.0) < ALIKE
+        apart = abs(math.remainder(made.beta_rad - gait.beta_rad, math.tau)) < ALIKE
+        if ratio > SLOW_MOTION and abs(ratio / round(ratio) - 1.0) < ALIKE / 5 and bent and apart:
+            return _rate_words(run, gait)
+    return ""
 
 
 def measured_gait(run: FilmedRun, gait: Gait | None) -> Gait:

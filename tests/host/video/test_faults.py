@@ -121,6 +121,13 @@ def test_what_cannot_be_measured_is_refused(frames, told, spoil, words, how) -> 
         told(spoil(frames), **how)
 
 
+def test_links_that_tags_contradict_widen_the_sigma_of_lengths_and_speed(frames, told) -> None:
+    run, remarks = told(frames[::3], TIMES[::3], link_m=1.04 * LINK_M, side_m=SIDE_M)
+    assert "σ of all lengths and speeds" in remarks["scale"]
+    assert run.scale_sigma == pytest.approx(0.04, abs=0.005)
+    assert run.speed_sigma_m_s > abs(run.speed_m_s - QUICK.speed_m_s) / 1.2
+
+
 def test_swapped_tags_are_refused(told) -> None:
     with refused("in the order 1, 2, 4, 3, 5, 6 along"):
         told(drawn(Body(ids=(0, 1, 3, 2, 4, 5)), times=TIMES[::4]), times=TIMES[::4])
@@ -137,8 +144,14 @@ def test_lost_frames_leave_the_numbers_right(frames, told) -> None:
 @pytest.mark.slow
 def test_swapped_plugs_are_seen_in_a_film(told) -> None:
     world = crawling(2, 6, 0.08, 40, 8.0, -0.06, plugs=(0, 2, 1, 3, 4))
-    _, remarks = told(drawn(world=world), gait=GAIT)
+    run, remarks = told(drawn(world=world), gait=GAIT)
     assert "joints 2 and 3 move as if their plugs were swapped" in remarks["plugs"]
+    assert "trims, gains and lags are unknown" in remarks["plugs"]
+    off = [replace(j, offset_rad=0.1, offset_sigma_rad=0.01) for j in run.joints]
+    centres = {r.name: r.text for r in servo_faults(replace(run, joints=tuple(off)), GAIT)}[
+        "centre"
+    ]
+    assert re.findall(r"joint (\d)", centres) == ["1", "4", "5"]
 
 
 @pytest.mark.slow

@@ -241,8 +241,8 @@ def _doubts(
     doubts = {
         "the track ends before the robot rests: film on until it does": rest >= len(t) - 1,
         f"it rolled {way:.2f} m in {rolled_s:.2f} s only: push harder, {LEAST_M} m at least": short,
-        f"{speed:.2f} m/s is a slow push: it tells no viscous friction; push harder": not short
-        and speed < FEWEST_M_S,
+        f"{speed:.2f} m/s is a slow push: it tells no viscous friction; push harder, or "
+        "give --capture-fps if it is slow motion": not short and speed < FEWEST_M_S,
         f"it turned by {math.degrees(turned):+.0f} degrees while it rolled: it slipped sideways; "
         "push straighter, or align the links": abs(turned) > most_rad,
         "the hand was still on it for most of the track: let go sooner": hand,

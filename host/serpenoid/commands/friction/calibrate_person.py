@@ -139,20 +139,22 @@ def count(session: Session) -> str:
     )
 
 
-def film_reader(side_m: float | None = None) -> FilmReader:
+def film_reader(side_m: float | None = None, capture_fps: float | None = None) -> FilmReader:
     """Return what reads a film of a robot with tags; side_m: of a tag, by its links unless given.
+
+    capture_fps: pictures a second that the camera took, of slow motion whose file does not tell.
 
     Needs the extra `video` when it is called, not before.
     """
 
     def read(path: Path, robot: Robot, gait: Gait | None) -> Tracked:
         of = path, robot.links, robot.link_length_m, side_m
-        with film_progress(path) as tell:
+        with film_progress(path, capture_fps) as tell:
             if gait is not None:
-                crawl = measure_film(*of, gait, progress=tell)
+                crawl = measure_film(*of, gait, progress=tell, capture_fps=capture_fps)
                 remarks, (cells, samples), closing = crawl.run.remarks, film_cells(crawl), ""
             else:
-                pushed = track_pushes(*of, tell)
+                pushed = track_pushes(*of, tell, capture_fps)
                 remarks, samples = pushed.remarks, pushed.rows
                 cells = {"scale_sigma": round(pushed.scale_sigma, 6)}
                 closing = (

@@ -8,6 +8,7 @@ import click
 
 from ...show.screen import say
 from ..declare import EXISTING, FOLDER, Range, flag, number, option
+from ..options import CAPTURE_FPS
 
 
 @click.command()
@@ -34,6 +35,7 @@ from ..declare import EXISTING, FOLDER, Range, flag, number, option
 )
 @option("--place", "Of the floor's line, where there is more than one.", default="")
 @number("--tag-mm", "Side of a film's tags; the session's unless given.")
+@CAPTURE_FPS
 def push(
     folder: Path,
     files: tuple[Path, ...],
@@ -43,6 +45,7 @@ def push(
     unit: str | None,
     place: str,
     tag_mm: float | None,
+    capture_fps: float | None,
 ) -> None:
     """Take pushes along a floor from FILES: films, tracks of Tracker or Kinovea, CSV of t, x, y.
 
@@ -57,14 +60,16 @@ def push(
     from .calibrate_person import film_reader
 
     with Journal(folder) as journal:
-        film = film_reader(tag_mm / 1e3 if tag_mm else journal.session.setup.tag_side_m)
+        film = film_reader(
+            tag_mm / 1e3 if tag_mm else journal.session.setup.tag_side_m, capture_fps
+        )
         for path in files:
             plan = journal.session.setup.procedure
             cells: dict[str, float | str] = {"lambda_deg": lambda_deg, "way": way}
             cells |= {"place": place} if place else {}
             cells |= {"bend": plan.bend} if lambda_deg else {}
             cells |= {"facing": "back"} if tail_first else {}
-            kept = take_track(journal, path, unit, cells, film, say)
+            kept = take_track(journal, path, unit, cells, film, say, capture_fps)
             for one in kept:
                 say(one.in_words())
             way = way_after(kept, way)

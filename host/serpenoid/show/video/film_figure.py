@@ -12,6 +12,7 @@ from ...model.rows import table
 from ...video.fitting.chain import joint_angles
 from ...video.measure_film import FilmMeasurement
 from ...video.result import FilmedRun
+from ...video.wiring import swapped_joints
 from ..plot import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, figure, heading
 from ..screen import screen
 
@@ -122,7 +123,7 @@ def _summary(run: FilmedRun) -> str:
         f"rate       {hertz:.5f} ± {hertz_sigma:.5f} Hz, {run.periods:.2f} periods",
     ]
     if run.time_scale != 1.0:
-        lines.append(f"times      those of the file, times {run.time_scale:.5g}: the board's")
+        lines.append(f"times      those of the file, times {run.time_scale:.5g}")
     return "\n".join(lines)
 
 
@@ -130,6 +131,7 @@ def _cells(film: FilmMeasurement) -> tuple[list[str], list[list[str]]]:
     """Return heads and cells of the joints' table, with what was commanded where it is known."""
     gait, cells = film.gait, []
     commanded = ["gain", "late"] if gait else []
+    unplugged = swapped_joints(film.run, gait)
     for joint in film.run.joints:
         row = [
             str(joint.joint),
@@ -141,7 +143,10 @@ def _cells(film: FilmMeasurement) -> tuple[list[str], list[list[str]]]:
             late = joint.phase_rad - (joint.joint - 1) * gait.beta_rad
             late = math.remainder(late, math.tau) if math.isfinite(late) else late
             share = joint.amplitude_rad / gait.alpha_rad if gait.alpha_rad else math.nan
-            row += [f"{100 * share:.0f} %", f"{math.degrees(late):+.2f}"]
+            known = joint.joint not in unplugged
+            row += (
+                [f"{100 * share:.0f} %", f"{math.degrees(late):+.2f}"] if known else ["unknown"] * 2
+            )
         cells.append([*row, f"{100 * joint.seen:.0f} %"])
     return ["joint", "amplitude", "centre", "phase", *commanded, "seen"], cells
 

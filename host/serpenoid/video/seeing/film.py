@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ...base.files import check_file
+from ...model.capture_rate import OPTION, CaptureRate, capture_rate
 from ...model.errors import BadInput
 from ..arrays import Grey
 from .extra import need_extra
@@ -18,6 +20,7 @@ B_PICTURE = 3  # libavutil's AV_PICTURE_TYPE_B
 ENDS_EARLY = 0.9  # of the length that a file tells: then it was cut off
 MOST_BYTES = 1 << 40  # of a film
 MOST_DAMAGE = 200  # after so many faults a file is read no further
+CAPTURE_TAG = "capture.fps"  # ends the name of the tag in which Android phones say it
 
 
 @dataclass
@@ -41,8 +44,9 @@ class Damage:
 class Film:
     """What the file says of itself; frames() reads it.
 
-    width, height: of the coded picture, px, before any rotation. duration_s: as the file
-    tells, 0 where it does not. codec: such as h264.
+    width, height: of the coded picture, px, before any rotation. duration_s: in real time, 0 where
+    the file does not tell. codec: such as h264. stream: which of the file's picture streams is the
+    film. capture: the camera's rate and that of the file, None where nothing tells the former.
     """
 
     path: Path
@@ -50,10 +54,21 @@ class Film:
     height: int
     duration_s: float
     codec: str
+    stream: int = 0
+    capture: CaptureRate | None = None
+
+    @property
+    def time_scale(self) -> float:
+        """Return what the file's times are multiplied with to be real ones."""
+        return 1.0 if self.capture is None else self.capture.time_scale
 
     @staticmethod
-    def open(path: Path) -> Film:
-        """Read what the file says. Raises BadInput: no film, damaged, or a single picture."""
+    def open(path: Path, capture_fps: float | None = None) -> Film:
+        """Read what the file says. Raises BadInput: no film, or damaged.
+
+        capture_fps: pictures a second that the camera took, where somebody says so; else what the
+        file's tag says.
+        """
         need_extra()
         import av
         import av.error
@@ -61,8 +76,10 @@ class Film:
         check_file(path, MOST_BYTES)
         try:
             with av.open(str(path)) as box:
-                coding = [stream.codec_context for stream in box.streams.video][:1]
+                number = _moving_stream(box)
+                coding = [stream.codec_context for stream in box.streams.video][number : number + 1]
                 duration_s = float(box.duration or 0) / 1e6
+                tags = {**box.metadata, **(box.streams.video[number].metadata if coding else {})}
         except (av.error.FFmpegError, ValueError) as error:
             words = str(getattr(error, "strerror", None) or error)
             raise BadInput(
@@ -76,13 +93,40 @@ class Film:
                 f"{path}: the pictures' coding is unknown or damaged; film as H.264 or HEVC, and "
                 "copy it from the phone again"
             )
-        film = Film(path, coding[0].width, coding[0].height, duration_s, coding[0].name)
+        size = coding[0].width, coding[0].height
+        film = Film(path, *size, duration_s, coding[0].name, number)
         if min(film.width, film.height) < 64:
             raise BadInput(
                 f"{path}: the picture is {film.width} x {film.height} px; no robot can "
                 "be measured in that: film at 1080p"
             )
-        return film
+        return film._in_real_time(capture_fps, tags)
+
+    def _in_real_time(self, capture_fps: float | None, tags: dict[str, str]) -> Film:
+        """Return the film with its capture rate, where a person or a tag tells it."""
+        tagged = {
+            f"the tag {name}": float(text)
+            for name, text in tags.items()
+            if name.endswith(CAPTURE_TAG) and re.fullmatch(r"[\d.]+", text)
+        }
+        rates = tagged if capture_fps is None else {OPTION: capture_fps}
+        if not rates:
+            return self
+        source, taken_hz = next(iter(rates.items()))
+        if capture_fps is not None and tagged:
+            others = [f"{name} says {hertz:g}" for name, hertz in tagged.items()]
+            source += f" ({', '.join(others)}, and does not count)"
+        capture = capture_rate(self._picture_times(), taken_hz, source)
+        duration_s = self.duration_s * capture.time_scale
+        return replace(self, duration_s=duration_s, capture=capture)
+
+    def _picture_times(self) -> list[float]:
+        """Return the pictures' times as the file has them, s, without decoding any."""
+        import av
+
+        with av.open(str(self.path)) as box:
+            packets = box.demux(box.streams.video[self.stream])
+            return [time_s for p in packets if (time_s := _time_s(p, np.nan)) == time_s]
 
     def frames(self, damage: Damage, threads: int = 0) -> Iterator[tuple[float, Grey, Any]]:
         """Give time (s), grey picture and the frame itself, in the order of time.
@@ -96,7 +140,7 @@ class Film:
 
         sound = _Sound(damage)
         with av.open(str(self.path)) as box:
-            stream: Any = box.streams.video[0]
+            stream: Any = box.streams.video[self.stream]
             stream.thread_type = "AUTO"
             stream.codec_context.thread_count = threads
             packets = box.demux(stream)
@@ -113,10 +157,26 @@ class Film:
                 for frame in decoded:
                     sound.take(frame)
                 for time_s, frame in sound.ready(ended):
-                    yield time_s, grey(frame), frame
+                    yield time_s * self.time_scale, grey(frame), frame
                 if ended:
-                    sound.end(self.duration_s)
+                    sound.end(self.duration_s / self.time_scale)
                     return
+
+
+def _moving_stream(box: Any) -> int:
+    """Return which of a file's picture streams is the first with two pictures or more; 0 if none.
+
+    A cover, or a preview, is a stream of one picture.
+    """
+    streams = box.streams.video
+    if len(streams) < 2:
+        return 0
+    pictures = dict.fromkeys((stream.index for stream in streams), 0)
+    for packet in box.demux(*streams):
+        pictures[packet.stream.index] += packet.size > 0
+        if all(count > 1 for count in pictures.values()):
+            break
+    return next((k for k, stream in enumerate(streams) if pictures[stream.index] > 1), 0)
 
 
 class _Sound:

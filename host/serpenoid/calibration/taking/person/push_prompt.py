@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ....base.tables import NO_TEXT, columns_named, is_missing, read_table
+from ....model.capture_rate import OPTION, capture_rate
 from ....model.checks import sha256_of
 from ....model.errors import BadInput
 from ....model.gait import Gait
@@ -62,17 +63,23 @@ def take_track(
     cells: Cells,
     film: FilmReader = no_films,
     tell: Callable[[str], object] = no_words,
+    capture_fps: float | None = None,
 ) -> list[Kept]:
     """Keep the pushes of a file; raises BadInput where there is none, or it was taken in before.
 
     unit: of its lengths, where the file names none. film: what reads a film of the robot with tags,
     whose joints hold still. tell: is called with what a person should know of the file.
+    capture_fps: pictures a second that the camera took, where a track was made of slow motion.
     """
     if path.suffix.lower() in (*TEXTS, *NO_TEXT) or not isfile(path):
         found = read_track_file(path, unit)
         track, sha256 = found.values, found.sha256
         for note in found.notes:
             tell(note)
+        if capture_fps is not None:
+            rate = capture_rate(track[:, 0], capture_fps, OPTION)
+            track = track * [rate.time_scale, 1.0, 1.0]
+            tell(f"{path.name}: {rate.in_words()}")
     else:
         sha256 = sha256_of(path)
         filmed = film(path, journal.session.setup.robot, None)

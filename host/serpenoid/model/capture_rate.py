@@ -1,0 +1,93 @@
+"""How fast a film's time ran: pictures a second that the camera took, over those that are played.
+
+A phone's slow motion holds 30 pictures for each second in a player, taken at 120 or 240 a second.
+Its camera then multiplied each time by 4 or 8, also where it dropped pictures: what counts is the
+rate that a player is told, not how many pictures there are. A track that was marked in each eighth
+picture only has the times of such a film, too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .errors import BadInput
+
+PLAYED_HZ = np.array([24.0, 25.0, 30.0, 50.0, 60.0, 90.0, 120.0, 240.0, 480.0, 960.0])
+NEAR = 0.04  # of a rate, relative: 29.97 and 30.04 are 30
+# Below it nothing is played. Cameras drop pictures in dim light, and people mark each fourth one.
+SLOWEST_PLAYED_HZ, USUAL_HZ = 23.0, 30.0
+REAL_TIME = 1.5  # a rate up to so much above the one played: dropped pictures, not slow motion
+HIGHEST_HZ = 10_000.0
+OPTION = "--capture-fps"
+
+
+@dataclass(frozen=True)
+class CaptureRate:
+    """A film's two rates, in pictures a second, and who says what the camera took."""
+
+    taken_hz: float
+    played_hz: float
+    source: str
+
+    @property
+    def stated(self) -> bool:
+        """Tell whether a person says so, not a tag."""
+        return self.source.startswith(OPTION)
+
+    @property
+    def time_scale(self) -> float:
+        """Return what the file's times are multiplied with to be real ones."""
+        ratio = self.taken_hz / self.played_hz
+        if ratio < REAL_TIME:
+            return 1.0
+        whole = round(ratio)
+        return 1.0 / (whole if abs(ratio / whole - 1.0) < NEAR else ratio)
+
+    def in_words(self) -> str:
+        """Return what was made of them, and what to do if that is wrong."""
+        rates = (
+            f"{self.source} says that the camera took {self.taken_hz:g} pictures a second, and the "
+            f"file plays {self.played_hz:g}"
+        )
+        if self.time_scale == 1.0:
+            return f"{rates}: its times are real"
+        return (
+            f"{rates}: its times are divided by {1.0 / self.time_scale:.4g}, and all that follows "
+            f"is in real time. If they were real before, give --capture-fps {self.played_hz:g}"
+        )
+
+
+def capture_rate(t_s: Any, taken_hz: float, source: str) -> CaptureRate:
+    """Return a film's rates, from its pictures' times (K,), s, as the file has them.
+
+    taken_hz: what the camera took a second; source: who says so. Raises BadInput where the file
+    plays more than that: a time lapse, or a wrong number.
+    """
+    if not 0.0 < taken_hz <= HIGHEST_HZ:
+        raise BadInput(
+            f"{source} says that the camera took {taken_hz:g} pictures a second; that is between 1 "
+            f"and {HIGHEST_HZ:g}: give the rate with --capture-fps"
+        )
+    file_hz = played_hz(t_s)
+    if taken_hz * REAL_TIME < file_hz:
+        raise BadInput(
+            f"{source} says that the camera took {taken_hz:g} pictures a second, and the file "
+            f"plays {file_hz:g}: is it a time lapse? Film at normal speed, or give the camera's "
+            "rate with --capture-fps"
+        )
+    return CaptureRate(taken_hz, file_hz, source)
+
+
+def played_hz(t_s: Any) -> float:
+    """Return how many pictures a second a player is told to show, from their times (K,), s."""
+    gaps = np.diff(np.sort(np.asarray(t_s, dtype=float)))
+    if not (gaps > 0.0).any():
+        return USUAL_HZ
+    rate_hz = 1.0 / float(np.median(gaps[gaps > 0.0]))
+    nearest = float(PLAYED_HZ[np.argmin(np.abs(PLAYED_HZ - rate_hz))])
+    if abs(rate_hz / nearest - 1.0) < NEAR:
+        return nearest
+    return USUAL_HZ if rate_hz < SLOWEST_PLAYED_HZ else rate_hz

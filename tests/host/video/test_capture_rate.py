@@ -1,0 +1,145 @@
+"""Slow motion is measured in real time; the film is the first stream that moves."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+from calibration.floor_sessions import TRUTH, push_track
+from command_line import serpenoid
+from refusals import refused
+from serpenoid import Gait, _core, load_session
+from serpenoid.calibration.taking.new_session import create_session, default_setup
+from serpenoid.model.capture_rate import capture_rate
+from serpenoid.video.measure_film import measure_film
+from serpenoid.video.seeing.film import Film
+
+DEMO_FILM = Path(_core.__file__).parent / "calibration_data" / "demo-film" / "film.mp4"
+LINK_M = 0.076
+
+
+def copied(path, *, slower=1, tags=None, cover=False, every=1):
+    """Copy the demo's film without coding it again: slower, tagged, behind a cover."""
+    with av.open(str(DEMO_FILM)) as old, av.open(str(path), "w", options=_options(path)) as new:
+        if cover:
+            picture = new.add_stream("mjpeg", rate=1)
+            picture.width, picture.height, picture.pix_fmt = 320, 240, "yuvj420p"
+            still = av.VideoFrame.from_ndarray(np.zeros((240, 320), np.uint8), format="gray")
+            encoded = [*picture.encode(still.reformat(format="yuvj420p")), *picture.encode()]
+        stream = new.add_stream_from_template(old.streams.video[0])
+        new.metadata.update(tags or {})
+        for packet in encoded if cover else []:
+            new.mux(packet)
+        for packet in old.demux(video=0):
+            if packet.size:
+                packet.pts, packet.dts = packet.pts * slower, packet.dts * slower
+                packet.stream = stream
+                new.mux(packet)
+    return path
+
+
+def _options(path):
+    return {"movflags": "use_metadata_tags"} if path.suffix in (".mp4", ".mov") else {}
+
+
+ANDROID = {"com.android.capture.fps": "240.000000"}
+
+
+@pytest.fixture(scope="module")
+def true_m_s():
+    return measure_film(DEMO_FILM, 6, LINK_M).run.speed_m_s
+
+
+def test_a_phones_slow_motion_is_measured_in_real_time_and_says_so(tmp_path, true_m_s) -> None:
+    film = copied(tmp_path / "slow.mp4", slower=8, tags=ANDROID)
+    told = json.loads(serpenoid(f"video {film} --json", check=True).stdout)
+    assert told["speed_m_s"] == pytest.approx(true_m_s, rel=1e-9)
+    assert told["time_scale"] == 1 / 8
+    assert (told["film"]["capture_fps"], told["film"]["played_fps"]) == (240.0, 30.0)
+    (words,) = (r["text"] for r in told["remarks"] if r["name"] == "slow motion")
+    assert "com.android.capture.fps says that the camera took 240 pictures a second" in words
+    assert "divided by 8" in words
+    shown = serpenoid(f"video {film} --capture-fps 120 --track {tmp_path / 't.csv'}", check=True)
+    assert "times      those of the file, times 0.25" in shown.stdout
+    assert "240, and does not count" in re.sub(r"\s+", " ", shown.stdout)
+    times = np.loadtxt(tmp_path / "t.csv", delimiter=",", skiprows=1, usecols=0)
+    assert np.ptp(times) == pytest.approx(2 * told["film"]["duration_s"], rel=1e-6)
+
+
+def test_what_no_tag_says_a_person_may(tmp_path) -> None:
+    film = copied(tmp_path / "slow.mkv", slower=4)
+    assert Film.open(film).time_scale == 1.0
+    assert Film.open(film, 120.0).time_scale == 1 / 4
+    assert Film.open(film, 120.0).duration_s == pytest.approx(Film.open(film).duration_s / 4)
+
+
+def test_the_film_is_the_first_stream_that_moves(tmp_path, true_m_s) -> None:
+    run = measure_film(copied(tmp_path / "cover.mkv", cover=True), 6, LINK_M).run
+    assert run.film["codec"] == "h264"
+    assert run.speed_m_s == pytest.approx(true_m_s, rel=2e-3)  # times to a whole millisecond
+
+
+@pytest.mark.parametrize(
+    ("rate_hz", "taken_hz", "scale"),
+    [
+        (30, 240, 1 / 8),
+        (30.04, 120, 1 / 4),  # a phone's clock
+        (29.97, 119.88, 1 / 4),
+        (240, 240, 1),  # stored in real time, for a player to slow down
+        (15, 120, 1 / 4),  # each second picture of 30 was left out
+        (30, 30, 1),
+        (18, 30, 1),  # dim light
+        (24, 30, 1),
+        (25, 120, 25 / 120),
+        (60, 960, 1 / 16),
+    ],
+)
+def test_rates_of_a_file_and_its_camera(rate_hz, taken_hz, scale) -> None:
+    t_s = np.arange(40) / rate_hz
+    assert capture_rate(t_s, taken_hz, "a tag").time_scale == pytest.approx(scale, rel=1e-12)
+
+
+@pytest.mark.parametrize(("taken_hz", "words"), [(2.0, "a time lapse"), (0.0, "between 1 and")])
+def test_a_rate_that_cannot_be_is_refused(taken_hz, words) -> None:
+    with refused(words):
+        capture_rate(np.arange(40) / 30, taken_hz, "the tag x.capture.fps")
+
+
+def test_a_track_made_of_slow_motion_is_taken_in_real_time(tmp_path) -> None:
+    rows = push_track(0.8, TRUTH, np.random.default_rng(1))
+    rows[:, 0] *= 8
+    np.savetxt(tmp_path / "push.csv", rows, delimiter=",", header="t,x,y", comments="")
+    folder = create_session(tmp_path / "session", default_setup("slow"))
+    typed = f"calibrate push {folder} {tmp_path / 'push.csv'} --capture-fps 240 --unit m"
+    shown = serpenoid(typed, check=True).stdout
+    assert "its times are divided by 8" in shown
+    (push,) = load_session(folder).kept_pushes
+    t_s, x_m, y_m = push.counted
+    assert np.hypot(x_m[6] - x_m[0], y_m[6] - y_m[0]) / (t_s[6] - t_s[0]) == pytest.approx(
+        0.75, 0.1
+    )
+
+
+def test_a_film_far_slower_than_a_sessions_gait_is_no_reading(tmp_path) -> None:
+    film = copied(tmp_path / "slow.mov", slower=8)
+    setup = default_setup("slow")
+    for hertz, words in ((0.8333, "no reading: slow.mov: the film shows"), (0.1041, "reading 1")):
+        gait = Gait(math.radians(60), math.radians(75), math.tau * hertz)
+        plan = replace(setup.procedure, gaits=(gait,))
+        folder = create_session(tmp_path / f"{hertz:g}", replace(setup, procedure=plan))
+        done = serpenoid(f"video {film} --session {folder}", check=True)
+        assert words in done.stderr
+
+
+def test_a_film_far_slower_than_its_gait_names_the_rate_to_give(tmp_path) -> None:
+    film = copied(tmp_path / "slow.mov", slower=8)
+    typed = f"video {film} --alpha-deg 60 --beta-deg 75 --frequency-hz 0.8333"
+    shown = re.sub(r"\s+", " ", serpenoid(typed, check=True).stdout)
+    assert "is it slow motion, 8 times? Then give the camera's pictures a second, some 240" in shown
+    assert Film.open(film, 240.0).time_scale == 1 / 8
