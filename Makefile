@@ -115,7 +115,7 @@ playground: $(VENV)/built
 figures: $(VENV)/built
 	$(VENV)/bin/python docs/figures.py
 
-bench: $(VENV)/built $(VENV)/bench
+bench: $(VENV)/built
 	$(VENV)/bin/serpenoid bench accuracy --out bench-out
 	$(VENV)/bin/serpenoid bench scenes --out bench-out
 
@@ -144,7 +144,7 @@ $(VENV)/run: constraints/run.txt | $(VENV)/build
 	@$(PIP) install --require-hashes --only-binary :all: -r $<
 	@touch $@
 
-$(VENV)/dev $(VENV)/docs $(VENV)/bench: $(VENV)/%: constraints/%.txt | $(VENV)/run
+$(VENV)/dev $(VENV)/docs: $(VENV)/%: constraints/%.txt | $(VENV)/run
 	@echo "installing the packages for $* ..."
 	@$(PIP) install --require-hashes -r $<
 	@touch $@

@@ -23,7 +23,6 @@ os.environ["MPLBACKEND"] = "agg"
 # What CI need not have; make installs all the rest.
 OPTIONAL = (
     "needs a real robot",
-    "an optional peer",
     "needs x86",
     "needs Linux",
     "needs a system with",

@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from .calibration.friction_result import FrictionFit
     from .calibration.session import Session
     from .calibration.session_file import load_session
-    from .exchange.mjcf import to_mjcf
     from .gaits.finder import LeastPower
     from .gaits.least_power import least_power_gait, power_front
     from .gaits.limits import GaitLimits
@@ -56,7 +55,6 @@ _HOMES = {
     "model.ground": ("Ground",),
     "model.link_state": ("LinkState",),
     "model.robot": ("Robot",),
-    "exchange.mjcf": ("to_mjcf",),
     "gaits.finder": ("LeastPower",),
     "gaits.least_power": ("least_power_gait", "power_front"),
     "gaits.limits": ("GaitLimits",),
@@ -123,7 +121,6 @@ __all__ = [
     "steady_gait",
     "steady_springs",
     "sweep",
-    "to_mjcf",
 ]
 
 

@@ -23,7 +23,6 @@ import click
 import serpenoid as sn
 from click.testing import CliRunner
 from serpenoid.commands.main import cli
-from serpenoid.exchange.gym_env import SnakeEnv
 from serpenoid.model import errors
 from serpenoid.robot import RobotBoard
 from serpenoid.robot.recording.stream import load_stream
@@ -169,7 +168,6 @@ def python_names() -> Iterator[str]:
     public |= {f"sn.{name}": getattr(sn, name) for name in sn.__all__}
     public["serpenoid.robot.RobotBoard"] = RobotBoard
     public["serpenoid.robot.recording.stream.load_stream"] = load_stream
-    public["serpenoid.exchange.gym_env.SnakeEnv"] = SnakeEnv
     for name, value in sorted(public.items()):
         if isinstance(value, type) and issubclass(value, Exception):
             yield f"{name}: {' '.join(base.__name__ for base in value.__bases__)}"

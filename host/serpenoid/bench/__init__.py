@@ -1,1 +1,1 @@
-"""Benchmarks: error against run time, stability, and what a scene costs; peers are optional."""
+"""Benchmarks: error against run time, stability, and what a scene costs; SciPy is the one peer."""

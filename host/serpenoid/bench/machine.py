@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import platform
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from pathlib import Path
 
 from .. import _core
 
-PACKAGES = ("serpenoid", "numpy", "scipy", "numba", "scikit-sundae", "mujoco")
+PACKAGES = ("serpenoid", "numpy", "scipy")
 
 
 def cpu() -> str:
@@ -27,12 +27,5 @@ def compiler() -> str:
 
 
 def versions() -> dict[str, str]:
-    """Return the version of each package in the comparison, "absent" where it is not there."""
-
-    def of(name: str) -> str:
-        try:
-            return version(name)
-        except PackageNotFoundError:
-            return "absent"
-
-    return {"python": platform.python_version(), **{name: of(name) for name in PACKAGES}}
+    """Return the versions of Python and of each package in the comparison."""
+    return {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}}

@@ -1,11 +1,10 @@
 """The scenes of the benchmark, the number by which solutions are judged, and the truth.
 
-Viscous ground: SciPy's DOP853 at a tolerance of 1e-13 on the hand-written equations, compiled by
-Numba (a test holds them to plain NumPy); they share nothing with the core. Known to the distance
-from Numba's DOP853 at that tolerance. Dry ground: smooth motion between switching events by the
-tests' reference (tests/oracle/contact_modes.py), known to what a tolerance a hundred times looser
-changes. The stiff scenes take long, so all end states are kept in references.json;
-`studies/references.py` solves the viscous ones again.
+Viscous ground: SciPy's DOP853 at a tolerance of 1e-13 on the equations of `scipy_peer`, which share
+nothing with the core. Known to the distance from a second solution. Dry ground: smooth motion
+between switching events by the tests' reference (tests/oracle/contact_modes.py), known to what a
+tolerance a hundred times looser changes. The stiff scenes take long, so all end states are kept in
+references.json; `studies/references.py` solves the viscous ones again.
 """
 
 from __future__ import annotations
@@ -88,7 +87,7 @@ class Problem:
 
     @property
     def first(self) -> Array:
-        """Return the start as the peers' state vector (numba_equations)."""
+        """Return the start as the peer's state vector (scipy_peer)."""
         return self.vector(self.start)
 
     def vector(self, state: LinkState | Run, at: int | EllipsisType = ...) -> Array:

@@ -15,7 +15,7 @@ OUT = option("--out", "Folder for figures and numbers.", type=directory, default
 
 @click.group(name="bench", cls=Commands)
 def BENCH_GROUP() -> None:
-    """Measure error against run time beside other solvers, and stability."""
+    """Measure error against run time beside SciPy's solvers, and stability."""
 
 
 def _tell(text: str) -> None:
@@ -27,14 +27,12 @@ def _tell(text: str) -> None:
 @flag("--quick", "Three scenes, three rounds: less than a minute.")
 @option("--page", "A Markdown page whose table between the markers is renewed.", type=EXISTING)
 def accuracy(out: Path, quick: bool, page: Path | None) -> None:
-    """Draw error against run time of every method and its peers: accuracy.png, .csv and .json."""
+    """Draw error against run time of every method and SciPy's: accuracy.png, .csv and .json."""
     from ..bench.accuracy.equal_error import headline, table
     from ..bench.accuracy.figure import write_all
-    from ..bench.accuracy.measure import NOT_TRIED, QUICK, Effort, absent, run
+    from ..bench.accuracy.measure import NOT_TRIED, QUICK, Effort, run
     from ..bench.rows import renew_table
 
-    for missing in absent():
-        _tell(f"left out, not installed: {missing}; pip install 'serpenoid[bench]' brings it")
     rows = run(QUICK if quick else Effort(), _tell)
     write_all(rows, out)
     if page:

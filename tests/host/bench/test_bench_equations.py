@@ -1,9 +1,8 @@
-"""The peers' equations and solvers agree with the dense ones and the core; ratchet wheels, too."""
+"""SciPy's equations and solvers agree with the dense ones and the core; ratchet wheels, too."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,9 +10,9 @@ import serpenoid as sn
 from scipy.integrate import solve_ivp
 from serpenoid.bench.accuracy.measure import OWN, contenders
 from serpenoid.bench.problems import Problem, problems
+from serpenoid.bench.scipy_peer import Equations, scipy, solve
 from simulation.truth_cases import rate_of
 
-PEER = "an optional peer: pip install 'serpenoid[bench]'"
 GROUNDS = {
     "viscous": sn.Ground(ct=(0.1, 2.0), cn=10.0),
     "dry": sn.Ground(ct=(0.1, 2.0), cn=10.0, ft0=(0.02, 0.3), fn0=0.1),
@@ -37,42 +36,35 @@ def test_the_dense_equations_and_the_core_go_the_same_way() -> None:
     assert problem.error(problem.vector(sn.simulate(forwards).state()), end) > 0.1
 
 
-@pytest.fixture
-def equations() -> Any:
-    return pytest.importorskip(
-        "serpenoid.bench.peers.numba_equations", reason=PEER, exc_type=ImportError
-    )
-
-
 RATCHETS = [ratchet(name, ground) for name in ("paper6", "paper6_k1e3") for ground in GROUNDS]
 
 
 @pytest.mark.parametrize("problem", [*problems(), *RATCHETS], ids=lambda p: p.name)
-def test_numba_and_dense_rates_agree(problem: Problem, equations: Any) -> None:
+def test_plain_and_dense_rates_agree(problem: Problem) -> None:
     away = np.random.default_rng(3).normal(size=problem.first.size) * 0.3
     y = away if problem.ground.ratchet else problem.first + 0.01
-    compiled = equations.rate_array(problem.implicit, 0.4, y, equations.parameters(problem))
-    plain = rate_of(problem)(0.4, y)
+    plain, dense = Equations(problem).rate(0.4, y), rate_of(problem)(0.4, y)
     # the dense system of 50 links loses some digits
-    assert np.abs(compiled - plain).max() < 1e-10 * np.abs(plain).max()
+    assert np.abs(plain - dense).max() < 1e-10 * np.abs(dense).max()
 
 
-def test_dop853_and_the_core_reach_the_same_end(equations: Any) -> None:
+def test_dop853_and_the_core_reach_the_same_end() -> None:
     problem = next(p for p in problems() if p.name == "paper3")
-    p = equations.parameters(problem)
-    end, steps = equations.dop853_run(False, problem.first, p, 10.0, 1e-13, 1e-14, 10**6)
+    end = solve(problem, "DOP853", 1e-13)
     run = sn.simulate(problem.scene(start=problem.start, dt_s=1e-3, record_every=10**4))
-    assert steps > 0
     # RK4 at 1 ms over 10 s leaves some 1e-10 here
     assert problem.error(problem.vector(run.state()), end) < 1e-9
 
 
-def test_mujoco_does_not_take_the_forward_friction_for_a_ratchet() -> None:
-    peer = pytest.importorskip(
-        "serpenoid.bench.peers.mujoco_peer", reason=PEER, exc_type=ImportError
+@pytest.mark.parametrize("method", ["RK45", "LSODA", "BDF"])
+def test_scipy_solves_dry_ground_the_better_the_narrower_the_sign(method: str) -> None:
+    problem = replace(next(p for p in problems() if p.name == "robot2005"), duration_s=0.4)
+    exact = problem.vector(
+        sn.simulate(problem.scene(start=problem.start, method="nonsmooth")).state()
     )
-    assert peer.mujoco(ratchet("paper3")) == []
-    assert len(peer.mujoco(next(p for p in problems() if p.name == "paper3"))) == 1
+    peer = next(c for c in scipy(problem) if c.name == f"SciPy {method}")
+    wide, narrow = (problem.error(peer.work(width)(), exact) for width in (1e-2, 1e-3))
+    assert narrow < wide / 3 < 0.05
 
 
 def test_our_own_methods_run_a_viscous_ratchet() -> None:

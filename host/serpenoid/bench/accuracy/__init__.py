@@ -1,1 +1,1 @@
-"""Error against run time of every method, beside its peers."""
+"""Error against run time of every method, beside SciPy's."""

@@ -16,16 +16,16 @@ from .. import machine
 from ..problems import problems, reference
 from ..rows import write_rows
 from .equal_error import Points, headline, lines, ours_first
-from .measure import Row, absent
+from .measure import Row
 
 # ours one by one, in strong colours; of each family of peers the best that any of them does
 OURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#B8860B", "#000000", "#882255", "#3A9BDC")
-PEERS = {"SciPy": "#8c8c8c", "SUNDIALS": "#7a68ad", "Numba": "#4f7a4f", "MuJoCo": "#a8813a"}
+PEERS = {"SciPy": "#8c8c8c"}
 MARKERS = "osD^vP*X"
 ERRORS, TIMES = (3.0, 1e-15), (3e-6, 5.0)  # the same in all panels
 WORDS = (
-    "Filled: this package; open: the best of what else one might take. Lower is faster, right is "
-    "more accurate.\nGrey: the reference is not known better. "
+    "Filled: this package; open: the best of SciPy's solvers, on equations in Python. Lower is "
+    "faster, right is more accurate.\nGrey: the reference is not known better. "
 )
 
 
@@ -95,7 +95,6 @@ def write_all(rows: Sequence[Row], out: Path) -> None:
     content = {
         **here,
         "versions": machine.versions(),
-        "absent": absent(),
         "references_known_to": {
             p.name: reference(p).known_to for p in problems() if p.name in measured
         },

@@ -13,15 +13,15 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
-from importlib.util import find_spec
 
 import numpy as np
 
 from ...simulation.methods import METHODS
 from ...simulation.simulate import simulate
 from ..child_process import Crashed, Failed, Limited, Overran
-from ..peers.contender import STEPS_S, TOLERANCES, Contender, Work, even_step_s
+from ..contender import STEPS_S, TOLERANCES, Contender, Work, even_step_s
 from ..problems import Problem, problems, reference
+from ..scipy_peer import scipy
 
 NOT_TRIED = "not tried"
 LEAST_TIMED_S = 2e-3  # shorter work is repeated within a round
@@ -66,7 +66,7 @@ def _work(scene: str, method: str, setting: float) -> Work:
     return next(c for c in contenders(_problem(scene)) if c.name == method).work(setting)
 
 
-@np.errstate(all="ignore")  # what overflows in a peer ends as a row
+@np.errstate(all="ignore")  # what overflows in SciPy ends as a row
 def _timed(scene: str, method: str, setting: float, repeats: int = 1) -> tuple[float, float]:
     """Return the error and the time of a run, from so many in a row."""
     problem, work = _problem(scene), _work(scene, method, setting)
@@ -98,8 +98,6 @@ def _try_all(child: Limited, scene: str, effort: Effort) -> list[Row]:
                 continue
             run = (_timed, scene, one.name, setting)
             try:
-                if setting == one.settings[0]:  # Numba compiles, and it is not timed
-                    child(effort.limit_s + 60.0, *run)
                 row.error, row.time_s = child(effort.limit_s, *run)
             except Failed as failure:
                 row.note = str(failure)
@@ -145,11 +143,6 @@ def run(effort: Effort, tell: Callable[[str], None]) -> list[Row]:
 
 
 OWN = "serpenoid"
-MODULES = {
-    "numba": "Numba, SciPy with a Numba right-hand side, SUNDIALS",
-    "sksundae": "SUNDIALS",
-    "mujoco": "MuJoCo",
-}
 
 
 def _own(problem: Problem, method: str) -> Contender:
@@ -158,28 +151,13 @@ def _own(problem: Problem, method: str) -> Contender:
     def work(setting: float) -> Work:
         control = {"tolerance": setting} if adaptive else {"dt_s": even_step_s(problem, setting)}
         fields = {"method": method, "start": problem.start, "record_every": 10**9, **control}
-        scene = problem.scene(**fields)  # made beforehand, as the parameters of the peers are
+        scene = problem.scene(**fields)  # made beforehand, and not timed
         return lambda: problem.vector(simulate(scene), -1)
 
     kind, settings = ("tolerance", TOLERANCES) if adaptive else ("dt_s", STEPS_S)
     return Contender(f"{OWN} {method}", OWN, kind, settings, work)
 
 
-def absent() -> list[str]:
-    """Return the peers that are not installed."""
-    return [f"{module} ({what})" for module, what in MODULES.items() if not find_spec(module)]
-
-
 def contenders(problem: Problem) -> list[Contender]:
-    """Return everyone who solves a problem here; the right-hand sides of peers need Numba."""
-    listed = [_own(problem, method) for method in problem.methods()]
-    if find_spec("numba"):
-        from ..peers.compiled import numba, scipy, sundials
-
-        listed += [*scipy(problem), *numba(problem)]
-        listed += sundials(problem) if find_spec("sksundae") else []
-    if find_spec("mujoco"):
-        from ..peers.mujoco_peer import mujoco
-
-        listed += mujoco(problem)
-    return listed
+    """Return everyone who solves a problem here."""
+    return [*(_own(problem, method) for method in problem.methods()), *scipy(problem)]

@@ -4,8 +4,8 @@ What a run states: an adaptive method its tolerance, a fixed step what half the 
 (Richardson, by the method's order). Outcomes: "met", the true error is within ten times that (for
 a tolerance, which is of one step: a thousand times, ten times a cycle beyond 100 cycles); "rough",
 it says itself that it is off by a tenth or more; "refused", "diverged" and "bad input", it stopped
-and said so; "UNTRUE", "HUNG", "CRASHED" are defects. The truth is Numba's DOP853 on the
-hand-written equations; without Numba it is missing.
+and said so; "UNTRUE", "HUNG", "CRASHED" are defects. The truth is SciPy's
+DOP853 on equations in plain NumPy; a scene for which it takes longer than a minute has none.
 """
 
 from __future__ import annotations
@@ -13,9 +13,8 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import lru_cache
-from importlib.util import find_spec
 from typing import Any
 
 from ...model.gait import Gait
@@ -24,8 +23,10 @@ from ...simulation.methods import METHODS
 from ...simulation.simulate import simulate
 from ..child_process import Crashed, Failed, Limited, Overran
 from ..problems import PAPER_GROUND, Array, Problem, gait_deg, paper_robot, reference
+from ..scipy_peer import solve
 
 TOLERANCE = 1e-7
+TRUTH_TOLERANCE, TRUTH_LIMIT_S = 1e-11, 60.0
 SAID = {"StepTooLarge": "refused", "Diverged": "diverged", "BadInput": "bad input"}
 DEFECTS = ("UNTRUE", "HUNG", "CRASHED", "FAILED")
 
@@ -99,19 +100,11 @@ def extremes() -> tuple[Extreme, ...]:
     )
 
 
-@lru_cache
-def truth(extreme: Extreme) -> Array | None:
-    """Return a scene's end state by code that shares nothing with the core, or None without it."""
+def truth(extreme: Extreme) -> Array:
+    """Return a scene's end state by code that shares nothing with the core."""
     problem = extreme.problem
-    if problem.ground.dry:
-        return reference(problem).end
-    if not find_spec("numba"):
-        return None
-    from ..peers import numba_equations as q
-
-    args = (problem.first, q.parameters(problem), problem.duration_s, 1e-12, 1e-14, 10**8)
-    end, steps = q.dop853_run(problem.implicit, *args)
-    return end if steps > 0 else None
+    dry = problem.ground.dry
+    return reference(problem).end if dry else solve(problem, "DOP853", TRUTH_TOLERANCE)
 
 
 def _end(extreme: Extreme, method: str, **control: float) -> Array:
@@ -120,9 +113,9 @@ def _end(extreme: Extreme, method: str, **control: float) -> Array:
     return problem.vector(simulate(problem.scene(**fields)).state())
 
 
-def judge(extreme: Extreme, method: str) -> Outcome:
-    """Run one method on one extreme scene and say what became of it."""
-    exact, problem, kind = truth(extreme), extreme.problem, METHODS[method]
+def judge(extreme: Extreme, method: str, exact: Array | None) -> Outcome:
+    """Run one method on one extreme scene and say what became of it; exact: the true end."""
+    problem, kind = extreme.problem, METHODS[method]
     adaptive = problem.formulation in kind.adaptive
     control = {"tolerance": TOLERANCE} if adaptive else {"dt_s": extreme.dt_s}
     begin = time.thread_time()
@@ -148,14 +141,20 @@ def run(quick: bool, tell: Callable[[str], None]) -> Iterator[Outcome]:
         for extreme in extremes():
             if extreme.quick or not quick:
                 tell(f"extreme: {extreme.problem.name} ...")
+                exact = _truth_in_time(child, extreme)
                 for method in extreme.problem.methods():
-                    yield _judged(child, extreme, method)
+                    yield _judged(child, extreme, method, exact)
 
 
-def _judged(child: Limited, extreme: Extreme, method: str) -> Outcome:
+def _truth_in_time(child: Limited, extreme: Extreme) -> Array | None:
+    with suppress(Overran):
+        return child(TRUTH_LIMIT_S, truth, extreme)
+    return None
+
+
+def _judged(child: Limited, extreme: Extreme, method: str, exact: Array | None) -> Outcome:
     try:
-        child(60.0, truth, extreme)  # once, and not on the clock of a method
-        return child(extreme.limit_s, judge, extreme, method)
+        return child(extreme.limit_s, judge, extreme, method, exact)
     except Failed as failure:
         error, _, said = str(failure).partition(": ")
         word = SAID.get(error, "FAILED")

@@ -1,11 +1,11 @@
-"""One way to solve a problem of the benchmark, ours or a peer's, and what it is tried at."""
+"""One way to solve a problem of the benchmark, ours or SciPy's, and what it is tried at."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ..problems import Array, Problem
+from .problems import Array, Problem
 
 Work = Callable[[], Array]
 STEPS_S = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)

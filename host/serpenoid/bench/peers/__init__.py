@@ -1,1 +1,0 @@
-"""The same equations written as others would: NumPy, Numba, SciPy, SUNDIALS, MuJoCo."""
