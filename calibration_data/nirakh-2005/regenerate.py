@@ -12,8 +12,9 @@ import math
 from itertools import count
 from pathlib import Path
 
+from serpenoid.calibration.kinds.rows import READING_COLUMNS, reading_row
 from serpenoid.calibration.session import Setup
-from serpenoid.calibration.session_file import COLUMNS, load_setup
+from serpenoid.calibration.session_file import load_setup
 
 CT_N_S_M, FT0_N = 0.084, 0.14  # Eq. 59, whole snake
 CN_N_S_M, FN0_N = 1.2, 0.27  # Eq. 62, whole snake
@@ -29,9 +30,9 @@ def belt_speed_m_s(weight_n: float, incline_rad: float, lambda_rad: float) -> fl
     return (weight_n * math.sin(incline_rad) - dry_n) / (CT_N_S_M * c**2 + CN_N_S_M * s**2)
 
 
-def rows(setup: Setup) -> list[list[object]]:
+def rows(setup: Setup) -> list[dict[str, str]]:
     """Return one row a station, inclines rising until the belt would pass its top speed."""
-    found: list[list[object]] = []
+    found: list[dict[str, str]] = []
     how = setup.procedure
     for lambda_rad in how.lambda_rad:
         law = "Eqs. 59 and 62 through Eq. 60" if lambda_rad else "Eq. 59 through Eq. 58"
@@ -44,17 +45,23 @@ def rows(setup: Setup) -> list[list[object]]:
                 break
             if speed_m_s <= 0.0:
                 continue  # the wheels stick: there is no speed to read yet
-            lambda_deg = round(math.degrees(lambda_rad), 3)
-            station = [lambda_deg, incline_deg, f"{speed_m_s:.6f}", "0.0"]
-            found.append([len(found) + 1, "", *station, "kept", f"regenerated from {law}"])
+            station = {
+                "lambda_deg": str(round(math.degrees(lambda_rad), 3)),
+                "incline_deg": str(incline_deg),
+                "belt_speed_m_s": f"{speed_m_s:.6f}",
+                "drift_m_s": "0.0",
+            }
+            number = str(len(found) + 1)
+            common = {"reading": number, "setup": "1", "comment": f"regenerated from {law}"}
+            found.append(reading_row("station", station) | common)
     return found
 
 
 def text() -> str:
     """Return the whole of readings.csv."""
     out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(COLUMNS)
+    writer = csv.DictWriter(out, READING_COLUMNS, lineterminator="\n")
+    writer.writeheader()
     writer.writerows(rows(load_setup(Path(__file__).parent)))
     return out.getvalue()
 

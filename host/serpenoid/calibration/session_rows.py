@@ -1,4 +1,4 @@
-"""Format 2: readings of every kind and events, one line each, read as an append-only journal.
+"""Readings of every kind and events, one line each, read as an append-only journal.
 
 A line that has no end was cut short while it was written (a kill, a power cut) and does not
 count; the writer later closes it with the mark TORN. Lines are never changed: a reading is voided,
@@ -54,7 +54,7 @@ INCLINED = ("station", "zero")  # kinds whose errors the session's [instruments]
 Numbered = dict[int, Row]  # rows by the numbers of their readings
 
 
-def read_format_2(setup: Setup, folder: Path) -> Session:
+def read_rows(setup: Setup, folder: Path) -> Session:
     """Return the session of a folder."""
     path, notes, setups = folder / "readings.csv", list[str](), [setup]
     events = read_events(folder, notes)
@@ -84,9 +84,9 @@ def read_format_2(setup: Setup, folder: Path) -> Session:
     return replace(session, notes=tuple(notes))
 
 
-def read_events(folder: Path, notes: list[str] | None = None) -> list[Event]:
+def read_events(folder: Path, notes: list[str]) -> list[Event]:
     """Return a session's events in the order they were written; raises BadInput."""
-    events, notes = [], [] if notes is None else notes
+    events = []
     for row in rows_in(folder / "events.csv", EVENT_COLUMNS, notes):
         with located(row["where"]):
             event = check_choice("event", row["event"], EVENTS)
@@ -100,15 +100,10 @@ def reading_rows(folder: Path) -> Numbered:
     return _numbered(folder / "readings.csv", [])
 
 
-def rows_in(
-    path: Path,
-    columns: tuple[str, ...],
-    notes: list[str] | None = None,
-    optional: tuple[str, ...] = (),
-) -> Iterator[Row]:
+def rows_in(path: Path, columns: tuple[str, ...], notes: list[str]) -> Iterator[Row]:
     """Yield the lines below the header by their columns, `where` each stands too; raises BadInput.
 
-    notes: takes what is told of lines that do not count; None: lines that have no end do.
+    notes: takes what is told of lines that do not count.
     """
     backup = f"take it from a backup; if there is none, its first line is {','.join(columns)}"
     if not path.exists():
@@ -117,9 +112,7 @@ def rows_in(
     if not text.strip():
         raise BadInput(f"{path}: the file is empty; {backup}")
     lines = text.split("\n")
-    if notes is None:
-        lines.append("")
-    elif lines[-1].strip():
+    if lines[-1].strip():
         notes.append(
             f"{path}:{len(lines)}: the last line has no end: it was cut short while it was "
             "written, and does not count"
@@ -131,12 +124,12 @@ def rows_in(
             f"{path}:1: the cells are parted by semicolons; a spreadsheet did that: save the file "
             "as CSV with commas, and decimals with a point"
         )
-    check_names(header, columns, f"{path}:1", "column", optional)
+    check_names(header, columns, f"{path}:1", "column")
     for number, line in enumerate(lines[1:-1], 2):
         where = f"{path}:{number}"
-        if not line.strip() or (line.endswith(TORN) and notes is not None):
+        if not line.strip() or line.endswith(TORN):
             continue
-        if "\0" in line and notes is not None:
+        if "\0" in line:
             notes.append(f"{where}: damaged (zero bytes, as after a power cut), and does not count")
             continue
         with located(where):

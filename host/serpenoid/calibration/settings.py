@@ -51,7 +51,7 @@ class Setting:
 
     @property
     def needed(self) -> bool:
-        """Tell whether files of both formats must have it: nothing stands for it."""
+        """Tell whether a file must have it: nothing stands for it."""
         if self.path in ("surface", "place", "people"):
             return True  # in Setup they may be blank
         part, _, name = self.path.rpartition(".")
@@ -155,12 +155,6 @@ _WORDS, _FLAG = Table.string, _checked(_check_flag)
 _ABOVE_0, _FROM_0, _SHARE = _number(0.0, open_low=True), _number(0.0), _number(0.0, 50.0)
 _BEND, _SPEED = _number(0.0, MAX_LAMBDA_DEG), _number(0.0, MAX_SPEED_M_S, open_low=True)
 _INCLINE = _number(0.0, MAX_INCLINE_DEG, open_low=True)
-GRAVITY = Setting(
-    "gravity_m_s2",
-    "procedure.gravity_m_s2",
-    _number(0.0, MAX_GRAVITY_M_S2, open_low=True),
-    fixed=True,
-)
 SETTINGS: dict[str, tuple[Setting, ...]] = {
     "provenance": (
         Setting(
@@ -209,7 +203,12 @@ SETTINGS: dict[str, tuple[Setting, ...]] = {
         ),
         Setting("place", "place", _WORDS),
         Setting("people", "people", _WORDS),
-        GRAVITY,
+        Setting(
+            "gravity_m_s2",
+            "procedure.gravity_m_s2",
+            _number(0.0, MAX_GRAVITY_M_S2, open_low=True),
+            fixed=True,
+        ),
     ),
     "instruments": (
         Setting("incline_sigma_deg", "uncertainty.incline_sigma_rad", _INCLINE),
@@ -332,21 +331,9 @@ SETTINGS: dict[str, tuple[Setting, ...]] = {
 
 def setup_in(top: Table) -> Setup:
     """Return the set-up of a session.toml; raises BadInput."""
-    tables, said = SETTINGS, ("format", "name", "program", "created_utc")
-    if top.whole("format") == 1:
-        needed = {name: tuple(s for s in rows if s.needed) for name, rows in SETTINGS.items()}
-        tables, said = (
-            {
-                "provenance": SETTINGS["provenance"],
-                "robot": SETTINGS["robot"],
-                "procedure": (*needed["plan"], GRAVITY),
-                "uncertainty": needed["instruments"],
-            },
-            said[:2],
-        )
-    top.only(*said, *tables)
+    top.only("format", "name", "program", "created_utc", *SETTINGS)
     setup = replace(_BLANK, name=top.string("name"))
-    for name, rows in tables.items():
+    for name, rows in SETTINGS.items():
         table = top.table(name)
         table.only(
             *(s.key for s in rows if s.needed), optional=tuple(s.key for s in rows if not s.needed)

@@ -157,7 +157,7 @@ def test_when_nobody_answers_pulses_end_and_the_pose_is_taken_again(folder, rele
     assert f"nobody answered for 5 s: {off}; the pose is to be taken again" in heard
     assert f"paused; {off}. Enter goes on" in heard
     assert heard.count("Enter straightens the robot") == 2
-    assert off in read_events(folder)[0].detail
+    assert off in read_events(folder, [])[0].detail
 
 
 def test_a_robot_that_is_lost_loses_no_reading(folder):

@@ -16,7 +16,7 @@ from serpenoid.calibration import fit_file
 def folder(tmp_path):
     copy = tmp_path / "session"
     copy.mkdir()
-    for name in ("session.toml", "readings.csv"):
+    for name in ("session.toml", "readings.csv", "events.csv"):
         shutil.copy(NIRAKH_2005 / name, copy)
     return copy
 
@@ -54,7 +54,9 @@ def test_a_write_that_fails_leaves_the_file_before(folder, monkeypatch):
     with pytest.raises(OSError, match="No space"):
         sn.save_fit(fit, folder)
     assert (folder / "fit.json").read_bytes() == before
-    assert {p.name for p in folder.iterdir()} == {"session.toml", "readings.csv", "fit.json"}
+    assert {p.name for p in folder.iterdir()} == {
+        *("session.toml", "readings.csv", "events.csv", "fit.json")
+    }
 
 
 def forged(folder, spoil):

@@ -85,4 +85,4 @@ def test_another_board_than_before_is_told(folder):
         "note: this board is mega, firmware 0.3.0, protocol 2; the one before was uno, firmware "
         "0.2.0, protocol 2"
     )
-    assert read_events(folder)[-2].detail.endswith("; Bob")
+    assert read_events(folder, [])[-2].detail.endswith("; Bob")

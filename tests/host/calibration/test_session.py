@@ -14,14 +14,14 @@ from hypothesis import strategies as st
 from robots import NIRAKH_2005, OF_2005
 from serpenoid import BadInput, load_session
 from serpenoid.calibration import session_file
-from serpenoid.calibration.session_file import COLUMNS
+from serpenoid.calibration.kinds.rows import READING_COLUMNS
 
-ROW_1 = "1,,0.0,2.0,0.181468,0.0,kept,regenerated from Eq. 59 through Eq. 58"
+ROW_1 = "1,station,,1,,0.0,2.0,0.181468,0.0,,,,,,,,,,,regenerated from Eq. 59 through Eq. 58"
 
 
 @pytest.fixture
 def folder(tmp_path):
-    for name in ("session.toml", "readings.csv"):
+    for name in ("session.toml", "readings.csv", "events.csv"):
         shutil.copy(NIRAKH_2005 / name, tmp_path)
     return tmp_path
 
@@ -72,17 +72,16 @@ def test_regenerating_gives_the_committed_file():
         ),
         (",2.0,0.181468,", ",200,0.181468,", r":2: incline_deg is 200.0; .*at most 45"),
         (",2.0,0.181468,", ",two,0.181468,", r":2: incline_deg is 'two'"),
-        (",2.0,0.181468,", ",2,0,0.181468,", r":2: 9 cells where the header has 8"),
+        (",2.0,0.181468,", ",2,0,0.181468,", r":2: 21 cells where the header has 20"),
         (
             ",2.0,0.181468,",
             ",2.0,-0.1,",
             r":2: belt_speed_m_s is -0.1; .*at least 0 and at most 10",
         ),
         (",0.181468,0.0,", ",0.181468,0.2,", r":2: belt_speed_m_s - drift_m_s is -0.018532 .*void"),
-        ("\n6,,7.5,", "\n6,yesterday,7.5,", r":7: time_utc is 'yesterday'; .*ISO 8601"),
-        ("\n6,,7.5,", "\n6.5,,7.5,", r":7: reading is '6.5'; .*whole number from 1"),
-        ("\n6,,7.5,", "\n5,,7.5,", r":7: reading 5 is there already"),
-        (",kept,", ",keep,", r":2: status is 'keep'; it must be one of kept, void"),
+        ("\n6,station,,1,", "\n6,station,yesterday,1,", r":7: time_utc is 'yesterday'; .*ISO 8601"),
+        ("\n6,station,", "\n6.5,station,", r":7: reading is '6.5'; .*whole number from 1"),
+        ("\n6,station,", "\n5,station,", r":7: reading 5 is there already"),
         (",drift_m_s", "", r":1: no column drift_m_s"),
         (
             "incline_deg",
@@ -98,7 +97,7 @@ def test_regenerating_gives_the_committed_file():
         ),
         ("comment", "comment,humidity", r":1: unknown column 'humidity'; known are reading"),
         (",regenerated", ',"regenerated', r":\d+: not CSV"),
-        (ROW_1, "1,,0.0,2.0,0.18", r":2: 5 cells where the header has 8; .*cut short"),
+        (ROW_1, "1,station,,1,,0.0,2.0,0.18", r":2: 8 cells where the header has 20; .*cut short"),
     ],
 )
 def test_bad_readings_name_file_line_and_range(folder, old, new, says):
@@ -109,9 +108,10 @@ def test_bad_readings_name_file_line_and_range(folder, old, new, says):
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ("format = 1", "format = 3", r":2: format is 3; .*up to 2; install a newer"),
-        ("format = 1", 'format = "1"', r":2: format is '1'; it must be a whole number"),
-        ("format = 1", "", r"toml: the file has no format"),
+        ("format = 2", "format = 1", r":2: format is 1, which held stations alone"),
+        ("format = 2", "format = 3", r":2: format is 3; .*up to 2; install a newer"),
+        ("format = 2", 'format = "1"', r":2: format is '1'; it must be a whole number"),
+        ("format = 2", "", r"toml: the file has no format"),
         ("links = 6", "links = 1", r":\d+: links is 1; .*2"),
         (
             "link_mass_kg = 0.0756",
@@ -154,9 +154,11 @@ def test_lines_named_are_the_lines_meant(folder):
 
 def test_missing_and_empty_files_are_refused(folder, tmp_path):
     path = folder / "readings.csv"
-    path.write_text(",".join(COLUMNS) + "\n")
+    path.write_text(",".join(READING_COLUMNS) + "\n")
     assert "no reading to use among 0" in complaint(folder)
-    path.write_text((NIRAKH_2005 / "readings.csv").read_text("utf-8").replace("kept", "void"))
+    shutil.copy(NIRAKH_2005 / "readings.csv", path)
+    with (folder / "events.csv").open("a") as events:
+        events.writelines(f",void,{number},slipped\n" for number in range(1, 12))
     assert "no reading to use among 11" in complaint(folder)
     path.write_text("")
     assert "the file is empty; take it from a backup" in complaint(folder)
@@ -167,20 +169,10 @@ def test_missing_and_empty_files_are_refused(folder, tmp_path):
     assert "no session here" in complaint(tmp_path / "nowhere")
 
 
-def test_a_reading_is_voided_by_appending_it_again(folder):
-    path = folder / "readings.csv"
-    whole = path.read_text(encoding="utf-8")
-    void = ROW_1.replace("kept", "void").replace("regenerated", "slipped; not regenerated")
-    path.write_text(whole + void + "\n", encoding="utf-8")
-    session = load_session(folder)
-    assert session.readings[0].voided
-    assert session.readings[0].comment.startswith("slipped")
-    assert len(session.readings) == 11
-    assert [r.number for r in session.kept] == list(range(2, 12))
-
-
 def test_a_voided_reading_may_have_stuck_wheels(folder):
-    rewrite(folder / "readings.csv", "0.181468,0.0,kept", "0.0,0.0,void")
+    rewrite(folder / "readings.csv", "0.181468,0.0", "0.0,0.0")
+    with (folder / "events.csv").open("a") as events:
+        events.write(",void,1,stuck\n")
     assert load_session(folder).readings[0].slip_speed_m_s == 0.0
 
 

@@ -281,7 +281,7 @@ def test_a_clock_set_back_is_noted_and_the_order_stays(folder):
 
 def test_events_are_held_to_the_same(folder):
     append(folder, event("start", detail="firmware 0.1"), to="events.csv")
-    assert read_events(folder)[0].detail == "firmware 0.1"
+    assert read_events(folder, [])[0].detail == "firmware 0.1"
     append(folder, event("void", 7), to="events.csv")
     with refused("void of reading 7, which is not there"):
         load_session(folder)

@@ -59,7 +59,7 @@ def test_the_end_of_the_input_and_ctrl_c_leave_the_session_whole(folder):
         person.sends(signal.SIGINT)
         assert person.leaves() == 130
     assert read_session(folder).notes == ()
-    assert [e.event for e in read_events(folder)].count("end") == 2
+    assert [e.event for e in read_events(folder, [])].count("end") == 2
 
 
 def test_a_new_session_asks_what_it_needs(tmp_path):

@@ -20,7 +20,7 @@ GAIT = "--alpha-deg 70 --beta-deg 75 --omega-rad-s 5"
 def folder(tmp_path):
     copy = tmp_path / "session"
     copy.mkdir()
-    for name in ("session.toml", "readings.csv"):
+    for name in ("session.toml", "readings.csv", "events.csv"):
         shutil.copy(NIRAKH_2005 / name, copy)
     return copy
 

@@ -214,13 +214,11 @@ def test_a_speed_that_no_servo_makes_is_warned_of() -> None:
 
 def test_a_stale_fit_is_told_once(tmp_path: Path) -> None:
     of_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
-    for name in ("session.toml", "readings.csv"):
+    for name in ("session.toml", "readings.csv", "events.csv"):
         shutil.copy(of_2005 / name, tmp_path)
     fit = sn.save_fit(sn.fit_friction(sn.load_session(tmp_path)), tmp_path)
-    rows = tmp_path / "readings.csv"
-    last = rows.read_text().splitlines()[-1]
-    with rows.open("a") as file:
-        file.write(last.replace(",kept,", ",void,") + "\n")
+    with (tmp_path / "events.csv").open("a") as file:
+        file.write(",void,11,slipped\n")
     line = f"optimize --ground {fit} --ft0 0 --fn0 0 --speed 0.1 --servo ideal"
     done = serpenoid(line, check=True)
     assert done.stderr.count("is older than the readings") == 1

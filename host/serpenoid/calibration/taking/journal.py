@@ -49,10 +49,9 @@ def utc_now() -> str:
 class Journal:
     """Append to one session, inside `with Journal(folder) as journal:` only.
 
-    session, rows (of readings, by their numbers): what the files hold now. Raises BadInput
-    for files that cannot be read, a format 1 session (finished, never added to) and a session that
-    another process has open, named by its number; RecordingFailed where the disk takes no more:
-    nothing is then half written.
+    session, rows (of readings, by their numbers): what the files hold now. Raises BadInput for
+    files that cannot be read and a session that another process has open, named by its number;
+    RecordingFailed where the disk takes no more: nothing is then half written.
     """
 
     def __init__(self, folder: str | Path):
@@ -177,11 +176,6 @@ class Journal:
 
     def _read(self) -> None:
         self.session = read_session(self.folder)
-        if not (self.folder / "events.csv").exists():
-            raise BadInput(
-                f"{self.folder}: a session of format 1 is finished and not added to; begin a new "
-                f"one from its set-up: `serpenoid calibrate new DIR --template {self.folder}`"
-            )
         self.rows = reading_rows(self.folder)
 
     def _take_lock(self) -> None:
