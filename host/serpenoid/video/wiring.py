@@ -101,6 +101,21 @@ def slow_motion_words(run: FilmedRun, made: Gait, gaits: Iterable[Gait]) -> str:
     return ""
 
 
+def another_gait(run: FilmedRun, stated: Gait | None) -> Gait | None:
+    """Return the gait of a film if it is not the one that was stated; None if it is, or none was.
+
+    Servos lose amplitude, so less of it is no other gait; more is, and so is less than half.
+    """
+    if stated is None:
+        return None
+    made = measured_gait(run, None)
+    rate = abs(run.omega_rad_s / stated.omega_rad_s - 1.0)
+    same_rate = rate <= max(RATE_FLAG, 4 * run.omega_sigma_rad_s / stated.omega_rad_s)
+    same_bend = 0.5 <= made.alpha_rad / max(stated.alpha_rad, 1e-9) <= 1.0 + ALIKE
+    same_lag = abs(math.remainder(made.beta_rad - stated.beta_rad, math.tau)) <= 2 * ALIKE
+    return None if same_rate and same_bend and same_lag else made
+
+
 def measured_gait(run: FilmedRun, gait: Gait | None) -> Gait:
     """Return the gait that the joints made: gains and shifts beside the commanded one.
 

@@ -18,6 +18,7 @@ from refusals import refused
 from robots import NIRAKH_2005, gait_in_deg
 from serpenoid import BadInput
 from serpenoid.calibration.kinds.video import FilmReading
+from serpenoid.commands.video import _gait_kept
 from serpenoid.prediction.filmed_joints import swapped_plugs
 from serpenoid.robot import Robot
 from serpenoid.robot.recording.run_gait import recorded_gait
@@ -281,6 +282,39 @@ def test_a_comparison_begins_with_swapped_plugs() -> None:
     (words,) = swapped_plugs(session)
     assert words.startswith("First: film 7 shows joints 2 and 3 as if their plugs were swapped")
     assert not swapped_plugs(sn.load_session(NIRAKH_2005))
+
+
+EVEN = [0.0, 80, 160, 240, 320]  # of joints at 40 deg and 8 rad/s
+
+
+@pytest.mark.parametrize(
+    ("alpha_deg", "beta_deg", "rate", "same"),
+    [
+        (40, 80, 8.0, True),
+        (60, 80, 8.0, True),  # servos lose amplitude
+        (30, 80, 8.0, False),
+        (90, 80, 8.0, False),
+        (40, 80, 8.3, False),
+        (40, 120, 8.0, False),
+    ],
+)
+def test_a_film_of_another_gait_than_was_stated_is_asked_about(
+    monkeypatch, capsys, alpha_deg, beta_deg, rate, same
+) -> None:
+    gait = sn.Gait(math.radians(alpha_deg), math.radians(beta_deg), rate)
+    film = SimpleNamespace(run=run_of(EVEN), gait=gait)
+    for at_terminal, answer in ((True, True), (True, False), (False, False)):
+        asked: list[str] = []
+        monkeypatch.setattr("sys.stdin", SimpleNamespace(isatty=lambda there=at_terminal: there))
+        monkeypatch.setattr(
+            "click.confirm", lambda text, said=asked, yes=answer, **how: said.append(text) or yes
+        )
+        assert _gait_kept(film, Path("s")) == (same or answer)
+        assert bool(asked) == (at_terminal and not same)
+    shown = capsys.readouterr().err
+    assert ("the film's file stays" in shown) != same
+    assert ("leave the gait's options out" in shown) != same
+    assert _gait_kept(SimpleNamespace(run=run_of(EVEN), gait=None), Path("s"))
 
 
 def test_a_centre_that_is_off_asks_for_a_trim() -> None:
