@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import subprocess
 import sys
+import time
 from types import SimpleNamespace
 
 import pytest
 from command_line import answer, serpenoid
 from robot.fake_board import FakeBoard, eeprom_after, greeting, nothing, resealed
+from robot.terminal import Person
 from serpenoid.robot import Robot
-from serpenoid.robot.tools import doctor, first_day
+from serpenoid.robot.tools import doctor
+from serpenoid.robot.tools.limp_test import FREE, RELEASED, limp_test
 from serpenoid.robot.wire import ports
 from serpenoid.robot.wire.virtual import VirtualLink
 
@@ -79,27 +81,29 @@ def test_listening_too_short_to_hear_a_frame_is_refused():
     assert "0.2<=x<=600" in said
 
 
-def test_a_report_moves_nothing_and_says_what_it_left_out(tmp_path):
-    file = tmp_path / "day.json"
-    status, _, errors = serpenoid(f"doctor --port virtual:fast --report {file}")
-    facts = json.loads(file.read_text())
-    assert (status, facts["frames"]["count"]) == (0, first_day.FRAMES)
-    assert facts["left_out"] in errors
-    assert (facts["status"]["state"], facts["settings"]["released"]) == ("idle", 0)
-    assert "slow_gait" not in facts
-
-
 @pytest.mark.parametrize(("turns", "code"), [(True, 1), (False, 2)])
-def test_the_limp_tests_answer_is_kept_on_the_board(monkeypatch, turns, code):
-    monkeypatch.setattr(first_day, "FRAMES", 50)
+def test_the_limp_tests_answer_is_kept_on_the_board(turns, code):
     link = VirtualLink(fast=True)
-    facts = first_day.measure(link, lambda text: turns or text == first_day.FREE)
-    assert "failure" not in facts
-    assert facts["released"] == first_day.RELEASED[code]
-    assert facts["slow_gait"]["clipped"] == 0
+    assert limp_test(link, lambda text: turns or text == FREE) == RELEASED[code]
+    assert link.board.state == "idle"
     link.board.boot("power")
     with Robot(link) as robot:
         assert (robot.hello.settings, robot.settings()["released"]) == ("ok", code)
+
+
+@pytest.mark.parametrize("free", ["y", "n"])
+def test_the_limp_test_asks_before_anything_moves(free):
+    with FakeBoard(pace=time.monotonic) as fake, Person(f"doctor --limp --port {fake.port}") as one:
+        one.sees("free space all around")
+        assert b" pose " not in fake.received
+        one.presses(f"{free}\r")
+        if free == "y":
+            one.answers("turn its horn by hand", "y\r")
+            one.sees("kept on the board: these servos go limp")
+        else:
+            one.sees("not tried")
+        assert one.leaves() == 0
+        assert (b" pose " in fake.received) == (free == "y")
 
 
 def test_the_robot_is_not_moved_by_a_doctor():

@@ -13,7 +13,7 @@ from ..wire import ports
 from ..wire.inbox import Losses
 from ..wire.protocol import PROTOCOL, Hello
 from ..wire.reports import Status
-from .first_day import RELEASED
+from .limp_test import RELEASED
 from .upload import find_platformio
 
 Mark = Literal["ok", "note", "fix"]
@@ -118,7 +118,7 @@ def _settings(hello: Hello, settings: dict[str, float]) -> Iterator[Finding]:
         yield Finding("silence", "note", "off: nothing stops the robot if the host dies", fix)
     released = settings["released"]
     mark: Mark = "ok" if released == 1.0 else "note"
-    fix = "" if released else "try it once, one servo unlinked: serpenoid doctor --move"
+    fix = "" if released else "try it once, one servo unlinked: serpenoid doctor --limp"
     yield Finding("without pulses", mark, RELEASED.get(released, f"code {released:g}"), fix)
     if hello.reset in RESETS:
         yield Finding("last reset", "fix", hello.reset, RESETS[hello.reset])

@@ -10,7 +10,7 @@ from ....model.errors import CommandRefused, RobotError
 from ....model.gait import Gait
 from ....robot.robot import RobotBoard
 from ....robot.robot_match import RobotMatch
-from ....robot.tools.first_day import RELEASED
+from ....robot.tools.limp_test import RELEASED
 from ....robot.wire.link import Link
 
 SILENCE_S = 2.0
