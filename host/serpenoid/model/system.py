@@ -22,9 +22,7 @@ if TYPE_CHECKING:
     from _typeshed import HasFileno
 
 WINDOWS = sys.platform == "win32"
-PROC = Path("/proc")
 USB = Path("/sys/bus/usb/devices")
-PSEUDO_TERMINALS = range(136, 144)  # Linux's device numbers
 FAR = 1 << 30  # a lock there hides nothing that is written in the file
 NAP_S = 0.01  # between two looks for a key of Windows
 KEYS_OF_WINDOWS = {"H": "\x1b[A", "P": "\x1b[B", "M": "\x1b[C", "K": "\x1b[D"}
@@ -218,42 +216,9 @@ def group_of(path: str) -> str | None:
     return None
 
 
-def holders(path: str) -> dict[int, str]:
-    """Return the programs that have a device open, process -> name, as far as Linux shows them."""
-    device = device_number(path)
-    return {pid: name for pid, name in programs().items() if device and device in _open(pid)}
-
-
-def programs() -> dict[int, str]:
-    """Return the programs that run here, process -> name, where Linux shows them."""
-    with suppress(OSError):
-        pids = sorted(int(pid) for pid in os.listdir(PROC) if pid.isdigit())
-        return {pid: _word(PROC / str(pid) / "comm") or "a program" for pid in pids}
-    return {}
-
-
-def is_pseudo_terminal(path: str) -> bool:
-    """Tell whether a program plays the device at this path, and may hold it open itself."""
-    return not WINDOWS and os.major(device_number(path)) in PSEUDO_TERMINALS
-
-
 def usb_vendors() -> set[str]:
     """Return the vendors of the USB devices that Linux shows, as hexadecimal numbers."""
     return {_word(vendor) for vendor in USB.glob("*/idVendor")}
-
-
-def device_number(path: str | Path) -> int:
-    """Return a device's number; 0 for what is no device or is gone."""
-    with suppress(OSError):
-        return getattr(os.stat(path), "st_rdev", 0)
-    return 0
-
-
-def _open(pid: int) -> list[int]:
-    folder = PROC / str(pid) / "fd"
-    with suppress(OSError):
-        return [device_number(folder / fd) for fd in os.listdir(folder)]
-    return []
 
 
 def _word(path: Path) -> str:

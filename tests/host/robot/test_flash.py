@@ -214,15 +214,6 @@ def test_a_cache_that_cannot_be_written(wheel, pio, monkeypatch):
     assert (status, "set XDG_CACHE_HOME" in errors) == (1, True)
 
 
-def test_a_port_in_use_is_not_flashed(pio, monkeypatch):
-    monkeypatch.setattr("serpenoid.model.system.is_pseudo_terminal", lambda _: False)
-    arguments = pio("exit 0")
-    with FakeBoard() as board, open(board.port, "rb"):
-        status, _, errors = serpenoid(f"flash --board uno --port {board.port}")
-    assert (status, "in use" in errors) == (1, True)
-    assert not arguments.exists()
-
-
 def test_the_boards_are_those_of_platformio_ini():
     ini = (ROOT / "platformio.ini").read_text()
     for board in flash.BOARDS:

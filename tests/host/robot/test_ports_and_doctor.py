@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import re
-import subprocess
-import sys
 import time
 from types import SimpleNamespace
 
@@ -43,13 +40,12 @@ def fix_of(name: str, port: str | None) -> str:
     return found[name].fix
 
 
-def test_ports_lists_ids_boards_and_users(plugged, tmp_path):
-    with FakeBoard() as board, open(board.port, "rb"):
+def test_ports_lists_ids_and_boards(plugged):
+    with FakeBoard() as board:
         plugged((board.port, 0x2341, 0x43), ("/dev/ttyS0", None, None))
         mine, other = answer("ports")["ports"]
         assert (mine["usb"], mine["chip"], mine["likely_board"]) == ("2341:0043", "Arduino", True)
-        assert mine["held_by"][0]["pid"] == os.getpid()
-        assert (other["usb"], other["likely_board"], other["held_by"]) == (None, False, [])
+        assert (other["usb"], other["likely_board"]) == (None, False)
         assert "likely a board (Arduino)" in serpenoid("ports")[1]
     plugged()
     assert serpenoid("ports") == (0, "", serpenoid("ports")[2])
@@ -128,36 +124,10 @@ def test_a_port_that_may_not_be_opened(monkeypatch):
         assert "greeting" not in marks(board.port)
 
 
-def test_a_port_in_use_names_who(monkeypatch):
-    monkeypatch.setattr(ports.system, "is_pseudo_terminal", lambda _: False)
-    hold = "import sys; f = open(sys.argv[1], 'rb'); print('up', flush=True); sys.stdin.read()"
-    with FakeBoard() as board:
-        other = subprocess.Popen(
-            [sys.executable, "-c", hold, board.port],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-        )
-        assert other.stdout is not None
-        other.stdout.readline()
-        assert f"process {other.pid}" in fix_of("other programs", board.port)
-        assert not board.received
-        other.communicate()
-
-
-def test_of_a_crowd_some_are_named():
-    crowd = {10**7 + i: "cat" for i in range(30)}
-    said = ports.why_held("/dev/ttyX", crowd)
-    assert "(process 10000002) and 27 more; close it" in said
-    assert "10000003" not in said
-
-
-def test_a_service_that_meddles_is_a_note(monkeypatch):
-    monkeypatch.setattr(ports, "running", lambda name: name == "ModemManager")
-    with FakeBoard() as board:
-        found = {f.name: f for f in doctor.examine(board.port, **FAST)}
-        assert found["ModemManager"].mark == "note"
-        assert "systemctl stop ModemManager" in found["ModemManager"].fix
-        assert "brltty" not in found
+def test_a_port_in_use():
+    with FakeBoard() as board, Robot(board.port):
+        assert "close serial monitors" in fix_of("other programs", board.port)
+        assert board.state == "idle"
 
 
 def test_a_silent_board():

@@ -20,7 +20,7 @@ PORT = option(
 @click.command()
 @AS_JSON
 def ports(as_json: bool) -> None:
-    """List the serial ports: which may be the robot, and who has them open."""
+    """List the serial ports: which may be the robot, and whether this user may open them."""
     from ...robot.wire.ports import port_states, why_no_port
 
     ports = port_states()
@@ -29,7 +29,6 @@ def ports(as_json: bool) -> None:
     for port in ports:
         about = [port["device"], port["usb"], port["chip"] and f"likely a board ({port['chip']})"]
         about += [port["description"]]
-        about += [f"open in {held['name']} ({held['pid']})" for held in port["held_by"]]
         about += [] if port["allowed"] else ["this user may not open it: try `serpenoid doctor`"]
         say("  ".join(part for part in about if part))
     if not any(port["chip"] for port in ports):

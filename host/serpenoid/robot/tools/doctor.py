@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Literal
 
-from ...model.errors import NoAnswer, ProtocolMismatch, RobotError
+from ...model.errors import NoAnswer, PortBusy, ProtocolMismatch, RobotError
 from ..robot import RobotBoard
 from ..wire import ports
 from ..wire.inbox import Losses
@@ -82,7 +82,7 @@ def _port(port: str | None, listen_s: float, timeout_s: float) -> Iterator[Findi
 
 
 def _access(port: str) -> Iterator[Finding]:
-    """Look whether the port is there, who may open it, and who has done so, up to what to fix."""
+    """Look whether the port is there, and who may open it, up to what to fix."""
     if not ports.is_there(port):
         here = f"serial ports here: {ports.port_names()}"
         yield Finding("port", "fix", f"there is no {port}", here)
@@ -90,12 +90,6 @@ def _access(port: str) -> Iterator[Finding]:
     if not ports.allowed(port):
         yield Finding("permission", "fix", "refused", ports.why_forbidden(port))
     yield Finding("permission", "ok", f"this user may open {port}")
-    if holders := ports.users(port):
-        yield Finding("other programs", "fix", "in use", ports.why_held(port, holders))
-    yield Finding("other programs", "ok", f"none has {port} open")
-    for name, cure in ports.MEDDLERS.items():
-        if ports.running(name):
-            yield Finding(name, "note", "runs here and may take the port", cure)
 
 
 def _board(port: str, listen_s: float, timeout_s: float) -> Iterator[Finding]:
@@ -105,6 +99,8 @@ def _board(port: str, listen_s: float, timeout_s: float) -> Iterator[Finding]:
             yield Finding("protocol", "ok", f"{PROTOCOL}, firmware {robot.hello.firmware}")
             yield from _settings(robot.hello, robot.settings())
             yield from _running(robot, listen_s)
+    except PortBusy as error:
+        yield Finding("other programs", "fix", "in use", str(error))
     except NoAnswer as error:
         yield Finding("greeting", "fix", "none", str(error))
     except ProtocolMismatch as error:

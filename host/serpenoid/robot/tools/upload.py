@@ -15,7 +15,7 @@ from ...model import system
 from ...model.errors import BadInput, FlashFailed
 from ..robot import RobotBoard
 from ..signals import SignalGuard
-from ..wire.ports import check_free, find_port, serial_ports
+from ..wire.ports import find_port, is_there, missing, serial_ports
 from ..wire.protocol import FEWEST_JOINTS, Hello
 
 # USB vendor and product ids of boards that say what they are; copies have their chip's ids.
@@ -92,7 +92,8 @@ def flash(
     port = port or find_port()
     board = board or board_at(port)
     check_joints(board, joints)
-    check_free(port)
+    if not is_there(port):
+        raise missing(port)
     command = [pio, "run", "-d", str(folder), "-e", board, "-t", "upload", "--upload-port", port]
     status, said = _run(command, show, build_flags(joints, output))
     if status:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from ...model import system
 from ...model.errors import PortBusy, PortMissing, RobotLost
-from .ports import find_port, missing, port_names, users, why_forbidden, why_held
+from .ports import find_port, missing, port_names, why_forbidden, why_held
 
 if TYPE_CHECKING:
     import serial
@@ -104,9 +104,6 @@ class SerialLink:
 def _open(port: str) -> serial.Serial:
     import serial
 
-    # Asked first because the opening itself would reset a robot that another program is driving.
-    if holders := users(port):
-        raise PortBusy(why_held(port, holders))
     try:
         opened = serial.Serial(port, BAUD, exclusive=True, write_timeout=WRITE_TIMEOUT_S)
     except OSError as error:
@@ -118,7 +115,7 @@ def _open(port: str) -> serial.Serial:
 def _refused(port: str, error: OSError) -> PortBusy | PortMissing:
     said = str(error) if system.WINDOWS else ""  # there pyserial keeps no number
     if error.errno in (errno.EBUSY, errno.EAGAIN, errno.EWOULDBLOCK) or "PermissionError" in said:
-        return PortBusy(why_held(port, system.holders(port)))
+        return PortBusy(why_held(port, error))
     if error.errno in (errno.EACCES, errno.EPERM):
         return PortBusy(why_forbidden(port))
     if error.errno in (errno.ENOENT, errno.ENODEV, errno.ENXIO) or "FileNotFoundError" in said:

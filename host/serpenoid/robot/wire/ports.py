@@ -1,4 +1,4 @@
-"""The serial ports of this computer: which may be the robot, who has them, and the cure."""
+"""The serial ports of this computer: which may be the robot, what bars them, and the cure."""
 
 from __future__ import annotations
 
@@ -7,25 +7,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...model import system
-from ...model.errors import PortBusy, PortMissing
+from ...model.errors import PortMissing
 
 if TYPE_CHECKING:
     from serial.tools.list_ports_common import ListPortInfo
 
 # USB vendors of these boards and of the serial chips on their copies.
 BOARD_VENDORS = {0x2341: "Arduino", 0x2A03: "Arduino", 0x1A86: "CH340", 0x0403: "FTDI"}
-MOST_NAMED = 3
 PRIVILEGED = ("root", "wheel", "admin", "sudo", "shadow", "disk")
 CH340 = "1a86"  # its USB vendor
 BRLTTY = (
     "brltty, the driver for Braille displays, takes boards with a CH340 for one of them: "
     "remove it with `sudo apt remove brltty` unless you need it, then plug the board in again"
 )
-MEDDLERS = {  # programs that take ports, and the cure
-    "brltty": BRLTTY,
-    "ModemManager": "ModemManager asks every new port whether it is a modem: wait half a minute, "
-    "or end it with `sudo systemctl stop ModemManager`",
-}
 
 
 def serial_ports() -> list[ListPortInfo]:
@@ -70,7 +64,7 @@ def missing(port: str) -> PortMissing:
 
 
 def port_states() -> list[dict[str, Any]]:
-    """List the serial ports, by name: whether this user may open each, and who has it open."""
+    """List the serial ports, by name: what each is, and whether this user may open it."""
     return [
         {
             "device": port.device,
@@ -79,9 +73,6 @@ def port_states() -> list[dict[str, Any]]:
             "likely_board": board_chip(port) is not None,
             "chip": board_chip(port),
             "allowed": allowed(port.device),
-            "held_by": [
-                {"pid": pid, "name": name} for pid, name in system.holders(port.device).items()
-            ],
         }
         for port in serial_ports()
     ]
@@ -92,40 +83,13 @@ def allowed(device: str) -> bool:
     return system.WINDOWS or os.access(device, os.R_OK | os.W_OK)
 
 
-def check_free(device: str) -> None:
-    """Raise PortMissing if there is no such port, PortBusy, naming who, if it is used."""
-    if not is_there(device):
-        raise missing(device)
-    if holders := users(device):
-        raise PortBusy(why_held(device, holders))
-
-
-def users(port: str) -> dict[int, str]:
-    """Return process -> name of who has a port open, but not of those that play a board at it.
-
-    Of other users' programs only root sees that.
-    """
-    return {} if system.is_pseudo_terminal(port) else system.holders(port)
-
-
-def running(name: str) -> bool:
-    """Tell whether a program of that name runs here."""
-    return name in system.programs().values()
-
-
-def why_held(port: str, holders: dict[int, str]) -> str:
-    """Say who has the port, process -> name, and how to get it back."""
-    if not holders:
-        suspects = [cure for name, cure in MEDDLERS.items() if running(name)]
-        advice = suspects[0] if suspects else "close serial monitors, plotters and other scripts"
-        return f"{port} is taken by a program that this user may not see; {advice}"
-    named = [f"{name} (process {pid})" for pid, name in holders.items()]
-    who = ", ".join(named[:MOST_NAMED])
-    who += f" and {len(holders) - MOST_NAMED} more" if len(holders) > MOST_NAMED else ""
-    cures = [MEDDLERS[name] for name in holders.values() if name in MEDDLERS]
-    if next(iter(holders)) == os.getpid():
-        cures = ["this very program has it open: leave its other `with Robot` first"]
-    return f"{port} is in use by {who}; {cures[0] if cures else 'close it there first'}"
+def why_held(port: str, error: object) -> str:
+    """Say that another program has the port, as the system told, and how to get it back."""
+    return (
+        f"{port} is in use by another program ({error}): close serial monitors, plotters and other "
+        "scripts; ModemManager asks every new port for half a minute whether it is a modem: wait, "
+        "or end it with `sudo systemctl stop ModemManager`"
+    )
 
 
 def why_forbidden(port: str) -> str:
@@ -145,11 +109,7 @@ def why_forbidden(port: str) -> str:
 
 def why_no_port() -> str:
     """Say why a board that is plugged in may have no port."""
-    if running("brltty"):
-        return BRLTTY.replace("b", "B", 1)
     if CH340 in system.usb_vendors():
-        return (
-            "A CH340 is plugged in but has no port: its driver ch341 is missing, or brltty took it"
-        )
+        return f"A CH340 is plugged in but has no port: its driver ch341 is missing, or {BRLTTY}"
     driver = "; a copy with a CH340 needs its maker's driver" if system.WINDOWS else ""
     return f"Plug the board in (with a cable that carries data), or name its port{driver}"
