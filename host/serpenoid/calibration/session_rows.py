@@ -2,7 +2,8 @@
 
 A line that has no end was cut short while it was written (a kill, a power cut) and does not
 count; the writer later closes it with the mark TORN. Lines are never changed: a reading is voided,
-restored or amended by an event, and redone by a later reading that says which one it replaces.
+or used again (`restore`, of older versions) by an event, and a later reading may say which one it
+replaces.
 """
 
 from __future__ import annotations

@@ -280,6 +280,6 @@ def _record(measured: FilmMeasurement, session: Path, name: str, way: str | None
     if level:
         say(
             "it counts as on level ground; if it went along the line of the pushes: serpenoid "
-            f"calibrate redo {session} {number} way=there (or back)",
+            f"calibrate void {session} {number}, then this again with --way there (or back)",
             err=True,
         )

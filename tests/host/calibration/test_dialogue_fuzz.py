@@ -16,13 +16,9 @@ from serpenoid.calibration.taking.person.dialogue import Dialogue
 
 WORDS = (
     "undo",
-    "redo",
-    "redo 2",
-    "redo 99",
     "void 1",
     "void 3 slipped, badly",
     "void",
-    "restore 1",
     "skip",
     "pause",
     "note",
@@ -36,9 +32,9 @@ WORDS = (
     "quit",
     "QUIT",
     "u",
-    "redo -1",
+    "void -1",
     "void 1e3",
-    "restore ²",
+    "void ²",
 )
 NONSENSE = (
     "",

@@ -198,7 +198,7 @@ def test_instruments_stated_before_the_first_reading_hold_for_all(folder):
     assert math.degrees(load_session(folder).zero.sigma_rad) == pytest.approx(0.4)
 
 
-def test_void_restore_and_redo(folder):
+def test_void_and_what_older_versions_restored_and_redid(folder):
     append(folder, reading(1), reading(2), reading(3), reading(4, replaces=2, belt_speed_m_s=0.5))
     append(
         folder,

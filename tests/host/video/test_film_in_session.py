@@ -57,13 +57,6 @@ def test_a_film_is_kept_with_its_joints_hash_and_track(folder) -> None:
     assert film.track.columns[3:] == ("heading_rad", "joint1_rad", "joint2_rad")
 
 
-def test_a_film_is_redone_with_its_way_and_keeps_its_track(folder) -> None:
-    serpenoid(f"calibrate redo {folder} 1 way=there", check=True)
-    old, new = read_session(folder).of("video")
-    assert (old.voided, old.way, new.way) == (True, "level", "there")
-    assert new.track.sha256 == old.track.sha256
-
-
 def test_a_film_without_its_track_is_refused_before_a_line_is_written(folder) -> None:
     typed = [f"{name}={value}" for name, value in CELLS.items()]
     done = serpenoid(f"calibrate add {folder} video", *typed)

@@ -56,7 +56,7 @@ READING_COLUMNS = (
     "comment",
 )
 TRACK_WORDS = ("track", "track_sha256")  # of a kind with a track, in the column `more`
-DOUBTFUL = "doubtful"  # of a reading that is void from its first line on, until it is restored
+DOUBTFUL = "doubtful"  # of a reading that is void from its first line on
 LISTED = "listed"  # of a reading that came from a list: a hash of the list up to it
 Row = Mapping[str, str]
 

@@ -112,13 +112,6 @@ class Journal:
         self._append("readings.csv", READING_COLUMNS, [row])
         return number
 
-    def redo(self, number: int, cells: Cells, comment: str = "") -> int:
-        """Write a reading in place of another, whose track it keeps; return its number."""
-        old = next(r for r in self.session.numbered if r.number == number)
-        track = getattr(old, "track", None)
-        samples = None if track is None else track.values
-        return self.add(old.kind, cells, replaces=number, comment=comment, samples=samples)
-
     def add_once(self, listed: Sequence[Listed]) -> int:
         """Write those of a list that are not there yet, all at once; return how many.
 
@@ -160,12 +153,10 @@ class Journal:
             raise BadInput(told)
 
     def event(self, event: str, reading: int = 0, detail: str = "") -> None:
-        """Write one event; void, restore and undo need a reading that is there."""
+        """Write one event; void and undo need a reading that is there."""
         if event in ON_READINGS and reading not in self.rows:
             known = f"1 to {self.last}" if self.rows else "none yet"
             raise BadInput(f"there is no reading {reading}; there are {known}")
-        if event == "restore":
-            detail = f"after reading {self.last}"
         if event == "amend":
             setup = amended(self.session.setup, detail, self.folder)
             void = {reading.number for reading in self.session.numbered if reading.voided}

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...model.errors import BadInput
-from ..kinds.declaration import DERIVED, Field, Range, Word
-from ..kinds.rows import KINDS, cells_of, kind_of
+from ..kinds.declaration import Field, Range, Word
+from ..kinds.rows import KINDS, kind_of
 from ..session import Setup
 from ..settings import quoted
 
@@ -122,13 +122,8 @@ def _checked(value: float, field: Field) -> float:
     return value
 
 
-def read_cells(
-    kind: str, cells: Iterable[str], setup: Setup, old: Mapping[str, str] | None = None
-) -> dict[str, Any]:
-    """Return the values of one reading from NAME=VALUE pairs, derived ones too; raises BadInput.
-
-    old: the row that is redone; what is not named stays as it was.
-    """
+def read_cells(kind: str, cells: Iterable[str], setup: Setup) -> dict[str, Any]:
+    """Return the values of one reading from NAME=VALUE pairs, derived ones too; raises BadInput."""
     columns = [field.column for field in kind_of(kind).fields]
     pairs: list[tuple[str, str]] = []
     for cell in cells:
@@ -141,7 +136,7 @@ def read_cells(
     words = {f.column: f.read for f in kind_of(kind).fields if isinstance(f, Word)}
     typed = typed_cells(kind, pairs)
     typed |= {column: read(typed[column]) for column, read in words.items() if column in typed}
-    return completed(kind, typed, setup) if old is None else redone(kind, old, typed, setup)
+    return completed(kind, typed, setup)
 
 
 def typed_cells(kind: str, typed: Iterable[tuple[str, Any]]) -> dict[str, Any]:
@@ -179,19 +174,6 @@ def completed(kind: str, cells: Mapping[str, Any], setup: Setup) -> dict[str, An
         if field.usual is not None and not field.optional  # what was not said is not known
     }
     return kind_of(kind).derived(usual | dict(cells), setup.stopwatch)
-
-
-def redone(
-    kind: str, old: Mapping[str, str], anew: Mapping[str, Any], setup: Setup
-) -> dict[str, Any]:
-    """Return a row's values with those read anew; what follows from them follows again."""
-    declared, there = kind_of(kind), cells_of(old)
-    derived = {c for c, f in declared.numbers().items() if f.source == DERIVED}
-    if "drift_m_s" in anew and "places" not in anew:
-        there.pop("places", None)  # a drift that was typed anew: of these places no more
-    stale = derived if anew and not derived & anew.keys() else set()
-    kept = {column: value for column, value in there.items() if column not in stale}
-    return {**there, **declared.derived({**kept, **anew}, setup.stopwatch)}
 
 
 def amendment(change: str) -> str:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ...model.errors import BadInput
 from ...show.screen import say
 from ..declare import PathType, Range, flag, option, refuse_typed
 from ..group import Commands
@@ -164,31 +163,12 @@ def add(
 @FOLDER
 @click.argument("number", type=int)
 @option("--reason", "Why it is not to be used.", default="")
-@flag("--restore", "Use it again.")
-def void(folder: Path, number: int, reason: str, restore: bool) -> None:
+def void(folder: Path, number: int, reason: str) -> None:
     """Mark a reading as not to be used; its line stays."""
 
     with _journal(folder) as journal:
-        journal.event("restore" if restore else "void", number, reason)
-    say(f"reading {number} is {'used again' if restore else 'void'}")
-
-
-@calibrate.command()
-@FOLDER
-@click.argument("number", type=int)
-@click.argument("cells", nargs=-1, required=True, metavar="NAME=VALUE...")
-@option("--comment", "What was odd.", default="")
-def redo(folder: Path, number: int, cells: tuple[str, ...], comment: str) -> None:
-    """Take a reading anew: the old one is void, what is not named stays as it was."""
-    from ...calibration.taking.parse_number import read_cells
-
-    with _journal(folder) as journal:
-        if number not in journal.rows:
-            raise BadInput(f"there is no reading {number}; see `serpenoid calibrate status`")
-        old = journal.rows[number]
-        values = read_cells(old["kind"], cells, journal.session.setup, old)
-        new_number = journal.redo(number, values, comment)
-    say(f"reading {new_number} is kept; reading {number} is not")
+        journal.event("void", number, reason)
+    say(f"reading {number} is void")
 
 
 @calibrate.command()

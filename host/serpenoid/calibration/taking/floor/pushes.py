@@ -33,7 +33,7 @@ class Kept:
         )
         if not look.doubts:
             return words
-        return f"{words}; VOID: {'; '.join(look.doubts)} (`restore {self.number}` uses it)"
+        return f"{words}; VOID: {'; '.join(look.doubts)}"
 
 
 def keep_pushes(

@@ -1,6 +1,6 @@
 """The person at the treadmill: each step said, each number asked for, each mistake mendable.
 
-At every prompt there are words for undoing, redoing, skipping, pausing and leaving. Nothing goes
+At every prompt there are words for undoing, skipping, pausing and leaving. Nothing goes
 on by itself; when nobody answers, the robot's servos are let go and that is said.
 """
 
@@ -78,7 +78,7 @@ class Dialogue(Prompt):
         return True
 
     def _go_on(self) -> None:
-        self.say("At every prompt: undo, redo, skip, pause, quit, help.")
+        self.say("At every prompt: undo, skip, pause, quit, help.")
         if self._robot is not None:
             self.say("Esc or space stops the robot; Ctrl-C stops it and leaves, nothing is lost.")
         try:

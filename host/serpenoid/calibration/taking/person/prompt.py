@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 from ....model.errors import BadInput, RecordingFailed
-from ...kinds.declaration import READ, Field, Range, Values, Word
-from ...kinds.rows import cells_of, kind_of
+from ...kinds.declaration import Field, Range
 from ..journal import Journal
-from ..parse_number import parse_number, redone
+from ..parse_number import parse_number
 from ..procedure import ZERO_BEFORE, progress, step_in_words
 from ..steps import Step
 from ..treadmill import Posture
@@ -17,8 +15,7 @@ from .session_robot import SessionRobot
 from .terminal import Terminal
 
 HELP = """\
-  undo            void the last reading         redo [N]   take the last reading, or number N, anew
-  void N [why]    reading N is not to be used   restore N  use it again
+  undo            void the last reading         void N [why]    reading N is not to be used
   skip            leave this step out           note TEXT  keep a remark
   status          what was read so far          pause      pulses off, until Enter
   quit            leave; go on any time         help       this"""
@@ -226,41 +223,6 @@ class Prompt:
         self.journal.event("void", self._numbered(text), why)
         self.say(f"  reading {text} is void")
         raise Again
-
-    def _do_restore(self, rest: str) -> None:
-        self.journal.event("restore", self._numbered(rest))
-        self.say(f"  reading {rest} is used again")
-        raise Again
-
-    def _do_redo(self, rest: str) -> None:
-        number = self._numbered(rest) if rest else self._last_kept()
-        row = self.journal.rows[number]
-        self.say(f"  reading {number} anew; Enter keeps a value as it was")
-        values = redone(row["kind"], row, self._anew(row), self.journal.session.setup)
-        new = self.journal.redo(number, values)
-        self.say(f"  reading {new} is kept in place of {number}")
-        raise Again
-
-    def _anew(self, row: Mapping[str, str]) -> Values:
-        """Ask for a row's numbers again; what the plan or the protractor told stays."""
-        values: Values = {}
-        there = cells_of(row)
-        for field in kind_of(row["kind"]).fields:
-            old = there.get(field.column)
-            if field.source != READ or not old:
-                continue
-            is_word = isinstance(field, Word)
-            shown = (
-                f"{field.column} ({old})"
-                if is_word
-                else f"{field.words} ({float(old):.4g} {field.unit})"
-            )
-            text = self.ask(f"  {shown}: ", enter=True)
-            if text:
-                values[field.column] = (
-                    field.read(text) if is_word else self.number(field, typed=text)
-                )
-        return values
 
     def _numbered(self, text: str) -> int:
         if not text.isdecimal() or int(text) not in self.journal.rows:
