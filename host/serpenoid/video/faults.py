@@ -67,10 +67,16 @@ def tag_faults(w: Watched) -> Iterator[Remark]:
             "away; where a number is seen twice, neither counts",
             max(w.doubles.values()) > most,
         )
-    if not w.sightings.seen.any():
-        raise BadInput(_why_no_tag(w))
-    if w.strangers:
-        yield remark("strangers", _strangers(w), max(w.strangers.values()) > most)
+    strangers: list[int] = []
+    for number, times in sorted(w.strangers.items()):
+        # The window follows the robot's own tags: of those beyond, the next one counts, if rare.
+        if not w.rare(times) or number - 1 in strangers:
+            strangers.append(number)
+    if w.only_strays:
+        raise BadInput(_why_no_tag(w, strangers))
+    if strangers:
+        often = max(w.strangers.values()) > most
+        yield remark("strangers", _strangers(w, strangers), often)
     paired = int((w.sightings.seen.sum(axis=1) >= 2).sum())
     if paired < LEAST_FRAMES:
         raise BadInput(
@@ -79,9 +85,14 @@ def tag_faults(w: Watched) -> Iterator[Remark]:
         )
 
 
-def _why_no_tag(watched: Watched) -> str:
-    if watched.strangers:
-        return _strangers(watched)
+def _why_no_tag(watched: Watched, strangers: list[int]) -> str:
+    if watched.family and not watched.mirrored:
+        return (
+            f"these are {watched.family}; print ours with `serpenoid video tags`, and glue them on "
+            "instead"
+        )
+    if strangers:
+        return _strangers(watched, strangers)
     if watched.mirrored:
         return (
             "the picture is mirrored, as selfie cameras do; use the camera at the back, or "
@@ -93,10 +104,10 @@ def _why_no_tag(watched: Watched) -> str:
     )
 
 
-def _strangers(w: Watched) -> str:
+def _strangers(w: Watched, strangers: list[int]) -> str:
     return (
-        f"shows tags {_numbers(sorted(w.strangers))}, but the robot has {w.sightings.links} links: "
-        f"another robot? If it is this one, give --links {max(w.strangers) + 1}"
+        f"shows tags {_numbers(strangers)}, but the robot has {w.sightings.links} links: "
+        f"another robot? If it is this one, give --links {max(strangers) + 1}"
     )
 
 

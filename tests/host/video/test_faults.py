@@ -122,6 +122,43 @@ def test_what_cannot_be_measured_is_refused(frames, told, spoil, words, how) -> 
         told(spoil(frames), **how)
 
 
+def grey_with(dictionary: str, numbers: list[int]) -> np.ndarray:
+    """Return a grey picture with some tags of a dictionary in it."""
+    family = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, dictionary))
+    picture = np.full((540, 960), 200, np.uint8)
+    for k, number in enumerate(numbers):
+        tag = cv2.aruco.generateImageMarker(family, number, 60)
+        picture[240:300, 100 + 120 * k : 160 + 120 * k] = tag
+    return picture
+
+
+@pytest.mark.parametrize(
+    ("dictionary", "name"),
+    [
+        ("DICT_APRILTAG_36H11", "AprilTags 36h11"),
+        ("DICT_APRILTAG_25H9", "AprilTags 25h9"),
+        ("DICT_5X5_100", "ArUco tags 5x5"),
+        ("DICT_6X6_250", "ArUco tags 6x6"),
+        ("DICT_7X7_50", "ArUco tags 7x7"),
+        ("DICT_ARUCO_ORIGINAL", "original ArUco tags"),
+    ],
+)
+def test_tags_of_another_family_are_named(told, dictionary, name) -> None:
+    with refused(f"these are {name}; print ours"):
+        told([grey_with(dictionary, [0, 1, 2, 3, 4, 5])] * 16)
+
+
+@pytest.mark.parametrize("number", [3, 42])
+def test_one_stray_hit_in_fifty_frames_starts_no_advice(told, number) -> None:
+    frames = [grey_with("DICT_4X4_50", [])] * 50
+    frames[20] = grey_with("DICT_4X4_50", [number])
+    with refused("no tag is seen in 50 frames; print them"):
+        told(frames)
+    frames[20:24] = [grey_with("DICT_4X4_50", [number])] * 4
+    with refused("tags 43, but the robot has 6 links" if number > 5 else "only 0 of 50 frames"):
+        told(frames)
+
+
 def test_links_that_tags_contradict_widen_the_sigma_of_lengths_and_speed(frames, told) -> None:
     run, remarks = told(frames[::3], TIMES[::3], link_m=1.04 * LINK_M, side_m=SIDE_M)
     assert "σ of all lengths and speeds" in remarks["scale"]

@@ -10,11 +10,12 @@ import numpy as np
 from ...model.errors import BadInput
 from ..arrays import Grey, Single
 from .background import Background
-from .detect import TagFinder
+from .detect import TagFinder, other_family
 from .film import Damage, Film
 from .sightings import Sightings
 
 MOST_FRAMES = 500_000  # more than two hours at 60 frames/s
+STRAY_SHARE = 0.04  # of frames: 1 in 50 that looks like a tag is a pattern of the floor
 COARSE_SHARE = 0.2  # corners to a whole pixel are left out where no more are so
 
 
@@ -27,7 +28,8 @@ class Watched:
     270; strangers: tags of numbers that are on no link, with the number of frames; doubles: tags
     that are seen at two places at once, and left out there, in the same way; shifts: of the
     floor, (time, x px, y px, sigma px); plain_floor: too little on it can be followed; picture:
-    the first frame with a tag, grey; mirrored: tags are seen in a mirror only.
+    the first frame with a tag, grey; mirrored: tags are seen in a mirror only; family: the name of
+    another family of tags that is seen where ours are not.
     """
 
     film: Film
@@ -41,6 +43,16 @@ class Watched:
     picture: Grey
     mirrored: bool
     rotation_deg: int = 0
+    family: str = ""
+
+    @property
+    def only_strays(self) -> bool:
+        """Tell whether what looks like a tag is so rare that it is none."""
+        return self.rare(int(self.sightings.seen.any(axis=1).sum()))
+
+    def rare(self, frames: int) -> bool:
+        """Tell whether a number that was read in so many frames is a misreading."""
+        return frames <= max(1, STRAY_SHARE * len(self.sightings.t_s))
 
 
 def watch(
@@ -56,7 +68,7 @@ def watch(
     damage = Damage()
     ground: Background | None = None
     picture: Grey | None = None
-    mirrored = rotation_deg = 0
+    mirrored, rotation_deg, family = 0, 0, ""
     for time_s, grey, frame in film.frames(damage, threads):
         if picture is None:
             picture, rotation_deg = grey.copy(), round(frame.rotation / 90) * 90 % 360
@@ -72,8 +84,9 @@ def watch(
             ground.look(time_s, grey)
         elif tags and finder.window:
             picture, ground = grey.copy(), Background(finder.window, time_s, grey)
-        elif len(looks) % 15 == 1:
+        if not tags and len(looks) % 15 == 1:
             mirrored += bool(TagFinder(links).find(np.ascontiguousarray(grey[:, ::-1])))
+            family = family or other_family(grey)
         progress(time_s)
         if len(looks) >= MOST_FRAMES:
             raise BadInput(
@@ -103,6 +116,7 @@ def watch(
         picture,
         mirrored > 0,
         rotation_deg,
+        family,
     )
 
 
