@@ -81,12 +81,26 @@ def capture_rate(t_s: Any, taken_hz: float, source: str) -> CaptureRate:
     return CaptureRate(taken_hz, file_hz, source)
 
 
+def slow_motion_doubt(t_s: Any) -> str:
+    """Return what to ask where times (K,), s, are sparser than pictures of a film; else ""."""
+    rate_hz = _rate_hz(t_s)
+    if rate_hz >= SLOWEST_PLAYED_HZ:
+        return ""
+    return (
+        f"{rate_hz:.3g} places a second, and films have 24 or more. If it was made of a film in "
+        f"slow motion, give the camera's pictures a second: `serpenoid calibrate push`, {OPTION}"
+    )
+
+
+def _rate_hz(t_s: Any) -> float:
+    gaps = np.diff(np.sort(np.asarray(t_s, dtype=float)))
+    gaps = gaps[gaps > 0.0]
+    return 1.0 / float(np.median(gaps)) if len(gaps) else USUAL_HZ
+
+
 def played_hz(t_s: Any) -> float:
     """Return how many pictures a second a player is told to show, from their times (K,), s."""
-    gaps = np.diff(np.sort(np.asarray(t_s, dtype=float)))
-    if not (gaps > 0.0).any():
-        return USUAL_HZ
-    rate_hz = 1.0 / float(np.median(gaps[gaps > 0.0]))
+    rate_hz = _rate_hz(t_s)
     nearest = float(PLAYED_HZ[np.argmin(np.abs(PLAYED_HZ - rate_hz))])
     if abs(rate_hz / nearest - 1.0) < NEAR:
         return nearest

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ....base.tables import NO_TEXT, columns_named, is_missing, read_table
-from ....model.capture_rate import OPTION, capture_rate
+from ....model.capture_rate import OPTION, capture_rate, slow_motion_doubt
 from ....model.checks import sha256_of
 from ....model.errors import BadInput
 from ....model.gait import Gait
@@ -80,6 +80,8 @@ def take_track(
             rate = capture_rate(track[:, 0], capture_fps, OPTION)
             track = track * [rate.time_scale, 1.0, 1.0]
             tell(f"{path.name}: {rate.in_words()}")
+        elif words := slow_motion_doubt(track[:, 0]):
+            tell(f"{path.name}: {words}")
     else:
         sha256 = sha256_of(path)
         filmed = film(path, journal.session.setup.robot, None)
