@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..calibration.crawls.data import CrawlData, crawls_by_command, mean_speed, same_command
-from ..calibration.crawls.level import floor_slope, is_sloped, on_level
+from ..calibration.crawls.level import Slope, floor_slope, is_sloped, on_level
 from ..calibration.friction_fit import fit_friction
 from ..calibration.friction_result import FrictionFit
 from ..calibration.kinds.gait import GaitRun
@@ -33,7 +33,7 @@ NOT_MEASURED = "No gait was run yet: these are predictions. Run one, and compare
 NO_GAIT = "no gait run and no gait planned; give one, or take a run with `serpenoid calibrate`"
 _LEVEL = (
     "Crawls there and back are shown as they would be on level ground: the floor falls by "
-    "{:.2f} ± {:.2f} deg towards there, and by {:.2f} ± {:.2f} deg to the left of it."
+    "{} towards {}, and by {} to the {} of the way there."
 )
 _CURVE_POINTS, _SPRINGS_EVERY = 49, 6  # chords between them are 0.1 % off; springs take longer
 
@@ -266,7 +266,18 @@ def _levelled(session: Session, fit: FrictionFit) -> tuple[Session, str]:
         return session, ""
     slope = floor_slope(session, fit.nuisances)
     level = on_level(session, fit.robot, fit.ground, slope)
-    return level, _LEVEL.format(*(math.degrees(angle) for part in slope for angle in part))
+    return level, level_words(slope)
+
+
+def level_words(slope: Slope) -> str:
+    """Return that crawls are shown as on level ground, and by what the floor falls, and where."""
+    along, across = slope
+    sizes = [
+        f"{math.degrees(abs(angle.value)):.2f} ± {math.degrees(angle.sigma):.2f} deg"
+        for angle in slope
+    ]
+    ends = "there" if along.value >= 0 else "back", "left" if across.value >= 0 else "right"
+    return _LEVEL.format(sizes[0], ends[0], sizes[1], ends[1])
 
 
 def _judged(

@@ -31,6 +31,7 @@ from serpenoid.calibration.taking.new_session import create_session, default_set
 from serpenoid.calibration.taking.procedure import next_step, progress
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
+from serpenoid.prediction.comparison import level_words
 from serpenoid.prediction.speed_samples import likeliest_speed, sample_speeds
 from simulated_sessions import MemoryRecord
 
@@ -204,6 +205,15 @@ def test_crawls_on_a_floor_that_tilts_across_are_put_right() -> None:
     for run in on_level(session, body, ground, slope).gait_runs:
         assert run.speed_m_s == pytest.approx(level, abs=2 * run.speed_sigma_m_s)
         assert run.speed_m_s == pytest.approx(level, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("sign", "ends"), [(1, ("there", "left")), (-1, ("back", "right"))], ids=["plus", "minus"]
+)
+def test_a_floor_falls_by_no_negative_angle(sign, ends) -> None:
+    words = level_words((Estimate(sign * 0.0038, 0.0005), Estimate(sign * 0.001, 0.0005)))
+    along, across = f"falls by 0.22 ± 0.03 deg towards {ends[0]}", "by 0.06 ± 0.03 deg to the "
+    assert f"{along}, and {across}{ends[1]}" in words
 
 
 def test_compare_holds_crawls_on_a_slope_to_the_prediction_for_level_ground(sloped) -> None:
