@@ -47,7 +47,7 @@ class Margins(Result):
     >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=4.0)
     >>> margins = sn.gait_margins(robot, ground, gait)
     >>> round(margins.amplitude, 2), round(margins.amplitude_loss, 2)
-    (0.15, 0.04)
+    (0.11, 0.08)
     """
 
     amplitude: float

@@ -53,7 +53,7 @@ class Gait:
     --------
     >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=4.0)
     >>> round(gait.period_s, 4)
-    1.2566
+    1.5708
     """
 
     alpha_rad: float

@@ -179,7 +179,25 @@ class Steady(Result):
         return math.isfinite(self.settling_time_s)
 
     def power_doubt_text(self, rtol: float = 1e-6) -> str:
-        """Return which power is not known to the accuracy asked for, and to how much; or ""."""
+        """Return which power is not as well known as was asked for, or "".
+
+        Parameters
+        ----------
+        rtol
+            The relative accuracy asked for.
+
+        Returns
+        -------
+        str
+            A sentence with the power in W and its error in %.
+
+        Examples
+        --------
+        >>> robot = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
+        >>> ground = sn.Ground(ct=0.1, cn=10.0)
+        >>> sn.steady_gait(robot, ground, sn.Gait(0.5, 1.4, 5.0)).power_doubt_text()
+        ''
+        """
         share = self.positive_power_error_w / max(self.positive_power_w, 1e-300)
         if share <= max(10 * rtol, POWER_DOUBT):
             return ""
