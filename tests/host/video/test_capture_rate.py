@@ -94,7 +94,6 @@ def test_the_film_is_the_first_stream_that_moves(tmp_path, true_m_s) -> None:
         (240, 240, 1),  # stored in real time, for a player to slow down
         (15, 120, 1 / 4),  # each second picture of 30 was left out
         (18, 30, 1),  # dim light
-        (24, 30, 1),
         (25, 120, 25 / 120),
         (60, 960, 1 / 16),
     ],
