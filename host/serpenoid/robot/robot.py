@@ -318,13 +318,16 @@ class RobotBoard:
             link.close()
             raise
         record = self._recorder.line if self._recorder else None
-        self._talk = Dialogue(link, record, self._unattended_s)
+        self._talk = Dialogue(link, record, self._unattended_s, self._heard)
         self._talk.start()
         greet(self._talk, self._timeout_s)
         try:
             self.settings()
         except (DamagedLine, CommandRefused):  # missed frames are counted by the default then
             self._talk.inbox.expect(1)
+
+    def _heard(self, line: bytes) -> None:
+        """Take each line of the board, in the reader's thread; whoever shows them overrides it."""
 
     def _leave(self, error: BaseException | None) -> None:
         self._signals.held = True

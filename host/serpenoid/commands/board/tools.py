@@ -146,7 +146,7 @@ def trim(port: str | None, as_json: bool) -> None:
 @PORT
 @flag("--all", "everything", "Every telemetry line, not one a second.")
 def monitor(port: str | None, everything: bool) -> None:
-    """Talk to the board: each line is checked, `!` stops the robot at once, Ctrl-C leaves.
+    """Talk to the board: each line is checked, `!` and Enter stop the robot, Ctrl-C leaves.
 
     Lines from a pipe are sent one by one: `echo status | serpenoid monitor`.
     """
