@@ -11,23 +11,16 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from ..base.errors import BadInput, SerpenoidError
-from ..base.files import MOST_BYTES, read_text
+from ..base.files import read_text
 
-MOST_VALUES = 2_000_000  # numbers, texts, lists and objects of a JSON file: some 150 MB in memory
-# What a terminal obeys is written out, but for line ends and tabs: control characters as \x1b,
-# marks of writing direction as \u202e.
+# Control characters, which a terminal obeys, are written out as \x1b, but for line ends and tabs.
 _CONTROL = (*range(32), *range(127, 160))
-_DIRECTION = (0x61C, 0x200E, 0x200F, *range(0x202A, 0x202F), *range(0x2066, 0x206A))
 _WRITTEN = {k: f"\\x{k:02x}" for k in _CONTROL if chr(k) not in "\n\t"}
-_WRITTEN |= {k: f"\\u{k:04x}" for k in _DIRECTION}
 
 
-def read_json(path: Path, most_bytes: int = 4 * MOST_BYTES) -> Any:
+def read_json(path: Path) -> Any:
     """Return what a JSON file holds; raises BadInput. NaN and Infinity are no JSON."""
-    text = read_text(path, most_bytes)
-    values = sum(map(text.count, ",[{"))
-    if values > MOST_VALUES:
-        raise BadInput(f"{path}: some {values} values; the most is {MOST_VALUES}")
+    text = read_text(path)
     try:
         return json.loads(text, parse_constant=_refuse_constant)
     except RecursionError:

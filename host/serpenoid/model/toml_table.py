@@ -23,9 +23,6 @@ else:
 _UNIT = re.compile(r"_(deg|rad|percent|pct|m_s|mm_s|cm_s|km_h|kmh|kph|mph|ft_s|kg|g|m|mm|cm|utc)$")
 
 MOST_TOML_BYTES = 1_000_000  # the parser reads some 2 MB a second
-MOST_PARTS = 16
-_POINT = re.compile(r"\d\.\d")  # of a number
-_DEEP = re.compile(rf"([\w\"'-]+\s*\.\s*){{{MOST_PARTS}}}")
 
 
 @dataclass(frozen=True)
@@ -41,7 +38,6 @@ class Table:
     def load(cls, path: Path) -> Table:
         """Read a whole file as its top table; raises BadInput."""
         text = read_text(path, MOST_TOML_BYTES)
-        _check_depth(path, text)
         try:
             return cls.parsed(text, path)
         except (ValueError, RecursionError) as error:  # ValueError: a number of 5000 digits, too
@@ -121,19 +117,6 @@ class Table:
             if not isinstance(values, list) or not values:
                 raise BadInput(f"{name} is {values!r}; it must be a list of numbers")
             return tuple(check_number(name, value, *limits) for value in values)
-
-
-def _check_depth(path: Path, text: str) -> None:
-    """Raise BadInput for a key of many parts: to parse it takes time and memory as its square."""
-    for number, line in enumerate(text.split("\n"), 1):
-        dots = line.count(".")
-        if dots > MOST_PARTS and (
-            _DEEP.search(line) or dots - len(_POINT.findall(line)) > MOST_PARTS
-        ):
-            raise BadInput(
-                f"{path}:{number}: a key has more than {MOST_PARTS} parts joined by dots; the keys "
-                "of these files have one or two"
-            )
 
 
 @contextmanager

@@ -34,15 +34,13 @@ def test_a_large_file_is_not_read(tmp_path: Path) -> None:
     ("text", "message"),
     [
         ("[" * 100_000, "lists in lists without end"),
-        ("[" + "[]," * 800_000 + "[]]", "some 1600001 values|some 16000"),
         ("[NaN]", "NaN is no number"),
         ("[-Infinity]", "-Infinity is no number"),
         ("[" + 5000 * "9" + "]", "not JSON: Exceeds the limit"),
         ("", "not JSON"),
     ],
 )
-def test_json_that_is_none_of_ours(tmp_path: Path, text: str, message: str, monkeypatch) -> None:
-    monkeypatch.setattr("serpenoid.model.files.MOST_VALUES", 1_000_000)
+def test_json_that_is_none_of_ours(tmp_path: Path, text: str, message: str) -> None:
     path = tmp_path / "x.json"
     path.write_text(text)
     with refused(message):

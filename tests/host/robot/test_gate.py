@@ -11,7 +11,6 @@ from command_line import serpenoid
 from refusals import refused
 from robot.fake_board import GAIT_TYPED, FakeBoard, greeting
 from serpenoid.model.errors import DamagedLine
-from serpenoid.model.toml_table import Table
 from serpenoid.robot import Robot
 from serpenoid.robot.wire import ports
 from serpenoid.robot.wire.protocol import Data
@@ -69,31 +68,6 @@ def test_markup_in_a_path_and_in_a_greeting_is_text(tmp_path):
 def test_numbers_whose_consequences_are_not_finite_are_refused(make):
     with refused("magnitude"):
         make()
-
-
-@pytest.mark.parametrize(
-    "key",
-    [
-        ".".join("a" * 30_000),
-        " . ".join(["'a b'"] * 300),
-        ".".join("1" * 30_000),
-        f"[{'.'.join('a' * 100)}]\nx",
-        f"x = {{{'.'.join('a' * 100)}",
-    ],
-    ids=["bare", "quoted", "digits", "table", "inline"],
-)
-def test_a_key_of_very_many_parts_is_refused_before_it_is_parsed(tmp_path, key):
-    path = tmp_path / "scene.toml"
-    path.write_text(f"format = 1\n{key} = 1\n")
-    with refused(r"scene.toml:2: a key has more than 16 parts"):
-        Table.load(path)
-
-
-def test_long_lists_of_numbers_and_prose_pass(tmp_path):
-    path = tmp_path / "scene.toml"
-    numbers = ", ".join(["-1.5e-3"] * 500)
-    path.write_text(f'x = [{numbers}]\ny = "{"It is. " * 10}"\n')
-    assert len(Table.load(path).values["x"]) == 500
 
 
 def test_nobody_is_told_to_join_root(monkeypatch):
