@@ -7,7 +7,7 @@ SOURCES := $(shell find host/core firmware/lib firmware/virtual -name '*.[ch]*')
 # What takes long beside what it finds before a commit; `make test` has it all.
 LONG := $(addprefix tests/,avr docs end_to_end firmware oracle golden studies) \
 	$(addprefix tests/host/,bench commands gaits model/test_stubs.py periodic robot show video) \
-	$(addprefix tests/host/simulation/test_,adaptive.py nonsmooth.py play.py positive_work.py \
+	$(addprefix tests/host/simulation/test_,adaptive.py nonsmooth.py positive_work.py \
 	radau.py ratchet.py run_error.py stability.py steady_springs.py truths.py) \
 	tests/host/servos/test_measured.py \
 	$(addprefix tests/host/calibration/test_,balanced_bends.py crawls_fit.py dialogue.py \

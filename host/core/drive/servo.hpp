@@ -27,7 +27,6 @@ struct Servo {
     double update_hz = 0;      // of the loop, which holds its duty in between; 0: continuous
     double supply_sag = 0;     // of the voltage, by one stalled servo
     double frame = 0.02;       // s, between two setpoints
-    double backlash = 0;       // rad, of the gear's output, the rotor held: from tooth to tooth
 
     double beyond(double error) const { return error - std::clamp(error, -dead_band, dead_band); }
     double duty(double error, double rate) const {
@@ -54,7 +53,6 @@ void each_servo_field(const Visit& field) {
     field("update_hz", &Servo::update_hz);
     field("supply_sag", &Servo::supply_sag);
     field("frame_s", &Servo::frame);
-    field("backlash_rad", &Servo::backlash);
 }
 
 // The supply under all servos' load, by their duties and rates.

@@ -80,7 +80,6 @@ class ServoTorque final : public TorqueSource {
           gait_(gait, servo.frame),
           setpoint_(links - 1),
           duty_(links - 1),
-          turning_(links - 1),
           update_(servo.update_hz > 0 ? 1 / servo.update_hz : 0) {}
     double next_jump(double t) const override {
         const double frame = after(t, servo_.frame);
@@ -94,17 +93,12 @@ class ServoTorque final : public TorqueSource {
             control(k);
     }
     void torques(double, const Chain& k, double* T) override {
-        for (std::size_t i = 0; i < turning_.size(); ++i) turning_[i] = rate(k, i);
-        torques(k, turning_.data(), T);
-    }
-    // The same, with rotors that turn at rates of their own.
-    void torques(const Chain& k, const double* rotor_rate, double* T) {
         if (!held()) control(k);
         Supply supply;
-        for (std::size_t i = 0; i < duty_.size(); ++i) supply.add(servo_, duty_[i], rotor_rate[i]);
+        for (std::size_t i = 0; i < duty_.size(); ++i) supply.add(servo_, duty_[i], rate(k, i));
         const double voltage = supply.voltage(servo_.supply_sag);
         for (std::size_t i = 0; i < duty_.size(); ++i) {
-            const double w = rotor_rate[i], dry = servo_.gear_friction * ((w > 0) - (w < 0));
+            const double w = rate(k, i), dry = servo_.gear_friction * ((w > 0) - (w < 0));
             T[i] = dry - servo_.torque(voltage, duty_[i], w);  // on link i; the head side gets -T
         }
     }
@@ -125,7 +119,7 @@ class ServoTorque final : public TorqueSource {
     }
     Servo servo_;
     FirmwareGait gait_;
-    std::vector<double> setpoint_, duty_, turning_;
+    std::vector<double> setpoint_, duty_;
     double update_;  // s; 0: no hold
 };
 

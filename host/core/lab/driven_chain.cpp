@@ -12,31 +12,23 @@ constexpr double kEndless = 1e30;
 }  // namespace
 
 DrivenChain::DrivenChain(const Robot& robot, std::vector<LabLink> links, const Servo& servo)
-    : LabChain(robot, std::move(links), 2 + robot.n + (servo.backlash > 0 ? robot.n - 1 : 0),
-               (robot.n - 1) * (servo.backlash > 0 ? 2 : 1)),
+    : LabChain(robot, std::move(links), 2 + robot.n, robot.n - 1),
       servo_(servo),
-      play_(servo.backlash > 0),
       theta_(n_),
-      gap_(n_ - 1),
       goal_(n_ - 1),
       duty_(n_ - 1),
       torque_(n_ - 1) {
     for (int i = 0; i + 1 < n_; ++i) {
         std::vector<double>& turning = gear(i).row;
-        if (play_) {
-            turning[rotor(i)] = 1;
-            std::vector<double>& lead = teeth(i).row;
-            lead[rotor(i)] = 1, lead[i + 3] = -1, lead[i + 2] = 1;
-        } else {
-            turning[i + 3] = 1, turning[i + 2] = -1;
-        }
+        turning[i + 3] = 1;
+        turning[i + 2] = -1;
     }
 }
 
 void DrivenChain::place(double theta, const std::vector<double>& joints) {
     theta_[0] = theta, x_ = y_ = work_ = 0;
     for (int i = 0; i + 1 < n_; ++i) theta_[i + 1] = theta_[i] + joints[i];
-    for (auto* zeros : {&u_, &vx_, &vy_, &gap_}) std::fill(zeros->begin(), zeros->end(), 0.0);
+    for (auto* zeros : {&u_, &vx_, &vy_}) std::fill(zeros->begin(), zeros->end(), 0.0);
     for (Contact& c : contact_) c.impulse = c.before = 0;
     goal_ = joints, since_update_ = kEndless;
 }
@@ -48,7 +40,7 @@ void DrivenChain::state(double* to) const {
 
 double DrivenChain::kinetic() const {
     double rotors = 0;
-    for (int i = 0; i + 1 < n_; ++i) rotors += servo_.armature * rotor_rate(i) * rotor_rate(i);
+    for (int i = 0; i + 1 < n_; ++i) rotors += servo_.armature * joint_rate(i) * joint_rate(i);
     return LabChain::kinetic({u_.begin() + 2, u_.begin() + 2 + n_}) + 0.5 * rotors;
 }
 
@@ -83,10 +75,7 @@ bool DrivenChain::step(double h) {
     if (!sweep()) return false;
     x_ += h * u_[0], y_ += h * u_[1];
     for (int i = 0; i < n_; ++i) theta_[i] += h * u_[i + 2];
-    for (int i = 0; i + 1 < n_; ++i) {
-        work_ += h * torque_[i] * rotor_rate(i);
-        if (play_) gap_[i] += h * (rotor_rate(i) - joint_rate(i));
-    }
+    for (int i = 0; i + 1 < n_; ++i) work_ += h * torque_[i] * joint_rate(i);
     return true;
 }
 
@@ -117,11 +106,11 @@ void DrivenChain::bodies(double h) {
 // Rotors, and torques: the motor's line at the end of the step, the loop's duty as it stands.
 void DrivenChain::servos(double h) {
     Supply load;
-    for (int i = 0; i + 1 < n_; ++i) load.add(servo_, duty_[i], rotor_rate(i));
+    for (int i = 0; i + 1 < n_; ++i) load.add(servo_, duty_[i], joint_rate(i));
     const double volts = load.voltage(servo_.supply_sag);
     const double line = servo_.torque_limit / servo_.speed_limit + servo_.gear_damping;
     for (int i = 0; i + 1 < n_; ++i) {
-        const double rate = rotor_rate(i), push = servo_.torque_limit * volts * duty_[i];
+        const double rate = joint_rate(i), push = servo_.torque_limit * volts * duty_[i];
         add_square(gear(i), servo_.armature, rate);
         add_square(gear(i), h * line, push / line);
         torque_[i] = push - line * rate;
@@ -129,13 +118,9 @@ void DrivenChain::servos(double h) {
 }
 
 void DrivenChain::gears(double h) {
-    const double half = 0.5 * servo_.backlash;
     for (int i = 0; i + 1 < n_; ++i) {
-        gear(i).most = h * servo_.gear_friction, gear(i).least = -gear(i).most;
-        if (!play_) continue;
-        Contact& c = teeth(i);
-        c.low = (-half - gap_[i]) / h, c.high = (half - gap_[i]) / h;
-        c.least = -kEndless, c.most = kEndless;
+        gear(i).most = h * servo_.gear_friction;
+        gear(i).least = -gear(i).most;
     }
 }
 

@@ -1,12 +1,11 @@
 // A robot whose joints are moved by servos, free on a floor that may slope: the lab's own motion.
 //
-// Unknowns u: the velocity of the centre of mass, the rate of every link and, where gears have
-// play, of every rotor (at its joint). A step of h follows Gauss's principle: each body keeps the
-// velocity it had, but for what forces ask,
+// Unknowns u: the velocity of the centre of mass and the rate of every link. A step of h follows
+// Gauss's principle: each body keeps the velocity it had, but for what forces ask,
 //     minimise sum_links m/2 |v - v_k - h g|^2 + I/2 (w - w_k)^2 + sum_rotors J/2 (r - r_k)^2
 //            + h (losses of gears - servos' power) and what lab_chain.hpp adds,
 // v_k being that link's own velocity one step ago, in whatever shape the chain had then: no
-// inertial force of the turning chain needs a formula. Gears and teeth are contacts, too. The error
+// inertial force of the turning chain needs a formula. Gears are contacts, too. The error
 // of a step is of the first order in h.
 //
 // With the quick solver (servos/) it shares the law of the servo and its supply, nothing else.
@@ -43,15 +42,11 @@ class DrivenChain : public LabChain {
     void gears(double h);
     void control();
     Contact& gear(int joint) { return contact_[2 * n_ + joint]; }
-    Contact& teeth(int joint) { return contact_[3 * n_ - 1 + joint]; }
-    int rotor(int joint) const { return play_ ? 2 + n_ + joint : -1; }
     double joint_angle(int i) const { return theta_[i + 1] - theta_[i]; }
     double joint_rate(int i) const { return u_[i + 3] - u_[i + 2]; }
-    double rotor_rate(int i) const { return play_ ? u_[rotor(i)] : joint_rate(i); }
 
     Servo servo_;
-    bool play_;
-    std::vector<double> theta_, gap_;
+    std::vector<double> theta_;
     std::vector<double> goal_, duty_, torque_;  // of the joints; torque_ without the gear's
     double since_update_ = 0, work_ = 0;
 };

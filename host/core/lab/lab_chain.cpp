@@ -106,9 +106,8 @@ bool LabChain::sweep() {
         changed = false;
         for (Contact& c : contact_) {
             const double v = c.offset + dot(c.row.data(), u_.data(), size_);
-            const double up = c.impulse + c.mass * (c.high - v);
-            const double down = c.impulse + c.mass * (c.low - v);
-            const double by = std::clamp(std::clamp(0.0, down, up), c.least, c.most) - c.impulse;
+            const double stopping = c.impulse - c.mass * v;
+            const double by = std::clamp(stopping, c.least, c.most) - c.impulse;
             if (by == 0) continue;
             c.impulse += by;
             add(u_.data(), size_, by, c.reach.data());

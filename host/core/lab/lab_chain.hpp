@@ -37,7 +37,6 @@ class LabChain {
         double offset = 0, mass = 0;              // mass: against its impulse; 0: it moves nothing
         double viscous = 0;                       // N s/m times the step
         double impulse = 0, least = 0, most = 0;  // N s or N m s, and its bounds in this step
-        double low = 0, high = 0;                 // speeds between which no impulse acts (teeth)
         double before = 0;                        // speed at the end of the last step
     };
 

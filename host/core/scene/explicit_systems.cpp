@@ -6,7 +6,6 @@
 #include "model/explicit_model.hpp"
 #include "scene/make_system.hpp"
 #include "scene/paired_system.hpp"
-#include "scene/rotor_system.hpp"
 #include "scene/terms.hpp"
 
 namespace serpenoid {
@@ -115,22 +114,8 @@ class ExplicitMixed final : public PairedSystem {
 
 }  // namespace
 
-static std::unique_ptr<PairedSystem> make_driven(const RunRequest& q,
-                                                 std::unique_ptr<TorqueSource> torques) {
-    return std::make_unique<ExplicitMixed>(q, mixed_drive(q), std::move(torques));
-}
-
-static std::unique_ptr<PairedSystem> make_with_play(const RunRequest& q) {
-    RunRequest links = q;  // the rotors are not theirs
-    links.servo.armature = 0;
-    auto teeth = std::make_unique<Teeth>(q);
-    Teeth& at = *teeth;
-    return std::make_unique<RotorSystem>(q, make_driven(links, std::move(teeth)), at);
-}
-
 std::unique_ptr<PairedSystem> make_paired(const RunRequest& q) {
-    if (q.drive == Drive::servo && q.servo.backlash > 0) return make_with_play(q);
-    if (mixed(q)) return make_driven(q, make_torques(q));
+    if (mixed(q)) return std::make_unique<ExplicitMixed>(q, mixed_drive(q), make_torques(q));
     return std::make_unique<ExplicitAngle>(q);
 }
 

@@ -13,7 +13,6 @@ class PairedSystem : public System {
   public:
     PairedSystem(int links, int coordinates)
         : System(links), driven(links - 1), half(coordinates) {}
-    PairedSystem(System& around, int links) : System(around), driven(links - 1), half(0) {}
     int dim() const override { return 2 * half; }
 
     // forces() in three parts. load: fill the chain, the ground's forces and the driving torques.
@@ -23,8 +22,6 @@ class PairedSystem : public System {
     virtual void accelerate() = 0;
     virtual void recover() {}
     std::vector<double> driven;  // driving torques of the free joints, by load()
-    std::vector<double> rotor_rate,
-        rotor_accel;  // with play, else empty; they have gears' friction
     void forces(double t, const double* y) final { load(t, y), accelerate(), recover(); }
     // dy/dt by the accelerations that stand in the chain.
     virtual void derivative(const double* y, double* dy) const = 0;

@@ -23,7 +23,6 @@ StickingSystem::StickingSystem(std::unique_ptr<PairedSystem> slippery, const Run
       inner_(std::move(slippery)),
       along_(WheelLaw::along(q.ground)),
       ratchet_(q.ground.ratchet()),
-      play_(!inner_->rotor_rate.empty()),
       length_(2 * q.robot.l),
       at_rest_(at_rest) {
     const WheelLaw across = WheelLaw::across(q.ground);
@@ -40,7 +39,6 @@ StickingSystem::StickingSystem(std::unique_ptr<PairedSystem> slippery, const Run
 
 double StickingSystem::speed(const Contact& w) const {
     const int i = w.link;
-    if (w.kind == Kind::gear && play_) return length_ * inner_->rotor_rate[i];
     if (w.kind == Kind::gear) return length_ * (chain.omega[i + 1] - chain.omega[i]);
     return w.kind == Kind::across ? chain.c[i] * chain.vy[i] - chain.s[i] * chain.vx[i]
                                   : chain.c[i] * chain.vx[i] + chain.s[i] * chain.vy[i];
@@ -50,7 +48,6 @@ double StickingSystem::speed(const Contact& w) const {
 double StickingSystem::acceleration(const Contact& w) const {
     const int i = w.link;
     const double c = chain.c[i], s = chain.s[i], turn = chain.omega[i];
-    if (w.kind == Kind::gear && play_) return length_ * inner_->rotor_accel[i];
     if (w.kind == Kind::gear) return length_ * (chain.alpha[i + 1] - chain.alpha[i]);
     if (w.kind == Kind::across)
         return c * chain.ay[i] - s * chain.ax[i] - turn * (c * chain.vx[i] + s * chain.vy[i]);
@@ -144,15 +141,12 @@ void StickingSystem::put_to_rest(const std::vector<int>& which, double* y) {
     release();
     inner_->accelerate();
     const std::vector<double> ax = chain.ax, ay = chain.ay, alpha = chain.alpha;
-    const std::vector<double> turning = inner_->rotor_accel;
     box_.minimise_free(response_, moving, share_);
     hold(which);
     for (int i = 0; i < chain.n(); ++i) {
         chain.vx[i] += chain.ax[i] - ax[i], chain.vy[i] += chain.ay[i] - ay[i];
         chain.omega[i] += chain.alpha[i] - alpha[i];
     }
-    for (std::size_t i = 0; i < turning.size(); ++i)
-        inner_->rotor_rate[i] += inner_->rotor_accel[i] - turning[i];
     inner_->set(chain, y);
 }
 

@@ -12,8 +12,8 @@
 // which is Gauss's principle of least constraint with dry friction in it. A contact whose force is
 // inside its bound rests; one at its bound slides, against the force. There is no smoothing width.
 //
-// Gears hold like wheels: the speed of such a contact is that of its joint (with play: of its
-// rotor) times a link's length, its force the torque over that length.
+// Gears hold like wheels: the speed of such a contact is that of its joint times a link's length,
+// its force the torque over that length.
 //
 // A ratchet's links have the mean of both directions as mu and half the difference as a constant
 // thrust; its viscous friction is that of the mode, and a wheel without dry friction reverses when
@@ -79,7 +79,7 @@ class StickingSystem final : public System, public Modes {
 
     std::unique_ptr<PairedSystem> inner_;
     WheelLaw along_;
-    bool ratchet_, play_;
+    bool ratchet_;
     double length_, at_rest_;
     bool known_ = false;  // modes have been found before
     std::vector<Contact> contacts_;

@@ -13,7 +13,6 @@ namespace serpenoid {
 namespace {
 
 constexpr int kAllAtOnce = 6, kMostRevisions = 60;
-constexpr double kHard = 1e3;     // times the stalled torque: what teeth can bear
 constexpr double kSpread = 1e-9;  // of the load, among more contacts than are needed to hold
 
 }  // namespace
@@ -27,8 +26,7 @@ ServoSteps::ServoSteps(const Robot& robot, const Ground& ground, const Gait& gai
       servo_(servo),
       longest_(longest),
       n_(robot.n),
-      play_(servo.backlash > 0),
-      size_(robot.n + 2 + (play_ ? robot.n - 1 : 0)),
+      size_(robot.n + 2),
       lever_(n_ * n_),
       inertia_(n_ * n_),
       theta_(n_),
@@ -43,7 +41,6 @@ ServoSteps::ServoSteps(const Robot& robot, const Ground& ground, const Gait& gai
       duty_(n_ - 1),
       still_(n_ - 1),
       slope_(n_ - 1),
-      gap_(n_ - 1),
       tick_(servo.update_hz > 0 ? 1 / servo.update_hz : 0),
       period_(2 * std::numbers::pi / gait.omega) {
     wave_.assign(2 * (n_ - 1), 0.0);
@@ -66,7 +63,6 @@ ServoSteps::ServoSteps(const Robot& robot, const Ground& ground, const Gait& gai
     for (int i = 0; i < n_; ++i)
         touch(along.dry(1), along.dry(-1)), touch(across.dry(1), across.dry(-1));
     for (int i = 0; i + 1 < n_; ++i) touch(servo.gear_friction, servo.gear_friction);
-    for (int i = 0; i + 1 < n_ && play_; ++i) touch(0, 0), contact_.back().teeth = true;
 }
 
 void ServoSteps::start(double vx, double vy, double rate) {
@@ -76,7 +72,6 @@ void ServoSteps::start(double vx, double vy, double rate) {
         theta_[i + 1] = theta_[i] + j.angle;
         u_[i + 3] = u_[i + 2] + gait_.omega * j.slope;
     }
-    for (int i = 0; i + 1 < n_ && play_; ++i) u_[n_ + 2 + i] = joint(u_, i);
     u_[0] = vx, u_[1] = vy;
     before_ = u_;
     shift_frames(0.5);
@@ -161,16 +156,9 @@ void ServoSteps::step(double h) {
     masses(h);
     drive(h);
     wheels(h);
-    if (play_) teeth(h);
     cholesky(mass_.data(), size_);
     slide(h);
     for (int i = 0; i < n_; ++i) theta_[i] += 0.5 * h * u_[i + 2];
-    for (int i = 0; i + 1 < n_ && play_; ++i) {
-        const Contact& c = contact_[3 * n_ - 1 + i];
-        const double half = 0.5 * servo_.backlash, by = rotor(u_, i) - joint(u_, i);
-        gap_[i] = c.dry() && c.mode == 0 ? std::copysign(half, c.ahead - c.back)
-                                         : std::clamp(gap_[i] + h * by, -half, half);
-    }
     tally(h);
 }
 
@@ -197,7 +185,6 @@ void ServoSteps::masses(double h) {
 
 // Add f r^2 / 2 to the quadratic form of the matrix, r the rate of a rotor.
 void ServoSteps::rotor_term(int i, double f) {
-    if (play_) return void(mass_[(n_ + 2 + i) * (size_ + 1)] += f);
     double* to = &mass_[(i + 2) * size_ + i + 2];
     to[0] += f, to[size_ + 1] += f, to[1] -= f, to[size_] -= f;
 }
@@ -206,21 +193,19 @@ void ServoSteps::rotor_term(int i, double f) {
 void ServoSteps::drive(double h) {
     if (servo_.update_hz == 0) control(ahead_);
     Supply load;
-    for (int i = 0; i + 1 < n_; ++i) load.add(servo_, duty_[i], rotor(ahead_, i));
+    for (int i = 0; i + 1 < n_; ++i) load.add(servo_, duty_[i], joint(ahead_, i));
     const double V = load.voltage(servo_.supply_sag);
     const double line = servo_.torque_limit / servo_.speed_limit;
     for (int i = 0; i + 1 < n_; ++i) {
         double still = servo_.torque_limit * V * duty_[i], slope = line + servo_.gear_damping;
-        // the loop's damping at the end of the step, too; with play it is not the rotor's own
-        if (servo_.update_hz == 0 && std::fabs(duty_[i]) < 1 && !play_) {
+        // the loop's damping at the end of the step, too
+        if (servo_.update_hz == 0 && std::fabs(duty_[i]) < 1) {
             const double more = V * (servo_.damping - line);
             still += more * joint(ahead_, i), slope += more;
         }
-        const double impulse = h * (still - 0.5 * slope * rotor(u_, i));
-        if (play_)
-            right_[n_ + 2 + i] += impulse;
-        else
-            right_[i + 3] += impulse, right_[i + 2] -= impulse;
+        const double impulse = h * (still - 0.5 * slope * joint(u_, i));
+        right_[i + 3] += impulse;
+        right_[i + 2] -= impulse;
         rotor_term(i, 0.5 * h * slope);
         still_[i] = still, slope_[i] = slope;
     }
@@ -242,10 +227,8 @@ void ServoSteps::wheels(double h) {
     }
     for (int i = 0; i + 1 < n_; ++i) {
         double* g = contact_[2 * n_ + i].row.data();
-        if (play_)
-            g[n_ + 2 + i] = 1;
-        else
-            g[i + 2] = -1, g[i + 3] = 1;
+        g[i + 2] = -1;
+        g[i + 3] = 1;
     }
     const WheelLaw along = WheelLaw::along(ground_), across = WheelLaw::across(ground_);
     for (int k = 0; k < static_cast<int>(contact_.size()); ++k) {
@@ -259,22 +242,6 @@ void ServoSteps::wheels(double h) {
         add(right_.data(), size_, -damping * contact.before, g);
         for (int i = 0; i < size_; ++i)  // what the Cholesky factor reads
             add(&mass_[i * size_ + i], size_ - i, damping * g[i], g + i);
-    }
-}
-
-// Teeth that touch, or will within the step, push rotor and joint apart.
-void ServoSteps::teeth(double h) {
-    const double half = 0.5 * servo_.backlash, hard = kHard * servo_.torque_limit;
-    for (int i = 0; i + 1 < n_; ++i) {
-        Contact& c = contact_[3 * n_ - 1 + i];
-        c.row[n_ + 2 + i] = 1, c.row[i + 3] = -1, c.row[i + 2] = 1;
-        c.before = dot(c.row.data(), u_.data(), size_);
-        const double there = gap_[i] + h * dot(c.row.data(), ahead_.data(), size_);
-        const bool up = gap_[i] >= half || there > half, down = gap_[i] <= -half || there < -half;
-        const double ahead = up && !(down && gap_[i] < 0) ? hard : 0;
-        const double back = down && ahead == 0 ? hard : 0;
-        if (ahead != c.ahead || back != c.back) c.mode = 0;
-        c.ahead = ahead, c.back = back;
     }
 }
 
@@ -366,7 +333,7 @@ bool ServoSteps::revise(double h, bool all) {
 bool ServoSteps::turn_round(double h) {
     bool any = false;
     for (Contact& c : contact_) {
-        if (!c.dry() || c.teeth || c.mode * c.before >= 0) continue;
+        if (!c.dry() || c.mode * c.before >= 0) continue;
         const double after = std::fabs(dot(c.row.data(), u_.data(), size_));
         const double before = std::fabs(c.before), part = before / (before + after);
         c.impulse = part * bound(c, -c.mode, h) + (1 - part) * bound(c, c.mode, h);
@@ -384,7 +351,7 @@ void ServoSteps::tally(double h) {
         squares_ += h * rate * rate;
         wave_[2 * i] += cosine * rate;
         wave_[2 * i + 1] += sine * rate;
-        const double turns = 0.5 * (rotor(before_, i) + rotor(u_, i));
+        const double turns = 0.5 * (joint(before_, i) + joint(u_, i));
         work_ += h * (still_[i] - slope_[i] * turns) * turns;
         const Contact& gear = contact_[2 * n_ + i];
         if (gear.dry()) work_ += gear.impulse * turns;

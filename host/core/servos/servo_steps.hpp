@@ -66,20 +66,15 @@ class ServoSteps {
         double before = 0;               // speed at the start of the step
         double impulse = 0;
         bool reached = false;  // in this step
-        bool teeth = false;
         bool dry() const { return ahead > 0 || back > 0; }
     };
     void step(double h);
     void masses(double h);
     void rotor_term(int i, double f);
     double joint(const std::vector<double>& u, int i) const { return u[i + 3] - u[i + 2]; }
-    double rotor(const std::vector<double>& u, int i) const {
-        return play_ ? u[n_ + 2 + i] : joint(u, i);
-    }
     void control(const std::vector<double>& u);
     void drive(double h);
     void wheels(double h);
-    void teeth(double h);
     void slide(double h);
     void push();
     void hold();
@@ -100,14 +95,12 @@ class ServoSteps {
     int split_ = 1;
     std::function<void(double)> after_step_{};
     int n_;
-    bool play_;
     int size_;
     std::vector<double> lever_, inertia_;  // B and m l^2 B^T B, n x n
     std::vector<double> theta_, c_, s_;
     std::vector<double> u_, before_, ahead_;  // velocities: now, a step ago, half a step ahead
     std::vector<double> mass_, right_, free_, gram_, pull_;
     std::vector<double> goal_, duty_, still_, slope_;  // of the joints
-    std::vector<double> gap_;                          // rotors ahead of their joints, rad
     std::vector<Contact> contact_;
     std::vector<Contact*> resting_;
     double t_ = 0, frame_ = 0, update_ = 0;  // the next ones, from the cycle's start

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..model.checks import check_number
-from ..model.drives import Servo
+from ..model.drives import REMOVED, Servo
 from ..model.errors import BadInput
 from ..model.files import read_json, write_text
 from ..model.robot import Robot
@@ -259,7 +259,12 @@ def _draws(
 
 def _servos(given: Mapping[str, Any]) -> FittedServos:
     """Return the servos that go with the draws."""
-    drawn = tuple(Servo(**one) for one in given["drawn"])
+    rows = [dict(one) for one in given["drawn"]]
+    for row in rows:
+        for field, what in REMOVED.items():
+            if row.pop(field, 0.0) > 0:
+                raise BadInput(f"servos.drawn: {field} is above 0; {what}")
+    drawn = tuple(Servo(**row) for row in rows)
     return FittedServos(given["kind"], drawn, tuple(map(int, given["index"])), int(given["best"]))
 
 

@@ -41,6 +41,9 @@ UNCERTAIN = (
 _MOST_FRICTION = 0.15  # of the stalled torque; identified servos have 0.015 to 0.13
 _MOST_LOSS = 2.0  # the motor's free speed over the servo's no-load speed
 _BEYOND_TYPICAL = 1.5  # a source may say more: both limits over the typical servo's value
+REMOVED = {  # a field of older files, and what to do where it is not 0
+    "backlash_rad": "serpenoid no longer has play in gears; remove the line for a gear without play"
+}
 FRAME_S = 0.02  # of a board with up to seven joints
 _HUNTS, _TRIES = 0.97, 100
 # Of a servo's fields; those of all others begin at 0.
@@ -50,7 +53,6 @@ _LIMITS = {
     "update_hz": Limits(0.0, 1e4),
     "supply_sag": Limits(0.0, 1.0),
     "frame_s": Limits(0.0, 0.1, open_low=True),
-    "backlash_rad": Limits(0.0, 0.5),
 }
 
 
@@ -119,8 +121,6 @@ class Servo:
         Share of the supply's voltage that one stalled servo takes.
     frame_s
         Time from one setpoint to the next, s; setpoints are the firmware's, in fixed point.
-    backlash_rad
-        Play of the gear, rad: so far the output turns while the rotor is held.
     supply_v
         Voltage at the plug for which torque and speed hold, V; 0: not stated.
 
@@ -159,16 +159,10 @@ class Servo:
     update_hz: float = 0.0
     supply_sag: float = 0.0
     frame_s: float = FRAME_S
-    backlash_rad: float = 0.0
     supply_v: float = 0.0
 
     def __post_init__(self) -> None:
         check_fields(self, dict.fromkeys(self.__slots__, NOT_NEGATIVE) | _LIMITS)
-        if self.backlash_rad > 0 and self.armature_kg_m2 == 0:
-            raise BadInput(
-                f"backlash_rad is {self.backlash_rad:g} and armature_kg_m2 is 0; a gear with play "
-                "needs a rotor behind it: give armature_kg_m2 above 0"
-            )
 
     @property
     def stall_torque_nm(self) -> float:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..model.drives import UNCERTAIN, Servo, ServoKind
+from ..model.drives import REMOVED, UNCERTAIN, Servo, ServoKind
 from ..model.errors import BadInput
 from ..model.files import write_named
 from ..model.toml_table import Table, located
@@ -48,7 +48,7 @@ def load_servo(path: str | Path) -> ServoKind:
     top = Table.load(Path(path))
     top.check_format(FORMAT)
     top.only("format", "servo", optional=("name", "source", "sigma", "updates_hz", "drawn"))
-    table = top.table("servo")
+    table = top.table("servo").without_removed(REMOVED)
     table.only(optional=_FIELDS)
     values: dict[str, Any] = {name: table.number(name) for name in table.values}
     with located(table.heading):
@@ -67,7 +67,7 @@ def load_servo(path: str | Path) -> ServoKind:
 
 def _load_drawn(top: Table, typical: Servo) -> tuple[Servo, ...]:
     """Return the servos of [drawn]: lists of equal length, by field."""
-    table = top.table("drawn")
+    table = top.table("drawn").without_removed(REMOVED)
     table.only(optional=_FIELDS)
     columns = {name: table.numbers(name) for name in table.values}
     counts = {len(values) for values in columns.values()}

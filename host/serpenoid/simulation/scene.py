@@ -38,7 +38,6 @@ MAX_RECORDED_BYTES = 4_000_000_000
 DEFAULT_ROWS = 20_000
 _FIRST_ADVISED = ("dop853", "rk4", "radau")  # behind the one that suits a scene
 _ANY_WAY = "formulation 'explicit', and leave the method to the scene"
-_HAVE_PLAY = (("explicit", "nonsmooth"), ("explicit", "dop853"))
 _LIMITS = {
     "joint_stiffness_n_m": NOT_NEGATIVE,
     "joint_damping_n_s_m": NOT_NEGATIVE,
@@ -288,8 +287,6 @@ def objection(name: str, scene: Scene, formulation: str | None = None) -> str | 
 def _servo_objection(name: str, formulation: str, servo: Servo | None) -> str | None:
     if servo is None:
         return None
-    if servo.backlash_rad > 0 and (formulation, name) not in _HAVE_PLAY:
-        return f"with formulation {formulation!r} does not run gears with play, whose teeth hit"
     if name == "radau" and not servo.simple:
         return "does not run with rotors, gear friction, a loop that holds or a supply that sags"
     if name == "dop853" and servo.gear_friction_nm > 0:
@@ -300,7 +297,7 @@ def _servo_objection(name: str, formulation: str, servo: Servo | None) -> str | 
 def default_method(scene: Scene) -> str:
     """Return the method for a scene that names none: exact sticking on dry ground, else rk4."""
     servo = scene.servo
-    gears = servo is not None and (servo.gear_friction_nm > 0 or servo.backlash_rad > 0)
+    gears = servo is not None and servo.gear_friction_nm > 0
     dry = (scene.law == "dry" or gears) and objection("nonsmooth", scene) is None
     return "nonsmooth" if dry else "rk4"
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from ..model.checks import check_number
-from ..model.drives import Servo, TorqueTable
+from ..model.drives import REMOVED, Servo, TorqueTable
 from ..model.errors import BadInput
 from ..model.files import write_named
 from ..model.gait import Gait
@@ -29,12 +29,13 @@ _HEAD = """\
 _PARTS = {"robot": Robot, "ground": Ground, "gait": Gait, "servo": Servo}
 # Where a file's key is not the field's name: its unit is spelt out.
 _KEYS = {"ct": "ct_n_s_m", "cn": "cn_n_s_m", "ft0": "ft0_n", "fn0": "fn0_n", "locked": "locked_rad"}
-# Settings of older files: what each was, and what to do about a file in which it is not 0.
+# Settings of older files: what to do about a file in which one is not 0.
 _REMOVED = {
+    "servo": REMOVED,
     "": {
         "smoothing_m_s": "serpenoid no longer smooths dry friction, which let stuck wheels creep; "
         "remove the line, and wheels stick exactly (method 'nonsmooth')"
-    }
+    },
 }
 
 
@@ -187,7 +188,7 @@ def _made(table: Table, section: str) -> Any:
 
     A BadInput begins with file and line: of the first field that its text names.
     """
-    table = _without_removed(table, _REMOVED.get(section, {}))
+    table = table.without_removed(_REMOVED.get(section, {}))
     present = _present(table, section)
     values = {name: _value(table, name, key) for name, key in present.items()}
     try:
@@ -198,18 +199,6 @@ def _made(table: Table, section: str) -> Any:
         degrees = bool(named) and named[0].endswith("_deg")
         typed = f" (rad; here {named[0]} = {table.values[named[0]]})" if degrees else ""
         raise BadInput(f"{where}: {error}{typed}") from error
-
-
-def _without_removed(table: Table, removed: Mapping[str, str]) -> Table:
-    """Return the table without settings that this version lacks.
-
-    A setting of 0 had no effect. Any other raises BadInput: the run would be another one.
-    """
-    for key, what in removed.items():
-        if table.values.get(key, 0) != 0:
-            raise BadInput(f"{table.where(key)}: {key} is {table.values[key]!r}; {what}")
-    kept = {key: value for key, value in table.values.items() if key not in removed}
-    return dataclasses.replace(table, values=kept)
 
 
 def _value(top: Table, name: str, key: str) -> Any:

@@ -1,4 +1,4 @@
-"""The lab's servo-driven robot: conserved quantities, the event-driven simulation, play."""
+"""The lab's servo-driven robot: conserved quantities, the event-driven simulation."""
 
 from __future__ import annotations
 
@@ -117,14 +117,6 @@ def test_a_servo_that_runs_free_turns_as_fast_as_its_motors_line_says() -> None:
     assert (turned[-1] - turned[-26]) / 0.5 == pytest.approx(rate, rel=0.003)
 
 
-def test_a_servo_works_on_its_rotor_while_that_runs_through_the_play() -> None:
-    servo = Servo(1.0, 0.0, 0.39, 7.0, 0.0, armature_kg_m2=2e-3, backlash_rad=0.5)
-    robot = chain(servo)
-    robot.drive(np.array([STILL]) + 0.1, 80)
-    assert robot.work_j > 1e-5
-    assert robot.kinetic_j == pytest.approx(robot.work_j, rel=0.05)
-
-
 def test_wheels_that_rest_hold_up_to_the_break_away() -> None:
     """On a slope that pulls 1.15 times the dry force: held by 1.3 times that, not by 1.1."""
     slope = math.asin(1.15 * WHOLE.ft0 / (6 * OF_2005.link_mass_kg * 9.81))
@@ -144,19 +136,6 @@ def test_a_stiff_servo_on_quick_frames_is_a_robot_whose_joints_follow() -> None:
     assert driven == pytest.approx(ideal, rel=0.01)
 
 
-def test_a_held_rotor_lets_its_joint_swing_by_the_play_and_no_further() -> None:
-    """On a slope of 30 degrees the chain's links fall from tooth to tooth; the rotor stays."""
-    play = 0.04
-    loose = replace(SERVO, backlash_rad=play, gear_friction_nm=0.3, dead_band_rad=0.2)
-    pinned = np.array([[100.0, 100.0, 0.0, 0.0, 100.0, 0.0, 0.0, 1.0]] + [[0.0] * 7 + [1.0]] * 5)
-    robot = _core.DrivenChain(0.0756, 0.076, OF_2005.inertia_kg_m2, pinned, core_servo(loose))
-    robot.place(0.0, STILL)
-    robot.set_slope(0.0, 5.0)
-    rows = robot.drive(np.tile(STILL, (100, 1)), 40)
-    swung = np.diff(rows[-1, 2:]) - STILL
-    assert np.abs(swung) == pytest.approx(play / 2, rel=0.02)
-
-
 def test_a_robot_without_servo_is_not_driven_and_the_joints_are_seen() -> None:
     with refused("no servo"):
         LabRobot.whole(OF_2005, WHOLE).driven_chain()
@@ -164,8 +143,3 @@ def test_a_robot_without_servo_is_not_driven_and_the_joints_are_seen() -> None:
     track, joints = told.run_servos(np.tile(STILL, (5, 1)))
     assert joints == pytest.approx(np.tile(STILL, (5, 1)), abs=1e-3)
     assert track.t_s == pytest.approx(0.02 * np.arange(1, 6))
-
-
-def test_play_without_a_rotor_is_refused() -> None:
-    with refused("needs a rotor"):
-        Servo(backlash_rad=0.01)

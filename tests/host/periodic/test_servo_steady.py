@@ -221,21 +221,13 @@ def test_what_is_no_servo_is_refused() -> None:
         sn.steady_gait(OF_2005, BINGHAM, GAIT, servo="SG90")  # type: ignore[call-overload]
 
 
-@pytest.mark.parametrize("play_deg", [0.0, 0.5, 2.5])
-def test_play_in_gears_is_that_of_the_lab(play_deg: float) -> None:
-    """The lab has other unknowns, steps and contacts; 2.5 degrees halve the speed.
-
-    With 3 degrees the motion is irregular: whether it settles depends on the start's last digits.
-    """
+def test_the_speed_with_servos_is_that_of_the_lab() -> None:
+    """The lab has other unknowns, steps and contacts."""
     typical = replace(sn.servo("MG996R").servo, update_hz=0.0, dead_band_rad=0.0)
-    loose = replace(typical, backlash_rad=math.radians(play_deg))
-    found = sn.steady_gait(OF_2005, BINGHAM, GAIT, rtol=1e-3, servo=loose)
+    found = sn.steady_gait(OF_2005, BINGHAM, GAIT, rtol=1e-3, servo=typical)
     whole = sn.Ground(0.084, 1.2, 0.14, 0.27)
-    lab = crawl_speed(LabRobot.whole(OF_2005, whole, servo=loose), GAIT)
+    lab = crawl_speed(LabRobot.whole(OF_2005, whole, servo=typical), GAIT)
     assert found.speed_m_s == pytest.approx(lab, rel=0.02)
-    if play_deg == 2.5:
-        assert found.speed_m_s < 0.6 * found.ideal.speed_m_s
-        assert found.ripple_rad_s > 0.8
 
 
 def interrupted_after(seconds: float, work: Callable[[], object]) -> float:

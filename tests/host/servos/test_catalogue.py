@@ -157,12 +157,24 @@ def test_a_kind_comes_back_from_its_file(tmp_path: Path) -> None:
         assert sn.load_servo(path) == kind == sn.servo(path)
 
 
+def test_a_file_from_before_play_was_removed_is_read_where_it_had_none(tmp_path: Path) -> None:
+    path, kind = tmp_path / "old.toml", SERVOS["MG996R"]
+    sn.save_servo(kind, path)
+    path.write_text(path.read_text().replace("[servo]\n", "[servo]\nbacklash_rad = 0.0\n"))
+    assert sn.load_servo(path) == kind
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
         ("format = 2\n[servo]\n", ":1: format is 2"),
         ("format = 1\n[servo]\nstiffness = 3\n", ":3: unknown key 'stiffness'"),
         ("format = 1\n[servo]\narmature_kg_m2 = -1\n", "armature_kg_m2 is -1"),
+        (
+            "format = 1\n[servo]\nbacklash_rad = 0.01\n",
+            "backlash_rad is 0.01; serpenoid no longer has play",
+        ),
+        ("format = 1\n[servo]\n[drawn]\nbacklash_rad = [0, 0.1]\n", ":4: backlash_rad is"),
         ("format = 1\n[servo]\n[sigma]\nframe_s = 0.1\n", ":4: unknown key 'frame_s'"),
         ("format = 1\n[servo]\n[sigma]\nsupply_sag = 9\n", ":4: supply_sag is 9"),
         ("format = 1\n", "no key servo"),
