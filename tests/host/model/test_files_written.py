@@ -97,7 +97,7 @@ def test_a_cell_without_end_is_no_csv(tmp_path: Path) -> None:
     assert "t.csv:2: not CSV" in serpenoid("servo --test", tmp_path / "t.csv").stderr
 
 
-def test_long_text_from_outside_is_shortened_and_marks_of_direction_are_shown() -> None:
+def test_long_text_from_outside_is_shortened_and_control_characters_are_shown() -> None:
     error = str(BadInput(f"column {'k' * 70_000}; name it t_s"))
     assert len(error) < 2100
     assert error.startswith("column kkk")
