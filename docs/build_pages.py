@@ -164,13 +164,9 @@ def api_pages() -> dict[str, str]:
 
 
 def pages(folder: Path) -> None:
-    """Make the pages to watch: the study of 2005, and two robots."""
+    """Make the pages to watch: two robots."""
     folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as scratch, chdir(scratch):
-        invoke(["figures", "--out", str(OUT / "pages" / "study-of-2005")])
-        study = OUT / "pages" / "study-of-2005" / "index.html"
-        back = '<p><a href="../index.html">← the documentation</a></p>\n<h1>'
-        study.write_text(study.read_text(encoding="utf-8").replace("<h1>", back), encoding="utf-8")
         gait = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "5", "--duration-s", "8"]
         invoke(["drive", "--port", "virtual:fast", *gait, "--record", "run.wire"])
         invoke(["view", "run.wire", "--out", str(folder / "virtual.html")])

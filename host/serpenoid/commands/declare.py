@@ -163,11 +163,9 @@ def _wrong(path: Path, suffixes: tuple[str, ...]) -> str | None:
 
 
 def _of_a_session(path: Path) -> Path | None:
-    """Return the session's own file that writing there, or data beside it, would destroy."""
-    if not (path.parent / "session.toml").exists():
-        return None
-    beside = path.with_suffix(".csv") if path.suffix.lower() in FIGURES else path
-    return next((own for own in (path, beside) if own.name in _SESSION and own.exists()), None)
+    """Return the session's own file that writing there would destroy."""
+    in_session = (path.parent / "session.toml").exists()
+    return path if in_session and path.name in _SESSION and path.exists() else None
 
 
 def directory(value: str | Path) -> Path:

@@ -11,7 +11,6 @@ import numpy as np
 
 from ..gaits.finder import LeastPower
 from ..gaits.least_power import power_front
-from ..gaits.shapes import shape_of
 from ..model.drives import TorqueTable
 from ..model.gait import Gait
 from ..model.ground import Ground
@@ -35,23 +34,6 @@ PAPERS_OPTIMUM = (30 * D, 80 * D)
 FRONT_M_S = (0.03, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7)
 FRONT_2005_M_S = (0.03, 0.05, 0.1, 0.15, 0.2)
 GRID_ALPHA, GRID_BETA = (5 * D, 75 * D), (20 * D, 90 * D)
-
-
-COSTS = {"net": "power", "abs": "abs_power", "positive": "positive_power"}
-
-
-@dataclass(frozen=True, slots=True)
-class Reading:
-    """Say how the paper is read where its words leave it open.
-
-    power: "net" (mean of P), "abs" (of |P|) or "positive" (of P+). angles: what Eq. 57 drives,
-    "joint" angles or "absolute" ones of the links. speed_along: "mean" direction of travel, or
-    the global "x" of a start with link 1 along x and at rest.
-    """
-
-    power: str = "net"
-    angles: str = "joint"
-    speed_along: str = "mean"
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +69,7 @@ def compare_torque_driven() -> float:
     return float(np.abs(soft.theta_rad - exact.theta_rad).max())
 
 
-def papers_sweep(powers: bool) -> Sweep:
+def papers_sweep() -> Sweep:
     """Solve the paper's 4500 gaits."""
     return sweep(
         ROBOT,
@@ -95,43 +77,17 @@ def papers_sweep(powers: bool) -> Sweep:
         alpha_rad=np.arange(5, 76, 5) * D,
         beta_rad=np.arange(20, 91, 5) * D,
         omega_rad_s=np.arange(1.0, 21.0),
-        powers=powers,
+        powers=False,
     )
 
 
-def papers_front(reading: Reading) -> list[LeastPower]:
+def papers_front() -> list[LeastPower]:
     """Find the least-power gaits of the paper's robot over its speeds."""
-    front = power_front(ROBOT, GROUND, speeds_m_s=np.array(FRONT_M_S), cost=COSTS[reading.power])
+    front = power_front(ROBOT, GROUND, speeds_m_s=np.array(FRONT_M_S))
     return [best for best in front if best is not None]
 
 
-def shown_amplitude_deg(gait: Gait, reading: Reading) -> float:
-    """Return the amplitude as the reading counts it, of joints or of links."""
-    if reading.angles == "joint":
-        return math.degrees(gait.alpha_rad)
-    return math.degrees(math.exp(shape_of(gait.alpha_rad, gait.beta_rad)[0]))
-
-
-def along_x(gait: Gait) -> float:
-    """Return speed along global x over speed along the way, from link 1 along x and at rest."""
-    settled, cycles = steady_gait(ROBOT, GROUND, gait, powers=False), 15
-    start = math.ceil(8 * settled.settling_time_s / gait.period_s)
-    run = simulate(
-        Scene(
-            ROBOT,
-            GROUND,
-            gait,
-            method="rk4",
-            dt_s=gait.period_s / 400,
-            record_every=400,
-            duration_s=(start + cycles) * gait.period_s,
-        )
-    )
-    x, y = run.x_m.mean(axis=1)[[start, -1]], run.y_m.mean(axis=1)[[start, -1]]
-    return abs(x[1] - x[0]) / math.hypot(x[1] - x[0], y[1] - y[0])
-
-
-def cloud_2005(powers: bool) -> Sweep:
+def cloud_2005() -> Sweep:
     """Solve a grid of gaits of the 2005 robot on its measured, dry ground."""
     return sweep(
         OF_2005,
@@ -140,7 +96,7 @@ def cloud_2005(powers: bool) -> Sweep:
         beta_rad=np.arange(40, 111, 5) * D,
         omega_rad_s=np.geomspace(0.7, 12, 12),
         rtol=1e-3,
-        powers=powers,
+        powers=False,
     )
 
 
@@ -160,7 +116,7 @@ def path_run(gait: Gait, cycles: int) -> Run:
     )
 
 
-def dearer(front: Sequence[LeastPower], speed_m_s: float, cost: str) -> float:
+def dearer(front: Sequence[LeastPower], speed_m_s: float) -> float:
     """Return by what fraction the paper's (30, 80) deg costs more than the optimum at a speed."""
     from scipy.optimize import brentq
 
@@ -171,7 +127,7 @@ def dearer(front: Sequence[LeastPower], speed_m_s: float, cost: str) -> float:
 
     around = 0.2 * best.gait.omega_rad_s, 5 * best.gait.omega_rad_s
     rate: Any = brentq(lambda rate: papers(rate).speed_m_s - best.speed_m_s, *around)
-    return float(getattr(papers(rate), f"{cost}_w")) / best.power_w - 1
+    return papers(rate).power_w / best.power_w - 1
 
 
 def finer_step(dt_s: float = 2.5e-4) -> float:

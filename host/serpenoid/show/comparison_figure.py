@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..prediction.comparison import ComparedGait, Comparison
-from .figure_data import write_comparison
 from .plot import BLUE, GREY, HUGS, ORANGE, RED, columns, figure, hatch_beyond
 
 if TYPE_CHECKING:
@@ -20,10 +19,9 @@ PANELS: dict[str, Any] = {"rows": 2, "sharex": True, "height_ratios": [3, 1]}
 
 
 def comparison_figure(compared: Comparison, path: Path) -> None:
-    """Draw a comparison into a file, its data beside."""
+    """Draw a comparison into a file."""
     with figure(*SIZE, path=path, **PANELS) as (fig, axes):
         draw_comparison(fig, axes, compared)
-    write_comparison(compared, path)
 
 
 def draw_comparison(fig: Figure, axes: Any, compared: Comparison) -> None:

@@ -20,7 +20,7 @@ from ..model.ground import Ground
 from ..model.robot import Robot
 from ..prediction.predict import SpeedPoint
 from ..simulation.run import Run
-from .figure_data import LINES, line, write_friction
+from .friction_line import LINES, line
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -95,10 +95,9 @@ def fit_heading(fig: Figure, session: Session, fit: FrictionFit) -> None:
 
 
 def friction_lines(session: Session, fit: FrictionFit, path: Path, note: str = "") -> None:
-    """Draw readings and fitted lines of friction along and across the links, their data beside."""
+    """Draw readings and fitted lines of friction along and across the links."""
     with figure(9.0, 4.2, 2, path=path) as (fig, axes):
         draw_friction(fig, axes, session, fit, note)
-    write_friction(session, fit, path)
 
 
 def draw_friction(

@@ -118,7 +118,6 @@ def test_sweeps_of_every_kind_are_replaced(tmp_path: Path, suffix: str) -> None:
     ("wish", "file"),
     [
         (WISH, "readings.csv"),
-        ("fit calibration_data/nirakh-2005 --no-save --plot", "readings.png"),
     ],
 )
 def test_a_sessions_own_files_are_not_written_over(tmp_path: Path, wish: str, file: str) -> None:

@@ -17,14 +17,14 @@ def test_a_finer_step_changes_next_to_nothing() -> None:
 
 def test_claims_of_optima_follow_from_the_front() -> None:
     """A front at the paper's own optimum agrees; one that leaves it does so in part or differs."""
-    front, reading = study.papers_front(study.Reading()), study.Reading()
+    front = study.papers_front()
 
     def verdicts(alpha_deg: list[float], beta_deg: list[float]) -> dict[str, str]:
         moved = [
             replace(b, gait=replace(b.gait, alpha_rad=a * study.D, beta_rad=c * study.D))
             for b, a, c in zip(front, alpha_deg * 5, beta_deg * 5, strict=False)
         ]
-        return {c.paper: c.verdict for c in claims._optima(moved, reading)}
+        return {c.paper: c.verdict for c in claims._optima(moved)}
 
     same, apart, off = (verdicts(*x) for x in (([30], [80]), ([30, 60], [80, 60]), ([80], [50])))
     for name in (
@@ -36,12 +36,12 @@ def test_claims_of_optima_follow_from_the_front() -> None:
     assert same["for each speed one gait costs least"] == "agrees"
     assert off["for each speed one gait costs least"] == "differs"  # 80 deg is beyond the grid
     twins = [replace(b, runner_up_w=b.power_w) for b in front[:3]] + front[3:]
-    first, line, *_ = claims._optima(twins, reading)
+    first, line, *_ = claims._optima(twins)
     assert first.verdict == "in part"
     assert first.here.startswith("so it does at 6 of 9 speeds")
     assert line.verdict == "agrees"
     bent = [replace(b, gait=replace(b.gait, omega_rad_s=3.0)) for b in front]
-    assert claims._optima(bent, reading)[1].verdict == "differs"
+    assert claims._optima(bent)[1].verdict == "differs"
 
 
 def test_dry_friction_along_the_links_is_no_small_matter():

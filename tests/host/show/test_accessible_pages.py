@@ -7,21 +7,8 @@ from pathlib import Path
 import pytest
 from command_line import serpenoid
 from robots import NIRAKH_2005
-from serpenoid.paper.claims import Claim, as_dict
-from serpenoid.paper.study import Reading
-from serpenoid.show.gaits.paper_page import write_page
 from show.test_view_page import LIMPING
 from webdriver import Browser
-
-
-def study(folder: Path) -> Path:
-    claims = [
-        Claim("Fig. 6", "a", "b", "differs", "demo"),
-        Claim("text", "a", "b", "agrees", "fit"),
-    ]
-    reading = as_dict(claims, Reading("abs", "absolute", "x"))["reading"]
-    write_page(folder / "study.html", claims, [("fig6-7.png", "Figs. 6 and 7: errors")], reading)
-    return folder / "study.html"
 
 
 def written(folder: Path, *arguments: str) -> Path:
@@ -36,7 +23,6 @@ def pages(tmp_path_factory) -> list[Path]:
     return [
         written(folder, "view", str(LIMPING)),
         written(folder, "report", str(NIRAKH_2005)),
-        study(folder),
     ]
 
 

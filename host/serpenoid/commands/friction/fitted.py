@@ -62,7 +62,6 @@ def fit(
     with working(f"fitting {count} readings") if count > MANY or crawls else nullcontext():
         fit = sn.fit_friction(loaded, method=method, crawls=crawls, servo=servo)
     if figure is not None:
-        from ...show.figure_data import beside
         from ...show.plot import friction_lines
         from ...show.session.floor_figure import push_figure
 
@@ -70,7 +69,7 @@ def fit(
             push_figure(loaded, fit, figure)
         else:
             friction_lines(loaded, fit, figure)
-            report.wrote(figure, beside(figure))
+        report.wrote(figure)
     not_kept = None
     if save and method != "naive":
         try:
@@ -158,23 +157,20 @@ def compare(
         )
     if figure is not None:
         from ...show.comparison_figure import comparison_figure
-        from ...show.figure_data import beside
 
         comparison_figure(compared, figure)
-        report.wrote(figure, beside(figure))
+        report.wrote(figure)
     tell(compared, as_json)
 
 
 @click.command()
 @click.argument("session", type=FOLDER)
 @option("--out", "Where to; report.html in the session's folder.", type=out_file(".html"))
-@option("--bibtex", "Write what to cite into this file, too.", type=out_file(".bib"))
 @servo_option
 @AS_JSON
 def report(
     session: Path,
     out: Path | None,
-    bibtex: Path | None,
     as_json: bool,
 ) -> None:
     """Write a session's report: one self-contained HTML file, the same bytes when made again.
@@ -205,11 +201,5 @@ def report(
         advised = advice.advise(loaded, servo=servo)
     page = session_page(loaded, fit, compared, advised)
     write_text(out, page)
-    if bibtex is not None:
-        from ...show.citation import entries
-        from ...show.report import wrote
-
-        write_text(bibtex, entries())
-        wrote(bibtex)
     verdict = None if compared is None else compared.verdict
     show_json({"report": str(out), "verdict": verdict}) if as_json else say(f"wrote {out}")

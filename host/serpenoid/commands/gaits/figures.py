@@ -10,50 +10,31 @@ from ...show.screen import progress, say
 from ..declare import directory, option
 from ..options import AS_JSON, interruptible, show_json, write_json
 
+STEPS = 6  # of the progress
+
 
 @click.command()
-@option(
-    "--out",
-    "Folder for figures, their data and the page.",
-    type=directory,
-    default=Path("figures-out"),
-)
-@option("--power", "Mean of P, of |P| or of P+.", choice=["net", "abs", "positive"], default="net")
-@option(
-    "--angles",
-    "What Eq. 57 drives: joints, or links.",
-    choice=["joint", "absolute"],
-    default="joint",
-)
-@option(
-    "--speed-along",
-    "Direction the speed counts in: of travel, or global x.",
-    choice=["mean", "x"],
-    default="mean",
-)
+@option("--out", "Folder for figures and claims.", type=directory, default=Path("figures-out"))
 @AS_JSON
-def figures(out: Path, power: str, angles: str, speed_along: str, as_json: bool) -> None:
+def figures(out: Path, as_json: bool) -> None:
     """Draw the figures of the 2005 paper anew, and set its claims beside what is found.
 
-    Writes Figs. 6 to 13 and 15 to 17, fronts of least-power gaits, the robot crawling (SVG), a data
-    file beside each, claims.json and index.html. Some twenty seconds. Joints follow the gait
-    exactly, as the paper's do, so there is no --servo; the speeds of Fig. 17 have the band of any
-    hobby servo beside them.
+    Writes Figs. 6 to 13 and 15 to 17, the front of least power of the 2005 robot, and claims.json.
+    Some twenty seconds. Joints follow the gait exactly, as the paper's do, so there is no --servo;
+    the speeds of Fig. 17 have the band of any hobby servo beside them.
     """
     from ...paper.claims import as_dict
-    from ...paper.study import Reading
-    from ...show.gaits.paper_page import claim_table, write_page
+    from ...show.report import table
     from .remade import draw
 
     out.mkdir(parents=True, exist_ok=True)
-    reading = Reading(power, angles, speed_along)
-    with progress(6, "figures") as advance:
-        found, shown = interruptible(lambda: draw(out, reading, advance))
-    values = as_dict(found, reading)
+    with progress(STEPS, "figures") as advance:
+        found = interruptible(lambda: draw(out, advance))
+    values = as_dict(found)
     write_json(out / "claims.json", values)
-    write_page(out / "index.html", found, shown, values["reading"])
     if as_json:
-        show_json(values | {"page": str(out / "index.html")})
+        show_json(values)
     else:
-        claim_table(found)
-        say(f"wrote {out / 'index.html'} and {len(shown)} figures with their data")
+        cells = [[c.where, c.paper, c.here, c.verdict] for c in found]
+        table("the paper's claims", ["where", "the paper", "here", "verdict"], cells, 4)
+        say(f"wrote {out / 'claims.json'} and the figures")

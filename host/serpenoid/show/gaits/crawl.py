@@ -1,4 +1,4 @@
-"""One cycle of a gait as a picture that moves: SVG for a page, and its data.
+"""One cycle of a gait as a picture that moves: SVG for a page.
 
 The camera goes along at the mean speed, so that the cycle closes in itself and repeats for ever.
 """
@@ -18,7 +18,6 @@ from ...model.ground import Ground
 from ...model.robot import Robot
 from ...simulation.scene import Scene
 from ...simulation.simulate import simulate
-from ..figure_data import by_link, write_columns
 from ..plot import BLUE, GREY, RED, along_travel, gait_title, robot_words
 
 Array = NDArray[np.float64]
@@ -82,19 +81,6 @@ def crawl(robot: Robot, ground: Ground, gait: Gait) -> Crawl:
     return Crawl(
         robot, ground, gait, turned.t_s, centre, turned.theta_rad, force, slip, end - start
     )
-
-
-def write_data(cycle: Crawl, path: Path) -> None:
-    """Write the frames: where each link is, what the ground does to it, how fast it slips."""
-    tables = {
-        "x{}_m": cycle.centre.real,
-        "y{}_m": cycle.centre.imag,
-        "theta{}_rad": cycle.theta_rad,
-        "force_x{}_n": cycle.force_n.real,
-        "force_y{}_n": cycle.force_n.imag,
-        "slip{}_m_s": cycle.slip_m_s,
-    }
-    write_columns(path, {"t_s": cycle.t_s} | by_link(tables))
 
 
 def write_svg(cycle: Crawl, path: Path) -> None:

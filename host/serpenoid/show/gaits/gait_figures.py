@@ -4,23 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...gaits.finder import LeastPower
-from ...model.files import write_csv
 from ...paper.study import Comparison
 from ...periodic.sweep import Sweep
-from ...prediction.predict import SpeedPoint
-from ...simulation.run import Run
-from ..figure_data import beside, by_link, write_columns, write_parts
 from ..plot import (
     BLUE,
     GREY,
     ORANGE,
     RED,
-    along_travel,
     columns,
     figure,
     heading,
@@ -35,20 +30,18 @@ def optimum_figure(
     papers: dict[str, float],
     title: str,
     path: Path,
-    amplitudes_deg: Sequence[float],
-    along: Sequence[float],
 ) -> None:
     """Draw the optimum's rate, lag and amplitude against speed (Figs. 9, 10, 11).
 
     papers: what the paper states for "beta_deg" and "alpha_deg", drawn as dashed lines.
-    amplitudes_deg: as they are to be counted; along: what part of each speed counts.
     """
-    speed = [b.speed_m_s * part for b, part in zip(best, along, strict=True)]
-    omega_rad_s, beta_rad = columns([b.gait for b in best], "omega_rad_s", "beta_rad")
+    speed = [b.speed_m_s for b in best]
+    gaits = [b.gait for b in best]
+    omega_rad_s, beta_rad, alpha_rad = columns(gaits, "omega_rad_s", "beta_rad", "alpha_rad")
     optimum = {
         "omega_rad_s": omega_rad_s,
         "beta_deg": np.degrees(beta_rad),
-        "alpha_deg": np.array(amplitudes_deg),
+        "alpha_deg": np.degrees(alpha_rad),
     }
     words = (
         ("rate (Fig. 9)", "ω (rad/s)"),
@@ -81,7 +74,6 @@ def optimum_figure(
             ax.yaxis.get_major_locator().set_params(steps=[1, 2, 5, 10])
             ax.legend(loc="upper left", fontsize=8)
         heading(fig, title)
-    write_columns(path, {"speed_m_s": speed} | optimum)
 
 
 def shape_maps(states: Sweep, at: int, title: str, path: Path) -> None:
@@ -115,29 +107,19 @@ def shape_maps(states: Sweep, at: int, title: str, path: Path) -> None:
             ax.set(xlabel="amplitude α (°)", ylabel="phase lag β (°)", title=name)
             ax.grid(visible=False)
         fig.suptitle(title, fontsize=9, color=GREY)
-    grid = dict(
-        zip(("alpha_deg", "beta_deg"), np.meshgrid(alpha, beta, indexing="ij"), strict=True)
-    )
-    write_columns(path, grid | {"speed_m_s": speed, "power_w": power})
 
 
 def errors_in_time(closed: Comparison, opened: Comparison, path: Path) -> None:
     """Draw how far the implicit model is off the exact one in time (Figs. 6 and 7)."""
-    data: dict[str, Any] = {"t_s": closed.t_s}
     with figure(9.6, 4.2, 2, path=path) as (fig, (left, right)):
-        for gaps, errors, colour, style, name in (
-            ("closed", closed, RED, "-", "all gaps closed at first (the paper)"),
-            ("opened", opened, BLUE, "--", "gaps opened by the forces at first"),
+        for errors, colour, style, name in (
+            (closed, RED, "-", "all gaps closed at first (the paper)"),
+            (opened, BLUE, "--", "gaps opened by the forces at first"),
         ):
             angle, (vx, vy) = errors.theta_error_rad, errors.velocity_error_m_s.T
             left.plot(errors.t_s, 1e3 * angle, style, color=colour, lw=1.0, label=name)
             size = np.maximum(np.hypot(vx, vy), 1e-6)
             right.semilogy(errors.t_s, size, style, color=colour, lw=0.9)
-            data |= {
-                f"{gaps}_theta_error_rad": angle,
-                f"{gaps}_vx_error_m_s": vx,
-                f"{gaps}_vy_error_m_s": vy,
-            }
         left.axhspan(
             -1, 1, color="#eeeeee", zorder=0, label="1 mrad, the order that the paper tells"
         )
@@ -161,25 +143,18 @@ def errors_in_time(closed: Comparison, opened: Comparison, path: Path) -> None:
             "implicit less exact model: three links of 1 kg, 0.12 m; α = 30°, β = 90°, "
             "ω = 3 rad/s;\nk = 1000 N/m, c = 1 N s/m, RK4 of 1 ms",
         )
-    write_columns(path, {name: values[::2] for name, values in data.items()})
 
 
 def power_of(
     cloud: Sweep,
     front: Sequence[LeastPower],
-    along: Sequence[float],
-    cost: str,
     title: str,
     path: Path,
 ) -> None:
-    """Draw the power of all gaits against speed, and the least (Fig. 8).
-
-    along: what part of each optimum's speed counts. cost: a power's name.
-    """
-    watts = getattr(cloud, f"{cost}_w")
+    """Draw the power of all gaits against speed, and the least (Fig. 8)."""
+    watts = cloud.power_w
     good = cloud.converged & (cloud.speed_m_s > 1e-3) & (watts > 0)
-    speed = [b.speed_m_s * part for b, part in zip(front, along, strict=True)]
-    label = "least power" if min(along, default=1.0) == 1.0 else "least power, speed along x"
+    speed = [b.speed_m_s for b in front]
     with figure(7.2, 5.0, path=path) as (fig, ax):
         ax.scatter(
             cloud.speed_m_s[good],
@@ -190,34 +165,9 @@ def power_of(
             rasterized=True,
             label=f"{int(good.sum())} gaits that travel",
         )
-        ax.plot(speed, [b.power_w for b in front], "o-", color=BLUE, ms=4, label=label)
+        ax.plot(speed, [b.power_w for b in front], "o-", color=BLUE, ms=4, label="least power")
         ax.set(xlabel="speed (m/s)", ylabel="power (W)", xscale="log", yscale="log")
         if speed:  # the claim is about the front: what is far slower only shrinks it
             ax.set_xlim(left=0.5 * min(speed))
         ax.legend(loc="upper left", markerscale=1.0)
         fig.suptitle(title, fontsize=9, color=GREY)
-    alpha, beta, omega = np.meshgrid(
-        np.degrees(cloud.alpha_rad).round(10),
-        np.degrees(cloud.beta_rad).round(10),
-        cloud.omega_rad_s,
-        indexing="ij",
-    )
-    parts = [("gait", [v[good] for v in (cloud.speed_m_s, watts, alpha, beta, omega)])]
-    *angles, rate = columns([b.gait for b in front], "alpha_rad", "beta_rad", "omega_rad_s")
-    powers = columns(front, "power_w")
-    parts.append(("least", [np.array(speed), *powers, *map(np.degrees, angles), rate]))
-    names = ("speed_m_s", f"{cost}_w", "alpha_deg", "beta_deg", "omega_rad_s")
-    write_parts(path, ("kind", *names), parts)
-
-
-def path_data(run: Run, path: Path) -> None:
-    """Write the data of Figs. 12 and 13: every link in time, along the mean way of travel."""
-    turned = along_travel(run)
-    tables = {"x{}_m": turned.x_m, "y{}_m": turned.y_m, "theta{}_rad": turned.theta_rad}
-    write_columns(path, {"t_s": turned.t_s} | by_link(tables))
-
-
-def speed_data(points: Sequence[SpeedPoint], path: Path) -> None:
-    """Write the points of Fig. 17."""
-    rows = [list(point.to_dict().values()) for point in points]
-    write_csv(beside(path), list(points[0].to_dict()), rows)
