@@ -10,7 +10,6 @@ from __future__ import annotations
 import dataclasses
 import inspect
 import json
-import math
 import os
 import re
 import tempfile
@@ -26,6 +25,7 @@ from serpenoid.commands.main import cli
 from serpenoid.model import errors
 from serpenoid.robot import RobotBoard
 from serpenoid.robot.recording.stream import load_stream
+from serpenoid.servos import bench_fit
 
 PATH = Path(__file__).resolve().with_name("public.txt")
 GOING = PATH.with_name("going.txt")
@@ -213,15 +213,18 @@ def make_inputs() -> None:
         cells = f"lambda_deg={bend} incline_deg={incline} belt_speed_m_s={belt}"
         run(f"calibrate add MINE station {cells}")
     run(f"calibrate add MINE {CRAWL}")
-    angles = (30 * (1 - math.exp(-max(k - 12, 0) / 4)) for k in range(30))
-    rows = (f"{k / 50},{30 * (k > 10)},{angle}\n" for k, angle in enumerate(angles))
+    angle, rows = 0.0, []
+    for k in range(200):
+        goal = 60 * (20 <= k < 120)
+        angle += min(max((goal - angle) / 4, -3.0), 3.0)  # 300 degrees a second at most
+        rows.append(f"{k / 100},{goal},{angle:.1f}\n")
     Path("BENCH").write_text("t_s,setpoint_deg,angle_deg\n" + "".join(rows))
 
 
 def sections() -> Iterator[tuple[str, Iterable[str]]]:
     """Yield each part: its heading and its lines."""
     yield "Commands", commands(cli)
-    with patch("serpenoid.servos.bench_test.PARTICLES", 128):  # a sixth of its time
+    with patch.object(bench_fit, "PARTICLES", 64):  # a quarter of its samples
         for line in ANSWERS:
             yield f"JSON: {line}", by_table(json.loads(run(f"{line} --json")))
     yield "Files: a scene", dict.fromkeys(scene_keys())

@@ -1,20 +1,47 @@
 // What Python has of servos: their numbers, and gaits that they drive.
 #include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <chrono>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "python/core_model.hpp"
+#include "servos/bench_joint.hpp"
 #include "servos/servo_gait.hpp"
 
 namespace nb = nanobind;
 using namespace serpenoid;
 
 namespace {
+
+// What a joint on a bench has, under the names that Python has for it.
+template <class Visit>
+void each_bench_field(const Visit& field) {
+    each_servo_field([&](const char* name, double Servo::* of) {
+        field(name, [of](BenchJoint& joint) -> double& { return joint.servo.*of; });
+    });
+    const auto own = [&](const char* name, double BenchJoint::* of) {
+        field(name, [of](BenchJoint& joint) -> double& { return joint.*of; });
+    };
+    own("load_inertia_kg_m2", &BenchJoint::load_inertia);
+    own("gravity_nm", &BenchJoint::gravity);
+    own("gravity_angle_rad", &BenchJoint::gravity_angle);
+    own("gain", &BenchJoint::gain);
+    own("start_rad", &BenchJoint::start);
+    own("first_look_s", &BenchJoint::first_look);
+    own("blend", &BenchJoint::blend);
+}
+
+std::size_t count_of_bench_fields() {
+    std::size_t count = 0;
+    each_bench_field([&](const char*, auto) { ++count; });
+    return count;
+}
 
 ServoGaitState servo_gait_of(const Model& m, const Servo& servo, const Vec3& start,
                              const Mat3& monodromy, double longest, bool rough, double slow,
@@ -34,6 +61,36 @@ ServoGaitState servo_gait_of(const Model& m, const Servo& servo, const Vec3& sta
                       report);
 }
 
+using Table = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using Column = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+constexpr double kLongestStep =
+    1e-3;  // s, a tenth of the time in which a quick rotor comes to speed
+
+// Angles (K, T) of joints: rows of the fields that BENCH_FIELDS names, and the times at which each
+// of them hears each setpoint.
+nb::ndarray<nb::numpy, double> angles_on_bench(Table joints, Column setpoints, Table heard,
+                                               Column times) {
+    const std::size_t count = joints.shape(0), rows = times.shape(0), steps = setpoints.shape(0);
+    const std::size_t fields = count_of_bench_fields();
+    if (joints.shape(1) != fields || heard.shape(0) != count || heard.shape(1) != steps ||
+        rows == 0 || steps == 0)
+        throw nb::value_error("one row of fields and one of times for each joint");
+    auto out = std::make_unique<double[]>(count * rows + 1);
+    {
+        nb::gil_scoped_release release;
+        for (std::size_t k = 0; k < count; ++k) {
+            BenchJoint joint;
+            const double* value = joints.data() + k * fields;
+            each_bench_field([&](const char*, auto field) { field(joint) = *value++; });
+            bench_angles(joint, {setpoints.data(), steps}, {heard.data() + k * steps, steps},
+                         {times.data(), rows}, kLongestStep, {&out[k * rows], rows});
+        }
+    }
+    double* data = out.release();
+    nb::capsule free(data, [](void* p) noexcept { delete[] static_cast<double*>(p); });
+    return {data, {count, rows}, free};
+}
+
 }  // namespace
 
 void bind_servos(nb::module_& m) {
@@ -45,6 +102,10 @@ void bind_servos(nb::module_& m) {
         servo.def_rw(name, field);
     });
     m.attr("SERVO_FIELDS") = nb::tuple(nb::cast(names));
+    std::vector<std::string> bench;
+    each_bench_field([&](const char* name, auto) { bench.emplace_back(name); });
+    m.attr("BENCH_FIELDS") = nb::tuple(nb::cast(bench));
+    m.def("bench_angles", &angles_on_bench);
     nb::class_<ServoGaitState>(m, "ServoGaitState")
         .def_ro("speed", &ServoGaitState::speed)
         .def_ro("spread", &ServoGaitState::spread)

@@ -153,6 +153,24 @@ class Servo:
 
 SERVO_FIELDS: tuple
 
+BENCH_FIELDS: tuple
+
+def bench_angles(
+    arg0: Annotated[
+        NDArray[numpy.float64], dict(shape=(None, None), order="C", device="cpu", writable=False)
+    ],
+    arg1: Annotated[
+        NDArray[numpy.float64], dict(shape=(None,), order="C", device="cpu", writable=False)
+    ],
+    arg2: Annotated[
+        NDArray[numpy.float64], dict(shape=(None, None), order="C", device="cpu", writable=False)
+    ],
+    arg3: Annotated[
+        NDArray[numpy.float64], dict(shape=(None,), order="C", device="cpu", writable=False)
+    ],
+    /,
+) -> NDArray[numpy.float64]: ...
+
 class ServoGaitState:
     @property
     def speed(self) -> float: ...

@@ -122,8 +122,18 @@ def tell_alarms(fit: sn.FrictionFit, more: list[str] | None = None) -> sn.Fricti
     context = click.get_current_context(silent=True)
     if context is not None:
         answers = {"fit_alarms": alarms, "fit_notes": fit.unmeasured}
-        context.meta[ALARMS] = {key: words for key, words in answers.items() if words}
+        alarms_of_answer = context.meta.setdefault(ALARMS, {})
+        alarms_of_answer.update({key: words for key, words in answers.items() if words})
     return fit
+
+
+def tell_remark(kind: sn.ServoKind) -> None:
+    """Warn once of a servo file whose test the model did not describe; show_json has it, too."""
+    context = click.get_current_context()
+    alarms = context.meta.setdefault(ALARMS, {})
+    if kind.remark and "servo_remark" not in alarms:
+        alarms["servo_remark"] = kind.remark
+        say(f"serpenoid: warning: servo {kind.name}: {kind.remark}", err=True)
 
 
 _SAME_RAD, _SAME_RATE = 1e-3, 0.01

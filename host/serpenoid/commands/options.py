@@ -21,7 +21,7 @@ from ..model.checks import FORMULATIONS, check_number
 from ..model.files import write_text
 from ..show.screen import say
 from .declare import Given, Options, Range, angle, flag, number, option, radians
-from .given import ALARMS, take_fit
+from .given import ALARMS, take_fit, tell_remark
 
 T = TypeVar("T")
 AS_JSON = flag("--json", "as_json", "Answer with JSON.")
@@ -184,6 +184,7 @@ def take_servo(default: str = IDEAL) -> sn.ServoKind | None:
         return None
 
     kind = sn.servo(wanted)
+    tell_remark(kind)
     kind = kind if volts is None else kind.at_volts(volts)
     return kind if frame_ms is None else kind.at_frames(frame_ms / 1e3)
 

@@ -52,6 +52,34 @@ class Student:
         return np.asarray(head - 0.5 * (size * math.log(FREEDOM * math.pi) + far))
 
 
+def about_a_maximum(
+    centre: Floats, root: Floats, log_density: LogDensity, count: int, moves: int, seed: int
+) -> Floats:
+    """Return (count, D) samples of a density near one of its maxima, where it is nearly normal.
+
+    centre (D,), root (D, D): of the normal distribution that touches it there. Each sample moves by
+    itself: towards the centre and on by a part of a normal one, which is always accepted of a
+    normal density (preconditioned Crank-Nicolson), or to and fro.
+    """
+    rng = np.random.default_rng(seed)
+    unit = rng.normal(size=(count, centre.size))
+    log = log_density(centre + unit @ root.T)
+    for k in range(moves):
+        step = rng.normal(size=unit.shape)
+        if k % 2:
+            part = rng.uniform(0.05, 0.7, size=(count, 1))
+            tried = np.sqrt(1 - part**2) * unit + part * step
+        else:
+            tried = unit + 0.5 * rng.exponential(size=(count, 1)) / math.sqrt(centre.size) * step
+        new = log_density(centre + tried @ root.T)
+        gain = new - log
+        if k % 2:
+            gain += 0.5 * np.sum(tried**2 - unit**2, axis=1)
+        taken = np.log(rng.uniform(size=count)) < gain
+        unit, log = np.where(taken[:, None], tried, unit), np.where(taken, new, log)
+    return np.asarray(centre + unit @ root.T)
+
+
 def alike(log: Floats) -> float:
     """Return how many points that are alike are worth as much as weights of such logarithms."""
     weight = np.exp(log - log.max())

@@ -115,6 +115,11 @@ class ServoSteady(Result):
         return self.servo.name if isinstance(self.servo, ServoKind) else "as given"
 
     @property
+    def remark(self) -> str:
+        """Return why the servo is not to be trusted; "" if nothing speaks against it."""
+        return self.servo.remark if isinstance(self.servo, ServoKind) else ""
+
+    @property
     def low_m_s(self) -> float:
         """Return the lower end of the band that the servo leaves, m/s."""
         return self._ends[0]
@@ -176,7 +181,8 @@ class ServoSteady(Result):
             return too_fast
         speed, low, high = map(two_digits, (self.speed_m_s, self.low_m_s, self.high_m_s))
         ideal = two_digits(self.ideal.speed_m_s)
-        return f"About {speed} m/s with typical servos ({low} to {high}); ideal joints {ideal}."
+        text = f"About {speed} m/s with typical servos ({low} to {high}); ideal joints {ideal}."
+        return " ".join(filter(None, [text, self.remark]))
 
     def rows(self) -> list[Row]:
         """Return speed with its band, what becomes of the joints, voltage, source and error."""
@@ -190,8 +196,10 @@ class ServoSteady(Result):
             detail("error of the speed, relative", "", self.error_estimate),
         ]
         if isinstance(self.servo, ServoKind):
-            volts = Row("voltage at the plug", "V", words=self.servo.volts_in_words)
-            return [*rows, volts, detail("source", "", words=self.servo.source)]
+            rows.append(Row("voltage at the plug", "V", words=self.servo.volts_in_words))
+            if self.remark:
+                rows.append(Row("remark", "", words=self.remark))
+            return [*rows, detail("source", "", words=self.servo.source)]
         return rows
 
     def _speed_row(self) -> Row:

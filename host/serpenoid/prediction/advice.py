@@ -117,7 +117,8 @@ def advise(
     readings.sort(key=lambda r: (r.band - now) / (r.minutes or 1.0))
     after = readings[0].band_after_times
     told = _ON_FLOOR if session.on_floor else _ratchet_note(session, fit)
-    note = " ".join(filter(None, (*too_fast, told, speeds.servo_note(servo, after))))
+    notes = (servo and servo.remark, *too_fast, told, speeds.servo_note(servo, after))
+    note = " ".join(filter(None, notes))
     measured = None if servo is None or servo.drawn else speeds.servo_measured
     named = servo and servo.name
     return Advice(wanted, now, after, tuple(readings), note, named, measured, fit.alarms)

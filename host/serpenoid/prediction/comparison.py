@@ -245,7 +245,9 @@ def compare(
             words.append(too_fast)
             points[j] = replace(points[j], low_all_m_s=None, high_all_m_s=None)
     judged = _judged(session, fit, drawn, points, (amplitude_sigma, seed, servo))
-    text = " ".join(filter(None, [*swapped_plugs(session), *words, judged.pop("text"), levelled]))
+    remark = servo.remark if servo else ""
+    words += [judged.pop("text"), levelled]
+    text = " ".join(filter(None, [remark, *swapped_plugs(session), *words]))
     return Comparison(
         session.setup.name,
         amplitude_sigma,

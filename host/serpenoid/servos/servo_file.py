@@ -19,10 +19,10 @@ _FIELDS = tuple(f.name for f in dataclasses.fields(Servo))
 def load_servo(path: str | Path) -> ServoKind:
     """Read a kind of servo from a TOML file.
 
-    The file has `format = 1` and may have `name` and `source`. [servo] has Servo's fields; those
-    that are missing have its defaults. [sigma] has standard deviations of the logarithm of some of
-    them; the others are exact. [drawn] holds servos that a measurement leaves possible: a list for
-    each field that differs.
+    The file has `format = 1` and may have `name`, `source` and a `remark` that warns of it. [servo]
+    has Servo's fields; those that are missing have its defaults. [sigma] has standard deviations of
+    the logarithm of some of them; the others are exact. [drawn] holds servos that a measurement
+    leaves possible: a list for each field that differs.
 
     Parameters
     ----------
@@ -47,7 +47,8 @@ def load_servo(path: str | Path) -> ServoKind:
     """
     top = Table.load(Path(path))
     top.check_format(FORMAT)
-    top.only("format", "servo", optional=("name", "source", "sigma", "updates_hz", "drawn"))
+    others = ("name", "source", "sigma", "updates_hz", "drawn", "remark")
+    top.only("format", "servo", optional=others)
     table = top.table("servo").without_removed(REMOVED)
     table.only(optional=_FIELDS)
     values: dict[str, Any] = {name: table.number(name) for name in table.values}
@@ -62,7 +63,8 @@ def load_servo(path: str | Path) -> ServoKind:
     source = top.string("source") if "source" in top.values else str(path)
     updates = top.numbers("updates_hz", 0.0, 1e4) if "updates_hz" in top.values else ()
     drawn = _load_drawn(top, servo) if "drawn" in top.values else ()
-    return ServoKind(name, servo, sigma, updates, source, drawn)
+    remark = top.string("remark") if "remark" in top.values else ""
+    return ServoKind(name, servo, sigma, updates, source, drawn, remark)
 
 
 def _load_drawn(top: Table, typical: Servo) -> tuple[Servo, ...]:
@@ -104,6 +106,8 @@ def save_servo(kind: ServoKind, path: str | Path) -> None:
     values: dict[str, Any] = {"format": FORMAT, "name": kind.name}
     if kind.source:
         values["source"] = kind.source
+    if kind.remark:
+        values["remark"] = kind.remark
     if kind.updates_hz:
         values["updates_hz"] = list(kind.updates_hz)
     values["servo"] = {name: getattr(kind.servo, name) for name in _FIELDS}

@@ -1,7 +1,8 @@
-"""Servos from measurements: truths that no fit is told, by codes that share no step with it."""
+"""Bench tests of hidden servos, which a code that shares no step with the fit has moved."""
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -10,102 +11,172 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from command_line import serpenoid
-from lab.one_joint import ROBOT, filmed_by, shown_by
-from robots import BINGHAM, gait_in_deg
-from serpenoid import ServoSteady
-from serpenoid.periodic.servo_steady import with_servo
-from serpenoid.servos import bench_test
-from serpenoid.servos.bench_test import moved, servo_of_test, shown
+from lab.one_joint import SENT, Hidden, drawn, moved, tables_of
+from refusals import refused
+from serpenoid.servos import bench_fit
+from serpenoid.servos.bench_fit import MeasuredServo, servo_of_test
+from serpenoid.servos.bench_test import BenchModel, BenchTest, Load
 
-GAIT = gait_in_deg(70, 75, math.tau * 0.5)
-
-
-def test_the_models_joint_moves_as_the_labs() -> None:
-    """Loops look between the model's steps, too."""
-    off = []
-    for true in sn.servo().draws(12, 105):
-        film = filmed_by(true, 0, 0.0)
-        off.append(np.std(moved(film, [true], np.zeros(1))[0] - film.angle_rad))
-    assert np.mean(off) < math.radians(0.04)
+LEVEL = 0.95
+HIDDEN = sn.servo().draws(1, 104)[0]
 
 
-def driven(ground: sn.Ground, kind: sn.ServoKind) -> ServoSteady:
-    """Return what a kind of servo makes of the gait, by few draws."""
-    return with_servo(sn.steady_gait(ROBOT, ground, GAIT, rtol=1e-3), kind, draws=64)
+def found(one: Hidden, seed: int = 3, **changes: object) -> MeasuredServo:
+    """Return the fit of a hidden servo's table, with other columns or a load."""
+    return servo_of_test(replace(tables_of([one], seed)[0], **changes), sn.servo())
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("camera", "seed"), [(shown_by, 102), (filmed_by, 104)])
-def test_a_bench_test_tells_the_servo(camera, seed, monkeypatch) -> None:
-    """It predicts the crawl's speed then, with 0.6 of the doubt by 50 looks, with 0.12 by 240.
-
-    In a film pictures and setpoints fall at different times.
-    """
-    monkeypatch.setattr(bench_test, "PARTICLES", 96)
-    true = sn.servo().draws(1, seed)[0]
-    found = servo_of_test(camera(true, seed), sn.servo())
-    for name, within in (
-        ("no_load_rad_s", 0.05),
-        ("stiffness_over_torque", 0.2),
-        ("rotor_over_brake_s", 0.35),
-    ):
-        assert found.shown[name].value == pytest.approx(shown(true)[name], within)
-    assert "no_load_rad_s" not in found.untold
-    crawls = sn.steady_gait(ROBOT, BINGHAM, GAIT, rtol=1e-3, servo=true).speed_m_s
-    known, before = (driven(BINGHAM, kind) for kind in (found.kind, sn.servo()))
-    assert known.low_m_s * 0.98 < crawls < known.high_m_s * 1.02
-    assert known.high_m_s - known.low_m_s < 0.7 * (before.high_m_s - before.low_m_s)
-
-
-def test_a_table_may_have_its_setpoints_a_row_late() -> None:
-    """As of each picture: the servo then seems to have heard before."""
-    film = filmed_by(sn.servo().servo, 1)
-    late = replace(film, setpoint_rad=np.roll(film.setpoint_rad, 1))
-    units = np.zeros((601, 12))
-    units[:, -2:] = np.linspace([-3, -1], [3, -1], 601)
-    assert bench_test._Posterior(late, sn.servo()).chi2(units).min() < len(film.t_s)
-
-
-def test_what_a_joint_does_not_show_is_an_unknown_by_itself() -> None:
-    """With more damping in the gear, or more volts, rotor and speed follow: it moves alike."""
-    posterior = bench_test._Posterior(shown_by(sn.servo().servo, 1), sn.servo())
-    unknowns = np.zeros((3, sum(posterior.free)))
-    unknowns[1, 4] = unknowns[2, 8] = 1.0  # gear, voltage; 1.2 and 3 degrees if nothing followed
-    servos = posterior.servos(posterior.units(unknowns))
-    angle, *others = moved(posterior.test, servos, np.zeros(3))
-    assert np.abs(others - angle).max() < math.radians(0.4)
-    # so what is stated of a servo keeps its sigma, whatever the gear and the voltage
-    brake = [shown(servo)["rotor_over_brake_s"] for servo in servos]
-    assert brake == pytest.approx(brake[:1] * 3)
-
-
-@pytest.mark.slow
-def test_the_command_writes_a_file_that_others_take(tmp_path: Path, monkeypatch) -> None:
-    monkeypatch.setattr(bench_test, "PARTICLES", 96)
-    monkeypatch.setattr(bench_test, "KEPT", 32)
-    true = sn.servo().draws(1, 103)[0]
-    test = shown_by(true, 1)
-    table, out = tmp_path / "joint.csv", tmp_path / "mine.toml"
+def written(test: BenchTest, path: Path) -> Path:
+    """Write a test as a table."""
     rows = zip(test.t_s, np.degrees(test.setpoint_rad), np.degrees(test.angle_rad), strict=True)
-    table.write_text("t_s,setpoint_deg,angle_deg\n" + "".join(f"{t},{s},{a}\n" for t, s, a in rows))
-    told = serpenoid(f"servo --test {table} --out {out}", check=True).stdout
-    assert told.startswith("Without load the servo turns at about ")
-    assert "gear_damping_over_motors" in told
+    lines = (f"{t:.5f},{goal:.3f},{angle:.2f}\n" for t, goal, angle in rows)
+    path.write_text("t_s,setpoint_deg,angle_deg\n" + "".join(lines))
+    return path
+
+
+def test_the_models_joint_moves_as_the_hidden_one() -> None:
+    """Without noise: a motor with wires in steps of 10 us, and exact pieces of a line."""
+    free = replace(HIDDEN, update_hz=0.0)
+    load = Load(0.1 * free.torque_limit_nm / 9.81 / 0.1, 0.1)
+    hidden = Hidden(free, load=load)
+    t_s, angles = moved([hidden])
+    test = BenchTest(t_s, np.interp(t_s, [0, 2.4], [0, 1]), angles[0], load=load)
+    kind = sn.ServoKind("exact", free, {"dead_band_rad": 1e-9})
+    model = BenchModel(test, kind, 0.0)
+    object.__setattr__(model, "_setpoints", np.radians([goal for _, goal in SENT]))
+    object.__setattr__(model, "_sent", np.array([t for t, _ in SENT]))
+    object.__setattr__(model, "_start", 0.0)
+    x = np.zeros((1, len(model.names)))
+    x[0, model.names.index("delay")] = -model.prior.typical_delay_s / model.prior.delay_s
+    off = model.angles(x)[0] - angles[0]
+    assert np.abs(off).max() < math.radians(0.1)
+
+
+@pytest.mark.slow
+def test_intervals_hold_hidden_servos() -> None:
+    """Offsets, late logs, jitter, D terms, loads: of some 80 values 95 % are held.
+
+    With 8 servos the share of held values lies above 0.88 in 97 % of such tests if it is 0.95 and
+    values of a servo depend on each other by half; a true 0.75 passes in 3 %.
+    """
+    hidden = drawn(8, 31)
+    inside, alarms = [], 0
+    for one, test in zip(hidden, tables_of(hidden, 31), strict=True):
+        fit = servo_of_test(test, sn.servo())
+        alarms += not fit.verdict.describes
+        shown = {n: v for n, v in fit.shown.items() if v.told and n in one.truth}
+        inside += [v.low <= one.truth[name] <= v.high for name, v in shown.items()]
+    assert len(inside) > 60
+    assert np.mean(inside) > 0.88
+    assert alarms <= 1
+
+
+@pytest.fixture(scope="module")
+def quick() -> MeasuredServo:
+    """Return the fit of a late log of a servo that stands 5 degrees off."""
+    return found(Hidden(replace(HIDDEN, update_hz=0.0), math.radians(5.0), delays_s=(0.08,) * 7))
+
+
+@pytest.mark.slow
+def test_an_offset_and_a_late_log_are_found(quick: MeasuredServo) -> None:
+    assert quick.verdict.describes
+    assert quick.shown["zero_rad"].value == pytest.approx(math.radians(5.0), abs=math.radians(0.3))
+    assert quick.shown["delay_s"].value == pytest.approx(0.08, abs=0.004)
+    assert "stall_torque_nm" in quick.untold
+    text = quick.to_dict()
+    assert text["describes"] is True
+    assert text["told"].keys().isdisjoint(text["untold"])
+
+
+@pytest.mark.slow
+def test_a_load_that_hangs_shows_the_torque() -> None:
+    """Stated, it gives the torque; unstated, it is named."""
+    distance = 0.1
+    load = Load(0.3 * HIDDEN.torque_limit_nm / 9.81 / distance, distance)
+    one = Hidden(HIDDEN, load=load)
+    stated, unstated = found(one), found(one, load=None)
+    assert stated.shown["stall_torque_nm"].value == pytest.approx(HIDDEN.stall_torque_nm, rel=0.1)
+    assert stated.shown["stall_torque_nm"].told
+    assert "Something pulls the joint with" in " ".join(unstated.notes)
+
+
+@pytest.mark.slow
+def test_what_the_model_has_not_is_no_servo() -> None:
+    """A joint that stops at 20 degrees, as against a wall."""
+    test = tables_of([Hidden(HIDDEN)], 5)[0]
+    fit = servo_of_test(replace(test, angle_rad=np.minimum(test.angle_rad, 0.35)), sn.servo())
+    assert not fit.verdict.describes
+    assert "does NOT describe the table" in fit.kind.remark
+    assert fit.verdict.scale > 2
+    speed = fit.shown["no_load_rad_s"]
+    assert speed.after > 0.02  # wider than the 0.8 % of a sound test
+
+
+@pytest.mark.slow
+def test_a_mirrored_angle_is_turned_and_another_unit_refused() -> None:
+    test = tables_of([Hidden(HIDDEN)], 6)[0]
+    fit = servo_of_test(replace(test, angle_rad=-test.angle_rad), sn.servo())
+    assert fit.verdict.describes
+    assert fit.shown["gain"].value == pytest.approx(-1.0, abs=0.02)
+    with refused("degrees for a degree of the setpoint"):
+        servo_of_test(replace(test, angle_rad=np.radians(test.angle_rad)), sn.servo())
+
+
+def test_the_tables_own_scatter_is_its_noise() -> None:
+    test = replace(tables_of([Hidden(HIDDEN)], 7)[0], sigma_rad=None)
+    assert math.degrees(test.noise_rad) == pytest.approx(0.3, rel=0.1)
+    coarse = replace(test, angle_rad=np.radians(np.round(np.degrees(test.angle_rad))))
+    assert 0.4 < math.degrees(coarse.noise_rad) < 0.8
+
+
+@pytest.mark.slow
+def test_the_command_writes_a_file_that_others_take(tmp_path: Path) -> None:
+    test = tables_of([Hidden(replace(HIDDEN, update_hz=0.0))], 8)[0]
+    table, out = written(test, tmp_path / "joint.csv"), tmp_path / "mine.toml"
+    told = serpenoid(f"servo --test {table} --sigma-deg 0.4 --out {out}", check=True).stdout
+    assert told.startswith("The model of a servo describes the table (p ")
+    assert "Without load the servo turns at about " in told
+    assert "Open: " in told
     kind = sn.servo(out)
-    assert len(kind.drawn) == 32
+    assert len(kind.drawn) == bench_fit.KEPT
+    assert not kind.remark
+
+
+def test_a_remark_goes_with_every_band(tmp_path: Path) -> None:
+    """No file of a test that the model does not describe; with --anyway it says so everywhere."""
+    test = tables_of([Hidden(replace(HIDDEN, update_hz=0.0))], 9)[0]
+    wall = replace(test, angle_rad=np.minimum(test.angle_rad, 0.35))
+    table, out = written(wall, tmp_path / "wall.csv"), tmp_path / "wall.toml"
+    typed = f"servo --test {table} --sigma-deg 0.4 --out {out}"
+    failed = serpenoid(typed)
+    assert failed.returncode == 1
+    assert failed.stdout.startswith("The model of a servo does NOT describe the table")
+    assert "--anyway" in failed.stderr
+    assert not out.exists()
+    answer = json.loads(serpenoid(f"{typed} --anyway --json", check=True).stdout)
+    assert answer["describes"] is False
+    assert answer["p_value"] < 0.01
+    kind = sn.servo(out)
+    assert kind.remark == answer["verdict"]
+    assert kind.at_volts(5.0).remark == kind.remark
+    gait = "--alpha-deg 70 --beta-deg 75 --frequency-hz 0.25"
+    steady = serpenoid(f"steady {gait} --servo {out} --json", check=True)
+    assert json.loads(steady.stdout)["servo_remark"] == kind.remark
+    assert "does NOT describe" in " ".join(steady.stderr.split())
+    assert "does NOT describe" in " ".join(serpenoid(f"steady {gait} --servo {out}").stdout.split())
 
 
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("t_s,angle_deg\n0,1\n", "no column setpoint_deg"),
-        ("", "no column t_s"),
+        ("t_s,angle_deg\n0,1\n", "t_s,setpoint_deg,angle_deg"),
+        ("", "the file is empty"),
         ("t_s,setpoint_deg,angle_deg\n0,1,x\n", ":2: angle_deg is no finite number"),
         ("t_s,setpoint_deg,angle_deg\n" + "0,1,0\n" * 12, "rising times"),
         ("t_s,setpoint_deg,angle_deg\n" + "".join(f"{k},1,0\n" for k in range(12)), "never chang"),
         ("t_s,setpoint_deg,angle_deg\n" + "".join(f"{9 * k},{k},0\n" for k in range(12)), "20 s"),
         (
-            "t_s,setpoint_deg,angle_deg\n" + "".join(f"{k},{k},nan\n" for k in range(12)),
+            "t_s;setpoint_deg;angle_deg\n" + "".join(f"{k};{k};nan\n" for k in range(12)),
             ":2: angle_deg is no finite number",
         ),
     ],
@@ -116,5 +187,12 @@ def test_a_table_that_is_no_test_is_refused(tmp_path: Path, text: str, says: str
     told = serpenoid(f"servo --test {table}")
     assert told.returncode in (1, 2)
     assert says in told.stderr
+
+
+def test_options_that_would_do_nothing_are_refused(tmp_path: Path) -> None:
+    table = written(tables_of([Hidden(HIDDEN)], 1)[0], tmp_path / "joint.csv")
     assert "--sigma-deg is -1" in serpenoid(f"servo --sigma-deg -1 --test {table}").stderr
+    assert "give --load KG M" in serpenoid(f"servo --test {table} --down-deg 90").stderr
+    upright = f"servo --test {table} --load 0.1 0.1 --axis upright --down-deg 90"
+    assert "--down-deg is for a load that hangs" in serpenoid(upright).stderr
     assert serpenoid("servo").returncode == 2

@@ -10,101 +10,130 @@ import click
 
 import serpenoid as sn
 
-from ...show.screen import working
-from ..declare import EXISTING, number, option, out_file
+from ...show.screen import say, working
+from ..declare import EXISTING, flag, number, option, out_file, refuse_typed
 from ..options import AS_JSON, plug_options, show_json, take_servo
 
 if TYPE_CHECKING:
-    from ...servos.bench_test import BenchTest, MeasuredServo
+    from ...servos.bench_fit import MeasuredServo
+    from ...servos.bench_test import Load
 
-_COLUMNS = ("t_s", "setpoint_deg", "angle_deg")
+COLUMNS = ("t_s", "setpoint_deg", "angle_deg")
+SENT = "sent_s"  # a column that a table may have, too
 
 
 @click.command()
 @option(
     "--test",
     "table",
-    "Bench test of one joint: columns t_s, setpoint_deg, angle_deg.",
+    "Bench test of one joint: columns t_s, setpoint_deg, angle_deg; sent_s if known.",
     required=True,
     type=EXISTING,
     metavar="CSV",
 )
 @option("--like", "What is known before.", default="hobby", metavar="NAME|FILE")
 @plug_options
-@number("--sigma-deg", "Standard deviation of the angles of --test.", default=0.5)
+@number(
+    "--sigma-deg",
+    "Standard deviation of the angles; the table's own scatter unless given.",
+)
+@number(
+    "--load",
+    "What the joint turns: mass, and distance of its centre from the axis.",
+    nargs=2,
+    metavar="KG M",
+)
+@option("--axis", "Of the --load: level (it hangs), or upright.", choice=("level", "upright"))
+@number("--down-deg", "Angle in the table at which the --load hangs straight down; 0 unless given.")
 @number(
     "--inertia-kg-m2",
-    "Inertia of what the joint of --test turns, about it.",
+    "Inertia of what the joint turns, about its axis, beside the --load.",
     default=0.0,
     show_default=True,
 )
+@flag("--anyway", "Write the file of a test that the model does not describe, with a remark.")
 @option("--out", "File for --servo of other commands.", type=out_file(".toml"))
 @AS_JSON
 def servo(
     table: Path,
     like: str,
-    sigma_deg: float,
+    sigma_deg: float | None,
+    load: tuple[float, float] | None,
+    axis: str | None,
+    down_deg: float | None,
     inertia_kg_m2: float,
+    anyway: bool,
     out: Path | None,
     as_json: bool,
 ) -> None:
-    """Measure a servo: which ones of a kind would have moved so.
+    """Measure a servo: whether the model describes a bench test, and which servos would move so.
 
-    A bench test tells speed, loop, rotor and gear, all but the rotor and the torque themselves:
-    only their ratio, unless the joint turns a known inertia as large as the rotor's.
+    A joint without load shows speed, loop, rotor and gear, the last three relative to the torque. A
+    load that hangs shows the torque.
     """
-    from ...model.checks import check_number
-    from ...servos.bench_test import servo_of_test
+    import numpy as np
 
-    name = "measured" if out is None else out.stem
+    from ...base.tables import columns_named, number_columns, read_table
+    from ...model.checks import check_number
+    from ...model.toml_table import located
+    from ...servos.bench_fit import servo_of_test
+    from ...servos.bench_test import BenchTest
+
     kind = take_servo(like)
     if kind is None:
         raise click.UsageError(
             "--like ideal has no servo to measure; give hobby, or a sheet's name"
         )
-    check_number("--sigma-deg", sigma_deg, 0.0, 57.0, open_low=True)
-    test = read_test(table, math.radians(sigma_deg), inertia_kg_m2)
-    with working("trying servos"):
-        measured = servo_of_test(test, kind, name=name)
-    if out is not None:
-        sn.save_servo(measured.kind, out)
-    show_json(measured.to_dict()) if as_json else show(measured, out)
-
-
-def read_test(path: Path, sigma_rad: float, inertia_kg_m2: float) -> BenchTest:
-    """Read a bench test's table. Raises BadInput."""
-    import numpy as np
-
-    from ...base.files import csv_rows, read_text
-    from ...model.checks import check_number
-    from ...model.toml_table import located
-    from ...servos.bench_test import BenchTest
-
-    rows = csv_rows(read_text(path), path)
-    heading = [cell.strip() for cell in rows[0]] if rows else []
-    if missing := [name for name in _COLUMNS if name not in heading]:
-        raise sn.BadInput(
-            f"{path}:1: no column {', '.join(missing)}; needed are {', '.join(_COLUMNS)}"
+    if sigma_deg is not None:
+        check_number("--sigma-deg", sigma_deg, 0.0, 57.0, open_low=True)
+    head = read_table(table, columns_named(*COLUMNS), ",".join(COLUMNS))[0].head
+    names = (*COLUMNS, SENT) if columns_named(SENT)(head) else COLUMNS
+    t, setpoint, angle, *sent = number_columns(table, *names)
+    with located(str(table)):
+        test = BenchTest(
+            np.array(t),
+            np.radians(setpoint),
+            np.radians(angle),
+            None if sigma_deg is None else math.radians(sigma_deg),
+            inertia_kg_m2,
+            _load(load, axis, down_deg),
+            np.array(sent[0]) if sent else None,
         )
-    columns: list[list[float]] = [[] for _ in _COLUMNS]
-    for line, row in enumerate(rows[1:], 2):
-        if not any(cell.strip() for cell in row):
-            continue
-        for column, name in zip(columns, _COLUMNS, strict=True):
-            try:
-                column.append(check_number(name, float(row[heading.index(name)])))
-            except (ValueError, IndexError) as error:
-                raise sn.BadInput(f"{path}:{line}: {name} is no finite number") from error
-    t, sent, seen = np.array(columns)
-    with located(str(path)):
-        return BenchTest(t, np.radians(sent), np.radians(seen), sigma_rad, inertia_kg_m2)
+        with working("trying servos"):
+            measured = servo_of_test(test, kind, name="measured" if out is None else out.stem)
+    writes = out is not None and (anyway or measured.verdict.describes)
+    if writes and out is not None:
+        sn.save_servo(measured.kind, out)
+    show_json(measured.to_dict()) if as_json else show(measured)
+    if out is not None and not writes:
+        raise sn.SerpenoidError(
+            f"{out} is not written: the model does not describe the table. Look at its columns "
+            "and units, or give --load; --anyway writes the file with a remark"
+        )
+    if writes and not as_json:
+        say(f"Written: {out}; give it to other commands with --servo {out}.")
 
 
-def show(measured: MeasuredServo, out: Path | None) -> None:
-    """Print how fast the servo is, what was measured of it, and what was not."""
+def _load(
+    load: tuple[float, float] | None, axis: str | None, down_deg: float | None
+) -> Load | None:
+    from ...servos.bench_test import Load
+
+    if load is None:
+        refuse_typed("{} is for --load; give --load KG M, or leave it out", "axis", "down_deg")
+        return None
+    level = axis != "upright"
+    if not level:
+        refuse_typed("{} is for a load that hangs; leave it out", "down_deg")
+    return Load(*load, level, math.radians(down_deg or 0.0))
+
+
+def show(measured: MeasuredServo) -> None:
+    """Print the verdict, how fast the servo is, what was measured of it, and what is open."""
     from ...model.rows import Row, ranged, two_digits
     from ...show import report
 
+    report.console.print(measured.verdict.text)
     free = measured.shown["no_load_rad_s"]
     report.console.print(
         "Without load the servo turns at about "
@@ -112,17 +141,12 @@ def show(measured: MeasuredServo, out: Path | None) -> None:
         f"{two_digits(math.pi / 3 / free.value)} s for 60°."
     )
     rows = [
-        [*Row(name, "", *one[:3]).cells, f"{100 * one.before:.0f} %", f"{100 * one.after:.1f} %"]
+        [*Row(name, "", *one[:3]).cells, f"{one.before:.2g}", f"{one.after:.2g}"]
         for name, one in measured.shown.items()
         if one.told
     ]
     report.table(
         measured.kind.source, ["measured", "typical", "95 %", "sigma before", "after"], rows
     )
-    lines = [f"chi2 {measured.chi2:.1f} of {measured.readings} readings."]
-    if measured.untold:
-        lines.append("It does not tell " + ", ".join(measured.untold) + ".")
-    if out is not None:
-        lines.append(f"Written: {out}; give it to other commands with --servo {out}.")
-    for line in lines:
-        report.console.print(line)
+    for note in measured.notes:
+        report.console.print(note)
