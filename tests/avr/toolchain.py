@@ -51,7 +51,7 @@ def require() -> None:
         raise ToolchainError(
             f"no AVR toolchain: missing {', '.join(lacks)}. On Debian: apt-get install {packages}; "
             "and in the Python environment: pip install -r constraints/dev.txt (the compiler is "
-            "there for Linux on x86-64 alone)"
+            "there for Linux on x86-64 alone, from Python 3.11 on)"
         )
 
 

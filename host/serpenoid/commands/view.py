@@ -41,7 +41,8 @@ def view(what: str, out: Path | None, open_it: bool, as_json: bool, **given: Any
 
     if not Path(what).is_file():
         raise click.UsageError(
-            f"{what!r} is no file; name a scene (.toml) or a recording (`serpenoid drive --record`)"
+            f"{what!r} is no file; name a scene (.toml) or a recording of "
+            "`serpenoid drive --record`"
         )
     if out is None:  # a name in this folder that no page has yet
         names = itertools.chain(["view.html"], (f"view-{k}.html" for k in itertools.count(2)))

@@ -9,13 +9,13 @@ picture only has the times of such a film, too.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
+from statistics import median
 from typing import Any
-
-import numpy as np
 
 from .errors import BadInput
 
-PLAYED_HZ = np.array([24.0, 25.0, 30.0, 50.0, 60.0, 90.0, 120.0, 240.0, 480.0, 960.0])
+PLAYED_HZ = (24.0, 25.0, 30.0, 50.0, 60.0, 90.0, 120.0, 240.0, 480.0, 960.0)
 NEAR = 0.04  # of a rate, relative: 29.97 and 30.04 are 30
 # Below it nothing is played. Cameras drop pictures in dim light, and people mark each fourth one.
 SLOWEST_PLAYED_HZ, USUAL_HZ = 23.0, 30.0
@@ -93,15 +93,15 @@ def slow_motion_doubt(t_s: Any) -> str:
 
 
 def _rate_hz(t_s: Any) -> float:
-    gaps = np.diff(np.sort(np.asarray(t_s, dtype=float)))
-    gaps = gaps[gaps > 0.0]
-    return 1.0 / float(np.median(gaps)) if len(gaps) else USUAL_HZ
+    times_s = sorted(map(float, t_s))
+    gaps_s = [end - start for start, end in pairwise(times_s) if end > start]
+    return 1.0 / median(gaps_s) if gaps_s else USUAL_HZ
 
 
 def played_hz(t_s: Any) -> float:
     """Return how many pictures a second a player is told to show, from their times (K,), s."""
     rate_hz = _rate_hz(t_s)
-    nearest = float(PLAYED_HZ[np.argmin(np.abs(PLAYED_HZ - rate_hz))])
+    nearest = min(PLAYED_HZ, key=lambda known_hz: abs(known_hz - rate_hz))
     if abs(rate_hz / nearest - 1.0) < NEAR:
         return nearest
     return USUAL_HZ if rate_hz < SLOWEST_PLAYED_HZ else rate_hz

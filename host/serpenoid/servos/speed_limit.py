@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-
-import numpy as np
+from statistics import median
 
 from ..model.drives import Servo, ServoKind
 from ..model.gait import Gait
@@ -26,7 +25,7 @@ def no_load_rad_s(servo: Servo | ServoKind) -> float:
     The typical one of a kind that was measured is the median of its samples.
     """
     servos = (servo,) if isinstance(servo, Servo) else servo.drawn or (servo.servo,)
-    return float(np.median([one.no_load_rad_s for one in servos]))
+    return float(median(one.no_load_rad_s for one in servos))
 
 
 def highest_hz(gait: Gait, servo: Servo | ServoKind) -> float:

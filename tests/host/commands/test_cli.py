@@ -23,6 +23,7 @@ from serpenoid.commands.main import cli
 PAPER = "--robot paper --alpha-deg 30 --beta-deg 80"
 SHAPE = "--alpha-deg 70 --beta-deg 75"
 GAIT = f"{SHAPE} --omega-rad-s 5"
+SLOW = f"{SHAPE} --omega-rad-s 3"  # No servo is too slow for it.
 IDEAL = "--servo ideal"
 
 
@@ -221,7 +222,7 @@ def test_every_public_name_is_there() -> None:
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
 def test_a_run_that_fails_leaves_one_line() -> None:
     """What lives on in its traceback at exit is no news to whoever reads the error."""
-    done = serpenoid(f"drive {GAIT} --port virtual --duration-s 1 --record /dev/full")
+    done = serpenoid(f"drive {SLOW} --port virtual --duration-s 1 --record /dev/full")
     assert done.returncode == 1
     (line,) = done.stderr.splitlines()
     assert "No space left" in line

@@ -10,9 +10,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ...model.errors import BadInput
-from ...model.gait import gait_name
-from ...servos.catalogue import HOBBY
-from ...servos.speed_limit import too_fast_text
 from ...show.screen import say
 from ..declare import FOLDER, Given, PathType, flag, option
 
@@ -139,6 +136,10 @@ def new(
     elif template is None and answers["mass_kg"] is None:
         given = dataclasses.replace(given, weighed=False)
     create_session(folder, given)
+    from ...model.gait import gait_name
+    from ...servos.catalogue import HOBBY
+    from ...servos.speed_limit import too_fast_text
+
     for gait in given.procedure.gaits:
         if too_fast := too_fast_text(gait, given.driving(HOBBY), gait_name(gait)):
             say(f"serpenoid: warning: {too_fast}", err=True)

@@ -11,7 +11,6 @@ import click
 
 import serpenoid as sn
 
-from ...servos.speed_limit import is_too_fast, speed_limit_text, typical_servo_name
 from ...show.screen import progress, say
 from ..declare import number, option, out_file, radians
 from ..options import (
@@ -125,6 +124,8 @@ def sweep(
 
 def _say_too_fast(grid: dict[str, list[float]], servo: sn.ServoKind) -> None:
     """Say how many gaits are too fast for the servo, so that they have no band."""
+    from ...servos.speed_limit import is_too_fast, speed_limit_text, typical_servo_name
+
     shapes = product(grid["alpha_rad"], grid["beta_rad"], grid["omega_rad_s"])
     too_fast = sum(is_too_fast(sn.Gait(*shape), servo) for shape in shapes)
     if too_fast:
