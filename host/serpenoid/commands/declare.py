@@ -139,7 +139,7 @@ def out_file(*suffixes: str) -> Callable[[str | Path], Path]:
 
     def file(value: str | Path) -> Path:
         path = Path(value)
-        _refuse(_wrong(path, suffixes))
+        _refuse(_wrong(path, suffixes) if str(value) else NO_NAME)
         return path
 
     return file

@@ -93,8 +93,10 @@ def test_a_link_to_itself_is_no_folder_for_a_session(tmp_path: Path) -> None:
 
 
 def test_a_cell_without_end_is_no_csv(tmp_path: Path) -> None:
-    (tmp_path / "t.csv").write_text(f"t_s,sent_deg\n{'x' * 131_073},1\n")
-    assert "t.csv:2: not CSV" in serpenoid("servo --test", tmp_path / "t.csv").stderr
+    (tmp_path / "t.csv").write_text(f"t_s,setpoint_deg,angle_deg\n{'x' * 131_073},1,2\n")
+    assert (
+        "t.csv:2: t_s is no finite number" in serpenoid("servo --test", tmp_path / "t.csv").stderr
+    )
 
 
 def test_long_text_from_outside_is_shortened_and_control_characters_are_shown() -> None:

@@ -23,7 +23,16 @@ class Person:
         name = os.ttyname(self._slave)  # who opens it first is reached by its Ctrl-C
         command = program(line) if isinstance(line, str) else line
         self.process = subprocess.Popen(
-            ["sh", "-c", f'exec "$@" <{name} >{name} 2>&1', "sh", *command],
+            # Whoever started the tests may ignore signals, as nohup and a shell's & do.
+            [
+                "env",
+                "--default-signal",
+                "sh",
+                "-c",
+                f'exec "$@" <{name} >{name} 2>&1',
+                "sh",
+                *command,
+            ],
             stdin=subprocess.DEVNULL,
             start_new_session=True,
             env={k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")},

@@ -57,7 +57,10 @@ except SystemExit:
 
 
 # A Robot leaves an ignored signal ignored, as it is for what nohup started.
-HEAR_HANGUPS = "import signal; signal.signal(signal.SIGHUP, signal.SIG_DFL)\n"
+HEAR_HANGUPS = """import signal
+for number in (signal.SIGHUP, signal.SIGQUIT):
+    signal.signal(number, signal.SIG_DFL)
+"""
 
 
 def drive(port: str, program: str = DRIVER, shell: bool = True) -> subprocess.Popen[str]:
