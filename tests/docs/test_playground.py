@@ -68,7 +68,7 @@ def fitted(tmp_path_factory) -> Path:
     """A fitted session's folder; the repository holds no fits."""
     folder = tmp_path_factory.mktemp("sessions") / SESSION.name
     folder.mkdir()
-    for name in ("session.toml", "readings.csv"):
+    for name in ("session.toml", "readings.csv", "events.csv"):
         shutil.copy(SESSION / name, folder)
     sn.save_fit(sn.fit_friction(sn.load_session(folder)), folder)
     return folder
@@ -241,9 +241,9 @@ m.dispatchEvent(new KeyboardEvent('keydown', {key: 'ArrowUp'}));""")
 
 
 def test_the_map_is_complete_and_holds_the_packages_speeds(browser) -> None:
-    browser.waits_for(MAPPED)
-    values = browser.runs("return [...map.values].map((v) => Number.isFinite(v) ? v : -1)")
-    assert min(values) >= 0
+    # A busy page may still say that the map before its last change is done.
+    browser.waits_for(f"{MAPPED} && map.values.every(Number.isFinite)")
+    values = browser.runs("return [...map.values]")
     s = browser.runs("return state")
     for i, j in ((30, 12), (20, 20), (36, 30), (13, 31)):
         robot, ground, gait = parts(s | {"alpha": 105 / 40 * i, "beta": 4.5 * j})
