@@ -69,12 +69,15 @@ def test_intervals_cover_95_percent_of_320_sessions(table, driven):
 
 @pytest.mark.slow
 def test_advice_needs_fewer_readings_than_the_plan(table):
-    count, band, _ = plan_of(("default", 2, table))
-    own, reached, _, first = advised(("default", 2, table, 0.3))
-    assert band < 0.45
-    assert reached <= 0.3
-    assert first < own <= 0.75 * count
-    assert len(planned("default", 2)[0].kept) == count
+    """Of four sessions: a single one may need nearly as many, where its first readings are poor."""
+    seeds = (1, 2, 3, 4)
+    plans = [plan_of(("default", seed, table)) for seed in seeds]
+    steps = [advised(("default", seed, table, 0.3)) for seed in seeds]
+    assert max(band for _, band, _ in plans) < 0.45
+    assert max(reached for _, reached, _, _ in steps) <= 0.3
+    begun, counts = (sum(step[place] for step in steps) for place in (3, 0))
+    assert begun < counts <= 0.6 * sum(count for count, _, _ in plans)
+    assert len(planned("default", 2)[0].kept) == plans[1][0]
 
 
 @pytest.fixture(scope="module")

@@ -91,12 +91,14 @@ def test_an_offset_and_a_late_log_are_found(quick: MeasuredServo) -> None:
 @pytest.mark.slow
 def test_a_load_that_hangs_shows_the_torque() -> None:
     """Stated, it gives the torque; unstated, it is named."""
-    distance = 0.1
-    load = Load(0.3 * HIDDEN.torque_limit_nm / 9.81 / distance, distance)
-    one = Hidden(HIDDEN, load=load)
+    distance, servo = 0.1, replace(HIDDEN, update_hz=0.0)
+    load = Load(0.3 * servo.torque_limit_nm / 9.81 / distance, distance)
+    one = Hidden(servo, load=load)
     stated, unstated = found(one), found(one, load=None)
-    assert stated.shown["stall_torque_nm"].value == pytest.approx(HIDDEN.stall_torque_nm, rel=0.1)
-    assert stated.shown["stall_torque_nm"].told
+    torque = stated.shown["stall_torque_nm"]
+    assert torque.told
+    assert torque.low <= servo.stall_torque_nm <= torque.high
+    assert torque.value == pytest.approx(servo.stall_torque_nm, rel=0.25)
     assert "Something pulls the joint with" in " ".join(unstated.notes)
 
 

@@ -13,7 +13,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -147,9 +146,15 @@ def run(quick: bool, tell: Callable[[str], None]) -> Iterator[Outcome]:
 
 
 def _truth_in_time(child: Limited, extreme: Extreme) -> Array | None:
-    with suppress(Overran):
+    """Return the true end, or None where it takes too long or the scene is refused."""
+    try:
         return child(TRUTH_LIMIT_S, truth, extreme)
-    return None
+    except Overran:
+        return None
+    except Failed as failure:
+        if str(failure).partition(": ")[0] not in SAID:
+            raise
+        return None
 
 
 def _judged(child: Limited, extreme: Extreme, method: str, exact: Array | None) -> Outcome:
