@@ -77,6 +77,6 @@ def run_demo(out: Path, own: sn.FrictionFit | None = None) -> None:
     say(f"\nLook at {out / 'report.html'}. Pictures and numbers are beside it.")
     say(
         f"Next, without a robot: {serpenoid} drive --port virtual "
-        "--alpha-deg 70 --beta-deg 75 --omega-rad-s 5"
+        "--alpha-deg 70 --beta-deg 75 --omega-rad-s 3"
     )
     say(f"With your robot: {serpenoid} flash; then doctor, trim, calibrate new DIR, fit DIR")
