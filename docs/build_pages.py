@@ -17,8 +17,8 @@ import click
 import serpenoid as sn
 import tomllib
 from click.testing import CliRunner
+from serpenoid.base import errors
 from serpenoid.commands.main import cli
-from serpenoid.model import errors
 from serpenoid.robot.wire.protocol import ERRORS
 
 HERE = Path(__file__).resolve().parent

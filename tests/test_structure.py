@@ -21,11 +21,13 @@ ROOMS = [
     "simulation",
     "gaits",
     "paper",
-    "exchange",
     "robot",
     "lab",
     "calibration",
+    "session",
+    "friction",
     "prediction",
+    "taking",
     "video",
     "show",
     "bench",
@@ -55,7 +57,7 @@ NARROW = {
 # Libraries that are slow or optional: name -> the rooms that may import them.
 LIBRARIES = {
     "matplotlib": ("show", "bench", "commands"),
-    "rich": ("model", "show", "bench", "commands"),
+    "rich": ("base", "show", "bench", "commands"),
     "cv2": ("video",),
     "av": ("video",),
 }

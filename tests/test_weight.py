@@ -1,4 +1,4 @@
-"""The weight of each room in tokens of code: a row may only fall."""
+"""The weight of the rooms in tokens of code: a row may only fall."""
 
 from __future__ import annotations
 
@@ -11,77 +11,43 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-# Room -> most tokens. A row rises only where another falls as much in the same commit. Code that
-# moves into strings, data, generated files, docs or another suffix counts where it goes.
+# Rooms weighed together -> most tokens. A row rises only where another falls as much in the
+# same commit. Code that moves into strings, data, docs or another suffix counts where it goes.
 MOST_TOKENS = {
-    "calibration_data": 388,
-    "docs": 24184,
-    "firmware": 23397,
-    "host": 1109,
-    "host/core/board": 1069,
-    "host/core/body": 2171,
-    "host/core/drive": 2999,
-    "host/core/lab": 4920,
-    "host/core/methods": 20159,
-    "host/core/model": 5956,
-    "host/core/numerics": 13618,
-    "host/core/periodic": 28228,
-    "host/core/python": 7561,
-    "host/core/run": 2946,
-    "host/core/scene": 9031,
-    "host/core/servos": 8366,
-    "host/core/web": 1326,
-    "host/serpenoid": 794,
-    "host/serpenoid/_core": 2865,
-    "host/serpenoid/base": 1639,
-    "host/serpenoid/bench": 10944,
-    "host/serpenoid/calibration": 73831,
-    "host/serpenoid/commands": 23197,
-    "host/serpenoid/gaits": 8567,
-    "host/serpenoid/lab": 5807,
-    "host/serpenoid/model": 12784,
-    "host/serpenoid/paper": 2483,
-    "host/serpenoid/periodic": 9085,
-    "host/serpenoid/prediction": 12315,
-    "host/serpenoid/robot": 18477,
-    "host/serpenoid/servos": 7971,
-    "host/serpenoid/show": 20973,
-    "host/serpenoid/simulation": 13708,
-    "host/serpenoid/video": 23912,
-    "studies": 22180,
-    "tests": 3662,
-    "tests/arm": 1428,
-    "tests/avr": 19213,
-    "tests/docs": 6577,
-    "tests/end_to_end": 1135,
-    "tests/firmware": 11073,
-    "tests/golden": 3913,
-    "tests/host": 771,
-    "tests/host/base": 154,
-    "tests/host/bench": 1917,
-    "tests/host/calibration": 36031,
-    "tests/host/commands": 10998,
-    "tests/host/gaits": 7663,
-    "tests/host/lab": 6828,
-    "tests/host/model": 4403,
-    "tests/host/paper": 742,
-    "tests/host/periodic": 13996,
-    "tests/host/prediction": 4098,
-    "tests/host/robot": 23253,
-    "tests/host/servos": 4164,
-    "tests/host/show": 3833,
-    "tests/host/simulation": 19247,
-    "tests/host/video": 17069,
-    "tests/oracle": 14742,
-    "tests/portable": 1130,
-    "tests/studies": 1553,
+    (".",): 0,
+    ("calibration_data",): 388,
+    ("docs",): 24184,
+    ("firmware",): 23397,
+    ("host",): 1109,
+    ("host/core",): 108350,
+    ("host/serpenoid", "host/serpenoid/_core"): 3659,
+    ("host/serpenoid/base", "host/serpenoid/model"): 14424,
+    ("host/serpenoid/simulation",): 13708,
+    ("host/serpenoid/periodic",): 9085,
+    ("host/serpenoid/gaits",): 8567,
+    ("host/serpenoid/servos",): 7971,
+    ("host/serpenoid/robot",): 18477,
+    (
+        "host/serpenoid/calibration",
+        "host/serpenoid/session",
+        "host/serpenoid/friction",
+        "host/serpenoid/taking",
+    ): 73826,
+    ("host/serpenoid/prediction",): 12315,
+    ("host/serpenoid/lab",): 5807,
+    ("host/serpenoid/video",): 23912,
+    ("host/serpenoid/show",): 20973,
+    ("host/serpenoid/commands",): 23197,
+    ("host/serpenoid/bench",): 10938,
+    ("host/serpenoid/paper",): 2483,
+    ("studies",): 22180,
+    ("tests",): 219600,
 }
 PYTHON = (".py", ".pyi")
 OTHER = (".c", ".cpp", ".h", ".hpp", ".js", ".html", ".css", ".sh", ".svg")
 # What `docs/figures.py` draws into host/docs is no code, whatever its suffix.
 DRAWN = re.compile(r"host/docs/.*\.svg")
-# In `host/serpenoid` and `host/core` each folder is a room; elsewhere the first folder is one.
-PARTED = ("host/serpenoid/", "host/core/")
+# In `host/serpenoid` each folder is a room; elsewhere the first folder is one.
 _TOKEN = re.compile(
     r"\"(?:\\.|[^\"\\])*\"|'(?:\\.|[^'\\])*'|[A-Za-z_]\w*|\d[\w.]*"
     r"|::|->|<<|>>|<=|>=|==|!=|&&|\|\||[^\s\w]"
@@ -125,9 +91,9 @@ def other_tokens(text: str) -> int:
 
 
 def room_of(name: str) -> str:
-    """Return the room of a tracked file: `firmware`, `host/core/body`, `tests/host/show`."""
+    """Return the room of a tracked file: `firmware`, `host/core`, `host/serpenoid/show`."""
     parts = Path(name).parts[:-1]
-    depth = 3 if name.startswith((*PARTED, "tests/host/")) else 2 if parts[:1] == ("tests",) else 1
+    depth = {"host/serpenoid": 3, "host/core": 2}.get("/".join(parts[:2]), 1)
     return "/".join(parts[:depth]) or "."
 
 
@@ -162,11 +128,18 @@ def test_no_folder_of_a_trial_slips_in() -> None:
     assert rooms == hidden | kept
 
 
-def test_no_room_outgrows_its_row() -> None:
+def row_weights() -> dict[tuple[str, ...], int]:
+    """Return the tokens of each row of MOST_TOKENS; a room without a row is a row of its own."""
     found = weights()
-    assert set(found) <= set(MOST_TOKENS), "every room has a row"
-    heavy = {room: (n, MOST_TOKENS[room]) for room, n in found.items() if n > MOST_TOKENS[room]}
-    assert not heavy, f"room: (tokens, its row): {heavy}"
+    rows = {row: sum(found.pop(room, 0) for room in row) for row in MOST_TOKENS}
+    return rows | {(room,): count for room, count in found.items()}
+
+
+def test_no_row_is_heavier_than_its_limit() -> None:
+    found = row_weights()
+    assert set(found) == set(MOST_TOKENS), "every room has a row"
+    heavy = {row: (n, MOST_TOKENS[row]) for row, n in found.items() if n > MOST_TOKENS[row]}
+    assert not heavy, f"rooms: (tokens, their row): {heavy}"
 
 
 def test_tokens_are_counted_without_comments_and_docstrings() -> None:
@@ -175,5 +148,5 @@ def test_tokens_are_counted_without_comments_and_docstrings() -> None:
 
 
 if __name__ == "__main__":  # print the table of today
-    for room, count in sorted(weights().items()):
-        print(f'    "{room}": {count},')
+    for row, count in row_weights().items():
+        print(f"    {row}: {count},".replace("'", '"'))

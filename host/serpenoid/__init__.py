@@ -7,6 +7,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     __version__: str
+    from .base.errors import BadInput, Diverged, NotConverged, SerpenoidError, StepTooLarge
     from .calibration.fit_file import load_fit, save_fit
     from .calibration.friction_fit import fit_friction
     from .calibration.friction_result import FrictionFit
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from .gaits.limits import GaitLimits
     from .gaits.margins import Margins, gait_margins
     from .model.drives import Servo, ServoKind, TorqueTable
-    from .model.errors import BadInput, Diverged, NotConverged, SerpenoidError, StepTooLarge
     from .model.evaluation import Acceleration, AngleDrive, TorqueDrive, acceleration
     from .model.gait import Gait
     from .model.ground import Ground
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 # Where the rest is, imported at first use: the command line answers --help without NumPy.
 _HOMES = {
-    "model.errors": ("BadInput", "Diverged", "NotConverged", "SerpenoidError", "StepTooLarge"),
+    "base.errors": ("BadInput", "Diverged", "NotConverged", "SerpenoidError", "StepTooLarge"),
     "prediction.advice": ("advise",),
     "prediction.next_reading": ("Advice",),
     "prediction.comparison": ("Comparison", "compare"),

@@ -21,8 +21,8 @@ from unittest.mock import patch
 import click
 import serpenoid as sn
 from click.testing import CliRunner
+from serpenoid.base import errors
 from serpenoid.commands.main import cli
-from serpenoid.model import errors
 from serpenoid.robot import RobotBoard
 from serpenoid.robot.recording.stream import load_stream
 from serpenoid.servos import bench_fit
@@ -164,7 +164,7 @@ def session_keys() -> Iterator[str]:
 
 def python_names() -> Iterator[str]:
     """Yield all that Python's users call, with parameters and members."""
-    public = {f"serpenoid.model.errors.{n}": v for n, v in vars(errors).items() if ours(v)}
+    public = {f"serpenoid.base.errors.{n}": v for n, v in vars(errors).items() if ours(v)}
     public |= {f"sn.{name}": getattr(sn, name) for name in sn.__all__}
     public["serpenoid.robot.RobotBoard"] = RobotBoard
     public["serpenoid.robot.recording.stream.load_stream"] = load_stream

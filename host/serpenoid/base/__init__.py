@@ -1,1 +1,1 @@
-"""What knows no snake: the head of the errors, files as text, tables that other programs wrote."""
+"""What every room uses and that knows no snake: errors, checks, files, tables, the system."""

@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.errors import BadInput
-from ..model.files import read_json
+from ..base.errors import BadInput
+from ..base.files import read_json
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.link_state import LinkState

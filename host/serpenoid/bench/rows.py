@@ -7,9 +7,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
-from ..base.files import csv_rows, read_text
-from ..model.errors import BadInput
-from ..model.files import write_csv, write_text
+from ..base.errors import BadInput
+from ..base.files import csv_rows, read_text, write_csv, write_text
 
 T = TypeVar("T")
 _NOTHING: Mapping[str, str] = {}

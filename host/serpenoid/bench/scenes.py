@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from ..base.errors import SerpenoidError
 from ..model.drives import Servo
-from ..model.errors import SerpenoidError
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot

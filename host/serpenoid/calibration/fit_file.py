@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from ..model.checks import check_number
+from ..base.checks import check_number
+from ..base.errors import BadInput
+from ..base.files import read_json, write_text
+from ..base.vectors import number_array
 from ..model.drives import REMOVED, Servo
-from ..model.errors import BadInput
-from ..model.files import read_json, write_text
 from ..model.robot import Robot
-from ..model.vectors import number_array
 from .fitting.shared import FRICTIONS
 from .fitting.suspects import Influence
 from .friction_result import (

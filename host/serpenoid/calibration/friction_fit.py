@@ -21,9 +21,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..model.checks import check_choice, check_kind
+from ..base.checks import check_choice, check_kind
+from ..base.errors import BadInput, NotConverged
 from ..model.drives import ServoKind
-from ..model.errors import BadInput, NotConverged
 from .alarms import with_alarms
 from .crawls.fit import with_crawls
 from .fit_of_draws import fit_of_draws

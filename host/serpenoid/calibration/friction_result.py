@@ -10,11 +10,11 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.checks import check_number
+from ..base.checks import check_number
+from ..base.rows import Result, Row, ranged
 from ..model.drives import Servo, ServoKind
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..model.rows import Result, Row, ranged
 from .fitting.shared import FRICTIONS
 from .fitting.stations import ZERO_SIGMA_RAD
 from .fitting.suspects import Influence

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..model.errors import BadInput
-from ..model.toml_table import Table
+from ..base.errors import BadInput
+from ..base.toml_table import Table
 from .session import Session, Setup
 from .session_rows import read_rows
 from .settings import FORMAT, setup_in

@@ -15,10 +15,10 @@ from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
+from ..base.checks import check_choice
+from ..base.errors import BadInput
 from ..base.files import csv_rows, read_text
-from ..model.checks import check_choice
-from ..model.errors import BadInput
-from ..model.toml_table import check_names, located
+from ..base.toml_table import check_names, located
 from .kinds.declaration import Taken
 from .kinds.rows import (
     DOUBTFUL,

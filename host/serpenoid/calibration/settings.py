@@ -10,11 +10,11 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
-from ..model.checks import check_choice, check_number, check_whole
-from ..model.errors import BadInput
+from ..base.checks import check_choice, check_number, check_whole
+from ..base.errors import BadInput
+from ..base.toml_table import Table, located
 from ..model.gait import Gait
 from ..model.robot import Robot, check_links
-from ..model.toml_table import Table, located
 from .kinds.declaration import BELT_UNITS, in_si, in_unit
 from .kinds.instruments import MAX_SPEED_M_S, Uncertainty
 from .kinds.push_size import unlikely_sigma

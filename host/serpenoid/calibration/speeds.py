@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..base.errors import NotConverged
+from ..base.long_calls import in_threads
 from ..model.drives import Servo
-from ..model.errors import NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
-from ..model.long_calls import in_threads
 from ..model.robot import Robot
 from ..periodic.neighbours import Draw, drawn_speeds, drawn_states
 from ..periodic.servo_steady import (

@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-from ..model.checks import check_number
+from ..base.checks import check_number
 
 Option = Callable[[Any], Any]
 Given = dict[str, Any]  # values of options, or an answer

@@ -17,6 +17,7 @@ import numpy as np
 import serpenoid as sn
 
 from .. import _core
+from ..base.files import read_json, write_text
 from ..calibration.friction_result import DOUBTFUL, whole_ground
 from ..calibration.kinds.instruments import FloorTools
 from ..calibration.taking.board_run import board_gait
@@ -26,7 +27,6 @@ from ..calibration.taking.simulated import SimulatedPerson
 from ..calibration.taking.treadmill import take_all
 from ..calibration.taking.world import Truth, drawn_floor
 from ..lab.crawl import crawl_speed
-from ..model.files import read_json, write_text
 from ..prediction.comparison import gait_count
 from ..prediction.speed_samples import speed_band
 from ..robot.robot import RobotBoard

@@ -147,8 +147,8 @@ joints_option = option(
 
 def latest_film(session: Path, links: int) -> FilmReading:
     """Return the latest film of a session. Raises BadInput: none, or of another robot."""
+    from ..base.errors import BadInput
     from ..calibration.session_file import read_session
-    from ..model.errors import BadInput
 
     films = read_session(session).kept_films
     if not films:

@@ -14,8 +14,8 @@ from typing import Any
 
 import click
 
-from ..model import system
-from ..model.errors import BadInput, SerpenoidError
+from ..base import system
+from ..base.errors import BadInput, SerpenoidError
 from ..show.screen import say
 from .bench import BENCH_GROUP
 from .board.drive import drive

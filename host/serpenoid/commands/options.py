@@ -16,9 +16,9 @@ import click
 
 import serpenoid as sn
 
+from ..base.checks import FORMULATIONS, check_number
+from ..base.files import write_text
 from ..model.capture_rate import HIGHEST_HZ, OPTION
-from ..model.checks import FORMULATIONS, check_number
-from ..model.files import write_text
 from ..show.screen import say
 from .declare import Given, Options, Range, angle, flag, number, option, radians
 from .given import ALARMS, take_fit, tell_remark
@@ -267,7 +267,7 @@ def interruptible(work: Callable[[], T]) -> T:
     """Return work(), run in a thread: Python hears Ctrl-C only while it is not in the core."""
     from concurrent.futures import Future
 
-    from ..model.long_calls import stoppable
+    from ..base.long_calls import stoppable
 
     done: Future[T] = Future()
     stop = threading.Event()

@@ -12,7 +12,7 @@ import click
 
 import serpenoid as sn
 
-from ..model.checks import DRIVES, FORMULATIONS, GAPS, STARTS
+from ..base.checks import DRIVES, FORMULATIONS, GAPS, STARTS
 from ..show.screen import progress, say, working
 from ..simulation.methods import METHODS
 from .declare import (
@@ -233,7 +233,7 @@ def _joint_drive(told: Given, base: sn.Scene | None) -> Given:
 
 
 def _servo(fields: dict[str, float], base: sn.Servo | None) -> sn.Servo:
-    from ..model.toml_table import check_names
+    from ..base.toml_table import check_names
 
     check_names(fields, (), "--servo-fields", "field", tuple(sn.Servo.__slots__))
     return replace(base or sn.Servo(), **fields)

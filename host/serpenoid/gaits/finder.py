@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize, minimize_scalar
 
-from ..model.checks import check_choice, check_number
+from ..base.checks import check_choice, check_number
+from ..base.errors import BadInput, NotConverged, SerpenoidError
+from ..base.rows import Result, Row, detail, two_digits
 from ..model.core_model import check_parts
-from ..model.errors import BadInput, NotConverged, SerpenoidError
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..model.rows import Result, Row, detail, two_digits
 from ..periodic.steady import Steady, check_ground, state_near, steady_gait
 from ..simulation.steady_springs import steady_springs
 from .limits import LIMIT_NAMES, GaitLimits, peak_torque_nm

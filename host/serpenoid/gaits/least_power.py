@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ..model.checks import FORMULATIONS, check_choice, check_number
+from ..base.checks import FORMULATIONS, check_choice, check_number
+from ..base.errors import BadInput, NotConverged
 from ..model.core_model import check_parts
-from ..model.errors import BadInput, NotConverged
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.steady import steady_gait

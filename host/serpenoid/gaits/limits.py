@@ -7,8 +7,8 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from ..model.checks import check_number
-from ..model.errors import StepTooLarge
+from ..base.checks import check_number
+from ..base.errors import StepTooLarge
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot

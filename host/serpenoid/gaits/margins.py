@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from ..base.errors import NotConverged
+from ..base.rows import Result, Row, detail
 from ..model.core_model import check_parts
-from ..model.errors import NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..model.rows import Result, Row, detail
 from ..periodic.steady import speed_floor_m_s, steady_gait
 from .shapes import FINE
 

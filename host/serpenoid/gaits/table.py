@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from ..base.errors import BadInput
+from ..base.long_calls import threads_to_use
 from ..model.core_model import core_model
-from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..model.ground import Ground
-from ..model.long_calls import threads_to_use
 from ..model.robot import Robot
 from ..periodic.steady import speed_floor_m_s
 from .limits import GaitLimits

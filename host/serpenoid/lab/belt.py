@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..model.errors import NotConverged
-from ..model.vectors import Array
+from ..base.errors import NotConverged
+from ..base.vectors import Array
 from .robot import LabRobot
 
 STEER_RATE_RAD_S = math.radians(2.0)  # of a board that steers in a session

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..base.vectors import Array
 from ..model.gait import Gait
-from ..model.vectors import Array
 from .floor import Floor
 from .recording import Camera
 from .robot import LabRobot

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..model.errors import NotConverged
+from ..base.errors import NotConverged
+from ..base.vectors import Array
 from ..model.gait import Gait
-from ..model.vectors import Array
 from .robot import LabRobot
 
 STEP_S, GRAVITY_M_S2 = 0.001, 9.81

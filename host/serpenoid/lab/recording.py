@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..model.vectors import Array
+from ..base.vectors import Array
 from .floor import Track
 from .instruments import Instrument
 

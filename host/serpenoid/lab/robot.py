@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from .. import _core
+from ..base.checks import check_number
+from ..base.errors import BadInput
+from ..base.vectors import Array
 from ..model.bends import joint_multiples
-from ..model.checks import check_number
 from ..model.core_model import friction_numbers
 from ..model.drives import Servo, core_servo
-from ..model.errors import BadInput
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..model.vectors import Array
 
 
 @dataclass(frozen=True)

@@ -1,1 +1,1 @@
-"""What a study is made of: robot, ground, gait, link states, drives; errors and checks."""
+"""What a study is made of: robot, ground, gait, link states, drives."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 
-from .errors import BadInput
+from ..base.errors import BadInput
 
 FEWEST_LINKS = 4
 

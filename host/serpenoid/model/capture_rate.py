@@ -13,7 +13,7 @@ from itertools import pairwise
 from statistics import median
 from typing import Any
 
-from .errors import BadInput
+from ..base.errors import BadInput
 
 PLAYED_HZ = (24.0, 25.0, 30.0, 50.0, 60.0, 90.0, 120.0, 240.0, 480.0, 960.0)
 NEAR = 0.04  # of a rate, relative: 29.97 and 30.04 are 30

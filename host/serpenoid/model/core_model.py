@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .checks import check_kind
+from ..base.checks import check_kind
 from .gait import Gait
 from .ground import Ground
 from .robot import Robot

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from .. import _core
-from .checks import (
+from ..base.checks import (
     NOT_NEGATIVE,
     POSITIVE,
     Limits,
@@ -22,8 +22,8 @@ from .checks import (
     check_number,
     check_whole,
 )
-from .errors import BadInput
-from .vectors import Array, number_array
+from ..base.errors import BadInput
+from ..base.vectors import Array, number_array
 
 # What follows the stalled torque S (stiffness, friction) or the motor's line S / w0 (damping,
 # rotor): their own sigma says how uncertain the ratio is.

@@ -9,15 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import _core
-from .checks import FORMULATIONS, check_choice, check_kind, check_number
+from ..base.checks import FORMULATIONS, check_choice, check_kind, check_number
+from ..base.errors import BadInput
+from ..base.rows import Result
+from ..base.vectors import Array, finite_vector
 from .core_model import check_parts, core_model
-from .errors import BadInput
 from .gait import Gait, joint_motion
 from .ground import Ground
 from .link_state import LinkState
 from .robot import Robot
-from .rows import Result
-from .vectors import Array, finite_vector
 
 # Of the fields of Acceleration, in the core.
 _CORE_NAMES = ("ax", "ay", "alpha", "fx", "fy", "joint_fx", "joint_fy", "joint_torque")

@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import POSITIVE, Limits, check_fields, check_number
-from .errors import BadInput
-from .vectors import Array
+from ..base.checks import POSITIVE, Limits, check_fields, check_number
+from ..base.errors import BadInput
+from ..base.vectors import Array
 
 _NUMBERS = {
     "alpha_rad": Limits(0.0, math.pi),

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .checks import NOT_NEGATIVE, check_fields, check_number
-from .errors import BadInput
+from ..base.checks import NOT_NEGATIVE, check_fields, check_number
+from ..base.errors import BadInput
 from .robot import check_links
 
 Both = float | tuple[float, float]  # one value, or (forwards, backwards)

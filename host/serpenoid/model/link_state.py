@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..base.vectors import Array, finite_vector
 from .gait import Gait, joint_motion
 from .robot import Robot
-from .vectors import Array, finite_vector
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from itertools import combinations
 
 import numpy as np
 
-from .vectors import Array
+from ..base.vectors import Array
 
 EXPLAINED_RAD = math.radians(12.0)  # phases this near to even steps are a gait's
 

@@ -6,7 +6,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import SupportsIndex
 
-from .checks import POSITIVE, check_fields, check_whole
+from ..base.checks import POSITIVE, check_fields, check_whole
 
 MAX_LINKS = 100_000
 

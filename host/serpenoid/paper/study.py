@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from ..base.vectors import Array
 from ..gaits.finder import LeastPower
 from ..gaits.least_power import power_front
 from ..model.drives import TorqueTable
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..model.vectors import Array
 from ..periodic.steady import Steady, steady_gait
 from ..periodic.sweep import Sweep, sweep
 from ..simulation.run import Run

@@ -8,8 +8,8 @@ from functools import partial
 from importlib.metadata import version
 from typing import Any
 
-from ..model.errors import BadInput, ClusterFailed
-from ..model.vectors import Array
+from ..base.errors import BadInput, ClusterFailed
+from ..base.vectors import Array
 from .grid import Grid, Stretch, stretches
 
 CONNECT_S = 10.0  # for the scheduler to answer

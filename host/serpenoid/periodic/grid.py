@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
+from ..base.errors import BadInput
+from ..base.long_calls import Progress
+from ..base.vectors import Array, number_array
 from ..model.core_model import check_parts, core_model
-from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..model.ground import Ground
-from ..model.long_calls import Progress
 from ..model.robot import Robot
-from ..model.vectors import Array, number_array
 from .steady import check_ground, speed_floor_m_s
 
 MOST_GAITS = 10**12

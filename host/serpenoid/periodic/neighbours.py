@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from .. import _core
+from ..base.long_calls import threads_to_use
+from ..base.vectors import Array
 from ..model.core_model import core_model
 from ..model.gait import Gait
 from ..model.ground import Ground
-from ..model.long_calls import threads_to_use
 from ..model.robot import Robot
-from ..model.vectors import Array
 from .steady import Steady, check_ground, from_core, steady_gait
 
 Draw = tuple[Ground, Gait]

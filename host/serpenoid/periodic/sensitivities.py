@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from ..base.errors import BadInput, NotConverged
+from ..base.long_calls import TimeLimit
+from ..base.rows import Result
+from ..base.vectors import Array
 from ..model.core_model import core_model
-from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
-from ..model.long_calls import TimeLimit
 from ..model.robot import Robot
-from ..model.rows import Result
-from ..model.vectors import Array
 
 Parts = tuple[Robot, Ground, Gait]
 QUANTITIES = ("speed_m_s", "power_w", "positive_power_w", "turn_rad_per_cycle")

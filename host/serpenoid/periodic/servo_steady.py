@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 
 from .. import _core
-from ..model.checks import check_kind
+from ..base.checks import check_kind
+from ..base.errors import NotConverged
+from ..base.long_calls import in_threads, keep_running
+from ..base.rows import Result, Row, detail, two_digits
+from ..base.vectors import Array
 from ..model.core_model import core_model
 from ..model.drives import Servo, ServoKind, core_servo
-from ..model.errors import NotConverged
 from ..model.gait import Gait
-from ..model.long_calls import in_threads, keep_running
-from ..model.rows import Result, Row, detail, two_digits
-from ..model.vectors import Array
 from ..servos.speed_limit import (
     highest_hz,
     is_too_fast,

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..model.checks import check_number
+from ..base.checks import check_number
+from ..base.errors import BadInput, NotConverged
+from ..base.rows import Result, Row, detail, two_digits
+from ..base.vectors import Array
 from ..model.core_model import check_parts, core_model
-from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait, gait_words
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..model.rows import Result, Row, detail, two_digits
-from ..model.vectors import Array
 
 if TYPE_CHECKING:
     from .sensitivities import Sensitivities

@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..model.checks import check_kind
+from ..base.checks import check_kind
+from ..base.errors import BadInput, NotConverged
+from ..base.long_calls import Progress, in_threads, threads_to_use
+from ..base.rows import Result, two_digits
+from ..base.vectors import Array
 from ..model.drives import Servo, ServoKind
-from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
-from ..model.long_calls import Progress, in_threads, threads_to_use
 from ..model.robot import Robot
-from ..model.rows import Result, two_digits
-from ..model.vectors import Array
 from ..servos.speed_limit import is_too_fast
 from .cluster import solve_on_cluster
 from .grid import AXES, Grid, Stretch, stretches

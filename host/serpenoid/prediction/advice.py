@@ -12,6 +12,8 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
+from ..base.checks import check_kind
+from ..base.errors import BadInput
 from ..calibration.crawls.data import same_command
 from ..calibration.fitting.posterior import Mode
 from ..calibration.friction_fit import fit_friction
@@ -20,9 +22,7 @@ from ..calibration.kinds.gait import GaitRun
 from ..calibration.session import Session
 from ..calibration.session_posterior import covariance_after, mode_of
 from ..calibration.speeds import Progress
-from ..model.checks import check_kind
 from ..model.drives import ServoKind
-from ..model.errors import BadInput
 from ..model.gait import Gait, gait_name
 from ..servos.catalogue import HOBBY
 from ..servos.speed_limit import too_fast_text

@@ -9,6 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from ..base.checks import check_kind, check_number
+from ..base.errors import BadInput, NotConverged
+from ..base.rows import Result
 from ..calibration.crawls.data import CrawlData, crawls_by_command, mean_speed, same_command
 from ..calibration.crawls.level import Slope, floor_slope, is_sloped, on_level
 from ..calibration.friction_fit import fit_friction
@@ -16,11 +19,8 @@ from ..calibration.friction_result import FrictionFit
 from ..calibration.kinds.gait import GaitRun
 from ..calibration.session import Session
 from ..calibration.speeds import AMPLITUDE_SIGMA, Progress, speed
-from ..model.checks import check_kind, check_number
 from ..model.drives import ServoKind
-from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait, gait_name
-from ..model.rows import Result
 from ..servos.catalogue import HOBBY
 from ..servos.speed_limit import highest_hz, too_fast_text
 from ..simulation.steady_springs import steady_springs

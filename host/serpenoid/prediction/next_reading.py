@@ -7,13 +7,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+from ..base.errors import BadInput
+from ..base.rows import Result
 from ..calibration.crawls.data import as_run
 from ..calibration.kinds.gait import GaitRun
 from ..calibration.kinds.station import Reading
 from ..calibration.session import Session
-from ..model.errors import BadInput
 from ..model.gait import Gait
-from ..model.rows import Result
 
 _SHOWN = 5  # readings of a table
 _MOST_TIMES = 5  # of one reading

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..base.long_calls import in_threads
 from ..calibration.friction_result import FrictionFit
 from ..calibration.speeds import AMPLITUDE_SIGMA, Progress
 from ..model.drives import ServoKind
 from ..model.gait import Gait
 from ..model.ground import Ground
-from ..model.long_calls import in_threads
 from ..model.robot import Robot
 from ..periodic.steady import Steady, steady_gait
 from ..servos.catalogue import HOBBY

@@ -12,13 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..base.errors import BadInput
+from ..base.rows import two_digits
 from ..calibration.fitting.unknowns import Floats
 from ..calibration.friction_result import FrictionFit
 from ..calibration.speeds import AMPLITUDE_SIGMA, Progress, speed
 from ..model.drives import ServoKind
-from ..model.errors import BadInput
 from ..model.gait import Gait
-from ..model.rows import two_digits
 from .speed_samples import sample_speeds
 
 _Z95 = 1.959964

@@ -12,9 +12,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, TypeVar
 
-from ..model.bends import bend_signs, joint_multiples
-from ..model.checks import check_number
-from ..model.errors import (
+from ..base.checks import check_number
+from ..base.errors import (
     BadInput,
     CommandRefused,
     DamagedLine,
@@ -24,6 +23,7 @@ from ..model.errors import (
     RobotLost,
     RobotUnattended,
 )
+from ..model.bends import bend_signs, joint_multiples
 from .recording.recorder import Recorder
 from .signals import SignalGuard
 from .wire.clock import Drift

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..model.errors import BadInput
+from ..base.errors import BadInput
 from .robot import RobotBoard
 
 

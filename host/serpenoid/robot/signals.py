@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable
 from types import FrameType, FunctionType
 
-from ..model import system
+from ..base import system
 
 _WATCHED = (signal.SIGINT, *system.ENDING, *system.SUSPENDING)
 

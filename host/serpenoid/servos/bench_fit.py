@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..base.errors import BadInput
+from ..base.particles import about_a_maximum
 from ..model.drives import ServoKind
-from ..model.errors import BadInput
-from ..model.particles import about_a_maximum
 from .bench_test import NAMES, Array, BenchModel, BenchTest, shown
 
 PARTICLES, MOVES, KEPT = 256, 100, 128

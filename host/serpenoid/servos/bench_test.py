@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from ..model.checks import check_number
+from ..base.checks import check_number
+from ..base.errors import BadInput
+from ..base.vectors import finite_vector
 from ..model.drives import Servo, ServoKind
-from ..model.errors import BadInput
-from ..model.vectors import finite_vector
 
 Array = NDArray[np.float64]
 Values = dict[str, Array]

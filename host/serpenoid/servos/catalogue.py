@@ -23,8 +23,8 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+from ..base.errors import BadInput
 from ..model.drives import Servo, ServoKind
-from ..model.errors import BadInput
 from .servo_file import load_servo
 
 _MOTOR_S, _FRICTION, _DAMPING, _FULL_RAD = 0.037, 0.05, 0.07, 0.17

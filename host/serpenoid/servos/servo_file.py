@@ -7,10 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from ..base.errors import BadInput
+from ..base.files import write_named
+from ..base.toml_table import Table, located
 from ..model.drives import REMOVED, UNCERTAIN, Servo, ServoKind
-from ..model.errors import BadInput
-from ..model.files import write_named
-from ..model.toml_table import Table, located
 
 FORMAT = 1
 _FIELDS = tuple(f.name for f in dataclasses.fields(Servo))

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from ..base.files import whole_file
 from ..calibration.friction_fit import friction_points, point_errors, voided_points
 from ..calibration.friction_result import FrictionFit
 from ..calibration.session import Session
-from ..model.files import whole_file
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..model import rows
+from ..base import rows
 from .screen import screen
 
 if TYPE_CHECKING:
+    from ..base.rows import Result
     from ..calibration.friction_result import FrictionFit
-    from ..model.rows import Result
 
 VERBOSE = "serpenoid.verbose"  # of click's context: whether details are wanted
 console = screen(width=None if screen().is_terminal else 100, highlight=False)

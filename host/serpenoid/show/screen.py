@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..model.files import visible
+from ..base.files import visible
 
 if TYPE_CHECKING:
     from rich.console import Console

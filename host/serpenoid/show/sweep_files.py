@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.files import whole_file, write_csv
+from ..base.files import whole_file, write_csv
 from ..periodic.sweep import Sweep
 
 AXES = ("alpha_rad", "beta_rad", "omega_rad_s")

@@ -7,12 +7,12 @@ from collections.abc import Callable
 from typing import Any
 
 from .. import _core
-from ..model.checks import RECORDS
+from ..base.checks import RECORDS
+from ..base.errors import Diverged
+from ..base.vectors import finite_vector
 from ..model.core_model import core_model
 from ..model.drives import TorqueTable, core_servo
-from ..model.errors import Diverged
 from ..model.link_state import LinkState
-from ..model.vectors import finite_vector
 from .scene import MAX_LINK_STEPS, Scene, objection
 
 Progress = Callable[[float], object]

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from ..model.rows import Result, Row, detail
+from ..base.rows import Result, Row, detail
 from .scene import Scene, objection
 
 _PRESENT_AT = 0.01  # errors of the mean speed that a warning names

@@ -9,7 +9,7 @@ from time import monotonic
 
 import numpy as np
 
-from ..model.errors import Diverged
+from ..base.errors import Diverged
 from ..model.link_state import LinkState
 from ..periodic.steady import FromRest, Motion, Steady
 from .judge import exact_scene

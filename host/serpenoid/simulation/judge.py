@@ -15,9 +15,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..model.checks import check_choice, check_number
-from ..model.errors import BadInput, Diverged, NotConverged, StepTooLarge
-from ..model.vectors import Array
+from ..base.checks import check_choice, check_number
+from ..base.errors import BadInput, Diverged, NotConverged, StepTooLarge
+from ..base.vectors import Array
 from .error import Difference, RunError
 from .methods import METHODS, OwnChoice
 from .run import ENERGY_COLUMNS, Run

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ..model.files import write_csv
+from ..base.files import write_csv
+from ..base.rows import Result, Row, two_digits
+from ..base.vectors import Array
 from ..model.link_state import LinkState
-from ..model.rows import Result, Row, two_digits
-from ..model.vectors import Array
 from .error import RunError, warnings_of
 from .scene import Scene
 

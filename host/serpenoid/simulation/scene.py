@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 from numpy.typing import ArrayLike
 
-from ..model.checks import (
+from ..base.checks import (
     DRIVES,
     FORMULATIONS,
     GAPS,
@@ -23,14 +23,14 @@ from ..model.checks import (
     check_number,
     check_whole,
 )
+from ..base.errors import BadInput
+from ..base.vectors import finite_vector
 from ..model.core_model import check_parts
 from ..model.drives import Servo, TorqueTable
-from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.link_state import LinkState
 from ..model.robot import Robot
-from ..model.vectors import finite_vector
 from .methods import GONE, METHODS, OwnChoice
 
 MAX_LINK_STEPS = 10**11

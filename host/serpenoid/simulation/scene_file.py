@@ -9,15 +9,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
-from ..model.checks import check_number
+from ..base.checks import check_number
+from ..base.errors import BadInput
+from ..base.files import write_named
+from ..base.toml_table import Table, located
 from ..model.drives import REMOVED, Servo, TorqueTable
-from ..model.errors import BadInput
-from ..model.files import write_named
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.link_state import LinkState
 from ..model.robot import Robot
-from ..model.toml_table import Table, located
 from .scene import Scene
 
 T = TypeVar("T")

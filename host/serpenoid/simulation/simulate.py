@@ -6,8 +6,8 @@ from collections.abc import Collection
 from dataclasses import dataclass, replace
 from functools import partial
 
-from ..model.checks import check_kind
-from ..model.errors import BadInput
+from ..base.checks import check_kind
+from ..base.errors import BadInput
 from ..model.link_state import LinkState
 from .core_run import Progress, run_core
 from .judge import check_wanted, run_error, simulate_to

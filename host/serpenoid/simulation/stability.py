@@ -21,14 +21,14 @@ from functools import lru_cache
 
 import numpy as np
 
+from ..base.errors import StepTooLarge
+from ..base.vectors import Array
 from ..model.drives import Servo
-from ..model.errors import StepTooLarge
 from ..model.evaluation import TorqueDrive, acceleration
 from ..model.gait import Gait, joint_motion
 from ..model.ground import Ground
 from ..model.link_state import LinkState
 from ..model.robot import Robot
-from ..model.vectors import Array
 from .scene import Scene, objection
 
 _PHASES, _MOST_LINKS = 8, 60

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..model.errors import BadInput
+from ..base.errors import BadInput
+from ..base.vectors import Array
 from ..model.gait import joint_motion
 from ..model.link_state import LinkState, from_tail
-from ..model.vectors import Array
 from ..periodic.steady import steady_gait
 from .core_run import run_core
 from .judge import exact_scene

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from ..model.checks import check_number
-from ..model.errors import BadInput, NotConverged
+from ..base.checks import check_number
+from ..base.errors import BadInput, NotConverged
+from ..base.rows import Result, two_digits
+from ..base.vectors import Array
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..model.rows import Result, two_digits
-from ..model.vectors import Array
 from ..periodic.steady import speed_floor_m_s, steady_gait
 from .run import Run
 from .scene import Scene

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..model.files import whole_file
+from ..base.files import whole_file
 from .arrays import Array
 from .fitting.camera import Camera
 from .measure_film import FilmMeasurement

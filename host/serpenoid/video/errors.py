@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..model.sines import basis
+from ..base.sines import basis
 from .arrays import Array, Places
 from .fitting.bundle import READOUT, Bundle
 from .fitting.chain import wrapped

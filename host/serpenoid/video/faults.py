@@ -11,7 +11,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from ..model.errors import BadInput
+from ..base.errors import BadInput
 from .arrays import Array, Mask
 from .fitting.camera import Camera
 from .fitting.frames import Track

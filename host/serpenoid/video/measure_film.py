@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..model.checks import check_number, sha256_of
-from ..model.errors import BadInput
+from ..base.checks import check_number, sha256_of
+from ..base.errors import BadInput
 from ..model.gait import Gait
 from .faults import (
     bent_faults,

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..model.sines import HARMONICS, basis, basis_by_rate, fit_sines, weighted
+from ..base.sines import HARMONICS, basis, basis_by_rate, fit_sines, weighted
 from .arrays import Array, Complex
 from .fitting.chain import joint_angles, mean_heading, wrapped
 from .fitting.frames import Track

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..model.errors import BadInput
+from ..base.errors import BadInput
 from .arrays import Array, Mask
 from .faults import scale_off, view_faults
 from .fitting import frames, start

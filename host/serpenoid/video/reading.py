@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..model.errors import BadInput
+from ..base.errors import BadInput
 from ..model.gait import Gait
 from .arrays import Array
 from .measure_film import FilmMeasurement

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..model.files import write_csv
+from ..base.files import write_csv
 from .arrays import Array
 from .fitting.camera import LENS
 from .fitting.chain import joint_angles, mean_heading, wrapped

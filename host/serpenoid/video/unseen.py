@@ -11,8 +11,8 @@ from itertools import product
 
 import numpy as np
 
-from ..model.errors import BadInput
-from ..model.sines import basis
+from ..base.errors import BadInput
+from ..base.sines import basis
 from .arrays import Array
 from .fitting.camera import Camera
 from .fitting.start import tag_poses

@@ -8,13 +8,13 @@ import pytest
 from calibration.conversations import Typist
 from robot.fake_board import eeprom_after
 from serpenoid import Ground, fit_friction
+from serpenoid.base.errors import RobotLost
 from serpenoid.calibration.session_rows import read_events
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
 from serpenoid.calibration.taking.person.dialogue import Dialogue
 from serpenoid.calibration.taking.person.session_robot import SessionRobot
 from serpenoid.calibration.taking.simulated import SimulatedPerson, Truth
-from serpenoid.model.errors import RobotLost
 from serpenoid.robot.wire.virtual import VirtualLink
 
 

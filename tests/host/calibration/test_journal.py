@@ -11,6 +11,7 @@ import time
 import pytest
 from refusals import refused
 from robots import NIRAKH_2005
+from serpenoid.base.errors import RecordingFailed
 from serpenoid.calibration.session_file import read_session
 from serpenoid.calibration.taking.journal import Journal, append_line
 from serpenoid.calibration.taking.new_session import (
@@ -19,7 +20,6 @@ from serpenoid.calibration.taking.new_session import (
     identity_differences,
     template_setup,
 )
-from serpenoid.model.errors import RecordingFailed
 
 STATION = {"lambda_deg": 0.0, "incline_deg": 2.5, "belt_speed_m_s": 0.4, "drift_m_s": 0.0}
 

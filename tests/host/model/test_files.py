@@ -7,9 +7,8 @@ from pathlib import Path
 
 import pytest
 from refusals import refused
-from serpenoid.base.files import check_file, read_text
-from serpenoid.model.files import read_json
-from serpenoid.model.vectors import number_array
+from serpenoid.base.files import check_file, read_json, read_text
+from serpenoid.base.vectors import number_array
 
 
 @pytest.mark.parametrize("path", ["/dev/zero", "/dev/tty", "/proc", "loop", "pipe", "a\0b", "no"])

@@ -12,7 +12,7 @@ import pytest
 from command_line import serpenoid
 from robots import NIRAKH_2005
 from serpenoid import BadInput
-from serpenoid.model.files import visible, whole_file, write_csv
+from serpenoid.base.files import visible, whole_file, write_csv
 
 WISH = "sweep --robot paper --alpha-deg 30 --beta-deg 80 --omega-rad-s 5 --out"
 
@@ -49,7 +49,7 @@ ENDED = """
 import os, signal, sys
 from pathlib import Path
 from serpenoid.commands import main
-from serpenoid.model.files import whole_file
+from serpenoid.base.files import whole_file
 
 def writes(**_):
     with whole_file(Path(sys.argv[1])) as part:

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from serpenoid.model.particles import Student, tempered
+from serpenoid.base.particles import Student, tempered
 
 CENTRE, ROOT = np.array([0.3, -0.2]), np.array([[1.2, 0.0], [0.4, 1.1]])
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from robots import BINGHAM, OF_2005, PAPER, VISCOUS
-from serpenoid.model.errors import ClusterFailed
+from serpenoid.base.errors import ClusterFailed
 from serpenoid.periodic import cluster as cluster_module
 from serpenoid.periodic.grid import FIELDS
 

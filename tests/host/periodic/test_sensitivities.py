@@ -174,7 +174,7 @@ def test_what_cannot_be_differentiated_is_named() -> None:
 
 
 def test_derivatives_that_take_too_long_are_refused_with_a_way_out(monkeypatch) -> None:
-    from serpenoid.model import long_calls
+    from serpenoid.base import long_calls
 
     monkeypatch.setattr(long_calls, "LIMIT_S", 0.0)
     with pytest.raises(sn.NotConverged, match="longer than 0 s; ask for the state without"):

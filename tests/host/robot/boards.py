@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 import pytest
 from avr.board import Board
 from robot.fake_board import GAIT, FakeBoard, honest
-from serpenoid.model.errors import RobotLost
+from serpenoid.base.errors import RobotLost
 from serpenoid.robot import Robot
 from serpenoid.robot.wire.virtual import LEAST_S, STEP_S
 

@@ -13,7 +13,7 @@ import pytest
 from command_line import serpenoid
 from robot.fake_board import GAIT, GAIT_TYPED, FakeBoard, nothing, resealed, sealed, without
 from robot.patience import LONG_S, clock
-from serpenoid.model.errors import (
+from serpenoid.base.errors import (
     FramesMissing,
     RobotLost,
     StateUnasked,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from serpenoid.model.errors import ClockWrong
+from serpenoid.base.errors import ClockWrong
 from serpenoid.robot.wire.clock import TOLERANCE_PPM, BoardClock
 
 

@@ -10,7 +10,7 @@ import serpenoid as sn
 from command_line import serpenoid
 from refusals import refused
 from robot.fake_board import GAIT_TYPED, FakeBoard, greeting
-from serpenoid.model.errors import DamagedLine
+from serpenoid.base.errors import DamagedLine
 from serpenoid.robot import Robot
 from serpenoid.robot.wire import ports
 from serpenoid.robot.wire.protocol import Data

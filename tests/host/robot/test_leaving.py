@@ -12,7 +12,7 @@ import time
 import pytest
 from robot.fake_board import GAIT, FakeBoard, honest
 from robot.patience import LONG_S, until
-from serpenoid.model.errors import RobotReset, RobotUnattended
+from serpenoid.base.errors import RobotReset, RobotUnattended
 from serpenoid.robot import Robot
 
 DRIVER = """
@@ -31,7 +31,7 @@ with Robot(sys.argv[1]) as robot:
 FORKING = """
 import os, signal, sys, time
 from serpenoid import Gait
-from serpenoid.model.errors import RobotClosed
+from serpenoid.base.errors import RobotClosed
 from serpenoid.robot import Robot
 parent = os.getpid()
 try:

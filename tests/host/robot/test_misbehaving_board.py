@@ -9,7 +9,7 @@ import re
 import pytest
 from robot.fake_board import GAIT, FakeBoard, greeting, honest, nothing, sealed, without
 from robot.patience import LONG_S, clock, until
-from serpenoid.model.errors import (
+from serpenoid.base.errors import (
     DamagedLine,
     NoAnswer,
     ProtocolMismatch,

@@ -13,8 +13,8 @@ import pytest
 from robot.fake_board import FakeBoard
 from robot.patience import LONG_S
 from serial.tools import list_ports
-from serpenoid.model import system
-from serpenoid.model.errors import PortBusy, PortMissing, RobotClosed
+from serpenoid.base import system
+from serpenoid.base.errors import PortBusy, PortMissing, RobotClosed
 from serpenoid.robot import Robot
 from serpenoid.robot.wire import link
 

@@ -11,7 +11,7 @@ from hypothesis import given, seed
 from hypothesis import strategies as st
 from refusals import refused
 from serpenoid import BadInput
-from serpenoid.model.errors import DamagedLine
+from serpenoid.base.errors import DamagedLine
 from serpenoid.robot.wire import protocol
 from serpenoid.robot.wire.encoding import digits
 from serpenoid.robot.wire.protocol import ERRORS

@@ -19,7 +19,7 @@ from refusals import refused
 from robot.fake_board import GAIT, FakeBoard, sealed
 from robot.patience import LONG_S, clock, until
 from robot.test_leaving import drive
-from serpenoid.model.errors import NoAnswer, RecordingFailed, RobotError
+from serpenoid.base.errors import NoAnswer, RecordingFailed, RobotError
 from serpenoid.robot import Robot
 from serpenoid.robot.recording import recorder
 from serpenoid.robot.recording.stream import load_stream

@@ -11,7 +11,7 @@ from robot.boards import BOARDS
 from robot.fake_board import GAIT, FakeBoard
 from robot.patience import LONG_S
 from serpenoid import Gait
-from serpenoid.model.errors import CommandRefused, RobotReset
+from serpenoid.base.errors import CommandRefused, RobotReset
 from serpenoid.robot import Robot
 from serpenoid.robot.wire import inbox
 from serpenoid.robot.wire.protocol import PROTOCOL

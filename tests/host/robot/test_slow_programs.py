@@ -14,7 +14,7 @@ from robot.fake_board import GAIT_TYPED as TYPED
 from robot.fake_board import FakeBoard
 from robot.patience import LONG_S, clock, until
 from robot.terminal import Person
-from serpenoid.model.errors import RobotReset
+from serpenoid.base.errors import RobotReset
 from serpenoid.robot import Robot
 from serpenoid.robot.recording.stream import load_stream
 from serpenoid.robot.tools.driven_run import UNATTENDED_S
@@ -119,7 +119,7 @@ def test_a_signal_that_ends_a_drive_stops_the_robot_and_ends_the_recording(name,
 
 
 KEYS = """
-from serpenoid.model import system
+from serpenoid.base import system
 with system.single_keys():
     print("ready", flush=True)
     while (came := system.read_input(60.0)) != b"q":

@@ -7,7 +7,7 @@ import threading
 import pytest
 from robot.fake_board import GAIT, FakeBoard, nothing
 from robot.patience import LONG_S, until
-from serpenoid.model.errors import NoAnswer, RobotClosed, RobotHeld
+from serpenoid.base.errors import NoAnswer, RobotClosed, RobotHeld
 from serpenoid.robot import Robot
 from serpenoid.robot.wire import dialogue
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import serpenoid as sn
 from command_line import program
-from serpenoid.model.files import visible
+from serpenoid.base.files import visible
 from serpenoid.show.screen import screen
 
 ROOT = Path(__file__).parents[3]

@@ -19,7 +19,7 @@ import serpenoid as sn
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from serpenoid import load_scene
-from serpenoid.model.checks import DRIVES, FORMULATIONS, GAPS, RECORDS, STARTS
+from serpenoid.base.checks import DRIVES, FORMULATIONS, GAPS, RECORDS, STARTS
 from serpenoid.simulation.methods import METHODS
 
 EXAMPLES = int(os.environ.get("SERPENOID_FUZZ_EXAMPLES", "150"))

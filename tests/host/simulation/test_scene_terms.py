@@ -10,7 +10,7 @@ import pytest
 import serpenoid as sn
 from oracle.scenes import NAMES, slow_run
 from robots import gait_in_deg
-from serpenoid.model.checks import FORMULATIONS
+from serpenoid.base.checks import FORMULATIONS
 
 G = 9.80665
 GAIT = gait_in_deg(40, 70, 4.0, 0.1)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
-from serpenoid.model.sines import basis, weighted
+from serpenoid.base.sines import basis, weighted
 from serpenoid.video.fitting.camera import LENS, MOUNTING, Camera
 from serpenoid.video.seeing.edges import refine
 

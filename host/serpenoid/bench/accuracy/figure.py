@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ...model.files import write_text
+from ...base.files import write_text
 from ...show.plot import figure, heading
 from .. import machine
 from ..problems import problems, reference

@@ -11,9 +11,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ...model.errors import BadInput
+from ...base.errors import BadInput
+from ...base.sines import basis, fit_sines
 from ...model.gait import Gait
-from ...model.sines import basis, fit_sines
 from ..kinds.declaration import Cells
 
 Array = NDArray[np.float64]

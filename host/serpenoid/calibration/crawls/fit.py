@@ -8,10 +8,10 @@ from types import MappingProxyType
 
 import numpy as np
 
+from ...base.errors import BadInput, Diverged, NotConverged
+from ...base.particles import tempered
 from ...model.drives import ServoKind
-from ...model.errors import BadInput, Diverged, NotConverged
 from ...model.ground import Ground
-from ...model.particles import tempered
 from ..fit_of_draws import DRAWS, fit_of_draws
 from ..fitting.posterior import Draws, Posterior
 from ..fitting.stations import Stations

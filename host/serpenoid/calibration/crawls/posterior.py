@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...model.particles import tempered
+from ...base.particles import tempered
 from ..fitting.bends import Bends, frictions_in
 from ..fitting.posterior import Posterior
 from ..fitting.shared import FRICTIONS

@@ -16,8 +16,8 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.particles import Student, alike
 from ...model.drives import Servo, ServoKind
-from ...model.particles import Student, alike
 from ..fitting.unknowns import Floats
 from ..speeds import ServoEffects
 from .posterior import CrawlPosterior

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...model.errors import BadInput
+from ...base.errors import BadInput
 from ..session import Session
 from .stations import Stations
 from .unknowns import Floats

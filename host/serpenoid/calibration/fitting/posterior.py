@@ -15,8 +15,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ...model.errors import NotConverged
-from ...model.particles import Student, tempered
+from ...base.errors import NotConverged
+from ...base.particles import Student, tempered
 from .bends import Bends
 from .unknowns import Floats, Unknown, Values, Whole
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...model.errors import NotConverged
+from ...base.errors import NotConverged
 from ..session import Session
 from .posterior import Mode
 from .shared import FRICTIONS

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...model.errors import BadInput
+from ...base.errors import BadInput
 from ..fitting.rolling_law import way_m
 from .arc import along, turn_rad
 

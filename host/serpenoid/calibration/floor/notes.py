@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ...model.errors import BadInput
+from ...base.errors import BadInput
 from ..fitting.posterior import Mode, Posterior
 from ..session import Session
 from .block import Pushes

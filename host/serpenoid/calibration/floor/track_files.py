@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.checks import check_choice
 from ...base.errors import BadInput
 from ...base.tables import TextTable, is_missing, read_table
-from ...model.checks import check_choice
-from ...model.toml_table import located
+from ...base.toml_table import located
 from ..kinds.declaration import LENGTH_UNITS
 from ..kinds.push_size import likely_units, unlikely_push
 from .look import MOVES_M_S, speeds

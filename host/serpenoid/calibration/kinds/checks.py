@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ...model.errors import BadInput
+from ...base.errors import BadInput
 from .declaration import Field, Taken
 from .instruments import MAX_SPEED_M_S, Stopwatch
 from .station import BEND_WORD, LAMBDA, MAX_INCLINE_DEG

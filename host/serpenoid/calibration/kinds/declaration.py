@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ...model.checks import check_choice, check_number
+from ...base.checks import check_choice, check_number
 from .instruments import Stopwatch
 
 Cells = Mapping[str, str | float]

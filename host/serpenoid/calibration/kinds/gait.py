@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from ...model.errors import BadInput
+from ...base.errors import BadInput
 from ...model.gait import Gait
 from .declaration import DERIVED, PLANNED, Field, Taken, Word
 from .instruments import MAX_SPEED_M_S, Stopwatch

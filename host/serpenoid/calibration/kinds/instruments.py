@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 
-from ...model.checks import check_number
+from ...base.checks import check_number
 
 MAX_SPEED_M_S = 10.0  # no treadmill runs faster: beyond it a number is a slip of units
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...model.errors import BadInput
+from ...base.errors import BadInput
 from .tracks import Floats
 
 LEAST_S, MOST_S = 1.0, 60.0

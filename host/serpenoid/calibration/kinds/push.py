@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...model.errors import BadInput
+from ...base.errors import BadInput
 from .declaration import DERIVED, Field, Taken, Word
 from .push_size import unlikely_push, unlikely_sigma
 from .station import BEND_WORD, LAMBDA, STEERING, bend_in_words

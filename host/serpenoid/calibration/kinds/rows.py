@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ...model.errors import BadInput
+from ...base.errors import BadInput
 from .checks import BeltCheck, BendCheck, ZeroReading
 from .declaration import Cells, Taken, Word
 from .gait import GaitRun

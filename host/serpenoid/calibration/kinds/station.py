@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from ...base.errors import BadInput
 from ...model.bends import balanced_signs
-from ...model.errors import BadInput
 from .declaration import PLANNED, READ, Field, Taken, Word
 from .instruments import MAX_SPEED_M_S, Stopwatch
 from .places import drifts, tidy_places

@@ -10,9 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.files import csv_rows, read_text
-from ...model.errors import BadInput, RecordingFailed
-from ...model.files import write_text
+from ...base.errors import BadInput, RecordingFailed
+from ...base.files import csv_rows, read_text, write_text
 
 FOLDER = "tracks"
 STAR = "*"  # in the last column's name: any number of such columns

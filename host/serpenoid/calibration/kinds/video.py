@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ...model.errors import BadInput
+from ...base.errors import BadInput
 from ...model.gait import Gait
 from .declaration import DERIVED, Field, Taken, Word
 from .gait import COMMANDED, SPEED, WAY, GaitRun

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ...model.errors import BadInput
+from ...base.errors import BadInput
 from ...model.gait import Gait
 from ...robot.recording.run_gait import LEAST_FRAMES
 from ...robot.robot import RobotBoard

@@ -18,8 +18,8 @@ from io import FileIO
 from pathlib import Path
 from typing import Any
 
-from ...model import system
-from ...model.errors import BadInput, RecordingFailed
+from ...base import system
+from ...base.errors import BadInput, RecordingFailed
 from ..kinds.declaration import Cells
 from ..kinds.rows import (
     LISTED,

@@ -10,9 +10,9 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
+from ...base.errors import BadInput, RecordingFailed
+from ...base.files import write_text
 from ...model.bends import FEWEST_LINKS
-from ...model.errors import BadInput, RecordingFailed
-from ...model.files import write_text
 from ...model.gait import Gait
 from ...model.robot import Robot
 from ..kinds.declaration import Field, in_si

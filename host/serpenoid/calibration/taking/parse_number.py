@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ...model.errors import BadInput
+from ...base.errors import BadInput
 from ..kinds.declaration import Field, Range, Word
 from ..kinds.rows import KINDS, kind_of
 from ..session import Setup

@@ -14,9 +14,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ...model.errors import BadInput
+from ...base.errors import BadInput
+from ...base.toml_table import Table, located
 from ...model.ground import Ground
-from ...model.toml_table import Table, located
 from ..session import Setup
 from ..settings import SETTINGS, applied
 from .journal import Journal, Listed

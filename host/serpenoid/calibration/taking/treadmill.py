@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from ...model.errors import NotConverged
+from ...base.errors import NotConverged
 from ..kinds.declaration import Cells
 from ..kinds.rows import KINDS
 from ..session import Session

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import serpenoid as sn
 
-from ...model.errors import RobotUnattended
+from ...base.errors import RobotUnattended
 from ...robot.robot_match import RobotMatch
 from ...robot.tools.driven_run import UNATTENDED_S, DrivenRun
 from ...servos.speed_limit import too_fast_text

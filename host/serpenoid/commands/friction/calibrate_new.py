@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ...model.errors import BadInput
+from ...base.errors import BadInput
 from ...show.screen import say
 from ..declare import FOLDER, Given, PathType, flag, option
 

@@ -7,6 +7,7 @@ from contextlib import ExitStack, suppress
 from importlib.metadata import version
 from pathlib import Path
 
+from ...base.errors import RecordingFailed, SerpenoidError
 from ...calibration.friction_fit import fit_friction
 from ...calibration.session import Session
 from ...calibration.taking.journal import Journal
@@ -17,7 +18,6 @@ from ...calibration.taking.person.push_prompt import FilmReader
 from ...calibration.taking.person.session_robot import SessionRobot
 from ...calibration.taking.person.terminal import Console
 from ...calibration.taking.steps import Step, Tracked
-from ...model.errors import RecordingFailed, SerpenoidError
 from ...model.gait import Gait
 from ...model.robot import Robot
 from ...robot.robot_match import RobotMatch

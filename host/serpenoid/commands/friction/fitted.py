@@ -178,8 +178,8 @@ def report(
     Its speeds are those of `compare` and `advise`: any hobby servo unless --servo says which. Where
     only crawls tell the friction, nothing is left to test it by.
     """
+    from ...base.files import write_text
     from ...calibration.session_file import load_session
-    from ...model.files import write_text
     from ...prediction import advice, comparison
     from ...show.session.report_page import session_page
 

@@ -73,9 +73,9 @@ def servo(
     """
     import numpy as np
 
+    from ...base.checks import check_number
     from ...base.tables import columns_named, number_columns, read_table
-    from ...model.checks import check_number
-    from ...model.toml_table import located
+    from ...base.toml_table import located
     from ...servos.bench_fit import servo_of_test
     from ...servos.bench_test import BenchTest
 
@@ -130,7 +130,7 @@ def _load(
 
 def show(measured: MeasuredServo) -> None:
     """Print the verdict, how fast the servo is, what was measured of it, and what is open."""
-    from ...model.rows import Row, ranged, two_digits
+    from ...base.rows import Row, ranged, two_digits
     from ...show import report
 
     report.console.print(measured.verdict.text)

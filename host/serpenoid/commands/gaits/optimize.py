@@ -11,7 +11,7 @@ import click
 
 import serpenoid as sn
 
-from ...model.checks import check_number
+from ...base.checks import check_number
 from ...show.screen import working
 from ..declare import (
     Given,

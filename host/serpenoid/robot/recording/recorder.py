@@ -12,7 +12,7 @@ from datetime import datetime, timezone
 from io import FileIO
 from pathlib import Path
 
-from ...model.errors import BadInput, RecordingFailed
+from ...base.errors import BadInput, RecordingFailed
 
 TITLE = "# serpenoid wire 1"
 COLUMNS = "# seconds since the start, < from or > to the board, the line with its CRC"

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...model.errors import BadInput
+from ...base.errors import BadInput
 from ...model.gait import Gait
 from ..wire.clock import TOLERANCE_PPM
 from .stream import Stream, load_stream

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...base.errors import BadInput, ClockWrong, DamagedLine, RecordingFailed
 from ...base.files import check_file
-from ...model.errors import BadInput, ClockWrong, DamagedLine, RecordingFailed
 from ..wire.clock import BoardClock
 from ..wire.protocol import Hello, Telemetry, frame_us, parse
 from .recorder import TITLE

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Literal
 
-from ...model.errors import NoAnswer, PortBusy, ProtocolMismatch, RobotError
+from ...base.errors import NoAnswer, PortBusy, ProtocolMismatch, RobotError
 from ..robot import RobotBoard
 from ..wire import ports
 from ..wire.inbox import Losses

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...model.errors import ClockWrong, FramesMissing
+from ...base.errors import ClockWrong, FramesMissing
 from ..robot import RobotBoard
 from ..robot_match import RobotMatch
 from ..wire.protocol import Telemetry

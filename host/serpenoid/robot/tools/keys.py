@@ -8,8 +8,8 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 
-from ...model import system
-from ...model.errors import BadInput
+from ...base import system
+from ...base.errors import BadInput
 
 ARROWS = {"A": "up", "B": "down", "C": "right", "D": "left"}
 NAMES = {f"\x1b{mode}{end}": name for mode in "[O" for end, name in ARROWS.items()} | {

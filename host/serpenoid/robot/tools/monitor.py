@@ -5,8 +5,8 @@ from __future__ import annotations
 import sys
 from contextlib import suppress
 
-from ...model.errors import BadInput, DamagedLine, RobotUnattended, StateUnasked
-from ...model.files import visible
+from ...base.errors import BadInput, DamagedLine, RobotUnattended, StateUnasked
+from ...base.files import visible
 from ..robot import RobotBoard
 from ..wire.protocol import Telemetry, Verdict, parse, unseal
 

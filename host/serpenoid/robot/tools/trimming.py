@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from ...model.errors import CommandRefused
+from ...base.errors import CommandRefused
 from ..robot import RobotBoard
 from .keys import Keyboard
 

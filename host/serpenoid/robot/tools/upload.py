@@ -11,8 +11,8 @@ from importlib.metadata import version
 from pathlib import Path
 
 from ... import _core
-from ...model import system
-from ...model.errors import BadInput, FlashFailed
+from ...base import system
+from ...base.errors import BadInput, FlashFailed
 from ..robot import RobotBoard
 from ..signals import SignalGuard
 from ..wire.ports import find_port, is_there, missing, serial_ports

@@ -8,7 +8,7 @@ from statistics import fmean, linear_regression
 from typing import NamedTuple
 
 from ..._core import firmware
-from ...model.errors import ClockWrong
+from ...base.errors import ClockWrong
 
 FRAME_US = round(firmware.FRAME_S * 1e6)
 TOLERANCE_PPM = 5000.0  # of a Uno's ceramic resonator, before anything is measured

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import NamedTuple
 
-from ...model.errors import (
+from ...base.errors import (
     FramesMissing,
     RobotClosed,
     RobotError,

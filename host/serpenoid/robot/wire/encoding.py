@@ -6,7 +6,7 @@ import math
 import numbers
 import re
 
-from ...model.errors import BadInput, DamagedLine
+from ...base.errors import BadInput, DamagedLine
 
 NUMBER = re.compile(r"-?\d{1,10}(\.\d{1,6})?", re.ASCII)
 CAN_BE_OFF = ("silence", "limp")

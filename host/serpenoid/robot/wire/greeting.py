@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...model.errors import NoAnswer, ProtocolMismatch
+from ...base.errors import NoAnswer, ProtocolMismatch
 from .dialogue import LEAST_S, Dialogue
 from .link import BAUD
 from .protocol import PROTOCOL

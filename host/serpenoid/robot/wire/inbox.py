@@ -7,7 +7,7 @@ from collections import deque
 from contextlib import suppress
 from dataclasses import dataclass, field
 
-from ...model.errors import DamagedLine, ProtocolMismatch, RobotError, RobotReset
+from ...base.errors import DamagedLine, ProtocolMismatch, RobotError, RobotReset
 from .clock import FRAME_US, BoardClock
 from .protocol import Data, Hello, Telemetry, Verdict, parse, unseal
 from .state_tracker import StateTracker

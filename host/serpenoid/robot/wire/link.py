@@ -7,8 +7,8 @@ import threading
 import time
 from typing import TYPE_CHECKING, Protocol
 
-from ...model import system
-from ...model.errors import PortBusy, PortMissing, RobotLost
+from ...base import system
+from ...base.errors import PortBusy, PortMissing, RobotLost
 from .ports import find_port, missing, port_names, why_forbidden, why_held
 
 if TYPE_CHECKING:

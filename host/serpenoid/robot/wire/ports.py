@@ -6,8 +6,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...model import system
-from ...model.errors import PortMissing
+from ...base import system
+from ...base.errors import PortMissing
 
 if TYPE_CHECKING:
     from serial.tools.list_ports_common import ListPortInfo

@@ -8,7 +8,7 @@ import re
 from dataclasses import dataclass, field
 
 from ..._core import firmware
-from ...model.errors import BadInput, CommandRefused, DamagedLine
+from ...base.errors import BadInput, CommandRefused, DamagedLine
 from .encoding import check_frame, said_count
 
 PROTOCOL: int = firmware.PROTOCOL

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from ..._core import firmware
-from ...model.errors import DamagedLine
+from ...base.errors import DamagedLine
 from .encoding import said_count, said_field
 from .protocol import Data
 

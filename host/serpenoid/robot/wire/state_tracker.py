@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...model.errors import RobotError, RobotUnattended, StateUnasked
+from ...base.errors import RobotError, RobotUnattended, StateUnasked
 
 LEADS_TO = {"gait": "gait", "pose": "pose", "idle": "idle"}
 STOPPED = frozenset({"hold", "idle"})  # a stop does nothing to servos that are limp

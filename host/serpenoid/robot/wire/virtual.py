@@ -6,7 +6,7 @@ import re
 import threading
 import time
 
-from ...model.errors import BadInput
+from ...base.errors import BadInput
 
 STEP_S = 0.002  # of the board's time, within which a fast board answers
 LEAST_S = 40e-6  # a byte on the wire, the board's own step: less would not pass at all

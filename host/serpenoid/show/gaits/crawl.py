@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ...model.files import write_text
+from ...base.files import write_text
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.errors import NotConverged
 from ...lab.robot import LabRobot
-from ...model.errors import NotConverged
 from ...model.ground import Ground
 from ...model.robot import Robot
 from ...video.fitting.chain import lever_matrix

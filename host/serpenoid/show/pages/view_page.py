@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...model.errors import BadInput
-from ...model.files import write_text
+from ...base.errors import BadInput
+from ...base.files import write_text
+from ...base.rows import two_digits
 from ...model.gait import Gait, joint_motion
 from ...model.ground import Ground
 from ...model.robot import Robot
-from ...model.rows import two_digits
 from ...robot.recording.run_gait import longest_gait
 from ...robot.recording.stream import Stream
 from ...simulation.run import Run

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ...model.rows import table
+from ...base.rows import table
 from ...video.fitting.chain import joint_angles
 from ...video.measure_film import FilmMeasurement
 from ...video.result import FilmedRun

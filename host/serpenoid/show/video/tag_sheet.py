@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ...model.errors import BadInput
-from ...model.files import whole_file
+from ...base.errors import BadInput
+from ...base.files import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

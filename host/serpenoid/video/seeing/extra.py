@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from importlib.util import find_spec
 
-from ...model.errors import BadInput
+from ...base.errors import BadInput
 
 NEEDED = {"av": "av", "cv2": "opencv-python-headless"}
 

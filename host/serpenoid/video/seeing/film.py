@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from ...base.errors import BadInput
 from ...base.files import check_file
 from ...model.capture_rate import OPTION, CaptureRate, capture_rate
-from ...model.errors import BadInput
 from ..arrays import Grey
 from .extra import need_extra
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...model.errors import BadInput
+from ...base.errors import BadInput
 from ..arrays import Mask
 from .detect import dictionary
 from .edges import CELLS

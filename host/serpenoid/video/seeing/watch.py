@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...model.errors import BadInput
+from ...base.errors import BadInput
 from ..arrays import Grey, Single
 from .background import Background
 from .detect import TagFinder, other_family

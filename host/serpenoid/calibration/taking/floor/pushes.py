@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ....model.errors import BadInput
+from ....base.errors import BadInput
 from ...floor.look import Look, look_at, pushes_in
 from ...kinds.declaration import Cells, Values
 from ...kinds.push import TRACK, WAYS, Push

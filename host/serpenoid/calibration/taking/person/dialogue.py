@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from ....model.errors import BadInput, CommandRefused, RecordingFailed, RobotError
+from ....base.errors import BadInput, CommandRefused, RecordingFailed, RobotError
 from ...floor.track_files import UnitMissing
 from ...kinds.declaration import LENGTH_UNITS, Field, Values
 from ...kinds.places import EXAMPLE, drifts, tidy_places

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from ....model.errors import BadInput
+from ....base.errors import BadInput
 from ....model.robot import Robot
 from ...kinds.declaration import Field
 from ...session import Setup

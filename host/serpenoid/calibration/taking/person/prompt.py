@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ....model.errors import BadInput, RecordingFailed
+from ....base.errors import BadInput, RecordingFailed
 from ...kinds.declaration import Field, Range
 from ..journal import Journal
 from ..parse_number import parse_number

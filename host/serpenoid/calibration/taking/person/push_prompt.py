@@ -10,13 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
+from ....base.checks import sha256_of
+from ....base.errors import BadInput
 from ....base.tables import NO_TEXT, columns_named, is_missing, read_table
+from ....base.toml_table import located
 from ....model.capture_rate import OPTION, capture_rate, slow_motion_doubt
-from ....model.checks import sha256_of
-from ....model.errors import BadInput
 from ....model.gait import Gait
 from ....model.robot import Robot
-from ....model.toml_table import located
 from ...crawls.filmed import crawl_cells
 from ...floor.track_files import read_track_file
 from ...kinds.declaration import LENGTH_UNITS, Cells

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from contextlib import ExitStack
 
+from ....base.errors import CommandRefused, RobotError
 from ....model.bends import bend_signs, joint_multiples
-from ....model.errors import CommandRefused, RobotError
 from ....model.gait import Gait
 from ....robot.robot import RobotBoard
 from ....robot.robot_match import RobotMatch

@@ -9,8 +9,8 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Protocol
 
-from ....model import system
-from ....model.files import visible
+from ....base import system
+from ....base.files import visible
 from ....robot.tools.keys import KeyReader, keyboard
 
 TICK_S = 0.5

@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ..base.files import read_text
 from .checks import check_number
 from .errors import BadInput
+from .files import read_text
 
 if sys.version_info >= (3, 11):
     import tomllib
