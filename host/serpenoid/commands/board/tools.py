@@ -65,7 +65,7 @@ def flash(
     if output == "pca9685":
         say(
             "serpenoid: warning: the driver of the PCA9685 has run on a simulated chip only, never "
-            "on a real one. Keep the horns off until the first power-on (docs/wiring.md) is done.",
+            "on a real one. Keep the horns off until the first power-on (docs/first_day.md) is done.",
             err=True,
         )
     hello = build_and_upload(
