@@ -17,7 +17,7 @@ class ArduinoHardware : public firmware::Hardware {
     firmware::SerialQueues& serial() override { return serial_port::queues; }
     void attach(uint8_t joint, int16_t pulse_us) override { servo_driver::attach(joint, pulse_us); }
     void detach() override { servo_driver::detach(); }
-    void pulses(const int16_t (&pulse_us)[firmware::kJoints], uint32_t due_us) override {
+    void pulses(const int16_t (&pulse_us)[firmware::kMaxJoints], uint32_t due_us) override {
         servo_driver::pulses(pulse_us, due_us);
     }
     bool output_answers() override { return servo_driver::answers(); }

@@ -21,6 +21,6 @@ bool answers();
 
 void attach(uint8_t joint, int16_t pulse_us);
 void detach();
-void pulses(const int16_t (&pulse_us)[firmware::kJoints], uint32_t due_us);
+void pulses(const int16_t (&pulse_us)[firmware::kMaxJoints], uint32_t due_us);
 
 }  // namespace servo_driver

@@ -72,11 +72,13 @@ class VirtualBoard : public Hardware {
         pulse_us_[joint] = pulse_us;
     }
     void detach() override { attached_ = 0; }
-    void pulses(const int16_t (&pulse_us)[kJoints], uint32_t) override {
+    void pulses(const int16_t (&pulse_us)[kMaxJoints], uint32_t) override {
         for (uint8_t i = 0; i < attached_; ++i) pulse_us_[i] = pulse_us[i];
     }
     // As with the Servo library for many joints; for few, as short as a setting may be.
-    uint16_t least_frame_us() const override { return kJoints <= 7 ? 3000 : 2500 * (kJoints + 1); }
+    uint16_t least_frame_us() const override {
+        return joint_count() <= 7 ? 3000 : 2500 * (joint_count() + 1);
+    }
     void begin_frames(uint16_t, uint16_t) override {}
     uint16_t unused_ram() override { return 0; }
 
@@ -105,7 +107,7 @@ class VirtualBoard : public Hardware {
     std::vector<uint8_t> eeprom_;
     uint64_t now_us_, eeprom_busy_until_us_;
     uint8_t attached_;
-    int16_t pulse_us_[kJoints];
+    int16_t pulse_us_[kMaxJoints];
 };
 
 }  // namespace firmware

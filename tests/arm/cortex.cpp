@@ -41,8 +41,10 @@ class Cortex : public Hardware {
     SerialQueues& serial() override { return serial_; }
     void attach(uint8_t, int16_t) override {}
     void detach() override {}
-    void pulses(const int16_t (&)[kJoints], uint32_t) override {}
-    uint16_t least_frame_us() const override { return kJoints <= 7 ? 3000 : 2500 * (kJoints + 1); }
+    void pulses(const int16_t (&)[kMaxJoints], uint32_t) override {}
+    uint16_t least_frame_us() const override {
+        return joint_count() <= 7 ? 3000 : 2500 * (joint_count() + 1);
+    }
     void begin_frames(uint16_t, uint16_t) override {}
     uint16_t unused_ram() override { return 0; }
 

@@ -56,7 +56,7 @@ struct Memory {
     enum class Report : uint8_t { None, Status, Help, Set, Trim };
 
     Settings settings_;
-    Trim trim_[kJoints];
+    Trim trim_[kMaxJoints];
     Gait gait_;
     Frame frame_;
     Counters counters_;
@@ -107,14 +107,18 @@ class Controller : private Memory {
     // A line is taken up only if all that it may bring forth at once fits the output queue.
     static const uint8_t kRoom = 165;
     // What is queued when a frame is due must leave room for the longest telemetry line.
-    static const uint16_t kTelemetryRoom = 95 + 18 * kJoints + kOwnSensorRoom;
+    static uint16_t telemetry_room() {
+        return static_cast<uint16_t>(95 + 18 * joint_count() + kOwnSensorRoom);
+    }
     static const uint8_t kByteUs = 40;
     // What may_speak() asks for between two telemetry lines, if all lines are the longest: the
     // wire's time, and a frame's own from its beginning to the end of its line. And how long each
     // frame keeps the wire waiting. Measured with the PCA9685: 3.3 ms with 5 joints, 4.8 with 8.
-    static const uint16_t kTelemetryUs =
-        kByteUs * (2 * kTelemetryRoom + kRoom + 1 - Output::kSize) + 400 * kJoints;
-    static const uint16_t kBusyUs = 150 * kJoints;
+    static uint16_t telemetry_us() {
+        return static_cast<uint16_t>(kByteUs * (2 * telemetry_room() + kRoom + 1 - Output::size()) +
+                                     400 * joint_count());
+    }
+    static uint16_t busy_us() { return static_cast<uint16_t>(150 * joint_count()); }
     // Servos are attached one after the other, so far apart: each starts with a jerk.
     static const uint32_t kAttachUs = 100000;
 

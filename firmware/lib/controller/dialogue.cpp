@@ -50,11 +50,11 @@ bool Controller::may_speak() {
     const uint16_t room = line_.room();
     if (room < kRoom) return false;
     if (settings_.value_u[kEvery] == 0) return true;
-    const uint16_t bytes_to_go = static_cast<uint16_t>(kTelemetryRoom + kRoom - room);
+    const uint16_t bytes_to_go = static_cast<uint16_t>(telemetry_room() + kRoom - room);
     const uint32_t frames_us =
         telemetry_wait_ > 1 ? (telemetry_wait_ - 1) * uint32_t{frame_us()} : 0;
     const uint32_t left_us = spare_us() + frames_us;
-    return room >= kTelemetryRoom + kRoom || left_us > bytes_to_go * uint32_t{kByteUs};
+    return room >= telemetry_room() + kRoom || left_us > bytes_to_go * uint32_t{kByteUs};
 }
 
 void Controller::answer_stops() {

@@ -31,7 +31,7 @@ class Hardware : public Eeprom {
     // Let go of all: no pulse is cut short, then the pins stay low.
     virtual void detach() = 0;
     // The pulses of the frame that was due at this time, all of them for one refresh.
-    virtual void pulses(const int16_t (&pulse_us)[kJoints], uint32_t due_us) = 0;
+    virtual void pulses(const int16_t (&pulse_us)[kMaxJoints], uint32_t due_us) = 0;
 
     // The shortest frame that leaves time for all pulses; at a start, the one that is chosen, and
     // what the clock of a separate servo driver is believed to be.

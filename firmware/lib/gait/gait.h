@@ -10,13 +10,21 @@
 
 namespace firmware {
 
-// How many joints the robot has: one build flag, which all else follows.
+// How many joints the robot has: one build flag, which all else follows. The host builds the
+// firmware once, with SERPENOID_ANY_JOINTS, for virtual boards of 2 to 12 joints.
 #ifndef SERPENOID_JOINTS
 #define SERPENOID_JOINTS 5
 #endif
 static_assert(SERPENOID_JOINTS >= 2 && SERPENOID_JOINTS <= 12,
               "SERPENOID_JOINTS must be 2 to 12, as the protocol has it");
-const uint8_t kJoints = SERPENOID_JOINTS;
+#ifdef SERPENOID_ANY_JOINTS
+const uint8_t kMaxJoints = 12;
+extern thread_local uint8_t joints_of_running_board;
+inline uint8_t joint_count() { return joints_of_running_board; }
+#else
+const uint8_t kMaxJoints = SERPENOID_JOINTS;
+constexpr uint8_t joint_count() { return SERPENOID_JOINTS; }
+#endif
 
 // From frame to frame, as long as nobody asks for another time and the board can keep it.
 const uint16_t kFrameUs = 20000;

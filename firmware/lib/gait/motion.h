@@ -21,14 +21,14 @@ struct MotionLimits {
     ChangeLimits change;
     uint16_t frame_us;       // from frame to frame; only at a start
     int16_t servo_step_q14;  // the furthest that any setpoint may move in a frame
-    int16_t low_q14[kJoints];
-    int16_t high_q14[kJoints];
+    int16_t low_q14[kMaxJoints];
+    int16_t high_q14[kMaxJoints];
 };
 
 struct GaitShape {
     int16_t alpha_q14;
     int32_t beta_q31_turn;
-    int16_t base_q14[kJoints];
+    int16_t base_q14[kMaxJoints];
 };
 
 class Motion {
@@ -44,7 +44,7 @@ class Motion {
     // under way the newest order waits for its end.
     void gait(const Gait& gait);
     // Change to a pose of these angles in Q30 radians.
-    void pose(const int32_t (&target_q30)[kJoints]);
+    void pose(const int32_t (&target_q30)[kMaxJoints]);
     // Hold the setpoints as they are now, from the next frame on.
     void freeze();
 
@@ -76,7 +76,7 @@ class Motion {
     uint32_t phase_rate_change_;  // of it from frame to frame, in 2⁻³² turns
     GaitShape from_, to_, next_;
     uint32_t progress_q32_, progress_step_q32_;  // u above
-    int16_t setpoint_q14_[kJoints];
+    int16_t setpoint_q14_[kMaxJoints];
     uint8_t clipped_;
     bool blending_, waiting_;          // from from_ to to_; next_ waits
     bool gait_, next_gait_, turning_;  // to_ and next_ are gaits; the phase runs

@@ -9,20 +9,20 @@
 #include "progmem.h"
 
 // X(identifier, word, fewest fields, most fields, help behind the word): the one table of verbs.
-#define FIRMWARE_VERBS(X)                                               \
-    X(Hello, "hello", 0, 0, " - greet; with CRC, open a session")       \
-    X(Bye, "bye", 0, 0, " - close it")                                  \
-    X(Ping, "ping", 0, 0, " - the host is alive")                       \
-    X(Help, "help", 0, 0, "")                                           \
-    X(Status, "status", 0, 0, "")                                       \
-    X(Gait, "gait", 3, 4, " ALPHA BETA OMEGA [OFFSET] - deg, rad/s")    \
-    X(Pose, "pose", 1, kJoints, " straight [OFFSET] | J1 J2 ... - deg") \
-    X(Stop, "stop", 0, 0, " - freeze and hold; so does any !")          \
-    X(Idle, "idle", 0, 0, " - end all pulses")                          \
-    X(Set, "set", 0, 2, " [NAME VALUE]")                                \
-    X(Trim, "trim", 0, 3, " [J FIELD VALUE]")                           \
-    X(Save, "save", 0, 1, " [unattended]")                              \
-    X(Load, "load", 0, 0, " - from EEPROM")                             \
+#define FIRMWARE_VERBS(X)                                                  \
+    X(Hello, "hello", 0, 0, " - greet; with CRC, open a session")          \
+    X(Bye, "bye", 0, 0, " - close it")                                     \
+    X(Ping, "ping", 0, 0, " - the host is alive")                          \
+    X(Help, "help", 0, 0, "")                                              \
+    X(Status, "status", 0, 0, "")                                          \
+    X(Gait, "gait", 3, 4, " ALPHA BETA OMEGA [OFFSET] - deg, rad/s")       \
+    X(Pose, "pose", 1, kMaxJoints, " straight [OFFSET] | J1 J2 ... - deg") \
+    X(Stop, "stop", 0, 0, " - freeze and hold; so does any !")             \
+    X(Idle, "idle", 0, 0, " - end all pulses")                             \
+    X(Set, "set", 0, 2, " [NAME VALUE]")                                   \
+    X(Trim, "trim", 0, 3, " [J FIELD VALUE]")                              \
+    X(Save, "save", 0, 1, " [unattended]")                                 \
+    X(Load, "load", 0, 0, " - from EEPROM")                                \
     X(Defaults, "defaults", 0, 0, "")
 
 namespace firmware {
@@ -53,7 +53,7 @@ const uint8_t kVerbs = FIRMWARE_VERBS(FIRMWARE_VERB_COUNT);
 #undef FIRMWARE_VERB_COUNT
 
 const uint8_t kMostGaitFields = kGaitFieldCount;
-const uint8_t kMostValues = kJoints > kMostGaitFields ? kJoints : kMostGaitFields;
+const uint8_t kMostValues = kMaxJoints > kMostGaitFields ? kMaxJoints : kMostGaitFields;
 
 struct Command {
     Verb verb;

@@ -12,9 +12,10 @@
 
 namespace firmware {
 
+constexpr uint8_t input_size(uint8_t joints) { return joints <= 7 ? 128 : 192; }
+
 class Input {
   public:
-    static const uint8_t kSize = kJoints <= 7 ? 128 : 192;
     static const uint8_t kHole = 0;  // stands for bytes that were lost
     // What pop() returns instead of a byte.
     static const int16_t kNothing = -1, kStopHere = -2;
@@ -55,7 +56,8 @@ class Input {
     uint8_t keys_taken_, words_taken_, stops_seen_;
     volatile uint8_t progress_;  // letters of `stop` that have come
     volatile uint16_t full_;
-    uint8_t queue_[kSize];  // last, where the rest is reached in fewer steps on an AVR
+    uint8_t
+        queue_[input_size(kMaxJoints)];  // last, where the rest is reached in fewer steps on an AVR
 };
 
 }  // namespace firmware

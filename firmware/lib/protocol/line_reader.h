@@ -7,10 +7,13 @@
 
 namespace firmware {
 
+// Room for a pose with all its decimals.
+constexpr uint8_t line_capacity(uint8_t joints) {
+    return static_cast<uint8_t>(joints <= 5 ? 80 : 20 + 12 * joints);
+}
+
 class LineReader {
   public:
-    // Room for a pose with all its decimals.
-    static const uint8_t kCapacity = kJoints <= 5 ? 80 : 20 + 12 * kJoints;
     enum Event : uint8_t { kNothing, kLine, kOverlong, kGarbled };
 
     LineReader() : line_(), length_(0), fault_(kNothing) {}
@@ -23,7 +26,7 @@ class LineReader {
     uint8_t length() const { return length_; }
 
   private:
-    char line_[kCapacity];
+    char line_[line_capacity(kMaxJoints)];
     uint8_t length_;
     Event fault_;
 };

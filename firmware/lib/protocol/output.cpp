@@ -15,7 +15,7 @@ const uint32_t kPowersOfTen[10] FLASH = {1000000000UL, 100000000UL, 10000000UL, 
 
 uint8_t Output::take() {
     const uint8_t byte = queue_[tail_];
-    tail_ = (tail_ + 1U) % kSize;
+    tail_ = static_cast<uint16_t>((tail_ + 1U) % size());
     return byte;
 }
 
@@ -27,7 +27,7 @@ Output& Output::begin() {
 }
 
 Output& Output::put(char c) {
-    const uint16_t next = (draft_ + 1U) % kSize;
+    const uint16_t next = static_cast<uint16_t>((draft_ + 1U) % size());
     if (next == tail_) fits_ = false;
     if (!fits_) return *this;
     queue_[draft_] = static_cast<uint8_t>(c);

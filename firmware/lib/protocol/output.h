@@ -10,15 +10,17 @@
 
 namespace firmware {
 
+// The longest telemetry line has 96 bytes and 18 a joint.
+constexpr uint16_t output_size(uint8_t joints) { return joints <= 8 ? 256 : 512; }
+
 class Output {
   public:
-    // The longest telemetry line has 96 bytes and 18 a joint.
-    static const uint16_t kSize = kJoints <= 8 ? 256 : 512;
+    static uint16_t size() { return output_size(joint_count()); }
 
     constexpr Output() : head_(0), tail_(0), draft_(0), crc_(0), fits_(false), queue_() {}
 
     // How long a line may be now.
-    uint16_t room() const { return (tail_ - head_ - 1U) % kSize; }
+    uint16_t room() const { return static_cast<uint16_t>((tail_ - head_ - 1U) % size()); }
     bool empty() const { return head_ == tail_; }
     // The next byte to send; only if not empty.
     uint8_t take();
@@ -45,7 +47,7 @@ class Output {
     uint16_t head_, tail_, draft_;  // behind the last whole line; next byte to go; next to write
     uint16_t crc_;                  // of the draft
     bool fits_;
-    uint8_t queue_[kSize];
+    uint8_t queue_[output_size(kMaxJoints)];
 };
 
 }  // namespace firmware

@@ -12,12 +12,12 @@ struct Frame {
     uint32_t number;
     uint32_t board_us;  // at its start
     uint32_t phase;     // 2⁻³² turns
-    int16_t setpoint_q14[kJoints];
-    int16_t pulse_us[kJoints];  // 0 while detached
-    uint32_t exec_us;           // from its start until the pulses were handed over
-    uint32_t late_us;           // from its due time to its start
-    uint8_t clipped;            // joints held back
-    const char* state;          // in flash
+    int16_t setpoint_q14[kMaxJoints];
+    int16_t pulse_us[kMaxJoints];  // 0 while detached
+    uint32_t exec_us;              // from its start until the pulses were handed over
+    uint32_t late_us;              // from its due time to its start
+    uint8_t clipped;               // joints held back
+    const char* state;             // in flash
 };
 
 #ifdef SERPENOID_SENSOR

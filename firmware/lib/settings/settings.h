@@ -13,7 +13,7 @@ namespace firmware {
 // A plain block of int32: it goes to EEPROM as it is (both ends are little-endian AVRs).
 struct Settings {
     int32_t value_u[kSettingCount];
-    int32_t trim_u[kJoints][kTrimFieldCount];
+    int32_t trim_u[kMaxJoints][kTrimFieldCount];
 };
 
 // In place: a copy would be the largest thing on the stack.

@@ -9,16 +9,15 @@
 #include <stdexcept>
 #include <string>
 
-#include "board/any_board.hpp"
+#include "board/board.hpp"
 #include "crc16.h"
 #include "drive/firmware_gait.hpp"
 #include "error_codes.h"
 #include "fields.h"
-#include "virtual_board.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
-using serpenoid::AnyBoard;
+using serpenoid::Board;
 
 namespace {
 
@@ -49,19 +48,24 @@ Angles gait_setpoints_rad(double alpha_rad, double beta_rad, double omega_rad_s,
 
 std::string text(nb::bytes data) { return std::string(data.c_str(), data.size()); }
 
-nb::dict counters(const AnyBoard& board) {
-    nb::dict found;
-    for (const auto& [name, value] : board.counters()) found[name.c_str()] = value;
-    return found;
+nb::dict counters(const Board& board) {
+    const firmware::Counters& c = board.view().controller().counters();
+    nb::dict table;
+#define PUT_COUNTER(name) table[#name] = c.name;
+    FIRMWARE_COUNTERS(PUT_COUNTER)
+#undef PUT_COUNTER
+    table["overruns"] = c.overruns;
+    table["clipped"] = c.clipped;
+    return table;
 }
 
-void set_eeprom(AnyBoard& board, nb::bytes data) {
+void set_eeprom(Board& board, nb::bytes data) {
     if (data.size() != firmware::VirtualBoard::kEepromBytes) {
         throw std::invalid_argument("the EEPROM has 1024 bytes, not " +
                                     std::to_string(data.size()));
     }
     const uint8_t* const bytes = reinterpret_cast<const uint8_t*>(data.c_str());
-    board.eeprom().assign(bytes, bytes + data.size());
+    board.enter().eeprom().assign(bytes, bytes + data.size());
 }
 
 uint64_t microseconds(double seconds) {
@@ -70,49 +74,53 @@ uint64_t microseconds(double seconds) {
 }
 
 void bind_board(nb::module_& m) {
-    nb::class_<AnyBoard>(m, "Board",
-                         "The firmware's controller on a simulated clock, wire and servos.\n\n"
-                         "It must be booted before it is run; the wire has its true pace. joints:\n"
-                         "2 to 12.")
-        .def(nb::new_([](uint64_t start_us, int joints) {
-                 return serpenoid::make_board(joints, start_us);
-             }),
-             "start_us"_a = 0, "joints"_a = 5)
-        .def("boot", &AnyBoard::boot, "reset"_a = "power", "first_frame"_a = 0,
+    const auto controller = [](const Board& b) -> const firmware::Controller& {
+        return b.view().controller();
+    };
+    nb::class_<Board>(m, "Board",
+                      "The firmware's controller on a simulated clock, wire and servos.\n\n"
+                      "It must be booted before it is run; the wire has its true pace. joints:\n"
+                      "2 to 12.")
+        .def(nb::init<uint64_t, int>(), "start_us"_a = 0, "joints"_a = 5)
+        .def("boot", &Board::boot, "reset"_a = "power", "first_frame"_a = 0,
              "Start anew with the same EEPROM; what was on the wire is lost.")
         .def(
             "run",
-            [](AnyBoard& b, double seconds) {
+            [](Board& b, double seconds) {
                 const uint64_t duration_us = microseconds(seconds);
                 nb::gil_scoped_release release;
-                b.run(duration_us);
+                b.enter().run(duration_us);
             },
             "seconds"_a, "Let so much of the board's time pass.")
         .def(
-            "stall", [](AnyBoard& b, double seconds) { b.stall(microseconds(seconds)); },
+            "stall", [](Board& b, double seconds) { b.enter().stall(microseconds(seconds)); },
             "seconds"_a, "Let time pass without the programme running.")
         .def(
-            "write", [](AnyBoard& b, nb::bytes data) { b.put(text(data)); }, "data"_a,
+            "write", [](Board& b, nb::bytes data) { b.enter().put(text(data)); }, "data"_a,
             "Put bytes on the wire to the board.")
         .def(
             "read",
-            [](AnyBoard& b) {
-                const std::string bytes = b.take();
+            [](Board& b) {
+                const std::string bytes = b.enter().take();
                 return nb::bytes(bytes.data(), bytes.size());
             },
             "Return all bytes that have arrived from the board since the last call.")
         .def_prop_rw(
-            "eeprom", [](AnyBoard& b) { return nb::bytes(b.eeprom().data(), b.eeprom().size()); },
+            "eeprom",
+            [](Board& b) {
+                const std::vector<uint8_t>& bytes = b.enter().eeprom();
+                return nb::bytes(bytes.data(), bytes.size());
+            },
             &set_eeprom, "All 1024 bytes; change them while it is not running.")
-        .def_prop_ro("time_s", [](AnyBoard& b) { return static_cast<double>(b.now_us()) * 1e-6; })
-        .def_prop_ro("state", &AnyBoard::state)
-        .def_prop_ro("frame", &AnyBoard::frame)
-        .def_prop_ro("boot_id", &AnyBoard::boot_id)
-        .def_prop_ro("session", &AnyBoard::session)
+        .def_prop_ro("time_s",
+                     [](Board& b) { return static_cast<double>(b.view().now_us()) * 1e-6; })
+        .def_prop_ro("state", [=](Board& b) { return firmware::state_name(controller(b).state()); })
+        .def_prop_ro("frame", [=](Board& b) { return controller(b).frame_number(); })
+        .def_prop_ro("boot_id", [=](Board& b) { return controller(b).boot_id(); })
+        .def_prop_ro("session", [=](Board& b) { return controller(b).session(); })
         .def_prop_ro("counters", &counters, "Counts since boot, by the names of PROTOCOL.md.")
-        .def_prop_ro("setpoints_rad", &AnyBoard::setpoints_rad,
-                     "The joints' setpoints, tail first.")
-        .def_prop_ro("pulses_us", &AnyBoard::pulses_us,
+        .def_prop_ro("setpoints_rad", &Board::setpoints_rad, "The joints' setpoints, tail first.")
+        .def_prop_ro("pulses_us", &Board::pulses_us,
                      "The pulse width each servo gets, 0 while detached.");
 }
 
@@ -139,7 +147,7 @@ nb::dict fields(firmware::Field (*field)(uint8_t), uint8_t count) {
 void bind_firmware(nb::module_& parent) {
     nb::module_ m = parent.def_submodule("firmware", "The code that runs on the board.");
     m.attr("FRAME_S") = firmware::kFrameUs * 1e-6;
-    m.attr("JOINTS") = firmware::kJoints;
+    m.attr("JOINTS") = SERPENOID_JOINTS;
     m.attr("VERSION") = std::string(firmware::kVersion);
     m.attr("PROTOCOL") = firmware::kProtocol;
     // (word, number, cause, cure), and name -> (unit, low, high, default), as on the board.
