@@ -17,7 +17,7 @@ MOST_TOKENS = {
     (".",): 0,
     ("calibration_data",): 388,
     ("docs",): 24184,
-    ("firmware",): 23397,
+    ("firmware",): 23550,
     ("host",): 1109,
     ("host/core",): 108350,
     ("host/serpenoid", "host/serpenoid/_core"): 3659,

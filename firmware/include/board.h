@@ -21,9 +21,9 @@ const char kName[] = "uno";
 // Neighbours in the header of all three boards, clear of the UART (0, 1), of the external
 // interrupts (2, 3) and of the LED. Servo takes timer 1 (Uno, Nano) or 5 (Mega).
 const uint8_t kPins[] PROGMEM = {5, 6, 7, 8, 9, 10, 11, 12, A0, A1, A2, A3};
-static_assert(firmware::joint_count() <= sizeof kPins, "name a pin for each joint");
+static_assert(firmware::joint_count <= sizeof kPins, "name a pin for each joint");
 #ifndef __AVR_ATmega2560__
-static_assert(firmware::joint_count() <= 8,
+static_assert(firmware::joint_count <= 8,
               "a Uno or Nano has RAM for 8 joints at most: take a Mega");
 #endif
 

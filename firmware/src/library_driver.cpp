@@ -27,7 +27,7 @@ bool letting_go;
 // low.
 void let_go() {
     letting_go = false;
-    for (uint8_t i = 0; i < firmware::joint_count(); ++i) {
+    for (uint8_t i = 0; i < firmware::joint_count; ++i) {
         if (!servos[i].attached()) continue;
         noInterrupts();
         const bool low = digitalRead(board::servo_pin(i)) == LOW;
@@ -39,7 +39,7 @@ void let_go() {
 
 void write_pulses() {
     waiting = false;
-    for (uint8_t i = 0; i < firmware::joint_count(); ++i) {
+    for (uint8_t i = 0; i < firmware::joint_count; ++i) {
         if (widths_us[i] != 0) servos[i].writeMicroseconds(widths_us[i] - board::kPulseExcessUs);
     }
 }
@@ -57,7 +57,7 @@ void hand_over() {
 }  // namespace
 
 void begin() {
-    for (uint8_t i = 0; i < firmware::joint_count(); ++i) {
+    for (uint8_t i = 0; i < firmware::joint_count; ++i) {
         digitalWrite(board::servo_pin(i), LOW);
         pinMode(board::servo_pin(i), OUTPUT);
     }
@@ -65,7 +65,7 @@ void begin() {
 
 // The pulses follow one another, 2.5 ms at the longest, and then comes a gap of 2.5 ms, in which
 // the next ones are handed over.
-uint16_t least_frame_us() { return firmware::kMostPulseUs * (firmware::joint_count() + 1); }
+uint16_t least_frame_us() { return firmware::kMostPulseUs * (firmware::joint_count + 1); }
 
 void begin_frames(uint16_t frame_us, uint16_t) {
     length_us = frame_us;
@@ -99,7 +99,7 @@ void detach() { letting_go = true; }
 // What still waits then, a whole frame long, has no gap to wait for: better mixed than never.
 void pulses(const int16_t (&pulse_us)[firmware::kMaxJoints], uint32_t due_us) {
     if (waiting) write_pulses();
-    for (uint8_t i = 0; i < firmware::joint_count(); ++i) widths_us[i] = pulse_us[i];
+    for (uint8_t i = 0; i < firmware::joint_count; ++i) widths_us[i] = pulse_us[i];
     frame_due_us = due_us;
     waiting = true;
     hand_over();

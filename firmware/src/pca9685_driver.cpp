@@ -23,7 +23,7 @@ const uint8_t kFullOff = 0x10;
 const uint8_t kMostPrescale = 255;
 const uint16_t kCounts = 4096;  // a cycle
 // Computing and sending all joints, with a line to write.
-const uint16_t kLeastUs = 2000 + 600 * firmware::joint_count();
+const uint16_t kLeastUs = 2000 + 600 * firmware::joint_count;
 
 uint16_t oscillator_khz;  // of this chip
 uint8_t prescale;
@@ -55,8 +55,8 @@ bool start() {
 // Every channel, in one burst; each begins a sixteenth of a cycle after its neighbour, so that the
 // servos do not start together.
 bool write_channels(const int16_t* pulse_us) {
-    uint8_t bytes[4 * firmware::joint_count()], *next = bytes;
-    for (uint8_t i = 0; i < firmware::joint_count(); ++i) {
+    uint8_t bytes[4 * firmware::joint_count], *next = bytes;
+    for (uint8_t i = 0; i < firmware::joint_count; ++i) {
         const uint16_t on = static_cast<uint16_t>(i * (kCounts / 16));
         const bool off = i >= attached || pulse_us[i] == 0;
         const uint16_t end = (on + (off ? 0 : counts_of(pulse_us[i]))) % kCounts;

@@ -77,7 +77,7 @@ class VirtualBoard : public Hardware {
     }
     // As with the Servo library for many joints; for few, as short as a setting may be.
     uint16_t least_frame_us() const override {
-        return joint_count() <= 7 ? 3000 : 2500 * (joint_count() + 1);
+        return joint_count <= 7 ? 3000 : 2500 * (joint_count + 1);
     }
     void begin_frames(uint16_t, uint16_t) override {}
     uint16_t unused_ram() override { return 0; }

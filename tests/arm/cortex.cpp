@@ -43,7 +43,7 @@ class Cortex : public Hardware {
     void detach() override {}
     void pulses(const int16_t (&)[kMaxJoints], uint32_t) override {}
     uint16_t least_frame_us() const override {
-        return joint_count() <= 7 ? 3000 : 2500 * (joint_count() + 1);
+        return joint_count <= 7 ? 3000 : 2500 * (joint_count + 1);
     }
     void begin_frames(uint16_t, uint16_t) override {}
     uint16_t unused_ram() override { return 0; }

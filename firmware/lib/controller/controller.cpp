@@ -114,7 +114,7 @@ void Controller::move(uint16_t frames) {
 
 // Servos are still to be attached; nothing moves before the last of them is.
 bool Controller::attaching() const {
-    return attached_ < joint_count() && (state_ == State::Pose || state_ == State::Gait);
+    return attached_ < joint_count && (state_ == State::Pose || state_ == State::Gait);
 }
 
 void Controller::attach_next() {
@@ -130,7 +130,7 @@ void Controller::attach_next() {
 void Controller::send_pulses() {
     const int16_t most_us = static_cast<int16_t>(frame_us() / (1000000 / kCentreUsPerS) + 1);
     frame_.phase = motion_.phase();
-    for (uint8_t i = 0; i < joint_count(); ++i) {
+    for (uint8_t i = 0; i < joint_count; ++i) {
         const int16_t centre_us = static_cast<int16_t>(settings_.trim_u[i][kCentre] / 1000000);
         const int16_t gap_us = static_cast<int16_t>(centre_us - trim_[i].centre_us);
         const int16_t step_us = gap_us > most_us    ? most_us

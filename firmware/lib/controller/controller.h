@@ -108,7 +108,7 @@ class Controller : private Memory {
     static const uint8_t kRoom = 165;
     // What is queued when a frame is due must leave room for the longest telemetry line.
     static uint16_t telemetry_room() {
-        return static_cast<uint16_t>(95 + 18 * joint_count() + kOwnSensorRoom);
+        return static_cast<uint16_t>(95 + 18 * joint_count + kOwnSensorRoom);
     }
     static const uint8_t kByteUs = 40;
     // What may_speak() asks for between two telemetry lines, if all lines are the longest: the
@@ -116,9 +116,9 @@ class Controller : private Memory {
     // frame keeps the wire waiting. Measured with the PCA9685: 3.3 ms with 5 joints, 4.8 with 8.
     static uint16_t telemetry_us() {
         return static_cast<uint16_t>(kByteUs * (2 * telemetry_room() + kRoom + 1 - Output::size()) +
-                                     400 * joint_count());
+                                     400 * joint_count);
     }
-    static uint16_t busy_us() { return static_cast<uint16_t>(150 * joint_count()); }
+    static uint16_t busy_us() { return static_cast<uint16_t>(150 * joint_count); }
     // Servos are attached one after the other, so far apart: each starts with a jerk.
     static const uint32_t kAttachUs = 100000;
 

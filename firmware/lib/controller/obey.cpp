@@ -67,7 +67,7 @@ Refusal Controller::start_gait(const Command& command) {
     const Refusal obstacle_now(obstacle());
     if (!obstacle_now.none()) return obstacle_now;
     const int32_t* u = command.value_u;
-    for (uint8_t i = 0; i < joint_count(); ++i) {
+    for (uint8_t i = 0; i < joint_count; ++i) {
         Refusal refusal = within_joint_limits(i, u[kOffset] + u[kAlpha]);
         if (refusal.none()) refusal = within_joint_limits(i, u[kOffset] - u[kAlpha]);
         if (!refusal.none()) return refusal;
@@ -91,7 +91,7 @@ Refusal Controller::start_pose(const Command& command) {
     const Refusal obstacle_now(obstacle());
     if (!obstacle_now.none()) return obstacle_now;
     int32_t target_q30[kMaxJoints];
-    for (uint8_t i = 0; i < joint_count(); ++i) {
+    for (uint8_t i = 0; i < joint_count; ++i) {
         const Refusal refusal = within_joint_limits(i, command.value_u[i]);
         if (!refusal.none()) return refusal;
         target_q30[i] = q30_from_udeg(command.value_u[i]);
@@ -105,7 +105,7 @@ Refusal Controller::start_pose(const Command& command) {
 // told to be last, one after the other.
 void Controller::power_for(State state) {
     if (state_ == State::Idle) {
-        for (uint8_t i = 0; i < joint_count(); ++i) trim_[i] = trim_of(settings_.trim_u[i]);
+        for (uint8_t i = 0; i < joint_count; ++i) trim_[i] = trim_of(settings_.trim_u[i]);
     }
     become(state, kWhyCommand);
 }
@@ -188,7 +188,7 @@ void Controller::configure() {
     motion_.limits_changed();
     if (state_ != State::Idle) return;
     motion_.freeze();
-    for (uint8_t i = 0; i < joint_count(); ++i) trim_[i] = trim_of(settings_.trim_u[i]);
+    for (uint8_t i = 0; i < joint_count; ++i) trim_[i] = trim_of(settings_.trim_u[i]);
 }
 
 Refusal Controller::begin_save(const Command& command) {

@@ -8,7 +8,7 @@ void Controller::greet() {
     line_.begin().put_flash(FLASH_TEXT("hello: serpenoid fw=")).put_flash(kVersion);
     line_.put_flash(FLASH_TEXT(" protocol=")).put_unsigned(kProtocol);
     line_.put_flash(FLASH_TEXT(" board=")).put(start_.board);
-    line_.put_flash(FLASH_TEXT(" joints=")).put_unsigned(joint_count());
+    line_.put_flash(FLASH_TEXT(" joints=")).put_unsigned(joint_count);
     line_.put_flash(FLASH_TEXT(" frame_us=")).put_unsigned(frame_us());
     line_.put_flash(FLASH_TEXT(" boot=")).put_unsigned(boot_id_);
     line_.put_flash(FLASH_TEXT(" reset=")).put_flash(reset_name(start_.reset));
@@ -31,7 +31,7 @@ uint8_t Controller::report_rows() const {
         case Report::Set:
             return kSettingCount;
         case Report::Trim:
-            return joint_count();
+            return joint_count;
         default:
             return 0;
     }

@@ -19,11 +19,9 @@ static_assert(SERPENOID_JOINTS >= 2 && SERPENOID_JOINTS <= 12,
               "SERPENOID_JOINTS must be 2 to 12, as the protocol has it");
 #ifdef SERPENOID_ANY_JOINTS
 const uint8_t kMaxJoints = 12;
-extern thread_local uint8_t joints_of_running_board;
-inline uint8_t joint_count() { return joints_of_running_board; }
+extern thread_local uint8_t joint_count;  // of the board that runs
 #else
-const uint8_t kMaxJoints = SERPENOID_JOINTS;
-constexpr uint8_t joint_count() { return SERPENOID_JOINTS; }
+const uint8_t kMaxJoints = SERPENOID_JOINTS, joint_count = SERPENOID_JOINTS;
 #endif
 
 // From frame to frame, as long as nobody asks for another time and the board can keep it.

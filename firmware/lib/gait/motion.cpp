@@ -29,7 +29,7 @@ float swing_between(const GaitShape& a, const GaitShape& b) {
         static_cast<uint32_t>(b.beta_q31_turn) - static_cast<uint32_t>(a.beta_q31_turn);
     const uint32_t lag = lag_q31 << 1;
     const float lag_rad = magnitude(static_cast<float>(static_cast<int32_t>(lag))) * kRadPerQ32Turn;
-    const float chord = lag_rad * (joint_count() - 1);
+    const float chord = lag_rad * (joint_count - 1);
     const int16_t less = a.alpha_q14 < b.alpha_q14 ? a.alpha_q14 : b.alpha_q14;
     return (magnitude(static_cast<float>(b.alpha_q14 - a.alpha_q14)) +
             static_cast<float>(less) * (chord < 2 ? chord : 2)) *
@@ -38,7 +38,7 @@ float swing_between(const GaitShape& a, const GaitShape& b) {
 
 float shift_between(const GaitShape& a, const GaitShape& b) {
     float most = 0;
-    for (uint8_t i = 0; i < joint_count(); ++i) {
+    for (uint8_t i = 0; i < joint_count; ++i) {
         const int32_t shift = static_cast<int32_t>(b.base_q14[i]) - a.base_q14[i];
         const float size = magnitude(static_cast<float>(shift));
         if (size > most) most = size;
@@ -65,7 +65,7 @@ Motion::Motion() {
 }
 
 void Motion::limits_changed() {
-    for (uint8_t i = 0; i < joint_count(); ++i) {
+    for (uint8_t i = 0; i < joint_count; ++i) {
         if (setpoint_q14_[i] < limits_.low_q14[i]) setpoint_q14_[i] = limits_.low_q14[i];
         if (setpoint_q14_[i] > limits_.high_q14[i]) setpoint_q14_[i] = limits_.high_q14[i];
     }
@@ -81,12 +81,12 @@ void Motion::gait(const Gait& gait) {
 void Motion::pose(const int32_t (&target_q30)[kMaxJoints]) {
     next_.alpha_q14 = 0;
     next_.beta_q31_turn = to_.beta_q31_turn;
-    for (uint8_t i = 0; i < joint_count(); ++i) next_.base_q14[i] = q14_from_q30(target_q30[i]);
+    for (uint8_t i = 0; i < joint_count; ++i) next_.base_q14[i] = q14_from_q30(target_q30[i]);
     order(phase_rate_, false);
 }
 
 void Motion::freeze() {
-    for (uint8_t i = 0; i < joint_count(); ++i) from_.base_q14[i] = setpoint_q14_[i];
+    for (uint8_t i = 0; i < joint_count; ++i) from_.base_q14[i] = setpoint_q14_[i];
     from_.alpha_q14 = 0;
     to_ = from_;
     blending_ = waiting_ = gait_ = turning_ = false;
@@ -183,7 +183,7 @@ void Motion::advance(uint16_t frames) {
     proceed();
     clipped_ = 0;
     const int32_t weight_q14 = smooth_q14(static_cast<uint16_t>(progress_q32_ >> 16));
-    for (uint8_t i = 0; i < joint_count(); ++i) {
+    for (uint8_t i = 0; i < joint_count; ++i) {
         int32_t wanted_q14 = at(from_, i);
         if (blending_) {
             const int32_t way = at(to_, i) - wanted_q14;  // at most 4 rad: 2¹⁶, times 2¹⁴
@@ -195,7 +195,7 @@ void Motion::advance(uint16_t frames) {
 
 bool Motion::arrived() const {
     if (turning_ || blending_ || waiting_) return false;
-    for (uint8_t i = 0; i < joint_count(); ++i) {
+    for (uint8_t i = 0; i < joint_count; ++i) {
         if (setpoint_q14_[i] != from_.base_q14[i]) return false;
     }
     return true;

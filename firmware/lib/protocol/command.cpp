@@ -158,15 +158,15 @@ Refusal parse_straight(const Words& words, Command& command) {
         const Refusal refusal = read_field(words.word[2], gait_field(kOffset), offset_udeg);
         if (!refusal.none()) return refusal;
     }
-    for (uint8_t i = 0; i < joint_count(); ++i) command.value_u[i] = offset_udeg;
+    for (uint8_t i = 0; i < joint_count; ++i) command.value_u[i] = offset_udeg;
     return Refusal();
 }
 
 Refusal parse_pose(const Words& words, Command& command) {
-    if (words.count > joint_count() + 1) return Refusal(Error::Arguments);
+    if (words.count > joint_count + 1) return Refusal(Error::Arguments);
     if (words.word[1].is_word()) return parse_straight(words, command);
-    if (words.count != joint_count() + 1) return Refusal(Error::Arguments);
-    for (uint8_t i = 0; i < joint_count(); ++i) {
+    if (words.count != joint_count + 1) return Refusal(Error::Arguments);
+    for (uint8_t i = 0; i < joint_count; ++i) {
         const Refusal refusal =
             read_field(words.word[i + 1], joint_angle_field(), command.value_u[i]);
         if (!refusal.none()) return refusal;
@@ -202,7 +202,7 @@ Refusal parse_trim(const Words& words, Command& command) {
     if (words.count != 4) return Refusal(Error::Arguments);
     int32_t joint_u;
     if (!read_micro(words.word[1], joint_u)) return Refusal(Error::Number);
-    if (joint_u < 1000000 || joint_u > joint_count() * 1000000L || joint_u % 1000000 != 0) {
+    if (joint_u < 1000000 || joint_u > joint_count * 1000000L || joint_u % 1000000 != 0) {
         return Refusal(Error::Name);
     }
     command.joint = static_cast<uint8_t>(joint_u / 1000000 - 1);

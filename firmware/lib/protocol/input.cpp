@@ -6,7 +6,7 @@ namespace firmware {
 namespace {
 
 uint8_t after(uint8_t place) {
-    return static_cast<uint8_t>(place + 1 == input_size(joint_count()) ? 0 : place + 1);
+    return static_cast<uint8_t>(place + 1 == input_size(joint_count) ? 0 : place + 1);
 }
 
 // For the compiler alone: interrupt and loop share one processor.
@@ -41,7 +41,7 @@ void Input::watch(uint8_t byte) {
 
 uint8_t Input::free_places() const {
     const uint8_t head = head_, tail = tail_;
-    return static_cast<uint8_t>((tail > head ? 0 : input_size(joint_count())) + tail - head - 1);
+    return static_cast<uint8_t>((tail > head ? 0 : input_size(joint_count)) + tail - head - 1);
 }
 
 void Input::store(uint8_t byte) {

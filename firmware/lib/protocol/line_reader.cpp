@@ -15,7 +15,7 @@ LineReader::Event LineReader::push(uint8_t byte) {
     }
     if (byte < 0x20 || byte > 0x7E) {
         fault_ = kGarbled;
-    } else if (length_ == line_capacity(joint_count())) {
+    } else if (length_ == line_capacity(joint_count)) {
         if (fault_ == kNothing) fault_ = kOverlong;
     } else {
         line_[length_++] = static_cast<char>(byte);

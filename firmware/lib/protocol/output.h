@@ -15,7 +15,7 @@ constexpr uint16_t output_size(uint8_t joints) { return joints <= 8 ? 256 : 512;
 
 class Output {
   public:
-    static uint16_t size() { return output_size(joint_count()); }
+    static uint16_t size() { return output_size(joint_count); }
 
     constexpr Output() : head_(0), tail_(0), draft_(0), crc_(0), fits_(false), queue_() {}
 

@@ -7,14 +7,14 @@ namespace firmware {
 
 bool write_telemetry(Output& line, const Frame& frame) {
     line.begin().put_flash(FLASH_TEXT("t:")).put_unsigned(frame.number);
-    for (uint8_t i = 0; i < joint_count(); ++i) {
+    for (uint8_t i = 0; i < joint_count; ++i) {
         line.put_flash(FLASH_TEXT(" j")).put_unsigned(i + 1U).put(':');
         line.put_fixed(cdeg_from_q14(frame.setpoint_q14[i]), 2);
     }
     line.put_flash(FLASH_TEXT(" board_us=")).put_unsigned(frame.board_us);
     line.put_flash(FLASH_TEXT(" ph="));
     line.put_fixed(static_cast<int32_t>(mdeg_from_phase(frame.phase)), 3);
-    for (uint8_t i = 0; i < joint_count(); ++i) {
+    for (uint8_t i = 0; i < joint_count; ++i) {
         line.put_flash(i == 0 ? FLASH_TEXT(" p=") : FLASH_TEXT(","));
         line.put_unsigned(static_cast<uint32_t>(frame.pulse_us[i]));
     }

@@ -14,7 +14,7 @@ void set_defaults(Settings& settings) {
     for (uint8_t i = 0; i < kSettingCount; ++i) settings.value_u[i] = setting_field(i).default_u;
     for (uint8_t f = 0; f < kTrimFieldCount; ++f) {
         const int32_t value_u = trim_field(f).default_u;
-        for (uint8_t i = 0; i < joint_count(); ++i) settings.trim_u[i][f] = value_u;
+        for (uint8_t i = 0; i < joint_count; ++i) settings.trim_u[i][f] = value_u;
     }
 }
 
@@ -37,7 +37,7 @@ void set_limits(MotionLimits& limits, const Settings& settings) {
     limits.change.servo_rad_s = rad_of(u[kServoSpeed]);
     limits.servo_step_q14 =
         q14_from_q30(q30_from_udeg(per_frame_u(u[kServoSpeed], limits.frame_us)));
-    for (uint8_t i = 0; i < joint_count(); ++i) {
+    for (uint8_t i = 0; i < joint_count; ++i) {
         limits.low_q14[i] = q14_from_q30(q30_from_udeg(settings.trim_u[i][kLow]));
         limits.high_q14[i] = q14_from_q30(q30_from_udeg(settings.trim_u[i][kHigh]));
     }

@@ -65,16 +65,15 @@ void Store::check_byte() {
 }
 
 void Store::copy_byte() {
-    const uint8_t stored = read(kJointsByte),
-                  joints = stored < joint_count() ? stored : joint_count();
+    const uint8_t stored = read(kJointsByte), joints = stored < joint_count ? stored : joint_count;
     settings_[offset_] = read(static_cast<uint16_t>(kHead + offset_));
     if (++offset_ == record_size(joints) - kHead - 2) job_ = None;
 }
 
 // The byte at offset_. The CRC is that of all bytes before: they are asked for in their order.
 uint8_t Store::record_byte() {
-    const uint8_t head[kHead] = {next_age(), kLayout, joint_count()};
-    const int16_t behind = static_cast<int16_t>(offset_ - record_size(joint_count()) + 2);
+    const uint8_t head[kHead] = {next_age(), kLayout, joint_count};
+    const int16_t behind = static_cast<int16_t>(offset_ - record_size(joint_count) + 2);
     if (behind >= 0) return static_cast<uint8_t>(behind == 0 ? crc_ >> 8 : crc_);
     const uint8_t byte = offset_ < kHead ? head[offset_] : settings_[offset_ - kHead];
     crc_ = crc16_next(crc_, byte);
@@ -82,7 +81,7 @@ uint8_t Store::record_byte() {
 }
 
 void Store::write_byte() {
-    const bool last = offset_ == record_size(joint_count());
+    const bool last = offset_ == record_size(joint_count);
     const uint16_t offset = last ? kAge : offset_;
     uint8_t byte = last ? next_age() : record_byte();
     if (offset_ == kAge) byte = kNone;
@@ -109,7 +108,7 @@ bool Store::step() {
 Found Store::found() {
     if (newest_ == kNone) return damaged_ ? Found::Damaged : Found::New;
     slot_ = newest_;
-    if (read(kJointsByte) != joint_count()) return Found::Migrated;
+    if (read(kJointsByte) != joint_count) return Found::Migrated;
     return damaged_ ? Found::Older : Found::Ok;
 }
 

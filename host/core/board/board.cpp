@@ -6,7 +6,7 @@
 #include "gait.h"
 
 namespace firmware {
-thread_local uint8_t joints_of_running_board = SERPENOID_JOINTS;
+thread_local uint8_t joint_count = SERPENOID_JOINTS;
 }
 
 namespace serpenoid {
@@ -21,7 +21,7 @@ Board::Board(std::uint64_t start_us, int joints)
 }
 
 firmware::VirtualBoard& Board::enter() {
-    firmware::joints_of_running_board = joints_;
+    firmware::joint_count = joints_;
     return board_;
 }
 

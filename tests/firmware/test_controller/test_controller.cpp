@@ -69,7 +69,7 @@ TEST_CASE("silence stops what moves, leaves what holds, and can be off") {
     CHECK(b.state() == State::Safing);
     b.run(3);
     CHECK(b.state() == State::Safe);
-    for (uint8_t i = 0; i < joint_count(); ++i) CHECK(b.angle_deg(i) == 0);
+    for (uint8_t i = 0; i < joint_count; ++i) CHECK(b.angle_deg(i) == 0);
     b.type("pose 20 -20 20 -20 20", 5);
     CHECK(b.state() == State::Pose);
     CHECK(std::fabs(b.angle_deg(1) + 20) < 0.01);
@@ -259,7 +259,7 @@ TEST_CASE("answers leave room for telemetry however many lines ask for one; moti
     CHECK(quiet.counters().dropped == 0);
     CHECK(quiet.frames.size() == passed);
     CHECK(b.counters().overruns == 0);
-    for (uint8_t i = 0; i < joint_count(); ++i) CHECK(b.angle_deg(i) == quiet.angle_deg(i));
+    for (uint8_t i = 0; i < joint_count; ++i) CHECK(b.angle_deg(i) == quiet.angle_deg(i));
     b.lines.clear();
     b.type("\nstatus", 0.4);  // the flood may have left half a line
     CHECK(b.lines.at(b.lines.size() - 3).find(" dropped=" + std::to_string(b.counters().dropped)) !=
@@ -279,8 +279,7 @@ TEST_CASE("a held pose is steered by its offset, gently") {
     }
     CHECK(fastest > 0.3);
     CHECK(fastest <= 45 * 0.02 + 0.01);  // pose_speed
-    for (uint8_t i = 0; i < joint_count(); ++i)
-        CHECK(std::fabs(b.angle_deg(i) - bent[i] - 5) < 0.01);
+    for (uint8_t i = 0; i < joint_count; ++i) CHECK(std::fabs(b.angle_deg(i) - bent[i] - 5) < 0.01);
     CHECK(b.state() == State::Pose);
     CHECK(b.counters().clipped == 0);
     CHECK(b.starts(b.type("pose -65 55 15 -25 95"), "err: #- range j5=95 low=-90 high=90 - "));
@@ -296,7 +295,7 @@ TEST_CASE("joints that a slow servo holds back are counted, on their way up and 
     for (int frame = 0; frame < 210; ++frame) {  // two periods
         b.run(0.02);
         const int clipped = b.board.controller().motion().clipped();
-        ways[b.angle_deg(0) > before] += clipped == joint_count();
+        ways[b.angle_deg(0) > before] += clipped == joint_count;
         before = b.angle_deg(0);
     }
     CHECK(ways[0] > 20);
@@ -306,12 +305,12 @@ TEST_CASE("joints that a slow servo holds back are counted, on their way up and 
 TEST_CASE("an idle robot is limp and comes back where it was, one servo after the other") {
     Bench b;
     b.type("pose 20 -20 20 -20 20", 4);
-    CHECK(b.board.attached() == joint_count());
+    CHECK(b.board.attached() == joint_count);
     CHECK(b.type("idle") == "ok: #-");
     CHECK(b.board.attached() == 0);
     b.run(1);
     b.type("pose straight", 0.02);
-    for (uint8_t joint = 0; joint < joint_count(); ++joint) {
+    for (uint8_t joint = 0; joint < joint_count; ++joint) {
         CHECK(b.board.attached() == joint + 1);
         CHECK(b.board.servo_us(joint) == (joint % 2 == 0 ? 1700 : 1300));
         CHECK(b.angle_deg(0) == doctest::Approx(20).epsilon(1e-3));  // nothing moves meanwhile
@@ -330,7 +329,7 @@ TEST_CASE("a stop ends the attaching too, and what is limp stays limp until told
     CHECK(b.board.attached() == 2);
     CHECK(b.frames.back().find(" p=1500,1500,0,0,0 ") != std::string::npos);
     b.type("pose straight", 1);
-    CHECK(b.board.attached() == joint_count());
+    CHECK(b.board.attached() == joint_count);
 }
 
 TEST_CASE("a robot that stands still goes limp when its host has been gone for a while") {
@@ -422,7 +421,7 @@ TEST_CASE("a legal change of a legal gait never clips and keeps its bounds") {
         double worst = 0;
         for (int frame = 0; frame < 700; ++frame) {
             b.run(0.02);
-            for (uint8_t i = 0; i < joint_count(); ++i) {
+            for (uint8_t i = 0; i < joint_count; ++i) {
                 const double now = b.angle_deg(i);
                 const double bend = (now - 2 * before[i] + earlier[i]) / (0.02 * 0.02);
                 if (frame > 1) worst = std::max(worst, std::fabs(bend));

@@ -66,9 +66,9 @@ TEST_CASE("numbers are written as they are read") {
 }
 
 TEST_CASE("the longest telemetry line fits, and is as long as PROTOCOL.md says") {
-    Frame frame = {0xFFFFFFFFu, 0xFFFFFFFFu, 0xFFFFFFFFu,   {},      {},
-                   65535,       4294967,     joint_count(), "safing"};
-    for (uint8_t i = 0; i < joint_count(); ++i) {
+    Frame frame = {0xFFFFFFFFu, 0xFFFFFFFFu, 0xFFFFFFFFu, {},      {},
+                   65535,       4294967,     joint_count, "safing"};
+    for (uint8_t i = 0; i < joint_count; ++i) {
         frame.setpoint_q14[i] = -32767;
         frame.pulse_us[i] = 2500;
     }
@@ -76,7 +76,7 @@ TEST_CASE("the longest telemetry line fits, and is as long as PROTOCOL.md says")
     CHECK(write_telemetry(out, frame));
     const std::string line = taken(out);
     CHECK(line.back() == '\n');
-    CHECK(line.size() == (joint_count() == 5 ? 182 : line.size()));
+    CHECK(line.size() == (joint_count == 5 ? 182 : line.size()));
 }
 
 TEST_CASE("errors have distinct words and numbers, and no text that a plotter would draw") {

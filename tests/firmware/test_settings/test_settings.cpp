@@ -239,13 +239,13 @@ TEST_CASE("a save that fails leaves the older copy the newest, and the next save
 TEST_CASE("a copy for another number of joints keeps what both have") {
     Memory memory;
     REQUIRE(save(memory, some_settings(3)));
-    memory.bytes[Store::slot_address(0) + 2] = joint_count() - 1;
-    seal_copy(memory, 0, joint_count() - 1);  // the last joint's trim goes, the CRC moves up
+    memory.bytes[Store::slot_address(0) + 2] = joint_count - 1;
+    seal_copy(memory, 0, joint_count - 1);  // the last joint's trim goes, the CRC moves up
     Settings settings = default_settings();
     CHECK(load(memory, settings) == Found::Migrated);
     Settings wanted = some_settings(3);
     for (int f = 0; f < kTrimFieldCount; ++f) {
-        wanted.trim_u[joint_count() - 1][f] = default_settings().trim_u[joint_count() - 1][f];
+        wanted.trim_u[joint_count - 1][f] = default_settings().trim_u[joint_count - 1][f];
     }
     CHECK(same(settings, wanted));
 }
