@@ -4,16 +4,11 @@ VENV := .venv
 PIP := $(VENV)/bin/python -m pip --disable-pip-version-check --quiet
 SOURCES := $(shell find host/core firmware/lib firmware/virtual -name '*.[ch]*') \
 	pyproject.toml host/CMakeLists.txt
-# What takes long beside what it finds before a commit; `make test` has it all.
-LONG := $(addprefix tests/,avr docs end_to_end firmware oracle golden studies) \
-	$(addprefix tests/host/,bench commands gaits model/test_stubs.py periodic robot show video) \
-	$(addprefix tests/host/simulation/test_,adaptive.py nonsmooth.py positive_work.py \
-	radau.py ratchet.py run_error.py stability.py steady_springs.py truths.py) \
-	tests/host/servos/test_measured.py \
-	$(addprefix tests/host/calibration/test_,balanced_bends.py crawls_fit.py dialogue.py \
-	dialogue_fuzz.py filmed_crawls.py floor_fit.py floor_tracks.py friction.py honest_fit.py page.py \
-	procedure.py ratchet_fit.py ratchet_procedure.py rounding.py shared_errors.py short_readings.py) \
-	$(addprefix tests/host/prediction/test_,advice.py comparison.py prediction.py speed_doubts.py)
+# Tests of a minute, for `make quick`; `make test` has them all.
+QUICK := tests/test_structure.py tests/test_weight.py tests/firmware \
+	$(addprefix tests/host/,base model lab servos)
+# Four at a time: those of the robot mostly wait. A file's tests stay together, as they share what they made.
+PYTEST := $(VENV)/bin/python -m pytest -n 4 --dist loadfile
 
 # Modules are compiled once, not anew in each of the hundred processes that tests start.
 unexport PYTHONDONTWRITEBYTECODE
@@ -40,60 +35,19 @@ test: $(VENV)/built $(VENV)/dev
 	@sh .ci/need chromium=chromium chromedriver=chromium-driver node=nodejs \
 		$$(cat tests/avr/packages.txt) \
 		|| echo "what needs these is skipped"
-	@$(MAKE) --no-print-directory --jobs=4 test-robot test-session test-numbers \
-		test-host test-board test-faces
-
-# The parts of `make test`, four beside each other (that of the robot waits most of its time); each
-# line says whose it is.
-PART = @.ci/part $@ $(VENV)/bin/python -m pytest
-NUMBERS = $(addprefix tests/host/,model periodic simulation gaits)
-SESSION = $(addprefix tests/host/,calibration prediction)
-HOST = tests/host tests/end_to_end
-GAITS = tests/host/gaits
-ROBOT = tests/host/robot
-FACES = tests/host/show tests/host/video
-test-host:
-	$(PART) -m "not slow" $(HOST) $(addprefix --ignore=,$(NUMBERS) $(SESSION) $(ROBOT) $(FACES))
-
-test-faces:
-	$(PART) -m "not slow" $(FACES)
-
-test-session:
-	$(PART) -m "not slow" $(SESSION)
-
-test-robot:
-	$(PART) -m "not slow" $(ROBOT)
-
-test-numbers:
-	$(PART) -m "not slow" $(NUMBERS)
-
-test-board:
-	$(PART) -m "not slow" $(addprefix --ignore=,$(HOST))
+	$(PYTEST) -m "not slow"
 
 quick: $(VENV)/built $(VENV)/dev
 	@$(MAKE) --no-print-directory --jobs=2 lint quick-tests
 
 quick-tests:
-	$(PART) -q -m "not slow" $(addprefix --ignore=,$(LONG))
+	$(PYTEST) -q -m "not slow" $(QUICK)
 
 test-slow: $(VENV)/built $(VENV)/dev
 	@sh .ci/need chromium=chromium chromedriver=chromium-driver em++=emscripten node=nodejs \
 		$$(cat tests/avr/packages.txt tests/arm/packages.txt) || echo "what needs these is skipped"
 	@sh .ci/need $$(cat tests/portable/packages.txt) || echo "other compilers are skipped"
-	@$(MAKE) --no-print-directory --jobs=3 slow-host slow-board slow-docs \
-		slow-gaits
-
-slow-host:
-	$(PART) -m slow $(HOST) --ignore=$(GAITS)
-
-slow-gaits:
-	$(PART) -m slow $(GAITS)
-
-slow-board:
-	$(PART) -m slow $(addprefix --ignore=,$(HOST) tests/docs)
-
-slow-docs:
-	$(PART) -m slow tests/docs
+	$(PYTEST) -m slow
 
 build: $(VENV)/built
 
@@ -159,4 +113,4 @@ $(VENV)/built: $(SOURCES) constraints/run.txt
 	@$(MAKE) --no-print-directory --jobs=2 $(VENV)/core $(VENV)/run
 	@touch $@
 
-.PHONY: help demo test test-host test-faces test-robot test-session test-numbers test-board quick quick-tests test-slow slow-host slow-board slow-docs slow-gaits build lint format docs playground figures bench wheel lowest clean
+.PHONY: help demo test quick quick-tests test-slow build lint format docs playground figures bench wheel lowest clean
