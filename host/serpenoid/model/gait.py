@@ -23,6 +23,24 @@ _NUMBERS = {
 _BY_JOINT = {"joint_gain": Limits(0.0, 2.0), "joint_shift_rad": Limits(-math.pi, math.pi)}
 
 
+def _check_angle(name: str, angle: object) -> None:
+    """Raise BadInput for an angle out of range; one that fits in degrees gets a hint."""
+    limits = _NUMBERS[name]
+    try:
+        check_number(name, angle, limits.low, limits.high)
+    except BadInput as error:
+        try:
+            angle_deg = check_number(
+                name, angle, math.degrees(limits.low), math.degrees(limits.high)
+            )
+        except BadInput:
+            raise error from None
+        raise BadInput(
+            f"{error}; if degrees were meant, it is {math.radians(angle_deg):.5g} rad "
+            "(Gait.degrees in Python)"
+        ) from None
+
+
 @dataclass(frozen=True, slots=True)
 class Gait:
     """Describe the joint angles phi_i(t) = offset + alpha sin(omega t + (i - 1) beta), Eq. 57.
@@ -63,7 +81,46 @@ class Gait:
     joint_gain: tuple[float, ...] = ()
     joint_shift_rad: tuple[float, ...] = ()
 
+    @classmethod
+    def degrees(
+        cls, alpha_deg: float, beta_deg: float, *, hertz: float, offset_deg: float = 0.0
+    ) -> Gait:
+        """Return a gait of angles in degrees and a frequency in hertz.
+
+        Parameters
+        ----------
+        alpha_deg, beta_deg
+            Amplitude and phase lag from joint to joint, degrees.
+        hertz
+            Cycles a second, above 0.
+        offset_deg
+            Constant bend of every joint, degrees.
+
+        Returns
+        -------
+        Gait
+            The same gait in radians.
+
+        Raises
+        ------
+        BadInput
+            For values out of range.
+
+        Examples
+        --------
+        >>> gait = sn.Gait.degrees(70, 75, hertz=0.5)
+        >>> gait.period_s, round(gait.alpha_rad, 4)
+        (2.0, 1.2217)
+        """
+        alpha_rad = math.radians(check_number("alpha_deg", alpha_deg, 0.0, 180.0))
+        beta_rad = math.radians(check_number("beta_deg", beta_deg, -360.0, 360.0))
+        offset_rad = math.radians(check_number("offset_deg", offset_deg, -180.0, 180.0))
+        omega_rad_s = math.tau * check_number("hertz", hertz, 0.0, open_low=True)
+        return cls(alpha_rad, beta_rad, omega_rad_s, offset_rad)
+
     def __post_init__(self) -> None:
+        for name in ("alpha_rad", "beta_rad", "offset_rad"):
+            _check_angle(name, getattr(self, name))
         check_fields(self, _NUMBERS)
         for name, limits in _BY_JOINT.items():
             given = getattr(self, name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import SupportsIndex
@@ -9,6 +10,7 @@ from typing import SupportsIndex
 from ..base.checks import POSITIVE, check_fields, check_whole
 
 MAX_LINKS = 100_000
+MAX_DENSITY_KG_M3 = 22_600  # osmium, the densest metal: no link outweighs a cube of it
 
 
 def check_links(links: object) -> int:
@@ -61,6 +63,12 @@ class Robot:
             rod = self.link_mass_kg * self.link_length_m**2 / 12.0
             object.__setattr__(self, "link_inertia_kg_m2", rod)
         check_fields(self, {"link_inertia_kg_m2": POSITIVE})
+        if self.link_mass_kg > MAX_DENSITY_KG_M3 * self.link_length_m**3:
+            warnings.warn(
+                f"link_mass_kg is {self.link_mass_kg:g}, more than solid metal weighs in a link of "
+                f"{self.link_length_m:g} m; for grams take {self.link_mass_kg / 1000:g}",
+                stacklevel=3,
+            )
 
     @property
     def inertia_kg_m2(self) -> float:
