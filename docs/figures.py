@@ -12,6 +12,7 @@ from functools import cache
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "studies"))
+import crawl_drawing
 import film_pictures
 import serpenoid as sn
 import wiring_diagram
@@ -67,6 +68,7 @@ def study(path: Path) -> None:
 
 
 FIGURES: dict[str, Callable[[Path], None]] = {
+    "crawl.svg": crawl_drawing.draw,
     "speed.png": of_demo,
     "path.png": of_demo,
     "run.png": run,

@@ -7,15 +7,12 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from xml.etree import ElementTree
 
-import numpy as np
 import pytest
 import serpenoid as sn
 from command_line import answer, serpenoid
 from serpenoid.paper import study as paper_study
 from serpenoid.periodic.steady import FromRest, Motion
-from serpenoid.show.gaits import crawl
 
 OPTIMIZE = "optimize --robot paper --speed"
 IDEAL = f"{OPTIMIZE} 0.1 --servo ideal"  # joints that follow the gait
@@ -148,27 +145,6 @@ def test_the_whole_study(tmp_path: Path) -> None:
     commands = {c["command"] for c in found["claims"]}
     for command in sorted(c for c in commands if not c.startswith(("figures", "demo"))):
         answer(command)
-
-
-def test_a_crawl_closes_in_itself_and_shows_what_the_ground_does(tmp_path: Path) -> None:
-    """The cycle's end is its start, forces add up to what moves the snake, no script in the SVG."""
-    found = crawl.crawl(paper_study.OF_2005, paper_study.BINGHAM, paper_study.EXPERIMENT)
-    for values in (found.centre, found.theta_rad, found.slip_m_s):
-        assert values[-1] == pytest.approx(values[0], abs=2e-4)
-    assert found.way_m == pytest.approx(0.204, rel=0.01)
-    assert abs(found.force_n.sum(axis=1)[:-1].mean(axis=0)).max() < 2e-3
-    grip = paper_study.BINGHAM.fn0
-    across = (found.force_n * np.exp(-1j * found.theta_rad)).imag
-    assert np.abs(across[found.stuck]).max() <= 1.001 * grip
-    sliding = np.abs(found.slip_m_s) > 1e-3
-    assert (across[sliding] * found.slip_m_s[sliding] < 0).all()
-    assert found.stuck.any()
-    assert sliding.any()
-    crawl.write_svg(found, tmp_path / "c.svg")
-    svg = (tmp_path / "c.svg").read_text()
-    ElementTree.fromstring(svg)
-    assert "<script" not in svg
-    assert svg.count('class="force"') == svg.count('class="wheel"') == 6
 
 
 @pytest.mark.parametrize(
