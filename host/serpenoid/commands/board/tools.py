@@ -64,8 +64,8 @@ def flash(
 
     if output == "pca9685":
         say(
-            "serpenoid: warning: the driver of the PCA9685 has run on a simulated chip only. Keep the "
-            "horns off until the first power-on (docs/first_day.md) is done.",
+            "serpenoid: warning: the driver of the PCA9685 has run on a simulated chip only. Keep "
+            "the horns off until the first power-on (docs/first_day.md) is done.",
             err=True,
         )
     hello = build_and_upload(
