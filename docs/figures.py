@@ -16,7 +16,7 @@ import crawl_drawing
 import film_pictures
 import serpenoid as sn
 import wiring_diagram
-from calibration_figures import advised_figure, coverage_figure, verdict_figure
+from calibration_figures import coverage_figure, verdict_figure
 from serpenoid.bench.accuracy.figure import accuracy_figure
 from serpenoid.bench.accuracy.measure import Row
 from serpenoid.bench.rows import read_rows
@@ -59,7 +59,7 @@ def stability(path: Path) -> None:
     stability_figure(read_rows(STORED / "stability.csv", Cell), path)
 
 
-STUDIES = {"coverage": coverage_figure, "advise": advised_figure, "verdict": verdict_figure}
+STUDIES = {"coverage": coverage_figure, "verdict": verdict_figure}
 
 
 def study(path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Draws what the calibration's studies found: coverage of intervals, readings that advice saves."""
+"""Draws what the calibration's studies found: coverage of intervals, shares of verdicts."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from serpenoid.show.plot import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, figure
 
 Row = Mapping[str, Any]
@@ -50,36 +49,6 @@ def coverage_figure(rows: Sequence[Row], path: Path) -> None:
         ax.set_xlabel("simulated sessions whose 95 % interval holds the truth (%)")
         ax.set_title(f"{rows[0]['sessions']} sessions a line; wanted: 93 to 97 %")
         ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
-        fig.savefig(path)
-
-
-def advised_figure(rows: Sequence[Row], path: Path) -> None:
-    """Draw how many readings each session took, planned and advised, to the same band."""
-    plans = list(dict.fromkeys(row["plan"] for row in rows))
-    with figure(4.6 * len(plans), 3.8, len(plans)) as (fig, axes):
-        for ax, plan in zip(np.atleast_1d(axes), plans, strict=True):
-            of = [row for row in rows if row["plan"] == plan]
-            both = [[row[f"{kind}_readings"] for row in of] for kind in ("plan", "advised")]
-            bins = np.arange(min(map(min, both)) - 0.5, max(map(max, both)) + 1.5)
-            for counts, colour, name in zip(both, (GREY, BLUE), (plan, "advised"), strict=True):
-                shown = f"{name}: {np.mean(counts):.1f} on average"
-                ax.hist(counts, bins, color=colour, alpha=0.65, label=shown)
-            ax.set_ylim(0, 1.4 * ax.get_ylim()[1])  # room for the legend
-            ax.axvline(
-                of[0]["opening"],
-                color="black",
-                lw=1.2,
-                ls=":",
-                ymax=0.7,
-                label=f"the {of[0]['opening']} readings that both begin with",
-            )
-            for axis in (ax.xaxis, ax.yaxis):
-                axis.get_major_locator().set_params(integer=True)
-            ax.set_xlim(0.0, bins[-1] + 0.5)
-            ax.set_xlabel("readings until the speed is known well enough")
-            ax.set_title(f"known: a 95 % band {100 * of[0]['target']:.0f} % wide", fontsize=10)
-            ax.legend(fontsize=8, loc="upper left" if bins[-1] < 16 else "upper center")
-        np.atleast_1d(axes)[0].set_ylabel("simulated sessions")
         fig.savefig(path)
 
 

@@ -2,7 +2,6 @@
 
 python studies/calibration_study.py coverage --sessions 1000    how often 95 % intervals hold it
 python studies/calibration_study.py floor --sessions 1000       the same, of pushes on a floor
-python studies/calibration_study.py advise --sessions 100       the readings that advice saves
 python studies/calibration_study.py verdict --sessions 100      how often compare's verdict is right
 """
 
@@ -13,7 +12,6 @@ import json
 from dataclasses import asdict
 from pathlib import Path
 
-import advised
 import calibration_figures as figures
 import coverage_floor
 import coverage_treadmill
@@ -23,7 +21,6 @@ from serpenoid.bench.rows import renew_table
 STUDIES = {
     "coverage": (coverage_treadmill.STUDY.run, figures.coverage_figure),
     "floor": (coverage_floor.STUDY.run, figures.coverage_figure),
-    "advise": (advised.run, figures.advised_figure),
     "verdict": (verdicts.STUDY.run, figures.verdict_figure),
 }
 
@@ -46,9 +43,7 @@ def main() -> None:
     path = asked.out / f"{asked.study}.json"
     path.write_text(json.dumps(rows, indent=2) + "\n")
     draw(rows, path.with_suffix(".png"))
-    if asked.study == "advise":
-        print(*advised.ratios(found), sep="\n")
-    elif asked.study == "verdict":
+    if asked.study == "verdict":
         print(verdicts.markdown(rows))
     else:
         print(*rows, sep="\n")
