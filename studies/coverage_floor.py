@@ -16,7 +16,7 @@ import numpy as np
 from coverage_treadmill import GAIT, SERVOS, WHOLE, WHOLE_2005, DrivenTable
 from numpy.typing import NDArray
 from serpenoid import FrictionFit, Gait, SerpenoidError, ServoKind, fit_friction
-from serpenoid.calibration.friction_result import NAMES
+from serpenoid.calibration.fitting.shared import FRICTIONS
 from serpenoid.calibration.kinds.instruments import FloorTools
 from serpenoid.calibration.session import Setup
 from serpenoid.calibration.speeds import AMPLITUDE_SIGMA, scaled, speed
@@ -159,7 +159,7 @@ def one_floor(case: FloorCase, seed: int, number: int, tables: FloorTables) -> l
     except SerpenoidError:
         return None
     bands = _bands(fit, case.kind, rng, tables)
-    ends = np.vstack([[fit.intervals[name] for name in NAMES], *bands])
+    ends = np.vstack([[fit.intervals[name] for name in FRICTIONS], *bands])
     crawls = crawl_speed(person.robot, scaled(GAIT, amplitude))
     true = np.append(WHOLE, [float(tables.speed(WHOLE[None, :])[0]), crawls])
     held = (ends[:, 0] <= true) & (true <= ends[:, 1])

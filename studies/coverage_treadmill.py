@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from serpenoid import Gait, Ground, Robot, SerpenoidError, fit_friction, servo
-from serpenoid.calibration.friction_result import NAMES, ground_of
+from serpenoid.calibration.fitting.shared import FRICTIONS
+from serpenoid.calibration.friction_result import ground_of
 from serpenoid.calibration.session import Setup
 from serpenoid.calibration.speeds import AMPLITUDE_SIGMA, scaled
 from serpenoid.calibration.taking.new_session import default_setup
@@ -29,7 +30,7 @@ from speed_table import SpeedTable
 from study import Study
 
 WHOLE_2005 = Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
-WHOLE = np.array([getattr(WHOLE_2005, name) for name in NAMES])
+WHOLE = np.array([getattr(WHOLE_2005, name) for name in FRICTIONS])
 GAIT = Gait(math.radians(70.0), math.radians(75.0), math.pi)
 INCLINE_STEP_DEG, DRAWN, STEP_SIGMA = 0.1, (0.003, 0.007), 0.01
 SERVOS = servo("hobby")
@@ -146,7 +147,7 @@ def one(
     amplitudes = 1.0 + AMPLITUDE_SIGMA * rng.normal(size=_SPEED_SAMPLES + 1)
     both = driven(drawn, amplitudes[1:], driven.some(_SPEED_SAMPLES, rng))
     crawls = crawl_speed(treadmill.robot, scaled(GAIT, float(amplitudes[0])))
-    ends = np.vstack([[fit.intervals[name] for name in NAMES], band(table(drawn)), band(both)])
+    ends = np.vstack([[fit.intervals[name] for name in FRICTIONS], band(table(drawn)), band(both)])
     true = np.append(WHOLE, [float(table(WHOLE[None, :])[0]), crawls])
     held = (ends[:, 0] <= true) & (true <= ends[:, 1])
     return [*held, *(ends[:, 1] - ends[:, 0]) / true / 2, len(taken.kept)]

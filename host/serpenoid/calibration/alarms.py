@@ -66,7 +66,7 @@ def _against_the_law(data: Stations, mode: Mode) -> list[str]:
         value, sigma = float(row @ free), float(np.sqrt(row @ mode.covariance @ row))
         return f"{value:.2g} ± {sigma:.1g} N" if value < -_SURELY * sigma else ""
 
-    viscous = {"straight": 0, "bent": 1} | ({"upward-facing": 4} if data.ratchet else {})
+    viscous = {"straight": 0, "bent": 1}
     alarms = [
         f"Friction of the {name} robot falls with speed ({value} s/m): no sum of dry and viscous "
         "friction does. Look for a misread incline, or a zero that moved."

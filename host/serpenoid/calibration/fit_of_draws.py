@@ -47,7 +47,7 @@ def fit_of_draws(session: Session, mode: Mode, draws: Draws) -> FrictionFit:
         ),
         residuals=tuple(shown.tolist()),
         influence=influences(mode, sign, alone, np.sqrt(np.diag(covariance))),
-        draws=FitDraws((*FRICTIONS[:count], *nuisances), np.stack(columns, axis=1)),
+        draws=FitDraws((*FRICTIONS, *nuisances), np.stack(columns, axis=1)),
     )
 
 

@@ -51,8 +51,6 @@ def fit_friction(
 ) -> FrictionFit:
     """Fit ct, cn, ft0 and fn0 to a session's kept readings: stations and pushes together.
 
-    Readings taken facing up the belt tell ct and ft0 backwards: the ground is then a ratchet.
-
     Parameters
     ----------
     session
@@ -152,8 +150,8 @@ def _naive(session: Session, data: Stations) -> FrictionFit:
     from scipy.special import stdtrit
 
     values, covariance = two_lines(data)
-    straight, back, bent = (int(which.sum()) for which in data.parts.values())
-    freedom = np.array([straight, bent, straight, bent, back, back])[: data.parameters] - 2
+    straight, bent = (int(which.sum()) for which in data.parts.values())
+    freedom = np.array([straight, bent, straight, bent]) - 2
     widths = stdtrit(freedom, 0.5 + LEVEL / 2) * np.sqrt(np.diag(covariance))
     _check_signs(session, values)
     posterior = Posterior((data,))
@@ -167,9 +165,9 @@ def _naive(session: Session, data: Stations) -> FrictionFit:
         method="naive",
         sigma="rescaled",
         chi2=float(residuals @ residuals),
-        dof=len(data) - data.parameters,
+        dof=len(data) - len(FRICTIONS),
         residuals=tuple(residuals.tolist()),
-        draws=FitDraws(FRICTIONS[: data.parameters], normal_draws(values, covariance, ends)),
+        draws=FitDraws(FRICTIONS, normal_draws(values, covariance, ends)),
     )
     joint = posterior_of(session)
     return with_alarms(fit, session, joint.mode(joint.start(values)))
@@ -186,7 +184,7 @@ def _fitted(session: Session, seed: int) -> FrictionFit:
 def _suspect(session: Session) -> str:
     """Name the reading without which the others agree best, where all together have no fit."""
     posterior = posterior_of(session)
-    start = posterior.start(usual_frictions(session, posterior.frictions))
+    start = posterior.start(usual_frictions(session))
     numbers, left = posterior.numbers, dict[int, float]()
     for number in dict.fromkeys(numbers[numbers >= 0].tolist()):
         with suppress(NotConverged):

@@ -23,7 +23,6 @@ from .session import NO_BELT, Session, belt_note
 Floats = NDArray[np.float64]
 T = TypeVar("T")
 
-NAMES = FRICTIONS[:4]
 UNITS = MappingProxyType({name: "N s/m" if name[0] == "c" else "N" for name in FRICTIONS})
 LEVEL = 0.95
 WHOLE = "_whole"
@@ -38,8 +37,7 @@ DOUBTFUL = 0.01  # below this p-value the stated uncertainties and the readings 
 
 def whole_ground(whole: Sequence[float]) -> Ground:
     """Return the whole snake's frictions, in the order of FRICTIONS, as a Ground."""
-    ct, cn, ft0, fn0, *back = whole
-    return Ground((ct, back[0]), cn, (ft0, back[1]), fn0) if back else Ground(ct, cn, ft0, fn0)
+    return Ground(*whole)
 
 
 def ground_of(links: int, whole: Sequence[float]) -> Ground:
@@ -153,8 +151,7 @@ class FrictionFit(Result):
         "absolute": from the stated uncertainties of the instruments. "rescaled": from the scatter.
     parameters
         name -> (value, sigma): ct_whole, cn_whole, N s/m, ft0_whole, fn0_whole, N, of the whole
-        snake. With readings up the belt also ct_back_whole and ft0_back_whole; ct and ft0 are then
-        those forwards.
+        snake.
     intervals
         name -> (low, high) at 95 %, none below 0.
     covariance : (P, P)
@@ -216,11 +213,11 @@ class FrictionFit(Result):
     @property
     def names(self) -> tuple[str, ...]:
         """Return the short names of what was fitted, in the order of the covariance."""
-        return FRICTIONS[: len(self.covariance)]
+        return FRICTIONS
 
     @property
     def whole_snake(self) -> dict[str, float]:
-        """Return ct, cn (N s/m), ft0, fn0 (N) of the whole snake (and ct_back, ft0_back)."""
+        """Return ct, cn (N s/m), ft0, fn0 (N) of the whole snake."""
         return {name: self.parameters[name].value for name in self.names}
 
     @property
@@ -364,7 +361,7 @@ class FrictionFit(Result):
                 "link_length_m": self.robot.link_length_m,
                 "link_inertia_kg_m2": self.robot.inertia_kg_m2,
             },
-            "ground_per_link": {name: getattr(self.ground, name) for name in NAMES},
+            "ground_per_link": {name: getattr(self.ground, name) for name in FRICTIONS},
             **{name: getattr(self, name) for name in ("chi2", "dof", "p_value")},
             "nuisances": {name: e._asdict() for name, e in self.nuisances.items()},
             "residuals": list(self.residuals),
@@ -399,12 +396,11 @@ def fit_of(
     """Return a fit that has values, covariance and intervals; more: of its other fields."""
     covariance = covariance.copy()
     covariance.flags.writeable = False
-    names = FRICTIONS[: len(values)]
     sigmas = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     pairs = zip(values.tolist(), sigmas.tolist(), strict=True)
     return FrictionFit(
-        parameters=WholeSnake(dict(zip(names, (Estimate(*p) for p in pairs), strict=True))),
-        intervals=WholeSnake(dict(zip(names, map(tuple, ends.tolist()), strict=True))),
+        parameters=WholeSnake(dict(zip(FRICTIONS, (Estimate(*p) for p in pairs), strict=True))),
+        intervals=WholeSnake(dict(zip(FRICTIONS, map(tuple, ends.tolist()), strict=True))),
         covariance=covariance,
         robot=robot,
         ground=ground_of(robot.links, values.tolist()),

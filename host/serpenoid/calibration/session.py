@@ -47,8 +47,7 @@ class Zero:
 class Procedure:
     """Which stations are to be held: every bend, from the first incline up to the top speed.
 
-    gaits: to be run on level ground afterwards, each gait_runs times. ratchet: wheels roll harder
-    backwards, so that straight stations are held a second time, facing up the belt. bend:
+    gaits: to be run on level ground afterwards, each gait_runs times. bend:
     "balanced", or "zigzag" for a robot that is guided. on: "treadmill", or "floor": the robot is
     pushed along a floor instead, `pushes` times in each bend of push_lambda_rad.
     """
@@ -60,7 +59,6 @@ class Procedure:
     gravity_m_s2: float
     gaits: tuple[Gait, ...] = ()
     gait_runs: int = 3
-    ratchet: bool = False
     bend: str = "zigzag"
     on: str = "treadmill"
     push_lambda_rad: tuple[float, ...] = tuple(map(math.radians, (0.0, 20.0, 45.0)))
@@ -337,7 +335,6 @@ class Session:
                     r.drift_m_s,
                     repr(setup.uncertainty),
                     setup.treadmill.incline_step_rad,
-                    *(["up"] if r.facing == "up" else []),
                     *([r.bend] if r.bend != "zigzag" else []),
                     *([r.places, repr(setup.stopwatch)] if r.places else []),
                 ]

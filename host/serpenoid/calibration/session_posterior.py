@@ -11,7 +11,7 @@ from .fitting.unknowns import Floats
 from .floor.block import floor_blocks
 from .session import Session
 
-USUAL, USUAL_N = (0.084, 1.2, 0.14, 0.27, 0.084, 0.14), 4.4484  # of the 2005 robot, and its weight
+USUAL, USUAL_N = (0.084, 1.2, 0.14, 0.27), 4.4484  # of the 2005 robot, and its weight
 
 
 def posterior_of(session: Session) -> Posterior:
@@ -20,9 +20,9 @@ def posterior_of(session: Session) -> Posterior:
     return Posterior((*stations, *floor_blocks(session)))
 
 
-def usual_frictions(session: Session, count: int) -> Floats:
-    """Return the 2005 robot's first frictions for a robot of this weight."""
-    return np.array(USUAL[:count]) * session.setup.weight_n / USUAL_N
+def usual_frictions(session: Session) -> Floats:
+    """Return the 2005 robot's frictions for a robot of this weight."""
+    return np.array(USUAL) * session.setup.weight_n / USUAL_N
 
 
 def scale_sigmas(session: Session, posterior: Posterior) -> tuple[float, float]:
@@ -37,7 +37,7 @@ def mode_of(session: Session) -> Mode:
     They are sought from usual frictions.
     """
     posterior = posterior_of(session)
-    return posterior.mode(posterior.start(usual_frictions(session, posterior.frictions)))
+    return posterior.mode(posterior.start(usual_frictions(session)))
 
 
 def covariance_after(session: Session, mode: Mode) -> Floats:

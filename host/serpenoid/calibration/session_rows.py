@@ -78,6 +78,7 @@ def read_rows(setup: Setup, folder: Path) -> Session:
             setup = _setup_of(row, setups)
             if number not in voided:
                 check_instruments(row, setup, setups[-1])
+                check_facing(row)
             session = session.with_reading(make_reading(row, common | _track(row, kind, folder)))
     if left_out:
         kinds = ", ".join(sorted(left_out))
@@ -205,6 +206,17 @@ def _replaced_later(restored: Event, rows: Numbered) -> bool:
         row["replaces"] == str(restored.reading) and number > int(after[1])
         for number, row in rows.items()
     )
+
+
+def check_facing(row: Row) -> None:
+    """Raise BadInput for a reading of wheels that rolled backwards, as older programs took them."""
+    facing = words_of(row).get("facing", "")
+    if facing in ("up", "back"):
+        raise BadInput(
+            f"reading {row['reading']} has facing={facing}: its wheels rolled backwards, and a fit "
+            "knows one friction along the wheels. If they roll alike both ways, take that word out "
+            "of its line; else void the reading"
+        )
 
 
 def check_instruments(row: Row, then: Setup, now: Setup) -> None:

@@ -313,12 +313,6 @@ SETTINGS: dict[str, tuple[Setting, ...]] = {
             "             # balanced; or zigzag, for a robot that is guided on the belt",
         ),
         Setting(
-            "ratchet",
-            "procedure.ratchet",
-            _FLAG,
-            "             # true: straight stations also facing up, where wheels roll back",
-        ),
-        Setting(
             "gait_runs",
             "procedure.gait_runs",
             Table.whole,
@@ -335,11 +329,21 @@ def setup_in(top: Table) -> Setup:
     setup = replace(_BLANK, name=top.string("name"))
     for name, rows in SETTINGS.items():
         table = top.table(name)
-        table.only(
-            *(s.key for s in rows if s.needed), optional=tuple(s.key for s in rows if not s.needed)
-        )
+        needed = (s.key for s in rows if s.needed)
+        optional = (s.key for s in rows if not s.needed)
+        table.only(*needed, optional=(*optional, *_without_ratchet(table)))
         setup = applied(setup, table, rows)
     return setup
+
+
+def _without_ratchet(plan: Table) -> tuple[str, ...]:
+    """Return the key `ratchet` of older plans where it says false; raises BadInput where true."""
+    if plan.values.get("ratchet") is True:
+        raise BadInput(
+            f"{plan.where('ratchet')}: ratchet is true, but a fit knows one friction along the "
+            "wheels, not another backwards; such a session is not read"
+        )
+    return ("ratchet",) if plan.values.get("ratchet") is False else ()
 
 
 def applied(setup: Setup, table: Table, settings: Iterable[Setting]) -> Setup:
@@ -375,7 +379,7 @@ def amended(setup: Setup, text: str, folder: Path) -> Setup:
     for name in change.values:
         table = change.table(name)
         mass = ("mass_kg",) if name == "robot" else ()
-        table.only(optional=(*mass, *(s.key for s in open_[name])))
+        table.only(optional=(*mass, *(s.key for s in open_[name]), *_without_ratchet(table)))
         if "mass_kg" in table.values:
             link_mass_kg = _ABOVE_0(table, "mass_kg") / setup.robot.links
             setup = changed(setup, {"robot.link_mass_kg": link_mass_kg, "weighed": True})

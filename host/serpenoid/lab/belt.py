@@ -44,7 +44,6 @@ class Belt:
         self.t_s = 0.0
         self._chain, self._gravity = robot.chain(), gravity_m_s2
         self.pose_rad, self._offset = [0.0] * (robot.body.links - 1), 0.0
-        self._facing_rad = 0.0
         self.speed_m_s = self._wanted = 0.0
 
     def tilt(self, incline_rad: float) -> None:
@@ -73,18 +72,16 @@ class Belt:
         self,
         across_m: float = 0.0,
         heading_rad: float = 0.0,
-        facing: str = "down",
         push_m_s: float = 0.0,
         push_rad_s: float = 0.0,
     ) -> None:
         """Let the robot go in the middle of the belt, held still before but for the push."""
         self.speed_m_s = self._wanted
-        self._facing_rad = math.pi if facing == "up" else 0.0
         chain = self._chain
         chain.set_ground_velocity(-self.speed_m_s, 0.0)
         chain.set_joints(self._joints())
         chain.place(0.0, across_m, 0.0, 0.0, 0.0, 0.0)
-        turned = self._facing_rad + heading_rad - _axis_rad(self.places(), self.robot)
+        turned = heading_rad - _axis_rad(self.places(), self.robot)
         chain.place(0.0, across_m, turned, push_m_s, 0.0, push_rad_s)
 
     def wait(self, duration_s: float) -> None:
@@ -103,7 +100,7 @@ class Belt:
     def look(self) -> Sight:
         """Return where the robot is."""
         x, y, *_ = self._chain.state
-        heading = _axis_rad(self.places(), self.robot) - self._facing_rad
+        heading = _axis_rad(self.places(), self.robot)
         return Sight(self.t_s, x, y, math.remainder(heading, 2 * math.pi))
 
     @property

@@ -46,14 +46,13 @@ class Push:
     """How a hand pushes: speed_m_s when it lets go, over REACH_M.
 
     heading_rad, rate_rad_s: by how much the robot is let go crooked, and turning. direction_rad:
-    of the push in the room; turn round for the other way. tail_first: it rolls backwards.
+    of the push in the room; turn round for the other way.
     """
 
     speed_m_s: float
     direction_rad: float = 0.0
     heading_rad: float = 0.0
     rate_rad_s: float = 0.0
-    tail_first: bool = False
 
 
 class Floor:
@@ -66,7 +65,7 @@ class Floor:
     def push(self, pose_rad: Sequence[float], push: Push) -> Track:
         """Push the robot, let it go, and follow it until it rests."""
         hand_s = 2 * REACH_M / push.speed_m_s
-        heading = push.direction_rad + push.heading_rad + (math.pi if push.tail_first else 0.0)
+        heading = push.direction_rad + push.heading_rad
         c, s = math.cos(push.direction_rad), math.sin(push.direction_rad)
         t = np.arange(0.0, hand_s, FRAME_S)
         way = 0.5 * push.speed_m_s / hand_s * t**2 - REACH_M

@@ -114,7 +114,6 @@ class Person:
         display: Display = Display(),
     ):
         self.belt, self.rng, self.habits, self.display = belt, rng, habits, display
-        self.facing = "down"
         self.helm = Helm(belt.robot.body.link_length_m)
 
     def hold(self, guess_m_s: float, settle_s: float) -> Held | None:
@@ -216,7 +215,6 @@ class Person:
         belt.put(
             0.01 * float(rng.normal()),
             habits.let_go_rad * float(rng.normal()),
-            self.facing,
             habits.let_go_m_s * float(rng.normal()),
             habits.let_go_rad_s * float(rng.normal()),
         )
@@ -239,10 +237,9 @@ class Person:
         return seen
 
     def _steer(self, at: Sight, shown_m_s: float) -> None:
-        way = -1.0 if self.facing == "up" else 1.0  # tail first, the same bend turns it back
         across = EYE_M.shows(at.across_m, self.rng)
         heading = EYE_RAD.shows(at.heading_rad, self.rng)
-        self.belt.steer(way * self.helm.look(across, heading, shown_m_s))
+        self.belt.steer(self.helm.look(across, heading, shown_m_s))
 
     def _leaves(self, at: Sight) -> bool:
         return abs(at.along_m) > LEAVE_M or self.belt.off

@@ -17,7 +17,6 @@ from ..base.errors import BadInput
 from ..calibration.crawls.data import same_command
 from ..calibration.fitting.posterior import Mode
 from ..calibration.friction_fit import fit_friction
-from ..calibration.friction_result import FrictionFit
 from ..calibration.kinds.gait import GaitRun
 from ..calibration.session import Session
 from ..calibration.session_posterior import covariance_after, mode_of
@@ -116,7 +115,7 @@ def advise(
     now = band(session)
     readings.sort(key=lambda r: (r.band - now) / (r.minutes or 1.0))
     after = readings[0].band_after_times
-    told = _ON_FLOOR if session.on_floor else _ratchet_note(session, fit)
+    told = _ON_FLOOR if session.on_floor else ""
     notes = (servo and servo.remark, *too_fast, told, speeds.servo_note(servo, after))
     note = " ".join(filter(None, notes))
     measured = None if servo is None or servo.drawn else speeds.servo_measured
@@ -170,15 +169,6 @@ def _after(
         bands.append(left)
     times = shown.times * len(bands)
     return replace(shown, band=bands[0], times=times, band_after_times=bands[-1])
-
-
-def _ratchet_note(session: Session, fit: FrictionFit) -> str:
-    if not session.setup.procedure.ratchet or len(fit.names) > 4:
-        return ""
-    return (
-        "The plan says that the wheels are ratchets, but nothing tells how they roll backwards: "
-        "these bands take them to roll alike both ways. Hold two straight stations facing up first."
-    )
 
 
 def _sigmas_of_runs(session: Session, gait: Gait) -> list[float]:

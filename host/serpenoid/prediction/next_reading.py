@@ -25,8 +25,8 @@ class NextReading:
     """A reading, and the relative half-width of the speeds' 95 % band (`SpeedBand`) after it.
 
     kind: station (lambda_rad, incline_rad, belt_speed_m_s expected) or gait (alpha_rad, beta_rad,
-    frequency_hz). times: how often it is worth taking. band: mean over the gaits asked for. facing:
-    of a station, up the belt for a ratchet's wheels backwards. bend: of a bent station, balanced
+    frequency_hz). times: how often it is worth taking. band: mean over the gaits asked for. bend:
+    of a bent station, balanced
     or zigzag. minutes, told: of readings on a floor, what they take, and what to do in words.
     """
 
@@ -40,7 +40,6 @@ class NextReading:
     alpha_rad: float | None = None
     beta_rad: float | None = None
     frequency_hz: float | None = None
-    facing: str = "down"
     bend: str = ""
     minutes: float | None = None
     told: str = ""
@@ -55,7 +54,6 @@ class NextReading:
             bend, incline = (math.degrees(a or 0.0) for a in (self.lambda_rad, self.incline_rad))
             at = f" ({self.bend}; {180 - 2 * bend:.4g}° between the links at either end)"
             links = at if bend else ", straight"
-            links += ", facing up" if self.facing == "up" else ""
             what = (
                 f"λ = {bend:.4g}°{links}, inclinometer at {incline:.2f}°, "
                 f"belt near {self.belt_speed_m_s:.2g} m/s"

@@ -102,8 +102,7 @@ def speed_doubts(
     """
     elasticity = dict(zip(sensitivities.names, sensitivities.elasticities().tolist(), strict=True))
     whole = np.array(list(fit.whole_snake.values()))
-    ratchet = len(fit.names) > 4
-    slope = np.array([elasticity.get(_of_link(name, ratchet), 0.0) for name in fit.names])
+    slope = np.array([elasticity.get(name, 0.0) for name in fit.names])
     slope = np.divide(slope, whole, out=np.zeros_like(slope), where=whole > 0.0)
     slope = np.append(slope, elasticity.get("alpha_rad", 0.0))
     covariance, names = known_covariance(fit, band.filmed), (*fit.names, "amplitude")
@@ -159,10 +158,3 @@ def margin_sigmas(fit: FrictionFit, filmed: bool) -> tuple[float, float]:
     sigma = np.sqrt(np.diag(known_covariance(fit, filmed)))
     fn0 = max(fit.whole_snake["fn0"], 1e-300)
     return float(sigma[-1]), float(sigma[fit.names.index("fn0")]) / fn0
-
-
-def _of_link(name: str, ratchet: bool) -> str:
-    """Return the parameter of Sensitivities for a friction of a fit."""
-    if name.endswith("_back"):
-        return f"{name.removesuffix('_back')}_backward"
-    return f"{name}_forward" if ratchet and name in ("ct", "ft0") else name

@@ -26,14 +26,13 @@ _AS_GOOD = 4.0  # sigmas of a bend from the one that the robot lies in
 def station_options(session: Session, mode: Mode, bends: Sequence[float]) -> Iterator[Option]:
     """Yield the stations that could be held next, in these bends, each some times over."""
     for series, incline, slip in places(session, mode.x[: mode.posterior.frictions], bends):
-        where, facing = (series.lambda_rad, incline, slip), series.facing
-        reading = Reading(next_number(session), *where, facing=facing, bend=series.bend)
+        where = series.lambda_rad, incline, slip
+        reading = Reading(next_number(session), *where, bend=series.bend)
         shown = NextReading(
             "station",
             lambda_rad=series.lambda_rad,
             incline_rad=incline,
             belt_speed_m_s=slip,
-            facing=facing,
             bend=series.bend if series.lambda_rad else "",
         )
         yield shown, repeated(session, "readings", reading)
@@ -62,9 +61,8 @@ def places(
         for angle in angles
         if not angle or angle > SAFE_BEND * given.lambda_sigma_rad  # lesser ones bias cn
     ]
-    for series in [*every, *([Series(0.0, "up", bent)] if len(whole) > 4 else [])]:
-        frictions = whole[[4, 1, 5, 3]] if series.facing == "up" else whole[:4]
-        slope, least = pull_of(session.setup, frictions.tolist(), series.lambda_rad)
+    for series in every:
+        slope, least = pull_of(session.setup, whole.tolist(), series.lambda_rad)
         for wanted_m_s in SLIPS_M_S:
             aim = math.asin(min((slope * wanted_m_s + least) / weight_n, _STEEPEST)) + zero
             incline = nearest_shown(aim, shown, given.incline_sigma_rad, grade_step)
@@ -82,7 +80,6 @@ def _failed(session: Session, series: Series, incline_rad: float) -> bool:
         r.voided
         for r in session.readings
         if abs(r.lambda_rad - series.lambda_rad) < _SAME_RAD
-        and r.facing == series.facing
         and abs(r.incline_rad - incline_rad) < step / 2
     ]
     return bool(there) and all(there)

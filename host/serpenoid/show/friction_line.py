@@ -7,7 +7,7 @@ import numpy as np
 from ..calibration.friction_result import FrictionFit
 
 # Of each part of the readings, the parameters of its line.
-LINES = {"straight": ("ct", "ft0"), "back": ("ct_back", "ft0_back"), "bent": ("cn", "fn0")}
+LINES = {"straight": ("ct", "ft0"), "bent": ("cn", "fn0")}
 
 
 def line(fit: FrictionFit, part: str, speeds_m_s: np.ndarray) -> np.ndarray:

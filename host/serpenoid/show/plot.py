@@ -117,11 +117,6 @@ def draw_friction(
         axis = _law(ax, fit, part, (*kept[part], *errors[part]), colour, label=readings)
         if len(voided[part][0]):
             ax.plot(*voided[part], "x", color=GREY, ms=7, label="voided")
-        if part == "straight" and len(kept["back"][0]):
-            backwards = (*kept["back"], *errors["back"])
-            label = "facing up: wheels roll backwards"
-            _law(ax, fit, "back", backwards, ORANGE, fmt="s", mfc="white", label=label)
-            ax.set_ylim(top=1.25 * ax.get_ylim()[1])  # room for two laws
         ax.set(
             title=title,
             xlabel=f"speed $v_{axis}$ (m/s)",
@@ -153,8 +148,7 @@ def _law(
         f"$F_{axis} = {fit.parameters[slope].value:.3g}\\,v_{axis} "
         f"+ {fit.parameters[rest].value:.3g}$ N"
     )
-    height, words = (0.88, f"{words} backwards") if part == "back" else (0.95, words)
-    ax.text(0.04, height, words, transform=ax.transAxes, color=colour, va="top", fontsize=11)
+    ax.text(0.04, 0.95, words, transform=ax.transAxes, color=colour, va="top", fontsize=11)
     return axis
 
 

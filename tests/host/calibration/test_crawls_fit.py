@@ -14,7 +14,8 @@ from serpenoid import fit_friction
 from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.crawls.posterior import Beforehand, CrawlPosterior
 from serpenoid.calibration.fitting.posterior import Posterior
-from serpenoid.calibration.friction_result import NAMES, ground_of
+from serpenoid.calibration.fitting.shared import FRICTIONS
+from serpenoid.calibration.friction_result import ground_of
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.speeds import ServoEffects, SpeedModel, SpeedTable
 from serpenoid.prediction import speed_samples
@@ -120,7 +121,7 @@ def test_crawls_narrow_what_pushes_leave_but_never_the_mass(pushed, crawls_fit) 
     )
     before, after = fit_friction(heavy), crawls_fit(heavy)
     assert holds_truth(after)
-    for name, true in zip(NAMES, TRUTH, strict=True):
+    for name, true in zip(FRICTIONS, TRUTH, strict=True):
         assert after.parameters[name].sigma < 1.03 * before.parameters[name].sigma
         assert after.parameters[name].sigma > 0.045 * true  # the mass alone
     ratio = [f.sample_whole(1024)[:, 0] / f.sample_whole(1024)[:, 3] for f in (before, after)]

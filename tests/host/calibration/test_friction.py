@@ -13,18 +13,18 @@ from odrpack import odr_fit
 from refusals import refused
 from robots import NIRAKH_2005
 from serpenoid import fit_friction, load_session
-from serpenoid.calibration.friction_result import NAMES
+from serpenoid.calibration.fitting.shared import FRICTIONS
 from serpenoid.calibration.session_posterior import mode_of
 
-TRUTH = np.array([getattr(WHOLE_BODY_2005, name) for name in NAMES])
+TRUTH = np.array([getattr(WHOLE_BODY_2005, name) for name in FRICTIONS])
 
 
 def values(fit):
-    return np.array([fit.parameters[name].value for name in NAMES])
+    return np.array([fit.parameters[name].value for name in FRICTIONS])
 
 
 def sigmas(fit):
-    return np.array([fit.parameters[name].sigma for name in NAMES])
+    return np.array([fit.parameters[name].sigma for name in FRICTIONS])
 
 
 @pytest.mark.parametrize("method", ["joint", "naive"])
@@ -32,9 +32,9 @@ def test_2005_readings_give_back_the_published_lines(method):
     fit = fit_friction(load_session(NIRAKH_2005), method=method)
     # Speeds are rounded to 1e-6 m/s, 5e-5 of the 0.02 m/s that scatters cn by 35 %: at most 2e-5.
     np.testing.assert_allclose(values(fit), TRUTH, rtol=2e-5)
-    np.testing.assert_allclose([getattr(fit.ground, n) for n in NAMES], TRUTH / 6, rtol=2e-5)
+    np.testing.assert_allclose([getattr(fit.ground, n) for n in FRICTIONS], TRUTH / 6, rtol=2e-5)
     np.testing.assert_allclose(sigmas(fit) ** 2, np.diag(fit.covariance), rtol=1e-12)
-    for name, truth in zip(NAMES, TRUTH, strict=True):
+    for name, truth in zip(FRICTIONS, TRUTH, strict=True):
         low, high = fit.intervals[name]
         assert 0.0 <= low < truth < high
     assert fit.dof == 7
@@ -174,7 +174,7 @@ def test_result_is_frozen_and_goes_to_json():
     told = json.loads(json.dumps(fit.to_dict(), allow_nan=False))
     assert told["parameters"]["ct_whole"]["value"] == fit.parameters["ct_whole"].value
     assert told["ground_per_link"]["ct"] == pytest.approx(fit.parameters["ct"].value / 6)
-    assert list(fit.parameters) == [f"{name}_whole" for name in NAMES]
+    assert list(fit.parameters) == [f"{name}_whole" for name in FRICTIONS]
     assert [row.name for row in fit.rows()] == list(fit.parameters)
 
 

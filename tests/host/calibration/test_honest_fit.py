@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup
 from serpenoid import BadInput, NotConverged, Session, fit_friction
-from serpenoid.calibration.friction_result import NAMES
+from serpenoid.calibration.fitting.shared import FRICTIONS
 from serpenoid.calibration.kinds.checks import ZeroReading
 from serpenoid.calibration.kinds.station import Reading
 
-TRUTH = [getattr(WHOLE_BODY_2005, name) for name in NAMES]
+TRUTH = [getattr(WHOLE_BODY_2005, name) for name in FRICTIONS]
 
 
 def test_a_zero_that_is_claimed_exact_is_not_believed():
@@ -47,7 +47,7 @@ def test_influence_foretells_the_fit_without_a_reading():
         assert told.chi2_without == pytest.approx(without.chi2, abs=0.15)
         shift = [
             (without.parameters[n].value - fit.parameters[n].value) / fit.parameters[n].sigma
-            for n in NAMES
+            for n in FRICTIONS
         ]
         # One linear step foretells a shift to a tenth of it, and of a sigma.
         np.testing.assert_allclose(told.shift, shift, rtol=0.15, atol=0.06)
@@ -88,5 +88,5 @@ def test_readings_made_up_at_random_end_in_numbers_or_in_words(seed):
         fit = fit_friction(Session(replace(made, uncertainty=sure), taken))
     except (BadInput, NotConverged):
         return
-    assert np.isfinite([fit.intervals[name] for name in NAMES]).all()
+    assert np.isfinite([fit.intervals[name] for name in FRICTIONS]).all()
     assert np.isfinite(fit.sample_whole(16)).all()

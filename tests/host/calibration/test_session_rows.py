@@ -191,6 +191,29 @@ def test_instruments_that_changed_in_mid_session_are_refused(folder, change, kep
         load_session(folder)
 
 
+def test_a_session_of_ratchet_wheels_is_refused_by_name(folder):
+    """One whose plan says that there are none loads, with the same fit."""
+    back = {"kind": "push", "distance_m": 1, "duration_s": 2, "more": "facing=back"}
+    append(folder, reading(1), reading(2, more="facing=up"), reading(3, **back))
+    with refused("csv:3: reading 2 has facing=up: its wheels rolled backwards.*void"):
+        load_session(folder)
+    append(folder, event("void", 2), to="events.csv")
+    with refused("csv:4: reading 3 has facing=back"):
+        load_session(folder)
+    append(folder, event("void", 3), to="events.csv")
+    plain = load_session(folder)
+    toml = folder / "session.toml"
+    toml.write_text(SETUP + "ratchet = false\n")
+    assert load_session(folder).sha256 == plain.sha256
+    toml.write_text(SETUP + "ratchet = true\n")
+    with refused("session.toml:31: ratchet is true, but a fit knows one friction"):
+        load_session(folder)
+    toml.write_text(SETUP)
+    append(folder, event("amend", detail='"plan.ratchet = true"'), to="events.csv")
+    with refused("ratchet is true"):
+        load_session(folder)
+
+
 def test_instruments_stated_before_the_first_reading_hold_for_all(folder):
     change = "instruments.incline_zero_sigma_deg = 0.4"
     append(folder, event("amend", detail=f'"{change}"'), to="events.csv")

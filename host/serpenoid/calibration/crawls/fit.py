@@ -101,8 +101,7 @@ def _others(session: Session, is_open: bool, seed: int) -> tuple[Posterior, Floa
     if not is_open:
         mode = mode_of(session)
         return _with_belt(session, mode.posterior.draws(mode, seed).alike(DRAWS))
-    back = any(push.facing == "back" for push in session.kept_pushes)
-    usual = usual_frictions(session, 6 if back else 4)
+    usual = usual_frictions(session)
     known = Beforehand(np.log(usual), USUAL_SIGMA * np.eye(len(usual)))
     posterior = Posterior((known, *posterior_of(session).blocks))
     posterior = posterior.mode(posterior.start(usual)).posterior
@@ -139,7 +138,7 @@ def _with_belt(session: Session, draws: Draws) -> tuple[Posterior, Floats]:
     ]
     belt = np.random.default_rng(DRAWS).normal(size=len(draws.x))
     values = {
-        name: value / (1.0 + sigma * belt) if name in ("ct", "cn", "ct_back") else value
+        name: value / (1.0 + sigma * belt) if name in ("ct", "cn") else value
         for name, value in draws.values.items()
     } | {"belt": belt}
     posterior = replace(posterior, blocks=tuple(blocks))

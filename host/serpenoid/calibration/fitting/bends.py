@@ -131,24 +131,21 @@ def resistance(
     whole: Floats,
     bent_share: Floats | float,
     angle_rad: Floats | float,
-    back: NDArray[np.bool_] | bool = False,
     astray_rad: Floats | float = 0.0,
 ) -> tuple[Floats, Floats]:
     """Return A, N s/m, and B, N, of friction A v + B along the way, whole snake, each (..., N).
 
-    whole: (..., P) frictions in the order of FRICTIONS. back: where wheels roll backwards.
-    astray_rad: the straight links' mean |angle| to the way, times their share.
+    whole: (..., 4) frictions in the order of FRICTIONS. astray_rad: the straight links' mean
+    |angle| to the way, times their share.
     """
-    ct, cn, ft0, fn0, *backward = np.moveaxis(whole, -1, 0)[..., None]
-    if backward:
-        ct, ft0 = np.where(back, backward[0], ct), np.where(back, backward[1], ft0)
+    ct, cn, ft0, fn0 = np.moveaxis(whole, -1, 0)[..., None]
     by_ct, by_cn, by_ft0, by_fn0 = projections(bent_share, angle_rad)
     return ct * by_ct + cn * by_cn, ft0 * by_ft0 + fn0 * (by_fn0 + astray_rad)
 
 
 def frictions_in(values: Values) -> Floats:
-    """Return the frictions (K, P) among values by name, in the order of FRICTIONS."""
-    return np.stack([values[name] for name in FRICTIONS if name in values], axis=-1)
+    """Return the frictions (K, 4) among values by name, in the order of FRICTIONS."""
+    return np.stack([values[name] for name in FRICTIONS], axis=-1)
 
 
 def _settings(session: Session, readings: Sequence[Reading | Push]) -> Whole:

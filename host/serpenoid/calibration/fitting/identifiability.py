@@ -13,11 +13,7 @@ ADVISED_LAMBDA_DEG = 15.0
 # Below this many sigmas a bend is refused: sin^2 of it is no longer a number with an error but a
 # guess. Below the second, cn is biased by 3 (sigma / lambda)^2 or more, 3 %, and the fit says so.
 LEAST_BEND, SAFE_BEND = 5.0, 10.0
-_NAMES = {
-    "straight": ("ct", "ft0"),
-    "bent": ("cn", "fn0"),
-    "straight, facing up": ("ct_back", "ft0_back"),
-}
+_NAMES = {"straight": ("ct", "ft0"), "bent": ("cn", "fn0")}
 
 
 def check_readings(session: Session, data: Stations, least: int) -> None:
@@ -26,9 +22,6 @@ def check_readings(session: Session, data: Stations, least: int) -> None:
     sigma = float(np.median(data.speed_sigma_m_s)) if len(data) else 0.0
     straight = data.slip_m_s[data.parts["straight"]]
     _check_part(session, "straight", straight, (sigma, 1.0), least, "straight (lambda_deg = 0)")
-    if data.ratchet:
-        how, back = "straight (lambda_deg = 0) and facing up", data.slip_m_s[data.parts["back"]]
-        _check_part(session, "straight, facing up", back, (sigma, 1.0), least, how)
     across = np.sin(data.lambda_rad[data.bent])
     most = float(across.max(initial=0.0))
     advised = f"with lambda_deg = {bend:g}"

@@ -16,11 +16,11 @@ def points(data: Stations, values: Floats) -> dict[str, tuple[Floats, Floats]]:
     Eq. 61 with a share of the links bent: what the straight ones and the tangential friction of
     the bent ones take is taken off, and the rest is of the bent share.
 
-    values: the frictions, of which ct and ft0 are taken. "back" is "straight" facing up the belt.
+    values: the frictions, of which ct and ft0 are taken.
     """
     pull_n = data.weight_n * np.sin(data.incline_rad) - data.inertia_n
-    tangential = values * [name not in ("cn", "fn0") for name in FRICTIONS[: len(values)]]
-    viscous, dry = resistance(tangential, data.bends.share, data.lambda_rad, data.back)
+    tangential = values * [name not in ("cn", "fn0") for name in FRICTIONS]
+    viscous, dry = resistance(tangential, data.bends.share, data.lambda_rad)
     by_speed, by_fn0 = _across(data)
     force_n = np.where(data.bent, pull_n - viscous * data.slip_m_s - dry, pull_n) / by_fn0
     speed_m_s = data.slip_m_s * by_speed
@@ -54,10 +54,8 @@ def _line(x: Floats, y: Floats) -> tuple[Floats, Floats]:
 
 def two_lines(data: Stations) -> tuple[Floats, Floats]:
     """Return the frictions as the paper found them, and their covariance."""
-    straight = points(data, np.zeros(data.parameters))
-    values, covariance = np.zeros(data.parameters), np.zeros((data.parameters,) * 2)
-    for part, where in (("straight", [0, 2]), ("back", [4, 5]))[: 2 if data.ratchet else 1]:
-        values[where], covariance[np.ix_(where, where)] = _line(*straight[part])
-    across = [1, 3]
+    values, covariance = np.zeros(len(FRICTIONS)), np.zeros((len(FRICTIONS),) * 2)
+    along, across = [0, 2], [1, 3]
+    values[along], covariance[np.ix_(along, along)] = _line(*points(data, values)["straight"])
     values[across], covariance[np.ix_(across, across)] = _line(*points(data, values)["bent"])
     return values, covariance

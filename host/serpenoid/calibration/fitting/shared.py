@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-FRICTIONS = ("ct", "cn", "ft0", "fn0", "ct_back", "ft0_back")  # the whole snake's, in their order
+FRICTIONS = ("ct", "cn", "ft0", "fn0")  # the whole snake's, in their order
 # A wheel's J / r^2 over its mass: 0.5 for a disc, 1 for a ring; with the spread of what is sold.
 WHEEL_SHAPE = (0.75, 0.15)
 # Where nobody told what the wheels weigh: their J / r^2 over the robot's mass.

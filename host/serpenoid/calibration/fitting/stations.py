@@ -41,8 +41,7 @@ class Stations:
     is a reading's alone), speed_sigma_m_s: per reading. rounding: per reading, which of
     rounding_sigma_rad's errors its incline has; -1 where that is its alone. rounding_draws: of
     these, (N, errors), in sigmas. zero_sigma_rad: per reading, of what remains of the
-    inclinometer's zero, common to all. back: whether a reading's wheels rolled backwards, the snake
-    facing up the belt. ratchet: there are readings of both ways. belt_sigma: relative, of the
+    inclinometer's zero, common to all. belt_sigma: relative, of the
     belt's scale, where pushes beside the stations tell it; else 0. tracks: places of short
     readings, whose slip_m_s is the mean. inertia_n, inertia_sigma_n: per reading, the force that
     changes its speed, roughly, and its standard deviation; 0 where it was held.
@@ -54,7 +53,6 @@ class Stations:
     slip_m_s: Floats
     incline_sigma_rad: Floats
     speed_sigma_m_s: Floats
-    back: NDArray[np.bool_]
     rounding: Whole
     rounding_sigma_rad: Floats
     rounding_draws: Floats
@@ -63,7 +61,6 @@ class Stations:
     tracks: Tracks
     inertia_n: Floats
     inertia_sigma_n: Floats
-    ratchet: bool
     belt_sigma: float
 
     @classmethod
@@ -86,7 +83,6 @@ class Stations:
             slip_m_s=np.array([belt * r.belt_speed_m_s - r.drift_m_s for r in kept], dtype=float),
             incline_sigma_rad=np.where(rounding < 0, given.incline_sigma_rad, 0.0),
             speed_sigma_m_s=given.belt_speed_sigma_m_s * same,
-            back=np.array([r.facing == "up" for r in kept], dtype=bool),
             rounding=rounding,
             rounding_sigma_rad=sigma_rad,
             rounding_draws=draws / sigma_rad,
@@ -95,7 +91,6 @@ class Stations:
             tracks=tracks,
             inertia_n=inertia_n,
             inertia_sigma_n=inertia_sigma_n,
-            ratchet=any(r.facing == "up" for r in kept),
             belt_sigma=belt_sigma if session.on_floor else 0.0,
         )
 
@@ -114,21 +109,15 @@ class Stations:
 
     @property
     def parts(self) -> dict[str, NDArray[np.bool_]]:
-        """Return which readings are straight, straight facing up the belt, and bent."""
-        ahead, back = ~self.bent & ~self.back, ~self.bent & self.back
-        return {"straight": ahead, "back": back, "bent": self.bent}
-
-    @property
-    def parameters(self) -> int:
-        """Return how many frictions there are: ct, cn, ft0, fn0 (and ct, ft0 backwards)."""
-        return 6 if self.ratchet else 4
+        """Return which readings are straight, and bent."""
+        return {"straight": ~self.bent, "bent": self.bent}
 
     @property
     def unknowns(self) -> tuple[Unknown, ...]:
         """Return the frictions, then what readings share."""
         shared = ["zero", *(f"rounding {k}" for k in range(len(self.rounding_sigma_rad)))]
         shared += ["belt"] if self.belt_sigma > 0.0 else []
-        frictions = (Unknown(name, friction=True) for name in FRICTIONS[: self.parameters])
+        frictions = (Unknown(name, friction=True) for name in FRICTIONS)
         bends = self.bends
         return (*frictions, *bends.unknowns, *map(Unknown, shared), *bends.straightness)
 
@@ -157,7 +146,7 @@ class Stations:
     def _balance(self, values: Values, rounding_rad: Floats | float) -> tuple[Floats, ...]:
         """Return excess force, its standard deviation, and its slope by the incline, (K, N), N."""
         bends, angles = self.bends, self.bends.angles_rad(values)
-        law = frictions_in(values), bends.share, angles, self.back, bends.astray_rad(values)
+        law = frictions_in(values), bends.share, angles, bends.astray_rad(values)
         viscous, dry = resistance(*law)
         incline = self.incline_rad - self.zero_sigma_rad * values["zero"][:, None] - rounding_rad
         weight_n, belt = self.weight_n, 1.0

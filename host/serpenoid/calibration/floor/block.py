@@ -64,7 +64,6 @@ class Rolling:
         self,
         values: Values,
         bends: Bends,
-        back: NDArray[np.bool_],
         bent: tuple[Floats | float, Floats] | None = None,
     ) -> tuple[Floats, ...]:
         """Return c and f on level ground, and m / m_e, each (K, N).
@@ -76,7 +75,7 @@ class Rolling:
         sigmas = values["rolling"][:, None] if "rolling" in values else 0.0
         share, angles = bent or (bends.share, bends.angles_rad(values))
         astray = bends.astray_rad(values)
-        force, dry = resistance(frictions_in(values), share, angles, back, astray)
+        force, dry = resistance(frictions_in(values), share, angles, astray)
         by_ct = projections(share, angles)[0]
         inert = 1.0 + (rolls + spread * sigmas) * by_ct
         mass = self.mass_kg * inert
@@ -93,7 +92,6 @@ class Pushes:
 
     rolling: Rolling
     bends: Bends
-    back: NDArray[np.bool_]
     way: Floats
     place: Whole
     places: tuple[str, ...]
@@ -106,8 +104,7 @@ class Pushes:
     @property
     def unknowns(self) -> tuple[Unknown, ...]:
         """Return the frictions, then what the pushes share."""
-        names = FRICTIONS[: 6 if self.back.any() else 4]
-        frictions = tuple(Unknown(name, friction=True) for name in names)
+        frictions = tuple(Unknown(name, friction=True) for name in FRICTIONS)
         shared = [f"{part} {place}" for place in self.places for part in ("along", "across")]
         shared += ["film scale"] if self.filmed and self.scale_sigma > 0.0 else []
         bends, rolling = self.bends, self.rolling.unknowns
@@ -131,7 +128,7 @@ class Pushes:
         self, values: Values, bent: tuple[float, Floats] | None = None
     ) -> tuple[Floats, ...]:
         """Return what `Rolling.motion` does, in the lengths as filmed."""
-        c, f, share = self.rolling.motion(values, self.bends, self.back, bent)
+        c, f, share = self.rolling.motion(values, self.bends, bent)
         if "film scale" in values:
             filmed = np.array([track.by == "film" for track in self.tracks])
             scale = 1.0 + self.scale_sigma * values["film scale"][:, None] * filmed
@@ -232,7 +229,6 @@ def floor_blocks(session: Session) -> tuple[Pushes, ...]:
     block = Pushes(
         Rolling.of(session),
         Bends.of(session, pushes, WHERE),
-        np.array([p.facing == "back" for p in pushes], dtype=bool),
         np.array([1.0 if p.way == "there" else -1.0 for p in pushes]),
         np.array([places.index(p.place) for p in pushes], dtype=np.intp),
         places,

@@ -24,10 +24,6 @@ def check_floor(session: Session, mode: Mode) -> None:
         ("ct and ft0", 0, 2, "pushes of the straight robot at 0.9 m/s, both ways, filmed"),
         ("cn and fn0", 1, 3, "pushes in the balanced bend of 42 degrees, both ways, filmed"),
     ]
-    if mode.posterior.frictions == 6:
-        pairs.append(
-            ("ct_back and ft0_back", 4, 5, "pushes tail first, straight, both ways, filmed")
-        )
     ridge = 1e-6 * np.eye(len(mode.x))  # what is wholly open then has a vast error
     sigma = np.sqrt(np.diag(np.linalg.inv(mode.information + ridge)))
     # without any bent reading fn0 is boundless, and ft0 with it where links stand off a little

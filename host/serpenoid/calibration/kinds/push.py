@@ -14,7 +14,6 @@ from .station import BEND_WORD, LAMBDA, STEERING, bend_in_words
 from .tracks import Floats, Track
 
 WAYS = ("there", "back")
-FACINGS = ("ahead", "back")  # head first; or tail first, where ratchet wheels roll backwards
 SOURCES = ("rest", "film")  # what a push is known by: tape and watch, or a table of places
 TRACK = ("t_s", "x_m", "y_m")
 
@@ -25,8 +24,7 @@ class Push(Taken):
 
     number: from 1, unique in a session. lambda_rad, bend: as of a station. way: "there" or "back"
     along one line of the floor, so that its slope cancels. place: of the line, where there are more
-    than one. facing: "back" where it was pushed tail first, for the backward friction of ratchet
-    wheels. by: "film" (track: where the robot was in every picture) or "rest" (distance_m and
+    than one. by: "film" (track: where the robot was in every picture) or "rest" (distance_m and
     duration_s alone). start_s, end_s: what part of the track counts. scale_sigma: of all lengths of
     a film, relative, where its tags tell it; one scale for all films, as of one sheet of tags.
     distance_sigma_m, time_sigma_s: of one place and one time; None: those of the set-up.
@@ -105,7 +103,6 @@ class Push(Taken):
         ),
         STEERING,
         Word("way", WAYS),
-        Word("facing", FACINGS),
         Word("by", SOURCES, source=DERIVED),
         BEND_WORD,
         Word("place"),
@@ -123,7 +120,6 @@ class Push(Taken):
     distance_sigma_m: float | None = None
     time_sigma_s: float | None = None
     way: str = "there"
-    facing: str = "ahead"
     by: str = "rest"
     bend: str = "zigzag"
     place: str = ""
@@ -171,8 +167,7 @@ class Push(Taken):
         """Return what it is, and its values."""
         bend = bend_in_words(self.lambda_rad)
         where = f" at {self.place}" if self.place else ""
-        tail = ", tail first" if self.facing == "back" else ""
-        what = f"push {self.way}{where}{bend}{tail}"
+        what = f"push {self.way}{where}{bend}"
         if self.track is None:
             return what, f"{self.distance_m:.3f} m in {self.duration_s:.2f} s to rest"
         t, x, y = self.counted

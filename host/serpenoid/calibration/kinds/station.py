@@ -12,7 +12,6 @@ from .declaration import PLANNED, READ, Field, Taken, Word
 from .instruments import MAX_SPEED_M_S, Stopwatch
 from .places import drifts, tidy_places
 
-FACINGS = ("down", "up")
 BENDS = ("zigzag", "balanced")  # zigzag first: sessions of before there were others do not say
 # Beyond these a number is a slip of units, not a reading: the joints end before 60 degrees, and
 # the snake tumbles before 45.
@@ -37,8 +36,7 @@ class Reading(Taken):
     inclinometer shows it. belt_speed_m_s: uphill, so that the snake, facing downhill, rolls
     forwards. drift_m_s: what was left of the snake's own motion, positive when carried along with
     the belt. voided: not to be used, for the reason in comment. time_utc: ISO 8601, empty if not
-    recorded. facing: "down" the incline, or "up": the wheels then roll backwards, which tells a
-    ratchet. turned_rad: heading when it was read. offset_rad: steering on every joint.
+    recorded. turned_rad: heading when it was read. offset_rad: steering on every joint.
     waited_s: how long the belt had run at this speed; each None where nobody told. places: of a
     short reading, where the robot was at some times while it still drifted (`kinds.places`); the
     drift is then the mean. Raises BadInput.
@@ -78,7 +76,6 @@ class Reading(Taken):
         STEERING,
         Field("waited_s", "time since the belt was set", 0.0, 1e5, source=PLANNED, optional=True),
         Word("places", source=READ, tidy=tidy_places),
-        Word("facing", FACINGS),
         BEND_WORD,
     )
 
@@ -90,7 +87,6 @@ class Reading(Taken):
     voided: bool = False
     comment: str = ""
     time_utc: str = ""
-    facing: str = "down"
     bend: str = "zigzag"
     turned_rad: float | None = None
     offset_rad: float | None = None
@@ -139,7 +135,7 @@ class Reading(Taken):
         """Return what it is, and its values."""
         values = (
             f"{math.degrees(self.incline_rad):.2f}°, belt {self.belt_speed_m_s:.3f}, "
-            f"drift {self.drift_in_words} m/s{', facing up' if self.facing == 'up' else ''}"
+            f"drift {self.drift_in_words} m/s"
             + (f", turned {math.degrees(self.turned_rad):+.3g}°" if self.turned_rad else "")
         )
         zigzag = " as a zigzag" if self.bend == "zigzag" and self.lambda_rad else ""

@@ -12,8 +12,7 @@ import numpy as np
 from ..fitting.bends import projections
 from ..fitting.paper_fit import two_lines
 from ..fitting.stations import Stations
-from ..kinds.push import FACINGS as PUSH_FACINGS
-from ..kinds.station import FACINGS, Reading, bent_share
+from ..kinds.station import Reading, bent_share
 from ..session import Procedure, Session, Setup
 
 SIGMAS = 3.5  # beyond which a reading is asked about: once in 2000 honest ones
@@ -54,15 +53,14 @@ class Line:
 
 @dataclass(frozen=True)
 class Series:
-    """Stations or pushes of one pose: a bend of the plan, or straight, facing one way.
+    """Stations or pushes of one pose: a bend of the plan, or straight.
 
-    facing: of stations "down" or "up" the belt, of pushes "ahead" or "back". bend: balanced or
-    zigzag, as of a reading.
+    bend: balanced or zigzag, as of a reading.
     """
 
     lambda_rad: float
-    facing: str = "down"
     bend: str = "zigzag"
+    pushed: bool = False
 
     @property
     def bend_deg(self) -> float:
@@ -73,12 +71,9 @@ class Series:
     def key(self) -> str:
         """Return what events call it."""
         bend = f"{math.degrees(self.lambda_rad):.5g}"
-        if self.facing in PUSH_FACINGS:
-            tail_first = " tail first" if self.facing == "back" else ""
-            return f"pushes {bend if self.lambda_rad else 'straight'}{tail_first}"
-        if self.lambda_rad:
-            return f"bend {bend}"
-        return "straight up" if self.facing == "up" else "straight"
+        if self.pushed:
+            return f"pushes {bend if self.lambda_rad else 'straight'}"
+        return f"bend {bend}" if self.lambda_rad else "straight"
 
     @property
     def name(self) -> str:
@@ -86,7 +81,7 @@ class Series:
         if self.lambda_rad:
             zigzag = " zigzag" if self.bend == "zigzag" else ""
             return f"{math.degrees(self.lambda_rad):.5g}°{zigzag}"
-        return "straight, facing up" if self.facing == "up" else "straight"
+        return "straight"
 
 
 STRAIGHT = Series(0.0)
@@ -94,21 +89,12 @@ STRAIGHT = Series(0.0)
 
 def series_of(plan: Procedure) -> list[Series]:
     """Return the stations' series of a plan in their order."""
-    return _series(plan, plan.lambda_rad, FACINGS)
+    return [Series(bend_rad, plan.bend) for bend_rad in plan.lambda_rad]
 
 
 def series_of_pushes(plan: Procedure) -> list[Series]:
     """Return the pushes' series of a plan in their order."""
-    return _series(plan, plan.push_lambda_rad, PUSH_FACINGS)
-
-
-def _series(plan: Procedure, bends_rad: Sequence[float], facings: Sequence[str]) -> list[Series]:
-    """Return a series a bend; ratchets are taken both ways where they lie straight."""
-    return [
-        Series(bend_rad, facing, plan.bend)
-        for bend_rad in bends_rad
-        for facing in facings[: 2 if plan.ratchet and not bend_rad else 1]
-    ]
+    return [Series(bend_rad, plan.bend, pushed=True) for bend_rad in plan.push_lambda_rad]
 
 
 def planned_bend(session: Session, lambda_rad: float) -> float:
@@ -128,10 +114,10 @@ def shown_bend(session: Session, lambda_rad: float) -> float | None:
 
 
 def of_series(session: Session, series: Series) -> list[Any]:
-    """Return the kept stations or pushes of one of the plan's bends, this way, bent as it says."""
+    """Return the kept stations or pushes of one of the plan's bends, bent as it says."""
     aim, bend = planned_bend(session, series.lambda_rad), session.setup.procedure.bend
-    facing = (r for r in (*session.kept, *session.kept_pushes) if r.facing == series.facing)
-    bent = (r for r in facing if r.bend == bend or not r.lambda_rad)
+    taken = session.kept_pushes if series.pushed else session.kept
+    bent = (r for r in taken if r.bend == bend or not r.lambda_rad)
     return [r for r in bent if planned_bend(session, r.lambda_rad) == aim]
 
 
@@ -210,9 +196,8 @@ def expected_speed(
             return max(last.slip_speed_m_s - noise, 0.0), most_m_s
         if len(stations) == 1:
             return 0.0, last.slip_speed_m_s + noise
-    bent_or_up = series.lambda_rad or series.facing == "up"
-    straight = line_of(session, STRAIGHT) if bent_or_up else None
-    if straight is not None:  # a bent snake needs less speed, and one whose wheels roll back
+    straight = line_of(session, STRAIGHT) if series.lambda_rad else None
+    if straight is not None:  # a bent snake needs less speed
         speed, sigma = straight.at(math.sin(incline_rad))
         return 0.0, max(speed + SIGMAS * sigma, 0.05)
     return None if session.readings else (0.0, most_m_s)

@@ -68,15 +68,15 @@ def step_in_words(key: str) -> str:
     if what != "station" or len(numbers) != 2:
         return key
     bend, incline = numbers
-    pose = {"0": "straight", "up": "straight, facing up"}.get(bend, f"bend {bend} deg")
+    pose = "straight" if bend == "0" else f"bend {bend} deg"
     return f"station at {incline} deg, {pose}"
 
 
-def next_step(session: Session, posed_deg: float | None = None, facing: str = "down") -> Step:
+def next_step(session: Session, posed_deg: float | None = None) -> Step:
     """Return what to do next; kind "done" when nothing is left.
 
-    posed_deg, facing: how the robot lies now, the plan's bend in degrees and which way it faces;
-    None when that is not known, as at the start.
+    posed_deg: how the robot lies now, the plan's bend in degrees; None when that is not known, as
+    at the start.
     """
     steps = (step for _, _, step in _parts(session))
     step = next(filter(None, steps), _DONE)
@@ -84,7 +84,7 @@ def next_step(session: Session, posed_deg: float | None = None, facing: str = "d
         return step
     setup, series = session.setup, step.series
     shown_rad = shown_bend(session, series.lambda_rad)
-    if (posed_deg, facing) != (step.lambda_deg, step.facing) or shown_rad is None:
+    if posed_deg != step.lambda_deg or shown_rad is None:
         return (push_pose if setup.procedure.on == "floor" else _pose)(setup, series)
     shown = {"lambda_deg": round(math.degrees(shown_rad), 4)}
     return replace(step, cells=shown | step.cells)
@@ -167,7 +167,7 @@ def next_incline_deg(session: Session, series: Series) -> float | None:
 
 
 def _station_key(series: Series) -> str:
-    return "station up " if series.facing == "up" else f"station {series.bend_deg:g} "
+    return f"station {series.bend_deg:g} "
 
 
 def _first_incline_deg(session: Session, series: Series) -> float:
@@ -177,8 +177,7 @@ def _first_incline_deg(session: Session, series: Series) -> float:
     let this one hold at a sixth of the top speed.
     """
     plan, lambda_rad = session.setup.procedure, series.lambda_rad
-    less = 0.0 if series.facing == "down" else 1e-9  # wheels that roll back hold where ahead
-    lesser = [of_series(session, Series(x)) for x in plan.lambda_rad if x < lambda_rad + less]
+    lesser = [of_series(session, Series(x)) for x in plan.lambda_rad if x < lambda_rad]
     held = [min(r.incline_rad for r in stations) for stations in lesser if stations]
     law = law_sine(session, lambda_rad, plan.belt_speed_max_m_s / SERIES)
     law_deg = min(math.degrees(math.asin(min(law, 1.0))), MOST_DEG)
@@ -233,7 +232,7 @@ def likely_belt(session: Session, step: Step, cells: Cells) -> Range | None:
     if places:  # as steep as where it would hold its place at this speed
         _, change_m_s, duration_s = drifts(places)
         incline_rad += change_m_s / duration_s / session.setup.procedure.gravity_m_s2
-    series = Series(math.radians(step.lambda_deg), step.facing)
+    series = Series(math.radians(step.lambda_deg))
     range_m_s = expected_speed(session, series, incline_rad)
     if range_m_s is None:
         return None
@@ -253,22 +252,13 @@ def settle_s(session: Session, series: Series = STRAIGHT) -> float:
 
 
 def _pose(setup: Setup, series: Series) -> Step:
-    if series.facing == "up":
-        return Step(
-            "straight up",
-            "straight",
-            "Ratchets: turn the robot round, straight, head UPHILL, the belt running uphill as "
-            "before, so that its wheels roll backwards.",
-            facing="up",
-        )
     if not series.lambda_rad:
         return Step(
             "straight",
             "straight",
             "Robot straight, on the belt, head downhill, the belt running uphill.",
         )
-    then = f"({REASON}.)" + (" Head downhill again." if setup.procedure.ratchet else "")
-    return bend_step(series.key, setup, series.bend_deg, then)
+    return bend_step(series.key, setup, series.bend_deg, f"({REASON}.)")
 
 
 def _station(session: Session, series: Series) -> Step | None:
@@ -276,7 +266,7 @@ def _station(session: Session, series: Series) -> Step | None:
     incline_deg = next_incline_deg(session, series)
     if incline_deg is None:
         return None
-    facing, wait_s = series.facing, settle_s(session, series)
+    wait_s = settle_s(session, series)
     step_deg = math.degrees(session.setup.procedure.incline_step_rad)
     likely = expected_speed(session, series, math.radians(incline_deg))
     hint = "" if likely is None else f", about {belt_range(likely)}"
@@ -290,13 +280,10 @@ def _station(session: Session, series: Series) -> Step | None:
     if first:
         say += " Steeper, if the belt carries it off at any speed."
     # A misread first station leads its whole series astray: straight, a far one is asked about.
-    steep = first and (series.lambda_rad > 0 or facing == "up")
+    steep = first and series.lambda_rad > 0
     near_deg = (incline_deg - 2 * step_deg, MOST_DEG if steep else incline_deg + 2 * step_deg)
     shown, belt, waited = Reading.asked("incline_deg", "belt_speed_m_s", "waited_s")
-    cells: Values = {
-        "facing": facing,
-        **({"bend": series.bend} if series.lambda_rad else {}),
-    }
+    cells: Values = {"bend": series.bend} if series.lambda_rad else {}
     return Step(
         f"{_station_key(series)}{incline_deg:.2f}",
         "station",
@@ -308,7 +295,6 @@ def _station(session: Session, series: Series) -> Step | None:
             replace(waited, likely=(wait_s / 2, math.inf), why=f"let it settle {wait_s:.0f} s"),
         ),
         series.bend_deg,
-        facing,
         incline_deg,
         wait_s,
         bend=series.bend,

@@ -28,7 +28,6 @@ from .world import Truth
 
 IDENTITY = ("links", "link_mass_kg", "link_length_m", "surface")
 _FRICTIONS = ("ct", "cn", "ft0", "fn0")
-_BACK = ("ct_back", "ft0_back")  # of ratchet wheels; as forwards unless given
 _TRUTH = (
     "incline_zero_deg",
     "belt_scale",
@@ -67,13 +66,8 @@ def wanted_setup(top: Table, setup: Setup) -> Setup:
 def simulated_treadmill(top: Table, setup: Setup) -> SimulatedPerson:
     """Return the treadmill that a script's [simulated] describes; raises BadInput."""
     table = top.table("simulated")
-    table.only("seed", *_FRICTIONS, optional=_TRUTH + _BACK)
-
-    def friction(name: str) -> Any:  # a pair where it differs backwards
-        ahead, back = table.number(name, 0.0), f"{name}_back"
-        return (ahead, table.number(back, 0.0)) if back in table.values else ahead
-
-    ct, cn, ft0, fn0 = map(friction, _FRICTIONS)
+    table.only("seed", *_FRICTIONS, optional=_TRUTH)
+    ct, cn, ft0, fn0 = (table.number(name, 0.0) for name in _FRICTIONS)
     given = {n: table.number(n) for n in _TRUTH if n in table.values}
     in_si: dict[str, Any] = {
         n.replace("_deg", "_rad"): math.radians(v) if n.endswith("_deg") else v

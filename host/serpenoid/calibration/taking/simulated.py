@@ -105,7 +105,6 @@ class SimulatedPerson(World):
     def _straight(self, step: Step) -> Cells:
         """Have the board put the robot in a step's pose, and lay it on the belt or the floor."""
         self.t_s += BEND_S
-        self.person.facing = step.facing
         self._belt_run.pose(self.bend(step.lambda_deg))
         return {}
 
@@ -123,7 +122,6 @@ class SimulatedPerson(World):
         grade = round(math.tan(aim) / grade_step) * grade_step
         incline_rad = math.atan(grade) + self._deck_rad
         self._belt_run.tilt(incline_rad)
-        self.person.facing = step.facing
         held = self._read(step)
         if held is None or held.belt_shown_m_s - held.drift_m_s <= 0.0:
             return None

@@ -26,7 +26,7 @@ class Step:
     """One step: `key` names it in events, `say` tells what to set, `fields` what to type.
 
     kind: that of the reading it ends in; else straight or done. lambda_deg: the bend it belongs to.
-    facing: of the snake, down or up the belt. bend: of a bent robot, balanced or zigzag. settle_s:
+    bend: of a bent robot, balanced or zigzag. settle_s:
     how long to wait before reading. gait: to be run. cells: what the plan tells of the reading.
     series: that it is of, whose pose it needs.
     """
@@ -36,7 +36,6 @@ class Step:
     say: str
     fields: tuple[Field, ...] = ()
     lambda_deg: float = 0.0
-    facing: str = "down"
     incline_deg: float = 0.0
     settle_s: float = 0.0
     gait: Gait | None = None

@@ -20,16 +20,15 @@ MOST_STEPS = 1000
 
 
 class Posture:
-    """How the robot lies, in degrees of the plan's bend; None when that is not known; facing."""
+    """How the robot lies, in degrees of the plan's bend; None when that is not known."""
 
     def __init__(self) -> None:
         self.bend_deg: float | None = None
-        self.facing = "down"
 
     def after(self, step: Step) -> None:
         """Note that a step was done."""
         if step.kind in ("straight", "bend"):
-            self.bend_deg, self.facing = step.lambda_deg, step.facing
+            self.bend_deg = step.lambda_deg
         elif step.kind == "gait":
             self.bend_deg = None
 
@@ -37,7 +36,7 @@ class Posture:
 def take_step(record: Journal, treadmill: SimulatedPerson, posture: Posture) -> Step:
     """Do the next step of a session and record it; return it, kind "done" at the end."""
     session = record.session
-    step = next_step(session, posture.bend_deg, posture.facing)
+    step = next_step(session, posture.bend_deg)
     if step.kind == "done":
         return step
     cells = treadmill.answer(step, session)

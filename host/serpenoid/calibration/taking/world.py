@@ -171,10 +171,9 @@ class World:
     def push(self, step: Step, speed_m_s: float = SPEED) -> Track:
         """Push the robot the way that a step says, as a hand does: about so fast, not straight."""
         direction = 0.0 if step.cells["way"] == "there" else math.pi
-        tail_first = step.cells.get("facing") == "back"
         speed_m_s *= max(1.0 + self.normal(SPEED_SIGMA), 0.3)
         crooked_rad, spin_rad_s = self.normal(CROOKED_RAD), self.normal(SPIN_RAD_S)
-        made = Push(speed_m_s, direction, crooked_rad, spin_rad_s, tail_first=tail_first)
+        made = Push(speed_m_s, direction, crooked_rad, spin_rad_s)
         return self._floor.push(self._pose_rad, made)
 
     def film(self, track: Track, camera: Camera = PHONE) -> Floats:

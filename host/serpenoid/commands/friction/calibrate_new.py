@@ -95,13 +95,11 @@ def question_of(name: str) -> Question:
     type=quantity_of("supply_v"),
 )
 @flag("--simulated", "Say in the session that it is no measurement.")
-@flag("--ratchet", "Its wheels roll harder backwards: hold stations facing up, too.")
 def new(
     folder: Path,
     template: Path | None,
     defaults: bool,
     simulated: bool,
-    ratchet: bool,
     on: str,
     **answers: Any,
 ) -> None:
@@ -129,7 +127,6 @@ def new(
         answers = _asked(setup, answers, on)
     answers = {name: None if value == LATER else value for name, value in answers.items()}
     plan = on_place(setup.procedure, on)
-    plan = dataclasses.replace(plan, ratchet=ratchet or plan.ratchet)
     given = answered(dataclasses.replace(setup, procedure=plan), answers)
     if simulated:
         given = dataclasses.replace(given, kind="simulated", source=f"simulated {on}")

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from ...show.screen import say
-from ..declare import EXISTING, FOLDER, Range, flag, number, option
+from ..declare import EXISTING, FOLDER, Range, number, option
 from ..options import CAPTURE_FPS
 
 
@@ -27,7 +27,6 @@ from ..options import CAPTURE_FPS
     choice=["there", "back"],
     default="there",
 )
-@flag("--tail-first", "Its wheels rolled backwards: of ratchets, which roll harder so.")
 @option(
     "--unit",
     "Of lengths in a table that names none.",
@@ -41,7 +40,6 @@ def push(
     files: tuple[Path, ...],
     lambda_deg: float,
     way: str,
-    tail_first: bool,
     unit: str | None,
     place: str,
     tag_mm: float | None,
@@ -68,7 +66,6 @@ def push(
             cells: dict[str, float | str] = {"lambda_deg": lambda_deg, "way": way}
             cells |= {"place": place} if place else {}
             cells |= {"bend": plan.bend} if lambda_deg else {}
-            cells |= {"facing": "back"} if tail_first else {}
             kept = take_track(journal, path, unit, cells, film, say, capture_fps)
             for one in kept:
                 say(one.in_words())

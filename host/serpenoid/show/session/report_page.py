@@ -187,10 +187,7 @@ def _readings(session: Session, fit: FrictionFit) -> list[str]:
         ]
         for r in session.readings
     ]
-    said = [
-        "; ".join(filter(None, ["facing up" if r.facing == "up" else "", r.comment]))
-        for r in session.readings
-    ]
+    said = [r.comment for r in session.readings]
     head = ["number", "λ (deg)", "incline (deg)", "belt (m/s)", "drift (m/s)", "off by (sigmas)"]
     return [_table(head, rows, session.readings, said=said)]
 

@@ -46,8 +46,6 @@ def push_step(session: Session, series: Series) -> Step | None:
     key = f"push {series.key.removeprefix('pushes ')} {len(done) + 1}"
     if len(done) >= plan.pushes or key in session.skipped:
         return None
-    ahead = series.facing == "ahead"
-    first = "head first" if ahead else "TAIL FIRST, so that its wheels roll backwards"
     there = sum(p.way == "there" for p in done)
     way = "there" if there <= len(done) - there else "back"
     turn = "Turn the robot round. " if done else ""
@@ -56,13 +54,12 @@ def push_step(session: Session, series: Series) -> Step | None:
     bend = f", bend {bend_deg:g} deg" if bend_deg else ", straight"
     say = (
         f"Push {len(done) + 1} of {plan.pushes}{bend}, {way.upper()}. {turn}Push it along its own "
-        f"axis, {first}, at a brisk walk ({SPEED_M_S:g} m/s; it then rolls some {far_m:.1f} m), "
+        f"axis, head first, at a brisk walk ({SPEED_M_S:g} m/s; it then rolls some {far_m:.1f} m), "
         "let go within a hand's breadth, and leave it until it rests."
     )
     cells: Values = {
         "way": way,
         **({"bend": plan.bend} if bend_deg else {}),
-        **({} if ahead else {"facing": series.facing}),
     }
     fields = Push.asked("distance_m", "duration_s", "turned_deg")
     bent = series.bend_deg

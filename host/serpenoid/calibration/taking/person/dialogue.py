@@ -117,9 +117,7 @@ class Dialogue(Prompt):
 
     def _one_step(self) -> bool:
         """Do one step; return False at the end."""
-        self.step = step = next_step(
-            self.journal.session, self._posture.bend_deg, self._posture.facing
-        )
+        self.step = step = next_step(self.journal.session, self._posture.bend_deg)
         self._told(self.journal.session, step)
         self._skip_doubted = False
         self.say("")
