@@ -40,20 +40,6 @@ def test_every_stored_picture_has_its_drawing() -> None:
     assert pictures == set(figures.FIGURES)
 
 
-def test_the_drawn_robot_crawls_head_first_and_fits_the_first_screen() -> None:
-    svg = (figures.STORED / "crawl.svg").read_text()
-    assert len(svg) <= 30_000
-    assert "<script" not in svg
-    floor, *links = [
-        [float(pair.split()[0]) for pair in values.split(";")]
-        for values in re.findall(r'type="translate"[^>]* values="([^"]*)"', svg)
-    ]
-    assert len(links) == 6
-    assert floor[-1] < floor[0]  # the floor passes towards the tail
-    assert np.mean(links[-1]) > np.mean(links[0])
-    assert all(abs(link[-1] - link[0]) <= 1 for link in links)  # px: the cycle closes in itself
-
-
 def test_every_picture_of_a_page_is_in_the_repository() -> None:
     for page in (*(ROOT / "docs").glob("*.md"), ROOT / "README.md"):
         for name in re.findall(r"!\[[^]]*\]\(([^)]+)\)", page.read_text()):
