@@ -413,7 +413,7 @@ def bench_test(r: Random) -> Answer:
     Path("bench.csv").write_text("t_s,setpoint_deg,angle_deg\n" + "".join(rows))
     told = asked("servo", "--test", "bench.csv")["told"].get("no_load_rad_s")
     return (
-        {"no_load_rad_s": [told["value"], FITTED * told["after"] * told["value"]]} if told else {}
+        {"no_load_rad_s": [told["value"], FITTED * told["sigma"] * told["value"]]} if told else {}
     )
 
 

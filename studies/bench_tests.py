@@ -17,7 +17,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "host"))
 import serpenoid as sn
 from lab.one_joint import drawn, tables_of
 from scipy.stats import beta
-from serpenoid.servos.bench_fit import servo_of_test
+from serpenoid.servos.bench_fit import MIN_P_VALUE, servo_of_test
 
 
 def main() -> None:
@@ -25,33 +25,39 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--servos", type=int, default=40)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--first", type=int, default=0, help="of the servos; for a study in pieces")
+    parser.add_argument("--count", type=int, default=None, help="of the servos that are tested")
     given = parser.parse_args()
-    hidden = drawn(given.servos, given.seed)
-    rows: dict[str, list[tuple[bool, float, float]]] = {}
-    alarms, seconds = 0, []
-    for one, test in zip(hidden, tables_of(hidden, given.seed), strict=True):
+    last = None if given.count is None else given.first + given.count
+    hidden = drawn(given.servos, given.seed)[given.first : last]
+    errors: dict[str, list[tuple[bool, float, float]]] = {}
+    p_values, seconds = [], []
+    for one, test in zip(hidden, tables_of(hidden, given.seed + given.first), strict=True):
         begin = time.process_time()
         fit = servo_of_test(test, sn.servo())
         seconds.append(time.process_time() - begin)
-        alarms += not fit.verdict.describes
+        p_values.append(fit.verdict.p_value)
         for name, true in one.truth.items():
-            shown = fit.shown[name]
-            if shown.told:
-                held = shown.low <= true <= shown.high
-                off = np.log(shown.value / true) if shown.low > 0 < true else shown.value - true
-                rows.setdefault(name, []).append((held, float(off), shown.after))
-    for name, values in rows.items():
+            stated = fit.determined.get(name)
+            if stated is not None:
+                held = stated.low <= true <= stated.high
+                positive = stated.low > 0 < true
+                off = np.log(stated.value / true) if positive else stated.value - true
+                errors.setdefault(name, []).append((held, float(off), stated.sigma))
+    for name, values in errors.items():
         held, off, sigma = np.array(values, dtype=float).T
         print(
             f"{name}: inside {held.sum():.0f} of {held.size}; off {np.sqrt(np.mean(off**2)):.2g} "
             f"(rms), stated {np.sqrt(np.mean(sigma**2)):.2g}"
         )
-    inside = np.array([value[0] for values in rows.values() for value in values])
+    inside = np.array([value[0] for values in errors.values() for value in values])
     held, missed = inside.sum(), (~inside).sum()
     low, high = beta.ppf([0.025, 0.975], [held, held + 1], [missed + 1, missed])
+    low_p, middle_p = np.quantile(p_values, (0.1, 0.5))
     print(
         f"all: {100 * inside.mean():.1f} % of {inside.size} (95 % of it if they were independent: "
-        f"{100 * low:.1f} to {100 * high:.1f} %); false alarms {alarms} of {given.servos}; "
+        f"{100 * low:.1f} to {100 * high:.1f} %); p-values: a tenth below {low_p:.2g}, half below "
+        f"{middle_p:.2g}, {sum(p < MIN_P_VALUE for p in p_values)} false alarms of {len(hidden)}; "
         f"processor time {np.mean(seconds):.1f} s a test, at most {max(seconds):.1f} s"
     )
 

@@ -1,4 +1,4 @@
-"""Break the code in 64 places, one after the other, and see whether the quick tests notice.
+"""Break the code in 66 places, one after the other, and see whether the quick tests notice.
 
 python studies/mutants.py                    all of them, each with its nearest tests: half an hour
 python studies/mutants.py firmware robot:    those whose names begin so

@@ -25,16 +25,14 @@ void each_bench_field(const Visit& field) {
     each_servo_field([&](const char* name, double Servo::* of) {
         field(name, [of](BenchJoint& joint) -> double& { return joint.servo.*of; });
     });
-    const auto own = [&](const char* name, double BenchJoint::* of) {
+    const auto bench = [&](const char* name, double BenchJoint::* of) {
         field(name, [of](BenchJoint& joint) -> double& { return joint.*of; });
     };
-    own("load_inertia_kg_m2", &BenchJoint::load_inertia);
-    own("gravity_nm", &BenchJoint::gravity);
-    own("gravity_angle_rad", &BenchJoint::gravity_angle);
-    own("gain", &BenchJoint::gain);
-    own("start_rad", &BenchJoint::start);
-    own("first_look_s", &BenchJoint::first_look);
-    own("blend", &BenchJoint::blend);
+    bench("load_inertia_kg_m2", &BenchJoint::load_inertia);
+    bench("gravity_nm", &BenchJoint::gravity);
+    bench("gravity_angle_rad", &BenchJoint::gravity_angle);
+    bench("gain", &BenchJoint::gain);
+    bench("start_rad", &BenchJoint::start);
 }
 
 std::size_t count_of_bench_fields() {
@@ -63,17 +61,17 @@ ServoGaitState servo_gait_of(const Model& m, const Servo& servo, const Vec3& sta
 
 using Table = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Column = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-constexpr double kLongestStep =
-    1e-3;  // s, a tenth of the time in which a quick rotor comes to speed
+// s, a tenth of the time in which a quick rotor comes to speed
+constexpr double kMaxBenchStep = 1e-3;
 
 // Angles (K, T) of joints: rows of the fields that BENCH_FIELDS names, and the times at which each
-// of them hears each setpoint.
-nb::ndarray<nb::numpy, double> angles_on_bench(Table joints, Column setpoints, Table heard,
+// setpoint takes effect on each of them.
+nb::ndarray<nb::numpy, double> angles_on_bench(Table joints, Column setpoints, Table effect_times,
                                                Column times) {
     const std::size_t count = joints.shape(0), rows = times.shape(0), steps = setpoints.shape(0);
     const std::size_t fields = count_of_bench_fields();
-    if (joints.shape(1) != fields || heard.shape(0) != count || heard.shape(1) != steps ||
-        rows == 0 || steps == 0)
+    if (joints.shape(1) != fields || effect_times.shape(0) != count ||
+        effect_times.shape(1) != steps || rows == 0 || steps == 0)
         throw nb::value_error("one row of fields and one of times for each joint");
     auto out = std::make_unique<double[]>(count * rows + 1);
     {
@@ -82,8 +80,8 @@ nb::ndarray<nb::numpy, double> angles_on_bench(Table joints, Column setpoints, T
             BenchJoint joint;
             const double* value = joints.data() + k * fields;
             each_bench_field([&](const char*, auto field) { field(joint) = *value++; });
-            bench_angles(joint, {setpoints.data(), steps}, {heard.data() + k * steps, steps},
-                         {times.data(), rows}, kLongestStep, {&out[k * rows], rows});
+            bench_angles(joint, {setpoints.data(), steps}, {effect_times.data() + k * steps, steps},
+                         {times.data(), rows}, kMaxBenchStep, {&out[k * rows], rows});
         }
     }
     double* data = out.release();
@@ -102,9 +100,9 @@ void bind_servos(nb::module_& m) {
         servo.def_rw(name, field);
     });
     m.attr("SERVO_FIELDS") = nb::tuple(nb::cast(names));
-    std::vector<std::string> bench;
-    each_bench_field([&](const char* name, auto) { bench.emplace_back(name); });
-    m.attr("BENCH_FIELDS") = nb::tuple(nb::cast(bench));
+    std::vector<std::string> bench_names;
+    each_bench_field([&](const char* name, auto) { bench_names.emplace_back(name); });
+    m.attr("BENCH_FIELDS") = nb::tuple(nb::cast(bench_names));
     m.def("bench_angles", &angles_on_bench);
     nb::class_<ServoGaitState>(m, "ServoGaitState")
         .def_ro("speed", &ServoGaitState::speed)

@@ -9,71 +9,74 @@ namespace serpenoid {
 
 namespace {
 
-constexpr double kLeastInertia = 1e-9;   // kg m^2, in place of none: it comes to speed at once
+constexpr double kMinInertia = 1e-9;     // kg m^2, in place of none: it comes to speed at once
 constexpr double kTimeRounding = 1e-12;  // s, below any step
 
 struct Motion {
     double angle = 0, rate = 0;
-};
 
-// Move on for `h` s under a constant torque, with the dry friction that acts against the rate.
-void move(Motion& m, double h, double torque, double brake, double friction, double inertia) {
-    const double fall = brake / inertia;
-    while (h > 0) {
-        if (m.rate == 0 && std::abs(torque) <= friction) return;
-        const double way = m.rate != 0 ? std::copysign(1.0, m.rate) : std::copysign(1.0, torque);
-        const double last = (torque - friction * way) / brake;  // rate after a long time
-        double part = h;
-        const bool stops = m.rate != 0 && last * way < 0;
-        if (stops) part = std::min(h, std::log1p(-m.rate / last) / fall);
-        const double share = -std::expm1(-fall * part);
-        m.angle += last * part + (m.rate - last) * share / fall;
-        m.rate = stops && part < h ? 0 : m.rate + (last - m.rate) * share;
-        h -= part;
+    // Move on for `duration` s under a constant torque, with dry friction against the rate.
+    void advance(double duration, double torque, double torque_per_rate, double friction,
+                 double inertia) {
+        const double decay = torque_per_rate / inertia;
+        while (duration > 0) {
+            if (rate == 0 && std::abs(torque) <= friction) return;
+            const double direction = std::copysign(1.0, rate != 0 ? rate : torque);
+            const double final_rate = (torque - friction * direction) / torque_per_rate;
+            const bool stops = rate != 0 && final_rate * direction < 0;
+            double piece = duration;
+            if (stops) piece = std::min(duration, std::log1p(-rate / final_rate) / decay);
+            const double approach = -std::expm1(-decay * piece);
+            angle += final_rate * piece + (rate - final_rate) * approach / decay;
+            rate = stops && piece < duration ? 0 : rate + (final_rate - rate) * approach;
+            duration -= piece;
+        }
     }
-}
+};
 
 }  // namespace
 
 void bench_angles(const BenchJoint& joint, std::span<const double> setpoints,
-                  std::span<const double> heard, std::span<const double> times, double longest,
-                  std::span<double> angles) {
+                  std::span<const double> effect_times, std::span<const double> times,
+                  double max_step, std::span<double> angles) {
     const Servo& s = joint.servo;
-    const double inertia = std::max(s.armature + joint.load_inertia, kLeastInertia);
-    const double line = s.torque_limit / s.speed_limit;
-    const double between = s.update_hz > 0 ? 1 / s.update_hz : 0;
-    double t = times[0], look = t + joint.first_look, duty = 0;
-    std::size_t next = 1, row = 0;
-    Motion m{joint.start, 0};
+    const double inertia = std::max(s.armature + joint.load_inertia, kMinInertia);
+    const double motor_line = s.torque_limit / s.speed_limit;
+    const bool sampled = s.update_hz > 0;
+    double t = times[0];
+    double sample_time = t;
+    double duty = 0;
+    std::size_t next_setpoint = 1;
+    std::size_t row = 0;
+    Motion motion{joint.start, 0};
     while (row < times.size()) {
-        while (next < heard.size() && heard[next] <= t + kTimeRounding) ++next;
-        double end = t + longest;
-        bool looks = !between;
-        if (between && t >= look - kTimeRounding) looks = true, look += between;
-        if (between)
-            end = std::min(end, look);
-        else if (next < heard.size())
-            end = std::min(end, heard[next]);
-        const double h = end - t;
-        if (looks) {
-            const double ahead = between ? 0 : 0.5 * h * m.rate;
-            double goal = setpoints[next - 1];
-            if (joint.blend > 0 && next > 1) {
-                const double share = std::min(1.0, (t - heard[next - 1]) * s.update_hz);
-                goal = share * goal + (1 - share) * setpoints[next - 2];
-            }
-            duty = s.duty(goal - m.angle - ahead, m.rate);
+        for (; next_setpoint < effect_times.size() &&
+               effect_times[next_setpoint] <= t + kTimeRounding;
+             ++next_setpoint)
+            sample_time = t;
+        const bool takes_sample = !sampled || t >= sample_time - kTimeRounding;
+        double end = t + max_step;
+        if (sampled) {
+            if (takes_sample) sample_time += 1 / s.update_hz;
+            end = std::min(end, sample_time);
         }
-        const bool overrun = duty * m.rate > duty * duty * s.speed_limit;
-        const double sag = overrun ? 1 : 1 / (1 + s.supply_sag * duty * duty);
-        double torque = s.torque_limit * duty * sag;
+        if (next_setpoint < effect_times.size()) end = std::min(end, effect_times[next_setpoint]);
+        const double step = end - t;
+        const double middle_angle = motion.angle + 0.5 * step * motion.rate;
+        if (takes_sample) {
+            const double seen_angle = sampled ? motion.angle : middle_angle;
+            duty = s.duty(setpoints[next_setpoint - 1] - seen_angle, motion.rate);
+        }
+        const bool overrun = duty * motion.rate > duty * duty * s.speed_limit;
+        const double supply = overrun ? 1 : 1 / (1 + s.supply_sag * duty * duty);
+        double torque = s.torque_limit * duty * supply;
         if (joint.gravity != 0)
-            torque -= joint.gravity *
-                      std::sin(joint.gain * (m.angle + 0.5 * h * m.rate) + joint.gravity_angle);
-        const double before = m.angle;
-        move(m, h, torque, line * sag + s.gear_damping, s.gear_friction, inertia);
+            torque -= joint.gravity * std::sin(joint.gain * middle_angle + joint.gravity_angle);
+        const double start_angle = motion.angle;
+        motion.advance(step, torque, motor_line * supply + s.gear_damping, s.gear_friction,
+                       inertia);
         for (; row < times.size() && times[row] <= end; ++row)
-            angles[row] = before + (m.angle - before) * (times[row] - t) / h;
+            angles[row] = start_angle + (motion.angle - start_angle) * (times[row] - t) / step;
         t = end;
     }
 }

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -16,7 +17,7 @@ from ..options import AS_JSON, plug_options, show_json, take_servo
 
 if TYPE_CHECKING:
     from ...servos.bench_fit import MeasuredServo
-    from ...servos.bench_test import Load
+    from ...servos.bench_test import BenchTest, Load
 
 COLUMNS = ("t_s", "setpoint_deg", "angle_deg")
 SENT = "sent_s"  # a column that a table may have, too
@@ -101,16 +102,19 @@ def servo(
         )
         with working("trying servos"):
             measured = servo_of_test(test, kind, name="measured" if out is None else out.stem)
-    writes = out is not None and (anyway or measured.verdict.describes)
-    if writes and out is not None:
-        sn.save_servo(measured.kind, out)
-    show_json(measured.to_dict()) if as_json else show(measured)
-    if out is not None and not writes:
+    describes = measured.verdict.describes
+    if out is not None and (anyway or describes):
+        remark = "" if describes else verdict_text(measured, test.noise_rad)
+        sn.save_servo(replace(measured.kind, remark=remark), out)
+    show_json(answer(measured, test)) if as_json else show(measured, test)
+    if out is None:
+        return
+    if not (anyway or describes):
         raise sn.SerpenoidError(
             f"{out} is not written: the model does not describe the table. Look at its columns "
             "and units, or give --load; --anyway writes the file with a remark"
         )
-    if writes and not as_json:
+    if not as_json:
         say(f"Written: {out}; give it to other commands with --servo {out}.")
 
 
@@ -128,25 +132,82 @@ def _load(
     return Load(*load, level, math.radians(down_deg or 0.0))
 
 
-def show(measured: MeasuredServo) -> None:
+def verdict_text(measured: MeasuredServo, noise_rad: float) -> str:
+    """Return the verdict in a sentence."""
+    verdict = measured.verdict
+    p_value = f"p {verdict.p_value:.2g}"
+    if verdict.describes:
+        return f"The model of a servo describes the table ({p_value})."
+    return (
+        f"The model of a servo does NOT describe the table ({p_value}): residuals are "
+        f"{math.sqrt(verdict.variance_ratio):.2g} times the noise of "
+        f"{math.degrees(noise_rad):.2g} deg, the largest at {verdict.worst_s:.3g} s, "
+        f"{math.degrees(verdict.worst_rad):+.2g} deg."
+    )
+
+
+def notes(measured: MeasuredServo) -> list[str]:
+    """Return in words what is open, what is far from usual, and what pulls unstated."""
+    from ...servos.bench_fit import FAR_SIGMAS
+    from ...servos.bench_test import UNSTATED_LOAD
+
+    lines = ["Open: " + ", ".join(measured.open) + "."] if measured.open else []
+    if measured.outside:
+        far = ", ".join(f"{name} ({off:+.1f} sigma)" for name, off in measured.outside.items())
+        lines.append(f"Far from what is usual: {far}.")
+    pulls = [one for name, one in measured.determined.items() if name in UNSTATED_LOAD]
+    pull = max(pulls, key=lambda one: abs(one.value) / one.sigma, default=None)
+    if pull is not None and abs(pull.value) > FAR_SIGMAS * pull.sigma:
+        lines.append(
+            f"Something pulls the joint with {abs(pull.value):.2g} of the motor's torque: if a "
+            "load hangs on it, give --load KG M, which shows the torque itself."
+        )
+    gain = measured.values["gain"]
+    if abs(math.log(abs(gain.value))) > FAR_SIGMAS * gain.sigma:
+        lines.append(
+            f"A degree of the setpoint is {gain.value:.3g} degrees of the table: one of them is "
+            "wrong, and the speed has both."
+        )
+    return lines
+
+
+def answer(measured: MeasuredServo, test: BenchTest) -> dict[str, Any]:
+    """Return what --json prints."""
+    verdict = measured.verdict
+    return {
+        "describes": verdict.describes,
+        "p_value": verdict.p_value,
+        "verdict": verdict_text(measured, test.noise_rad),
+        "worst": {"t_s": verdict.worst_s, "residual_rad": verdict.worst_rad},
+        "noise_rad": test.noise_rad,
+        "name": measured.kind.name,
+        "servo": asdict(measured.kind.servo),
+        "chi2": verdict.chi2,
+        "readings": test.t_s.size,
+        "told": {name: one._asdict() for name, one in measured.determined.items()},
+        "untold": measured.open,
+        "outside": measured.outside,
+        "notes": notes(measured),
+    }
+
+
+def show(measured: MeasuredServo, test: BenchTest) -> None:
     """Print the verdict, how fast the servo is, what was measured of it, and what is open."""
     from ...base.rows import Row, ranged, two_digits
     from ...show import report
 
-    report.console.print(measured.verdict.text)
-    free = measured.shown["no_load_rad_s"]
+    report.console.print(verdict_text(measured, test.noise_rad))
+    no_load = measured.values["no_load_rad_s"]
     report.console.print(
         "Without load the servo turns at about "
-        f"{ranged(free.value, 'rad/s', free.low, free.high)}: "
-        f"{two_digits(math.pi / 3 / free.value)} s for 60°."
+        f"{ranged(no_load.value, 'rad/s', no_load.low, no_load.high)}: "
+        f"{two_digits(math.pi / 3 / no_load.value)} s for 60°."
     )
     rows = [
-        [*Row(name, "", *one[:3]).cells, f"{one.before:.2g}", f"{one.after:.2g}"]
-        for name, one in measured.shown.items()
-        if one.told
+        [*Row(name, "", *one[:3]).cells, f"{one.prior_sigma:.2g}", f"{one.sigma:.2g}"]
+        for name, one in measured.determined.items()
     ]
-    report.table(
-        measured.kind.source, ["measured", "typical", "95 %", "sigma before", "after"], rows
-    )
-    for note in measured.notes:
+    columns = ["measured", "typical", "95 %", "sigma before", "sigma after"]
+    report.table(measured.kind.source, columns, rows)
+    for note in notes(measured):
         report.console.print(note)

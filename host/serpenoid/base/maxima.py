@@ -1,0 +1,77 @@
+"""Maxima of a posterior whose parameters have a standard normal prior, and samples about them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Residuals = Callable[[Floats], Floats]
+
+# Standard deviations of the prior: step of central differences, and distance of two maxima that
+# are one and the same.
+DIFFERENCE_STEP, SAME_DISTANCE = 1e-3, 0.05
+LOG_DENSITY_RANGE = 8.0  # maxima that are lower than the highest by more are left out
+MAX_EVALUATIONS = 60  # by least squares from a start
+
+
+class Maximum(NamedTuple):
+    """A maximum of the posterior's density.
+
+    x (P,): the parameters; root (P, P): of the covariance of the normal distribution that touches
+    the density there; log_density: but for a constant of the posterior.
+    """
+
+    x: Floats
+    root: Floats
+    log_density: float
+
+    @property
+    def log_mass(self) -> float:
+        """Return the logarithm of the mass about it, if it is normal there."""
+        return self.log_density + float(np.linalg.slogdet(self.root)[1])
+
+    @property
+    def determined(self) -> float:
+        """Return how many parameters the readings determine."""
+        return self.x.size - float(np.sum(self.root**2))
+
+
+def log_density(residuals: Residuals, x: Floats) -> Floats:
+    """Return (K,) logarithms of the posterior's density at x (K, P), but for a constant."""
+    return -0.5 * (np.sum(residuals(x) ** 2, axis=1) + np.sum(x**2, axis=1))
+
+
+def maxima(residuals: Residuals, starts: Floats) -> list[Maximum]:
+    """Return the maxima that least squares reach from starts (S, P), the highest first.
+
+    residuals: of parameters (K, P), the differences (K, T) to the readings over their noise.
+    """
+    from scipy.optimize import least_squares
+
+    size = starts.shape[1]
+    steps = DIFFERENCE_STEP * np.eye(size)
+
+    def with_prior(x: Floats) -> Floats:
+        return np.append(residuals(x[None])[0], x)
+
+    def jacobian(x: Floats) -> Floats:
+        moved = residuals(np.vstack([x + steps, x - steps]))
+        return np.vstack([(moved[:size] - moved[size:]).T / (2 * DIFFERENCE_STEP), np.eye(size)])
+
+    reached = [
+        least_squares(with_prior, start, jac=jacobian, max_nfev=MAX_EVALUATIONS)  # pyright: ignore[reportArgumentType] (SciPy's stubs)
+        for start in starts
+    ]
+    reached.sort(key=lambda end: end.cost)
+    kept: list[Maximum] = []
+    for end in reached:
+        if end.cost > reached[0].cost + LOG_DENSITY_RANGE:
+            break
+        if all(np.abs(end.x - other.x).max() > SAME_DISTANCE for other in kept):
+            root = np.linalg.cholesky(np.linalg.inv(end.jac.T @ end.jac))
+            kept.append(Maximum(end.x, root, -float(end.cost)))
+    return kept
