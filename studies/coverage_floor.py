@@ -17,17 +17,17 @@ from coverage_treadmill import GAIT, SERVOS, WHOLE, WHOLE_2005, DrivenTable
 from numpy.typing import NDArray
 from serpenoid import FrictionFit, Gait, SerpenoidError, ServoKind, fit_friction
 from serpenoid.calibration.fitting.shared import FRICTIONS
-from serpenoid.calibration.kinds.instruments import FloorTools
-from serpenoid.calibration.session import Setup
 from serpenoid.calibration.speeds import AMPLITUDE_SIGMA, scaled, speed
-from serpenoid.calibration.taking.new_session import CRAWL_RUNS, CRAWLS, PUSHES, default_setup
-from serpenoid.calibration.taking.simulated import SimulatedPerson
-from serpenoid.calibration.taking.treadmill import take_all
-from serpenoid.calibration.taking.world import drawn_floor
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.recording import Camera
 from serpenoid.periodic.servo_steady import band
 from serpenoid.prediction.speed_samples import likeliest_speed, sample_speeds
+from serpenoid.session.instruments import FloorTools
+from serpenoid.session.session import Setup
+from serpenoid.taking.new_session import CRAWL_RUNS, CRAWLS, PUSHES, default_setup
+from serpenoid.taking.simulated import SimulatedPerson
+from serpenoid.taking.treadmill import take_all
+from serpenoid.taking.world import drawn_floor
 from simulated_sessions import MemoryRecord
 from speed_table import SpeedTable
 from study import Study

@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 from serpenoid import Gait, Ground, Robot, SerpenoidError, fit_friction, servo
 from serpenoid.calibration.fitting.shared import FRICTIONS
 from serpenoid.calibration.friction_result import ground_of
-from serpenoid.calibration.session import Setup
 from serpenoid.calibration.speeds import AMPLITUDE_SIGMA, scaled
-from serpenoid.calibration.taking.new_session import default_setup
-from serpenoid.calibration.taking.simulated import SimulatedPerson
-from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.periodic.servo_steady import band, servo_speeds
 from serpenoid.periodic.steady import steady_gait
+from serpenoid.session.session import Setup
+from serpenoid.taking.new_session import default_setup
+from serpenoid.taking.simulated import SimulatedPerson
+from serpenoid.taking.treadmill import take_all
 from simulated_sessions import MemoryRecord, drawn_truth
 from speed_table import SpeedTable
 from study import Study

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 from serpenoid import Ground, ServoKind, Session
-from serpenoid.calibration.kinds.declaration import Cells
-from serpenoid.calibration.kinds.rows import kind_of, make_reading, reading_row
-from serpenoid.calibration.kinds.tracks import Samples, Track
-from serpenoid.calibration.session import Event, Setup
-from serpenoid.calibration.taking.journal import Journal
-from serpenoid.calibration.taking.world import Truth
+from serpenoid.session.declaration import Cells
+from serpenoid.session.journal import Journal
+from serpenoid.session.kinds import kind_of, make_reading, reading_row
+from serpenoid.session.session import Event, Setup
+from serpenoid.session.track import Samples, Track
+from serpenoid.taking.world import Truth
 
 
 class MemoryRecord(Journal):

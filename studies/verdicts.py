@@ -24,14 +24,14 @@ from serpenoid import Gait, Robot, Servo, fit_friction, servo
 from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.friction_result import ground_of, whole_ground
 from serpenoid.calibration.speeds import AMPLITUDE_SIGMA, scaled, speed
-from serpenoid.calibration.taking.new_session import default_setup
-from serpenoid.calibration.taking.simulated import SimulatedPerson
-from serpenoid.calibration.taking.treadmill import take_all
-from serpenoid.calibration.taking.world import RUN_M, RUN_S
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
 from serpenoid.prediction.speed_samples import sample_speeds
 from serpenoid.prediction.verdict import Judge
+from serpenoid.taking.new_session import default_setup
+from serpenoid.taking.simulated import SimulatedPerson
+from serpenoid.taking.treadmill import take_all
+from serpenoid.taking.world import RUN_M, RUN_S
 from simulated_sessions import MemoryRecord, drawn_truth
 from study import Study
 

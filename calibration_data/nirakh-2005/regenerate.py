@@ -12,9 +12,9 @@ import math
 from itertools import count
 from pathlib import Path
 
-from serpenoid.calibration.kinds.rows import READING_COLUMNS, reading_row
-from serpenoid.calibration.session import Setup
-from serpenoid.calibration.session_file import load_setup
+from serpenoid.session.folder import load_setup
+from serpenoid.session.kinds import READING_COLUMNS, reading_row
+from serpenoid.session.session import Setup
 
 CT_N_S_M, FT0_N = 0.084, 0.14  # Eq. 59, whole snake
 CN_N_S_M, FN0_N = 1.2, 0.27  # Eq. 62, whole snake

@@ -11,8 +11,6 @@ if TYPE_CHECKING:
     from .calibration.fit_file import load_fit, save_fit
     from .calibration.friction_fit import fit_friction
     from .calibration.friction_result import FrictionFit
-    from .calibration.session import Session
-    from .calibration.session_file import load_session
     from .gaits.finder import LeastPower
     from .gaits.least_power import least_power_gait, power_front
     from .gaits.limits import GaitLimits
@@ -31,6 +29,8 @@ if TYPE_CHECKING:
     from .prediction.next_reading import Advice
     from .servos.catalogue import servo
     from .servos.servo_file import load_servo, save_servo
+    from .session.folder import load_session
+    from .session.session import Session
     from .simulation.run import Run
     from .simulation.scene import Scene
     from .simulation.scene_file import load_scene, save_scene
@@ -47,8 +47,8 @@ _HOMES = {
     "calibration.fit_file": ("load_fit", "save_fit"),
     "calibration.friction_fit": ("fit_friction",),
     "calibration.friction_result": ("FrictionFit",),
-    "calibration.session": ("Session",),
-    "calibration.session_file": ("load_session",),
+    "session.session": ("Session",),
+    "session.folder": ("load_session",),
     "model.drives": ("Servo", "ServoKind", "TorqueTable"),
     "model.evaluation": ("Acceleration", "AngleDrive", "TorqueDrive", "acceleration"),
     "model.gait": ("Gait",),

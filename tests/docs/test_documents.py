@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 from coverage_floor import CASES, drawn_person, floor_setup
 from docs.documents import PAGES, ROOT, blocks, mentioned, typed, unknown
-from serpenoid.calibration.taking.journal import Journal
-from serpenoid.calibration.taking.new_session import create_session
-from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.commands.demo_loop import take_session
+from serpenoid.session.journal import Journal
+from serpenoid.taking.new_session import create_session
+from serpenoid.taking.treadmill import take_all
 
 PACKAGE = ROOT / "host" / "serpenoid"
 EXAMPLES = sorted((ROOT / "host" / "examples").glob("*"))

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from coverage_treadmill import CASES, GAIT, STUDY, DrivenTable
-from serpenoid.calibration.taking.new_session import default_setup
+from serpenoid.taking.new_session import default_setup
 from speed_table import SpeedTable
 
 NAMES = ("ct", "cn", "ft0", "fn0", "speed")

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..session.session import Session
 from .fitting.identifiability import bend_note
 from .fitting.posterior import Mode
 from .fitting.stations import Stations
 from .fitting.suspects import suspects_in_words
 from .floor.notes import floor_notes
 from .friction_result import DOUBTFUL, FrictionFit, notes_on
-from .session import Session
 
 _SURELY = 3.0  # standard deviations below 0, from which a friction is an alarm
 

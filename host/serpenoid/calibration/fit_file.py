@@ -18,6 +18,7 @@ from ..base.files import read_json, write_text
 from ..base.vectors import number_array
 from ..model.drives import REMOVED, Servo
 from ..model.robot import Robot
+from ..session.session import Session
 from .fitting.shared import FRICTIONS
 from .fitting.suspects import Influence
 from .friction_result import (
@@ -31,7 +32,6 @@ from .friction_result import (
     fit_of,
     normal_draws,
 )
-from .session import Session
 
 FORMAT = 2  # 1 had draws only where crawls were fitted
 NAME = "fit.json"
@@ -128,7 +128,7 @@ def rests_on(fit: FrictionFit, session: Session) -> bool:
 
 def _with_age(fit: FrictionFit, path: Path) -> FrictionFit:
     """Note that the readings beside the file are no longer those it was fitted to."""
-    from .session_file import load_session
+    from ..session.folder import load_session
 
     folder = path.parent
     if not (folder / "session.toml").exists():

@@ -7,13 +7,13 @@ from types import MappingProxyType
 
 import numpy as np
 
+from ..session.session import Session
 from .fitting.posterior import Draws, Mode
 from .fitting.shared import FRICTIONS, scaled
 from .fitting.stations import Stations
 from .fitting.suspects import influences
 from .fitting.unknowns import Floats
 from .friction_result import LEVEL, Estimate, FitDraws, FrictionFit, narrowest, with_values
-from .session import Session
 from .session_posterior import scale_sigmas
 
 DRAWS = 1024  # kept with a fit

@@ -24,6 +24,7 @@ import numpy as np
 from ..base.checks import check_choice, check_kind
 from ..base.errors import BadInput, NotConverged
 from ..model.drives import ServoKind
+from ..session.session import Session
 from .alarms import with_alarms
 from .crawls.fit import with_crawls
 from .fit_of_draws import fit_of_draws
@@ -35,7 +36,6 @@ from .fitting.stations import Stations
 from .fitting.unknowns import Floats
 from .floor.notes import check_floor
 from .friction_result import LEVEL, UNITS, FitDraws, FrictionFit, normal_draws, with_values
-from .session import Session
 from .session_posterior import mode_of, posterior_of, usual_frictions
 
 METHODS = ("joint", "naive")

@@ -15,10 +15,10 @@ from ..base.rows import Result, Row, ranged
 from ..model.drives import Servo, ServoKind
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..session.session import NO_BELT, Session, belt_note
 from .fitting.shared import FRICTIONS
 from .fitting.stations import ZERO_SIGMA_RAD
 from .fitting.suspects import Influence
-from .session import NO_BELT, Session, belt_note
 
 Floats = NDArray[np.float64]
 T = TypeVar("T")

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..session.session import Session
 from .fitting.rolling_law import rest, way_m
 from .fitting.unknowns import Floats
 from .floor.block import Pushes
-from .session import Session
 from .session_posterior import mode_of
 
 _POINTS, _RESTED_S = 80, 0.2

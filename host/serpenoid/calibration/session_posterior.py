@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..session.session import Session
 from .fitting.posterior import Mode, Posterior
 from .fitting.shared import shared_covariance
 from .fitting.stations import Stations
 from .fitting.unknowns import Floats
 from .floor.block import floor_blocks
-from .session import Session
 
 USUAL, USUAL_N = (0.084, 1.2, 0.14, 0.27), 4.4484  # of the 2005 robot, and its weight
 

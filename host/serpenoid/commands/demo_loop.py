@@ -19,26 +19,26 @@ import serpenoid as sn
 from .. import _core
 from ..base.files import read_json, write_text
 from ..calibration.friction_result import DOUBTFUL, whole_ground
-from ..calibration.kinds.instruments import FloorTools
-from ..calibration.taking.board_run import board_gait
-from ..calibration.taking.journal import Journal
-from ..calibration.taking.new_session import create_session, default_setup, on_place
-from ..calibration.taking.simulated import SimulatedPerson
-from ..calibration.taking.treadmill import take_all
-from ..calibration.taking.world import Truth, drawn_floor
 from ..lab.crawl import crawl_speed
 from ..prediction.comparison import gait_count
 from ..prediction.speed_samples import speed_band
 from ..robot.robot import RobotBoard
+from ..session.instruments import FloorTools
+from ..session.journal import Journal
 from ..show.comparison_figure import comparison_figure
 from ..show.report import console
 from ..show.screen import progress, working
 from ..show.session.floor_figure import push_figure
 from ..show.session.report_page import session_page
+from ..taking.board_run import board_gait
+from ..taking.new_session import create_session, default_setup, on_place
+from ..taking.simulated import SimulatedPerson
+from ..taking.treadmill import take_all
+from ..taking.world import Truth, drawn_floor
 from .options import write_json
 
 if TYPE_CHECKING:
-    from ..calibration.session import Setup
+    from ..session.session import Setup
 
 STEPS, WIDTH, NAME = 8, 96, "demo, simulated"
 FRICTIONS = ("ct", "cn", "ft0", "fn0")

@@ -14,8 +14,8 @@ from ..show.screen import say
 from .declare import FOLDER, Given, option
 
 if TYPE_CHECKING:
-    from ..calibration.kinds.video import FilmReading
     from ..prediction.speed_samples import SpeedBand
+    from ..session.film import FilmReading
 
 ALARMS = "serpenoid.alarms"  # of click's context: keys that show_json puts into every answer
 
@@ -68,8 +68,8 @@ def servo_as_filmed(kind: sn.ServoKind | None, fit: sn.FrictionFit | None) -> sn
 
     At the session's voltage, with the frames of its board.
     """
-    from ..calibration.session_file import read_session
     from ..prediction.filmed_joints import servo_seen
+    from ..session.folder import read_session
 
     if kind is None or fit is None:
         return kind
@@ -148,7 +148,7 @@ joints_option = option(
 def latest_film(session: Path, links: int) -> FilmReading:
     """Return the latest film of a session. Raises BadInput: none, or of another robot."""
     from ..base.errors import BadInput
-    from ..calibration.session_file import read_session
+    from ..session.folder import read_session
 
     films = read_session(session).kept_films
     if not films:

@@ -71,7 +71,7 @@ _ROBOT = Options(
 
 def _robot(given: Given) -> tuple[sn.Robot, float | None]:
     """Take the robot and the tag's side (m) from the options, or as the session remembers it."""
-    from ..calibration.session_file import read_session
+    from ..session.folder import read_session
 
     session, tag_mm = given.pop("session"), given.pop("tag_mm")
     setup = read_session(session).setup if session else None
@@ -84,7 +84,7 @@ def _robot(given: Given) -> tuple[sn.Robot, float | None]:
 
 def _remember(session: Path | None, side_m: float | None) -> None:
     """Keep the side of the printed tags in a session, if it is another one."""
-    from ..calibration.taking.journal import Journal
+    from ..session.journal import Journal
 
     if session is None or side_m is None:
         return
@@ -148,7 +148,7 @@ def film(
     Each with its standard deviation. With a gait or a recording, joints are compared with what
     was commanded.
     """
-    from ..calibration.session_file import read_session
+    from ..session.folder import read_session
     from ..video.measure_film import measure_film
 
     session = given["session"]
@@ -257,8 +257,8 @@ def _record(measured: FilmMeasurement, session: Path, name: str, way: str | None
     way: along the line of the pushes; None: on level ground. A film that cannot be a reading is
     told, and its numbers are shown all the same.
     """
-    from ..calibration.session_file import read_session
-    from ..calibration.taking.journal import Journal
+    from ..session.folder import read_session
+    from ..session.journal import Journal
     from ..video.reading import film_cells
 
     try:

@@ -17,14 +17,14 @@ from ..base.errors import BadInput
 from ..calibration.crawls.data import same_command
 from ..calibration.fitting.posterior import Mode
 from ..calibration.friction_fit import fit_friction
-from ..calibration.kinds.gait import GaitRun
-from ..calibration.session import Session
 from ..calibration.session_posterior import covariance_after, mode_of
 from ..calibration.speeds import Progress
 from ..model.drives import ServoKind
 from ..model.gait import Gait, gait_name
 from ..servos.catalogue import HOBBY
 from ..servos.speed_limit import too_fast_text
+from ..session.gait_run import GaitRun
+from ..session.session import Session
 from .filmed_joints import servo_seen
 from .floor_readings import floor_options
 from .next_reading import (

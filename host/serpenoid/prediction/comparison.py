@@ -16,13 +16,13 @@ from ..calibration.crawls.data import CrawlData, crawls_by_command, mean_speed, 
 from ..calibration.crawls.level import Slope, floor_slope, is_sloped, on_level
 from ..calibration.friction_fit import fit_friction
 from ..calibration.friction_result import FrictionFit
-from ..calibration.kinds.gait import GaitRun
-from ..calibration.session import Session
 from ..calibration.speeds import AMPLITUDE_SIGMA, Progress, speed
 from ..model.drives import ServoKind
 from ..model.gait import Gait, gait_name
 from ..servos.catalogue import HOBBY
 from ..servos.speed_limit import highest_hz, too_fast_text
+from ..session.gait_run import GaitRun
+from ..session.session import Session
 from ..simulation.steady_springs import steady_springs
 from .filmed_joints import seen_on_film, servo_seen, swapped_plugs
 from .speed_samples import SpeedSamples, sample_speeds

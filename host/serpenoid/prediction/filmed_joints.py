@@ -11,13 +11,13 @@ from ..base.long_calls import in_threads
 from ..base.particles import alike
 from ..calibration.crawls.data import CrawlData, Crawls
 from ..calibration.friction_result import FrictionFit
-from ..calibration.kinds.video import FilmReading
-from ..calibration.session import Session
 from ..calibration.speeds import AMPLITUDE_SIGMA, speed
 from ..model.drives import Servo, ServoKind
 from ..model.plugs import plugs
 from ..periodic.servo_steady import servo_state
 from ..periodic.steady import steady_gait
+from ..session.film import FilmReading
+from ..session.session import Session
 from .speed_samples import SpeedSamples
 
 AGREES = 2.0  # standard deviations

@@ -11,10 +11,10 @@ import numpy as np
 
 from ..calibration.fitting.posterior import Mode
 from ..calibration.fitting.rolling_law import rest, way_m
-from ..calibration.kinds.push import WAYS, Push
-from ..calibration.kinds.tracks import Track
-from ..calibration.session import Session
-from ..calibration.taking.expected import pull_of
+from ..session.push import WAYS, Push
+from ..session.session import Session
+from ..session.track import Track
+from ..taking.expected import pull_of
 from .next_reading import NextReading, Option, next_number
 
 SPEED_M_S, RATE_HZ, RESTED_S = 0.9, 30.0, 0.4

@@ -10,10 +10,10 @@ from typing import Any
 from ..base.errors import BadInput
 from ..base.rows import Result
 from ..calibration.crawls.data import as_run
-from ..calibration.kinds.gait import GaitRun
-from ..calibration.kinds.station import Reading
-from ..calibration.session import Session
 from ..model.gait import Gait
+from ..session.gait_run import GaitRun
+from ..session.session import Session
+from ..session.station import Reading
 
 _SHOWN = 5  # readings of a table
 _MOST_TIMES = 5  # of one reading

@@ -11,9 +11,9 @@ from ..calibration.fitting.identifiability import SAFE_BEND
 from ..calibration.fitting.posterior import Mode
 from ..calibration.fitting.rounding import nearest_shown
 from ..calibration.fitting.unknowns import Floats
-from ..calibration.kinds.station import LEAST_SLIP_M_S, Reading
-from ..calibration.session import Session
-from ..calibration.taking.expected import Series, pull_of
+from ..session.session import Session
+from ..session.station import LEAST_SLIP_M_S, Reading
+from ..taking.expected import Series, pull_of
 from .next_reading import NextReading, Option, next_number, repeated
 
 MOST_INCLINE_RAD = math.atan(0.15)  # of home treadmills, unless this one stood steeper already

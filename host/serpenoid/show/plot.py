@@ -14,11 +14,11 @@ import numpy as np
 from ..base.files import whole_file
 from ..calibration.friction_fit import friction_points, point_errors, voided_points
 from ..calibration.friction_result import FrictionFit
-from ..calibration.session import Session
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..prediction.predict import SpeedPoint
+from ..session.session import Session
 from ..simulation.run import Run
 from .friction_line import LINES, line
 

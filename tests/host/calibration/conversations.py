@@ -16,12 +16,12 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from serpenoid import SerpenoidError
-from serpenoid.calibration.taking.journal import Journal
-from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
-from serpenoid.calibration.taking.person.dialogue import Dialogue
-from serpenoid.calibration.taking.person.identity import ask_identity
-from serpenoid.calibration.taking.person.prompt import Left
-from serpenoid.calibration.taking.person.session_robot import SessionRobot
+from serpenoid.session.journal import Journal
+from serpenoid.taking.dialogue import Dialogue
+from serpenoid.taking.identity import ask_identity
+from serpenoid.taking.new_session import create_session, default_setup, on_place
+from serpenoid.taking.prompt import Left
+from serpenoid.taking.session_robot import SessionRobot
 
 FOLDER = Path(__file__).with_name("conversations")
 FILES = sorted(FOLDER.glob("*.txt"))

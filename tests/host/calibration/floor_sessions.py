@@ -10,8 +10,8 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from serpenoid.calibration.kinds.instruments import FloorTools
-from serpenoid.calibration.taking.new_session import default_setup
+from serpenoid.session.instruments import FloorTools
+from serpenoid.taking.new_session import default_setup
 from simulated_sessions import MemoryRecord
 
 CT, CN, FT0, FN0 = TRUTH = (0.084, 1.2, 0.14, 0.27)

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from serpenoid import Robot, Session
-from serpenoid.calibration.kinds.checks import BendCheck, ZeroReading
-from serpenoid.calibration.kinds.instruments import TreadmillSteps, Uncertainty
-from serpenoid.calibration.kinds.station import Reading
-from serpenoid.calibration.session import Procedure, Setup
+from serpenoid.session.checks import BendCheck, ZeroReading
+from serpenoid.session.instruments import TreadmillSteps, Uncertainty
+from serpenoid.session.session import Procedure, Setup
+from serpenoid.session.station import Reading
 
 G, STEPS_DEG, BEND_SIGMA_DEG = 9.81, 0.1, 0.5  # of gravity, inclinometer and protractor
 

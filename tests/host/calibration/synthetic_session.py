@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 from robots import OF_2005
 from serpenoid import Ground, Session
-from serpenoid.calibration.kinds.instruments import Uncertainty
-from serpenoid.calibration.kinds.station import Reading
-from serpenoid.calibration.session import Procedure, Setup
+from serpenoid.session.instruments import Uncertainty
+from serpenoid.session.session import Procedure, Setup
+from serpenoid.session.station import Reading
 
 WHOLE_BODY_2005 = Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)  # Eqs. 59 and 62, not per link
 STEP_RAD = math.radians(0.1)  # the inclinometer's

@@ -6,16 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from serpenoid import Ground, fit_friction
-from serpenoid.calibration.session_file import load_setup
-from serpenoid.calibration.taking.new_session import (
+from serpenoid.session.folder import load_setup
+from serpenoid.taking.new_session import (
     answered,
     create_session,
     default_setup,
     template_setup,
 )
-from serpenoid.calibration.taking.simulated import SimulatedPerson
-from serpenoid.calibration.taking.treadmill import take_all
-from serpenoid.calibration.taking.world import Truth
+from serpenoid.taking.simulated import SimulatedPerson
+from serpenoid.taking.treadmill import take_all
+from serpenoid.taking.world import Truth
 from simulated_sessions import MemoryRecord
 
 FT0_N = 0.14

@@ -8,10 +8,10 @@ import pytest
 import serpenoid as sn
 from calibration.synthetic_session import setup
 from serpenoid import Session
-from serpenoid.calibration.kinds.station import Reading
-from serpenoid.calibration.taking.new_session import default_setup
-from serpenoid.calibration.taking.simulated import SimulatedPerson, Truth
-from serpenoid.calibration.taking.treadmill import take_all
+from serpenoid.session.station import Reading
+from serpenoid.taking.new_session import default_setup
+from serpenoid.taking.simulated import SimulatedPerson, Truth
+from serpenoid.taking.treadmill import take_all
 from simulated_sessions import MemoryRecord
 
 TRUTH = np.array([0.084, 1.2, 0.14, 0.27])

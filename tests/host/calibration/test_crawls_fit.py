@@ -16,10 +16,10 @@ from serpenoid.calibration.crawls.posterior import Beforehand, CrawlPosterior
 from serpenoid.calibration.fitting.posterior import Posterior
 from serpenoid.calibration.fitting.shared import FRICTIONS
 from serpenoid.calibration.friction_result import ground_of
-from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.speeds import ServoEffects, SpeedModel, SpeedTable
 from serpenoid.prediction import speed_samples
 from serpenoid.prediction.speed_samples import sample_speeds
+from serpenoid.session.gait_run import GaitRun
 from simulated_sessions import MemoryRecord
 
 GAITS = tuple(gait_in_deg(70, 60, math.pi * k) for k in (1, 2, 3, 4, 5, 6))

@@ -12,11 +12,11 @@ from robots import gait_in_deg
 from serpenoid import Servo
 from serpenoid.calibration.crawls.level import on_level, sloped_speed
 from serpenoid.calibration.friction_result import Estimate, ground_of
-from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.speeds import GRAIN, SpeedModel, scaled, speed
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
 from serpenoid.servos.catalogue import HOBBY
+from serpenoid.session.gait_run import GaitRun
 from simulated_sessions import MemoryRecord
 
 ROBOT = floor_setup().robot

@@ -9,13 +9,13 @@ from calibration.conversations import Typist
 from robot.fake_board import eeprom_after
 from serpenoid import Ground, fit_friction
 from serpenoid.base.errors import RobotLost
-from serpenoid.calibration.session_rows import read_events
-from serpenoid.calibration.taking.journal import Journal
-from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
-from serpenoid.calibration.taking.person.dialogue import Dialogue
-from serpenoid.calibration.taking.person.session_robot import SessionRobot
-from serpenoid.calibration.taking.simulated import SimulatedPerson, Truth
 from serpenoid.robot.wire.virtual import VirtualLink
+from serpenoid.session.journal import Journal
+from serpenoid.session.rows import read_events
+from serpenoid.taking.dialogue import Dialogue
+from serpenoid.taking.new_session import create_session, default_setup, on_place
+from serpenoid.taking.session_robot import SessionRobot
+from serpenoid.taking.simulated import SimulatedPerson, Truth
 
 
 @pytest.fixture
@@ -86,7 +86,7 @@ def test_it_leads_through_all_of_a_session_with_the_robot(folder):
 
 
 def test_undoing_a_skip_heeds_no_clock(folder, monkeypatch):
-    from serpenoid.calibration.taking import journal as module
+    from serpenoid.session import journal as module
 
     talk(folder, *ZERO, "", *STATION)
     monkeypatch.setattr(module, "utc_now", lambda: "2001-02-03T04:05:06.007Z")

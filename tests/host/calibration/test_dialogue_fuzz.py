@@ -8,11 +8,11 @@ from dataclasses import replace
 
 import pytest
 from calibration.conversations import Typist
-from serpenoid.calibration.session_file import read_session
-from serpenoid.calibration.session_rows import reading_rows
-from serpenoid.calibration.taking.journal import Journal
-from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
-from serpenoid.calibration.taking.person.dialogue import Dialogue
+from serpenoid.session.folder import read_session
+from serpenoid.session.journal import Journal
+from serpenoid.session.rows import reading_rows
+from serpenoid.taking.dialogue import Dialogue
+from serpenoid.taking.new_session import create_session, default_setup, on_place
 
 WORDS = (
     "undo",

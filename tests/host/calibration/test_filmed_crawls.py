@@ -25,14 +25,14 @@ from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.crawls.filmed import crawl_cells
 from serpenoid.calibration.crawls.level import on_level
 from serpenoid.calibration.friction_result import Estimate
-from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.speeds import ServoEffects, SpeedModel, speed
-from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
-from serpenoid.calibration.taking.procedure import next_step, progress
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
 from serpenoid.prediction.comparison import level_words
 from serpenoid.prediction.speed_samples import likeliest_speed, sample_speeds
+from serpenoid.session.gait_run import GaitRun
+from serpenoid.taking.new_session import create_session, default_setup, on_place
+from serpenoid.taking.procedure import next_step, progress
 from simulated_sessions import MemoryRecord
 
 pytestmark = pytest.mark.usefixtures("short_curve")

@@ -24,12 +24,12 @@ from serpenoid.calibration.fitting.rolling_law import rest, way_m
 from serpenoid.calibration.floor.look import look_at
 from serpenoid.calibration.floor.slip import Slip, Start
 from serpenoid.calibration.floor.tracks import PushTrack
-from serpenoid.calibration.kinds.tracks import Track
 from serpenoid.calibration.push_paths import push_paths
 from serpenoid.lab.floor import Floor, Push
 from serpenoid.lab.recording import Camera, film
 from serpenoid.lab.robot import LabRobot, pose_of
 from serpenoid.model.bends import balanced_signs
+from serpenoid.session.track import Track
 from simulated_sessions import MemoryRecord
 
 

@@ -9,15 +9,15 @@ from calibration.floor_sessions import TRUTH, floor_setup, push_track
 from refusals import refused
 from serpenoid import Ground, fit_friction, load_session
 from serpenoid.calibration.floor.look import look_at, pushes_in
-from serpenoid.calibration.taking.floor.pushes import keep_pushes, way_after
-from serpenoid.calibration.taking.journal import Journal
-from serpenoid.calibration.taking.new_session import create_session
-from serpenoid.calibration.taking.simulated import SimulatedPerson
-from serpenoid.calibration.taking.treadmill import take_all
-from serpenoid.calibration.taking.world import drawn_floor
 from serpenoid.lab.floor import Floor, Push
 from serpenoid.lab.recording import Camera, film
 from serpenoid.lab.robot import LabRobot
+from serpenoid.session.journal import Journal
+from serpenoid.taking.new_session import create_session
+from serpenoid.taking.pushes import keep_pushes, way_after
+from serpenoid.taking.simulated import SimulatedPerson
+from serpenoid.taking.treadmill import take_all
+from serpenoid.taking.world import drawn_floor
 from simulated_sessions import MemoryRecord
 
 WHOLE = Ground(*TRUTH)

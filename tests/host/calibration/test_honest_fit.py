@@ -9,8 +9,8 @@ import pytest
 from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup
 from serpenoid import BadInput, NotConverged, Session, fit_friction
 from serpenoid.calibration.fitting.shared import FRICTIONS
-from serpenoid.calibration.kinds.checks import ZeroReading
-from serpenoid.calibration.kinds.station import Reading
+from serpenoid.session.checks import ZeroReading
+from serpenoid.session.station import Reading
 
 TRUTH = [getattr(WHOLE_BODY_2005, name) for name in FRICTIONS]
 

@@ -7,14 +7,14 @@ import pytest
 from refusals import refused
 from robots import NIRAKH_2005
 from serpenoid import fit_friction, load_session
-from serpenoid.calibration.session_rows import read_events
-from serpenoid.calibration.taking.journal import Journal
-from serpenoid.calibration.taking.new_session import (
+from serpenoid.commands.friction.calibrate_person import begin
+from serpenoid.session.journal import Journal
+from serpenoid.session.rows import read_events
+from serpenoid.taking.new_session import (
     create_session,
     default_setup,
 )
-from serpenoid.calibration.taking.parse_number import amendment
-from serpenoid.commands.friction.calibrate_person import begin
+from serpenoid.taking.parse_number import amendment
 
 ZERO = {"incline_deg": 0.1, "reversed_deg": -0.1}
 

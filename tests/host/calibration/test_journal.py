@@ -12,9 +12,9 @@ import pytest
 from refusals import refused
 from robots import NIRAKH_2005
 from serpenoid.base.errors import RecordingFailed
-from serpenoid.calibration.session_file import read_session
-from serpenoid.calibration.taking.journal import Journal, append_line
-from serpenoid.calibration.taking.new_session import (
+from serpenoid.session.folder import read_session
+from serpenoid.session.journal import Journal, append_line
+from serpenoid.taking.new_session import (
     create_session,
     default_setup,
     identity_differences,
@@ -33,7 +33,7 @@ def child(folder, body):
     """Run Python with an open journal; returns the process."""
     script = (
         "import sys, time\n"
-        "from serpenoid.calibration.taking.journal import Journal\n"
+        "from serpenoid.session.journal import Journal\n"
         f"with Journal({str(folder)!r}) as journal:\n{body}"
     )
     return subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True)

@@ -1,7 +1,7 @@
 """A program that is killed while the robot lies bent: the board itself lets go of the servos."""
 
-from serpenoid.calibration.taking.person.session_robot import LIMP_S, SessionRobot
 from serpenoid.robot.wire.virtual import VirtualLink
+from serpenoid.taking.session_robot import LIMP_S, SessionRobot
 
 
 def test_after_a_kill_a_held_pose_is_let_go():

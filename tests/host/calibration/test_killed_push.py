@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from calibration.floor_sessions import floor_setup, push_track
-from serpenoid.calibration.session_file import read_session
-from serpenoid.calibration.taking.journal import Journal
-from serpenoid.calibration.taking.new_session import create_session
-from serpenoid.calibration.taking.person.push_prompt import take_track
+from serpenoid.session.folder import read_session
+from serpenoid.session.journal import Journal
+from serpenoid.taking.new_session import create_session
+from serpenoid.taking.push_prompt import take_track
 
 
 class Killed(BaseException):

@@ -6,15 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from refusals import refused
-from serpenoid.calibration.kinds.declaration import in_si
-from serpenoid.calibration.kinds.instruments import Stopwatch
-from serpenoid.calibration.kinds.rows import kind_of
-from serpenoid.calibration.kinds.station import Reading
-from serpenoid.calibration.session_file import read_session
-from serpenoid.calibration.taking.journal import Journal
-from serpenoid.calibration.taking.new_session import create_session, default_setup
-from serpenoid.calibration.taking.parse_number import parse_number, read_cells
+from serpenoid.session.declaration import in_si
+from serpenoid.session.folder import read_session
+from serpenoid.session.instruments import Stopwatch
+from serpenoid.session.journal import Journal
+from serpenoid.session.kinds import kind_of
+from serpenoid.session.station import Reading
 from serpenoid.show.session.table import rows
+from serpenoid.taking.new_session import create_session, default_setup
+from serpenoid.taking.parse_number import parse_number, read_cells
 
 SAMPLES = [[0.0, 0.0, 0.0], [0.1, 0.05, 0.0], [0.2, 0.0911, 0.001]]
 FILMED = {"lambda_deg": 0.0, "by": "film"}

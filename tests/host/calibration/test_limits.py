@@ -8,7 +8,7 @@ import serpenoid as sn
 from calibration.synthetic_session import setup
 from robots import gait_in_deg
 from serpenoid import Session
-from serpenoid.calibration.kinds.station import Reading
+from serpenoid.session.station import Reading
 from serpenoid.show import report
 
 SETUP = setup(15.0)

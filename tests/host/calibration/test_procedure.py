@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import pytest
 from serpenoid import Ground
-from serpenoid.calibration.taking.expected import Series
-from serpenoid.calibration.taking.new_session import default_setup
-from serpenoid.calibration.taking.procedure import (
+from serpenoid.taking.expected import Series
+from serpenoid.taking.new_session import default_setup
+from serpenoid.taking.procedure import (
     next_incline_deg,
 )
 from simulated_sessions import MemoryRecord

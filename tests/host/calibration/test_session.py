@@ -13,8 +13,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from robots import NIRAKH_2005, OF_2005
 from serpenoid import BadInput, load_session
-from serpenoid.calibration import session_file
-from serpenoid.calibration.kinds.rows import READING_COLUMNS
+from serpenoid.session import folder as session_file
+from serpenoid.session.kinds import READING_COLUMNS
 
 ROW_1 = "1,station,,1,,0.0,2.0,0.181468,0.0,,,,,,,,,,,regenerated from Eq. 59 through Eq. 58"
 

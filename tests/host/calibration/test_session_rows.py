@@ -9,11 +9,11 @@ import pytest
 from refusals import refused
 from robots import NIRAKH_2005
 from serpenoid import fit_friction, load_session
-from serpenoid.calibration.kinds.checks import ZeroReading
-from serpenoid.calibration.kinds.rows import READING_COLUMNS
-from serpenoid.calibration.session_file import read_session
-from serpenoid.calibration.session_rows import EVENT_COLUMNS, read_events
-from serpenoid.calibration.taking.journal import Journal
+from serpenoid.session.checks import ZeroReading
+from serpenoid.session.folder import read_session
+from serpenoid.session.journal import Journal
+from serpenoid.session.kinds import READING_COLUMNS
+from serpenoid.session.rows import EVENT_COLUMNS, read_events
 
 SETUP = """
 format = 2

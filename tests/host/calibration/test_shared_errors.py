@@ -11,10 +11,10 @@ from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, set
 from command_line import serpenoid
 from serpenoid.calibration.fitting.shared import straightness_factors
 from serpenoid.calibration.friction_result import NO_BELT
-from serpenoid.calibration.kinds.checks import BeltCheck
-from serpenoid.calibration.taking.journal import Journal
-from serpenoid.calibration.taking.new_session import create_session, default_setup
+from serpenoid.session.checks import BeltCheck
+from serpenoid.session.journal import Journal
 from serpenoid.show.session.agreement import agreement
+from serpenoid.taking.new_session import create_session, default_setup
 
 NAMES = ("ct", "cn", "ft0", "fn0")
 

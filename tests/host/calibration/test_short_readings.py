@@ -9,11 +9,11 @@ from command_line import serpenoid
 from refusals import refused
 from scipy.integrate import solve_ivp
 from serpenoid import fit_friction
-from serpenoid.calibration.kinds.instruments import Stopwatch
-from serpenoid.calibration.kinds.places import drifts, tidy_places
-from serpenoid.calibration.kinds.station import Reading
-from serpenoid.calibration.session_file import read_session
-from serpenoid.calibration.taking.new_session import create_session, default_setup
+from serpenoid.session.folder import read_session
+from serpenoid.session.instruments import Stopwatch
+from serpenoid.session.places import drifts, tidy_places
+from serpenoid.session.station import Reading
+from serpenoid.taking.new_session import create_session, default_setup
 
 from .synthetic_session import WHOLE_BODY_2005
 from .synthetic_session import session as made_up

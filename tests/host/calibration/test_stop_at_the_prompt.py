@@ -9,7 +9,7 @@ from calibration.conversations import begun
 from robot.fake_board import FakeBoard
 from robot.patience import LONG_S
 from robot.terminal import Person
-from serpenoid.calibration.session_file import read_session
+from serpenoid.session.folder import read_session
 
 BELT = "without zero before; without steering"
 GAIT = f"{BELT}; plan.gait_runs = 1; " + "; ".join(

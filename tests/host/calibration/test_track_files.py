@@ -11,7 +11,7 @@ from calibration.track_writers import (
     tracker,
 )
 from refusals import refused
-from serpenoid.calibration.floor.track_files import read_track_file
+from serpenoid.taking.track_files import read_track_file
 
 ROWS = push_track(0.8, TRUTH, np.random.default_rng(1))
 ROWS[:, 0] = np.arange(len(ROWS)) / 30

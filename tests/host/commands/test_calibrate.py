@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from command_line import answer, serpenoid
 from serpenoid import load_session
-from serpenoid.calibration.session_file import load_setup, read_session
-from serpenoid.calibration.taking.journal import Journal
+from serpenoid.session.folder import load_setup, read_session
+from serpenoid.session.journal import Journal
 
 PLAN = "[simulated]\nseed = 3\nct = 0.084\ncn = 1.2\nft0 = 0.14\nfn0 = 0.27\n"
 

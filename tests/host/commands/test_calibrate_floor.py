@@ -9,9 +9,9 @@ from calibration.floor_sessions import NEW, TRUTH, push_track
 from command_line import answer, serpenoid
 from coverage_floor import CASES, drawn_person, floor_setup
 from serpenoid import load_session
-from serpenoid.calibration.taking.journal import Journal
-from serpenoid.calibration.taking.new_session import create_session
-from serpenoid.calibration.taking.treadmill import take_all
+from serpenoid.session.journal import Journal
+from serpenoid.taking.new_session import create_session
+from serpenoid.taking.treadmill import take_all
 
 pytestmark = pytest.mark.usefixtures("short_curve")
 

@@ -7,8 +7,8 @@ import pytest
 from command_line import serpenoid
 from robot.terminal import Person
 from serpenoid import load_session
-from serpenoid.calibration.session_file import read_session
-from serpenoid.calibration.session_rows import read_events
+from serpenoid.session.folder import read_session
+from serpenoid.session.rows import read_events
 
 
 @pytest.fixture

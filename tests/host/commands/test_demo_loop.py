@@ -6,7 +6,7 @@ from serpenoid.commands.demo_loop import take_session
 
 
 def test_another_session_is_not_taken_for_the_demos(tmp_path):
-    from serpenoid.calibration.taking.new_session import create_session, default_setup
+    from serpenoid.taking.new_session import create_session, default_setup
 
     create_session(tmp_path / "session", default_setup("mine"))
     with refused("not the demo's"):
@@ -17,8 +17,8 @@ def test_a_robot_of_ones_own_is_the_truth(tmp_path):
     from dataclasses import replace
 
     from serpenoid import Ground, Robot
-    from serpenoid.calibration.session_file import read_session
     from serpenoid.commands.demo_loop import TRUTH
+    from serpenoid.session.folder import read_session
 
     ground = Ground(ct=0.12, cn=2.0, ft0=0.1, fn0=0.4)
     own = Robot(6, 0.1, 0.09)

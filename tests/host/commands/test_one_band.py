@@ -10,7 +10,7 @@ import pytest
 from command_line import serpenoid
 from robots import NIRAKH_2005
 from serpenoid import load_session
-from serpenoid.calibration.taking.journal import Journal
+from serpenoid.session.journal import Journal
 
 pytestmark = pytest.mark.usefixtures("short_curve")
 GAIT = "--alpha-deg 70 --beta-deg 75 --frequency-hz 0.5"

@@ -11,9 +11,9 @@ from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
 from refusals import refused
 from robots import gait_in_deg
 from serpenoid import advise
-from serpenoid.calibration.kinds.gait import GaitRun
-from serpenoid.calibration.kinds.station import Reading
 from serpenoid.prediction.speed_samples import speed_band
+from serpenoid.session.gait_run import GaitRun
+from serpenoid.session.station import Reading
 
 pytestmark = pytest.mark.usefixtures("short_curve")
 GAIT = gait_in_deg(70, 75, 2 * math.pi * 0.25)

@@ -11,9 +11,9 @@ from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
 from refusals import refused
 from robots import BINGHAM
 from serpenoid.calibration.crawls.data import CrawlData
-from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.prediction import comparison, verdict
 from serpenoid.prediction.speed_samples import speed_band
+from serpenoid.session.gait_run import GaitRun
 
 pytestmark = pytest.mark.usefixtures("short_curve")
 RATES = [2 * math.pi * hz for hz in (0.25, 0.5, 1.0)]

@@ -7,10 +7,10 @@ import math
 import pytest
 from refusals import refused
 from robots import gait_in_deg
-from serpenoid.calibration.taking.board_run import board_gait
 from serpenoid.model.bends import balanced_signs, joint_multiples
 from serpenoid.robot import Robot
 from serpenoid.robot.recording.stream import load_stream
+from serpenoid.taking.board_run import board_gait
 
 FRAME_US = {6: 20_000, 8: 22_500}
 GAIT = gait_in_deg(30, 40, 5.0)

@@ -9,8 +9,8 @@ from dataclasses import replace
 import pytest
 import serpenoid as sn
 from robots import gait_in_deg
-from serpenoid.calibration.taking.new_session import default_setup, on_place
 from serpenoid.servos.speed_limit import highest_hz, is_too_fast, too_fast_text
+from serpenoid.taking.new_session import default_setup, on_place
 
 HOBBY = sn.servo("hobby")
 

@@ -10,11 +10,11 @@ import pytest
 import serpenoid as sn
 from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup
 from serpenoid import Comparison
-from serpenoid.calibration.kinds.checks import BendCheck, ZeroReading
-from serpenoid.calibration.kinds.gait import GaitRun
-from serpenoid.calibration.kinds.push import Push
-from serpenoid.calibration.session import Event
 from serpenoid.prediction.comparison import ComparedGait
+from serpenoid.session.checks import BendCheck, ZeroReading
+from serpenoid.session.gait_run import GaitRun
+from serpenoid.session.push import Push
+from serpenoid.session.session import Event
 from serpenoid.show.session.report_page import session_page
 from webdriver import Browser
 

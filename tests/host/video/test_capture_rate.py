@@ -15,8 +15,8 @@ from calibration.floor_sessions import TRUTH, push_track
 from command_line import serpenoid
 from refusals import refused
 from serpenoid import Gait, _core, load_session
-from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.model.capture_rate import capture_rate
+from serpenoid.taking.new_session import create_session, default_setup
 from serpenoid.video.measure_film import measure_film
 from serpenoid.video.seeing.film import Film
 

@@ -17,11 +17,11 @@ from command_line import serpenoid
 from refusals import refused
 from robots import NIRAKH_2005, gait_in_deg
 from serpenoid import BadInput
-from serpenoid.calibration.kinds.video import FilmReading
 from serpenoid.commands.video import _gait_kept
 from serpenoid.prediction.filmed_joints import swapped_plugs
 from serpenoid.robot import Robot
 from serpenoid.robot.recording.run_gait import recorded_gait
+from serpenoid.session.film import FilmReading
 from serpenoid.video.annotate import annotate_film
 from serpenoid.video.faults import camera_faults
 from serpenoid.video.measure_film import measure_film

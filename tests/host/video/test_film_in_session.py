@@ -11,13 +11,13 @@ import serpenoid as sn
 from command_line import serpenoid
 from refusals import refused
 from serpenoid import compare, fit_friction, load_session
-from serpenoid.calibration.kinds.gait import GaitRun
-from serpenoid.calibration.kinds.video import FilmReading
-from serpenoid.calibration.session_file import read_session
 from serpenoid.calibration.speeds import speed
-from serpenoid.calibration.taking.journal import Journal
-from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.commands.demo import session_folder
+from serpenoid.session.film import FilmReading
+from serpenoid.session.folder import read_session
+from serpenoid.session.gait_run import GaitRun
+from serpenoid.session.journal import Journal
+from serpenoid.taking.new_session import create_session, default_setup
 
 CELLS = {
     "alpha_deg": 50.0,

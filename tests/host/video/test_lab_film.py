@@ -12,9 +12,9 @@ import pytest
 from command_line import serpenoid
 from robots import OF_2005, gait_in_deg
 from serpenoid import Ground
-from serpenoid.calibration.session_file import read_session
-from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
 from serpenoid.lab.robot import LabRobot
+from serpenoid.session.folder import read_session
+from serpenoid.taking.new_session import create_session, default_setup, on_place
 from video.filming import Lens
 from video.lab_world import Servos, crawled, set_points
 from video.worlds import errors, shoot

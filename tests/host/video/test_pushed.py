@@ -10,9 +10,9 @@ from command_line import serpenoid
 from refusals import refused
 from serpenoid import Ground, Robot, load_session
 from serpenoid.calibration.floor.block import floor_blocks
-from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.lab.floor import Floor, Push
 from serpenoid.lab.robot import LabRobot
+from serpenoid.taking.new_session import create_session, default_setup
 from serpenoid.video.pushed import still_joints
 from video.filming import Body, Film, Lens, Pose, write
 from video.worlds import LINK_M

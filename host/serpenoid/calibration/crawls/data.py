@@ -12,9 +12,9 @@ from ...model.drives import Servo, ServoKind
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
-from ..kinds.gait import GaitRun
-from ..kinds.video import FilmReading
-from ..session import Session
+from ...session.film import FilmReading
+from ...session.gait_run import GaitRun
+from ...session.session import Session
 from ..speeds import LEAST_M_S, MODEL_SIGMA, Array, SpeedModel
 
 # Commands that differ by less are one command: a film shows its rate, and may show its angles.

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...base.errors import BadInput
 from ...base.sines import basis, fit_sines
 from ...model.gait import Gait
-from ..kinds.declaration import Cells
+from ...session.declaration import Cells
 
 Array = NDArray[np.float64]
 LEAST_CYCLES = 1.5

@@ -12,6 +12,7 @@ from ...base.errors import BadInput, Diverged, NotConverged
 from ...base.particles import tempered
 from ...model.drives import ServoKind
 from ...model.ground import Ground
+from ...session.session import Session
 from ..fit_of_draws import DRAWS, fit_of_draws
 from ..fitting.posterior import Draws, Posterior
 from ..fitting.stations import Stations
@@ -26,7 +27,6 @@ from ..friction_result import (
     ground_of,
     weak_notes,
 )
-from ..session import Session
 from ..session_posterior import mode_of, posterior_of, scale_sigmas, usual_frictions
 from ..speeds import SpeedTable
 from .data import CrawlData, servos_of

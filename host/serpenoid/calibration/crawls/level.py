@@ -14,10 +14,10 @@ from ...model.drives import Servo
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
+from ...session.session import Session
 from ...simulation.scene import Scene
 from ...simulation.simulate import simulate
 from ..friction_result import Estimate
-from ..session import Session
 from ..speeds import scaled, speed
 from .data import crawls_by_command
 

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kinds.push import Push
-from ..kinds.station import Reading
-from ..session import Session
+from ...session.push import Push
+from ...session.session import Session
+from ...session.station import Reading
 from .shared import FRICTIONS, straightness_factors
 from .unknowns import Floats, Unknown, Values, Whole
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...base.errors import BadInput
-from ..session import Session
+from ...session.session import Session
 from .stations import Stations
 from .unknowns import Floats
 

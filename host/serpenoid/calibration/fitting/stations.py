@@ -20,7 +20,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..session import Session
+from ...session.session import Session
 from .bends import Bends, frictions_in, resistance
 from .rounding import shared_rounding
 from .shared import FRICTIONS, rolling_share

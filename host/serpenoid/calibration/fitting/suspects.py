@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.errors import NotConverged
-from ..session import Session
+from ...session.session import Session
 from .posterior import Mode
 from .shared import FRICTIONS
 from .unknowns import Floats

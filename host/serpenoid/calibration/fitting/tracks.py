@@ -20,8 +20,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kinds.instruments import Stopwatch
-from ..kinds.places import track_of
+from ...session.instruments import Stopwatch
+from ...session.places import track_of
 from .rolling_law import shapes
 
 Floats = NDArray[np.float64]

@@ -24,11 +24,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...session.session import Session
+from ...session.station import slips
 from ..fitting.bends import Bends, frictions_in, projections, resistance
 from ..fitting.shared import FRICTIONS, rolling_share
 from ..fitting.unknowns import Floats, Unknown, Values, Whole
-from ..kinds.station import slips
-from ..session import Session
 from .crooked import Sideways
 from .tracks import PushTrack, Rows, at_rest, tracks_of
 

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from ...base.errors import BadInput
+from ...session.session import Session
 from ..fitting.posterior import Mode, Posterior
-from ..session import Session
 from .block import Pushes
 
 OPEN = 0.5  # of the whole force, in error: a friction is then not told

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ...session.push import Push
+from ...session.session import Session
 from ..fitting.rolling_law import rest, way_m
 from ..fitting.unknowns import Floats
-from ..kinds.push import Push
-from ..session import Session
 from .arc import across, along, directions_rad
 from .crooked import CrookedPush, PushRows, Sideways
 

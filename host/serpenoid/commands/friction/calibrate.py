@@ -18,8 +18,8 @@ from .calibrate_push import push
 if TYPE_CHECKING:
     import serpenoid as sn
 
-    from ...calibration.taking.journal import Journal
-    from ...calibration.taking.steps import Step
+    from ...session.journal import Journal
+    from ...taking.steps import Step
 
 FOLDER = click.argument("folder", type=PathType(file_okay=False))
 TOML = PathType(exists=True)
@@ -88,20 +88,20 @@ def take(
 
 
 def _journal(folder: Path) -> Journal:
-    from ...calibration.taking.journal import Journal
+    from ...session.journal import Journal
 
     return Journal(folder)
 
 
 def _session(folder: Path) -> sn.Session:
-    from ...calibration.session_file import read_session
+    from ...session.folder import read_session
 
     return read_session(folder)
 
 
 def _state(session: sn.Session) -> tuple[list[tuple[str, str]], Step]:
     """Return how far each part of the plan is, and the next step."""
-    from ...calibration.taking.procedure import next_step, progress
+    from ...taking.procedure import next_step, progress
 
     return progress(session), next_step(session)
 
@@ -109,7 +109,7 @@ def _state(session: sn.Session) -> tuple[list[tuple[str, str]], Step]:
 def _dry_run(folder: Path, on: str | None) -> None:
     from dataclasses import replace
 
-    from ...calibration.settings import amended
+    from ...session.settings import amended
 
     session = _session(folder)
     if on is not None:
@@ -124,8 +124,8 @@ def _dry_run(folder: Path, on: str | None) -> None:
 
 
 def _scripted(folder: Path, script: Path) -> None:
-    from ...calibration.taking.person.identity import refuse_another
-    from ...calibration.taking.script import load_script, run_script, wanted_setup
+    from ...taking.identity import refuse_another
+    from ...taking.script import load_script, run_script, wanted_setup
     from .calibrate_person import count, program
 
     top = load_script(script)
@@ -151,7 +151,7 @@ def add(
     comment: str,
 ) -> None:
     """Add one reading, such as `station lambda_deg=0 incline_deg=2.3 belt_speed_m_s=1.6km/h`."""
-    from ...calibration.taking.parse_number import read_cells
+    from ...taking.parse_number import read_cells
 
     with _journal(folder) as journal:
         values = read_cells(kind, cells, journal.session.setup)
@@ -181,7 +181,7 @@ def amend(folder: Path, changes: tuple[str, ...]) -> None:
     `laboratory.surface="rubber belt"`. Or, before the first reading, state the instruments:
     `instruments.lambda_sigma_deg=0.3`.
     """
-    from ...calibration.taking.parse_number import amendment
+    from ...taking.parse_number import amendment
 
     with _journal(folder) as journal:
         for change in changes:

@@ -14,8 +14,8 @@ from ...show.screen import say
 from ..declare import FOLDER, Given, PathType, flag, option
 
 if TYPE_CHECKING:
-    from ...calibration.session import Setup
-    from ...calibration.taking.new_session import Question
+    from ...session.session import Setup
+    from ...taking.new_session import Question
 
 
 def quantity_of(name: str, unit: str = "") -> Callable[[Any], float | str]:
@@ -28,8 +28,8 @@ def quantity_of(name: str, unit: str = "") -> Callable[[Any], float | str]:
     def quantity(value: Any) -> float | str:
         import sys
 
-        from ...calibration.taking.new_session import LATER
-        from ...calibration.taking.parse_number import parse_number
+        from ...taking.new_session import LATER
+        from ...taking.parse_number import parse_number
 
         if isinstance(value, float):
             return value
@@ -53,7 +53,7 @@ def quantity_of(name: str, unit: str = "") -> Callable[[Any], float | str]:
 
 def question_of(name: str) -> Question:
     """Return one of the numbers that are asked for."""
-    from ...calibration.taking.new_session import QUESTIONS
+    from ...taking.new_session import QUESTIONS
 
     return next(question for question in QUESTIONS if question.field.column == name)
 
@@ -107,7 +107,7 @@ def new(
     import dataclasses
     import sys
 
-    from ...calibration.taking.new_session import (
+    from ...taking.new_session import (
         LATER,
         answered,
         create_session,
@@ -145,8 +145,8 @@ def new(
 
 def _asked(setup: Setup, answers: Given, on: str) -> Given:
     """Ask what is not answered yet; Enter takes what stands in brackets."""
-    from ...calibration.kinds.declaration import BELT_UNITS
-    from ...calibration.taking.new_session import JOINT_SIGMA_RAD, QUESTIONS, WORDS
+    from ...session.declaration import BELT_UNITS
+    from ...taking.new_session import JOINT_SIGMA_RAD, QUESTIONS, WORDS
 
     say("Enter takes what stands in brackets; numbers may be typed with their units.")
     answered = dict(answers)

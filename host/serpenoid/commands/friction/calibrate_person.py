@@ -9,21 +9,21 @@ from pathlib import Path
 
 from ...base.errors import RecordingFailed, SerpenoidError
 from ...calibration.friction_fit import fit_friction
-from ...calibration.session import Session
-from ...calibration.taking.journal import Journal
-from ...calibration.taking.person.dialogue import Dialogue, Told
-from ...calibration.taking.person.identity import ask_identity, in_words
-from ...calibration.taking.person.prompt import Left
-from ...calibration.taking.person.push_prompt import FilmReader
-from ...calibration.taking.person.session_robot import SessionRobot
-from ...calibration.taking.person.terminal import Console
-from ...calibration.taking.steps import Step, Tracked
 from ...model.gait import Gait
 from ...model.robot import Robot
 from ...robot.robot_match import RobotMatch
 from ...robot.wire.link import Link
+from ...session.journal import Journal
+from ...session.session import Session
 from ...show.screen import say
 from ...show.session.agreement import agreement
+from ...taking.dialogue import Dialogue, Told
+from ...taking.identity import ask_identity, in_words
+from ...taking.prompt import Left
+from ...taking.push_prompt import FilmReader
+from ...taking.session_robot import SessionRobot
+from ...taking.steps import Step, Tracked
+from ...taking.terminal import Console
 from ...video.measure_film import measure_film
 from ...video.pushed import track_pushes
 from ...video.reading import film_cells

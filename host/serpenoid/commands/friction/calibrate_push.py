@@ -52,9 +52,9 @@ def push(
     shows. The hand's part is found and left out. A push that turned, was short or hit something is
     kept, void, with the reason.
     """
-    from ...calibration.taking.floor.pushes import way_after
-    from ...calibration.taking.journal import Journal
-    from ...calibration.taking.person.push_prompt import take_track
+    from ...session.journal import Journal
+    from ...taking.push_prompt import take_track
+    from ...taking.pushes import way_after
     from .calibrate_person import film_reader
 
     with Journal(folder) as journal:

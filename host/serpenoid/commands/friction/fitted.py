@@ -179,8 +179,8 @@ def report(
     only crawls tell the friction, nothing is left to test it by.
     """
     from ...base.files import write_text
-    from ...calibration.session_file import load_session
     from ...prediction import advice, comparison
+    from ...session.folder import load_session
     from ...show.session.report_page import session_page
 
     out = out or session / "report.html"

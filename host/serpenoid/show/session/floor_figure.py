@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ...calibration.friction_result import FrictionFit
-    from ...calibration.session import Session
+    from ...session.session import Session
 
 COLOURS = (BLUE, ORANGE, RED, GREEN, PURPLE)
 MOST_MM = 4.0  # of the residuals' axis, at least

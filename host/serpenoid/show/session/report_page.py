@@ -10,10 +10,10 @@ from html import escape
 from typing import Any
 
 from ...calibration.friction_result import FrictionFit
-from ...calibration.session import Event, Session
-from ...calibration.taking.procedure import step_in_words
 from ...prediction.comparison import Comparison
 from ...prediction.next_reading import Advice
+from ...session.session import Event, Session
+from ...taking.procedure import step_in_words
 from ..comparison_figure import PANELS, SIZE, draw_comparison
 from ..plot import draw_friction, figure
 from .floor_figure import draw_pushes

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ...calibration.session import Session
+from ...session.session import Session
 from .. import report
 
 MOST_ROWS = 500  # the newest readings, on a terminal
@@ -38,7 +38,7 @@ def show(session: Session, parts: list[tuple[str, str]]) -> None:
 
 def notes(session: Session) -> list[str]:
     """Return what is to be told of a session's files, and of a belt that nobody checked."""
-    from ...calibration.session import belt_note
+    from ...session.session import belt_note
 
     return [*session.notes, *filter(None, [belt_note(session)])]
 

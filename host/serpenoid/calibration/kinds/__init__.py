@@ -1,1 +1,0 @@
-"""Kinds of readings, each declared once: columns, units, limits, prompts, and its dataclass."""

@@ -1,0 +1,103 @@
+"""The kind `gait`: the speed of the crawling robot over a marked distance."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from ..base.errors import BadInput
+from ..model.gait import Gait
+from .declaration import DERIVED, PLANNED, Field, Taken, Word
+from .instruments import MAX_SPEED_M_S, Stopwatch
+
+RUN_WAYS = ("level", "there", "back")  # along the line of the pushes, where a floor slopes
+COMMANDED = (
+    Field("alpha_deg", "alpha", 0.0, 180.0, source=PLANNED),
+    Field("beta_deg", "beta", -360.0, 360.0, source=PLANNED),
+)
+SPEED = (
+    Field("speed_m_s", "the speed", 0.0, MAX_SPEED_M_S, source=DERIVED),
+    Field(
+        "speed_sigma_m_s",
+        "its standard deviation",
+        0.0,
+        MAX_SPEED_M_S,
+        open_low=True,
+        source=DERIVED,
+    ),
+)
+WAY = Word("way", RUN_WAYS, source=DERIVED)
+
+
+@dataclass(frozen=True, slots=True)
+class GaitRun(Taken):
+    """One measured speed of the crawling robot, on level ground of the session's surface.
+
+    number: from 1, unique among all readings of the session. omega_rad_s: the true rate, from the
+    board's clock. speed_m_s: of the robot over ground, 0 where it got nowhere. distance_m,
+    duration_s: what it follows from, None where it was given itself. way: along the line of the
+    pushes, on a floor that may slope, or on level ground. Raises BadInput.
+    """
+
+    kind = "gait"
+    part = "gait_runs"
+    fields = (
+        *COMMANDED,
+        Field(
+            "omega_rad_s",
+            "omega",
+            0.0,
+            1000.0,
+            open_low=True,
+            source=PLANNED,
+            other_unit=("frequency_hz", "Hz"),
+        ),
+        Field(
+            "distance_m",
+            "distance between the marks",
+            0.0,
+            1000.0,
+            (0.05, 10.0),
+            optional=True,
+        ),
+        Field("duration_s", "time taken", 0.0, 1e5, (1.0, 600.0), open_low=True, optional=True),
+        *SPEED,
+        WAY,
+    )
+
+    number: int
+    alpha_rad: float
+    beta_rad: float
+    omega_rad_s: float
+    speed_m_s: float
+    speed_sigma_m_s: float
+    voided: bool = False
+    comment: str = ""
+    time_utc: str = ""
+    distance_m: float | None = None
+    duration_s: float | None = None
+    way: str = "level"
+
+    @property
+    def gait(self) -> Gait:
+        """Return the gait that was run."""
+        return Gait(self.alpha_rad, self.beta_rad, self.omega_rad_s)
+
+    @classmethod
+    def derived(cls, cells: dict[str, Any], watch: Stopwatch) -> dict[str, Any]:
+        """Put in the speed that distance and time give, unless it is given itself."""
+        there = [name for name in ("distance_m", "duration_s") if name in cells]
+        if not there or "speed_m_s" in cells:
+            return cells
+        if len(there) < 2:
+            missing = "duration_s" if there == ["distance_m"] else "distance_m"
+            raise BadInput(f"a gait run needs both distance_m and duration_s; {missing} is missing")
+        speed, sigma = watch.speed(*(float(cells[name]) for name in there))
+        return {"speed_m_s": speed, "speed_sigma_m_s": sigma} | cells
+
+    def in_words(self) -> tuple[str, str]:
+        """Return what it is, and its values."""
+        alpha, beta = math.degrees(self.alpha_rad), math.degrees(self.beta_rad)
+        what = f"gait {alpha:.3g}°/{beta:.3g}°, {self.omega_rad_s / (2 * math.pi):.3g} Hz"
+        return what, f"{self.speed_m_s:.4f} ± {self.speed_sigma_m_s:.4f} m/s"

@@ -1,0 +1,232 @@
+"""A session's folder, written to: one line a reading, on the disk before anything else happens.
+
+Files are only ever appended to, by one process at a time. A line that was cut short by a kill or
+a power cut is closed with a mark before the next one; a line that the disk has no room for is
+taken back whole.
+"""
+
+from __future__ import annotations
+
+import csv
+import errno
+import hashlib
+import io
+import os
+from collections.abc import Mapping, Sequence
+from datetime import datetime, timezone
+from io import FileIO
+from pathlib import Path
+from typing import Any
+
+from ..base import system
+from ..base.errors import BadInput, RecordingFailed
+from .declaration import Cells
+from .folder import read_session
+from .kinds import (
+    LISTED,
+    READING_COLUMNS,
+    TRACK_WORDS,
+    Row,
+    kind_of,
+    make_reading,
+    reading_row,
+    words_of,
+)
+from .rows import EVENT_COLUMNS, ON_READINGS, TORN, check_instruments, reading_rows
+from .session import Session
+from .settings import amended
+from .track import Samples, Track
+
+LOCK = ".lock"
+Listed = tuple[str, Cells, str]  # kind, cells and comment
+
+
+def utc_now() -> str:
+    """Return the time as the files hold it."""
+    return datetime.now(timezone.utc).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+
+
+class Journal:
+    """Append to one session, inside `with Journal(folder) as journal:` only.
+
+    session, rows (of readings, by their numbers): what the files hold now. Raises BadInput for
+    files that cannot be read and a session that another process has open, named by its number;
+    RecordingFailed where the disk takes no more: nothing is then half written.
+    """
+
+    def __init__(self, folder: str | Path):
+        self.folder = Path(folder)
+        self._lock: FileIO | None = None
+        self.session: Session
+        self.rows: dict[int, Row]
+
+    def __enter__(self) -> Journal:
+        if not (self.folder / "session.toml").exists():
+            raise BadInput(
+                f"{self.folder}: no session here (no session.toml); begin one with "
+                f"`serpenoid calibrate new {self.folder}`"
+            )
+        try:
+            self._take_lock()
+            self._read()
+        except BaseException:
+            self.__exit__()
+            raise
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        if self._lock:
+            self._lock.close()
+            self._lock = None
+
+    @property
+    def last(self) -> int:
+        """Return the number of the last reading, 0 before the first."""
+        return max(self.rows, default=0)
+
+    def add(
+        self,
+        kind: str,
+        cells: Cells,
+        *,
+        replaces: int = 0,
+        comment: str = "",
+        samples: Samples | None = None,
+    ) -> int:
+        """Write one reading; return its number. cells: column -> value, in the file's units.
+
+        It is checked first, so that no line is ever written that could not be read. samples: of a
+        kind with a track, whose file is on the disk before the reading's line.
+        """
+        number = self.last + 1
+        if replaces and replaces not in self.rows:
+            raise BadInput(
+                f"there is no reading {replaces} to replace; see `serpenoid calibrate status`"
+            )
+        track = None if samples is None else Track.of(kind_of(kind).columns, samples)
+        self.check(kind, cells, track)
+        if track is not None:
+            name = track.write(self.folder, number)
+            cells = dict(cells) | dict(zip(TRACK_WORDS, (name, track.sha256), strict=True))
+        row = self._row(number, kind, cells, comment) | {"replaces": str(replaces or "")}
+        self._append("readings.csv", READING_COLUMNS, [row])
+        return number
+
+    def add_once(self, listed: Sequence[Listed]) -> int:
+        """Write those of a list that are not there yet, all at once; return how many.
+
+        Each row holds a hash of the list up to it. So a list that was cut short by a kill is gone
+        on with, one that has grown adds its new end, and nothing is there twice.
+        """
+        there = {words_of(row).get(LISTED, "") for row in self.rows.values()}
+        digest, rows = hashlib.sha256(), list[Row]()
+        for kind, cells, comment in listed:
+            self.check(kind, cells)
+            digest.update(repr((kind, sorted(cells.items()), comment)).encode())
+            mark = digest.hexdigest()[:16]
+            if mark not in there:
+                number = self.last + len(rows) + 1
+                rows.append(self._row(number, kind, {**cells, LISTED: mark}, comment))
+        if rows:
+            self._append("readings.csv", READING_COLUMNS, rows)
+        return len(rows)
+
+    def _row(self, number: int, kind: str, cells: Cells, comment: str) -> dict[str, str]:
+        setup = 1 + sum(e.event == "amend" for e in self.session.events)
+        return reading_row(kind, cells, self.session.setup.procedure) | {
+            "reading": str(number),
+            "time_utc": utc_now(),
+            "setup": str(setup),
+            "comment": comment,
+        }
+
+    def check(self, kind: str, cells: Cells, track: Track | None = None) -> None:
+        """Raise BadInput for a reading that add() would not take."""
+        declared = kind_of(kind)
+        if track is None and declared.columns and not declared.track_may_miss:
+            raise BadInput(
+                f"a reading of kind {kind} needs its track, {', '.join(declared.columns)}; "
+                "`serpenoid video FILE --session DIR` adds a film"
+            )
+        common: dict[str, Any] = {"number": 1} | ({"track": track} if track is not None else {})
+        if told := make_reading(reading_row(kind, cells), common).doubt():
+            raise BadInput(told)
+
+    def event(self, event: str, reading: int = 0, detail: str = "") -> None:
+        """Write one event; void and undo need a reading that is there."""
+        if event in ON_READINGS and reading not in self.rows:
+            known = f"1 to {self.last}" if self.rows else "none yet"
+            raise BadInput(f"there is no reading {reading}; there are {known}")
+        if event == "amend":
+            setup = amended(self.session.setup, detail, self.folder)
+            void = {reading.number for reading in self.session.numbered if reading.voided}
+            for row in (self.rows[number] for number in self.rows.keys() - void):
+                check_instruments(row, self.session.setup, setup)
+        row = {"time_utc": utc_now(), "event": event, "reading": str(reading or "")}
+        self._append("events.csv", EVENT_COLUMNS, [row | {"detail": detail}])
+
+    def _read(self) -> None:
+        self.session = read_session(self.folder)
+        self.rows = reading_rows(self.folder)
+
+    def _take_lock(self) -> None:
+        path = self.folder / LOCK
+        try:
+            self._lock = path.open("a+b", buffering=0)
+        except OSError as error:
+            raise RecordingFailed(f"{path}: {error.strerror}; is the folder yours?") from error
+        if not system.lock(self._lock.fileno()):
+            self._lock.seek(0)
+            holder = self._lock.read(20).decode("ascii", "replace").strip() or "unknown"
+            raise BadInput(
+                f"{self.folder}: process {holder} is writing to this session already; leave it "
+                "there, or end that one first"
+            )
+        try:
+            self._lock.truncate(0)
+            self._lock.write(f"{os.getpid()}\n".encode())
+        except OSError as error:
+            raise RecordingFailed(
+                f"{path}: {error.strerror}: nothing could be kept; make room on the disk first"
+            ) from error
+
+    def _append(
+        self, name: str, columns: tuple[str, ...], rows: Sequence[Mapping[str, str]]
+    ) -> None:
+        if not self._lock:
+            raise BadInput("the session is not open; use it inside `with Journal(folder)`")
+        lines = (csv_line([row.get(column, "") for column in columns]) for row in rows)
+        append_line(self.folder / name, "".join(lines))
+        self._read()
+
+
+def csv_line(cells: list[str]) -> str:
+    """Return one line of CSV; a cell's own line ends become spaces, one line being one row."""
+    out = io.StringIO()
+    csv.writer(out, lineterminator="\n").writerow([" ".join(cell.split()) for cell in cells])
+    return out.getvalue()
+
+
+def append_line(path: Path, line: str) -> None:
+    """Put a line or more at a file's end and on the disk, whole or not at all.
+
+    Raises RecordingFailed.
+    """
+    try:
+        file = path.open("r+b", buffering=0)
+    except OSError as error:
+        raise RecordingFailed(f"{path}: {error.strerror}; nothing was written") from error
+    with file:
+        size = file.seek(0, os.SEEK_END)
+        file.seek(max(size - 1, 0))
+        data = (f"{TORN}\n" if file.read(1) not in (b"", b"\n") else "").encode() + line.encode()
+        try:
+            if file.write(data) < len(data):
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            os.fsync(file.fileno())
+        except OSError as error:
+            file.truncate(size)
+            raise RecordingFailed(
+                f"{path}: {error.strerror}: this is not saved, all before it is; make room on the "
+                "disk, then type it again"
+            ) from error

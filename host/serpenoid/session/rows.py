@@ -1,0 +1,275 @@
+"""Readings of every kind and events, one line each, read as an append-only journal.
+
+A line that has no end was cut short while it was written (a kill, a power cut) and does not
+count; the writer later closes it with the mark TORN. Lines are never changed: a reading is voided,
+or used again (`restore`, of older versions) by an event, and a later reading may say which one it
+replaces.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from datetime import datetime
+from pathlib import Path
+
+from ..base.checks import check_choice
+from ..base.errors import BadInput
+from ..base.files import csv_rows, read_text
+from ..base.toml_table import check_names, located
+from .declaration import Taken
+from .kinds import (
+    DOUBTFUL,
+    KINDS,
+    OLD_KINDS,
+    READING_COLUMNS,
+    TRACK_WORDS,
+    Row,
+    make_reading,
+    words_of,
+)
+from .session import Event, Session, Setup
+from .settings import amended
+from .track import FOLDER, Track, read_track
+
+TORN = "#torn"
+EVENT_COLUMNS = ("time_utc", "event", "reading", "detail")
+EVENTS = (
+    "start",
+    "end",
+    "pause",
+    "resume",
+    "amend",
+    "void",
+    "restore",
+    "undo",
+    "skip",
+    "unskip",
+    "note",
+    "connect",
+)
+ON_READINGS = ("void", "restore", "undo")
+INCLINED = ("station", "zero")  # kinds whose errors the session's [instruments] state
+Numbered = dict[int, Row]  # rows by the numbers of their readings
+
+
+def read_rows(setup: Setup, folder: Path) -> Session:
+    """Return the session of a folder."""
+    path, notes, setups = folder / "readings.csv", list[str](), [setup]
+    events = read_events(folder, notes)
+    for event in events:
+        if event.event == "amend":
+            setups.append(amended(setups[-1], event.detail, folder))
+    rows = _numbered(path, notes)
+    voided = _voided(rows, events, folder / "events.csv")
+    session = Session(setups[-1], (), str(path), folder=folder, events=tuple(events))
+    left_out = Counter[str]()
+    for number, row in rows.items():
+        kind = KINDS.get(row["kind"])
+        if kind is None or words_of(row).get("by") == "marks":
+            left_out[row["kind"] if kind is None else f"{row['kind']} by marks"] += 1
+            continue
+        comment = "; ".join(filter(None, (voided.get(number), row["comment"])))
+        common = {"number": number, "voided": number in voided, "comment": comment}
+        common |= {"time_utc": row["time_utc"]}
+        with located(row["where"]):
+            setup = _setup_of(row, setups)
+            if number not in voided:
+                check_instruments(row, setup, setups[-1])
+                check_facing(row)
+            session = session.with_reading(make_reading(row, common | _track(row, kind, folder)))
+    if left_out:
+        kinds = ", ".join(sorted(left_out))
+        notes.append(f"{left_out.total()} reading(s) of kinds not used here ({kinds}) left out")
+    return replace(session, notes=tuple(notes))
+
+
+def read_events(folder: Path, notes: list[str]) -> list[Event]:
+    """Return a session's events in the order they were written; raises BadInput."""
+    events = []
+    for row in rows_in(folder / "events.csv", EVENT_COLUMNS, notes):
+        with located(row["where"]):
+            event = check_choice("event", row["event"], EVENTS)
+            number = whole_number("reading", row["reading"]) if row["reading"] else 0
+            events.append(Event(time_of(row["time_utc"]), event, number, row["detail"]))
+    return events
+
+
+def reading_rows(folder: Path) -> Numbered:
+    """Return the rows of all readings by their numbers, of whatever kind, voided or not."""
+    return _numbered(folder / "readings.csv", [])
+
+
+def rows_in(path: Path, columns: tuple[str, ...], notes: list[str]) -> Iterator[Row]:
+    """Yield the lines below the header by their columns, `where` each stands too; raises BadInput.
+
+    notes: takes what is told of lines that do not count.
+    """
+    backup = f"take it from a backup; if there is none, its first line is {','.join(columns)}"
+    if not path.exists():
+        raise BadInput(f"{path}: not there, but it belongs to the session; {backup}")
+    text = read_text(path)
+    if not text.strip():
+        raise BadInput(f"{path}: the file is empty; {backup}")
+    lines = text.split("\n")
+    if lines[-1].strip():
+        notes.append(
+            f"{path}:{len(lines)}: the last line has no end: it was cut short while it was "
+            "written, and does not count"
+        )
+    with located(f"{path}:1"):
+        header = _cells(lines[0]) if len(lines) > 1 else []
+    if len(header) == 1 and ";" in lines[0]:
+        raise BadInput(
+            f"{path}:1: the cells are parted by semicolons; a spreadsheet did that: save the file "
+            "as CSV with commas, and decimals with a point"
+        )
+    check_names(header, columns, f"{path}:1", "column")
+    for number, line in enumerate(lines[1:-1], 2):
+        where = f"{path}:{number}"
+        if not line.strip() or line.endswith(TORN):
+            continue
+        if "\0" in line:
+            notes.append(f"{where}: damaged (zero bytes, as after a power cut), and does not count")
+            continue
+        with located(where):
+            yield {**_row(header, line), "where": where}
+
+
+def _cells(line: str) -> list[str]:
+    return next(iter(csv_rows(line)), [])
+
+
+def _row(header: list[str], line: str) -> Row:
+    cells = _cells(line)
+    if len(cells) != len(header):
+        raise BadInput(
+            f"{len(cells)} cells where the header has {len(header)}; decimals take a point, not a "
+            f"comma; a line that was cut short is left out if it ends in {TORN}"
+        )
+    return {name: cell.strip() for name, cell in zip(header, cells, strict=True)}
+
+
+def _numbered(path: Path, notes: list[str]) -> Numbered:
+    """Return the rows by number, each checked against those before it; raises BadInput."""
+    rows: Numbered = {}
+    latest = ""
+    for row in rows_in(path, READING_COLUMNS, notes):
+        with located(row["where"]):
+            number = whole_number("reading", row["reading"])
+            if number in rows:
+                raise BadInput(
+                    f"reading {number} is there already, at {rows[number]['where']}; give a new "
+                    "reading a new number, and name in `replaces` the one it replaces"
+                )
+            if row["replaces"] and whole_number("replaces", row["replaces"]) not in rows:
+                raise BadInput(
+                    f"replaces is {row['replaces']}, but there is no such reading before this one"
+                )
+            if row["time_utc"] and time_of(row["time_utc"]) < latest:
+                notes.append(
+                    f"{row['where']}: the clock went back, from {latest} to {row['time_utc']}; the "
+                    "order of the lines counts"
+                )
+            latest = row["time_utc"] or latest
+        rows[number] = {**row, "kind": OLD_KINDS.get(row["kind"], row["kind"])}
+    return rows
+
+
+def _voided(rows: Numbered, events: Sequence[Event], path: Path) -> dict[int, str]:
+    """Return the readings that are not to be used, and why; raises BadInput."""
+    why: dict[int, str] = {}
+    for number, row in rows.items():
+        if row["replaces"]:
+            why[int(row["replaces"])] = f"redone as {number}"
+        if DOUBTFUL in words_of(row):
+            why[number] = ""  # its comment says why
+    for event in (e for e in events if e.event in ON_READINGS):
+        if event.reading not in rows:
+            raise BadInput(f"{path}: {event.event} of reading {event.reading}, which is not there")
+        if event.event != "restore":
+            why[event.reading] = event.detail or "undone"
+            replaced = rows[event.reading]["replaces"]
+            if event.event == "undo" and replaced:
+                why.pop(int(replaced), None)
+        elif not _replaced_later(event, rows):
+            why.pop(event.reading, None)
+    return why
+
+
+def _replaced_later(restored: Event, rows: Numbered) -> bool:
+    """Tell whether a reading was taken anew after it was restored: then the new one counts."""
+    after = re.fullmatch(r"after reading (\d+)", restored.detail)
+    return after is not None and any(
+        row["replaces"] == str(restored.reading) and number > int(after[1])
+        for number, row in rows.items()
+    )
+
+
+def check_facing(row: Row) -> None:
+    """Raise BadInput for a reading of wheels that rolled backwards, as older programs took them."""
+    facing = words_of(row).get("facing", "")
+    if facing in ("up", "back"):
+        raise BadInput(
+            f"reading {row['reading']} has facing={facing}: its wheels rolled backwards, and a fit "
+            "knows one friction along the wheels. If they roll alike both ways, take that word out "
+            "of its line; else void the reading"
+        )
+
+
+def check_instruments(row: Row, then: Setup, now: Setup) -> None:
+    """Raise BadInput if what a reading was measured with is not what the session states now.
+
+    then, now: the set-up under which it was taken, and the last one.
+    """
+    timed = row["kind"] == "belt" or "places" in words_of(row)
+
+    def measured_with(setup: Setup) -> list[object]:
+        shown = replace(setup.uncertainty, mass_sigma=0.0), setup.treadmill.incline_step_rad
+        return [*(shown if row["kind"] in INCLINED else ()), *([setup.stopwatch] if timed else [])]
+
+    if measured_with(then) != measured_with(now):
+        raise BadInput(
+            f"reading {row['reading']} was taken with other instruments: a session has one set of "
+            "instruments. Begin a new session for others; correct in session.toml what was "
+            "mistyped there"
+        )
+
+
+def _track(row: Row, kind: type[Taken], folder: Path) -> dict[str, Track]:
+    """Return the track of a reading whose kind has one."""
+    name, sha256 = (words_of(row).get(word, "") for word in TRACK_WORDS)
+    if not kind.columns or (not name and kind.track_may_miss):
+        return {}
+    if not re.fullmatch(rf"{FOLDER}/\w+\.csv", name):
+        raise BadInput(f"track is {name!r}; it must be a file such as {FOLDER}/0001.csv")
+    return {"track": read_track(folder / name, kind.columns, sha256)}
+
+
+def _setup_of(row: Row, setups: list[Setup]) -> Setup:
+    number = whole_number("setup", row["setup"])
+    if number > len(setups):
+        raise BadInput(
+            f"setup is {number}, but events.csv tells of {len(setups) - 1} amendment(s), so the "
+            f"last is {len(setups)}; has a line been taken out of events.csv?"
+        )
+    return setups[number - 1]
+
+
+def whole_number(name: str, text: str) -> int:
+    """Return a cell's whole number from 1, or raise BadInput."""
+    if not re.fullmatch("[1-9][0-9]{0,8}", text):
+        raise BadInput(f"{name} is {text!r}; it must be a whole number from 1")
+    return int(text)
+
+
+def time_of(text: str) -> str:
+    """Return a time as it stands if it is ISO 8601 or empty, else raise BadInput."""
+    try:
+        if text:
+            datetime.fromisoformat(text.removesuffix("Z"))
+    except ValueError:
+        raise BadInput(f"time_utc is {text!r}; it must be ISO 8601 or empty") from None
+    return text

@@ -1,0 +1,369 @@
+"""A calibration session in memory: the set-up, and every kind of reading taken under it.
+
+Everything here is SI and radians; session_file reads it from a folder, whose files speak degrees.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections import Counter
+from dataclasses import dataclass, field, replace
+from operator import attrgetter
+from pathlib import Path
+from typing import Any
+
+from ..model.drives import FRAME_S, ServoKind
+from ..model.gait import Gait
+from ..model.robot import Robot
+from ..robot.wire.protocol import frame_us
+from .checks import BendCheck, ZeroReading
+from .film import FilmReading
+from .gait_run import GaitRun
+from .instruments import FloorTools, Stopwatch, TreadmillSteps, Uncertainty
+from .kinds import KINDS
+from .push import Push
+from .station import Reading, bent_share
+
+PLACES = ("treadmill", "floor")  # where a plan is carried out
+PROVENANCE = ("measured", "regenerated", "simulated")
+MAX_GRAVITY_M_S2 = 30.0
+NOT_WEIGHED = 0.05  # relative standard deviation of a mass that is an assumption
+ANY_BELT = 0.07  # of a belt's true speed over the one shown, before a mark on it was timed
+NO_BELT = "The belt's speed was not checked"
+
+
+@dataclass(frozen=True, slots=True)
+class Zero:
+    """What is known of the inclinometer's zero: to be taken off every incline it shows."""
+
+    value_rad: float
+    sigma_rad: float
+    readings: int
+
+
+@dataclass(frozen=True, slots=True)
+class Procedure:
+    """Which stations are to be held: every bend, from the first incline up to the top speed.
+
+    gaits: to be run on level ground afterwards, each gait_runs times. bend:
+    "balanced", or "zigzag" for a robot that is guided. on: "treadmill", or "floor": the robot is
+    pushed along a floor instead, `pushes` times in each bend of push_lambda_rad.
+    """
+
+    lambda_rad: tuple[float, ...]
+    incline_start_rad: float
+    incline_step_rad: float
+    belt_speed_max_m_s: float
+    gravity_m_s2: float
+    gaits: tuple[Gait, ...] = ()
+    gait_runs: int = 3
+    bend: str = "zigzag"
+    on: str = "treadmill"
+    push_lambda_rad: tuple[float, ...] = tuple(map(math.radians, (0.0, 20.0, 45.0)))
+    pushes: int = 8
+
+    @property
+    def bends_rad(self) -> tuple[float, ...]:
+        """Return the bends that the robot is to lie in where the plan is carried out."""
+        return self.push_lambda_rad if self.on == "floor" else self.lambda_rad
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """All of a session but its readings; two sessions may be joined only if theirs are equal.
+
+    kind: measured, regenerated (from published fits) or simulated. source, note: where the
+    readings come from, in words. surface, place, people: of the laboratory, in words. treadmill:
+    what it can be set to. stopwatch: how gait runs are timed. weighed: the mass is no assumption.
+    floor: what pushes are measured with. supply_v: voltage at the servos' plug, frame_s: time
+    between the board's setpoints, tag_side_m: of its printed tags; None where nobody said it.
+    belt_speed_unit: that the treadmill shows.
+    """
+
+    name: str
+    kind: str
+    source: str
+    note: str
+    robot: Robot
+    procedure: Procedure
+    uncertainty: Uncertainty
+    surface: str = ""
+    place: str = ""
+    people: str = ""
+    treadmill: TreadmillSteps = field(default_factory=TreadmillSteps)
+    stopwatch: Stopwatch = field(default_factory=Stopwatch)
+    weighed: bool = True
+    floor: FloorTools = field(default_factory=FloorTools)
+    supply_v: float | None = None
+    frame_s: float | None = None
+    tag_side_m: float | None = None
+    belt_speed_unit: str = "m/s"
+
+    def driving(self, kind: ServoKind) -> ServoKind:
+        """Return a kind of servo at the session's voltage and frames, where it states none."""
+        if self.supply_v is not None and kind.sigma.get("supply_v"):
+            kind = kind.at_volts(self.supply_v)
+        if kind.servo.frame_s != FRAME_S:
+            return kind
+        return kind.at_frames(self.frame_s or 1e-6 * frame_us(self.robot.links - 1))
+
+    @property
+    def weight_n(self) -> float:
+        """Return the weight of the whole snake, the m g of Eqs. 58 and 60."""
+        return self.robot.links * self.robot.link_mass_kg * self.procedure.gravity_m_s2
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """One line of events.csv; reading is 0 where none is meant."""
+
+    time_utc: str
+    event: str
+    reading: int
+    detail: str
+
+
+@dataclass(frozen=True, slots=True)
+class Session:
+    """Hold a set-up and its readings in the order they were taken, voided ones included.
+
+    Attributes
+    ----------
+    setup
+        The robot, the instruments and the plan.
+    readings
+        The stations held.
+    where
+        The session's name in errors: the readings' file if there is one.
+    gait_runs
+        Measured crawling speeds.
+    zeros
+        Zeros of the inclinometer, by reversal.
+    bends
+        Checks of a bend with a protractor.
+    further
+        Readings of all other kinds.
+    folder
+        The session's folder; None for a session in memory.
+    notes
+        Remarks from reading the files, in words.
+    events
+        What happened meanwhile: amendments, pauses, steps that were left out.
+
+    Examples
+    --------
+    >>> session = sn.load_session("calibration_data/nirakh-2005")
+    >>> session.setup.robot.links
+    6
+    >>> print(session)
+    nirakh-2005: 11 station
+    """
+
+    setup: Setup
+    readings: tuple[Reading, ...]
+    where: str = "session"
+    gait_runs: tuple[GaitRun, ...] = ()
+    zeros: tuple[ZeroReading, ...] = ()
+    bends: tuple[BendCheck, ...] = ()
+    further: tuple[Any, ...] = ()
+    folder: Path | None = None
+    notes: tuple[str, ...] = ()
+    events: tuple[Event, ...] = ()
+
+    def __str__(self) -> str:
+        """Return the session's name, and how many readings of each kind it has."""
+        counts = Counter(reading.kind for reading in self.numbered)
+        return f"{self.setup.name}: " + ", ".join(f"{n} {name}" for name, n in counts.items())
+
+    @property
+    def kept(self) -> tuple[Reading, ...]:
+        """Return the stations that were not voided."""
+        return self._kept("station")
+
+    @property
+    def kept_gait_runs(self) -> tuple[GaitRun, ...]:
+        """Return the gait runs that were not voided."""
+        return self._kept("gait")
+
+    @property
+    def kept_films(self) -> tuple[FilmReading, ...]:
+        """Return the measured films that were not voided."""
+        return self._kept("video")
+
+    @property
+    def kept_crawls(self) -> tuple[GaitRun, ...]:
+        """Return the gait runs, and the films as gait runs, that were not voided."""
+        return (*self.kept_gait_runs, *(film.gait_run for film in self.kept_films))
+
+    @property
+    def kept_pushes(self) -> tuple[Push, ...]:
+        """Return the pushes along a floor that were not voided."""
+        return self._kept("push")
+
+    @property
+    def fitted(self) -> tuple[Reading | Push, ...]:
+        """Return what a friction fit rests on, in the order of its residuals."""
+        return (*self.kept, *self.kept_pushes)
+
+    @property
+    def on_floor(self) -> bool:
+        """Tell whether there are readings for the fit that were not taken on a treadmill."""
+        return bool(self.kept_pushes)
+
+    @property
+    def skipped(self) -> frozenset[str]:
+        """Return the keys of all steps that were left out, and not taken up again."""
+        keys: set[str] = set()
+        for e in self.events:
+            if e.event == "skip":
+                keys.add(e.detail)
+            elif e.event == "unskip":
+                keys.discard(e.detail)
+        return frozenset(keys)
+
+    @property
+    def has_line(self) -> bool:
+        """Tell whether the floor has a line of pushes, planned or taken, to crawl along."""
+        return bool(self.kept_pushes) or self.setup.procedure.on == "floor"
+
+    def of(self, kind: str) -> tuple[Any, ...]:
+        """Return all readings of a kind, by its name, in the order they were taken."""
+        return tuple(r for r in getattr(self, KINDS[kind].part) if r.kind == kind)
+
+    def _kept(self, kind: str) -> tuple[Any, ...]:
+        return tuple(r for r in self.of(kind) if not r.voided)
+
+    @property
+    def numbered(self) -> list[Any]:
+        """Return every reading, by their numbers."""
+        return sorted((r for kind in KINDS for r in self.of(kind)), key=attrgetter("number"))
+
+    def with_reading(self, reading: Any) -> Session:
+        """Return the session with one more reading; a zero knows of stations before it."""
+        if isinstance(reading, ZeroReading):
+            reading = replace(reading, before=not self.readings)
+        return replace(self, **{reading.part: (*getattr(self, reading.part), reading)})
+
+    @property
+    def belt_scale(self) -> tuple[float, float]:
+        """Return the belt's true speed over the one shown, and its standard deviation.
+
+        The mean of the checks by mark and stopwatch and of what any belt may be: 1 within ANY_BELT,
+        or within what the instruments state where that is more. Readings that were regenerated from
+        published fits, whose belt nobody can check, are taken as their instruments state.
+        """
+        stated = self.setup.uncertainty.belt_scale_sigma
+        if self.setup.kind != "regenerated":
+            stated = max(stated, ANY_BELT)
+        known = [*([(1.0, stated)] if stated else []), *belt_checks(self)]
+        if not known:
+            return 1.0, 0.0
+        weights = [max(sigma, 1e-6) ** -2 for _, sigma in known]
+        mean = sum(w * scale for w, (scale, _) in zip(weights, known, strict=True)) / sum(weights)
+        return mean, sum(weights) ** -0.5
+
+    @property
+    def mass_sigma(self) -> float:
+        """Return the relative standard deviation of the mass; 5 % where it was not weighed."""
+        stated = self.setup.uncertainty.mass_sigma
+        return stated if self.setup.weighed else max(stated, NOT_WEIGHED)
+
+    @property
+    def zero(self) -> Zero:
+        """Return the inclinometer's zero and its standard deviation.
+
+        Measured by reversal: the mean, with what two readings' errors leave and with half of what
+        it moved between before and after. Not measured: 0, with what the set-up declares.
+        """
+        kept = self._kept_zeros
+        if not kept:
+            return Zero(0.0, self.setup.uncertainty.incline_zero_sigma_rad, 0)
+        means = self._zero_sides
+        moved_rad = abs(means[-1] - means[0]) / 2
+        sigma_rad = self._zero_reading_sigma_rad / math.sqrt(len(kept))
+        return Zero(sum(means) / len(means), math.hypot(sigma_rad, moved_rad), len(kept))
+
+    @property
+    def zero_moved_sigmas(self) -> float:
+        """Return how far the zero moved from before to after, in that difference's own errors."""
+        means = self._zero_sides
+        if len(means) < 2:
+            return 0.0
+        counts = [sum(z.before is side for z in self._kept_zeros) for side in (True, False)]
+        sigma_rad = self._zero_reading_sigma_rad * math.sqrt(sum(1 / n for n in counts))
+        return abs(means[1] - means[0]) / sigma_rad
+
+    @property
+    def _kept_zeros(self) -> tuple[ZeroReading, ...]:
+        return self._kept("zero")
+
+    @property
+    def _zero_sides(self) -> list[float]:
+        """Return the mean zero before and after the stations, those of them that were measured."""
+        kept = self._kept_zeros
+        sides = [[z.zero_rad for z in kept if z.before is side] for side in (True, False)]
+        return [sum(side) / len(side) for side in sides if side]
+
+    @property
+    def _zero_reading_sigma_rad(self) -> float:
+        """Return the error of one zero: two readings of the inclinometer, halved."""
+        return self.setup.uncertainty.incline_sigma_rad / math.sqrt(2)
+
+    def bent_share(self, reading: Reading | Push) -> float:
+        """Return which share of the links stands at lambda in a reading; 0 where straight."""
+        if not reading.lambda_rad:
+            return 0.0
+        return bent_share(reading.bend, self.setup.robot.links)
+
+    @property
+    def sha256(self) -> str:
+        """Return a hash of all that a friction fit rests on: robot, gravity, zeros, stations."""
+        setup = self.setup
+        rests_on = [
+            repr(setup.robot),
+            setup.procedure.gravity_m_s2,
+            repr(self.zero),
+            self.mass_sigma,
+            self.belt_scale,
+            [
+                [
+                    r.lambda_rad,
+                    r.incline_rad,
+                    r.belt_speed_m_s,
+                    r.drift_m_s,
+                    repr(setup.uncertainty),
+                    setup.treadmill.incline_step_rad,
+                    *([r.bend] if r.bend != "zigzag" else []),
+                    *([r.places, repr(setup.stopwatch)] if r.places else []),
+                ]
+                for r in self.kept
+            ],
+            *(repr(r) for r in self.numbered if r.fitted and r.part == "further" and not r.voided),
+            *([repr(setup.floor)] if self.on_floor else []),
+        ]
+        return hashlib.sha256(json.dumps(rests_on).encode()).hexdigest()
+
+    @property
+    def sha256_with_crawls(self) -> str:
+        """Return a hash of all that a friction fit rests on to which crawls are given, too."""
+        crawls = [repr(replace(r, comment="")) for r in (*self.kept_gait_runs, *self.kept_films)]
+        return hashlib.sha256(json.dumps([self.sha256, *crawls]).encode()).hexdigest()
+
+
+def belt_checks(session: Session) -> list[tuple[float, float]]:
+    """Return the belt's true speed over the one shown, and its sigma, of each timed mark."""
+    checks = (b for b in session.of("belt") if not b.voided)
+    return [(b.scale, b.scale_sigma(session.setup.stopwatch)) for b in checks]
+
+
+def belt_note(session: Session) -> str:
+    """Return in words that a session's belt was never checked; "" where it was, or none ran."""
+    if not session.kept or belt_checks(session) or session.setup.kind == "regenerated":
+        return ""
+    return (
+        f"{NO_BELT}: it is taken to run as it shows, within {session.belt_scale[1]:.0%}, and "
+        "ct and cn are as unsure. Time ten turns of a mark on it: `serpenoid calibrate add DIR "
+        "belt belt_speed_m_s=0.5 distance_m=28 duration_s=56`."
+    )

@@ -1,0 +1,97 @@
+"""Tracks: what was sampled over time, in a file of its own beside the session, with its hash."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.errors import BadInput, RecordingFailed
+from ..base.files import csv_rows, read_text, write_text
+
+FOLDER = "tracks"
+STAR = "*"  # in the last column's name: any number of such columns
+Floats = NDArray[np.float64]
+Samples = Sequence[Sequence[float]] | Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """Samples of one reading.
+
+    columns: names with units, such as t_s. values: (samples, columns), SI. sha256: of the file's
+    bytes.
+    """
+
+    columns: tuple[str, ...]
+    values: Floats
+    sha256: str
+
+    @classmethod
+    def of(cls, columns: tuple[str, ...], values: Samples) -> Track:
+        """Return a track of these samples; raises BadInput unless they are finite numbers.
+
+        A last column with a star stands for any number of them; there NaN says "not seen".
+        """
+        samples = np.array(values, dtype=np.float64)
+        names = _named(columns, samples.shape[-1] if samples.ndim else 0)
+        if samples.ndim != 2 or samples.shape[1] != len(names) or len(samples) < 2:
+            raise BadInput(
+                f"a track of {samples.shape} is none; it must be (samples, {len(columns)}) for "
+                f"{', '.join(columns)}, with two samples at least"
+            )
+        whole = len(columns) - columns[-1].count(STAR)
+        if np.isinf(samples).any() or np.isnan(samples[:, :whole]).any():
+            raise BadInput("a track has a sample that is no finite number; leave that sample out")
+        text = _text(names, samples)
+        samples.flags.writeable = False
+        return cls(names, samples, hashlib.sha256(text.encode()).hexdigest())
+
+    def write(self, folder: Path, number: int) -> str:
+        """Put the file of a reading's track onto the disk; return its name in the folder."""
+        name = f"{FOLDER}/{number:04}.csv"
+        path = folder / name
+        try:
+            path.parent.mkdir(exist_ok=True)
+            write_text(path, _text(self.columns, self.values))
+        except OSError as error:
+            raise RecordingFailed(
+                f"{path}: {error.strerror}: the track is not saved, all before it is; make room "
+                "on the disk first"
+            ) from error
+        return name
+
+    def __repr__(self) -> str:
+        return f"Track({self.sha256})"
+
+
+def read_track(path: Path, columns: tuple[str, ...], sha256: str) -> Track:
+    """Read a track's file; raises BadInput if it is not there, or not the one that was written."""
+    if not path.is_file():
+        raise BadInput(f"{path}: the track is not there, but a reading names it; restore the file")
+    text = read_text(path)
+    if hashlib.sha256(text.encode()).hexdigest() != sha256:
+        raise BadInput(
+            f"{path}: the track was changed since it was taken; restore the file from a backup"
+        )
+    rows = csv_rows(text, path)
+    if tuple(rows[0]) != _named(columns, len(rows[0])):
+        raise BadInput(f"{path}:1: the columns are {', '.join(rows[0])}, not {', '.join(columns)}")
+    return Track.of(columns, [[float(cell) for cell in row] for row in rows[1:]])
+
+
+def _named(columns: tuple[str, ...], count: int) -> tuple[str, ...]:
+    """Return the names of so many columns: 1, 2, ... for the star in the last one."""
+    if STAR not in columns[-1]:
+        return columns
+    numbers = range(1, count - len(columns) + 2)
+    return (*columns[:-1], *(columns[-1].replace(STAR, str(k)) for k in numbers))
+
+
+def _text(columns: tuple[str, ...], values: Floats) -> str:
+    lines = [",".join(f"{value:.9g}" for value in row) for row in values.tolist()]
+    return "\n".join([",".join(columns), *lines]) + "\n"
