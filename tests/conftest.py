@@ -8,7 +8,7 @@ from typing import TypeVar
 import pytest
 from hypothesis import HealthCheck, settings
 
-pytest_plugins = ["avr.fixtures", "robot.patience", "robot.boards", "robot.joints_board"]
+pytest_plugins = ["avr.fixtures", "robot.patience", "robot.boards"]
 
 settings.register_profile(
     "calm", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow]

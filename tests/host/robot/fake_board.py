@@ -1,4 +1,4 @@
-"""A board behind a pseudo-terminal that misbehaves as told: the firmware's controller, tampered."""
+"""Boards that misbehave as told, in lockstep or behind a pseudo-terminal: the tampered firmware."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ from collections.abc import Callable
 from robot.patience import LONG_S, clock, until
 from serpenoid import Gait
 from serpenoid._core import firmware
+from serpenoid.base.errors import RobotLost
 from serpenoid.robot.wire import protocol
+from serpenoid.robot.wire.virtual import VirtualLink
 
 Tamper = Callable[[bytes], bytes]
 GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
@@ -59,6 +61,43 @@ def eeprom_after(*commands: str) -> bytes:
     board.write("".join(f"{command}\n" for command in (*commands, "save unattended")).encode())
     board.run(2.0)
     return board.eeprom
+
+
+class FastBoard(VirtualLink):
+    """A virtual board in lockstep, which a Robot takes for its port: 2 s of patience pass at once.
+
+    Every line passes through to_host or to_board first, as in FakeBoard; opening resets nothing.
+    """
+
+    def __init__(self, to_host: Tamper = honest, to_board: Tamper = honest):
+        super().__init__(fast=True)
+        self.to_host, self.to_board = to_host, to_board
+        self.received, self._rest, self._unplugged = b"", b"", False
+
+    @property
+    def state(self) -> str:
+        return self.board.state
+
+    def reset(self, cause: str) -> None:
+        self.board.boot(cause)
+
+    def unplug(self) -> None:
+        self._unplugged = True
+
+    def read(self, timeout_s: float) -> bytes:
+        self._check()
+        *lines, self._rest = (self._rest + super().read(timeout_s)).split(b"\n")
+        return b"".join([self.to_host(line + b"\n") for line in lines])
+
+    def write(self, data: bytes) -> None:
+        self._check()
+        self.received += data
+        for line in data.splitlines(keepends=True):
+            super().write(self.to_board(line))
+
+    def _check(self) -> None:
+        if self._unplugged:
+            raise RobotLost("the port went away")
 
 
 class FakeBoard:

@@ -6,17 +6,13 @@ import io
 import json
 import math
 import re
-import signal
-import subprocess
-import time
 
 import numpy as np
 import pytest
-from command_line import answer, program, serpenoid
+from command_line import answer, serpenoid
 from rich.console import Console
 from robot.fake_board import GAIT_TYPED as GAIT
-from robot.fake_board import FakeBoard, eeprom_after
-from robot.patience import LONG_S
+from robot.fake_board import FakeBoard, FastBoard, eeprom_after, greeting
 from serpenoid import Gait
 from serpenoid.robot.recording.stream import load_stream
 from serpenoid.robot.tools.driven_run import DrivenRun
@@ -73,24 +69,13 @@ def test_a_live_table_where_there_is_one(monkeypatch):
     assert f"{run.robot.losses.missed_frames}" in shown
 
 
-@pytest.mark.parametrize(("duration", "status"), [("", 0), ("--duration-s 60", 130)])
-def test_ctrl_c_stops_the_robot_and_sums_up(duration, status):
-    with FakeBoard(pace=time.monotonic) as fake:
-        run = subprocess.Popen(
-            program(f"drive {GAIT} {duration} --port {fake.port}"),
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        assert run.stdout is not None
-        assert "gait" in run.stdout.readline()
-        run.send_signal(signal.SIGINT)
-        said, errors = run.communicate(timeout=LONG_S)
-        assert run.returncode == status, errors
-        assert fake.state == "hold"
-        assert b"\n!\n" in fake.received
-    assert "true gait frequency" in said
-    assert "Traceback" not in errors
+def test_markup_in_a_path_and_in_a_greeting_is_text(tmp_path, monkeypatch):
+    board, file = FastBoard(greeting(rb"board=\S+", b"board=[/b]")), tmp_path / "[" / "b]run.wire"
+    file.parent.mkdir()
+    monkeypatch.setattr("serpenoid.robot.robot.open_link", lambda _: board)
+    status, said, errors = serpenoid(f"drive {GAIT} --port any --duration-s 0.3 --record {file}")
+    assert (status, "Traceback" in errors) == (0, False), errors
+    assert "[/b], firmware" in said
 
 
 def test_a_board_that_tells_nothing_and_forgets_nobody_is_made_watchable():

@@ -1,10 +1,14 @@
-"""A robot of six or eight joints: the host follows what the greeting says of it."""
+"""A robot of any number of joints: followed by host and commands, or refused before it moves."""
 
 from __future__ import annotations
 
+import json
 import math
+import re
 
+import numpy as np
 import pytest
+from command_line import answer, serpenoid
 from refusals import refused
 from robots import gait_in_deg
 from serpenoid.model.bends import balanced_signs, joint_multiples
@@ -14,42 +18,35 @@ from serpenoid.taking.board_run import board_gait
 
 FRAME_US = {6: 20_000, 8: 22_500}
 GAIT = gait_in_deg(30, 40, 5.0)
+GAIT_TYPED = "--alpha-deg 60 --beta-deg 40 --omega-rad-s 3"
 
 
-def test_gait_pose_and_recording_have_so_many_joints(joints, joints_link, tmp_path):
+@pytest.mark.parametrize("joints", FRAME_US)
+def test_gait_pose_and_recording_have_so_many_joints(joints, tmp_path):
     lam = math.radians(7.5)
-    with Robot("any", record=tmp_path / "run.txt") as robot:
+    with Robot(f"virtual:fast:joints={joints}", record=tmp_path / "run.txt") as robot:
         assert (robot.hello.joints, robot.hello.frame_us) == (joints, FRAME_US[joints])
         robot.zigzag(lam)
         *_, frame = robot.frames(2.0 + 0.1 * joints)
         assert frame.setpoint_rad == pytest.approx([2 * lam, -2 * lam] * (joints // 2), abs=2e-4)
         with refused(f"a pose has {joints} angles"):
             robot.pose([0.0] * (joints - 1))
-        robot.pose([0.1 * j for j in range(joints)])
+        driven = board_gait(robot, GAIT)
+        assert driven.beta_rad == pytest.approx(GAIT.beta_rad, abs=1e-3)
         robot.gait(GAIT)
         *_, frame = robot.frames(4.0)
-        wave = [
-            GAIT.alpha_rad * math.sin(frame.phase_rad + j * GAIT.beta_rad) for j in range(joints)
-        ]
+        wave = GAIT.alpha_rad * np.sin(frame.phase_rad + np.arange(joints) * GAIT.beta_rad)
         assert frame.setpoint_rad == pytest.approx(wave, abs=3e-4)
         assert not robot.losses.missed_frames
     stream = load_stream(tmp_path / "run.txt")
     assert stream.setpoint_rad.shape == (len(stream.frame), joints)
-    period_s = (stream.board_s[-1] - stream.board_s[0]) / (stream.frame[-1] - stream.frame[0])
+    period_s = np.ptp(stream.board_s) / np.ptp(stream.frame)
     assert period_s == pytest.approx(FRAME_US[joints] * 1e-6, rel=1e-4)
-
-
-def test_the_gait_that_a_board_really_drives(joints, joints_link):
-    with Robot("any") as robot:
-        gait = board_gait(robot, GAIT)
-    assert gait.alpha_rad == pytest.approx(GAIT.alpha_rad, abs=1e-3)
-    assert gait.beta_rad == pytest.approx(GAIT.beta_rad, abs=1e-3)
 
 
 @pytest.mark.parametrize("number", range(3, 13))
 def test_any_number_of_joints_takes_the_balanced_bend(number):
     with Robot(f"virtual:fast:joints={number}") as robot:
-        assert robot.hello.joints == number
         robot.set("pose_speed", 360)
         robot.bent(0.2, -0.03)
         *_, frame = robot.frames(1.0 + 0.15 * number)
@@ -57,16 +54,44 @@ def test_any_number_of_joints_takes_the_balanced_bend(number):
         assert frame.setpoint_rad == pytest.approx(bent, abs=2e-4)
 
 
-def test_three_links_have_no_balanced_bend():
-    with Robot("virtual:joints=2:fast") as robot:
-        with refused(r"3 links.*guide the robot"):
-            robot.bent(0.1)
-        robot.zigzag(0.1, 0.02)
-        *_, frame = robot.frames(1.5)
-        assert frame.setpoint_rad == pytest.approx([0.22, -0.18], abs=2e-4)
+def test_three_links_have_no_balanced_bend_and_other_numbers_no_board():
+    with Robot("virtual:joints=2:fast") as robot, refused(r"3 links.*guide the robot"):
+        robot.bent(0.1)
+    for port in ("virtual:joints=13", "virtual:joints=", "virtual:quick"):
+        with refused("2 to 12 joints"), Robot(port):
+            pass
 
 
-@pytest.mark.parametrize("port", ["virtual:joints=13", "virtual:joints=", "virtual:quick"])
-def test_no_such_virtual_board(port):
-    with refused("2 to 12 joints"), Robot(port):
-        pass
+def test_drive_and_view_take_the_boards_joints(tmp_path):
+    run, page = tmp_path / "run.wire", tmp_path / "run.html"
+    port = "virtual:fast:joints=8"
+    told = answer(f"drive {GAIT_TYPED} --port {port} --duration-s 5 --record {run}")
+    assert told["missed_frames"] == 0
+    status, _, errors = serpenoid(f"view {run} --out {page}")
+    assert (status, "of a robot of 9" in errors) == (2, True)
+    serpenoid(f"view {run} --links 9 --out {page}", check=True)
+    data = page.read_text().partition('type="application/json">')[2].partition("</script")[0]
+    assert len(json.loads(data)["joint_deg"][0]) == 8
+
+
+@pytest.mark.parametrize("links", [6, 9])
+def test_a_session_of_another_robot_is_refused_before_it_moves(links, tmp_path, monkeypatch):
+    folder = tmp_path / "session"
+    serpenoid(f"calibrate new {folder} --surface belt --mass-kg 0.5 --defaults", check=True)
+    about = folder / "session.toml"
+    about.write_text(re.sub(r"(?m)^links = \d+", f"links = {links}", about.read_text()))
+    answers = "0,1\n0.0\n\n\n\n2.0\n0.2\n\n\nkeep\nquit\n"
+    done = serpenoid(f"calibrate {folder} --port virtual:fast:joints=8", typed=answers)
+    if links == 9:
+        assert (done.returncode, "kept as reading 2" in done.stdout) == (0, True), done.stderr
+    else:
+        said = "the session is of a robot of 6 links, but this board moves 9"
+        assert (done.returncode, said in done.stderr) == (2, True)
+
+
+def test_a_gait_searched_for_another_robot_is_not_sent():
+    asked = "optimize --robot paper --speed 0.05 --servo ideal --send --duration-s 1"
+    done = serpenoid(f"{asked} --port virtual:fast:joints=6")
+    said = "the gait is of a robot of 6 links, but this board moves 7"
+    assert (done.returncode, said in done.stderr) == (2, True)
+    assert "frames" in serpenoid(f"{asked} --port virtual:fast", check=True).stdout

@@ -1,80 +1,164 @@
-"""What `ports` and `doctor` say of ports, boards and wires in every state."""
+"""Ports are opened by one program only; `ports` and `doctor` tell what is wrong with each."""
 
 from __future__ import annotations
 
+import os
 import re
+import subprocess
+import sys
 import time
 from types import SimpleNamespace
 
 import pytest
 from command_line import answer, serpenoid
-from robot.fake_board import FakeBoard, eeprom_after, greeting, nothing, resealed
+from robot.fake_board import FakeBoard, eeprom_after, greeting, honest, nothing, resealed
+from robot.patience import LONG_S
 from robot.terminal import Person
+from serpenoid.base import system
+from serpenoid.base.errors import PortBusy, PortMissing
 from serpenoid.robot import Robot
 from serpenoid.robot.tools import doctor
 from serpenoid.robot.tools.limp_test import FREE, RELEASED, limp_test
 from serpenoid.robot.wire import ports
 from serpenoid.robot.wire.virtual import VirtualLink
 
-FAST = {"listen_s": 0.3, "timeout_s": 2.0}
+OPENING = "import sys; from serpenoid.robot import Robot\nwith Robot(sys.argv[1]): pass"
 
 
 @pytest.fixture
 def plugged(monkeypatch: pytest.MonkeyPatch):
-    """Return a function that makes pyserial list these (device, vendor id, product id)."""
+    """Return a function that makes pyserial list these (device, vendor id)."""
 
-    def plug(*rows: tuple[str, int | None, int | None]) -> None:
-        found = [SimpleNamespace(device=d, description="x", vid=v, pid=p) for d, v, p in rows]
+    def plug(*rows: tuple[str, int | None]) -> None:
+        found = [SimpleNamespace(device=d, description="x", vid=v, pid=0x43) for d, v in rows]
         monkeypatch.setattr("serial.tools.list_ports.comports", lambda: found)
 
     return plug
 
 
-def marks(port: str | None) -> dict[str, str]:
-    return {f.name: f.mark for f in doctor.examine(port, **FAST)}
+def opened(port: str | None) -> None:
+    with Robot(port, timeout_s=0.2):
+        pass
 
 
-def fix_of(name: str, port: str | None) -> str:
-    found = {f.name: f for f in doctor.examine(port, **FAST)}
-    assert found[name].mark == "fix"
-    return found[name].fix
+def test_two_programs_cannot_have_one_port_and_the_first_does_not_notice():
+    with FakeBoard() as fake:
+        played = os.open(fake.port, os.O_RDWR | os.O_NOCTTY)  # who plays a board may keep it open
+        with Robot(fake.port) as robot:
+            boot = robot.hello.boot
+            with pytest.raises(PortBusy, match=r"another program .*lock.*: close"):
+                opened(fake.port)
+            other = subprocess.run(
+                [sys.executable, "-c", OPENING, fake.port],
+                capture_output=True,
+                text=True,
+                timeout=LONG_S,
+                check=False,
+            )
+            assert f"PortBusy: {fake.port} is in use by another program" in other.stderr
+            assert "close serial monitors" in found(fake.port)["other programs"].fix
+            assert robot.status().boot == boot
+        os.close(played)
 
 
-def test_ports_lists_ids_and_boards(plugged):
-    with FakeBoard() as board:
-        plugged((board.port, 0x2341, 0x43), ("/dev/ttyS0", None, None))
-        mine, other = answer("ports")["ports"]
-        assert (mine["usb"], mine["chip"], mine["likely_board"]) == ("2341:0043", "Arduino", True)
-        assert (other["usb"], other["likely_board"]) == (None, False)
-        assert "likely a board (Arduino)" in serpenoid("ports")[1]
+def test_a_port_that_is_not_there_or_is_no_port(tmp_path, plugged):
+    plugged(("/dev/ttyACM3", 0x2341))
+    with pytest.raises(PortMissing, match=r"no port /dev/none; serial ports here: /dev/ttyACM3"):
+        opened("/dev/none")
+    (tmp_path / "file").touch()
+    with pytest.raises(PortMissing, match="cannot be used as a serial port"):
+        opened(str(tmp_path / "file"))
+
+
+@pytest.mark.parametrize("vendor", [0x2341, 0x2A03, 0x1A86, 0x0403])
+def test_the_one_board_is_found_by_its_usb_id(plugged, vendor):
+    with FakeBoard() as fake:
+        plugged(("/dev/ttyS0", None), (fake.port, vendor), ("/dev/ttyUSB1", 0x1234))
+        opened(None)
+        mine, other, _ = sorted(answer("ports")["ports"], key=lambda row: not row["likely_board"])
+        assert (mine["device"], mine["usb"]) == (fake.port, f"{vendor:04x}:0043")
+        assert not other["likely_board"]
+
+
+def test_several_boards_or_none_are_listed(plugged, monkeypatch):
+    plugged(("/dev/ttyACM0", 0x2341), ("/dev/ttyUSB0", 0x1A86))
+    with pytest.raises(PortMissing, match=r"2 ports.*ttyACM0 \(Arduino, x\).*ttyUSB0"):
+        opened(None)
+    assert "likely a board (Arduino)" in serpenoid("ports").stdout
+    assert "name one of them" in found(None)["port"].fix
+    plugged(("/dev/ttyS0", None))
+    monkeypatch.setattr(system, "usb_vendors", lambda: {"1a86"})
+    with pytest.raises(PortMissing, match=r"here: /dev/ttyS0\. A CH340.*brltty.*plug the board in"):
+        opened(None)
     plugged()
-    assert serpenoid("ports") == (0, "", serpenoid("ports")[2])
-    assert "no board found" in serpenoid("ports")[2]
+    assert "no board found" in serpenoid("ports").stderr
+    assert "none at all" in found(None)["port"].fix
+
+
+@pytest.mark.parametrize(("group", "cure"), [("uucp", "usermod -aG uucp "), ("root", "udev")])
+def test_a_port_that_is_forbidden_names_the_group_or_a_rule(group, cure, monkeypatch):
+    monkeypatch.setattr("grp.getgrgid", lambda _: SimpleNamespace(gr_name=group))
+    monkeypatch.setattr(ports, "allowed", lambda _: False)
+    with FakeBoard() as fake:
+        told = found(fake.port)
+    assert cure in told["permission"].fix
+    assert "-aG root" not in told["permission"].fix
+    assert "greeting" not in told
 
 
 @pytest.mark.parametrize("port", ["virtual", "virtual:fast"])
 def test_nothing_is_wrong_with_the_virtual_board(port):
-    told = answer(f"doctor --port {port} --listen-s 2")
+    told = answer(f"doctor --port {port} --listen-s 0.5")
     assert told["well"]
-    names = [f["name"] for f in told["findings"]]
-    assert names == [
-        "pyserial",
-        "port",
-        "greeting",
-        "protocol",
-        "settings",
-        "without pulses",
-        "counters",
-        "timing",
-        "clock",
-        "platformio",
+    assert [f["name"] for f in told["findings"]] == [
+        *("pyserial", "port", "greeting", "protocol", "settings", "without pulses", "counters"),
+        *("timing", "clock", "platformio"),
     ]
+    status, _, said = serpenoid(f"doctor --port {port} --listen-s 0")
+    assert (status, "0.2<=x<=600" in said) == (2, True)
 
 
-def test_listening_too_short_to_hear_a_frame_is_refused():
-    status, _, said = serpenoid("doctor --port virtual --listen-s 0")
-    assert status == 2
-    assert "0.2<=x<=600" in said
+def found(port: str | None) -> dict[str, doctor.Finding]:
+    return {f.name: f for f in doctor.examine(port, listen_s=0.3, timeout_s=0.6)}
+
+
+def damaged_settings() -> bytes:
+    eeprom = bytearray(eeprom_after())
+    eeprom[100] ^= 1  # in the one copy that there is
+    return bytes(eeprom)
+
+
+def counted(name: bytes, field: bytes, value: bytes):
+    return lambda line: resealed(line, field, value) if line.startswith(name) else line
+
+
+SICK = {  # what is wrong with the board: its tamper, its EEPROM; the finding and its mark and fix
+    "silent": (nothing, b"", "greeting", "fix", "is it flashed"),
+    "another protocol": (
+        greeting(rb"protocol=\d+", b"protocol=7"), b"", "protocol", "fix", "serpenoid flash",
+    ),
+    "a bad cable": (
+        lambda said: re.sub(rb"t:(\d*[05]) j1", rb"t:\1 j!", said), b"", "counters", "fix", "cable",
+    ),
+    "settings": (honest, damaged_settings(), "settings", "fix", ""),
+    "brown-out": (greeting(b"=external", b"=brownout"), b"", "last reset", "fix", "supply"),
+    "silence off": (honest, eeprom_after("set silence off"), "silence", "note", ""),
+    "lost bytes": (counted(b"counters:", b"rxfull=0", b"rxfull=3"), b"", "counters", "fix", ""),
+    "overruns": (counted(b"timing:", rb"overruns=\d+", b"overruns=1"), b"", "timing", "fix", ""),
+    "lateness": (counted(b"timing:", rb"late_us=\d+", b"late_us=5000"), b"", "timing", "fix", ""),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("board", SICK)
+def test_the_doctor_names_what_a_board_has_and_moves_nothing(board):
+    tamper, eeprom, name, mark, fix = SICK[board]
+    with FakeBoard(tamper, eeprom=eeprom or None) as fake:
+        told = found(fake.port)
+        assert fake.board.setpoints_rad == [0.0] * 5
+        assert fake.state == "idle"
+    assert (told[name].mark, fix in told[name].fix) == (mark, True), told
+    others = {n for n, f in told.items() if f.mark == "fix"} - {name}
+    assert not others or board in ("settings", "another protocol")
 
 
 @pytest.mark.parametrize(("turns", "code"), [(True, 1), (False, 2)])
@@ -87,94 +171,11 @@ def test_the_limp_tests_answer_is_kept_on_the_board(turns, code):
         assert (robot.hello.settings, robot.settings()["released"]) == ("ok", code)
 
 
-@pytest.mark.parametrize("free", ["y", "n"])
-def test_the_limp_test_asks_before_anything_moves(free):
+def test_the_limp_test_asks_before_anything_moves():
     with FakeBoard(pace=time.monotonic) as fake, Person(f"doctor --limp --port {fake.port}") as one:
         one.sees("free space all around")
         assert b" pose " not in fake.received
-        one.presses(f"{free}\r")
-        if free == "y":
-            one.answers("turn its horn by hand", "y\r")
-            one.sees("kept on the board: these servos go limp")
-        else:
-            one.sees("not tried")
+        one.presses("n\r")
+        one.sees("not tried")
         assert one.leaves() == 0
-        assert (b" pose " in fake.received) == (free == "y")
-
-
-def test_the_robot_is_not_moved_by_a_doctor():
-    with FakeBoard() as board:
-        assert "fix" not in marks(board.port).values()
-        assert board.state == "idle"
-        assert board.board.setpoints_rad == [0.0] * 5
-
-
-def test_no_port_no_board_and_two_boards(plugged):
-    plugged()
-    assert "none at all" in fix_of("port", None)
-    assert "serial ports here: none" in fix_of("port", "/dev/no-such-port")
-    plugged(("/dev/ttyA", 0x2341, 0x43), ("/dev/ttyB", 0x1A86, 0x7523))
-    assert "name one of them" in fix_of("port", None)
-
-
-def test_a_port_that_may_not_be_opened(monkeypatch):
-    monkeypatch.setattr(ports, "allowed", lambda _: False)
-    with FakeBoard() as board:
-        assert "usermod -aG" in fix_of("permission", board.port)
-        assert "greeting" not in marks(board.port)
-
-
-def test_a_port_in_use():
-    with FakeBoard() as board, Robot(board.port):
-        assert "close serial monitors" in fix_of("other programs", board.port)
-        assert board.state == "idle"
-
-
-def test_a_silent_board():
-    with FakeBoard(nothing) as board:
-        assert "is it flashed" in fix_of("greeting", board.port)
-
-
-def test_another_protocol():
-    with FakeBoard(greeting(rb"protocol=\d+", b"protocol=7")) as board:
-        fix = fix_of("protocol", board.port)
-        assert "protocol 7" in fix
-        assert "serpenoid flash" in fix
-
-
-def test_a_bad_cable():
-    def noisy(said: bytes) -> bytes:
-        return re.sub(rb"t:(\d*[05]) j1", rb"t:\1 j!", said)
-
-    with FakeBoard(noisy) as board:
-        assert "cable" in fix_of("counters", board.port)
-
-
-def test_settings_damaged_and_a_brown_out():
-    eeprom = bytearray(eeprom_after())
-    eeprom[100] ^= 1  # in the one copy that there is
-    with FakeBoard(greeting(b"=external", b"=brownout"), eeprom=bytes(eeprom)) as fake:
-        found = {f.name: f for f in doctor.examine(fake.port, **FAST)}
-    assert found["settings"].mark == found["last reset"].mark == "fix"
-    assert "supply" in found["last reset"].fix
-
-
-def test_silence_off_is_told():
-    with FakeBoard(eeprom=eeprom_after("set silence off")) as fake:
-        assert marks(fake.port)["silence"] == "note"
-
-
-@pytest.mark.parametrize(
-    ("name", "field", "bad"),
-    [
-        ("counters", rb"rxfull=0", b"rxfull=3"),
-        ("timing", rb"overruns=\d+", b"overruns=1"),
-        ("timing", rb"late_us=\d+", b"late_us=5000"),
-    ],
-)
-def test_what_the_counters_and_the_timing_mean(name, field, bad):
-    def busy(line: bytes) -> bytes:
-        return resealed(line, field, bad) if line.startswith((b"counters:", b"timing:")) else line
-
-    with FakeBoard(busy) as board:
-        assert fix_of(name, board.port)
+        assert b" pose " not in fake.received

@@ -1,0 +1,462 @@
+"""Whatever is lost - a stop, frames, verdicts, the clock, the board - no run ends as if well."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import random
+import re
+import signal
+import time
+from collections.abc import Callable
+
+import pytest
+from command_line import serpenoid
+from robot.fake_board import (
+    GAIT,
+    GAIT_TYPED,
+    FakeBoard,
+    FastBoard,
+    Tamper,
+    greeting,
+    honest,
+    nothing,
+    resealed,
+    sealed,
+    without,
+)
+from robot.patience import LONG_S, clock, until
+from serpenoid.base.errors import (
+    CommandRefused,
+    DamagedLine,
+    FramesMissing,
+    NoAnswer,
+    ProtocolMismatch,
+    RobotError,
+    RobotLost,
+    RobotReset,
+    StateUnasked,
+    StopUnconfirmed,
+)
+from serpenoid.robot import Robot
+from serpenoid.robot.recording.stream import load_stream
+from serpenoid.robot.wire.dialogue import MOST_STOPS
+from serpenoid.robot.wire.virtual import VirtualLink
+
+
+def after_gait_frames(count: int, tamper: Tamper) -> Tamper:
+    """Return a tamper that acts from the count-th frame of a gait on."""
+    seen = 0
+
+    def pass_on(line: bytes) -> bytes:
+        nonlocal seen
+        seen += b" st=gait" in line
+        return tamper(line) if seen > count else line
+
+    return pass_on
+
+
+def refusing_stop(line: bytes) -> bytes:
+    return resealed(line, rb"^ok: (#\d+)$", rb"err: \1 saving - settings are being saved")
+
+
+def deaf_to_stops(line: bytes) -> bytes:
+    """Change every stop into a ping, which a board answers with ok."""
+    return resealed(line.replace(b"!", b""), rb"^(#\d+) stop$", rb"\1 ping")
+
+
+def at_double_pace(line: bytes) -> bytes:
+    us = re.search(rb" board_us=(\d+)", line)
+    return resealed(line, rb" board_us=\d+", b" board_us=%d" % (2 * int(us[1]))) if us else line
+
+
+def on_the_way_out(board: FastBoard, word: bytes, act: Callable[[], None]) -> None:
+    """Do something once, when a line with a word goes to the board."""
+
+    def watch(line: bytes) -> bytes:
+        if word not in line:
+            return line
+        board.to_board = honest
+        act()
+        return line
+
+    board.to_board = watch
+
+
+def in_the_gait(tamper: Tamper, count: int = 25) -> Callable[[FastBoard], None]:
+    return lambda board: setattr(board, "to_host", after_gait_frames(count, tamper))
+
+
+def once(board: FastBoard, act: Callable[[], None], then: Tamper = honest) -> Tamper:
+    """Return a tamper that does something at its first line, and is `then` from there on."""
+
+    def tamper(line: bytes) -> bytes:
+        board.to_host = then
+        act()
+        return then(line)
+
+    return tamper
+
+
+def reset_in_the_gait(then: Tamper) -> Callable[[FastBoard], None]:
+    return lambda board: in_the_gait(once(board, lambda: board.reset("brownout"), then))(board)
+
+
+def cut_line_and_greeting(line: bytes) -> bytes:
+    return b"t:2" + line if line.startswith(b"hello: ") else line
+
+
+def interrupted_unheard(board: FastBoard) -> None:
+    in_the_gait(once(board, lambda: os.kill(os.getpid(), signal.SIGINT), nothing))(board)
+
+
+RESET = r"boot \d, now \d; cause: brownout"
+LOSSES = {
+    "mute": (in_the_gait(nothing), "no telemetry|no verdict for 'ping'"),
+    "no usable frame": (
+        lambda board: setattr(
+            board, "to_host", lambda s: s[:20] + b"\n" if s.startswith(b"t:") else s
+        ),
+        "no telemetry",
+    ),
+    "frames end": (in_the_gait(without("t:"), 50), "no telemetry"),
+    "every fifth frame": (
+        in_the_gait(lambda line: b"" if re.match(rb"t:\d*[05] ", line) else line, 0),
+        "frames came and",
+    ),
+    "limp": (
+        in_the_gait(lambda line: resealed(line, b" st=gait", b" st=idle")),
+        "state 'idle', asked for was 'gait'",
+    ),
+    "a key of somebody else": (
+        lambda board: in_the_gait(once(board, lambda: board.board.write(b"\n!\n")))(board),
+        "state 'hold', asked for was 'gait'",
+    ),
+    "a clock at double pace": (
+        lambda board: setattr(board, "to_host", at_double_pace),
+        "clock runs",
+    ),
+    "reset": (reset_in_the_gait(honest), RESET),
+    "reset, greeting behind half a line": (reset_in_the_gait(cut_line_and_greeting), RESET),
+    "reset, greeting lost": (reset_in_the_gait(without("hello:")), "frames went back from"),
+    "reset at the stop key": (
+        lambda board: on_the_way_out(board, b"!", lambda: board.reset("brownout")),
+        RESET,
+    ),
+    "reset at the stop": (
+        lambda board: on_the_way_out(board, b" stop *", lambda: board.reset("brownout")),
+        RESET,
+    ),
+    "unplugged at the stop": (
+        lambda board: on_the_way_out(board, b" stop *", board.unplug),
+        "not confirmed.*went away",
+    ),
+    "a stop that is refused": (
+        lambda board: on_the_way_out(board, b"!", lambda: setattr(board, "to_host", refusing_stop)),
+        "refuses 'stop': saving.*power",
+    ),
+    "a stop that is not obeyed": (
+        lambda board: setattr(board, "to_board", deaf_to_stops),
+        "not confirmed.*said ok.*'gait'.*cut its power",
+    ),
+    "Ctrl-C, and the stop is not sure": (interrupted_unheard, "stop was not confirmed"),
+}
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_drive_tells_a_loss_once_and_keeps_the_recording(tmp_path, monkeypatch, loss):
+    harm, said = LOSSES[loss]
+    board, file = FastBoard(), tmp_path / "run.wire"
+    harm(board)
+    monkeypatch.setattr("serpenoid.robot.robot.open_link", lambda _: board)
+    args = f"--port any --duration-s 2.5 --record {file} --json"
+    status, out, errors = serpenoid(f"drive {GAIT_TYPED} {args}")
+    assert status == 1, errors
+    assert len(re.findall(said, errors)) == 1, errors
+    assert "Traceback" not in errors
+    assert load_stream(file).end is not None
+    assert '"frequency_hz": 0.7' not in out or "clock" not in loss
+
+
+noise = random.Random(1)
+OLD = sealed("hello: serpenoid fw=9.0.0 protocol=0 name=snake")
+OPENINGS = {
+    "silent": (nothing, NoAnswer, "nothing came.*flash"),
+    "another baud rate": (
+        lambda line: noise.randbytes(len(line)),
+        NoAnswer,
+        "not of this firmware at 250000 baud",
+    ),
+    "greetings always damaged": (
+        lambda line: line.replace(b" *", b" *0"),
+        NoAnswer,
+        "greetings came damaged.*cable",
+    ),
+    "another protocol": (
+        lambda line: OLD if line.startswith(b"hello") else b"",
+        ProtocolMismatch,
+        "protocol 0.*protocol 5.*serpenoid flash --port",
+    ),
+    "other joints than the frames have": (
+        greeting(b"joints=5", b"joints=12"),
+        ProtocolMismatch,
+        "12 joints, and a frame has 5",
+    ),
+}
+
+
+@pytest.mark.parametrize("board", OPENINGS)
+def test_a_board_that_is_none_of_ours_is_told_by_what_came(board):
+    tamper, error, said = OPENINGS[board]
+    link = FastBoard(tamper)
+    with pytest.raises(error, match=said), Robot(link, timeout_s=1.0) as robot:
+        list(robot.frames(LONG_S))
+    assert b"#0 hello" in link.received or error is ProtocolMismatch
+
+
+@pytest.mark.parametrize("protocol", ["4", "9" * 5000])
+def test_a_damaged_greeting_is_not_believed_but_asked_for_again(protocol):
+    damaged = itertools.chain([True] * 2, itertools.repeat(False))
+
+    def spoil(line: bytes) -> bytes:
+        if not line.startswith(b"hello") or not next(damaged):
+            return line
+        return re.sub(rb"protocol=\d+", b"protocol=" + protocol.encode(), line)
+
+    with Robot(FastBoard(spoil)) as robot:
+        assert robot.hello.board == "virtual"
+
+
+@pytest.mark.parametrize("every", [0, 1])
+def test_a_stop_is_sure_though_the_line_on_its_state_was_lost_and_else_told(every):
+    board = FastBoard(without("state:"))
+    with pytest.raises(StopUnconfirmed, match=r"not confirmed.*'pose'"):
+        with Robot(board) as robot:
+            robot.set("every", every)
+            robot.set("pose_speed", 1.0)
+            robot.zigzag(0.4)
+            robot.stop()
+            assert board.state == "hold"
+            robot.zigzag(-0.4)
+            board.to_board = deaf_to_stops
+            with pytest.raises(StopUnconfirmed, match=r"said ok.*'pose'.*cut its power"):
+                robot.stop()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_does_not_hide_that_the_stop_is_not_sure(number):
+    board = FastBoard()
+    with pytest.raises(StopUnconfirmed, match=r"not confirmed: no verdict.*power") as told:
+        with Robot(board) as robot:
+            robot.gait(GAIT)
+            board.to_host = nothing
+            os.kill(os.getpid(), number)
+            time.sleep(1.0)
+    assert isinstance(told.value.__cause__, (KeyboardInterrupt, SystemExit))
+
+
+def test_a_loss_is_told_though_it_was_caught_or_met_by_no_call():
+    with FakeBoard() as fake, pytest.raises(StopUnconfirmed), Robot(fake.port) as robot:
+        robot.gait(GAIT)
+        fake.unplug()
+        with pytest.raises(RobotLost):
+            list(robot.frames(5.0))
+    with FakeBoard() as fake, pytest.raises(RobotError, match="went away"):
+        with Robot(fake.port) as robot:
+            robot.gait(GAIT)
+            fake.unplug()
+            assert until(lambda: robot._dialogue.failure)
+
+
+def test_an_error_of_the_program_is_not_masked_by_the_loss_of_the_board():
+    board = FastBoard()
+    with pytest.warns(RuntimeWarning, match="stop was not confirmed"):
+        with pytest.raises(ZeroDivisionError), Robot(board) as robot:
+            robot.gait(GAIT)
+            board.unplug()
+            raise ZeroDivisionError
+
+
+@pytest.mark.parametrize("resumes_s", [0.7, 60.0])
+def test_frames_that_are_late_at_the_end_are_awaited_and_those_that_end_are_missed(resumes_s):
+    board = FastBoard()
+    with Robot(board) as robot:
+        robot.gait(GAIT)
+        robot.set("every", 1)
+        list(robot.frames(0.5))
+        end_s = board.now_s() + resumes_s
+        board.to_host = lambda s: b"" if s.startswith(b"t:") and board.now_s() < end_s else s
+        if resumes_s > 1.0:
+            with pytest.raises(FramesMissing, match=r"no telemetry for \d\.\d s"):
+                list(robot.frames(0.4))
+        else:
+            assert len(list(robot.frames(0.4))) <= 2
+            assert end_s <= board.now_s() < end_s + 0.1
+
+
+def test_a_state_that_nobody_asked_for_is_told_once_and_one_asked_for_never():
+    board = FastBoard()
+    with Robot(board) as robot:
+        for ask in (
+            robot.stop,
+            lambda: robot.gait(GAIT),
+            robot.straight,
+            robot.stop,
+            lambda: robot.command("  gait  20 30 5"),
+            robot.idle,
+            robot.stop,
+            lambda: robot.bent(0.1),
+            robot._dialogue.halt,
+            robot.idle,
+            lambda: robot.gait(GAIT),
+        ):
+            ask()
+            assert list(robot.frames(0.2))
+        board.board.write(b"\n!\n")
+        with pytest.raises(StateUnasked, match="'hold'"):
+            list(robot.frames(20.0))
+        robot.straight()
+        assert list(robot.frames(0.1))
+
+
+@pytest.mark.parametrize(
+    "tamper",
+    [
+        without("ok:", "err:"),
+        lambda line: sealed("ok: #999") if line.startswith(b"ok:") else line,
+        lambda line: sealed("err: #? crc") if line.startswith(b"ok:") else line,
+    ],
+    ids=["none", "for another number", "always damaged"],
+)
+def test_a_verdict_that_never_comes(tamper):
+    board = FastBoard()
+    with pytest.raises(RobotLost, match="no verdict for 'pose straight'"), Robot(board) as robot:
+        robot.gait(GAIT)
+        board.to_host = tamper
+        robot.straight()
+    board.board.run(0.1)
+    assert board.state == "hold"
+    assert 3 <= board.received.count(b"pose straight") < 200
+
+
+def test_a_motion_that_a_stop_overtook_is_not_sent_again_and_a_question_is():
+    board = FastBoard()
+    with Robot(board) as robot:
+        board.to_host = lambda line: resealed(line, rb"^ok: (#\d+)$", rb"err: \1 stopped - by !")
+        for ask, times in ((robot.straight, 1), (robot.status, MOST_STOPS)):
+            sent = len(board.received)
+            with pytest.raises(CommandRefused, match="stopped"):
+                ask()
+            assert board.received[sent:].count(b"\n") == times
+        board.to_host = honest
+
+
+def test_lines_lost_on_the_way_to_the_board_are_sent_again_and_obeyed_once():
+    lost: set[bytes] = set()
+
+    def lose_the_first(line: bytes) -> bytes:
+        if line in lost or not line.startswith(b"#") or line.startswith(b"#0 "):
+            return line
+        lost.add(line)
+        return b""
+
+    board = FastBoard(to_board=lose_the_first)
+    with Robot(board) as robot:
+        robot.gait(GAIT)
+        robot.trims()
+        assert robot.losses.resent == len(lost) >= 3
+        assert board.board.counters["lost"] == 0
+
+
+def test_a_reset_without_greeting_or_frames_shows_in_the_status():
+    board = FastBoard()
+    with pytest.raises(RobotReset, match=r"boot \d+, now \d+.*lost"), Robot(board) as robot:
+        robot.gait(GAIT)
+        robot.set("every", 0)
+        board.to_host = without("hello:", "t:")
+        board.reset("brownout")
+        robot.status()
+
+
+def test_a_board_that_does_not_list_its_settings_can_be_driven():
+    board = FastBoard(without("set:"))
+    with Robot(board) as robot:
+        robot.gait(GAIT)
+        assert board.state == "gait"
+        with pytest.raises(DamagedLine, match="cable"):
+            robot.settings()
+
+
+def test_half_and_doubled_frames_and_lines_without_end_are_counted_and_never_used():
+    which = itertools.count()
+
+    def spoil(line: bytes) -> bytes:
+        if not line.startswith(b"t:"):
+            return line
+        kind = next(which) % 10
+        return {3: line[: len(line) // 2] + b"\n", 5: line * 2, 7: b""}.get(kind, line)
+
+    board = FastBoard()
+    with Robot(board) as robot:
+        robot.gait(GAIT)
+        board.to_host = spoil
+        numbers = [frame.frame for frame in robot.frames(4.0)]
+        losses, tens = robot.losses, next(which) // 10
+        assert numbers == sorted(set(numbers))
+        assert losses.damaged_lines == pytest.approx(tens, abs=1)
+        assert losses.repeated_frames == pytest.approx(tens, abs=1)
+        assert losses.missed_frames == pytest.approx(2 * tens, abs=2)
+        board.to_host = lambda _: b"x" * 1000
+        talk = robot._dialogue
+        assert talk.wait(lambda: robot.losses.damaged_lines > tens + 3, board.now_s() + 1.0)
+        board.to_host = honest
+
+
+@pytest.mark.parametrize(
+    "moment", ["hello:", "hello", "set", "gait", "frames", "pose", "status", "save", "bye"]
+)
+def test_unplugged_at_every_state_of_the_dialogue_is_lost_and_never_hangs(moment):
+    def watch(line: bytes) -> bytes:
+        if re.match(rf"(#\d+ )?{moment}\W".encode(), line):
+            fake.unplug()
+            return b""
+        return line
+
+    def run() -> None:
+        with Robot(fake.port, timeout_s=2.0) as robot:
+            robot.gait(GAIT)
+            for _ in itertools.islice(robot.frames(LONG_S), 5):
+                if moment == "frames":
+                    fake.unplug()
+            robot.pose([0.0, 0.1, 0.0, 0.1, 0.0])
+            robot.status()
+            robot.stop()
+            robot.save()
+
+    begun_s = clock()
+    with FakeBoard() as fake:
+        fake.to_board = watch
+        fake.to_host = watch if moment == "hello:" else honest
+        if moment == "bye":  # the stop was confirmed: nothing is amiss
+            run()
+        else:
+            with pytest.raises(RobotLost, match=r"went away.*cable"):
+                run()
+    assert clock() - begun_s < 10.0
+
+
+@pytest.mark.parametrize("word", [b" hello *", b" pose ", b" status *"])
+def test_a_process_that_slept_after_asking_still_hears_the_answer(word):
+    """As when a machine is suspended, or too busy: time went by in which nobody listened."""
+    link, slept = VirtualLink(fast=True), [b""]
+
+    def write(data: bytes) -> None:
+        slept.append(data) if word in data else None
+        VirtualLink.write(link, data)
+
+    link.write = write
+    link.now_s = lambda: link.board.time_s + 100.0 * len(slept)
+    with Robot(link, unattended_s=1e4) as robot:
+        robot.straight()
+        robot.status()
+    assert len(slept) > 1
