@@ -23,10 +23,8 @@ SERVO_PINS = {
     "mega": "E3H3H4H5H6B4B5B6F0F1F2F3",
 }
 ENABLE_PIN = {**dict.fromkeys(("uno", "nano", "nano_old"), "D4"), "mega": "G5"}
-TWO_WIRES = {**dict.fromkeys(("uno", "nano", "nano_old"), ("C", 5, 4)), "mega": ("D", 0, 1)}
-FAULTS = (
-    "well", "silent", "data low", "clock low", "no ack", "restart", "external clock",
-)  # fmt: skip
+DATA_WIRE = {**dict.fromkeys(("uno", "nano", "nano_old"), ("C", 4)), "mega": ("D", 1)}
+FAULTS = ("well", "silent", "data low")
 CAUSES = ("power-on", "external", "brown-out")
 EDGE = np.dtype([("cycle", "u8"), ("pin", "u4"), ("level", "u4")])
 SENT = np.dtype([("cycle", "u8"), ("value", "u4"), ("unused", "u4")])
@@ -84,8 +82,8 @@ def _library() -> ctypes.CDLL:
         ("board_eeprom_size", size, board),
         ("board_read_eeprom", None, board, u8),
         ("board_write_eeprom", None, board, u8),
-        ("board_add_pca9685", None, board, ctypes.c_char, ctypes.c_int, ctypes.c_int),
-        ("board_fault_pca9685", None, board, ctypes.c_int, u32),
+        ("board_add_pca9685", None, board, ctypes.c_char, ctypes.c_int),
+        ("board_fault_pca9685", None, board, ctypes.c_int),
         ("board_read_pca9685", u32, board, u8),
     ):
         function = getattr(lib, name)
@@ -110,7 +108,7 @@ def wired(elf: Path, board: str, joints: int = 5, output: str = "servo") -> Boar
     if output == "servo":
         return Board(elf, board, SERVO_PINS[board][: 2 * joints])
     powered = Board(elf, board, ENABLE_PIN[board])
-    powered.add_pca9685(*TWO_WIRES[board])
+    powered.add_pca9685(*DATA_WIRE[board])
     return powered
 
 
@@ -250,17 +248,13 @@ class Board:
             raise ValueError(f"EEPROM content has {len(content)} bytes, the chip has {size}")
         self._lib.board_write_eeprom(self._board, content)
 
-    def add_pca9685(self, port: str, clock_bit: int, data_bit: int) -> None:
-        """Connect a servo driver to the two wires, which are bits of one port."""
-        self._lib.board_add_pca9685(self._board, port.encode(), clock_bit, data_bit)
+    def add_pca9685(self, port: str, data_bit: int) -> None:
+        """Connect a servo driver to the two wires; its data wire is a bit of a port."""
+        self._lib.board_add_pca9685(self._board, port.encode(), data_bit)
 
-    def fault_pca9685(self, fault: str, after_bytes: int = 0) -> None:
-        """Make the servo driver well, silent (no power), or hold a wire low; see FAULTS.
-
-        after_bytes: silent only when it has taken so many more bytes, in the middle of a burst;
-        or which of the next bytes is not acknowledged.
-        """
-        self._lib.board_fault_pca9685(self._board, FAULTS.index(fault), after_bytes)
+    def fault_pca9685(self, fault: str) -> None:
+        """Make the servo driver well, silent (no power), or hold the data wire low."""
+        self._lib.board_fault_pca9685(self._board, FAULTS.index(fault))
 
     @property
     def pca9685(self) -> bytes:

@@ -1,4 +1,4 @@
-"""Measure what the firmware costs on each chip, against what it may cost; print the table."""
+"""Measure what the firmware costs on each chip, against what it may cost; print the tables."""
 
 from __future__ import annotations
 
@@ -13,12 +13,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # so that it runs 
 import numpy as np
 from avr.board import SERVO_PINS, Board, wired
 from avr.dialogue import Dialogue, telemetry
-from avr.toolchain import COMPILER, ToolchainError, build_firmware
+from avr.toolchain import COMPILER, build_firmware
 from avr.truth import Wave, pulse_errors_us
 
 BOARDS = ("uno", "mega")
 FLASH = {"uno": 30_720, "mega": 60_000}  # bytes: a Nano's, less its boot loader
-PAGE = Path(__file__).resolve().parents[2] / "firmware" / "README.md"
 LEAST_RAM = 250  # bytes never touched, of any number of joints that a board may have
 MEMORY_S = 12.0
 COMMAND_S = 0.0097  # no fraction of a frame: commands meet every part of it
@@ -140,58 +139,26 @@ def memory(name: str, joints: int, output: str) -> tuple[int, int, int, int]:
     return flash_bytes(elf), static, *harassed(elf, name, MEMORY_S, joints, output)
 
 
-def memory_table() -> str:
-    """Lay flash and RAM by number of joints out as a Markdown table."""
-    lines = [
-        "| board | output | joints | flash | static RAM | never touched | latest frame, µs |",
-        "|---|---|---|---|---|---|---|",
-    ]
-    for name, numbers in (("uno", (2, 5, 6, 7, 8)), ("mega", (5, 12))):
-        for output in ("servo", "pca9685"):
-            for joints in numbers:
-                sizes = " | ".join(map(str, memory(name, joints, output)))
-                lines.append(f"| {name} | {output} | {joints} | {sizes} |")
-    return "\n".join(lines)
+def markdown(heads: list[str], rows: list[list[object]]) -> str:
+    """Lay rows out as a Markdown table."""
+    lines = [heads, ["---"] * len(heads), *rows]
+    return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
 
 
-def table(columns: dict[str, list[Row]]) -> str:
-    """Lay the rows of all boards out as a Markdown table."""
-    lines = [
-        "| item | budget | " + " | ".join(columns) + " |",
-        "|---|---|" + "---|" * len(columns),
-    ]
-    for rows in zip(*columns.values(), strict=True):
-        sign = "≥" if rows[0].floor else "≤"
-        values = (f"{r.value:.6g}" if r.value == int(r.value) else f"{r.value:.2f}" for r in rows)
-        bound = f"{sign} {rows[0].bound:g} {rows[0].unit}".rstrip()
-        lines.append(f"| {rows[0].what} | {bound} | " + " | ".join(values) + " |")
-    return "\n".join(lines)
-
-
-def keep(text: str) -> None:
-    """Put a table into the page, in place of that with the same first columns."""
-    page = PAGE.read_text()
-    begin = page.index("\n\n" + text[:18]) + 2
-    PAGE.write_text(page[:begin] + text + page[page.index("\n\n", begin) :])
-    print(text)
-
-
-def main() -> int:
-    """Measure the table, or that of `memory`, into the page; exit 1 when a bound is broken."""
-    try:
-        if sys.argv[1:] == ["memory"]:
-            keep(memory_table())
-            return 0
-        columns = {name: measure(name) for name in BOARDS}
-    except ToolchainError as error:
-        print(error, file=sys.stderr)
-        return 1
-    keep(table(columns))
-    broken = [f"{name}: {r.what}" for name, rows in columns.items() for r in rows if not r.kept]
-    if broken:
-        print(f"over budget: {', '.join(broken)}", file=sys.stderr)
-    return 1 if broken else 0
+def main() -> None:
+    """Print both tables of firmware/README.md: the budget, and memory by number of joints."""
+    rows = []
+    for of_boards in zip(*map(measure, BOARDS), strict=True):
+        first, values = of_boards[0], [f"{row.value:.6g}" for row in of_boards]
+        bound = f"{'≥' if first.floor else '≤'} {first.bound:g} {first.unit}".rstrip()
+        rows.append([first.what, bound, *values])
+    print(markdown(["item", "budget", *BOARDS], rows), end="\n\n")
+    heads = "board, output, joints, flash, static RAM, never touched, latest frame in µs"
+    cases = [("uno", n) for n in (2, 5, 6, 7, 8)] + [("mega", 5), ("mega", 12)]
+    built = [(name, output, joints) for output in ("servo", "pca9685") for name, joints in cases]
+    rows = [[name, out, joints, *memory(name, joints, out)] for name, out, joints in built]
+    print(markdown(heads.split(", "), rows))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

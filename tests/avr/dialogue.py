@@ -2,31 +2,27 @@
 
 from __future__ import annotations
 
-from binascii import crc_hqx
 from dataclasses import dataclass
 
 import numpy as np
 from avr.board import Board, Line
+from serpenoid.robot.wire.protocol import crc, parse, unseal
 
 JOINTS = 5
-
-
-def crc(body: bytes) -> int:
-    """Return CRC-16/IBM-3740 of the bytes."""
-    return crc_hqx(body, 0xFFFF)
+COLUMNS = (  # of a frame as the host reads it, in the order of Telemetry below
+    *("frame", "board_us", "phase_rad", "setpoint_rad", "pulse_us"),
+    *("exec_us", "late_us", "clipped"),
+)
 
 
 def seal(body: str) -> bytes:
     """Return the line as it goes over the wire: body, CRC, line end."""
-    return f"{body} *{crc(body.encode()):04X}\n".encode()
+    return f"{body} *{crc(body):04X}\n".encode()
 
 
-def unseal(text: str) -> str:
-    """Return the body of a line from the board; AssertionError unless its CRC is right."""
-    body, star, digits = text.rpartition(" *")
-    assert star, f"no CRC on {text!r}"
-    assert digits == f"{crc(body.encode()):04X}", f"wrong CRC on {text!r}"
-    return body
+def unsealed(line: Line) -> str:
+    """Return the body of a line from the board; DamagedLine unless its CRC is right."""
+    return unseal(line.text.encode())
 
 
 def fields(body: str) -> dict[str, str]:
@@ -52,23 +48,10 @@ class Telemetry:
 
 def telemetry(lines: list[Line]) -> Telemetry:
     """Parse the telemetry among the lines, every CRC checked."""
-    found = [(line.cycle, unseal(line.text)) for line in lines if line.text.startswith("t:")]
-    rows = [fields(body) for _, body in found]
-    labels = [dict(w.split(":", 1) for w in body.split() if ":" in w) for _, body in found]
-    angle = [[float(row[j]) for j in row if j.startswith("j")] for row in labels]
-    pulse = [[int(p) for p in row["p"].split(",")] for row in rows]
-    return Telemetry(
-        cycle=np.array([cycle for cycle, _ in found]),
-        frame=np.array([int(row["t"]) for row in labels]),
-        time_us=np.array([int(row["board_us"]) for row in rows]),
-        phase_rad=np.radians([float(row["ph"]) for row in rows]),
-        angle_rad=np.radians(np.array(angle)),
-        pulse_us=np.array(pulse),
-        exec_us=np.array([int(row["exec_us"]) for row in rows]),
-        late_us=np.array([int(row["late_us"]) for row in rows]),
-        clipped=np.array([int(row["clipped"]) for row in rows]),
-        state=[row["st"] for row in rows],
-    )
+    found = [(line.cycle, parse(line.text.encode())) for line in lines if line.text[:2] == "t:"]
+    columns = [np.array([getattr(row, name) for _, row in found]) for name in COLUMNS]
+    cycles = np.array([cycle for cycle, _ in found])
+    return Telemetry(cycles, *columns, [row.state for _, row in found])
 
 
 class Dialogue:
@@ -77,7 +60,7 @@ class Dialogue:
     def __init__(self, board: Board, last_number: int = 0):
         self.board = board
         self.number = last_number
-        self.greeting = unseal(board.run_until("hello:", 3.0).text)
+        self.greeting = unsealed(board.run_until("hello:", 3.0))
 
     def hello(self) -> None:
         """Open the session."""
@@ -100,7 +83,7 @@ class Dialogue:
         end = self.board.time_s + timeout_s
         while self.board.time_s < end:
             self.board.run(0.002)
-            said = [unseal(line.text) for line in self.board.lines[seen:]]
+            said = [unsealed(line) for line in self.board.lines[seen:]]
             verdicts = [
                 b for b in said if b.split()[:2] in (["ok:", f"#{number}"], ["err:", f"#{number}"])
             ]

@@ -22,30 +22,18 @@ def paced(line: bytes, per_s: float, seconds: float) -> Iterator[tuple[float, by
         yield i / per_s, line
 
 
-def load(name: str, number: int, rng: random.Random) -> list[tuple[float, bytes]]:
-    """Return what a misbehaving host sends from now on: (seconds from now, bytes)."""
-    numbered = [seal(f"#{number + 1 + i} {word}") for i, word in enumerate(QUEUED * 2)]
-    noise = bytes(rng.randrange(256) for _ in range(int(0.4 * 25_000)))
-    return {
-        "pings at 600/s": list(paced(b"ping *0000\n", 600, 0.5)),
-        "pings as fast as they go": [(0.0, b"ping\n" * 2000)],
-        "gaits at 300/s": list(paced(b"gait 30 80 5\n", 300, 0.5)),
-        "status at 50/s": list(paced(b"status\n", 50, 1.0)),
-        "queued reports": [(0.0, b"".join(numbered))],
-        "random bytes": [(0.0, noise)],
-        "a line without end": [(0.0, b"x" * 9000)],
-    }[name]
-
-
-LOADS = (
-    "pings at 600/s",
-    "pings as fast as they go",
-    "gaits at 300/s",
-    "status at 50/s",
-    "queued reports",
-    "random bytes",
-    "a line without end",
-)
+# What a misbehaving host sends from a moment on, (seconds from it, bytes), by seed and number.
+LOADS = {
+    "pings at 600/s": lambda *_: list(paced(b"ping *0000\n", 600, 0.5)),
+    "pings as fast as they go": lambda *_: [(0.0, b"ping\n" * 2000)],
+    "gaits at 300/s": lambda *_: list(paced(b"gait 30 80 5\n", 300, 0.5)),
+    "status at 50/s": lambda *_: list(paced(b"status\n", 50, 1.0)),
+    "queued reports": lambda *_: [
+        (0.0, b"".join(seal(f"#{101 + i} {word}") for i, word in enumerate(QUEUED * 2)))
+    ],
+    "random bytes": lambda rng: [(0.0, rng.randbytes(int(0.4 * 25_000)))],
+    "a line without end": lambda *_: [(0.0, b"x" * 9000)],
+}
 
 
 def gait_running(start, name: str) -> Dialogue:
@@ -96,7 +84,7 @@ def trial(start, name: str, load_name: str, seed: int) -> bool:
     key = KEYS[seed % len(KEYS)]
     # Gaits that come after the stop are new orders: there the key must be the last word.
     at_s = 9.9 if "gaits" in load_name else rng.uniform(0.05, 0.45)
-    stopped = press(talk, load(load_name, 100, rng), key, at_s)
+    stopped = press(talk, LOADS[load_name](rng), key, at_s)
     talk.board.close()
     return stopped
 

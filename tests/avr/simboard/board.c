@@ -42,7 +42,7 @@ static void after_reset(struct board* b) {
     if (b->hung) memcpy(b->avr->flash + b->hung_at, b->flash_before, sizeof b->flash_before);
     b->hung = b->was_reset = 0;
     wire_after_reset(b);
-    twi_after_reset(b);
+    two_wire_after_reset(b);
 }
 
 struct board* board_open(const char* elf, const char* mcu, uint32_t frequency_hz) {
@@ -67,7 +67,7 @@ struct board* board_open(const char* elf, const char* mcu, uint32_t frequency_hz
     b->edges.item_size = sizeof(struct edge);
     wire_attach(b);
     eeprom_attach(b);
-    twi_attach(b);
+    two_wire_attach(b);
     const unsigned first = b->avr->ioend + 1u;
     memset(b->avr->data + first, PAINT, b->avr->ramend + 1u - first);
     after_reset(b);

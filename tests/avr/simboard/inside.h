@@ -43,32 +43,17 @@ struct eeprom {
     uint8_t* before;  // its content before the last write
 };
 
-enum twi_step { TWI_NOTHING, TWI_STARTS, TWI_SENDS, TWI_RECEIVES, TWI_STOPS };
-
-struct twi {
-    enum twi_step doing;
-    uint64_t begun_cycle, bit_cycles;  // of what it does
-    uint8_t status, byte;
-    int owned, addressing, reading;  // the bus is ours; an address comes next; the chip sends
-};
-
-struct pca9685 {
-    uint8_t registers[256], outputs[64];  // as written; as the outputs follow them
-    uint8_t addressed, pointed, next;     // it was addressed; it has a register; which
-    uint8_t called;                       // all chips were, by the general call
-    uint8_t changed, bits_left;           // since the stop; of a byte that was cut off
+struct two_wire {
+    uint8_t control, stage, next, changed;  // the step under way; of a job; the register; since it
+    uint8_t chip[256], outputs[64];         // registers as written; as the outputs follow them
+    uint32_t busy, bursts, bit_cycles;      // a step is under way; changes of outputs; at its pace
     enum pca9685_fault fault;
-    uint32_t bursts, bytes_left;  // changes of outputs; until it falls silent, 0 = never
-    uint32_t acks_left;           // until one is lost, 0 = never
-    uint32_t clock_mask, data_mask;
-    int clock_high;
-    uint8_t* pins;  // what the board reads of the port that has both wires
+    avr_irq_t* data_wire;
 };
 
 struct board {
     avr_t* avr;
-    struct twi twi;
-    struct pca9685 pca9685;
+    struct two_wire two_wire;
     void (*core_reset)(avr_t*);
     struct board_counts counts;
     struct pin pins[MAX_PINS];
@@ -89,15 +74,5 @@ avr_io_t* find_module(avr_t* avr, const char* kind, char name);
 void wire_attach(struct board* b);
 void wire_after_reset(struct board* b);
 void eeprom_attach(struct board* b);
-void twi_attach(struct board* b);
-void twi_after_reset(struct board* b);
-
-// The chip's end of the wires: a start, a byte from the master (returns whether it acknowledges), a
-// byte for the master, a stop.
-void pca9685_begin(struct pca9685* p);
-int pca9685_take(struct pca9685* p, uint8_t byte, int is_address);
-uint8_t pca9685_give(struct pca9685* p);
-void pca9685_end(struct pca9685* p);
-int pca9685_holds_data(const struct pca9685* p);
-// The master is gone in the middle of a byte that the chip sends: it waits for so many clocks.
-void pca9685_cut_short(struct pca9685* p, uint8_t bits_left);
+void two_wire_attach(struct board* b);
+void two_wire_after_reset(struct board* b);

@@ -10,17 +10,8 @@
 struct board;
 
 enum reset_cause { RESET_POWER_ON, RESET_EXTERNAL, RESET_BROWN_OUT };
-// What ails a PCA9685: no power (it comes back as at power-up); it holds a wire low;
-// one byte is not acknowledged; its RESTART bit reads as 1.
-enum pca9685_fault {
-    PCA9685_WELL,
-    PCA9685_SILENT,
-    PCA9685_DATA_LOW,
-    PCA9685_CLOCK_LOW,
-    PCA9685_NO_ACK,
-    PCA9685_RESTART,
-    PCA9685_EXTERNAL_CLOCK
-};
+// What ails a PCA9685: no power (it comes back as at power-up); it holds the data wire low.
+enum pca9685_fault { PCA9685_WELL, PCA9685_SILENT, PCA9685_DATA_LOW };
 
 struct edge {
     uint64_t cycle;
@@ -61,10 +52,9 @@ size_t board_take_sent(struct board* b, struct sent_byte* out, size_t room);
 // free.
 void board_wire(struct board* b, uint64_t at_cycle, uint32_t baud, const uint8_t* bytes, size_t n);
 
-// A PCA9685 at the two wires, bits of one port.
-void board_add_pca9685(struct board* b, char port, int clock_bit, int data_bit);
-// Now, or in the middle of a burst after so many bytes: its silence, or a lost acknowledgement.
-void board_fault_pca9685(struct board* b, enum pca9685_fault fault, uint32_t after_bytes);
+// A PCA9685 at the two wires, of which one bit of a port is the data.
+void board_add_pca9685(struct board* b, char port, int data_bit);
+void board_fault_pca9685(struct board* b, enum pca9685_fault fault);
 // Its 256 registers, the outputs' as they are in effect; returns how often the outputs changed.
 uint32_t board_read_pca9685(const struct board* b, uint8_t* out);
 
