@@ -12,16 +12,13 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
-from scipy.special import ndtri
-from scipy.stats import qmc
 from serpenoid._core import SERVO_FIELDS
-from serpenoid.calibration.speeds import AMPLITUDE_SIGMA
-from serpenoid.model.drives import Servo
-from serpenoid.prediction.predict import SAMPLES
+from serpenoid.model.drives import Servo, ServoKind
+from serpenoid.periodic.servo_steady import band
 from serpenoid.servos.catalogue import SERVOS
-from serpenoid.servos.speed_limit import MAX_NO_LOAD_SHARE
+from serpenoid.servos.speed_limit import MAX_NO_LOAD_SHARE, no_load_rad_s
 
-SEED, REFILLS = 2005, 4  # as a fit's sample_whole; batches beside those that fall below 0
+SAMPLES = 128  # servos of a kind: their band is within a tenth of the package's 512
 ROOT = Path(__file__).resolve().parents[1]
 CORE, FIRMWARE, PARTS = (
     ROOT / "host" / "core",
@@ -50,7 +47,7 @@ LINK = [
     "-sFILESYSTEM=0",
     "-O2",
     "-fexceptions",
-    "-sEXPORTED_FUNCTIONS=_serpenoid_steady,_serpenoid_servo,_serpenoid_motion,_malloc,_free",
+    "-sEXPORTED_FUNCTIONS=_serpenoid_ideal,_serpenoid_servos,_serpenoid_motion,_malloc,_free",
     "-sEXPORTED_RUNTIME_METHODS=HEAPF64",
 ]
 
@@ -84,33 +81,41 @@ def compile_core(build: Path) -> Path:
     return module
 
 
-def _limits(servo: Servo) -> list[float]:
-    """Return the fastest rate of a joint that servos can run, degrees/s, and the stalled torque."""
-    return [float(np.degrees(MAX_NO_LOAD_SHARE * servo.no_load_rad_s)), servo.stall_torque_nm]
+def servo_fields(servo: Servo) -> list[float]:
+    """Return the fields of a servo in the order that the core takes them, to five digits."""
+    return [float(f"{getattr(servo, name):.5g}") for name in SERVO_FIELDS]
+
+
+def _kind(kind: ServoKind) -> dict[str, object]:
+    """Return the typical servo of a kind, samples of it, and the fastest joint rate, rad/s."""
+    return {
+        "typical": servo_fields(kind.servo),
+        "samples": [servo_fields(servo) for servo in kind.draws(SAMPLES)],
+        "limitRadS": MAX_NO_LOAD_SHARE * no_load_rad_s(kind),
+    }
+
+
+def low_end_weights() -> list[float]:
+    """Return the weight of each of SAMPLES sorted values in the lower end of their band.
+
+    Read off the steps: the band of values that are 0 below the k-th one and 1 from it on. The
+    upper end has the same weights in reverse order.
+    """
+    order = np.arange(SAMPLES)
+    return (-np.diff([band(order >= k)[0] for k in range(SAMPLES + 1)])).tolist()
 
 
 def tables() -> str:
-    """Return what the page takes from the package: draws for a fit's band, and the servos."""
-    sobol = qmc.Sobol(4, seed=SEED)  # pyright: ignore[reportCallIssue] (older SciPy)
-    normal = np.vstack([ndtri(sobol.random(SAMPLES)) for _ in range(REFILLS)])
-    shares = (np.arange(SAMPLES) + 0.5) / SAMPLES
-    amplitude = 1 + AMPLITUDE_SIGMA * ndtri(np.random.default_rng(SEED).permutation(shares))
-    kinds = [kind for name, kind in SERVOS.items() if name == kind.name]
-    told = {
-        "samples": SAMPLES,
-        "normal": normal.round(7).tolist(),
-        "amplitude": amplitude.round(12).tolist(),
-        "servos": {k.name: [getattr(k.servo, field) for field in SERVO_FIELDS] for k in kinds},
-        "servoFields": list(SERVO_FIELDS),
-        "limits": {k.name: _limits(k.servo) for k in kinds},
-    }
-    return f"const TABLES = {json.dumps(told, separators=(',', ':'))};\n"
+    """Return what the page takes from the package: kinds of servos, and weights of a band."""
+    kinds = {name: _kind(kind) for name, kind in SERVOS.items()}
+    given = {"lowEndWeights": low_end_weights(), "servos": kinds}
+    return f"const TABLES = {json.dumps(given, separators=(',', ':'))};\n"
 
 
 def page(module: Path) -> str:
     """Return the page with its style, its scripts and the module inside."""
     text = (PARTS / "page.html").read_text(encoding="utf-8")
-    names = ("playground.css", "model.js", "worker.js", "draw.js", "page.js")
+    names = ("playground.css", "shared.js", "worker.js", "draw.js", "page.js")
     scripts = {name: (PARTS / name).read_text(encoding="utf-8") for name in names}
     scripts["core.js"] = module.read_text(encoding="utf-8")
     scripts["tables.js"] = tables()

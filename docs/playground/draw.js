@@ -1,214 +1,165 @@
-// Pictures: the snake, the map, the curve. Colours come from the style sheet.
+// Pictures: the robot, speed over frequency, the map. Colours come from the style sheet.
 "use strict";
-let colours = {}; // as looked up; emptied when the page turns dark or light
-const colour = (name) => (colours[name] ??= getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim());
+const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
 
 // A canvas as sharp as the screen; returns its context in CSS pixels.
 function sharp(canvas) {
-  const ratio = window.devicePixelRatio || 1, w = canvas.clientWidth, h = canvas.clientHeight;
-  if (canvas.width !== Math.round(w * ratio) || canvas.height !== Math.round(h * ratio))
-    canvas.width = Math.round(w * ratio), canvas.height = Math.round(h * ratio);
+  const ratio = devicePixelRatio || 1, w = canvas.clientWidth, h = canvas.clientHeight;
+  canvas.width = Math.round(w * ratio), canvas.height = Math.round(h * ratio);
   const g = canvas.getContext("2d");
-  g.setTransform(ratio, 0, 0, ratio, 0, 0);
-  g.clearRect(0, 0, w, h);
+  g.scale(ratio, ratio), g.font = "13px system-ui, sans-serif", g.lineCap = g.lineJoin = "round";
   return { g, w, h };
 }
 
-// Round numbers from 0 to beyond `most`, about `count` of them.
-function ticks(most, count = 4) {
-  const raw = most / count, ten = 10 ** Math.floor(Math.log10(raw));
-  const step = [1, 2, 5, 10].map((m) => m * ten).find((v) => v >= raw * 0.999);
-  return Array.from({ length: Math.floor(most / step + 1e-9) + 1 }, (_, k) => +(k * step).toPrecision(6));
+function line(g, points, style, width) {
+  g.beginPath();
+  for (const [x, y] of points) g.lineTo(x, y);
+  g.strokeStyle = style, g.lineWidth = width, g.stroke();
 }
 
-// Turned so that the first period's way lies along x. Link 1 starts a period at the origin along x:
-// where it ends is the turn and shift of each period.
-function moved(motion, cycle, k, link) {
-  const p = unturned(motion, cycle, k, link), way = motion.way;
-  return { ...p, x: way.c * p.x + way.s * p.y, y: way.c * p.y - way.s * p.x, theta: p.theta - way.angle };
-}
+// ---- the robot: positions of the motion, turned so that it crawls to the right
 
-function setWay(motion) {
-  motion.way = { c: 1, s: 0, angle: 0 };
-  const a = centre(motion, 0, 0), b = centre(motion, 0, motion.frames), angle = Math.atan2(b.y - a.y, b.x - a.x);
-  motion.way = { c: Math.cos(angle), s: Math.sin(angle), angle };
-}
-
-function unturned(motion, cycle, k, link) {
-  const at = k * motion.row + 5 * link, d = motion.data, end = motion.frames * motion.row;
-  let x = d[at], y = d[at + 1], theta = d[at + 2];
-  const shift = [d[end], d[end + 1], d[end + 2]];
-  for (let c = 0; c < cycle; c++) {
-    const cos = Math.cos(shift[2]), sin = Math.sin(shift[2]);
-    [x, y, theta] = [shift[0] + cos * x - sin * y, shift[1] + sin * x + cos * y, theta + shift[2]];
-  }
-  return { x, y, theta, along: d[at + 3], across: d[at + 4] };
-}
-
-function centre(motion, cycle, k) {
+function middle(motion, k) {
   let x = 0, y = 0;
   for (let i = 0; i < motion.links; i++) {
-    const p = moved(motion, cycle, k, i);
-    x += p.x / motion.links, y += p.y / motion.links;
+    const at = k * motion.row + 4 * i;
+    x += motion.data[at] / motion.links, y += motion.data[at + 1] / motion.links;
   }
-  return { x, y };
+  return [x, y];
 }
 
-// A wheel rests where it moves less than a millionth of the gait's own speed.
-function drawSnake(canvas, motion, s, time) {
-  const { g, w, h } = sharp(canvas);
-  const cycles = 6, beat = (time / motion.period) % cycles, cycle = Math.floor(beat);
-  const k = Math.min(motion.frames, Math.round((beat - cycle) * motion.frames));
-  if (!motion.way) setWay(motion);
-  const turns = Math.abs(motion.data[motion.frames * motion.row + 2]) > 0.02;
-  const body = s.links * s.length, scale = Math.min(w / (1.4 * body), h / ((turns ? 1 : 0.62) * body));
-  const c = centre(motion, cycle, k);
-  const X = (x) => w / 2 + (x - c.x) * scale, Y = (y) => h / 2 - (y - c.y) * scale;
-  grid(g, w, h, c, scale, s.length);
-  g.strokeStyle = colour("path"), g.lineWidth = 2, g.beginPath();
-  for (let back = cycle * motion.frames + k, m = 0; back >= 0; back -= 3, m++) {
-    const p = centre(motion, Math.floor(back / motion.frames), back % motion.frames);
-    m ? g.lineTo(X(p.x), Y(p.y)) : g.moveTo(X(p.x), Y(p.y));
+// Add the path of the middle along and across the way of a cycle, and the way's direction.
+function findWay(motion) {
+  const [x0, y0] = middle(motion, 0), [x1, y1] = middle(motion, motion.frames);
+  motion.advance = Math.hypot(x1 - x0, y1 - y0);
+  motion.way = Math.atan2(y1 - y0, x1 - x0);
+  const c = Math.cos(motion.way), d = Math.sin(motion.way);
+  motion.path = Array.from({ length: motion.frames + 1 }, (_, k) => {
+    const [x, y] = middle(motion, k);
+    return [c * (x - x0) + d * (y - y0), c * (y - y0) - d * (x - x0)];
+  });
+  return motion;
+}
+
+// The middle at a phase counted in cycles from 0, m.
+function pathAt(motion, phase) {
+  const cycle = Math.floor(phase), [x, y] = motion.path[Math.round((phase - cycle) * motion.frames)];
+  return [x + cycle * motion.advance, y];
+}
+
+// `gone`: by how far the robot has crawled, m; the ground is drawn by it.
+function drawSnake(canvas, motion, phase, gone) {
+  const { g, w, h } = sharp(canvas), body = motion.links * motion.length;
+  const scale = Math.min(w / (1.02 * body), h / (0.5 * body)), cycle = Math.floor(phase);
+  const [, side] = pathAt(motion, phase), k = Math.round((phase - cycle) * motion.frames);
+  const step = 10 ** Math.floor(Math.log10(0.6 * w / scale)), Y0 = h / 2 - 8; // m, between the lines
+  for (let x = -((gone % step) + step) * scale + w / 2 % (step * scale); x < w + step * scale; x += step * scale)
+    line(g, [[x, 0], [x, h]], colour("grid"), 1);
+  const back = [];
+  for (let p = phase; p >= 0 && p > phase - 4; p -= 0.02) {
+    const [x, y] = pathAt(motion, p);
+    back.push([w / 2 + (x - pathAt(motion, phase)[0]) * scale, Y0 - y * scale]);
   }
-  g.stroke();
-  const rests = 1e-6 * s.length * s.links * 2 * Math.PI * s.hz, half = s.length / 2;
-  for (let i = 0; i < s.links; i++) {
-    const p = moved(motion, cycle, k, i), cos = Math.cos(p.theta), sin = Math.sin(p.theta);
-    const at = (a, b) => [X(p.x + a * cos - b * sin), Y(p.y + a * sin + b * cos)];
-    g.lineCap = "round", g.strokeStyle = colour("body"), g.lineWidth = Math.max(5, 0.2 * s.length * scale);
-    g.beginPath(), g.moveTo(...at(-0.8 * half, 0)), g.lineTo(...at(0.8 * half, 0)), g.stroke();
-    const stuck = Math.abs(p.across) < rests;
-    g.lineCap = "butt", g.strokeStyle = colour(stuck ? "stuck" : "slides"), g.lineWidth = Math.max(4, 0.13 * s.length * scale);
-    for (const side of [-1, 1]) {
-      g.beginPath(), g.moveTo(...at(-0.3 * half, side * 0.42 * half)), g.lineTo(...at(0.3 * half, side * 0.42 * half)), g.stroke();
-      if (stuck) g.strokeStyle = colour("ink"), g.lineWidth = 1.2, g.strokeRect(at(0, side * 0.42 * half)[0] - 2, at(0, side * 0.42 * half)[1] - 2, 4, 4),
-        g.strokeStyle = colour("stuck"), g.lineWidth = Math.max(4, 0.13 * s.length * scale);
-    }
-    if (i === s.links - 1) {
-      g.fillStyle = colour("ink"), g.beginPath(), g.arc(...at(0.75 * half, 0), Math.max(2, 0.05 * s.length * scale), 0, 7), g.fill();
-    }
-  }
+  line(g, back, colour("path"), 2);
+  const [x0, y0] = middle(motion, k);
+  g.save(), g.translate(w / 2, Y0 - side * scale), g.scale(1, -1), g.rotate(-motion.way);
+  for (let i = 0; i < motion.links; i++) drawLink(g, motion, k * motion.row + 4 * i, x0, y0, scale, i === motion.links - 1);
+  g.restore();
+  scaleBar(g, h, step, scale);
 }
 
-function grid(g, w, h, c, scale, length) {
-  const step = length * 2;
-  g.strokeStyle = colour("grid"), g.lineWidth = 1, g.beginPath();
-  for (let x = Math.ceil((c.x - w / 2 / scale) / step) * step; x < c.x + w / 2 / scale; x += step)
-    g.moveTo(w / 2 + (x - c.x) * scale, 0), g.lineTo(w / 2 + (x - c.x) * scale, h);
-  for (let y = Math.ceil((c.y - h / 2 / scale) / step) * step; y < c.y + h / 2 / scale; y += step)
-    g.moveTo(0, h / 2 - (y - c.y) * scale), g.lineTo(w, h / 2 - (y - c.y) * scale);
-  g.stroke();
+// A wheel holds where it slips by less than a thousandth of a link in a cycle.
+function drawLink(g, motion, at, x0, y0, scale, head) {
+  const [x, y, theta, across] = motion.data.slice(at, at + 4), size = motion.length * scale;
+  const wheel = colour(Math.abs(across) < 1e-3 * motion.length * motion.hz ? "holds" : "slips");
+  g.save(), g.translate((x - x0) * scale, (y - y0) * scale), g.rotate(theta);
+  for (const side of [-0.26, 0.26]) line(g, [[-0.14 * size, side * size], [0.14 * size, side * size]], wheel, 0.11 * size);
+  line(g, [[-0.36 * size, 0], [0.36 * size, 0]], colour("body"), 0.24 * size);
+  if (head) for (const side of [-0.06, 0.06]) line(g, [[0.38 * size, side * size], [0.38 * size, side * size]], colour("paper"), 0.06 * size);
+  g.restore();
 }
 
-// Viridis at five points: even in lightness, and told apart by all kinds of colour vision.
-const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
-function viridis(x) {
-  const at = Math.min(3.999, Math.max(0, x * 4)), i = Math.floor(at), f = at - i;
-  return `rgb(${VIRIDIS[i].map((v, k) => Math.round(v + f * (VIRIDIS[i + 1][k] - v))).join(",")})`;
+function scaleBar(g, h, length, scale) {
+  const x = 14, y = h - 12, end = x + length * scale, ink = colour("ink");
+  line(g, [[x, y - 5], [x, y], [end, y], [end, y - 5]], ink, 2);
+  g.fillStyle = ink, g.textAlign = "left", g.fillText(`${+(100 * length).toPrecision(2)} cm`, end + 8, y);
 }
 
-const FRAME = { left: 46, right: 12, top: 12, bottom: 40 }, CELLS = 40, TOP_ALPHA = 105;
-function mapFrame(w, h) {
-  const x0 = FRAME.left, y0 = h - FRAME.bottom, width = w - x0 - FRAME.right, height = y0 - FRAME.top;
-  return { X: (beta) => x0 + beta / 180 * width, Y: (alpha) => y0 - alpha / TOP_ALPHA * height, x0, y0, width, height };
+// ---- charts
+
+const FRAME = { left: 50, right: 14, top: 10, bottom: 42 };
+function chart(canvas, xEnd, xs, ys, xTitle, yTitle) {
+  const drawn = sharp(canvas), { g, w, h } = drawn, x1 = w - FRAME.right, y1 = h - FRAME.bottom;
+  const X = (x) => FRAME.left + x / xEnd * (x1 - FRAME.left), Y = (y) => y1 - y / ys.at(-1) * (y1 - FRAME.top);
+  const finish = () => {
+    g.fillStyle = colour("ink"), g.textBaseline = "middle", g.textAlign = "center";
+    line(g, [[FRAME.left, FRAME.top], [FRAME.left, y1], [x1, y1]], colour("ink"), 1);
+    for (const x of xs) g.fillText(x, X(x), y1 + 13);
+    g.fillText(xTitle, (FRAME.left + x1) / 2, y1 + 31);
+    g.textAlign = "right";
+    for (const y of ys) g.fillText(y, FRAME.left - 6, Y(y));
+    g.translate(10, (FRAME.top + y1) / 2), g.rotate(-Math.PI / 2), g.textAlign = "center", g.fillText(yTitle, 0, 0);
+  };
+  return { ...drawn, X, Y, finish };
 }
 
-// The cell, or the coarser one that stands for it; -1 where none is known.
-function knownAt(values, i, j, stride) {
-  for (let step = 1; step <= stride; step *= 2) {
-    const at = Math.floor(i / step) * step * (CELLS + 1) + Math.floor(j / step) * step;
-    if (Number.isFinite(values[at])) return at;
-  }
-  return -1;
+// Round numbers from 0 to `most` or just beyond.
+function ticks(most) {
+  const ten = 10 ** Math.floor(Math.log10(most / 4)), step = [1, 2, 5, 10].map((m) => m * ten).find((one) => 5 * one >= most);
+  return Array.from({ length: Math.ceil(most / step - 1e-9) + 1 }, (_, k) => +(k * step).toPrecision(3));
 }
 
-// The cells stay as they are while only the ring moves: they are kept as a picture, made anew when
-// `map.fresh` says so or the canvas has another size.
-function drawMap(canvas, map, s) {
-  const { g, w, h } = sharp(canvas), f = mapFrame(w, h);
-  if (map && (map.fresh || map.picture.width !== canvas.width || map.picture.height !== canvas.height)) {
-    map.fresh = false, map.best = drawCells(g, f, map);
-    map.picture = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });
-    map.picture.getContext("2d").drawImage(canvas, 0, 0);
-  } else if (map) g.drawImage(map.picture, 0, 0, w, h);
-  axes(g, f, [0, 45, 90, 135, 180], [0, 35, 70, 105], f.X, f.Y, "phase lag β, °", "amplitude α, °");
-  if (map && map.best) mark(g, f.X(map.best.beta), f.Y(map.best.alpha), "★");
-  ring(g, f.X(s.beta), f.Y(Math.min(s.alpha, TOP_ALPHA)));
+function hatch(g, x0, y0, x1, y1) {
+  if (x1 <= x0 || y1 <= y0) return;
+  g.save(), g.beginPath(), g.rect(x0, y0, x1 - x0, y1 - y0), g.clip();
+  for (let x = x0 - (y1 - y0); x < x1; x += 9) line(g, [[x, y1], [x + y1 - y0, y0]], colour("hatch"), 1);
+  g.restore();
 }
 
-// Fill the cells, hatched where servos cannot run them. Return the best of the others: the fastest,
-// or the one with the least power.
-function drawCells(g, f, map) {
-  const known = [...map.values].filter(Number.isFinite), power = map.mode === "power";
-  const sorted = known.sort((a, b) => a - b), low = power ? sorted[0] : 0;
-  const high = power ? sorted[Math.floor(0.6 * (sorted.length - 1))] : sorted[sorted.length - 1];
-  let best = null;
-  const dx = f.width / CELLS, dy = f.height / CELLS, hatch = new Path2D();
-  map.low = low, map.high = high;
-  for (let i = 0; i <= CELLS; i++)
-    for (let j = 0; j <= CELLS; j++) {
-      const at = knownAt(map.values, i, j, 8), can = canRun(map.servo, map.rates[at]);
-      if (at < 0) continue;
-      const shade = high > low ? (map.values[at] - low) / (high - low) : 0;
-      g.fillStyle = viridis(power ? 1 - shade : shade);
-      const x = Math.max(f.x0, f.x0 + (j - 0.5) * dx), y = Math.max(FRAME.top, f.y0 - (i + 0.5) * dy);
-      g.fillRect(x, y, Math.min(dx + 1, f.x0 + f.width - x), Math.min(dy + 1, f.y0 - y));
-      if (!can) hatch.moveTo(x, Math.min(y + dy, f.y0)), hatch.lineTo(Math.min(x + dx, f.x0 + f.width), y);
-      const exact = map.values[i * (CELLS + 1) + j];
-      if (i && j && can && Number.isFinite(exact) && (!best || (power ? exact < best.v : exact > best.v)))
-        best = { v: exact, alpha: i * TOP_ALPHA / CELLS, beta: j * 180 / CELLS };
-    }
-  g.strokeStyle = "#fff", g.lineWidth = 1.2, g.stroke(hatch);
-  if (map.done) cliff(g, f, map, high - low);
-  return best;
-}
-
-// White edges between neighbours that differ by more than a fifth of the whole range.
-function cliff(g, f, map, range) {
-  const v = (i, j) => map.values[i * (CELLS + 1) + j];
-  g.strokeStyle = "#fff", g.lineWidth = 2, g.beginPath();
-  for (let i = 1; i <= CELLS; i++)
-    for (let j = 1; j <= CELLS; j++) {
-      const dx = f.width / CELLS, dy = f.height / CELLS, x = f.x0 + (j - 0.5) * dx, y = f.y0 - (i - 0.5) * dy;
-      if (Math.abs(v(i, j) - v(i, j - 1)) > range / 5) g.moveTo(x, y), g.lineTo(x, y - dy);
-      if (Math.abs(v(i, j) - v(i - 1, j)) > range / 5) g.moveTo(x, y), g.lineTo(x + dx, y);
-    }
-  g.stroke();
-}
-
-function mark(g, x, y, sign) {
-  g.font = "20px sans-serif", g.textAlign = "center", g.textBaseline = "middle";
-  g.lineWidth = 4, g.strokeStyle = "#000", g.strokeText(sign, x, y), g.fillStyle = "#fff", g.fillText(sign, x, y);
-}
-function ring(g, x, y) {
-  for (const [width, c] of [[5, "#000"], [2.5, "#fff"]])
-    g.strokeStyle = c, g.lineWidth = width, g.beginPath(), g.arc(x, y, 8, 0, 7), g.stroke();
-}
-
-function axes(g, f, xs, ys, X, Y, xTitle, yTitle) {
-  g.strokeStyle = colour("ink"), g.fillStyle = colour("ink"), g.lineWidth = 1, g.font = "12px system-ui, sans-serif";
-  g.strokeRect(f.x0, FRAME.top, f.width, f.height);
-  g.textAlign = "center", g.textBaseline = "top";
-  for (const x of xs) g.fillText(x, X(x), f.y0 + 5);
-  g.fillText(xTitle, f.x0 + f.width / 2, f.y0 + 22);
-  g.textAlign = "right", g.textBaseline = "middle";
-  for (const y of ys) g.fillText(y, f.x0 - 5, Y(y));
-  g.save(), g.translate(11, FRAME.top + f.height / 2), g.rotate(-Math.PI / 2), g.textAlign = "center", g.fillText(yTitle, 0, 0), g.restore();
-}
-
-function drawCurve(canvas, curve, s, speed) {
-  const { g, w, h } = sharp(canvas), f = mapFrame(w, h);
-  const all = [...curve.speed, ...(curve.high || []), speed].filter(Number.isFinite), most = 1.08 * Math.max(...all, 1e-6);
-  const X = (hz) => f.x0 + hz / 3 * f.width, Y = (v) => f.y0 - v / most * f.height;
-  if (curve.bandHz) {
+function drawCurve(canvas, { top, limit, ideal, typical, band }, s, speed) {
+  const most = Math.max(1e-6, ...[...ideal, ...band].flatMap(([, ...values]) => values).filter(Number.isFinite));
+  const { g, X, Y, finish } = chart(canvas, top, ticks(top).filter((hz) => hz <= top), ticks(most), "frequency, Hz", "speed, m/s");
+  const place = (points, of = 1) => [[0, 0, 0], ...points].map((point) => [X(point[0]), Y(point[of])]);
+  hatch(g, X(limit), FRAME.top, X(top), Y(0));
+  if (band.length) {
     g.fillStyle = colour("band"), g.beginPath();
-    curve.bandHz.forEach((hz, k) => g.lineTo(X(hz), Y(curve.low[k])));
-    for (let k = curve.bandHz.length - 1; k >= 0; k--) g.lineTo(X(curve.bandHz[k]), Y(curve.high[k]));
+    for (const [x, y] of [...place(band), ...place(band, 2).reverse()]) g.lineTo(x, y);
     g.fill();
   }
-  g.strokeStyle = colour("stuck"), g.lineWidth = 2.5, g.beginPath();
-  curve.hz.forEach((hz, k) => (k ? g.lineTo(X(hz), Y(curve.speed[k])) : g.moveTo(X(hz), Y(curve.speed[k]))));
-  g.stroke();
-  axes(g, f, [0, 1, 2, 3], ticks(most), X, Y, "frequency, Hz", "speed, m/s");
-  ring(g, X(s.hz), Y(speed));
+  g.setLineDash([2, 5]), line(g, place(ideal), colour("ink"), 1.5), g.setLineDash([]);
+  line(g, place(typical), colour("holds"), 3);
+  if (speed >= 0) ring(g, X(s.hz), Y(speed));
+  finish();
+}
+
+function ring(g, x, y) {
+  for (const [width, style] of [[5, "#000"], [2.5, "#fff"]])
+    g.beginPath(), g.arc(x, y, 8, 0, 7), g.strokeStyle = style, g.lineWidth = width, g.stroke();
+}
+
+// Viridis at five points: even in lightness, and distinct for all kinds of colour vision.
+const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+function viridis(share) {
+  const at = Math.min(3.999, Math.max(0, share * 4)), i = Math.floor(at);
+  return `rgb(${VIRIDIS[i].map((low, k) => Math.round(low + (at - i) * (VIRIDIS[i + 1][k] - low)))})`;
+}
+
+// Return the scales of the map and its fastest gait that servos can follow.
+function drawMap(canvas, { values, stride }, s) {
+  const alphas = [0, 20, 40, 60, 80, 100, 120], betas = [0, 45, 90, 135, 180];
+  const { g, X, Y, finish } = chart(canvas, 180, betas, alphas, "phase lag, °", "amplitude, °");
+  const most = Math.max(...values.filter(Number.isFinite)), allowed = s.alpha * highestHz(s) / s.hz;
+  let best = null;
+  for (let i = 0; i < CELLS; i++)
+    for (let j = 0; j < CELLS; j++) {
+      const coarse = (k) => Math.floor(k / stride) * stride, exact = values[i * (CELLS + 1) + j];
+      const value = Number.isFinite(exact) ? exact : values[coarse(i) * (CELLS + 1) + coarse(j)];
+      const alpha = i * CELL_ALPHA, beta = j * CELL_BETA, x = X(beta), y = Y(alpha + CELL_ALPHA);
+      g.fillStyle = Number.isFinite(value) ? viridis(value / most) : colour("paper");
+      g.fillRect(x, y, X(beta + CELL_BETA) - x + 0.7, Y(alpha) - y + 0.7);
+      if (alpha && alpha <= allowed && (!best || value > best.speed)) best = { alpha, beta, speed: value };
+    }
+  hatch(g, X(0), FRAME.top, X(180), Y(Math.min(120, allowed)));
+  ring(g, X(s.beta), Y(s.alpha)), finish();
+  return { most, best, X, Y };
 }

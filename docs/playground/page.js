@@ -1,315 +1,130 @@
-// The page: sliders to state, state to answer, picture, link and commands.
+// The page: inputs to a state, the state to workers, their answers to words and pictures.
 "use strict";
-const $ = (id) => document.getElementById(id), text = (id) => $(id).textContent;
-const run = (source) => document.head.appendChild(Object.assign(document.createElement("script"), { textContent: source }));
-run(text("core-text")), run(text("tables-text")), run(text("model-text"));
+const $ = (id) => document.getElementById(id), form = document.forms[0], fields = [...form.elements].filter((one) => one.name);
+for (const name of Object.keys(TABLES.servos)) form.elements.servo.add(new Option(name === "hobby" ? "any hobby servo" : name, name));
+const two = (value) => (value && value < 100 ? value.toPrecision(2) : String(Math.round(value)));
+const UNITS = { alpha: "°", beta: "°", hz: " Hz" };
 
-const SLIDERS = {
-  gait: [["alpha", "Amplitude α, °", 1], ["beta", "Phase lag β, °", 1], ["hz", "Frequency, Hz", 0.01], ["offset", "Bend (steers), °", 1]],
-  ground: [["ct", "Viscous along, N s/m", 0], ["cn", "Viscous across, N s/m", 0], ["ft0", "Dry along, N", 0], ["fn0", "Dry across, N", 0]],
-  body: [["links", "Links", 1], ["mass", "Mass of a link, kg", 0.0001], ["length", "Length of a link, m", 0.001]],
-};
-const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
-let state = fromHash(location.hash, PRESETS["2005"]), core = null, fit = null, motion = null;
-let answer = null, servo = null, map = null, curve = null, job = 0, open = 0, playing = !still, time = 0;
+let state = null, shown = {}, job = 0, phase = 0, gone = 0, last = 0;
+let playing = !matchMedia("(prefers-reduced-motion: reduce)").matches;
 
-// Friction spans decades: its slider moves by the square root.
-const rooted = (name) => FRICTIONS.includes(name);
-const top_ = (name) => LIMITS[name][1] / (state.whole || !rooted(name) ? 1 : state.links);
-const toSlider = (name, v) => (rooted(name) ? Math.sqrt(v / top_(name)) : v);
-const fromSlider = (name, v) => (rooted(name) ? +(v * v * top_(name)).toPrecision(3) : v);
+// ---- from the address and the inputs to the state
 
-function addRow(parent, name, title, step, limits) {
-  const row = document.createElement("div");
-  row.className = "row";
-  row.innerHTML = `<label for="n-${name}">${title}</label><input type="number" id="n-${name}" step="any" min="${limits[0]}" max="${limits[1]}">`;
-  const range = rooted(name) ? [0, 1, 0.001] : [...limits, step];
-  row.innerHTML += `<input type="range" id="r-${name}" aria-label="${title}" min="${range[0]}" max="${range[1]}" step="${range[2]}">`;
-  row.lastChild.addEventListener("input", () => slide(name));
-  parent.append(row);
-  return $("n-" + name);
-}
-
-// At most one answer a frame, however many moves a mouse tells in it.
-const slid = new Set();
-function slide(name) {
-  if (!slid.size) requestAnimationFrame(() => {
-    const some = Object.fromEntries([...slid].map((n) => [n, fromSlider(n, +$("r-" + n).value)]));
-    slid.clear(), change(some);
-  });
-  slid.add(name);
-}
-
-function build() {
-  for (const [key, p] of Object.entries(PRESETS)) $("preset").add(new Option(p.title, key));
-  $("preset").add(new Option("your own", "own"));
-  for (const [group, rows] of Object.entries(SLIDERS))
-    for (const [name, title, step] of rows)
-      addRow($(group), name, title, step, LIMITS[name]).addEventListener("change", (e) => typed(name, e.target));
-  $("servo").add(new Option("ideal joints", ""));
-  for (const name of Object.keys(TABLES.servos)) $("servo").add(new Option(name === "hobby" ? "any hobby servo" : name, name));
-}
-const TITLES = Object.fromEntries(Object.values(SLIDERS).flat().map(([name, title]) => [name, title.split(", ")]));
-const kindOf = () => (state.servo === "hobby" ? "typical hobby servos" : `${state.servo} servos`);
-
-function typed(name, input) {
-  const [low, high] = LIMITS[name], value = Number(input.value), good = input.value !== "" && value >= low && value <= high;
-  input.setAttribute("aria-invalid", String(!good));
-  if (good) return change({ [name]: name === "links" ? Math.round(value) : value });
-  complain(`${name} is ${input.value || "empty"}; it can be ${low} to ${high}.`);
-}
-
-// The same ground, told for the whole snake or for each link.
-function tellFor(whole) {
-  const told = FRICTIONS.map((name) => [name, +(state[name] * (whole ? state.links : 1 / state.links)).toPrecision(12)]);
-  change({ whole, ...Object.fromEntries(told) }, true);
-}
-
-const OF_FIT = [...FRICTIONS, "links", "mass", "length"];
-function change(some, keepFit = false) {
-  if (!keepFit && OF_FIT.some((name) => name in some)) fit = null, $("fit").textContent = "";
-  if (!keepFit && ("mass" in some || "length" in some)) some.inertia = 0; // of a uniform rod
-  state = { ...state, ...some };
-  refresh();
-}
-
-let asked = 0;
-function refresh() {
-  curve = servo = null;
-  solve();
-  clearTimeout(asked);
-  asked = setTimeout(settle, 150);
-}
-// What can wait until the slider rests: the address, and the long work.
-function settle() {
-  history.replaceState(null, "", toHash(state));
-  order();
-}
-
-function complain(words) { $("problem").textContent = words, $("problem").hidden = !words; }
-
-function solve() {
-  for (const name of FIELDS) {
-    if (name === "whole") $("whole").value = state.whole;
-    else $("n-" + name).value = +state[name].toPrecision(6), $("r-" + name).value = toSlider(name, state[name]), $("n-" + name).removeAttribute("aria-invalid"),
-      $("r-" + name).setAttribute("aria-valuetext", `${$("n-" + name).value} ${TITLES[name][1] || ""}`);
+function readAddress() {
+  for (const [name, value] of new URLSearchParams(location.hash.slice(1))) {
+    const field = fields.find((one) => one.name === name), before = field && field.value;
+    if (!field || value === "") continue;
+    field.value = value;
+    if (field.value === "" || !field.checkValidity()) field.value = before;
   }
-  const same = Object.keys(PRESETS).find((key) => toHash(PRESETS[key]) === toHash(state));
-  $("preset").value = same || "own", $("servo").value = state.servo;
-  for (const [id, words] of [["command", commandLine(state)], ["python", pythonCode(state)]])
-    if ($(id).textContent !== words) $(id).textContent = words;
-  if (!core) return;
-  const why = refusal(state);
-  complain(why);
-  answer = why ? null : core.steady(state);
-  motion = answer && answer.known ? core.motion(state) : null;
-  if (answer && !answer.known) complain("The core found no periodic motion here. Move one slider a little.");
-  else if (answer && !answer.converged) complain("The errors are larger than usual here: look at the numbers behind ±.");
-  show(), painting = painting || requestAnimationFrame(paint);
+  change();
 }
 
-// A value of two digits; on demand to the last digit that its error leaves, and the error to one digit.
-const two = (value) => (value && Math.abs(value) < 100 ? value.toPrecision(2) : String(+value.toPrecision(2)));
-function figure(value, error, unit) {
-  if (!$("digits").checked) return `${two(value)} ${unit}`;
-  const place = Math.max(0, Math.min(9, error > 0 ? -Math.floor(Math.log10(error)) : 9));
-  const digits = Math.min(place, Math.max(0, 5 - Math.floor(Math.log10(Math.max(Math.abs(value), 1e-9)))));
-  const small = error < 0.5 * 10 ** -digits ? `${error.toExponential(0)}` : error.toFixed(digits);
-  return `${value.toFixed(digits)} ${unit} <span class="error">± ${small}</span>`;
+function change() {
+  for (const output of form.querySelectorAll("output")) {
+    const input = output.nextElementSibling;
+    output.textContent = input.value + UNITS[input.name];
+    input.setAttribute("aria-valuetext", output.textContent);
+  }
+  if (!fields.every((field) => field.value !== "" && field.checkValidity())) return form.reportValidity();
+  state = Object.fromEntries(fields.map(({ name, value }) => [name, name === "servo" ? value : Number(value)]));
+  document.body.dataset.map = document.body.dataset.curve = "working";
+  shown = { motion: shown.motion, curve: shown.curve, map: shown.map };
+  $("python").textContent = pythonCode(state);
+  setTimeout(() => history.replaceState(null, "", "#" + new URLSearchParams(new FormData(form))));
+  ask();
+}
+
+function pythonCode({ links, mass, length, ct, cn, ft0, fn0, alpha, beta, hz, servo }) {
+  return `from math import pi, radians
+
+import serpenoid as sn
+
+robot = sn.Robot(links=${links}, link_mass_kg=${mass} / ${links}, link_length_m=${length})
+ground = sn.Ground.whole_body(links=${links}, ct=${ct}, cn=${cn}, ft0=${ft0}, fn0=${fn0})
+gait = sn.Gait(alpha_rad=radians(${alpha}), beta_rad=radians(${beta}), omega_rad_s=2 * pi * ${hz})
+print(sn.steady_gait(robot, ground, gait, servo=sn.servo("${servo}")).in_words())`;
+}
+
+// ---- two workers: one for the gait that is shown, one for the curve and the map
+
+const source = ["core-text", "shared-text", "worker-text"].map((id) => $(id).textContent + "\n");
+const url = URL.createObjectURL(new Blob(source, { type: "text/javascript" }));
+const workers = [false, true].map((curve) => Object.assign(new Worker(url), { curve, onmessage: ({ data }) => hear(data) }));
+let ready = 0;
+function ask() {
+  if (ready < workers.length) return;
+  job++;
+  if (!(state.ct + state.cn + state.ft0 + state.fn0 > 0)) return show();
+  for (const worker of workers) worker.postMessage({ id: job, s: state, curve: worker.curve, map: $("mapped").open });
+}
+function hear(data) {
+  if (data.ready) return ++ready === workers.length && ask();
+  if (data.id !== job) return;
+  if (data.motion) findWay(data.motion);
+  Object.assign(shown, data), show(), paint();
 }
 
 function show() {
-  const a = answer;
-  if (!a || !a.known) { $("speed").innerHTML = `<span class="big">no answer</span>`; $("figures").innerHTML = ""; return; }
-  showSpeed(figure(a.speed, a.speedError, "m/s"));
-  const weight = state.links * state.mass * GRAVITY_M_S2, rows = [["Power", figure(a.power, a.powerError, "W")]];
-  rows.push(["Power of servos that do not recover", figure(a.positivePower, a.positiveError, "W")]);
-  if (a.speed > 10 * a.speedError) {
-    const cost = a.power / (weight * a.speed), error = cost * (a.powerError / Math.max(a.power, 1e-12) + a.speedError / a.speed);
-    rows.push(["Cost of transport P/(m g v)", figure(cost, error, "")]);
-  }
-  if (motion) {
-    const torque = peakTorque(motion);
-    rows.push(["Largest joint torque", ofServo(figure(torque.value, Math.max(torque.error, 1e-4 * torque.value), "N m"), torque.value, 1)]);
-  }
-  rows.push(["Largest joint speed", ofServo(`${two(jointRate(state))} °/s`, jointRate(state), 0)]);
-  rows.push(["Body lengths a cycle", figure(a.speed / state.hz / (state.links * state.length), a.speedError / state.hz / (state.links * state.length), "")]);
-  if (Math.abs(a.turn) > 10 * a.turnError) rows.push(["Turn a cycle", figure(a.turn / RAD, a.turnError / RAD, "°")]);
-  if (curve && curve.band) rows.push(["Speed that your fit allows, 95 %", `${two(curve.band[0])} to ${two(curve.band[1])} m/s`]);
-  $("figures").innerHTML = rows.map(([name, value]) => `<div><dt>${name}</dt><dd>${value}</dd></div>`).join("");
+  const { ideal, speed, range } = shown, kind = state.servo === "hobby" ? "hobby" : state.servo, limit = two(highestHz(state));
+  const big = (value, words) => { $("speed").innerHTML = `<b>${value}</b> ${words}`; };
+  if (!(state.ct + state.cn + state.ft0 + state.fn0 > 0)) big("no answer", "There is no friction, so nothing decides the motion.");
+  else if (ideal === undefined) return;
+  else if (Number.isNaN(ideal)) big("no answer", "The core finds no periodic motion here. Move a slider a little.");
+  else if (state.hz > highestHz(state)) big("too fast", `for a typical ${kind} servo: stay below ${limit} Hz. Ideal joints: ${two(ideal)} m/s.`);
+  else if (speed === undefined) big("…", "");
+  else if (Number.isNaN(speed)) big("no answer", `With ${kind} servos the robot settles to no speed. Ideal joints: ${two(ideal)} m/s.`);
+  else big(`${two(speed)} m/s`, `with typical ${kind} servos; ${range ? `${two(range[0])} to ${two(range[1])} with 95 % of them` : "…"}. Ideal joints: ${two(ideal)}.`);
+  $("curve-says").textContent = `Line: typical ${kind} servos. Band: 95 % of them. Dotted: joints that follow the gait exactly. `
+    + `Hatched: beyond ${limit} Hz they cannot follow.`;
 }
 
-// The speed with servos, and beside it that of ideal joints.
-function showSpeed(ideal) {
-  const big = (value, words) => { $("speed").innerHTML = `<span class="big">${value}</span> ${words}`; };
-  const can = canRun(state.servo, jointRate(state)), settles = servo && servo.known && servo.converged;
-  $("servo-speed").hidden = !state.servo;
-  if (!state.servo) return big(ideal, "with ideal joints");
-  if (!can) big("too fast", `for most ${state.servo} servos`);
-  else if (servo) big(settles ? figure(servo.speed, servo.error, "m/s") : "no answer", `with ${kindOf()}`);
-  else big("…", `with ${kindOf()}`);
-  $("servo-speed").innerHTML = `Ideal joints: <strong>${ideal}</strong>. `
-    + (can && settles ? `Servos reach ${Math.round(100 * servo.amplitude)} % of the amplitude.` : "");
-}
-
-// A value beside what servos of the kind can do: `which` is 0 for their speed, 1 for their torque.
-function ofServo(shown, value, which) {
-  if (!state.servo) return shown;
-  const share = Math.round(100 * value / TABLES.limits[state.servo][which]), words = `${shown}, ${share} % of the servo's`;
-  return share > 100 ? `<span class="over">${words}</span>` : words;
-}
-
-function showRanks() {
-  const most = Math.abs(curve.ranks[0].change) || 1;
-  $("ranks").innerHTML = curve.ranks.map(({ name, change }) => `<li>${TITLES[name][0]} <b>${change < 0 ? "−" : "+"}${two(100 * Math.abs(change))} %</b>`
-    + `<i style="width:${100 * Math.abs(change) / most}%"></i></li>`).join("");
-}
-
-// ---- the workers: one draws the curve, the others share the map; they start after the first answer
-const HELPERS = Math.min(4, Math.max(2, navigator.hardwareConcurrency || 2));
-const workers = [];
-function startWorkers() {
-  const source = ["core-text", "tables-text", "model-text", "worker-text"].map((id) => text(id) + "\n");
-  const url = URL.createObjectURL(new Blob(source, { type: "text/javascript" }));
-  for (let k = 0; k <= HELPERS; k++) {
-    const worker = new Worker(url);
-    worker.onmessage = ({ data }) => (data.ready ? (workers.push(worker), workers.length > HELPERS && order()) : hear(data));
-  }
-}
-function hear(data) {
-  if (data.id !== job) return;
-  if (data.curve) {
-    curve = data.curve, servo = data.servo, show();
-    if (data.ranks) curve.ranks = data.ranks, showRanks();
-  }
-  else {
-    if (!map || map.id !== job) map = { id: job, values: new Float64Array((CELLS + 1) ** 2).fill(NaN), rates: [], mode: $("mode").value, servo: state.servo };
-    data.at.forEach((at, k) => { map.values[at] = data.values[k], map.rates[at] = data.rates[k]; }), map.fresh = true;
-    if (data.done && --open === 0) map.done = true;
-  }
-  painting = painting || requestAnimationFrame(paint);
-}
-let painting = 0;
-function order() {
-  document.body.dataset.map = "working";
-  if (refusal(state) || workers.length <= HELPERS) return;
-  const ask = { id: ++job, s: state, mode: $("mode").value, wanted: answer ? answer.speed : 0 };
-  open = HELPERS;
-  workers.forEach((worker, k) => worker.postMessage(k ? { ...ask, share: { part: k - 1, of: HELPERS } } : { ...ask, fit }));
-}
+// ---- pictures
 
 function paint() {
-  painting = 0;
-  if (!$("map").clientWidth) return; // hidden: painted anew when it has a size
-  if (map) {
-    drawMap($("map"), map, state);
-    const best = map.best;
-    const power = map.mode === "power", what = power ? "Least power" : "Fastest", unit = power ? "W" : "m/s";
-    const star = best ? `★ ${what}: α ${Math.round(best.alpha)}°, β ${Math.round(best.beta)}°: ${two(best.v)} ${unit} with ideal joints. ` : "";
-    $("map-says").textContent = star + (map.servo ? `Hatched: too fast for most ${map.servo} servos. ` : "")
-      + "○ is where you are. White edges: a cliff between neighbours. " + (map.done ? "Complete." : "Still filling …");
-    [$("dark").textContent, $("bright").textContent] = (power ? [map.high, map.low] : [map.low, map.high]).map((v) => `${two(v)} ${unit}`);
-    if (map.done) document.body.dataset.map = "done";
-  }
-  if (curve && answer) {
-    drawCurve($("curve"), curve, state, answer.speed);
-    $("curve-says").textContent = "Ideal joints; ○ is where you are." + (curve.band ? " Band: 95 %, of the frictions that your fit allows and of joints 3 % off." : "");
-  }
-  if (!playing && motion) drawSnake($("snake"), motion, state, time);
+  const { curve, map, motion, speed } = shown;
+  if (motion && !playing) drawSnake($("snake"), motion, phase, gone);
+  if (curve) drawCurve($("curve"), curve, state, speed);
+  if (curve && curve.band.length === curve.typical.length) document.body.dataset.curve = "done";
+  if (!map || !$("mapped").open) return;
+  const { most, best } = drawMap($("map"), map, state);
+  $("map-says").textContent = `Colour: speed of ideal joints at ${state.hz} Hz, from 0 (dark) to ${two(most)} m/s (bright). Hatched: too fast for the servos. `
+    + (best ? `Fastest below: ${two(best.speed)} m/s at amplitude ${Math.round(best.alpha)}°, phase lag ${Math.round(best.beta)}°.` : "");
+  if (map.done) document.body.dataset.map = "done";
 }
 
-function go(event) {
-  const box = $("map").getBoundingClientRect(), f = mapFrame(box.width, box.height);
-  const beta = (event.clientX - box.left - f.x0) / f.width * 180, alpha = (f.y0 - (event.clientY - box.top)) / f.height * TOP_ALPHA;
-  const to = (v, [low, high]) => Math.round(Math.min(high, Math.max(low, v)) * 10) / 10;
-  change({ alpha: to(alpha, [1, TOP_ALPHA]), beta: to(beta, LIMITS.beta) });
-}
-const ARROWS = { ArrowLeft: ["beta", -1], ArrowRight: ["beta", 1], ArrowUp: ["alpha", 1], ArrowDown: ["alpha", -1] };
-function arrow(event) {
-  const move = ARROWS[event.key];
-  if (!move) return;
-  event.preventDefault();
-  const [low, high] = LIMITS[move[0]];
-  change({ [move[0]]: Math.min(high, Math.max(low, state[move[0]] + move[1])) });
-}
-
-async function take(coming) {
-  let what = "Not taken";
-  try {
-    const files = await coming;
-    what = files.length === 1 ? files[0].name : `${files.length} files`;
-    if (!files.length) throw new Error("Nothing that can be read was dropped.");
-    const { text, note } = await findFit(files), found = readFit(text), [ct, cn, ft0, fn0] = found.values;
-    state = { ...state, whole: 1 }, fit = found;
-    change({ ct, cn, ft0, fn0, ...found.robot }, true);
-    $("fit").textContent = `Friction and robot of ${found.name}.${note}`;
-  } catch (error) {
-    $("fit").textContent = `${what}: ${error.message}`;
-  }
-}
-
-const topFiles = (list) => [...list].filter((f) => (f.webkitRelativePath || "").split("/").length <= 2);
-
-// The files of what was dropped; of a folder those directly in it.
-async function dropped(items) {
-  const entries = [...items].filter((i) => i.kind === "file").map((i) => [i.webkitGetAsEntry && i.webkitGetAsEntry(), i.getAsFile()]);
-  const found = [];
-  for (const [entry, file] of entries) {
-    if (!entry || entry.isFile) { if (file) found.push(file); continue; }
-    try { await readFolder(entry.createReader(), found); }
-    catch { throw new Error("the browser does not open a dropped folder here. Press \u201cChoose a folder\u201d, or drop its fit.json."); }
-  }
-  return found;
-}
-async function readFolder(reader, found) {
-  for (let some = [0]; some.length && found.length < 1000;) {
-    some = await new Promise((good, bad) => reader.readEntries(good, bad));
-    for (const one of some.filter((e) => e.isFile)) found.push(await new Promise((good, bad) => one.file(good, bad)));
-  }
-}
-
-function listen() {
-  $("preset").onchange = () => PRESETS[$("preset").value] && (fit = null, $("fit").textContent = "", change({ ...PRESETS[$("preset").value] }, true));
-  $("whole").onchange = () => tellFor(+$("whole").value);
-  $("mode").onchange = () => { map = null; order(); };
-  $("map").addEventListener("click", go), $("map").addEventListener("keydown", arrow);
-  $("controls").onsubmit = (e) => e.preventDefault();
-  $("digits").onchange = show;
-  $("servo").onchange = () => change({ servo: $("servo").value });
-  for (const name of ["file", "folder"]) $(name).onchange = () => { if ($(name).files.length) take(topFiles($(name).files)); $(name).value = ""; };
-  for (const kind of ["dragover", "dragleave", "drop"])
-    addEventListener(kind, (e) => { e.preventDefault(), $("drop").classList.toggle("over-it", kind === "dragover"); });
-  addEventListener("drop", (e) => take(dropped(e.dataTransfer.items)));
-  addEventListener("hashchange", () => { state = fromHash(location.hash, state); refresh(); });
-  addEventListener("resize", paint);
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { colours = {}; if (map) map.fresh = true; paint(); });
-  $("play").onclick = () => setPlaying(!playing);
-  document.querySelectorAll("[data-copy]").forEach((b) => b.addEventListener("click", () => copy(b.dataset.copy)));
-}
-
-function setPlaying(on) {
-  playing = on;
-  $("play").textContent = on ? "Pause" : "Play";
-  $("play").setAttribute("aria-pressed", String(on));
-  if (on) last = performance.now(), requestAnimationFrame(frame);
-}
-async function copy(what) {
-  const content = what === "link" ? location.href : text(what);
-  try { await navigator.clipboard.writeText(content); $("copied").textContent = "Copied."; }
-  catch { $("copied").textContent = what === "link" ? location.href : "Select the text above and copy it."; }
-}
-
-let last = 0;
 function frame(now) {
-  time += Math.min(0.1, (now - last) / 1000), last = now;
-  if (motion) drawSnake($("snake"), motion, state, time);
+  const seconds = Math.min(0.1, (now - last) / 1000), { motion } = shown;
+  last = now;
+  if (motion) {
+    const [before] = pathAt(motion, phase);
+    phase += seconds * motion.hz;
+    gone += pathAt(motion, phase)[0] - before;
+    drawSnake($("snake"), motion, phase, gone);
+  }
   if (playing) requestAnimationFrame(frame);
 }
+function play(on) {
+  playing = on, $("play").textContent = on ? "Pause" : "Play";
+  if (on) last = performance.now(), requestAnimationFrame(frame);
+}
 
+function setGait(alpha, beta) {
+  form.elements.alpha.value = Math.round(alpha), form.elements.beta.value = Math.round(beta), change();
+}
+$("map").onclick = (event) => {
+  const { X, Y } = drawMap($("map"), shown.map, state);
+  setGait(120 * (event.offsetY - Y(0)) / (Y(120) - Y(0)), 180 * (event.offsetX - X(0)) / (X(180) - X(0)));
+};
+$("map").onkeydown = (event) => {
+  const [up, right] = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowRight: [0, 1], ArrowLeft: [0, -1] }[event.key] || [0, 0];
+  if (up || right) event.preventDefault(), setGait(state.alpha + up, state.beta + right);
+};
+form.oninput = change, form.onsubmit = (event) => event.preventDefault();
+$("mapped").ontoggle = ask;
+$("play").onclick = () => play(!playing);
+addEventListener("hashchange", readAddress);
+addEventListener("resize", paint);
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
 if (parent !== self) document.body.classList.add("embedded");
-build(), listen(), setPlaying(playing), solve();
-serpenoidCore().then((made) => {
-  core = new Core(made), solve(), document.body.dataset.ready = "yes";
-  document.body.dataset.firstMs = Math.round(performance.now());
-  setTimeout(startWorkers);
-});
+readAddress(), show(), play(playing);

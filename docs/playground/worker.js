@@ -1,83 +1,104 @@
-// The long work, beside the page: one share of the map from coarse to fine; speed against frequency.
+// What the page asks the core: speed and motion of a gait, speed over frequency, and the map.
 "use strict";
+// Step lengths of the package: of the typical servo's speed, and of the range's rough ones.
+const FINE_STEP_S = 1e-3, ROUGH_STEP_S = 4e-3;
+const CYCLES = 5, FRAMES = 120; // of the motion: cycles from rest until it repeats, pictures of the last one
+const CURVE_POINTS = 40, BAND_POINTS = 10, MAP_RTOL = 1e-3, MAP_STRIDES = [8, 4, 2, 1];
+
+class Core {
+  constructor(module) { this.module = module; }
+
+  // Call a function of the core. Return the numbers that it fills, or null where it has no answer.
+  ask(name, arrays, rest, size) {
+    const { module } = this, places = arrays.map((values) => module._malloc(8 * values.length)), to = module._malloc(8 * size);
+    arrays.forEach((values, k) => module.HEAPF64.set(values, places[k] / 8));
+    const known = module["_serpenoid_" + name](...places, ...rest, to);
+    const values = known ? module.HEAPF64.slice(to / 8, to / 8 + size) : null;
+    [...places, to].forEach((place) => module._free(place));
+    return values;
+  }
+
+  // Numbers as the core takes them: of one link, in radians.
+  scene(s) {
+    const frictions = [s.ct, s.cn, s.ft0, s.fn0].map((whole) => whole / s.links);
+    return [s.links, s.mass / s.links, s.length, ...frictions, s.alpha * RAD, s.beta * RAD, 2 * Math.PI * s.hz];
+  }
+
+  ideal(s, rtol = 1e-6) {
+    const values = this.ask("ideal", [this.scene(s)], [rtol], 2);
+    return values ? values[0] : NaN;
+  }
+
+  servoSpeeds(s, servos, rough) {
+    const step = rough ? ROUGH_STEP_S : FINE_STEP_S;
+    const speeds = this.ask("servos", [this.scene(s), servos.flat()], [servos.length, step, rough ? 1 : 0], servos.length);
+    return speeds || new Float64Array(servos.length).fill(NaN);
+  }
+
+  typical(s) { return this.servoSpeeds(s, [TABLES.servos[s.servo].typical], false)[0]; }
+
+  // The 95 % interval of the speed over servos of the kind: rough speeds, put right by the typical servo's.
+  range(s, typical = this.typical(s)) {
+    const kind = TABLES.servos[s.servo], [rough, ...others] = this.servoSpeeds(s, [kind.typical, ...kind.samples], true);
+    const speeds = others.map((speed) => speed * typical / rough).sort((a, b) => a - b);
+    const mean = (values) => values.reduce((sum, value, k) => sum + TABLES.lowEndWeights[k] * value, 0);
+    return [mean(speeds), mean(speeds.reverse())];
+  }
+
+  motion(s) {
+    const row = 4 * s.links;
+    const data = this.ask("motion", [this.scene(s), TABLES.servos[s.servo].typical], [CYCLES, FRAMES], row * (FRAMES + 1));
+    return data && { data, row, links: s.links, length: s.length, frames: FRAMES, hz: s.hz };
+  }
+}
+
 let core = null, job = 0;
-const COUNT = 40, STEP = { alpha: 105 / COUNT, beta: 180 / COUNT }, STRIDES = [8, 4, 2, 1], EVERY_MS = 60;
-const CURVE_POINTS = 24, BAND_POINTS = 8, TOP_HZ = 3, LEAST_HZ = 0.05;
-
-serpenoidCore().then((made) => { core = new Core(made); postMessage({ ready: true }); });
-
-// Power where the speed is `wanted`: the rate is stretched until it is, as far as a rate may go.
-function powerFor(s, wanted) {
-  for (let tries = 0; tries < 12; tries++) {
-    const a = core.steady(s, 1e-3, false);
-    if (!a.known || !(a.speed > 0)) return NaN;
-    if (Math.abs(a.speed - wanted) < 0.005 * wanted) return a.power;
-    s.hz *= Math.min(4, Math.max(0.25, wanted / a.speed));
-    if (!(s.hz < 10)) return NaN;
-  }
-  return NaN;
+// Tell the page a part of an answer. Return whether it still wants the rest.
+async function tell(id, part) {
+  postMessage({ id, ...part });
+  await new Promise((next) => setTimeout(next));
+  return id === job;
 }
 
-const speed = (s) => { const a = core.steady(s, 1e-3, false); return a.known ? a.speed : NaN; };
+async function answer({ id, s }) {
+  if (!await tell(id, { ideal: core.ideal(s) })) return;
+  if (!await tell(id, { speed: core.typical(s) })) return;
+  if (!await tell(id, { motion: core.motion(s) })) return;
+  if (s.hz <= highestHz(s)) await tell(id, { range: core.range(s) });
+}
 
-// The cells of a map in the order of their work: coarse ones first, each once; {at, i, j, stride}.
-function* cells() {
-  const seen = new Uint8Array((COUNT + 1) ** 2);
-  for (const stride of STRIDES)
-    for (let i = 0; i <= COUNT; i += stride)
-      for (let j = 0; j <= COUNT; j += stride) {
-        const at = i * (COUNT + 1) + j;
-        if (!seen[at]) seen[at] = 1, yield { at, i, j, stride };
+async function curve(id, s) {
+  const top = topHz(s), limit = Math.min(top, highestHz(s));
+  const spread = (count, end) => Array.from({ length: count }, (_, k) => end * (k + 1) / count);
+  const ideal = spread(CURVE_POINTS, top).map((hz) => [hz, core.ideal({ ...s, hz }, MAP_RTOL)]);
+  const typical = [], band = [];
+  for (const hz of spread(BAND_POINTS, limit)) {
+    typical.push([hz, core.typical({ ...s, hz })]);
+    if (!await tell(id, { curve: { top, limit, ideal, typical, band } })) return false;
+  }
+  for (const [hz, speed] of typical) {
+    band.push([hz, ...core.range({ ...s, hz }, speed)]);
+    if (!await tell(id, { curve: { top, limit, ideal, typical, band } })) return false;
+  }
+  return true;
+}
+
+// Ideal speeds of all cells, coarse ones first.
+async function map(id, s) {
+  const values = new Float64Array((CELLS + 1) ** 2).fill(NaN);
+  for (const stride of MAP_STRIDES)
+    for (let i = 0; i <= CELLS; i += stride) {
+      for (let j = 0; j <= CELLS; j += stride) {
+        const at = i * (CELLS + 1) + j, gait = { alpha: Math.max(1, i * CELL_ALPHA), beta: Math.max(1, j * CELL_BETA) };
+        if (Number.isNaN(values[at])) values[at] = core.ideal({ ...s, ...gait }, MAP_RTOL);
       }
-}
-
-// Each worker takes every `share.of`-th cell, and tells what it has now and then.
-async function fillMap({ id, s, mode, wanted, share }) {
-  let at = [], values = [], rates = [], told = performance.now(), count = 0, stride = 0;
-  const tell = (done) => (postMessage({ id, at, values, rates, done }), at = [], values = [], rates = [], told = performance.now());
-  for (const cell of cells()) {
-    if (count++ % share.of !== share.part) continue;
-    if (performance.now() - told > EVERY_MS || (stride && cell.stride !== stride)) {
-      tell(false);
-      await new Promise((go) => setTimeout(go));
-      if (id !== job) return;
+      if (!await tell(id, { map: { values, stride, done: stride === 1 && i === CELLS } })) return;
     }
-    stride = cell.stride;
-    const here = { ...s, alpha: Math.max(1, cell.i * STEP.alpha), beta: Math.max(1, cell.j * STEP.beta) };
-    at.push(cell.at), values.push(mode === "power" ? powerFor(here, wanted) : speed(here)), rates.push(jointRate(here));
-  }
-  tell(true);
 }
 
-// By how much 10 % more of each parameter changes the speed, the largest change first.
-function ranked(s) {
-  const withServo = s.servo && canRun(s.servo, jointRate(s));
-  const of = (state) => (withServo ? core.withServo(state, s.servo).speed : speed(state)), here = of(s);
-  return ["alpha", "beta", "hz", "ct", "cn", "ft0", "fn0", "mass", "length"].filter((name) => s[name] > 0)
-    .map((name) => ({ name, change: of({ ...s, [name]: 1.1 * s[name] }) / here - 1 }))
-    .filter((one) => Number.isFinite(one.change)).sort((a, b) => Math.abs(b.change) - Math.abs(a.change));
-}
-
-// Speed with servos, speed against frequency, what changes speed, and what a fit leaves of the first two.
-async function drawCurve({ id, s, fit }) {
-  const told = async (part) => { postMessage({ id, ...part }); await new Promise((go) => setTimeout(go)); return id === job; };
-  const servo = s.servo ? core.withServo(s, s.servo) : null;
-  const rates = (count) => Array.from({ length: count }, (_, k) => LEAST_HZ * (TOP_HZ / LEAST_HZ) ** (k / (count - 1)));
-  const grounds = fit ? draws(fit) : [], among = (hz) => band(grounds.map((g) => speed({ ...s, ...g, hz, alpha: s.alpha * g.amplitude })));
-  const curve = { hz: rates(CURVE_POINTS) };
-  curve.speed = curve.hz.map((hz) => speed({ ...s, hz }));
-  if (!await told({ servo, curve }) || !await told({ servo, curve, ranks: ranked(s) }) || !fit) return;
-  curve.band = among(s.hz), curve.bandHz = [], curve.low = [], curve.high = [];
-  if (!await told({ servo, curve })) return;
-  for (const hz of [...rates(BAND_POINTS), s.hz].sort((a, b) => a - b)) {
-    const [low, high] = among(hz);
-    curve.bandHz.push(hz), curve.low.push(low), curve.high.push(high);
-    if (!await told({ servo, curve })) return;
-  }
-}
-
-onmessage = ({ data }) => {
+onmessage = async ({ data }) => {
   job = data.id;
-  if (core && data.share) fillMap(data);
-  else if (core && data.s) drawCurve(data);
+  if (!data.curve) answer(data);
+  else if (await curve(data.id, data.s) && data.map) map(data.id, data.s);
 };
+serpenoidCore().then((module) => { core = new Core(module), postMessage({ ready: true }); });

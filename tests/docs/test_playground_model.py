@@ -1,4 +1,4 @@
-"""The playground's own arithmetic, in Node, with a core that answers by a formula."""
+"""The playground's own arithmetic, in Node, with the package's tables and no core."""
 
 from __future__ import annotations
 
@@ -6,65 +6,65 @@ import json
 import math
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
+import serpenoid as sn
 from serpenoid.periodic.servo_steady import band
+from serpenoid.servos.speed_limit import highest_hz
 
 pytestmark = pytest.mark.skipif(not shutil.which("node"), reason="needs Node")
-PARTS = Path(__file__).resolve().parents[2] / "docs" / "playground"
+DOCS = Path(__file__).resolve().parents[2] / "docs"
 LOAD = """const vm = require('vm'), fs = require('fs');
 globalThis.serpenoidCore = () => new Promise(() => {}), globalThis.onmessage = null;
-globalThis.postMessage = () => {};
-for (const name of ['model.js', 'worker.js'])
-  vm.runInThisContext(fs.readFileSync(process.argv[1] + '/' + name, 'utf8'));
-vm.runInThisContext(fs.readFileSync(0, 'utf8'));
+const given = JSON.parse(fs.readFileSync(0, 'utf8'));
+vm.runInThisContext(given.tables);
+for (const name of ['shared.js', 'worker.js'])
+  vm.runInThisContext(fs.readFileSync(process.argv[1] + '/playground/' + name, 'utf8'));
+vm.runInThisContext(given.script);
 """
 
 
-def asked(script: str):
-    """Return what a script says that knows the page's model and its worker."""
-    called = ["node", "-e", LOAD, str(PARTS)]
-    done = subprocess.run(called, input=script, capture_output=True, text=True, check=True)
+@pytest.fixture(scope="module")
+def tables() -> str:
+    printed = "import build_playground; print(build_playground.tables())"
+    called = [sys.executable, "-c", printed]
+    return subprocess.run(called, cwd=DOCS, capture_output=True, text=True, check=True).stdout
+
+
+def asked(tables: str, script: str):
+    """Return what a script says that knows the page's tables and its worker."""
+    given = json.dumps({"tables": tables, "script": f"console.log(JSON.stringify({script}))"})
+    called = ["node", "-e", LOAD, str(DOCS)]
+    done = subprocess.run(called, input=given, capture_output=True, text=True, check=True)
     return json.loads(done.stdout)
 
 
-@pytest.mark.parametrize(
-    ("hz", "frame_s", "longest_s"), [(1.0, 0.02, 1e-3), (0.4, 0.02, 2e-3), (1.0, 0.002, 5e-4)]
-)
-def test_servos_are_stepped_finely_enough(hz, frame_s, longest_s) -> None:
-    """A millisecond; two where a period is longer than two seconds; a quarter of a frame."""
-    steps = asked(f"""
-globalThis.TABLES = {{servos: {{some: [{frame_s}]}}, servoFields: ['frame_s']}};
-let step = 0;
-const module_ = {{HEAPF64: new Float64Array(64), _malloc: () => 0,
-  _serpenoid_servo: (at, servo, longest) => {{ step = longest; return 1; }}}};
-new Core(module_).withServo({{...PRESETS['2005'], hz: {hz}}}, 'some');
-console.log(step);""")
-    assert steps == pytest.approx(longest_s)
-
-
-def test_a_torque_claims_what_half_the_times_would_miss() -> None:
-    """Between its times a torque may be higher still; at half of them this one is 0.71."""
-    torques = [math.sin(math.tau * k / 8 + math.pi / 4) for k in range(9)]
-    rows = [number for torque in torques for number in (*[0.0] * 10, torque)]
-    told = asked(
-        f"console.log(JSON.stringify(peakTorque({{links: 2, frames: 8, row: 11, data: {rows}}})))"
+def test_a_range_is_the_packages_band(tables) -> None:
+    speeds = [2 + math.sin(k * k) for k in range(128)]
+    ends = asked(
+        tables,
+        f"""(() => {{
+const core = new Core(null);
+core.servoSpeeds = (s, servos, rough) => (rough ? [2, ...{json.dumps(speeds)}] : [1]);
+return core.range({{servo: 'hobby'}}); }})()""",
     )
-    assert told["value"] == pytest.approx(1.0)
-    assert told["error"] == pytest.approx(1.0 - math.sqrt(0.5))
+    assert ends == pytest.approx([end / 2 for end in band(speeds)], rel=1e-7)
 
 
-def test_the_power_is_that_of_the_speed_asked() -> None:
-    """Speed and power by the rate: the power belongs to the speed to a two-hundredth."""
-    power = asked("""
-core = {steady: (s) => ({known: true, speed: s.hz ** 0.8, power: s.hz ** 0.8})};
-console.log(JSON.stringify([0.5, 1, 1.03, 2].map((hz) => powerFor({hz}, 1))));""")
-    assert power == pytest.approx([1.0] * 4, abs=0.005)
+def test_the_highest_frequency_is_the_packages(tables) -> None:
+    gait = sn.Gait(math.radians(50), math.radians(75), 3.0)
+    for name in ("hobby", "SG90"):
+        told = asked(tables, f"highestHz({{alpha: 50, servo: '{name}'}})")
+        assert told == pytest.approx(highest_hz(gait, sn.servo(name)))
 
 
-@pytest.mark.parametrize("count", [16, 64])
-def test_a_band_is_the_packages(count: int) -> None:
-    drawn = [math.sin(k * k) for k in range(count)]
-    ends = asked(f"console.log(JSON.stringify(band({json.dumps(drawn)})))")
-    assert ends == pytest.approx(band(drawn), rel=1e-7)
+def test_the_core_is_given_one_link_and_radians(tables) -> None:
+    told = asked(
+        tables,
+        """new Core(null).scene({links: 4, mass: 2, length: 0.1, ct: 0.4, cn: 8, ft0: 0.8, fn0: 1.2,
+alpha: 90, beta: 45, hz: 0.5})""",
+    )
+    wanted = [4, 0.5, 0.1, 0.1, 2, 0.2, 0.3, math.pi / 2, math.pi / 4, math.pi]
+    assert told == pytest.approx(wanted)
