@@ -130,7 +130,6 @@ def tags(paper: str, out: Path, **given: Any) -> None:
 @CAPTURE_FPS
 @option("--track", "Write time, place, heading, joints.", type=out_file(".csv"))
 @option("--plot", "picture", "Draw what was measured.", type=out_file(*FIGURES))
-@option("--annotate", "Write a film with the chain drawn in.", type=out_file(".mp4"))
 @AS_JSON
 def film(
     file: Path,
@@ -139,7 +138,6 @@ def film(
     capture_fps: float | None,
     track: Path | None,
     picture: Path | None,
-    annotate: Path | None,
     as_json: bool,
     **given: Any,
 ) -> None:
@@ -183,7 +181,7 @@ def film(
             progress=tell,
             capture_fps=capture_fps,
         )
-    _write(film, track, picture, annotate)
+    _write(film, track, picture)
     if as_json:
         show_json(film.run.to_dict())
     else:
@@ -207,9 +205,7 @@ def film_progress(
         yield tell
 
 
-def _write(
-    measured: FilmMeasurement, track: Path | None, picture: Path | None, annotate: Path | None
-) -> None:
+def _write(measured: FilmMeasurement, track: Path | None, picture: Path | None) -> None:
     from ..show.report import wrote
 
     if track is not None:
@@ -222,11 +218,6 @@ def _write(
 
         film_figure(measured, picture)
         wrote(picture)
-    if annotate is not None:
-        from ..video.annotate import annotate_film
-
-        annotate_film(measured, annotate)
-        wrote(annotate)
 
 
 def _gait_kept(measured: FilmMeasurement, session: Path) -> bool:

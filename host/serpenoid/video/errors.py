@@ -40,17 +40,13 @@ def number_sigmas(
     some: Track,
     picked: Places,
     held: Array,
-    rate_sigma: float | None = None,
 ) -> Array:
     """Return the standard deviations of `Motion.numbers`, in their order.
 
     some: the track in the frames `picked`, with how it follows the camera's unknowns. held: share
-    of the frames that tell a joint. rate_sigma: of the rate, rad/s, where joints were assumed;
-    theirs else.
+    of the frames that tell a joint.
     """
     pixels = _of_pixels(fitted)
-    if rate_sigma is not None:
-        pixels[0] = rate_sigma
     amplitude = fitted.motion.amplitude_rad
     count = len(amplitude)
     # What a slow readout does, which to first order is allowed for: each joint's part of it, as a

@@ -12,25 +12,16 @@ import numpy as np
 from ..base.checks import check_number, sha256_of
 from ..base.errors import BadInput
 from ..model.gait import Gait
-from .faults import (
-    bent_faults,
-    bent_tags,
-    check_order,
-    motion_faults,
-    scale_off,
-    view_faults,
-    watched_faults,
-    widened,
-)
+from .checks import FITTED, FOLLOWED, MOVED, PLACED, SEEN, View, run_checks, widened_sigmas
 from .fitting.camera import Camera
 from .fitting.start import first_cameras, tag_poses
-from .instrument import Measured, measure
+from .instrument import Measured, follow, measure
 from .result import FilmedRun, Remark, filmed_run
 from .seeing.film import Film
 from .seeing.sightings import Sightings
 from .seeing.tags import MOST_LINKS, tag_side_m
 from .seeing.watch import Watched, watch
-from .wiring import servo_faults
+from .wiring import SERVOS
 
 BOARD_TIME_OFF = 0.02  # relative, of real time in a film: no clock of a camera or board is so wrong
 
@@ -64,31 +55,25 @@ def measure_film(
     film, or one that cannot be measured; the message says why and what to do.
     """
     film = seen_film(path, links, link_m, side_m, progress, capture_fps)
-    watched, side, starts = film.watched, film.side_m, film.starts
+    watched, side, scale = film.watched, film.side_m, 1.0
     with refusals(watched):
-        sightings = watched.sightings
-        measured = measure(sightings, side, starts)
-        bent = bent_tags(measured.track)
-        if bent.any():
-            sightings = sightings.without(bent)
-            measured = measure(sightings, side, starts)
-        scale = 1.0
+        followed = follow(watched.sightings, side, film.starts)
+        run_checks(FOLLOWED, followed.track)
+        measured = measure(followed)
         if board_rate and gait is not None:
             scale = measured.fitted.motion.omega_rad_s / gait.omega_rad_s
-            t_s = sightings.t_s[0] + (sightings.t_s - sightings.t_s[0]) * scale
-            there = Sightings.of(t_s, sightings.corners_px, sightings.image_px)
-            measured = measure(there, side, starts)
-        measured = replace(measured, sigmas=widened(watched, measured, side))
-        remarks = [
-            *motion_faults(measured),
-            *view_faults(watched, measured.bundle.camera, side),
-            *bent_faults(bent),
-        ]
+            s = watched.sightings
+            t_s = s.t_s[0] + (s.t_s - s.t_s[0]) * scale
+            in_board_time = Sightings.of(t_s, s.corners_px, s.image_px)
+            measured = measure(follow(in_board_time, side, film.starts))
+        view = View(watched, measured.bundle.camera, side)
+        measured = replace(measured, sigmas=widened_sigmas(view, measured))
+        remarks = [*run_checks(MOVED, measured), *run_checks(FITTED, view), *film.remarks]
         run = filmed_run(watched, measured, sha256_of(watched.film.path), scale)
-        run = replace(run, scale_sigma=scale_off(measured.bundle.camera, side))
+        run = replace(run, scale_sigma=view.scale_off)
         if abs(scale - 1.0) > BOARD_TIME_OFF and watched.film.time_scale != 1.0:
             remarks.append(Remark("capture rate", _not_the_boards_time(scale)))
-        run = replace(run, remarks=(*remarks, *servo_faults(run, gait)))
+        run = replace(run, remarks=(*remarks, *run_checks(SERVOS, (run, gait))))
         return FilmMeasurement(run, watched, measured, gait)
 
 
@@ -99,6 +84,7 @@ class SeenFilm:
     watched: Watched
     side_m: float
     starts: list[Camera]
+    remarks: list[Remark]
 
 
 def _not_the_boards_time(scale: float) -> str:
@@ -110,7 +96,7 @@ def _not_the_boards_time(scale: float) -> str:
 
 @contextmanager
 def refusals(watched: Watched) -> Iterator[None]:
-    """Tell what cannot be measured with the film's name, and with its damage if it has any."""
+    """Tell what cannot be measured with the film's name, and that it is damaged if it is."""
     try:
         yield
     except (np.linalg.LinAlgError, FloatingPointError, BadInput) as error:
@@ -120,7 +106,7 @@ def refusals(watched: Watched) -> Iterator[None]:
             else f"the tags fit no camera ({error}); are they flat, matt and well lit, and is the "
             "whole robot in the picture?"
         )
-        damage = f". The file is damaged: {watched.damage}" if watched.damage else ""
+        damage = f". {watched.damage}" if watched.damage else ""
         raise BadInput(f"{watched.film.path}: {words}{damage}") from error
 
 
@@ -139,7 +125,7 @@ def seen_film(
     side = tag_side_m(link_m) if side_m is None else check_number("side_m", side_m, 0.003, link_m)
     watched = watch(Film.open(path, capture_fps), links, progress)
     with refusals(watched):
-        watched_faults(watched)
+        remarks = run_checks(SEEN, watched)
         starts = first_cameras(watched.sightings, link_m, side)
-        check_order(tag_poses(starts[0], watched.sightings)[0])
-    return SeenFilm(watched, side, starts)
+        run_checks(PLACED, tag_poses(starts[0], watched.sightings)[0])
+    return SeenFilm(watched, side, starts, remarks)

@@ -110,15 +110,6 @@ def mean_variance(rest: Array, weight: Array, unknowns: int) -> float:
     return float(np.sum(scaled**2) / free) * correlation_factor(scaled[there])
 
 
-def bend_rate(t_s: Array, bend: Array) -> tuple[float, float]:
-    """Return the rate of a bend (frames,) that swings, and its standard deviation, rad/s."""
-    weight, phi = np.ones((len(t_s), 1)), bend[:, None]
-    omega, sine = fit_sines(t_s, phi, weight, first_rate(t_s, phi, weight))
-    rest = (phi - basis(t_s, omega) @ sine)[:, 0]
-    covariance = sine_covariance(t_s, omega, sine[:, 0], rest, weight[:, 0])
-    return omega, float(np.sqrt(covariance[-1, -1]))
-
-
 def path_basis(t_s: Array, omega: float, turn: float) -> Complex:
     """Return the columns of the path's formula: 1, V's, then e^{i (W + k w) t}."""
     turned = np.exp(1j * turn * t_s)
@@ -148,24 +139,16 @@ class Fitted:
 
 
 def fit_motion(
-    track: Track,
-    weight: Array,
-    path_weight: Array,
-    omega: float | None = None,
-    free_rate: bool = True,
+    track: Track, weight: Array, path_weight: Array, omega: float | None = None
 ) -> Fitted:
     """Fit rate, sines, path and turn to a track.
 
-    weight (frames, joints) of the joints, path_weight (frames,). omega: the rate to start from, or
-    to keep if it is not free.
+    weight (frames, joints) of the joints, path_weight (frames,). omega: the rate to start from.
     """
     t_s, states = track.t_s - track.t_s.mean(), track.states
     phi = joint_angles(states)
     omega = first_rate(t_s, phi, weight) if omega is None else omega
-    if free_rate:
-        omega, sines = fit_sines(t_s, phi, weight, omega)
-    else:
-        sines = weighted(basis(t_s, omega), phi, weight)
+    omega, sines = fit_sines(t_s, phi, weight, omega)
     heading = mean_heading(states)
     columns = np.column_stack([basis(t_s, omega), t_s])
     headings = weighted(columns, heading[:, None], path_weight[:, None])[:, 0]

@@ -11,14 +11,13 @@ import numpy as np
 
 from ..base.errors import BadInput
 from .arrays import Array, Mask
-from .faults import scale_off, view_faults
+from .checks import FITTED, View, run_checks
 from .fitting import frames, start
 from .fitting.camera import LENS
 from .fitting.chain import filled_headings, joint_angles
-from .instrument import EXPECTED_SIGMA_RAD, calibrate
+from .instrument import EXPECTED_SIGMA_RAD, KNOWN_RAD, calibrate
 from .measure_film import refusals, seen_film
 from .result import Remark
-from .unseen import KNOWN_RAD
 
 STILL_RAD = math.radians(3.0)  # joints that move by more are driven, or loose
 PLACE_M = 0.003  # a frame whose place is known worse says nothing: a hand hides the tags
@@ -86,11 +85,12 @@ def track_pushes(
         rows = np.column_stack([track.t_s, track.states[:, :2]])[known]
         if len(rows) < 2:
             raise BadInput("no frame shows where the robot is; are the tags hidden?")
-        remarks = view_faults(film.watched, fit.camera, film.side_m)
+        view = View(film.watched, fit.camera, film.side_m)
+        remarks = [*run_checks(FITTED, view), *film.remarks]
     # Joints that do not move tell the link length only as well as tags lie on the links: all
     # lengths are known as the tags' printed side is.
     side = LENS.index("log_side")
-    scale_sigma = math.hypot(fit.covariance[side, side] ** 0.5, scale_off(fit.camera, film.side_m))
+    scale_sigma = math.hypot(fit.covariance[side, side] ** 0.5, view.scale_off)
     return PushedRobot(rows, scale_sigma, tuple(remarks))
 
 

@@ -19,14 +19,9 @@ from .wiring import measured_gait, slow_motion_words
 def film_cells(film: FilmMeasurement, gaits: Iterable[Gait] = ()) -> tuple[dict[str, Any], Array]:
     """Return the cells of a `video` reading, and the samples of its track.
 
-    gaits: of the session. Raises BadInput where a joint was not seen, since a reading holds all of
-    them, and where the gait that was driven shows slow motion.
+    gaits: of the session. Raises BadInput where the gait that was driven shows slow motion.
     """
     run = film.run
-    if any(math.isnan(joint.amplitude_rad) for joint in run.joints):
-        raise BadInput(
-            f"{run.film['name']}: not every joint was seen; a session's reading needs them all"
-        )
     gait = measured_gait(run, film.gait)
     if words := slow_motion_words(run, gait, [film.gait] if film.gait else gaits):
         raise BadInput(f"{run.film['name']}: {words}")

@@ -12,7 +12,7 @@ from ..base.files import write_csv
 from .arrays import Array
 from .fitting.camera import LENS
 from .fitting.chain import joint_angles, mean_heading, wrapped
-from .instrument import HELD_SHARE, Measured
+from .instrument import Measured
 from .seeing.watch import Watched
 
 
@@ -20,8 +20,7 @@ from .seeing.watch import Watched
 class Joint:
     """One joint's sine: phi = offset + amplitude sin(w t + phase); joints count from the tail.
 
-    phase_rad: beside the tail joint's. seen: share of the frames whose tags hold the joint; below
-    a seventh the numbers are NaN.
+    phase_rad: beside the tail joint's. seen: share of the frames whose tags hold the joint.
     """
 
     joint: int
@@ -126,7 +125,6 @@ def filmed_run(watched: Watched, measured: Measured, sha256: str, time_scale: fl
             "codec": film.codec,
             "width_px": film.width,
             "height_px": film.height,
-            "rotation_deg": watched.rotation_deg,
             "frames": len(t),
             "duration_s": float(np.ptp(t)),
             "frame_rate_hz": float(1 / np.median(np.diff(t))),
@@ -147,7 +145,7 @@ def _joints(measured: Measured) -> tuple[Joint, ...]:
         m.offset_rad,
         sigma[2 * count : -3],
     ]
-    rows = np.where(share < HELD_SHARE, np.nan, columns).T.tolist()
+    rows = np.array(columns).T.tolist()
     return tuple(Joint(i + 1, *row, seen=float(share[i])) for i, row in enumerate(rows))
 
 

@@ -3,59 +3,34 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 
 import numpy as np
 
 from ..model.capture_rate import OPTION, played_hz
 from ..model.gait import Gait
 from ..model.plugs import EXPLAINED_RAD, even_steps, plugs
-from .result import FilmedRun, Remark
+from .arrays import Array
+from .checks import NEVER, Check
+from .result import FilmedRun
 
 CENTRE_RAD = math.radians(1.0)  # a centre further off is worth a trim
 RATE_FLAG = 0.02
 ALIKE = 0.15  # of two gaits: amplitudes, relative, and phase lags, rad
 SLOW_MOTION = 1.5  # commanded rate over the filmed one: no robot lags behind its gait so much
 
+Filmed = tuple[FilmedRun, Gait | None]  # what was measured, and the commanded gait
 
-def servo_faults(run: FilmedRun, gait: Gait | None) -> Iterator[Remark]:
-    """Yield what the joints say of the servos: order, sense, centres, and the gait's rate."""
-    phase = np.array([j.phase_rad for j in run.joints])
-    unplugged = swapped_joints(run, gait)
-    if len(phase) > 2 and np.isfinite(phase).all():
-        _, turned, rest = plugs(phase, gait.beta_rad if gait else None)
-        if rest > EXPLAINED_RAD:
-            yield Remark(
-                "phases",
-                f"the joints' phases are no even steps ({math.degrees(rest):.0f}° off): plugs of "
-                "several servos may be swapped",
-            )
-        if unplugged:
-            yield Remark(
-                "plugs",
-                f"joints {' and '.join(map(str, unplugged))} move as if their plugs were swapped: "
-                "swap them back, and film again. Which way round their servos turn, their trims, "
-                "gains and lags are unknown until then",
-            )
-        words = "moves the wrong way round: set its trim's sense to the other sign"
-        if reversed_joints := [k + 1 for k in turned if k + 1 not in unplugged]:
-            yield Remark("sense", "; ".join(f"joint {k} {words}" for k in reversed_joints))
-    off = {j: j.offset_rad - (gait.offset_rad if gait else 0.0) for j in run.joints}
-    ends = run.joints[0], run.joints[-1]
-    centres = [
-        f"joint {j.joint} swings about {math.degrees(off[j]):+.1f}° ± "
-        f"{math.degrees(j.offset_sigma_rad):.1f}° off its centre: move its trim by "
-        f"{math.degrees(-off[j]):+.1f}°"
-        + (", unless the tag at that end is glued on askew" if j in ends else "")
-        for j in run.joints
-        if j.joint not in unplugged and abs(off[j]) > max(CENTRE_RAD, 2 * j.offset_sigma_rad)
-    ]
-    if centres:
-        yield Remark("centre", "; ".join(centres))
-    if gait is not None:
-        ratio, sigma = run.omega_rad_s / gait.omega_rad_s, run.omega_sigma_rad_s / gait.omega_rad_s
-        if abs(ratio - 1) > max(RATE_FLAG, 4 * sigma):
-            yield Remark("rate", _rate_words(run, gait))
+
+def _wiring(filmed: Filmed) -> tuple[list[int], list[int], float]:
+    """Return swapped joints, joints that turn the wrong way, and the rest of the phases, rad."""
+    run, gait = filmed
+    phase = np.array([joint.phase_rad for joint in run.joints])
+    if len(phase) <= 2:
+        return [], [], 0.0
+    order, turned, rest_rad = plugs(phase, gait.beta_rad if gait else None)
+    swapped = [k + 1 for k, other in enumerate(order) if k != other]
+    return swapped, [k + 1 for k in turned if k + 1 not in swapped], rest_rad
 
 
 def swapped_joints(run: FilmedRun, gait: Gait | None) -> list[int]:
@@ -63,11 +38,65 @@ def swapped_joints(run: FilmedRun, gait: Gait | None) -> list[int]:
 
     Nothing is told of the servo that moves them: it is not known which one that is.
     """
-    phase = np.array([j.phase_rad for j in run.joints])
-    if len(phase) <= 2 or not np.isfinite(phase).all():
-        return []
-    order = plugs(phase, gait.beta_rad if gait else None)[0]
-    return [k + 1 for k, other in enumerate(order) if k != other]
+    return _wiring((run, gait))[0]
+
+
+def _centres_off(filmed: Filmed) -> Array:
+    """Return by how much each joint's centre is off, rad; 0 where a trim is not worth it."""
+    run, gait = filmed
+    commanded = gait.offset_rad if gait else 0.0
+    off = np.array([joint.offset_rad - commanded for joint in run.joints])
+    sigma = np.array([joint.offset_sigma_rad for joint in run.joints])
+    known = np.abs(off) > np.maximum(CENTRE_RAD, 2 * sigma)
+    known[[k - 1 for k in swapped_joints(run, gait)]] = False
+    return np.where(known, off, 0.0)
+
+
+def _centre_words(filmed: Filmed, _: float) -> str:
+    run, off_deg = filmed[0], np.degrees(_centres_off(filmed))
+    ends = run.joints[0], run.joints[-1]
+    return "; ".join(
+        f"joint {joint.joint} swings about {off:+.1f}° ± "
+        f"{math.degrees(joint.offset_sigma_rad):.1f}° off its centre: move its trim by {-off:+.1f}°"
+        + (", unless the tag at that end is glued on askew" if joint in ends else "")
+        for joint, off in zip(run.joints, off_deg, strict=True)
+        if off
+    )
+
+
+def _rate_off(filmed: Filmed) -> float:
+    """Return by how much the rate differs from the commanded one, relative; 0 within its sigma."""
+    run, gait = filmed
+    if gait is None:
+        return 0.0
+    off = abs(run.omega_rad_s / gait.omega_rad_s - 1)
+    return off if off > 4 * run.omega_sigma_rad_s / gait.omega_rad_s else 0.0
+
+
+def _plug_words(filmed: Filmed, _: float) -> str:
+    return (
+        f"joints {' and '.join(map(str, _wiring(filmed)[0]))} move as if their plugs were swapped: "
+        "swap them back, and film again. Which way round their servos turn, their trims, gains "
+        "and lags are unknown until then"
+    )
+
+
+def _sense_words(filmed: Filmed, _: float) -> str:
+    words = "moves the wrong way round: set its trim's sense to the other sign"
+    return "; ".join(f"joint {k} {words}" for k in _wiring(filmed)[1])
+
+
+SERVOS = (
+    Check(
+        "phases", lambda filmed: _wiring(filmed)[2], EXPLAINED_RAD, NEVER,
+        lambda filmed, rest: f"the joints' phases are no even steps ({math.degrees(rest):.0f}° "
+        "off): plugs of several servos may be swapped",
+    ),
+    Check("plugs", lambda filmed: len(_wiring(filmed)[0]), 0, NEVER, _plug_words),
+    Check("sense", lambda filmed: len(_wiring(filmed)[1]), 0, NEVER, _sense_words),
+    Check("centre", lambda filmed: np.abs(_centres_off(filmed)).max(), 0, NEVER, _centre_words),
+    Check("rate", _rate_off, RATE_FLAG, NEVER, lambda filmed, _: _rate_words(*filmed)),
+)  # fmt: skip
 
 
 def _rate_words(run: FilmedRun, gait: Gait) -> str:

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 from command_line import serpenoid
 from serpenoid.video.fitting.start import first_cameras
-from serpenoid.video.instrument import measure
+from serpenoid.video.instrument import follow, measure
 from serpenoid.video.measure_film import measure_film
-from serpenoid.video.seeing.film import Damage
 from serpenoid.video.seeing.film import Film as File
 from video.filming import Body, Lens, write
 from video.sighted import sighted
@@ -83,7 +82,7 @@ def test_the_command_tells_it_and_writes_what_was_asked_for(
         return measured[0]
 
     monkeypatch.setattr("serpenoid.video.measure_film.measure_film", once)
-    names = {"--track": "track.csv", "--plot": "film.png", "--annotate": "drawn.mp4"}
+    names = {"--track": "track.csv", "--plot": "film.png"}
     options = [part for option, name in names.items() for part in (option, str(tmp_path / name))]
     done = serpenoid(f"video {path} --json", *options, check=True)
     told = json.loads(done.stdout)
@@ -108,11 +107,11 @@ def test_a_rate_that_varies_is_measured_by_the_files_own_times(tmp_path) -> None
     t_s = slowing(2.0)
     blank = [np.full((64, 96), 10 + 3 * k, np.uint8) for k in range(len(t_s))]
     film = File.open(write(tmp_path / "film.mp4", blank, t_s))
-    told_s = np.array([time_s for time_s, *_ in film.frames(Damage(), threads=1)])
+    told_s = np.array([time_s for time_s, _ in film.frames([])])
     assert told_s == pytest.approx(t_s, abs=2e-5)
     world = crawling(omega_rad_s=8.0, speed_m_s=0.08, start_m=-0.07)
     s = sighted(world, t_s, Lens(), told_s)
-    m = measure(s, SIDE_M, first_cameras(s, LINK_M, SIDE_M)).fitted.motion
+    m = measure(follow(s, SIDE_M, first_cameras(s, LINK_M, SIDE_M))).fitted.motion
     assert m.speed_m_s == pytest.approx(world.speed_m_s, rel=0.003)  # 36 % off at 30 frames/s
     assert m.omega_rad_s == pytest.approx(world.omega_rad_s, rel=5e-4)
     assert m.amplitude_rad == pytest.approx(world.amplitude_rad, abs=math.radians(0.2))

@@ -67,17 +67,15 @@ def fit(
     turns: Array,
     steps: int = STEPS,
     rough: bool = False,
-    known_rad: float = LOOSE_RAD,
 ) -> Bundle:
     """Fit camera and states to the sightings.
 
     rough: with a plain lens and a fixed noise, so that costs of several starts can be compared.
-    known_rad: how well the headings of `states` are known; it decides about links without a tag.
     """
     held, sigma = priors(camera, side_m, turns)
     if rough:
         sigma[1:5] *= PLAIN
-    problem = _Problem(sightings, states, held, sigma, 1.0 / known_rad)
+    problem = _Problem(sightings, states, held, sigma, 1.0 / LOOSE_RAD)
     damping, noise = 1e-3, NOISE_PX
     cost = problem.cost(camera, states, noise)
     for _ in range(steps):

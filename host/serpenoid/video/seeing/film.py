@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,28 +16,8 @@ from ...model.capture_rate import OPTION, CaptureRate, capture_rate
 from ..arrays import Grey
 from .extra import need_extra
 
-B_PICTURE = 3  # libavutil's AV_PICTURE_TYPE_B
-ENDS_EARLY = 0.9  # of the length that a file tells: then it was cut off
 MOST_BYTES = 1 << 40  # of a film
-MOST_DAMAGE = 200  # after so many faults a file is read no further
 CAPTURE_TAG = "capture.fps"  # ends the name of the tag in which Android phones say it
-
-
-@dataclass
-class Damage:
-    """What of a file could not be read, in words, and how many pictures were left out for it."""
-
-    words: list[str] = field(default_factory=list)
-    left_out: int = 0
-
-    def __bool__(self) -> bool:
-        return bool(self.words)
-
-    def __str__(self) -> str:
-        return (
-            f"parts of the file cannot be read ({self.words[0]}; {len(self.words)} in all), "
-            f"and {self.left_out} pictures were left out as damaged"
-        )
 
 
 @dataclass(frozen=True)
@@ -128,39 +108,31 @@ class Film:
             packets = box.demux(box.streams.video[self.stream])
             return [time_s for p in packets if (time_s := _time_s(p, np.nan)) == time_s]
 
-    def frames(self, damage: Damage, threads: int = 0) -> Iterator[tuple[float, Grey, Any]]:
-        """Give time (s), grey picture and the frame itself, in the order of time.
+    def frames(self, damage: list[str]) -> Iterator[tuple[float, Grey]]:
+        """Give time (s) and grey picture, in the order of time.
 
-        A damaged end or middle is told in `damage`, and what can be read is given: a picture
-        that is drawn on a broken one is left out, until the next that stands alone. threads: of
-        the decoder; 0 for one per core. What is drawn after damage depends on their number.
+        A film ends at its first picture that cannot be read; `damage` then gets the words for it.
         """
         import av
         import av.error
 
-        sound = _Sound(damage)
+        last_s = -np.inf
         with av.open(str(self.path)) as box:
             stream: Any = box.streams.video[self.stream]
             stream.thread_type = "AUTO"
-            stream.codec_context.thread_count = threads
-            packets = box.demux(stream)
-            while len(damage.words) < MOST_DAMAGE:
-                packet, decoded, ended = None, [], False
-                try:
-                    packet = next(packets)
-                    decoded = packet.decode()
-                except StopIteration:
-                    ended = True
-                except av.error.FFmpegError as error:
-                    ended = isinstance(error, av.error.EOFError)
-                    sound.lose(packet, error)
-                for frame in decoded:
-                    sound.take(frame)
-                for time_s, frame in sound.ready(ended):
-                    yield time_s * self.time_scale, grey(frame), frame
-                if ended:
-                    sound.end(self.duration_s / self.time_scale)
-                    return
+            try:
+                for frame in box.decode(stream):
+                    if frame.is_corrupt:
+                        raise ValueError
+                    time_s = _time_s(frame, np.nan)
+                    if time_s > last_s:
+                        last_s = time_s
+                        yield time_s * self.time_scale, grey(frame)
+            except (av.error.FFmpegError, ValueError):
+                damage.append(
+                    f"The file is damaged after {max(last_s, 0.0):.2f} s: copy it from the phone "
+                    "again"
+                )
 
 
 def _moving_stream(box: Any) -> int:
@@ -177,63 +149,6 @@ def _moving_stream(box: Any) -> int:
         if all(count > 1 for count in pictures.values()):
             break
     return next((k for k, stream in enumerate(streams) if pictures[stream.index] > 1), 0)
-
-
-class _Sound:
-    """Keep the pictures that no damage reaches.
-
-    A picture may be drawn on the one before it, and one between two (a B picture) on both: such
-    pictures wait for the next that is not. After damage all are left out until one stands alone.
-    """
-
-    def __init__(self, damage: Damage) -> None:
-        self.damage = damage
-        self.first_s = self.last_s = -np.inf
-        self.broken_from_s = np.inf  # inf: not broken
-        self.waiting: list[tuple[float, Any]] = []
-        self.passed: list[tuple[float, Any]] = []
-
-    def lose(self, packet: Any, error: Exception) -> None:
-        """Tell that a part of the file cannot be read."""
-        self._tell(type(error).__name__, _time_s(packet, self.last_s))
-
-    def _tell(self, words: str, from_s: float) -> None:
-        self.damage.words.append(f"{words} after {max(self.last_s, 0.0):.2f} s")
-        self.broken_from_s = min(self.broken_from_s, from_s)
-        self.damage.left_out += len(self.waiting)
-        self.waiting = []
-
-    def take(self, frame: Any) -> None:
-        """Take the next picture, in the order of time."""
-        time_s = _time_s(frame, np.nan)
-        if not time_s > self.last_s:
-            self.damage.words.append(f"no later time after {max(self.last_s, 0.0):.2f} s")
-            return
-        if frame.is_corrupt:
-            self._tell("a broken picture", time_s)
-        elif frame.key_frame and time_s >= self.broken_from_s:
-            self.broken_from_s = np.inf
-        self.first_s = time_s if self.first_s < 0 else self.first_s
-        self.last_s = time_s
-        if self.broken_from_s < np.inf:
-            self.damage.left_out += 1
-            return
-        self.waiting.append((time_s, frame))
-        if frame.pict_type != B_PICTURE:
-            self.passed += self.waiting
-            self.waiting = []
-
-    def end(self, told_s: float) -> None:
-        """Take note where the file ends long before its time."""
-        length_s = self.last_s - self.first_s
-        if 0 < length_s < ENDS_EARLY * told_s - 0.5:
-            self.damage.words.append(f"it ends after {length_s:.2f} of {told_s:.2f} s")
-
-    def ready(self, ended: bool) -> list[tuple[float, Any]]:
-        """Return the pictures that nothing later can spoil; at the end all that wait."""
-        pictures = self.passed + (self.waiting if ended else [])
-        self.passed = []
-        return pictures
 
 
 def grey(frame: Any) -> Grey:

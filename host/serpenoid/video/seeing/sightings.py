@@ -68,12 +68,6 @@ class Sightings:
             self.t_s[frames], self.corners_px[frames], self.image_px, self.skew[frames]
         )
 
-    def without(self, links: Mask) -> Sightings:
-        """Return it as if the tags of some links had never been seen."""
-        corners, skew = self.corners_px.copy(), self.skew.copy()
-        corners[:, links], skew[:, links] = np.nan, 0.0
-        return Sightings(self.t_s, corners, self.image_px, skew)
-
     @cached_property
     def side_px(self) -> Array:
         """Return the mean side of each tag, (frames, links), px; NaN where it was not found."""

@@ -11,7 +11,7 @@ from ...base.errors import BadInput
 from ..arrays import Grey, Single
 from .background import Background
 from .detect import TagFinder, other_family
-from .film import Damage, Film
+from .film import Film
 from .sightings import Sightings
 
 MOST_FRAMES = 500_000  # more than two hours at 60 frames/s
@@ -23,26 +23,24 @@ COARSE_SHARE = 0.2  # corners to a whole pixel are left out where no more are so
 class Watched:
     """What one look at a film brought up.
 
-    film; sightings; edge_px (frames, links): width of a tag's edges, NaN where none; damage: what
-    could not be read; rotation_deg: by which players turn the pictures to the left, 0, 90, 180 or
-    270; strangers: tags of numbers that are on no link, with the number of frames; doubles: tags
-    that are seen at two places at once, and left out there, in the same way; shifts: of the
-    floor, (time, x px, y px, sigma px); plain_floor: too little on it can be followed; picture:
-    the first frame with a tag, grey; mirrored: tags are seen in a mirror only; family: the name of
-    another family of tags that is seen where ours are not.
+    film; sightings; edge_px (frames, links): width of a tag's edges, NaN where none; damage: where
+    the file could be read no further, in words, or ""; strangers: tags of numbers that are on no
+    link, with the number of frames; doubles: tags that are seen at two places at once, and left out
+    there, in the same way; shifts: of the floor, (time, x px, y px, sigma px); plain_floor: too
+    little on it can be followed; picture: the first frame with a tag, grey; mirrored: tags are seen
+    in a mirror only; family: the name of another family of tags that is seen where ours are not.
     """
 
     film: Film
     sightings: Sightings
     edge_px: Single
-    damage: Damage
+    damage: str
     strangers: dict[int, int]
     doubles: dict[int, int]
     shifts: tuple[tuple[float, float, float, float], ...]
     plain_floor: bool
     picture: Grey
     mirrored: bool
-    rotation_deg: int = 0
     family: str = ""
 
     @property
@@ -55,23 +53,17 @@ class Watched:
         return frames <= max(1, STRAY_SHARE * len(self.sightings.t_s))
 
 
-def watch(
-    film: Film, links: int, progress: Callable[[float], None] = lambda _: None, threads: int = 0
-) -> Watched:
-    """Read a film. progress: is told the time that was reached, s. Raises BadInput.
-
-    threads: of the decoder, 0 for one per core. A damaged film is read again with one, so that
-    every machine sees the same pictures.
-    """
+def watch(film: Film, links: int, progress: Callable[[float], None] = lambda _: None) -> Watched:
+    """Read a film. progress: is told the time that was reached, s. Raises BadInput."""
     finder = TagFinder(links)
     looks: list[tuple[float, Single, Single]] = []
-    damage = Damage()
+    damage: list[str] = []
     ground: Background | None = None
     picture: Grey | None = None
-    mirrored, rotation_deg, family = 0, 0, ""
-    for time_s, grey, frame in film.frames(damage, threads):
+    mirrored, family = 0, ""
+    for time_s, grey in film.frames(damage):
         if picture is None:
-            picture, rotation_deg = grey.copy(), round(frame.rotation / 90) * 90 % 360
+            picture = grey.copy()
         tags = finder.find(grey)
         corners, width = (
             np.full((links, 4, 2), np.nan, np.float32),
@@ -93,13 +85,8 @@ def watch(
                 f"{film.path}: has more than {MOST_FRAMES} frames; cut out a few "
                 "minutes in which the robot crawls"
             )
-    if damage and threads != 1:
-        return watch(film, links, progress, threads=1)
     if picture is None:
-        raise BadInput(
-            f"{film.path}: not one frame can be read ({'; '.join(damage.words[:2]) or 'empty'})"
-            "; copy it from the phone again"
-        )
+        raise BadInput(f"{film.path}: not one frame can be read. {' '.join(damage)}".rstrip())
     times_s, corners_px, edge_px = map(np.array, zip(*looks, strict=True))
     sharp_px = _sharp(corners_px, edge_px)
     sightings = Sightings.of(times_s, sharp_px, (film.width, film.height))
@@ -108,14 +95,13 @@ def watch(
         film,
         sightings,
         edge_px,
-        damage,
+        " ".join(damage),
         finder.strangers,
         finder.doubles,
         shifts,
         plain,
         picture,
         mirrored > 0,
-        rotation_deg,
         family,
     )
 
