@@ -75,7 +75,7 @@ function drawLink(g, motion, at, x0, y0, scale, head) {
   g.save(), g.translate((x - x0) * scale, (y - y0) * scale), g.rotate(theta);
   for (const side of [-0.26, 0.26]) line(g, [[-0.14 * size, side * size], [0.14 * size, side * size]], wheel, 0.11 * size);
   line(g, [[-0.36 * size, 0], [0.36 * size, 0]], colour("body"), 0.24 * size);
-  if (head) for (const side of [-0.06, 0.06]) line(g, [[0.38 * size, side * size], [0.38 * size, side * size]], colour("paper"), 0.06 * size);
+  if (head) g.beginPath(), g.arc(0.38 * size, 0, 0.07 * size, 0, 7), g.fillStyle = colour("paper"), g.fill();
   g.restore();
 }
 

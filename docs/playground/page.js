@@ -3,6 +3,7 @@
 const $ = (id) => document.getElementById(id), form = document.forms[0], fields = [...form.elements].filter((one) => one.name);
 for (const name of Object.keys(TABLES.servos)) form.elements.servo.add(new Option(name === "hobby" ? "any hobby servo" : name, name));
 const two = (value) => (value && value < 100 ? value.toPrecision(2) : String(Math.round(value)));
+const frictionSum = () => state.ct + state.cn + state.ft0 + state.fn0;
 const UNITS = { alpha: "°", beta: "°", hz: " Hz" };
 
 let state = null, shown = {}, job = 0, phase = 0, gone = 0, last = 0;
@@ -55,7 +56,7 @@ let ready = 0;
 function ask() {
   if (ready < workers.length) return;
   job++;
-  if (!(state.ct + state.cn + state.ft0 + state.fn0 > 0)) return show();
+  if (!frictionSum()) return show();
   for (const worker of workers) worker.postMessage({ id: job, s: state, curve: worker.curve, map: $("mapped").open });
 }
 function hear(data) {
@@ -66,9 +67,9 @@ function hear(data) {
 }
 
 function show() {
-  const { ideal, speed, range } = shown, kind = state.servo === "hobby" ? "hobby" : state.servo, limit = two(highestHz(state));
+  const { ideal, speed, range } = shown, kind = state.servo, limit = two(highestHz(state));
   const big = (value, words) => { $("speed").innerHTML = `<b>${value}</b> ${words}`; };
-  if (!(state.ct + state.cn + state.ft0 + state.fn0 > 0)) big("no answer", "There is no friction, so nothing decides the motion.");
+  if (!frictionSum()) big("no answer", "There is no friction, so nothing decides the motion.");
   else if (ideal === undefined) return;
   else if (Number.isNaN(ideal)) big("no answer", "The core finds no periodic motion here. Move a slider a little.");
   else if (state.hz > highestHz(state)) big("too fast", `for a typical ${kind} servo: stay below ${limit} Hz. Ideal joints: ${two(ideal)} m/s.`);

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ..base.errors import BadInput
@@ -21,7 +20,7 @@ from .fitting.camera import Camera
 from .fitting.frames import Track
 from .fitting.start import quarter_turns, tag_poses
 from .instrument import HELD_SHARE, Measured, held_joints
-from .motion import LEAST_PERIODS, path_basis
+from .motion import LEAST_PERIODS
 from .result import Remark
 from .seeing.watch import Watched
 
@@ -33,11 +32,6 @@ SMALL_TAG_PX = 20.0
 BLUR_CELLS, BLUR_PX = 0.2, 1.0  # width of an edge, in cells of the tag, and at least
 # Films of 1/30 s of exposure, 25 ms of readout, 48 degrees aslant: errors over sigmas, rms.
 BLURRED = 2.5
-# A line through four residuals on either side, up to the middle: what comes after less what was
-# before. Noise of one frame counts 1.4 times, a smooth residual nearly nothing.
-STEP = np.array([0.35, -0.05, -0.45, -0.85, 0.85, 0.45, -0.05, -0.35])
-JOINTS_RAD, PATH_LINKS = math.radians(3.0), 0.05  # a jump of 1
-BESIDE_TYPICAL = 8.0  # times the median step of the film: a smaller one is none
 NEVER = math.inf
 
 
@@ -177,12 +171,6 @@ def _slow_motion(w: Watched) -> bool:
     return capture is not None and (capture.stated or capture.time_scale != 1.0)
 
 
-def _frames_lost(w: Watched) -> float:
-    gaps = np.diff(w.sightings.t_s)
-    long = 1.6 * float(np.median(gaps))
-    return float(np.round(gaps[gaps > long] * 1.6 / long - 1).sum())
-
-
 SEEN = (
     Check(
         "picture", lambda w: len(w.sightings.t_s) < 2, 0, 0,
@@ -223,11 +211,6 @@ SEEN = (
         f"add light or shorten the exposure; all σ are taken {factor:g} times as wide",
     ),
     Check("slow motion", _slow_motion, 0, NEVER, lambda w, _: w.film.capture.in_words()),
-    Check(
-        "frames lost", _frames_lost, 0, NEVER,
-        lambda w, lost: f"{lost:.0f} frames are missing, the longest gap is "
-        f"{np.diff(w.sightings.t_s).max():.2f} s: the file's times are used",
-    ),
     Check(
         "damaged", lambda w: bool(w.damage), 0, NEVER,
         lambda w, _: f"{w.damage}: measured from what comes before",
@@ -370,60 +353,6 @@ def _no_sine_words(m: Measured, share: float) -> str:
     )
 
 
-def _speed_change(m: Measured) -> float:
-    """Return by what share the speed changes over the film; 0 where it is short."""
-    t = m.track.t_s - m.track.t_s.mean()
-    motion = m.fitted.motion
-    if motion.omega_rad_s * np.ptp(t) < 2 * np.pi * 2.9:
-        return 0.0
-    a = path_basis(t, motion.omega_rad_s, motion.turn_rad_s)
-    faster = (t**2 - np.mean(t**2)) * np.exp(1j * np.arctan2(*motion.velocity_m_s[::-1]))
-    z = m.track.states[:, 0] + 1j * m.track.states[:, 1]
-    coefficients = np.linalg.lstsq(np.column_stack([a, faster]), z, rcond=None)[0]
-    return abs(coefficients[-1].real) * 2 * float(np.ptp(t)) / motion.speed_m_s
-
-
-def _jumps(m: Measured) -> tuple[Array, Array, Array]:
-    """Return the jumps of joints, rad, and of the path, m, by frame, and their size: 1 is a cut."""
-    if len(m.track.t_s) <= len(STEP):
-        return np.zeros(1), np.zeros(1), np.zeros(1)
-    steps = np.abs(_steps(np.where(m.held, m.fitted.joints_rest_rad, np.nan)))
-    few = np.isnan(steps).sum(axis=1) > steps.shape[1] // 2
-    joints = np.where(few, np.nan, np.nanmedian(np.where(few[:, None], 0.0, steps), axis=1))
-    path = np.where(m.fitted.path_weight > 0.3, m.fitted.path_rest_m, np.nan)
-    bend, way_m = _unlike_others(joints), _unlike_others(np.abs(_steps(path)))
-    size = np.fmax(bend / JOINTS_RAD, way_m / (PATH_LINKS * m.bundle.camera.link_m))
-    return bend, way_m, size
-
-
-def _steps(rest: NDArray[Any]) -> NDArray[Any]:
-    """Return by how much residuals (frames, ...) step between the frames 3 and 4 of each eight."""
-    return np.asarray(sliding_window_view(rest, len(STEP), axis=0) @ STEP)
-
-
-def _unlike_others(steps: Array) -> Array:
-    """Return steps, 0 where they are like most of the film's."""
-    known = np.nan_to_num(steps)
-    usual = np.median(known[np.isfinite(steps)]) if np.isfinite(steps).any() else 0.0
-    return np.where(known > BESIDE_TYPICAL * usual, known, 0.0)
-
-
-def _jump_words(m: Measured, jump: float) -> str:
-    bend, way_m, size = _jumps(m)
-    worst = int(size.argmax())
-    why = (
-        "the film is cut there, or pictures are missing that its times do not tell. Give a part "
-        "without cuts, as the phone wrote it"
-        if jump > 1
-        else "was the camera, or the robot, nudged? Its speed is as far off. Film again"
-    )
-    return (
-        f"the robot jumps at {m.track.t_s[worst + len(STEP) // 2]:.2f} s: joints by "
-        f"{math.degrees(bend[worst]):.0f}°, its middle by {1e3 * way_m[worst]:.0f} mm beside "
-        f"its steady motion: {why}"
-    )
-
-
 MOVED = (
     Check(
         "still", lambda m: math.radians(1) - m.fitted.motion.amplitude_rad.max(), 0, 0,
@@ -437,12 +366,6 @@ MOVED = (
         "two or more are better: film longer",
     ),
     Check("no sine", lambda m: _rest_shares(m).max(), 0.1, NEVER, _no_sine_words),
-    Check(
-        "unsteady", _speed_change, 0.05, NEVER,
-        lambda m, change: f"the speed changes by {100 * change:.0f} % over the film: let the robot "
-        "settle before you film, or film longer",
-    ),
-    Check("jump", lambda m: _jumps(m)[2].max(), 0.4, 1, _jump_words),
 )  # fmt: skip
 
 

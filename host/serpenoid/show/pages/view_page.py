@@ -1,52 +1,54 @@
-"""A page that shows a snake crawling, a run or the twin of a recording, in one file."""
+"""A page that shows a snake crawling, a run or the model of a recorded robot, in one file."""
 
 from __future__ import annotations
 
 import html
 import json
 import math
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.errors import BadInput
+from ...base.errors import BadInput, NotConverged
 from ...base.files import write_text
 from ...base.rows import two_digits
+from ...lab.robot import LabRobot
 from ...model.gait import Gait, joint_motion
 from ...model.ground import Ground
 from ...model.robot import Robot
 from ...robot.recording.run_gait import longest_gait
 from ...robot.recording.stream import Stream
 from ...simulation.run import Run
-from .twin import Motion, Twin
+from ...video.fitting.chain import lever_matrix
 
 Array = NDArray[np.float64]
 FRAMES_A_SECOND, MOST_FRAMES = 50, 3000
 STUCK_M_S = 1e-4  # slower than this a wheel on dry ground is shown as one that sticks
+STEP_S = 0.002  # of the chain: 0.1 % of a gait's speed, far below what a page shows
+SHORTEST_S, LONGEST_S = 1e-3, 10.0  # between two set-points; beyond a longer gap nobody knows
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The links at N moments, (N, n) each: centres in m, angles in rad, wheels' slip in m/s."""
+
+    x_m: Array
+    y_m: Array
+    theta_rad: Array
+    slip_m_s: Array
 
 
 def write_page(path: Path, title: str, about: str, shown: dict[str, Any]) -> None:
     """Write the page: it needs no other file and no network."""
     text = Path(__file__).with_name("view.html").read_text(encoding="utf-8")
     data = json.dumps(shown, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
-    slip = two_digits(shown["most_slip_m_s"])
-    wheels = [
-        _key("bar", "rolls", "wheel rolls straight"),
-        _key("bar", "slides", f"slides sideways at {slip} m/s"),
-        _key("bar", "stuck", "grips (framed)") if shown["dry"] else "",
-        _key("line", "path", "path of the centre of mass"),
-    ]
-    joints = range(min(8, len(shown["joint_deg"][0])))
-    curves = [_key("line", f"j{j % 7}", f"{j + 1}{'' if j else ' (tail)'}") for j in joints]
-    if "asked_deg" in shown:
-        curves.append(_key("dashed", "soft", "dashed: the gait asked for; the robot ramps into it"))
     marks = {
         "TITLE": html.escape(title),
         "ABOUT": html.escape(about),
-        "KEY": "".join(wheels),
-        "JOINTS": "".join(curves),
+        "SLIP": two_digits(shown["most_slip_m_s"]),
         "DATA": data,
     }
     for mark, value in marks.items():
@@ -54,26 +56,21 @@ def write_page(path: Path, title: str, about: str, shown: dict[str, Any]) -> Non
     write_text(path, text)
 
 
-def _key(kind: str, colour: str, words: str) -> str:
-    """Return one entry of a key: a bar, a line or dashes in a colour of the page, and words."""
-    return f'<span><i class="{kind}" style="color:var(--{colour})"></i>{words}</span>'
-
-
 def of_run(run: Run) -> dict[str, Any]:
     """Return what the page shows of a run: at most MOST_FRAMES times, evenly spaced."""
     duration = float(run.t_s[-1])
     count = max(2, min(MOST_FRAMES, run.t_s.size, math.ceil(duration * FRAMES_A_SECOND) + 1))
     t_s = np.linspace(0.0, duration, count)
-    tables = (run.x_m, run.y_m, run.theta_rad, run.vx_m_s, run.vy_m_s)
+    slip = run.vy_m_s * np.cos(run.theta_rad) - run.vx_m_s * np.sin(run.theta_rad)
+    tables = (run.x_m, run.y_m, run.theta_rad, slip)
     motion = Motion(*(_columns(t_s, run.t_s, table) for table in tables))
     s = run.scene
     slope = {"uphill_rad": s.incline_direction_rad} if s.incline_rad else {}
-    sizes = constants(s.robot, s.ground, s.gait, motion)
-    return {"t_s": rounded(t_s)} | sizes | slope | rows(s.ground, motion)
+    return slope | _shown(t_s, s.robot, s.ground, s.gait, motion)
 
 
 def of_recording(stream: Stream, robot: Robot, ground: Ground) -> tuple[Gait, dict[str, Any]]:
-    """Return the recorded gait, and how a twin moves whose joints follow the recorded set-points.
+    """Return the recorded gait, and how a model moves whose joints follow the recorded set-points.
 
     Where frames did not arrive the joints go straight to the next set-points.
     Raises BadInput for a recording without a gait, or of a robot of other links.
@@ -84,44 +81,73 @@ def of_recording(stream: Stream, robot: Robot, ground: Ground) -> tuple[Gait, di
     if robot.links != links:
         raise BadInput(f"links is {robot.links}; what is shown is of a robot of {links}")
     kept = np.arange(kept[0], kept[-1] + 1)
-    setpoint_rad, board_s = stream.setpoint_rad[kept], stream.board_s[kept]
-    twin = Twin(robot, ground, setpoint_rad[0])
+    board_s = stream.board_s[kept]
     every = math.ceil(kept.size / MOST_FRAMES)
-    motion = twin.follow(setpoint_rad[1:], np.diff(board_s), every).along_x()
-    t_s, phase = board_s[1::every] - board_s[0], stream.phase_rad[kept][1::every]
+    motion = follow(robot, ground, stream.setpoint_rad[kept], np.diff(board_s), every)
+    phase = stream.phase_rad[kept][1::every]
     asked = joint_motion(gait, robot.links - 1, phase / gait.omega_rad_s).angle_rad
-    return gait, (
-        {"t_s": rounded(t_s), "asked_deg": rounded(np.degrees(asked))}
-        | constants(robot, ground, gait, motion)
-        | rows(ground, motion)
-    )
+    shown = _shown(board_s[1::every] - board_s[0], robot, ground, gait, motion)
+    return gait, shown | {"asked_deg": _rounded(np.degrees(asked))}
 
 
-def constants(robot: Robot, ground: Ground, gait: Gait, motion: Motion) -> dict[str, Any]:
-    """Return what the page needs once: sizes, and the fastest slip."""
-    return {
-        "most_slip_m_s": float(np.abs(motion.slip_m_s).max()),
-        "link_length_m": robot.link_length_m,
-        "period_s": gait.period_s,
-        "dry": bool(ground.fn0 > 0),
-    }
+def follow(
+    robot: Robot, ground: Ground, setpoint_rad: Array, lasts_s: Array, every: int = 1
+) -> Motion:
+    """Return how a robot with ideal joints moves that is led through set-points, (N + 1, n - 1).
+
+    It is at rest at the first, and goes to each next one within a time, (N,). every: of so many
+    moments the first is kept. The way from start to end lies along x.
+    """
+    chain = LabRobot(robot, (ground,)).chain()
+    rows = np.ascontiguousarray(setpoint_rad, dtype=np.float64)
+    chain.set_joints(rows[0].tolist())
+    chain.place(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    lasts_s = np.clip(lasts_s, SHORTEST_S, LONGEST_S)
+    states = []
+    for k, duration_s in enumerate(lasts_s.tolist()):
+        state = chain.follow(rows[k + 1 : k + 2], duration_s, STEP_S)
+        if len(state) == 0:
+            raise NotConverged("the model came to no answer; are robot and friction sensible?")
+        if k % every == 0:
+            states.append(state)
+    rate = (np.diff(rows, axis=0) / lasts_s[:, None])[::every]
+    return _motion(robot, np.concatenate(states), rows[1::every], rate)
 
 
-def rows(ground: Ground, motion: Motion) -> dict[str, Any]:
-    """Return what the page draws of the model at each moment."""
+def _motion(robot: Robot, states: Array, joint_rad: Array, joint_rad_s: Array) -> Motion:
+    """Return all links from centre of mass and link 1, (N, 6), and the joints, (N, n-1)."""
+    x, y, theta, vx, vy, turning = (states[:, [k]] for k in range(6))
+    start = ((0, 0), (1, 0))
+    angle = theta + np.cumsum(np.pad(joint_rad, start), axis=1)
+    rate = turning + np.cumsum(np.pad(joint_rad_s, start), axis=1)
+    levers = robot.link_length_m * lever_matrix(robot.links).T
+    c, s = np.cos(angle), np.sin(angle)
+    slip = (vy + c * rate @ levers) * c - (vx - s * rate @ levers) * s
+    way = float(np.angle((x[-1] - x[0] + 1j * (y[-1] - y[0]))[0]))
+    place = np.exp(-1j * way) * (x + c @ levers + 1j * (y + s @ levers))
+    return Motion(place.real, place.imag, angle - way, slip)
+
+
+def _shown(t_s: Array, robot: Robot, ground: Ground, gait: Gait, motion: Motion) -> dict[str, Any]:
+    """Return what the page draws: sizes, and at each moment the links, their wheels, the joints."""
     slip = motion.slip_m_s
     stuck = (ground.fn0 > 0) & (np.abs(slip) < STUCK_M_S)
     return {
-        "x_m": rounded(motion.x_m),
-        "y_m": rounded(motion.y_m),
-        "theta_rad": rounded(motion.theta_rad),
-        "slip_m_s": rounded(slip),
+        "t_s": _rounded(t_s),
+        "most_slip_m_s": float(np.abs(slip).max()),
+        "link_length_m": robot.link_length_m,
+        "period_s": gait.period_s,
+        "dry": bool(ground.fn0 > 0),
+        "x_m": _rounded(motion.x_m),
+        "y_m": _rounded(motion.y_m),
+        "theta_rad": _rounded(motion.theta_rad),
+        "slip_m_s": _rounded(slip),
         "stuck": stuck.astype(int).tolist(),
-        "joint_deg": rounded(np.degrees(np.diff(motion.theta_rad, axis=1))),
+        "joint_deg": _rounded(np.degrees(np.diff(motion.theta_rad, axis=1))),
     }
 
 
-def rounded(values: Array) -> Any:
+def _rounded(values: Array) -> Any:
     """Return numbers as the page holds them, to 10 µm and 10 µrad."""
     return np.round(values, 5).tolist()
 
