@@ -52,8 +52,8 @@ def run_demo(out: Path, own: sn.FrictionFit | None = None) -> None:
         out / "friction.png",
         "the readings are regenerated from the two lines that the paper prints: its own are lost",
     )
-    plot.speed_against_frequency(
-        points, f"2005 robot, α = {ALPHA_DEG:g}°, β = {BETA_DEG:g}° (Fig. 17)", out / "speed.png"
+    plot.speed_figure(
+        points, f"2005 robot, α = {ALPHA_DEG:g}°, β = {BETA_DEG:g}°", out / "speed.png"
     )
     plot.path_and_poses(run, "the paper's robot, α = 30°, β = 80°, ω = 5 rad/s", out / "path.png")
     parts = {"film": film, "floor": floor}

@@ -152,52 +152,40 @@ def _law(
     return axis
 
 
-def speed_against_frequency(points: Sequence[SpeedPoint], title: str, path: Path) -> None:
-    """Draw predicted speed against gait frequency by both formulations (Fig. 17)."""
-    names = "frequency_hz", "explicit_m_s", "low_ideal_m_s", "high_ideal_m_s", "implicit_m_s"
-    f, exact, low_ideal, high_ideal, implicit = columns(points, *names)
-    shared = {"sharex": True, "height_ratios": [3, 1]}
-    with figure(7.2, 5.8, rows=2, path=path, **shared) as (fig, (top, bottom)):
-        top.fill_between(
-            f,
-            low_ideal,
-            high_ideal,
-            color=BLUE,
-            alpha=0.2,
-            lw=0,
-            label="95 %, ideal joints, by friction and amplitude",
-        )
-        _servos(top, points)
-        top.plot(f, exact, color=BLUE, label="exact model (explicit), ideal joints")
-        top.plot(
-            f,
-            implicit,
-            "o",
-            mfc="white",
-            color=ORANGE,
-            ms=6,
-            mew=1.6,
-            label="the paper's implicit model, k = 1000 N/m, c = 1 N s/m",
-        )
-        most = 1.5 * exact.max()  # room for the legend
-        top.set(title=title, ylabel="speed (m/s)", ylim=(0, most))
-        top.legend(loc="upper left", frameon=True, framealpha=0.95, edgecolor="none")
-        bottom.axhline(0, color=BLUE)
-        bottom.plot(f, 100 * (implicit / exact - 1), "o-", mfc="white", color=ORANGE, ms=5, lw=1)
-        bottom.set(
-            xlabel="gait frequency (Hz)", ylabel="implicit less\nexact (%)", xlim=(0, 1.02 * f[-1])
-        )
-        fig.align_ylabels()
-        fig.supxlabel(HUGS, fontsize=8, color=GREY)
-
-
-def _servos(ax: Axes, points: Sequence[SpeedPoint]) -> None:
-    """Draw typical servos with their band, and hatch the frequencies that are too fast."""
+def speed_figure(points: Sequence[SpeedPoint], title: str, path: Path) -> None:
+    """Draw the speed with typical servos, its 95 % band, and hatch what is too fast for them."""
     names = "frequency_hz", "servo_m_s", "low_m_s", "high_m_s"
     f, typical, low, high = columns([p for p in points if p.follows], *names)
-    ax.fill_between(f, low, high, color=RED, alpha=0.25, lw=0, label="95 %, with servos besides")
-    ax.plot(f, typical, color=RED, lw=2.2, label="typical hobby servos")
-    hatch_beyond(ax, points[-1].highest_hz, 1.02 * points[-1].frequency_hz, "hobby")
+    last_hz = min(points[-1].frequency_hz, 1.6 * points[-1].highest_hz)
+    with figure(7.2, 4.2, path=path) as (_, ax):
+        rest = np.zeros(1)
+        band = (np.append(rest, ends) for ends in (f, low, high))
+        label = "95 %: friction, amplitude and servos that nobody measured"
+        ax.fill_between(*band, color=BLUE, alpha=0.2, lw=0, label=label)
+        label = "typical hobby servos"
+        ax.plot(np.append(rest, f), np.append(rest, typical), color=BLUE, lw=2.2, label=label)
+        hatch_beyond(ax, points[-1].highest_hz, last_hz, "hobby")
+        ax.set(title=title, xlabel="gait frequency (Hz)", ylabel="speed (m/s)")
+        ax.set(xlim=(0, last_hz), ylim=(0, 1.5 * high.max()))  # room for the legend
+        ax.legend(loc="upper left", frameon=True, framealpha=0.95, edgecolor="none")
+
+
+def formulations_figure(points: Sequence[SpeedPoint], title: str, path: Path) -> None:
+    """Draw the speed of ideal joints by both of the paper's models (Fig. 17), and the difference."""
+    f, exact, implicit = columns(points, "frequency_hz", "explicit_m_s", "implicit_m_s")
+    with figure(8.4, 3.8, 2, path=path) as (fig, (left, right)):
+        circles = {"mfc": "white", "color": ORANGE, "ms": 5.5, "mew": 1.5}
+        left.plot(f, exact, color=BLUE, label="explicit (exact)")
+        left.plot(f, implicit, "o", label="implicit, k = 1000 N/m, c = 1 N s/m", **circles)
+        left.set(title="speed, ideal joints (Fig. 17)", ylabel="speed (m/s)")
+        left.set(xlim=(0, None), ylim=(0, 1.4 * exact.max()))  # room for the legend
+        left.legend(loc="upper left", fontsize=9)
+        right.axhline(0, color=BLUE)
+        right.plot(f, 100 * (implicit / exact - 1), "o-", lw=1, **circles)
+        right.set(title="implicit less explicit", ylabel="of the speed (%)", xlim=(0, None))
+        for ax in (left, right):
+            ax.set_xlabel("gait frequency (Hz)")
+        heading(fig, title)
 
 
 def hatch_beyond(ax: Axes, highest_hz: float | None, last_hz: float, servos: str) -> None:

@@ -35,14 +35,16 @@ def drawn(monkeypatch) -> list[Figure]:
     return figures
 
 
-@pytest.mark.parametrize("name", ["friction", "speed", "path"])
+@pytest.mark.parametrize("name", ["friction", "speed", "formulations", "path"])
 def test_every_figure_has_units_and_ink(name, run, tmp_path, drawn) -> None:
     path = tmp_path / f"{name}.png"
     if name == "friction":
         session = sn.load_session(NIRAKH_2005)
         plot.friction_lines(session, sn.fit_friction(session), path)
     elif name == "speed":
-        plot.speed_against_frequency(_points(), "title", path)
+        plot.speed_figure(_points(), "title", path)
+    elif name == "formulations":
+        plot.formulations_figure(_points(), "title", path)
     else:
         plot.path_and_poses(run, "title", path)
     for ax in drawn[0].axes:
@@ -56,9 +58,9 @@ def test_every_figure_has_units_and_ink(name, run, tmp_path, drawn) -> None:
 
 
 def test_servos_that_cannot_follow_have_no_curve(tmp_path, drawn) -> None:
-    plot.speed_against_frequency(_points(), "title", tmp_path / "speed.png")
+    plot.speed_figure(_points(), "title", tmp_path / "speed.png")
     (servos,) = (x for x in drawn[0].axes[0].lines if x.get_label() == "typical hobby servos")
-    assert list(servos.get_xdata()) == [0.5, 1.0]
+    assert list(servos.get_xdata()) == [0.0, 0.5, 1.0]
     (hatched,) = (x for x in drawn[0].axes[0].patches if x.get_hatch())
     assert hatched.get_bbox().x0 == pytest.approx(1.2)
 

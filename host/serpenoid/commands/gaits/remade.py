@@ -59,7 +59,7 @@ def _experiment(out: Path) -> list[SpeedPoint]:
     gaits = [sn.Gait(*shape, math.tau * hertz) for hertz in HERTZ]
     points = predict_all(session.setup.robot, fit, gaits)
     title = f"2005 robot, α = {ALPHA_DEG:g}°, β = {BETA_DEG:g}°"
-    plot.speed_against_frequency(points, title, out / "fig17.png")
+    plot.formulations_figure(points, title, out / "fig17.png")
     return points
 
 
