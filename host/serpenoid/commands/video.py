@@ -108,11 +108,8 @@ def tags(paper: str, out: Path, **given: Any) -> None:
     robot, side = _robot(given)
     side = tag_side_m(robot.link_length_m) if side is None else side
     _remember(session, side)
-    pages = tag_sheet(tag_cells(robot.links), side, robot.link_length_m, paper, out)
-    say(
-        f"wrote {out}: {robot.links} tags of {1e3 * side:g} mm on {pages} page"
-        f"{'s' if pages > 1 else ''}; print at 100 %"
-    )
+    tag_sheet(tag_cells(robot.links), side, robot.link_length_m, paper, out)
+    say(f"wrote {out}: {robot.links} tags of {1e3 * side:g} mm; print at 100 %")
 
 
 @VIDEO_GROUP.command()

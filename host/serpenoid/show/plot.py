@@ -171,7 +171,7 @@ def speed_figure(points: Sequence[SpeedPoint], title: str, path: Path) -> None:
 
 
 def formulations_figure(points: Sequence[SpeedPoint], title: str, path: Path) -> None:
-    """Draw the speed of ideal joints by both of the paper's models (Fig. 17), and the difference."""
+    """Draw speeds of ideal joints by the two models of the paper (Fig. 17), and the difference."""
     f, exact, implicit = columns(points, "frequency_hz", "explicit_m_s", "implicit_m_s")
     with figure(8.4, 3.8, 2, path=path) as (fig, (left, right)):
         circles = {"mfc": "white", "color": ORANGE, "ms": 5.5, "mew": 1.5}

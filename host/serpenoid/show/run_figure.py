@@ -44,16 +44,6 @@ def draw_run(run: Run, path: Path) -> None:
     panels = {"rows": len(heights), "height_ratios": heights}
     with figure(9.0, high, path=path, **panels) as (fig, axes):
         _path(axes[0], turned)
-        if run.scene.incline_rad:  # an arrow above a corner, turned as the path is
-            way = run.centre_m[-1] - run.centre_m[0]
-            angle = run.scene.incline_direction_rad - math.atan2(way[1], way[0])
-            start = -26 * math.cos(angle), -26 * math.sin(angle)
-            corner = {"xy": (0.96, 1.08), "xycoords": "axes fraction"}
-            corner |= {"textcoords": "offset points"}
-            arrow = {"arrowstyle": "->", "color": GREY, "shrinkA": 0, "shrinkB": 0, "lw": 1.5}
-            axes[0].annotate("", xytext=start, arrowprops=arrow, **corner)
-            words = {"color": GREY, "ha": "right", "fontsize": 9}
-            axes[0].annotate("uphill", xytext=(-34, -4), **words, **corner)
         _speed(axes[1], run)
         if ledger:
             _energy(axes[2], run)

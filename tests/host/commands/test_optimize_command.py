@@ -138,7 +138,6 @@ def test_the_whole_study(tmp_path: Path) -> None:
         "fig15-16",
         "fig17",
         "front-2005",
-        "shapes",
     ):
         assert (tmp_path / f"{name}.png").stat().st_size > 10_000
     assert (tmp_path / "claims.json").exists()

@@ -46,7 +46,6 @@ def _optima(out: Path, cloud: sn.Sweep, front: list[sn.LeastPower]) -> None:
     gait_figures.power_of(cloud, front, words, out / "fig8.png")
     papers = {"beta_deg": 80.0, "alpha_deg": 30.0}
     gait_figures.optimum_figure(front, papers, words, out / "fig9-11.png")
-    gait_figures.shape_maps(cloud, 4, f"{words}; ω = 5 rad/s", out / "shapes.png")
 
 
 def _experiment(out: Path) -> list[SpeedPoint]:

@@ -1,10 +1,9 @@
-"""Pictures of gaits, with their data: the front, maps; figures of the 2005 paper."""
+"""Figures of the 2005 paper about gaits of least power, and about its two models."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,9 +19,6 @@ from ..plot import (
     figure,
     heading,
 )
-
-if TYPE_CHECKING:
-    pass
 
 
 def optimum_figure(
@@ -74,39 +70,6 @@ def optimum_figure(
             ax.yaxis.get_major_locator().set_params(steps=[1, 2, 5, 10])
             ax.legend(loc="upper left", fontsize=8)
         heading(fig, title)
-
-
-def shape_maps(states: Sweep, at: int, title: str, path: Path) -> None:
-    """Draw heat maps of speed and of power per speed over (alpha, beta) at one rate of a sweep."""
-    from matplotlib.colors import LogNorm
-    from matplotlib.ticker import LogLocator, MaxNLocator
-
-    speed, power = states.speed_m_s[:, :, at], states.power_w[:, :, at]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        cost = np.where(speed > 0.02 * speed.max(), power / speed, np.nan)
-    alpha, beta = np.degrees(states.alpha_rad), np.degrees(states.beta_rad)
-    parts = (("speed (m/s)", speed), ("net power over speed (N)", cost))
-    least = float(np.nanmin(cost))
-    scales = (
-        (MaxNLocator(14).tick_values(0, float(speed.max())), None, MaxNLocator(5)),
-        (least * np.geomspace(1, 16, 17), LogNorm(), LogLocator(subs=(1, 2, 5))),
-    )
-    with figure(9.6, 4.0, 2, path=path) as (fig, axes):
-        for ax, (name, values), (levels, norm, ticks) in zip(axes, parts, scales, strict=True):
-            past = np.nanmax(values) > levels[-1]
-            shade = ax.contourf(
-                alpha,
-                beta,
-                values.T,
-                levels,
-                cmap="cividis",
-                norm=norm,
-                extend="max" if past else "neither",
-            )
-            fig.colorbar(shade, ax=ax, ticks=ticks, format="%g").minorticks_off()
-            ax.set(xlabel="amplitude α (°)", ylabel="phase lag β (°)", title=name)
-            ax.grid(visible=False)
-        fig.suptitle(title, fontsize=9, color=GREY)
 
 
 def errors_in_time(closed: Comparison, opened: Comparison, path: Path) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import math
 import re
 from collections.abc import Callable, Sequence
 from html import escape
@@ -81,8 +80,7 @@ def session_page(
         parts += ["<h2>The next reading</h2>", f"<p>{_prose(advice.in_words())}</p>{listed}"]
     parts += [
         "<h2>Readings</h2>",
-        *_readings(session, fit),
-        *_other_readings(session, fit),
+        _readings(session, fit),
         *_told(session.events),
         "<h2>Where this comes from</h2>",
         _provenance(session, fit),
@@ -172,39 +170,13 @@ def _prose(text: str) -> str:
     return re.sub(r"`([^`]+)`", r"<code>\1</code>", escape(text))
 
 
-def _readings(session: Session, fit: FrictionFit) -> list[str]:
-    if not session.readings:
-        return []
-    off = _off(session, fit)
-    rows = [
-        [
-            str(r.number),
-            f"{math.degrees(r.lambda_rad):.4g}",
-            f"{math.degrees(r.incline_rad):.4g}",
-            f"{r.belt_speed_m_s:.4g}",
-            r.drift_in_words if r.places else f"{r.drift_m_s + 0.0:.3g}",
-            off.get(r.number, "voided"),
-        ]
-        for r in session.readings
-    ]
-    said = [r.comment for r in session.readings]
-    head = ["number", "λ (deg)", "incline (deg)", "belt (m/s)", "drift (m/s)", "off by (sigmas)"]
-    return [_table(head, rows, session.readings, said=said)]
-
-
-def _other_readings(session: Session, fit: FrictionFit) -> list[str]:
-    """Return a table of all readings that are no stations."""
-    off = _off(session, fit)
-    others = [r for r in session.numbered if r.kind != "station"]
-    if not others:
-        return []
-    rows = [[str(r.number), *r.in_words(), off.get(r.number, "")] for r in others]
-    said = [": ".join(filter(None, ["voided" if r.voided else "", r.comment])) for r in others]
-    head = ["number", "what", "shown", "off by (sigmas)"]
-    if not session.on_floor:  # no other reading is in the fit
-        head, rows = head[:-1], [row[:-1] for row in rows]
-    table = _table(head, rows, others, words=True, said=said)
-    return [*(["<h3>Other readings</h3>"] if session.readings else []), table]
+def _readings(session: Session, fit: FrictionFit) -> str:
+    """Return one table of all readings, with how far those in the fit are off."""
+    off, readings = _off(session, fit), session.numbered
+    rows = [[str(r.number), *r.in_words(), off.get(r.number, "")] for r in readings]
+    said = [": ".join(filter(None, ["voided" if r.voided else "", r.comment])) for r in readings]
+    head = ["no.", "what", "shown", "off by, σ"]
+    return _table(head, rows, readings, words=True, said=said)
 
 
 def _off(session: Session, fit: FrictionFit) -> dict[int, str]:

@@ -22,12 +22,10 @@ COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE, "#56B4E9", "#8B6914", GREY)
 
 def film_figure(film: FilmMeasurement, path: Path) -> None:
     """Draw a measured film into a file."""
-    panels = {"rows": 3, "height_ratios": [1.7, 1.4, 1.0]}
     run = film.run
-    with figure(9.0, 11.0, path=path, **panels) as (fig, (top, middle, bottom)):
+    with figure(9.0, 8.4, rows=2, path=path, height_ratios=[1.7, 1.4]) as (fig, (top, bottom)):
         _picture(top, film)
-        _joints(middle, film)
-        _residuals(bottom, film)
+        _joints(bottom, film)
         words = (
             f"{run.film['name']}: {1e3 * run.speed_m_s:.2f} ± {1e3 * run.speed_sigma_m_s:.2f} "
             f"mm/s, {run.omega_rad_s / (2 * math.pi):.4g} Hz, {run.periods:.2g} periods"
@@ -73,24 +71,6 @@ def _joints(ax: Any, film: FilmMeasurement) -> None:
     ax.set(title=f"joints: dots seen, lines the {label}", ylabel="angle (°)", xlabel="time (s)")
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
     ax.set_xlim(0, t[-1])
-
-
-def _residuals(ax: Any, film: FilmMeasurement) -> None:
-    """Draw the corners' residuals: the chain beside what was found."""
-    track = film.measured.track
-    t = track.t_s - track.t_s[0]
-    for i, rms in enumerate(track.rest_px.T):
-        ax.plot(t, rms, lw=0.8, color=COLOURS[i % len(COLOURS)], label=f"tag {i + 1}")
-    run = film.run
-    ax.set(
-        title=f"residuals: {run.residual_px:.2f} px, {1e3 * run.residual_m:.2f} mm in the mean; "
-        "a gap: the tag was not found",
-        ylabel="residual (px)",
-        xlabel="time (s)",
-    )
-    ax.set_ylim(bottom=0)
-    ax.set_xlim(0, t[-1])
-    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
 
 
 def show_film(measured: FilmMeasurement) -> None:

@@ -34,72 +34,53 @@ tail's and the head's tag."""
 
 def tag_sheet(
     cells: Sequence[NDArray[np.bool_]], side_m: float, link_m: float, paper: str, path: Path
-) -> int:
-    """Write the sheet as PDF, PNG or SVG; return the number of pages.
+) -> None:
+    """Write the sheet, one page, as PDF, PNG or SVG.
 
-    cells: each link's tag, tail first. side_m: of the black square. Only a PDF has more than one
-    page. Raises BadInput where one page is not enough for what is no PDF, or a tag for none.
+    cells: each link's tag, tail first. side_m: of the black square. Raises BadInput where the tags
+    do not fit on the page.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.backends.backend_pdf import PdfPages
     from matplotlib.figure import Figure
 
     width, height = PAPERS_MM[paper]
-    pages = _pages(len(cells), 1e3 * side_m, paper)
-    if len(pages) > 1 and path.suffix.lower() != ".pdf":
-        raise BadInput(f"{path}: {len(cells)} tags need {len(pages)} pages; name a .pdf")
-    figures = []
-    for number, places in enumerate(pages, 1):
-        fig = Figure(figsize=(width / 25.4, height / 25.4))
-        FigureCanvasAgg(fig)
-        ax = fig.add_axes((0, 0, 1, 1))
-        ax.set(xlim=(0, width), ylim=(0, height), aspect="equal")
-        ax.axis("off")
-        more = f", page {number} of {len(pages)}" if len(pages) > 1 else ""
-        title = f"Tags for a robot of {len(cells)} links of {1e3 * link_m:g} mm{more}"
-        top = height - MARGIN_MM
-        ax.text(MARGIN_MM, top, title, fontsize=13, va="top", weight="bold")
-        words = WORDS.format(RULER_MM, 1e3 * side_m)
-        ax.text(MARGIN_MM, top - 8, words, fontsize=8.2, va="top", linespacing=1.45)
-        for k, place in places.items():
-            _tag(ax, cells[k], k + 1, len(cells), 1e3 * side_m, *place)
-        x, y = MARGIN_MM + 4, MARGIN_MM + 6
-        ax.plot([x, x + RULER_MM], [y, y], color=BLACK, lw=0.8)
-        for mm in range(RULER_MM + 1):
-            high = 5.0 if mm % 10 == 0 else 3.5 if mm % 5 == 0 else 2.0
-            ax.plot([x + mm, x + mm], [y, y + high], color=BLACK, lw=0.5)
-            if mm % 10 == 0:
-                ax.text(x + mm, y - 1, str(mm), fontsize=7, ha="center", va="top")
-        words = f"{RULER_MM} mm: check with a ruler before you cut"
-        ax.text(x + RULER_MM + 5, y, words, fontsize=8, va="bottom")
-        figures.append(fig)
+    side_mm, top = 1e3 * side_m, height - MARGIN_MM
+    places = _places(len(cells), side_mm, paper)
+    fig = Figure(figsize=(width / 25.4, height / 25.4))
+    FigureCanvasAgg(fig)
+    ax = fig.add_axes((0, 0, 1, 1))
+    ax.set(xlim=(0, width), ylim=(0, height), aspect="equal")
+    ax.axis("off")
+    title = f"Tags for a robot of {len(cells)} links of {1e3 * link_m:g} mm"
+    ax.text(MARGIN_MM, top, title, fontsize=13, va="top", weight="bold")
+    words = WORDS.format(RULER_MM, side_mm)
+    ax.text(MARGIN_MM, top - 8, words, fontsize=8.2, va="top", linespacing=1.45)
+    for k, place in enumerate(places):
+        _tag(ax, cells[k], k + 1, len(cells), side_mm, *place)
+    x, y = MARGIN_MM + 4, MARGIN_MM + 6
+    ax.plot([x, x + RULER_MM], [y, y], color=BLACK, lw=0.8)
+    for mm in range(0, RULER_MM + 1, 10):
+        ax.plot([x + mm, x + mm], [y, y + 5], color=BLACK, lw=0.5)
+        ax.text(x + mm, y - 1, str(mm), fontsize=7, ha="center", va="top")
+    words = f"{RULER_MM} mm: check with a ruler before you cut"
+    ax.text(x + RULER_MM + 5, y, words, fontsize=8, va="bottom")
     with whole_file(path) as part:
-        if path.suffix.lower() == ".pdf":
-            with PdfPages(part, metadata={"Title": "serpenoid tags"}) as pdf:
-                for fig in figures:
-                    pdf.savefig(fig)
-        else:
-            figures[0].savefig(part, dpi=300)
-    return len(pages)
+        fig.savefig(part, dpi=300)
 
 
-def _pages(count: int, side_mm: float, paper: str) -> list[dict[int, tuple[float, float]]]:
-    """Return each page's tags and the lower left corners of their labels, mm."""
+def _places(count: int, side_mm: float, paper: str) -> list[tuple[float, float]]:
+    """Return the lower left corner of each tag's label, mm."""
     width, height = PAPERS_MM[paper]
     label = side_mm * (CELLS + 2) / CELLS
     wide, high = label + GAP_MM, label + GAP_MM + 5.0
     columns = int((width - 2 * MARGIN_MM + GAP_MM) // wide)
     rows = int((height - 2 * MARGIN_MM - HEAD_MM - FOOT_MM) // high)
-    if columns < 1 or rows < 1:
-        raise BadInput(f"a tag of {side_mm:g} mm does not fit on {paper}; give a smaller --tag-mm")
+    if columns * rows < count:
+        raise BadInput(
+            f"{count} tags of {side_mm:g} mm do not fit on {paper}; give a smaller --tag-mm"
+        )
     top = height - MARGIN_MM - HEAD_MM + GAP_MM
-    pages: list[dict[int, tuple[float, float]]] = []
-    for k in range(count):
-        row, column = divmod(k % (columns * rows), columns)
-        if row == column == 0:
-            pages.append({})
-        pages[-1][k] = MARGIN_MM + column * wide, top - (row + 1) * high
-    return pages
+    return [(MARGIN_MM + k % columns * wide, top - (k // columns + 1) * high) for k in range(count)]
 
 
 def _tag(
