@@ -13,7 +13,7 @@ from ...prediction.comparison import Comparison
 from ...prediction.next_reading import Advice
 from ...session.session import Event, Session
 from ...taking.procedure import step_in_words
-from ..comparison_figure import PANELS, SIZE, draw_comparison
+from ..comparison_figure import PANELS, draw_comparison
 from ..plot import draw_friction, figure
 from .floor_figure import draw_pushes
 
@@ -31,7 +31,7 @@ h3{font-size:1rem;margin:1.2rem 0 .3rem}
 th,td{padding:.25rem .7rem;border-bottom:1px solid var(--line);text-align:right;white-space:nowrap}
 th:first-child,td:first-child{text-align:left}
 figure{margin:0 0 .5rem;background:#fff;border-radius:6px;overflow-x:auto}
-figure svg{display:block;width:100%;min-width:22rem;height:auto}
+figure svg{display:block;width:100%;max-width:36rem;height:auto}
 .void{color:var(--soft)}.void td{text-decoration:line-through}
 .words th,.words td{text-align:left;white-space:normal}.words td:last-child{overflow-wrap:anywhere}
 .said td{color:var(--soft);white-space:normal}tr:has(+.said) td{border:0}
@@ -57,10 +57,10 @@ def session_page(
     notes = [fit.remarks[0], *fit.notes, *session.notes]
     if session.kept and not session.on_floor:
         what = "friction against speed, readings and lines"
-        drawings.append(_svg(what, draw_friction, session, fit, size=(9.0, 4.2), columns=2))
+        drawings.append(_svg(what, draw_friction, session, fit, size=(5.0, 7.4), rows=2))
     if session.kept_pushes:
         what = "pushes: places over time with the law, and residuals"
-        drawings.append(_svg(what, draw_pushes, session, fit, size=(9.1, 4.2), columns=2))
+        drawings.append(_svg(what, draw_pushes, session, fit, size=(5.1, 7.0), rows=2))
     parts = [
         f"<h1>{escape(setup.name)}</h1>",
         _story(session),
@@ -72,7 +72,7 @@ def session_page(
     ]
     if compared is not None:
         what = "speeds predicted and measured"
-        drawn = _svg(what, draw_comparison, compared, size=SIZE, **PANELS)
+        drawn = _svg(what, draw_comparison, compared, size=(5.2, 5.6), **PANELS)
         parts += ["<h2>Speed</h2>", drawn, _table(*compared.table(verbose=False))]
     if advice is not None:
         heads, cells = advice.table()
