@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..base.files import write_csv
+from ..base.rows import Result, Row
 from .arrays import Array
 from .fitting.camera import LENS
 from .fitting.chain import joint_angles, mean_heading, wrapped
@@ -42,7 +44,7 @@ class Remark:
 
 
 @dataclass(frozen=True)
-class FilmedRun:
+class FilmedRun(Result):
     """What `serpenoid video` tells.
 
     Speed, along the mean path; direction of travel from the links' mean heading (0: head first);
@@ -78,6 +80,28 @@ class FilmedRun:
     def to_dict(self) -> dict[str, Any]:
         """Return it for JSON."""
         return asdict(self)
+
+    def in_words(self) -> str:
+        """Return the speed along the path."""
+        return (
+            f"{1e3 * self.speed_m_s:.2f} ± {1e3 * self.speed_sigma_m_s:.2f} mm/s along "
+            f"{1e3 * self.path_m:.0f} mm, {self.periods:.2f} periods"
+        )
+
+    def rows(self) -> list[Row]:
+        """Return direction, turn, rate, and what the file's times were multiplied with."""
+        rows = [
+            ("direction, from where the links point", "deg", self.direction_rad),
+            ("turn", "deg/s", self.turn_rad_s),
+            ("rate", "Hz", self.omega_rad_s),
+        ]
+        sigmas = self.direction_sigma_rad, self.turn_sigma_rad_s, self.omega_sigma_rad_s
+        factors = 180 / math.pi, 180 / math.pi, 0.5 / math.pi
+        scale = [] if self.time_scale == 1.0 else [Row("time scale", "", self.time_scale)]
+        return [
+            Row(name, unit, factor * value, sigma=factor * sigma)
+            for (name, unit, value), sigma, factor in zip(rows, sigmas, factors, strict=True)
+        ] + scale
 
 
 def filmed_run(watched: Watched, measured: Measured, sha256: str, time_scale: float) -> FilmedRun:

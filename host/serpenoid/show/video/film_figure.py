@@ -1,4 +1,4 @@
-"""A measured film: on the terminal, and as a picture of path, joints and residuals."""
+"""A measured film: on the terminal, and as a picture of path and joints."""
 
 from __future__ import annotations
 
@@ -8,13 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from ...base.rows import table
 from ...video.fitting.chain import joint_angles
 from ...video.measure_film import FilmMeasurement
-from ...video.result import FilmedRun
 from ...video.wiring import swapped_joints
 from ..plot import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, figure, heading
-from ..screen import screen
+from ..report import console, show, table
 
 MOST_POINTS = 20_000  # of a path
 COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE, "#56B4E9", "#8B6914", GREY)
@@ -75,36 +73,21 @@ def _joints(ax: Any, film: FilmMeasurement) -> None:
 
 def show_film(measured: FilmMeasurement) -> None:
     """Print speed, turn, rate, the joints and the remarks."""
-    run, out = measured.run, screen(highlight=False, soft_wrap=True)
-    out.print(_summary(run))
-    out.print(table("joints, in degrees", *_cells(measured)), soft_wrap=False)
+    run = measured.run
+    show(run)
+    table("joints, in degrees", *_cells(measured))
     film, camera, least = run.film, run.camera, min(run.tags_seen)
     where_seen = "every frame" if least == 1 else f"{100 * least:.1f} % of the frames or more"
-    out.print(
+    console.print(
         f"{film['frames']} frames of {film['width_px']} x {film['height_px']} px, "
         f"{film['duration_s']:.2f} s; tags seen in {where_seen}; "
         f"residuals {run.residual_px:.2f} px, {1e3 * run.residual_m:.2f} mm; "
         f"links of {1e3 * run.link_length_m:.1f} mm give tags of "
-        f"{1e3 * camera['tag_side_m']:.1f} mm, printed {1e3 * camera['printed_side_m']:.1f} mm"
+        f"{1e3 * camera['tag_side_m']:.1f} mm, printed {1e3 * camera['printed_side_m']:.1f} mm",
+        soft_wrap=True,
     )
     for remark in run.remarks:
-        out.print(f"{remark.name}: {remark.text}")
-
-
-def _summary(run: FilmedRun) -> str:
-    hertz, hertz_sigma = run.omega_rad_s / math.tau, run.omega_sigma_rad_s / math.tau
-    lines = [
-        f"speed      {1e3 * run.speed_m_s:.2f} ± {1e3 * run.speed_sigma_m_s:.2f} mm/s along "
-        f"{1e3 * run.path_m:.0f} mm",
-        f"direction  {math.degrees(run.direction_rad):+.1f}° ± "
-        f"{math.degrees(run.direction_sigma_rad):.1f}° from where the links point",
-        f"turn       {math.degrees(run.turn_rad_s):+.3f} ± "
-        f"{math.degrees(run.turn_sigma_rad_s):.3f} °/s",
-        f"rate       {hertz:.5f} ± {hertz_sigma:.5f} Hz, {run.periods:.2f} periods",
-    ]
-    if run.time_scale != 1.0:
-        lines.append(f"times      those of the file, times {run.time_scale:.5g}")
-    return "\n".join(lines)
+        console.print(f"{remark.name}: {remark.text}", soft_wrap=True)
 
 
 def _cells(film: FilmMeasurement) -> tuple[list[str], list[list[str]]]:
@@ -121,7 +104,7 @@ def _cells(film: FilmMeasurement) -> tuple[list[str], list[list[str]]]:
         ]
         if gait:
             late = joint.phase_rad - (joint.joint - 1) * gait.beta_rad
-            late = math.remainder(late, math.tau) if math.isfinite(late) else late
+            late = math.remainder(late, math.tau)
             share = joint.amplitude_rad / gait.alpha_rad if gait.alpha_rad else math.nan
             known = joint.joint not in unplugged
             row += (
@@ -132,6 +115,4 @@ def _cells(film: FilmMeasurement) -> tuple[list[str], list[list[str]]]:
 
 
 def _pair(value_rad: float, sigma_rad: float) -> str:
-    if math.isnan(value_rad):
-        return "not seen"
     return f"{math.degrees(value_rad):.2f} ± {math.degrees(sigma_rad):.2f}"
