@@ -9,7 +9,7 @@ import numpy as np
 
 from ..model.capture_rate import OPTION, played_hz
 from ..model.gait import Gait
-from ..model.plugs import EXPLAINED_RAD, even_steps, plugs
+from ..model.plugs import even_steps, plugs
 from .arrays import Array
 from .checks import NEVER, Check
 from .result import FilmedRun
@@ -22,15 +22,15 @@ SLOW_MOTION = 1.5  # commanded rate over the filmed one: no robot lags behind it
 Filmed = tuple[FilmedRun, Gait | None]  # what was measured, and the commanded gait
 
 
-def _wiring(filmed: Filmed) -> tuple[list[int], list[int], float]:
-    """Return swapped joints, joints that turn the wrong way, and the rest of the phases, rad."""
+def _wiring(filmed: Filmed) -> tuple[list[int], list[int]]:
+    """Return swapped joints, and joints that turn the wrong way."""
     run, gait = filmed
     phase = np.array([joint.phase_rad for joint in run.joints])
     if len(phase) <= 2:
-        return [], [], 0.0
-    order, turned, rest_rad = plugs(phase, gait.beta_rad if gait else None)
+        return [], []
+    order, turned, _ = plugs(phase, gait.beta_rad if gait else None)
     swapped = [k + 1 for k, other in enumerate(order) if k != other]
-    return swapped, [k + 1 for k in turned if k + 1 not in swapped], rest_rad
+    return swapped, [k + 1 for k in turned if k + 1 not in swapped]
 
 
 def swapped_joints(run: FilmedRun, gait: Gait | None) -> list[int]:
@@ -87,11 +87,6 @@ def _sense_words(filmed: Filmed, _: float) -> str:
 
 
 SERVOS = (
-    Check(
-        "phases", lambda filmed: _wiring(filmed)[2], EXPLAINED_RAD, NEVER,
-        lambda filmed, rest: f"the joints' phases are no even steps ({math.degrees(rest):.0f}° "
-        "off): plugs of several servos may be swapped",
-    ),
     Check("plugs", lambda filmed: len(_wiring(filmed)[0]), 0, NEVER, _plug_words),
     Check("sense", lambda filmed: len(_wiring(filmed)[1]), 0, NEVER, _sense_words),
     Check("centre", lambda filmed: np.abs(_centres_off(filmed)).max(), 0, NEVER, _centre_words),
