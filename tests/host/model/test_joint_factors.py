@@ -48,25 +48,19 @@ def test_the_solved_state_is_where_a_run_stays(robot, ground, method, rel) -> No
     assert abs(found.speed_m_s / plain.speed_m_s - 1) > 0.02
 
 
-def test_scene_files_hold_them(tmp_path) -> None:
+def test_refusals_and_files(tmp_path) -> None:
     scene = sn.Scene(PAPER, VISCOUS, OWN, method="rk4", dt_s=1e-3, duration_s=1.0)
     sn.save_scene(scene, tmp_path / "scene.toml")
     assert sn.load_scene(tmp_path / "scene.toml").gait == OWN
-
-
-def test_refusals() -> None:
-    with refused("joint_gain has 2 values; the robot has 5 joints"):
-        sn.steady_gait(PAPER, VISCOUS, replace(GAIT, joint_gain=(1.0, 1.0)))
-    with refused(r"joint_gain is 0\.9; it must be one value a joint"):
-        replace(GAIT, joint_gain=0.9)
-    with refused("joint_gain is 3"):
-        replace(GAIT, joint_gain=(3.0,))
-    with refused("has 2 values"):
-        sn.Scene(
-            PAPER,
-            VISCOUS,
-            replace(GAIT, joint_gain=(1.0, 1.0)),
-            method="rk4",
-            dt_s=1e-3,
-            duration_s=1.0,
-        )
+    two = replace(GAIT, joint_gain=(1.0, 1.0))
+    for make, said in (
+        (lambda: sn.steady_gait(PAPER, VISCOUS, two), "has 2 values; the robot has 5 joints"),
+        (lambda: replace(scene, gait=two), "has 2 values"),
+        (
+            lambda: replace(GAIT, joint_gain=0.9),
+            r"joint_gain is 0\.9; it must be one value",
+        ),
+        (lambda: replace(GAIT, joint_gain=(3.0,)), "joint_gain is 3"),
+    ):
+        with refused(said):
+            make()
