@@ -34,8 +34,8 @@ ANSWERS = {  # commands whose --json is shown key by key
     "optimize": ["optimize", "--robot", "paper", "--speed-m-s", "0.1"],
     "simulate": ["simulate", "--scene", str(LIMPING), "--duration-s", "0.5"],
     "fit": ["fit", SESSION],
-    "compare": ["compare", SESSION, "--gait", "70", "75", "0.5", "--samples", "16"],
-    "advise": ["advise", SESSION, "--gait", "70", "75", "0.5", "--samples", "16"],
+    "compare": ["compare", SESSION, "--gait", "70", "75", "0.5", "--set", "samples=16"],
+    "advise": ["advise", SESSION, "--gait", "70", "75", "0.5", "--set", "samples=16"],
     "drive": ["drive", "--port", "virtual:fast", *GAIT, "--duration-s", "1"],
     "doctor": ["doctor", "--port", "virtual:fast", "--listen-s", "1"],
 }

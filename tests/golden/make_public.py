@@ -34,16 +34,19 @@ PLACES = {  # words of the lines below
 }
 GAIT = "--alpha-deg 70 --beta-deg 75 --omega-rad-s 5"
 GRID = "--alpha-deg 60:70:10 --beta-deg 75 --omega-rad-s 5"
-THREE_LINKS = "--links 3 --mass-kg 0.1 --length-m 0.1 --ct 0.01 --cn 1 --ft0 0 --fn0 0"
-NEXT = "--gait 70 75 0.5 --samples 16"
+THREE_LINKS = (
+    "--set links=3 --set mass_kg=0.3 --set link_length_m=0.1 "
+    "--set ct=0.03 --set cn=3 --set ft0=0 --set fn0=0"
+)
+NEXT = "--gait 70 75 0.5 --set samples=16"
 ANSWERS = (  # MINE is a session with a crawl; BENCH a servo's test
     f"steady {GAIT} --servo ideal",
     f"steady {GAIT} --formulation implicit",
-    f"steady {GAIT} --session DIR --sensitivities",
+    f"steady {GAIT} --robot DIR --sensitivities",
     f"sweep {GRID}",
     f"sweep {GAIT} --servo SG90",
     f"optimize {THREE_LINKS} --speed-m-s 0.03",
-    "optimize --session DIR --speed-m-s 0.03 --servo ideal",
+    "optimize --robot DIR --speed-m-s 0.03 --servo ideal",
     "simulate --scene SCENE --duration-s 0.5",
     "fit DIR --influence",
     "fit MINE --crawls --servo SG90",
@@ -82,11 +85,12 @@ def commands(group: click.Group, words: str = "serpenoid") -> Iterator[str]:
 
 def option(p: click.Parameter) -> str:
     """Return names, type, limits or choices, and default of an option."""
-    kind = p.type.name.removesuffix(" range")
+    kind = p.type.name
     if isinstance(p.type, click.Choice):
         kind = "|".join(map(str, p.type.choices))
-    if isinstance(p.type, (click.IntRange, click.FloatRange)):
-        kind += f" {p.type.min}..{p.type.max}"
+    if limits := getattr(p.type, "limits", None):
+        kind += f" {limits.low}..{limits.high}"
+    kind += "".join(f" {name}" for name in getattr(p.type, "known", ()))
     names, default = "/".join([*p.opts, *p.secondary_opts]), p.to_info_dict()["default"]
     marks = [kind, f"{p.nargs} words" * (p.nargs > 1), "any number" * (p.nargs < 0 or p.multiple)]
     marks += ["required" * p.required, f"default {default}" * (default not in (None, False, ""))]

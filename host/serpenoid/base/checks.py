@@ -40,7 +40,7 @@ def check_number(
     least = lowest + LEAST if open_low else lowest
     if number is not None and least <= number <= highest and (number > lowest or not open_low):
         return number
-    rule = _range(low, high, open_low)
+    rule = range_in_words(low, high, open_low)
     if number is None:
         raise BadInput(f"{name} is {value!r}; it must be {rule}")
     beyond = math.isfinite(number) and (abs(number) > MOST or 0 < abs(number) < LEAST)
@@ -76,8 +76,8 @@ def _as_float(value: object) -> float | None:
         return None
 
 
-def _range(low: float, high: float, open_low: bool) -> str:
-    """Say what numbers are allowed."""
+def range_in_words(low: float, high: float, open_low: bool) -> str:
+    """Say what numbers are allowed, such as 'a finite number, at least 0'."""
     limits = f"{'more than' if open_low else 'at least'} {low:g}" if low > -math.inf else ""
     if high < math.inf:
         limits += f"{' and ' if limits else ''}at most {high:g}"

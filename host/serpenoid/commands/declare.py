@@ -1,76 +1,184 @@
-"""How commands declare their options, and refuse those that would do nothing."""
+"""How commands declare their options: types, `--set NAME=VALUE`, and help in two parts."""
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import click
 
-from ..base.checks import check_number
+from ..base.checks import Limits, check_choice, check_number, check_whole, range_in_words
+from ..base.errors import BadInput
+from ..base.toml_table import check_names
+from ..show.screen import say
 
 Option = Callable[[Any], Any]
-Given = dict[str, Any]  # values of options, or an answer
+Given = dict[str, Any]  # values of options or settings by name, or an answer
 
 
-def option(*names_and_help: str, choice: Iterable[str] = (), **how: Any) -> Option:
+class ResearchOption(click.Option):
+    """An option that a builder does not need."""
+
+
+class Command(click.Command):
+    """A command whose help lists the options for researchers apart."""
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the options of builders, then those of researchers."""
+        for title, for_research in (("Options", False), ("For researchers", True)):
+            parameters = self.get_params(ctx)
+            shown = [p for p in parameters if isinstance(p, ResearchOption) == for_research]
+            records = [record for p in shown if (record := p.get_help_record(ctx)) is not None]
+            if records:
+                with formatter.section(title):
+                    formatter.write_dl(records)
+
+
+def option(
+    *names_and_help: str, choice: Iterable[str] = (), research: bool = False, **how: Any
+) -> Option:
     """Return an option of a command; the last text is its help.
 
-    choice: the words that it takes, if only some do. how: as for `click.option`; a default is shown
-    unless it is 0 or empty.
+    choice: the words that it takes, if only some do. research: help lists it for researchers. how:
+    as for `click.option`; a default is shown unless it is 0 or empty.
     """
     *names, words = names_and_help
     if choice:
         how["type"] = click.Choice(list(choice))
     how.setdefault("show_default", bool(how.get("default")))
-    return click.option(*names, help=words, **how)
-
-
-def number(*names_and_help: str, **how: Any) -> Option:
-    """Return an option that takes a number."""
-    return option(*names_and_help, type=float, **how)
-
-
-class Range(click.FloatRange):
-    """A number within limits; NaN is within none, though no comparison says so."""
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the number."""
-        number = super().convert(value, param, ctx)
-        if math.isnan(number):
-            self.fail("nan is not a number", param, ctx)
-        return number
-
-
-def angle(
-    *names_and_help: str, low: float = 0.0, high: float, open_low: bool = False, **how: Any
-) -> Option:
-    """Return an option that takes degrees, and gives radians to the field of its name.
-
-    low, high: degrees; low itself is refused if open_low. A high of inf may be typed: no limit.
-    """
-    first, *names, words = names_and_help
-    field = names or [first.strip("-").replace("-", "_").replace("_deg", "_rad")]
-
-    def callback(_ctx: click.Context, _option: click.Parameter, degrees: float | None) -> Any:
-        if degrees is None or degrees == high == math.inf:
-            return degrees
-        return radians(first, degrees, low, high, open_low)
-
-    return number(first, *field, words, callback=callback, **how)
-
-
-def radians(name: str, degrees: float, low: float, high: float, open_low: bool = False) -> float:
-    """Return an angle in radians; what is out of range is told in degrees."""
-    return math.radians(check_number(name, degrees, low, high, open_low=open_low))
+    return click.option(*names, help=words, cls=ResearchOption if research else None, **how)
 
 
 def flag(*names_and_help: str, **how: Any) -> Option:
     """Return an option that stands alone."""
     return option(*names_and_help, is_flag=True, **how)
+
+
+def together(*options: Option) -> Option:
+    """Return options that several commands have, in this order, as one."""
+
+    def add(command: Callable[..., Any]) -> Callable[..., Any]:
+        for one in reversed(options):
+            command = one(command)
+        return command
+
+    return add
+
+
+def parsed_number(name: str, text: str) -> float:
+    """Return a typed number. Raises BadInput for a text that is none, such as one with a unit."""
+    try:
+        return float(text)
+    except ValueError:
+        raise BadInput(
+            f"{name} is {text!r}; type a number without its unit and with a decimal point, "
+            "such as 0.5"
+        ) from None
+
+
+class Number(click.ParamType):
+    """A number, typed without a unit; of limits only where no function of Python checks them."""
+
+    name = "number"
+
+    def __init__(self, *limits: float, open_low: bool = False) -> None:
+        self.limits = Limits(*limits, open_low=open_low) if limits else None
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number. Raises BadInput in the option's name."""
+        name = param.opts[0] if param else "the number"
+        number = parsed_number(name, value)
+        return number if self.limits is None else _within(name, number, self.limits)
+
+
+def _within(name: str, number: float, limits: Limits) -> float:
+    low, high, open_low = limits
+    return check_number(name, number, low, high, open_low=open_low)
+
+
+def number(*names_and_help: str, **how: Any) -> Option:
+    """Return an option that takes a number."""
+    return option(*names_and_help, **{"type": Number(), **how})
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One name that `--set NAME=VALUE` takes.
+
+    limits: a number's range, or the words that it may be. usual: its default, in words. whole: it
+    is a whole number. read: makes its value of the name and the typed text, in place of a number.
+    """
+
+    name: str
+    words: str
+    unit: str = ""
+    limits: Limits | tuple[str, ...] | None = None
+    usual: str = ""
+    whole: bool = False
+    read: Callable[[str, str], Any] | None = None
+
+    def value(self, text: str) -> Any:
+        """Return the value of a typed text. Raises BadInput in the setting's name."""
+        if self.read is not None:
+            return self.read(self.name, text)
+        if self.limits is not None and not isinstance(self.limits, Limits):
+            return check_choice(self.name, text, self.limits)
+        number = parsed_number(self.name, text)
+        if not self.whole:
+            return number if self.limits is None else _within(self.name, number, self.limits)
+        low, high = (self.limits or Limits(0.0))[:2]
+        whole = int(number) if number.is_integer() else number
+        return check_whole(self.name, whole, int(low), None if high == float("inf") else int(high))
+
+    @property
+    def help(self) -> tuple[str, str]:
+        """Return the name, and meaning, unit, limits and default in words."""
+        limits = ""
+        if isinstance(self.limits, Limits):
+            limits = range_in_words(*self.limits).removeprefix("a finite number, ")
+        elif self.limits:
+            limits = ", ".join(self.limits)
+        usual = f"default: {self.usual}" if self.usual else ""
+        return self.name, "; ".join(filter(None, (self.words, self.unit, limits, usual)))
+
+
+class SettingType(click.ParamType):
+    """NAME=VALUE of one of the settings `known`; `help` lists them and ends the command."""
+
+    name = "setting"
+
+    def __init__(self, *known: Setting) -> None:
+        self.known = {setting.name: setting for setting in known}
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return name and value. Raises BadInput for what is unknown or out of limits."""
+        if value == "help" and ctx is not None:
+            formatter = click.HelpFormatter(max_width=100)
+            formatter.write_dl([setting.help for setting in self.known.values()])
+            say(formatter.getvalue(), nl=False)
+            ctx.exit()
+        name, equals, text = value.partition("=")
+        if not equals:
+            raise BadInput(f"--set {value!r} is not of the form NAME=VALUE; see --set help")
+        check_names([name], (), "--set", "name", tuple(self.known))
+        return name, self.known[name].value(text)
+
+
+def settings(*known: Setting) -> Option:
+    """Return the option `--set`, whose value has what was given by name."""
+    return option(
+        "--set",
+        "settings",
+        "A rarer number, one for each --set; `--set help` lists names, units, defaults and limits.",
+        type=SettingType(*known),
+        metavar="NAME=VALUE",
+        multiple=True,
+        callback=lambda _context, _option, pairs: dict(pairs),
+        is_eager=True,
+    )
 
 
 def refuse_typed(words: str, *names: str) -> None:
@@ -85,32 +193,6 @@ def refuse_typed(words: str, *names: str) -> None:
         given = name in names and context.get_parameter_source(name) is typed
         if given and context.params[name] is not False:
             raise click.UsageError(words.format(parameter.opts[0]))
-
-
-class Options:
-    """Options that go together, stored under the names of the fields that they fill.
-
-    It adds them to a command in the order given, and takes their values out of the command's.
-    """
-
-    def __init__(self, *options: Option) -> None:
-        self._options = options
-
-    def __call__(self, command: Callable[..., Any]) -> Callable[..., Any]:
-        """Add the options to a command."""
-        for one in reversed(self._options):
-            command = one(command)
-        return command
-
-    @property
-    def names(self) -> list[str]:
-        """Return the fields."""
-        return [parameter.name or "" for parameter in click.command(self(lambda: None)).params]
-
-    def take(self, given: Given) -> Given:
-        """Take the values of these options out of `given`; return those that were given."""
-        taken = {name: given.pop(name) for name in self.names}
-        return {name: value for name, value in taken.items() if value is not None}
 
 
 _SESSION = ("session.toml", "readings.csv", "events.csv", "fit.json")

@@ -1,37 +1,94 @@
-"""The friction that a command takes from a calibration: --session DIR or --ground fit.json."""
+"""The robot and the friction of a command: `--robot`, and the numbers that `--set` changes."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
 import serpenoid as sn
 
+from ..base.errors import BadInput
 from ..show.screen import say
-from .declare import FOLDER, Given, option
+from .declare import Given, Setting
+from .options import FRICTION, ROBOT, typed_servo
 
 if TYPE_CHECKING:
     from ..prediction.speed_samples import SpeedBand
     from ..session.film import FilmReading
 
-ALARMS = "serpenoid.alarms"  # of click's context: keys that show_json puts into every answer
+
+@dataclass(frozen=True)
+class Snake:
+    """A robot on its ground.
+
+    fit: whose friction it is; None of a preset, of a scene, and where a number of it was changed.
+    session: the folder that it came from, if it did. notes: of its fit, for JSON.
+    """
+
+    robot: sn.Robot
+    ground: sn.Ground
+    fit: sn.FrictionFit | None = None
+    session: Path | None = None
+    notes: Given = field(default_factory=dict)
 
 
-def take_fit(given: Given) -> sn.FrictionFit | None:
-    """Take the fit of --session or --ground, None if neither was given; its alarms are told."""
-    session, ground = given.pop("session", None), given.pop("ground_file", None)
-    if session is not None and ground is not None:
-        raise click.UsageError("give one of --session and --ground")
-    if session is not None:
-        return session_fit(session)
-    if ground is None:
-        return None
+def preset(name: str) -> Snake:
+    """Return the robot of the paper's experiment, "2005", or of its theory, "paper"."""
+    if name == "paper":
+        return Snake(sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0))
+    robot = sn.Robot(6, 0.0756, 0.076)
+    return Snake(robot, sn.Ground.whole_body(6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27))
 
-    fit = sn.load_fit(ground)
-    return tell_alarms(fit, [note for note in fit.notes if "is older than the readings" in note])
+
+def named_snake(name: str) -> Snake:
+    """Return the robot and ground of a preset, a session's folder, a fit.json or a scene.
+
+    What forbids to trust a fit is told. Raises BadInput for a name that is none of these.
+    """
+    if name in ("2005", "paper"):
+        return preset(name)
+    path = Path(name)
+    if path.suffix == ".toml" and path.is_file():
+        scene = sn.load_scene(path)
+        return Snake(scene.robot, scene.ground)
+    if path.is_dir():
+        fit, session = session_fit(path), path
+    elif path.suffix == ".json":
+        fit, session = tell_alarms(sn.load_fit(path)), None
+    else:
+        raise BadInput(
+            f"--robot is {name!r}: no file and no folder has this name; give 2005, paper, a "
+            "session's folder, a fit.json or a scene (.toml)"
+        )
+    return Snake(fit.robot, fit.ground, fit, session, alarms_of(fit))
+
+
+def make_snake(name: str | None, settings: Given, base: Snake | None = None) -> Snake:
+    """Return the robot and ground of --robot, else `base`, else 2005, with the numbers of --set.
+
+    Mass and friction are those of the whole robot. Where `links` alone is set, every link keeps
+    its own.
+    """
+    start = named_snake(name) if name is not None or (base is None and (name := "2005")) else base
+    assert start is not None
+    body = {one.name: settings[one.name] for one in ROBOT if one.name in settings}
+    friction = {one.name: settings[one.name] for one in FRICTION if one.name in settings}
+    if not body and not friction:
+        return start
+    old = start.robot
+    links = body.pop("links", old.links)
+    rod = old == sn.Robot(old.links, old.link_mass_kg, old.link_length_m)  # a rod stays one
+    kept = {
+        "mass_kg": links * old.link_mass_kg,
+        "link_length_m": old.link_length_m,
+        "link_inertia_kg_m2": None if rod else old.link_inertia_kg_m2,
+    }
+    robot = sn.Robot.whole_body(links, **(kept | body))
+    whole = start.ground.scaled(*4 * [links])
+    kept = {name: getattr(whole, name) for name in ("ct", "cn", "ft0", "fn0")}
+    ground = sn.Ground.whole_body(links, **(kept | friction)) if friction else start.ground
+    return replace(start, robot=robot, ground=ground, fit=None)
 
 
 def session_fit(folder: Path, with_crawls: bool = True) -> sn.FrictionFit:
@@ -63,20 +120,24 @@ def session_fit(folder: Path, with_crawls: bool = True) -> sn.FrictionFit:
     return tell_alarms(sn.fit_friction(session))
 
 
-def servo_as_filmed(kind: sn.ServoKind | None, fit: sn.FrictionFit | None) -> sn.ServoKind | None:
-    """Return the kind with the servos that a fit's crawls or --session's films leave; tell it.
+def take_servo(
+    name: str | None, settings: Given, usual: str, snake: Snake | None = None
+) -> sn.ServoKind | None:
+    """Return the servos of --servo, else the usual ones; None for joints that are ideal.
 
-    At the session's voltage, with the frames of its board.
+    snake: of a session, whose voltage, frames and films then say more about them.
     """
     from ..prediction.filmed_joints import servo_seen
     from ..session.folder import read_session
 
-    if kind is None or fit is None:
+    kind = typed_servo(name or usual, settings)
+    if kind is None or snake is None:
         return kind
-    folder = click.get_current_context().params["session"]
-    session = None if folder is None else read_session(folder)
+    session = None if snake.session is None else read_session(snake.session)
     if session is not None:
         kind = session.setup.driving(kind)
+    if (fit := snake.fit) is None:
+        return kind
     if fit.servos is not None and fit.servos.kind == kind.name:
         say(f"servos: those of {kind.name} that the fit's crawls leave possible", err=True)
         return replace(kind, drawn=tuple(fit.sample_servos(kind, len(fit.servos.index))))
@@ -88,66 +149,56 @@ def servo_as_filmed(kind: sn.ServoKind | None, fit: sn.FrictionFit | None) -> sn
     return filmed
 
 
-def is_of_fit(fit: sn.FrictionFit | None, robot: sn.Robot, ground: sn.Ground) -> bool:
-    """Return whether robot and ground are a fit's own, without an option that changes them."""
-    return fit is not None and (robot, ground) == (fit.robot, fit.ground)
-
-
 def predicted_band(
-    fit: sn.FrictionFit | None,
-    robot: sn.Robot,
-    ground: sn.Ground,
+    snake: Snake,
     gait: sn.Gait,
     servo: sn.ServoKind | None = None,
     commanded: sn.Gait | None = None,
 ) -> SpeedBand | None:
-    """Return the one 95 % band of a gait's speed; None where robot and ground are not a fit's.
+    """Return the one 95 % band of a gait's speed; None without a fit.
 
     commanded: as for `speed_band`.
     """
-    if fit is None or not is_of_fit(fit, robot, ground):
+    if snake.fit is None:
         return None
     from ..prediction.speed_samples import speed_band
 
-    return speed_band(fit, gait, servo=servo, commanded=commanded)
+    return speed_band(snake.fit, gait, servo=servo, commanded=commanded)
 
 
-def tell_alarms(fit: sn.FrictionFit, more: list[str] | None = None) -> sn.FrictionFit:
-    """Warn of what forbids to trust a fit, note what was not measured; show_json has both."""
-    alarms = [*fit.alarms, *(more or [])]
-    for alarm in alarms:
+def tell_alarms(fit: sn.FrictionFit) -> sn.FrictionFit:
+    """Warn of what forbids to trust a fit, note what was not measured; return the fit."""
+    notes = alarms_of(fit)
+    for alarm in notes.get("fit_alarms", ()):
         say(f"serpenoid: warning: {alarm}", err=True)
-    for note in fit.unmeasured:
+    for note in notes.get("fit_notes", ()):
         say(f"note: {note}", err=True)
-    context = click.get_current_context(silent=True)
-    if context is not None:
-        answers = {"fit_alarms": alarms, "fit_notes": fit.unmeasured}
-        alarms_of_answer = context.meta.setdefault(ALARMS, {})
-        alarms_of_answer.update({key: words for key, words in answers.items() if words})
     return fit
 
 
-def tell_remark(kind: sn.ServoKind) -> None:
-    """Warn once of a servo file whose test the model did not describe; show_json has it, too."""
-    context = click.get_current_context()
-    alarms = context.meta.setdefault(ALARMS, {})
-    if kind.remark and "servo_remark" not in alarms:
-        alarms["servo_remark"] = kind.remark
-        say(f"serpenoid: warning: servo {kind.name}: {kind.remark}", err=True)
+def alarms_of(fit: sn.FrictionFit) -> Given:
+    """Return what forbids to trust a fit and what was not measured, as JSON answers have it."""
+    old = [note for note in fit.notes if "is older than the readings" in note]
+    notes = {"fit_alarms": [*fit.alarms, *old], "fit_notes": fit.unmeasured}
+    return {key: words for key, words in notes.items() if words}
+
+
+def servo_remark(kind: sn.ServoKind | None) -> Given:
+    """Return the remark on a servo whose test the model did not describe, for JSON."""
+    return {"servo_remark": kind.remark} if kind and kind.remark else {}
 
 
 _SAME_RAD, _SAME_RATE = 1e-3, 0.01
-joints_option = option(
-    "--joints",
-    "Session with a film: its joints' gains and phases, in place of the commanded ones.",
-    type=FOLDER,
-    metavar="SESSION",
+JOINTS = Setting(
+    "joints",
+    "session with a film: its joints' gains and phases, in place of the commanded ones",
+    usual="as commanded",
+    read=lambda _name, text: Path(text),
 )
 
 
 def latest_film(session: Path, links: int) -> FilmReading:
     """Return the latest film of a session. Raises BadInput: none, or of another robot."""
-    from ..base.errors import BadInput
     from ..session.folder import read_session
 
     films = read_session(session).kept_films

@@ -7,22 +7,14 @@ import errno
 import inspect
 import itertools
 import os
-import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 
-from ..base.errors import SerpenoidError, shortened
-from .options import as_typed, options_of
+from ..base.errors import shortened
 
-_WRONG_TYPE = re.compile(r"('[^']*') is not a valid (float|integer)(?: range)?\.")
-_WANTED = {
-    "float": "no number; type one such as 0.5, without a unit",
-    "integer": "no whole number; type one such as 6",
-}
-_IN_FILE = re.compile(r".+\.(toml|csv|json):(\d+:)? ")  # its keys are no options
 _CURES = {
     errno.ENOSPC: "make room and try again",
     errno.EACCES: "choose a place that is yours",
@@ -66,17 +58,6 @@ class Commands(click.Group):
             with formatter.section(title):
                 formatter.write_dl([(command.name or "", _told(command)) for command in commands])
 
-    def invoke(self, ctx: click.Context) -> Any:
-        """Run the command; an error of the package comes out in the words of its options."""
-        try:
-            return super().invoke(ctx)
-        except SerpenoidError as error:
-            command = self.commands.get(ctx.invoked_subcommand or "")
-            text = error.args[0] if error.args else None
-            if command is not None and isinstance(text, str) and not _IN_FILE.match(text):
-                error.args = (as_typed(error.args[0], options_of(command)), *error.args[1:])
-            raise
-
 
 def _told(command: click.Command) -> str:
     """Return the first paragraph of a command's help, on one line and without its full stop."""
@@ -87,7 +68,6 @@ def _told(command: click.Command) -> str:
 def of_arguments(error: click.ClickException) -> str:
     """Return what click has against the arguments, as one line."""
     text = shortened(" ".join(error.format_message().split()))
-    text = _WRONG_TYPE.sub(lambda m: f"{m[1]} is {_comma(m[1]) or _WANTED[m[2]]}", text)
     text = text.removeprefix("Invalid value for ").rstrip(".")
     ctx = getattr(error, "ctx", None)
     return f"{text}; see `{ctx.command_path} --help`" if ctx else text
@@ -101,9 +81,3 @@ def of_system(error: OSError) -> str:
     name = os.fsdecode(name) if isinstance(name, (str, bytes)) else str(name)
     cure = f"; {_CURES[error.errno]}" if error.errno in _CURES else ""
     return f"{shortened(name)}{': ' if name else ''}{error.strerror.lower()}{cure}"
-
-
-def _comma(shown: str) -> str:
-    """Say that decimals take a point, where a comma stands between digits."""
-    whole = re.fullmatch(r"'(-?\d*),(\d+)'", shown)
-    return f"no number; decimals take a point: {whole[1]}.{whole[2]}" if whole else ""

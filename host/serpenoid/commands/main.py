@@ -10,7 +10,6 @@ import warnings
 from io import TextIOWrapper
 from pathlib import Path
 from types import FrameType
-from typing import Any
 
 import click
 
@@ -20,7 +19,7 @@ from ..show.screen import say
 from .bench import BENCH_GROUP
 from .board.drive import drive
 from .board.tools import doctor, flash, monitor, ports, trim
-from .declare import directory, option
+from .declare import Command, directory, option
 from .friction.calibrate import calibrate
 from .friction.fitted import advise, compare, fit, report
 from .friction.servo import servo
@@ -28,29 +27,29 @@ from .gaits.figures import figures
 from .gaits.optimize import optimize
 from .gaits.steady import steady
 from .gaits.sweep import sweep
-from .given import take_fit
+from .given import make_snake
 from .group import Commands, of_arguments, of_system
-from .options import fit_options
+from .options import robot_option
 from .simulate import simulate
 from .video import VIDEO_GROUP
 from .view import examples, view
 
 
-@click.command()
+@click.command(cls=Command)
 @option(
     "--out", "Folder for figures and figures' numbers.", type=directory, default=Path("demo-out")
 )
-@fit_options
-def demo(out: Path, **given: Any) -> None:
+@robot_option
+def demo(out: Path, robot: str | None) -> None:
     """Go through the whole loop without a robot: treadmill, friction, speed, next reading, gait.
 
-    With --session DIR or --ground FILE it is your robot, and its friction the truth that the
+    With --robot SESSION or fit.json it is your robot, and its friction the truth that the
     simulated treadmill has. The 2005 session follows. There is no --servo: the simulated robot has
     a hobby servo drawn at random, and no prediction is told which.
     """
     from .demo import run_demo
 
-    run_demo(out, take_fit(given))
+    run_demo(out, make_snake(robot, {}).fit)
 
 
 SECTIONS = {

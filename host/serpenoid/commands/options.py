@@ -1,13 +1,12 @@
-"""What several commands share: options, robot and gait of them, work that Ctrl-C ends, JSON."""
+"""Options that several commands have, the gait and the servo that they make, and JSON answers."""
 
 from __future__ import annotations
 
 import json
 import math
-import re
 import threading
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -16,71 +15,115 @@ import click
 
 import serpenoid as sn
 
-from ..base.checks import FORMULATIONS, check_number
+from ..base.checks import FORMULATIONS, NOT_NEGATIVE, POSITIVE, Limits
+from ..base.errors import BadInput
 from ..base.files import write_text
 from ..model.capture_rate import HIGHEST_HZ, OPTION
 from ..show.screen import say
-from .declare import Given, Options, Range, angle, flag, number, option, radians
-from .given import ALARMS, take_fit, tell_remark
+from .declare import Given, Number, Setting, flag, number, option, parsed_number, together
 
 T = TypeVar("T")
 AS_JSON = flag("--json", "as_json", "Answer with JSON.")
+AS_TABLES = together(flag("--verbose", "Print errors, margins and other powers, too."), AS_JSON)
 CAPTURE_FPS = option(
     OPTION,
     "Pictures a second that the camera took, of slow motion whose file has no tag that says so.",
-    type=Range(1, HIGHEST_HZ),
+    type=Number(1, HIGHEST_HZ),
 )
 
 
-def _kept(context: click.Context, option: click.Parameter, value: Any) -> None:
-    """Keep an option for what asks for it much later, so that no command has to hand it on."""
-    context.meta[f"serpenoid.{option.name}"] = value
-
-
-# Of a command that answers with tables.
-AS_TABLES = Options(
-    flag(
-        "--verbose",
-        "Print errors, margins and other powers, too.",
-        callback=_kept,
-        expose_value=False,
-    ),
-    AS_JSON,
-)
-
-# Per link: mass kg, full length m, then friction ct, cn (N s/m), ft0, fn0 (N).
-PRESETS = {
-    "paper": (1.0, 0.12, 0.1, 10.0, 0.0, 0.0),
-    "2005": (0.0756, 0.076, 0.084 / 6, 1.2 / 6, 0.14 / 6, 0.27 / 6),
-}
-ALPHA_DEG, BETA_DEG = (0.0, 180.0), (-360.0, 360.0)  # Gait's limits
-_LONG_M, _HEAVY_KG = 3.0, 50.0  # of one link: beyond what anybody puts on wheels
-_FAST_RAD_S = 60.0  # ten waves a second
-
-
-def both_ways(value: str) -> float | tuple[float, ...]:
+def _both_ways(name: str, text: str) -> float | tuple[float, ...]:
     """Read one number, or two for ratchet wheels: forwards,backwards; Ground says which may be."""
-    try:
-        numbers = tuple(float(part) for part in value.split(","))
-    except ValueError:
-        raise click.BadParameter(f"{value!r} is no number, nor two (forwards,backwards)") from None
+    numbers = tuple(parsed_number(name, part) for part in text.split(","))
     return numbers[0] if len(numbers) == 1 else numbers
 
 
-BOTH_WAYS = click.types.FuncParamType(both_ways)
-BOTH_WAYS.name = "N[,N]"  # as help has it
+ROBOT = (
+    Setting(
+        "links",
+        "number of links; more or fewer of the same, unless mass and friction are set too",
+        limits=Limits(2, 100_000),
+        usual="6",
+        whole=True,
+    ),
+    Setting("mass_kg", "mass of the whole robot, as it crawls", "kg", POSITIVE, "0.4536"),
+    Setting("link_length_m", "length of one link, joint to joint", "m", POSITIVE, "0.076"),
+    Setting(
+        "link_inertia_kg_m2",
+        "moment of inertia of one link about its centre",
+        "kg m²",
+        POSITIVE,
+        "a uniform rod's",
+    ),
+)
+FRICTION = (
+    Setting(
+        "ct",
+        "viscous friction along the whole snake; ratchet wheels: forwards,backwards",
+        "N s/m",
+        NOT_NEGATIVE,
+        "0.084",
+        read=_both_ways,
+    ),
+    Setting("cn", "viscous friction across the whole snake", "N s/m", NOT_NEGATIVE, "1.2"),
+    Setting(
+        "ft0",
+        "dry friction along the whole snake; ratchet wheels: forwards,backwards",
+        "N",
+        NOT_NEGATIVE,
+        "0.14",
+        read=_both_ways,
+    ),
+    Setting("fn0", "dry friction across the whole snake", "N", NOT_NEGATIVE, "0.27"),
+)
+OFFSET = Setting("offset_deg", "bend of every joint: steers", "deg", Limits(-180, 180), "0")
+SPRINGS = (
+    Setting("joint_stiffness_n_m", "implicit model: k of the joints", "N/m", POSITIVE, "1000"),
+    Setting("joint_damping_n_s_m", "implicit model: c of the joints", "N s/m", NOT_NEGATIVE, "1"),
+)
+PLUG = (
+    Setting(
+        "volts", "voltage at the servos' plug", "V", Limits(1, 60), "the session's, or 4.8 to 6"
+    ),
+    Setting(
+        "frame_ms",
+        "time between setpoints that the board sends",
+        "ms",
+        Limits(1, 100),
+        "the session's, or 20",
+    ),
+)
+RTOL = Setting("rtol", "relative accuracy of the speed", usual="1e-6")
+
+robot_option = option(
+    "--robot",
+    "Robot and friction: 2005 (the paper's real one, unless given), paper (the one of its theory), "
+    "a session's folder, a fit.json, or a scene (.toml).",
+    metavar="2005|paper|FILE|SESSION",
+)
+gait_options = together(
+    number("--alpha-deg", "Amplitude of the joints."),
+    number("--beta-deg", "Phase lag from joint to joint."),
+    number("--frequency-hz", "Frequency of the gait.", type=Number(0.0, math.inf, open_low=True)),
+    number("--omega-rad-s", "Its angular rate, in place of the frequency."),
+)
+servo_option = option(
+    "--servo",
+    "Servos of the joints: hobby (any), SG90, MG996R, ..., a TOML file, or ideal.",
+    metavar="NAME|FILE|ideal",
+)
+formulation_option = option(
+    "--formulation",
+    "Exact model, or the paper's springs.",
+    choice=FORMULATIONS,
+    default="explicit",
+    research=True,
+)
+IDEAL = "ideal"
 
 
 def _listed(_ctx: click.Context, _option: click.Parameter, gaits: Any) -> list[sn.Gait]:
-
-    return [
-        sn.Gait(
-            radians("--gait ALPHA_DEG", alpha_deg, *ALPHA_DEG),
-            radians("--gait BETA_DEG", beta_deg, *BETA_DEG),
-            math.tau * check_number("--gait HZ", hertz, 0.0, open_low=True),
-        )
-        for alpha_deg, beta_deg, hertz in gaits
-    ]
+    return [sn.Gait.degrees(alpha, beta, hertz=hertz) for alpha, beta, hertz in gaits]
 
 
 listed_gaits = number(
@@ -92,175 +135,60 @@ listed_gaits = number(
     metavar="ALPHA_DEG BETA_DEG HZ",
     callback=_listed,
 )
-formulation_option = option(
-    "--formulation", "Exact model, or the paper's springs.", choice=FORMULATIONS, default="explicit"
-)
-fit_options = Options(
-    option(
-        "--session",
-        "Calibration session whose robot and fitted friction to take.",
-        type=click.Path(path_type=Path),
-    ),
-    option(
-        "--ground",
-        "ground_file",
-        "fit.json whose robot and friction to take.",
-        type=click.Path(path_type=Path),
-    ),
-)
-
-ROBOT = Options(
-    option("--links", "Number of links; 6 unless given.", type=int),
-    number("--mass-kg", "link_mass_kg", "Mass of a link."),
-    number("--length-m", "link_length_m", "Length of a link, joint to joint."),
-    number("--inertia-kg-m2", "link_inertia_kg_m2", "Of a link; a uniform rod's unless given."),
-)
-GROUND = Options(
-    option(
-        "--ct", "Viscous friction along a link, N s/m; ratchet: forwards,backwards.", type=BOTH_WAYS
-    ),
-    number("--cn", "Viscous friction across a link, N s/m."),
-    option("--ft0", "Dry friction along a link, N; ratchet: forwards,backwards.", type=BOTH_WAYS),
-    number("--fn0", "Dry friction across a link, N."),
-)
-robot_options = Options(
-    option(
-        "--robot", "preset", "Robot and ground to start from; 2005 unless given.", choice=PRESETS
-    ),
-    fit_options,
-    ROBOT,
-    GROUND,
-)
-
-gait_options = Options(
-    angle("--alpha-deg", "Amplitude of the joints.", low=ALPHA_DEG[0], high=ALPHA_DEG[1]),
-    angle("--beta-deg", "Phase lag joint to joint.", low=BETA_DEG[0], high=BETA_DEG[1]),
-    number("--omega-rad-s", "Angular rate; or give --frequency-hz."),
-    number("--frequency-hz", "Gait frequency."),
-    angle("--offset-deg", "Bend of every joint: steers.", low=-180.0, high=180.0),
-)
-
-plug_options = Options(
-    option(
-        "--volts",
-        "Voltage at the servos' plug; else the session's, or 4.8 to 6 V.",
-        type=Range(1.0, 60.0),
-        callback=_kept,
-        expose_value=False,
-    ),
-    option(
-        "--frame-ms",
-        "From setpoint to setpoint of the board; else the session's, or 20 ms.",
-        type=Range(1.0, 100.0),
-        callback=_kept,
-        expose_value=False,
-    ),
-)
-servo_option = Options(
-    option(
-        "--servo",
-        "Servos of the joints: hobby (any), SG90, MG996R, ..., a TOML file, or ideal.",
-        metavar="NAME|FILE|ideal",
-        callback=_kept,
-        expose_value=False,
-    ),
-    plug_options,
-)
-IDEAL = "ideal"
 
 
-def typed(option: str) -> Any:
-    """Return the value of an option that was kept, None where it was not given."""
-    return click.get_current_context().meta.get(f"serpenoid.{option}")
-
-
-def take_servo(default: str = IDEAL) -> sn.ServoKind | None:
-    """Return the servo of --servo, --volts and --frame-ms; None for joints that follow the gait."""
-    name, volts, frame_ms = map(typed, ("servo", "volts", "frame_ms"))
-    wanted = default if name is None else name
-    if wanted.lower() == IDEAL:
+def typed_servo(name: str, settings: Given) -> sn.ServoKind | None:
+    """Return servos of a name or file, at the plug's settings; None for joints that are ideal."""
+    volts, frame_ms = settings.get("volts"), settings.get("frame_ms")
+    if name.lower() == IDEAL:
         if volts or frame_ms:
-            raise click.UsageError("--volts and --frame-ms need servos: give --servo NAME")
+            raise BadInput("volts and frame_ms have no effect on ideal joints; give --servo NAME")
         return None
-
-    kind = sn.servo(wanted)
-    tell_remark(kind)
+    kind = sn.servo(name)
+    if kind.remark:
+        say(f"serpenoid: warning: servo {kind.name}: {kind.remark}", err=True)
     kind = kind if volts is None else kind.at_volts(volts)
     return kind if frame_ms is None else kind.at_frames(frame_ms / 1e3)
 
 
-def preset_robot(name: str) -> tuple[sn.Robot, sn.Ground]:
-    """Return robot and ground of a preset."""
-    mass, length, *friction = PRESETS[name]
-    return sn.Robot(6, mass, length), sn.Ground(*friction)
+_GAIT_FIELDS = {"alpha_deg": "alpha_rad", "beta_deg": "beta_rad", "offset_deg": "offset_rad"}
 
 
-def make_robot(
-    given: Given,
-    base: tuple[sn.Robot, sn.Ground] | None = None,
-    fit: sn.FrictionFit | None = None,
-) -> tuple[sn.Robot, sn.Ground]:
-    """Take robot and ground from the preset, a fit, or else `base`, and what overrides it.
+def make_gait(typed: Given, settings: Given, base: sn.Gait | None = None) -> sn.Gait:
+    """Return the gait of `gait_options` and of offset_deg, over `base` if there is one.
 
-    fit: one that has been taken already.
+    typed: the values of the options by name; those that are None were not given.
     """
-    fit = fit or take_fit(given)
-    doubt_robot(given)
-    preset = given.pop("preset")
-    if fit is not None:
-        if preset is not None:
-            raise click.UsageError("--robot and a fit both name robot and ground; give one of them")
-        base = fit.robot, fit.ground
-    if preset is not None or base is None:
-        base = preset_robot(preset or "2005")
-    robot, ground = base
-    changes = ROBOT.take(given)
-    if robot == sn.Robot(robot.links, robot.link_mass_kg, robot.link_length_m):
-        changes.setdefault("link_inertia_kg_m2", None)  # a uniform rod stays one
-    return replace(robot, **changes), replace(ground, **GROUND.take(given))
-
-
-def make_gait(given: Given, base: sn.Gait | None = None) -> sn.Gait:
-    """Take a gait with either rate or frequency, over `base` if there is one."""
-    fields = gait_options.take(given)
-    # Figures that look as if typed in another unit are told, not refused: they may be meant.
-    alpha, beta = (math.degrees(fields.get(name, 0.0)) for name in ("alpha_rad", "beta_rad"))
-    if alpha and beta and 0 < alpha <= math.pi and abs(beta) <= math.pi:
-        words = f"{alpha:g} and {beta:g} degrees"
-        _tell("--alpha-deg, --beta-deg", words, "radians", math.degrees(alpha), math.degrees(beta))
-    omega = fields.get("omega_rad_s", 0.0)
-    if _FAST_RAD_S < omega < math.inf:
-        words = f"{omega:g} rad/s, {omega / math.tau:.3g} waves a second"
-        _tell("--omega-rad-s", words, "degrees a second", math.radians(omega))
-    rates = [name for name in ("omega_rad_s", "frequency_hz") if name in fields]
+    given = {name: value for name, value in typed.items() if value is not None}
+    given |= {name: settings[name] for name in ("offset_deg",) if name in settings}
+    rates = [name for name in ("frequency_hz", "omega_rad_s") if name in given]
     if len(rates) > 1 or not (rates or base):
-        raise click.UsageError("give one of --omega-rad-s and --frequency-hz")
-    if "frequency_hz" in fields:
-        hertz = check_number("--frequency-hz", fields.pop("frequency_hz"), 0.0, open_low=True)
-        fields["omega_rad_s"] = math.tau * hertz
-    if base is not None:
-        return replace(base, **fields)
-    for name in ("alpha", "beta"):
-        if f"{name}_rad" not in fields:
-            raise click.UsageError(f"give --{name}-deg")
-    return sn.Gait(**fields)
+        raise BadInput("give one of --frequency-hz and --omega-rad-s")
+    missing = [name for name in ("alpha_deg", "beta_deg") if name not in given]
+    if missing and base is None:
+        raise BadInput(f"give --{missing[0].replace('_', '-')}")
+    made = sn.Gait.degrees(
+        given.get("alpha_deg", 0.0),
+        given.get("beta_deg", 0.0),
+        hertz=given.get("frequency_hz", 1.0),
+        offset_deg=given.get("offset_deg", 0.0),
+    )
+    if "omega_rad_s" in given:
+        made = replace(made, omega_rad_s=given["omega_rad_s"])
+    if base is None:
+        return made
+    fields = [_GAIT_FIELDS.get(name, "omega_rad_s") for name in given]
+    return replace(base, **{field: getattr(made, field) for field in fields})
 
 
-def doubt_robot(given: Mapping[str, Any], names: str = "--{}") -> None:
-    """Warn of links whose length or mass, where given, looks like mm or g."""
-    for name, most, unit, small in (
-        ("length_m", _LONG_M, "m", "mm"),
-        ("mass_kg", _HEAVY_KG, "kg", "g"),
-    ):
-        value = given.get(f"link_{name}")
-        if value is not None and most < value < math.inf:
-            option = names.format(name.replace("_", "-"))
-            _tell(option, f"{value:g} {unit} for one link", small, value / 1e3)
-
-
-def _tell(option: str, value: str, unit: str, *meant: float) -> None:
-    typed = " and ".join(f"{number:.4g}" for number in meant)
-    warnings.warn(f"{option}: {value}? If {unit} were meant, type {typed}", stacklevel=2)
+def describe(gait: sn.Gait) -> Given:
+    """Return a gait as it is typed."""
+    return {
+        "alpha_deg": round(math.degrees(gait.alpha_rad), 10),  # 30, not 29.999999999999996
+        "beta_deg": round(math.degrees(gait.beta_rad), 10),
+        "omega_rad_s": gait.omega_rad_s,
+        "offset_deg": round(math.degrees(gait.offset_rad), 10),
+    } | ({"joint_gain": list(gait.joint_gain)} if gait.joint_gain else {})
 
 
 def interruptible(work: Callable[[], T]) -> T:
@@ -286,23 +214,13 @@ def interruptible(work: Callable[[], T]) -> T:
         stop.set()
 
 
-def describe(gait: sn.Gait) -> Given:
-    """Return a gait as it is typed."""
-    return {
-        "alpha_deg": round(math.degrees(gait.alpha_rad), 10),  # 30, not 29.999999999999996
-        "beta_deg": round(math.degrees(gait.beta_rad), 10),
-        "omega_rad_s": gait.omega_rad_s,
-        "offset_deg": round(math.degrees(gait.offset_rad), 10),
-    } | ({"joint_gain": list(gait.joint_gain)} if gait.joint_gain else {})
-
-
-def tell(found: Any, as_json: bool) -> None:
-    """Print a result: as JSON, or what a builder asks and then its table."""
+def tell(found: Any, as_json: bool, verbose: bool, notes: Given) -> None:
+    """Print a result: as JSON with the notes of its fit, or its first sentence and its table."""
     from ..show import report
 
     if as_json:
-        return show_json(found.to_dict())
-    return report.show(found)
+        return show_json(found.to_dict() | notes)
+    return report.show(found, verbose=verbose)
 
 
 def finite(values: Any) -> Any:
@@ -327,28 +245,8 @@ def write_json(path: Path, values: Given) -> None:
 
 
 def show_json(values: Given) -> None:
-    """Print strict JSON, with alarms and notes of its fit."""
-    context = click.get_current_context(silent=True)
-    say(json_text(values | (context.meta.get(ALARMS, {}) if context else {})))
-
-
-def as_typed(text: str, options: dict[str, str]) -> str:
-    """Return a message with the names of fields replaced by their options.
-
-    A name of several words is meant wherever it stands, but for arguments such as `alpha_rad=1`;
-    one of one word (links, ct) only where the message begins with `ct is`.
-    """
-    for field, typed in options.items():
-        if "_" in field:
-            text = re.sub(rf"(?<![\w.-]){field}(?![\w=])", typed, text)
-        else:
-            text = re.sub(rf"^{field}((?: \w+)?) is ", rf"{typed}\1 is ", text)
-    return text
-
-
-def options_of(command: click.Command) -> dict[str, str]:
-    """Return the options of a command by the fields that they fill."""
-    return {p.name: p.opts[0] for p in command.params if isinstance(p, click.Option) and p.name}
+    """Print strict JSON."""
+    say(json_text(values))
 
 
 def warn_of_two_motions(state: sn.Steady) -> sn.Steady:

@@ -12,29 +12,39 @@ import click
 
 import serpenoid as sn
 
-from ..base.checks import DRIVES, FORMULATIONS, GAPS, STARTS
+from ..base.checks import FORMULATIONS, GAPS, POSITIVE, STARTS, Limits
+from ..base.errors import BadInput
 from ..show.screen import progress, say, working
 from ..simulation.methods import METHODS
 from .declare import (
     FIGURES,
+    Command,
     Given,
-    Options,
+    Number,
     PathType,
-    angle,
+    Setting,
     flag,
     number,
     option,
     out_file,
-    refuse_typed,
+    parsed_number,
+    settings,
 )
+from .given import Snake, make_snake, servo_remark, take_servo
 from .options import (
     AS_TABLES,
+    FRICTION,
+    IDEAL,
+    OFFSET,
+    PLUG,
+    ROBOT,
+    SPRINGS,
     describe,
     gait_options,
     interruptible,
     make_gait,
-    make_robot,
-    robot_options,
+    robot_option,
+    servo_option,
     show_json,
 )
 
@@ -46,95 +56,74 @@ def _pieces(text: str) -> list[str]:
     return [] if text.strip() in ("", "none") else [part.strip() for part in text.split(",")]
 
 
-def _reader(read: Callable[[list[str]], Any], form: str) -> Callable[..., Any]:
-    """Return a click callback that reads a list, or says which form it must have."""
-
-    def callback(_ctx: click.Context, _param: click.Parameter, text: str | None) -> Any:
-        try:
-            return None if text is None else read(_pieces(text))
-        except ValueError:
-            raise click.BadParameter(f"{text!r} is not of the form {form}") from None
-
-    return callback
+def _list(read: Callable[[str, list[str]], Any]) -> Callable[[str, str], Any]:
+    """Return what reads a list with commas by `read`, which takes the setting's name, too."""
+    return lambda name, text: read(name, _pieces(text))
 
 
-def _pairs(parts: list[str]) -> list[tuple[str, float]]:
-    halves = [part.split("=") for part in parts]
-    return [(name.strip(), float(value)) for name, value in halves]
+def _numbers(name: str, parts: list[str]) -> list[float]:
+    return [parsed_number(name, part) for part in parts]
 
 
-scene_options = Options(
-    option(
-        "--formulation",
-        "Exact model (explicit, unless given), or the paper's springs.",
-        choice=FORMULATIONS,
+def _joints(name: str, parts: list[str]) -> tuple[int, ...]:
+    if not all(part.isdecimal() for part in parts):
+        raise BadInput(f"{name} is {','.join(parts)!r}; give joints by number, such as 2,4")
+    return tuple(map(int, parts))
+
+
+def _locked(name: str, parts: list[str]) -> dict[int, float]:
+    pairs = [part.partition("=") for part in parts]
+    if not all(joint.isdecimal() and equals for joint, equals, _ in pairs):
+        raise BadInput(f"{name} is {','.join(parts)!r}; give joints and angles: 3=10,5=-20")
+    return {int(n): math.radians(parsed_number(f"{name} {n}", angle)) for n, _, angle in pairs}
+
+
+# Fields of Scene; angles in degrees.
+SCENE = (
+    Setting("incline_direction_deg", "uphill, from the x axis", "deg", Limits(-360, 360), "0"),
+    Setting(
+        "torque_nm",
+        "constant torque of each joint, in place of the gait: 0.1,0.2,...",
+        "N m",
+        read=_list(_numbers),
     ),
-    number("--stiffness-n-m", "joint_stiffness_n_m", "Implicit: k of the joints; 1000."),
-    number("--damping-n-s-m", "joint_damping_n_s_m", "Implicit: c of the joints; 1."),
-    angle("--incline-deg", "Slope of the ground.", high=90.0),
-    angle("--incline-direction-deg", "Uphill, from the x axis.", low=-360.0, high=360.0),
-    option("--drive", "What moves the joints; angle.", choice=DRIVES),
-    option(
-        "--servo-fields",
-        "servo",
-        "Servos follow the gait: default ones, or stiffness_nm_rad=3,... (no kind).",
-        metavar="[FIELD=VALUE,...]",
-        is_flag=False,
-        flag_value="none",
-        callback=_reader(lambda parts: dict(_pairs(parts)), "FIELD=VALUE,..."),
+    Setting(
+        "limp", "joints without torque, from 1 at the tail: 2,4", usual="none", read=_list(_joints)
     ),
-    option(
-        "--torque-nm",
-        "Constant torque of every joint, in place of the gait.",
-        metavar="T1,T2,...",
-        callback=_reader(lambda parts: [float(part) for part in parts], "0.1,0.2"),
+    Setting(
+        "locked_deg",
+        "joints that stay at an angle: 3=10,5=-20",
+        "deg",
+        usual="none",
+        read=_list(_locked),
     ),
-    option(
-        "--limp",
-        "Joints without torque; from 1, at the tail.",
-        metavar="2,4",
-        callback=_reader(lambda parts: tuple(int(part) for part in parts), "2,4"),
+    Setting("dt_s", "time step", "s", POSITIVE, "0.001"),
+    Setting("tolerance", "of methods that pick their steps", "", POSITIVE, "1e-7"),
+    Setting("start", "state at time 0", limits=STARTS, usual="zero_momentum"),
+    Setting("gap", "implicit model: how the joints start open", limits=GAPS, usual=GAPS[0]),
+    Setting(
+        "record",
+        "what to keep beside the motion: joints,friction,energy",
+        usual="none",
+        read=_list(lambda _name, parts: tuple(parts)),
     ),
-    option(
-        "--locked-deg",
-        "locked",
-        "Joints that stay at an angle.",
-        metavar="3=10,5=-20",
-        callback=_reader(
-            lambda parts: {int(n): math.radians(v) for n, v in _pairs(parts)}, "3=10,5=-20"
-        ),
-    ),
-    option("--method", "nonsmooth on dry ground, else rk4, unless given.", choice=METHODS),
-    number("--dt-s", "Time step; 0.001."),
-    number("--tolerance", "Of methods that pick their steps; 1e-7."),
-    number("--duration-s", "Length of the run; 10."),
-    option("--start", "State at time 0; zero_momentum.", choice=STARTS),
-    option("--gap", "Implicit: how the joints start open.", choice=GAPS),
-    option(
-        "--record",
-        "What to keep beside the motion.",
-        metavar="joints,friction,energy",
-        callback=_reader(tuple, "energy"),
-    ),
-    option(
-        "--record-every",
-        "Time steps between records; 1, more where that is beyond 20 000 rows.",
-        type=int,
+    Setting(
+        "record_every",
+        "time steps between records",
+        limits=Limits(1),
+        usual="1, more beyond 20 000 rows",
+        whole=True,
     ),
 )
 
 
-@click.command()
+@click.command(cls=Command)
 @option("--scene", "scene_path", "Scene file; other options override it.", type=_FILE)
-@option("--save-scene", "saved_path", "Write the scene to this file too.", type=out_file(".toml"))
-@robot_options
+@robot_option
 @gait_options
-@scene_options
-@number(
-    "--accuracy",
-    "Pick what is not given of method and step for this error (body lengths, radians).",
-)
-@flag("--no-error", "Save the one or two runs that tell the error.")
+@servo_option
+@number("--incline-deg", "Slope of the ground, uphill along the x axis.", type=Number(0, 90))
+@number("--duration-s", "Length of the run; 10.")
 @option("--out", "CSV of all links at all recorded times.", type=out_file(".csv"))
 @option(
     "--plot",
@@ -142,6 +131,21 @@ scene_options = Options(
     "PNG, PDF or SVG of path, speed and energy if recorded.",
     type=out_file(*FIGURES),
 )
+@option("--save-scene", "saved_path", "Write the scene to this file too.", type=out_file(".toml"))
+@settings(*ROBOT, *FRICTION, OFFSET, *PLUG, *SPRINGS, *SCENE)
+@option(
+    "--formulation",
+    "Exact model (explicit, unless given), or the paper's springs.",
+    choice=FORMULATIONS,
+    research=True,
+)
+@option("--method", "nonsmooth on dry ground, else rk4.", choice=METHODS, research=True)
+@number(
+    "--accuracy",
+    "Pick what is not given of method and step for this error (body lengths, radians).",
+    research=True,
+)
+@flag("--no-error", "Save the one or two runs that tell the error.", research=True)
 @AS_TABLES
 def simulate(
     scene_path: Path | None,
@@ -150,6 +154,7 @@ def simulate(
     figure: Path | None,
     accuracy: float | None,
     no_error: bool,
+    verbose: bool,
     as_json: bool,
     **given: Any,
 ) -> None:
@@ -157,9 +162,10 @@ def simulate(
     from ..show import report, run_report
 
     steps = ("dt_s", "tolerance") if accuracy is not None else ()
-    keep = [name for name in steps if given[name] is not None]
-    scene = make_scene(given, None if scene_path is None else sn.load_scene(scene_path))
-    _check_that_all_apply(scene, accuracy)
+    keep = [name for name in steps if name in given["settings"]]
+    base = None if scene_path is None else sn.load_scene(scene_path)
+    scene, notes = make_scene(base, **given)
+    _check_that_all_apply(scene, accuracy, given["settings"])
     if saved_path is not None:
         sn.save_scene(scene, saved_path)
         report.wrote(saved_path)
@@ -180,63 +186,69 @@ def simulate(
     with working("estimating the error"):
         summary = interruptible(lambda: run_report.run_summary(run, not no_error))
     if as_json:
-        show_json({"gait": describe(scene.gait)} | summary)
+        show_json({"gait": describe(scene.gait)} | summary | notes)
     else:
-        run_report.show_run(run, summary)
+        run_report.show_run(run, summary, verbose)
 
 
-def make_scene(given: Given, base: sn.Scene | None) -> sn.Scene:
-    """Make a scene of the options that were given, over a scene file's if there is one."""
-    robot, ground = make_robot(given, base and (base.robot, base.ground))
+def make_scene(
+    base: sn.Scene | None,
+    robot: str | None,
+    servo: str | None,
+    settings: Given,
+    formulation: str | None,
+    method: str | None,
+    incline_deg: float | None,
+    duration_s: float | None,
+    **typed_gait: Any,
+) -> tuple[sn.Scene, Given]:
+    """Make a scene of the options, over a scene file's if there is one.
+
+    Returns the scene, and what JSON says of the fit and the servo that it rests on.
+    """
+    snake = make_snake(robot, settings, base and Snake(base.robot, base.ground))
     # joints that are driven by torques need no gait: a straight chain at rest
-    usual = base.gait if base else None if given["torque_nm"] is None else sn.Gait(0.0, 0.0, 1.0)
-    gait = make_gait(given, usual)
-    parts: Given = {"robot": robot, "ground": ground, "gait": gait}
-    told = scene_options.take(given)
-    parts |= _joint_drive(told, base)
-    return replace(base, **parts | told) if base is not None else sn.Scene(**parts, **told)
+    torques = "torque_nm" in settings
+    usual = base.gait if base else sn.Gait(0.0, 0.0, 1.0) if torques else None
+    fields: Given = {"robot": snake.robot, "ground": snake.ground}
+    fields["gait"] = make_gait(typed_gait, settings, usual)
+    own = {"torque_nm", "incline_direction_deg", "locked_deg"}  # under other names in a Scene
+    known = {one.name for one in (*SCENE, *SPRINGS)} - own
+    fields |= {name: settings[name] for name in known if name in settings}
+    if "locked_deg" in settings:
+        fields["locked"] = settings["locked_deg"]
+    directions = {"incline_deg": incline_deg, **settings}
+    for name in ("incline_deg", "incline_direction_deg"):
+        if directions.get(name) is not None:
+            fields[name.replace("_deg", "_rad")] = math.radians(directions[name])
+    options = {"formulation": formulation, "method": method, "duration_s": duration_s}
+    fields |= {name: value for name, value in options.items() if value is not None}
+
+    kind = take_servo(servo, settings, IDEAL, snake)
+    if servo is not None:
+        if torques:
+            raise click.UsageError("give one of --servo and --set torque_nm: both drive the joints")
+        drive = "angle" if kind is None else "servo"
+        fields |= {"drive": drive, "servo": kind and kind.servo, "torque": None}
+    if torques:
+        fields |= {"drive": "torque", "torque": settings["torque_nm"], "servo": None}
+    scene = sn.Scene(**fields) if base is None else replace(base, **fields)
+    return scene, snake.notes | servo_remark(kind)
 
 
-def _check_that_all_apply(scene: sn.Scene, accuracy: float | None) -> None:
-    """Raise UsageError for an option that the scene has no use for: it would change nothing."""
-    pinned, springs = (
-        scene.formulation == "explicit",
-        "the joints are pinned; give --formulation implicit too",
-    )
-    steps = f"method {scene.method!r} takes fixed steps; give --dt-s, or a --method that picks them"
+def _check_that_all_apply(scene: sn.Scene, accuracy: float | None, settings: Given) -> None:
+    """Raise BadInput for a setting that the scene has no use for: it would change nothing."""
+    springs = "the joints are pinned; give --formulation implicit too"
+    steps = f"method {scene.method!r} takes fixed steps; give dt_s, or a --method that picks them"
+    pinned = scene.formulation == "explicit"
     for no_use, why, *names in (
         (pinned, springs, "joint_stiffness_n_m", "joint_damping_n_s_m", "gap"),
-        (scene.incline_rad == 0, "the ground is level", "incline_direction_rad"),
+        (scene.incline_rad == 0, "the ground is level", "incline_direction_deg"),
         (not (scene.adaptive or accuracy), steps, "tolerance"),
     ):
-        if no_use:
-            refuse_typed(f"{{}} has no effect: {why}", *names)
-
-
-def _joint_drive(told: Given, base: sn.Scene | None) -> Given:
-    """Take the drive from the options: asking for servos or torques replaces the scene's own."""
-    drive, servo, torque = (told.pop(name, None) for name in ("drive", "servo", "torque_nm"))
-    asked = {"servo": servo, "torque": torque}
-    drives = {name for name, value in asked.items() if value is not None} | {drive} - {None}
-    if len(drives) > 1:
-        raise click.UsageError(f"choose one drive; the options ask for {' and '.join(drives)}")
-    if not drives:
-        return {}
-    (drive,) = drives
-    if torque is None and base is not None:
-        torque = base.torque
-    return {
-        "drive": drive,
-        "servo": _servo(servo or {}, base and base.servo) if drive == "servo" else None,
-        "torque": torque if drive == "torque" else None,
-    }
-
-
-def _servo(fields: dict[str, float], base: sn.Servo | None) -> sn.Servo:
-    from ..base.toml_table import check_names
-
-    check_names(fields, (), "--servo-fields", "field", tuple(sn.Servo.__slots__))
-    return replace(base or sn.Servo(), **fields)
+        for name in names:
+            if no_use and name in settings:
+                raise BadInput(f"{name} has no effect: {why}")
 
 
 def _watched(scene: sn.Scene, accuracy: float | None, keep: list[str]) -> sn.Run:

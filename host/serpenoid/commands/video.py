@@ -19,22 +19,24 @@ from .declare import (
     EXISTING,
     FIGURES,
     FOLDER,
+    Command,
     Given,
-    Options,
+    Number,
     PathType,
-    Range,
-    number,
     option,
     out_file,
+    settings,
+    together,
 )
+from .given import preset
 from .group import Commands
 from .options import (
     AS_JSON,
     CAPTURE_FPS,
-    doubt_robot,
+    OFFSET,
+    ROBOT,
     gait_options,
     make_gait,
-    preset_robot,
     show_json,
 )
 
@@ -50,34 +52,31 @@ def VIDEO_GROUP() -> None:
     """
 
 
-_SIZES = Options(
-    option("--links", "Number of links, 2 to 13; 6 unless given.", type=int),
-    number("--length-m", "link_length_m", "Length of a link, joint to joint."),
-)
-_ROBOT = Options(
+SIZES = tuple(one for one in ROBOT if one.name in ("links", "link_length_m"))
+TAGS = together(
     option(
         "--session",
         "Session whose robot it is; a film becomes a reading of it.",
         type=FOLDER,
     ),
-    _SIZES,
     option(
         "--tag-mm",
         "Side of a tag's black square; the session's, or of the sheet for such links.",
-        type=Range(0, min_open=True),
+        type=Number(0, open_low=True),
     ),
 )
 
 
-def _robot(given: Given) -> tuple[sn.Robot, float | None]:
-    """Take the robot and the tag's side (m) from the options, or as the session remembers it."""
+def _robot(
+    session: Path | None, tag_mm: float | None, settings: Given
+) -> tuple[sn.Robot, float | None]:
+    """Return the robot and the tag's side (m) of the options, or as the session remembers it."""
     from ..session.folder import read_session
 
-    session, tag_mm = given.pop("session"), given.pop("tag_mm")
     setup = read_session(session).setup if session else None
-    base = setup.robot if setup else preset_robot("2005")[0]
-    doubt_robot(given)
-    robot = replace(base, **_SIZES.take(given), link_inertia_kg_m2=None)
+    base = setup.robot if setup else preset("2005").robot
+    sizes = {one.name: settings[one.name] for one in SIZES if one.name in settings}
+    robot = replace(base, **sizes, link_inertia_kg_m2=None)
     side_m = None if tag_mm is None else tag_mm / 1e3
     return robot, setup.tag_side_m if setup and side_m is None else side_m
 
@@ -93,28 +92,30 @@ def _remember(session: Path | None, side_m: float | None) -> None:
             journal.event("amend", detail=f"robot.tag_mm = {1e3 * side_m:g}")
 
 
-@VIDEO_GROUP.command()
-@_ROBOT
+@VIDEO_GROUP.command(cls=Command)
+@TAGS
 @option("--paper", "Size of the paper.", choice=["a4", "letter"], default="a4")
 @option("--out", "File to write.", type=out_file(".pdf", ".png", ".svg"), default=Path("tags.pdf"))
-def tags(paper: str, out: Path, **given: Any) -> None:
+@settings(*SIZES)
+def tags(
+    session: Path | None, tag_mm: float | None, paper: str, out: Path, settings: Given
+) -> None:
     """Write a sheet of tags to print: one for each link, with cut lines and a ruler."""
     from ..show.video.tag_sheet import tag_sheet
     from ..video.seeing.extra import need_extra
     from ..video.seeing.tags import tag_cells, tag_side_m
 
     need_extra()
-    session = given["session"]
-    robot, side = _robot(given)
+    robot, side = _robot(session, tag_mm, settings)
     side = tag_side_m(robot.link_length_m) if side is None else side
     _remember(session, side)
     tag_sheet(tag_cells(robot.links), side, robot.link_length_m, paper, out)
     say(f"wrote {out}: {robot.links} tags of {1e3 * side:g} mm; print at 100 %")
 
 
-@VIDEO_GROUP.command()
+@VIDEO_GROUP.command(cls=Command)
 @click.argument("file", type=PathType())
-@_ROBOT
+@TAGS
 @gait_options
 @option(
     "--recording", "The run's recording (.wire): its gait, and the board's time.", type=EXISTING
@@ -127,16 +128,20 @@ def tags(paper: str, out: Path, **given: Any) -> None:
 @CAPTURE_FPS
 @option("--track", "Write time, place, heading, joints.", type=out_file(".csv"))
 @option("--plot", "picture", "Draw what was measured.", type=out_file(*FIGURES))
+@settings(*SIZES, OFFSET)
 @AS_JSON
 def film(
     file: Path,
+    session: Path | None,
+    tag_mm: float | None,
+    settings: Given,
     recording: Path | None,
     way: str | None,
     capture_fps: float | None,
     track: Path | None,
     picture: Path | None,
     as_json: bool,
-    **given: Any,
+    **typed_gait: Any,
 ) -> None:
     """Measure a film: speed, path, turn, rate, and each joint's amplitude, centre and phase.
 
@@ -146,7 +151,6 @@ def film(
     from ..session.folder import read_session
     from ..video.measure_film import measure_film
 
-    session = given["session"]
     if way is not None:  # without a line of pushes it has no meaning
         if session is None:
             raise click.UsageError(
@@ -157,8 +161,8 @@ def film(
                 f"{session} is a session at a treadmill, without pushes: --way has no line to "
                 "follow; leave --way out, the film then counts as on level ground"
             )
-    robot, side = _robot(given)
-    typed = any(given[name] is not None for name in gait_options.names)
+    robot, side = _robot(session, tag_mm, settings)
+    typed = "offset_deg" in settings or any(value is not None for value in typed_gait.values())
     if recording is not None:
         from ..robot.recording.run_gait import recorded_gait
 
@@ -166,7 +170,7 @@ def film(
             raise click.UsageError("--recording has the gait; leave the gait's options out")
         gait: sn.Gait | None = recorded_gait(recording, robot.links - 1)
     else:
-        gait = make_gait(given) if typed else None
+        gait = make_gait(typed_gait, settings) if typed else None
     with film_progress(file, capture_fps) as tell:
         film = measure_film(
             file,

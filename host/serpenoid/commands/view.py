@@ -6,7 +6,6 @@ import itertools
 import shutil
 import webbrowser
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -14,21 +13,25 @@ import serpenoid as sn
 
 from .. import _core
 from ..show.screen import say
-from .declare import FOLDER, flag, option, out_file
-from .options import AS_JSON, describe, interruptible, make_robot, robot_options, show_json
+from .declare import FOLDER, Command, Given, flag, option, out_file, settings
+from .given import make_snake
+from .options import AS_JSON, FRICTION, ROBOT, describe, interruptible, robot_option, show_json
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("what", metavar="SCENE|RECORDING")
-@robot_options
+@robot_option
 @option(
     "--out",
     "Page to write; it needs no other file. view.html, or a free view-N.html.",
     type=out_file(".html"),
 )
 @flag("--open", "open_it", "Open the page in the browser.")
+@settings(*ROBOT, *FRICTION)
 @AS_JSON
-def view(what: str, out: Path | None, open_it: bool, as_json: bool, **given: Any) -> None:
+def view(
+    what: str, robot: str | None, out: Path | None, open_it: bool, settings: Given, as_json: bool
+) -> None:
     """Write a page in which the snake crawls: play, scrub, slow down; slip and sticking of wheels.
 
     WHAT is a scene file or a recording of `serpenoid drive --record`. Of a recording it shows how
@@ -48,7 +51,7 @@ def view(what: str, out: Path | None, open_it: bool, as_json: bool, **given: Any
         names = itertools.chain(["view.html"], (f"view-{k}.html" for k in itertools.count(2)))
         out = out_file(".html")(next(n for n in names if not Path(n).exists()))
     if what.endswith(".toml"):
-        if any(value is not None for value in given.values()):
+        if robot is not None or settings:
             raise click.UsageError(
                 "a scene file has its own robot and ground; leave the options out"
             )
@@ -57,12 +60,11 @@ def view(what: str, out: Path | None, open_it: bool, as_json: bool, **given: Any
         title, about = Path(what).stem.replace("_", " "), scene_words(scene).replace("\n", "; ")
         gait, shown = scene.gait, view_page.of_run(run)
     else:
-        fitted = given["session"] or given["ground_file"]
-        whose = f"{given['preset'] or 2005} robot and ground"
-        whose = f"robot and ground of {fitted}" if fitted else whose
-        robot, ground = make_robot(given)
+        snake = make_snake(robot, settings)
+        whose = f"robot and ground of {robot or 2005}{', changed' if settings else ''}"
         stream = load_stream(Path(what))
-        gait, shown = interruptible(lambda: view_page.of_recording(stream, robot, ground))
+        body = snake.robot, snake.ground
+        gait, shown = interruptible(lambda: view_page.of_recording(stream, *body))
         title = Path(what).name
         about = (
             f"{gait_title(gait)}; the path is predicted for the {whose} "
@@ -80,7 +82,7 @@ def view(what: str, out: Path | None, open_it: bool, as_json: bool, **given: Any
 BROUGHT = Path(_core.__file__).parent
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("folder", type=FOLDER)
 @AS_JSON
 def examples(folder: Path, as_json: bool) -> None:

@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import SupportsIndex
 
-from ..base.checks import POSITIVE, check_fields, check_whole
+from ..base.checks import POSITIVE, check_fields, check_number, check_whole
 
 MAX_LINKS = 100_000
 MAX_DENSITY_KG_M3 = 22_600  # osmium, the densest metal: no link outweighs a cube of it
@@ -65,10 +65,56 @@ class Robot:
         check_fields(self, {"link_inertia_kg_m2": POSITIVE})
         if self.link_mass_kg > MAX_DENSITY_KG_M3 * self.link_length_m**3:
             warnings.warn(
-                f"link_mass_kg is {self.link_mass_kg:g}, more than solid metal weighs in a link of "
-                f"{self.link_length_m:g} m; for grams take {self.link_mass_kg / 1000:g}",
+                f"a link of {self.link_length_m:g} m has {self.link_mass_kg:g} kg, more than solid "
+                "metal; was its mass given in grams?",
                 stacklevel=3,
             )
+
+    @classmethod
+    def whole_body(
+        cls,
+        links: int,
+        mass_kg: float,
+        link_length_m: float,
+        link_inertia_kg_m2: float | None = None,
+    ) -> Robot:
+        """Return a robot whose links share the whole robot's mass evenly.
+
+        Parameters
+        ----------
+        links
+            Number of links, 2 or more.
+        mass_kg
+            Mass of the whole robot, kg.
+        link_length_m
+            Length of one link, joint to joint, m.
+        link_inertia_kg_m2
+            Moment of inertia of one link about its centre, kg m^2; a uniform rod's unless given.
+
+        Returns
+        -------
+        Robot
+            The robot.
+
+        Raises
+        ------
+        BadInput
+            For values out of range.
+
+        Examples
+        --------
+        >>> robot = sn.Robot.whole_body(links=6, mass_kg=0.4536, link_length_m=0.076)
+        >>> round(robot.link_mass_kg, 4)
+        0.0756
+        """
+        low, high, open_low = POSITIVE
+        mass_kg = check_number("mass_kg", mass_kg, low, high, open_low=open_low)
+        return cls(links, mass_kg / check_links(links), link_length_m, link_inertia_kg_m2)
+
+    @property
+    def mass_kg(self) -> float:
+        """Return the mass of the whole robot, kg."""
+        return self.links * self.link_mass_kg
 
     @property
     def inertia_kg_m2(self) -> float:

@@ -95,8 +95,8 @@ def _formulations(c: Comparison, opened: Comparison) -> list[Claim]:
             "a step below 1 ms changes displacements and velocities by at most 0.1 %",
             f"a quarter of it changes them by {100 * finer:.1g} % at most, by RK4",
             _verdict([finer], 1e-3),
-            "simulate --robot paper --links 3 --alpha-deg 30 --beta-deg 90 --omega-rad-s 3 "
-            "--formulation implicit --method rk4 --dt-s 0.00025",
+            "simulate --robot paper --set links=3 --alpha-deg 30 --beta-deg 90 --omega-rad-s 3 "
+            "--formulation implicit --method rk4 --set dt_s=0.00025",
         ),
         Claim(
             "Figs. 6, 7",
@@ -231,7 +231,7 @@ def _experiment(bands: Sequence[tuple[float, float, float]]) -> list[Claim]:
             + " Hz, and the power falls by "
             f"{-100 * max(p for *_, p in free):.0f} to {-100 * min(p for *_, p in free):.0f} %",
             _verdict([max(abs(v), abs(p)) for _, v, p in free], 0.05),
-            f"{command} 1 --ft0 0",
+            f"{command} 1 --set ft0=0",
         ),
     ]
 

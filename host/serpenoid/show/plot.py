@@ -283,11 +283,9 @@ def _both(value: float | tuple[float, float]) -> str:
 
 
 def robot_words(robot: Robot, ground: Ground) -> str:
-    """Return robot and ground for a title."""
-    friction = f"ct {_both(ground.ct)}, cn {ground.cn:.3g} N s/m"
+    """Return the whole robot and its friction for a title."""
+    whole = ground.scaled(*4 * [robot.links])
+    friction = f"ct {_both(whole.ct)}, cn {whole.cn:.3g} N s/m"
     if ground.dry:
-        friction += f", ft0 {_both(ground.ft0)}, fn0 {ground.fn0:.3g} N"
-    return (
-        f"{robot.links} links of {robot.link_mass_kg:g} kg, {robot.link_length_m:g} m; "
-        f"{friction} a link"
-    )
+        friction += f", ft0 {_both(whole.ft0)}, fn0 {whole.fn0:.3g} N"
+    return f"{robot.links} links of {robot.link_length_m:g} m, {robot.mass_kg:.4g} kg; {friction}"

@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
 from ..base import rows
 from .screen import screen
 
@@ -15,7 +13,6 @@ if TYPE_CHECKING:
     from ..base.rows import Result
     from ..calibration.friction_result import FrictionFit
 
-VERBOSE = "serpenoid.verbose"  # of click's context: whether details are wanted
 console = screen(width=None if screen().is_terminal else 100, highlight=False)
 notices = screen(stderr=True, soft_wrap=True, highlight=False)  # what is no answer
 
@@ -32,15 +29,13 @@ def table(
     console.print(rows.table(title, heads, cells, text_columns))
 
 
-def show(*results: Result, answer: str | None = None) -> None:
+def show(*results: Result, answer: str | None = None, verbose: bool = False) -> None:
     """Print what a builder asks, then the rows of results as one table.
 
-    answer: the sentence, that of the first result unless given. Errors, margins and other powers
-    come with --verbose.
+    answer: the sentence, that of the first result unless given. verbose: errors, margins and other
+    powers, too.
     """
     console.print(results[0].in_words() if answer is None else answer)
-    context = click.get_current_context(silent=True)
-    verbose = context is None or context.meta.get(VERBOSE, False)
     heads, cells = zip(*(result.table(verbose) for result in results), strict=True)
     if any(cells):
         table("", max(heads, key=len), [row for part in cells for row in part])

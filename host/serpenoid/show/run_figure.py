@@ -56,7 +56,7 @@ def scene_words(scene: Scene) -> str:
     robot = scene.robot
     start = scene.start if isinstance(scene.start, str) else "a given state"
     parts = [
-        f"{robot.links} links of {robot.link_mass_kg:g} kg, {robot.link_length_m:g} m",
+        f"{robot.links} links of {robot.link_length_m:g} m, {robot.mass_kg:.4g} kg",
         gait_title(scene.gait),
     ]
     if scene.incline_rad:

@@ -43,8 +43,9 @@ def run_summary(run: Run, errors: bool = True) -> dict[str, Any]:
     return summary
 
 
-def show_run(run: Run, summary: dict[str, Any]) -> None:
-    """Print what a run in time came to; its errors are those of the summary."""
-    show(run, *([] if summary["error_estimate"] is None else [run.error_estimate]))
+def show_run(run: Run, summary: dict[str, Any], verbose: bool) -> None:
+    """Print what a run in time came to, after its warnings; its errors are those of the summary."""
     for warning in summary["warnings"]:
         notices.print(f"warning: {warning}")
+    errors = [] if summary["error_estimate"] is None else [run.error_estimate]
+    show(run, *errors, verbose=verbose)

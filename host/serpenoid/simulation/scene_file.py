@@ -6,6 +6,8 @@ import dataclasses
 import math
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -21,12 +23,29 @@ from ..model.robot import Robot
 from .scene import Scene
 
 T = TypeVar("T")
-FORMAT = 1
+FORMAT = 2
 _HEAD = """\
 # A scene of serpenoid: SI units and radians (an angle may be typed in degrees, alpha_deg = 70);
-# links and joints count from the tail; friction is per link.
+# links and joints count from the tail; mass and friction are those of the whole robot.
 """
-_PARTS = {"robot": Robot, "ground": Ground, "gait": Gait, "servo": Servo}
+
+
+@dataclass(frozen=True)
+class _WholeRobot:
+    """The table [robot]: arguments of Robot.whole_body."""
+
+    links: int
+    mass_kg: float
+    link_length_m: float
+    link_inertia_kg_m2: float | None = None
+
+    @classmethod
+    def of(cls, robot: Robot) -> _WholeRobot:
+        """Return the table of a robot."""
+        return cls(robot.links, robot.mass_kg, robot.link_length_m, robot.link_inertia_kg_m2)
+
+
+_PARTS = {"robot": _WholeRobot, "ground": Ground, "gait": Gait, "servo": Servo}
 # Where a file's key is not the field's name: its unit is spelt out.
 _KEYS = {"ct": "ct_n_s_m", "cn": "cn_n_s_m", "ft0": "ft0_n", "fn0": "fn0_n", "locked": "locked_rad"}
 # Settings of older files: what to do about a file in which one is not 0.
@@ -42,12 +61,14 @@ _REMOVED = {
 def load_scene(path: str | Path) -> Scene:
     """Read a scene from a TOML file.
 
-    At the top stand `format = 1` and those numbers, words and lists of a Scene that differ from
-    their defaults. The tables [robot], [ground] and [gait] are required; ct, cn, ft0 and fn0 are
-    written ct_n_s_m, cn_n_s_m, ft0_n and fn0_n. [servo] goes with drive = "servo". [torque] goes
-    with drive = "torque" and has torque_nm: constants, or one row for each time of t_s.
-    [locked_rad] has the angle of each locked joint by its number. `start` is a word, or a table of
-    the six lists of a LinkState. Any angle may be in degrees: alpha_deg instead of alpha_rad.
+    At the top stand `format = 2` and those numbers, words and lists of a Scene that differ from
+    their defaults. The tables [robot], [ground] and [gait] are required. [robot] has links, the
+    whole robot's mass_kg, link_length_m, and link_inertia_kg_m2 unless links are uniform rods;
+    [ground] has the whole snake's ct_n_s_m, cn_n_s_m, ft0_n and fn0_n. [servo] goes with
+    drive = "servo". [torque] goes with drive = "torque" and has torque_nm: constants, or one row
+    for each time of t_s. [locked_rad] has the angle of each locked joint by its number. `start` is
+    a word, or a table of the six lists of a LinkState. Any angle may be in degrees: alpha_deg
+    instead of alpha_rad.
 
     Parameters
     ----------
@@ -76,11 +97,19 @@ def load_scene(path: str | Path) -> Scene:
     """
     top = Table.load(Path(path))
     top.check_format(FORMAT)
+    if top.values["format"] < FORMAT:
+        raise BadInput(
+            f"{top.where('format')}: format is {top.values['format']}, whose mass and friction are "
+            f"those of one link; write format = {FORMAT}, mass_kg of the whole robot in place of "
+            "link_mass_kg, and in [ground] the whole snake's friction: each number times the links"
+        )
     return _made(top, "")
 
 
 def save_scene(scene: Scene, path: str | Path) -> None:
-    """Write a scene to a TOML file, exactly: `load_scene` returns the same numbers.
+    """Write a scene to a TOML file: `load_scene` returns the same numbers.
+
+    Mass and friction, which a file has of the whole robot, may differ in their last digit.
 
     Parameters
     ----------
@@ -118,6 +147,8 @@ def scene_values(scene: Scene) -> dict[str, Any]:
             "into a TorqueTable"
         )
     fields = {f.name: getattr(scene, f.name) for f in dataclasses.fields(scene)}
+    fields["robot"] = _WholeRobot.of(scene.robot)
+    fields["ground"] = scene.ground.scaled(*4 * [scene.robot.links])
     if fields["torque"] is not None and not isinstance(scene.torque, TorqueTable):
         fields["torque"] = {"torque_nm": scene.torque}
     plain = {_KEYS.get(name, name): _plain(value) for name, value in fields.items()}
@@ -183,16 +214,26 @@ def _home(key: str) -> str | None:
     return next(homes, None)
 
 
-def _made(table: Table, section: str) -> Any:
-    """Make Scene ("") or one of its parts of its table.
+def _made(table: Table, section: str, links: int = 0) -> Any:
+    """Make Scene ("") or one of its parts of its table; links: those of the robot, for the ground.
 
     A BadInput begins with file and line: of the first field that its text names.
     """
     table = table.without_removed(_REMOVED.get(section, {}))
     present = _present(table, section)
-    values = {name: _value(table, name, key) for name, key in present.items()}
+    values: dict[str, Any] = {}
+    for name, key in present.items():  # the robot is the first of a scene
+        robot = values.get("robot")
+        values[name] = _value(table, name, key, robot.links if robot else 0)
+    makers = {
+        "": Scene,
+        "robot": Robot.whole_body,
+        "ground": partial(Ground.whole_body, links),
+        "gait": Gait,
+        "servo": Servo,
+    }
     try:
-        return _PARTS.get(section, Scene)(**values)
+        return makers[section](**values)
     except BadInput as error:
         named = [present[word] for word in re.findall(r"\w+", str(error)) if word in present]
         where = table.where(named[0]) if named else table.heading
@@ -201,10 +242,10 @@ def _made(table: Table, section: str) -> Any:
         raise BadInput(f"{where}: {error}{typed}") from error
 
 
-def _value(top: Table, name: str, key: str) -> Any:
+def _value(top: Table, name: str, key: str, links: int) -> Any:
     """Read one field of Scene or of a part."""
     if name in _PARTS:
-        return _made(top.table(key), name)
+        return _made(top.table(key), name, links)
     if name == "torque":
         return _torque(top.table(key))
     if name == "start" and isinstance(top.values[key], dict):

@@ -112,7 +112,7 @@ def _other_numbers_words(w: Watched, _: float = 0.0) -> str:
     numbers = _other_numbers(w)
     return (
         f"shows tags {_numbers(numbers)}, but the robot has {w.sightings.links} links: "
-        f"another robot? If it is this one, give --links {max(numbers) + 1}"
+        f"another robot? If it is this one, give --set links={max(numbers) + 1}"
     )
 
 
@@ -281,8 +281,9 @@ def _scale_words(v: View, off: float) -> str:
     return (
         f"beside links of {1e3 * v.camera.link_m:.1f} mm the tags are "
         f"{1e3 * v.camera.side_m:.1f} mm wide, not {1e3 * v.side_m:.1f} mm: either the links "
-        "have another length or the print another scale; measure both, and give --length-m or "
-        f"--tag-mm. Until then σ of all lengths and speeds holds these {off:.1%}{limit}"
+        "have another length or the print another scale; measure both, and give --set "
+        "link_length_m=... or --tag-mm. Until then σ of all lengths and speeds holds these "
+        f"{off:.1%}{limit}"
     )
 
 

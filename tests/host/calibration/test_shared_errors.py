@@ -127,7 +127,7 @@ def test_every_prediction_notes_what_was_not_measured(tmp_path):
         "sweep --alpha-deg 70 --beta-deg 75 --omega-rad-s 3",
         "optimize --speed-m-s 0.05 --servo ideal",
     ):
-        done = serpenoid(f"{typed} --session {folder} --json")
+        done = serpenoid(f"{typed} --robot {folder} --json")
         weight, zero, belt = json.loads(done.stdout)["fit_notes"]
         assert weight.startswith("The robot was not weighed")
         assert "0 ± 0.5 degrees are assumed, which is ± 0.039 N of ft0" in zero

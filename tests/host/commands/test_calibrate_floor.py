@@ -79,7 +79,7 @@ def test_advice_and_report_of_a_floor(tmp_path):
     create_session(folder, replace(floor_setup(CASES[0]), source="the lab"))
     with Journal(folder) as journal:
         take_all(journal, person)
-    advice = answer(f"advise {folder} --gait 70 75 0.5 --samples 16")
+    advice = answer(f"advise {folder} --gait 70 75 0.5 --set samples=16")
     best = advice["readings"][0]
     assert best["kind"] == "push"
     assert best["band"] < advice["band"]

@@ -92,7 +92,7 @@ main()
 
 
 def test_ctrl_c_stops_a_long_run_at_once() -> None:
-    args = f"simulate {GAIT} --robot paper --duration-s 1e7 --record-every 1000".split()
+    args = f"simulate {GAIT} --robot paper --duration-s 1e7 --set record_every=1000".split()
     run = subprocess.Popen(
         [sys.executable, "-c", TELLING, *args],
         stdout=subprocess.PIPE,
@@ -114,29 +114,29 @@ def test_ctrl_c_stops_a_long_run_at_once() -> None:
 @pytest.mark.parametrize(
     ("line", "status", "said"),
     [
-        (f"steady {GAIT} --links 1", 2, "links is 1"),
-        (f"steady {SHAPE} --omega-rad-s nan", 2, "--omega-rad-s is nan"),
-        (f"steady {SHAPE} --omega-rad-s 0", 2, "--omega-rad-s is 0.0"),
-        (f"steady {SHAPE}", 2, "give one of --omega-rad-s and --frequency-hz"),
+        (f"steady {GAIT} --set links=1", 2, "links is 1"),
+        (f"steady {SHAPE} --omega-rad-s nan", 2, "omega_rad_s is nan"),
+        (f"steady {SHAPE} --omega-rad-s 0", 2, "omega_rad_s is 0.0"),
+        (f"steady {SHAPE}", 2, "give one of --frequency-hz and --omega-rad-s"),
         (f"steady {GAIT} --alhpa-deg 3", 2, "No such option"),
-        (f"steady {GAIT} --ct 0 --cn 0 --ft0 0 --fn0 0", 2, "no friction"),
+        (f"steady {GAIT} --set ct=0 --set cn=0 --set ft0=0 --set fn0=0", 2, "no friction"),
         ("sweep", 2, "give --out"),
-        (f"simulate {GAIT} --record-every 0", 2, "--record-every is 0"),
-        (f"simulate {GAIT} --dt-s -1", 2, "--dt-s is -1.0"),
-        ("steady --alpha-deg 70 --beta-deg inf --omega-rad-s 5", 2, "--beta-deg is inf"),
+        (f"simulate {GAIT} --set record_every=0", 2, "record_every is 0"),
+        (f"simulate {GAIT} --set dt_s=-1", 2, "dt_s is -1.0"),
+        ("steady --alpha-deg 70 --beta-deg inf --omega-rad-s 5", 2, "beta_deg is inf"),
         ("optimize --speed-m-s 0", 2, "--speed-m-s is 0.0"),
         ("optimize --speed-m-s 0.1,nan", 2, "--speed-m-s is nan"),
         ("fit no-such-folder", 2, "no-such-folder"),
         ("report no-such-folder", 2, "calibrate new no-such-folder"),
         ("view no-such-file", 2, "a recording of `serpenoid drive --record`"),
-        ("sweep --json --alpha-deg -3", 2, "--alpha-deg is -3.0; it must be a finite"),
+        ("sweep --json --alpha-deg -3", 2, "alpha_deg is -3.0; it must be a finite"),
         (f"steady {SHAPE} --frequency-hz -1", 2, "--frequency-hz is -1.0"),
-        ("steady --alpha-deg 1,5", 2, "decimals take a point: 1.5; see `"),
-        ("steady --links 2.5", 2, "'2.5' is no whole number; type one such as 6"),
-        (f"steady {GAIT} --ground {300 * 'x'}", 1, "take a shorter name"),
-        ("video tags --tag-mm nan", 2, "'--tag-mm': nan is not a number"),
-        ("video tags --links 0", 2, "--links is 0"),
-        ("video tags --length-m -1", 2, "--length-m is -1.0"),
+        ("steady --alpha-deg 1,5", 2, "with a decimal point"),
+        ("steady --set links=2.5", 2, "links is 2.5; it must be a whole number"),
+        (f"steady {GAIT} --robot {300 * 'x'}.json", 1, "take a shorter name"),
+        ("video tags --tag-mm nan", 2, "--tag-mm is nan"),
+        ("video tags --set links=0", 2, "links is 0"),
+        ("video tags --set link_length_m=-1", 2, "link_length_m is -1.0"),
         ("nonsense", 2, "No such command"),
     ],
 )
@@ -148,17 +148,47 @@ def test_refusals(line: str, status: int, said: str) -> None:
     assert done.stderr.count("\n") == 1  # one line, without a traceback
 
 
-def test_no_range_of_an_option_takes_nan() -> None:
-    def options(command: click.Command) -> Iterator[click.Parameter]:
-        yield from command.params
-        for inner in getattr(command, "commands", {}).values():
-            yield from options(inner)
+def every_option(command: click.Command = cli) -> Iterator[click.Parameter]:
+    yield from command.params
+    for inner in getattr(command, "commands", {}).values():
+        yield from every_option(inner)
 
-    ranges = [option for option in options(cli) if isinstance(option.type, click.FloatRange)]
-    assert len(ranges) > 5
-    for option in ranges:
-        with pytest.raises(click.BadParameter, match="nan is not a number"):
-            option.type.convert("nan", option, None)
+
+def test_there_are_few_options_and_names_to_set() -> None:
+    options = [p for p in every_option() if isinstance(p, click.Option)]
+    options = [p for p in options if p.name not in ("as_json", "version")]
+    assert len(options) <= 150
+    names = {name for p in options for name in getattr(p.type, "known", ())}
+    assert 30 < len(names) <= 60
+
+
+def test_names_to_set_are_listed_with_their_limits() -> None:
+    told = " ".join(serpenoid("steady --set help", check=True).stdout.split())
+    assert "mass_kg mass of the whole robot, as it crawls; kg; more than 0; default: 0.4536" in told
+    assert "did you mean 'mass_kg'" in serpenoid(f"steady {GAIT} --set mas_kg=1").stderr
+    assert "not of the form NAME=VALUE" in serpenoid(f"steady {GAIT} --set mass_kg").stderr
+
+
+def test_mass_and_friction_are_the_whole_robots() -> None:
+    """The numbers that README and `fit` print give the answer of the robot that they are of."""
+    whole = "mass_kg=0.4536 link_length_m=0.076 ct=0.084 cn=1.2 ft0=0.14 fn0=0.27"
+    typed = " ".join(f"--set {one}" for one in whole.split())
+    pasted = answer(f"steady {GAIT} {IDEAL} --robot paper {typed}")
+    of_2005 = answer(f"steady {GAIT} {IDEAL}")
+    for name in ("speed_m_s", "power_w"):
+        assert pasted[name] == pytest.approx(of_2005[name], rel=1e-9)
+
+
+def test_more_links_are_more_of_the_same() -> None:
+    more = answer(f"simulate {GAIT} --set links=8 --duration-s 0")["scene"]
+    assert more["robot"]["mass_kg"] == pytest.approx(8 * 0.0756)
+    assert more["ground"]["cn_n_s_m"] == pytest.approx(8 * 0.2)
+
+
+def test_help_has_a_part_for_researchers() -> None:
+    builders, _, researchers = serpenoid("steady --help").stdout.partition("For researchers:")
+    assert "--servo" in builders
+    assert "--formulation" in researchers
 
 
 def test_a_terminal_without_our_letters_gets_question_marks() -> None:

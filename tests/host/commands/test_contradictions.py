@@ -11,7 +11,6 @@ from command_line import answer, serpenoid
 from robots import NIRAKH_2005
 from serpenoid import BadInput
 from serpenoid.commands.main import cli
-from serpenoid.commands.options import as_typed
 
 SHAPE = "--alpha-deg 30 --beta-deg 80"
 GAIT = f"{SHAPE} --omega-rad-s 5"
@@ -29,11 +28,11 @@ def warned(line: str) -> str:
     return serpenoid(line, check=True).stderr
 
 
-@pytest.mark.parametrize("option", ["--stiffness-n-m", "--damping-n-s-m"])
-def test_springs_of_pinned_joints(option: str) -> None:
-    assert "no effect" in refusal(f"steady {GAIT} {option} 5")
-    refused = refusal(f"steady {GAIT} --formulation implicit {option} nan")
-    assert refused.startswith(f"{option} is nan")
+def test_springs_of_pinned_joints() -> None:
+    spring = "--set joint_stiffness_n_m"
+    assert "joint_stiffness_n_m have no effect" in refusal(f"steady {GAIT} {spring}=5")
+    refused = refusal(f"steady {GAIT} --formulation implicit {spring}=nan")
+    assert refused.startswith("joint_stiffness_n_m is nan")
 
 
 @pytest.mark.parametrize(
@@ -67,26 +66,9 @@ def test_a_scheduler_without_port(tmp_path: Path) -> None:
     assert "must be an address with a port" in told
 
 
-@pytest.mark.parametrize(
-    ("typed", "meant"),
-    [
-        ("--alpha-deg 0.52 --beta-deg 1.4 --omega-rad-s 5", "29.79 and 80.21"),
-        (f"{SHAPE} --omega-rad-s 286.5", "type 5"),
-        (f"{GAIT} --length-m 76", "If mm were meant, type 0.076"),
-        (f"{GAIT} --mass-kg 75.6", "If g were meant, type 0.0756"),
-    ],
-)
-def test_another_unit_is_doubted(typed: str, meant: str) -> None:
-    assert meant in warned(f"steady --ft0 0 --fn0 0 --servo ideal {typed}")
-
-
-def test_nothing_is_doubted_of_the_presets() -> None:
-    assert "were meant" not in warned(f"steady --robot paper {GAIT} --servo ideal")
-
-
 def test_an_accuracy_that_springs_do_not_reach_is_told() -> None:
     """Dry ground by time steps: its error is that of the steps, whatever was asked for."""
-    assert "not to the --rtol of 1e-06" in warned(f"steady {GAIT} --formulation implicit")
+    assert "not to the rtol of 1e-06" in warned(f"steady {GAIT} --formulation implicit")
 
 
 def test_degrees_come_back_as_typed() -> None:
@@ -94,27 +76,14 @@ def test_degrees_come_back_as_typed() -> None:
     assert got["gait"]["alpha_deg"] == 30.0
 
 
-def test_arguments_in_a_message_keep_their_names() -> None:
-    options = {"omega_rad_s": "--omega-rad-s"}
-    told = as_typed("no state for Gait(omega_rad_s=1.0): omega_rad_s is 1", options)
-    assert told == "no state for Gait(omega_rad_s=1.0): --omega-rad-s is 1"
-
-
 @pytest.mark.parametrize("command", ["compare", "advise"])
 @pytest.mark.parametrize(
     ("gait", "told"),
     [
-        ("270 75 1", "--gait ALPHA_DEG is 270.0; it must be a finite number, at least 0"),
-        ("70 nan 1", "--gait BETA_DEG is nan"),
-        ("70 75 -1", "--gait HZ is -1.0"),
+        ("270 75 1", "alpha_deg is 270.0; it must be a finite number, at least 0"),
+        ("70 nan 1", "beta_deg is nan"),
+        ("70 75 -1", "hertz is -1.0"),
     ],
 )
 def test_listed_gaits(command: str, gait: str, told: str) -> None:
     assert told in refusal(f"{command} {NIRAKH_2005} --gait {gait}")
-
-
-def test_a_mass_in_grams_is_doubted_when_it_is_amended(tmp_path: Path) -> None:
-    folder = tmp_path / "mine"
-    serpenoid(f"calibrate new --defaults {folder}", check=True)
-    told = warned(f"calibrate amend {folder} robot.mass_kg=480")
-    assert "the mass-kg now: 80 kg for one link" in told

@@ -29,9 +29,9 @@ def test_optimum_with_its_error_and_margins() -> None:
 
 
 def test_limits_in_degrees_are_kept_and_told() -> None:
-    limited = serpenoid(f"{OPTIMIZE} 0.5 --servo-speed-deg-s 229 --servo ideal", check=True)
+    limited = serpenoid(f"{OPTIMIZE} 0.5 --set servo_speed_deg_s=229 --servo ideal", check=True)
     assert "servo speed" in limited.stdout
-    refused = serpenoid(f"{OPTIMIZE} 9 --omega-high-rad-s 6").stderr
+    refused = serpenoid(f"{OPTIMIZE} 9 --set omega_high_rad_s=6").stderr
     assert "the fastest found makes 0.46" in refused
 
 
@@ -107,10 +107,10 @@ def test_a_speed_without_sense_is_refused_at_once(speed: str) -> None:
 @pytest.mark.parametrize(
     ("limits", "told"),
     [
-        ("--links 2", "no gait travels at all"),
-        ("--joint-angle-deg 1.2 --omega-high-rad-s 20", "(joint angle 1.2 deg"),
-        ("--servo-torque-nm 1e-5", "more torque"),
-        ("--servo-speed-deg-s 10", "servo speed 10 deg/s"),
+        ("--set links=2", "no gait travels at all"),
+        ("--set joint_angle_deg=1.2 --set omega_high_rad_s=20", "(joint angle 1.2 deg"),
+        ("--set servo_torque_nm=1e-5", "more torque"),
+        ("--set servo_speed_deg_s=10", "servo speed 10 deg/s"),
     ],
 )
 def test_why_there_is_no_gait(limits: str, told: str) -> None:
@@ -151,8 +151,8 @@ def test_the_whole_study(tmp_path: Path) -> None:
     [
         ("--port virtual", "--port is for --send"),
         ("--duration-s 3", "--duration-s is for --send"),
-        ("--joint-angle-deg 300", "--joint-angle-deg is 300.0; it must be"),
-        ("--servo-speed-deg-s -3", "--servo-speed-deg-s is -3.0; it must be"),
+        ("--set joint_angle_deg=300", "joint_angle_deg is 300.0; it must be"),
+        ("--set servo_speed_deg_s=-3", "servo_speed_rad_s is -0.05"),
     ],
 )
 def test_options_that_would_do_nothing_or_make_no_sense(words: str, told: str) -> None:
@@ -161,13 +161,13 @@ def test_options_that_would_do_nothing_or_make_no_sense(words: str, told: str) -
 
 def test_springs_have_no_servos() -> None:
     gait = "--alpha-deg 70 --beta-deg 75 --frequency-hz 0.5"
-    told = serpenoid(f"steady {gait} --formulation implicit --volts 5").stderr
-    assert "--volts and --frame-ms have no effect on --formulation implicit" in told
+    told = serpenoid(f"steady {gait} --formulation implicit --set volts=5").stderr
+    assert "volts and frame_ms have no effect on --formulation implicit" in told
 
 
 def test_a_speed_that_no_servo_makes_is_warned_of() -> None:
-    viscous = "optimize --ft0 0 --fn0 0 --servo ideal --speed"
-    fast = serpenoid(f"{viscous} 10 --servo-speed-deg-s inf", check=True)
+    viscous = "optimize --set ft0=0 --set fn0=0 --servo ideal --speed"
+    fast = serpenoid(f"{viscous} 10 --set servo_speed_deg_s=inf", check=True)
     assert "Too fast for a typical hobby servo" in fast.stderr
     # a board refuses such a gait
     assert "servo speed 500 deg/s" in serpenoid(f"{viscous} 10").stderr
@@ -181,6 +181,6 @@ def test_a_stale_fit_is_told_once(tmp_path: Path) -> None:
     fit = sn.save_fit(sn.fit_friction(sn.load_session(tmp_path)), tmp_path)
     with (tmp_path / "events.csv").open("a") as file:
         file.write(",void,11,slipped\n")
-    line = f"optimize --ground {fit} --ft0 0 --fn0 0 --speed 0.1 --servo ideal"
+    line = f"optimize --robot {fit} --set ft0=0 --set fn0=0 --speed 0.1 --servo ideal"
     done = serpenoid(line, check=True)
     assert done.stderr.count("is older than the readings") == 1

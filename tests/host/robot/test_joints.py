@@ -69,7 +69,7 @@ def test_drive_and_view_take_the_boards_joints(tmp_path):
     assert told["missed_frames"] == 0
     status, _, errors = serpenoid(f"view {run} --out {page}")
     assert (status, "of a robot of 9" in errors) == (2, True)
-    serpenoid(f"view {run} --links 9 --out {page}", check=True)
+    serpenoid(f"view {run} --set links=9 --out {page}", check=True)
     data = page.read_text().partition('type="application/json">')[2].partition("</script")[0]
     assert len(json.loads(data)["joint_deg"][0]) == 8
 

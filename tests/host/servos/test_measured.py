@@ -142,7 +142,7 @@ def test_the_tables_own_scatter_is_its_noise() -> None:
 def test_the_command_writes_a_file_that_others_take(tmp_path: Path) -> None:
     test = tables_of([Hidden(replace(HIDDEN, update_hz=0.0))], 8)[0]
     table, out = written(test, tmp_path / "joint.csv"), tmp_path / "mine.toml"
-    told = serpenoid(f"servo --test {table} --sigma-deg 0.4 --out {out}", check=True).stdout
+    told = serpenoid(f"servo --test {table} --set sigma_deg=0.4 --out {out}", check=True).stdout
     assert told.startswith("The model of a servo describes the table (p ")
     assert "Without load the servo turns at about " in told
     assert "Open: " in told
@@ -156,7 +156,7 @@ def test_a_remark_goes_with_every_band(tmp_path: Path) -> None:
     test = tables_of([Hidden(replace(HIDDEN, update_hz=0.0))], 9)[0]
     wall = replace(test, angle_rad=np.minimum(test.angle_rad, 0.35))
     table, out = written(wall, tmp_path / "wall.csv"), tmp_path / "wall.toml"
-    typed = f"servo --test {table} --sigma-deg 0.4 --out {out}"
+    typed = f"servo --test {table} --set sigma_deg=0.4 --out {out}"
     failed = serpenoid(typed)
     assert failed.returncode == 1
     assert failed.stdout.startswith("The model of a servo does NOT describe the table")
@@ -200,8 +200,8 @@ def test_a_table_that_is_no_test_is_refused(tmp_path: Path, text: str, says: str
 
 def test_options_that_would_do_nothing_are_refused(tmp_path: Path) -> None:
     table = written(tables_of([Hidden(HIDDEN)], 1)[0], tmp_path / "joint.csv")
-    assert "--sigma-deg is -1" in serpenoid(f"servo --sigma-deg -1 --test {table}").stderr
-    assert "give --load KG M" in serpenoid(f"servo --test {table} --down-deg 90").stderr
-    upright = f"servo --test {table} --load 0.1 0.1 --axis upright --down-deg 90"
-    assert "--down-deg is for a load that hangs" in serpenoid(upright).stderr
+    assert "sigma_deg is -1" in serpenoid(f"servo --set sigma_deg=-1 --test {table}").stderr
+    assert "give --load KG M" in serpenoid(f"servo --test {table} --set down_deg=90").stderr
+    upright = f"servo --test {table} --load 0.1 0.1 --set axis=upright --set down_deg=90"
+    assert "down_deg is for a load that hangs" in serpenoid(upright).stderr
     assert serpenoid("servo").returncode == 2

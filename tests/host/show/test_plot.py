@@ -68,4 +68,4 @@ def test_servos_that_cannot_follow_have_no_curve(tmp_path, drawn) -> None:
 def test_a_ratchet_is_named_both_ways(run) -> None:
     ground = sn.Ground((0.014, 0.05), 0.2, (0.02, 0.06), 0.045)
     words = plot.robot_words(run.scene.robot, ground)
-    assert "ct 0.014/0.05, cn 0.2 N s/m, ft0 0.02/0.06, fn0 0.045 N" in words
+    assert "ct 0.084/0.3, cn 1.2 N s/m, ft0 0.12/0.36, fn0 0.27 N" in words

@@ -66,7 +66,7 @@ def test_no_file_commands_the_terminal(tmp_path: Path) -> None:
     del given["sha256"]
     fit.write_text(json.dumps(given | {"sha256": fit_file._hash(given)}))
     gait = "--alpha-deg 70 --beta-deg 75 --frequency-hz 0.5"
-    shown = on_a_terminal(f"steady {gait} --ground {fit} --servo ideal")
+    shown = on_a_terminal(f"steady {gait} --robot {fit} --servo ideal")
     assert b"an alarm" in shown
     assert not obeyed(shown)
 

@@ -1,4 +1,4 @@
-"""Scene files: what is written comes back to the last bit, and what is wrong is told where."""
+"""Scene files: what is written comes back to the last digit, and what is wrong is told where."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ GAIT = sn.Gait(0.1 + 0.2, math.radians(75), math.pi, -0.7)
 STATE = sn.LinkState.in_gait(ROBOT, GAIT, 0.0, [0.1, 0.2, 0.3], [1, 2, 3])
 TIMES = sn.TorqueTable([0, 1 / 3, 1], np.arange(9).reshape(3, 3) / 7)
 PLAIN = """\
-format = 1
+format = 2
 duration_s = 2
 [robot]
 links = 6
-link_mass_kg = 0.0756
+mass_kg = 0.4536
 link_length_m = 0.076
 [ground]
-ct_n_s_m = 0.014
-cn_n_s_m = 0.2
+ct_n_s_m = 0.084
+cn_n_s_m = 1.5
 [gait]
 alpha_rad = 1.2
 beta_rad = 1.3
@@ -104,7 +104,7 @@ def test_what_is_left_out_has_its_default(tmp_path) -> None:
     path = tmp_path / "scene.toml"
     path.write_text(PLAIN)
     scene = sn.load_scene(path)
-    assert scene == sn.Scene(OF_2005, sn.Ground(0.014, 0.2), sn.Gait(1.2, 1.3, 5.0), duration_s=2)
+    assert scene == sn.Scene(OF_2005, sn.Ground(0.014, 0.25), sn.Gait(1.2, 1.3, 5.0), duration_s=2)
 
 
 def test_a_setting_that_was_removed_is_passed_over_where_it_had_no_effect(tmp_path) -> None:
@@ -159,8 +159,9 @@ TORQUE = 'drive = "torque"\n' + PLAIN + "[torque]\n"
     ("text", "said"),
     [
         ("", ": the file is empty"),
-        (swap("format = 1", ""), ": the file has no format; it must begin with format = 1"),
-        (swap("format = 1", "format = 2"), ":1: format is 2; .* reads formats up to 1"),
+        (swap("format = 2", ""), ": the file has no format; it must begin with format = 2"),
+        (swap("format = 2", "format = 3"), ":1: format is 3; .* reads formats up to 2"),
+        (swap("format = 2", "format = 1"), ":1: format is 1, .* of one link; .* times the links"),
         (PLAIN + "[gait", ": not TOML"),
         ("x = " + "[" * 9000, ": not TOML"),
         (PLAIN[: PLAIN.index("[gait]")], r": there is no table \[gait\]"),
@@ -172,8 +173,8 @@ TORQUE = 'drive = "torque"\n' + PLAIN + "[torque]\n"
         (swap("alpha_rad = 1.2", "alpha_rad = 9" + 400 * "0"), ":11: alpha_rad is 90"),
         (swap("alpha_rad = 1.2", "alpha_rad = 1\nalpha_deg = 70"), ":12: alpha_rad is there too"),
         (swap("links = 6", "links = 1"), ":4: links is 1; .* from 2 to"),
-        (swap("ct_n_s_m = 0.014", "ct_n_s_m = -1"), ":8: ct is -1"),
-        (swap("ct_n_s_m = 0.014", "ct_n_s_m = [1, -2]"), ":8: ct backwards is -2"),
+        (swap("ct_n_s_m = 0.084", "ct_n_s_m = -1"), ":8: ct is -1"),
+        (swap("ct_n_s_m = 0.084", "ct_n_s_m = [1, -2]"), ":8: ct backwards is -2"),
         (swap("duration_s = 2", "duration_s = inf"), ":2: duration_s is inf"),
         (swap("duration_s = 2", "duration_s = 1e20"), ":2: duration_s 1e\\+20 at dt_s"),
         (swap("duration_s = 2", "record = 'joints'"), ":2: record is 'joints'; it must be a list"),

@@ -158,6 +158,6 @@ def test_a_voided_film_counts_for_nothing(of_2005) -> None:
 
 def test_steady_takes_the_joints_of_a_film(folder) -> None:
     typed = "steady --alpha-deg 50 --beta-deg 80 --omega-rad-s 3 --json --servo ideal"
-    plain, made = serpenoid(typed), serpenoid(f"{typed} --joints {folder}", check=True)
+    plain, made = serpenoid(typed), serpenoid(f"{typed} --set joints={folder}", check=True)
     assert "0.93" in made.stdout
     assert made.stdout != plain.stdout

@@ -7,38 +7,43 @@ from typing import Any
 
 import click
 
-from ..declare import Range, option, out_file
-from ..given import servo_as_filmed, take_fit
-from ..options import AS_JSON, fit_options, gait_options, make_gait, servo_option, take_servo
+from ..declare import Command, Given, Number, option, out_file, settings
+from ..given import make_snake, servo_remark, take_servo
+from ..options import AS_JSON, OFFSET, PLUG, gait_options, make_gait, robot_option, servo_option
 from .tools import PORT
 
 
-@click.command()
+@click.command(cls=Command)
+@robot_option
 @gait_options
-@fit_options
 @servo_option
-@option("--duration-s", "How long; until Ctrl-C unless given.", type=Range(0, min_open=True))
+@option("--duration-s", "How long; until Ctrl-C unless given.", type=Number(0, open_low=True))
 @PORT
 @option("--record", "New file for every line of the run.", type=out_file())
+@settings(OFFSET, *PLUG)
 @AS_JSON
 def drive(
+    robot: str | None,
+    servo: str | None,
     duration_s: float | None,
     port: str | None,
     record: Path | None,
+    settings: Given,
     as_json: bool,
-    **given: Any,
+    **typed_gait: Any,
 ) -> None:
     """Drive a gait and watch it; Ctrl-C stops the robot first. Lay it straight before.
 
-    With --session DIR or --ground FILE the speed that the fitted friction predicts stands beside,
-    with any hobby servo unless --servo says which.
+    With --robot SESSION the speed that the fitted friction predicts stands beside, with any hobby
+    servo unless --servo says which.
 
     Exit status 0 at the end of --duration-s, or at Ctrl-C where none was given; 130 at an earlier
     Ctrl-C.
     """
     from .driving import drive_gait
 
-    fit = take_fit(given)
-    servo = servo_as_filmed(take_servo("hobby"), fit)
-    gait, run = make_gait(given), {"duration_s": duration_s, "port": port, "record": record}
-    drive_gait(gait, as_json, fit, servo=servo, **run)
+    snake = make_snake(robot, {})
+    kind = take_servo(servo, settings, "hobby", snake)
+    gait, run = make_gait(typed_gait, settings), {"duration_s": duration_s, "port": port}
+    notes = snake.notes | servo_remark(kind)
+    drive_gait(gait, as_json, snake.fit, servo=kind, record=record, notes=notes, **run)

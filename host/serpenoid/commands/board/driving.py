@@ -32,13 +32,14 @@ def drive_gait(
     match: RobotMatch | None = None,
     before: dict[str, Any] | None = None,
     servo: sn.ServoKind | None = None,
+    notes: dict[str, Any] | None = None,
 ) -> None:
     """Drive a gait, show it, and sum it up, as the command `drive` says.
 
     fit: of this robot's friction, if there is one; servo: what moves its joints; match: the robot
     that the gait is for, that of the fit unless given. A board of other joints is refused. before:
     what a command that drives afterwards has found; with as_json all is one document, the run under
-    "drive".
+    "drive". notes: what JSON says beside.
     """
     band = None
     if fit is None and (too_fast := too_fast_text(gait, servo)):
@@ -59,7 +60,7 @@ def drive_gait(
             if band and servo and frame_ms != round(1e3 * servo.servo.frame_s, 3):
                 say(
                     f"note: this board sets its servos every {frame_ms:g} ms, and the prediction "
-                    f"is for {1e3 * servo.servo.frame_s:g} ms: give --frame-ms {frame_ms:g}",
+                    f"is for {1e3 * servo.servo.frame_s:g} ms: give --set frame_ms={frame_ms:g}",
                     err=True,
                 )
             told = {"gait": describe(run.gait), "frame_ms": frame_ms}
@@ -69,7 +70,7 @@ def drive_gait(
             if not as_json:
                 show_summary(summary, band)
         if as_json and values:
-            show_json(values)
+            show_json(values | (notes or {}))
     if interrupted and duration_s is not None:
         raise SystemExit(130)
 

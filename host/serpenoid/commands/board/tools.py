@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import click
 
 from ...show.screen import say
-from ..declare import FOLDER, Range, flag, option
+from ..declare import Command, Number, flag, option
 from ..options import AS_JSON, show_json
 
 PORT = option(
@@ -17,7 +15,7 @@ PORT = option(
 )
 
 
-@click.command()
+@click.command(cls=Command)
 @AS_JSON
 def ports(as_json: bool) -> None:
     """List the serial ports: which may be the robot, and whether this user may open them."""
@@ -35,12 +33,11 @@ def ports(as_json: bool) -> None:
         say(f"no board found by its USB id. {why_no_port()}", err=True)
 
 
-@click.command()
+@click.command(cls=Command)
 @option(
     "--board", "Needed where the USB id does not tell.", choice=["uno", "nano", "nano_old", "mega"]
 )
 @option("--port", "Serial port; found by its USB id unless given.")
-@option("--project", "Folder of platformio.ini; found from here unless given.", type=FOLDER)
 @option("--joints", "How many joints the robot has: its links less one.", default=5)
 @option(
     "--output",
@@ -52,7 +49,6 @@ def ports(as_json: bool) -> None:
 def flash(
     board: str | None,
     port: str | None,
-    project: Path | None,
     joints: int,
     output: str,
     as_json: bool,
@@ -71,7 +67,6 @@ def flash(
     hello = build_and_upload(
         board,
         port,
-        project,
         lambda text: say(text.replace("\r", "\n"), nl=False, err=True),
         joints=joints,
         output=output,
@@ -88,9 +83,9 @@ def flash(
 MARKS = {"ok": "ok  ", "note": "note", "fix": "FIX "}
 
 
-@click.command()
+@click.command(cls=Command)
 @PORT
-@option("--listen-s", "How long to listen to the board.", type=Range(0.2, 600), default=3.0)
+@option("--listen-s", "How long to listen to the board.", type=Number(0.2, 600), default=3.0)
 @flag("--limp", "Ask whether servos go limp when pulses end, and keep it on the board: it moves.")
 @AS_JSON
 def doctor(port: str | None, listen_s: float, limp: bool, as_json: bool) -> None:
@@ -121,7 +116,7 @@ def doctor(port: str | None, listen_s: float, limp: bool, as_json: bool) -> None
         say(f"kept on the board: {found}" if found else "not tried", err=True)
 
 
-@click.command()
+@click.command(cls=Command)
 @PORT
 @AS_JSON
 def trim(port: str | None, as_json: bool) -> None:
@@ -142,7 +137,7 @@ def trim(port: str | None, as_json: bool) -> None:
         show_json({"saved": not work.unsaved, "trims": [asdict(t) for t in work.trims]})
 
 
-@click.command()
+@click.command(cls=Command)
 @PORT
 @flag("--all", "everything", "Every telemetry line, not one a second.")
 def monitor(port: str | None, everything: bool) -> None:

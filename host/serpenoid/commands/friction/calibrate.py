@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from ...show.screen import say
-from ..declare import PathType, Range, flag, option, refuse_typed
+from ..declare import Command, Number, PathType, flag, option, refuse_typed
 from ..group import Commands
-from ..options import AS_JSON, doubt_robot, show_json
+from ..options import AS_JSON, show_json
 from .calibrate_new import new
 from .calibrate_push import push
 
@@ -42,7 +41,7 @@ calibrate.add_command(new)
 calibrate.add_command(push)
 
 
-@calibrate.command()
+@calibrate.command(cls=Command)
 @FOLDER
 @option(
     "--on",
@@ -58,7 +57,7 @@ calibrate.add_command(push)
 @option(
     "--patience-s",
     "With nobody answering for so long, the servos' pulses end.",
-    type=Range(1, 86400),
+    type=Number(1, 86400),
     default=300.0,
 )
 def take(
@@ -137,7 +136,7 @@ def _scripted(folder: Path, script: Path) -> None:
         say(f"{done} step(s) done; {count(journal.session)}")
 
 
-@calibrate.command()
+@calibrate.command(cls=Command)
 @FOLDER
 @click.argument("kind")
 @click.argument("cells", nargs=-1, metavar="NAME=VALUE...")
@@ -159,7 +158,7 @@ def add(
     say(f"reading {number} is kept" + (f"; reading {replaces} is not" if replaces else ""))
 
 
-@calibrate.command()
+@calibrate.command(cls=Command)
 @FOLDER
 @click.argument("number", type=int)
 @option("--reason", "Why it is not to be used.", default="")
@@ -171,7 +170,7 @@ def void(folder: Path, number: int, reason: str) -> None:
     say(f"reading {number} is void")
 
 
-@calibrate.command()
+@calibrate.command(cls=Command)
 @FOLDER
 @click.argument("changes", nargs=-1, required=True, metavar="TABLE.ENTRY=VALUE...")
 def amend(folder: Path, changes: tuple[str, ...]) -> None:
@@ -186,15 +185,13 @@ def amend(folder: Path, changes: tuple[str, ...]) -> None:
     with _journal(folder) as journal:
         for change in changes:
             journal.event("amend", detail=amendment(change))
-    robot = _session(folder).setup.robot
-    doubt_robot(asdict(robot), "the {} now")
     if all(change.startswith(("robot.", "laboratory.")) for change in changes):
         say("corrected, for all of the session")
     else:
         say("amended")
 
 
-@calibrate.command()
+@calibrate.command(cls=Command)
 @FOLDER
 @AS_JSON
 def status(folder: Path, as_json: bool) -> None:

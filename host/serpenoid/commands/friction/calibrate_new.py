@@ -11,7 +11,7 @@ import click
 
 from ...base.errors import BadInput
 from ...show.screen import say
-from ..declare import FOLDER, Given, PathType, flag, option
+from ..declare import FOLDER, Command, Given, PathType, flag, option
 
 if TYPE_CHECKING:
     from ...session.session import Setup
@@ -58,7 +58,7 @@ def question_of(name: str) -> Question:
     return next(question for question in QUESTIONS if question.field.column == name)
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("folder", type=FOLDER)
 @option(
     "--template",

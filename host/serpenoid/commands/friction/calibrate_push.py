@@ -7,17 +7,17 @@ from pathlib import Path
 import click
 
 from ...show.screen import say
-from ..declare import EXISTING, FOLDER, Range, number, option
+from ..declare import EXISTING, FOLDER, Command, Number, number, option
 from ..options import CAPTURE_FPS
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("folder", type=FOLDER)
 @click.argument("files", nargs=-1, required=True, type=EXISTING)
 @option(
     "--lambda-deg",
     "Bend of the robot, as the protractor showed it; 0 where straight.",
-    type=Range(0, 60),
+    type=Number(0, 60),
     default=0.0,
     show_default=True,
 )

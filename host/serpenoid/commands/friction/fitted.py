@@ -9,15 +9,34 @@ import click
 
 import serpenoid as sn
 
+from ...base.checks import NOT_NEGATIVE, Limits
 from ...show.screen import progress, say, working
-from ..declare import FIGURES, FOLDER, flag, number, option, out_file
-from ..given import session_fit
-from ..options import AS_JSON, AS_TABLES, listed_gaits, servo_option, show_json, take_servo, tell
+from ..declare import FIGURES, FOLDER, Command, Given, Setting, flag, option, out_file, settings
+from ..given import alarms_of, servo_remark, session_fit
+from ..options import (
+    AS_JSON,
+    AS_TABLES,
+    PLUG,
+    listed_gaits,
+    servo_option,
+    show_json,
+    tell,
+    typed_servo,
+)
 
 MANY = 300  # readings, whose fit may take a second or more
+SAMPLES = Setting(
+    "samples", "frictions drawn from the fit", limits=Limits(16, 4096), usual="64", whole=True
+)
+AMPLITUDE = Setting(
+    "amplitude_sigma",
+    "standard deviation of the joints' true over commanded amplitude",
+    limits=NOT_NEGATIVE,
+    usual="0.03",
+)
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("session", type=FOLDER)
 @option(
     "--method",
@@ -35,14 +54,18 @@ MANY = 300  # readings, whose fit may take a second or more
 )
 @flag("--influence", "List what every reading does to the fit.")
 @option("--save/--no-save", "Keep it as fit.json beside the readings (not if naive).", default=True)
+@settings(*PLUG)
 @AS_TABLES
 def fit(
     session: Path,
     method: str,
     crawls: bool,
+    servo: str | None,
     figure: Path | None,
     influence: bool,
     save: bool,
+    settings: Given,
+    verbose: bool,
     as_json: bool,
 ) -> None:
     """Fit friction to a session's readings: stations (Eqs. 58-62) and pushes.
@@ -50,7 +73,7 @@ def fit(
     Crawls stay out, since `compare` tests predictions by them. --crawls fits them, too: any hobby
     servo may have moved the joints unless --servo says which.
 
-    Prints the whole snake's friction and each link's; --session DIR gives it to any other command.
+    Prints the whole snake's friction and each link's; --robot DIR gives it to any other command.
     """
     from ...show import report
 
@@ -58,9 +81,9 @@ def fit(
     for note in loaded.notes:
         say(f"note: {note}", err=True)
     count = len(loaded.kept)
-    servo = take_servo("hobby") if crawls else None
+    kind = typed_servo(servo or "hobby", settings) if crawls else None
     with working(f"fitting {count} readings") if count > MANY or crawls else nullcontext():
-        fit = sn.fit_friction(loaded, method=method, crawls=crawls, servo=servo)
+        fit = sn.fit_friction(loaded, method=method, crawls=crawls, servo=kind)
     if figure is not None:
         from ...show.plot import friction_lines
         from ...show.session.floor_figure import push_figure
@@ -79,7 +102,7 @@ def fit(
     if as_json:
         show_json(fit.to_dict())
     else:
-        report.show(fit)
+        report.show(fit, verbose=verbose)
         say("\n".join(fit.remarks))
         if influence:
             report.influence(fit)
@@ -89,18 +112,20 @@ def fit(
         ) from not_kept
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("session", type=FOLDER)
 @listed_gaits
-@option("--samples", "Frictions drawn from the fit.", type=click.IntRange(16, 4096), default=64)
 @flag("--runs", "Count gait runs, too, which no friction fit uses.")
 @servo_option
+@settings(*PLUG, SAMPLES)
 @AS_TABLES
 def advise(
     session: Path,
     gaits: list[sn.Gait],
-    samples: int,
     runs: bool,
+    servo: str | None,
+    settings: Given,
+    verbose: bool,
     as_json: bool,
 ) -> None:
     """Tell which reading to take next: the one that shrinks the predicted speeds' band most.
@@ -108,31 +133,28 @@ def advise(
     The band is that of `compare`: any hobby servo may move the joints unless --servo says which.
     """
     loaded = sn.load_session(session)
-    session_fit(session)  # tells its alarms
+    notes = alarms_of(session_fit(session))  # which tells them, too
+    kind = typed_servo(servo or "hobby", settings)
+    how = {"samples": settings.get("samples", 64), "runs": runs, "servo": kind}
     with progress(len(gaits) or len(loaded.setup.procedure.gaits), "gaits") as advance:
-        servo = take_servo("hobby")
-        advice = sn.advise(loaded, gaits, samples=samples, runs=runs, servo=servo, progress=advance)
-    tell(advice, as_json)
+        advice = sn.advise(loaded, gaits, **how, progress=advance)
+    tell(advice, as_json, verbose, notes | servo_remark(kind))
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("session", type=FOLDER)
 @listed_gaits
-@number(
-    "--amplitude-sigma",
-    "Standard deviation of the joints' true over commanded amplitude.",
-    default=0.03,
-)
 @servo_option
-@option("--samples", "Frictions drawn from the fit.", type=click.IntRange(16, 4096), default=64)
 @option("--plot", "figure", "Draw it into this file.", type=out_file(*FIGURES))
+@settings(*PLUG, SAMPLES, AMPLITUDE)
 @AS_TABLES
 def compare(
     session: Path,
     gaits: list[sn.Gait],
-    amplitude_sigma: float,
-    samples: int,
+    servo: str | None,
     figure: Path | None,
+    settings: Given,
+    verbose: bool,
     as_json: bool,
 ) -> None:
     """Compare a session's gait runs with the speeds that its friction predicts.
@@ -145,14 +167,15 @@ def compare(
 
     loaded = sn.load_session(session)
     fit = session_fit(session, with_crawls=False)
+    kind = typed_servo(servo or "hobby", settings)
     with progress(comparison.gait_count(loaded, gaits), "gaits") as advance:
         compared = comparison.compare(
             loaded,
             fit,
             gaits=gaits,
-            amplitude_sigma=amplitude_sigma,
-            samples=samples,
-            servo=take_servo("hobby"),
+            amplitude_sigma=settings.get("amplitude_sigma", 0.03),
+            samples=settings.get("samples", 64),
+            servo=kind,
             progress=advance,
         )
     if figure is not None:
@@ -160,17 +183,20 @@ def compare(
 
         comparison_figure(compared, figure)
         report.wrote(figure)
-    tell(compared, as_json)
+    tell(compared, as_json, verbose, alarms_of(fit) | servo_remark(kind))
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("session", type=FOLDER)
 @option("--out", "Where to; report.html in the session's folder.", type=out_file(".html"))
 @servo_option
+@settings(*PLUG)
 @AS_JSON
 def report(
     session: Path,
     out: Path | None,
+    servo: str | None,
+    settings: Given,
     as_json: bool,
 ) -> None:
     """Write a session's report: one self-contained HTML file, the same bytes when made again.
@@ -185,7 +211,7 @@ def report(
 
     out = out or session / "report.html"
     compared = advised = None
-    servo = take_servo("hobby")
+    kind = typed_servo(servo or "hobby", settings)
     loaded = load_session(session)
     fit = tested = session_fit(session)
     if fit.with_crawls:
@@ -196,10 +222,14 @@ def report(
             say(f"note: the report has no comparison and no advice: {error}", err=True)
     if tested and comparison.compared_gaits(loaded):
         with progress(comparison.gait_count(loaded), "gaits") as advance:
-            compared = comparison.compare(loaded, tested, servo=servo, progress=advance)
+            compared = comparison.compare(loaded, tested, servo=kind, progress=advance)
     if tested and loaded.setup.procedure.gaits:
-        advised = advice.advise(loaded, servo=servo)
+        advised = advice.advise(loaded, servo=kind)
     page = session_page(loaded, fit, compared, advised)
     write_text(out, page)
     verdict = None if compared is None else compared.verdict
-    show_json({"report": str(out), "verdict": verdict}) if as_json else say(f"wrote {out}")
+    if as_json:
+        notes = alarms_of(fit) | servo_remark(kind)
+        show_json({"report": str(out), "verdict": verdict} | notes)
+    else:
+        say(f"wrote {out}")

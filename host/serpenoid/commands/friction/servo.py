@@ -11,19 +11,42 @@ import click
 
 import serpenoid as sn
 
+from ...base.checks import NOT_NEGATIVE, Limits
 from ...show.screen import say, working
-from ..declare import EXISTING, flag, number, option, out_file, refuse_typed
-from ..options import AS_JSON, plug_options, show_json, take_servo
+from ..declare import EXISTING, Command, Given, Setting, flag, number, option, out_file, settings
+from ..given import servo_remark
+from ..options import AS_JSON, PLUG, show_json, typed_servo
 
 if TYPE_CHECKING:
     from ...servos.bench_fit import MeasuredServo
     from ...servos.bench_test import BenchTest, Load
 
+AXES = ("level", "upright")
 COLUMNS = ("t_s", "setpoint_deg", "angle_deg")
 SENT = "sent_s"  # a column that a table may have, too
+BENCH = (
+    Setting(
+        "sigma_deg",
+        "standard deviation of the angles",
+        "deg",
+        Limits(0, 57, open_low=True),
+        "the table's own scatter",
+    ),
+    Setting("axis", "axis of the load: level (it hangs), or upright", "", AXES, "level"),
+    Setting(
+        "down_deg", "angle in the table at which the load hangs straight down", "deg", None, "0"
+    ),
+    Setting(
+        "inertia_kg_m2",
+        "inertia of what the joint turns, about its axis, beside the load",
+        "kg m²",
+        NOT_NEGATIVE,
+        "0",
+    ),
+)
 
 
-@click.command()
+@click.command(cls=Command)
 @option(
     "--test",
     "table",
@@ -33,38 +56,23 @@ SENT = "sent_s"  # a column that a table may have, too
     metavar="CSV",
 )
 @option("--like", "What is known before.", default="hobby", metavar="NAME|FILE")
-@plug_options
-@number(
-    "--sigma-deg",
-    "Standard deviation of the angles; the table's own scatter unless given.",
-)
 @number(
     "--load",
     "What the joint turns: mass, and distance of its centre from the axis.",
     nargs=2,
     metavar="KG M",
 )
-@option("--axis", "Of the --load: level (it hangs), or upright.", choice=("level", "upright"))
-@number("--down-deg", "Angle in the table at which the --load hangs straight down; 0 unless given.")
-@number(
-    "--inertia-kg-m2",
-    "Inertia of what the joint turns, about its axis, beside the --load.",
-    default=0.0,
-    show_default=True,
-)
 @flag("--anyway", "Write the file of a test that the model does not describe, with a remark.")
 @option("--out", "File for --servo of other commands.", type=out_file(".toml"))
+@settings(*PLUG, *BENCH)
 @AS_JSON
 def servo(
     table: Path,
     like: str,
-    sigma_deg: float | None,
     load: tuple[float, float] | None,
-    axis: str | None,
-    down_deg: float | None,
-    inertia_kg_m2: float,
     anyway: bool,
     out: Path | None,
+    settings: Given,
     as_json: bool,
 ) -> None:
     """Measure a servo: whether the model describes a bench test, and which servos would move so.
@@ -74,19 +82,17 @@ def servo(
     """
     import numpy as np
 
-    from ...base.checks import check_number
     from ...base.tables import columns_named, number_columns, read_table
     from ...base.toml_table import located
     from ...servos.bench_fit import servo_of_test
     from ...servos.bench_test import BenchTest
 
-    kind = take_servo(like)
+    kind = typed_servo(like, settings)
+    sigma_deg = settings.get("sigma_deg")
     if kind is None:
         raise click.UsageError(
             "--like ideal has no servo to measure; give hobby, or a sheet's name"
         )
-    if sigma_deg is not None:
-        check_number("--sigma-deg", sigma_deg, 0.0, 57.0, open_low=True)
     head = read_table(table, columns_named(*COLUMNS), ",".join(COLUMNS))[0].head
     names = (*COLUMNS, SENT) if columns_named(SENT)(head) else COLUMNS
     t, setpoint, angle, *sent = number_columns(table, *names)
@@ -96,8 +102,8 @@ def servo(
             np.radians(setpoint),
             np.radians(angle),
             None if sigma_deg is None else math.radians(sigma_deg),
-            inertia_kg_m2,
-            _load(load, axis, down_deg),
+            settings.get("inertia_kg_m2", 0.0),
+            _load(load, settings),
             np.array(sent[0]) if sent else None,
         )
         with working("trying servos"):
@@ -106,7 +112,7 @@ def servo(
     if out is not None and (anyway or describes):
         remark = "" if describes else verdict_text(measured, test.noise_rad)
         sn.save_servo(replace(measured.kind, remark=remark), out)
-    show_json(answer(measured, test)) if as_json else show(measured, test)
+    show_json(answer(measured, test) | servo_remark(kind)) if as_json else show(measured, test)
     if out is None:
         return
     if not (anyway or describes):
@@ -118,18 +124,16 @@ def servo(
         say(f"Written: {out}; give it to other commands with --servo {out}.")
 
 
-def _load(
-    load: tuple[float, float] | None, axis: str | None, down_deg: float | None
-) -> Load | None:
+def _load(load: tuple[float, float] | None, settings: Given) -> Load | None:
     from ...servos.bench_test import Load
 
-    if load is None:
-        refuse_typed("{} is for --load; give --load KG M, or leave it out", "axis", "down_deg")
-        return None
-    level = axis != "upright"
-    if not level:
-        refuse_typed("{} is for a load that hangs; leave it out", "down_deg")
-    return Load(*load, level, math.radians(down_deg or 0.0))
+    level = settings.get("axis") != "upright"
+    if load is None and ("axis" in settings or "down_deg" in settings):
+        raise click.UsageError("axis and down_deg are for --load; give --load KG M, or leave them")
+    if not level and "down_deg" in settings:
+        raise click.UsageError("down_deg is for a load that hangs; leave it out")
+    down_rad = math.radians(settings.get("down_deg", 0.0))
+    return None if load is None else Load(*load, level, down_rad)
 
 
 def verdict_text(measured: MeasuredServo, noise_rad: float) -> str:

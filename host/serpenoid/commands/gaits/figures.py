@@ -7,13 +7,13 @@ from pathlib import Path
 import click
 
 from ...show.screen import progress, say
-from ..declare import directory, option
+from ..declare import Command, directory, option
 from ..options import AS_JSON, interruptible, show_json, write_json
 
 STEPS = 6  # of the progress
 
 
-@click.command()
+@click.command(cls=Command)
 @option("--out", "Folder for figures and claims.", type=directory, default=Path("figures-out"))
 @AS_JSON
 def figures(out: Path, as_json: bool) -> None:

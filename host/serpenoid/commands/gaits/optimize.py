@@ -11,39 +11,34 @@ import click
 
 import serpenoid as sn
 
-from ...base.checks import check_number
+from ...base.checks import NOT_NEGATIVE, POSITIVE, Limits, check_number
 from ...show.screen import working
+from ..board.tools import PORT
 from ..declare import (
+    Command,
     Given,
-    Options,
-    Range,
-    angle,
+    Number,
+    Setting,
     flag,
-    number,
     option,
     out_file,
+    parsed_number,
     refuse_typed,
+    settings,
 )
-from ..given import (
-    is_of_fit,
-    predicted_band,
-    servo_as_filmed,
-    take_fit,
-)
+from ..given import make_snake, predicted_band, servo_remark, take_servo
 from ..options import (
     AS_TABLES,
-    GROUND,
+    FRICTION,
     IDEAL,
+    PLUG,
     ROBOT,
     describe,
     formulation_option,
     interruptible,
-    make_robot,
-    robot_options,
+    robot_option,
     servo_option,
     show_json,
-    take_servo,
-    typed,
     warn_of_two_motions,
 )
 from .steady import beside_servo, few_links, speed_in_words, speeds_as_dict
@@ -64,33 +59,32 @@ _OF_LEAST_POWER = (
     "basins",
     "runner_up_w",
 )
-LIMITS = Options(  # of GaitLimits
-    angle(
-        "--joint-angle-deg", "Most a joint may bend; 110 unless given.", high=180.0, open_low=True
+LIMITS = (  # of GaitLimits, whose angles are in radians
+    Setting(
+        "joint_angle_deg", "most a joint may bend", "deg", Limits(0, 180, open_low=True), "110"
     ),
-    angle(
-        "--servo-speed-deg-s",
-        "Most a servo turns; 500, a new board's limit, unless given; inf: no limit.",
-        low=1e-3,
-        high=math.inf,
+    Setting(
+        "servo_speed_deg_s",
+        "most a servo turns; inf: no limit",
+        "deg/s",
+        Limits(1e-3),
+        "500, a new board's",
+        read=lambda name, text: math.inf if text == "inf" else parsed_number(name, text),
     ),
-    number("--servo-torque-nm", "Most a servo holds."),
-    number("--omega-low-rad-s", "Lowest rate of the gait."),
-    number("--omega-high-rad-s", "Highest rate of the gait."),
+    Setting("servo_torque_nm", "most a servo holds", "N m", POSITIVE, "no limit"),
+    Setting("omega_low_rad_s", "lowest rate of the gait", "rad/s", NOT_NEGATIVE, "the search's"),
+    Setting("omega_high_rad_s", "highest rate of the gait", "rad/s", POSITIVE, "the search's"),
 )
-RUN = Options(  # of drive_gait
-    option("--port", "Serial port; found by its USB id unless given."),
-    option(
-        "--duration-s",
-        "With --send: how long; until Ctrl-C unless given.",
-        type=Range(0, min_open=True),
-    ),
-    option("--record", "With --send: new file for the run's lines.", type=out_file()),
+COST = Setting(
+    "cost",
+    "mean power to make least",
+    limits=("power", "abs_power", "positive_power"),
+    usual="power",
 )
 
 
-@click.command()
-@robot_options
+@click.command(cls=Command)
+@robot_option
 @option(
     "--speed-m-s",
     "--speed",
@@ -99,79 +93,98 @@ RUN = Options(  # of drive_gait
     required=True,
     metavar="M/S[,M/S...]",
 )
-@option(
-    "--cost",
-    "Mean power to make least.",
-    choice=["power", "abs_power", "positive_power"],
-    default="power",
-)
-@formulation_option
-@LIMITS
 @servo_option
 @flag("--send", "Drive the gait on the robot, as `drive` does.")
-@RUN
+@PORT
+@option(
+    "--duration-s",
+    "With --send: how long; until Ctrl-C unless given.",
+    type=Number(0, open_low=True),
+)
+@option("--record", "With --send: new file for the run's lines.", type=out_file())
+@settings(*ROBOT, *FRICTION, *PLUG, *LIMITS, COST)
+@formulation_option
 @AS_TABLES
-def optimize(speed_m_s: str, as_json: bool, send: bool, **given: Any) -> None:
+def optimize(
+    robot: str | None,
+    speed_m_s: str,
+    servo: str | None,
+    settings: Given,
+    send: bool,
+    formulation: str,
+    verbose: bool,
+    as_json: bool,
+    **run: Any,
+) -> None:
     """Find the gait that costs least power at a speed, and say how near to a cliff it stands.
 
     Gaits are searched with ideal joints. Beside the speed stands what servos leave of it: any hobby
     servo unless --servo says which, or `ideal`.
-
-    With --session DIR or --ground FILE the friction is a fit's.
     """
     wanted = _speeds(speed_m_s)
     if not send:
-        words = "{} is for --send, which is not there"
-        refuse_typed(words, *RUN.names)
-    run = RUN.take(given)
-    if len(wanted) > 1 and (send or typed("servo")):
+        refuse_typed("{} is for --send, which is not there", *run)
+    if len(wanted) > 1 and (send or servo):
         raise click.UsageError("--send and --servo take one speed")
     if send:  # board and the recording's place are found before the search, not after it
         from ...robot.recording.recorder import check_free
         from ...robot.wire.ports import find_port
 
-        if "record" in run:
+        if run["record"] is not None:
             check_free(run["record"])
-        if "port" not in run:
+        if run["port"] is None:
             find_port()
-    ask = _Asked(given, send)
+    snake = make_snake(robot, settings)
+    body = snake.robot, snake.ground
+    how = {
+        "cost": settings.get("cost", "power"),
+        "limits": _limits(settings, send),
+        "formulation": formulation,
+    }
     if len(wanted) > 1:
-        return _show_front(ask, wanted, as_json)
-    best = _searched(lambda: ask.find(wanted[0]))
-
-    margins = interruptible(lambda: sn.gait_margins(ask.robot, ask.ground, best.gait))
+        front = _searched(lambda: sn.power_front(*body, speeds_m_s=wanted, **how))
+        return _show_front(wanted, front, as_json, snake.notes)
+    kind = take_servo(servo, settings, IDEAL if snake.fit is None else "hobby", snake)
+    if servo is None and few_links(snake.robot) and kind is None:
+        kind = take_servo("hobby", settings, IDEAL)
+    best = _searched(lambda: sn.least_power_gait(*body, speed_m_s=wanted[0], **how))
+    margins = interruptible(lambda: sn.gait_margins(*body, best.gait))
     best = replace(best, steady=warn_of_two_motions(best.steady))
-    fit = None if send else ask.fit  # what is sent is predicted when it is driven
-    with_band = not is_of_fit(fit, ask.robot, ask.ground)
     with working("servos") as show_share:
-        moved = beside_servo(best.steady, ask.shown_servo, with_band, show_share)
-    band = interruptible(lambda: predicted_band(fit, ask.robot, ask.ground, best.gait, ask.servo))
+        moved = beside_servo(best.steady, kind, snake.fit is None, show_share)
+    # what is sent is predicted when it is driven
+    band = interruptible(lambda: None if send else predicted_band(snake, best.gait, kind))
     answer = _as_dict(best) | {"margins": margins.to_dict()} | speeds_as_dict(moved, band)
+    answer |= snake.notes | servo_remark(kind)
     if not as_json:
         from ...show import report
         from ...show.gaits import gait_report
 
-        words = f"{best.in_words()} {speed_in_words(best.steady, moved, band)}"
-        report.show(best, *([moved] if moved else []), margins, answer=words)
         gait_report.warn(best, moved)
         gait_report.warn_of_cliff(margins)
+        words = f"{best.in_words()} {speed_in_words(best.steady, moved, band)}"
+        parts = [best, *([moved] if moved else []), margins]
+        report.show(*parts, answer=words, verbose=verbose)
     if send:
-        _send(ask, best.gait, as_json, answer, **run)
+        from ...robot.robot_match import RobotMatch
+        from ..board.driving import drive_gait
+
+        cure = "give its links, or the session of this robot"
+        match = RobotMatch(snake.robot.links, "the gait", cure)
+        drive_gait(best.gait, as_json, snake.fit, match=match, before=answer, servo=kind, **run)
     elif as_json:
         show_json(answer)
     return None
 
 
-def _send(ask: _Asked, gait: sn.Gait, as_json: bool, before: Given, **run: Any) -> None:
-    """Drive the gait, its robot checked against the board."""
-    from ...robot.robot_match import RobotMatch
-    from ..board.driving import drive_gait
-
-    cure = "give its --links, or the session of this robot"
-    match = RobotMatch(ask.robot.links, "the gait", cure)
-    drive_gait(
-        gait, as_json=as_json, fit=ask.fit, match=match, before=before, servo=ask.servo, **run
-    )
+def _limits(settings: Given, send: bool) -> sn.GaitLimits:
+    """Return the limits of a search: those set, a new board's speed, and its angle for --send."""
+    in_degrees = {"servo_speed_deg_s": _BOARD_SPEED_DEG_S}
+    in_degrees |= {"joint_angle_deg": _BOARD_ANGLE_DEG} if send else {}
+    in_degrees |= {s.name: settings[s.name] for s in LIMITS[:2] if s.name in settings}
+    limits = {name.replace("_deg", "_rad"): math.radians(v) for name, v in in_degrees.items()}
+    limits |= {s.name: settings[s.name] for s in LIMITS[2:] if s.name in settings}
+    return sn.GaitLimits(**limits)
 
 
 def _speeds(text: str) -> list[float]:
@@ -182,40 +195,6 @@ def _speeds(text: str) -> list[float]:
             f"{text!r} is not a speed, nor speeds with commas", param_hint="--speed-m-s"
         ) from None
     return [check_number("--speed-m-s", speed, 0.0, open_low=True) for speed in speeds]
-
-
-class _Asked:
-    """What the options ask for: robot, ground, servo, and how to search."""
-
-    def __init__(self, given: Given, send: bool) -> None:
-        cost, formulation = given.pop("cost"), given.pop("formulation")
-        # a new board's speed unless given, and its angle if the gait is sent
-        board = {"servo_speed_rad_s": math.radians(_BOARD_SPEED_DEG_S)}
-        board |= {"joint_angle_rad": math.radians(_BOARD_ANGLE_DEG)} if send else {}
-        self._how = {"cost": cost, "limits": sn.GaitLimits(**board | LIMITS.take(given))}
-        fit = take_fit(given)
-        changed = [
-            p.opts[0]
-            for p in click.get_current_context().command.params
-            if p.name in (*ROBOT.names, *GROUND.names) and given[p.name] is not None
-        ]
-        self.fit = None if changed else fit
-        ideal = self.fit is None
-        self.servo = servo_as_filmed(take_servo(IDEAL if ideal else "hobby"), self.fit)
-        self.robot, self.ground = make_robot(given, fit=fit)
-        shown = typed("servo") is None and few_links(self.robot)
-        self.shown_servo = take_servo("hobby") if shown and self.servo is None else self.servo
-        self._how["formulation"] = formulation
-
-    def find(self, speed: float) -> sn.LeastPower:
-        """Search for one speed."""
-        return sn.least_power_gait(self.robot, self.ground, speed_m_s=speed, **self._how)
-
-    def front(self, speeds: list[float]) -> Sequence[sn.LeastPower | None]:
-        """Search for many speeds; None for one that no gait reaches."""
-        return _searched(
-            lambda: sn.power_front(self.robot, self.ground, speeds_m_s=speeds, **self._how)
-        )
 
 
 def _searched(work: Callable[[], _Result]) -> _Result:
@@ -229,15 +208,17 @@ def _as_dict(best: sn.LeastPower) -> Given:
     return answer | {"gait": describe(best.gait)} | best.steady.to_dict()
 
 
-def _show_front(ask: _Asked, speeds: list[float], as_json: bool) -> None:
+def _show_front(
+    speeds: list[float], front: Sequence[sn.LeastPower | None], as_json: bool, notes: Given
+) -> None:
     from ...show.gaits import gait_report
 
-    front = ask.front(speeds)
     if all(best is None for best in front):
         raise sn.NotConverged(
             f"no gait reaches {min(speeds):g} m/s within the limits; ask for less speed"
         )
     if as_json:
-        show_json({"front": [None if best is None else _as_dict(best) for best in front]})
+        found = [None if best is None else _as_dict(best) for best in front]
+        show_json({"front": found} | notes)
     else:
         gait_report.front(speeds, front)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -12,30 +11,34 @@ import click
 import serpenoid as sn
 
 from ...show.screen import working
-from ..declare import Given, Options, flag, number
+from ..declare import Command, Given, flag, settings
 from ..given import (
-    is_of_fit,
-    joints_option,
+    JOINTS,
+    Snake,
+    make_snake,
     predicted_band,
-    servo_as_filmed,
-    take_fit,
+    servo_remark,
+    take_servo,
     was_filmed,
     with_joints,
 )
 from ..options import (
     AS_TABLES,
+    FRICTION,
     IDEAL,
+    OFFSET,
+    PLUG,
+    ROBOT,
+    RTOL,
+    SPRINGS,
     describe,
     formulation_option,
     gait_options,
     interruptible,
     make_gait,
-    make_robot,
-    robot_options,
+    robot_option,
     servo_option,
     show_json,
-    take_servo,
-    typed,
     warn_of_two_motions,
 )
 
@@ -46,123 +49,114 @@ if TYPE_CHECKING:
 _FEW_LINKS = 20
 
 
-_SPRINGS = Options(
-    number("--stiffness-n-m", "joint_stiffness_n_m", "Implicit: k; 1000 unless given."),
-    number("--damping-n-s-m", "joint_damping_n_s_m", "Implicit: c; 1 unless given."),
-)
-
-
-@click.command()
-@robot_options
+@click.command(cls=Command)
+@robot_option
 @gait_options
-@number("--rtol", "Relative accuracy.", default=1e-6)
-@formulation_option
-@_SPRINGS
 @servo_option
-@joints_option
+@settings(*ROBOT, *FRICTION, OFFSET, *PLUG, *SPRINGS, RTOL, JOINTS)
+@formulation_option
 @flag(
     "--sensitivities",
     "differentiated",
     "What 1 % of each parameter changes (ideal joints); with a fit, what each unknown leaves.",
+    research=True,
 )
 @AS_TABLES
 def steady(
-    as_json: bool,
-    differentiated: bool,
-    joints: Path | None,
-    rtol: float,
+    robot: str | None,
+    servo: str | None,
+    settings: Given,
     formulation: str,
-    **given: Any,
+    differentiated: bool,
+    verbose: bool,
+    as_json: bool,
+    **typed_gait: Any,
 ) -> None:
     """Find the periodic state of one gait: speed, powers, settling time, margins.
 
     The figures are those of joints that follow the gait exactly. Beside them stands the speed with
     servos: with any hobby servo unless --servo says which, or `ideal`.
     """
-    springs = _SPRINGS.take(given)
-    fit = take_fit(given)
-    robot, ground = make_robot(given, fit=fit)
-    told = make_gait(given)
-    gait = with_joints(told, joints, robot.links)
+    snake = make_snake(robot, settings)
+    joints = settings.get("joints")
+    told = make_gait(typed_gait, settings)
+    gait = with_joints(told, joints, snake.robot.links)
+    springs = {one.name: settings[one.name] for one in SPRINGS if one.name in settings}
+    rtol = settings.get("rtol", 1e-6)
     if formulation == "implicit":
-        body = robot, ground, gait
-        return _on_springs(*body, as_json, differentiated, rtol=rtol, **springs)
+        if servo not in (None, IDEAL) or "volts" in settings or "frame_ms" in settings:
+            raise click.UsageError(
+                "--servo, volts and frame_ms have no effect on --formulation implicit"
+            )
+        if differentiated:
+            raise click.UsageError(
+                "--sensitivities are those of the exact model; leave --formulation implicit out"
+            )
+        return _on_springs(snake, gait, verbose, as_json, rtol=rtol, **springs)
     if springs:
         raise click.UsageError(
-            "--stiffness-n-m and --damping-n-s-m have no effect: the joints are pinned; give "
+            f"{' and '.join(springs)} have no effect: the joints are pinned; give "
             "--formulation implicit too"
         )
     # a film shows what servos make of the joints
-    usual = "hobby" if joints is None and few_links(robot) else IDEAL
-    servo = servo_as_filmed(take_servo(usual), fit)
-    commanded = told if joints and was_filmed(told, joints, robot.links) else None
+    usual = "hobby" if joints is None and few_links(snake.robot) else IDEAL
+    kind = take_servo(servo, settings, usual, snake)
+    commanded = told if joints and was_filmed(told, joints, snake.robot.links) else None
     with working("solving") as show_share:
         state = interruptible(
-            lambda: sn.steady_gait(robot, ground, gait, rtol=rtol, sensitivities=differentiated)
+            lambda: sn.steady_gait(
+                snake.robot, snake.ground, gait, rtol=rtol, sensitivities=differentiated
+            )
         )
-        with_band = not is_of_fit(fit, robot, ground)
-        moved = beside_servo(state, servo, with_band, show_share)
-        margins = interruptible(lambda: sn.gait_margins(robot, ground, gait))
-        band = interruptible(lambda: predicted_band(fit, robot, ground, gait, servo, commanded))
+        moved = beside_servo(state, kind, snake.fit is None, show_share)
+        margins = interruptible(lambda: sn.gait_margins(snake.robot, snake.ground, gait))
+        band = interruptible(lambda: predicted_band(snake, gait, kind, commanded))
         doubts, sigmas = None, {}
-        if fit and band:
+        if snake.fit and band:
             from ...prediction.speed_doubts import margin_sigmas, speed_doubts
 
-            sigmas = margins.in_sigmas(*margin_sigmas(fit, band.filmed))
+            sigmas = margins.in_sigmas(*margin_sigmas(snake.fit, band.filmed))
             if state.sensitivities is not None and state.sensitivities.at[0] > 0:
-                doubts = speed_doubts(fit, gait, state.sensitivities, band)
+                doubts = speed_doubts(snake.fit, gait, state.sensitivities, band)
     state = warn_of_two_motions(state)
     if doubt := state.power_doubt_text(rtol):
         warnings.warn(doubt, stacklevel=2)
     if as_json:
         known = {"margins": margins.to_dict() | sigmas}
         known |= {"doubts": doubts.to_dict()} if doubts else {}
-        values = {"gait": describe(gait)} | state.to_dict() | known
-        return show_json(values | speeds_as_dict(moved, band))
+        values = {"gait": describe(gait)} | state.to_dict() | known | snake.notes
+        return show_json(values | speeds_as_dict(moved, band) | servo_remark(kind))
     from ...show import report
     from ...show.gaits import gait_report
 
+    gait_report.warn_of_cliff(margins)
     answer = speed_in_words(state, moved, band)
-    report.show(state, *([moved] if moved else []), margins, answer=answer)
+    report.show(state, *([moved] if moved else []), margins, answer=answer, verbose=verbose)
     if state.sensitivities is not None:
-        report.show(state.sensitivities)
+        report.show(state.sensitivities, verbose=verbose)
     if doubts is not None:
         gait_report.doubts(doubts)
-    return gait_report.warn_of_cliff(margins, sigmas)
+    return gait_report.margins_in_sigmas(sigmas)
 
 
 def _on_springs(
-    robot: sn.Robot,
-    ground: sn.Ground,
-    gait: sn.Gait,
-    as_json: bool,
-    differentiated: bool,
-    rtol: float,
-    **springs: float,
+    snake: Snake, gait: sn.Gait, verbose: bool, as_json: bool, rtol: float, **springs: float
 ) -> None:
-    """Tell the periodic state of the implicit model; refuse what only the exact one has."""
+    """Tell the periodic state of the implicit model."""
     from ...show import report
 
-    if typed("servo") not in (None, IDEAL) or typed("volts") or typed("frame_ms"):
-        raise click.UsageError(
-            "--servo, --volts and --frame-ms have no effect on --formulation implicit"
-        )
-    if differentiated:
-        raise click.UsageError(
-            "--sensitivities are those of the exact model; leave --formulation implicit out"
-        )
-
+    body = snake.robot, snake.ground, gait
     with working("solving"):
-        soft = interruptible(lambda: sn.steady_springs(robot, ground, gait, rtol=rtol, **springs))
+        soft = interruptible(lambda: sn.steady_springs(*body, rtol=rtol, **springs))
     if soft.error_estimate > rtol:
         warnings.warn(
-            f"the speed is known to {soft.error_estimate:.1g}, not to the --rtol of {rtol:g}: the "
+            f"the speed is known to {soft.error_estimate:.1g}, not to the rtol of {rtol:g}: the "
             "time steps of the springs do not give more",
             stacklevel=2,
         )
     if as_json:
-        return show_json({"gait": describe(gait)} | soft.to_dict())
-    return report.show(soft)
+        return show_json({"gait": describe(gait)} | soft.to_dict() | snake.notes)
+    return report.show(soft, verbose=verbose)
 
 
 def few_links(robot: sn.Robot) -> bool:

@@ -5,23 +5,26 @@ from __future__ import annotations
 import math
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 import click
 
 import serpenoid as sn
 
+from ...base.checks import Limits
 from ...show.screen import progress, say
-from ..declare import number, option, out_file, radians
+from ..declare import Command, Given, Setting, option, out_file, settings
+from ..given import make_snake, servo_remark
 from ..options import (
-    ALPHA_DEG,
     AS_JSON,
-    BETA_DEG,
-    make_robot,
-    robot_options,
+    FRICTION,
+    IDEAL,
+    PLUG,
+    ROBOT,
+    RTOL,
+    robot_option,
     servo_option,
     show_json,
-    take_servo,
+    typed_servo,
 )
 
 SUFFIXES = (".csv", ".npz")
@@ -51,33 +54,36 @@ def _span(text: str, name: str) -> list[float]:
     return [first + i * step for i in range(int((last - first) / step + 1 + 1e-9))]
 
 
-@click.command()
-@robot_options
+THREADS = Setting("threads", "threads to solve in", limits=Limits(1), usual="1 a core", whole=True)
+
+
+@click.command(cls=Command)
+@robot_option
 @option("--alpha-deg", "FIRST:LAST:STEP.", default="5:75:5")
 @option("--beta-deg", "FIRST:LAST:STEP.", default="20:90:5")
-@option("--omega-rad-s", "FIRST:LAST:STEP; 1:20:1 unless given.")
-@option("--frequency-hz", "FIRST:LAST:STEP, in place of --omega-rad-s.")
-@number("--rtol", "Relative accuracy.", default=1e-6)
+@option("--frequency-hz", "FIRST:LAST:STEP.")
+@option("--omega-rad-s", "FIRST:LAST:STEP, in place of the frequency; 1:20:1 unless given.")
 @servo_option
-@option("--threads", "Threads to solve in; one a processor unless given.", type=int)
+@option("--out", "File to write, CSV or npz.", type=out_file(*SUFFIXES))
+@settings(*ROBOT, *FRICTION, *PLUG, RTOL, THREADS)
 @option(
     "--scheduler",
     "Solve on the Dask cluster with this address, e.g. tcp://10.0.0.1:8786.",
     metavar="ADDRESS",
+    research=True,
 )
-@option("--out", "File to write, CSV or npz.", type=out_file(*SUFFIXES))
 @AS_JSON
 def sweep(
+    robot: str | None,
+    servo: str | None,
+    settings: Given,
     as_json: bool,
     out: Path | None,
     alpha_deg: str,
     beta_deg: str,
     omega_rad_s: str | None,
     frequency_hz: str | None,
-    rtol: float,
-    threads: int | None,
     scheduler: str | None,
-    **given: Any,
 ) -> None:
     """Solve every gait of a grid (the paper's 4500 unless told), into files or as JSON.
 
@@ -86,14 +92,14 @@ def sweep(
     """
     if out is None and not as_json:
         raise click.UsageError("give --out FILE.csv, or --json for an answer on the screen")
-    servo = take_servo()
-    robot, ground = make_robot(given)
+    kind = typed_servo(servo or IDEAL, settings)
+    snake = make_snake(robot, settings)
     if frequency_hz is not None and omega_rad_s is not None:
         raise click.UsageError("--omega-rad-s and --frequency-hz say the same; give one")
     alphas_deg, betas_deg = _span(alpha_deg, "--alpha-deg"), _span(beta_deg, "--beta-deg")
     grid = {
-        "alpha_rad": [radians("--alpha-deg", a, *ALPHA_DEG) for a in alphas_deg],
-        "beta_rad": [radians("--beta-deg", b, *BETA_DEG) for b in betas_deg],
+        "alpha_rad": [sn.Gait.degrees(a, 0.0, hertz=1.0).alpha_rad for a in alphas_deg],
+        "beta_rad": [sn.Gait.degrees(0.0, b, hertz=1.0).beta_rad for b in betas_deg],
         "omega_rad_s": _span(omega_rad_s or "1:20:1", "--omega-rad-s")
         if frequency_hz is None
         else [2 * math.pi * hz for hz in _span(frequency_hz, "--frequency-hz")],
@@ -106,9 +112,10 @@ def sweep(
             f"{count:.3g} gaits are too many for {'JSON' if as_json else 'one file'}, which holds "
             f"up to {most:.3g}; take larger steps, or sweep one part after the other"
         )
-    how = {"rtol": rtol, "threads": threads, "scheduler": scheduler, "servo": servo}
-    with progress(count * (1 if servo is None else 2), "gaits") as advance:
-        grid_states = sn.sweep(robot, ground, **grid, **how, progress=advance)
+    how = {name: settings[name] for name in ("rtol", "threads") if name in settings}
+    how |= {"scheduler": scheduler, "servo": kind, **grid}
+    with progress(count * (1 if kind is None else 2), "gaits") as advance:
+        grid_states = sn.sweep(snake.robot, snake.ground, **how, progress=advance)
     if out is not None:
         write_sweep(grid_states, out)
         missed = int((~grid_states.converged).sum())
@@ -116,10 +123,10 @@ def sweep(
         if grid_states.servo_speed_m_s is not None:
             lost = sum(map(math.isnan, grid_states.servo_speed_m_s.flat))
             say(f"with servos {lost} do not settle to a speed", err=True)
-    if servo is not None:
-        _say_too_fast(grid, servo)
+    if kind is not None:
+        _say_too_fast(grid, kind)
     if as_json:
-        show_json(sweep_values(grid_states))
+        show_json(sweep_values(grid_states) | snake.notes | servo_remark(kind))
 
 
 def _say_too_fast(grid: dict[str, list[float]], servo: sn.ServoKind) -> None:

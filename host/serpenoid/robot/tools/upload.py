@@ -68,7 +68,6 @@ UPLOAD_CAUSES = (
 def flash(
     board: str | None,
     port: str | None,
-    project: Path | None,
     show: Callable[[str], None],
     *,
     joints: int = 5,
@@ -76,14 +75,13 @@ def flash(
 ) -> Hello:
     """Build, upload, and return the greeting of the new firmware.
 
-    board: one of BOARDS, or None if the USB id tells; port: None finds it by USB id; project: the
-    folder of platformio.ini, or None if this is a source tree. show takes PlatformIO's output as
-    it comes. output: one of OUTPUTS, what makes the servos' pulses. Raises BadInput, PortMissing,
-    PortBusy, FlashFailed, NoAnswer.
+    board: one of BOARDS, or None if the USB id tells; port: None finds it by USB id. show takes
+    PlatformIO's output as it comes. output: one of OUTPUTS, what makes the servos' pulses. Raises
+    BadInput, PortMissing, PortBusy, FlashFailed, NoAnswer.
     """
     if board is not None:
         check_joints(board, joints)
-    folder = find_project(project)
+    folder = find_project()
     pio = find_platformio()
     if not pio:
         raise FlashFailed("PlatformIO is not installed: `pip install platformio`")
@@ -127,17 +125,15 @@ def find_platformio() -> str | None:
     return shutil.which("pio") or shutil.which(str(Path(sys.executable).with_name("pio")))
 
 
-def find_project(given: Path | None) -> Path:
-    """Return the folder that holds platformio.ini and firmware/; raise BadInput."""
+def find_project() -> Path:
+    """Return the folder that holds platformio.ini and firmware/, from here up; raise BadInput."""
     here = Path.cwd()
-    places = [given] if given else [here, *here.parents, Path(__file__).resolve().parents[4]]
-    for place in places:
+    for place in (here, *here.parents, Path(__file__).resolve().parents[4]):
         if (place / "platformio.ini").exists() and (place / "firmware" / "src").is_dir():
             return place
-    looked = str(given) if given else f"{here} or above it"
-    if given is None and (installed := installed_project()):
+    if installed := installed_project():
         return installed
-    raise BadInput(f"no firmware in {looked}; name the folder of serpenoid's source with --project")
+    raise BadInput(f"no firmware in {here} or above it; run this in the folder of the source")
 
 
 def installed_project() -> Path | None:

@@ -30,20 +30,25 @@ def warn(best: LeastPower, moved: ServoSteady | None) -> None:
     if too_fast:
         told = "" if moved else f"{too_fast} "
         notices.print(
-            f"serpenoid: warning: {told}--servo-speed-deg-s keeps the search to what servos can do"
+            f"serpenoid: warning: {told}--set servo_speed_deg_s=... keeps the search to what "
+            "servos can do"
         )
 
 
-def warn_of_cliff(margins: Margins, sigmas: dict[str, float] | None = None) -> None:
-    """Warn beside a cliff; sigmas: `Margins.in_sigmas`, with a fit."""
-    known = {name: share for name, share in (sigmas or {}).items() if math.isfinite(share)}
-    if known:
-        known_in_words = ", ".join(
-            f"{name.partition('_')[0]} {share:.2g}" for name, share in known.items()
-        )
-        console.print(f"margins in standard deviations: {known_in_words}")
+def warn_of_cliff(margins: Margins) -> None:
+    """Warn beside a sharp drop of the speed."""
     if margins.warning:
         notices.print(f"serpenoid: warning: {margins.warning}")
+
+
+def margins_in_sigmas(sigmas: dict[str, float]) -> None:
+    """Print `Margins.in_sigmas`, of a fit."""
+    known = {name: share for name, share in sigmas.items() if math.isfinite(share)}
+    if known:
+        in_words = ", ".join(
+            f"{name.partition('_')[0]} {share:.2g}" for name, share in known.items()
+        )
+        console.print(f"margins in standard deviations: {in_words}")
 
 
 def front(speeds_m_s: Sequence[float], optima: Sequence[LeastPower | None]) -> None:
