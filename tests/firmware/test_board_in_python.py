@@ -10,6 +10,7 @@ def test_the_tables_of_the_protocol_page_are_the_boards(request: pytest.FixtureR
     page = (request.config.rootpath / "firmware" / "PROTOCOL.md").read_text()
     for word, number, cause, cure in firmware.ERRORS:
         assert f"| `{word}` | {number} | {cause} | {cure} |" in page
+        assert ":" not in cause + cure  # which a plotter would draw
     for name, (_, low, high, default) in {**firmware.SETTINGS, **firmware.TRIM}.items():
         row = next(line for line in page.splitlines() if line.startswith(f"| `{name}` |"))
         for value in (low, high, default):

@@ -128,20 +128,6 @@ TEST_CASE("nothing swallows a stop: neither what stands before it, nor a pause, 
     }
 }
 
-TEST_CASE("a line that ends in stop is a stop, after a partial line and noise too") {
-    for (const char* before : {"", "#9 pin", "\xFF", "sto", "s"}) {
-        for (const char* end : {"\n", "\r", "\r\n"}) {
-            Bench b;
-            b.ask("hello");
-            b.ask("gait 30 80 5", 0.2);
-            b.raw(before, 0.15);
-            b.raw(std::string("stop") + end, 0.03);
-            CHECK(b.state() == State::Hold);
-            CHECK(std::count(b.lines.begin(), b.lines.end(), "ok: #-") == 1);
-        }
-    }
-}
-
 TEST_CASE("a new centre is approached slowly") {
     Bench b;
     b.type("pose straight", 1);

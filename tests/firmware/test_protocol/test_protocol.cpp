@@ -1,7 +1,5 @@
 // CRC, numbers and tables of the wire; which lines are taken is in tests/golden/make_dialogue.py.
-#include <cstring>
 #include <random>
-#include <set>
 #include <string>
 
 #include "command.h"
@@ -77,18 +75,4 @@ TEST_CASE("the longest telemetry line fits, and is as long as PROTOCOL.md says")
     const std::string line = taken(out);
     CHECK(line.back() == '\n');
     CHECK(line.size() == (joint_count == 5 ? 182 : line.size()));
-}
-
-TEST_CASE("errors have distinct words and numbers, and no text that a plotter would draw") {
-    std::set<std::string> words;
-    for (uint8_t n = 1; n <= 18; ++n) {
-        const ErrorText text = error_text(static_cast<Error>(n));
-        CHECK(words.insert(text.word).second);
-        for (const char* part : {text.word, text.cause, text.cure}) {
-            CHECK(std::strlen(part) > 0);
-            CHECK(std::strchr(part, ':') == nullptr);
-        }
-        // "err: #65535 " + word + " again" + field and limits + texts + CRC within the queue.
-        CHECK(12 + std::strlen(text.word) + std::strlen(text.cause) + std::strlen(text.cure) < 170);
-    }
 }

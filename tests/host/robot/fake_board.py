@@ -145,11 +145,6 @@ class FakeBoard:
         with self._using:
             self.board.boot(cause)
 
-    def write(self, data: bytes) -> None:
-        """Put bytes on the wire that no host of ours has sent."""
-        with self._using:
-            self.board.write(data)
-
     def unplug(self) -> None:
         """Pull the cable; it is out on return, but where a tamper pulls it: then soon."""
         self._unplugged = True
