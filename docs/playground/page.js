@@ -41,7 +41,7 @@ function pythonCode({ links, mass, length, ct, cn, ft0, fn0, alpha, beta, hz, se
 
 import serpenoid as sn
 
-robot = sn.Robot(links=${links}, link_mass_kg=${mass} / ${links}, link_length_m=${length})
+robot = sn.Robot.whole_body(links=${links}, mass_kg=${mass}, link_length_m=${length})
 ground = sn.Ground.whole_body(links=${links}, ct=${ct}, cn=${cn}, ft0=${ft0}, fn0=${fn0})
 gait = sn.Gait(alpha_rad=radians(${alpha}), beta_rad=radians(${beta}), omega_rad_s=2 * pi * ${hz})
 print(sn.steady_gait(robot, ground, gait, servo=sn.servo("${servo}")).in_words())`;
