@@ -14,7 +14,6 @@ from pathlib import Path
 import av
 import cv2
 import numpy as np
-import pytest
 
 Pose = Callable[[float], tuple[np.ndarray, np.ndarray]]  # time -> centres (n, 2), headings (n,)
 
@@ -228,12 +227,8 @@ def write(
     codec: str = "libx264",
     crf: int = 20,
     gop: int = 250,
-    rotation_deg: int = 0,
 ) -> Path:
-    """Encode frames at their times as a phone would.
-
-    gop: frames to the next that stands alone. rotation_deg: by which players turn the pictures.
-    """
+    """Encode frames at their times as a phone would; gop: frames to the next that stands alone."""
     with av.open(str(path), "w") as box:
         stream = box.add_stream(codec, rate=30)
         stream.height, stream.width = frames[0].shape
@@ -242,10 +237,6 @@ def write(
         stream.time_base = Fraction(1, 90000)
         stream.codec_context.time_base = Fraction(1, 90000)
         stream.codec_context.thread_count = 1
-        if rotation_deg and not hasattr(stream, "set_display_rotation"):
-            pytest.skip("needs av 18, which can write how players turn a film")
-        if rotation_deg:
-            stream.set_display_rotation(rotation_deg)
         for image, t in zip(frames, times_s, strict=True):
             picture = av.VideoFrame.from_ndarray(image, format="gray").reformat(format="yuv420p")
             picture.pts = round(t * 90000)

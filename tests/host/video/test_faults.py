@@ -175,18 +175,6 @@ def test_a_robot_that_leaves_the_picture_is_refused(frames, told) -> None:
 
 
 @pytest.mark.slow
-def test_swapped_plugs_are_seen_in_a_film(told) -> None:
-    world = crawling(2, 6, 0.08, 40, 8.0, -0.06, plugs=(0, 2, 1, 3, 4))
-    run, remarks = told(drawn(world=world), gait=GAIT)
-    assert "joints 2 and 3 move as if their plugs were swapped" in remarks["plugs"]
-    assert "trims, gains and lags are unknown" in remarks["plugs"]
-    off = [replace(j, offset_rad=0.1, offset_sigma_rad=0.01) for j in run.joints]
-    remarks = servo_remarks(replace(run, joints=tuple(off)))
-    (centres,) = [r.text for r in remarks if r.name == "centre"]
-    assert re.findall(r"joint (\d)", centres) == ["1", "4", "5"]
-
-
-@pytest.mark.slow
 def test_blur_is_named(told) -> None:
     lens = Lens(exposure_s=1 / 25)
     run, remarks = told(drawn(lens=lens, steps=6))

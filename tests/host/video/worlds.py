@@ -31,16 +31,12 @@ def crawling(
     alpha_deg: float = 45.0,
     omega_rad_s: float = 4.0,
     start_m: float = -0.11,
-    plugs: tuple[int, ...] = (),
 ) -> World:
-    """Return a robot whose joints, path and turn are known exactly; no joint is perfect.
-
-    plugs: the place in the wave of each joint's servo; in order unless given.
-    """
+    """Return a robot whose joints, path and turn are known exactly; no joint is perfect."""
     rng = np.random.default_rng(seed)
     joints = links - 1
     amplitude = np.radians(alpha_deg) * (1 + 0.03 * rng.normal(size=joints))
-    phase = np.radians(80) * np.array(plugs or range(joints)) + 0.04 * rng.normal(size=joints)
+    phase = np.radians(80) * np.arange(joints) + 0.04 * rng.normal(size=joints)
     offset = np.radians(1.5) * rng.normal(size=joints)
     turn, way = np.radians(1.2), 0.15
 
