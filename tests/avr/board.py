@@ -9,21 +9,15 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from avr.toolchain import COMPILER, MCUS, build_simulator
+from avr.toolchain import BOARDS, COMPILER, build_simulator
 
 F_CPU_HZ = 16_000_000
 RAM_END = {"atmega328p": 0x8FF, "atmega2560": 0x21FF}
 PAINT = b"\xc5"  # what simboard fills the RAM with
 # Digital pins 5 to 12, A0 to A3 (firmware/include/board.h) as port and bit, joint by joint.
-_UNO_PINS = "D5D6D7B0B1B2B3B4C0C1C2C3"
-SERVO_PINS = {
-    "uno": _UNO_PINS,
-    "nano": _UNO_PINS,
-    "nano_old": _UNO_PINS,
-    "mega": "E3H3H4H5H6B4B5B6F0F1F2F3",
-}
-ENABLE_PIN = {**dict.fromkeys(("uno", "nano", "nano_old"), "D4"), "mega": "G5"}
-DATA_WIRE = {**dict.fromkeys(("uno", "nano", "nano_old"), ("C", 4)), "mega": ("D", 1)}
+SERVO_PINS = {"uno": "D5D6D7B0B1B2B3B4C0C1C2C3", "mega": "E3H3H4H5H6B4B5B6F0F1F2F3"}
+ENABLE_PIN = {"uno": "D4", "mega": "G5"}
+DATA_WIRE = {"uno": ("C", 4), "mega": ("D", 1)}
 FAULTS = ("well", "silent", "data low")
 CAUSES = ("power-on", "external", "brown-out")
 EDGE = np.dtype([("cycle", "u8"), ("pin", "u4"), ("level", "u4")])
@@ -116,7 +110,7 @@ class Board:
     """A simulated board running one ELF; simulated time stands still between calls."""
 
     def __init__(self, elf: Path, board: str = "uno", pins: str = "", baud: int = 250_000):
-        self.elf, self.mcu, self.baud = elf, MCUS[board], baud
+        self.elf, self.mcu, self.baud = elf, BOARDS[board][0], baud
         self._lib = _library()
         self._board = self._lib.board_open(str(elf).encode(), self.mcu.encode(), F_CPU_HZ)
         if not self._board:

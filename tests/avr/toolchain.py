@@ -29,7 +29,6 @@ BOARDS = {
     "nano_old": ("atmega328p", "eightanaloginputs", "NANO"),
     "mega": ("atmega2560", "mega", "MEGA2560"),
 }
-MCUS = {board: mcu for board, (mcu, *_) in BOARDS.items()}
 # Compilers and flags of PlatformIO's platform for AVR, by a source's suffix.
 COMPILERS = {
     ".c": ["avr-gcc", "-std=gnu11", "-fno-fat-lto-objects"],

@@ -11,7 +11,7 @@ from serpenoid.base.errors import RobotLost
 from serpenoid.robot import Robot
 from serpenoid.robot.wire.virtual import LEAST_S, STEP_S
 
-BOARDS = ["virtual", pytest.param("simulated", marks=pytest.mark.avr), "hardware"]
+BOARDS = ["virtual:fast", pytest.param("simulated", marks=pytest.mark.avr), "hardware"]
 
 
 class SimulatedLink:

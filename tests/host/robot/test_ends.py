@@ -157,9 +157,7 @@ def test_a_sleeping_program_keeps_its_robot_going_and_a_lost_one_does_not():
     with FakeBoard(listen) as fake, Robot(fake.port, unattended_s=1.5) as robot:
         robot.set("silence", 0.6)
         robot.gait(GAIT)
-        while not fake.await_state("hold", 0.1):
-            robot.latest  # noqa: B018  # looking is not calling
-        assert until(lambda: said[-1][1] == b"hold")
+        assert until(lambda: robot.latest and said[-1][1] == b"hold", 20.0)  # looking is no call
         (went_s, gait), (held_s, _) = said[-2:]
         assert gait == b"gait"
         assert held_s - went_s > 1.2  # two silence times

@@ -167,7 +167,7 @@ def test_damage_is_shown_and_pings_are_not():
         with Person(f"monitor --port {fake.port}") as person:
             person.answers("Ctrl-D stops it and leaves", "gait 30 80 5\r")
             person.sees("damaged: b'state: gail")
-            fake.goes_on(3.0)
+            fake.goes_on(2.5)
             assert fake.state == "gait"  # pings keep it going
             person.presses("\x04")
             assert person.leaves() == 0
