@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -117,6 +118,8 @@ def page(module: Path) -> str:
     text = (PARTS / "page.html").read_text(encoding="utf-8")
     names = ("playground.css", "shared.js", "worker.js", "draw.js", "page.js")
     scripts = {name: (PARTS / name).read_text(encoding="utf-8") for name in names}
+    snake = files("serpenoid") / "show" / "pages" / "snake.js"  # as `serpenoid view` draws it
+    scripts["snake.js"] = snake.read_text(encoding="utf-8")
     scripts["core.js"] = module.read_text(encoding="utf-8")
     scripts["tables.js"] = tables()
     module.with_name("tables.js").write_text(scripts["tables.js"], encoding="utf-8")

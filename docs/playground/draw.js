@@ -1,22 +1,5 @@
 // Pictures: the robot, speed over frequency, the map. Colours come from the style sheet.
 "use strict";
-const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
-
-// A canvas as sharp as the screen; returns its context in CSS pixels.
-function sharp(canvas) {
-  const ratio = devicePixelRatio || 1, w = canvas.clientWidth, h = canvas.clientHeight;
-  canvas.width = Math.round(w * ratio), canvas.height = Math.round(h * ratio);
-  const g = canvas.getContext("2d");
-  g.scale(ratio, ratio), g.font = "13px system-ui, sans-serif", g.lineCap = g.lineJoin = "round";
-  return { g, w, h };
-}
-
-function line(g, points, style, width) {
-  g.beginPath();
-  for (const [x, y] of points) g.lineTo(x, y);
-  g.strokeStyle = style, g.lineWidth = width, g.stroke();
-}
-
 // ---- the robot: positions of the motion, turned so that it crawls to the right
 
 function middle(motion, k) {
@@ -62,27 +45,15 @@ function drawSnake(canvas, motion, phase, gone) {
   }
   line(g, back, colour("path"), 2);
   const [x0, y0] = middle(motion, k);
-  g.save(), g.translate(w / 2, Y0 - side * scale), g.scale(1, -1), g.rotate(-motion.way);
-  for (let i = 0; i < motion.links; i++) drawLink(g, motion, k * motion.row + 4 * i, x0, y0, scale, i === motion.links - 1);
-  g.restore();
+  for (let i = 0; i < motion.links; i++) {
+    const at = k * motion.row + 4 * i, [x, y, theta, across] = motion.data.slice(at, at + 4);
+    const c = Math.cos(motion.way), d = Math.sin(motion.way), right = c * (x - x0) + d * (y - y0), up = c * (y - y0) - d * (x - x0);
+    // A wheel holds where it slips by less than a thousandth of a link in a cycle.
+    const holds = Math.abs(across) < 1e-3 * motion.length * motion.hz;
+    drawLink(g, w / 2 + right * scale, Y0 - (side + up) * scale, motion.way - theta, motion.length * scale,
+      colour(holds ? "holds" : "slips"), holds, i === motion.links - 1);
+  }
   scaleBar(g, h, step, scale);
-}
-
-// A wheel holds where it slips by less than a thousandth of a link in a cycle.
-function drawLink(g, motion, at, x0, y0, scale, head) {
-  const [x, y, theta, across] = motion.data.slice(at, at + 4), size = motion.length * scale;
-  const wheel = colour(Math.abs(across) < 1e-3 * motion.length * motion.hz ? "holds" : "slips");
-  g.save(), g.translate((x - x0) * scale, (y - y0) * scale), g.rotate(theta);
-  for (const side of [-0.26, 0.26]) line(g, [[-0.14 * size, side * size], [0.14 * size, side * size]], wheel, 0.11 * size);
-  line(g, [[-0.36 * size, 0], [0.36 * size, 0]], colour("body"), 0.24 * size);
-  if (head) g.beginPath(), g.arc(0.38 * size, 0, 0.07 * size, 0, 7), g.fillStyle = colour("paper"), g.fill();
-  g.restore();
-}
-
-function scaleBar(g, h, length, scale) {
-  const x = 14, y = h - 12, end = x + length * scale, ink = colour("ink");
-  line(g, [[x, y - 5], [x, y], [end, y], [end, y - 5]], ink, 2);
-  g.fillStyle = ink, g.textAlign = "left", g.fillText(`${+(100 * length).toPrecision(2)} cm`, end + 8, y);
 }
 
 // ---- charts

@@ -43,12 +43,16 @@ class Motion:
 
 def write_page(path: Path, title: str, about: str, shown: dict[str, Any]) -> None:
     """Write the page: it needs no other file and no network."""
-    text = Path(__file__).with_name("view.html").read_text(encoding="utf-8")
+    text, snake = (
+        Path(__file__).with_name(name).read_text(encoding="utf-8")
+        for name in ("view.html", "snake.js")
+    )
     data = json.dumps(shown, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
     marks = {
         "TITLE": html.escape(title),
         "ABOUT": html.escape(about),
         "SLIP": two_digits(shown["most_slip_m_s"]),
+        "SNAKE": snake,
         "DATA": data,
     }
     for mark, value in marks.items():
