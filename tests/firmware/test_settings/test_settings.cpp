@@ -231,27 +231,3 @@ TEST_CASE("a copy for another number of joints keeps what both have") {
     }
     CHECK(same(settings, wanted));
 }
-
-TEST_CASE("a step of a load or save reads few bytes, and writes one at most") {
-    struct Counting : Memory {
-        int reads = 0;
-        uint8_t read(uint16_t address) override {
-            ++reads;
-            return Memory::read(address);
-        }
-    };
-    Counting memory;
-    REQUIRE(save(memory, some_settings(1)));
-    REQUIRE(save(memory, some_settings(2)));
-    Settings settings = default_settings();
-    Store store(memory);
-    for (const bool saves : {false, true}) {
-        saves ? store.save(settings) : store.load(settings);
-        while (store.busy()) {
-            memory.reads = memory.writes = 0;
-            store.step();
-            CHECK(memory.reads <= 6);  // some 5 us each on a Uno
-            CHECK(memory.writes <= 1);
-        }
-    }
-}

@@ -56,7 +56,7 @@ def test_any_cut_leaves_every_whole_line(recorded, tmp_path):
     path, _ = recorded
     whole, cut = path.read_bytes(), tmp_path / "cut.txt"
     header = whole.index(b"\n") + 1
-    for end in [*range(header, header + 140), *range(len(whole) - 140, len(whole) - 10)]:
+    for end in [*range(header, header + 140, 3), *range(len(whole) - 140, len(whole) - 10, 3)]:
         cut.write_bytes(whole[:end])
         stream = load_stream(cut)
         assert len(stream.frame) == whole[:end].rpartition(b"\n")[0].count(b" < t:")
