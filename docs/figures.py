@@ -16,7 +16,7 @@ import crawl_drawing
 import film_pictures
 import serpenoid as sn
 import wiring_diagram
-from calibration_figures import coverage_figure, verdict_figure
+from calibration_figures import coverage_figure
 from serpenoid.bench.accuracy.figure import accuracy_figure
 from serpenoid.bench.accuracy.measure import Row
 from serpenoid.bench.rows import read_rows
@@ -59,12 +59,9 @@ def stability(path: Path) -> None:
     stability_figure(read_rows(STORED / "stability.csv", Cell), path)
 
 
-STUDIES = {"coverage": coverage_figure, "verdict": verdict_figure}
-
-
 def study(path: Path) -> None:
     """Draw the study that stands in the JSON file; `studies/calibration_study.py` makes it."""
-    STUDIES[path.stem](json.loads((STORED / f"{path.stem}.json").read_text()), path)
+    coverage_figure(json.loads((STORED / f"{path.stem}.json").read_text()), path)
 
 
 FIGURES: dict[str, Callable[[Path], None]] = {
@@ -74,7 +71,7 @@ FIGURES: dict[str, Callable[[Path], None]] = {
     "run.png": run,
     "accuracy.png": accuracy,
     "stability.png": stability,
-    **{f"{name}.png": study for name in STUDIES},
+    "coverage.png": study,
     "wiring.svg": wiring_diagram.draw_file,
     "wiring_pca9685.svg": wiring_diagram.draw_file,
     **{

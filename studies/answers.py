@@ -353,13 +353,6 @@ def fitted(fit: sn.FrictionFit) -> Answer:
     return answer
 
 
-def crawls(_r: Random, number: int) -> Answer:
-    """Return frictions that crawls tell, too."""
-    session = sn.load_session(folder_of(CRAWLS[number % 2]))
-    servos = (None, sn.servo("SG90"))[number // 2]
-    return fitted(sn.fit_friction(session, crawls=True, servo=servos))
-
-
 def predict(_r: Random, number: int) -> Answer:
     """Return the bands and the verdict of a session's crawls."""
     session = sn.load_session(folder_of(CRAWLS[number % 2]))
@@ -385,7 +378,8 @@ def advice(_r: Random, number: int) -> Answer:
     """Return the band today and after the best reading, which draws tell to a tenth."""
     folder = folder_of(("paper", "belt-one-bend", "floor-0")[number])
     answer = asked("advise", folder, "--gait", 70, 75, 0.5, "--servo", "ideal")
-    return {name: [answer[name], 0.05 * answer[name]] for name in ("band", "band_after_best")}
+    bands = {"band": answer["band"], "best": answer["readings"][0]["band"]}
+    return {name: [value, 0.05 * value] for name, value in bands.items()}
 
 
 def film(_r: Random) -> Answer:
@@ -466,7 +460,6 @@ KINDS = {
     "run-dry": Kind(12, run("dry"), 1e-6, True),
     "extreme": Kind(20, extreme, 1e-6, True),
     "fit": Kind(40, fit("joint"), 0.0, True),
-    "fit-crawls": Kind(4, crawls, 0.0, True),
     "predict": Kind(4, predict, 0.0, True),
     "advice": Kind(3, advice, 0.0, True),
     "film": Kind(1, film),

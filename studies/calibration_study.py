@@ -2,7 +2,6 @@
 
 python studies/calibration_study.py coverage --sessions 1000    how often 95 % intervals hold it
 python studies/calibration_study.py floor --sessions 1000       the same, of pushes on a floor
-python studies/calibration_study.py verdict --sessions 100      how often compare's verdict is right
 """
 
 from __future__ import annotations
@@ -15,13 +14,10 @@ from pathlib import Path
 import calibration_figures as figures
 import coverage_floor
 import coverage_treadmill
-import verdicts
-from serpenoid.bench.rows import renew_table
 
 STUDIES = {
     "coverage": (coverage_treadmill.STUDY.run, figures.coverage_figure),
     "floor": (coverage_floor.STUDY.run, figures.coverage_figure),
-    "verdict": (verdicts.STUDY.run, figures.verdict_figure),
 }
 
 
@@ -34,7 +30,6 @@ def main() -> None:
     parser.add_argument("--sessions", type=int, required=True, help="of each kind; 20 at least")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, default=Path("bench-out"))
-    parser.add_argument("--page", type=Path, help="a page whose table of verdicts is renewed")
     asked = parser.parse_args()
     run, draw = STUDIES[asked.study]
     found = list(run(asked.sessions, asked.seed, print))
@@ -43,12 +38,7 @@ def main() -> None:
     path = asked.out / f"{asked.study}.json"
     path.write_text(json.dumps(rows, indent=2) + "\n")
     draw(rows, path.with_suffix(".png"))
-    if asked.study == "verdict":
-        print(verdicts.markdown(rows))
-    else:
-        print(*rows, sep="\n")
-    if asked.page is not None:
-        renew_table(asked.page, "verdicts", verdicts.markdown(rows))
+    print(*rows, sep="\n")
 
 
 if __name__ == "__main__":

@@ -17,14 +17,13 @@ from coverage_treadmill import GAIT, SERVOS, WHOLE, WHOLE_2005, DrivenTable
 from numpy.typing import NDArray
 from serpenoid import FrictionFit, Gait, SerpenoidError, ServoKind, fit_friction
 from serpenoid.calibration.fitting.shared import FRICTIONS
-from serpenoid.calibration.speeds import AMPLITUDE_SIGMA, scaled, speed
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.recording import Camera
 from serpenoid.periodic.servo_steady import band
-from serpenoid.prediction.speed_samples import likeliest_speed, sample_speeds
+from serpenoid.prediction.speeds import AMPLITUDE_SIGMA, scaled, speed
 from serpenoid.session.instruments import FloorTools
 from serpenoid.session.session import Setup
-from serpenoid.taking.new_session import CRAWL_RUNS, CRAWLS, PUSHES, default_setup
+from serpenoid.taking.new_session import PUSHES, default_setup
 from serpenoid.taking.simulated import SimulatedPerson
 from serpenoid.taking.treadmill import take_all
 from serpenoid.taking.world import drawn_floor
@@ -51,16 +50,13 @@ _SPEED_SAMPLES = 256
 class FloorCase:
     """Sessions of one kind: what films, what the set-up is told of the wheels, and the plan.
 
-    camera: None: tape and watch. pushes: in each bend. crawls: gaits that are run, and fitted, too;
-    filmed where pushes are, else timed over a metre. driven: the robot has a hobby servo, and the
-    fit knows no more; else quick ones, as the fit is told.
+    pushes: in each bend. driven: the robot has a hobby servo, else quick ones.
     """
 
     name: str
-    camera: Camera | None
+    camera: Camera
     wheels_kg: float | None = WHEELS_KG
     pushes: int = PUSHES
-    crawls: tuple[Gait, ...] = CRAWLS
     driven: bool = False
 
     @property
@@ -72,10 +68,8 @@ class FloorCase:
 CASES = (
     FloorCase("film, 1 mm", Camera()),
     FloorCase("film, 1 mm, a hobby servo", Camera(), driven=True),
-    FloorCase("film, 1 mm, pushes alone", Camera(), crawls=(), driven=True),
     FloorCase("film, 2 mm, a tenth of the pictures missing", Camera(sigma_m=0.002, missing=0.1)),
     FloorCase("film, 1 mm, wheels not weighed", Camera(), None),
-    FloorCase("by hand, with crawls", None),
 )
 
 
@@ -86,8 +80,7 @@ class FloorCoverage:
     ct, cn, ft0, fn0, speed, driven: as of `Coverage`. errors: medians of the four frictions'
     relative errors. half_widths: of the intervals, relative, the median, those of the two speeds
     last. unseen, unseen_90: median and 90th percentile of the relative error of six gaits' speeds,
-    by the likeliest friction, amplitude and servo. Without crawls in the fit: by quick servos, the
-    joints' amplitude known. unseen_commanded: the median for quick servos and the amplitude as
+    by quick servos, the joints' amplitude known. unseen_commanded: the median with the amplitude as
     commanded. minutes: by the lab's clock.
     """
 
@@ -120,8 +113,7 @@ def floor_setup(case: FloorCase) -> Setup:
             base.procedure,
             on="floor",
             pushes=case.pushes,
-            gaits=case.crawls,
-            gait_runs=CRAWL_RUNS,
+            gaits=(),
         ),
     )
 
@@ -149,16 +141,16 @@ class FloorTables:
 
 def one_floor(case: FloorCase, seed: int, number: int, tables: FloorTables) -> list[float] | None:
     """Take and fit a session; return what held, widths, errors and minutes; None where refused."""
-    grain = round(1e4 * case.camera.sigma_m) if case.camera else 0
+    grain = round(1e4 * case.camera.sigma_m)
     rng = np.random.default_rng([seed, grain, case.pushes, number])
     amplitude = 1.0 + AMPLITUDE_SIGMA * float(rng.normal())
     person = drawn_person(case, rng, amplitude)
     taken = take_all(MemoryRecord(floor_setup(case)), person)
     try:
-        fit = fit_friction(taken, crawls=bool(case.crawls), servo=case.kind, seed=number)
+        fit = fit_friction(taken, seed=number)
     except SerpenoidError:
         return None
-    bands = _bands(fit, case.kind, rng, tables)
+    bands = _bands(fit, rng, tables)
     ends = np.vstack([[fit.intervals[name] for name in FRICTIONS], *bands])
     crawls = crawl_speed(person.robot, scaled(GAIT, amplitude))
     true = np.append(WHOLE, [float(tables.speed(WHOLE[None, :])[0]), crawls])
@@ -171,24 +163,16 @@ def one_floor(case: FloorCase, seed: int, number: int, tables: FloorTables) -> l
 def _unseen(
     fit: FrictionFit, case: FloorCase, person: SimulatedPerson, amplitude: float, gait: Gait
 ) -> list[float]:
-    """Return what an unseen gait's speed is off by, as the fit knows joints and as commanded."""
+    """Return what an unseen gait's speed is off by, the amplitude known and as commanded."""
     ideal = crawl_speed(replace(person.robot, servo=None), scaled(gait, amplitude))
     off = abs(speed(fit.robot, fit.ground, gait) / ideal - 1.0)
-    if not case.crawls:
-        return [abs(speed(fit.robot, fit.ground, scaled(gait, amplitude)) / ideal - 1.0), off]
-    moved = crawl_speed(person.robot, scaled(gait, amplitude)) if case.driven else ideal
-    return [abs(likeliest_speed(fit, gait, case.kind) / moved - 1.0), off]
+    return [abs(speed(fit.robot, fit.ground, scaled(gait, amplitude)) / ideal - 1.0), off]
 
 
 def _bands(
-    fit: FrictionFit, servo: ServoKind | None, rng: np.random.Generator, tables: FloorTables
+    fit: FrictionFit, rng: np.random.Generator, tables: FloorTables
 ) -> list[tuple[float, float]]:
     """Return the bands of GAIT's speed, of frictions alone and of a driven robot."""
-    if fit.with_crawls:  # wider than the tables
-        drawn = sample_speeds(
-            fit, [GAIT], amplitude_sigma=AMPLITUDE_SIGMA, servo=servo, count=_SPEED_SAMPLES
-        )
-        return [band(drawn.friction_m_s[:, 0]), band(drawn.both_m_s[:, 0])]
     whole = fit.sample_whole(_SPEED_SAMPLES)
     amplitudes = 1.0 + AMPLITUDE_SIGMA * rng.normal(size=_SPEED_SAMPLES)
     servos = tables.driven.some(_SPEED_SAMPLES, rng)
@@ -227,5 +211,4 @@ STUDY = Study(
     floor_tables,
     one_floor,
     lambda case, results: [judged_floor(case, results)],
-    lambda case: 1 if case.camera else 5,  # intervals of sessions by hand are far wider
 )

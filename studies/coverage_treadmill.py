@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from serpenoid import Gait, Ground, Robot, SerpenoidError, fit_friction, servo
 from serpenoid.calibration.fitting.shared import FRICTIONS
 from serpenoid.calibration.friction_result import ground_of
-from serpenoid.calibration.speeds import AMPLITUDE_SIGMA, scaled
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.periodic.servo_steady import band, servo_speeds
 from serpenoid.periodic.steady import steady_gait
+from serpenoid.prediction.speeds import AMPLITUDE_SIGMA, scaled
 from serpenoid.session.session import Setup
 from serpenoid.taking.new_session import default_setup
 from serpenoid.taking.simulated import SimulatedPerson

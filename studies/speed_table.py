@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from numpy.typing import NDArray
 from serpenoid import Gait, Ground, Robot
-from serpenoid.calibration.speeds import speed
+from serpenoid.prediction.speeds import speed
 
 Array = NDArray[np.float64]
 # Of the 2005 robot's ct, cn, ft0, fn0: as far as a session with a 7.5 degree bend errs.

@@ -40,12 +40,6 @@ def pytest_configure() -> None:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-@pytest.fixture
-def short_curve(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let `compare` draw its curve of speeds through two points; 49 take seconds."""
-    monkeypatch.setattr("serpenoid.prediction.comparison._CURVE_POINTS", 2)
-
-
 def judged(report: Report) -> Report:
     """Return a report; one that skips what CI must run becomes a failure there."""
     if report.skipped and not hasattr(report, "wasxfail") and os.environ.get("CI") == "true":

@@ -24,9 +24,8 @@ if TYPE_CHECKING:
     from .periodic.servo_steady import ServoSteady
     from .periodic.steady import Steady
     from .periodic.sweep import Sweep, sweep
-    from .prediction.advice import advise
+    from .prediction.advice import Advice, advise
     from .prediction.comparison import Comparison, compare
-    from .prediction.next_reading import Advice
     from .servos.catalogue import servo
     from .servos.servo_file import load_servo, save_servo
     from .session.folder import load_session
@@ -41,8 +40,7 @@ if TYPE_CHECKING:
 # Where the rest is, imported at first use: the command line answers --help without NumPy.
 _HOMES = {
     "base.errors": ("BadInput", "Diverged", "NotConverged", "SerpenoidError", "StepTooLarge"),
-    "prediction.advice": ("advise",),
-    "prediction.next_reading": ("Advice",),
+    "prediction.advice": ("Advice", "advise"),
     "prediction.comparison": ("Comparison", "compare"),
     "calibration.fit_file": ("load_fit", "save_fit"),
     "calibration.friction_fit": ("fit_friction",),

@@ -49,7 +49,7 @@ ANSWERS = (  # MINE is a session with a crawl; BENCH a servo's test
     "optimize --robot DIR --speed-m-s 0.03 --servo ideal",
     "simulate --scene SCENE --duration-s 0.5",
     "fit DIR --influence",
-    "fit MINE --crawls --servo SG90",
+    "fit MINE",
     f"compare DIR {NEXT}",
     f"advise DIR {NEXT}",
     "report DIR --out report.html",

@@ -16,24 +16,22 @@ from ..base.checks import check_number
 from ..base.errors import BadInput
 from ..base.files import read_json, write_text
 from ..base.vectors import number_array
-from ..model.drives import REMOVED, Servo
 from ..model.robot import Robot
 from ..session.session import Session
 from .fitting.shared import FRICTIONS
 from .fitting.suspects import Influence
 from .friction_result import (
-    AMPLITUDE,
+    METHODS,
     WHOLE,
     Estimate,
     FitDraws,
-    FittedServos,
     Floats,
     FrictionFit,
     fit_of,
     normal_draws,
 )
 
-FORMAT = 2  # 1 had draws only where crawls were fitted
+FORMAT = 2  # 1 had no draws
 NAME = "fit.json"
 _LONGEST = 200  # letters of a reason
 # By SciPy, from the covariance, or, where a file of format 1 has none, at random.
@@ -121,9 +119,8 @@ def load_fit(path: str | Path) -> FrictionFit:
 
 
 def rests_on(fit: FrictionFit, session: Session) -> bool:
-    """Return whether a fit is that of a session as it is now, crawls in it if it took any."""
-    now = session.sha256_with_crawls if fit.with_crawls else session.sha256
-    return now == fit.session_sha256
+    """Return whether a fit is that of a session as it is now."""
+    return session.sha256 == fit.session_sha256
 
 
 def _with_age(fit: FrictionFit, path: Path) -> FrictionFit:
@@ -162,8 +159,8 @@ def _check(given: Mapping[str, Any]) -> None:
             f"format is {given['format']}; this version reads formats up to {FORMAT}; install a "
             "newer one"
         )
-    if str(given["method"]).startswith("robust"):
-        raise BadInput(f"method is {given['method']}; it is one that is gone")
+    if given["method"] not in METHODS:
+        raise BadInput(f"method is {given['method']}; this version fits by {' or '.join(METHODS)}")
     if given.get("sha256") != _hash({k: v for k, v in given.items() if k != "sha256"}):
         raise BadInput(
             "sha256 is not that of its numbers: an older version wrote it, or it was edited"
@@ -174,7 +171,7 @@ def _check_sound(fit: FrictionFit, given: Mapping[str, Any]) -> None:
     """Raise BadInput where numbers are none of a fit, or a file says other than its fit would."""
     again = json.loads(json.dumps(fit.to_dict()))
     differ = [k for k in again if k in given and k not in _COMPUTED and again[k] != given[k]]
-    covariance, draws, servos = fit.covariance, fit.draws, fit.servos
+    covariance, draws = fit.covariance, fit.draws
     count = len(fit.parameters)
     least = float(np.linalg.eigvalsh(covariance)[0])
     intervals = [(0.0, row.low, row.value, row.high) for row in fit.rows()]
@@ -186,11 +183,6 @@ def _check_sound(fit: FrictionFit, given: Mapping[str, Any]) -> None:
         and len(draws) > 0
         and bool(np.all(draws.rows[:, :count] >= 0.0)),
         "chi2": fit.chi2 >= 0.0 and fit.dof >= 0,
-        "servos": servos is None
-        or (
-            len(servos.index) == len(draws)
-            and {*servos.index, servos.best} <= {*range(len(servos.drawn))}
-        ),
     }
     wrong = [*differ, *(part for part, well in sound.items() if not well)]
     if wrong:
@@ -238,7 +230,6 @@ def _from_json(given: Mapping[str, Any]) -> FrictionFit:
         session_name=given["session"]["name"],
         session_sha256=given["session"]["sha256"],
         draws=_draws(given, names, (values, covariance, ends)),
-        servos=_servos(given["servos"]) if "servos" in given else None,
     )
 
 
@@ -249,23 +240,10 @@ def _draws(
 
     Of a file of format 1 without them draws of these.
     """
-    draws: Any = given.get("draws")
     if given["format"] > 1:
+        draws = given["draws"]
         return FitDraws(tuple(draws["order"]), number_array("draws", draws["values"]))
-    if draws:
-        return FitDraws((*names, AMPLITUDE), number_array("draws", draws))
     return FitDraws(names, normal_draws(*told))
-
-
-def _servos(given: Mapping[str, Any]) -> FittedServos:
-    """Return the servos that go with the draws."""
-    rows = [dict(one) for one in given["drawn"]]
-    for row in rows:
-        for field, what in REMOVED.items():
-            if row.pop(field, 0.0) > 0:
-                raise BadInput(f"servos.drawn: {field} is above 0; {what}")
-    drawn = tuple(Servo(**row) for row in rows)
-    return FittedServos(given["kind"], drawn, tuple(map(int, given["index"])), int(given["best"]))
 
 
 def _influence(given: Mapping[str, Any]) -> Influence:

@@ -23,10 +23,8 @@ import numpy as np
 
 from ..base.checks import check_choice, check_kind
 from ..base.errors import BadInput, NotConverged
-from ..model.drives import ServoKind
 from ..session.session import Session
 from .alarms import with_alarms
-from .crawls.fit import with_crawls
 from .fit_of_draws import fit_of_draws
 from .fitting.identifiability import check_readings
 from .fitting.paper_fit import errors, points, two_lines
@@ -35,18 +33,14 @@ from .fitting.shared import FRICTIONS
 from .fitting.stations import Stations
 from .fitting.unknowns import Floats
 from .floor.notes import check_floor
-from .friction_result import LEVEL, UNITS, FitDraws, FrictionFit, normal_draws, with_values
+from .friction_result import LEVEL, METHODS, UNITS, FitDraws, FrictionFit, normal_draws, with_values
 from .session_posterior import mode_of, posterior_of, usual_frictions
-
-METHODS = ("joint", "naive")
 
 
 def fit_friction(
     session: Session,
     *,
     method: str = "joint",
-    crawls: bool = False,
-    servo: ServoKind | None = None,
     seed: int = 2005,
 ) -> FrictionFit:
     """Fit ct, cn, ft0 and fn0 to a session's kept readings: stations and pushes together.
@@ -59,12 +53,6 @@ def fit_friction(
         "joint": errors in variables, all readings at once, no parameter below 0. Sigma is absolute,
         never rescaled by the scatter: chi2 tells whether the stated uncertainties hold.
         "naive": the paper's Eq. 61 and two straight lines, of stations alone; sigma is rescaled.
-    crawls
-        Fit the session's gait runs and films, too, or alone where there is nothing else. By draws,
-        since what they tell is no normal cloud. `compare` tests predictions by crawls, so they are
-        left out unless asked for.
-    servo
-        The kind that moved the joints in those crawls; None: they followed the gait.
     seed
         Of the draws.
 
@@ -89,11 +77,6 @@ def fit_friction(
     """
     check_kind("session", session, Session)
     check_choice("method", method, METHODS)
-    if crawls:
-        if method == "naive":
-            raise BadInput("crawls are fitted by method 'joint', not 'naive'")
-        servo, other = servo and session.setup.driving(servo), _beside_crawls(session)
-        return with_crawls(session, other, servo, seed)
     if not session.on_floor:
         stations = Stations.of(session)
         check_readings(session, stations, 3 if method == "naive" else 2)
@@ -108,20 +91,6 @@ def fit_friction(
         return _fitted(session, seed)
     except NotConverged as error:
         raise NotConverged(f"{session.where}: {error}; {_suspect(session)}") from error
-
-
-def _beside_crawls(session: Session) -> FrictionFit | None:
-    """Return the fit of all other readings; None where there are none, or pushes that leave some
-    frictions open, such as those by tape and watch.
-    """
-    if not session.fitted:
-        return None
-    try:
-        return fit_friction(session)
-    except (BadInput, NotConverged):
-        if session.on_floor and not session.kept:
-            return None
-        raise
 
 
 def friction_points(session: Session, fit: FrictionFit) -> dict[str, tuple[Floats, Floats]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from ..base.checks import check_number
 from ..base.rows import Result, Row, ranged
-from ..model.drives import Servo, ServoKind
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..session.session import NO_BELT, Session, belt_note
@@ -25,10 +24,10 @@ T = TypeVar("T")
 
 UNITS = MappingProxyType({name: "N s/m" if name[0] == "c" else "N" for name in FRICTIONS})
 LEVEL = 0.95
+METHODS = "joint", "naive"
 WHOLE = "_whole"
 NOT_WEIGHED = "The robot was not weighed"
 NO_ZERO = "The inclinometer's zero was not measured"
-AMPLITUDE = "amplitude"  # of the joints, over the commanded one
 SURELY = 2.0  # errors of its difference, beyond which a zero that moved is told
 _FEW = 4  # of the draws, one in so many or less
 _TAILS = 11  # shares below an interval that are tried
@@ -95,8 +94,8 @@ def narrowest(drawn: Floats, weight: Floats, value: float) -> tuple[float, float
 class FitDraws:
     """Draws of what a fit tells, each as likely as any other.
 
-    names: frictions of the whole snake, what readings share, and the joints' amplitude over the
-    commanded one where crawls are fitted. rows: (N, names), to six digits, as a file keeps them.
+    names: frictions of the whole snake, and what readings share. rows: (N, names), to six digits,
+    as a file keeps them.
     """
 
     names: tuple[str, ...]
@@ -121,24 +120,6 @@ class FitDraws:
         return {"order": list(self.names), "values": self.rows.tolist()}
 
 
-@dataclass(frozen=True)
-class FittedServos:
-    """What crawls tell of the servos that moved the joints in them.
-
-    kind: of which they were drawn. drawn: those. index: of each of the fit's draws, which of them.
-    best: the likeliest.
-    """
-
-    kind: str
-    drawn: tuple[Servo, ...]
-    index: tuple[int, ...]
-    best: int
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain values."""
-        return asdict(self)
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class FrictionFit(Result):
     """Hold the friction fitted to one session; print() gives a report of it.
@@ -146,7 +127,7 @@ class FrictionFit(Result):
     Attributes
     ----------
     method
-        "joint" or "naive"; where crawls are fitted "joint, with crawls", or "crawls" alone.
+        "joint" or "naive".
     sigma
         "absolute": from the stated uncertainties of the instruments. "rescaled": from the scatter.
     parameters
@@ -175,8 +156,6 @@ class FrictionFit(Result):
         The session fitted, and the hash of what the fit rests on.
     draws
         Draws of the frictions, whole snake, and of what readings share, by name.
-    servos
-        Where crawls are fitted and the servos were in doubt: the servo that goes with each draw.
 
     Examples
     --------
@@ -203,7 +182,6 @@ class FrictionFit(Result):
     session_name: str = ""
     session_sha256: str = ""
     draws: FitDraws = field(default_factory=lambda: FitDraws((), np.empty((0, 0))))
-    servos: FittedServos | None = None
 
     @property
     def unmeasured(self) -> list[str]:
@@ -220,11 +198,6 @@ class FrictionFit(Result):
         """Return ct, cn (N s/m), ft0, fn0 (N) of the whole snake."""
         return {name: self.parameters[name].value for name in self.names}
 
-    @property
-    def with_crawls(self) -> bool:
-        """Tell whether crawls are fitted, which tell the joints' amplitude."""
-        return AMPLITUDE in self.draws
-
     def sample_whole(self, count: int = 64, seed: int = 2005) -> Floats:
         """Return draws of the whole snake's frictions that the readings allow, never below 0.
 
@@ -239,20 +212,6 @@ class FrictionFit(Result):
             N s/m and N, in the order of parameters.
         """
         return np.asarray(self.draws.rows[self._picked(count, seed), : len(self.names)])
-
-    def sample_amplitudes(self, count: int = 64, seed: int = 2005) -> Floats | None:
-        """Return the joints' amplitudes that go with sample_whole's rows, where crawls told one."""
-        return self.draws[AMPLITUDE][self._picked(count, seed)] if self.with_crawls else None
-
-    def sample_servos(self, kind: ServoKind, count: int = 64, seed: int = 2005) -> list[Servo]:
-        """Return the servos that go with sample_whole's rows, where crawls told of such a kind.
-
-        Else servos drawn from the kind.
-        """
-        if self.servos is None or self.servos.kind != kind.name:
-            return list(kind.draws(count, seed))
-        index = np.array(self.servos.index)[self._picked(count, seed)]
-        return [self.servos.drawn[k] for k in index.tolist()]
 
     def _picked(self, count: int, seed: int) -> NDArray[np.intp]:
         """Return which of the draws stand for all.
@@ -368,7 +327,7 @@ class FrictionFit(Result):
             "influence": [i.to_dict() for i in self.influence],
             **{name: list(getattr(self, name)) for name in ("alarms", "notes")},
             "draws": self.draws.to_dict(),
-        } | ({} if self.servos is None else {"servos": self.servos.to_dict()})
+        }
 
 
 def normal_draws(

@@ -20,8 +20,8 @@ from .. import _core
 from ..base.files import read_json, write_text
 from ..calibration.friction_result import DOUBTFUL, whole_ground
 from ..lab.crawl import crawl_speed
-from ..prediction.comparison import gait_count
-from ..prediction.speed_samples import speed_band
+from ..prediction.band import speed_band
+from ..prediction.comparison import compared_gaits
 from ..robot.robot import RobotBoard
 from ..session.instruments import FloorTools
 from ..session.journal import Journal
@@ -178,9 +178,9 @@ def _without_outlier(
 
 
 def _compare(session: sn.Session, fit: sn.FrictionFit, out: Path) -> sn.Comparison:
-    with progress(gait_count(session), "gaits") as advance:
+    with progress(len(compared_gaits(session)), "gaits") as advance:
         compared = sn.compare(session, fit, servo=SERVOS, progress=advance)
-    comparison_figure(compared, out)
+    comparison_figure(compared, fit, out)
     gait = compared.gaits[1]
     step(
         3,

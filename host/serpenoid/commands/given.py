@@ -14,7 +14,7 @@ from .declare import Given, Setting
 from .options import FRICTION, ROBOT, typed_servo
 
 if TYPE_CHECKING:
-    from ..prediction.speed_samples import SpeedBand
+    from ..prediction.band import SpeedBand
     from ..session.film import FilmReading
 
 
@@ -91,30 +91,16 @@ def make_snake(name: str | None, settings: Given, base: Snake | None = None) -> 
     return replace(start, robot=robot, ground=ground, fit=None)
 
 
-def session_fit(folder: Path, with_crawls: bool = True) -> sn.FrictionFit:
-    """Return a session's fit.json if it is that of its readings, else fit them now.
-
-    with_crawls: whether one that rests on crawls will do, which is no test of them.
-    """
+def session_fit(folder: Path) -> sn.FrictionFit:
+    """Return a session's fit.json if it is that of its readings, else fit them now."""
     from ..calibration.fit_file import NAME, rests_on
 
     session = sn.load_session(folder)
     if (folder / NAME).exists():
         try:
             kept = sn.load_fit(folder)
-            if not with_crawls and kept.with_crawls:
-                say(
-                    "note: fit.json has crawls in it, so it is no test of them: fitted without",
-                    err=True,
-                )
-            elif rests_on(kept, session):
+            if rests_on(kept, session):
                 return tell_alarms(kept)
-            elif kept.with_crawls:
-                say(
-                    f"serpenoid: warning: {folder / NAME} is older than the readings: fitted anew, "
-                    f"without crawls; `serpenoid fit {folder} --crawls` takes them",
-                    err=True,
-                )
         except sn.BadInput as error:  # an older version's, or edited: the readings are there
             say(f"serpenoid: warning: {error}; fitted anew", err=True)
     return tell_alarms(sn.fit_friction(session))
@@ -125,28 +111,14 @@ def take_servo(
 ) -> sn.ServoKind | None:
     """Return the servos of --servo, else the usual ones; None for joints that are ideal.
 
-    snake: of a session, whose voltage, frames and films then say more about them.
+    snake: of a session, which has their voltage and the frames of its board.
     """
-    from ..prediction.filmed_joints import servo_seen
     from ..session.folder import read_session
 
     kind = typed_servo(name or usual, settings)
-    if kind is None or snake is None:
+    if kind is None or snake is None or snake.session is None:
         return kind
-    session = None if snake.session is None else read_session(snake.session)
-    if session is not None:
-        kind = session.setup.driving(kind)
-    if (fit := snake.fit) is None:
-        return kind
-    if fit.servos is not None and fit.servos.kind == kind.name:
-        say(f"servos: those of {kind.name} that the fit's crawls leave possible", err=True)
-        return replace(kind, drawn=tuple(fit.sample_servos(kind, len(fit.servos.index))))
-    if session is None:
-        return kind
-    filmed = servo_seen(kind, session.kept_films, fit)
-    if filmed is not kind:
-        say(f"servos: those of {kind.name} that would move the joints as filmed", err=True)
-    return filmed
+    return read_session(snake.session).setup.driving(kind)
 
 
 def predicted_band(
@@ -161,7 +133,7 @@ def predicted_band(
     """
     if snake.fit is None:
         return None
-    from ..prediction.speed_samples import speed_band
+    from ..prediction.band import speed_band
 
     return speed_band(snake.fit, gait, servo=servo, commanded=commanded)
 

@@ -1,65 +1,187 @@
-"""Which reading to take next: the one that saves most of the speeds' band a minute.
+"""Which reading to take next: the one that shrinks the band of the gaits in question most a minute.
 
 A reading that is yet to be taken is put beside the others at its expected value, and the
-posterior's slopes say what friction's covariance is then. A gait run tells of its own speed, but
-for the joints' amplitude, which it shares with the gaits that matter; friction fits leave gait runs
-out, and so does this unless asked.
+posterior's slopes say what friction's covariance is then.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
 
 from ..base.checks import check_kind
 from ..base.errors import BadInput
-from ..calibration.crawls.data import same_command
-from ..calibration.fitting.posterior import Mode
+from ..base.rows import Result
+from ..base.vectors import Array
+from ..calibration.crawls.data import as_run, crawls_by_command, same_command
 from ..calibration.friction_fit import fit_friction
+from ..calibration.friction_result import FrictionFit
 from ..calibration.session_posterior import covariance_after, mode_of
-from ..calibration.speeds import Progress
 from ..model.drives import ServoKind
 from ..model.gait import Gait, gait_name
+from ..periodic.servo_steady import band
 from ..servos.catalogue import HOBBY
 from ..servos.speed_limit import too_fast_text
-from ..session.gait_run import GaitRun
 from ..session.session import Session
-from .filmed_joints import servo_seen
-from .floor_readings import floor_options
-from .next_reading import (
-    Advice,
-    NextReading,
-    Option,
-    gaits_that_matter,
-    next_number,
-    repeated,
-)
-from .speed_bands import SpeedBands, speed_bands
-from .stations import station_options
+from .next_readings import MAX_TIMES, Candidate, can_film, candidates
+from .speeds import SAMPLES, Progress, draw_samples, draw_servos, speed, speeds
 
-LAMBDAS_DEG = (0.0, 7.5, 15.0, 20.0, 30.0)  # further, the end joints stand beyond 60 degrees
-_WORTH_ANOTHER = 0.1
-_ON_FLOOR = (
-    "By minutes of work: the first saves most of the band a minute. Once pushes are filmed, what "
-    "joints really do is the larger part: a film of a crawl tells it (`serpenoid video`)."
-)
+Z95 = 1.959964
+WORTH = 0.1  # of the band: a reading that saves less is not worth its time
+SERVO_LEFT = 0.5  # of the servos' share of the band, after a bench test of one joint
+SERVO_TEST_MIN, FILM_MIN = 30.0, 10.0
+SHOWN = 5  # readings of a table
+
+
+@dataclass(frozen=True, slots=True)
+class NextReading:
+    """A reading, and the relative half width of the speeds' 95 % band after it.
+
+    kind: station (lambda_rad, incline_rad, belt_speed_m_s expected), push (lambda_rad), film or
+    servo. words: what to do. times: how often it is worth taking. minutes: that it takes in all.
+    band: after it, mean over the gaits asked for.
+    """
+
+    kind: str
+    words: str
+    times: int
+    minutes: float
+    band: float
+    lambda_rad: float | None = None
+    incline_rad: float | None = None
+    belt_speed_m_s: float | None = None
+
+    def in_words(self) -> str:
+        """Return what to do, and how often."""
+        return self.words + (f", {self.times} times" if self.times > 1 else "")
+
+
+@dataclass(frozen=True)
+class Advice(Result):
+    """Hold the present speed band and the readings that would shrink it.
+
+    Attributes
+    ----------
+    gaits
+        The gaits whose speeds count.
+    band
+        Half of the 95 % band of speed, relative, mean over the gaits; `compare` shows the same.
+    readings
+        Readings that can be taken next; first the one that saves most of the band a minute.
+    note
+        A remark for the user, or "".
+    servo
+        Name of the kind of servo; None for joints that follow the gait.
+    fit_alarms
+        Why the friction fit that this rests on is not to be trusted.
+
+    Examples
+    --------
+    >>> session = sn.load_session("calibration_data/nirakh-2005")
+    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=4.0)
+    >>> advice = sn.advise(session, [gait], servo=None, samples=16)
+    >>> bool(advice.best.band < advice.band)
+    True
+    """
+
+    gaits: tuple[Gait, ...]
+    band: float
+    readings: tuple[NextReading, ...]
+    note: str = ""
+    servo: str | None = None
+    fit_alarms: tuple[str, ...] = ()
+
+    @property
+    def best(self) -> NextReading:
+        """Return the reading that saves most of the band a minute."""
+        return self.readings[0]
+
+    @property
+    def worth(self) -> bool:
+        """Return whether any reading saves a tenth of the band."""
+        return any(reading.band <= (1.0 - WORTH) * self.band for reading in self.readings)
+
+    def in_words(self) -> str:
+        """Return which reading to take, or that none is worth its time."""
+        now = f"{100 * self.band:.2g} %"
+        if not self.worth:
+            return (
+                f"No further reading is worth its time: none makes the speed's band, ±{now}, a "
+                f"tenth narrower. {self.note}"
+            ).strip()
+        after = f"{100 * self.best.band:.2g} %"
+        what = f"{self.best.in_words()} ({self.best.minutes:.0f} minutes)"
+        return f"Take next: {what}; the speed is then known to ±{after}, now ±{now}. {self.note}"
+
+    def table(self, verbose: bool = True) -> tuple[list[str], list[list[str]]]:
+        """Return the best readings and the speed's band after each; none where words do."""
+        if not self.worth:
+            return [], []
+        cells = [
+            [reading.in_words(), f"{reading.minutes:.0f}", f"±{reading.band:.1%}"]
+            for reading in self.readings[:SHOWN]
+        ]
+        return ["reading", "minutes", "speed then known to"], cells
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the figures by name; fit_alarms only where there are any."""
+        values = asdict(self)
+        alarms: tuple[str, ...] = values.pop("fit_alarms")
+        values["readings"] = [asdict(r) | {"in_words": r.in_words()} for r in self.readings]
+        values["worth"] = self.worth
+        return values | ({"fit_alarms": list(alarms)} if alarms else {})
+
+
+@dataclass(frozen=True)
+class _Bands:
+    """Speeds of the gaits in question and halves of their 95 % bands, over the speed, (gaits,).
+
+    slope: (gaits, P), of the speed by the frictions, a regression of sampled speeds. friction, with
+    joints, whole: the bands of friction alone, with the amplitude, with the servos. filmed: with
+    joints as a film shows them.
+    """
+
+    speed_m_s: Array
+    slope: Array
+    friction: Array
+    joints: Array
+    whole: Array
+    filmed: Array
+
+    def by_friction(self, covariance: Array) -> Array:
+        """Return the bands of friction alone, to first order, with such a covariance."""
+        variance = np.einsum("gi,ij,gj->g", self.slope, covariance, self.slope)
+        return np.asarray(Z95 * np.sqrt(variance) / self.speed_m_s)
+
+    def after(self, ratio: Array) -> float:
+        """Return the mean band once friction's parts have shrunk by ratios."""
+        rest = np.maximum(self.whole**2 - self.friction**2, 0.0)
+        return float(np.mean(np.sqrt(rest + (ratio * self.friction) ** 2)))
+
+    @property
+    def servo_tested(self) -> float:
+        """Return the mean band after a bench test of one joint."""
+        servos = np.sqrt(np.maximum(self.whole**2 - self.joints**2, 0.0))
+        return float(np.mean(np.hypot(np.minimum(self.joints, self.whole), SERVO_LEFT * servos)))
 
 
 def advise(
     session: Session,
     gaits: Sequence[Gait] = (),
     *,
-    samples: int = 64,
-    lambdas_deg: Sequence[float] = LAMBDAS_DEG,
-    runs: bool = False,
+    samples: int = SAMPLES,
     servo: ServoKind | None = HOBBY,
     progress: Progress | None = None,
 ) -> Advice:
-    """Rank the readings that could be taken next by the speed band they leave.
+    """Rank the readings that could be taken next by what they save of the speed band a minute.
 
-    Of a session on a floor pushes. No reading is named at a voided one's place, beyond
-    the plan's belt speed, or steeper than MOST_INCLINE_RAD or the steepest one taken.
+    Of a session on a treadmill stations, on a floor pushes; a film of the gait where the session
+    has films or tags; a bench test where the servo was not measured. No station is named at a
+    voided one's place, beyond the plan's belt speed, or steeper than home treadmills or the
+    steepest one taken.
 
     Parameters
     ----------
@@ -68,12 +190,8 @@ def advise(
         are too fast for the servo have no band and do not count; the note names them.
     samples
         Number of frictions drawn from the fit.
-    lambdas_deg
-        Bends to choose from, degrees.
-    runs
-        Whether to count gait runs, those taken and those to take.
     servo
-        The kind that moves the joints, as for `compare`; the note says when to measure it.
+        The kind that moves the joints, as for `compare`.
     progress
         Called with the gaits done.
 
@@ -92,95 +210,97 @@ def advise(
     --------
     >>> session = sn.load_session("calibration_data/nirakh-2005")
     >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=4.0)
-    >>> advice = sn.advise(session, [gait], servo=None, samples=16, lambdas_deg=(0.0, 15.0))
-    >>> advice.readings[0].kind
+    >>> sn.advise(session, [gait], servo=None, samples=16).readings[0].kind
     'station'
     """
     check_kind("session", session, Session)
-    wanted = gaits_that_matter(session, gaits)
+    wanted = tuple(gaits) or as_run(session, session.setup.procedure.gaits)
+    if not wanted:
+        raise BadInput(f"{session.where}: no gait to predict; name one with --gait")
     if not session.kept and not session.on_floor:
         raise BadInput(f"{session.where}: no station was held, and no push; take one first")
     fit, mode = fit_friction(session), mode_of(session)
-    servo = servo and servo_seen(session.setup.driving(servo), session.kept_films, fit)
-    wanted, too_fast = _that_servos_follow(session, wanted, servo)
-    speeds = speed_bands(fit, wanted, servo, samples, progress)
-    linear = speeds.by_friction(covariance_after(session, mode))
-
-    def band(grown: Session) -> float:
-        ran = [_sigmas_of_runs(grown, gait) for gait in wanted] if runs else ()
-        return speeds.after(speeds.by_friction(covariance_after(grown, mode), ran) / linear)
-
-    bends = [math.radians(bend) for bend in lambdas_deg]
-    readings = [_after(*option, band) for option in _options(session, mode, speeds, bends, runs)]
-    now = band(session)
-    readings.sort(key=lambda r: (r.band - now) / (r.minutes or 1.0))
-    after = readings[0].band_after_times
-    told = _ON_FLOOR if session.on_floor else ""
-    notes = (servo and servo.remark, *too_fast, told, speeds.servo_note(servo, after))
-    note = " ".join(filter(None, notes))
-    measured = None if servo is None or servo.drawn else speeds.servo_measured
-    named = servo and servo.name
-    return Advice(wanted, now, after, tuple(readings), note, named, measured, fit.alarms)
-
-
-def _that_servos_follow(
-    session: Session, gaits: Sequence[Gait], servo: ServoKind | None
-) -> tuple[tuple[Gait, ...], list[str]]:
-    """Return the gaits whose speed has a band, and the sentences about those that are too fast.
-
-    Raises BadInput where all are.
-    """
-    texts = [too_fast_text(gait, servo, gait_name(gait)) for gait in gaits]
-    slow = tuple(gait for gait, text in zip(gaits, texts, strict=True) if not text)
+    servo = servo and session.setup.driving(servo)
+    too_fast = [too_fast_text(gait, servo, gait_name(gait)) for gait in wanted]
+    slow = tuple(gait for gait, text in zip(wanted, too_fast, strict=True) if not text)
     if not slow:
         raise BadInput(
-            f"{session.where}: {' '.join(texts)} So no speed has a band to make narrower; name "
+            f"{session.where}: {' '.join(too_fast)} So no speed has a band to make narrower; name "
             "a slower gait"
         )
-    return slow, [text for text in texts if text]
+    bands = _bands(session, fit, slow, servo, samples, progress)
+    now = float(np.mean(bands.whole))
+    before = bands.by_friction(covariance_after(session, mode))
 
+    def band_with(candidate: Candidate, times: int) -> float:
+        grown = covariance_after(candidate.session_with(session, times), mode)
+        return bands.after(bands.by_friction(grown) / before)
 
-def _options(
-    session: Session, mode: Mode, speeds: SpeedBands, bends: Sequence[float], runs: bool
-) -> list[Option]:
-    """Return what could be taken next; raises BadInput where that is nothing."""
-    if session.on_floor:
-        return list(floor_options(session, mode))
-    options = list(station_options(session, mode, bends))
-    if runs:
-        pairs = zip(speeds.gaits, speeds.speed_m_s.tolist(), strict=True)
-        options += [_gait_run(session, gait, speed_m_s) for gait, speed_m_s in pairs]
-    if not options:
+    readings = [_repeated(each, band_with) for each in candidates(session, mode)]
+    if servo is not None and not servo.drawn and not servo.exact:
+        words = "a bench test of one joint (`serpenoid servo --test`)"
+        readings.append(NextReading("servo", words, 1, SERVO_TEST_MIN, bands.servo_tested))
+    if can_film(session):
+        minutes = FILM_MIN * len(slow)
+        words = "a film of the crawling robot (`serpenoid video`)"
+        readings.append(NextReading("film", words, 1, minutes, float(np.mean(bands.filmed))))
+    if not readings:
         raise BadInput(
-            f"{session.where}: no station that this treadmill can be set to tells more; take gait "
-            "runs, or raise belt_speed_max_m_s in the plan"
+            f"{session.where}: no station that this treadmill can be set to tells more; raise "
+            "belt_speed_max_m_s in the plan"
         )
-    return options
+    # a reading that saves less than a tenth comes after those that are worth their time
+    readings.sort(key=lambda r: (r.band > (1.0 - WORTH) * now, (r.band - now) / r.minutes))
+    note = " ".join(filter(None, [servo.remark if servo else "", *too_fast]))
+    return Advice(slow, now, tuple(readings), note, servo and servo.name, fit.alarms)
 
 
-def _after(
-    shown: NextReading, grown: Iterable[Session], band: Callable[[Session], float]
-) -> NextReading:
-    """Return a reading with the bands after it, as often as once more saves a tenth."""
-    bands: list[float] = []
-    for left in map(band, grown):
-        if bands and left > (1.0 - _WORTH_ANOTHER) * bands[-1]:
-            break
-        bands.append(left)
-    times = shown.times * len(bands)
-    return replace(shown, band=bands[0], times=times, band_after_times=bands[-1])
+def _repeated(candidate: Candidate, band_with: Any) -> NextReading:
+    """Return a reading as often as once more saves a tenth of the band."""
+    times, found = 1, band_with(candidate, 1)
+    while times < MAX_TIMES and (more := band_with(candidate, times + 1)) < (1.0 - WORTH) * found:
+        times, found = times + 1, more
+    return NextReading(
+        candidate.kind,
+        candidate.words,
+        times,
+        candidate.minutes_for(times),
+        found,
+        candidate.lambda_rad,
+        candidate.incline_rad,
+        candidate.belt_speed_m_s,
+    )
 
 
-def _sigmas_of_runs(session: Session, gait: Gait) -> list[float]:
-    """Return the standard deviations of this gait's runs."""
-    return [r.speed_sigma_m_s for r in session.kept_gait_runs if same_command(r.gait, gait)]
-
-
-def _gait_run(session: Session, gait: Gait, speed_m_s: float) -> Option:
-    """Return a run of a gait: it measures its own speed, with a stopwatch."""
-    sigma = session.setup.stopwatch.speed(1.0, 1.0 / speed_m_s)[1]
-    alpha, beta, omega = gait.alpha_rad, gait.beta_rad, gait.omega_rad_s
-    run = GaitRun(next_number(session), alpha, beta, omega, speed_m_s, sigma)
-    rate = omega / (2 * math.pi)
-    shown = NextReading("gait", alpha_rad=alpha, beta_rad=beta, frequency_hz=rate)
-    return shown, repeated(session, "gait_runs", run)
+def _bands(
+    session: Session,
+    fit: FrictionFit,
+    gaits: Sequence[Gait],
+    servo: ServoKind | None,
+    count: int,
+    progress: Progress | None,
+) -> _Bands:
+    """Return speeds and bands as `compare` has them; raises BadInput for one that stands still."""
+    samples, servos = draw_samples(fit, count=count), draw_servos(servo, count)
+    centred = samples.whole - samples.whole.mean(axis=0)
+    # a little of the fit's own covariance keeps frictions known all but exactly in their place
+    ridge = 1e-6 * count * np.diag(np.diag(fit.covariance))
+    inverse = np.linalg.inv(centred.T @ centred + ridge)
+    films = [crawl for crawl in crawls_by_command(session) if crawl.films]
+    rows, slopes = [], []
+    for gait in gaits:
+        crawl = next((each for each in films if same_command(each.commanded, gait)), None)
+        made = crawl.gait if crawl else gait
+        drawn = speeds(samples, made, servos, crawl and crawl.commanded)
+        filmed = drawn if crawl else speeds(samples, gait, servos, gait)
+        mean = float(drawn.friction_m_s.mean())
+        if mean <= 0.0:
+            raise BadInput("one of the gaits does not move at all; choose a larger amplitude")
+        slopes.append(inverse @ centred.T @ (drawn.friction_m_s - mean))
+        best = speed(fit.robot, fit.ground, made)
+        parts = drawn.friction_m_s, drawn.joints_m_s, drawn.all_m_s, filmed.all_m_s
+        rows.append([mean, *(float(np.ptp(band(part))) / 2 / best for part in parts)])
+        if progress is not None:
+            progress(1)
+    mean_m_s, *halves = np.array(rows).T
+    return _Bands(mean_m_s, np.array(slopes), *halves)

@@ -1,10 +1,10 @@
-"""Measured gait runs against the speeds that the session's own friction predicts, and a verdict."""
+"""Measured gait runs beside the speeds that the session's own friction predicts."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -12,80 +12,86 @@ import numpy as np
 from ..base.checks import check_kind, check_number
 from ..base.errors import BadInput, NotConverged
 from ..base.rows import Result
-from ..calibration.crawls.data import CrawlData, crawls_by_command, mean_speed, same_command
-from ..calibration.crawls.level import Slope, floor_slope, is_sloped, on_level
+from ..calibration.crawls.data import Crawls, crawls_by_command, mean_speed, same_command
 from ..calibration.friction_fit import fit_friction
 from ..calibration.friction_result import FrictionFit
-from ..calibration.speeds import AMPLITUDE_SIGMA, Progress, speed
 from ..model.drives import ServoKind
 from ..model.gait import Gait, gait_name
+from ..model.plugs import plugs
+from ..periodic.servo_steady import band
 from ..servos.catalogue import HOBBY
 from ..servos.speed_limit import highest_hz, too_fast_text
 from ..session.gait_run import GaitRun
 from ..session.session import Session
 from ..simulation.steady_springs import steady_springs
-from .filmed_joints import seen_on_film, servo_seen, swapped_plugs
-from .speed_samples import SpeedSamples, sample_speeds
-from .verdict import Judge
-from .verdict_words import in_words
-
-NOT_MEASURED = "No gait was run yet: these are predictions. Run one, and compare again."
-NO_GAIT = "no gait run and no gait planned; give one, or take a run with `serpenoid calibrate`"
-_LEVEL = (
-    "Crawls there and back are shown as they would be on level ground: the floor falls by "
-    "{} towards {}, and by {} to the {} of the way there."
+from .level import level_session, unknown_slope
+from .speeds import (
+    AMPLITUDE_SIGMA,
+    SAMPLES,
+    GaitSpeeds,
+    Progress,
+    draw_samples,
+    draw_servos,
+    speed,
+    speeds,
 )
-_CURVE_POINTS, _SPRINGS_EVERY = 49, 6  # chords between them are 0.1 % off; springs take longer
+from .verdict import SLOPES, Factor, Predicted, best_factors
+
+DOUBTFUL = 0.05  # p-value below which speeds differ from the prediction
+SPRINGS_RTOL = 1e-3
+NO_GAIT = "no gait run and no gait planned; give one, or take a run with `serpenoid calibrate`"
+NOT_MEASURED = "No gait was run yet: these are predictions. Run one, and compare again."
 
 
 @dataclass(frozen=True)
 class ComparedGait:
     """One gait: predicted by exact and implicit model, with its 95 % bands, and measured.
 
-    low_m_s, high_m_s: of the frictions that the fit allows. low_all_m_s, high_all_m_s: with the
-    joints' amplitude and the servos besides; None where the gait is too fast for them. runs:
-    numbers of the measured runs; measured_m_s, sigma_m_s: their mean and its standard deviation;
-    none if not measured. residual_m_s: measured less predicted.
-    implicit_m_s: None where the paper's springs never settle, or were not asked.
+    exact_m_s: of joints that follow the gait. typical_m_s: with the typical servo. low_m_s,
+    high_m_s: of the frictions that the fit allows. low_all_m_s, high_all_m_s: with the joints'
+    amplitude and the servos besides; None where the gait is too fast for them, and is not judged.
+    runs: numbers of the measured runs; measured_m_s, sigma_m_s: their mean and its standard
+    deviation; none if not measured. residual_m_s: measured less exact. implicit_m_s,
+    implicit_error_m_s: of the paper's springs, for a gait that was run; None where they never
+    settle.
     """
 
     alpha_rad: float
     beta_rad: float
     frequency_hz: float
     exact_m_s: float
-    implicit_m_s: float | None
+    typical_m_s: float
     low_m_s: float
     high_m_s: float
     low_all_m_s: float | None
     high_all_m_s: float | None
+    implicit_m_s: float | None = None
+    implicit_error_m_s: float | None = None
     runs: tuple[int, ...] = ()
     measured_m_s: float | None = None
     sigma_m_s: float | None = None
     residual_m_s: float | None = None
 
     @property
+    def judged(self) -> bool:
+        """Return whether the gait was run and servos can follow it."""
+        return bool(self.runs) and self.low_all_m_s is not None
+
+    @property
     def name(self) -> str:
         """Return the gait's angles and frequency."""
         return gait_name(Gait(self.alpha_rad, self.beta_rad, math.tau * self.frequency_hz))
 
-    @property
-    def band_in_words(self) -> str:
-        """Return the band with joints and servos, m/s, or that there is none."""
-        if self.low_all_m_s is None:
-            return "too fast"
-        return f"{self.low_all_m_s:.3g} to {self.high_all_m_s:.3g}"
-
     def cells(self) -> list[str]:
         """Return the gait and its speeds, m/s, as in the heads of a comparison."""
         measured = f"{self.measured_m_s:.4f} ± {self.sigma_m_s:.4f}" if self.runs else "–"
-        return [
-            self.name,
-            measured,
-            self.band_in_words,
-            f"{self.exact_m_s:.4f}",
-            f"{self.low_m_s:.3g} to {self.high_m_s:.3g}",
-            "–" if self.implicit_m_s is None else f"{self.implicit_m_s:.4f}",
-        ]
+        band_text, implicit = "too fast", "–"
+        if self.low_all_m_s is not None:
+            band_text = f"{self.low_all_m_s:.3g} to {self.high_all_m_s:.3g}"
+        if self.implicit_m_s is not None:
+            implicit = f"{self.implicit_m_s:.4f} ± {self.implicit_error_m_s:.1g}"
+        friction = f"{self.low_m_s:.3g} to {self.high_m_s:.3g}"
+        return [self.name, measured, band_text, implicit, f"{self.exact_m_s:.4f}", friction]
 
 
 @dataclass(frozen=True)
@@ -99,19 +105,18 @@ class Comparison(Result):
     amplitude_sigma
         Stated standard deviation of the joints' amplitude, relative.
     gaits
-        The gaits that were run; the planned ones if none was.
-    curve
-        Speed over frequency at the first gait's amplitude and phase lag: the band of friction
-        alone, and the implicit model at each sixth point.
+        The gaits that were run; the planned ones if none was. Those that the servos cannot follow
+        come last, without a band, and are not judged.
     measured
         All runs that were kept; those along a floor's slope as they would be on level ground.
     p_value
-        The chance of residuals this large if model, fit and stated errors hold.
-    p_friction, p_amplitude, p_servos
-        The same chance if friction, the amplitude or the servos may differ from what is stated;
-        None where this was not tested.
+        The chance of speeds so far from the predicted ones if model, fit and stated errors hold;
+        None if no gait was judged.
+    friction, amplitude
+        The one factor on all friction, and that on the joints' amplitude, which would explain the
+        speeds best, each with its p-value; None where the speeds agree.
     verdict
-        "agrees", "neither", "not measured", or the possible causes joined by "or".
+        "agrees", "differs", "not measured", or "not judged".
     verdict_text
         The verdict in words.
     servo
@@ -119,7 +124,7 @@ class Comparison(Result):
     fit_alarms
         Why the friction fit that this rests on is not to be trusted.
     highest_hz
-        Frequency up to which the curve's gait is not too fast for such servos, Hz; None without.
+        Frequency up to which the first gait is not too fast for such servos, Hz; None without.
 
     Examples
     --------
@@ -133,15 +138,13 @@ class Comparison(Result):
     session: str
     amplitude_sigma: float
     gaits: tuple[ComparedGait, ...]
-    curve: tuple[ComparedGait, ...]
     measured: tuple[GaitRun, ...]
     p_value: float | None
-    p_friction: float | None
-    p_amplitude: float | None
+    friction: Factor | None
+    amplitude: Factor | None
     verdict: str
     verdict_text: str
     servo: str | None = None
-    p_servos: float | None = None
     fit_alarms: tuple[str, ...] = ()
     highest_hz: float | None = None
 
@@ -150,19 +153,13 @@ class Comparison(Result):
         return self.verdict_text
 
     def table(self, verbose: bool = True) -> tuple[list[str], list[list[str]]]:
-        """Return one line for each gait, m/s: measured, with joints and servos, ideal, implicit."""
+        """Return one line for each gait, m/s: measured, with joints and servos, implicit, ideal."""
         servos = "" if self.servo is None else f" and servos ({self.servo})"
-        heads = [
-            "gait",
-            "measured, m/s",
-            f"95 % with joints{servos}, m/s",
-            "ideal\njoints",
-            "95 % friction",
-            "implicit",
-        ]
-        first = 1 if any(p.runs for p in self.gaits) else 2
-        last = None if verbose else 4
-        lines = [heads, *(p.cells() for p in self.gaits)]
+        heads = ["gait", "measured, m/s", f"95 % with joints{servos}, m/s", "implicit\nmodel"]
+        heads += ["ideal\njoints", "95 % friction"]
+        lines = [heads, *(gait.cells() for gait in self.gaits)]
+        first = 1 if any(gait.runs for gait in self.gaits) else 2
+        last = None if verbose else 5
         lines = [[line[0], *line[first:last]] for line in lines]
         return lines[0], lines[1:]
 
@@ -178,7 +175,7 @@ def compare(
     gaits: Sequence[Gait] = (),
     amplitude_sigma: float = AMPLITUDE_SIGMA,
     servo: ServoKind | None = HOBBY,
-    samples: int = 64,
+    samples: int = SAMPLES,
     seed: int = 2005,
     progress: Progress | None = None,
 ) -> Comparison:
@@ -195,17 +192,16 @@ def compare(
     amplitude_sigma
         Standard deviation of true over commanded amplitude, common to all gaits.
     servo
-        The kind that moves the joints, any hobby servo unless given. None: they follow the gait,
-        and servos are no cause.
+        The kind that moves the joints, any hobby servo unless given. None: they follow the gait.
     samples, seed
         Number of frictions drawn, and the seed of the draw.
     progress
-        Called with the gaits done, of `gait_count`.
+        Called with the gaits done, of `compared_gaits`.
 
     Returns
     -------
     Comparison
-        Speeds, bands, p-values and the verdict.
+        Speeds, bands, the p-value and the verdict.
 
     Raises
     ------
@@ -223,86 +219,55 @@ def compare(
     check_kind("session", session, Session)
     check_number("amplitude_sigma", amplitude_sigma, 0.0, 0.5)
     fit = fit or fit_friction(session)
-    if not compared_gaits(session, gaits):
+    wanted = compared_gaits(session, gaits)
+    if not wanted:
         raise BadInput(f"{session.where}: {NO_GAIT}")
-    session, levelled = _levelled(session, fit)
-    crawls, wanted = crawls_by_command(session), compared_gaits(session, gaits)
-    runs = {crawl.gait: crawl.runs for crawl in crawls}
-    servo = servo and servo_seen(session.setup.driving(servo), session.kept_films, fit, seed)
-    drawn = sample_speeds(
-        fit,
-        wanted,
-        amplitude_sigma=amplitude_sigma,
-        servo=servo,
-        seen={c.gait: c.commanded for c in crawls if c.films},
-        count=samples,
-        seed=seed,
-        progress=progress,
-    )
-    points, words = [_point(fit, drawn, j, runs.get(g, ())) for j, g in enumerate(wanted)], []
-    for j, g in enumerate(wanted):
-        if g not in drawn.seen and (too_fast := too_fast_text(g, servo, points[j].name)):
-            words.append(too_fast)
-            points[j] = replace(points[j], low_all_m_s=None, high_all_m_s=None)
-    judged = _judged(session, fit, drawn, points, (amplitude_sigma, seed, servo))
+    level, levelled = level_session(session, fit)
+    crawls = {crawl.gait: crawl for crawl in crawls_by_command(level)}
+    servo = servo and session.setup.driving(servo)
+    filmed = {gait for gait, crawl in crawls.items() if crawl.films}
+    too_fast = {g: "" if g in filmed else too_fast_text(g, servo, gait_name(g)) for g in wanted}
+    wanted.sort(key=lambda gait: bool(too_fast[gait]))
+    drawn = draw_samples(fit, amplitude_sigma, samples, seed)
+    servos = draw_servos(servo, samples, seed)
+    found: dict[Gait, GaitSpeeds] = {}
+    for gait in wanted:
+        commanded = crawls[gait].commanded if gait in filmed else None
+        found[gait] = speeds(drawn, gait, [] if too_fast[gait] else servos, commanded)
+        if progress is not None:
+            progress(1)
+    shown = [
+        _compared(fit, gait, found[gait], servo, crawls.get(gait), bool(too_fast[gait]))
+        for gait in wanted
+    ]
+    judged = [gait for gait, row in zip(wanted, shown, strict=True) if row.judged]
+    p_value = friction = amplitude = None
+    if judged:
+        predicted = _predicted(session, fit, [crawls[gait] for gait in judged], found, seed)
+        p_value = predicted.p_value(seed)
+        if p_value < DOUBTFUL:
+            pairs = [(g, crawls[g].commanded if g in filmed else None) for g in judged]
+            typical = servo and servo.servo
+            friction, amplitude = best_factors(predicted, fit, pairs, typical, seed)
+    verdict, text = _verdict(shown, p_value, servo)
+    if friction and amplitude:
+        text += " " + _explained(friction, amplitude)
     remark = servo.remark if servo else ""
-    words += [judged.pop("text"), levelled]
-    text = " ".join(filter(None, [remark, *swapped_plugs(session), *words]))
+    words = [text, remark, *too_fast.values(), *swapped_plugs(session), levelled]
     return Comparison(
         session.setup.name,
         amplitude_sigma,
-        tuple(points),
-        _curve(fit, wanted, samples, seed, progress),
-        session.kept_crawls,
-        **judged,
-        verdict_text=text,
+        tuple(shown),
+        level.kept_crawls,
+        p_value,
+        friction,
+        amplitude,
+        verdict,
+        " ".join(filter(None, words)),
         servo=servo and servo.name,
         fit_alarms=fit.alarms,
         highest_hz=servo and highest_hz(wanted[0], servo),
     )
-
-
-def _levelled(session: Session, fit: FrictionFit) -> tuple[Session, str]:
-    """Return the session on level ground, and the sentence that says so where it sloped."""
-    if not is_sloped(session):
-        return session, ""
-    slope = floor_slope(session, fit.nuisances)
-    level = on_level(session, fit.robot, fit.ground, slope)
-    return level, level_words(slope)
-
-
-def level_words(slope: Slope) -> str:
-    """Return that crawls are shown as on level ground, and by what the floor falls, and where."""
-    along, across = slope
-    sizes = [
-        f"{math.degrees(abs(angle.value)):.2f} ± {math.degrees(angle.sigma):.2f} deg"
-        for angle in slope
-    ]
-    ends = "there" if along.value >= 0 else "back", "left" if across.value >= 0 else "right"
-    return _LEVEL.format(sizes[0], ends[0], sizes[1], ends[1])
-
-
-def _judged(
-    session: Session,
-    fit: FrictionFit,
-    drawn: SpeedSamples,
-    points: Sequence[ComparedGait],
-    stated: tuple[float, int, ServoKind | None],
-) -> dict[str, Any]:
-    """Return the verdict as a Comparison holds it; stated: amplitude_sigma, seed and servo."""
-    amplitude_sigma, _, servo = stated
-    ran = [j for j, point in enumerate(points) if point.runs]
-    if not ran:
-        nothing = dict.fromkeys(("p_value", "p_friction", "p_amplitude"))
-        return nothing | {"verdict": "not measured", "text": NOT_MEASURED}
-    speeds = np.array([(points[j].measured_m_s, points[j].sigma_m_s) for j in ran], dtype=float)
-    measured = CrawlData(tuple(drawn.gaits[j] for j in ran), *speeds.T)
-    verdict = Judge(fit, drawn.some(ran), *stated)(measured)
-    text = in_words(verdict, measured, fit, amplitude_sigma, session.setup.weight_n, servo)
-    filmed = [crawl for crawl in crawls_by_command(session) if crawl.films]
-    word, text = seen_on_film(filmed, fit, drawn, measured, verdict.word, text)
-    causes = {f"p_{name}": cause and cause.p_value for name, cause in verdict.causes.items()}
-    return {"p_value": verdict.p_value, "verdict": word, "text": text} | causes
 
 
 def compared_gaits(session: Session, more: Sequence[Gait] = ()) -> list[Gait]:
@@ -313,49 +278,129 @@ def compared_gaits(session: Session, more: Sequence[Gait] = ()) -> list[Gait]:
     return gaits + [g for g in more if not any(same_command(known, g) for known in commands)]
 
 
-def gait_count(session: Session, more: Sequence[Gait] = ()) -> int:
-    """Return how many gaits `compare` solves for: the compared ones and the curve's."""
-    return len(compared_gaits(session, more)) + _CURVE_POINTS
+def swapped_plugs(session: Session) -> list[str]:
+    """Return which joints each film shows in each other's place, in words: the first to mend."""
+    words = []
+    for film in session.kept_films:
+        gait = film.gait
+        shift = np.array(gait.joint_shift_rad, dtype=np.float64)
+        phase = shift + gait.beta_rad * np.arange(len(shift), dtype=np.float64)
+        order = plugs(phase, gait.beta_rad)[0]
+        if swapped := [str(k + 1) for k, other in enumerate(order) if k != other]:
+            words.append(
+                f"Film {film.number} shows joints {' and '.join(swapped)} as if their plugs were "
+                "swapped: swap them back and film again."
+            )
+    return words
 
 
-def _by_springs(fit: FrictionFit, gait: Gait) -> float | None:
-    """Return the implicit model's speed, m/s; None where its springs never come to rest."""
-    try:
-        return steady_springs(fit.robot, fit.ground, gait, rtol=1e-3).speed_m_s
-    except NotConverged:  # heavy links on the paper's springs: no reason to withhold the rest
-        return None
-
-
-def _point(
-    fit: FrictionFit, drawn: SpeedSamples, j: int, runs: Sequence[GaitRun], springs: bool = True
+def _compared(
+    fit: FrictionFit,
+    gait: Gait,
+    drawn: GaitSpeeds,
+    servo: ServoKind | None,
+    crawl: Crawls | None,
+    too_fast: bool,
 ) -> ComparedGait:
-    gait = drawn.gaits[j]
     exact = speed(fit.robot, fit.ground, gait)
-    (low, high), _, (low_all, high_all) = drawn.ends_m_s[j].tolist()
-    measured, sigma = mean_speed(runs) if runs else (None, None)
+    typical = exact
+    if servo is not None and not (crawl and crawl.films):
+        typical = speed(fit.robot, fit.ground, gait, servo.servo)
+    elif crawl:
+        typical *= float(np.median(drawn.all_m_s / np.maximum(drawn.joints_m_s, 1e-9)))
+    measured: dict[str, Any] = {}
+    if crawl:
+        measured_m_s, sigma_m_s = mean_speed(crawl.runs)
+        measured = {
+            "runs": tuple(run.number for run in crawl.runs),
+            "measured_m_s": measured_m_s,
+            "sigma_m_s": sigma_m_s,
+            "residual_m_s": measured_m_s - exact,
+        } | _by_springs(fit, gait)
+    ends = (None, None) if too_fast else band(drawn.all_m_s)
     return ComparedGait(
         gait.alpha_rad,
         gait.beta_rad,
-        gait.omega_rad_s / (2 * math.pi),
+        gait.omega_rad_s / math.tau,
         exact,
-        _by_springs(fit, gait) if springs else None,
-        low,
-        high,
-        low_all,
-        high_all,
-        tuple(r.number for r in runs),
-        measured,
-        sigma,
-        None if measured is None else measured - exact,
+        typical,
+        *band(drawn.friction_m_s),
+        *ends,
+        **measured,
     )
 
 
-def _curve(
-    fit: FrictionFit, wanted: list[Gait], samples: int, seed: int, progress: Progress | None
-) -> tuple[ComparedGait, ...]:
-    rates = [g.omega_rad_s for g in wanted]
-    first = wanted[0]
-    grid = np.geomspace(0.5 * min(rates), 1.3 * max(rates), _CURVE_POINTS).tolist()
-    gaits = [Gait(first.alpha_rad, first.beta_rad, rate) for rate in grid]
-    drawn = sample_speeds(fit, gaits, count=samples, seed=seed, progress=progress)
-    return tuple(_point(fit, drawn, j, (), j % _SPRINGS_EVERY == 0) for j in range(len(gaits)))
+def _by_springs(fit: FrictionFit, gait: Gait) -> dict[str, float]:
+    """Return the implicit model's speed and its error; nothing where its springs never settle."""
+    try:
+        found = steady_springs(fit.robot, fit.ground, gait, rtol=SPRINGS_RTOL)
+    except NotConverged:  # heavy links on the paper's springs
+        return {}
+    error = found.error_estimate * found.speed_m_s
+    return {"implicit_m_s": found.speed_m_s, "implicit_error_m_s": error}
+
+
+def _predicted(
+    session: Session,
+    fit: FrictionFit,
+    crawls: Sequence[Crawls],
+    found: dict[Gait, GaitSpeeds],
+    seed: int,
+) -> Predicted:
+    """Return the judged speeds; crawls: on level ground, those there and back brought to it.
+
+    The ground of others, which the session calls level, has any usual slope.
+    """
+    gaits = [crawl.gait for crawl in crawls]
+    joints = np.stack([found[gait].joints_m_s for gait in gaits], axis=1)
+    moved = np.stack([found[gait].all_m_s for gait in gaits], axis=1)
+    doubtful = {run.number for run in session.kept_crawls if run.way == "level"}
+    known = [doubtful.isdisjoint(run.number for run in crawl.runs) for crawl in crawls]
+    slopes = np.ones_like(joints)
+    if not all(known):
+        sigma_rad = session.setup.floor.slope_sigma_rad
+        slopes = unknown_slope(fit.robot, fit.ground, gaits, sigma_rad, SLOPES, seed)
+        slopes = np.where(known, 1.0, slopes)
+    measured = np.array([mean_speed(crawl.runs) for crawl in crawls])
+    return Predicted(joints, moved / np.maximum(joints, 1e-9), slopes, *measured.T)
+
+
+def _verdict(
+    shown: Sequence[ComparedGait], p_value: float | None, servo: ServoKind | None
+) -> tuple[str, str]:
+    """Return the verdict as one word, and as a sentence."""
+    if not any(gait.runs for gait in shown):
+        return "not measured", NOT_MEASURED
+    judged = [gait for gait in shown if gait.judged]
+    if p_value is None or not judged:
+        return "not judged", "Not judged: the servos cannot follow any gait that was run."
+    off = [(g.measured_m_s or 0.0) / max(g.typical_m_s, 1e-9) - 1.0 for g in judged]
+    worst = int(np.argmax(np.abs(off)))
+    widths = [((g.high_all_m_s or 0.0) - (g.low_all_m_s or 0.0)) / 2 for g in judged]
+    width = max(w / max(g.typical_m_s, 1e-9) for w, g in zip(widths, judged, strict=True))
+    joints = "ideal joints" if servo is None else f"servos ({servo.name})"
+    count = f"{len(judged)} gait" + ("s" if len(judged) > 1 else "")
+    largest = (
+        f"the largest difference from the prediction with {joints} is {off[worst]:+.1%}, at "
+        f"{judged[worst].frequency_hz:.3g} Hz"
+    )
+    chance = "p < 0.001" if p_value < 1e-3 else f"p = {p_value:.2g}"
+    if p_value >= DOUBTFUL:
+        text = f"Agrees: {count} within what friction, joints and servos allow, up to ±{width:.0%}"
+        return "agrees", f"{text} ({chance}; {largest})."
+    return "differs", f"Differs: {largest} ({chance}, {count})."
+
+
+def _explained(friction: Factor, amplitude: Factor) -> str:
+    """Return which of the two factors would explain the speeds."""
+    causes = {
+        f"all friction times {friction.factor:.2g}": friction.p_value,
+        f"joints that reach {amplitude.factor:.0%} of the amplitude": amplitude.p_value,
+    }
+    able = [f"{words} (p = {p:.2g})" for words, p in causes.items() if p >= DOUBTFUL]
+    if not able:
+        return (
+            "No one factor on friction or on amplitude explains it: look at the ground's slope, "
+            "the surface, tape and watch, the frequency, the gait itself."
+        )
+    return f"It would be explained by {' or by '.join(able)}. Measure that first."

@@ -12,23 +12,22 @@ from numpy.typing import NDArray
 
 from ..base.long_calls import in_threads
 from ..calibration.friction_result import FrictionFit
-from ..calibration.speeds import AMPLITUDE_SIGMA, Progress
 from ..model.drives import ServoKind
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.steady import Steady, steady_gait
 from ..servos.catalogue import HOBBY
-from ..servos.speed_limit import highest_hz, is_too_fast
+from ..servos.speed_limit import highest_hz
 from ..simulation.run import Run
 from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
 from ..simulation.steady_springs import steady_springs
-from .speed_samples import likeliest_speed, sample_speeds
+from .band import speed_band
+from .speeds import Progress
 
 STIFFNESS_N_M, DAMPING_N_S_M = 1000.0, 1.0  # the paper's
 SPRINGS_RTOL = 1e-3
-SAMPLES = 64
 
 Array = NDArray[np.float64]
 
@@ -38,10 +37,10 @@ class SpeedPoint:
     """Hold the speeds predicted for one rate.
 
     explicit_m_s: periodic state of the exact model, explicit_error_m_s: its numerical error;
-    sigma_m_s, low_m_s, high_m_s: standard deviation and 95 % interval of the speed that friction
-    fit, joints and servos leave, by 64 samples (`speed_samples.SpeedBand`); low_ideal_m_s,
-    high_ideal_m_s: without the servos. servo_m_s: with the typical servo; highest_hz: the frequency
-    up to which such a gait is not too fast for it; beyond, sigma_m_s, low_m_s, high_m_s are NaN.
+    low_m_s, high_m_s: 95 % interval of the speed that friction fit, joints and servos leave
+    (`SpeedBand`); low_ideal_m_s, high_ideal_m_s: without the servos. servo_m_s: with the typical
+    servo; highest_hz: the frequency up to which such a gait is not too fast for it; beyond,
+    low_m_s and high_m_s are NaN.
     implicit_m_s: periodic state of the implicit model with the paper's springs, run until it
     repeats; implicit_error_m_s: what cycles and time steps leave open
     in it.
@@ -50,7 +49,6 @@ class SpeedPoint:
     frequency_hz: float
     explicit_m_s: float
     explicit_error_m_s: float
-    sigma_m_s: float
     low_m_s: float
     high_m_s: float
     low_ideal_m_s: float
@@ -81,12 +79,7 @@ def predict(
     hangs on friction only once it is weak enough for them to slip.
     """
     s = steady_gait(robot, fit.ground, gait, powers=False)
-    too_fast = is_too_fast(gait, servo)
-    moved_by = None if too_fast else servo
-    drawn = sample_speeds(
-        fit, [gait], amplitude_sigma=AMPLITUDE_SIGMA, servo=moved_by, count=SAMPLES
-    )
-    _, (low_ideal, high_ideal), (low, high) = drawn.ends_m_s[0].tolist()
+    band = speed_band(fit, gait, servo=servo)
     springs = steady_springs(
         robot,
         fit.ground,
@@ -99,15 +92,14 @@ def predict(
         frequency_hz=gait.omega_rad_s / (2 * math.pi),
         explicit_m_s=s.speed_m_s,
         explicit_error_m_s=s.error_estimate * s.speed_m_s,
-        sigma_m_s=math.nan if too_fast else float(drawn.both_m_s.std()),
-        low_m_s=math.nan if too_fast else low,
-        high_m_s=math.nan if too_fast else high,
-        low_ideal_m_s=low_ideal,
-        high_ideal_m_s=high_ideal,
+        low_m_s=band.low_m_s,
+        high_m_s=band.high_m_s,
+        low_ideal_m_s=band.low_joints_m_s,
+        high_ideal_m_s=band.high_joints_m_s,
         implicit_m_s=springs.speed_m_s,
         implicit_error_m_s=springs.error_estimate * springs.speed_m_s,
         settling_time_s=s.settling_time_s,
-        servo_m_s=likeliest_speed(fit, gait, servo),
+        servo_m_s=band.speed_m_s,
         highest_hz=math.inf if servo is None else highest_hz(gait, servo),
     )
 

@@ -1,207 +1,169 @@
-"""What measured speeds say: they agree, or friction, the joints' amplitude or neither is to blame.
-
-Draws of what fit, amplitude and servos allow as stated show whether they agree. If not, the crawls
-are a reading that was not fitted, beside a fit in which one cause is freed. A cause is able if its
-likeliest speeds fit. Two able causes are told apart by evidence: a cause that could have explained
-anything is worth less than one that had to.
-"""
+"""Whether measured speeds agree with predicted ones, and which one factor would explain them."""
 
 from __future__ import annotations
 
-import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..calibration.crawls.data import CrawlData, servos_of
-from ..calibration.crawls.posterior import Beforehand, CrawlPosterior
-from ..calibration.fitting.posterior import Posterior
-from ..calibration.friction_result import FrictionFit
-from ..calibration.speeds import MODEL_SIGMA, Array, ServoEffects, SpeedModel, SpeedTable
-from ..model.drives import ServoKind
-from ..servos.catalogue import servo
-from .speed_samples import SpeedSamples
+from ..base.vectors import Array
+from ..calibration.friction_result import FrictionFit, ground_of
+from ..model.drives import Servo
+from ..model.gait import Gait
+from ..periodic.neighbours import drawn_states
+from ..periodic.servo_steady import ripple_share, servo_speed
+from ..periodic.steady import Steady
+from .speeds import scaled
 
-DOUBTFUL = 0.05  # a verdict's p-value
-_LEAST_SIGMAS = 0.3  # a friction is as if it were so many standard deviations at least
-# What may have happened between treadmill and ground: standard deviation of the logarithm of each
-# friction, and of the joints' amplitude, in those stated (who has measured it states a small one).
-FREED_FRICTION, FREED_AMPLITUDE = 0.4, 5.0
-EITHER = "friction or amplitude"
-# What servos may be, where those stated do not explain the speeds: any hobby servo, and such as
-# lose so many times as much.
-FREED_SERVOS, STRANGER = "hobby", 2.0
-TOLD_APART = math.log(10.0)  # of evidence
-_NOISE_DRAWS, _SERVO_DRAWS = 32, 48
-_DRAWS = 512  # of what may be where a cause is let loose
-_AMPLITUDES = 0.85, 1.0  # shares of the joints' amplitude, at which servos are looked at
-_GRAIN = 0.01  # of the speed: how far servos are apart of which some are drawn
+SPACING = 0.01  # relative speed difference between neighbouring servos, or slopes, of the samples
+SIMULATED = 2048  # speeds with measuring errors, among which the measured ones are ranked
+SLOPES = 512  # sampled, where a floor's slope is unknown
+FRICTION_FACTORS = np.geomspace(0.4, 2.5, 17)
+AMPLITUDE_FACTORS = np.linspace(0.5, 1.3, 17)
+SERVO_EVERY = 8  # of these points a servo's state is solved for; its share changes slowly between
+TRIED = 97  # factors between, whose speeds are interpolated
 
 
 @dataclass(frozen=True)
-class Cause:
-    """One cause let loose: the chance of what is then left over, its evidence (a logarithm), and
-    what it takes: per friction its share of the fitted one, and the joints' of their amplitude."""
+class Factor:
+    """One factor that would explain the measured speeds best, and the p-value with it."""
 
+    factor: float
     p_value: float
-    evidence: float
-    frictions: dict[str, float]
-    amplitude: float
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """word: agrees, neither, or the causes: friction, amplitude, servos, with `or` between them.
+class Predicted:
+    """Predicted and measured speeds of the judged gaits.
 
-    p_value: as stated; friction, amplitude: that cause let loose, looked at only where the speeds
-    do not agree.
+    joints_m_s: (samples, gaits), of ideal joints on level ground. servo_shares: (samples, gaits),
+    of these speeds that each sample's servo leaves. slope_shares: (slopes, gaits), that a floor of
+    unknown slope leaves; ones on level ground. measured_m_s, sigma_m_s: (gaits,).
     """
 
-    word: str
-    p_value: float
-    friction: Cause | None = None
-    amplitude: Cause | None = None
-    servos: Cause | None = None
+    joints_m_s: Array
+    servo_shares: Array
+    slope_shares: Array
+    measured_m_s: Array
+    sigma_m_s: Array
+
+    def times(self, share: Array) -> Predicted:
+        """Return the predictions times shares (gaits,)."""
+        return replace(self, joints_m_s=self.joints_m_s * share)
+
+    def p_value(self, seed: int) -> float:
+        """Return how often a sample with measuring errors is as unlikely as what was measured.
+
+        How often is counted among the samples themselves, since they are skewed. Each is scored
+        without its own servo and slope: those of the real robot are not among the samples either.
+        """
+        rng = np.random.default_rng(seed)
+        samples, slopes = len(self.joints_m_s), len(self.slope_shares)
+        row = np.repeat(np.arange(slopes, dtype=np.intp), max(SIMULATED // slopes, 1))
+        friction = rng.integers(samples, size=len(row))
+        moved = self.joints_m_s[friction] * self._shares[row]
+        simulated = moved + self.sigma_m_s * rng.normal(size=moved.shape)
+        scores = self._log_density(simulated, row)
+        return float(np.mean(scores <= self.log_density))
 
     @property
-    def causes(self) -> dict[str, Cause | None]:
-        """Return the causes by name."""
-        names = ("friction", "amplitude", "servos")
-        return {name: getattr(self, name) for name in names}
+    def log_density(self) -> float:
+        """Return the logarithm of the density at the measured speeds, but for a constant."""
+        return float(self._log_density(self.measured_m_s[None])[0])
+
+    @property
+    def _shares(self) -> Array:
+        """Return what servo and slope leave of the speeds, (slopes, gaits): each has a servo."""
+        return self.slope_shares * np.resize(self.servo_shares, self.slope_shares.shape)
+
+    def _log_density(self, speeds: Array, own: NDArray[np.intp] | None = None) -> Array:
+        """Return it at speeds (K, gaits): a normal distribution about each servo and slope.
+
+        It is the density of the speeds' logarithms, so that a speed which is a share too low is as
+        unlikely as one that is a share too high.
+        own: (K,), the slope that is left out for each of them, with its servo.
+        """
+        centre = self.joints_m_s.mean(axis=0)
+        spread = np.cov(self.joints_m_s.T).reshape(len(centre), len(centre))
+        shares = self._shares
+        several = len(np.unique(shares, axis=0)) > 1
+        if not several:
+            shares = shares[:1]
+        noise = np.diag(self.sigma_m_s**2 + (several * SPACING * centre) ** 2)
+        each = shares[:, :, None] * spread * shares[:, None, :] + noise
+        root = np.linalg.cholesky(np.linalg.inv(each))
+        log_volume = np.linalg.slogdet(each)[1]
+        log = np.empty((len(speeds), len(shares)))
+        for k, (share, inverse) in enumerate(zip(shares, root, strict=True)):
+            off = (speeds - share * centre) @ inverse
+            log[:, k] = -0.5 * (np.sum(off**2, axis=1) + log_volume[k])
+        if own is not None and several:
+            servos = len(self.servo_shares)
+            same = np.arange(len(shares))[None] % servos == own[:, None] % servos
+            log[same] = -np.inf
+        return np.asarray(np.logaddexp.reduce(log, axis=1) - np.log(np.isfinite(log).sum(axis=1)))
 
 
-class Judge:
-    """Judges measured speeds of some gaits; what that takes is solved for once, when it is needed.
+def best_factors(
+    predicted: Predicted,
+    fit: FrictionFit,
+    gaits: Sequence[tuple[Gait, Gait | None]],
+    servo: Servo | None,
+    seed: int,
+) -> tuple[Factor, Factor]:
+    """Return the factor on all friction and that on the amplitude which explain the speeds best.
 
-    drawn: of these very gaits, as fit, amplitude_sigma and servo allow. servo: the kind of servo
-    that moves the joints; None: they follow the gait, and servos are no cause.
+    gaits: each with its command where a film showed the joints, as for `speeds`. What a factor does
+    to a speed is solved for with the fitted friction and the typical servo.
     """
-
-    def __init__(
-        self,
-        fit: FrictionFit,
-        drawn: SpeedSamples,
-        amplitude_sigma: float,
-        seed: int,
-        servo: ServoKind | None = None,
-    ):
-        self._drawn, self._seed, self._fit = drawn, seed, fit
-        self._amplitude_sigma = max(amplitude_sigma, 1e-6)
-        self._servo = servo
-        sigma = np.sqrt(np.diag(fit.covariance))
-        whole = np.array(list(fit.whole_snake.values()))
-        self._whole = np.maximum(whole, np.maximum(_LEAST_SIGMAS * sigma, 1e-9))
-
-    def __call__(self, measured: CrawlData) -> Verdict:
-        """Return the verdict on speeds of the gaits drawn."""
-        stated = _chance(self._drawn, measured, np.random.default_rng(self._seed))
-        if stated >= DOUBTFUL:
-            return Verdict("agrees", stated)
-        sigma, as_stated = self._amplitude_sigma, self._effects
-        nothing = self._cause(measured, 0.0, sigma, as_stated)
-        friction = self._cause(measured, FREED_FRICTION, sigma, as_stated)
-        amplitude = self._cause(measured, 0.0, FREED_AMPLITUDE * sigma, as_stated)
-        servos = self._servo and self._cause(measured, 0.0, sigma, self._freed_effects)
-        word = _word(friction, amplitude, nothing, servos)
-        return Verdict(word, stated, friction, amplitude, servos)
-
-    def _cause(
-        self, measured: CrawlData, freed: float, amplitude_sigma: float, effects: ServoEffects
-    ) -> Cause:
-        """Return the best that frictions, freed or not, amplitude and servos can do."""
-        from scipy.special import chdtrc
-
-        whole = self._whole
-        relative = self._fit.covariance / np.outer(whole, whole)
-        # of a friction that may be 0 the logarithm scatters less than its share
-        shrunk = np.sqrt(np.log1p(np.diag(relative)) / np.maximum(np.diag(relative), 1e-300))
-        of_logs = relative * np.outer(shrunk, shrunk)
-        root = np.linalg.cholesky(of_logs + freed**2 * np.eye(len(whole)))
-        known = Beforehand(np.log(whole), np.asarray(root, dtype=np.float64))
-        best_m_s = self._model.ideal(whole[None], np.ones(1))[0] * np.median(effects.share, axis=0)
-        sigma = np.hypot(measured.sigma_m_s, math.hypot(MODEL_SIGMA, effects.sigma) * best_m_s)
-        # a film's joints count in the gait itself, not once more
-        effects = replace(effects, sigma=0.0, amplitude=effects.amplitude[:, :0], amplitude_power=0)
-        posterior = CrawlPosterior(
-            Posterior((known,)),
-            replace(measured, sigma_m_s=sigma),
-            SpeedTable(partial(self._model.ideal, unfound_m_s=np.nan)),
-            effects,
-            amplitude_sigma,
-        )
-        u = np.random.default_rng(self._seed).normal(size=(_DRAWS, len(whole)))
-        drawn = posterior.draw(known.whole(u), self._seed)
-        shares = (drawn.best_whole / whole).tolist()
-        return Cause(
-            float(chdtrc(len(measured), drawn.chi2)),
-            drawn.evidence - float(np.log(sigma).sum()),
-            dict(zip(self._fit.names, shares, strict=True)),
-            drawn.best_amplitude,
-        )
-
-    @cached_property
-    def _model(self) -> SpeedModel:
-        gaits, seen = self._drawn.gaits, self._drawn.seen
-        return SpeedModel(self._fit.robot, self._fit.ground, gaits, tuple(map(seen.get, gaits)))
-
-    @cached_property
-    def _effects(self) -> ServoEffects:
-        """Return what servos as stated do to the speeds, on the fitted ground."""
-        return self._model.effects(servos_of(self._servo, _SERVO_DRAWS), _AMPLITUDES)
-
-    @cached_property
-    def _freed_effects(self) -> ServoEffects:
-        """Return what any hobby servo does to them, and one that loses more."""
-        any_kind, kinds = servo(FREED_SERVOS), self._effects
-        if self._servo != any_kind:
-            kinds = self._model.effects(servos_of(any_kind, _SERVO_DRAWS), _AMPLITUDES)
-        lossy = np.asarray(kinds.share_power) * STRANGER
-        return kinds.beside(replace(kinds, share=kinds.share**STRANGER, share_power=lossy))
+    whole = np.array(list(fit.whole_snake.values()))
+    by_friction = [(factor * whole, 1.0) for factor in FRICTION_FACTORS.tolist()]
+    by_amplitude = [(whole, factor) for factor in AMPLITUDE_FACTORS.tolist()]
+    friction = [_shares(fit, by_friction, pair, servo) for pair in gaits]
+    amplitude = [_shares(fit, by_amplitude, pair, servo) for pair in gaits]
+    return (
+        _best(predicted, FRICTION_FACTORS, np.array(friction), seed),
+        _best(predicted, AMPLITUDE_FACTORS, np.array(amplitude), seed),
+    )
 
 
-def _word(friction: Cause, amplitude: Cause, as_stated: Cause, servos: Cause | None = None) -> str:
-    """Name the cause, all those of which none is better than another or than mere bad luck."""
-    able = {"friction": friction, "amplitude": amplitude}
-    able |= {"servos": servos} if servos else {}
-    able = {name: cause for name, cause in able.items() if cause.p_value >= DOUBTFUL}
-    if not able:
-        return "neither"
-    best = max(cause.evidence for cause in able.values())
-    if as_stated.evidence > best - TOLD_APART:
-        return EITHER if servos is None else f"{EITHER} or servos"
-    return " or ".join(n for n, cause in able.items() if cause.evidence > best - TOLD_APART)
+def _shares(
+    fit: FrictionFit,
+    points: Sequence[tuple[Array, float]],
+    pair: tuple[Gait, Gait | None],
+    servo: Servo | None,
+) -> Array:
+    """Return the speeds of one gait at (frictions of the whole snake, amplitude), over the fitted.
 
-
-def _chance(drawn: SpeedSamples, measured: CrawlData, rng: np.random.Generator) -> float:
-    """Return how often a draw with its measuring noise is as unlikely as what was measured.
-
-    How likely is told by a normal cloud of frictions and amplitude about each drawn servo; how
-    often, by the draws themselves, since they are skewed. A draw is judged by the clouds of all
-    other servos, as the robot is, whose own servo was not drawn.
+    A servo's share of the ideal speed is solved for at every SERVO_EVERY-th point alone.
     """
-    simulated = np.repeat(drawn.both_m_s, _NOISE_DRAWS, axis=0)
-    simulated = simulated + measured.sigma_m_s * rng.normal(size=simulated.shape)
-    shares, servo = np.unique(drawn.shares, axis=0, return_inverse=True)
-    centre, count = drawn.joints_m_s.mean(axis=0), len(drawn.gaits)
-    spread = np.cov(drawn.joints_m_s.T).reshape(count, count)
-    noise = np.diag(measured.sigma_m_s**2 + (_grain(shares) * centre) ** 2)
-    each = shares[:, :, None] * spread * shares[:, None, :] + noise
-    inverse, log_volume = np.linalg.inv(each), np.linalg.slogdet(each)[1]
-    centres = shares * centre
-
-    def by_servo(v: Array) -> Array:
-        off = v[:, None, :] - centres
-        return -0.5 * (np.einsum("ski,kij,skj->sk", off, inverse, off) + log_volume)
-
-    likely = by_servo(simulated)
-    if len(shares) > 1:
-        likely[np.arange(len(simulated)), np.repeat(servo.ravel(), _NOISE_DRAWS)] = -np.inf
-        likely -= math.log(len(shares) - 1)
-    robot = by_servo(measured.speed_m_s[None]) - math.log(len(shares))
-    as_likely = np.logaddexp.reduce(likely, axis=1) <= np.logaddexp.reduce(robot, axis=1)
-    return float(np.mean(as_likely))
+    gait, commanded = pair
+    links, whole = fit.robot.links, np.array(list(fit.whole_snake.values()))
+    points = [(whole, 1.0), *points]
+    draws = [(ground_of(links, of.tolist()), scaled(gait, a)) for of, a in points]
+    states = drawn_states(fit.robot, (fit.ground, gait), draws)
+    ideal = np.array([state.speed_m_s for state in states])
+    if servo is not None:
+        some = range(1, len(points), SERVO_EVERY)
+        moved = _servo_shares([states[k] for k in (0, *some)], servo, commanded is not None)
+        ideal[1:] *= np.interp(np.arange(1, len(points)), some, moved[1:])
+        ideal[0] *= moved[0]
+    return ideal[1:] / max(ideal[0], 1e-9)
 
 
-def _grain(shares: Array) -> float:
-    return _GRAIN if len(shares) > 1 else 0.0
+def _servo_shares(states: Sequence[Steady], servo: Servo, filmed: bool) -> Array:
+    """Return the shares of the ideal speeds that a servo leaves."""
+    if filmed:
+        return np.array([ripple_share(state, servo, rough=True) for state in states])
+    return np.array([servo_speed(s, servo, rough=True) / max(s.speed_m_s, 1e-9) for s in states])
+
+
+def _best(predicted: Predicted, factors: Array, shares: Array, seed: int) -> Factor:
+    """Return the likeliest factor; shares: (gaits, factors), of the speed without one."""
+    tried = np.linspace(factors[0], factors[-1], TRIED)
+    by_factor = np.array([np.interp(tried, factors, row) for row in shares]).T
+    found = [predicted.times(share) for share in by_factor]
+    best = int(np.argmax([each.log_density for each in found]))
+    return Factor(float(tried[best]), found[best].p_value(seed))

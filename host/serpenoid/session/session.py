@@ -345,12 +345,6 @@ class Session:
         ]
         return hashlib.sha256(json.dumps(rests_on).encode()).hexdigest()
 
-    @property
-    def sha256_with_crawls(self) -> str:
-        """Return a hash of all that a friction fit rests on to which crawls are given, too."""
-        crawls = [repr(replace(r, comment="")) for r in (*self.kept_gait_runs, *self.kept_films)]
-        return hashlib.sha256(json.dumps([self.sha256, *crawls]).encode()).hexdigest()
-
 
 def belt_checks(session: Session) -> list[tuple[float, float]]:
     """Return the belt's true speed over the one shown, and its sigma, of each timed mark."""

@@ -2,67 +2,78 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..prediction.comparison import ComparedGait, Comparison
-from .plot import BLUE, GREY, HUGS, ORANGE, RED, columns, figure, hatch_beyond
+from ..prediction.curve import SpeedCurve, speed_curves
+from .plot import BLUE, GREEN, GREY, HUGS, ORANGE, PURPLE, RED, columns, figure, hatch_beyond
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from ..calibration.friction_result import FrictionFit
+
 SIZE = 7.2, 6.0  # inches
+COLORS = BLUE, GREEN, PURPLE
 PANELS: dict[str, Any] = {"rows": 2, "sharex": True, "height_ratios": [3, 1]}
 
 
-def comparison_figure(compared: Comparison, path: Path) -> None:
-    """Draw a comparison into a file."""
+def comparison_figure(compared: Comparison, fit: FrictionFit, path: Path) -> None:
+    """Draw a comparison, with the curves that its fit predicts, into a file."""
     with figure(*SIZE, path=path, **PANELS) as (fig, axes):
-        draw_comparison(fig, axes, compared)
+        draw_comparison(fig, axes, compared, speed_curves(fit, compared))
 
 
-def draw_comparison(fig: Figure, axes: Any, compared: Comparison) -> None:
+def draw_comparison(
+    fig: Figure, axes: Any, compared: Comparison, curves: Sequence[SpeedCurve]
+) -> None:
     """Draw speed over frequency and residuals below it."""
     top, bottom = axes
-    _predicted(top, compared)
+    most_hz = 1.02 * float(curves[0].frequency_hz[-1])
+    for curve, color in zip(curves, itertools.cycle(COLORS)):
+        _predicted(top, compared, curve, color)
+    _bands(top, compared)
+    if len(curves) == 1:
+        hatch_beyond(top, compared.highest_hz, most_hz, str(compared.servo))
     ran = tuple(p for p in compared.gaits if p.measured_m_s is not None)
     if ran:
-        f, measured, sigma = columns(ran, "frequency_hz", "measured_m_s", "sigma_m_s")
+        f, measured, sigma, implicit = columns(
+            ran, "frequency_hz", "measured_m_s", "sigma_m_s", "implicit_m_s"
+        )
+        top.plot(f, implicit, ".", color=ORANGE, ms=6, label="implicit model, k = 1000 N/m")
         top.errorbar(
             f, measured, 1.96 * sigma, fmt="o", color=RED, capsize=3, ms=5, label="measured, 95 %"
         )
     _residuals(bottom, ran)
-    first = compared.curve[0]
     top.set(
-        title=f"{compared.session}: α = {np.degrees(first.alpha_rad):.3g}°, "
-        f"β = {np.degrees(first.beta_rad):.3g}°",
+        title=compared.session,
         ylabel="speed (m/s)",
-        ylim=(0, 1.2 * top.get_ylim()[1]),  # room for the legend
+        ylim=(0, 1.3 * top.get_ylim()[1]),  # room for the legend
     )
-    top.legend(loc="upper left")
-    bottom.set_xlim(0, 1.02 * compared.curve[-1].frequency_hz)
+    top.legend(loc="upper left", fontsize=8)
+    bottom.set_xlim(0, most_hz)
     fig.align_ylabels()
     fig.supxlabel(HUGS, fontsize=8, color=GREY)
 
 
-def _predicted(ax: Axes, compared: Comparison) -> None:
-    f, exact, low, high, implicit = columns(
-        compared.curve, "frequency_hz", "exact_m_s", "low_m_s", "high_m_s", "implicit_m_s"
-    )
-    ax.fill_between(
-        f,
-        low,
-        high,
-        color=BLUE,
-        alpha=0.18,
-        lw=0,
-        label="95 % of the frictions that the fit allows",
-    )
-    ax.plot(f, exact, color=BLUE, label="exact model")
-    ax.plot(f, implicit, ".", color=ORANGE, ms=6, label="implicit model, k = 1000 N/m")
+def _predicted(ax: Axes, compared: Comparison, curve: SpeedCurve, color: str) -> None:
+    """Draw one gait shape's curve; dots of its colour are the gaits of this shape."""
+    f = curve.frequency_hz
+    ax.fill_between(f, curve.low_m_s, curve.high_m_s, color=color, alpha=0.18, lw=0)
+    shape = f"{np.degrees(curve.alpha_rad):.3g}°/{np.degrees(curve.beta_rad):.3g}°"
+    ax.plot(f, curve.exact_m_s, color=color, label=f"{shape}, exact model, 95 % by friction")
+    own = [g for g in compared.gaits if (g.alpha_rad, g.beta_rad) == curve.shape]
+    f, exact = columns(own, "frequency_hz", "exact_m_s")
+    ax.plot(f, exact, "d", color=color, ms=4)
+
+
+def _bands(ax: Axes, compared: Comparison) -> None:
     f, low, high = columns(compared.gaits, "frequency_hz", "low_all_m_s", "high_all_m_s")
     servos = "" if compared.servo is None else f", servos: {compared.servo}"
     ax.vlines(
@@ -73,9 +84,6 @@ def _predicted(ax: Axes, compared: Comparison) -> None:
         lw=6,
         alpha=0.35,
         label=f"with the joints' amplitude, {compared.amplitude_sigma:.0%}{servos}",
-    )
-    hatch_beyond(
-        ax, compared.highest_hz, 1.02 * compared.curve[-1].frequency_hz, str(compared.servo)
     )
 
 

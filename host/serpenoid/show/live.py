@@ -16,7 +16,7 @@ from ..robot.tools.driven_run import DrivenRun, Summary
 from .screen import screen
 
 if TYPE_CHECKING:
-    from ..prediction.speed_samples import SpeedBand
+    from ..prediction.band import SpeedBand
     from ..robot.wire.protocol import Telemetry
 
 FRAMES_A_TABLE = 5

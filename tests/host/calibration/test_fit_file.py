@@ -75,7 +75,10 @@ def forged(folder, spoil):
         (lambda d: d.pop("covariance"), "'covariance' is missing"),
         (lambda d: d.update(format=99), "format is 99"),
         (lambda d: d["robot"].update(legs=4), "legs"),
-        (lambda d: d.update(method="robust"), "method is robust; it is one that is gone"),
+        (
+            lambda d: d.update(method="robust"),
+            "method is robust; this version fits by joint or naive",
+        ),
         (lambda d: d["parameters"]["ct_whole"].update(value=-1.0), "ct is -1"),
         (lambda d: d["parameters"]["cn_whole"].update(interval=[2.0, 3.0]), "intervals: not what"),
         (lambda d: d["covariance"].update(values=[[1.0]]), "cannot reshape"),

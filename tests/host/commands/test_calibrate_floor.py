@@ -13,8 +13,6 @@ from serpenoid.session.journal import Journal
 from serpenoid.taking.new_session import create_session
 from serpenoid.taking.treadmill import take_all
 
-pytestmark = pytest.mark.usefixtures("short_curve")
-
 
 def run(line, typed="", fails=False):
     """Return what a command says, on lines of any width."""

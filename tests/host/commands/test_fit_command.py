@@ -11,7 +11,6 @@ import serpenoid as sn
 from command_line import answer, program, serpenoid
 from robots import NIRAKH_2005
 
-pytestmark = pytest.mark.usefixtures("short_curve")
 run = partial(serpenoid, check=True)
 GAIT = "--alpha-deg 70 --beta-deg 75 --omega-rad-s 5"
 

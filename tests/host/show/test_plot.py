@@ -21,7 +21,7 @@ def run() -> sn.Run:
 def _points() -> list[SpeedPoint]:
     speeds = np.outer([0.5, 1.0, 2.0], [1.0, 0.08, 0.12, 0.09, 0.11, 0.099, 0.095])
     return [
-        SpeedPoint(f, 0.1 * f, 1e-8, 0.01, *others, 1e-6, 1.0, typical, 1.2)
+        SpeedPoint(f, 0.1 * f, 1e-8, *others, 1e-6, 1.0, typical, 1.2)
         for f, *others, typical in speeds.tolist()
     ]
 

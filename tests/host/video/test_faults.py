@@ -17,7 +17,7 @@ from command_line import serpenoid
 from refusals import refused
 from robots import NIRAKH_2005, gait_in_deg
 from serpenoid.commands.video import _gait_kept
-from serpenoid.prediction.filmed_joints import swapped_plugs
+from serpenoid.prediction.comparison import swapped_plugs
 from serpenoid.robot import Robot
 from serpenoid.robot.recording.run_gait import recorded_gait
 from serpenoid.session.film import FilmReading
@@ -246,14 +246,14 @@ def test_swapped_plugs_and_reversed_servos_are_found(gait) -> None:
     assert gait is None or "joints 3 and 4" in remark.text  # without a gait, 2 and 5 do as well
 
 
-def test_a_comparison_begins_with_swapped_plugs() -> None:
+def test_a_comparison_tells_swapped_plugs() -> None:
     shifts = "0,80,-80,0,0"  # of joints 2 and 3, whose phases differ by 80 deg
     film = FilmReading(
         7, GAIT.alpha_rad, GAIT.beta_rad, 8.0, 0.05, 1e-4, 0.0, 0.01, "1,1,1,1,1", shifts, "ab" * 32
     )
     session = sn.load_session(NIRAKH_2005).with_reading(film)
     (words,) = swapped_plugs(session)
-    assert words.startswith("First: film 7 shows joints 2 and 3 as if their plugs were swapped")
+    assert words.startswith("Film 7 shows joints 2 and 3 as if their plugs were swapped")
     assert not swapped_plugs(sn.load_session(NIRAKH_2005))
 
 

@@ -11,8 +11,8 @@ import serpenoid as sn
 from command_line import serpenoid
 from refusals import refused
 from serpenoid import compare, fit_friction, load_session
-from serpenoid.calibration.speeds import speed
 from serpenoid.commands.demo import session_folder
+from serpenoid.prediction.speeds import speed
 from serpenoid.session.film import FilmReading
 from serpenoid.session.folder import read_session
 from serpenoid.session.gait_run import GaitRun

@@ -34,8 +34,7 @@ def check_floor(session: Session, mode: Mode) -> None:
             by = f"are open by {off:.0%} of the force" if off < 1.0 else "stay wholly open"
             raise BadInput(
                 f"{session.where}: {names} cannot be told from {len(session.kept_pushes)} "
-                f"push(es): they {by}; take {cure}; or crawls: "
-                "`serpenoid fit --crawls` fits them, too, but `compare` and `advise` do not"
+                f"push(es): they {by}; take {cure}"
             )
 
 

@@ -18,7 +18,7 @@ from ...show.screen import say
 from ..options import describe, interruptible, show_json, warn_of_two_motions
 
 if TYPE_CHECKING:
-    from ...prediction.speed_samples import SpeedBand
+    from ...prediction.band import SpeedBand
 
 
 def drive_gait(
@@ -79,7 +79,7 @@ def _predicted(
     fit: sn.FrictionFit, gait: sn.Gait, quiet: bool, servo: sn.ServoKind | None
 ) -> SpeedBand:
     """Return the speed to expect, told before anything moves."""
-    from ...prediction.speed_samples import speed_band
+    from ...prediction.band import speed_band
 
     band = interruptible(lambda: speed_band(fit, gait, servo=servo))
     with suppress(sn.NotConverged):

@@ -44,8 +44,6 @@ AMPLITUDE = Setting(
     choice=["joint", "naive"],
     default="joint",
 )
-@flag("--crawls", "Fit the gait runs and films, too, or alone; some 10 s.")
-@servo_option
 @option(
     "--plot",
     "figure",
@@ -54,24 +52,19 @@ AMPLITUDE = Setting(
 )
 @flag("--influence", "List what every reading does to the fit.")
 @option("--save/--no-save", "Keep it as fit.json beside the readings (not if naive).", default=True)
-@settings(*PLUG)
 @AS_TABLES
 def fit(
     session: Path,
     method: str,
-    crawls: bool,
-    servo: str | None,
     figure: Path | None,
     influence: bool,
     save: bool,
-    settings: Given,
     verbose: bool,
     as_json: bool,
 ) -> None:
     """Fit friction to a session's readings: stations (Eqs. 58-62) and pushes.
 
-    Crawls stay out, since `compare` tests predictions by them. --crawls fits them, too: any hobby
-    servo may have moved the joints unless --servo says which.
+    Gait runs stay out: `compare` tests predictions by them.
 
     Prints the whole snake's friction and each link's; --robot DIR gives it to any other command.
     """
@@ -81,9 +74,8 @@ def fit(
     for note in loaded.notes:
         say(f"note: {note}", err=True)
     count = len(loaded.kept)
-    kind = typed_servo(servo or "hobby", settings) if crawls else None
-    with working(f"fitting {count} readings") if count > MANY or crawls else nullcontext():
-        fit = sn.fit_friction(loaded, method=method, crawls=crawls, servo=kind)
+    with working(f"fitting {count} readings") if count > MANY else nullcontext():
+        fit = sn.fit_friction(loaded, method=method)
     if figure is not None:
         from ...show.plot import friction_lines
         from ...show.session.floor_figure import push_figure
@@ -115,27 +107,26 @@ def fit(
 @click.command(cls=Command)
 @click.argument("session", type=FOLDER)
 @listed_gaits
-@flag("--runs", "Count gait runs, too, which no friction fit uses.")
 @servo_option
 @settings(*PLUG, SAMPLES)
 @AS_TABLES
 def advise(
     session: Path,
     gaits: list[sn.Gait],
-    runs: bool,
     servo: str | None,
     settings: Given,
     verbose: bool,
     as_json: bool,
 ) -> None:
-    """Tell which reading to take next: the one that shrinks the predicted speeds' band most.
+    """Tell which reading to take next: the one that shrinks the speeds' band most a minute.
 
-    The band is that of `compare`: any hobby servo may move the joints unless --servo says which.
+    A station, a push, a film or a servo's test, as this session can have them. The band is that of
+    `compare`: any hobby servo may move the joints unless --servo says which.
     """
     loaded = sn.load_session(session)
     notes = alarms_of(session_fit(session))  # which tells them, too
     kind = typed_servo(servo or "hobby", settings)
-    how = {"samples": settings.get("samples", 64), "runs": runs, "servo": kind}
+    how = {"samples": settings.get("samples", 64), "servo": kind}
     with progress(len(gaits) or len(loaded.setup.procedure.gaits), "gaits") as advance:
         advice = sn.advise(loaded, gaits, **how, progress=advance)
     tell(advice, as_json, verbose, notes | servo_remark(kind))
@@ -159,16 +150,17 @@ def compare(
 ) -> None:
     """Compare a session's gait runs with the speeds that its friction predicts.
 
-    Exact and implicit model, with the 95 % bands of sampled frictions, and of amplitude and servos
-    besides; then a verdict in words. Any hobby servo may move the joints unless --servo says which.
+    First whether they agree, with a p-value over all gaits that the servos can follow, and which
+    one factor would explain the speeds. Then each gait beside its 95 % band and the implicit
+    model's speed. Any hobby servo may move the joints unless --servo says which.
     """
     from ...prediction import comparison
     from ...show import report
 
     loaded = sn.load_session(session)
-    fit = session_fit(session, with_crawls=False)
+    fit = session_fit(session)
     kind = typed_servo(servo or "hobby", settings)
-    with progress(comparison.gait_count(loaded, gaits), "gaits") as advance:
+    with progress(len(comparison.compared_gaits(loaded, gaits)), "gaits") as advance:
         compared = comparison.compare(
             loaded,
             fit,
@@ -181,7 +173,7 @@ def compare(
     if figure is not None:
         from ...show.comparison_figure import comparison_figure
 
-        comparison_figure(compared, figure)
+        comparison_figure(compared, fit, figure)
         report.wrote(figure)
     tell(compared, as_json, verbose, alarms_of(fit) | servo_remark(kind))
 
@@ -201,8 +193,7 @@ def report(
 ) -> None:
     """Write a session's report: one self-contained HTML file, the same bytes when made again.
 
-    Its speeds are those of `compare` and `advise`: any hobby servo unless --servo says which. Where
-    only crawls tell the friction, nothing is left to test it by.
+    Its speeds are those of `compare` and `advise`: any hobby servo unless --servo says which.
     """
     from ...base.files import write_text
     from ...prediction import advice, comparison
@@ -213,17 +204,11 @@ def report(
     compared = advised = None
     kind = typed_servo(servo or "hobby", settings)
     loaded = load_session(session)
-    fit = tested = session_fit(session)
-    if fit.with_crawls:
-        try:
-            tested = session_fit(session, with_crawls=False)
-        except sn.BadInput as error:
-            tested = None
-            say(f"note: the report has no comparison and no advice: {error}", err=True)
-    if tested and comparison.compared_gaits(loaded):
-        with progress(comparison.gait_count(loaded), "gaits") as advance:
-            compared = comparison.compare(loaded, tested, servo=kind, progress=advance)
-    if tested and loaded.setup.procedure.gaits:
+    fit = session_fit(session)
+    if gaits := comparison.compared_gaits(loaded):
+        with progress(len(gaits), "gaits") as advance:
+            compared = comparison.compare(loaded, fit, servo=kind, progress=advance)
+    if loaded.setup.procedure.gaits:
         advised = advice.advise(loaded, servo=kind)
     page = session_page(loaded, fit, compared, advised)
     write_text(out, page)

@@ -43,7 +43,7 @@ from ..options import (
 )
 
 if TYPE_CHECKING:
-    from ...prediction.speed_samples import SpeedBand
+    from ...prediction.band import SpeedBand
 
 
 _FEW_LINKS = 20
@@ -111,19 +111,11 @@ def steady(
         moved = beside_servo(state, kind, snake.fit is None, show_share)
         margins = interruptible(lambda: sn.gait_margins(snake.robot, snake.ground, gait))
         band = interruptible(lambda: predicted_band(snake, gait, kind, commanded))
-        doubts, sigmas = None, {}
-        if snake.fit and band:
-            from ...prediction.speed_doubts import margin_sigmas, speed_doubts
-
-            sigmas = margins.in_sigmas(*margin_sigmas(snake.fit, band.filmed))
-            if state.sensitivities is not None and state.sensitivities.at[0] > 0:
-                doubts = speed_doubts(snake.fit, gait, state.sensitivities, band)
     state = warn_of_two_motions(state)
     if doubt := state.power_doubt_text(rtol):
         warnings.warn(doubt, stacklevel=2)
     if as_json:
-        known = {"margins": margins.to_dict() | sigmas}
-        known |= {"doubts": doubts.to_dict()} if doubts else {}
+        known = {"margins": margins.to_dict()}
         values = {"gait": describe(gait)} | state.to_dict() | known | snake.notes
         return show_json(values | speeds_as_dict(moved, band) | servo_remark(kind))
     from ...show import report
@@ -134,9 +126,6 @@ def steady(
     report.show(state, *([moved] if moved else []), margins, answer=answer, verbose=verbose)
     if state.sensitivities is not None:
         report.show(state.sensitivities, verbose=verbose)
-    if doubts is not None:
-        gait_report.doubts(doubts)
-    return gait_report.margins_in_sigmas(sigmas)
 
 
 def _on_springs(

@@ -1,4 +1,4 @@
-"""What the command line says of optima: their error, limits, margins and doubts."""
+"""What the command line says of optima: their error, limits and margins."""
 
 from __future__ import annotations
 
@@ -8,20 +8,12 @@ from typing import TYPE_CHECKING
 
 from ...servos.catalogue import HOBBY
 from ...servos.speed_limit import too_fast_text
-from ..report import console, notices, table
+from ..report import notices, table
 
 if TYPE_CHECKING:
     from ...gaits.finder import LeastPower
     from ...gaits.margins import Margins
     from ...periodic.servo_steady import ServoSteady
-    from ...prediction.speed_doubts import SpeedDoubts
-
-
-def doubts(doubted: SpeedDoubts) -> None:
-    """Print what makes a predicted speed's interval wide."""
-    columns = ["uncertain", "by derivatives", "by draws"]
-    table("what that leaves of the predicted speed, 1 sigma", columns, doubted.rows())
-    console.print(doubted.in_words())
 
 
 def warn(best: LeastPower, moved: ServoSteady | None) -> None:
@@ -39,16 +31,6 @@ def warn_of_cliff(margins: Margins) -> None:
     """Warn beside a sharp drop of the speed."""
     if margins.warning:
         notices.print(f"serpenoid: warning: {margins.warning}")
-
-
-def margins_in_sigmas(sigmas: dict[str, float]) -> None:
-    """Print `Margins.in_sigmas`, of a fit."""
-    known = {name: share for name, share in sigmas.items() if math.isfinite(share)}
-    if known:
-        in_words = ", ".join(
-            f"{name.partition('_')[0]} {share:.2g}" for name, share in known.items()
-        )
-        console.print(f"margins in standard deviations: {in_words}")
 
 
 def front(speeds_m_s: Sequence[float], optima: Sequence[LeastPower | None]) -> None:

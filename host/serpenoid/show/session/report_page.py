@@ -9,8 +9,9 @@ from html import escape
 from typing import Any
 
 from ...calibration.friction_result import FrictionFit
+from ...prediction.advice import Advice
 from ...prediction.comparison import Comparison
-from ...prediction.next_reading import Advice
+from ...prediction.curve import speed_curves
 from ...session.session import Event, Session
 from ...taking.procedure import step_in_words
 from ..comparison_figure import PANELS, draw_comparison
@@ -72,7 +73,8 @@ def session_page(
     ]
     if compared is not None:
         what = "speeds predicted and measured"
-        drawn = _svg(what, draw_comparison, compared, size=(5.2, 5.6), **PANELS)
+        curves = speed_curves(fit, compared)
+        drawn = _svg(what, draw_comparison, compared, curves, size=(5.2, 5.6), **PANELS)
         parts += ["<h2>Speed</h2>", drawn, _table(*compared.table(verbose=False))]
     if advice is not None:
         heads, cells = advice.table()
@@ -160,8 +162,7 @@ def _summary(fit: FrictionFit, compared: Comparison | None) -> str:
         if fit.p_value is None or fit.p_value >= 0.01
         else "The readings disagree by more than their stated errors allow."
     )
-    alone = " By the other readings alone:" if fit.with_crawls else ""
-    more = "" if compared is None else f"{alone} {compared.verdict_text}"
+    more = "" if compared is None else f" {compared.verdict_text}"
     return f'<p class="verdict">{_prose(text + more)}</p>'
 
 

@@ -1,0 +1,168 @@
+"""Readings that could be taken next, of the kind that a session has, each as it would be seen."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..calibration.fitting.identifiability import SAFE_BEND
+from ..calibration.fitting.posterior import Mode
+from ..calibration.fitting.rolling_law import rest, way_m
+from ..calibration.fitting.rounding import nearest_shown
+from ..session.push import WAYS, Push
+from ..session.session import Session
+from ..session.station import LEAST_SLIP_M_S, Reading
+from ..session.track import Track
+from ..taking.expected import pull_of
+
+# Minutes that a person takes: `docs/afternoon.md` and `docs/floor.md` plan with as many.
+STATION_MIN, PUSH_MIN, BEND_MIN = 4.0, 0.7, 3.0
+MAX_TIMES = 5  # of one reading
+BELT_BENDS_RAD = tuple(map(math.radians, (0.0, 7.5, 15.0, 20.0, 30.0)))
+SLIPS_M_S = (0.15, 0.3, 0.6, 1.0)
+MAX_INCLINE_RAD = math.atan(0.15)  # of home treadmills, unless this one stood steeper already
+MAX_SINE = 0.7  # of an incline that is tried, where no treadmill is as steep
+SAME_BEND_SIGMAS = 4.0  # of a bend: nearer than this the robot stays in the one that it lies in
+SAME_RAD = math.radians(0.5)  # bends and inclines of a voided station that are not tried again
+FLOOR_BENDS_RAD = tuple(map(math.radians, (0.0, 20.0, 42.0)))
+PUSH_M_S, PICTURES_HZ, RESTED_S = 0.9, 30.0, 0.4
+PLACE_SIGMA_M = 0.001  # of a film, where no film before it states one
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A reading that could be taken next.
+
+    kind: station or push. words: what to do. minutes: that it takes, with the bend before it.
+    lambda_rad: of the bend. readings: what is read once; `session_with` repeats it. one_minutes: of
+    each further time. incline_rad, belt_speed_m_s: of a station, the slip expected.
+    """
+
+    kind: str
+    words: str
+    minutes: float
+    one_minutes: float
+    lambda_rad: float
+    readings: tuple[Reading | Push, ...]
+    incline_rad: float | None = None
+    belt_speed_m_s: float | None = None
+
+    def minutes_for(self, times: int) -> float:
+        """Return the minutes for so many times."""
+        return self.minutes + (times - 1) * self.one_minutes
+
+    def session_with(self, session: Session, times: int) -> Session:
+        """Return the session with the reading so many times."""
+        first = 1 + max((reading.number for reading in session.numbered), default=0)
+        for k, reading in enumerate(self.readings * times):
+            session = session.with_reading(replace(reading, number=first + k))
+        return session
+
+
+def candidates(session: Session, mode: Mode) -> Iterator[Candidate]:
+    """Yield pushes for a session on a floor, else stations that the treadmill can be set to."""
+    yield from _pushes(session, mode) if session.on_floor else _stations(session, mode)
+
+
+def _stations(session: Session, mode: Mode) -> Iterator[Candidate]:
+    setup, kept = session.setup, session.kept
+    sigma_rad, bend = setup.uncertainty.lambda_sigma_rad, setup.procedure.bend
+    now = kept[-1].lambda_rad if kept[-1].bend == bend else 0.0
+    near = SAME_BEND_SIGMAS * sigma_rad
+    angles = [now if now and abs(angle - now) < near else angle for angle in BELT_BENDS_RAD]
+    for angle in dict.fromkeys(angles):
+        if angle and angle <= SAFE_BEND * sigma_rad:
+            continue  # a lesser bend would bias cn
+        minutes = STATION_MIN + (0.0 if angle == now else BEND_MIN)
+        for incline, slip in _belt_places(session, mode, angle):
+            degrees = math.degrees(angle)
+            pose = "straight"
+            if angle:
+                pose = f"{bend}; {180 - 2 * degrees:.4g}° between the links at either end"
+            words = (
+                f"a station at λ = {degrees:.4g}° ({pose}), inclinometer at "
+                f"{math.degrees(incline):.2f}°, belt near {slip:.2g} m/s"
+            )
+            reading = Reading(0, angle, incline, slip, bend=bend)
+            yield Candidate(
+                "station", words, minutes, STATION_MIN, angle, (reading,), incline, slip
+            )
+
+
+def _belt_places(session: Session, mode: Mode, angle: float) -> list[tuple[float, float]]:
+    """Return inclines as the inclinometer shows them, and the slips at which the robot holds."""
+    setup, zero = session.setup, session.zero.value_rad
+    shown = np.array([reading.incline_rad for reading in session.kept], dtype=float)
+    steepest = max(MAX_INCLINE_RAD, float(shown.max()))
+    drag, dry_n = pull_of(setup, mode.x[:4].tolist(), angle)
+    found: dict[float, float] = {}
+    for wanted_m_s in SLIPS_M_S:
+        sine = min((drag * wanted_m_s + dry_n) / setup.weight_n, MAX_SINE)
+        step, sigma = setup.treadmill.incline_step_rad, setup.uncertainty.incline_sigma_rad
+        incline = nearest_shown(math.asin(sine) + zero, shown, sigma, step)
+        slip = (setup.weight_n * math.sin(incline - zero) - dry_n) / max(drag, 1e-12)
+        held = LEAST_SLIP_M_S < slip <= setup.procedure.belt_speed_max_m_s
+        if held and 0.0 < incline <= steepest and not _failed(session, angle, incline):
+            found[round(incline, 6)] = slip
+    return list(found.items())
+
+
+def _failed(session: Session, angle: float, incline_rad: float) -> bool:
+    """Tell whether all readings at this bend and incline were voided."""
+    step = session.setup.treadmill.incline_step_rad
+    there = [
+        reading.voided
+        for reading in session.readings
+        if abs(reading.lambda_rad - angle) < SAME_RAD
+        and abs(reading.incline_rad - incline_rad) < step / 2
+    ]
+    return bool(there) and all(there)
+
+
+def _pushes(session: Session, mode: Mode) -> Iterator[Candidate]:
+    setup, last = session.setup, session.kept_pushes[-1]
+    filmed = any(push.track is not None for push in session.kept_pushes)
+    for bend_rad in FLOOR_BENDS_RAD:
+        near = abs(last.lambda_rad - bend_rad) < SAME_BEND_SIGMAS * SAME_RAD
+        angle = last.lambda_rad if near else bend_rad
+        drag, dry_n = pull_of(setup, mode.x[:4].tolist(), angle)
+        law = np.array([drag, dry_n]) * setup.procedure.gravity_m_s2 / setup.weight_n
+        pose = f"bent {math.degrees(angle):.3g}°" if angle else "straight"
+        words = f"pushes, {pose}, at {PUSH_M_S:g} m/s, one there and one back, " + (
+            "filmed" if filmed else "by tape and watch"
+        )
+        minutes = len(WAYS) * PUSH_MIN
+        first = minutes + (0.0 if near else BEND_MIN)
+        pair = _pair_of_pushes(session, law, angle, filmed)
+        yield Candidate("push", words, first, minutes, angle, pair)
+
+
+def _pair_of_pushes(
+    session: Session, law: np.ndarray, angle: float, filmed: bool
+) -> tuple[Push, ...]:
+    """Return a push each way, as they would be seen; law: c and f of v' = -(c v + f)."""
+    start = np.array([[PUSH_M_S], [law[0]], [law[1]]])
+    rest_s, rest_m = (float(part[0]) for part in rest(*start))
+    place, bend = session.kept_pushes[-1].place, session.setup.procedure.bend
+    common = {"lambda_rad": angle, "bend": bend, "place": place}
+    if not filmed:
+        return tuple(
+            Push(0, distance_m=rest_m, duration_s=rest_s, way=way, **common) for way in WAYS
+        )
+    known = [p.distance_sigma_m for p in session.kept_pushes if p.track and p.distance_sigma_m]
+    t = np.arange(0.0, rest_s + RESTED_S, 1 / PICTURES_HZ)
+    x = way_m(t, *np.broadcast_to(start, (3, len(t))))[0]
+    track = Track.of(("t_s", "x_m", "y_m"), np.stack([t, x, 0 * t], axis=1))
+    sigma_m = float(np.median(known)) if known else PLACE_SIGMA_M
+    return tuple(
+        Push(0, way=way, by="film", track=track, distance_sigma_m=sigma_m, **common) for way in WAYS
+    )
+
+
+def can_film(session: Session) -> bool:
+    """Return whether the session has films, or tags printed for them."""
+    by_film: Sequence[Push] = [push for push in session.kept_pushes if push.by == "film"]
+    return bool(session.kept_films or by_film or session.setup.tag_side_m)
