@@ -22,6 +22,7 @@ from ..calibration.friction_result import DOUBTFUL, whole_ground
 from ..lab.crawl import crawl_speed
 from ..prediction.band import speed_band
 from ..prediction.comparison import compared_gaits
+from ..prediction.curve import speed_curves
 from ..robot.robot import RobotBoard
 from ..session.instruments import FloorTools
 from ..session.journal import Journal
@@ -100,7 +101,9 @@ def run_loop(out: Path, own: sn.FrictionFit | None = None) -> tuple[sn.FrictionF
     session, fit, voided = _without_outlier(session, sn.fit_friction(session))
     sn.save_fit(fit, out / "session")
     step(2, f"Its friction: {beside_truth(fit, truth.ground)}", voided)
-    compared = _compare(session, fit, out / "comparison.png")
+    compared = _compare(session, fit)
+    curves = speed_curves(session, fit, compared, SERVOS)
+    comparison_figure(compared, curves, out / "comparison.png")
     with working("looking at each reading that could be next"):
         advised = sn.advise(session)
     step(4, advised.note or f"What to read next: {advised.best.in_words()}.")
@@ -113,7 +116,7 @@ def run_loop(out: Path, own: sn.FrictionFit | None = None) -> tuple[sn.FrictionF
         "advice": advised.to_dict(),
         "wanted": wanted,
     }
-    page = session_page(session, fit, compared, advised)
+    page = session_page(session, fit, compared, advised, curves)
     write_text(out / "report.html", page)
     write_json(out / "loop.json", numbers)
     return fit, truth.ground
@@ -177,10 +180,9 @@ def _without_outlier(
         return journal.session, without, words
 
 
-def _compare(session: sn.Session, fit: sn.FrictionFit, out: Path) -> sn.Comparison:
+def _compare(session: sn.Session, fit: sn.FrictionFit) -> sn.Comparison:
     with progress(len(compared_gaits(session)), "gaits") as advance:
         compared = sn.compare(session, fit, servo=SERVOS, progress=advance)
-    comparison_figure(compared, fit, out)
     gait = compared.gaits[1]
     step(
         3,

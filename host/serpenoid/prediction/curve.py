@@ -3,34 +3,39 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..base.vectors import Array
 from ..calibration.friction_result import FrictionFit
+from ..model.drives import ServoKind
 from ..model.gait import Gait
 from ..periodic.servo_steady import band
+from ..servos.speed_limit import highest_hz
+from ..session.session import Session
 from .comparison import Comparison
-from .speeds import draw_samples, speeds
+from .speeds import draw_samples, draw_servos, speed, speeds
 
-POINTS = 49  # of all curves of a picture: chords between them are 0.1 % off
-MARGINS = 0.5, 1.3  # of the lowest and the highest frequency that was compared
+POINTS = 12  # of a curve; a band's ends scatter by more than chords between them are off
+MARGINS = 0.6, 1.3  # of the lowest and the highest frequency that was compared
 
 
 @dataclass(frozen=True)
 class SpeedCurve:
-    """Speed over frequency at one amplitude and phase lag, ideal joints, with friction's band.
+    """Speed over frequency at one amplitude and phase lag, with its 95 % band.
 
-    frequency_hz, exact_m_s, low_m_s, high_m_s: (points,).
+    frequency_hz, typical_m_s, low_m_s, high_m_s: (points,), of typical servos, and over samples of
+    friction, amplitude and servos; up to highest_hz, beyond which the servos cannot follow.
     """
 
     alpha_rad: float
     beta_rad: float
     frequency_hz: Array
-    exact_m_s: Array
+    typical_m_s: Array
     low_m_s: Array
     high_m_s: Array
+    highest_hz: float
 
     @property
     def shape(self) -> tuple[float, float]:
@@ -38,23 +43,25 @@ class SpeedCurve:
         return self.alpha_rad, self.beta_rad
 
 
-def speed_curves(fit: FrictionFit, compared: Comparison) -> list[SpeedCurve]:
-    """Return a curve for each amplitude and phase lag of the compared gaits."""
-    shapes = list(dict.fromkeys((gait.alpha_rad, gait.beta_rad) for gait in compared.gaits))
-    rates = [gait.frequency_hz for gait in compared.gaits]
-    low_hz, high_hz = MARGINS[0] * min(rates), MARGINS[1] * max(rates)
-    frequency_hz = np.geomspace(low_hz, high_hz, max(POINTS // len(shapes), 12))
-    samples = draw_samples(fit, amplitude_sigma=0.0)
-    fitted = np.array([list(fit.whole_snake.values())])
-    samples = replace(
-        samples,
-        whole=np.vstack([fitted, samples.whole]),
-        amplitude=np.append(1.0, samples.amplitude),
-    )
+def speed_curves(
+    session: Session, fit: FrictionFit, compared: Comparison, servo: ServoKind | None
+) -> list[SpeedCurve]:
+    """Return a curve for each amplitude and phase lag of the compared gaits.
+
+    servo: the kind that moves the joints, as for `compare`; None: they follow the gait.
+    """
+    servo = servo and session.setup.driving(servo)
+    samples, servos = draw_samples(fit, compared.amplitude_sigma), draw_servos(servo)
+    rates_hz = [gait.frequency_hz for gait in compared.gaits]
+    first_hz, most_hz = MARGINS[0] * min(rates_hz), MARGINS[1] * max(rates_hz)
     curves = []
-    for shape in shapes:
+    for shape in dict.fromkeys((gait.alpha_rad, gait.beta_rad) for gait in compared.gaits):
+        limit_hz = math.inf if servo is None else highest_hz(Gait(*shape, math.tau), servo)
+        last_hz = min(most_hz, limit_hz)
+        frequency_hz = np.linspace(min(first_hz, 0.6 * last_hz), last_hz, POINTS)
         gaits = [Gait(*shape, math.tau * hz) for hz in frequency_hz.tolist()]
-        drawn = np.array([speeds(samples, gait).friction_m_s for gait in gaits])
-        ends = np.array([band(row[1:]) for row in drawn])
-        curves.append(SpeedCurve(*shape, frequency_hz, drawn[:, 0], *ends.T))
+        ends = np.array([band(speeds(samples, gait, servos).all_m_s) for gait in gaits])
+        typical = [speed(fit.robot, fit.ground, gait, servo and servo.servo) for gait in gaits]
+        low, high = ends.T
+        curves.append(SpeedCurve(*shape, frequency_hz, np.array(typical), low, high, limit_hz))
     return curves

@@ -45,10 +45,6 @@ STYLE: dict[str, Any] = {
     "lines.linewidth": 1.8,
     "legend.frameon": False,
 }
-HUGS = (
-    "The curve hugs the band's upper edge at low frequency: there wheels that stick do not\n"
-    "slip, and more friction across them adds no speed, while less of it soon costs much."
-)
 
 
 @contextmanager

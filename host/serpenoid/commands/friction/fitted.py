@@ -171,9 +171,10 @@ def compare(
             progress=advance,
         )
     if figure is not None:
+        from ...prediction.curve import speed_curves
         from ...show.comparison_figure import comparison_figure
 
-        comparison_figure(compared, fit, figure)
+        comparison_figure(compared, speed_curves(loaded, fit, compared, kind), figure)
         report.wrote(figure)
     tell(compared, as_json, verbose, alarms_of(fit) | servo_remark(kind))
 
@@ -197,6 +198,7 @@ def report(
     """
     from ...base.files import write_text
     from ...prediction import advice, comparison
+    from ...prediction.curve import speed_curves
     from ...session.folder import load_session
     from ...show.session.report_page import session_page
 
@@ -210,7 +212,8 @@ def report(
             compared = comparison.compare(loaded, fit, servo=kind, progress=advance)
     if loaded.setup.procedure.gaits:
         advised = advice.advise(loaded, servo=kind)
-    page = session_page(loaded, fit, compared, advised)
+    curves = [] if compared is None else speed_curves(loaded, fit, compared, kind)
+    page = session_page(loaded, fit, compared, advised, curves)
     write_text(out, page)
     verdict = None if compared is None else compared.verdict
     if as_json:

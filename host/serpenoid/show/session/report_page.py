@@ -11,7 +11,7 @@ from typing import Any
 from ...calibration.friction_result import FrictionFit
 from ...prediction.advice import Advice
 from ...prediction.comparison import Comparison
-from ...prediction.curve import speed_curves
+from ...prediction.curve import SpeedCurve
 from ...session.session import Event, Session
 from ...taking.procedure import step_in_words
 from ..comparison_figure import PANELS, draw_comparison
@@ -52,8 +52,9 @@ def session_page(
     fit: FrictionFit,
     compared: Comparison | None,
     advice: Advice | None,
+    curves: Sequence[SpeedCurve] = (),
 ) -> str:
-    """Return the whole page; what is None is left out."""
+    """Return the whole page; what is None is left out. curves: those of the comparison."""
     setup, drawings = session.setup, []
     notes = [fit.remarks[0], *fit.notes, *session.notes]
     if session.kept and not session.on_floor:
@@ -73,7 +74,6 @@ def session_page(
     ]
     if compared is not None:
         what = "speeds predicted and measured"
-        curves = speed_curves(fit, compared)
         drawn = _svg(what, draw_comparison, compared, curves, size=(5.2, 5.6), **PANELS)
         parts += ["<h2>Speed</h2>", drawn, _table(*compared.table(verbose=False))]
     if advice is not None:
