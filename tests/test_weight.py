@@ -37,7 +37,7 @@ MOST_TOKENS = {
     ("host/serpenoid/lab",): 5807,
     ("host/serpenoid/video",): 23920,
     ("host/serpenoid/show",): 20973,
-    ("host/serpenoid/commands",): 24260,
+    ("host/serpenoid/commands",): 24380,
     ("host/serpenoid/bench",): 10938,
     ("host/serpenoid/paper",): 2483,
     ("studies",): 22180,

@@ -11,10 +11,8 @@ if TYPE_CHECKING:
     from .calibration.fit_file import load_fit, save_fit
     from .calibration.friction_fit import fit_friction
     from .calibration.friction_result import FrictionFit
-    from .gaits.finder import LeastPower
-    from .gaits.least_power import least_power_gait, power_front
-    from .gaits.limits import GaitLimits
-    from .gaits.margins import Margins, gait_margins
+    from .gaits.least_power import LeastPower, least_power_gait, power_front
+    from .gaits.limits import GaitLimits, SpeedLosses, speed_losses
     from .model.drives import Servo, ServoKind, TorqueTable
     from .model.evaluation import Acceleration, AngleDrive, TorqueDrive, acceleration
     from .model.gait import Gait
@@ -53,10 +51,8 @@ _HOMES = {
     "model.ground": ("Ground",),
     "model.link_state": ("LinkState",),
     "model.robot": ("Robot",),
-    "gaits.finder": ("LeastPower",),
-    "gaits.least_power": ("least_power_gait", "power_front"),
-    "gaits.limits": ("GaitLimits",),
-    "gaits.margins": ("Margins", "gait_margins"),
+    "gaits.least_power": ("LeastPower", "least_power_gait", "power_front"),
+    "gaits.limits": ("GaitLimits", "SpeedLosses", "speed_losses"),
     "periodic.servo_steady": ("ServoSteady",),
     "simulation.steady_gait": ("steady_gait",),
     "periodic.steady": ("Steady",),
@@ -84,7 +80,6 @@ __all__ = [
     "Ground",
     "LeastPower",
     "LinkState",
-    "Margins",
     "NotConverged",
     "Robot",
     "Run",
@@ -94,6 +89,7 @@ __all__ = [
     "ServoKind",
     "ServoSteady",
     "Session",
+    "SpeedLosses",
     "Steady",
     "SteadySprings",
     "StepTooLarge",
@@ -104,7 +100,6 @@ __all__ = [
     "advise",
     "compare",
     "fit_friction",
-    "gait_margins",
     "least_power_gait",
     "load_fit",
     "load_scene",
@@ -116,6 +111,7 @@ __all__ = [
     "save_servo",
     "servo",
     "simulate",
+    "speed_losses",
     "steady_gait",
     "steady_springs",
     "sweep",

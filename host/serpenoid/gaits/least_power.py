@@ -2,21 +2,104 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ..base.checks import FORMULATIONS, check_choice, check_number
 from ..base.errors import BadInput, NotConverged
+from ..base.rows import Result, Row, detail, two_digits
+from ..base.vectors import Array
 from ..model.core_model import check_parts
+from ..model.gait import Gait, gait_name
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..periodic.steady import steady_gait
-from .finder import ANY, Finder, LeastPower
-from .limits import GaitLimits
-from .shapes import Array
+from ..periodic.steady import Steady, check_ground, steady_gait
+from .limits import GaitLimits, SpeedLosses, speed_losses
+from .search import COSTS, FINE_RTOL, ON_LIMIT, SMOOTH_RTOL, Point, Search
+
+PAPER_LIMITS, NO_LOSSES = GaitLimits(), SpeedLosses(math.nan, math.nan)
+MAX_LENGTHS_A_SECOND = 100.0  # body lengths: no snake robot comes near
+MIN_LENGTHS_A_SECOND = 1e-6  # on dry ground states of slower gaits drown in rounding
+EXACT_RTOL = 1e-10  # of the answer on viscous ground, net power
+SPRINGS_RTOL = 1e-4  # of the answer by springs and dampers
+SPEED_EXPONENT = 3  # power rises at most as speed cubed, or about
+MAX_SPEED_MISS = 1e-2  # relative: a precise state that is farther off shows rough ones to be wrong
+POWER_RTOL = 10  # times the accuracy of a state's speed: that of its power
+MAX_SECANTS = 6  # states of the answer, until its speed is the wanted one
+NO_TRAVEL = 1e-9  # body lengths a radian of the gait: less is rounding
+
+
+@dataclass(frozen=True, slots=True)
+class LeastPower(Result):
+    """Hold the gait with the least power for a speed.
+
+    Attributes
+    ----------
+    gait
+        The gait found.
+    power_w
+        The cost that was minimized, W.
+    speed_m_s
+        Its speed, m/s.
+    cost
+        "power", "abs_power" or "positive_power".
+    steady
+        The exact model's periodic state.
+    formulation
+        "explicit" or "implicit".
+    limits, active
+        The limits of the search, and those that the gait has reached, in words.
+    power_error_w
+        How much less power there may be, W: solved_error_w, the accuracy with which the search
+        compares gaits, and what its last two restarts gained.
+    solved_error_w
+        Error of this gait's power, W.
+    losses
+        Shares of the speed that are lost with less amplitude, and with less friction across.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)
+    >>> best = sn.least_power_gait(robot, ground, speed_m_s=0.1)
+    >>> round(best.gait.omega_rad_s, 1)
+    1.8
+    """
+
+    gait: Gait
+    power_w: float
+    speed_m_s: float
+    cost: str
+    steady: Steady
+    formulation: str = "explicit"
+    limits: GaitLimits = PAPER_LIMITS
+    active: tuple[str, ...] = ()
+    power_error_w: float = 0.0
+    solved_error_w: float = 0.0
+    losses: SpeedLosses = NO_LOSSES
+
+    def in_words(self) -> str:
+        """Return the gait, its power and what it loses, in the words of a builder."""
+        alpha, beta = math.degrees(self.gait.alpha_rad), math.degrees(self.gait.beta_rad)
+        frequency_hz = two_digits(self.gait.omega_rad_s / math.tau)
+        return (
+            f"The gait of least power: {alpha:.0f}°/{beta:.0f}° at {frequency_hz} Hz, "
+            f"{two_digits(self.power_w)} W. It loses {self.losses.in_words()}."
+        )
+
+    def rows(self) -> list[Row]:
+        """Return power, speed, limits reached, losses, and what the search may have missed."""
+        return [
+            Row(f"least {self.cost}", "W", self.power_w),
+            *self.steady.rows(),
+            Row("limits reached", "", words=", ".join(self.active) or "none"),
+            *self.losses.rows(),
+            detail("some gait may need less, by", "W", self.power_error_w),
+        ]
 
 
 def least_power_gait(
@@ -25,7 +108,7 @@ def least_power_gait(
     *,
     speed_m_s: float,
     cost: str = "power",
-    limits: GaitLimits = ANY,
+    limits: GaitLimits = PAPER_LIMITS,
     formulation: str = "explicit",
     joint_stiffness_n_m: float = 1e3,
     joint_damping_n_s_m: float = 1.0,
@@ -33,23 +116,21 @@ def least_power_gait(
 ) -> LeastPower:
     """Find alpha, beta and omega that give a speed for the least mean power, over all shapes.
 
-    For each shape the rate follows from the speed. A coarse table of shapes comes first. Its
-    valleys are followed down, also along limits, and the lowest is searched again more closely. On
-    a ratchet, waves from tail to head (beta below 0) are searched too.
+    For each shape the rate follows from the speed. A coarse table of shapes comes first. From its
+    cheapest ones the Nelder-Mead method goes down, also along limits, and starts again at the best.
 
     Parameters
     ----------
     robot, ground
-        What crawls, and on what.
+        What crawls, and on what; friction along the links must be the same both ways.
     speed_m_s
         The wanted speed, m/s.
     cost
         "power" (net; the paper's), "abs_power" or "positive_power" (servos do not regenerate).
     limits
-        Of joints, servos and rate.
+        Of joints, servos, rate and of the speed that is lost with less amplitude or friction.
     formulation
-        "explicit", or "implicit": the valleys of the exact model's table are followed by the
-        paper's springs and dampers.
+        "explicit", or "implicit": the paper's springs and dampers, from the exact model's optimum.
     joint_stiffness_n_m, joint_damping_n_s_m
         Of the implicit formulation, N/m and N s/m.
     rtol
@@ -75,38 +156,42 @@ def least_power_gait(
     >>> round(1e3 * best.power_w, 2)
     7.64
     """
-    springs = joint_stiffness_n_m, joint_damping_n_s_m
-    (best,) = _front(robot, ground, [speed_m_s], cost, limits, rtol, formulation, springs)
-    if isinstance(best, NotConverged):
-        raise best
-    return best
+    check_parts(robot, ground)
+    check_choice("formulation", formulation, FORMULATIONS)
+    check_choice("cost", cost, COSTS)
+    _check_speed(robot, speed_m_s)
+    _check_friction(ground)
+    springs = (joint_stiffness_n_m, joint_damping_n_s_m) if formulation == "implicit" else None
+    search = Search(robot, ground, speed_m_s, cost, limits, springs)
+    if rtol is None:
+        exact = EXACT_RTOL if cost == "power" else SMOOTH_RTOL
+        rtol = SPRINGS_RTOL if springs else exact if ground.smooth else FINE_RTOL
+    check_ground(ground, rtol)
+    if robot.links == 2:
+        raise NotConverged(
+            "no gait travels at all: of two links' one joint a stroke undoes the one before it; "
+            "take three links or more"
+        )
+    found = search.best()
+    answer = None if found is None else _finished(search, *found, rtol)
+    if answer is None:
+        raise NotConverged(_unreachable(search))
+    return answer
 
 
 def power_front(
-    robot: Robot,
-    ground: Ground,
-    *,
-    speeds_m_s: Sequence[float] | Array,
-    cost: str = "power",
-    limits: GaitLimits = ANY,
-    formulation: str = "explicit",
-    joint_stiffness_n_m: float = 1e3,
-    joint_damping_n_s_m: float = 1.0,
-    rtol: float | None = None,
+    robot: Robot, ground: Ground, *, speeds_m_s: Sequence[float] | Array, **search: Any
 ) -> tuple[LeastPower | None, ...]:
     """Find the least-power gait of every speed, in their order; None where no gait reaches it.
 
     Parameters
     ----------
-    robot, ground, cost, limits, formulation
-        As in `least_power_gait`.
+    robot, ground
+        What crawls, and on what.
     speeds_m_s
-        The wanted speeds, m/s. One coarse table serves all. Each search also starts from the gaits
-        of the next slower and faster speed; the answers depend neither on order nor on repeats.
-    joint_stiffness_n_m, joint_damping_n_s_m
-        Of the implicit formulation, N/m and N s/m.
-    rtol
-        Accuracy of the final states, relative.
+        The wanted speeds, m/s.
+    search
+        As in `least_power_gait`.
 
     Returns
     -------
@@ -126,66 +211,128 @@ def power_front(
     >>> [round(1e3 * best.power_w, 1) for best in front]
     [1.9, 7.6]
     """
-    wanted = _wanted(speeds_m_s)
-    speeds = sorted(set(wanted))
-    springs = joint_stiffness_n_m, joint_damping_n_s_m
-    front = _front(robot, ground, speeds, cost, limits, rtol, formulation, springs)
-    by_speed = dict(zip(speeds, front, strict=True))
-    return tuple(best if isinstance(best := by_speed[v], LeastPower) else None for v in wanted)
-
-
-def _front(
-    robot: Robot,
-    ground: Ground,
-    speeds: Sequence[float],
-    cost: str,
-    limits: GaitLimits,
-    rtol: float | None,
-    formulation: str,
-    springs: tuple[float, float],
-) -> list[LeastPower | NotConverged]:
-    """Return the cheapest gait of each speed, in ascending order, or why there is none."""
-    check_parts(robot, ground)
-    check_choice("formulation", formulation, FORMULATIONS)
-    soft = springs if formulation == "implicit" else None
-    finders = [Finder(robot, on, speeds, cost, limits, rtol, soft) for on in directions(ground)]
-    fronts = [one.front(speeds) for one in finders]
-    return [cheaper(finders, optima) for optima in zip(*fronts, strict=True)]
-
-
-def directions(ground: Ground) -> list[Ground]:
-    """Return the ground, and on a ratchet also what the robot meets with its tail called head.
-
-    A wave from tail to head is a wave from head to tail of the robot turned round. Without a
-    ratchet that is the same robot.
-    """
-    return [ground, ground.turned_round()] if ground.ratchet else [ground]
-
-
-def cheaper(
-    finders: Sequence[Finder], optima: Sequence[LeastPower | NotConverged]
-) -> LeastPower | NotConverged:
-    """Return the cheapest gait of both directions of the wave, as the robot is to run it."""
-    gaits = [(one, k) for k, one in enumerate(optima) if isinstance(one, LeastPower)]
-    if not gaits:
-        return optima[0]
-    (best, turned), *others = sorted(gaits, key=lambda pair: pair[0].power_w)
-    changes: dict[str, Any] = {
-        "basins": sum(one.basins for one, _ in gaits),
-        "runner_up_w": min(best.runner_up_w, *(one.power_w for one, _ in others), np.inf),
-        "evaluations": sum(one.solved["states"] for one in finders),
-    }
-    if turned:
-        gait = replace(best.gait, beta_rad=-best.gait.beta_rad)
-        rtol = max(finders[0].rtol, 1e-6)
-        ground = finders[0].ground
-        changes |= {"gait": gait, "steady": steady_gait(finders[0].robot, ground, gait, rtol=rtol)}
-    return replace(best, **changes)
-
-
-def _wanted(speeds_m_s: Any) -> list[float]:
-    """Return the wanted speeds as numbers; a front needs one at least."""
     speeds = np.asarray(speeds_m_s, dtype=object)
     if speeds.ndim != 1 or speeds.size == 0:
         raise BadInput(f"speeds_m_s is {speeds_m_s!r}; it must be a list of at least one speed")
-    return [check_number("speed_m_s", speed, 0.0, open_low=True) for speed in speeds.tolist()]
+    for speed in speeds.tolist():
+        _check_speed(robot, speed)
+    front: list[LeastPower | None] = []
+    for speed in speeds.tolist():
+        try:
+            front.append(least_power_gait(robot, ground, speed_m_s=speed, **search))
+        except NotConverged:
+            front.append(None)
+    return tuple(front)
+
+
+def _check_speed(robot: Robot, speed_m_s: float) -> None:
+    """Refuse a speed that no snake robot makes, for which a search would take minutes."""
+    speed_m_s = check_number("speed_m_s", speed_m_s)
+    low, high = (
+        lengths * robot.body_length_m for lengths in (MIN_LENGTHS_A_SECOND, MAX_LENGTHS_A_SECOND)
+    )
+    if not low <= speed_m_s <= high:
+        raise BadInput(
+            f"speed_m_s is {speed_m_s}; it must be at least {low:.3g} and at most {high:.4g}: no "
+            f"snake robot makes less than {MIN_LENGTHS_A_SECOND:g} or more than "
+            f"{MAX_LENGTHS_A_SECOND:g} lengths of its body a second"
+        )
+
+
+def _check_friction(ground: Ground) -> None:
+    """Refuse ratchet wheels, and wheels without rolling friction that grip dryly.
+
+    The latter follow the wave as a train follows its rails, at omega link_length_m / beta however
+    small alpha is, and no friction does any work.
+    """
+    if ground.ratchet:
+        raise BadInput(
+            "ground has different friction forwards and backwards; the search takes wheels that "
+            "roll alike both ways"
+        )
+    if ground.ct_forward == ground.ft0_forward == 0.0 < ground.fn0:
+        raise BadInput(
+            "ct and ft0 are both 0: the wheels roll for nothing, and fn0 holds them sideways. The "
+            "less the joints bend, the less power it takes, so no gait takes least; give the "
+            "measured ct or ft0, even if it is small"
+        )
+
+
+def _finished(search: Search, best: Point, gain: float, rtol: float) -> LeastPower | None:
+    """Return the answer, solved once more to rtol; None for a gait beyond a limit or too slow.
+
+    gain: of the search's last restarts, e-folds of cost.
+    """
+    gait, state = _at_speed(search, best, rtol)
+    if state is None or best.margin < -ON_LIMIT:
+        return None
+    miss = abs(state.speed_m_s / search.speed_m_s - 1)
+    if not miss < MAX_SPEED_MISS:
+        return None
+    robot, ground, watts = search.robot, search.ground, search.watts(state)
+    numerical = getattr(state, f"{search.cost}_error_w") + 2 * state.error_estimate * watts
+    exact = state
+    if search.springs is not None or search.cost == "power":  # which was solved without the others
+        exact_rtol = max(rtol, SMOOTH_RTOL if search.springs is None else 1e-6)
+        exact = steady_gait(robot, ground, gait, rtol=exact_rtol)
+    losses = speed_losses(robot, ground, gait)
+    shapes_rtol = POWER_RTOL * search.accuracy[0]  # to which the search knows powers
+    unknown = gain + shapes_rtol + SPEED_EXPONENT * miss
+    return LeastPower(
+        gait,
+        watts,
+        state.speed_m_s,
+        search.cost,
+        exact,
+        "explicit" if search.springs is None else "implicit",
+        limits=search.limits,
+        active=search.active(gait, 1 - losses.worst),
+        power_error_w=numerical + watts * min(unknown, 1.0),
+        solved_error_w=numerical,
+        losses=losses,
+    )
+
+
+def _at_speed(search: Search, best: Point, rtol: float) -> tuple[Gait, Any]:
+    """Return the best shape at the rate of the wanted speed, and its state, by a secant method."""
+    assert best.gait is not None
+    gait, x, slope = best.gait, math.log(best.gait.omega_rad_s), 1.0
+    state, known = None, None
+    for _ in range(MAX_SECANTS):
+        tried = replace(gait, omega_rad_s=math.exp(x))
+        found = search.state(tried, rtol)
+        if found is None or found.speed_m_s <= 0:
+            break
+        gait, state = tried, found
+        miss = math.log(found.speed_m_s / search.speed_m_s)
+        if abs(miss) < rtol / 2:
+            break
+        if known is not None and x != known[0]:
+            slope = (miss - known[1]) / (x - known[0])
+        known = x, miss
+        x -= miss / (slope if 0.1 < slope < 10 else 1.0)
+    return gait, state
+
+
+def _unreachable(search: Search) -> str:
+    """Return how fast the robot can go within the limits, and what to do."""
+    within = f"within the limits ({search.limits.in_words()})"
+    fastest, unit_m_s = search.fastest(), search.robot.body_length_m
+    gait = None if fastest is None else fastest.gait
+    speed_m_s = 0.0 if fastest is None else search.speed_m_s * math.exp(-fastest.log_cost)
+    if gait is None or speed_m_s < NO_TRAVEL * unit_m_s * gait.omega_rad_s:
+        return (
+            f"no gait travels at all {within}: ask for wider limits; three links and friction that "
+            "is greater across them than along them are needed, too"
+        )
+    name = f"{gait_name(gait)}, makes {speed_m_s:.3g} m/s"
+    if speed_m_s >= search.speed_m_s:
+        return (
+            f"no gait of {search.speed_m_s:g} m/s was found {within}, though one, {name}, whatever "
+            "the torque; ask for a wider range of rates or more torque"
+        )
+    model = " by the exact model" if search.springs else ""
+    return (
+        f"no gait reaches {search.speed_m_s:g} m/s {within}; the fastest found{model}, {name}; ask "
+        "for less speed, or wider limits"
+    )

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 
 from ..base.checks import check_number
 from ..base.errors import StepTooLarge
+from ..base.rows import Result, Row, detail
+from ..model.core_model import check_parts
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..periodic.steady import Steady, speed_floor_m_s, state_near
 from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
-from .shapes import STATES
 
 LIMIT_NAMES = {
     "joint_angle_rad": "joint angle",
@@ -22,7 +25,12 @@ LIMIT_NAMES = {
     "servo_torque_nm": "servo torque",
     "omega_high_rad_s": "highest rate",
     "omega_low_rad_s": "lowest rate",
+    "kept_speed_share": "speed kept",
 }
+REACHED = 2e-3  # relative: a limit this near counts as reached
+LESS_AMPLITUDE, LESS_FRICTION = 0.10, 0.20  # losses that a gait which is to be driven must bear
+SHARP_DROP = 0.25  # share of the speed: a gait that loses more is warned of
+MIN_SHARE = 1e-3  # of the speed: with less left a gait counts as one that stops
 LEAST_RATE_RAD_S = 1e-5  # of servos and gaits: a period of a week; slower states take minutes
 _DEG = math.degrees(1.0)
 _UNITS = {
@@ -48,6 +56,10 @@ class GaitLimits:
         Limit of every joint's torque at any time, N m.
     omega_low_rad_s, omega_high_rad_s
         Range of the gait's rate, rad/s.
+    kept_speed_share
+        Share of the speed that is left when the amplitude is 10 % less, and when friction across
+        the links is 20 % less, 0 to 0.99. Where no gait keeps it, the search takes one that keeps
+        most.
 
     Raises
     ------
@@ -69,6 +81,7 @@ class GaitLimits:
     servo_torque_nm: float = math.inf
     omega_low_rad_s: float = 0.0
     omega_high_rad_s: float = math.inf
+    kept_speed_share: float = 0.0
 
     def __post_init__(self) -> None:
         check_number("joint_angle_rad", self.joint_angle_rad, 0.0, math.pi, open_low=True)
@@ -77,6 +90,7 @@ class GaitLimits:
             most = getattr(self, name)
             if not (isinstance(most, float) and most == math.inf):
                 check_number(name, most, low, open_low=low == 0.0)
+        check_number("kept_speed_share", self.kept_speed_share, 0.0, 0.99)
         check_number("omega_low_rad_s", self.omega_low_rad_s, 0.0, self.omega_high_rad_s)
 
     def margins(self, gait: Gait, torque_nm: float = 0.0) -> dict[str, float]:
@@ -95,16 +109,25 @@ class GaitLimits:
             if most < math.inf and value < math.inf
         }
 
-    def active(self, gait: Gait, torque_nm: float = 0.0) -> tuple[str, ...]:
-        """Return the limits that a gait, or torque_nm in N m, has reached, in words."""
+    def active(
+        self, gait: Gait, torque_nm: float = 0.0, speed_share: float = 1.0
+    ) -> tuple[str, ...]:
+        """Return in words the limits that a gait has reached.
+
+        torque_nm: its peak torque, N m. speed_share: what it keeps, as kept_speed_share.
+        """
         margins = self.margins(gait, torque_nm)
-        return tuple(LIMIT_NAMES[name] for name, left in margins.items() if left <= 2 * STATES)
+        names = [name for name, margin in margins.items() if margin <= REACHED]
+        if speed_share <= self.kept_speed_share * (1 + REACHED):
+            names.append("kept_speed_share")
+        return tuple(LIMIT_NAMES[name] for name in names)
 
     def in_words(self) -> str:
         """Return the limits there are, with their units; angles in degrees."""
         return ", ".join(
             f"{LIMIT_NAMES[f.name]} {getattr(self, f.name) * scale:.4g} {unit}"
             for f in fields(self)
+            if f.name in _UNITS
             for scale, unit in (_UNITS[f.name],)
             if 0 < getattr(self, f.name) < math.inf
         )
@@ -128,3 +151,112 @@ def peak_torque_nm(robot: Robot, ground: Ground, gait: Gait, steps: int = 240) -
     except StepTooLarge:  # a gait so slow that friction holds it: steps are not what limits it
         run = simulate(replace(scene, method="nonsmooth"))
     return float(np.abs(run.joint_torque_nm).max())
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedLosses(Result):
+    """Hold the shares of a gait's speed that smaller joints or less friction cost; NaN at rest.
+
+    Attributes
+    ----------
+    amplitude
+        Share of the speed that is lost when the joints' amplitude is 10 % less.
+    friction
+        Share that is lost when friction across the links (cn and fn0) is 20 % less.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
+    >>> ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
+    >>> losses = sn.speed_losses(robot, ground, sn.Gait.degrees(70, 75, hertz=0.6))
+    >>> round(losses.amplitude, 2)
+    0.08
+    """
+
+    amplitude: float
+    friction: float
+
+    @property
+    def worst(self) -> float:
+        """Return the greater of both; NaN for a gait that does not travel."""
+        return max(self.amplitude, self.friction)
+
+    def in_words(self) -> str:
+        """Return the greater loss and what causes it, e.g. '12 % of its speed with ...'."""
+        cause = f"{100 * LESS_AMPLITUDE:.0f} % less amplitude"
+        if self.friction > self.amplitude:
+            cause = f"{100 * LESS_FRICTION:.0f} % less friction across"
+        return f"{100 * max(self.worst, 0.0):.0f} % of its speed with {cause}"
+
+    @property
+    def warning(self) -> str:
+        """Return what a user must know of a gait at a sharp drop of speed, or nothing."""
+        if math.isnan(self.worst):
+            return "this gait does not travel: there is no speed to lose"
+        if self.worst <= SHARP_DROP:
+            return ""
+        return f"this gait stands at a sharp drop of speed: it loses {self.in_words()}"
+
+    def rows(self) -> list[Row]:
+        """Return both losses; nothing for a gait at rest."""
+        parts = {
+            "speed lost with 10 % less amplitude": self.amplitude,
+            "speed lost with 20 % less friction across": self.friction,
+        }
+        return [detail(n, "%", 100 * part) for n, part in parts.items() if not math.isnan(part)]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return both shares by name, for JSON."""
+        return asdict(self)
+
+
+def speed_losses(robot: Robot, ground: Ground, gait: Gait) -> SpeedLosses:
+    """Return the shares of speed that a gait loses with smaller joints and with less friction.
+
+    Parameters
+    ----------
+    robot, ground, gait
+        What crawls, on what and how.
+
+    Returns
+    -------
+    SpeedLosses
+        With 10 % less amplitude, and with 20 % less friction across the links.
+
+    Raises
+    ------
+    BadInput
+        For arguments of a wrong kind.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
+    >>> ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
+    >>> losses = sn.speed_losses(robot, ground, sn.Gait.degrees(70, 75, hertz=0.6))
+    >>> losses.worst < 0.25
+    True
+    """
+    check_parts(robot, ground, gait)
+    amplitude, friction = speed_shares(robot, ground, gait)
+    return SpeedLosses(1 - amplitude, 1 - friction)
+
+
+def speed_shares(
+    robot: Robot, ground: Ground, gait: Gait, *, rtol: float = 1e-5, near: Steady | None = None
+) -> tuple[float, float]:
+    """Return the shares of speed left with 10 % less amplitude, and 20 % less friction across.
+
+    NaN for a gait that does not travel. near: its own state, if that is known.
+    """
+    weak = replace(gait, alpha_rad=(1 - LESS_AMPLITUDE) * gait.alpha_rad)
+    left = 1 - LESS_FRICTION
+    slippery = replace(ground, cn=left * ground.cn, fn0=left * ground.fn0)
+    full = near or state_near(robot, ground, gait, rtol=rtol, powers=False, start=None)
+    start = None if ground.smooth else full
+    speeds = [
+        state_near(robot, on, how, rtol=rtol, powers=False, start=start).speed_m_s
+        for on, how in ((ground, weak), (slippery, gait))
+    ]
+    if full.speed_m_s <= speed_floor_m_s(robot, gait.omega_rad_s):
+        return math.nan, math.nan
+    return speeds[0] / full.speed_m_s, speeds[1] / full.speed_m_s

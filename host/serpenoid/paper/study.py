@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..base.vectors import Array
-from ..gaits.finder import LeastPower
-from ..gaits.least_power import power_front
+from ..gaits.least_power import LeastPower, power_front
 from ..model.drives import TorqueTable
 from ..model.gait import Gait
 from ..model.ground import Ground

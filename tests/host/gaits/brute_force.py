@@ -76,14 +76,13 @@ def _crossings(rates: Array, v: Array, p: Array, speed: float) -> Iterator[tuple
 
 @dataclass(frozen=True)
 class Wish:
-    """Hold what is asked for; direction -1: waves from tail to head."""
+    """Hold what is asked for."""
 
     table: Table
     robot: sn.Robot
     ground: sn.Ground
     speed_m_s: float
     limits: sn.GaitLimits = sn.GaitLimits()  # noqa: RUF009
-    direction: float = 1.0
 
     def look(self, swings: Array, lags: Array, rates: Array) -> list[Found]:
         """Return every gait of a list of shapes that makes the speed, the cheapest first."""
@@ -94,7 +93,7 @@ class Wish:
 
         def one(shape: list[float]) -> list[Found]:
             swing, lag, a, b = shape
-            v, p = self.table(a, self.direction * b, rates)
+            v, p = self.table(a, b, rates)
             found = [Found(p, swing, lag, w) for w, p in _crossings(rates, v, p, self.speed_m_s)]
             return [f for f in found if self._turns_so_fast(f.gait)]
 
@@ -111,9 +110,7 @@ class Wish:
     def holds(self, found: Found) -> bool:
         """Tell whether the servos are strong enough for a gait."""
         most = self.limits.servo_torque_nm
-        gait = found.gait
-        gait = sn.Gait(gait.alpha_rad, self.direction * gait.beta_rad, gait.omega_rad_s)
-        return most == math.inf or peak_torque_nm(self.robot, self.ground, gait) <= most
+        return most == math.inf or peak_torque_nm(self.robot, self.ground, found.gait) <= most
 
     def solved(self, found: Found) -> Found:
         """Return a gait at the rate that gives the very speed, by secants."""
@@ -121,7 +118,7 @@ class Wish:
 
         def at(x: float) -> tuple[float, float]:
             rates = np.array([math.exp(x)])
-            v, p = self.table(gait.alpha_rad, self.direction * gait.beta_rad, rates)
+            v, p = self.table(gait.alpha_rad, gait.beta_rad, rates)
             return math.log(v[0] / self.speed_m_s), float(p[0])
 
         x, y, step = math.log(found.rate), at(math.log(found.rate)), 1e-3

@@ -19,8 +19,6 @@ def random_ground(rng: np.random.Generator, kind: str, weight_n: float) -> sn.Gr
     cn = ct * between(rng, 1.5, 100)
     if kind == "viscous":
         return sn.Ground(ct, cn)
-    if kind == "ratchet":
-        return sn.Ground((ct, ct * between(rng, 2, 10)), cn)
     ft0 = weight_n * between(rng, 0.005, 0.05)
     return sn.Ground(ct, cn, ft0, ft0 * between(rng, 1.5, 15))
 
@@ -60,13 +58,9 @@ def both(kind: str, seed: int) -> Pair:
     swings = np.radians(np.geomspace(4, 90, 14 if smooth else 10))
     lags = np.geomspace(min(0.3, 1.5 / n), 3.05, 16 if smooth else 10)
     rates = np.geomspace(3, 300, 22 if smooth else 13) * speed / body
-    ends = []
-    for direction in (1.0, -1.0) if kind == "ratchet" else (1.0,):
-        table = exact_table(robot, ground, cost, 1e-5 if smooth else 1e-3)
-        wish = Wish(table, robot, ground, speed, limits, direction)
-        found = cheapest(wish, swings, lags, rates, starts=3 if smooth else 2, levels=4)
-        ends += [found] if found else []
-    return best, min(ends, key=lambda one: one.watts, default=None)
+    table = exact_table(robot, ground, cost, 1e-5 if smooth else 1e-3)
+    wish = Wish(table, robot, ground, speed, limits)
+    return best, cheapest(wish, swings, lags, rates, starts=3 if smooth else 2, levels=4)
 
 
 def assert_none_cheaper(best: sn.LeastPower | None, found: Found | None) -> None:
@@ -85,12 +79,8 @@ def test_brute_force_finds_none_cheaper(seed: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "seed"),
-    [
-        (kind, seed)
-        for kind, many in (("viscous", 5), ("dry", 3), ("ratchet", 2))
-        for seed in range(10, 10 + many)
-    ],
+    [(kind, seed) for kind, many in (("viscous", 5), ("dry", 3)) for seed in range(10, 10 + many)],
 )
 def test_brute_force_over_random_robots_finds_none_cheaper(kind: str, seed: int) -> None:
-    """None of 13, with the three above: a share of 21 % would show in 19 of 20 cases."""
+    """None of 11, with the three above: a share of 24 % would show in 19 of 20 cases."""
     assert_none_cheaper(*both(kind, seed))

@@ -77,13 +77,6 @@ KNOWN: dict[str, tuple[sn.Robot, sn.Ground, dict[str, Any], dict[str, float], fl
         {"joint_angle_rad": 0.5685552},
         0.004185,
     ),
-    "ratchets in opposite phase": (
-        sn.Robot(7, 0.2934, 0.0846),
-        sn.Ground((0.0944, 0.486), 0.2259),
-        {"speed_m_s": 0.1166, "cost": "positive_power"},
-        {},
-        0.6115,
-    ),
     "a lowest rate far above the cheapest": (
         OF_2005,
         BINGHAM,

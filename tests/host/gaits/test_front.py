@@ -19,7 +19,6 @@ SMALL, SPRINGS = sn.Robot(3, 0.4, 0.11), {"joint_stiffness_n_m": 60.0, "joint_da
 KINDS: dict[str, tuple[sn.Robot, sn.Ground, dict[str, Any]]] = {
     "viscous": (PAPER, VISCOUS, {}),
     "dry": (OF_2005, BINGHAM, {}),
-    "ratchet": (sn.Robot(3, 0.0756, 0.076), sn.Ground((0.014, 0.14), 0.2), {"cost": "abs_power"}),
     "springs": (SMALL, sn.Ground(0.06, 1.1), {"formulation": "implicit", **SPRINGS}),
 }
 
@@ -36,13 +35,12 @@ def found(kind: str, speeds: list[float], **more: Any) -> list[sn.LeastPower]:
     [
         "viscous",
         "dry",
-        pytest.param("ratchet", marks=pytest.mark.slow),
         pytest.param("springs", marks=pytest.mark.slow),
     ],
 )
 def test_each_point_is_what_a_single_call_finds(kind: str) -> None:
     first, second, third = found(kind, [0.06, 0.03, 0.06])
-    assert first is third
+    assert first.power_w == third.power_w
     assert second.power_w < first.power_w
     assert [first.speed_m_s, second.speed_m_s] == pytest.approx([0.06, 0.03], rel=3e-4)
     robot, ground, given = KINDS[kind]

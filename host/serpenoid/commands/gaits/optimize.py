@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, TypeVar
 
 import click
@@ -26,7 +28,7 @@ from ..declare import (
     refuse_typed,
     settings,
 )
-from ..given import make_snake, predicted_band, servo_remark, take_servo
+from ..given import Snake, make_snake, predicted_band, servo_remark, take_servo
 from ..options import (
     AS_TABLES,
     FRICTION,
@@ -45,6 +47,8 @@ from .steady import beside_servo, few_links, speed_in_words, speeds_as_dict
 
 _Result = TypeVar("_Result")
 _BOARD_ANGLE_DEG, _BOARD_SPEED_DEG_S = 90.0, 500.0  # a new board's own limits
+_KEPT_SPEED_SHARE = 0.8  # with 10 % less amplitude, and with 20 % less friction across
+_SPEED_ROUNDING = 1e-4  # relative: a search may end this far beyond a limit
 
 # Keys of answers, in their order; each is an attribute's name, or stands here beside it.
 _KEYS = {"cost_w": "power_w", "cost_error_w": "power_error_w"}
@@ -56,19 +60,15 @@ _OF_LEAST_POWER = (
     "cost_error_w",
     "solved_error_w",
     "active",
-    "basins",
-    "runner_up_w",
 )
 LIMITS = (  # of GaitLimits, whose angles are in radians
-    Setting(
-        "joint_angle_deg", "most a joint may bend", "deg", Limits(0, 180, open_low=True), "110"
-    ),
+    Setting("joint_angle_deg", "most a joint may bend", "deg", Limits(0, 180, open_low=True), "90"),
     Setting(
         "servo_speed_deg_s",
         "most a servo turns; inf: no limit",
         "deg/s",
         Limits(1e-3),
-        "500, a new board's",
+        "90 % of its no-load speed",
         read=lambda name, text: math.inf if text == "inf" else parsed_number(name, text),
     ),
     Setting("servo_torque_nm", "most a servo holds", "N m", POSITIVE, "no limit"),
@@ -94,6 +94,7 @@ COST = Setting(
     metavar="M/S[,M/S...]",
 )
 @servo_option
+@flag("--ideal", "The paper's optimum: without the robot's limits.")
 @flag("--send", "Drive the gait on the robot, as `drive` does.")
 @PORT
 @option(
@@ -110,61 +111,51 @@ def optimize(
     speed_m_s: str,
     servo: str | None,
     settings: Given,
+    ideal: bool,
     send: bool,
     formulation: str,
     verbose: bool,
     as_json: bool,
     **run: Any,
 ) -> None:
-    """Find the gait that costs least power at a speed, and say how near to a cliff it stands.
+    """Find the gait of least power at a speed that the robot can be driven with.
 
-    Gaits are searched with ideal joints. Beside the speed stands what servos leave of it: any hobby
-    servo unless --servo says which, or `ideal`.
+    Its joints stay within the board's 90 degrees, and its servos follow it: hobby servos unless
+    --servo or a session says which. It keeps 80 % of its speed when the joints' amplitude is 10 %
+    less, or friction across the links 20 % less; where no gait does, it is one that loses least.
+    --ideal leaves these limits out.
     """
     wanted = _speeds(speed_m_s)
     if not send:
         refuse_typed("{} is for --send, which is not there", *run)
     if len(wanted) > 1 and (send or servo):
         raise click.UsageError("--send and --servo take one speed")
-    if send:  # board and the recording's place are found before the search, not after it
-        from ...robot.recording.recorder import check_free
-        from ...robot.wire.ports import find_port
-
-        if run["record"] is not None:
-            check_free(run["record"])
-        if run["port"] is None:
-            find_port()
+    if send:
+        _check_board(**run)
     snake = make_snake(robot, settings)
     body = snake.robot, snake.ground
-    how = {
-        "cost": settings.get("cost", "power"),
-        "limits": _limits(settings, send),
-        "formulation": formulation,
-    }
-    if len(wanted) > 1:
-        front = _searched(lambda: sn.power_front(*body, speeds_m_s=wanted, **how))
-        return _show_front(wanted, front, as_json, snake.notes)
     kind = take_servo(servo, settings, IDEAL if snake.fit is None else "hobby", snake)
-    if servo is None and few_links(snake.robot) and kind is None:
+    if servo is None and kind is None and (few_links(snake.robot) or not ideal):
         kind = take_servo("hobby", settings, IDEAL)
-    best = _searched(lambda: sn.least_power_gait(*body, speed_m_s=wanted[0], **how))
-    margins = interruptible(lambda: sn.gait_margins(*body, best.gait))
+    how = {"cost": settings.get("cost", "power"), "formulation": formulation}
+    limits = _limits(settings, ideal, send, kind)
+    if len(wanted) > 1:
+        front = _searched(lambda: sn.power_front(*body, speeds_m_s=wanted, limits=limits, **how))
+        return _show_front(wanted, front, as_json, snake.notes)
+    best = _searched(lambda: sn.least_power_gait(*body, speed_m_s=wanted[0], limits=limits, **how))
+    paper = None if ideal else _papers_optimum(snake, wanted[0], how)
     best = replace(best, steady=warn_of_two_motions(best.steady))
     with working("servos") as show_share:
-        moved = beside_servo(best.steady, kind, snake.fit is None, show_share)
+        shown = kind if few_links(snake.robot) else None
+        moved = beside_servo(best.steady, shown, snake.fit is None, show_share)
     # what is sent is predicted when it is driven
     band = interruptible(lambda: None if send else predicted_band(snake, best.gait, kind))
-    answer = _as_dict(best) | {"margins": margins.to_dict()} | speeds_as_dict(moved, band)
+    answer = _as_dict(best) | {"ideal": None if paper is None else _ideal_dict(paper)}
+    answer |= speeds_as_dict(moved, band)
     answer |= snake.notes | servo_remark(kind)
     if not as_json:
-        from ...show import report
-        from ...show.gaits import gait_report
-
-        gait_report.warn(best, moved)
-        gait_report.warn_of_cliff(margins)
-        words = f"{best.in_words()} {speed_in_words(best.steady, moved, band)}"
-        parts = [best, *([moved] if moved else []), margins]
-        report.show(*parts, answer=words, verbose=verbose)
+        words = speed_in_words(best.steady, moved, band)
+        _show(best, paper, moved, kind, words, verbose)
     if send:
         from ...robot.robot_match import RobotMatch
         from ..board.driving import drive_gait
@@ -177,13 +168,68 @@ def optimize(
     return None
 
 
-def _limits(settings: Given, send: bool) -> sn.GaitLimits:
-    """Return the limits of a search: those set, a new board's speed, and its angle for --send."""
-    in_degrees = {"servo_speed_deg_s": _BOARD_SPEED_DEG_S}
-    in_degrees |= {"joint_angle_deg": _BOARD_ANGLE_DEG} if send else {}
-    in_degrees |= {s.name: settings[s.name] for s in LIMITS[:2] if s.name in settings}
-    limits = {name.replace("_deg", "_rad"): math.radians(v) for name, v in in_degrees.items()}
-    limits |= {s.name: settings[s.name] for s in LIMITS[2:] if s.name in settings}
+def _check_board(port: str | None, record: Path | None, **_: Any) -> None:
+    """Find the board and the recording's place before the search, not after it."""
+    from ...robot.recording.recorder import check_free
+    from ...robot.wire.ports import find_port
+
+    if record is not None:
+        check_free(record)
+    if port is None:
+        find_port()
+
+
+def _papers_optimum(snake: Snake, speed_m_s: float, how: Given) -> sn.LeastPower | None:
+    """Return the gait of least power without the robot's limits."""
+    with suppress(sn.NotConverged):
+        return _searched(
+            lambda: sn.least_power_gait(snake.robot, snake.ground, speed_m_s=speed_m_s, **how)
+        )
+    return None
+
+
+def _show(
+    best: sn.LeastPower,
+    paper: sn.LeastPower | None,
+    moved: sn.ServoSteady | None,
+    kind: sn.ServoKind | None,
+    speed: str,
+    verbose: bool,
+) -> None:
+    """Print the answer: gait, speed, what limits it, and the paper's optimum; then the figures."""
+    from ...show import report
+    from ...show.gaits import gait_report
+
+    gait_report.warn_of_losses(best.losses)
+    words = f"{best.in_words()} {speed}"
+    if paper is None:
+        gait_report.warn_too_fast(best.gait, kind or sn.servo("hobby"))
+    else:
+        words += f" {gait_report.beside_ideal(best, paper, kind)}"
+    report.show(best, *([moved] if moved else []), answer=words, verbose=verbose)
+
+
+def _limits(settings: Given, ideal: bool, send: bool, kind: sn.ServoKind | None) -> sn.GaitLimits:
+    """Return the limits of a search: those set, else the robot's.
+
+    The robot's are those of a new board, of servos that are to follow, and of the speed that is to
+    be kept; ideal: none of them, but the board's with send, as it refuses others.
+    """
+    from ...servos.speed_limit import MAX_NO_LOAD_SHARE, no_load_rad_s
+
+    limits: Given = {}
+    if send or not ideal:
+        limits["joint_angle_rad"] = math.radians(_BOARD_ANGLE_DEG)
+        limits["servo_speed_rad_s"] = math.radians(_BOARD_SPEED_DEG_S)
+    if not ideal:
+        limits["kept_speed_share"] = _KEPT_SPEED_SHARE
+        if kind is not None:
+            followed_rad_s = (1 - _SPEED_ROUNDING) * MAX_NO_LOAD_SHARE * no_load_rad_s(kind)
+            limits["servo_speed_rad_s"] = min(limits["servo_speed_rad_s"], followed_rad_s)
+    for setting in LIMITS:
+        if setting.name in settings:
+            value, name = settings[setting.name], setting.name.replace("_deg", "_rad")
+            limits[name] = math.radians(value) if name != setting.name else value
     return sn.GaitLimits(**limits)
 
 
@@ -205,7 +251,14 @@ def _searched(work: Callable[[], _Result]) -> _Result:
 
 def _as_dict(best: sn.LeastPower) -> Given:
     answer = {name: getattr(best, _KEYS.get(name, name)) for name in _OF_LEAST_POWER}
-    return answer | {"gait": describe(best.gait)} | best.steady.to_dict()
+    answer |= {"gait": describe(best.gait), "losses": best.losses.to_dict()}
+    return answer | best.steady.to_dict()
+
+
+def _ideal_dict(paper: sn.LeastPower) -> Given:
+    """Return the gait of the paper's optimum, its cost and what it loses."""
+    answer = {"gait": describe(paper.gait), "cost_w": paper.power_w}
+    return answer | {"losses": paper.losses.to_dict()}
 
 
 def _show_front(

@@ -72,7 +72,7 @@ def steady(
     as_json: bool,
     **typed_gait: Any,
 ) -> None:
-    """Find the periodic state of one gait: speed, powers, settling time, margins.
+    """Find the periodic state of one gait: speed, powers, settling time, losses.
 
     The figures are those of joints that follow the gait exactly. Beside them stands the speed with
     servos: with any hobby servo unless --servo says which, or `ideal`.
@@ -109,23 +109,24 @@ def steady(
             )
         )
         moved = beside_servo(state, kind, snake.fit is None, show_share)
-        margins = interruptible(lambda: sn.gait_margins(snake.robot, snake.ground, gait))
+        losses = interruptible(lambda: sn.speed_losses(snake.robot, snake.ground, gait))
         band = interruptible(lambda: predicted_band(snake, gait, kind, commanded))
     state = warn_of_two_motions(state)
     if doubt := state.power_doubt_text(rtol):
         warnings.warn(doubt, stacklevel=2)
     if as_json:
-        known = {"margins": margins.to_dict()}
+        known = {"losses": losses.to_dict()}
         values = {"gait": describe(gait)} | state.to_dict() | known | snake.notes
         return show_json(values | speeds_as_dict(moved, band) | servo_remark(kind))
     from ...show import report
     from ...show.gaits import gait_report
 
-    gait_report.warn_of_cliff(margins)
+    gait_report.warn_of_losses(losses)
     answer = speed_in_words(state, moved, band)
-    report.show(state, *([moved] if moved else []), margins, answer=answer, verbose=verbose)
+    report.show(state, *([moved] if moved else []), losses, answer=answer, verbose=verbose)
     if state.sensitivities is not None:
         report.show(state.sensitivities, verbose=verbose)
+    return None
 
 
 def _on_springs(

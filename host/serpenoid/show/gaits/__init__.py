@@ -1,1 +1,1 @@
-"""What is drawn and said of gaits: optima, margins, cliffs, the remade study."""
+"""What is drawn and said of gaits: optima, losses of speed, the remade study."""

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...gaits.finder import LeastPower
+from ...gaits.least_power import LeastPower
 from ...paper.study import Comparison
 from ...periodic.sweep import Sweep
 from ..plot import (

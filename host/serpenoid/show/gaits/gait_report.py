@@ -1,4 +1,4 @@
-"""What the command line says of optima: their error, limits and margins."""
+"""What the command line says of optima: their error, limits and losses."""
 
 from __future__ import annotations
 
@@ -6,31 +6,47 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from ...gaits.limits import LIMIT_NAMES, REACHED
+from ...model.gait import gait_name
 from ...servos.catalogue import HOBBY
-from ...servos.speed_limit import too_fast_text
+from ...servos.speed_limit import is_too_fast, too_fast_text
 from ..report import notices, table
 
 if TYPE_CHECKING:
-    from ...gaits.finder import LeastPower
-    from ...gaits.margins import Margins
-    from ...periodic.servo_steady import ServoSteady
+    from ...gaits.least_power import LeastPower
+    from ...gaits.limits import SpeedLosses
+    from ...model.drives import Servo, ServoKind
+    from ...model.gait import Gait
 
 
-def warn(best: LeastPower, moved: ServoSteady | None) -> None:
-    """Warn of a gait that is too fast; moved: servos that say so."""
-    too_fast = too_fast_text(best.gait, moved.servo if moved else HOBBY)
-    if too_fast:
-        told = "" if moved else f"{too_fast} "
-        notices.print(
-            f"serpenoid: warning: {told}--set servo_speed_deg_s=... keeps the search to what "
-            "servos can do"
-        )
+def warn_of_losses(losses: SpeedLosses) -> None:
+    """Warn of a gait at a sharp drop of speed."""
+    if losses.warning:
+        notices.print(f"serpenoid: warning: {losses.warning}")
 
 
-def warn_of_cliff(margins: Margins) -> None:
-    """Warn beside a sharp drop of the speed."""
-    if margins.warning:
-        notices.print(f"serpenoid: warning: {margins.warning}")
+def warn_too_fast(gait: Gait, servo: Servo | ServoKind | None) -> None:
+    """Warn of a gait that a servo cannot follow."""
+    text = too_fast_text(gait, servo)
+    if text:
+        notices.print(f"serpenoid: warning: {text}")
+
+
+def beside_ideal(best: LeastPower, ideal: LeastPower, servo: Servo | ServoKind | None) -> str:
+    """Return what limits a gait, and what the optimum without limits would cost and risk."""
+    active = [name for name in best.active if name != LIMIT_NAMES["kept_speed_share"]]
+    words = f"Limited by {', '.join(active)}. " if active else ""
+    kept = best.limits.kept_speed_share
+    if 1 - best.losses.worst < kept * (1 - REACHED):
+        words += f"No gait keeps {100 * kept:.0f} % of its speed; this one loses least. "
+    less = 1 - ideal.power_w / best.power_w
+    if less < REACHED:
+        return f"{words}Without these limits no gait takes noticeably less."
+    speed = "is too fast for the servos and " if is_too_fast(ideal.gait, servo) else ""
+    return (
+        f"{words}The paper's optimum, {gait_name(ideal.gait)}, takes {100 * less:.2g} % less "
+        f"power; it {speed}loses {ideal.losses.in_words()}."
+    )
 
 
 def front(speeds_m_s: Sequence[float], optima: Sequence[LeastPower | None]) -> None:
@@ -44,8 +60,9 @@ def front(speeds_m_s: Sequence[float], optima: Sequence[LeastPower | None]) -> N
         angles = best.gait.alpha_rad, best.gait.beta_rad
         cells[-1] += [f"{best.power_w:.5g}", f"{best.gait.omega_rad_s:.4g}"]
         cells[-1] += [f"{math.degrees(angle):.4g}" for angle in angles]
-        cells[-1] += [", ".join(best.active) or "none"]
-    heads = ["speed (m/s)", "W", "omega (rad/s)", "alpha (deg)", "beta (deg)", "limits reached"]
+        cells[-1] += [f"{100 * best.losses.worst:.0f}", ", ".join(best.active) or "none"]
+    heads = ["speed (m/s)", "W", "omega (rad/s)", "alpha (deg)", "beta (deg)"]
+    heads += ["speed lost (%)", "limits reached"]
     table("gaits of least power", heads, cells)
     for speed, best in zip(speeds_m_s, optima, strict=True):
         too_fast = best and too_fast_text(best.gait, HOBBY, f"The gait for {speed:.4g} m/s")
