@@ -30,7 +30,7 @@ h3{font-size:1rem;margin:1.2rem 0 .3rem}
 .soft{color:var(--soft)}.verdict{border-left:4px solid #0072B2;padding:.4rem .8rem;margin:1rem 0}
 .wide{overflow-x:auto;margin-bottom:.8rem}table{border-collapse:collapse;font-variant-numeric:tabular-nums}
 th,td{padding:.25rem .7rem;border-bottom:1px solid var(--line);text-align:right;white-space:nowrap}
-th:first-child,td:first-child{text-align:left}
+th{white-space:normal}th:first-child,td:first-child{text-align:left}
 figure{margin:0 0 .5rem;background:#fff;border-radius:6px;overflow-x:auto}
 figure svg{display:block;width:100%;max-width:36rem;height:auto}
 .void{color:var(--soft)}.void td{text-decoration:line-through}
@@ -129,7 +129,7 @@ def _table(
     body = ""
     for k, row in enumerate(rows):
         mark = ' class="void"' if readings and readings[k].voided else ""
-        body += f"<tr{mark}>" + "".join(f"<td>{escape(c)}</td>" for c in row) + "</tr>"
+        body += f"<tr{mark}>" + "".join(f"<td>{_prose(c)}</td>" for c in row) + "</tr>"
         if said and said[k]:
             body += f'<tr class="said"><td colspan="{len(head)}">{escape(said[k])}</td></tr>'
     kind = ' class="words"' if words else ""
