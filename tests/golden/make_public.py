@@ -224,7 +224,7 @@ def make_inputs() -> None:
 def sections() -> Iterator[tuple[str, Iterable[str]]]:
     """Yield each part: its heading and its lines."""
     yield "Commands", commands(cli)
-    with patch.object(bench_fit, "PARTICLES", 64):  # a quarter of its samples
+    with patch.object(bench_fit, "SAMPLES", 64):  # a quarter of its samples
         for line in ANSWERS:
             yield f"JSON: {line}", by_table(json.loads(run(f"{line} --json")))
     yield "Files: a scene", dict.fromkeys(scene_keys())

@@ -20,7 +20,8 @@ from ..base.particles import about_a_maximum
 from ..model.drives import ServoKind
 from .bench_test import UNREPORTED, Array, BenchModel, BenchTest, Values
 
-PARTICLES, MOVES, KEPT = 256, 100, 128
+# With 100 moves of each sample the tails of friction and dead band were too short.
+SAMPLES, MOVES, KEPT = 256, 250, 128
 DRAWN_STARTS, BEST_STARTS = 1024, 8  # servos drawn; least squares start from the best of them
 START_SIGMAS = 1.5  # width of what starts are drawn from, in standard deviations of the priors
 MIN_P_VALUE = 0.01  # below it the model does not describe the table
@@ -217,7 +218,7 @@ def _sampled(
     ]
     masses = np.array([one.log_mass for _, one in pairs])
     share = np.cumsum(np.exp(masses - masses.max()))
-    counts = np.diff(np.round(PARTICLES * share / share[-1]), prepend=0.0).astype(int)
+    counts = np.diff(np.round(SAMPLES * share / share[-1]), prepend=0.0).astype(int)
     parts = []
     for (fit, one), count in zip(pairs, counts.tolist(), strict=True):
         if count:
