@@ -14,6 +14,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "studies"))
 import crawl_drawing
 import film_pictures
+import robot_drawing
 import serpenoid as sn
 import wiring_diagram
 from calibration_figures import coverage_figure
@@ -72,6 +73,7 @@ FIGURES: dict[str, Callable[[Path], None]] = {
     "accuracy.png": accuracy,
     "stability.png": stability,
     "coverage.png": study,
+    "robot.svg": robot_drawing.draw,
     "wiring.svg": wiring_diagram.draw_file,
     "wiring_pca9685.svg": wiring_diagram.draw_file,
     **{
