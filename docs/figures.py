@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import argparse
 import json
-import shutil
+import math
 import sys
-import tempfile
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "studies"))
@@ -23,23 +21,28 @@ from serpenoid.bench.accuracy.measure import Row
 from serpenoid.bench.rows import read_rows
 from serpenoid.bench.stability.figure import stability_figure
 from serpenoid.bench.stability.map import Cell
-from serpenoid.commands.demo import run_demo
+from serpenoid.prediction.predict import one_cycle, predict_all
+from serpenoid.show import plot
 from serpenoid.show.run_figure import draw_run
 
-STORED = Path(__file__).resolve().parents[1] / "host" / "docs"
+ROOT = Path(__file__).resolve().parents[1]
+STORED = ROOT / "host" / "docs"
 
 
-@cache
-def _demo() -> Path:
-    """Return a folder with the demo's pictures."""
-    folder = Path(tempfile.mkdtemp())
-    run_demo(folder)
-    return folder
+def speed(path: Path) -> None:
+    """Draw the speed of the 2005 robot over frequency, from its session (Fig. 17)."""
+    session = sn.load_session(ROOT / "calibration_data" / "nirakh-2005")
+    rates = 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0, 1.25, 1.5
+    gaits = [sn.Gait.degrees(70, 75, hertz=hertz) for hertz in rates]
+    points = predict_all(session.setup.robot, sn.fit_friction(session), gaits)
+    plot.speed_against_frequency(points, "2005 robot, α = 70°, β = 75° (Fig. 17)", path)
 
 
-def of_demo(path: Path) -> None:
-    """Take the demo's picture of this name: speed over frequency (Fig. 17), or a path."""
-    shutil.copy(_demo() / path.name, path)
+def crawl_path(path: Path) -> None:
+    """Draw the path of the paper's robot."""
+    robot, ground = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
+    run = one_cycle(robot, ground, sn.Gait.degrees(30, 80, hertz=5.0 / math.tau))[1]
+    plot.path_and_poses(run, "the paper's robot, α = 30°, β = 80°, ω = 5 rad/s", path)
 
 
 def run(path: Path) -> None:
@@ -67,8 +70,8 @@ def study(path: Path) -> None:
 
 FIGURES: dict[str, Callable[[Path], None]] = {
     "crawl.svg": crawl_drawing.draw,
-    "speed.png": of_demo,
-    "path.png": of_demo,
+    "speed.png": speed,
+    "path.png": crawl_path,
     "run.png": run,
     "accuracy.png": accuracy,
     "stability.png": stability,

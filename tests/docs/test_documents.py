@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from coverage_floor import CASES, drawn_person, floor_setup
 from docs.documents import PAGES, ROOT, blocks, mentioned, typed, unknown
-from serpenoid.commands.demo_loop import take_session
+from serpenoid.commands.demo import take_session
 from serpenoid.session.journal import Journal
 from serpenoid.taking.new_session import create_session
 from serpenoid.taking.treadmill import take_all

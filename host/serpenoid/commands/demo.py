@@ -1,82 +1,225 @@
-"""The whole loop without a robot, then the 2005 session: friction, speeds, pictures, summary."""
+"""The whole loop without a robot, in five steps: each tells what it found beside the truth.
+
+A robot of the virtual lab is measured: a treadmill session, pushes along a floor, a filmed crawl.
+"""
 
 from __future__ import annotations
 
 import math
 import shutil
-import sys
+import textwrap
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 import serpenoid as sn
 
 from .. import _core
-from ..prediction.predict import as_json, one_cycle, predict_all
-from ..servos.catalogue import HOBBY
-from ..servos.speed_limit import too_fast_text
-from ..show import plot
-from ..show.screen import progress
-from .demo_loop import measure_demo_film, push_along_floor, run_loop, say, step
+from ..base.files import read_json, write_text
+from ..calibration.friction_result import DOUBTFUL
+from ..lab.crawl import crawl_speed
+from ..model.gait import gait_name
+from ..prediction.band import speed_band
+from ..prediction.comparison import compared_gaits
+from ..prediction.curve import speed_curves
+from ..robot.robot import RobotBoard
+from ..session.instruments import FloorTools
+from ..session.journal import Journal
+from ..show.comparison_figure import comparison_figure
+from ..show.report import console
+from ..show.screen import progress, working
+from ..show.session.floor_figure import push_figure
+from ..show.session.report_page import session_page
+from ..taking.board_run import board_gait
+from ..taking.new_session import create_session, default_setup, on_place
+from ..taking.simulated import SimulatedPerson
+from ..taking.treadmill import take_all
+from ..taking.world import Truth, drawn_floor
 from .options import write_json
 
-ALPHA_DEG, BETA_DEG = 70.0, 75.0  # the gait of the paper's experiment
-GAITS = [
-    sn.Gait(math.radians(ALPHA_DEG), math.radians(BETA_DEG), 2 * math.pi * hz)
-    for hz in (0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0, 1.25, 1.5)
-]
-PATH_ROBOT, PATH_GROUND = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
-PATH_GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
+if TYPE_CHECKING:
+    from ..session.session import Setup
+
+STEPS, WIDTH, NAME = 5, 96, "demo, simulated"
+SEED, WHEELS_KG, SERVOS = 2005, 0.036, sn.servo("hobby")
+FRICTIONS = {"ct": 0.084, "cn": 1.2, "ft0": 0.14, "fn0": 0.27}  # of the whole 2005 robot
+TRUTH = Truth(
+    sn.Ground(**FRICTIONS),
+    incline_zero_rad=math.radians(0.12),
+    misreads=0.05,
+    servo=SERVOS.draws(1, SEED)[0],
+)
 
 
-def session_folder() -> Path:
-    """Return the session that is installed with the package."""
-    return Path(_core.__file__).parent / "calibration_data" / "nirakh-2005"
-
-
-def run_demo(out: Path, own: sn.FrictionFit | None = None) -> None:
-    """Fit, predict, draw and sum up; everything it finds is written to the folder `out`.
-
-    own: of a robot whose friction is then the simulated treadmill's truth.
-    """
+def run_demo(out: Path) -> None:
+    """Measure, fit, predict, compare and find a gait; all of it is written into the folder."""
     out.mkdir(parents=True, exist_ok=True)
-    say("This demo needs no robot: it measures a simulated one, whose true friction is known.\n")
-    floor = push_along_floor(out, *run_loop(out, own))
-    film = measure_demo_film(out)
-    session = sn.load_session(session_folder())
-    fit = sn.fit_friction(session)
-    with progress(len(GAITS), "predicting speeds") as advance:
-        points = predict_all(session.setup.robot, fit, GAITS, progress=advance)
-    state, run = one_cycle(PATH_ROBOT, PATH_GROUND, PATH_GAIT)
-    plot.friction_lines(
-        session,
-        fit,
-        out / "friction.png",
-        "the readings are regenerated from the two lines that the paper prints: its own are lost",
+    session = take_session(out / "session")
+    _step(
+        1,
+        f"A session of a simulated robot on a treadmill: {len(session.kept)} readings at rest and "
+        f"{len(session.kept_gait_runs)} gait runs, as `serpenoid calibrate` asks for them.",
     )
-    plot.speed_figure(
-        points, f"2005 robot, α = {ALPHA_DEG:g}°, β = {BETA_DEG:g}°", out / "speed.png"
+    session, fit, voided = _without_outlier(session, sn.fit_friction(session))
+    sn.save_fit(fit, out / "session")
+    _step(2, f"Its friction: {_beside_truth(fit)}", voided)
+
+    with progress(len(compared_gaits(session)), "gaits") as advance:
+        compared = sn.compare(session, fit, servo=SERVOS, progress=advance)
+    curves = speed_curves(session, fit, compared, SERVOS)
+    comparison_figure(compared, curves, out / "comparison.png")
+    gait = compared.gaits[1]
+    _step(
+        3,
+        f"Its speed at {gait.frequency_hz:.2g} Hz: {gait.low_all_m_s:#.2g} to "
+        f"{gait.high_all_m_s:#.2g} m/s predicted with hobby servos, {gait.measured_m_s:#.2g} run.",
+        "Both agree." if compared.verdict == "agrees" else compared.verdict_text,
     )
-    plot.path_and_poses(run, "the paper's robot, α = 30°, β = 80°, ω = 5 rad/s", out / "path.png")
-    parts = {"film": film, "floor": floor}
-    numbers = as_json(fit, points, state) | {k: v for k, v in parts.items() if v is not None}
+    floor = push_along_floor(out, fit.robot)
+    film, film_text = measure_film_of_demo(out)
+    _step(4, f"Without a treadmill, pushed along a floor: {_beside_truth(floor)}", film_text)
+    wanted = _drive_cheapest(fit, float(f"{gait.exact_m_s:.1g}"))
+
+    with working("looking at each reading that could be next"):
+        advised = sn.advise(session)
+    write_text(out / "report.html", session_page(session, fit, compared, advised, curves))
+    numbers = {
+        "truth": FRICTIONS,
+        "fit": fit.to_dict(),
+        "comparison": compared.to_dict(),
+        "floor": floor.to_dict(),
+        "film": film,
+        "wanted": wanted,
+    }
     write_json(out / "demo.json", numbers)
-    # what a builder would ask of this robot, and how far to trust it
-    fastest = [p for p in points if p.follows][-1]
-    cn = fit.parameters["cn"]
-    step(
-        8,
-        f"The robot of 2005: at {fastest.frequency_hz:g} Hz about {fastest.servo_m_s:#.2g} m/s "
-        f"with typical servos ({fastest.low_m_s:#.2g} to {fastest.high_m_s:#.2g}).",
-        too_fast_text(GAITS[-1], HOBBY, f"Its gait at {points[-1].frequency_hz:g} Hz"),
-        "The paper's data points are lost: the readings come from its two printed lines, the "
-        f"intervals from assumed instruments. Friction across is known to "
-        f"{100 * cn.sigma / cn.value:.0f} % only.",
+    console.print(f"Look at {out / 'report.html'}; your own robot: docs/first_day.md.")
+
+
+def _step(number: int, *sentences: str) -> None:
+    """Print what a step of the demo gave."""
+    head = f"[{number}/{STEPS}] "
+    text = " ".join(sentence for sentence in sentences if sentence)
+    console.print(textwrap.fill(head + text, WIDTH, subsequent_indent=" " * len(head)))
+
+
+def _beside_truth(fit: sn.FrictionFit) -> str:
+    """Return how many intervals of a fit contain the truth, and the rolling friction for one."""
+    rows = dict(zip(FRICTIONS, fit.rows(), strict=True))
+    inside = sum(row.low <= FRICTIONS[name] <= row.high for name, row in rows.items())
+    rolling = rows["ft0"]
+    return (
+        f"{inside} of {len(rows)} true values lie in their 95 % intervals; dry friction along is "
+        f"{rolling.value:.3g} N ({rolling.low:.3g} to {rolling.high:.3g}, truth "
+        f"{FRICTIONS['ft0']:.3g})."
     )
-    here = Path(sys.argv[0])  # by its path where the shell would not find it
-    serpenoid = here.name if shutil.which(here.name) else str(here)
-    serpenoid = "python -m serpenoid" if here.stem == "__main__" else serpenoid
-    say(f"\nLook at {out / 'report.html'}. Pictures and numbers are beside it.")
-    say(
-        f"Next, without a robot: {serpenoid} drive --port virtual "
-        "--alpha-deg 70 --beta-deg 75 --omega-rad-s 3"
+
+
+def take_session(folder: Path) -> sn.Session:
+    """Take the demo's session anew; raises BadInput where another one is in its place."""
+    _begin_anew(folder, _simulated(default_setup(NAME), "a simulated treadmill"))
+    with RobotBoard("virtual:fast") as robot, Journal(folder) as journal:
+        setup = journal.session.setup
+        person = SimulatedPerson(setup, TRUTH, SEED, run_gait=lambda gait: board_gait(robot, gait))
+        journal.event("start", detail="demo")
+        with working("stations, bends and gait runs"):
+            session = take_all(journal, person)
+        journal.event("end")
+        return session
+
+
+def _simulated(setup: Setup, source: str) -> Setup:
+    """Return a set-up that says that it is the demo's."""
+    source, note = f"{source}, seed {SEED}", "the demo's: no measurement"
+    return replace(setup, kind="simulated", source=source, note=note, surface="simulated")
+
+
+def _begin_anew(folder: Path, setup: Setup) -> None:
+    """Begin a session of the demo's in place of an earlier one; raises BadInput for another's."""
+    file = folder / "session.toml"
+    if file.exists():
+        if f'name = "{setup.name}"' not in file.read_text(encoding="utf-8"):
+            raise sn.BadInput(
+                f"{folder} holds a session that is not the demo's; give another --out"
+            )
+        shutil.rmtree(folder)
+    create_session(folder, setup)
+
+
+def _without_outlier(
+    session: sn.Session, fit: sn.FrictionFit
+) -> tuple[sn.Session, sn.FrictionFit, str]:
+    """Void the reading without which chi2 is least, where the readings cannot all be right.
+
+    The third value says so in words.
+    """
+    if fit.p_value is None or fit.p_value > DOUBTFUL or session.folder is None:
+        return session, fit, ""
+    worst = min(fit.influence, key=lambda reading: reading.chi2_without).reading
+    with Journal(session.folder) as journal:
+        journal.event("void", worst, "misread: chi2 says so")
+        without = sn.fit_friction(journal.session)
+        words = f"Reading {worst} contradicted the others (p {fit.p_value:.1g}) and is voided."
+        return journal.session, without, words
+
+
+def push_along_floor(out: Path, robot: sn.Robot) -> sn.FrictionFit:
+    """Take pushes there and back in each bend into out/floor, fit and draw them."""
+    setup = default_setup("demo, floor")
+    plan = replace(on_place(setup.procedure, "floor"), gaits=(), pushes=2)
+    setup = _simulated(replace(setup, robot=robot, procedure=plan), "a floor in the virtual lab")
+    setup = replace(setup, floor=FloorTools(wheels_kg=WHEELS_KG))
+    _begin_anew(out / "floor", setup)
+    world = drawn_floor(setup, TRUTH.ground, np.random.default_rng(SEED))
+    with Journal(out / "floor") as journal, working("pushes"):
+        session = take_all(journal, SimulatedPerson(setup, world, SEED))
+    fit = sn.fit_friction(session)
+    sn.save_fit(fit, out / "floor")
+    push_figure(session, fit, out / "floor.png")
+    return fit
+
+
+def measure_film_of_demo(out: Path) -> tuple[dict[str, Any] | None, str]:
+    """Measure the rendered film that is installed with the package (studies/demo_film.py).
+
+    Returns its numbers and a sentence; no numbers where the extra [video] is missing.
+    """
+    from ..video.seeing.extra import need_extra
+
+    folder = Path(_core.__file__).parent / "calibration_data" / "demo-film"
+    truth = read_json(folder / "truth.json")
+    try:
+        need_extra()
+    except sn.BadInput as error:
+        return None, f"The film of a crawl is left out: {error}"
+    from ..show.video.film_figure import film_figure
+    from ..video.measure_film import measure_film
+
+    gait = sn.Gait(truth["alpha_rad"], truth["beta_rad"], truth["omega_rad_s"])
+    with working("watching the film"):
+        film = measure_film(folder / "film.mp4", truth["links"], truth["link_length_m"], gait=gait)
+    film_figure(film, out / "film.png")
+    run = film.run
+    return run.to_dict() | {"truth": truth}, (
+        f"On a film it crawls at {1000 * run.speed_m_s:.1f} ± {1000 * run.speed_sigma_m_s:.1f} "
+        f"mm/s (truth {1000 * truth['speed_m_s']:.1f})."
     )
-    say(f"With your robot: {serpenoid} flash; then doctor, trim, calibrate new DIR, fit DIR")
+
+
+def _drive_cheapest(fit: sn.FrictionFit, speed_m_s: float) -> dict[str, float]:
+    """Find the cheapest gait for a speed, drive it in the lab, and tell both speeds."""
+    with working("searching"):
+        best = sn.least_power_gait(fit.robot, fit.ground, speed_m_s=speed_m_s)
+    with RobotBoard("virtual:fast") as robot:
+        driven = board_gait(robot, best.gait)
+    band = speed_band(fit, driven, servo=SERVOS)
+    with working("the lab's robot crawls"):
+        crawls = crawl_speed(TRUTH.robot(fit.robot, np.random.default_rng(SEED)), driven)
+    _step(
+        5,
+        f"The cheapest gait for {speed_m_s:g} m/s with ideal joints: {gait_name(driven)}, "
+        f"{1000 * best.power_w:.0f} mW. Predicted: {band.in_words()}; the lab's robot crawls at "
+        f"{crawls:#.2g}.",
+    )
+    return {"power_w": best.power_w, "crawls_m_s": crawls} | band.to_dict()

@@ -27,9 +27,7 @@ from .gaits.figures import figures
 from .gaits.optimize import optimize
 from .gaits.steady import steady
 from .gaits.sweep import sweep
-from .given import make_snake
 from .group import Commands, of_arguments, of_system
-from .options import robot_option
 from .simulate import simulate
 from .video import VIDEO_GROUP
 from .view import examples, view
@@ -39,17 +37,14 @@ from .view import examples, view
 @option(
     "--out", "Folder for figures and figures' numbers.", type=directory, default=Path("demo-out")
 )
-@robot_option
-def demo(out: Path, robot: str | None) -> None:
-    """Go through the whole loop without a robot: treadmill, friction, speed, next reading, gait.
+def demo(out: Path) -> None:
+    """Go through the whole loop without a robot: session, friction, speed, floor, film, gait.
 
-    With --robot SESSION or fit.json it is your robot, and its friction the truth that the
-    simulated treadmill has. The 2005 session follows. There is no --servo: the simulated robot has
-    a hobby servo drawn at random, and no prediction is told which.
+    The simulated robot has a hobby servo drawn at random, and no prediction is told which.
     """
     from .demo import run_demo
 
-    run_demo(out, make_snake(robot, {}).fit)
+    run_demo(out)
 
 
 SECTIONS = {

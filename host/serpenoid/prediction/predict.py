@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -132,17 +131,3 @@ def one_cycle(robot: Robot, ground: Ground, gait: Gait, cycles: int = 3) -> tupl
         )
     )
     return s, run
-
-
-def as_json(fit: FrictionFit, points: Sequence[SpeedPoint], path: Steady) -> dict[str, Any]:
-    """Return everything the demo found as plain values."""
-    return {
-        "fit": fit.to_dict(),
-        "implicit": {
-            "joint_stiffness_n_m": STIFFNESS_N_M,
-            "joint_damping_n_s_m": DAMPING_N_S_M,
-            "rtol": SPRINGS_RTOL,
-        },
-        "speed_against_frequency": [p.to_dict() for p in points],
-        "path_gait": path.to_dict(),
-    }

@@ -10,8 +10,8 @@ import pytest
 import serpenoid as sn
 from command_line import serpenoid
 from refusals import refused
+from robots import NIRAKH_2005
 from serpenoid import compare, fit_friction, load_session
-from serpenoid.commands.demo import session_folder
 from serpenoid.prediction.speeds import speed
 from serpenoid.session.film import FilmReading
 from serpenoid.session.folder import read_session
@@ -105,7 +105,7 @@ def filmed(gain: float, speed_m_s: float) -> FilmReading:
 
 @pytest.fixture(scope="module")
 def of_2005():
-    session = load_session(session_folder())
+    session = load_session(NIRAKH_2005)
     return session, fit_friction(session)
 
 

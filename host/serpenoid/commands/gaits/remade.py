@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from pathlib import Path
 
 import serpenoid as sn
 
+from ... import _core
 from ...paper import study
 from ...paper.claims import Claim, claims
 from ...prediction.predict import SpeedPoint, predict_all
 from ...show import plot
 from ...show.gaits import gait_figures
-from ..demo import ALPHA_DEG, BETA_DEG, session_folder
 
 HERTZ = 0.2, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0
 
@@ -50,15 +49,14 @@ def _optima(out: Path, cloud: sn.Sweep, front: list[sn.LeastPower]) -> None:
 
 def _experiment(out: Path) -> list[SpeedPoint]:
     """Draw friction and speed of the 2005 robot; return the speeds."""
-    session = sn.load_session(session_folder())
+    folder = Path(_core.__file__).parent / "calibration_data" / "nirakh-2005"
+    session = sn.load_session(folder)
     fit = sn.fit_friction(session)
     lost = "readings regenerated from the lines that the paper prints: its own are lost"
     plot.friction_lines(session, fit, out / "fig15-16.png", lost)
-    shape = math.radians(ALPHA_DEG), math.radians(BETA_DEG)
-    gaits = [sn.Gait(*shape, math.tau * hertz) for hertz in HERTZ]
+    gaits = [sn.Gait.degrees(70, 75, hertz=hertz) for hertz in HERTZ]
     points = predict_all(session.setup.robot, fit, gaits)
-    title = f"2005 robot, α = {ALPHA_DEG:g}°, β = {BETA_DEG:g}°"
-    plot.formulations_figure(points, title, out / "fig17.png")
+    plot.formulations_figure(points, "2005 robot, α = 70°, β = 75°", out / "fig17.png")
     return points
 
 
