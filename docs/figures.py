@@ -35,7 +35,7 @@ def speed(path: Path) -> None:
     rates = 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0, 1.25, 1.5
     gaits = [sn.Gait.degrees(70, 75, hertz=hertz) for hertz in rates]
     points = predict_all(session.setup.robot, sn.fit_friction(session), gaits)
-    plot.speed_against_frequency(points, "2005 robot, α = 70°, β = 75° (Fig. 17)", path)
+    plot.speed_figure(points, "2005 robot, α = 70°, β = 75°", path)
 
 
 def crawl_path(path: Path) -> None:

@@ -29,7 +29,7 @@ from ..session.instruments import FloorTools
 from ..session.journal import Journal
 from ..show.comparison_figure import comparison_figure
 from ..show.report import console
-from ..show.screen import progress, working
+from ..show.screen import progress, say, working
 from ..show.session.floor_figure import push_figure
 from ..show.session.report_page import session_page
 from ..taking.board_run import board_gait
@@ -94,7 +94,7 @@ def run_demo(out: Path) -> None:
         "wanted": wanted,
     }
     write_json(out / "demo.json", numbers)
-    console.print(f"Look at {out / 'report.html'}; your own robot: docs/first_day.md.")
+    say(f"Look at {out / 'report.html'}")
 
 
 def _step(number: int, *sentences: str) -> None:

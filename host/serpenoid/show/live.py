@@ -16,7 +16,11 @@ from ..robot.tools.driven_run import DrivenRun, Summary
 from .screen import screen
 
 if TYPE_CHECKING:
+    from ..periodic.servo_steady import ServoSteady
+    from ..periodic.steady import Steady
     from ..prediction.band import SpeedBand
+
+    Predicted = SpeedBand | ServoSteady | Steady
     from ..robot.wire.protocol import Telemetry
 
 FRAMES_A_TABLE = 5
@@ -25,7 +29,7 @@ View = Callable[[DrivenRun], None]
 
 
 @contextmanager
-def view(band: SpeedBand | None = None) -> Iterator[View]:
+def view(band: Predicted | None = None) -> Iterator[View]:
     """Give a function that shows the state of a run; call it after every frame.
 
     band: the speed that is predicted for the gait, to stand beside.
@@ -71,8 +75,8 @@ def line(run: DrivenRun, frame: Telemetry) -> str:
     )
 
 
-def tables(run: DrivenRun, frame: Telemetry, band: SpeedBand | None = None) -> Group:
-    """Return the run's state as tables: the joints, then timing and losses."""
+def tables(run: DrivenRun, frame: Telemetry, band: Predicted | None = None) -> Group:
+    """Return the run's state as tables: distance and joints, then timing and losses."""
     losses, drift = run.robot.losses, run.robot.clock
     joints = Table("joint", title=f"{frame.state}, {run.elapsed_s:.1f} s", title_justify="left")
     for name in ("setpoint, deg", "pulse, us"):
@@ -88,10 +92,11 @@ def tables(run: DrivenRun, frame: Telemetry, band: SpeedBand | None = None) -> G
         ("board's clock", f"{drift.ppm:+.0f} ± {drift.sd_ppm:.0f} ppm"),
         ("true frequency", _frequency(*run.frequency())),
     ]
-    return Group(joints, _rows(facts, band), "Ctrl-C stops the robot")
+    expected = [_rows(_expected(band, run.elapsed_s))] if band else []
+    return Group(*expected, joints, _rows(facts), "Ctrl-C stops the robot")
 
 
-def show_summary(summary: Summary, band: SpeedBand | None = None) -> None:
+def show_summary(summary: Summary, band: Predicted | None = None) -> None:
     """Print what a run came to, and the speed that was predicted for it."""
     rows = [
         ("board", f"{summary.board}, firmware {summary.firmware}"),
@@ -110,19 +115,30 @@ def show_summary(summary: Summary, band: SpeedBand | None = None) -> None:
         ("true gait frequency", _frequency(summary.frequency_hz, summary.frequency_sd_hz)),
         ("recording", summary.recording or "none (--record FILE)"),
     ]
-    screen().print(_rows(rows, band))
+    screen().print(_rows(_expected(band, summary.duration_s) + rows))
+    if summary.recording:
+        screen().print(f"see how it moved: serpenoid view {summary.recording}")
+
+
+def _expected(band: Predicted | None, elapsed_s: float) -> list[tuple[str, str]]:
+    """Return the predicted speed, and the distance that it makes until now."""
+    if band is None:
+        return []
+    low_m_s, high_m_s = getattr(band, "low_m_s", math.nan), getattr(band, "high_m_s", math.nan)
+    words = f"{band.speed_m_s * elapsed_s:.2f} m"
+    if math.isfinite(low_m_s):
+        words += f" ({low_m_s * elapsed_s:.2f} to {high_m_s * elapsed_s:.2f})"
+    return [("predicted speed", band.in_words()), ("predicted distance", words)]
 
 
 def _frequency(hz: float | None, sd_hz: float | None) -> str:
     return "unknown" if hz is None else f"{hz:.5f} ± {sd_hz:.5f} Hz"
 
 
-def _rows(rows: list[tuple[str, str]], band: SpeedBand | None) -> Table:
+def _rows(rows: list[tuple[str, str]]) -> Table:
     table = Table(show_header=False)
     table.add_column()
     table.add_column(overflow="fold")
     for row in rows:
         table.add_row(*row)
-    if band is not None:
-        table.add_row("predicted speed", band.in_words())
     return table

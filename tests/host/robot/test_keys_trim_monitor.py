@@ -8,7 +8,7 @@ import signal
 import subprocess
 
 import pytest
-from command_line import program, serpenoid
+from command_line import program
 from robot.fake_board import FakeBoard
 from robot.patience import LONG_S
 from robot.terminal import Person
@@ -54,19 +54,15 @@ def centres(robot: Robot) -> list[float]:
     return [trim.centre_us for trim in robot.trims()]
 
 
-def test_keys_move_the_chosen_servo(trimming):
-    for key in ("up", "+", "page up", "right", "-", "5", "page down", "down", "left", "up", "x"):
-        assert trimming.press(key)
-    for key in ("7", "up", "8", "0", "up"):  # of seven joints
-        assert trimming.press(key)
-    assert centres(trimming.robot) == [1512, 1499, 1500, 1501, 1489, 1500, 1502]
+def test_typed_numbers_centre_servos(trimming):
+    for line in ("1 1512", "3 +5", "3 -4", "7 +2", "8 1500", "0 +1", "x", "1", "", "1 wide"):
+        assert trimming.obey(line.split())
+    assert centres(trimming.robot) == [1512, 1500, 1501, 1500, 1500, 1500, 1502]
     assert [t.centre_us for t in trimming.trims] == centres(trimming.robot)
 
 
 def test_saved_outlives_the_power(trimming):
-    trimming.press("page up")
-    assert trimming.unsaved
-    trimming.press("s")
+    trimming.go(["1 1510", "save", "quit", "2 +10"])
     assert not trimming.unsaved
     board = firmware.Board(joints=7)
     board.eeprom = trimming.robot._dialogue.link.board.eeprom
@@ -77,45 +73,41 @@ def test_saved_outlives_the_power(trimming):
 
 
 def test_the_limit_is_told_and_nothing_changes(trimming):
-    for _ in range(11):  # 1600 us and 90 deg are the 2500 us that a pulse may have
-        trimming.press("page up")
-    assert centres(trimming.robot)[0] == 1600
+    trimming.obey(["1", "1601"])  # 1600 us and 90 deg are the 2500 us that a pulse may have
+    assert centres(trimming.robot)[0] == 1500
     assert "pulse_ms" in trimming.shown[-1]
 
 
 def test_leaving_unsaved_is_asked_once(trimming):
-    trimming.press("up")
-    assert trimming.press("q")
+    trimming.obey(["1", "+1"])
+    assert trimming.obey(["quit"])
     assert "not saved" in trimming.shown[-1]
-    assert trimming.press("up")
-    assert trimming.press("q")
-    assert trimming.press("")  # time passes
-    assert not trimming.press("q")
-    trimming.press("s")
-    assert not trimming.press("q")
+    assert trimming.obey(["1", "+1"])
+    assert trimming.obey(["quit"])
+    assert not trimming.obey(["quit"])
+    trimming.obey(["save"])
+    assert not trimming.obey(["quit"])
 
 
-@pytest.mark.parametrize("how", ["q", "ctrl-c", "term", "unplugged"])
-def test_trim_gives_the_terminal_back_however_it_is_left(how):
+@pytest.mark.parametrize("how", ["quit", "ctrl-c", "term", "unplugged"])
+def test_trim_stops_the_robot_however_it_is_left(how):
     with FakeBoard() as fake, Person(f"trim --json --port {fake.port}") as person:
-        person.sees("joint 1  centre 1500 us")
-        assert person.now != person.before
+        person.sees("joint 5  centre 1500 us")
         assert fake.state == "pose"
-        person.presses("3\x1b[A")
-        person.sees("joint 3  centre 1501 us  (not saved)")
-        if how == "q":
-            person.presses("s")
-            person.answers("saved on the board", "q")
+        person.presses("3 1501\r")
+        person.sees("joint 3  centre 1501 us")
+        if how == "quit":
+            person.presses("save\r")
+            person.answers("saved on the board", "quit\r")
         elif how == "ctrl-c":
             person.sends(signal.SIGINT)
         elif how == "term":
             person.sends(signal.SIGTERM)
         else:
             fake.unplug()
-            person.presses("+")
-        assert person.leaves() == {"q": 0, "ctrl-c": 130, "term": 143, "unplugged": 1}[how]
-        assert ('"saved": true' in person.screen) == (how == "q")
-        assert person.now == person.before
+            person.presses("3 +1\r")
+        assert person.leaves() == {"quit": 0, "ctrl-c": 130, "term": 143, "unplugged": 1}[how]
+        assert ('"saved": true' in person.screen) == (how == "quit")
         assert fake.state == ("pose" if how == "unplugged" else "hold")
         assert "Traceback" not in person.screen
 
@@ -191,9 +183,3 @@ def test_monitor_at_a_terminal(how):
         assert person.leaves() == (143 if how == "term" else 0)
         assert fake.state == "hold"
         assert not fake.board.session
-
-
-def test_trim_wants_a_person(monkeypatch):
-    monkeypatch.setattr("sys.stdin", io.StringIO())
-    status, _, errors = serpenoid("trim --port virtual")
-    assert (status, "no terminal" in errors) == (2, True)

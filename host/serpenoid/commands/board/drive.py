@@ -34,16 +34,16 @@ def drive(
 ) -> None:
     """Drive a gait and watch it; Ctrl-C stops the robot first. Lay it straight before.
 
-    With --robot SESSION the speed that the fitted friction predicts stands beside, with any hobby
-    servo unless --servo says which.
+    With --robot the predicted speed and distance stand beside, with any hobby servo unless --servo
+    says which. `serpenoid view` shows the recording afterwards.
 
     Exit status 0 at the end of --duration-s, or at Ctrl-C where none was given; 130 at an earlier
     Ctrl-C.
     """
     from .driving import drive_gait
 
-    snake = make_snake(robot, {})
+    snake = None if robot is None else make_snake(robot, {})
     kind = take_servo(servo, settings, "hobby", snake)
     gait, run = make_gait(typed_gait, settings), {"duration_s": duration_s, "port": port}
-    notes = snake.notes | servo_remark(kind)
-    drive_gait(gait, as_json, snake.fit, servo=kind, record=record, notes=notes, **run)
+    notes = (snake.notes if snake else {}) | servo_remark(kind)
+    drive_gait(gait, as_json, snake, servo=kind, record=record, notes=notes, **run)

@@ -18,37 +18,39 @@ from ...show.screen import say
 from ..options import describe, interruptible, show_json, warn_of_two_motions
 
 if TYPE_CHECKING:
-    from ...prediction.band import SpeedBand
+    from ...show.live import Predicted
+    from ..given import Snake
+
+
+DRIVE_SERVOS = 64  # of a kind, for the range of the predicted speed: a second before it moves
 
 
 def drive_gait(
     gait: sn.Gait,
     as_json: bool,
-    fit: sn.FrictionFit | None = None,
+    snake: Snake | None = None,
     *,
     duration_s: float | None = None,
     port: str | None = None,
     record: Path | None = None,
-    match: RobotMatch | None = None,
     before: dict[str, Any] | None = None,
     servo: sn.ServoKind | None = None,
     notes: dict[str, Any] | None = None,
 ) -> None:
     """Drive a gait, show it, and sum it up, as the command `drive` says.
 
-    fit: of this robot's friction, if there is one; servo: what moves its joints; match: the robot
-    that the gait is for, that of the fit unless given. A board of other joints is refused. before:
-    what a command that drives afterwards has found; with as_json all is one document, the run under
-    "drive". notes: what JSON says beside.
+    snake: this robot, if its speed is to be predicted; servo: what moves its joints. A board of
+    other joints than the snake's is refused. before: what a command that drives afterwards has
+    found; with as_json all is one document, the run under "drive". notes: what JSON says beside.
     """
-    band = None
-    if fit is None and (too_fast := too_fast_text(gait, servo)):
+    band = match = None
+    if (snake is None or snake.fit is None) and (too_fast := too_fast_text(gait, servo)):
         say(f"serpenoid: warning: {too_fast}", err=True)
-    if fit is not None:
-        band = _predicted(fit, gait, as_json, servo)
-        match = match or RobotMatch(
-            fit.robot.links, "the friction", "give the session of this robot, or none"
-        )
+    if snake is not None:
+        band = _predicted(snake, gait, servo)
+        if not as_json:
+            say(f"predicted: {band.in_words()}")
+        match = RobotMatch(snake.robot.links, "the gait", "give the --robot of this board, or none")
     run = DrivenRun(gait, port, record, match)
     try:
         with nullcontext(_show_nothing) if as_json else view(band) as show:
@@ -75,18 +77,22 @@ def drive_gait(
         raise SystemExit(130)
 
 
-def _predicted(
-    fit: sn.FrictionFit, gait: sn.Gait, quiet: bool, servo: sn.ServoKind | None
-) -> SpeedBand:
-    """Return the speed to expect, told before anything moves."""
+def _predicted(snake: Snake, gait: sn.Gait, servo: sn.ServoKind | None) -> Predicted:
+    """Return the speed to expect: the band of a fit, else the speed with servos of this robot."""
+    from ...periodic.servo_steady import with_servo
     from ...prediction.band import speed_band
 
-    band = interruptible(lambda: speed_band(fit, gait, servo=servo))
-    with suppress(sn.NotConverged):
-        warn_of_two_motions(sn.steady_gait(fit.robot, fit.ground, gait))
-    if not quiet:
-        say(f"predicted: {band.in_words()}")
-    return band
+    if (fit := snake.fit) is not None:
+        band = interruptible(lambda: speed_band(fit, gait, servo=servo))
+        with suppress(sn.NotConverged):
+            warn_of_two_motions(sn.steady_gait(snake.robot, snake.ground, gait))
+        return band
+    state = warn_of_two_motions(
+        interruptible(lambda: sn.steady_gait(snake.robot, snake.ground, gait))
+    )
+    if servo is None:
+        return state
+    return interruptible(lambda: with_servo(state, servo, DRIVE_SERVOS))
 
 
 def _show_nothing(run: DrivenRun) -> None:

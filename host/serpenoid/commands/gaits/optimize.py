@@ -157,12 +157,9 @@ def optimize(
         words = speed_in_words(best.steady, moved, band)
         _show(best, paper, moved, kind, words, verbose)
     if send:
-        from ...robot.robot_match import RobotMatch
         from ..board.driving import drive_gait
 
-        cure = "give its links, or the session of this robot"
-        match = RobotMatch(snake.robot.links, "the gait", cure)
-        drive_gait(best.gait, as_json, snake.fit, match=match, before=answer, servo=kind, **run)
+        drive_gait(best.gait, as_json, snake, before=answer, servo=kind, **run)
     elif as_json:
         show_json(answer)
     return None
