@@ -58,10 +58,12 @@ def commands(group: click.Group, path: tuple[str, ...] = ()) -> Iterator[tuple[s
 
 
 def command_page() -> str:
-    """Return the help of every command."""
-    parts = ["# Commands\n\nAs `--help` prints them.\n"]
+    """Return the help of every command, and the names that its --set takes."""
+    parts = ["# Commands\n\nAs `--help` and `--set help` print them.\n"]
     for words in commands(cli):
         text = invoke([*words, "--help"]).replace("Usage: cli", "Usage: serpenoid")
+        if "--set NAME=VALUE" in text:
+            text += f"\nNames of --set:\n{invoke([*words, '--set', 'help'])}"
         parts.append(f"## serpenoid {' '.join(words)}\n\n```text\n{text.rstrip()}\n```\n")
     return "\n".join(parts)
 

@@ -58,8 +58,8 @@ def named_snake(name: str) -> Snake:
         fit, session = tell_alarms(sn.load_fit(path)), None
     else:
         raise BadInput(
-            f"--robot is {name!r}: no file and no folder has this name; give 2005, paper, a "
-            "session's folder, a fit.json or a scene (.toml)"
+            f"--robot is {name!r}; it must be 2005, paper, a session's folder, a fit.json or a "
+            "scene (.toml)"
         )
     return Snake(fit.robot, fit.ground, fit, session, alarms_of(fit))
 

@@ -54,7 +54,7 @@ SECTIONS = {
     "Measure a servo": (servo,),
     "Film the robot": (VIDEO_GROUP,),
     "Run the robot": (ports, flash, doctor, trim, drive, monitor),
-    "For developers of the model": (BENCH_GROUP, figures),
+    "For researchers": (BENCH_GROUP, figures),
 }
 
 

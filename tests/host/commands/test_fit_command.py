@@ -76,7 +76,8 @@ CRAWL = "gait alpha_deg=70 beta_deg=75 distance_m=2.5 duration_s=20"
 
 
 @pytest.mark.parametrize(
-    ("robot", "said"), [("nowhere.json", "no such file"), ("nowhere", "no file and no folder")]
+    ("robot", "said"),
+    [("nowhere.json", "no such file"), ("nowhere", "it must be 2005, paper, a session's folder")],
 )
 def test_a_robot_that_is_nowhere_is_refused(robot, said):
     failed = serpenoid(f"steady {GAIT} --robot {robot}")
