@@ -52,8 +52,8 @@ class Setting:
     @property
     def needed(self) -> bool:
         """Tell whether a file must have it: nothing stands for it."""
-        if self.path in ("surface", "place", "people"):
-            return True  # in Setup they may be blank
+        if self.path in ("surface", "place", "people", "robot.mass_kg"):
+            return True  # in Setup the words may be blank, and a link's mass follows
         part, _, name = self.path.rpartition(".")
         field = (attrgetter(part)(_BLANK) if part else _BLANK).__dataclass_fields__[name]
         return field.default is MISSING and field.default_factory is MISSING
@@ -168,10 +168,10 @@ SETTINGS: dict[str, tuple[Setting, ...]] = {
             "links", "robot.links", _checked(lambda key, value: check_links(value)), fixed=True
         ),
         Setting(
-            "link_mass_kg",
-            "robot.link_mass_kg",
+            "mass_kg",
+            "robot.mass_kg",
             _ABOVE_0,
-            "       # the whole robot's mass, cables and all, over the links",
+            "       # the whole robot, cables and all",
             fixed=True,
         ),
         Setting("link_length_m", "robot.link_length_m", _ABOVE_0, "      # joint to joint"),
@@ -328,12 +328,22 @@ def setup_in(top: Table) -> Setup:
     top.only("format", "name", "program", "created_utc", *SETTINGS)
     setup = replace(_BLANK, name=top.string("name"))
     for name, rows in SETTINGS.items():
-        table = top.table(name)
+        table = _with_whole_mass(top.table(name))
         needed = (s.key for s in rows if s.needed)
         optional = (s.key for s in rows if not s.needed)
         table.only(*needed, optional=(*optional, *_without_ratchet(table)))
         setup = applied(setup, table, rows)
     return setup
+
+
+def _with_whole_mass(table: Table) -> Table:
+    """Return an older file's [robot] with the whole robot's mass in place of a link's."""
+    if "link_mass_kg" not in table.values or "links" not in table.values:
+        return table
+    values = dict(table.values)
+    del values["link_mass_kg"]
+    values["mass_kg"] = table.whole("links") * _ABOVE_0(table, "link_mass_kg")
+    return replace(table, values=values)
 
 
 def _without_ratchet(plan: Table) -> tuple[str, ...]:
@@ -360,6 +370,8 @@ def changed(setup: Setup, values: Mapping[str, Any]) -> Setup:
         new = {name: value}
         if part == "robot":  # its inertia follows from mass and length
             new["link_inertia_kg_m2"] = None
+        if path == "robot.mass_kg":
+            new = {"link_mass_kg": value / setup.robot.links, "link_inertia_kg_m2": None}
         setup = replace(setup, **({part: replace(getattr(setup, part), **new)} if part else new))
     return setup
 
@@ -381,7 +393,7 @@ def amended(setup: Setup, text: str, folder: Path) -> Setup:
         mass = ("mass_kg",) if name == "robot" else ()
         table.only(optional=(*mass, *(s.key for s in open_[name]), *_without_ratchet(table)))
         if "mass_kg" in table.values:
-            link_mass_kg = _ABOVE_0(table, "mass_kg") / setup.robot.links
-            setup = changed(setup, {"robot.link_mass_kg": link_mass_kg, "weighed": True})
+            mass_kg = _ABOVE_0(table, "mass_kg")
+            setup = changed(setup, {"robot.mass_kg": mass_kg, "weighed": True})
         setup = applied(setup, table, open_[name])
     return setup

@@ -88,7 +88,7 @@ MASS = Question(
         1000.0,
         (0.02, 20.0),
     ),
-    values=lambda setup, mass_kg: {"robot.link_mass_kg": mass_kg / setup.robot.links},
+    values=lambda _setup, mass_kg: {"robot.mass_kg": mass_kg},
 )
 LENGTH = Question(
     Field(
@@ -334,7 +334,7 @@ def identity_differences(session: Setup, wanted: Setup) -> list[str]:
     lines = []
     for path in (
         "robot.links",
-        "robot.link_mass_kg",
+        "robot.mass_kg",
         "robot.link_length_m",
         "surface",
         "procedure.gravity_m_s2",
@@ -342,5 +342,6 @@ def identity_differences(session: Setup, wanted: Setup) -> list[str]:
         a, b = (attrgetter(path)(setup) for setup in (session, wanted))
         same = abs(a - b) <= SAME * a if isinstance(a, float) and isinstance(b, float) else a == b
         if not same:
-            lines.append(f"{path.rpartition('.')[2]}: the session has {a!r}, this has {b!r}")
+            a, b = (f"{v:.6g}" if isinstance(v, float) else repr(v) for v in (a, b))
+            lines.append(f"{path.rpartition('.')[2]}: the session has {a}, this has {b}")
     return lines

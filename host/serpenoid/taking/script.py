@@ -26,7 +26,7 @@ from .steps import Step
 from .treadmill import take_steps
 from .world import Truth
 
-IDENTITY = ("links", "link_mass_kg", "link_length_m", "surface")
+IDENTITY = ("links", "mass_kg", "link_length_m", "surface")
 _FRICTIONS = ("ct", "cn", "ft0", "fn0")
 _TRUTH = (
     "incline_zero_deg",

@@ -114,17 +114,17 @@ def test_bad_readings_name_file_line_and_range(folder, old, new, says):
         ("format = 2", "", r"toml: the file has no format"),
         ("links = 6", "links = 1", r":\d+: links is 1; .*2"),
         (
-            "link_mass_kg = 0.0756",
-            "link_mass_kg = 0.0",
-            r":\d+: link_mass_kg is 0.0; .*more than 0",
+            "mass_kg = 0.4536",
+            "mass_kg = 0.0",
+            r":\d+: mass_kg is 0.0; .*more than 0",
         ),
-        ("link_mass_kg = 0.0756", 'link_mass_kg = "heavy"', r":\d+: link_mass_kg is 'heavy'"),
+        ("mass_kg = 0.4536", 'mass_kg = "heavy"', r":\d+: mass_kg is 'heavy'"),
         (
-            "link_mass_kg = 0.0756",
+            "mass_kg = 0.4536",
             "link_mass_g = 75.6",
-            r":\d+: unknown key 'link_mass_g'; .*'link_m",
+            r":\d+: unknown key 'link_mass_g'",
         ),
-        ("link_mass_kg = 0.0756", "", r"toml: no key link_mass_kg"),
+        ("mass_kg = 0.4536", "", r"toml: no key mass_kg"),
         ('kind = "regenerated"', 'kind = "guessed"', r":\d+: kind is 'guessed'; .*measured"),
         ("lambda_deg = [0.0, 7.5]", "lambda_deg = []", r":\d+: lambda_deg is \[\]"),
         ("gravity_m_s2 = 9.80665", "gravity_m_s2 = -9.8", r":\d+: gravity_m_s2 is -9.8"),
@@ -143,6 +143,12 @@ def test_bad_setups_name_file_line_and_range(folder, old, new, says):
     found = complaint(folder)
     assert found.startswith(str(folder / "session.toml"))
     assert re.search(says, found)
+
+
+def test_an_older_file_has_the_mass_of_a_link(folder):
+    path = folder / "session.toml"
+    path.write_text(path.read_text().replace("mass_kg = 0.4536", "link_mass_kg = 0.1"))
+    assert load_session(folder).setup.robot.mass_kg == pytest.approx(0.6)
 
 
 def test_lines_named_are_the_lines_meant(folder):

@@ -26,7 +26,7 @@ source = "a test"
 note = "a test"
 [robot]
 links = 6
-link_mass_kg = 0.0756
+mass_kg = 0.4536
 link_length_m = 0.076
 [laboratory]
 surface = "rubber belt"

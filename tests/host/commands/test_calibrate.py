@@ -56,11 +56,11 @@ def test_a_session_cut_anywhere_is_resumed_from_its_rows(folder, plan):
 
 
 def test_another_robot_or_surface_is_refused_with_the_difference(folder, plan):
-    text = "[robot]\nlink_mass_kg = 0.08\n[laboratory]\nsurface = 'carpet'\n"
+    text = "[robot]\nmass_kg = 0.48\n[laboratory]\nsurface = 'carpet'\n"
     plan.write_text(text + PLAN)
     status, _, err = calibrate(f"{folder} --script {plan}")
     assert status == 2
-    assert "link_mass_kg: the session has 0.0756, this has 0.08" in err
+    assert "mass_kg: the session has 0.4536, this has 0.48" in err
     assert "surface: the session has 'belt', this has 'carpet'" in err
     plan.write_text("[robot]\nlinks = 'six'\n" + PLAN)
     _, _, err = calibrate(f"{folder} --script {plan}")
