@@ -31,7 +31,7 @@ from .friction_result import (
     normal_draws,
 )
 
-FORMAT = 2  # 1 had no draws
+FORMAT = 3  # 2 had draws of what readings share, too, 1 had none
 NAME = "fit.json"
 _LONGEST = 200  # letters of a reason
 # By SciPy, from the covariance, or, where a file of format 1 has none, at random.
@@ -69,7 +69,7 @@ def save_fit(fit: FrictionFit, path: str | Path) -> Path:
     """
     path = Path(path)
     path = path / NAME if path.is_dir() else path
-    text = json.dumps(_as_json(fit), indent=2, allow_nan=False) + "\n"
+    text = json.dumps(_as_json(fit), allow_nan=False) + "\n"
     write_text(path, text)
     return path
 

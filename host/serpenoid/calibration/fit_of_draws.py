@@ -30,7 +30,6 @@ def fit_of_draws(session: Session, mode: Mode, draws: Draws) -> FrictionFit:
     nuisances, drawn = posterior.nuisances(mode.values), posterior.nuisances(draws.values)
     spread = {n: float(np.sqrt(np.cov(part, aweights=weight, ddof=0))) for n, part in drawn.items()}
     alike = draws.alike(DRAWS)
-    columns = [*alike.x[:, :count].T, *posterior.nuisances(alike.values).values()]
     rows = posterior.residuals(mode.x[None])[0]
     numbers = posterior.numbers
     readings = list(dict.fromkeys(numbers[numbers >= 0].tolist()))
@@ -47,7 +46,7 @@ def fit_of_draws(session: Session, mode: Mode, draws: Draws) -> FrictionFit:
         ),
         residuals=tuple(shown.tolist()),
         influence=influences(mode, sign, alone, np.sqrt(np.diag(covariance))),
-        draws=FitDraws((*FRICTIONS, *nuisances), np.stack(columns, axis=1)),
+        draws=FitDraws(FRICTIONS, alike.x[:, :count]),
     )
 
 

@@ -94,8 +94,8 @@ def narrowest(drawn: Floats, weight: Floats, value: float) -> tuple[float, float
 class FitDraws:
     """Draws of what a fit tells, each as likely as any other.
 
-    names: frictions of the whole snake, and what readings share. rows: (N, names), to six digits,
-    as a file keeps them.
+    names: frictions of the whole snake; in files of format 2 also what readings share. rows: (N,
+    names), to six digits, as a file keeps them.
     """
 
     names: tuple[str, ...]
@@ -155,7 +155,7 @@ class FrictionFit(Result):
     session_name, session_sha256
         The session fitted, and the hash of what the fit rests on.
     draws
-        Draws of the frictions, whole snake, and of what readings share, by name.
+        Draws of the frictions, whole snake.
 
     Examples
     --------

@@ -33,6 +33,7 @@ def test_a_fit_comes_back_as_it_was(folder):
     sn.save_fit(back, path)
     assert path.read_bytes() == first
     assert json.loads(first)["session"]["sha256"] == sn.load_session(folder).sha256
+    assert len(first) < 60_000
 
 
 def test_a_fit_that_is_older_than_its_readings_says_so(folder):
@@ -93,6 +94,20 @@ def test_what_is_no_fit_is_refused(folder, spoil, message):
     with refused(message) as error:
         sn.load_fit(forged(folder, spoil))
     assert len(str(error.value)) < 300 + len(str(folder))
+
+
+def test_a_file_of_format_2_is_read(folder):
+    """It had draws of what readings share, too."""
+    fit = sn.fit_friction(sn.load_session(folder))
+
+    def older(given):
+        given["format"] = 2
+        given["draws"]["order"].append("incline_zero_rad")
+        given["draws"]["values"] = [[*row, 0.001] for row in given["draws"]["values"]]
+
+    back = sn.load_fit(forged(folder, older))
+    assert (back.whole_snake, back.intervals) == (fit.whole_snake, fit.intervals)
+    np.testing.assert_array_equal(back.sample_whole(64), fit.sample_whole(64))
 
 
 def test_a_file_of_format_1_is_read(folder):
