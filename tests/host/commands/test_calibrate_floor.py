@@ -78,15 +78,14 @@ def test_advice_and_report_of_a_floor(tmp_path):
     with Journal(folder) as journal:
         take_all(journal, person)
     advice = answer(f"advise {folder} --gait 70 75 0.5 --set samples=16")
-    best = advice["readings"][0]
-    assert best["kind"] == "push"
+    assert {reading["kind"] for reading in advice["readings"]} <= {"push", "film", "servo"}
+    best = next(reading for reading in advice["readings"] if reading["kind"] == "push")
     assert best["band"] < advice["band"]
     assert 0 < best["minutes"] < 10
     page = tmp_path / "report.html"
     run(f"report {folder} --servo ideal --out {page}")
     text = page.read_text()
     assert "pushes: places over time with the law" in text
-    assert "<h2>The next reading</h2>" in text
     assert f"{len(load_session(folder).kept_pushes)} pushes" in text
     assert "(<code>serpenoid video</code>)" in text
     assert "`" not in re.sub(r"<(style|svg).*?</\1>", "", text, flags=re.S)
