@@ -87,7 +87,6 @@ def test_advice_and_report_of_a_floor(tmp_path):
     text = page.read_text()
     assert "pushes: places over time with the law" in text
     assert f"{len(load_session(folder).kept_pushes)} pushes" in text
-    assert "(<code>serpenoid video</code>)" in text
     assert "`" not in re.sub(r"<(style|svg).*?</\1>", "", text, flags=re.S)
     run(f"fit {folder} --plot {tmp_path}/fit.png")
     assert (tmp_path / "fit.png").stat().st_size > 10_000
