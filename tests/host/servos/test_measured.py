@@ -134,8 +134,8 @@ def test_a_mirrored_angle_is_turned_and_another_unit_refused() -> None:
 def test_the_tables_own_scatter_is_its_noise() -> None:
     test = replace(tables_of([Hidden(HIDDEN)], 7)[0], sigma_rad=None)
     assert math.degrees(test.noise_rad) == pytest.approx(0.3, rel=0.1)
-    coarse = replace(test, angle_rad=np.radians(np.round(np.degrees(test.angle_rad))))
-    assert 0.4 < math.degrees(coarse.noise_rad) < 0.8
+    coarse = replace(test, angle_rad=np.radians(4 * np.round(np.degrees(test.angle_rad) / 4)))
+    assert math.degrees(coarse.noise_rad) == pytest.approx(4 / math.sqrt(12), rel=0.01)
 
 
 @pytest.mark.slow
