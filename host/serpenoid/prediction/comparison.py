@@ -253,7 +253,8 @@ def compare(
     if friction and amplitude:
         text += " " + _explained(friction, amplitude)
     remark = servo.remark if servo else ""
-    words = [text, remark, *too_fast.values(), *swapped_plugs(session), levelled]
+    shown_joints = filter(None, map(_joints_as_filmed, crawls.values()))
+    words = [text, remark, *too_fast.values(), *shown_joints, *swapped_plugs(session), levelled]
     return Comparison(
         session.setup.name,
         amplitude_sigma,
@@ -292,6 +293,22 @@ def swapped_plugs(session: Session) -> list[str]:
                 "swapped: swap them back and film again."
             )
     return words
+
+
+def _joints_as_filmed(crawl: Crawls) -> str:
+    """Return how far the joints of a filmed gait moved, which its prediction takes."""
+    if not crawl.films:
+        return ""
+    numbers = [str(film.number) for film in crawl.films]
+    films = (
+        f"Films {' and '.join(numbers)} show" if len(numbers) > 1 else f"Film {numbers[0]} shows"
+    )
+    gain = float(np.mean([film.mean_gain for film in crawl.films]))
+    sigma = math.sqrt(sum(film.gain_sigma**2 for film in crawl.films)) / len(crawl.films)
+    return (
+        f"{films} joints at {100 * gain:.1f} ± {100 * sigma:.1f} % of the commanded amplitude; the "
+        "prediction takes them as filmed."
+    )
 
 
 def _compared(
@@ -386,7 +403,8 @@ def _verdict(
     )
     chance = "p < 0.001" if p_value < 1e-3 else f"p = {p_value:.2g}"
     if p_value >= DOUBTFUL:
-        text = f"Agrees: {count} within what friction, joints and servos allow, up to ±{width:.0%}"
+        room = f"up to ±{width:.0%}" if width <= 1.0 else "which is wider than the speed itself"
+        text = f"Agrees: {count} within what friction, joints and servos allow, {room}"
         return "agrees", f"{text} ({chance}; {largest})."
     return "differs", f"Differs: {largest} ({chance}, {count})."
 
