@@ -15,7 +15,6 @@ import film_pictures
 import robot_drawing
 import serpenoid as sn
 import wiring_diagram
-from calibration_figures import coverage_figure
 from serpenoid.bench.accuracy.figure import accuracy_figure
 from serpenoid.bench.accuracy.measure import Row
 from serpenoid.bench.rows import read_rows
@@ -63,11 +62,6 @@ def stability(path: Path) -> None:
     stability_figure(read_rows(STORED / "stability.csv", Cell), path)
 
 
-def study(path: Path) -> None:
-    """Draw the study that stands in the JSON file; `studies/calibration_study.py` makes it."""
-    coverage_figure(json.loads((STORED / f"{path.stem}.json").read_text()), path)
-
-
 FIGURES: dict[str, Callable[[Path], None]] = {
     "crawl.svg": crawl_drawing.draw,
     "speed.png": speed,
@@ -75,7 +69,6 @@ FIGURES: dict[str, Callable[[Path], None]] = {
     "run.png": run,
     "accuracy.png": accuracy,
     "stability.png": stability,
-    "coverage.png": study,
     "robot.svg": robot_drawing.draw,
     "wiring.svg": wiring_diagram.draw_file,
     "wiring_pca9685.svg": wiring_diagram.draw_file,
