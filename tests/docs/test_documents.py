@@ -8,6 +8,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from coverage_floor import CASES, drawn_person, floor_setup
 from docs.documents import PAGES, ROOT, blocks, mentioned, typed, unknown
 from serpenoid.commands.demo import take_session
 from serpenoid.session.journal import Journal
-from serpenoid.taking.new_session import create_session
+from serpenoid.taking.new_session import create_session, default_setup
 from serpenoid.taking.treadmill import take_all
 
 PACKAGE = ROOT / "host" / "serpenoid"
@@ -96,7 +97,8 @@ def folder(tmp_path_factory) -> Path:
 def _push_along_floor(made: Path) -> None:
     """Take a session of pushes and filmed crawls, by the plan, in the lab."""
     filmed = CASES[0]
-    create_session(made, floor_setup(filmed))
+    setup, planned = floor_setup(filmed), default_setup("a floor").procedure.gaits
+    create_session(made, replace(setup, procedure=replace(setup.procedure, gaits=planned)))
     with Journal(made) as journal:
         take_all(journal, drawn_person(filmed, np.random.default_rng(1)))
 

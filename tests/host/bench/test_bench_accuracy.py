@@ -96,7 +96,7 @@ def test_a_reference_of_another_problem_is_refused() -> None:
 
 @pytest.mark.slow
 def test_a_measured_scene_to_files_and_back(tmp_path: Path) -> None:
-    effort = Effort(("paper3",), rounds=1, limit_s=0.05, budget_s=0.1)
+    effort = Effort(("paper3",), rounds=1, limit_s=1.0, budget_s=1.0)
     rows = accuracy.run(effort, lambda _: None)
     rk4 = [row for row in rows if row.method == "serpenoid rk4" and row.error is not None]
     assert len(rk4) >= 2
