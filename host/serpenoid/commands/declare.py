@@ -108,8 +108,9 @@ def number(*names_and_help: str, **how: Any) -> Option:
 class Setting:
     """One name that `--set NAME=VALUE` takes.
 
-    limits: a number's range, or the words that it may be. usual: its default, in words. whole: it
-    is a whole number. read: makes its value of the name and the typed text, in place of a number.
+    limits: a number's range, or the words that it may be. usual: its default, in words.
+    is_whole: it is a whole number. read: makes its value of the name and the typed text, in place
+    of a number.
     """
 
     name: str
@@ -117,7 +118,7 @@ class Setting:
     unit: str = ""
     limits: Limits | tuple[str, ...] | None = None
     usual: str = ""
-    whole: bool = False
+    is_whole: bool = False
     read: Callable[[str, str], Any] | None = None
 
     def value(self, text: str) -> Any:
@@ -127,11 +128,13 @@ class Setting:
         if self.limits is not None and not isinstance(self.limits, Limits):
             return check_choice(self.name, text, self.limits)
         number = parsed_number(self.name, text)
-        if not self.whole:
+        if not self.is_whole:
             return number if self.limits is None else _within(self.name, number, self.limits)
         low, high = (self.limits or Limits(0.0))[:2]
-        whole = int(number) if number.is_integer() else number
-        return check_whole(self.name, whole, int(low), None if high == float("inf") else int(high))
+        rounded = int(number) if number.is_integer() else number
+        return check_whole(
+            self.name, rounded, int(low), None if high == float("inf") else int(high)
+        )
 
     @property
     def help(self) -> tuple[str, str]:

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
 STEPS, WIDTH, NAME = 5, 96, "demo, simulated"
 SEED, WHEELS_KG, SERVOS = 2005, 0.036, sn.servo("hobby")
-FRICTIONS = {"ct": 0.084, "cn": 1.2, "ft0": 0.14, "fn0": 0.27}  # of the whole 2005 robot
+FRICTIONS = {"ct": 0.084, "cn": 1.2, "ft0": 0.14, "fn0": 0.27}  # the whole 2005 robot's
 TRUTH = Truth(
     sn.Ground(**FRICTIONS),
     incline_zero_rad=math.radians(0.12),

@@ -44,7 +44,7 @@ ROBOT = (
         "number of links; more or fewer of the same, unless mass and friction are set too",
         limits=Limits(2, 100_000),
         usual="6",
-        whole=True,
+        is_whole=True,
     ),
     Setting("mass_kg", "mass of the whole robot, as it crawls", "kg", POSITIVE, "0.4536"),
     Setting("link_length_m", "length of one link, joint to joint", "m", POSITIVE, "0.076"),

@@ -112,7 +112,7 @@ SCENE = (
         "time steps between records",
         limits=Limits(1),
         usual="1, more beyond 20 000 rows",
-        whole=True,
+        is_whole=True,
     ),
 )
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ..given import Snake
 
 
-DRIVE_SERVOS = 64  # of a kind, for the range of the predicted speed: a second before it moves
+DRIVE_SERVOS = 64  # sampled servos for the range of the predicted speed; they take a second
 
 
 def drive_gait(

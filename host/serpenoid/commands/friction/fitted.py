@@ -26,7 +26,7 @@ from ..options import (
 
 MANY = 300  # readings, whose fit may take a second or more
 SAMPLES = Setting(
-    "samples", "frictions drawn from the fit", limits=Limits(16, 4096), usual="64", whole=True
+    "samples", "frictions drawn from the fit", limits=Limits(16, 4096), usual="64", is_whole=True
 )
 AMPLITUDE = Setting(
     "amplitude_sigma",

@@ -61,7 +61,7 @@ _OF_LEAST_POWER = (
     "solved_error_w",
     "active",
 )
-LIMITS = (  # of GaitLimits, whose angles are in radians
+LIMITS = (  # The fields of GaitLimits, whose angles are in radians
     Setting("joint_angle_deg", "most a joint may bend", "deg", Limits(0, 180, open_low=True), "90"),
     Setting(
         "servo_speed_deg_s",
@@ -268,7 +268,7 @@ def _show_front(
             f"no gait reaches {min(speeds):g} m/s within the limits; ask for less speed"
         )
     if as_json:
-        found = [None if best is None else _as_dict(best) for best in front]
-        show_json({"front": found} | notes)
+        optima = [None if best is None else _as_dict(best) for best in front]
+        show_json({"front": optima} | notes)
     else:
         gait_report.front(speeds, front)

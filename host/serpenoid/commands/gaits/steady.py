@@ -79,8 +79,8 @@ def steady(
     """
     snake = make_snake(robot, settings)
     joints = settings.get("joints")
-    told = make_gait(typed_gait, settings)
-    gait = with_joints(told, joints, snake.robot.links)
+    command = make_gait(typed_gait, settings)
+    gait = with_joints(command, joints, snake.robot.links)
     springs = {one.name: settings[one.name] for one in SPRINGS if one.name in settings}
     rtol = settings.get("rtol", 1e-6)
     if formulation == "implicit":
@@ -101,7 +101,7 @@ def steady(
     # a film shows what servos make of the joints
     usual = "hobby" if joints is None and few_links(snake.robot) else IDEAL
     kind = take_servo(servo, settings, usual, snake)
-    commanded = told if joints and was_filmed(told, joints, snake.robot.links) else None
+    commanded = command if joints and was_filmed(command, joints, snake.robot.links) else None
     with working("solving") as show_share:
         state = interruptible(
             lambda: sn.steady_gait(
@@ -179,7 +179,7 @@ def beside_servo(
     with_band: bool,
     show_share: Callable[[float], object] | None,
 ) -> sn.ServoSteady | None:
-    """Return the speed with servos; what does not settle is told, and is no reason to stop.
+    """Return the speed with servos; one that does not settle is named, and is no reason to stop.
 
     with_band: solve the servos drawn from the kind, too, for the interval that they leave.
     show_share: called with the share of the work that is done.

@@ -54,7 +54,9 @@ def _span(text: str, name: str) -> list[float]:
     return [first + i * step for i in range(int((last - first) / step + 1 + 1e-9))]
 
 
-THREADS = Setting("threads", "threads to solve in", limits=Limits(1), usual="1 a core", whole=True)
+THREADS = Setting(
+    "threads", "threads to solve in", limits=Limits(1), usual="1 a core", is_whole=True
+)
 
 
 @click.command(cls=Command)

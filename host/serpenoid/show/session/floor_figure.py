@@ -31,16 +31,16 @@ def draw_pushes(fig: Figure, axes: Any, session: Session, fit: FrictionFit) -> N
         named.add(bend)
         _draw(axes, path, colour[bend], name)
     axes[0].set(
-        title="Places, and the law",
-        xlabel="time since the first place that counts (s)",
-        ylabel="way (m)",
+        title="Positions, and the fitted law",
+        xlabel="time since the first position that counts (s)",
+        ylabel="distance (m)",
     )
     axes[1].axhline(0.0, color=GREY, lw=0.8)
     most = max([MOST_MM, *(1.1 * float(abs(1000 * p.residual_m).max()) for p in paths)])
     axes[1].set(
-        title="What is left",
+        title="Residuals",
         xlabel="time (s)",
-        ylabel="place less the law (mm)",
+        ylabel="position less the law (mm)",
         ylim=(-most, most),
     )
     axes[0].set_xlim(left=0)
