@@ -34,7 +34,6 @@ else:
 
 ROOT = Path(__file__).resolve().parents[1]
 MUTANTS, KILLED = (Path(__file__).with_name(f"mutants{end}") for end in (".toml", "_killed.txt"))
-COMPILED = (".cpp", ".hpp", ".h")
 LONGEST_S = 900.0  # for the tests of a mutant: beyond it hangs, which a person would notice
 FAILED = re.compile(r"^(?:FAILED|ERROR) ([^\s:]+(?:::\w+)*)", re.M)
 
@@ -88,8 +87,7 @@ def broken(mutant: Mutant) -> Iterator[None]:
     text = mutant.path.read_text()
     try:
         mutant.path.write_text(text.replace(mutant.old, mutant.new))
-        if mutant.path.suffix in COMPILED:
-            build()
+        build()  # also where this mutant is Python: the one before it may have been C++
         yield
     finally:
         mutant.path.write_text(text)
@@ -121,8 +119,7 @@ def run(chosen: list[Mutant], whole: bool) -> dict[str, str]:
             test = first_failure(mutant.tests) or (first_failure(["tests"]) if whole else "")
         noticed[mutant.name] = test
         print(f"{mutant.name}: {test or 'LIVES'} ({time.monotonic() - begin:.0f} s)", flush=True)
-    if any(mutant.path.suffix in COMPILED for mutant in chosen):
-        build()
+    build()
     return noticed
 
 
