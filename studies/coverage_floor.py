@@ -21,8 +21,7 @@ from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.recording import Camera
 from serpenoid.periodic.servo_steady import band
 from serpenoid.prediction.speeds import AMPLITUDE_SIGMA, scaled, speed
-from serpenoid.session.instruments import FloorTools
-from serpenoid.session.session import Setup
+from serpenoid.session.settings import Setup
 from serpenoid.taking.new_session import PUSHES, default_setup
 from serpenoid.taking.simulated import SimulatedPerson
 from serpenoid.taking.treadmill import take_all
@@ -107,10 +106,10 @@ def floor_setup(case: FloorCase) -> Setup:
     base = default_setup("floor coverage")
     return replace(
         base,
-        kind="simulated",
-        floor=FloorTools(wheels_kg=case.wheels_kg),
-        procedure=replace(
-            base.procedure,
+        provenance=replace(base.provenance, kind="simulated"),
+        robot_table=replace(base.robot_table, wheels_kg=case.wheels_kg),
+        plan=replace(
+            base.plan,
             on="floor",
             pushes=case.pushes,
             gaits=(),

@@ -21,7 +21,7 @@ from serpenoid.lab.crawl import crawl_speed
 from serpenoid.periodic.servo_steady import band, servo_speeds
 from serpenoid.periodic.steady import steady_gait
 from serpenoid.prediction.speeds import AMPLITUDE_SIGMA, scaled
-from serpenoid.session.session import Setup
+from serpenoid.session.settings import Setup
 from serpenoid.taking.new_session import default_setup
 from serpenoid.taking.simulated import SimulatedPerson
 from serpenoid.taking.treadmill import take_all
@@ -87,8 +87,8 @@ class Coverage:
 
 def shown_in_steps(setup: Setup, step_deg: float) -> Setup:
     """Return a set-up whose inclinometer shows such steps."""
-    sigma_rad = math.radians(step_deg) / math.sqrt(12)
-    return replace(setup, uncertainty=replace(setup.uncertainty, incline_sigma_rad=sigma_rad))
+    sigma_deg = step_deg / math.sqrt(12)
+    return replace(setup, instruments=replace(setup.instruments, incline_sigma_deg=sigma_deg))
 
 
 class DrivenTable:
@@ -128,12 +128,11 @@ def one(
     rng = np.random.default_rng([seed, *(round(10 * x) for x in case.lambdas_deg), number])
     base = shown_in_steps(default_setup("coverage"), INCLINE_STEP_DEG)
     step = case.grade_step or float(rng.uniform(*DRAWN))
-    bends = tuple(map(math.radians, (0.0, *case.lambdas_deg)))
     setup = replace(
         base,
-        kind="simulated",
-        treadmill=replace(base.treadmill, incline_step_rad=step),
-        procedure=replace(base.procedure, lambda_rad=bends, gaits=()),
+        provenance=replace(base.provenance, kind="simulated"),
+        instruments=replace(base.instruments, incline_step_percent=100 * step),
+        plan=replace(base.plan, lambda_deg=(0.0, *case.lambdas_deg), gaits=()),
     )
     truth = drawn_truth(setup, WHOLE_2005, rng, SERVOS)
     truth = replace(truth, incline_scale=1.0 + STEP_SIGMA * float(rng.normal()))

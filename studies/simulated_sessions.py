@@ -10,7 +10,8 @@ from serpenoid import Ground, ServoKind, Session
 from serpenoid.session.declaration import Cells
 from serpenoid.session.journal import Journal
 from serpenoid.session.kinds import kind_of, make_reading, reading_row
-from serpenoid.session.session import Event, Setup
+from serpenoid.session.session import Event
+from serpenoid.session.settings import Setup
 from serpenoid.session.track import Samples, Track
 from serpenoid.taking.world import Truth
 
@@ -36,7 +37,7 @@ class MemoryRecord(Journal):
         common: dict[str, Any] = {"number": self._count, "comment": comment}
         if samples is not None:
             common["track"] = Track.of(kind_of(kind).columns, samples)
-        made = make_reading(reading_row(kind, cells, self.session.setup.procedure), common)
+        made = make_reading(reading_row(kind, cells, self.session.setup.plan), common)
         if replaces:
             part = kind_of(kind).part
             kept = (
@@ -60,7 +61,7 @@ def drawn_truth(
 
     servo: the kind of which the robot has one drawn; None: its joints follow the gait.
     """
-    errs = setup.uncertainty
+    errs = setup.instruments
     zero, scale, mass = (float(x) for x in rng.normal(size=3))
     return Truth(
         ground,

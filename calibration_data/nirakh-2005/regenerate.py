@@ -33,7 +33,7 @@ def belt_speed_m_s(weight_n: float, incline_rad: float, lambda_rad: float) -> fl
 def rows(setup: Setup) -> list[dict[str, str]]:
     """Return one row a station, inclines rising until the belt would pass its top speed."""
     found: list[dict[str, str]] = []
-    how = setup.procedure
+    how = setup.plan
     for lambda_rad in how.lambda_rad:
         law = "Eqs. 59 and 62 through Eq. 60" if lambda_rad else "Eq. 59 through Eq. 58"
         for step in count():

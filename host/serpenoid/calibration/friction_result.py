@@ -379,17 +379,20 @@ def with_values(
 def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
     """Return what a reader of the numbers should know, in words."""
     notes = []
-    if session.setup.kind == "regenerated":
+    if session.setup.provenance.kind == "regenerated":
         notes.append(
             "The readings are regenerated from published fits, not measured, and show no scatter; "
             "a joint fit's intervals come from assumed instrument uncertainties."
         )
-    if not session.setup.weighed:
+    robot = session.setup.robot_table
+    if not robot.weighs:
+        place = "into session.toml" if robot.weighed else "in place of `weighed = false`"
         notes.append(
             f"{NOT_WEIGHED}, and one per cent of mass is one per cent of friction: "
-            "`serpenoid calibrate amend DIR robot.mass_kg=480g` puts its mass in."
+            f"weigh it, and write mass_kg = 0.48, say, {place}."
         )
-    if session.kept and not session.zero.readings and session.setup.kind != "regenerated":
+    measured = session.setup.provenance.kind != "regenerated"
+    if session.kept and not session.zero.readings and measured:
         sigma_rad = session.zero.sigma_rad or ZERO_SIGMA_RAD
         notes.append(
             f"{NO_ZERO}: 0 ± {np.degrees(sigma_rad):.2g} degrees are assumed, which is "

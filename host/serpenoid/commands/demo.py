@@ -25,7 +25,6 @@ from ..prediction.band import speed_band
 from ..prediction.comparison import compared_gaits
 from ..prediction.curve import speed_curves
 from ..robot.robot import RobotBoard
-from ..session.instruments import FloorTools
 from ..session.journal import Journal
 from ..show.comparison_figure import comparison_figure
 from ..show.report import console
@@ -40,7 +39,7 @@ from ..taking.world import Truth, drawn_floor
 from .options import write_json
 
 if TYPE_CHECKING:
-    from ..session.session import Setup
+    from ..session.settings import Setup
 
 STEPS, WIDTH, NAME = 5, 96, "demo, simulated"
 SEED, WHEELS_KG, SERVOS = 2005, 0.036, sn.servo("hobby")
@@ -132,7 +131,10 @@ def take_session(folder: Path) -> sn.Session:
 def _simulated(setup: Setup, source: str) -> Setup:
     """Return a set-up that says that it is the demo's."""
     source, note = f"{source}, seed {SEED}", "the demo's: no measurement"
-    return replace(setup, kind="simulated", source=source, note=note, surface="simulated")
+    provenance = replace(setup.provenance, kind="simulated", source=source, note=note)
+    return replace(
+        setup, provenance=provenance, laboratory=replace(setup.laboratory, surface="simulated")
+    )
 
 
 def _begin_anew(folder: Path, setup: Setup) -> None:
@@ -167,9 +169,10 @@ def _without_outlier(
 def push_along_floor(out: Path, robot: sn.Robot) -> sn.FrictionFit:
     """Take pushes there and back in each bend into out/floor, fit and draw them."""
     setup = default_setup("demo, floor")
-    plan = replace(on_place(setup.procedure, "floor"), gaits=(), pushes=2)
-    setup = _simulated(replace(setup, robot=robot, procedure=plan), "a floor in the virtual lab")
-    setup = replace(setup, floor=FloorTools(wheels_kg=WHEELS_KG))
+    plan = replace(on_place(setup.plan, "floor"), gaits=(), pushes=2)
+    setup = _simulated(setup, "a floor in the virtual lab").with_robot(robot)
+    body = replace(setup.robot_table, wheels_kg=WHEELS_KG)
+    setup = replace(setup, robot_table=body, plan=plan)
     _begin_anew(out / "floor", setup)
     world = drawn_floor(setup, TRUTH.ground, np.random.default_rng(SEED))
     with Journal(out / "floor") as journal, working("pushes"):

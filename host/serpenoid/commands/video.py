@@ -78,18 +78,17 @@ def _robot(
     sizes = {one.name: settings[one.name] for one in SIZES if one.name in settings}
     robot = replace(base, **sizes, link_inertia_kg_m2=None)
     side_m = None if tag_mm is None else tag_mm / 1e3
-    return robot, setup.tag_side_m if setup and side_m is None else side_m
+    return robot, setup.robot_table.tag_side_m if setup and side_m is None else side_m
 
 
 def _remember(session: Path | None, side_m: float | None) -> None:
     """Keep the side of the printed tags in a session, if it is another one."""
-    from ..session.journal import Journal
+    from ..session.folder import load_setup, write_setting
 
     if session is None or side_m is None:
         return
-    with Journal(session) as journal:
-        if journal.session.setup.tag_side_m != side_m:
-            journal.event("amend", detail=f"robot.tag_mm = {1e3 * side_m:g}")
+    if load_setup(session).robot_table.tag_side_m != side_m:
+        write_setting(session, "robot", "tag_mm", round(1e3 * side_m, 6))
 
 
 @VIDEO_GROUP.command(cls=Command)
@@ -254,7 +253,7 @@ def _record(measured: FilmMeasurement, session: Path, name: str, way: str | None
     from ..video.reading import film_cells
 
     try:
-        cells, samples = film_cells(measured, read_session(session).setup.procedure.gaits)
+        cells, samples = film_cells(measured, read_session(session).setup.plan.gaits)
     except sn.BadInput as error:
         say(f"serpenoid: warning: no reading: {error}", err=True)
         return

@@ -214,7 +214,7 @@ def advise(
     'station'
     """
     check_kind("session", session, Session)
-    wanted = tuple(gaits) or as_run(session, session.setup.procedure.gaits)
+    wanted = tuple(gaits) or as_run(session, session.setup.plan.gaits)
     if not wanted:
         raise BadInput(f"{session.where}: no gait to predict; name one with --gait")
     if not session.kept and not session.on_floor:

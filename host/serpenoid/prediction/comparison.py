@@ -274,7 +274,7 @@ def compare(
 def compared_gaits(session: Session, more: Sequence[Gait] = ()) -> list[Gait]:
     """Return the gaits run, or planned where none was, and further ones."""
     crawls = crawls_by_command(session)
-    commands = [crawl.commanded for crawl in crawls] or list(session.setup.procedure.gaits)
+    commands = [crawl.commanded for crawl in crawls] or list(session.setup.plan.gaits)
     gaits = [crawl.gait for crawl in crawls] or commands
     return gaits + [g for g in more if not any(same_command(known, g) for known in commands)]
 
@@ -375,7 +375,7 @@ def _predicted(
     known = [doubtful.isdisjoint(run.number for run in crawl.runs) for crawl in crawls]
     slopes = np.ones_like(joints)
     if not all(known):
-        sigma_rad = session.setup.floor.slope_sigma_rad
+        sigma_rad = session.setup.instruments.floor_slope_sigma_rad
         slopes = unknown_slope(fit.robot, fit.ground, gaits, sigma_rad, SLOPES, seed)
         slopes = np.where(known, 1.0, slopes)
     measured = np.array([mean_speed(crawl.runs) for crawl in crawls])

@@ -65,7 +65,7 @@ def level_session(session: Session, fit: FrictionFit) -> tuple[Session, str]:
 
 def floor_slope(session: Session, nuisances: Mapping[str, Estimate]) -> Slope:
     """Return the floor's slopes, rad, as pushes told them, or as nobody knows them."""
-    unknown = Estimate(0.0, session.setup.floor.slope_sigma_rad)
+    unknown = Estimate(0.0, session.setup.instruments.floor_slope_sigma_rad)
     along, across = (
         next((value for name, value in nuisances.items() if name.startswith(part)), unknown)
         for part in ("floor_slope_rad", "floor_slope_across_rad")

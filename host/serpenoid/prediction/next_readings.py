@@ -69,7 +69,7 @@ def candidates(session: Session, mode: Mode) -> Iterator[Candidate]:
 
 def _stations(session: Session, mode: Mode) -> Iterator[Candidate]:
     setup, kept = session.setup, session.kept
-    sigma_rad, bend = setup.uncertainty.lambda_sigma_rad, setup.procedure.bend
+    sigma_rad, bend = setup.instruments.lambda_sigma_rad, setup.plan.bend
     now = kept[-1].lambda_rad if kept[-1].bend == bend else 0.0
     near = SAME_BEND_SIGMAS * sigma_rad
     angles = [now if now and abs(angle - now) < near else angle for angle in BELT_BENDS_RAD]
@@ -101,10 +101,10 @@ def _belt_places(session: Session, mode: Mode, angle: float) -> list[tuple[float
     found: dict[float, float] = {}
     for wanted_m_s in SLIPS_M_S:
         sine = min((drag * wanted_m_s + dry_n) / setup.weight_n, MAX_SINE)
-        step, sigma = setup.treadmill.incline_step_rad, setup.uncertainty.incline_sigma_rad
+        step, sigma = setup.instruments.incline_step_rad, setup.instruments.incline_sigma_rad
         incline = nearest_shown(math.asin(sine) + zero, shown, sigma, step)
         slip = (setup.weight_n * math.sin(incline - zero) - dry_n) / max(drag, 1e-12)
-        held = LEAST_SLIP_M_S < slip <= setup.procedure.belt_speed_max_m_s
+        held = LEAST_SLIP_M_S < slip <= setup.plan.belt_speed_max_m_s
         if held and 0.0 < incline <= steepest and not _failed(session, angle, incline):
             found[round(incline, 6)] = slip
     return list(found.items())
@@ -112,7 +112,7 @@ def _belt_places(session: Session, mode: Mode, angle: float) -> list[tuple[float
 
 def _failed(session: Session, angle: float, incline_rad: float) -> bool:
     """Tell whether all readings at this bend and incline were voided."""
-    step = session.setup.treadmill.incline_step_rad
+    step = session.setup.instruments.incline_step_rad
     there = [
         reading.voided
         for reading in session.readings
@@ -129,7 +129,7 @@ def _pushes(session: Session, mode: Mode) -> Iterator[Candidate]:
         near = abs(last.lambda_rad - bend_rad) < SAME_BEND_SIGMAS * SAME_RAD
         angle = last.lambda_rad if near else bend_rad
         drag, dry_n = pull_of(setup, mode.x[:4].tolist(), angle)
-        law = np.array([drag, dry_n]) * setup.procedure.gravity_m_s2 / setup.weight_n
+        law = np.array([drag, dry_n]) * setup.laboratory.gravity_m_s2 / setup.weight_n
         pose = f"bent {math.degrees(angle):.3g}°" if angle else "straight"
         words = f"pushes, {pose}, at {PUSH_M_S:g} m/s, one there and one back, " + (
             "filmed" if filmed else "by tape and watch"
@@ -146,7 +146,7 @@ def _pair_of_pushes(
     """Return a push each way, as they would be seen; law: c and f of v' = -(c v + f)."""
     start = np.array([[PUSH_M_S], [law[0]], [law[1]]])
     rest_s, rest_m = (float(part[0]) for part in rest(*start))
-    place, bend = session.kept_pushes[-1].place, session.setup.procedure.bend
+    place, bend = session.kept_pushes[-1].place, session.setup.plan.bend
     common = {"lambda_rad": angle, "bend": bend, "place": place}
     if not filmed:
         return tuple(
@@ -165,4 +165,4 @@ def _pair_of_pushes(
 def can_film(session: Session) -> bool:
     """Return whether the session has films, or tags printed for them."""
     by_film: Sequence[Push] = [push for push in session.kept_pushes if push.by == "film"]
-    return bool(session.kept_films or by_film or session.setup.tag_side_m)
+    return bool(session.kept_films or by_film or session.setup.robot_table.tag_side_m)

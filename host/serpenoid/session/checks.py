@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 
 from ..base.errors import BadInput
-from .declaration import Field, Taken
-from .instruments import MAX_SPEED_M_S, Stopwatch
-from .station import BEND_WORD, LAMBDA, MAX_INCLINE_DEG
+from .declaration import Field, Taken, Watch
+from .instruments import MAX_INCLINE_DEG, MAX_SPEED_M_S
+from .station import BEND_WORD, LAMBDA
 
 LIKELY_DEG = (-5.0, 5.0)
 
@@ -143,7 +143,7 @@ class BeltCheck(Taken):
         """Return the true speed of the belt over the one shown."""
         return self.distance_m / self.duration_s / self.belt_speed_m_s
 
-    def scale_sigma(self, watch: Stopwatch) -> float:
+    def scale_sigma(self, watch: Watch) -> float:
         """Return the standard deviation of the scale that tape and stopwatch leave."""
         speed_m_s, sigma_m_s = watch.speed(self.distance_m, self.duration_s)
         return self.scale * sigma_m_s / speed_m_s

@@ -6,10 +6,9 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Protocol
 
 from ..base.checks import check_choice, check_number
-from .instruments import Stopwatch
 
 Cells = Mapping[str, str | float]
 Values = dict[str, float | str]
@@ -157,6 +156,14 @@ class Word:
         return check_choice(self.column, word, self.choices) if self.choices else word
 
 
+class Watch(Protocol):
+    """Tape and stopwatch."""
+
+    def speed(self, distance_m: float, time_s: float) -> tuple[float, float]:
+        """Return the mean speed over a distance and its standard deviation, m/s."""
+        ...
+
+
 class Taken(ABC):
     """A reading; each kind is a dataclass of this that declares all of its kind.
 
@@ -199,7 +206,7 @@ class Taken(ABC):
         return tuple(numbers[column] for column in columns or numbers)
 
     @classmethod
-    def derived(cls, cells: dict[str, Any], watch: Stopwatch) -> dict[str, Any]:
+    def derived(cls, cells: dict[str, Any], watch: Watch) -> dict[str, Any]:
         """Put in what follows from other cells, as a speed does; raises BadInput."""
         return cells
 

@@ -6,13 +6,17 @@ Readings of every kind and events are rows of two tables (session_rows).
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
+from typing import Any
 
-from ..base.errors import BadInput
+from ..base.errors import BadInput, RecordingFailed
+from ..base.files import read_text, write_text
 from ..base.toml_table import Table
-from .rows import read_rows
-from .session import Session, Setup
-from .settings import FORMAT, setup_in
+from .rows import read_events, session_of
+from .session import Session
+from .settings import FORMAT, Setup, amended
+from .settings_table import toml_text
 
 
 def load_session(folder: str | Path) -> Session:
@@ -50,13 +54,34 @@ def load_session(folder: str | Path) -> Session:
 
 def read_session(folder: str | Path) -> Session:
     """Read a session's folder as load_session does, one that has no readings yet, too."""
-    folder = Path(folder)
-    return read_rows(setup_in(_load_toml(folder)), folder)
+    folder, notes = Path(folder), list[str]()
+    top = _load_toml(folder)
+    path = folder / "events.csv"
+    events = read_events(folder, notes)
+    details = [event.detail for event in events if event.event == "amend"]
+    setup = Setup.read(amended(top, details, path))
+    return session_of(setup, events, folder, notes)
 
 
 def load_setup(folder: str | Path) -> Setup:
-    """Read a session's session.toml alone; raises BadInput as load_session does."""
-    return setup_in(_load_toml(folder))
+    """Read a session's settings alone; raises BadInput as load_session does."""
+    return read_session(folder).setup
+
+
+def write_setting(folder: Path, table: str, key: str, value: Any) -> None:
+    """Put one value into session.toml, its other lines as they are; raises RecordingFailed."""
+    path = folder / "session.toml"
+    text, line = read_text(path), f"{key} = {toml_text(value)}"
+    there = re.compile(rf"^{key} *=[^#\n]*", re.MULTILINE)
+    heading = re.compile(rf"^\[{table}\].*$", re.MULTILINE)
+    if there.search(text):
+        text = there.sub(lambda found: line + "  " * found[0].endswith(" "), text, count=1)
+    else:
+        text = heading.sub(lambda found: f"{found[0]}\n{line}", text, count=1)
+    try:
+        write_text(path, text)
+    except OSError as error:
+        raise RecordingFailed(f"{path}: {error.strerror}: {line} was not written") from error
 
 
 def _load_toml(folder: str | Path) -> Table:

@@ -3,78 +3,100 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
-from ..base.checks import check_number
+from .declaration import BELT_UNITS
+from .push_size import MAX_PLACE_SIGMA_M
+from .settings_table import SettingsTable, choice, in_si_units, number
 
-MAX_SPEED_M_S = 10.0  # no treadmill runs faster: beyond it a number is a slip of units
-
-
-class _Instruments:
-    """Numbers of instruments; raises BadInput for one that is negative or NaN."""
-
-    __slots__ = ()
-
-    def __post_init__(self) -> None:
-        for field in fields(self):  # type: ignore[arg-type]
-            if (value := getattr(self, field.name)) is not None:
-                check_number(field.name, value, 0.0)
+# Beyond these a number is a slip of units, not a reading: the joints end before 60 degrees, the
+# snake tumbles before 45, and no treadmill runs faster than 10 m/s.
+MAX_LAMBDA_DEG, MAX_INCLINE_DEG, MAX_SPEED_M_S = 60.0, 45.0, 10.0
+MAX_ANGLE_SIGMA_DEG = math.degrees(0.2)  # beyond it no linear law of small angles holds
 
 
-@dataclass(frozen=True, slots=True)
-class Uncertainty(_Instruments):
-    """What the instruments may be off by, as standard deviations.
+@dataclass(frozen=True, kw_only=True)
+class Instruments(SettingsTable):
+    """The table [instruments]: standard deviations, 0 for what is exact, and steps.
 
-    incline_sigma_rad: of one reading of the inclinometer. incline_zero_sigma_rad: of its zero,
-    common to the session. belt_speed_sigma_m_s: of one belt speed past the snake.
-    lambda_sigma_rad: of the bend, common to all bent readings. Common to all readings, too:
-    belt_scale_sigma and mass_sigma, of the belt's true speed over the one shown and of the robot's
-    true mass over the one stated (0.02 is 2 %), and joint_sigma_rad, of each joint about straight.
-    0 takes them for exact.
+    incline_sigma_deg: of one reading of the inclinometer; incline_zero_sigma_deg: of its zero.
+    belt_speed_sigma_m_s: of one belt speed past the snake. lambda_sigma_deg: of one bend,
+    joint_sigma_deg: of each joint about straight. Common to all readings: belt_scale_sigma_percent,
+    of the belt's true speed over the one shown, and mass_sigma_percent, of the mass.
+    distance_sigma_m, time_sigma_s: of tape and stopwatch. film_scale_sigma_percent: of lengths in
+    films. push_time_sigma_s: of a push timed by hand. floor_slope_sigma_deg: of the floor's slope,
+    before pushes both ways tell it.
     """
 
-    incline_sigma_rad: float
-    incline_zero_sigma_rad: float
-    belt_speed_sigma_m_s: float
-    lambda_sigma_rad: float
-    belt_scale_sigma: float = 0.0
-    mass_sigma: float = 0.0
-    joint_sigma_rad: float = 0.0
+    incline_sigma_deg: float = number(
+        high=MAX_INCLINE_DEG,
+        open_low=True,
+        words="inclinometer: smallest step it shows (deg)",
+        note="steps of d give d / sqrt(12)",
+    )
+    incline_zero_sigma_deg: float = number(
+        high=MAX_INCLINE_DEG,
+        note="assumed of phones; a zero measured by reversal takes its place",
+    )
+    belt_speed_sigma_m_s: float = number(high=MAX_SPEED_M_S, open_low=True)
+    lambda_sigma_deg: float = number(high=MAX_LAMBDA_DEG, note="of one bend, protractor and joints")
+    belt_scale_sigma_percent: float = number(
+        high=50.0, default=0.0, note="of the speed that the treadmill shows"
+    )
+    mass_sigma_percent: float = number(high=50.0, default=0.0, note="of the robot's mass")
+    joint_sigma_deg: float = number(
+        high=MAX_ANGLE_SIGMA_DEG,
+        default=0.0,
+        note="of each joint about straight: 0.5 by servos or straightedge, 1.5 by hand",
+    )
+    incline_step_percent: float = number(
+        high=20.0,
+        default=0.5,
+        open_low=True,
+        words="treadmill: smallest step of its incline (% or deg)",
+        note="what the treadmill can be set to",
+    )
+    belt_speed_unit: str = choice(
+        *BELT_UNITS, default="m/s", note="that the treadmill shows: of a speed typed without one"
+    )
+    belt_speed_step_m_s: float = number(
+        high=MAX_SPEED_M_S,
+        default=0.1 / 3.6,
+        open_low=True,
+        words="belt: smallest step it can be set to",
+    )
+    belt_speed_least_m_s: float = number(
+        high=MAX_SPEED_M_S, default=0.0, words="belt: least speed above 0"
+    )
+    distance_sigma_m: float = number(
+        high=MAX_PLACE_SIGMA_M, default=0.005, note="of a gait run: tape and marks; stopwatch"
+    )
+    time_sigma_s: float = number(default=0.2)
+    film_scale_sigma_percent: float = number(
+        high=20.0, default=0.5, note="of lengths in a film of pushes"
+    )
+    push_time_sigma_s: float = number(
+        high=10.0, default=0.12, open_low=True, note="of a push timed by hand"
+    )
+    floor_slope_sigma_deg: float = number(
+        high=MAX_ANGLE_SIGMA_DEG,
+        default=0.3,
+        open_low=True,
+        note="of the floor, before both ways tell it",
+    )
 
-
-@dataclass(frozen=True, slots=True)
-class TreadmillSteps(_Instruments):
-    """What a treadmill can be set to: most home ones by 0.5 % of grade and 0.1 km/h."""
-
-    incline_step_rad: float = 0.005
-    belt_step_m_s: float = 0.1 / 3.6
-    belt_least_m_s: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class Stopwatch(_Instruments):
-    """Standard deviations of a gait run's distance (tape and marks) and time (a hand's)."""
-
-    distance_sigma_m: float = 0.005
-    time_sigma_s: float = 0.2
+    incline_sigma_rad = in_si_units("incline_sigma_deg")
+    incline_zero_sigma_rad = in_si_units("incline_zero_sigma_deg")
+    lambda_sigma_rad = in_si_units("lambda_sigma_deg")
+    belt_scale_sigma = in_si_units("belt_scale_sigma_percent")
+    mass_sigma = in_si_units("mass_sigma_percent")
+    joint_sigma_rad = in_si_units("joint_sigma_deg")
+    incline_step_rad = in_si_units("incline_step_percent")
+    film_scale_sigma = in_si_units("film_scale_sigma_percent")
+    floor_slope_sigma_rad = in_si_units("floor_slope_sigma_deg")
 
     def speed(self, distance_m: float, time_s: float) -> tuple[float, float]:
         """Return the mean speed over a distance and its standard deviation, m/s."""
         speed_m_s = distance_m / time_s
         off_m = math.hypot(self.distance_sigma_m, speed_m_s * self.time_sigma_s)
         return speed_m_s, off_m / time_s
-
-
-@dataclass(frozen=True, slots=True)
-class FloorTools(_Instruments):
-    """What a push is measured with, as standard deviations, and what its wheels weigh.
-
-    wheels_kg: mass of all wheels together, whose turning takes part of a push; None: not told.
-    film_scale_sigma: of all lengths in films, relative. push_time_sigma_s: of a time taken by hand.
-    slope_sigma_rad: of the slope of a floor, before both ways tell it.
-    """
-
-    wheels_kg: float | None = None
-    film_scale_sigma: float = 0.005
-    push_time_sigma_s: float = 0.12
-    slope_sigma_rad: float = math.radians(0.3)

@@ -32,9 +32,9 @@ from .kinds import (
     reading_row,
     words_of,
 )
-from .rows import EVENT_COLUMNS, ON_READINGS, TORN, check_instruments, reading_rows
+from .rows import EVENT_COLUMNS, ON_READINGS, TORN, reading_rows
 from .session import Session
-from .settings import amended
+from .settings import changes
 from .track import Samples, Track
 
 LOCK = ".lock"
@@ -133,7 +133,7 @@ class Journal:
 
     def _row(self, number: int, kind: str, cells: Cells, comment: str) -> dict[str, str]:
         setup = 1 + sum(e.event == "amend" for e in self.session.events)
-        return reading_row(kind, cells, self.session.setup.procedure) | {
+        return reading_row(kind, cells, self.session.setup.plan) | {
             "reading": str(number),
             "time_utc": utc_now(),
             "setup": str(setup),
@@ -157,13 +157,14 @@ class Journal:
         if event in ON_READINGS and reading not in self.rows:
             known = f"1 to {self.last}" if self.rows else "none yet"
             raise BadInput(f"there is no reading {reading}; there are {known}")
-        if event == "amend":
-            setup = amended(self.session.setup, detail, self.folder)
-            void = {reading.number for reading in self.session.numbered if reading.voided}
-            for row in (self.rows[number] for number in self.rows.keys() - void):
-                check_instruments(row, self.session.setup, setup)
         row = {"time_utc": utc_now(), "event": event, "reading": str(reading or "")}
         self._append("events.csv", EVENT_COLUMNS, [row | {"detail": detail}])
+
+    def read_again(self) -> list[str]:
+        """Read the files again; return what somebody changed in session.toml, a line a setting."""
+        before = self.session.setup
+        self._read()
+        return changes(before, self.session.setup)
 
     def _read(self) -> None:
         self.session = read_session(self.folder)

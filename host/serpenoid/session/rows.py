@@ -30,8 +30,8 @@ from .kinds import (
     make_reading,
     words_of,
 )
-from .session import Event, Session, Setup
-from .settings import amended
+from .session import Event, Session
+from .settings import Setup, amendment
 from .track import FOLDER, Track, read_track
 
 TORN = "#torn"
@@ -51,20 +51,32 @@ EVENTS = (
     "connect",
 )
 ON_READINGS = ("void", "restore", "undo")
-INCLINED = ("station", "zero")  # kinds whose errors the session's [instruments] state
+INCLINED = ("station", "zero")  # kinds whose errors these instruments state
+SHOWN = {
+    "incline_sigma_deg",
+    "incline_zero_sigma_deg",
+    "belt_speed_sigma_m_s",
+    "lambda_sigma_deg",
+    "belt_scale_sigma_percent",
+    "joint_sigma_deg",
+    "incline_step_percent",
+}
+TIMED = {"distance_sigma_m", "time_sigma_s"}  # of belt checks and of places over time
 Numbered = dict[int, Row]  # rows by the numbers of their readings
 
 
-def read_rows(setup: Setup, folder: Path) -> Session:
-    """Return the session of a folder."""
-    path, notes, setups = folder / "readings.csv", list[str](), [setup]
-    events = read_events(folder, notes)
-    for event in events:
-        if event.event == "amend":
-            setups.append(amended(setups[-1], event.detail, folder))
+def session_of(setup: Setup, events: Sequence[Event], folder: Path, notes: list[str]) -> Session:
+    """Return the session of a folder. notes: what is told of its files so far."""
+    path, notes = folder / "readings.csv", list(notes)
+    later = [_keys(event.detail, folder) for event in events if event.event == "amend"]
+    if any(later):
+        named = ", ".join(sorted(set().union(*later)))
+        notes.append(
+            f"{named}: amended in events.csv by an older program; that holds over session.toml"
+        )
     rows = _numbered(path, notes)
     voided = _voided(rows, events, folder / "events.csv")
-    session = Session(setups[-1], (), str(path), folder=folder, events=tuple(events))
+    session = Session(setup, (), str(path), folder=folder, events=tuple(events))
     left_out = Counter[str]()
     for number, row in rows.items():
         kind = KINDS.get(row["kind"])
@@ -75,15 +87,21 @@ def read_rows(setup: Setup, folder: Path) -> Session:
         common = {"number": number, "voided": number in voided, "comment": comment}
         common |= {"time_utc": row["time_utc"]}
         with located(row["where"]):
-            setup = _setup_of(row, setups)
+            under = _setup_number(row, len(later))
             if number not in voided:
-                check_instruments(row, setup, setups[-1])
-                check_facing(row)
+                _check_instruments(row, set().union(*later[under - 1 :]))
+                _check_facing(row)
             session = session.with_reading(make_reading(row, common | _track(row, kind, folder)))
     if left_out:
         kinds = ", ".join(sorted(left_out))
         notes.append(f"{left_out.total()} reading(s) of kinds not used here ({kinds}) left out")
     return replace(session, notes=tuple(notes))
+
+
+def _keys(detail: str, folder: Path) -> set[str]:
+    """Return the settings that an amendment changes."""
+    tables = amendment(detail, folder / "events.csv")
+    return {key for table in tables.values() for key in table}
 
 
 def read_events(folder: Path, notes: list[str]) -> list[Event]:
@@ -208,7 +226,7 @@ def _replaced_later(restored: Event, rows: Numbered) -> bool:
     )
 
 
-def check_facing(row: Row) -> None:
+def _check_facing(row: Row) -> None:
     """Raise BadInput for a reading of wheels that rolled backwards, as older programs took them."""
     facing = words_of(row).get("facing", "")
     if facing in ("up", "back"):
@@ -219,18 +237,11 @@ def check_facing(row: Row) -> None:
         )
 
 
-def check_instruments(row: Row, then: Setup, now: Setup) -> None:
-    """Raise BadInput if what a reading was measured with is not what the session states now.
-
-    then, now: the set-up under which it was taken, and the last one.
-    """
+def _check_instruments(row: Row, changed: set[str]) -> None:
+    """Raise BadInput if instruments that a reading was taken with were amended after it."""
     timed = row["kind"] == "belt" or "places" in words_of(row)
-
-    def measured_with(setup: Setup) -> list[object]:
-        shown = replace(setup.uncertainty, mass_sigma=0.0), setup.treadmill.incline_step_rad
-        return [*(shown if row["kind"] in INCLINED else ()), *([setup.stopwatch] if timed else [])]
-
-    if measured_with(then) != measured_with(now):
+    used = (SHOWN if row["kind"] in INCLINED else set()) | (TIMED if timed else set())
+    if used & changed:
         raise BadInput(
             f"reading {row['reading']} was taken with other instruments: a session has one set of "
             "instruments. Begin a new session for others; correct in session.toml what was "
@@ -248,14 +259,15 @@ def _track(row: Row, kind: type[Taken], folder: Path) -> dict[str, Track]:
     return {"track": read_track(folder / name, kind.columns, sha256)}
 
 
-def _setup_of(row: Row, setups: list[Setup]) -> Setup:
+def _setup_number(row: Row, amendments: int) -> int:
+    """Return under which set-up a reading was taken: 1, and one more for each amendment."""
     number = whole_number("setup", row["setup"])
-    if number > len(setups):
+    if number > amendments + 1:
         raise BadInput(
-            f"setup is {number}, but events.csv tells of {len(setups) - 1} amendment(s), so the "
-            f"last is {len(setups)}; has a line been taken out of events.csv?"
+            f"setup is {number}, but events.csv tells of {amendments} amendment(s), so the "
+            f"last is {amendments + 1}; has a line been taken out of events.csv?"
         )
-    return setups[number - 1]
+    return number
 
 
 def whole_number(name: str, text: str) -> int:

@@ -9,26 +9,19 @@ import hashlib
 import json
 import math
 from collections import Counter
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
-from ..model.drives import FRAME_S, ServoKind
-from ..model.gait import Gait
-from ..model.robot import Robot
-from ..robot.wire.protocol import frame_us
 from .checks import BendCheck, ZeroReading
 from .film import FilmReading
 from .gait_run import GaitRun
-from .instruments import FloorTools, Stopwatch, TreadmillSteps, Uncertainty
 from .kinds import KINDS
 from .push import Push
+from .settings import Setup
 from .station import Reading, bent_share
 
-PLACES = ("treadmill", "floor")  # where a plan is carried out
-PROVENANCE = ("measured", "regenerated", "simulated")
-MAX_GRAVITY_M_S2 = 30.0
 NOT_WEIGHED = 0.05  # relative standard deviation of a mass that is an assumption
 ANY_BELT = 0.07  # of a belt's true speed over the one shown, before a mark on it was timed
 NO_BELT = "The belt's speed was not checked"
@@ -41,78 +34,6 @@ class Zero:
     value_rad: float
     sigma_rad: float
     readings: int
-
-
-@dataclass(frozen=True, slots=True)
-class Procedure:
-    """Which stations are to be held: every bend, from the first incline up to the top speed.
-
-    gaits: to be run on level ground afterwards, each gait_runs times. bend:
-    "balanced", or "zigzag" for a robot that is guided. on: "treadmill", or "floor": the robot is
-    pushed along a floor instead, `pushes` times in each bend of push_lambda_rad.
-    """
-
-    lambda_rad: tuple[float, ...]
-    incline_start_rad: float
-    incline_step_rad: float
-    belt_speed_max_m_s: float
-    gravity_m_s2: float
-    gaits: tuple[Gait, ...] = ()
-    gait_runs: int = 3
-    bend: str = "zigzag"
-    on: str = "treadmill"
-    push_lambda_rad: tuple[float, ...] = tuple(map(math.radians, (0.0, 20.0, 45.0)))
-    pushes: int = 8
-
-    @property
-    def bends_rad(self) -> tuple[float, ...]:
-        """Return the bends that the robot is to lie in where the plan is carried out."""
-        return self.push_lambda_rad if self.on == "floor" else self.lambda_rad
-
-
-@dataclass(frozen=True, slots=True)
-class Setup:
-    """All of a session but its readings; two sessions may be joined only if theirs are equal.
-
-    kind: measured, regenerated (from published fits) or simulated. source, note: where the
-    readings come from, in words. surface, place, people: of the laboratory, in words. treadmill:
-    what it can be set to. stopwatch: how gait runs are timed. weighed: the mass is no assumption.
-    floor: what pushes are measured with. supply_v: voltage at the servos' plug, frame_s: time
-    between the board's setpoints, tag_side_m: of its printed tags; None where nobody said it.
-    belt_speed_unit: that the treadmill shows.
-    """
-
-    name: str
-    kind: str
-    source: str
-    note: str
-    robot: Robot
-    procedure: Procedure
-    uncertainty: Uncertainty
-    surface: str = ""
-    place: str = ""
-    people: str = ""
-    treadmill: TreadmillSteps = field(default_factory=TreadmillSteps)
-    stopwatch: Stopwatch = field(default_factory=Stopwatch)
-    weighed: bool = True
-    floor: FloorTools = field(default_factory=FloorTools)
-    supply_v: float | None = None
-    frame_s: float | None = None
-    tag_side_m: float | None = None
-    belt_speed_unit: str = "m/s"
-
-    def driving(self, kind: ServoKind) -> ServoKind:
-        """Return a kind of servo at the session's voltage and frames, where it states none."""
-        if self.supply_v is not None and kind.sigma.get("supply_v"):
-            kind = kind.at_volts(self.supply_v)
-        if kind.servo.frame_s != FRAME_S:
-            return kind
-        return kind.at_frames(self.frame_s or 1e-6 * frame_us(self.robot.links - 1))
-
-    @property
-    def weight_n(self) -> float:
-        """Return the weight of the whole snake, the m g of Eqs. 58 and 60."""
-        return self.robot.links * self.robot.link_mass_kg * self.procedure.gravity_m_s2
 
 
 @dataclass(frozen=True, slots=True)
@@ -226,7 +147,7 @@ class Session:
     @property
     def has_line(self) -> bool:
         """Tell whether the floor has a line of pushes, planned or taken, to crawl along."""
-        return bool(self.kept_pushes) or self.setup.procedure.on == "floor"
+        return bool(self.kept_pushes) or self.setup.plan.on == "floor"
 
     def of(self, kind: str) -> tuple[Any, ...]:
         """Return all readings of a kind, by its name, in the order they were taken."""
@@ -254,8 +175,8 @@ class Session:
         or within what the instruments state where that is more. Readings that were regenerated from
         published fits, whose belt nobody can check, are taken as their instruments state.
         """
-        stated = self.setup.uncertainty.belt_scale_sigma
-        if self.setup.kind != "regenerated":
+        stated = self.setup.instruments.belt_scale_sigma
+        if self.setup.provenance.kind != "regenerated":
             stated = max(stated, ANY_BELT)
         known = [*([(1.0, stated)] if stated else []), *belt_checks(self)]
         if not known:
@@ -267,8 +188,8 @@ class Session:
     @property
     def mass_sigma(self) -> float:
         """Return the relative standard deviation of the mass; 5 % where it was not weighed."""
-        stated = self.setup.uncertainty.mass_sigma
-        return stated if self.setup.weighed else max(stated, NOT_WEIGHED)
+        stated = self.setup.instruments.mass_sigma
+        return stated if self.setup.robot_table.weighs else max(stated, NOT_WEIGHED)
 
     @property
     def zero(self) -> Zero:
@@ -279,7 +200,7 @@ class Session:
         """
         kept = self._kept_zeros
         if not kept:
-            return Zero(0.0, self.setup.uncertainty.incline_zero_sigma_rad, 0)
+            return Zero(0.0, self.setup.instruments.incline_zero_sigma_rad, 0)
         means = self._zero_sides
         moved_rad = abs(means[-1] - means[0]) / 2
         sigma_rad = self._zero_reading_sigma_rad / math.sqrt(len(kept))
@@ -309,7 +230,7 @@ class Session:
     @property
     def _zero_reading_sigma_rad(self) -> float:
         """Return the error of one zero: two readings of the inclinometer, halved."""
-        return self.setup.uncertainty.incline_sigma_rad / math.sqrt(2)
+        return self.setup.instruments.incline_sigma_rad / math.sqrt(2)
 
     def bent_share(self, reading: Reading | Push) -> float:
         """Return which share of the links stands at lambda in a reading; 0 where straight."""
@@ -319,29 +240,16 @@ class Session:
 
     @property
     def sha256(self) -> str:
-        """Return a hash of all that a friction fit rests on: robot, gravity, zeros, stations."""
+        """Return a hash of all that a friction fit rests on: robot, gravity, zeros, readings."""
         setup = self.setup
+        readings = [replace(r, comment="", time_utc="") for r in self.numbered if r.fitted]
         rests_on = [
             repr(setup.robot),
-            setup.procedure.gravity_m_s2,
-            repr(self.zero),
+            repr(setup.instruments),
+            setup.laboratory.gravity_m_s2,
+            setup.robot_table.wheels_kg,
             self.mass_sigma,
-            self.belt_scale,
-            [
-                [
-                    r.lambda_rad,
-                    r.incline_rad,
-                    r.belt_speed_m_s,
-                    r.drift_m_s,
-                    repr(setup.uncertainty),
-                    setup.treadmill.incline_step_rad,
-                    *([r.bend] if r.bend != "zigzag" else []),
-                    *([r.places, repr(setup.stopwatch)] if r.places else []),
-                ]
-                for r in self.kept
-            ],
-            *(repr(r) for r in self.numbered if r.fitted and r.part == "further" and not r.voided),
-            *([repr(setup.floor)] if self.on_floor else []),
+            *(repr(reading) for reading in readings if not reading.voided),
         ]
         return hashlib.sha256(json.dumps(rests_on).encode()).hexdigest()
 
@@ -349,12 +257,12 @@ class Session:
 def belt_checks(session: Session) -> list[tuple[float, float]]:
     """Return the belt's true speed over the one shown, and its sigma, of each timed mark."""
     checks = (b for b in session.of("belt") if not b.voided)
-    return [(b.scale, b.scale_sigma(session.setup.stopwatch)) for b in checks]
+    return [(b.scale, b.scale_sigma(session.setup.instruments)) for b in checks]
 
 
 def belt_note(session: Session) -> str:
     """Return in words that a session's belt was never checked; "" where it was, or none ran."""
-    if not session.kept or belt_checks(session) or session.setup.kind == "regenerated":
+    if not session.kept or belt_checks(session) or session.setup.provenance.kind == "regenerated":
         return ""
     return (
         f"{NO_BELT}: it is taken to run as it shows, within {session.belt_scale[1]:.0%}, and "

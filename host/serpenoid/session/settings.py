@@ -1,399 +1,355 @@
-"""The settings of a session, a row each: session.toml is read, written and amended by these."""
+"""The settings of a session, a dataclass for each table of session.toml.
+
+session.toml is a file that people edit: what it says holds for all readings of the session.
+"""
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import MISSING, dataclass, replace
-from operator import attrgetter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
-from ..base.checks import check_choice, check_number, check_whole
+from ..base.checks import check_number
 from ..base.errors import BadInput
 from ..base.toml_table import Table, located
+from ..model.drives import FRAME_S, ServoKind
 from ..model.gait import Gait
 from ..model.robot import Robot, check_links
-from .declaration import BELT_UNITS, in_si, in_unit
-from .instruments import MAX_SPEED_M_S, Uncertainty
-from .push_size import unlikely_sigma
-from .session import MAX_GRAVITY_M_S2, PLACES, PROVENANCE, Procedure, Setup
-from .station import BENDS, MAX_INCLINE_DEG, MAX_LAMBDA_DEG
+from ..robot.wire.protocol import frame_us
+from .declaration import in_si
+from .instruments import MAX_INCLINE_DEG, MAX_LAMBDA_DEG, MAX_SPEED_M_S, Instruments
+from .settings_table import SettingsTable, choice, in_si_units, number, read_by, toml_text
+from .station import BENDS
 
 FORMAT = 2
-Reader = Callable[[Table, str], Any]
-_BLANK = Setup(
-    "",
-    "",
-    "",
-    "",
-    Robot(2, 1.0, 1.0),
-    Procedure((), 0.0, 0.0, 0.0, 0.0),
-    Uncertainty(1.0, 1.0, 1.0, 1.0),
-)
+PLACES = ("treadmill", "floor")  # where a plan is carried out
+PROVENANCE = ("measured", "regenerated", "simulated")
+MAX_GRAVITY_M_S2 = 30.0
+ASSUMED_LINK_KG = 0.0756  # of the 2005 robot, where nobody has weighed this one yet
+LATER = ("mass_kg", "supply_v")  # settings that may stay empty until somebody has measured them
+SAME = 0.005  # relative: nobody weighs the same robot twice to the same figures
 
 
-@dataclass(frozen=True)
-class Setting:
-    """One entry of session.toml.
+@dataclass(frozen=True, kw_only=True)
+class Provenance(SettingsTable):
+    """The table [provenance]: where the readings come from."""
 
-    key: its name there, with its unit. path: the attribute of Setup that holds it, in SI. read:
-    returns the value of a table's key, in SI. note: what stands behind it in a new file. fixed: it
-    stays as it was set up, whatever is amended.
-    """
+    kind: str = choice(*PROVENANCE, note="measured, simulated, or regenerated from published fits")
+    source: str
+    note: str
 
-    key: str
-    path: str
-    read: Reader
-    note: str = ""
-    fixed: bool = False
+
+@dataclass(frozen=True, kw_only=True)
+class RobotTable(SettingsTable):
+    """The table [robot]. mass_kg: of the whole robot; None: nobody has weighed it yet."""
+
+    old: ClassVar[tuple[str, ...]] = ("link_mass_kg", "weighed")
+
+    links: int = read_by(check_links)
+    link_length_m: float = number(
+        0.001,
+        10.0,
+        words="length of a link, joint to joint (m, or 76 mm)",
+        likely=(0.01, 1.0),
+        note="joint to joint",
+    )
+    mass_kg: float | None = number(
+        0.001,
+        1000.0,
+        words="mass of the whole robot as it crawls (kg, or 480 g; later)",
+        likely=(0.02, 20.0),
+        note='of the whole robot as it crawls, cables and all; "" until it is weighed',
+    )
+    wheels_kg: float | None = number(
+        high=100.0,
+        default=None,
+        words="mass of all wheels together (kg, or 36 g; later)",
+        likely=(0.001, 2.0),
+        note="of all wheels together, which a push sets turning",
+    )
+    supply_v: float | None = number(
+        1.0,
+        60.0,
+        default=None,
+        words="servos: voltage at their plug while they move (V; later)",
+        likely=(4.0, 15.0),
+        note="at the servos' plug, as they move",
+    )
+    frame_ms: float | None = number(1.0, 100.0, default=None, note='of the board; "": its own')
+    tag_mm: float | None = number(3.0, 1000.0, default=None, note="side of its printed tags")
+    link_mass_kg: float | None = number(default=None, open_low=True)
+    weighed: bool = True
+
+    @classmethod
+    def read(cls, table: Table) -> RobotTable:
+        """Return a file's table; an older file has the mass of one link."""
+        if "link_mass_kg" in table.values:
+            table = replace(table, values={"mass_kg": "", **table.values})
+        return super().read(table)
 
     @property
-    def needed(self) -> bool:
-        """Tell whether a file must have it: nothing stands for it."""
-        if self.path in ("surface", "place", "people", "robot.mass_kg"):
-            return True  # in Setup the words may be blank, and a link's mass follows
-        part, _, name = self.path.rpartition(".")
-        field = (attrgetter(part)(_BLANK) if part else _BLANK).__dataclass_fields__[name]
-        return field.default is MISSING and field.default_factory is MISSING
+    def weighs(self) -> bool:
+        """Tell whether the mass is no assumption."""
+        return self.weighed and (self.mass_kg, self.link_mass_kg) != (None, None)
 
-    def line(self, setup: Setup) -> str:
-        """Return its line of session.toml; none where the set-up has no value."""
-        value = attrgetter(self.path)(setup)
-        return "" if value is None else f"{self.key} = {toml_text(self.key, value)}{self.note}\n"
+    @property
+    def mean_link_kg(self) -> float:
+        """Return the mass over the number of links, an assumed one where nobody weighed it."""
+        if self.mass_kg is not None:
+            return self.mass_kg / self.links
+        return self.link_mass_kg or ASSUMED_LINK_KG
 
-
-def toml_text(key: str, value: Any) -> str:
-    """Return a value in SI as TOML has it, in the unit of its key."""
-    match value:
-        case bool():
-            return str(value).lower()
-        case str():
-            return quoted(value)
-        case float():
-            text = f"{in_unit(key, value):.{8 if key.endswith('_deg') else 10}g}"
-            return text if any(c in text for c in ".en") else f"{text}.0"
-        case Gait():
-            names = "alpha_rad", "beta_rad", "omega_rad_s"
-            keys = "alpha_deg", "beta_deg", "omega_rad_s"
-            numbers = zip(keys, attrgetter(*names)(value), strict=True)
-            entries = (f"{name} = {toml_text(name, number)}" for name, number in numbers)
-            return f"\n  {{ {', '.join(entries)} }},"
-        case tuple():
-            parts = [toml_text(key, part) for part in value]
-            return f"[{''.join(parts)}\n]" if "\n" in "".join(parts) else f"[{', '.join(parts)}]"
-    return str(value)
+    @property
+    def tag_side_m(self) -> float | None:
+        """Return the side of a printed tag; None where nobody said it."""
+        return None if self.tag_mm is None else in_si("tag_mm", self.tag_mm)
 
 
-def quoted(text: str) -> str:
-    """Return text as a TOML string."""
-    return json.dumps("".join(c for c in text if c != "\x7f"), ensure_ascii=False)
+@dataclass(frozen=True, kw_only=True)
+class Laboratory(SettingsTable):
+    """The table [laboratory]; friction holds for its surface alone."""
+
+    surface: str = read_by(
+        lambda value: _text("surface", value), note="what the wheels roll on; friction holds for it"
+    )
+    place: str
+    people: str
+    gravity_m_s2: float = number(high=MAX_GRAVITY_M_S2, open_low=True)
 
 
-def _number(*limits: float, open_low: bool = False) -> Reader:
-    """Return the reader of a number between limits, in the unit of its key."""
-    return lambda table, key: in_si(key, table.number(key, *limits, open_low=open_low))
+def _text(name: str, value: Any) -> str:
+    if not isinstance(value, str) or not value.strip():
+        raise BadInput(f"{name} is {value!r}; it must be text in quotes")
+    return value.strip()
 
 
-def _checked(check: Callable[[str, Any], Any]) -> Reader:
-    """Return the reader of a value that a function checks by its name."""
-
-    def read(table: Table, key: str) -> Any:
-        with located(table.where(key)):
-            return check(key, table.values[key])
-
-    return read
+def _planned_gaits(values: Sequence[Any]) -> tuple[Gait, ...]:
+    """Return the gaits of a list of {alpha_deg, beta_deg, omega_rad_s or frequency_hz}."""
+    return tuple(value if isinstance(value, Gait) else _planned_gait(value) for value in values)
 
 
-def _choice(choices: tuple[str, ...]) -> Reader:
-    return _checked(lambda key, value: check_choice(key, value, choices))
+def _planned_gait(value: Any) -> Gait:
+    rates = {"omega_rad_s": 1.0, "frequency_hz": 2 * math.pi}
+    named = [name for name in rates if isinstance(value, Mapping) and name in value]
+    if len(named) != 1 or set(value) != {"alpha_deg", "beta_deg", *named}:
+        raise BadInput(
+            f"gaits has {value!r}; a gait is {{alpha_deg, beta_deg, frequency_hz}}, with one of "
+            "omega_rad_s and frequency_hz"
+        )
+    alpha, beta = (check_number(n, value[n], -360.0, 360.0) for n in ("alpha_deg", "beta_deg"))
+    rate = check_number(named[0], value[named[0]], 0.0, open_low=True)
+    return Gait(math.radians(alpha), math.radians(beta), rate * rates[named[0]])
 
 
-def _check_flag(key: str, value: Any) -> bool:
-    if not isinstance(value, bool):
-        raise BadInput(f"{key} is {value!r}; it must be true or false")
+def _without_ratchet(value: Any) -> bool:
+    if value is not False:
+        raise BadInput(
+            f"ratchet is {str(value).lower()}, but a fit knows one friction along the wheels, not "
+            "another backwards; such a session is not read"
+        )
     return value
 
 
-def _check_place_sigma(key: str, value: Any) -> float:
-    sigma_m = check_number(key, value, 0.0)
-    if told := unlikely_sigma(sigma_m):
-        raise BadInput(told)
-    return sigma_m
+@dataclass(frozen=True, kw_only=True)
+class Plan(SettingsTable):
+    """The table [plan]: which stations or pushes are to be taken, and which gaits to run.
+
+    On a treadmill: every bend of lambda_deg, from the first incline up to the top speed. On a
+    floor: in each bend of push_lambda_deg `pushes` pushes. gaits: to be run on level ground
+    afterwards, each gait_runs times. bend: "balanced", or "zigzag" for a robot that is guided.
+    """
+
+    old: ClassVar[tuple[str, ...]] = ("ratchet",)
+
+    on: str = choice(
+        *PLACES, default="treadmill", note="treadmill; or floor: pushes instead of stations"
+    )
+    push_lambda_deg: tuple[float, ...] = number(high=MAX_LAMBDA_DEG, default=(0.0, 20.0, 45.0))
+    pushes: int = number(0, 100, default=8, note="in each of these bends, half of them either way")
+    lambda_deg: tuple[float, ...] = number(
+        high=MAX_LAMBDA_DEG, note="7.5 as in 2005; 15 and 30 tell cn three to ten times better"
+    )
+    incline_start_deg: float = number(high=MAX_INCLINE_DEG, open_low=True)
+    incline_step_deg: float = number(high=MAX_INCLINE_DEG, open_low=True)
+    belt_speed_max_m_s: float = number(high=MAX_SPEED_M_S, open_low=True)
+    bend: str = choice(
+        *BENDS, default="zigzag", note="balanced; or zigzag, for a robot guided on the belt"
+    )
+    gait_runs: int = number(
+        1, 100, default=3, note="of each gait, on level ground of the same surface"
+    )
+    gaits: tuple[Gait, ...] = read_by(_planned_gaits, ())
+    ratchet: bool = read_by(_without_ratchet, False)
+
+    incline_start_rad = in_si_units("incline_start_deg")
+    incline_step_rad = in_si_units("incline_step_deg")
+
+    @property
+    def lambda_rad(self) -> tuple[float, ...]:
+        """Return the bends of stations, rad."""
+        return tuple(map(math.radians, self.lambda_deg))
+
+    @property
+    def push_lambda_rad(self) -> tuple[float, ...]:
+        """Return the bends of pushes, rad."""
+        return tuple(map(math.radians, self.push_lambda_deg))
+
+    @property
+    def bends_rad(self) -> tuple[float, ...]:
+        """Return the bends that the robot is to lie in where the plan is carried out."""
+        return self.push_lambda_rad if self.on == "floor" else self.lambda_rad
 
 
-def _bends(table: Table, key: str) -> tuple[float, ...]:
-    return tuple(map(math.radians, table.numbers(key, 0.0, MAX_LAMBDA_DEG)))
-
-
-def _gaits(table: Table, key: str) -> tuple[Gait, ...]:
-    given, where = table.values[key], table.where(key)
-    if not isinstance(given, list) or not all(isinstance(g, dict) for g in given):
-        raise BadInput(f"{where}: {key} must be a list of {{alpha_deg, beta_deg, frequency_hz}}")
-    gaits = []
-    for values in given:
-        entry = Table(values, table.path, table.text, table.start)
-        entry.only("alpha_deg", "beta_deg", optional=("omega_rad_s", "frequency_hz"))
-        alpha, beta = (in_si(n, entry.number(n, -360.0, 360.0)) for n in ("alpha_deg", "beta_deg"))
-        with located(where):
-            gaits.append(Gait(alpha, beta, _rate(entry)))
-    return tuple(gaits)
-
-
-def _rate(gait: Table) -> float:
-    """Return a planned gait's rate, rad/s, which may be given in Hz."""
-    given = [name for name in ("omega_rad_s", "frequency_hz") if name in gait.values]
-    if len(given) != 1:
-        said = " and ".join(given) or "neither"
-        raise BadInput(f"a gait wants one of omega_rad_s and frequency_hz; {said} is given")
-    rate = gait.number(given[0], 0.0, open_low=True)
-    return rate if given[0] == "omega_rad_s" else 2 * math.pi * rate
-
-
-_WORDS, _FLAG = Table.string, _checked(_check_flag)
-_ABOVE_0, _FROM_0, _SHARE = _number(0.0, open_low=True), _number(0.0), _number(0.0, 50.0)
-_BEND, _SPEED = _number(0.0, MAX_LAMBDA_DEG), _number(0.0, MAX_SPEED_M_S, open_low=True)
-_INCLINE = _number(0.0, MAX_INCLINE_DEG, open_low=True)
-SETTINGS: dict[str, tuple[Setting, ...]] = {
-    "provenance": (
-        Setting(
-            "kind", "kind", _choice(PROVENANCE), "          # measured, or simulated", fixed=True
-        ),
-        Setting("source", "source", _WORDS, fixed=True),
-        Setting("note", "note", _WORDS, fixed=True),
-    ),
-    "robot": (
-        Setting(
-            "links", "robot.links", _checked(lambda key, value: check_links(value)), fixed=True
-        ),
-        Setting(
-            "mass_kg",
-            "robot.mass_kg",
-            _ABOVE_0,
-            "       # the whole robot, cables and all",
-            fixed=True,
-        ),
-        Setting("link_length_m", "robot.link_length_m", _ABOVE_0, "      # joint to joint"),
-        Setting(
-            "weighed",
-            "weighed",
-            _FLAG,
-            "          # false: the mass is an assumption, asked for when readings are taken",
-            fixed=True,
-        ),
-        Setting(
-            "wheels_kg", "floor.wheels_kg", _number(0.0, 100.0), "          # all wheels together"
-        ),
-        Setting(
-            "supply_v",
-            "supply_v",
-            _number(1.0, 60.0),
-            "              # at the servos' plug, as they move",
-        ),
-        Setting("frame_ms", "frame_s", _number(1.0, 100.0), "              # of the board"),
-        Setting("tag_mm", "tag_side_m", _number(3.0, 1000.0), "    # of its printed tags"),
-    ),
-    "laboratory": (
-        Setting(
-            "surface",
-            "surface",
-            _WORDS,
-            "    # what the wheels roll on; friction holds for it alone",
-        ),
-        Setting("place", "place", _WORDS),
-        Setting("people", "people", _WORDS),
-        Setting(
-            "gravity_m_s2",
-            "procedure.gravity_m_s2",
-            _number(0.0, MAX_GRAVITY_M_S2, open_low=True),
-            fixed=True,
-        ),
-    ),
-    "instruments": (
-        Setting("incline_sigma_deg", "uncertainty.incline_sigma_rad", _INCLINE),
-        Setting(
-            "incline_zero_sigma_deg",
-            "uncertainty.incline_zero_sigma_rad",
-            _number(0.0, MAX_INCLINE_DEG),
-            "    # assumed of phones; a zero measured by reversal takes its place",
-        ),
-        Setting("belt_speed_sigma_m_s", "uncertainty.belt_speed_sigma_m_s", _SPEED),
-        Setting(
-            "lambda_sigma_deg",
-            "uncertainty.lambda_sigma_rad",
-            _BEND,
-            "          # of one bend, protractor and joints",
-        ),
-        Setting(
-            "belt_scale_sigma_percent",
-            "uncertainty.belt_scale_sigma",
-            _SHARE,
-            "  # of the speed that the treadmill shows",
-        ),
-        Setting(
-            "mass_sigma_percent",
-            "uncertainty.mass_sigma",
-            _SHARE,
-            "        # of the robot's mass",
-        ),
-        Setting(
-            "joint_sigma_deg",
-            "uncertainty.joint_sigma_rad",
-            _number(0.0, math.degrees(0.2)),
-            "           # of each joint about straight: 0.5 by servos or straightedge, 1.5 by hand",
-        ),
-        Setting(
-            "incline_step_percent",
-            "treadmill.incline_step_rad",
-            _ABOVE_0,
-            "      # what the treadmill can be set to",
-        ),
-        Setting(
-            "belt_speed_unit",
-            "belt_speed_unit",
-            _choice(BELT_UNITS),
-            "          # that the treadmill shows: of a speed typed without one",
-        ),
-        Setting("belt_speed_step_m_s", "treadmill.belt_step_m_s", _ABOVE_0),
-        Setting("belt_speed_least_m_s", "treadmill.belt_least_m_s", _number(0.0, MAX_SPEED_M_S)),
-        Setting(
-            "distance_sigma_m",
-            "stopwatch.distance_sigma_m",
-            _checked(_check_place_sigma),
-            "        # of a gait run: tape and marks; stopwatch",
-        ),
-        Setting("time_sigma_s", "stopwatch.time_sigma_s", _FROM_0),
-        Setting(
-            "film_scale_sigma_percent",
-            "floor.film_scale_sigma",
-            _number(0.0, 20.0),
-            "  # of lengths in a film of pushes",
-        ),
-        Setting(
-            "push_time_sigma_s",
-            "floor.push_time_sigma_s",
-            _number(0.0, 10.0, open_low=True),
-            "         # of a push timed by hand",
-        ),
-        Setting(
-            "floor_slope_sigma_deg",
-            "floor.slope_sigma_rad",
-            _number(0.0, math.degrees(0.2), open_low=True),
-            "     # of the floor, before both ways tell it",
-        ),
-    ),
-    "plan": (
-        Setting(
-            "on",
-            "procedure.on",
-            _choice(PLACES),
-            "              # treadmill; or floor: pushes instead of stations",
-        ),
-        Setting("push_lambda_deg", "procedure.push_lambda_rad", _bends),
-        Setting(
-            "pushes",
-            "procedure.pushes",
-            _checked(lambda key, value: check_whole(key, value, 0, 100)),
-            "                  # in each of these bends, half of them either way",
-        ),
-        Setting(
-            "lambda_deg",
-            "procedure.lambda_rad",
-            _bends,
-            "    # 7.5 as in 2005; 15 and 30 tell cn three to ten times better",
-        ),
-        Setting("incline_start_deg", "procedure.incline_start_rad", _INCLINE),
-        Setting("incline_step_deg", "procedure.incline_step_rad", _INCLINE),
-        Setting("belt_speed_max_m_s", "procedure.belt_speed_max_m_s", _SPEED),
-        Setting(
-            "bend",
-            "procedure.bend",
-            _choice(BENDS),
-            "             # balanced; or zigzag, for a robot that is guided on the belt",
-        ),
-        Setting(
-            "gait_runs",
-            "procedure.gait_runs",
-            Table.whole,
-            "              # of each gait, on level ground of the same surface",
-        ),
-        Setting("gaits", "procedure.gaits", _gaits),
-    ),
+TABLES: dict[str, type[SettingsTable]] = {
+    "provenance": Provenance,
+    "robot": RobotTable,
+    "laboratory": Laboratory,
+    "instruments": Instruments,
+    "plan": Plan,
 }
 
 
-def setup_in(top: Table) -> Setup:
-    """Return the set-up of a session.toml; raises BadInput."""
-    top.only("format", "name", "program", "created_utc", *SETTINGS)
-    setup = replace(_BLANK, name=top.string("name"))
-    for name, rows in SETTINGS.items():
-        table = _with_whole_mass(top.table(name))
-        needed = (s.key for s in rows if s.needed)
-        optional = (s.key for s in rows if not s.needed)
-        table.only(*needed, optional=(*optional, *_without_ratchet(table)))
-        setup = applied(setup, table, rows)
-    return setup
+@dataclass(frozen=True)
+class Setup:
+    """All of a session but its readings: its name, and the tables of session.toml."""
 
+    name: str
+    provenance: Provenance
+    robot_table: RobotTable
+    laboratory: Laboratory
+    instruments: Instruments
+    plan: Plan
 
-def _with_whole_mass(table: Table) -> Table:
-    """Return an older file's [robot] with the whole robot's mass in place of a link's."""
-    if "link_mass_kg" not in table.values or "links" not in table.values:
-        return table
-    values = dict(table.values)
-    del values["link_mass_kg"]
-    values["mass_kg"] = table.whole("links") * _ABOVE_0(table, "link_mass_kg")
-    return replace(table, values=values)
-
-
-def _without_ratchet(plan: Table) -> tuple[str, ...]:
-    """Return the key `ratchet` of older plans where it says false; raises BadInput where true."""
-    if plan.values.get("ratchet") is True:
-        raise BadInput(
-            f"{plan.where('ratchet')}: ratchet is true, but a fit knows one friction along the "
-            "wheels, not another backwards; such a session is not read"
+    @classmethod
+    def read(cls, top: Table) -> Setup:
+        """Return the set-up of a session.toml; raises BadInput."""
+        top.only("format", "name", "program", "created_utc", *TABLES)
+        return cls(
+            top.string("name"),
+            Provenance.read(top.table("provenance")),
+            RobotTable.read(top.table("robot")),
+            Laboratory.read(top.table("laboratory")),
+            Instruments.read(top.table("instruments")),
+            Plan.read(top.table("plan")),
         )
-    return ("ratchet",) if plan.values.get("ratchet") is False else ()
+
+    @property
+    def tables(self) -> dict[str, SettingsTable]:
+        """Return the tables by their names in session.toml."""
+        values = self.provenance, self.robot_table, self.laboratory, self.instruments, self.plan
+        return dict(zip(TABLES, values, strict=True))
+
+    @cached_property
+    def robot(self) -> Robot:
+        """Return the robot, as weighed and measured."""
+        table = self.robot_table
+        return Robot(table.links, table.mean_link_kg, table.link_length_m)
+
+    def with_robot(self, robot: Robot) -> Setup:
+        """Return the set-up with another robot's links, mass and length."""
+        mass_kg = robot.links * robot.link_mass_kg
+        body = {"links": robot.links, "mass_kg": mass_kg, "link_length_m": robot.link_length_m}
+        return replace(self, robot_table=replace(self.robot_table, **body))
+
+    def in_words(self) -> str:
+        """Return what a fit takes from session.toml, and what of it is still to be filled in."""
+        body, tools, robot = self.robot_table, self.instruments, self.robot
+        grams, mm = 1000 * robot.links * robot.link_mass_kg, 1000 * robot.link_length_m
+        text = (
+            f"{robot.links} links of {mm:.4g} mm, {grams:.4g} g ± {tools.mass_sigma_percent:g} %, "
+            f"inclinometer ± {tools.incline_sigma_deg:.2g} deg, belt ± "
+            f"{tools.belt_speed_sigma_m_s:.2g} m/s, bends ± {tools.lambda_sigma_deg:.2g} deg, "
+            f"joints ± {tools.joint_sigma_deg:.2g} deg"
+        )
+        empty = [key for key in LATER if getattr(body, key) is None]
+        empty = [key for key in empty if key != "mass_kg" or not body.weighs]
+        return text + (f"; still to be filled in: {', '.join(empty)}" if empty else "")
+
+    @property
+    def weight_n(self) -> float:
+        """Return the weight of the whole snake, the m g of Eqs. 58 and 60."""
+        return self.robot.links * self.robot.link_mass_kg * self.laboratory.gravity_m_s2
+
+    def driving(self, kind: ServoKind) -> ServoKind:
+        """Return a kind of servo at the session's voltage and frames, where it states none."""
+        table = self.robot_table
+        if table.supply_v is not None and kind.sigma.get("supply_v"):
+            kind = kind.at_volts(table.supply_v)
+        if kind.servo.frame_s != FRAME_S:
+            return kind
+        own_ms = 1e-3 * frame_us(table.links - 1)
+        return kind.at_frames(in_si("frame_ms", table.frame_ms or own_ms))
+
+    def text(self, program: str, created_utc: str) -> str:
+        """Return session.toml."""
+        head = TEXT.format(*(toml_text(text) for text in (self.name, program, created_utc)))
+        return head + "".join(f"\n[{name}]\n{t.text()}" for name, t in self.tables.items())
 
 
-def applied(setup: Setup, table: Table, settings: Iterable[Setting]) -> Setup:
-    """Return a set-up with what a table has of some settings; raises BadInput."""
-    values = {s.path: s.read(table, s.key) for s in settings if s.key in table.values}
-    with located(table.heading):
-        return changed(setup, values)
+TEXT = """\
+# How this session is set up. Correct here what is mistyped, and fill in what is empty: it holds for
+# all readings of the session, and the next fit takes it. Another robot, surface or instrument is
+# another session.
+format = 2
+name = {}
+program = {}
+created_utc = {}
+"""
 
 
-def changed(setup: Setup, values: Mapping[str, Any]) -> Setup:
-    """Return a set-up with some values changed, given by their paths; raises BadInput."""
-    for path, value in values.items():
-        part, _, name = path.rpartition(".")
-        new = {name: value}
-        if part == "robot":  # its inertia follows from mass and length
-            new["link_inertia_kg_m2"] = None
-        if path == "robot.mass_kg":
-            new = {"link_mass_kg": value / setup.robot.links, "link_inertia_kg_m2": None}
-        setup = replace(setup, **({part: replace(getattr(setup, part), **new)} if part else new))
-    return setup
+def changes(before: Setup, now: Setup) -> list[str]:
+    """Return what differs between two set-ups, a line a setting."""
+    lines = list[str]()
+    for (name, old), new in zip(before.tables.items(), now.tables.values(), strict=True):
+        for part in fields(old):
+            was, is_ = getattr(old, part.name), getattr(new, part.name)
+            if was != is_:
+                text, was_text = toml_text(is_).strip(), toml_text(was).strip()
+                lines.append(f"{name}.{part.name} is {text} now; it was {was_text}")
+    return lines
 
 
-def amended(setup: Setup, text: str, folder: Path) -> Setup:
-    """Return a set-up with an amendment's line of TOML applied; raises BadInput.
+def identity_differences(session: Setup, wanted: Setup) -> list[str]:
+    """Return what keeps two set-ups from being one session, a line each: robot, mass, surface."""
+    pairs: tuple[tuple[str, Any, Any], ...] = (
+        ("links", session.robot.links, wanted.robot.links),
+        ("mass_kg", session.robot.mass_kg, wanted.robot.mass_kg),
+        ("link_length_m", session.robot.link_length_m, wanted.robot.link_length_m),
+        ("surface", session.laboratory.surface, wanted.laboratory.surface),
+        ("gravity_m_s2", session.laboratory.gravity_m_s2, wanted.laboratory.gravity_m_s2),
+    )
+    lines = list[str]()
+    for name, a, b in pairs:
+        same = a == b or (isinstance(a, float) and abs(a - float(b)) <= SAME * a)
+        if not same:
+            has, wants = (f"{v:.6g}" if isinstance(v, float) else repr(v) for v in (a, b))
+            lines.append(f"{name}: the session has {has}, this has {wants}")
+    return lines
 
-    [plan] holds from here on. [robot], [laboratory] and [instruments] hold for all of the session.
-    """
-    path = folder / "events.csv"
-    try:
-        change = Table.parsed(text, path)
-    except ValueError as error:
-        raise BadInput(f"{path}: the amendment {text!r} is not TOML: {error}") from error
-    open_ = {name: [s for s in rows if not s.fixed] for name, rows in SETTINGS.items()}
-    change.only(optional=tuple(name for name, rows in open_.items() if rows))
-    for name in change.values:
-        table = change.table(name)
-        mass = ("mass_kg",) if name == "robot" else ()
-        table.only(optional=(*mass, *(s.key for s in open_[name]), *_without_ratchet(table)))
-        if "mass_kg" in table.values:
-            mass_kg = _ABOVE_0(table, "mass_kg")
-            setup = changed(setup, {"robot.mass_kg": mass_kg, "weighed": True})
-        setup = applied(setup, table, open_[name])
-    return setup
+
+def amended(top: Table, details: Sequence[str], path: Path) -> Table:
+    """Return session.toml with the amendments that older programs kept in events.csv put in."""
+    values: dict[str, Any] = {
+        name: dict(part) if isinstance(part, dict) else part for name, part in top.values.items()
+    }
+    for detail in details:
+        for name, part in amendment(detail, path).items():
+            weighed = {"weighed": True} if name == "robot" and "mass_kg" in part else {}
+            values[name].update(part | weighed)
+    return replace(top, values=values)
+
+
+def amendment(detail: str, path: Path) -> dict[str, dict[str, Any]]:
+    """Return the tables of an amendment's line; raises BadInput."""
+    with located(str(path)):
+        try:
+            change = dict(Table.parsed(detail, path).values)
+        except ValueError as error:
+            raise BadInput(f"the amendment {detail!r} is not TOML: {error}") from error
+        for name, part in change.items():
+            if name not in TABLES or not isinstance(part, dict):
+                raise BadInput(f"the amendment {detail!r} has no table {name!r} of session.toml")
+    return change

@@ -8,14 +8,11 @@ from typing import Any
 
 from ..base.errors import BadInput
 from ..model.bends import balanced_signs
-from .declaration import PLANNED, READ, Field, Taken, Word
-from .instruments import MAX_SPEED_M_S, Stopwatch
+from .declaration import PLANNED, READ, Field, Taken, Watch, Word
+from .instruments import MAX_INCLINE_DEG, MAX_LAMBDA_DEG, MAX_SPEED_M_S
 from .places import drifts, tidy_places
 
 BENDS = ("zigzag", "balanced")  # zigzag first: sessions of before there were others do not say
-# Beyond these a number is a slip of units, not a reading: the joints end before 60 degrees, and
-# the snake tumbles before 45.
-MAX_LAMBDA_DEG, MAX_INCLINE_DEG = 60.0, 45.0
 # Slower than this a robot that is steered goes by jerks: every touch of the steering shakes wheels
 # loose that would rest, so that dry friction across is less than that of wheels which slide.
 LEAST_SLIP_M_S = 0.12
@@ -126,7 +123,7 @@ class Reading(Taken):
         return math.sin(self.incline_rad) + change_m_s / duration_s / gravity_m_s2
 
     @classmethod
-    def derived(cls, cells: dict[str, Any], watch: Stopwatch) -> dict[str, Any]:
+    def derived(cls, cells: dict[str, Any], watch: Watch) -> dict[str, Any]:
         """Put in the mean drift of a short reading."""
         places = str(cells.get("places", ""))
         return cells | {"drift_m_s": drifts(tidy_places(places))[0]} if places else cells

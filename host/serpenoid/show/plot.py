@@ -102,7 +102,7 @@ def draw_friction(
     """Draw readings with their errors, voided ones crossed out, and the lines; whole snake."""
     kept, voided = friction_points(session, fit), voided_points(session, fit)
     errors = point_errors(session)
-    readings = f"readings, {session.setup.kind}, ± 1 sigma"
+    readings = f"readings, {session.setup.provenance.kind}, ± 1 sigma"
     for ax, part, title, colour in zip(
         axes,
         ("straight", "bent"),

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from ..model.bends import balanced_signs, joint_multiples
 from ..session.checks import BendCheck
-from ..session.session import Setup
+from ..session.settings import Setup
 from .steps import Step
 
 NEAR_DEG = 2.5  # off a planned bend: what the protractor then shows raises no doubt
@@ -14,7 +14,7 @@ NEAR_DEG = 2.5  # off a planned bend: what the protractor then shows raises no d
 
 def bend_step(key: str, setup: Setup, bend_deg: float, then: str) -> Step:
     """Return the step to a bend of the plan; then: what is said after how the joints stand."""
-    bend, between_deg = setup.procedure.bend, 180.0 - 2 * bend_deg
+    bend, between_deg = setup.plan.bend, 180.0 - 2 * bend_deg
     near = between_deg - 2 * NEAR_DEG, between_deg + 2 * NEAR_DEG
     (shown,) = BendCheck.asked("between_links_deg")
     return Step(

@@ -97,7 +97,7 @@ class Dialogue(Prompt):
         """Say at the start which bends of the plan the robot's joints cannot reach."""
         if self._robot is None:
             return
-        plan = self.journal.session.setup.procedure
+        plan = self.journal.session.setup.plan
         reach_deg = self._robot.reach_deg(plan.bend)
         for bend_deg in map(math.degrees, plan.bends_rad):
             if reach_deg < bend_deg - NEAR_DEG:
@@ -107,16 +107,17 @@ class Dialogue(Prompt):
         name = "push_lambda_deg" if self._on_floor else "lambda_deg"
         return (
             f"bend {bend_deg:g} deg: joint limits and steering leave room for {reach_deg:g} deg. "
-            f"Leave it out by `skip`; or quit, and plan less: `serpenoid calibrate amend "
-            f"{self.journal.folder} plan.{name}=[...]`"
+            f"Leave it out by `skip`; or plan less: {name} in "
+            f"{self.journal.folder / 'session.toml'}"
         )
 
     @property
     def _on_floor(self) -> bool:
-        return self.journal.session.setup.procedure.on == "floor"
+        return self.journal.session.setup.plan.on == "floor"
 
     def _one_step(self) -> bool:
         """Do one step; return False at the end."""
+        self._read_again()
         self.step = step = next_step(self.journal.session, self._posture.bend_deg)
         self._told(self.journal.session, step)
         self._skip_doubted = False
@@ -132,6 +133,19 @@ class Dialogue(Prompt):
             if not isinstance(error, Again):
                 self.say(f"! {error}")
         return True
+
+    def _read_again(self) -> None:
+        """Read the files again, and say what somebody changed in session.toml meanwhile."""
+        while True:
+            try:
+                changed = self.journal.read_again()
+            except BadInput as error:
+                self.say(f"! {error}")
+                self.ask("  Enter when that is mended: ")
+                continue
+            for line in changed:
+                self.say(f"session.toml: {line}")
+            return
 
     def _do(self, step: Step) -> None:
         if step.kind in ("straight", "bend"):
@@ -222,7 +236,7 @@ class Dialogue(Prompt):
                 continue
             likely, unit = field.likely, ""
             if field.column == "belt_speed_m_s":
-                unit = self.journal.session.setup.belt_speed_unit
+                unit = self.journal.session.setup.instruments.belt_speed_unit
                 if step.kind == "station":
                     likely = likely_belt(self.journal.session, step, values)
             values[field.column] = self.number(field, likely, typed=typed, unit=unit)

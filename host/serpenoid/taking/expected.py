@@ -12,7 +12,8 @@ import numpy as np
 from ..calibration.fitting.bends import projections
 from ..calibration.fitting.paper_fit import two_lines
 from ..calibration.fitting.stations import Stations
-from ..session.session import Procedure, Session, Setup
+from ..session.session import Session
+from ..session.settings import Plan, Setup
 from ..session.station import Reading, bent_share
 
 SIGMAS = 3.5  # beyond which a reading is asked about: once in 2000 honest ones
@@ -87,19 +88,19 @@ class Series:
 STRAIGHT = Series(0.0)
 
 
-def series_of(plan: Procedure) -> list[Series]:
+def series_of(plan: Plan) -> list[Series]:
     """Return the stations' series of a plan in their order."""
     return [Series(bend_rad, plan.bend) for bend_rad in plan.lambda_rad]
 
 
-def series_of_pushes(plan: Procedure) -> list[Series]:
+def series_of_pushes(plan: Plan) -> list[Series]:
     """Return the pushes' series of a plan in their order."""
     return [Series(bend_rad, plan.bend, pushed=True) for bend_rad in plan.push_lambda_rad]
 
 
 def planned_bend(session: Session, lambda_rad: float) -> float:
     """Return the plan's bend that is nearest to one that the protractor showed, rad."""
-    plan = session.setup.procedure.bends_rad
+    plan = session.setup.plan.bends_rad
     return min(plan, key=lambda planned: abs(planned - lambda_rad))
 
 
@@ -110,12 +111,12 @@ def shown_bend(session: Session, lambda_rad: float) -> float | None:
     checks = [b for b in session.bends if not b.voided]
     if not checks or planned_bend(session, checks[-1].found_rad) != lambda_rad:
         return None
-    return checks[-1].found_rad if checks[-1].bend == session.setup.procedure.bend else None
+    return checks[-1].found_rad if checks[-1].bend == session.setup.plan.bend else None
 
 
 def of_series(session: Session, series: Series) -> list[Any]:
     """Return the kept stations or pushes of one of the plan's bends, bent as it says."""
-    aim, bend = planned_bend(session, series.lambda_rad), session.setup.procedure.bend
+    aim, bend = planned_bend(session, series.lambda_rad), session.setup.plan.bend
     taken = session.kept_pushes if series.pushed else session.kept
     bent = (r for r in taken if r.bend == bend or not r.lambda_rad)
     return [r for r in bent if planned_bend(session, r.lambda_rad) == aim]
@@ -124,7 +125,7 @@ def of_series(session: Session, series: Series) -> list[Any]:
 def line_of(session: Session, series: Series) -> Line | None:
     """Return the line through a series' stations, None with fewer than two inclines."""
     stations = of_series(session, series)
-    gravity = session.setup.procedure.gravity_m_s2
+    gravity = session.setup.laboratory.gravity_m_s2
     sines = np.array([r.balance_sine(gravity) for r in stations])
     if len(sines) < 2 or np.ptp(sines) < 1e-4:
         return None
@@ -134,7 +135,7 @@ def line_of(session: Session, series: Series) -> Line | None:
     slope = float((sines - x) @ (speeds - y)) / spread
     if slope <= 0.0:
         return None
-    unsure = session.setup.uncertainty
+    unsure = session.setup.instruments
     noise = math.hypot(unsure.belt_speed_sigma_m_s, slope * unsure.incline_sigma_rad)
     return Line(slope, x, y, noise, spread, len(stations))
 
@@ -142,7 +143,7 @@ def line_of(session: Session, series: Series) -> Line | None:
 def pull_of(setup: Setup, frictions: Sequence[float], lambda_rad: float) -> tuple[float, float]:
     """Return the drag, N s/m, and the dry force, N, of a robot that rolls bent as planned."""
     ct, cn, ft0, fn0 = frictions
-    share = bent_share(setup.procedure.bend, setup.robot.links)
+    share = bent_share(setup.plan.bend, setup.robot.links)
     by_ct, by_cn, by_ft0, by_fn0 = map(float, projections(share, lambda_rad))
     return ct * by_ct + cn * by_cn, ft0 * by_ft0 + fn0 * by_fn0
 
@@ -173,10 +174,10 @@ def slowing_deg(setup: Setup, first: Reading) -> float:
 
     By the drag of the robot of 2005, as heavy as this one; as that may be less, a part of it.
     """
-    plan = setup.procedure
+    plan = setup.plan
     drag, _ = pull_of(setup, USUAL, first.lambda_rad)
     less_m_s = SURE * (first.slip_speed_m_s - SLOW * plan.belt_speed_max_m_s)
-    return math.degrees(less_m_s * drag / USUAL_KG / plan.gravity_m_s2)
+    return math.degrees(less_m_s * drag / USUAL_KG / setup.laboratory.gravity_m_s2)
 
 
 def expected_speed(
@@ -187,11 +188,11 @@ def expected_speed(
     if line is not None:
         speed, sigma = line.at(math.sin(incline_rad))
         return max(speed - SIGMAS * sigma, 0.0), max(speed + SIGMAS * sigma, 0.0)
-    most_m_s = FASTEST * session.setup.procedure.belt_speed_max_m_s
+    most_m_s = FASTEST * session.setup.plan.belt_speed_max_m_s
     stations = of_series(session, series)
     if stations:  # steeper is faster
         last = max(stations, key=lambda r: r.incline_rad)
-        noise = SIGMAS * session.setup.uncertainty.belt_speed_sigma_m_s
+        noise = SIGMAS * session.setup.instruments.belt_speed_sigma_m_s
         if incline_rad >= last.incline_rad:
             return max(last.slip_speed_m_s - noise, 0.0), most_m_s
         if len(stations) == 1:

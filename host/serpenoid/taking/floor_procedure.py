@@ -10,7 +10,8 @@ import math
 
 from ..session.declaration import Values
 from ..session.push import Push
-from ..session.session import Session, Setup
+from ..session.session import Session
+from ..session.settings import Setup
 from .bends import bend_step
 from .expected import USUAL, USUAL_KG, Series, of_series, pull_of
 from .steps import Step
@@ -42,7 +43,7 @@ def push_pose(setup: Setup, series: Series) -> Step:
 
 def push_step(session: Session, series: Series) -> Step | None:
     """Return the next push of a series, its bend still to be told; None where all are done."""
-    plan, done = session.setup.procedure, of_series(session, series)
+    plan, done = session.setup.plan, of_series(session, series)
     key = f"push {series.key.removeprefix('pushes ')} {len(done) + 1}"
     if len(done) >= plan.pushes or key in session.skipped:
         return None

@@ -1,12 +1,11 @@
-"""A new session's folder: what is asked before the first reading, and session.toml in words."""
+"""A new session: the set-up that is proposed, what is asked before the first reading, files."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from importlib.metadata import version
-from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -14,180 +13,38 @@ from ..base.errors import BadInput, RecordingFailed
 from ..base.files import write_text
 from ..model.bends import FEWEST_LINKS
 from ..model.gait import Gait
-from ..model.robot import Robot
-from ..session.declaration import Field, in_si
+from ..session.declaration import Field
 from ..session.folder import load_setup
-from ..session.instruments import Uncertainty
+from ..session.instruments import Instruments
 from ..session.journal import csv_line, utc_now
 from ..session.kinds import READING_COLUMNS
 from ..session.rows import EVENT_COLUMNS
-from ..session.session import Procedure, Setup
-from ..session.settings import SETTINGS, changed, quoted
+from ..session.settings import (
+    ASSUMED_LINK_KG,
+    TABLES,
+    Laboratory,
+    Plan,
+    Provenance,
+    RobotTable,
+    Setup,
+)
 
-SAME = 0.005
 LATER = "later"  # answers for what nobody has measured yet
 NOT_SAID = "not said"
-TEXT = """\
-# How this session was set up. Changes are made by `serpenoid calibrate amend`: those of the plan
-# hold from then on; those of robot and laboratory correct what was mistyped, for the whole session;
-# instruments change before the first reading. Another robot or instrument is another session.
-format = 2
-name = {name}
-program = {program}
-created_utc = {created}
-"""
-
-
-@dataclass(frozen=True)
-class Question:
-    """A number that `calibrate new` asks for; one that is not likely is asked about.
-
-    field: its attribute is the path of the setting that holds the answer. usual: what Enter takes,
-    with the setting's value in SI put in, and how many of its unit are one in SI. on: where it is
-    asked; anywhere if empty. values: returns what follows from the answer by the paths of settings,
-    where that is not one setting.
-    """
-
-    field: Field
-    usual: str = LATER
-    per_si: float = 1.0
-    on: str = ""
-    values: Callable[[Setup, float], dict[str, Any]] | None = None
-
-    def usual_of(self, setup: Setup) -> str:
-        """Return what Enter takes."""
-        if self.usual == LATER:
-            return LATER
-        return self.usual.format(self.per_si * attrgetter(self.field.attribute)(setup))
-
-    def answered(self, setup: Setup, answer: float) -> Setup:
-        """Return the set-up with an answer put in; raises BadInput."""
-        if self.values is not None:
-            return changed(setup, self.values(setup, answer))
-        return changed(setup, {self.field.attribute: in_si(self.field.column, answer)})
-
-
-def _belt_step(setup: Setup, step_km_h: float) -> dict[str, Any]:
-    step_m_s = step_km_h / 3.6
-    # Rounding of the display, and as much again for the drift that a person reads off.
-    sigma_m_s = math.hypot(step_m_s / math.sqrt(12), 0.008)
-    return {"treadmill.belt_step_m_s": step_m_s, "uncertainty.belt_speed_sigma_m_s": sigma_m_s}
-
-
-# What `calibrate new` asks: words, the links, then numbers.
+# What `calibrate new` asks in words.
 WORDS = {
     "surface": "what the wheels roll on (the belt's or the floor's surface)",
     "place": "where",
     "people": "who measures",
 }
-MASS = Question(
-    Field(
-        "mass_kg",
-        "mass of the whole robot as it crawls (kg, or 480 g)",
-        0.001,
-        1000.0,
-        (0.02, 20.0),
-    ),
-    values=lambda _setup, mass_kg: {"robot.mass_kg": mass_kg},
-)
-LENGTH = Question(
-    Field(
-        "link_length_m",
-        "length of a link, joint to joint (m, or 76 mm)",
-        0.001,
-        10.0,
-        (0.01, 1.0),
-        attribute="robot.link_length_m",
-    ),
-    "{:.6g} mm",
-    1000.0,
-)
-QUESTIONS = (
-    MASS,
-    LENGTH,
-    Question(
-        Field(
-            "supply_v",
-            "servos: voltage at their plug while they move (V, or later)",
-            1.0,
-            60.0,
-            (4.0, 15.0),
-            attribute="supply_v",
-        )
-    ),
-    Question(
-        Field(
-            "wheels_kg",
-            "mass of all wheels together (kg, or 36 g)",
-            0.0,
-            100.0,
-            (0.001, 2.0),
-            attribute="floor.wheels_kg",
-        ),
-        on="floor",
-    ),
-    Question(
-        Field(
-            "shown_step_deg",
-            "inclinometer: smallest step it shows (deg)",
-            0.0001,
-            5.0,
-            attribute="uncertainty.incline_sigma_rad",
-        ),
-        "{:.2g}",
-        math.degrees(math.sqrt(12)),
-        "treadmill",
-        lambda setup, step_deg: {
-            "uncertainty.incline_sigma_rad": math.radians(step_deg) / math.sqrt(12)
-        },
-    ),
-    Question(
-        Field(
-            "incline_step_percent",
-            "treadmill: smallest step of its incline (% or deg)",
-            0.001,
-            20.0,
-            attribute="treadmill.incline_step_rad",
-        ),
-        "{:.3g} %",
-        100.0,
-        "treadmill",
-    ),
-    Question(
-        Field(
-            "belt_speed_step_km_h",
-            "belt: smallest step it can be set to",
-            0.0001,
-            5.0,
-            attribute="treadmill.belt_step_m_s",
-        ),
-        "{:.3g} km/h",
-        3.6,
-        "treadmill",
-        _belt_step,
-    ),
-    Question(
-        Field(
-            "belt_speed_least_km_h",
-            "belt: least speed above 0",
-            0.0,
-            10.0,
-            attribute="treadmill.belt_least_m_s",
-        ),
-        "{:.3g} km/h",
-        3.6,
-        "treadmill",
-    ),
-)
 # Zeros of phones and cheap inclinometers are 0.3 to 0.5 deg off. With 0.1 deg assumed, the interval
 # of ft0 missed the truth in 40 of 40 sessions of the virtual lab, with 0.5 deg in none.
-ASSUMED_ZERO_SIGMA_RAD = math.radians(0.5)
+ASSUMED_ZERO_SIGMA_DEG = 0.5
 # Each joint about straight, by what sets it; by hand and eye they are 1.5 deg off.
-JOINT_SIGMA_RAD = {
-    "servos": math.radians(0.5),
-    "straightedge": math.radians(0.5),
-    "hand": math.radians(1.5),
-}
+JOINT_SIGMA_DEG = {"servos": 0.5, "straightedge": 0.5, "hand": 1.5}
+# A reading of the belt's speed errs by the display's rounding, and as much by the drift that a
+# person reads off.
+DRIFT_SIGMA_M_S = 0.008
 # At the ends joints stand at twice this: it leaves 6 deg of 90 to trims and steering.
 STEEPEST_PUSH_DEG = 42.0
 PUSHES, CRAWL_RUNS = 8, 2  # on a floor, in each bend; of each gait, there and back
@@ -199,44 +56,83 @@ CRAWLS = tuple(
 )
 
 
+@dataclass(frozen=True)
+class Question:
+    """A number that `calibrate new` asks for, of a setting of a table.
+
+    on: the place where it is asked; anywhere if empty. unit, per_unit: in which Enter's answer is
+    shown, and how much of the setting's one is. scale: the setting over the number that is typed.
+    later: it may be left open.
+    """
+
+    table: str
+    key: str
+    on: str = ""
+    unit: str = ""
+    per_unit: float = 1.0
+    scale: float = 1.0
+    later: bool = False
+
+    @property
+    def field(self) -> Field:
+        """Return the number that is typed."""
+        return TABLES[self.table].limits(self.key)
+
+    def usual_of(self, setup: Setup) -> str:
+        """Return what Enter takes."""
+        if self.later:
+            return LATER
+        value = getattr(setup.tables[self.table], self.key) / self.scale / self.per_unit
+        return f"{value:.2g} {self.unit}"
+
+
+MASS = Question("robot", "mass_kg", later=True)
+LENGTH = Question("robot", "link_length_m", unit="mm", per_unit=0.001)
+QUESTIONS = (
+    MASS,
+    LENGTH,
+    Question("robot", "supply_v", later=True),
+    Question("robot", "wheels_kg", "floor", later=True),
+    Question("instruments", "incline_sigma_deg", "treadmill", "deg", scale=1 / math.sqrt(12)),
+    Question("instruments", "incline_step_percent", "treadmill", "%"),
+    Question("instruments", "belt_speed_step_m_s", "treadmill", "km/h", 1 / 3.6),
+    Question("instruments", "belt_speed_least_m_s", "treadmill", "km/h", 1 / 3.6),
+)
+
+
 def default_setup(name: str) -> Setup:
     """Return the set-up that is proposed: the 2005 robot, a home treadmill, bends to 30 degrees."""
-    deg = math.radians
-    rates = [2 * math.pi * hz for hz in (0.25, 0.4, 0.6)]
+    gaits = tuple(
+        Gait(math.radians(70), math.radians(75), 2 * math.pi * hz) for hz in (0.25, 0.4, 0.6)
+    )
     return Setup(
-        name=name,
-        kind="measured",
-        source="taken with `serpenoid calibrate`",
-        note="none",
-        robot=Robot(6, 0.0756, 0.076),
-        procedure=Procedure(
-            lambda_rad=(0.0, deg(7.5), deg(15.0), deg(30.0)),
-            incline_start_rad=deg(2.4),
-            incline_step_rad=deg(0.3),
+        name,
+        Provenance(kind="measured", source="taken with `serpenoid calibrate`", note="none"),
+        RobotTable(links=6, mass_kg=6 * ASSUMED_LINK_KG, link_length_m=0.076),
+        Laboratory(surface=NOT_SAID, place=NOT_SAID, people=NOT_SAID, gravity_m_s2=9.80665),
+        Instruments(
+            incline_sigma_deg=0.03,
+            incline_zero_sigma_deg=ASSUMED_ZERO_SIGMA_DEG,
+            belt_speed_sigma_m_s=0.01,
+            lambda_sigma_deg=0.5,
+            belt_scale_sigma_percent=2.0,
+            mass_sigma_percent=0.5,
+            joint_sigma_deg=JOINT_SIGMA_DEG["servos"],
+        ),
+        Plan(
+            lambda_deg=(0.0, 7.5, 15.0, 30.0),
+            incline_start_deg=2.4,
+            incline_step_deg=0.3,
             belt_speed_max_m_s=1.0,
-            gravity_m_s2=9.80665,
-            gaits=tuple(Gait(deg(70), deg(75), rate) for rate in rates),
-            gait_runs=3,
+            gaits=gaits,
             bend="balanced",
-            push_lambda_rad=(0.0, deg(20.0), deg(STEEPEST_PUSH_DEG)),
+            push_lambda_deg=(0.0, 20.0, STEEPEST_PUSH_DEG),
             pushes=PUSHES,
         ),
-        uncertainty=Uncertainty(
-            incline_sigma_rad=deg(0.03),
-            incline_zero_sigma_rad=ASSUMED_ZERO_SIGMA_RAD,
-            belt_speed_sigma_m_s=0.01,
-            lambda_sigma_rad=deg(0.5),
-            belt_scale_sigma=0.02,
-            mass_sigma=0.005,
-            joint_sigma_rad=JOINT_SIGMA_RAD["servos"],
-        ),
-        surface=NOT_SAID,
-        place=NOT_SAID,
-        people=NOT_SAID,
     )
 
 
-def on_place(plan: Procedure, place: str) -> Procedure:
+def on_place(plan: Plan, place: str) -> Plan:
     """Return a plan to be carried out at a place; on a floor with crawls of its own."""
     if place != "floor":
         return replace(plan, on=place)
@@ -244,21 +140,38 @@ def on_place(plan: Procedure, place: str) -> Procedure:
 
 
 def answered(setup: Setup, answers: Mapping[str, Any]) -> Setup:
-    """Return a set-up with the answers of `calibrate new` put in; raises BadInput."""
-    given = {k: v for k, v in answers.items() if v is not None}
-    links = int(given.get("links", setup.robot.links))
-    if links < FEWEST_LINKS:  # they have no balanced bend
-        setup = changed(setup, {"procedure.bend": "zigzag"})
-    words = {name: given[name] for name in WORDS if name in given}
-    setup = changed(setup, {"robot.links": links, **words})
+    """Return a set-up with the answers of `calibrate new` put in; raises BadInput.
+
+    An answer of LATER leaves its setting empty.
+    """
+    given = {key: value for key, value in answers.items() if value is not None}
+    changes: dict[str, dict[str, Any]] = {name: {} for name in TABLES}
+    changes["laboratory"] = {key: given[key] for key in WORDS if key in given}
+    if "links" in given:
+        links = int(given["links"])
+        changes["robot"]["links"] = links
+        if links < FEWEST_LINKS:  # they have no balanced bend
+            changes["plan"]["bend"] = "zigzag"
     if "belt_speed_unit" in given:
-        setup = changed(setup, {"belt_speed_unit": given["belt_speed_unit"]})
+        changes["instruments"]["belt_speed_unit"] = given["belt_speed_unit"]
     if "joints" in given:
-        setup = changed(setup, {"uncertainty.joint_sigma_rad": JOINT_SIGMA_RAD[given["joints"]]})
+        changes["instruments"]["joint_sigma_deg"] = JOINT_SIGMA_DEG[given["joints"]]
     for question in QUESTIONS:
-        if question.field.column in given:
-            setup = question.answered(setup, given[question.field.column])
-    return setup
+        if question.key in given:
+            value = given[question.key]
+            set_to = None if value == LATER else question.scale * value
+            changes[question.table][question.key] = set_to
+    if "belt_speed_step_m_s" in given:
+        rounding_m_s = given["belt_speed_step_m_s"] / math.sqrt(12)
+        sigma_m_s = math.hypot(rounding_m_s, DRIFT_SIGMA_M_S)
+        changes["instruments"]["belt_speed_sigma_m_s"] = sigma_m_s
+    return replace(
+        setup,
+        robot_table=replace(setup.robot_table, **changes["robot"]),
+        laboratory=replace(setup.laboratory, **changes["laboratory"]),
+        instruments=replace(setup.instruments, **changes["instruments"]),
+        plan=replace(setup.plan, **changes["plan"]),
+    )
 
 
 def template_setup(path: str | Path | None, name: str) -> Setup:
@@ -267,37 +180,17 @@ def template_setup(path: str | Path | None, name: str) -> Setup:
     if path is None:
         return proposed
     other = load_setup(path)
-    tools = other.uncertainty
-    if other.kind == "regenerated":  # its zero is that of no instrument that the new session has
-        tools = replace(tools, incline_zero_sigma_rad=ASSUMED_ZERO_SIGMA_RAD)
-    plan = replace(other.procedure, gaits=other.procedure.gaits or proposed.procedure.gaits)
+    kind, tools, plan = other.provenance.kind, other.instruments, other.plan
+    if kind == "regenerated":  # its zero is that of no instrument that the new session has
+        kind = "measured"
+        tools = replace(tools, incline_zero_sigma_deg=ASSUMED_ZERO_SIGMA_DEG)
+    plan = replace(plan, gaits=plan.gaits or proposed.plan.gaits)
     if other.robot.links >= FEWEST_LINKS:
         plan = replace(plan, bend="balanced")
-    return replace(
-        other,
-        name=name,
-        procedure=plan,
-        uncertainty=tools,
-        kind="measured" if other.kind == "regenerated" else other.kind,
-        source=proposed.source,
-        note=proposed.note,
-        **{word: getattr(other, word) or NOT_SAID for word in WORDS},
-    )
-
-
-def setup_text(setup: Setup) -> str:
-    """Return session.toml."""
-    head = TEXT.format(
-        name=quoted(setup.name),
-        program=quoted(f"serpenoid {version('serpenoid')}"),
-        created=quoted(utc_now()),
-    )
-    remarks = {"instruments": "               # standard deviations; steps of d give d / sqrt(12)"}
-    tables = [
-        f"\n[{name}]{remarks.get(name, '')}\n{''.join(setting.line(setup) for setting in settings)}"
-        for name, settings in SETTINGS.items()
-    ]
-    return head + "".join(tables)
+    body = other.robot_table
+    mass_kg = body.links * body.mean_link_kg if body.weighs else None
+    body = replace(body, mass_kg=mass_kg, link_mass_kg=None, weighed=True)
+    return Setup(name, replace(proposed.provenance, kind=kind), body, other.laboratory, tools, plan)
 
 
 def create_session(folder: str | Path, setup: Setup) -> Path:
@@ -311,7 +204,8 @@ def create_session(folder: str | Path, setup: Setup) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
         for name, columns in (("readings.csv", READING_COLUMNS), ("events.csv", EVENT_COLUMNS)):
             write_text(folder / name, csv_line(list(columns)))
-        write_text(folder / "session.toml", setup_text(setup))
+        program = f"serpenoid {version('serpenoid')}"
+        write_text(folder / "session.toml", setup.text(program, utc_now()))
     except OSError as error:
         raise RecordingFailed(f"{folder}: {error.strerror}; choose another folder") from error
     return folder
@@ -324,24 +218,3 @@ def refuse_existing(folder: Path) -> None:
             f"{folder}: there is a session already, and nothing overwrites it; go on with "
             f"`serpenoid calibrate {folder}`, or give the new one another name"
         )
-
-
-def identity_differences(session: Setup, wanted: Setup) -> list[str]:
-    """Return what keeps two set-ups from being one session, a line each: robot, mass, surface.
-
-    Numbers may differ by SAME: nobody weighs the same robot twice to the same figures.
-    """
-    lines = []
-    for path in (
-        "robot.links",
-        "robot.mass_kg",
-        "robot.link_length_m",
-        "surface",
-        "procedure.gravity_m_s2",
-    ):
-        a, b = (attrgetter(path)(setup) for setup in (session, wanted))
-        same = abs(a - b) <= SAME * a if isinstance(a, float) and isinstance(b, float) else a == b
-        if not same:
-            a, b = (f"{v:.6g}" if isinstance(v, float) else repr(v) for v in (a, b))
-            lines.append(f"{path.rpartition('.')[2]}: the session has {a}, this has {b}")
-    return lines

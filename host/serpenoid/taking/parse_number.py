@@ -1,4 +1,4 @@
-"""What a person types: numbers with units (comma decimals, grade, km/h), cells, amendments.
+"""What a person types: numbers with units (comma decimals, grade, km/h), and cells.
 
 A bare number is in the field's own unit. Where that is not what was expected but another unit
 would be, the answer comes with a question; nothing is refused but what cannot be.
@@ -15,8 +15,7 @@ from typing import Any
 from ..base.errors import BadInput
 from ..session.declaration import Field, Range, Word
 from ..session.kinds import KINDS, kind_of
-from ..session.session import Setup
-from ..session.settings import quoted
+from ..session.settings import Setup
 
 # Other names of columns, by which people type another unit: name -> column, unit.
 OTHER_UNITS = {
@@ -173,17 +172,4 @@ def completed(kind: str, cells: Mapping[str, Any], setup: Setup) -> dict[str, An
         for column, field in kind_of(kind).numbers().items()
         if field.usual is not None and not field.optional  # what was not said is not known
     }
-    return kind_of(kind).derived(usual | dict(cells), setup.stopwatch)
-
-
-def amendment(change: str) -> str:
-    """Return TABLE.ENTRY=VALUE as a line of TOML: numbers with units converted, words quoted."""
-    name, equals, value = (part.strip() for part in change.partition("="))
-    if not equals or "." not in name or not value:
-        raise BadInput(f"{change!r} is not TABLE.ENTRY=VALUE, such as robot.mass_kg=480g")
-    if name.startswith("laboratory.") or name in ("plan.bend", "plan.on"):
-        return f"{name} = {quoted(value.strip(chr(34)))}"
-    field = Field(name, name, -1e9, 1e9)
-    if not field.unit or value.startswith(("[", '"', "'")):
-        return f"{name} = {value}"
-    return f"{name} = {parse_number(value, field).value!r}"
+    return kind_of(kind).derived(usual | dict(cells), setup.instruments)

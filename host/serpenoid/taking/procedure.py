@@ -17,7 +17,8 @@ from ..session.checks import BeltCheck, ZeroReading
 from ..session.declaration import Cells, Field, Range, Values
 from ..session.gait_run import RUN_WAYS, GaitRun
 from ..session.places import drifts
-from ..session.session import Session, Setup, belt_checks
+from ..session.session import Session, belt_checks
+from ..session.settings import Setup
 from ..session.station import LEAST_SLIP_M_S, Reading
 from .bends import bend_step
 from .expected import (
@@ -85,7 +86,7 @@ def next_step(session: Session, posed_deg: float | None = None) -> Step:
     setup, series = session.setup, step.series
     shown_rad = shown_bend(session, series.lambda_rad)
     if posed_deg != step.lambda_deg or shown_rad is None:
-        return (push_pose if setup.procedure.on == "floor" else _pose)(setup, series)
+        return (push_pose if setup.plan.on == "floor" else _pose)(setup, series)
     shown = {"lambda_deg": round(math.degrees(shown_rad), 4)}
     return replace(step, cells=shown | step.cells)
 
@@ -100,7 +101,7 @@ def _parts(session: Session) -> Iterator[tuple[str, str, Step | None]]:
 
     Whatever pose a reading needs comes before it.
     """
-    plan, skipped = session.setup.procedure, session.skipped
+    plan, skipped = session.setup.plan, session.skipped
     if plan.on == "floor":
         for series in series_of_pushes(plan):
             done = len(of_series(session, series))
@@ -140,13 +141,13 @@ def next_incline_deg(session: Session, series: Series) -> float | None:
     incline at which the snake tumbles. After a fast first station comes a slower one, or half as
     much slower where that could not be held: dry friction shows at low speeds.
     """
-    plan = session.setup.procedure
+    plan = session.setup.plan
     stations = of_series(session, series)
     prefix = _station_key(series)
     passed = [float(k.removeprefix(prefix)) for k in session.skipped if k.startswith(prefix)]
     tried = [*(math.degrees(r.incline_rad) for r in stations), *passed]
     # At least what the treadmill can be raised by, or its rounding could stay below for ever.
-    step_deg = math.degrees(max(plan.incline_step_rad, session.setup.treadmill.incline_step_rad))
+    step_deg = math.degrees(max(plan.incline_step_rad, session.setup.instruments.incline_step_rad))
     if len(stations) == 1:
         first_deg = math.degrees(stations[0].incline_rad)
         less_deg = slowing_deg(session.setup, stations[0]) / 2 ** sum(p < first_deg for p in passed)
@@ -176,7 +177,7 @@ def _first_incline_deg(session: Session, series: Series) -> float:
     The steepest of: the plan's start, where lesser bends first held, and where the frictions so far
     let this one hold at a sixth of the top speed.
     """
-    plan, lambda_rad = session.setup.procedure, series.lambda_rad
+    plan, lambda_rad = session.setup.plan, series.lambda_rad
     lesser = [of_series(session, Series(x)) for x in plan.lambda_rad if x < lambda_rad]
     held = [min(r.incline_rad for r in stations) for stations in lesser if stations]
     law = law_sine(session, lambda_rad, plan.belt_speed_max_m_s / SERIES)
@@ -231,13 +232,13 @@ def likely_belt(session: Session, step: Step, cells: Cells) -> Range | None:
     places = str(cells.get("places", ""))
     if places:  # as steep as where it would hold its place at this speed
         _, change_m_s, duration_s = drifts(places)
-        incline_rad += change_m_s / duration_s / session.setup.procedure.gravity_m_s2
+        incline_rad += change_m_s / duration_s / session.setup.laboratory.gravity_m_s2
     series = Series(math.radians(step.lambda_deg))
     range_m_s = expected_speed(session, series, incline_rad)
     if range_m_s is None:
         return None
     drift_m_s = float(cells.get("drift_m_s", 0.0))
-    step_m_s = session.setup.treadmill.belt_step_m_s
+    step_m_s = session.setup.instruments.belt_speed_step_m_s
     return max(range_m_s[0] + drift_m_s - step_m_s, 0.0), range_m_s[1] + drift_m_s + step_m_s
 
 
@@ -248,7 +249,7 @@ def settle_s(session: Session, series: Series = STRAIGHT) -> float:
     # Where the balance is m g sin(gamma) = A v + B, the line's slope is m g / A.
     if line is None:
         return SETTLE_TIMES * mass_kg / 0.084
-    return SETTLE_TIMES * line.slope / session.setup.procedure.gravity_m_s2
+    return SETTLE_TIMES * line.slope / session.setup.laboratory.gravity_m_s2
 
 
 def _pose(setup: Setup, series: Series) -> Step:
@@ -267,7 +268,7 @@ def _station(session: Session, series: Series) -> Step | None:
     if incline_deg is None:
         return None
     wait_s = settle_s(session, series)
-    step_deg = math.degrees(session.setup.procedure.incline_step_rad)
+    step_deg = math.degrees(session.setup.plan.incline_step_rad)
     likely = expected_speed(session, series, math.radians(incline_deg))
     hint = "" if likely is None else f", about {belt_range(likely)}"
     grade = 100 * math.tan(math.radians(incline_deg))
@@ -310,7 +311,7 @@ def belt_range(likely_m_s: Range) -> str:
 
 
 def _gait_step(session: Session) -> Step | None:
-    plan, skipped = session.setup.procedure, session.skipped
+    plan, skipped = session.setup.plan, session.skipped
     for number, gait in enumerate(plan.gaits, 1):
         runs = [
             r

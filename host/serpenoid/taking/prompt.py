@@ -162,7 +162,7 @@ class Prompt:
         step = self.step
         if not step.key:
             raise BadInput("this is no step of the plan; it cannot be left out")
-        zero_sigma_rad = self.journal.session.setup.uncertainty.incline_zero_sigma_rad
+        zero_sigma_rad = self.journal.session.setup.instruments.incline_zero_sigma_rad
         if not self._skip_doubted and (doubt := _skip_doubt(step, enter, zero_sigma_rad)):
             self._skip_doubted = True
             return self.say(doubt)

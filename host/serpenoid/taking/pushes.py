@@ -50,7 +50,7 @@ def keep_pushes(
     file that a kill may have cut short: what it had kept is not kept twice, and tells the way.
     Raises BadInput where no push is, or all are there.
     """
-    plan, links = journal.session.setup.procedure, journal.session.setup.robot.links
+    plan, links = journal.session.setup.plan, journal.session.setup.robot.links
     bend, lambda_deg = str(cells.get("bend", plan.bend)), float(cells.get("lambda_deg", 0.0))
     looked = _looked_at(track, slips(bend, lambda_deg, links))
     if not looked:

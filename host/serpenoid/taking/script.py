@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,15 +19,17 @@ from ..base.errors import BadInput
 from ..base.toml_table import Table, located
 from ..model.ground import Ground
 from ..session.journal import Journal, Listed
-from ..session.session import Setup
-from ..session.settings import SETTINGS, applied
+from ..session.settings import Setup
 from .parse_number import completed, typed_cells
 from .simulated import SimulatedPerson
 from .steps import Step
 from .treadmill import take_steps
 from .world import Truth
 
-IDENTITY = ("links", "mass_kg", "link_length_m", "surface")
+IDENTITY = {
+    "robot": ("links", "mass_kg", "link_mass_kg", "link_length_m"),
+    "laboratory": ("surface",),
+}
 _FRICTIONS = ("ct", "cn", "ft0", "fn0")
 _TRUTH = (
     "incline_zero_deg",
@@ -55,11 +58,18 @@ def load_script(path: Path) -> Table:
 
 def wanted_setup(top: Table, setup: Setup) -> Setup:
     """Return a session's set-up with what a script says of robot and laboratory put in."""
-    for name in ("robot", "laboratory"):
+    for name, attribute in (("robot", "robot_table"), ("laboratory", "laboratory")):
         if name in top.values:
-            table, rows = top.table(name), [s for s in SETTINGS[name] if s.key in IDENTITY]
-            table.only(optional=tuple(s.key for s in rows))
-            setup = applied(setup, table, rows)
+            table = top.table(name)
+            table.only(optional=IDENTITY[name])
+            values = dict(table.values)
+            if "link_mass_kg" in values:
+                links = int(values.get("links", setup.robot.links))
+                values["mass_kg"] = links * table.number("link_mass_kg")
+                del values["link_mass_kg"]
+            with located(table.heading):
+                changed = replace(getattr(setup, attribute), **values)
+            setup = replace(setup, **{attribute: changed})
     return setup
 
 

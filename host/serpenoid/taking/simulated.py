@@ -21,7 +21,8 @@ from ..lab.belt import Belt
 from ..lab.person import Habits, Held, Person
 from ..model.gait import Gait
 from ..session.declaration import Cells
-from ..session.session import Session, Setup
+from ..session.session import Session
+from ..session.settings import Setup
 from ..session.station import slips
 from .procedure import Doubts
 from .steps import Step, Tracked
@@ -70,11 +71,11 @@ class SimulatedPerson(World):
         super().__init__(setup, truth, np.random.default_rng(seed))
         self.t_s, self.misread = 0.0, 0
         self._run_gait = lru_cache(run_gait)
-        self._belt_run = Belt(self.robot, gravity_m_s2=setup.procedure.gravity_m_s2)
+        self._belt_run = Belt(self.robot, gravity_m_s2=setup.laboratory.gravity_m_s2)
         self._belt_run.guide(truth.guided)
         self._inclinometer_rad = truth.inclinometer_rad(setup)
         self.person = Person(self._belt_run, self.rng, _habits(truth), truth.display(setup))
-        self._on_floor = setup.procedure.on == "floor"
+        self._on_floor = setup.plan.on == "floor"
         # The deck does not lie level when the treadmill says 0.
         deck_deg = 0.0 if self._on_floor else float(self.rng.uniform(-0.15, 0.15))
         self._deck_rad = math.radians(deck_deg)
@@ -111,12 +112,12 @@ class SimulatedPerson(World):
     def _bend(self, step: Step) -> Cells:
         """Bend as planned; lay the protractor on the joints at both ends."""
         self._straight(step)
-        shown_deg = self.protractor_deg(ENDS[self.setup.procedure.on])
+        shown_deg = self.protractor_deg(ENDS[self.setup.plan.on])
         return {"between_links_deg": round(sum(shown_deg) / 2, 1)}
 
     def _station(self, step: Step) -> Cells | None:
         """Set the nearest incline, find the belt speed that holds, wait, read what is left."""
-        steps = self.setup.treadmill
+        steps = self.setup.instruments
         aim = math.radians(step.incline_deg) - self.truth.incline_zero_rad - self._deck_rad
         grade_step = steps.incline_step_rad * self.truth.incline_scale
         grade = round(math.tan(aim) / grade_step) * grade_step
@@ -146,7 +147,7 @@ class SimulatedPerson(World):
 
     def _belt(self, step: Step) -> Cells:
         """Time a mark on the belt over ten turns."""
-        step_m_s, watch = self.setup.treadmill.belt_step_m_s, self.setup.stopwatch
+        step_m_s, watch = self.setup.instruments.belt_speed_step_m_s, self.setup.instruments
         shown, way_m = round(CHECKED_M_S / step_m_s) * step_m_s, TURNS * BELT_M
         off_s = self.normal(watch.time_sigma_s)
         return {

@@ -58,7 +58,7 @@ def record_step(record: Journal, step: Step, cells: Cells) -> int:
     if isinstance(cells, Tracked) and cells.kind:
         way = {name: step.cells[name] for name in ("way",) if name in step.cells}
         return record.add(cells.kind, {**cells, **way}, samples=cells.samples)
-    watch = record.session.setup.stopwatch
+    watch = record.session.setup.instruments
     values = KINDS[step.kind].derived(dict(step.cells) | dict(cells), watch)
     samples = cells.samples if isinstance(cells, Tracked) else None
     return record.add(step.kind, values, samples=samples)

@@ -18,7 +18,7 @@ from ..model.drives import Servo, ServoKind
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..session.session import Setup
+from ..session.settings import Setup
 from ..session.track import Floats
 from .steps import Step
 
@@ -89,17 +89,17 @@ class Truth:
 
     def display(self, setup: Setup, scatter: float = 1.0) -> Display:
         """Return the treadmill's display; scatter: of the belt, over what the set-up states."""
-        steps = setup.treadmill
+        steps = setup.instruments
         return Display(
-            steps.belt_step_m_s,
+            steps.belt_speed_step_m_s,
             self.belt_scale,
-            steps.belt_least_m_s,
-            scatter * setup.uncertainty.belt_speed_sigma_m_s,
+            steps.belt_speed_least_m_s,
+            scatter * setup.instruments.belt_speed_sigma_m_s,
         )
 
     def inclinometer_rad(self, setup: Setup) -> Instrument:
         """Return the inclinometer: its zero on top, in its steps."""
-        step_rad = setup.uncertainty.incline_sigma_rad * math.sqrt(12)
+        step_rad = setup.instruments.incline_sigma_rad * math.sqrt(12)
         return Instrument(self.incline_zero_rad, step=step_rad)
 
 
@@ -111,7 +111,7 @@ def drawn_floor(
     servo: the kind of which the robot has one drawn; None: its joints follow the gait.
     """
     slope, scale, mass, shape, across = (float(v) for v in rng.normal(size=5))
-    wheels_kg = setup.floor.wheels_kg
+    wheels_kg = setup.robot_table.wheels_kg
     mass_kg = setup.robot.links * setup.robot.link_mass_kg
     rolling = (
         (0.045 + 0.03 * shape) * mass_kg
@@ -120,12 +120,12 @@ def drawn_floor(
     )
     return Truth(
         ground,
-        slope_rad=setup.floor.slope_sigma_rad * slope,
-        across_rad=setup.floor.slope_sigma_rad * across,
-        film_scale=1.0 + setup.floor.film_scale_sigma * scale,
-        mass_scale=1.0 + setup.uncertainty.mass_sigma * mass,
+        slope_rad=setup.instruments.floor_slope_sigma_rad * slope,
+        across_rad=setup.instruments.floor_slope_sigma_rad * across,
+        film_scale=1.0 + setup.instruments.film_scale_sigma * scale,
+        mass_scale=1.0 + setup.instruments.mass_sigma * mass,
         rolling_kg=max(rolling, 0.0),
-        joint_sigma_rad=setup.uncertainty.joint_sigma_rad,
+        joint_sigma_rad=setup.instruments.joint_sigma_rad,
         servo=servo and servo.draws(1, int(rng.integers(2**31)))[0],
     )
 
@@ -152,7 +152,7 @@ class World:
 
     def bend(self, bend_deg: float) -> list[float]:
         """Bend the robot, straight at 0; return what its joints are told."""
-        signs = bend_signs(self.setup.procedure.bend, self.setup.robot.links)
+        signs = bend_signs(self.setup.plan.bend, self.setup.robot.links)
         self._pose_rad = pose_of(signs, math.radians(bend_deg))
         return self._pose_rad
 
@@ -161,7 +161,7 @@ class World:
 
         scatter: of each, over what the set-up states of a bend.
         """
-        off_rad = scatter * self.setup.uncertainty.lambda_sigma_rad
+        off_rad = scatter * self.setup.instruments.lambda_sigma_rad
         return self.robot.protractor_deg(self._pose_rad, off_rad, self.rng)
 
     def normal(self, sigma: float) -> float:
@@ -194,7 +194,7 @@ class World:
             self._speeds[key] = crawl_speed(
                 self.robot, self._made(gait), slope_rad=rises, across_rad=falls
             )
-        speed_m_s, watch = self._speeds[key], self.setup.stopwatch
+        speed_m_s, watch = self._speeds[key], self.setup.instruments
         distance = min(RUN_M, speed_m_s * RUN_S)
         duration = distance / speed_m_s if speed_m_s > 0.0 else RUN_S
         duration += self.normal(watch.time_sigma_s)

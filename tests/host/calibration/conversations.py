@@ -2,7 +2,7 @@
 
 `» ` parts a prompt from what is typed. (nobody) does not answer, (ctrl-c) interrupts, (left 3) and
 (right 1) press keys that steer, (20 s) lets time pass before what follows. A line of === begins a
-new session, with what is amended or left out; or goes on with it.
+new session, with its plan and what is left out; or goes on with it.
 """
 
 from __future__ import annotations
@@ -15,11 +15,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import tomllib
 from serpenoid import SerpenoidError
 from serpenoid.session.journal import Journal
 from serpenoid.taking.dialogue import Dialogue
 from serpenoid.taking.identity import ask_identity
-from serpenoid.taking.new_session import create_session, default_setup, on_place
+from serpenoid.taking.new_session import answered, create_session, default_setup, on_place
 from serpenoid.taking.prompt import Left
 from serpenoid.taking.session_robot import SessionRobot
 
@@ -65,15 +66,13 @@ class Typist:
 
 
 def begun(folder: Path, head: str) -> None:
-    """Begin the session that a line of === names: its place, and amendments of its plan."""
-    setup = replace(default_setup("made up"), people="Ada")
-    setup = replace(setup, weighed=False) if "unweighed" in head else replace(setup, surface="belt")
+    """Begin the session that a line of === names: its place, and its plan."""
+    setup = answered(default_setup("made up"), {"people": "Ada", "surface": "belt"})
     place = "floor" if "floor" in head else "treadmill"
-    setup = replace(setup, procedure=on_place(setup.procedure, place))
-    create_session(folder, setup)
+    changes = tomllib.loads("\n".join(re.findall(r"plan\.(\w+ = [^;]+)", head)))
+    plan = replace(on_place(setup.plan, place), **changes)
+    create_session(folder, replace(setup, plan=plan))
     with Journal(folder) as journal:
-        for change in re.findall(r"plan\.\w+ = [^;]+", head):
-            journal.event("amend", detail=change)
         for key in re.findall(r"without ([\w. ]+)", head):
             journal.event("skip", detail=key)
 

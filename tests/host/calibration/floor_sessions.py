@@ -10,7 +10,6 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from serpenoid.session.instruments import FloorTools
 from serpenoid.taking.new_session import default_setup
 from simulated_sessions import MemoryRecord
 
@@ -20,12 +19,12 @@ WHEELS_KG = 0.036
 NEW = "calibrate new --defaults --on floor --surface parquet --mass-kg 454g --wheels-kg 0g"
 
 
-def floor_setup(**floor):
+def floor_setup(wheels_kg=WHEELS_KG, **instruments):
     base = default_setup("floor")
-    plan = replace(base.procedure, on="floor", gaits=())
-    tools = FloorTools(**({"wheels_kg": WHEELS_KG} | floor))
-    exact = replace(base.uncertainty, joint_sigma_rad=0.0)
-    return replace(base, procedure=plan, floor=tools, uncertainty=exact)
+    plan = replace(base.plan, on="floor", gaits=())
+    tools = replace(base.instruments, **({"joint_sigma_deg": 0.0} | instruments))
+    body = replace(base.robot_table, wheels_kg=wheels_kg)
+    return replace(base, robot_table=body, plan=plan, instruments=tools)
 
 
 def forces(whole, bend_rad, rolling):

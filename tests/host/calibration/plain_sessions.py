@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from serpenoid import Robot, Session
+from serpenoid import Session
 from serpenoid.session.checks import BendCheck, ZeroReading
-from serpenoid.session.instruments import TreadmillSteps, Uncertainty
-from serpenoid.session.session import Procedure, Setup
+from serpenoid.session.instruments import Instruments
+from serpenoid.session.settings import Laboratory, Plan, Provenance, RobotTable, Setup
 from serpenoid.session.station import Reading
 
 G, STEPS_DEG, BEND_SIGMA_DEG = 9.81, 0.1, 0.5  # of gravity, inclinometer and protractor
@@ -99,24 +99,25 @@ def plain_session(world, rng):
 
 
 def _session(world, rows, checks, zeros):
-    unit = Uncertainty(
-        float(np.radians(STEPS_DEG) / np.sqrt(12)),
-        float(np.radians(0.1)),
-        world.speed_sigma,
-        float(np.radians(BEND_SIGMA_DEG)),
-    )
-    plan = Procedure(
-        tuple(map(float, np.radians((0.0, *world.bends_deg)))), 0.03, 0.005, world.top_m_s, G
-    )
+    # regenerated: its belt runs as its instruments state
     setup = Setup(
         "plain",
-        "regenerated",  # its belt runs as its instruments state
-        "a test",
-        "none",
-        Robot(6, world.mass_kg / 6, 0.076),
-        plan,
-        unit,
-        treadmill=TreadmillSteps(incline_step_rad=world.grade or 1e-4),
+        Provenance(kind="regenerated", source="a test", note="none"),
+        RobotTable(links=6, mass_kg=world.mass_kg, link_length_m=0.076),
+        Laboratory(surface="belt", place="a test", people="nobody", gravity_m_s2=G),
+        Instruments(
+            incline_sigma_deg=STEPS_DEG / np.sqrt(12),
+            incline_zero_sigma_deg=0.1,
+            belt_speed_sigma_m_s=world.speed_sigma,
+            lambda_sigma_deg=BEND_SIGMA_DEG,
+            incline_step_percent=100 * world.grade or 0.01,
+        ),
+        Plan(
+            lambda_deg=(0.0, *world.bends_deg),
+            incline_start_deg=1.7,
+            incline_step_deg=0.3,
+            belt_speed_max_m_s=world.top_m_s,
+        ),
     )
     return Session(
         setup, tuple(Reading(*row) for row in rows), zeros=tuple(zeros), bends=tuple(checks)

@@ -4,10 +4,9 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from robots import OF_2005
 from serpenoid import Ground, Session
-from serpenoid.session.instruments import Uncertainty
-from serpenoid.session.session import Procedure, Setup
+from serpenoid.session.instruments import Instruments
+from serpenoid.session.settings import Laboratory, Plan, Provenance, RobotTable, Setup
 from serpenoid.session.station import Reading
 
 WHOLE_BODY_2005 = Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)  # Eqs. 59 and 62, not per link
@@ -17,21 +16,22 @@ STEP_RAD = math.radians(0.1)  # the inclinometer's
 def setup(*lambdas_deg: float, kind="simulated") -> Setup:
     """Return a set-up that is straight first, then bent by these angles."""
     return Setup(
-        name="made up",
-        kind=kind,
-        source="a test",
-        note="a test",
-        robot=OF_2005,
-        procedure=Procedure(
-            lambda_rad=(0.0, *map(math.radians, lambdas_deg)),
-            incline_start_rad=math.radians(2.0),
-            incline_step_rad=math.radians(0.2),
-            belt_speed_max_m_s=1.0,
-            gravity_m_s2=9.80665,
-        ),
+        "made up",
+        Provenance(kind=kind, source="a test", note="a test"),
+        RobotTable(links=6, mass_kg=6 * 0.0756, link_length_m=0.076),
+        Laboratory(surface="belt", place="a test", people="nobody", gravity_m_s2=9.80665),
         # A reading rounded to steps of d errs evenly over d, with standard deviation d / sqrt(12).
-        uncertainty=Uncertainty(
-            STEP_RAD / math.sqrt(12), math.radians(0.1), 0.02, math.radians(0.5)
+        Instruments(
+            incline_sigma_deg=math.degrees(STEP_RAD) / math.sqrt(12),
+            incline_zero_sigma_deg=0.1,
+            belt_speed_sigma_m_s=0.02,
+            lambda_sigma_deg=0.5,
+        ),
+        Plan(
+            lambda_deg=(0.0, *lambdas_deg),
+            incline_start_deg=2.0,
+            incline_step_deg=0.2,
+            belt_speed_max_m_s=1.0,
         ),
     )
 
@@ -46,12 +46,12 @@ def session(
 
     offset_sigma: how far bends err, each alone, in the set-up's standard deviations.
     """
-    unit = setup.uncertainty
-    bends = np.zeros(sum(x > 0 for x in setup.procedure.lambda_rad))
+    unit = setup.instruments
+    bends = np.zeros(sum(x > 0 for x in setup.plan.lambda_rad))
     offsets = iter(bends if rng is None else offset_sigma * rng.normal(size=len(bends)))
     zero = 0.0 if rng is None else rng.normal()
     readings: list[Reading] = []
-    for nominal in setup.procedure.lambda_rad:
+    for nominal in setup.plan.lambda_rad:
         bend = nominal + (next(offsets) * unit.lambda_sigma_rad if nominal else 0.0)
         for incline, speed in _stations(setup, truth, bend, rng):
             shown = incline + zero * unit.incline_zero_sigma_rad
@@ -67,17 +67,17 @@ def session(
 def _stations(setup: Setup, truth: Ground, bend: float, rng: np.random.Generator | None):
     """Yield true inclines and the true speeds that hold the snake there (Eq. 60)."""
     c, s = math.cos(bend), math.sin(bend)
-    incline = setup.procedure.incline_start_rad
+    incline = setup.plan.incline_start_rad
     while True:
         # The treadmill stops anywhere within a step of the inclinometer.
         true = incline + (0.0 if rng is None else rng.uniform(-0.5, 0.5) * STEP_RAD)
         pull = setup.weight_n * math.sin(true)
         speed = (pull - truth.ft0 * c - truth.fn0 * s) / (truth.ct * c * c + truth.cn * s * s)
-        if speed > setup.procedure.belt_speed_max_m_s:
+        if speed > setup.plan.belt_speed_max_m_s:
             return
         if speed > 0.0:
             yield true, speed
-        incline += setup.procedure.incline_step_rad
+        incline += setup.plan.incline_step_rad
 
 
 def changed(session: Session, index: int, **changes: object) -> Session:

@@ -24,7 +24,7 @@ FT0_N = 0.14
 def without_zero(seed, zero_deg):
     """A session in the virtual lab whose inclinometer stands off, and nobody reads it both ways."""
     base = default_setup("no zero")
-    setup = replace(base, procedure=replace(base.procedure, gaits=()))
+    setup = replace(base, plan=replace(base.plan, gaits=()))
     truth = Truth(Ground(0.084, 1.2, FT0_N, 0.27), incline_zero_rad=math.radians(zero_deg))
     record = MemoryRecord(setup)
     for step in ("zero before", "zero after"):
@@ -33,8 +33,8 @@ def without_zero(seed, zero_deg):
 
 
 def assuming(session, zero_deg):
-    tools = replace(session.setup.uncertainty, incline_zero_sigma_rad=math.radians(zero_deg))
-    return replace(session, setup=replace(session.setup, uncertainty=tools))
+    tools = replace(session.setup.instruments, incline_zero_sigma_deg=zero_deg)
+    return replace(session, setup=replace(session.setup, instruments=tools))
 
 
 @pytest.mark.parametrize(("seed", "zero_deg"), [(0, -0.5), (1, 0.4), (2, 0.5)])
@@ -50,22 +50,20 @@ def test_the_interval_of_ft0_holds_where_nobody_measured_the_zero(seed, zero_deg
 
 
 def test_new_sessions_assume_half_a_degree_and_stated_numbers_stay(tmp_path):
-    old = load_setup("calibration_data/nirakh-2005").uncertainty
-    assert math.degrees(old.incline_zero_sigma_rad) == pytest.approx(0.1)
-    half = math.radians(0.5)
+    old = load_setup("calibration_data/nirakh-2005").instruments
+    assert old.incline_zero_sigma_deg == 0.1
     new = template_setup("calibration_data/nirakh-2005", "mine")
-    assert new.uncertainty == replace(old, incline_zero_sigma_rad=half)
+    assert new.instruments == replace(old, incline_zero_sigma_deg=0.5)
     folder = create_session(tmp_path / "new", default_setup("new"))
     assert "incline_zero_sigma_deg = 0.5 " in (folder / "session.toml").read_text()
     text = (folder / "session.toml").read_text()
     (folder / "session.toml").write_text(
         text.replace("zero_sigma_deg = 0.5", "zero_sigma_deg = 0.2")
     )
-    stated = template_setup(folder, "next").uncertainty.incline_zero_sigma_rad
-    assert math.degrees(stated) == pytest.approx(0.2)
+    assert template_setup(folder, "next").instruments.incline_zero_sigma_deg == 0.2
 
 
 @pytest.mark.parametrize(("joints", "sigma_deg"), [("servos", 0.5), ("hand", 1.5)])
 def test_what_sets_the_joints_tells_how_far_they_are_off(joints, sigma_deg):
     setup = answered(default_setup("mine"), {"joints": joints})
-    np.testing.assert_allclose(setup.uncertainty.joint_sigma_rad, math.radians(sigma_deg))
+    np.testing.assert_allclose(setup.instruments.joint_sigma_rad, math.radians(sigma_deg))

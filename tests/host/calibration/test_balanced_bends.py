@@ -39,9 +39,9 @@ def angles(links, lambda_rad, bend):
 def session_of(bend, links=6, rng=None):
     """Take straight and bent stations where the sum over links balances the pull."""
     made = setup(15.0, 30.0)
-    made = replace(made, robot=sn.Robot(links, 0.4536 / links, 0.076))
+    made = made.with_robot(sn.Robot(links, 0.4536 / links, 0.076))
     readings = []
-    for lambda_rad in made.procedure.lambda_rad:
+    for lambda_rad in made.plan.lambda_rad:
         shape = angles(links, lambda_rad, bend)
         for speed in np.linspace(0.1, 0.9, 6).tolist():
             pull_n = along_n(TRUTH, shape, speed)
@@ -98,8 +98,8 @@ def test_a_zigzag_is_asked_whether_it_was_guided():
 @pytest.mark.parametrize("bend", ["zigzag", "balanced"])
 def test_a_guided_robot_whose_joints_are_exact_goes_through_the_plan(bend):
     base = default_setup("guided")
-    plan = replace(base.procedure, gaits=(), bend=bend)
-    setup = replace(base, kind="simulated", robot=sn.Robot(4, 0.1, 0.076), procedure=plan)
+    plan = replace(base.plan, gaits=(), bend=bend)
+    setup = replace(base, plan=plan).with_robot(sn.Robot(4, 0.1, 0.076))
     truth = Truth(sn.Ground(0.084, 1.2, 0.14, 0.27), joint_sigma_rad=0.0, guided=True)
     taken = take_all(MemoryRecord(setup), SimulatedPerson(setup, truth, seed=1))
     assert len(taken.kept) > 15

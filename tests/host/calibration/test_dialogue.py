@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from calibration.conversations import Typist
+from planned import replan
 from robot.fake_board import eeprom_after
 from serpenoid import Ground, fit_friction
 from serpenoid.base.errors import RobotLost
@@ -71,8 +72,8 @@ class Led(Typist):
 
 def test_it_leads_through_all_of_a_session_with_the_robot(folder):
     """What comes out is what the script takes without a person: the same procedure."""
+    replan(folder, gait_runs=1)
     with SessionRobot("virtual:fast") as seat, Journal(folder) as journal:
-        journal.event("amend", detail="plan.gait_runs = 1")
         person = Led(journal.session.setup)
         assert Dialogue(journal, person, seat, person.told).run()
         session = journal.session
@@ -175,9 +176,8 @@ def test_a_robot_that_is_lost_loses_no_reading(folder):
 def floor(tmp_path):
     """A session of before, with a bend of 45 deg; one push each."""
     setup = default_setup("made up")
-    bends = tuple(map(math.radians, (0, 20, 45)))
-    plan = replace(on_place(setup.procedure, "floor"), pushes=1, push_lambda_rad=bends)
-    return create_session(tmp_path / "floor", replace(setup, procedure=plan))
+    plan = replace(on_place(setup.plan, "floor"), pushes=1, push_lambda_deg=(0, 20, 45))
+    return create_session(tmp_path / "floor", replace(setup, plan=plan))
 
 
 PUSH = ("1.0", "2.4", "")

@@ -85,7 +85,7 @@ FITTING = (
 @pytest.fixture(scope="module", params=["treadmill", "floor"])
 def begun(tmp_path_factory, request):
     setup = default_setup("made up")
-    setup = replace(setup, procedure=on_place(setup.procedure, request.param))
+    setup = replace(setup, plan=on_place(setup.plan, request.param))
     return create_session(tmp_path_factory.mktemp("fuzz") / "session", setup)
 
 

@@ -81,8 +81,8 @@ def crawl_csv(path, rows):
 
 def test_a_step_takes_a_crawl_from_its_track_once(tmp_path) -> None:
     base = default_setup("filmed")
-    plan = replace(on_place(base.procedure, "floor"), pushes=0)
-    folder = create_session(tmp_path / "s", replace(base, procedure=plan))
+    plan = replace(on_place(base.plan, "floor"), pushes=0)
+    folder = create_session(tmp_path / "s", replace(base, plan=plan))
     first, *others = (
         crawl_csv(tmp_path / f"{k}.csv", crawled(g, seed=k))
         for k, g in enumerate(gait for gait in plan.gaits for _ in range(2))

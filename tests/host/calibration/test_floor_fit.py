@@ -54,7 +54,7 @@ def mixed_session():
     """Pushes on film and to rest; stations: every term there is."""
     filmed = short_session()
     setup = replace(
-        floor_setup(), uncertainty=replace(floor_setup().uncertainty, belt_scale_sigma=0.02)
+        floor_setup(), instruments=replace(floor_setup().instruments, belt_scale_sigma_percent=2.0)
     )
     stations = stations_session(stations_setup(7.5, 30.0), WHOLE_BODY_2005)
     numbered = tuple(replace(r, number=100 + r.number) for r in stations.readings)
@@ -118,7 +118,7 @@ def test_a_robot_without_a_straight_link_slips_down_a_floor_that_falls_across(li
     """The lab's robot is a rigid body on wheels, let go crooked and turning."""
     body, whole, across = Robot(links, MASS / 6, 0.076), np.array(TRUTH) * links / 6, 0.0105
     floor = Floor(LabRobot.whole(body, Ground(*whole)), across_rad=across)
-    record = MemoryRecord(replace(floor_setup(wheels_kg=0.0), robot=body))
+    record = MemoryRecord(floor_setup(wheels_kg=0.0).with_robot(body))
     rng, camera = np.random.default_rng(3), Camera(sigma_m=5e-4)
     for bend in (0.0, 20.0, 45.0):
         pose = pose_of(balanced_signs(links), math.radians(bend))

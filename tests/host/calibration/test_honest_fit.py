@@ -17,8 +17,8 @@ TRUTH = [getattr(WHOLE_BODY_2005, name) for name in FRICTIONS]
 
 def test_a_zero_that_is_claimed_exact_is_not_believed():
     made = session(setup(7.5), WHOLE_BODY_2005)
-    claimed = replace(made.setup.uncertainty, incline_zero_sigma_rad=0.0)
-    fit = fit_friction(replace(made, setup=replace(made.setup, uncertainty=claimed)))
+    claimed = replace(made.setup.instruments, incline_zero_sigma_deg=0.0)
+    fit = fit_friction(replace(made, setup=replace(made.setup, instruments=claimed)))
     assert any("0 ± 0.1 degrees are assumed" in note for note in fit.notes)
     assert fit.nuisances["incline_zero_rad"].sigma == pytest.approx(math.radians(0.1), rel=0.03)
 
@@ -79,13 +79,13 @@ def test_readings_made_up_at_random_end_in_numbers_or_in_words(seed):
     rng = np.random.default_rng(seed)
     bends = rng.choice([5.0, 10.0, 20.0, 30.0, 45.0], rng.integers(1, 4), replace=False)
     made = setup(*bends.tolist())
-    sure = replace(made.uncertainty, belt_speed_sigma_m_s=1e-3, incline_sigma_rad=1e-3)
+    sure = replace(made.instruments, belt_speed_sigma_m_s=1e-3, incline_sigma_deg=0.0573)
     inclines, speeds = rng.uniform(0.01, 0.78, 16), rng.uniform(0.05, 1.0, 16)
     at = np.radians(np.repeat([0.0, *bends], 4))
     rows = zip(at.tolist(), inclines.tolist(), speeds.tolist(), strict=False)
     taken = tuple(Reading(k, *row) for k, row in enumerate(rows, 1))
     try:
-        fit = fit_friction(Session(replace(made, uncertainty=sure), taken))
+        fit = fit_friction(Session(replace(made, instruments=sure), taken))
     except (BadInput, NotConverged):
         return
     assert np.isfinite([fit.intervals[name] for name in FRICTIONS]).all()

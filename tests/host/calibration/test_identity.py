@@ -4,17 +4,13 @@ import math
 from dataclasses import replace
 
 import pytest
-from refusals import refused
 from robots import NIRAKH_2005
 from serpenoid import fit_friction, load_session
 from serpenoid.commands.friction.calibrate_person import begin
+from serpenoid.session.folder import write_setting
 from serpenoid.session.journal import Journal
 from serpenoid.session.rows import read_events
-from serpenoid.taking.new_session import (
-    create_session,
-    default_setup,
-)
-from serpenoid.taking.parse_number import amendment
+from serpenoid.taking.new_session import answered, create_session, default_setup
 
 ZERO = {"incline_deg": 0.1, "reversed_deg": -0.1}
 
@@ -22,7 +18,7 @@ ZERO = {"incline_deg": 0.1, "reversed_deg": -0.1}
 @pytest.fixture
 def folder(tmp_path):
     made = create_session(
-        tmp_path / "session", replace(default_setup("made up"), surface="belt", people="Ada")
+        tmp_path / "session", answered(default_setup("made up"), {"surface": "belt"})
     )
     with Journal(made) as journal:
         journal.add("zero", ZERO)
@@ -41,7 +37,8 @@ def test_a_corrected_mass_holds_for_readings_taken_before(folder):
             cells = {"lambda_deg": bend, "incline_deg": incline, "belt_speed_m_s": belt}
             journal.add("station", cells | {"drift_m_s": 0.0})
         before = fit_friction(journal.session)
-        journal.event("amend", detail=amendment("robot.mass_kg=498,96 g"))
+        write_setting(folder, "robot", "mass_kg", 0.49896)
+        assert journal.read_again() == ["robot.mass_kg is 0.49896 now; it was 0.4536"]
         after = fit_friction(journal.session)
     assert after.parameters["ct"].value == pytest.approx(1.1 * before.parameters["ct"].value)
     assert before.session_sha256 != after.session_sha256
@@ -50,29 +47,17 @@ def test_a_corrected_mass_holds_for_readings_taken_before(folder):
 def test_an_unweighed_robot_has_frictions_as_doubtful_as_its_mass():
     """A twentieth, beside what readings leave open."""
     session = load_session(NIRAKH_2005)
+    body = session.setup.robot_table
     weighed, unweighed = (
-        fit_friction(replace(session, setup=replace(session.setup, weighed=w)))
+        fit_friction(
+            replace(session, setup=replace(session.setup, robot_table=replace(body, weighed=w)))
+        )
         for w in (True, False)
     )
     for name, (value, sigma) in weighed.parameters.items():
         more = math.sqrt(unweighed.parameters[name].sigma ** 2 - sigma**2)
         assert more > 0.045 * value
     assert any("was not weighed" in note for note in unweighed.notes)
-
-
-def test_amendments_are_read_with_units_and_words_quoted():
-    assert amendment("laboratory.surface = rubber belt") == 'laboratory.surface = "rubber belt"'
-    assert amendment("plan.lambda_deg=[0, 15]") == "plan.lambda_deg = [0, 15]"
-    assert amendment("plan.gait_runs=2") == "plan.gait_runs = 2"
-    name, value = amendment("instruments.belt_speed_step_m_s=0,1 km/h").split(" = ")
-    assert name == "instruments.belt_speed_step_m_s"
-    assert float(value) == pytest.approx(0.1 / 3.6)
-    assert math.isclose(float(amendment("robot.link_length_m=76mm").split("=")[1]), 0.076)
-    for wrong in ("mass=3", "robot.mass_kg", "robot.mass_kg="):
-        with refused(r"TABLE\.ENTRY=VALUE"):
-            amendment(wrong)
-    with refused("no unit of this"):
-        amendment("robot.mass_kg=480 stone")
 
 
 def test_another_board_than_before_is_told(folder):

@@ -8,7 +8,6 @@ import pytest
 from refusals import refused
 from serpenoid.session.declaration import in_si
 from serpenoid.session.folder import read_session
-from serpenoid.session.instruments import Stopwatch
 from serpenoid.session.journal import Journal
 from serpenoid.session.kinds import kind_of
 from serpenoid.session.station import Reading
@@ -84,7 +83,8 @@ def test_a_belt_check_tells_the_scale(folder):
         journal.add("belt", cells)
         (check,) = journal.session.of("belt")
         assert check.scale == pytest.approx(1.1)
-        watch = Stopwatch(0.01, 0.2)
+        tools = journal.session.setup.instruments
+        watch = replace(tools, distance_sigma_m=0.01, time_sigma_s=0.2)
         by_hand = 1.1 * math.hypot(0.01 / 27.5, 0.2 / 50)
         assert check.scale_sigma(watch) == pytest.approx(by_hand)
         with refused(r"3.6 times as fast as it showed.*check the units"):
@@ -97,8 +97,8 @@ def test_per_cents_are_read_as_files_of_before_were() -> None:
 
 
 def test_instruments_and_readings_are_numbers() -> None:
-    with refused("mass_sigma"):
-        replace(default_setup("made up").uncertainty, mass_sigma=math.nan)
+    with refused("mass_sigma_percent"):
+        replace(default_setup("made up").instruments, mass_sigma_percent=math.nan)
     with refused("incline_rad"):
         Reading(1, 0.0, math.nan, 1.0)
 

@@ -16,7 +16,7 @@ WHOLE_BODY_2005 = Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
 
 
 def no_gaits(setup):
-    return replace(setup, procedure=replace(setup.procedure, gaits=()))
+    return replace(setup, plan=replace(setup.plan, gaits=()))
 
 
 @pytest.fixture

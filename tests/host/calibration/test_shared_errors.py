@@ -14,14 +14,14 @@ from serpenoid.calibration.friction_result import NO_BELT
 from serpenoid.session.checks import BeltCheck
 from serpenoid.session.journal import Journal
 from serpenoid.show.session.agreement import agreement
-from serpenoid.taking.new_session import create_session, default_setup
+from serpenoid.taking.new_session import answered, create_session, default_setup
 
 NAMES = ("ct", "cn", "ft0", "fn0")
 
 
 def stating(made, **sigmas):
-    unsure = replace(made.setup.uncertainty, **sigmas)
-    return replace(made, setup=replace(made.setup, uncertainty=unsure))
+    unsure = replace(made.setup.instruments, **sigmas)
+    return replace(made, setup=replace(made.setup, instruments=unsure))
 
 
 @pytest.mark.parametrize(("links", "bent"), [(3, 0), (4, 0), (6, 0), (12, 0), (7, 4), (11, 8)])
@@ -42,13 +42,14 @@ def test_how_far_links_stand_off_by_drawing_joints(links, bent):
 
 def belt_as_stated(made):
     """Return a session whose belt is taken to run as its instruments say."""
-    return replace(made, setup=replace(made.setup, kind="regenerated"))
+    regenerated = replace(made.setup.provenance, kind="regenerated")
+    return replace(made, setup=replace(made.setup, provenance=regenerated))
 
 
 def test_scales_add_in_quadrature_and_a_mark_on_the_belt_tells():
     made = belt_as_stated(session(setup(15.0, 30.0), WHOLE_BODY_2005))
     plain = sn.fit_friction(made)
-    shared = sn.fit_friction(stating(made, belt_scale_sigma=0.1, mass_sigma=0.05))
+    shared = sn.fit_friction(stating(made, belt_scale_sigma_percent=10.0, mass_sigma_percent=5.0))
     for name, belt in zip(NAMES, (0.1, 0.1, 0.0, 0.0), strict=True):
         (value, before), (same, after) = plain.parameters[name], shared.parameters[name]
         assert same == pytest.approx(value, rel=1e-9)
@@ -58,7 +59,7 @@ def test_scales_add_in_quadrature_and_a_mark_on_the_belt_tells():
         )
         assert shared.intervals[name][1] > plain.intervals[name][1]
     check = BeltCheck(90, 0.5, 11.0, 20.0)  # it runs 10 % faster than it shows
-    told = replace(stating(made, belt_scale_sigma=0.1), further=(check,))
+    told = replace(stating(made, belt_scale_sigma_percent=10.0), further=(check,))
     scale, sigma = told.belt_scale
     assert (scale, sigma) == (pytest.approx(1.1, abs=0.003), pytest.approx(0.011, rel=0.1))
     fit = sn.fit_friction(told)
@@ -89,7 +90,10 @@ def test_links_off_their_path_cost_dry_friction_and_the_fit_knows():
             replace(r, incline_rad=r.incline_rad + more * (not r.lambda_rad)) for r in made.readings
         ),
     )
-    fit, plain = sn.fit_friction(stating(dragged, joint_sigma_rad=sigma)), sn.fit_friction(made)
+    fit, plain = (
+        sn.fit_friction(stating(dragged, joint_sigma_deg=math.degrees(sigma))),
+        sn.fit_friction(made),
+    )
     assert fit.whole_snake["ft0"] == pytest.approx(WHOLE_BODY_2005.ft0, rel=2e-3)
     assert fit.parameters["ft0"].sigma > 1.01 * plain.parameters["ft0"].sigma
 
@@ -115,7 +119,9 @@ def test_friction_that_falls_with_speed_and_slippery_bends_are_alarms():
 
 
 def test_every_prediction_notes_what_was_not_measured(tmp_path):
-    folder = create_session(tmp_path / "asked", replace(default_setup("asked"), weighed=False))
+    folder = create_session(
+        tmp_path / "asked", answered(default_setup("asked"), {"mass_kg": "later"})
+    )
     with Journal(folder) as journal:
         for bend, incline, belt in ((0, 2, 0.3), (0, 3, 1.0), (15, 3.0, 0.1), (15, 4.0, 0.5)):
             cells = {"lambda_deg": bend, "incline_deg": incline, "belt_speed_m_s": belt}

@@ -10,7 +10,6 @@ from refusals import refused
 from scipy.integrate import solve_ivp
 from serpenoid import fit_friction
 from serpenoid.session.folder import read_session
-from serpenoid.session.instruments import Stopwatch
 from serpenoid.session.places import drifts, tidy_places
 from serpenoid.session.station import Reading
 from serpenoid.taking.new_session import create_session, default_setup
@@ -43,7 +42,8 @@ def word(times, places):
 def with_short_readings():
     """Return a session whose bent stations are short, by the solver, without an error."""
     whole = made_up(made_up_setup(15.0, 30.0), WHOLE_BODY_2005)
-    setup = replace(whole.setup, stopwatch=Stopwatch(0.002, 0.02))
+    tools = replace(whole.setup.instruments, distance_sigma_m=0.002, time_sigma_s=0.02)
+    setup = replace(whole.setup, instruments=tools)
     mass = 6 * 0.0756 * 1.045  # of wheels that nobody weighed
     times = np.linspace(0.0, 4.0, 6)
 
@@ -71,7 +71,7 @@ def test_the_fit_finds_the_friction_of_short_readings():
 
 def test_a_short_reading_would_hold_its_place_where_friction_at_its_slip_does():
     session = with_short_readings()
-    setup, gravity = session.setup, session.setup.procedure.gravity_m_s2
+    setup, gravity = session.setup, session.setup.laboratory.gravity_m_s2
     for r in (r for r in session.kept if r.places):
         c, s = math.cos(r.lambda_rad), math.sin(r.lambda_rad)
         viscous, dry = TRUE[0] * c * c + TRUE[1] * s * s, TRUE[2] * c + TRUE[3] * s

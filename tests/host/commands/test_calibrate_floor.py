@@ -8,6 +8,7 @@ import pytest
 from calibration.floor_sessions import NEW, TRUTH, push_track
 from command_line import answer, serpenoid
 from coverage_floor import CASES, drawn_person, floor_setup
+from planned import replan
 from serpenoid import load_session
 from serpenoid.session.journal import Journal
 from serpenoid.taking.new_session import create_session
@@ -64,17 +65,17 @@ def test_a_session_is_begun_pushed_and_gone_on_with(tmp_path, tracks):
 def test_a_session_of_a_treadmill_goes_on_on_the_floor(tmp_path):
     folder = tmp_path / "s"
     run(f"calibrate new {folder} --defaults --surface belt --mass-kg 454g")
-    said = run(f"calibrate {folder} --on floor", typed="\n1.0\n2.4\n\nquit\n")
+    replan(folder, on="floor")
+    said = run(f"calibrate {folder}", typed="\n1.0\n2.4\n\nquit\n")
     assert "kept as reading 1" in said
     assert "pushes, straight 1 of 8" in run(f"calibrate status {folder}")
-    run(f"calibrate amend {folder} robot.wheels_kg=36g")
-    assert load_session(folder).setup.floor.wheels_kg == pytest.approx(0.036)
 
 
 def test_advice_and_report_of_a_floor(tmp_path):
     folder = tmp_path / "s"
     person = drawn_person(CASES[0], np.random.default_rng(5))
-    create_session(folder, replace(floor_setup(CASES[0]), source="the lab"))
+    setup = floor_setup(CASES[0])
+    create_session(folder, replace(setup, provenance=replace(setup.provenance, source="the lab")))
     with Journal(folder) as journal:
         take_all(journal, person)
     advice = answer(f"advise {folder} --gait 70 75 0.5 --set samples=16")

@@ -81,23 +81,25 @@ def test_a_new_session_asks_what_it_needs(tmp_path):
         person.sees("begun:")
         assert person.leaves() == 0
     setup = read_session(tmp_path / "asked").setup
-    assert setup.surface == "rubber belt"
+    assert setup.laboratory.surface == "rubber belt"
     assert setup.robot.link_mass_kg == pytest.approx(0.08)
     assert setup.robot.link_length_m == pytest.approx(0.08)
-    assert setup.supply_v == 5.2
-    assert setup.treadmill.incline_step_rad == pytest.approx(0.0087269, rel=1e-4)
-    assert setup.treadmill.belt_step_m_s == pytest.approx(0.044704)
-    assert setup.weighed
-    assert setup.belt_speed_unit == "mph"
-    assert math.degrees(setup.uncertainty.joint_sigma_rad) == pytest.approx(1.5)
+    assert setup.robot_table.supply_v == 5.2
+    assert setup.instruments.incline_step_rad == pytest.approx(0.0087269, rel=1e-4)
+    assert setup.instruments.belt_speed_step_m_s == pytest.approx(0.044704)
+    assert setup.robot_table.weighs
+    assert setup.instruments.belt_speed_unit == "mph"
+    assert math.degrees(setup.instruments.joint_sigma_rad) == pytest.approx(1.5)
 
 
 def test_enter_at_the_mass_weighs_nothing(tmp_path):
     with Person(f"calibrate new {tmp_path}/asked") as person:
         person.presses("belt\n\n\n6\n\n\n")
-        person.answers("mass of the whole robot as it crawls (kg, or 480 g) [later]", 7 * "\n")
+        person.answers(
+            "mass of the whole robot as it crawls (kg, or 480 g; later) [later]", 7 * "\n"
+        )
         person.sees("begun:")
         assert person.leaves() == 0
     session = read_session(tmp_path / "asked")
-    assert not session.setup.weighed
+    assert not session.setup.robot_table.weighs
     assert session.mass_sigma == 0.05

@@ -8,6 +8,7 @@ import shutil
 
 import pytest
 from command_line import serpenoid
+from planned import replan
 from robots import NIRAKH_2005
 from serpenoid import load_session
 from serpenoid.session.journal import Journal
@@ -26,9 +27,9 @@ def told(line):
 def with_a_plan(folder):
     """Return the session of 2005 in a folder whose plan has GAIT and another gait."""
     serpenoid(f"calibrate new --defaults {folder}", check=True)
+    shape = {"alpha_deg": 70, "beta_deg": 75}
+    replan(folder, gaits=[shape | {"frequency_hz": hz} for hz in (0.25, 0.5)])
     with Journal(folder) as journal:
-        gaits = (f"{{alpha_deg=70, beta_deg=75, frequency_hz={hz}}}" for hz in (0.25, 0.5))
-        journal.event("amend", detail=f"plan.gaits = [{', '.join(gaits)}]")
         for r in load_session(NIRAKH_2005).readings:
             bend, incline = math.degrees(r.lambda_rad), math.degrees(r.incline_rad)
             journal.add(

@@ -52,8 +52,8 @@ def test_no_bend_is_named_that_would_bias_and_no_place_beyond_the_treadmill(weak
     found = advise(coarse, [GAIT], servo=None)
     assert min(reading.belt_speed_m_s for reading in found.readings) > 0.12
     assert max(reading.incline_rad for reading in found.readings) < math.atan(0.15)
-    unsure = replace(weak.setup.uncertainty, lambda_sigma_rad=math.radians(1.2))
-    rough = replace(weak, setup=replace(weak.setup, uncertainty=unsure))
+    unsure = replace(weak.setup.instruments, lambda_sigma_deg=1.2)
+    rough = replace(weak, setup=replace(weak.setup, instruments=unsure))
     bends = {reading.lambda_rad for reading in advise(rough, [GAIT], servo=None).readings} - {0.0}
     assert min(bends) > math.radians(12)
 
@@ -70,7 +70,8 @@ def test_only_what_the_session_can_do_is_named(weak):
     """A treadmill has no pushes, a floor no stations; a film needs tags, a test a servo."""
     on_belt = advise(weak, [GAIT], samples=16)
     assert {reading.kind for reading in on_belt.readings} == {"station", "servo"}
-    tagged = replace(weak, setup=replace(weak.setup, tag_side_m=0.034))
+    body = replace(weak.setup.robot_table, tag_mm=34.0)
+    tagged = replace(weak, setup=replace(weak.setup, robot_table=body))
     assert "film" in {reading.kind for reading in advise(tagged, [GAIT], samples=16).readings}
     on_floor = advise(floor_session(), [GAIT], servo=None, samples=16)
     assert {reading.kind for reading in on_floor.readings} == {"push", "film"}
@@ -78,8 +79,8 @@ def test_only_what_the_session_can_do_is_named(weak):
 
 def test_where_nothing_gains_a_tenth_one_sentence_says_so():
     known = session(setup(15.0, 30.0), WHOLE_BODY_2005)
-    sure = replace(known.setup.uncertainty, incline_sigma_rad=1e-6, incline_zero_sigma_rad=1e-6)
-    known = replace(known, setup=replace(known.setup, uncertainty=sure))
+    sure = replace(known.setup.instruments, incline_sigma_deg=6e-5, incline_zero_sigma_deg=6e-5)
+    known = replace(known, setup=replace(known.setup, instruments=sure))
     found = advise(known, [gait_in_deg(50, 80, 2.0)], servo=None)
     assert not found.worth
     assert found.in_words().startswith("No further reading is worth its time: ")

@@ -27,7 +27,8 @@ def gait(rate, amplitude=1.0):
 def fitted():
     """Return a session whose runs are on level ground, and its fit."""
     level = setup(30.0)
-    level = replace(level, floor=replace(level.floor, slope_sigma_rad=1e-5))
+    tools = replace(level.instruments, floor_slope_sigma_deg=math.degrees(1e-5))
+    level = replace(level, instruments=tools)
     made = session(level, WHOLE_BODY_2005, np.random.default_rng(31))
     return made, sn.fit_friction(made)
 
@@ -79,8 +80,8 @@ def test_a_floor_whose_slope_nobody_measured_is_no_fault_of_the_robot(fitted):
     slow = measured(made)
     slow = replace(slow, gait_runs=(replace(slow.gait_runs[0], speed_m_s=0.036),))
     level = comparison.compare(slow, fit, samples=24, servo=None)
-    floor = replace(slow.setup.floor, slope_sigma_rad=math.radians(0.3))
-    sloped = replace(slow, setup=replace(slow.setup, floor=floor))
+    tools = replace(slow.setup.instruments, floor_slope_sigma_deg=0.3)
+    sloped = replace(slow, setup=replace(slow.setup, instruments=tools))
     anyhow = comparison.compare(sloped, fit, samples=24, servo=None)
     assert level.p_value < 0.05 < anyhow.p_value
 

@@ -54,6 +54,6 @@ def test_servos_that_are_ideal_or_measured_decide_too() -> None:
 
 @pytest.mark.parametrize("place", ["treadmill", "floor"])
 def test_planned_gaits_are_not_too_fast_at_4_8_volts(place: str) -> None:
-    plan = on_place(default_setup("new").procedure, place)
+    plan = on_place(default_setup("new").plan, place)
     assert plan.gaits
     assert not any(is_too_fast(gait, HOBBY.at_volts(4.8)) for gait in plan.gaits)

@@ -130,8 +130,8 @@ def test_a_film_far_slower_than_a_sessions_gait_is_no_reading(tmp_path) -> None:
     setup = default_setup("slow")
     for hertz, words in ((0.8333, "no reading: slow.mov: the film shows"), (0.1041, "reading 1")):
         gait = Gait(math.radians(60), math.radians(75), math.tau * hertz)
-        plan = replace(setup.procedure, gaits=(gait,))
-        folder = create_session(tmp_path / f"{hertz:g}", replace(setup, procedure=plan))
+        plan = replace(setup.plan, gaits=(gait,))
+        folder = create_session(tmp_path / f"{hertz:g}", replace(setup, plan=plan))
         done = serpenoid(f"video {film} --session {folder}", check=True)
         assert words in done.stderr
 

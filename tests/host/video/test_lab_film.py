@@ -20,7 +20,7 @@ from video.lab_world import Servos, crawled, set_points
 from video.worlds import errors, shoot
 
 SETUP = default_setup("filmed")
-ON_FLOOR = on_place(SETUP.procedure, "floor")
+ON_FLOOR = on_place(SETUP.plan, "floor")
 GAIT = gait_in_deg(60, 75, math.tau / 1.2)
 FRICTION = Ground(0.084, 1.2, 0.14, 0.27)
 ROBOT = LabRobot.whole(OF_2005, FRICTION).drawn(np.random.default_rng(3), math.radians(1.5), 0.1)
@@ -37,7 +37,7 @@ def filmed(tmp_path):
         wire, film = tmp_path / "run.wire", tmp_path / "film.mp4"
         world = crawled(ROBOT, servos, GAIT, set_points(GAIT, 8.0, wire))
         shoot(world, film, LENS, seconds=2.2 * GAIT.period_s, rate_hz=20, up=2)
-        folder = create_session(tmp_path / "session", replace(SETUP, procedure=ON_FLOOR))
+        folder = create_session(tmp_path / "session", replace(SETUP, plan=ON_FLOOR))
         typed = f"video {film} --recording {wire} --session {folder} --way back --json"
         done = serpenoid(typed, check=True)
         return json.loads(done.stdout, object_hook=lambda d: SimpleNamespace(**d)), world, folder

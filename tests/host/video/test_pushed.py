@@ -65,7 +65,9 @@ def test_a_film_of_two_pushes_gives_two_readings(tmp_path) -> None:
     (scale_sigma,) = {p.scale_sigma for p in pushes}
     assert 0.006 < scale_sigma < 0.0101  # joints that hold still: as the tags' print, or better
     assert (
-        floor_blocks(session)[0].scale_sigma == scale_sigma > session.setup.floor.film_scale_sigma
+        floor_blocks(session)[0].scale_sigma
+        == scale_sigma
+        > session.setup.instruments.film_scale_sigma
     )
     assert [p.way for p in pushes] == ["there", "back"]
     for push in pushes:

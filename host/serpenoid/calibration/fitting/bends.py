@@ -44,7 +44,7 @@ class Bends:
     @classmethod
     def of(cls, session: Session, readings: Sequence[Reading | Push], where: str = "") -> Bends:
         """Take the bends of some of a session's readings."""
-        given, links = session.setup.uncertainty, session.setup.robot.links
+        given, links = session.setup.instruments, session.setup.robot.links
         lambda_rad = np.array([r.lambda_rad for r in readings], dtype=float)
         sigma_rad = np.full(len(readings), given.lambda_sigma_rad)
         share = np.array([session.bent_share(r) for r in readings], dtype=float)

@@ -68,12 +68,12 @@ class Stations:
         """Take a session's kept stations."""
         kept = session.kept
         belt, belt_sigma = session.belt_scale
-        given, same = session.setup.uncertainty, np.ones(len(kept))
+        given, same = session.setup.instruments, np.ones(len(kept))
         bends, zero = Bends.of(session, kept), session.zero
         shown_rad = np.array([r.incline_rad for r in kept], dtype=float)
         tracks = _tracks(session)
         inertia_n, inertia_sigma_n = tracks.inertia()
-        step = session.setup.treadmill.incline_step_rad
+        step = session.setup.instruments.incline_step_rad
         rounding, draws = shared_rounding(shown_rad, given.incline_sigma_rad, step)
         sigma_rad = draws.std(axis=0)
         return cls(
@@ -194,7 +194,7 @@ def _tracks(session: Session) -> Tracks:
     mass_kg = setup.robot.links * setup.robot.link_mass_kg
     return Tracks.of(
         [r.places for r in kept],
-        [setup.stopwatch] * len(kept),
+        [setup.instruments] * len(kept),
         mass_kg,
-        rolling_share(setup.floor.wheels_kg, mass_kg),
+        rolling_share(setup.robot_table.wheels_kg, mass_kg),
     )

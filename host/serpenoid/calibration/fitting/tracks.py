@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...session.instruments import Stopwatch
+from ...session.instruments import Instruments
 from ...session.places import track_of
 from .rolling_law import shapes
 
@@ -47,7 +47,7 @@ class Tracks:
     def of(
         cls,
         places: Sequence[str],
-        watches: Sequence[Stopwatch],
+        watches: Sequence[Instruments],
         mass_kg: float,
         rolling: tuple[float, float],
     ) -> Tracks:

@@ -51,8 +51,8 @@ class Rolling:
         """Take what a session's set-up says."""
         setup = session.setup
         mass_kg = setup.robot.links * setup.robot.link_mass_kg
-        rolling = rolling_share(setup.floor.wheels_kg, mass_kg)
-        return cls(mass_kg, setup.procedure.gravity_m_s2, rolling)
+        rolling = rolling_share(setup.robot_table.wheels_kg, mass_kg)
+        return cls(mass_kg, setup.laboratory.gravity_m_s2, rolling)
 
     @property
     def unknowns(self) -> tuple[Unknown, ...]:
@@ -234,7 +234,7 @@ def floor_blocks(session: Session) -> tuple[Pushes, ...]:
         places,
         tracks_of(session),
         np.array([p.by == "film" and slips(p.bend, p.lambda_rad, links) for p in pushes]),
-        setup.floor.slope_sigma_rad,
-        max([setup.floor.film_scale_sigma, *scales]),
+        setup.instruments.floor_slope_sigma_rad,
+        max([setup.instruments.film_scale_sigma, *scales]),
     )
     return (block,)

@@ -74,11 +74,11 @@ def floor_notes(session: Session, posterior: Posterior) -> list[str]:
             "the same word: is there and back mixed up, or was the camera moved? Void and add them "
             "again with the right way; a wrong one spoils ft0 unseen."
         )
-    if session.setup.floor.wheels_kg is None:
+    if session.setup.robot_table.wheels_kg is None:
         notes.append(
             "Nobody said what the wheels weigh: their turning is taken for "
-            f"{rolls[0]:.1%} ± {rolls[1]:.1%} of the mass. `serpenoid calibrate "
-            "amend DIR robot.wheels_kg=36g` makes all four frictions surer."
+            f"{rolls[0]:.1%} ± {rolls[1]:.1%} of the mass. wheels_kg in session.toml makes all "
+            "four frictions surer."
         )
     return notes + [note for block in blocks for note in _one_way(block)]
 

@@ -193,7 +193,7 @@ def tracks_of(session: Session) -> tuple[PushTrack, ...]:
     places = sorted({p.place for p in pushes})
     off = {number: o for place in places for number, o in _off_line(pushes, place).items()}
     return tuple(
-        _track(p, session.setup.floor.push_time_sigma_s, off.get(p.number)) for p in pushes
+        _track(p, session.setup.instruments.push_time_sigma_s, off.get(p.number)) for p in pushes
     )
 
 

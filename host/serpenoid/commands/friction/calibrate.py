@@ -28,12 +28,12 @@ TOML = PathType(exists=True)
 def calibrate() -> None:
     """Measure friction on a floor or a treadmill: `calibrate new DIR`, then `calibrate DIR`.
 
-    `--on floor`: the robot is pushed and rolls out before a phone. Any time again goes on.
+    With `new --on floor` you push the robot and film how it rolls to a stop. Run `calibrate DIR`
+    again at any time: it continues. Every reading is on the disk before the next is asked for;
+    nothing is ever overwritten. What is mistyped in DIR/session.toml is corrected there.
 
-    Every reading is on the disk before the next is asked for; nothing is ever overwritten.
-
-    `calibrate DIR` takes --on floor, --port (a robot that bends and steers itself),
-    --script and --dry-run: see `serpenoid calibrate take --help`.
+    `calibrate DIR` takes --port (a robot that bends and steers itself), --script and --dry-run:
+    see `serpenoid calibrate take --help`.
     """
 
 
@@ -43,11 +43,6 @@ calibrate.add_command(push)
 
 @calibrate.command(cls=Command)
 @FOLDER
-@option(
-    "--on",
-    "Where: on a treadmill, or by pushes along a floor; as the session's plan says unless given.",
-    choice=["treadmill", "floor"],
-)
 @option("--script", "plan.toml that answers instead of a person.", type=TOML)
 @flag("--dry-run", "Show the next steps; write nothing.")
 @option(
@@ -62,7 +57,6 @@ calibrate.add_command(push)
 )
 def take(
     folder: Path,
-    on: str | None,
     script: Path | None,
     dry_run: bool,
     port: str | None,
@@ -72,13 +66,9 @@ def take(
     unasked = "port", "patience_s"
     if dry_run:
         refuse_typed("{} has no effect with --dry-run; leave it out", "script", *unasked)
-        return _dry_run(folder, on)
+        return _dry_run(folder)
     if script is not None:
         refuse_typed("{} has no effect with --script; leave it out", *unasked)
-    if on is not None:
-        with _journal(folder) as journal:
-            if journal.session.setup.procedure.on != on:
-                journal.event("amend", detail=f'plan.on = "{on}"')
     if script is not None:
         return _scripted(folder, script)
     from .calibrate_person import with_a_person
@@ -105,16 +95,8 @@ def _state(session: sn.Session) -> tuple[list[tuple[str, str]], Step]:
     return progress(session), next_step(session)
 
 
-def _dry_run(folder: Path, on: str | None) -> None:
-    from dataclasses import replace
-
-    from ...session.settings import amended
-
-    session = _session(folder)
-    if on is not None:
-        setup = amended(session.setup, f'plan.on = "{on}"', folder)
-        session = replace(session, setup=setup)
-    parts, step = _state(session)
+def _dry_run(folder: Path) -> None:
+    parts, step = _state(_session(folder))
     for name, state in parts:
         say(f"{name:14} {state}")
     say(f"next: {step.say}")
@@ -168,27 +150,6 @@ def void(folder: Path, number: int, reason: str) -> None:
     with _journal(folder) as journal:
         journal.event("void", number, reason)
     say(f"reading {number} is void")
-
-
-@calibrate.command(cls=Command)
-@FOLDER
-@click.argument("changes", nargs=-1, required=True, metavar="TABLE.ENTRY=VALUE...")
-def amend(folder: Path, changes: tuple[str, ...]) -> None:
-    """Change the plan from here on: `plan.gait_runs=2`.
-
-    Or correct what was mistyped, for all of the session: `robot.mass_kg=480g`,
-    `laboratory.surface="rubber belt"`. Or, before the first reading, state the instruments:
-    `instruments.lambda_sigma_deg=0.3`.
-    """
-    from ...taking.parse_number import amendment
-
-    with _journal(folder) as journal:
-        for change in changes:
-            journal.event("amend", detail=amendment(change))
-    if all(change.startswith(("robot.", "laboratory.")) for change in changes):
-        say("corrected, for all of the session")
-    else:
-        say("amended")
 
 
 @calibrate.command(cls=Command)

@@ -14,7 +14,7 @@ from ...show.screen import say
 from ..declare import FOLDER, Command, Given, PathType, flag, option
 
 if TYPE_CHECKING:
-    from ...session.session import Setup
+    from ...session.settings import Setup
     from ...taking.new_session import Question
 
 
@@ -34,7 +34,7 @@ def quantity_of(name: str, unit: str = "") -> Callable[[Any], float | str]:
         if isinstance(value, float):
             return value
         question = question_of(name)
-        if question.usual == LATER and str(value).strip().lower() == LATER:
+        if question.later and str(value).strip().lower() == LATER:
             return LATER
         try:
             typed = parse_number(str(value), question.field, unit=unit)
@@ -55,7 +55,7 @@ def question_of(name: str) -> Question:
     """Return one of the numbers that are asked for."""
     from ...taking.new_session import QUESTIONS
 
-    return next(question for question in QUESTIONS if question.field.column == name)
+    return next(question for question in QUESTIONS if question.key == name)
 
 
 @click.command(cls=Command)
@@ -104,8 +104,8 @@ def new(
     **answers: Any,
 ) -> None:
     """Begin a session: asks for robot, surface and instruments, or takes them from a template."""
-    import dataclasses
     import sys
+    from dataclasses import replace
 
     from ...taking.new_session import (
         LATER,
@@ -125,19 +125,18 @@ def new(
                 "--surface and --mass-kg"
             )
         answers = _asked(setup, answers, on)
-    answers = {name: None if value == LATER else value for name, value in answers.items()}
-    plan = on_place(setup.procedure, on)
-    given = answered(dataclasses.replace(setup, procedure=plan), answers)
+    elif template is None and answers["mass_kg"] is None and not simulated:
+        answers["mass_kg"] = LATER
+    given = answered(replace(setup, plan=on_place(setup.plan, on)), answers)
     if simulated:
-        given = dataclasses.replace(given, kind="simulated", source=f"simulated {on}")
-    elif template is None and answers["mass_kg"] is None:
-        given = dataclasses.replace(given, weighed=False)
+        source = replace(given.provenance, kind="simulated", source=f"simulated {on}")
+        given = replace(given, provenance=source)
     create_session(folder, given)
     from ...model.gait import gait_name
     from ...servos.catalogue import HOBBY
     from ...servos.speed_limit import too_fast_text
 
-    for gait in given.procedure.gaits:
+    for gait in given.plan.gaits:
         if too_fast := too_fast_text(gait, given.driving(HOBBY), gait_name(gait)):
             say(f"serpenoid: warning: {too_fast}", err=True)
     say(f"begun: {folder / 'session.toml'}; go on with `serpenoid calibrate {folder}`")
@@ -146,20 +145,20 @@ def new(
 def _asked(setup: Setup, answers: Given, on: str) -> Given:
     """Ask what is not answered yet; Enter takes what stands in brackets."""
     from ...session.declaration import BELT_UNITS
-    from ...taking.new_session import JOINT_SIGMA_RAD, QUESTIONS, WORDS
+    from ...taking.new_session import JOINT_SIGMA_DEG, QUESTIONS, WORDS
 
     say("Enter takes what stands in brackets; numbers may be typed with their units.")
     answered = dict(answers)
     for name, words in WORDS.items():
         if answered.get(name) is None:
-            answered[name] = click.prompt(words, default=getattr(setup, name))
+            answered[name] = click.prompt(words, default=getattr(setup.laboratory, name))
     links = click.IntRange(2, 100)
     answered["links"] = click.prompt("number of links", default=setup.robot.links, type=links)
     if answered.get("joints") is None:
         answered["joints"] = click.prompt(
             "what sets the joints: servos, straightedge, or hand (by eye they are 1.5 deg off)",
             default="servos",
-            type=click.Choice(list(JOINT_SIGMA_RAD)),
+            type=click.Choice(list(JOINT_SIGMA_DEG)),
             show_choices=False,
         )
     belt_unit = ""
@@ -169,10 +168,10 @@ def _asked(setup: Setup, answers: Given, on: str) -> Given:
         answered["belt_speed_unit"] = belt_unit
     for question in QUESTIONS:
         field = question.field
-        if answered.get(field.column) is None and question.on in ("", on):
+        if answered.get(question.key) is None and question.on in ("", on):
             unit = belt_unit if belt_unit in field.units else ""
-            kind = click.types.FuncParamType(quantity_of(field.column, unit))
-            answered[field.column] = click.prompt(
+            kind = click.types.FuncParamType(quantity_of(question.key, unit))
+            answered[question.key] = click.prompt(
                 field.words, default=question.usual_of(setup), type=kind
             )
     return answered

@@ -56,7 +56,7 @@ def with_a_person(
         board = BY_HAND if robot is None else robot.greeting
         for line in begin(journal, people, board):
             console.say(line)
-        film = film_reader(journal.session.setup.tag_side_m)
+        film = film_reader(journal.session.setup.robot_table.tag_side_m)
         told = _running_fit(console)
         dialogue = Dialogue(journal, console, robot, told, patience_s, film=film)
         try:

@@ -59,10 +59,10 @@ def push(
 
     with Journal(folder) as journal:
         film = film_reader(
-            tag_mm / 1e3 if tag_mm else journal.session.setup.tag_side_m, capture_fps
+            tag_mm / 1e3 if tag_mm else journal.session.setup.robot_table.tag_side_m, capture_fps
         )
         for path in files:
-            plan = journal.session.setup.procedure
+            plan = journal.session.setup.plan
             cells: dict[str, float | str] = {"lambda_deg": lambda_deg, "way": way}
             cells |= {"place": place} if place else {}
             cells |= {"bend": plan.bend} if lambda_deg else {}

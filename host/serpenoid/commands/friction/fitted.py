@@ -73,6 +73,7 @@ def fit(
     loaded = sn.load_session(session)
     for note in loaded.notes:
         say(f"note: {note}", err=True)
+    say(f"session.toml: {loaded.setup.in_words()}", err=True)
     count = len(loaded.kept)
     with working(f"fitting {count} readings") if count > MANY else nullcontext():
         fit = sn.fit_friction(loaded, method=method)
@@ -127,7 +128,7 @@ def advise(
     notes = alarms_of(session_fit(session))  # which tells them, too
     kind = typed_servo(servo or "hobby", settings)
     how = {"samples": settings.get("samples", 64), "servo": kind}
-    with progress(len(gaits) or len(loaded.setup.procedure.gaits), "gaits") as advance:
+    with progress(len(gaits) or len(loaded.setup.plan.gaits), "gaits") as advance:
         advice = sn.advise(loaded, gaits, **how, progress=advance)
     tell(advice, as_json, verbose, notes | servo_remark(kind))
 
@@ -210,7 +211,7 @@ def report(
     if gaits := comparison.compared_gaits(loaded):
         with progress(len(gaits), "gaits") as advance:
             compared = comparison.compare(loaded, fit, servo=kind, progress=advance)
-    if loaded.setup.procedure.gaits:
+    if loaded.setup.plan.gaits:
         advised = advice.advise(loaded, servo=kind)
     curves = [] if compared is None else speed_curves(loaded, fit, compared, kind)
     page = session_page(loaded, fit, compared, advised, curves)

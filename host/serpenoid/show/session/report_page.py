@@ -138,9 +138,8 @@ def _table(
 
 def _story(session: Session) -> str:
     setup, robot = session.setup, session.setup.robot
-    where = ", ".join(
-        x for x in (setup.surface, setup.place, setup.people) if x and x != "not said"
-    )
+    place = setup.laboratory
+    where = ", ".join(x for x in (place.surface, place.place, place.people) if x != "not said")
     kept = {
         "stations held": len(session.kept),
         "pushes": len(session.kept_pushes),
@@ -148,8 +147,9 @@ def _story(session: Session) -> str:
     parts = [f"{n} {name}" for name, n in kept.items() if n or not any(kept.values())]
     taken = (*session.readings, *session.of("push"))
     parts.append(f"{sum(r.voided for r in taken)} voided")
+    kind = escape(setup.provenance.kind)
     return (
-        f'<p class="soft">A {escape(setup.kind)} session: a robot of {robot.links} links, '
+        f'<p class="soft">A {kind} session: a robot of {robot.links} links, '
         f"{robot.links * robot.link_mass_kg:.4g} kg, {robot.links * robot.link_length_m:.3g} m"
         f"{escape('; ' + where if where else '')}. {', '.join(parts)}, "
         f"{len(session.kept_gait_runs)} gait runs.</p>"
@@ -216,9 +216,10 @@ def _provenance(session: Session, fit: FrictionFit) -> str:
     setup = session.setup
     boards = list(dict.fromkeys(e.detail for e in session.events if e.event == "connect"))
     driven = f"<p>Robot: {escape('; '.join(boards))}.</p>" if boards else ""
-    note = "" if setup.note == "none" else f'<p class="soft">{escape(setup.note)}</p>'
+    from_ = setup.provenance
+    note = "" if from_.note == "none" else f'<p class="soft">{escape(from_.note)}</p>'
     return (
-        f"<p>{escape(setup.source)}</p>{driven}{note}"
+        f"<p>{escape(from_.source)}</p>{driven}{note}"
         f"<p>Fitted ({escape(fit.method)}) by serpenoid {escape(version('serpenoid'))}; readings' "
         f"SHA-256 <code>{escape(fit.session_sha256)}</code>. To cite: the session by its name and "
         "hash, the program by its CITATION.cff, and Nirakh, Brennan and Gandhi, IMECE2005-82742, "
