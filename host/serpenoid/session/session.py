@@ -22,7 +22,6 @@ from .push import Push
 from .settings import Setup
 from .station import Reading, bent_share
 
-NOT_WEIGHED = 0.05  # relative standard deviation of a mass that is an assumption
 ANY_BELT = 0.07  # of a belt's true speed over the one shown, before a mark on it was timed
 NO_BELT = "The belt's speed was not checked"
 
@@ -188,8 +187,7 @@ class Session:
     @property
     def mass_sigma(self) -> float:
         """Return the relative standard deviation of the mass; 5 % where it was not weighed."""
-        stated = self.setup.instruments.mass_sigma
-        return stated if self.setup.robot_table.weighs else max(stated, NOT_WEIGHED)
+        return self.setup.mass_sigma
 
     @property
     def zero(self) -> Zero:

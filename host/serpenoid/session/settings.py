@@ -29,6 +29,7 @@ PLACES = ("treadmill", "floor")  # where a plan is carried out
 PROVENANCE = ("measured", "regenerated", "simulated")
 MAX_GRAVITY_M_S2 = 30.0
 ASSUMED_LINK_KG = 0.0756  # of the 2005 robot, where nobody has weighed this one yet
+NOT_WEIGHED = 0.05  # relative standard deviation of a mass that is an assumption
 LATER = ("mass_kg", "supply_v")  # settings that may stay empty until somebody has measured them
 SAME = 0.005  # relative: nobody weighs the same robot twice to the same figures
 
@@ -259,7 +260,7 @@ class Setup:
         body, tools, robot = self.robot_table, self.instruments, self.robot
         grams, mm = 1000 * robot.links * robot.link_mass_kg, 1000 * robot.link_length_m
         text = (
-            f"{robot.links} links of {mm:.4g} mm, {grams:.4g} g ± {tools.mass_sigma_percent:g} %, "
+            f"{robot.links} links of {mm:.4g} mm, {grams:.4g} g ± {100 * self.mass_sigma:g} %, "
             f"inclinometer ± {tools.incline_sigma_deg:.2g} deg, belt ± "
             f"{tools.belt_speed_sigma_m_s:.2g} m/s, bends ± {tools.lambda_sigma_deg:.2g} deg, "
             f"joints ± {tools.joint_sigma_deg:.2g} deg"
@@ -267,6 +268,12 @@ class Setup:
         empty = [key for key in LATER if getattr(body, key) is None]
         empty = [key for key in empty if key != "mass_kg" or not body.weighs]
         return text + (f"; still to be filled in: {', '.join(empty)}" if empty else "")
+
+    @property
+    def mass_sigma(self) -> float:
+        """Return the relative standard deviation of the mass; 5 % where it was not weighed."""
+        stated = self.instruments.mass_sigma
+        return stated if self.robot_table.weighs else max(stated, NOT_WEIGHED)
 
     @property
     def weight_n(self) -> float:

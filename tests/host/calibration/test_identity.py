@@ -48,12 +48,12 @@ def test_an_unweighed_robot_has_frictions_as_doubtful_as_its_mass():
     """A twentieth, beside what readings leave open."""
     session = load_session(NIRAKH_2005)
     body = session.setup.robot_table
-    weighed, unweighed = (
-        fit_friction(
-            replace(session, setup=replace(session.setup, robot_table=replace(body, weighed=w)))
-        )
-        for w in (True, False)
-    )
+    setups = [
+        replace(session.setup, robot_table=replace(body, weighed=told)) for told in (True, False)
+    ]
+    assert "g ± 0 %" in setups[0].in_words()
+    assert "g ± 5 %" in setups[1].in_words()
+    weighed, unweighed = (fit_friction(replace(session, setup=setup)) for setup in setups)
     for name, (value, sigma) in weighed.parameters.items():
         more = math.sqrt(unweighed.parameters[name].sigma ** 2 - sigma**2)
         assert more > 0.045 * value
