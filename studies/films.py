@@ -18,7 +18,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "host"))
 from serpenoid import BadInput
-from serpenoid.video.measure_film import FilmMeasurement, measure_film
+from serpenoid.video.measure_film import measure_film
+from serpenoid.video.result import FilmMeasurement
 from video.filming import Body, Film, Glare, Lens, write
 from video.worlds import LINK_M, World, crawling
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -41,7 +40,7 @@ from .options import (
 )
 
 if TYPE_CHECKING:
-    from ..video.measure_film import FilmMeasurement
+    from ..video.result import FilmMeasurement
 
 
 @click.group(name="video", cls=Commands, usual="film")
@@ -220,28 +219,6 @@ def _write(measured: FilmMeasurement, track: Path | None, picture: Path | None) 
         wrote(picture)
 
 
-def _gait_kept(measured: FilmMeasurement, session: Path) -> bool:
-    """Ask about a film of another gait than was stated; return whether it becomes a reading."""
-    from ..model.gait import gait_name
-    from ..video.wiring import another_gait
-
-    found = another_gait(measured.run, measured.gait)
-    if found is None or measured.gait is None:
-        return True
-    words = f"the film shows the gait {gait_name(found)}; stated was {gait_name(measured.gait)}"
-    if sys.stdin.isatty():
-        if click.confirm(f"{words}. Keep it as a reading of the gait that it shows?", err=True):
-            return True
-        say(f"{session}: no reading; the film's file stays", err=True)
-        return False
-    say(
-        f"serpenoid: warning: no reading: {words}; leave the gait's options out to keep it as a "
-        "reading of the gait that it shows",
-        err=True,
-    )
-    return False
-
-
 def _record(measured: FilmMeasurement, session: Path, name: str, way: str | None) -> None:
     """Write the film's numbers and its track into a session; a film that is there already is not.
 
@@ -250,7 +227,7 @@ def _record(measured: FilmMeasurement, session: Path, name: str, way: str | None
     """
     from ..session.folder import read_session
     from ..session.journal import Journal
-    from ..video.reading import film_cells
+    from ..video.made_gait import film_cells
 
     try:
         cells, samples = film_cells(measured, read_session(session).setup.plan.gaits)
@@ -261,8 +238,6 @@ def _record(measured: FilmMeasurement, session: Path, name: str, way: str | None
         same = [r for r in journal.session.kept_films if r.film_sha256 == cells["film_sha256"]]
         if same:
             say(f"{session}: reading {same[0].number} is of this film already", err=True)
-            return
-        if not _gait_kept(measured, session):
             return
         cells |= {} if way is None else {"way": way}
         number = journal.add("video", cells, comment=name, samples=samples)

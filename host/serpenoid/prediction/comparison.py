@@ -17,7 +17,6 @@ from ..calibration.friction_fit import fit_friction
 from ..calibration.friction_result import FrictionFit
 from ..model.drives import ServoKind
 from ..model.gait import Gait, gait_name
-from ..model.plugs import plugs
 from ..periodic.servo_steady import band
 from ..servos.catalogue import HOBBY
 from ..servos.speed_limit import highest_hz, too_fast_text
@@ -254,7 +253,7 @@ def compare(
         text += " " + _explained(friction, amplitude)
     remark = servo.remark if servo else ""
     shown_joints = filter(None, map(_joints_as_filmed, crawls.values()))
-    words = [text, remark, *too_fast.values(), *shown_joints, *swapped_plugs(session), levelled]
+    words = [text, remark, *too_fast.values(), *shown_joints, levelled]
     return Comparison(
         session.setup.name,
         amplitude_sigma,
@@ -277,22 +276,6 @@ def compared_gaits(session: Session, more: Sequence[Gait] = ()) -> list[Gait]:
     commands = [crawl.commanded for crawl in crawls] or list(session.setup.plan.gaits)
     gaits = [crawl.gait for crawl in crawls] or commands
     return gaits + [g for g in more if not any(same_command(known, g) for known in commands)]
-
-
-def swapped_plugs(session: Session) -> list[str]:
-    """Return which joints each film shows in each other's place, in words: the first to mend."""
-    words = []
-    for film in session.kept_films:
-        gait = film.gait
-        shift = np.array(gait.joint_shift_rad, dtype=np.float64)
-        phase = shift + gait.beta_rad * np.arange(len(shift), dtype=np.float64)
-        order = plugs(phase, gait.beta_rad)[0]
-        if swapped := [str(k + 1) for k, other in enumerate(order) if k != other]:
-            words.append(
-                f"Film {film.number} shows joints {' and '.join(swapped)} as if their plugs were "
-                "swapped: swap them back and film again."
-            )
-    return words
 
 
 def _joints_as_filmed(crawl: Crawls) -> str:

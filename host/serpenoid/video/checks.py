@@ -1,4 +1,4 @@
-"""What can be wrong with a film: one table of checks, each with its measure, limits and words.
+"""What can be wrong with a film: one table of checks, each with its measure, words and limits.
 
 A check warns, which is a remark beside the film's numbers, or refuses the film with the cure.
 """
@@ -12,26 +12,26 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..base.errors import BadInput
+from ..model.gait import Gait
 from .arrays import Array
-from .fitting.camera import Camera
-from .fitting.frames import Track
-from .fitting.start import quarter_turns, tag_poses
 from .instrument import HELD_SHARE, Measured, held_joints
+from .made_gait import RATE_FLAG, measured_gait, rate_words
 from .motion import LEAST_PERIODS
-from .result import Remark
+from .result import FilmedRun, Remark
 from .seeing.watch import Watched
 
 LEAST_FRAMES = 10
 SURELY = 4.0  # standard deviations
 MOVED_WARN, MOVED_REFUSE = 0.015, 0.06  # of the floor's shift, in sides of a tag
-SIDE_WARN, SIDE_REFUSE = 0.025, 0.08  # of a tag's side beside the links, relative
+SIDE_REFUSE = 0.08  # of a tag's side beside the links, relative
 SMALL_TAG_PX = 20.0
 BLUR_CELLS, BLUR_PX = 0.2, 1.0  # width of an edge, in cells of the tag, and at least
 # Films of 1/30 s of exposure, 25 ms of readout, 48 degrees aslant: errors over sigmas, rms.
 BLURRED = 2.5
+CENTRE_RAD = math.radians(1.0)  # a centre further off is worth a trim
+PHASE_RAD = math.radians(45.0)  # no servo lags behind the others by so much
 NEVER = math.inf
 
 
@@ -46,9 +46,9 @@ class Check:
 
     name: str
     measure: Callable[[Any], float]
-    warn: float
-    refuse: float
     words: Callable[[Any, float], str]
+    refuse: float = NEVER
+    warn: float = 0.0
 
 
 def run_checks(table: Iterable[Check], subject: Any) -> list[Remark]:
@@ -70,8 +70,7 @@ def _numbers(tags: Iterable[int]) -> str:
 # ---- what was seen
 
 
-def side_px(w: Watched) -> float:
-    """Return the typical side of a tag, px."""
+def _side_px(w: Watched) -> float:
     return float(np.nanmedian(w.sightings.side_px))
 
 
@@ -89,58 +88,25 @@ def _other_numbers(w: Watched) -> list[int]:
     return numbers
 
 
-def _no_tags_words(w: Watched, _: float) -> str:
-    if w.family and not w.mirrored:
-        return (
-            f"these are {w.family}; print ours with `serpenoid video tags`, and glue them on "
-            "instead"
-        )
-    if _other_numbers(w):
-        return _other_numbers_words(w)
-    if w.mirrored:
-        return (
-            "the picture is mirrored, as selfie cameras do; use the camera at the back, or "
-            "switch mirroring off"
-        )
-    return (
-        f"no tag is seen in {len(w.sightings.t_s)} frames; print them with `serpenoid "
-        "video tags`, with their white rim, at least 25 px a side in the film"
-    )
-
-
-def _other_numbers_words(w: Watched, _: float = 0.0) -> str:
-    numbers = _other_numbers(w)
-    return (
-        f"shows tags {_numbers(numbers)}, but the robot has {w.sightings.links} links: "
-        f"another robot? If it is this one, give --set links={max(numbers) + 1}"
-    )
-
-
 def _frames_with_two(w: Watched) -> int:
     return int((w.sightings.seen.sum(axis=1) >= 2).sum())
 
 
-def camera_moved(w: Watched) -> float:
+def _camera_moved(w: Watched) -> float:
     """Return by how much the floor surely moved, in sides of a tag."""
     shifts = () if w.plain_floor else w.shifts
     far = [math.hypot(x, y) - SURELY * sigma for _, x, y, sigma in shifts]
-    return max([0.0, *far]) / side_px(w)
+    return max([0.0, *far]) / _side_px(w)
 
 
-def _camera_words(w: Watched, moved: float) -> str:
-    side = side_px(w)
-    times, x, y, _ = np.array(w.shifts).T
-    far = np.hypot(x, y) / side
-    when = times[np.argmax(far > max(MOVED_WARN, 0.5 * far.max()))]
-    steps = np.hypot(np.diff(x, prepend=0.0), np.diff(y, prepend=0.0)) / side
-    size = f"by {far.max() * side:.1f} px"
-    how = f"moved {size} at {when:.1f} s"
-    if np.mean(steps > 0.5 * MOVED_WARN) > 0.4:
-        how = f"moves all the time, {size}: held by hand, or stabilised"
-    limit = f"; a floor that moves more than {MOVED_REFUSE * side:.1f} px is refused"
+def _camera_words(w: Watched, _: float) -> str:
+    times, x, y, _sigma = np.array(w.shifts).T
+    far = np.hypot(x, y)
+    when = times[np.argmax(far > 0.5 * far.max())]
     return (
-        f"the camera {how}. Put the phone on a tripod, switch stabilisation off, touch nothing "
-        f"while it films{limit if moved > MOVED_REFUSE else ''}"
+        f"the camera moved by {far.max():.1f} px, from {when:.1f} s on; more than "
+        f"{MOVED_REFUSE * _side_px(w):.1f} px are refused. Put the phone on a tripod, switch "
+        "stabilisation off, touch nothing while it films"
     )
 
 
@@ -173,48 +139,60 @@ def _slow_motion(w: Watched) -> bool:
 
 SEEN = (
     Check(
-        "picture", lambda w: len(w.sightings.t_s) < 2, 0, 0,
-        lambda w, _: "is a picture, not a film; film the robot for two periods or more",
+        "short", lambda w: LEAST_FRAMES - len(w.sightings.t_s),
+        lambda w, _: f"has {len(w.sightings.t_s)} of {LEAST_FRAMES} frames; film the robot for two "
+        "periods or more",
+        refuse=0,
     ),
     Check(
-        "doubles", lambda w: _share(w, w.doubles.values()), 0, 0.2,
+        "doubles", lambda w: _share(w, w.doubles.values()),
         lambda w, _: f"two tags with the same number are in the picture (numbers "
         f"{_numbers(sorted(w.doubles))}): another robot, or tags that lie beside it? Take them "
         "away; where a number is seen twice, neither counts",
+        refuse=0.2,
     ),
-    Check("no tags", lambda w: w.only_strays, 0, 0, _no_tags_words),
     Check(
         "strangers", lambda w: _share(w, w.strangers.values()) if _other_numbers(w) else 0,
-        0, 0.2, _other_numbers_words,
+        lambda w, _: f"shows tags {_numbers(_other_numbers(w))}, but the robot has "
+        f"{w.sightings.links} links: another robot? If it is this one, give --set "
+        f"links={max(_other_numbers(w)) + 1}",
+        refuse=0.2,
     ),
     Check(
-        "few frames", lambda w: LEAST_FRAMES - _frames_with_two(w), 0, 0,
+        "no tags", lambda w: w.only_strays,
+        lambda w, _: f"no tag is seen in {len(w.sightings.t_s)} frames; print ours with `serpenoid "
+        "video tags`, with their white rim, at least 25 px a side in the film. AprilTags, other "
+        "ArUco tags, and the mirrored pictures of selfie cameras cannot be read",
+        refuse=0,
+    ),
+    Check(
+        "few frames", lambda w: LEAST_FRAMES - _frames_with_two(w),
         lambda w, _: f"only {_frames_with_two(w)} of {len(w.sightings.t_s)} frames show two tags "
         "or more; go nearer, add light, and keep the whole robot in the picture",
+        refuse=0,
     ),
-    Check("camera", camera_moved, MOVED_WARN, MOVED_REFUSE, _camera_words),
+    Check("camera", _camera_moved, _camera_words, MOVED_REFUSE, MOVED_WARN),
     Check(
-        "floor", lambda w: w.plain_floor, 0, NEVER,
+        "floor", lambda w: w.plain_floor,
         lambda w, _: "the floor shows too little to check the camera, whether it stood still; lay "
         "something printed beside the track, or add light",
     ),
-    Check("tags lost", lambda w: 1 - w.sightings.seen.mean(axis=0).min(), 0.02, NEVER, _lost_words),
     Check(
-        "small", lambda w: SMALL_TAG_PX - side_px(w), 0, NEVER,
-        lambda w, _: f"the tags are {side_px(w):.0f} px wide; 33 px or more give the figures that "
+        "tags lost", lambda w: 1 - w.sightings.seen.mean(axis=0).min(), _lost_words, warn=0.02
+    ),
+    Check(
+        "small", lambda w: SMALL_TAG_PX - _side_px(w),
+        lambda w, _: f"the tags are {_side_px(w):.0f} px wide; 33 px or more give the figures that "
         "are promised: go nearer or print larger. σ of phases and rate are up to 1.7 times too "
         "narrow",
     ),
     Check(
-        "blur", blur_factor, 1, NEVER,
+        "blur", blur_factor,
         lambda w, factor: f"the tags' edges are {_edge_cells(w):.2f} cells wide where they move: "
         f"add light or shorten the exposure; all σ are taken {factor:g} times as wide",
+        warn=1,
     ),
-    Check("slow motion", _slow_motion, 0, NEVER, lambda w, _: w.film.capture.in_words()),
-    Check(
-        "damaged", lambda w: bool(w.damage), 0, NEVER,
-        lambda w, _: f"{w.damage}: measured from what comes before",
-    ),
+    Check("slow motion", _slow_motion, lambda w, _: w.film.capture.in_words()),
 )  # fmt: skip
 
 
@@ -242,9 +220,11 @@ def _shortest_way(centres: Array) -> tuple[float, list[int]]:
 
 PLACED = (
     Check(
-        "order", lambda centres: _shortest_way(centres)[0], 1.1, 1.1,
+        "order", lambda centres: _shortest_way(centres)[0],
         lambda centres, _: f"the tags stand in the order {_numbers(_shortest_way(centres)[1])} "
         "along the robot; number 1 belongs on the tail, then 2, 3, ...: put them on anew",
+        refuse=1.1,
+        warn=1.1,
     ),
 )  # fmt: skip
 
@@ -252,81 +232,34 @@ PLACED = (
 # ---- the camera that was fitted
 
 
-@dataclass(frozen=True)
-class View:
-    """A film with its fitted camera and the printed side of a tag, m."""
-
-    watched: Watched
-    camera: Camera
-    side_m: float
-
-    @property
-    def quarters(self) -> NDArray[Any]:
-        """Return by how many quarter turns each tag is put on."""
-        turns = quarter_turns(*tag_poses(self.camera, self.watched.sightings))
-        return np.round(turns / (np.pi / 2)).astype(int) % 4
-
-    @property
-    def scale_off(self) -> float:
-        """Return how far links and tags disagree, relative: then all lengths may be as far off.
-
-        0 up to SIDE_WARN, which prints and tags askew explain.
-        """
-        off = abs(self.camera.side_m / self.side_m - 1.0) if self.camera.links > 2 else 0.0
-        return off if off > SIDE_WARN else 0.0
-
-
-def _scale_words(v: View, off: float) -> str:
-    limit = f"; more than {SIDE_REFUSE:.0%} is refused" if off > SIDE_REFUSE else ""
-    return (
-        f"beside links of {1e3 * v.camera.link_m:.1f} mm the tags are "
-        f"{1e3 * v.camera.side_m:.1f} mm wide, not {1e3 * v.side_m:.1f} mm: either the links "
-        "have another length or the print another scale; measure both, and give --set "
-        "link_length_m=... or --tag-mm. Until then σ of all lengths and speeds holds these "
-        f"{off:.1%}{limit}"
-    )
-
-
-def _turned_words(v: View, _: float) -> str:
-    if (v.quarters == 2).all():
-        return (
-            "all arrows point to the tail. The tag with number 1 is taken for the tail's; if it is "
-            "on the head, put the tags on anew"
-        )
-    turned = _numbers(np.flatnonzero(v.quarters))
-    return f"tags {turned} are upside down or a quarter turn round: allowed for"
-
-
 FITTED = (
-    Check("scale", lambda v: v.scale_off, 0, SIDE_REFUSE, _scale_words),
-    Check("tags", lambda v: v.quarters.any(), 0, NEVER, _turned_words),
-)
+    Check(
+        "scale", lambda b: b.scale_off,
+        lambda b, off: f"beside links of {1e3 * b.camera.link_m:.1f} mm the tags are "
+        f"{1e3 * b.camera.side_m:.1f} mm wide, not {1e3 * b.side_m:.1f} mm: either the links have "
+        "another length or the print another scale; measure both, and give --set link_length_m=... "
+        f"or --tag-mm. Until then σ of all lengths and speeds holds these {off:.1%}; more than "
+        f"{SIDE_REFUSE:.0%} is refused",
+        refuse=SIDE_REFUSE,
+    ),
+    Check(
+        "tags", lambda b: b.turns.any(),
+        lambda b, _: f"the arrows of tags {_numbers(np.flatnonzero(b.turns))} do not point to the "
+        "head: allowed for, if number 1 is on the tail",
+    ),
+)  # fmt: skip
 
 
 # ---- the chain that was followed
 
 
-def _bent_tags(track: Track) -> Array:
-    """Return for each tag its residual over that of the others; zeros where it is not clear."""
-    held = np.asarray(np.isfinite(track.rest_px).any(axis=0))
-    ratio = np.zeros(len(held))
-    if held.sum() >= 4:
-        ratio[held] = np.nanmedian(track.rest_px[:, held], axis=0)
-        ratio /= np.median(ratio[held])
-    return ratio
-
-
 FOLLOWED = (
     Check(
-        "hidden joint", lambda track: HELD_SHARE - held_joints(track).mean(axis=0).min(), 0, 0,
+        "hidden joint", lambda track: HELD_SHARE - held_joints(track).mean(axis=0).min(),
         lambda track, _: f"joint {held_joints(track).mean(axis=0).argmin() + 1} can be measured in "
         f"{held_joints(track).mean(axis=0).min():.0%} of the frames: a tag beside it is hidden or "
         f"out of the picture. {HELD_SHARE:.0%} are needed; keep the whole robot in the picture",
-    ),
-    Check(
-        "bent tag", lambda track: _bent_tags(track).max(), 2.5, 2.5,
-        lambda track, _: f"tag {_bent_tags(track).argmax() + 1} is no flat square: half peeled "
-        "off, wet or bent? Stick it flat and film again",
+        refuse=0,
     ),
 )  # fmt: skip
 
@@ -345,42 +278,98 @@ def _rest_shares(m: Measured) -> Array:
     return np.asarray(rest_rad / m.fitted.motion.amplitude_rad)
 
 
-def _no_sine_words(m: Measured, share: float) -> str:
-    joint = int(_rest_shares(m).argmax())
-    degrees = math.degrees(share * m.fitted.motion.amplitude_rad[joint])
-    return (
-        f"joint {joint + 1} leaves its sine by {degrees:.1f}° ({100 * share:.0f} % of its "
-        "amplitude): did the robot start, stop or change its gait in the film? Cut those parts off"
-    )
-
-
 MOVED = (
     Check(
-        "still", lambda m: math.radians(1) - m.fitted.motion.amplitude_rad.max(), 0, 0,
+        "still", lambda m: math.radians(1) - m.fitted.motion.amplitude_rad.max(),
         lambda m, _: "no joint moves by more than 1°: the robot does not crawl, or its servos have "
         "no power",
+        refuse=0,
     ),
     Check(
-        "periods", lambda m: LEAST_PERIODS - _periods(m), 0, 0,
+        "periods", lambda m: LEAST_PERIODS - _periods(m),
         lambda m, _: f"shows {_periods(m):.2f} periods of "
         f"{math.tau / m.fitted.motion.omega_rad_s:.2g} s; at least {LEAST_PERIODS:g} are needed, "
         "two or more are better: film longer",
+        refuse=0,
     ),
-    Check("no sine", lambda m: _rest_shares(m).max(), 0.1, NEVER, _no_sine_words),
+    Check(
+        "no sine", lambda m: _rest_shares(m).max(),
+        lambda m, share: f"joint {_rest_shares(m).argmax() + 1} leaves its sine by {share:.0%} of "
+        "its amplitude: did the robot start, stop or change its gait in the film? Cut those parts "
+        "off",
+        warn=0.1,
+    ),
 )  # fmt: skip
 
 
-def widened_sigmas(view: View, m: Measured) -> Array:
+def widened_sigmas(w: Watched, m: Measured) -> Array:
     """Return the standard deviations of a film's numbers with what checks found in them.
 
     They are wider for blur, for a camera that moved, and for links and tags that disagree. A floor
     that moves by s halfway through a film of length T changes a line's slope by 1.5 s / T.
     """
-    camera, span_s = view.camera, float(np.ptp(m.track.t_s))
-    drift_m_s = 1.5 * camera_moved(view.watched) * camera.side_m / span_s
+    camera, span_s = m.bundle.camera, float(np.ptp(m.track.t_s))
+    drift_m_s = 1.5 * _camera_moved(w) * camera.side_m / span_s
     speed_m_s = max(m.fitted.motion.speed_m_s, 1e-9)
-    sigmas = blur_factor(view.watched) * m.sigmas
+    sigmas = blur_factor(w) * m.sigmas
     drifts = drift_m_s / np.array([speed_m_s, 1.0, camera.links * camera.link_m])
     sigmas[-3:] = np.hypot(sigmas[-3:], drifts)  # direction, speed, turn
-    sigmas[-2] = np.hypot(sigmas[-2], view.scale_off * speed_m_s)
+    sigmas[-2] = np.hypot(sigmas[-2], m.bundle.scale_off * speed_m_s)
     return sigmas
+
+
+# ---- the servos, beside the commanded gait
+
+Filmed = tuple[FilmedRun, Gait | None]  # what was measured, and the commanded gait
+
+
+def _phases_off(filmed: Filmed) -> Array:
+    """Return how far each joint is from its step in the gait, rad; 0 where a servo may lag so."""
+    shift = np.array(measured_gait(*filmed).joint_shift_rad)
+    return np.where(np.abs(shift) > PHASE_RAD, shift, 0.0)
+
+
+def _phase_words(filmed: Filmed, _: float) -> str:
+    off_deg = np.degrees(_phases_off(filmed))
+    shown = [f"joint {k + 1} is {off_deg[k]:+.0f}°" for k in np.flatnonzero(off_deg)]
+    return (
+        f"{', '.join(shown)} out of step with the others: does the servo turn the wrong way (set "
+        "its trim's sense to the other sign), or are two plugs swapped? Mend it, and film again"
+    )
+
+
+def _centres_off(filmed: Filmed) -> Array:
+    """Return by how much each joint's centre is off, rad; 0 where a trim is not worth it."""
+    run, gait = filmed
+    commanded = gait.offset_rad if gait else 0.0
+    off = np.array([joint.offset_rad - commanded for joint in run.joints])
+    sigma = np.array([joint.offset_sigma_rad for joint in run.joints])
+    return np.where(np.abs(off) > np.maximum(CENTRE_RAD, 2 * sigma), off, 0.0)
+
+
+def _centre_words(filmed: Filmed, _: float) -> str:
+    run, off_deg = filmed[0], np.degrees(_centres_off(filmed))
+    ends = run.joints[0], run.joints[-1]
+    return "; ".join(
+        f"joint {joint.joint} swings about {off:+.1f}° ± "
+        f"{math.degrees(joint.offset_sigma_rad):.1f}° off its centre: move its trim by {-off:+.1f}°"
+        + (", unless the tag at that end is glued on askew" if joint in ends else "")
+        for joint, off in zip(run.joints, off_deg, strict=True)
+        if off
+    )
+
+
+def _rate_off(filmed: Filmed) -> float:
+    """Return by how much the rate differs from the commanded one, relative; 0 within its sigma."""
+    run, gait = filmed
+    if gait is None:
+        return 0.0
+    off = abs(run.omega_rad_s / gait.omega_rad_s - 1)
+    return off if off > 4 * run.omega_sigma_rad_s / gait.omega_rad_s else 0.0
+
+
+SERVOS = (
+    Check("phase", lambda filmed: np.abs(_phases_off(filmed)).max(), _phase_words),
+    Check("centre", lambda filmed: np.abs(_centres_off(filmed)).max(), _centre_words),
+    Check("rate", _rate_off, lambda filmed, _: rate_words(*filmed), warn=RATE_FLAG),
+)

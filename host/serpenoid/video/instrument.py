@@ -50,8 +50,8 @@ class Measured:
 
 def calibrate(
     sightings: Sightings, side_m: float, starts: list[Camera], still: bool = False
-) -> tuple[bundles.Bundle, Array]:
-    """Fit camera and mountings to well-spread frames; return them and the quarter turns.
+) -> bundles.Bundle:
+    """Fit camera and mountings to well-spread frames.
 
     still: the joints do not move. Errors of edges then repeat from frame to frame, so that lens and
     scale are held to what is known before (`rough`).
@@ -63,11 +63,11 @@ def calibrate(
         camera = plane.with_turns(turns)
         states = start.first_states(camera, few, turns)
         fitted = bundles.fit(camera, states, few, side_m, turns, ROUGH_STEPS, rough=True)
-        rough.append((fitted.cost, fitted.camera, turns))
-    _, camera, turns = min(rough, key=lambda tried: tried[0])
+        rough.append(fitted)
+    best = min(rough, key=lambda fitted: fitted.cost)
     picked = sightings.picked(_spread(sightings, CALIBRATION_FRAMES))
-    states = start.first_states(camera, picked, turns)
-    return bundles.fit(camera, states, picked, side_m, turns, rough=still), turns
+    states = start.first_states(best.camera, picked, best.turns)
+    return bundles.fit(best.camera, states, picked, side_m, best.turns, rough=still)
 
 
 def _spread(sightings: Sightings, most: int) -> Places:
@@ -80,9 +80,9 @@ def _spread(sightings: Sightings, most: int) -> Places:
 
 def follow(sightings: Sightings, side_m: float, starts: list[Camera]) -> Followed:
     """Follow the chain through a film. starts: those of `start.first_cameras`."""
-    fit, turns = calibrate(sightings, side_m, starts)
+    fit = calibrate(sightings, side_m, starts)
     seen = sightings.picked(np.asarray(sightings.seen.any(axis=1)))
-    expected = start.first_states(fit.camera, seen, turns)
+    expected = start.first_states(fit.camera, seen, fit.turns)
     track = frames.fit_states(fit.camera, seen, expected, EXPECTED_SIGMA_RAD, fit.noise_px)
     return Followed(fit, seen, expected, track)
 

@@ -4,36 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from ..base.checks import check_number, sha256_of
+from ..base.checks import check_number
 from ..base.errors import BadInput
 from ..model.gait import Gait
-from .checks import FITTED, FOLLOWED, MOVED, PLACED, SEEN, View, run_checks, widened_sigmas
+from .checks import (
+    FITTED,
+    FOLLOWED,
+    MOVED,
+    PLACED,
+    SEEN,
+    SERVOS,
+    run_checks,
+    widened_sigmas,
+)
 from .fitting.camera import Camera
 from .fitting.start import first_cameras, tag_poses
-from .instrument import Measured, follow, measure
-from .result import FilmedRun, Remark, filmed_run
+from .instrument import follow, measure
+from .result import FilmMeasurement, Remark, filmed_run
 from .seeing.film import Film
 from .seeing.sightings import Sightings
 from .seeing.tags import MOST_LINKS, tag_side_m
 from .seeing.watch import Watched, watch
-from .wiring import SERVOS
-
-BOARD_TIME_OFF = 0.02  # relative, of real time in a film: no clock of a camera or board is so wrong
-
-
-@dataclass(frozen=True)
-class FilmMeasurement:
-    """Everything of one film: numbers, what was seen, what was fitted, the commanded gait."""
-
-    run: FilmedRun
-    watched: Watched
-    measured: Measured
-    gait: Gait | None
 
 
 def measure_film(
@@ -54,10 +50,10 @@ def measure_film(
     second that the camera took, of slow motion whose file does not tell. Raises BadInput: no
     film, or one that cannot be measured; the message says why and what to do.
     """
-    film = seen_film(path, links, link_m, side_m, progress, capture_fps)
-    watched, side, scale = film.watched, film.side_m, 1.0
-    with refusals(watched):
-        followed = follow(watched.sightings, side, film.starts)
+    watched, side, starts, seen = seen_film(path, links, link_m, side_m, progress, capture_fps)
+    scale = 1.0
+    with refusals(path):
+        followed = follow(watched.sightings, side, starts)
         run_checks(FOLLOWED, followed.track)
         measured = measure(followed)
         if board_rate and gait is not None:
@@ -65,49 +61,26 @@ def measure_film(
             s = watched.sightings
             t_s = s.t_s[0] + (s.t_s - s.t_s[0]) * scale
             in_board_time = Sightings.of(t_s, s.corners_px, s.image_px)
-            measured = measure(follow(in_board_time, side, film.starts))
-        view = View(watched, measured.bundle.camera, side)
-        measured = replace(measured, sigmas=widened_sigmas(view, measured))
-        remarks = [*run_checks(MOVED, measured), *run_checks(FITTED, view), *film.remarks]
-        run = filmed_run(watched, measured, sha256_of(watched.film.path), scale)
-        run = replace(run, scale_sigma=view.scale_off)
-        if abs(scale - 1.0) > BOARD_TIME_OFF and watched.film.time_scale != 1.0:
-            remarks.append(Remark("capture rate", _not_the_boards_time(scale)))
+            measured = measure(follow(in_board_time, side, starts))
+        measured = replace(measured, sigmas=widened_sigmas(watched, measured))
+        remarks = [*run_checks(MOVED, measured), *run_checks(FITTED, measured.bundle), *seen]
+        run = filmed_run(watched, measured, scale)
         run = replace(run, remarks=(*remarks, *run_checks(SERVOS, (run, gait))))
         return FilmMeasurement(run, watched, measured, gait)
 
 
-@dataclass(frozen=True)
-class SeenFilm:
-    """A film that shows a robot: what was seen, a tag's side (m), cameras to start from."""
-
-    watched: Watched
-    side_m: float
-    starts: list[Camera]
-    remarks: list[Remark]
-
-
-def _not_the_boards_time(scale: float) -> str:
-    return (
-        f"by the recording's time the robot moved {scale:.3g} times as slowly as by the camera's "
-        "rate: is that rate right? The recording's time is taken"
-    )
-
-
 @contextmanager
-def refusals(watched: Watched) -> Iterator[None]:
-    """Tell what cannot be measured with the film's name, and that it is damaged if it is."""
+def refusals(path: Path) -> Iterator[None]:
+    """Tell what cannot be measured with the film's name."""
     try:
         yield
-    except (np.linalg.LinAlgError, FloatingPointError, BadInput) as error:
-        words = (
-            str(error)
-            if isinstance(error, BadInput)
-            else f"the tags fit no camera ({error}); are they flat, matt and well lit, and is the "
-            "whole robot in the picture?"
-        )
-        damage = f". {watched.damage}" if watched.damage else ""
-        raise BadInput(f"{watched.film.path}: {words}{damage}") from error
+    except BadInput as error:
+        raise BadInput(f"{path}: {error}") from error
+    except (np.linalg.LinAlgError, FloatingPointError) as error:
+        raise BadInput(
+            f"{path}: the tags fit no camera ({error}); are they flat, matt and well lit, and is "
+            "the whole robot in the picture?"
+        ) from error
 
 
 def seen_film(
@@ -117,15 +90,18 @@ def seen_film(
     side_m: float | None,
     progress: Callable[[float], None],
     capture_fps: float | None = None,
-) -> SeenFilm:
-    """Watch a film of a robot; arguments as of `measure_film`. Raises BadInput: it shows none."""
+) -> tuple[Watched, float, list[Camera], list[Remark]]:
+    """Return what a film shows, a tag's side (m), cameras to start from, and remarks.
+
+    Arguments as of `measure_film`. Raises BadInput: it shows no robot.
+    """
     if not 2 <= links <= MOST_LINKS:
         raise BadInput(f"links is {links}; a film can be measured of 2 to {MOST_LINKS}")
     check_number("link_m", link_m, 0.005, 3.0)
     side = tag_side_m(link_m) if side_m is None else check_number("side_m", side_m, 0.003, link_m)
     watched = watch(Film.open(path, capture_fps), links, progress)
-    with refusals(watched):
+    with refusals(path):
         remarks = run_checks(SEEN, watched)
         starts = first_cameras(watched.sightings, link_m, side)
         run_checks(PLACED, tag_poses(starts[0], watched.sightings)[0])
-    return SeenFilm(watched, side, starts, remarks)
+    return watched, side, starts, remarks

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..base.errors import BadInput
 from .arrays import Array, Mask
-from .checks import FITTED, View, run_checks
+from .checks import FITTED, run_checks
 from .fitting import frames, start
 from .fitting.camera import LENS
 from .fitting.chain import filled_headings, joint_angles
@@ -71,26 +71,26 @@ def track_pushes(
         No film, one that cannot be measured, or joints that move; the message says what to do.
     """
     film = seen_film(path, links, link_m, side_m, progress, capture_fps)
-    with refusals(film.watched):
-        s = film.watched.sightings
-        fit, turns = calibrate(s, film.side_m, film.starts, still=True)
+    watched, side, starts, remarks = film
+    with refusals(path):
+        s = watched.sightings
+        fit = calibrate(s, side, starts, still=True)
         seen = s.picked(s.seen.sum(axis=1) >= 2)  # with two links the robot's place is known
-        expected = start.first_states(fit.camera, seen, turns)
+        expected = start.first_states(fit.camera, seen, fit.turns)
         track = frames.fit_states(fit.camera, seen, expected, EXPECTED_SIGMA_RAD, fit.noise_px)
         # A hidden link stands to its neighbours as it always does.
         phi = still_joints(joint_angles(track.states), seen.seen)
         expected = filled_headings(track.states, seen.seen, phi)
         track = frames.fit_states(fit.camera, seen, expected, KNOWN_RAD, fit.noise_px)
-        known = track.place_variance < PLACE_M**2
-        rows = np.column_stack([track.t_s, track.states[:, :2]])[known]
+        clear = track.place_variance < PLACE_M**2
+        rows = np.column_stack([track.t_s, track.states[:, :2]])[clear]
         if len(rows) < 2:
             raise BadInput("no frame shows where the robot is; are the tags hidden?")
-        view = View(film.watched, fit.camera, film.side_m)
-        remarks = [*run_checks(FITTED, view), *film.remarks]
+        remarks = [*run_checks(FITTED, fit), *remarks]
     # Joints that do not move tell the link length only as well as tags lie on the links: all
     # lengths are known as the tags' printed side is.
-    side = LENS.index("log_side")
-    scale_sigma = math.hypot(fit.covariance[side, side] ** 0.5, view.scale_off)
+    row = LENS.index("log_side")
+    scale_sigma = math.hypot(fit.covariance[row, row] ** 0.5, fit.scale_off)
     return PushedRobot(rows, scale_sigma, tuple(remarks))
 
 

@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from ..base.checks import sha256_of
 from ..base.files import write_csv
 from ..base.rows import Result, Row
+from ..model.gait import Gait
 from .arrays import Array
-from .fitting.camera import LENS
 from .fitting.chain import joint_angles, mean_heading, wrapped
 from .instrument import Measured
 from .seeing.watch import Watched
@@ -74,7 +75,7 @@ class FilmedRun(Result):
     time_scale: float
     camera: dict[str, Any]
     film: dict[str, Any]
-    scale_sigma: float = 0.0
+    scale_sigma: float
     remarks: tuple[Remark, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
@@ -90,98 +91,110 @@ class FilmedRun(Result):
 
     def rows(self) -> list[Row]:
         """Return direction, turn, rate, and what the file's times were multiplied with."""
+        degrees, hertz = 180 / math.pi, 0.5 / math.pi
+        direction, turn = degrees * self.direction_rad, degrees * self.turn_rad_s
         rows = [
-            ("direction, from where the links point", "deg", self.direction_rad),
-            ("turn", "deg/s", self.turn_rad_s),
-            ("rate", "Hz", self.omega_rad_s),
+            Row(
+                "direction, from where the links point",
+                "deg",
+                direction,
+                sigma=degrees * self.direction_sigma_rad,
+            ),
+            Row("turn", "deg/s", turn, sigma=degrees * self.turn_sigma_rad_s),
+            Row("rate", "Hz", hertz * self.omega_rad_s, sigma=hertz * self.omega_sigma_rad_s),
         ]
-        sigmas = self.direction_sigma_rad, self.turn_sigma_rad_s, self.omega_sigma_rad_s
-        factors = 180 / math.pi, 180 / math.pi, 0.5 / math.pi
         scale = [] if self.time_scale == 1.0 else [Row("time scale", "", self.time_scale)]
-        return [
-            Row(name, unit, factor * value, sigma=factor * sigma)
-            for (name, unit, value), sigma, factor in zip(rows, sigmas, factors, strict=True)
-        ] + scale
+        return rows + scale
 
 
-def filmed_run(watched: Watched, measured: Measured, sha256: str, time_scale: float) -> FilmedRun:
+@dataclass(frozen=True)
+class FilmMeasurement:
+    """Everything of one film: numbers, what was seen, what was fitted, the commanded gait."""
+
+    run: FilmedRun
+    watched: Watched
+    measured: Measured
+    gait: Gait | None
+
+
+def filmed_run(watched: Watched, measured: Measured, time_scale: float) -> FilmedRun:
     """Gather the numbers of a measured film, without remarks."""
-    m, sigma = measured.fitted.motion, measured.sigmas
-    span_s = float(np.ptp(measured.track.t_s))
-    camera, lens = measured.bundle.camera, measured.bundle.camera.shared
-    film, t = watched.film, watched.sightings.t_s
+    m, bundle, film = measured.fitted.motion, measured.bundle, watched.film
+    rate_sigma, *joint_sigmas, direction_sigma, speed_sigma, turn_sigma = measured.sigmas.tolist()
+    span_s, t_s = float(np.ptp(measured.track.t_s)), watched.sightings.t_s
+    camera, lens = bundle.camera, bundle.camera.shared.tolist()
     rms_px = float(np.sqrt(np.nanmean(measured.track.rest_px**2)))
     seen = watched.sightings.seen
-    m_per_px = camera.side_m / float(np.nanmean(watched.sightings.side_px))
     return FilmedRun(
         links=camera.links,
         link_length_m=camera.link_m,
         speed_m_s=m.speed_m_s,
-        speed_sigma_m_s=float(sigma[-2]),
+        speed_sigma_m_s=speed_sigma,
         direction_rad=m.direction_rad,
-        direction_sigma_rad=float(sigma[-3]),
+        direction_sigma_rad=direction_sigma,
         turn_rad_s=m.turn_rad_s,
-        turn_sigma_rad_s=float(sigma[-1]),
+        turn_sigma_rad_s=turn_sigma,
         omega_rad_s=m.omega_rad_s,
-        omega_sigma_rad_s=float(sigma[0]),
+        omega_sigma_rad_s=rate_sigma,
         path_m=m.speed_m_s * span_s,
         periods=m.omega_rad_s * span_s / (2 * np.pi),
-        joints=_joints(measured),
-        tags_seen=tuple(float(share) for share in seen.mean(axis=0)),
+        joints=_joints(measured, joint_sigmas),
+        tags_seen=tuple(seen.mean(axis=0).tolist()),
         frames_used=float(seen.any(axis=1).mean()),
         residual_px=rms_px,
-        residual_m=rms_px * m_per_px,
+        residual_m=rms_px * (camera.side_m / float(np.nanmean(watched.sightings.side_px))),
         time_scale=time_scale * film.time_scale,
         camera={
             "focal_px": camera.focal_px,
-            "k1": float(lens[1]),
-            "k2": float(lens[2]),
-            "tilt_rad": float(np.hypot(lens[5], lens[6])),
-            "distance_m": float(np.exp(lens[7])),
-            "readout_s": float(lens[9]),
+            "k1": lens[1],
+            "k2": lens[2],
+            "tilt_rad": math.hypot(lens[5], lens[6]),
+            "distance_m": math.exp(lens[7]),
+            "readout_s": lens[9],
             "tag_side_m": camera.side_m,
-            "printed_side_m": float(np.exp(measured.bundle.prior[LENS.index("log_side")])),
-            "noise_px": measured.bundle.noise_px,
+            "printed_side_m": bundle.side_m,
+            "noise_px": bundle.noise_px,
         },
         film={
             "name": film.path.name,
-            "sha256": sha256,
+            "sha256": sha256_of(film.path),
             "codec": film.codec,
             "width_px": film.width,
             "height_px": film.height,
-            "frames": len(t),
-            "duration_s": float(np.ptp(t)),
-            "frame_rate_hz": float(1 / np.median(np.diff(t))),
+            "frames": len(t_s),
+            "duration_s": float(np.ptp(t_s)),
+            "frame_rate_hz": float(1 / np.median(np.diff(t_s))),
             "capture_fps": film.capture and film.capture.taken_hz,
             "played_fps": film.capture and film.capture.played_hz,
         },
+        scale_sigma=bundle.scale_off,
     )
 
 
-def _joints(measured: Measured) -> tuple[Joint, ...]:
-    m, sigma, share = measured.fitted.motion, measured.sigmas, measured.held.mean(axis=0)
-    count = len(share)
+def _joints(measured: Measured, sigmas: list[float]) -> tuple[Joint, ...]:
+    """Return the joints' sines; sigmas: of amplitudes, phases but the first, and offsets."""
+    m, seen = measured.fitted.motion, measured.held.mean(axis=0)
+    count = len(seen)
     columns = [
         m.amplitude_rad,
-        sigma[1 : count + 1],
+        sigmas[:count],
         wrapped(m.phase_rad - m.phase_rad[0]),
-        np.append(0.0, sigma[count + 1 : 2 * count]),
+        [0.0, *sigmas[count : 2 * count - 1]],
         m.offset_rad,
-        sigma[2 * count : -3],
+        sigmas[2 * count - 1 :],
+        seen,
     ]
     rows = np.array(columns).T.tolist()
-    return tuple(Joint(i + 1, *row, seen=float(share[i])) for i, row in enumerate(rows))
+    return tuple(Joint(number, *row) for number, row in enumerate(rows, 1))
 
 
 def track_rows(measured: Measured) -> tuple[list[str], Array]:
     """Return the columns of a track and its rows: time, place, heading, joints."""
-    track = measured.track
-    names = ["t_s", "x_m", "y_m", "heading_rad"]
-    phi = joint_angles(track.states)
-    names += [f"joint{i + 1}_rad" for i in range(phi.shape[1])]
-    heading = mean_heading(track.states)
+    track, phi = measured.track, joint_angles(measured.track.states)
+    joints = [f"joint{i + 1}_rad" for i in range(phi.shape[1])]
     held = np.where(measured.held, phi, np.nan)
-    return names, np.column_stack([track.t_s, track.states[:, :2], heading, held])
+    rows = np.column_stack([track.t_s, track.states[:, :2], mean_heading(track.states), held])
+    return ["t_s", "x_m", "y_m", "heading_rad", *joints], rows
 
 
 def write_track(measured: Measured, path: Path) -> None:

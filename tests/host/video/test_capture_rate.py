@@ -67,7 +67,6 @@ def test_a_phones_slow_motion_is_measured_in_real_time_and_says_so(tmp_path, tru
     assert "divided by 8" in words
     shown = serpenoid(f"video {film} --capture-fps 120 --track {tmp_path / 't.csv'}", check=True)
     assert re.search(r"time scale +│ +0.25", shown.stdout)
-    assert "240, and does not count" in re.sub(r"\s+", " ", shown.stdout)
     times = np.loadtxt(tmp_path / "t.csv", delimiter=",", skiprows=1, usecols=0)
     assert np.ptp(times) == pytest.approx(2 * told["film"]["duration_s"], rel=1e-6)
 

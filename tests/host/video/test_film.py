@@ -107,7 +107,7 @@ def test_a_rate_that_varies_is_measured_by_the_files_own_times(tmp_path) -> None
     t_s = slowing(2.0)
     blank = [np.full((64, 96), 10 + 3 * k, np.uint8) for k in range(len(t_s))]
     film = File.open(write(tmp_path / "film.mp4", blank, t_s))
-    told_s = np.array([time_s for time_s, _ in film.frames([])])
+    told_s = np.array([time_s for time_s, _ in film.frames()])
     assert told_s == pytest.approx(t_s, abs=2e-5)
     world = crawling(omega_rad_s=8.0, speed_m_s=0.08, start_m=-0.07)
     s = sighted(world, t_s, Lens(), told_s)

@@ -24,9 +24,9 @@ from ...taking.push_prompt import FilmReader
 from ...taking.session_robot import SessionRobot
 from ...taking.steps import Step, Tracked
 from ...taking.terminal import Console
+from ...video.made_gait import film_cells
 from ...video.measure_film import measure_film
 from ...video.pushed import track_pushes
-from ...video.reading import film_cells
 from ..video import film_progress
 
 BY_HAND = "by hand"

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...video.fitting.chain import joint_angles
-from ...video.measure_film import FilmMeasurement
-from ...video.wiring import swapped_joints
+from ...video.result import FilmMeasurement
 from ..plot import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, figure, heading
 from ..report import console, show, table
 
@@ -94,7 +93,6 @@ def _cells(film: FilmMeasurement) -> tuple[list[str], list[list[str]]]:
     """Return heads and cells of the joints' table, with what was commanded where it is known."""
     gait, cells = film.gait, []
     commanded = ["gain", "late"] if gait else []
-    unplugged = swapped_joints(film.run, gait)
     for joint in film.run.joints:
         row = [
             str(joint.joint),
@@ -106,10 +104,7 @@ def _cells(film: FilmMeasurement) -> tuple[list[str], list[list[str]]]:
             late = joint.phase_rad - (joint.joint - 1) * gait.beta_rad
             late = math.remainder(late, math.tau)
             share = joint.amplitude_rad / gait.alpha_rad if gait.alpha_rad else math.nan
-            known = joint.joint not in unplugged
-            row += (
-                [f"{100 * share:.0f} %", f"{math.degrees(late):+.2f}"] if known else ["unknown"] * 2
-            )
+            row += [f"{100 * share:.0f} %", f"{math.degrees(late):+.2f}"]
         cells.append([*row, f"{100 * joint.seen:.0f} %"])
     return ["joint", "amplitude", "centre", "phase", *commanded, "seen"], cells
 

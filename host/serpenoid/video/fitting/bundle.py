@@ -20,6 +20,7 @@ OUTLIER = 3.0  # in sigmas: a tag's residual from which its weight falls
 NOISE_PX = 0.3  # of a corner, until the residuals tell
 PLAIN = 0.05  # a rough fit holds distortion and principal point by so much of their sigmas
 PRINTED = 0.01  # how well the side of a printed tag is known, a rule held against the sheet
+SIDE_ALIKE = 0.025  # of a tag's side beside the links, relative: prints and tags put on askew
 # What is known before any film: sigma of focal length (log), k1, k2, principal point (of the
 # longer side), tilts, distance (log), the tag's printed side (log), readout (s).
 LENS_SIGMA = np.array([0.5, 0.1, 0.04, 0.01, 0.01, 10.0, 10.0, 10.0, PRINTED, 0.012])
@@ -38,14 +39,25 @@ class Bundle:
     """What the fit found.
 
     camera; covariance of its shared unknowns, from the scatter of the frames; noise_px: standard
-    deviation of a corner; prior: what the unknowns were held to.
+    deviation of a corner; side_m: the printed side of a tag; turns (links,): how tags are turned on
+    their links, in whole quarter turns, rad; cost: of the fit.
     """
 
     camera: Camera
     covariance: Array
     noise_px: float
-    prior: Array
+    side_m: float
+    turns: Array
     cost: float
+
+    @property
+    def scale_off(self) -> float:
+        """Return how far links and tags disagree, relative: then all lengths may be as far off.
+
+        0 up to SIDE_ALIKE.
+        """
+        off = abs(self.camera.side_m / self.side_m - 1.0) if self.camera.links > 2 else 0.0
+        return off if off > SIDE_ALIKE else 0.0
 
 
 def priors(camera: Camera, side_m: float, turns: Array) -> tuple[Array, Array]:
@@ -94,7 +106,8 @@ def fit(
             damping *= 8
             if damping > 1e6:
                 break
-    return Bundle(camera, problem.covariance(camera, states, noise), noise, held, cost)
+    covariance = problem.covariance(camera, states, noise)
+    return Bundle(camera, covariance, noise, side_m, turns, cost)
 
 
 def misses(camera: Camera, states: Array, s: Sightings) -> Array:

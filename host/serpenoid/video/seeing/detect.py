@@ -12,15 +12,6 @@ from .edges import refine
 
 Tag = tuple[Array, float]  # corners (4, 2) px, clockwise; width of the edges, px
 DICTIONARY = "DICT_4X4_50"
-# Families of tags that other programs print: name -> OpenCV's dictionary.
-OTHER_FAMILIES = {
-    "AprilTags 36h11": "DICT_APRILTAG_36H11",
-    "AprilTags 25h9": "DICT_APRILTAG_25H9",
-    "ArUco tags 5x5": "DICT_5X5_1000",
-    "ArUco tags 6x6": "DICT_6X6_1000",
-    "ArUco tags 7x7": "DICT_7X7_1000",
-    "original ArUco tags": "DICT_ARUCO_ORIGINAL",
-}
 MARGIN_SIDES = 2.5  # round the tags seen last, in sides of a tag
 LOOK_AGAIN = 15  # frames after which a missing tag is searched for in the whole picture
 
@@ -30,18 +21,6 @@ def dictionary() -> Any:
     import cv2
 
     return cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
-
-
-def other_family(picture: Grey) -> str:
-    """Return the family of which two tags or more are in a picture, "" where none is."""
-    import cv2
-
-    for name, key in OTHER_FAMILIES.items():
-        family = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, key))
-        _, ids, _ = cv2.aruco.ArucoDetector(family).detectMarkers(picture)
-        if ids is not None and len(ids) > 1:
-            return name
-    return ""
 
 
 def _apart(one: Array, other: Array) -> bool:

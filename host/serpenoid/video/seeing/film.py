@@ -17,6 +17,7 @@ from ..arrays import Grey
 from .extra import need_extra
 
 MOST_BYTES = 1 << 40  # of a film
+LEAST_PX = 64
 CAPTURE_TAG = "capture.fps"  # ends the name of the tag in which Android phones say it
 
 
@@ -25,8 +26,8 @@ class Film:
     """What the file says of itself; frames() reads it.
 
     width, height: of the coded picture, px, before any rotation. duration_s: in real time, 0 where
-    the file does not tell. codec: such as h264. stream: which of the file's picture streams is the
-    film. capture: the camera's rate and that of the file, None where nothing tells the former.
+    the file does not tell. codec: such as h264. capture: the camera's rate and that of the file,
+    None where nothing tells the former.
     """
 
     path: Path
@@ -34,7 +35,6 @@ class Film:
     height: int
     duration_s: float
     codec: str
-    stream: int = 0
     capture: CaptureRate | None = None
 
     @property
@@ -56,99 +56,69 @@ class Film:
         check_file(path, MOST_BYTES)
         try:
             with av.open(str(path)) as box:
-                number = _moving_stream(box)
-                coding = [stream.codec_context for stream in box.streams.video][number : number + 1]
+                stream = box.streams.best("video")
+                if stream is None:
+                    raise BadInput(f"{path}: holds no pictures (sound only?); name the film itself")
+                coding = stream.codec_context
+                if coding is None:
+                    raise BadInput(
+                        f"{path}: the pictures' coding is unknown or damaged; film as H.264 or "
+                        "HEVC, and copy it from the phone again"
+                    )
                 duration_s = float(box.duration or 0) / 1e6
-                tags = {**box.metadata, **(box.streams.video[number].metadata if coding else {})}
+                film = Film(path, coding.width, coding.height, duration_s, coding.name)
+                tags = {**box.metadata, **stream.metadata}
         except (av.error.FFmpegError, ValueError) as error:
+            if isinstance(error, BadInput):
+                raise
             words = str(getattr(error, "strerror", None) or error)
             raise BadInput(
                 f"{path}: cannot be read as a film ({words}); copy it from the phone again, as MP4 "
                 "or MOV"
             ) from error
-        if not coding:
-            raise BadInput(f"{path}: holds no pictures (sound only?); name the film itself")
-        if coding[0] is None:
-            raise BadInput(
-                f"{path}: the pictures' coding is unknown or damaged; film as H.264 or HEVC, and "
-                "copy it from the phone again"
-            )
-        size = coding[0].width, coding[0].height
-        film = Film(path, *size, duration_s, coding[0].name, number)
-        if min(film.width, film.height) < 64:
+        if min(film.width, film.height) < LEAST_PX:
             raise BadInput(
                 f"{path}: the picture is {film.width} x {film.height} px; no robot can "
                 "be measured in that: film at 1080p"
             )
-        return film._in_real_time(capture_fps, tags)
+        if capture_fps is not None:
+            return film._taken_at(capture_fps, OPTION)
+        for name, text in tags.items():
+            if name.endswith(CAPTURE_TAG) and re.fullmatch(r"[\d.]+", text):
+                return film._taken_at(float(text), f"the tag {name}")
+        return film
 
-    def _in_real_time(self, capture_fps: float | None, tags: dict[str, str]) -> Film:
-        """Return the film with its capture rate, where a person or a tag tells it."""
-        tagged = {
-            f"the tag {name}": float(text)
-            for name, text in tags.items()
-            if name.endswith(CAPTURE_TAG) and re.fullmatch(r"[\d.]+", text)
-        }
-        rates = tagged if capture_fps is None else {OPTION: capture_fps}
-        if not rates:
-            return self
-        source, taken_hz = next(iter(rates.items()))
-        if capture_fps is not None and tagged:
-            others = [f"{name} says {hertz:g}" for name, hertz in tagged.items()]
-            source += f" ({', '.join(others)}, and does not count)"
-        capture = capture_rate(self._picture_times(), taken_hz, source)
-        duration_s = self.duration_s * capture.time_scale
-        return replace(self, duration_s=duration_s, capture=capture)
-
-    def _picture_times(self) -> list[float]:
-        """Return the pictures' times as the file has them, s, without decoding any."""
+    def _taken_at(self, taken_hz: float, source: str) -> Film:
+        """Return the film in real time. taken_hz: the camera's rate; source: who tells it."""
         import av
 
         with av.open(str(self.path)) as box:
-            packets = box.demux(box.streams.video[self.stream])
-            return [time_s for p in packets if (time_s := _time_s(p, np.nan)) == time_s]
+            times = [_time_s(packet) for packet in box.demux(box.streams.best("video"))]
+        capture = capture_rate(np.array(times)[np.isfinite(times)], taken_hz, source)
+        return replace(self, duration_s=self.duration_s * capture.time_scale, capture=capture)
 
-    def frames(self, damage: list[str]) -> Iterator[tuple[float, Grey]]:
-        """Give time (s) and grey picture, in the order of time.
-
-        A film ends at its first picture that cannot be read; `damage` then gets the words for it.
-        """
+    def frames(self) -> Iterator[tuple[float, Grey]]:
+        """Give time (s) and grey picture, in the order of time. Raises BadInput: it is damaged."""
         import av
         import av.error
 
         last_s = -np.inf
         with av.open(str(self.path)) as box:
-            stream: Any = box.streams.video[self.stream]
+            stream: Any = box.streams.best("video")
             stream.thread_type = "AUTO"
             try:
                 for frame in box.decode(stream):
                     if frame.is_corrupt:
                         raise ValueError
-                    time_s = _time_s(frame, np.nan)
+                    time_s = _time_s(frame)
                     if time_s > last_s:
                         last_s = time_s
                         yield time_s * self.time_scale, grey(frame)
-            except (av.error.FFmpegError, ValueError):
-                damage.append(
-                    f"The file is damaged after {max(last_s, 0.0):.2f} s: copy it from the phone "
-                    "again"
-                )
-
-
-def _moving_stream(box: Any) -> int:
-    """Return which of a file's picture streams is the first with two pictures or more; 0 if none.
-
-    A cover, or a preview, is a stream of one picture.
-    """
-    streams = box.streams.video
-    if len(streams) < 2:
-        return 0
-    pictures = dict.fromkeys((stream.index for stream in streams), 0)
-    for packet in box.demux(*streams):
-        pictures[packet.stream.index] += packet.size > 0
-        if all(count > 1 for count in pictures.values()):
-            break
-    return next((k for k, stream in enumerate(streams) if pictures[stream.index] > 1), 0)
+            except (av.error.FFmpegError, ValueError) as error:
+                raise BadInput(
+                    f"{self.path}: the file is damaged after {max(last_s, 0.0):.2f} s: copy it "
+                    "from the phone again, or cut off what follows"
+                ) from error
 
 
 def grey(frame: Any) -> Grey:
@@ -160,8 +130,8 @@ def grey(frame: Any) -> Grey:
     return frame.to_ndarray(format="gray")
 
 
-def _time_s(part: Any, unknown: float) -> float:
-    """Return the time of a packet or a frame, s; `unknown` if it has none."""
-    if part is None or part.pts is None or part.time_base is None:
-        return unknown
+def _time_s(part: Any) -> float:
+    """Return the time of a packet or a frame, s; NaN if it has none."""
+    if part.pts is None or part.time_base is None:
+        return float("nan")
     return float(part.pts * part.time_base)

@@ -10,7 +10,7 @@ import numpy as np
 from ...base.errors import BadInput
 from ..arrays import Grey, Single
 from .background import Background
-from .detect import TagFinder, other_family
+from .detect import TagFinder
 from .film import Film
 from .sightings import Sightings
 
@@ -23,25 +23,21 @@ COARSE_SHARE = 0.2  # corners to a whole pixel are left out where no more are so
 class Watched:
     """What one look at a film brought up.
 
-    film; sightings; edge_px (frames, links): width of a tag's edges, NaN where none; damage: where
-    the file could be read no further, in words, or ""; strangers: tags of numbers that are on no
-    link, with the number of frames; doubles: tags that are seen at two places at once, and left out
-    there, in the same way; shifts: of the floor, (time, x px, y px, sigma px); plain_floor: too
-    little on it can be followed; picture: the first frame with a tag, grey; mirrored: tags are seen
-    in a mirror only; family: the name of another family of tags that is seen where ours are not.
+    film; sightings; edge_px (frames, links): width of a tag's edges, NaN where none; strangers:
+    tags of numbers that are on no link, with the number of frames; doubles: tags that are seen at
+    two places at once, and left out there, in the same way; shifts: of the floor, (time, x px,
+    y px, sigma px); plain_floor: too little on it can be followed; picture: the first frame with a
+    tag, grey.
     """
 
     film: Film
     sightings: Sightings
     edge_px: Single
-    damage: str
     strangers: dict[int, int]
     doubles: dict[int, int]
     shifts: tuple[tuple[float, float, float, float], ...]
     plain_floor: bool
     picture: Grey
-    mirrored: bool
-    family: str = ""
 
     @property
     def only_strays(self) -> bool:
@@ -57,11 +53,9 @@ def watch(film: Film, links: int, progress: Callable[[float], None] = lambda _: 
     """Read a film. progress: is told the time that was reached, s. Raises BadInput."""
     finder = TagFinder(links)
     looks: list[tuple[float, Single, Single]] = []
-    damage: list[str] = []
     ground: Background | None = None
     picture: Grey | None = None
-    mirrored, family = 0, ""
-    for time_s, grey in film.frames(damage):
+    for time_s, grey in film.frames():
         if picture is None:
             picture = grey.copy()
         tags = finder.find(grey)
@@ -76,9 +70,6 @@ def watch(film: Film, links: int, progress: Callable[[float], None] = lambda _: 
             ground.look(time_s, grey)
         elif tags and finder.window:
             picture, ground = grey.copy(), Background(finder.window, time_s, grey)
-        if not tags and len(looks) % 15 == 1:
-            mirrored += bool(TagFinder(links).find(np.ascontiguousarray(grey[:, ::-1])))
-            family = family or other_family(grey)
         progress(time_s)
         if len(looks) >= MOST_FRAMES:
             raise BadInput(
@@ -86,7 +77,7 @@ def watch(film: Film, links: int, progress: Callable[[float], None] = lambda _: 
                 "minutes in which the robot crawls"
             )
     if picture is None:
-        raise BadInput(f"{film.path}: not one frame can be read. {' '.join(damage)}".rstrip())
+        raise BadInput(f"{film.path}: not one frame can be read; copy it again")
     times_s, corners_px, edge_px = map(np.array, zip(*looks, strict=True))
     sharp_px = _sharp(corners_px, edge_px)
     sightings = Sightings.of(times_s, sharp_px, (film.width, film.height))
@@ -95,14 +86,11 @@ def watch(film: Film, links: int, progress: Callable[[float], None] = lambda _: 
         film,
         sightings,
         edge_px,
-        " ".join(damage),
         finder.strangers,
         finder.doubles,
         shifts,
         plain,
         picture,
-        mirrored > 0,
-        family,
     )
 
 

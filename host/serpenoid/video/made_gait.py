@@ -1,0 +1,112 @@
+"""The gait that the joints of a film made: beside the commanded one, and as a session's reading."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..base.errors import BadInput
+from ..model.capture_rate import OPTION, played_hz
+from ..model.gait import Gait, gait_name
+from .arrays import Array
+from .result import FilmedRun, FilmMeasurement, Joint, track_rows
+
+RATE_FLAG = 0.02  # relative difference from the commanded rate that is worth a remark
+ALIKE = 0.15  # of two gaits: amplitudes, relative, and half of it in phase lags, rad
+SLOW_MOTION = 1.5  # commanded rate over the filmed one; no robot lags behind its gait so much
+WHOLE = 0.03  # relative distance from a whole number of a phone's slow motion
+STEPS_RAD = np.radians(np.arange(-180.0, 180.0, 0.5))  # phase lags that are tried
+
+
+def _columns(joints: Sequence[Joint], *names: str) -> Array:
+    """Return an array for each attribute of the joints."""
+    return np.array([[getattr(joint, name) for joint in joints] for name in names])
+
+
+def measured_gait(run: FilmedRun, gait: Gait | None) -> Gait:
+    """Return the gait that the joints made: gains and shifts beside the commanded one.
+
+    Without a commanded gait: beside the mean amplitude and the even steps that fit best.
+    """
+    amplitude, phase, offset = _columns(run.joints, "amplitude_rad", "phase_rad", "offset_rad")
+    alpha = gait.alpha_rad if gait else float(amplitude.mean())
+    steps = np.array([gait.beta_rad]) if gait else STEPS_RAD
+    turned = np.exp(1j * (phase - steps[:, None] * np.arange(len(phase))))
+    shifts = np.angle(turned / np.exp(1j * np.angle(turned.mean(axis=1, keepdims=True))))
+    best = int(np.mean(shifts**2, axis=1).argmin())
+    return Gait(
+        alpha,
+        float(steps[best]),
+        run.omega_rad_s,
+        float(offset.mean()),
+        tuple((amplitude / alpha).tolist()),
+        tuple(shifts[best].tolist()),
+    )
+
+
+def rate_words(run: FilmedRun, gait: Gait) -> str:
+    """Return what may be wrong where a film does not show the commanded rate."""
+    text = (
+        f"the film shows {run.omega_rad_s / math.tau:.4g} Hz, commanded were "
+        f"{gait.omega_rad_s / math.tau:.4g} Hz"
+    )
+    ratio, scale = gait.omega_rad_s / run.omega_rad_s, run.time_scale
+    if ratio < SLOW_MOTION:
+        return f"{text}: the robot did not run that gait, or the file's times are wrong"
+    taken_hz = ratio / scale * played_hz([0.0, 1.0 / (scale * run.film["frame_rate_hz"])])
+    return (
+        f"{text}: is it slow motion, {ratio:.2g} times? Then give the camera's pictures a second, "
+        f"some {taken_hz:.0f}, with {OPTION}, or the run's recording with --recording; speeds are "
+        "those of the file"
+    )
+
+
+def reading_doubt(run: FilmedRun, stated: Gait | None, planned: Sequence[Gait]) -> str:
+    """Return why a film is no reading of the gait that was stated, or of those planned; else "".
+
+    Servos lose amplitude, so less of it is no other gait; more is, and so is less than half.
+    """
+    made = measured_gait(run, None)
+    for gait in [stated] if stated else planned:
+        ratio = gait.omega_rad_s / run.omega_rad_s
+        same_bend = 0.5 <= made.alpha_rad / max(gait.alpha_rad, 1e-9) <= 1.0 + ALIKE
+        same_lag = abs(math.remainder(made.beta_rad - gait.beta_rad, math.tau)) <= 2 * ALIKE
+        same_rate = abs(ratio - 1.0) <= max(RATE_FLAG, 4 * run.omega_sigma_rad_s / run.omega_rad_s)
+        slow = ratio > SLOW_MOTION and abs(ratio / round(ratio) - 1.0) < WHOLE
+        if same_bend and same_lag and slow:
+            return rate_words(run, gait)
+        if stated and not (same_bend and same_lag and same_rate):
+            return (
+                f"the film shows the gait {gait_name(made)}; stated was {gait_name(gait)}. Leave "
+                "the gait's options out to keep it as a reading of the gait that it shows"
+            )
+    return ""
+
+
+def film_cells(film: FilmMeasurement, planned: Sequence[Gait] = ()) -> tuple[dict[str, Any], Array]:
+    """Return the cells of a `video` reading, and the samples of its track.
+
+    planned: the session's gaits. Raises BadInput: the film shows slow motion, or another gait than
+    was stated.
+    """
+    run = film.run
+    if words := reading_doubt(run, film.gait, planned):
+        raise BadInput(f"{run.film['name']}: {words}")
+    gait = measured_gait(run, film.gait)
+    (sigma,) = _columns(run.joints, "amplitude_sigma_rad")
+    cells = {
+        "alpha_deg": math.degrees(gait.alpha_rad),
+        "beta_deg": math.degrees(gait.beta_rad),
+        "omega_rad_s": gait.omega_rad_s,
+        "offset_deg": math.degrees(gait.offset_rad),
+        "speed_m_s": run.speed_m_s,
+        "speed_sigma_m_s": run.speed_sigma_m_s,
+        "gain_sigma": float(np.mean(sigma / gait.alpha_rad)),
+        "gains": ",".join(f"{gain:.5f}" for gain in gait.joint_gain),
+        "shifts_deg": ",".join(f"{math.degrees(s):.3f}" for s in gait.joint_shift_rad),
+        "film_sha256": run.film["sha256"],
+    }
+    return cells, track_rows(film.measured)[1]
