@@ -142,10 +142,10 @@ SCENE = (
 @option("--method", "nonsmooth on dry ground, else rk4.", choice=METHODS, research=True)
 @number(
     "--accuracy",
-    "Pick what is not given of method and step for this error (body lengths, radians).",
+    "Choose step, and method unless given, for this error (body lengths, radians).",
     research=True,
 )
-@flag("--no-error", "Save the one or two runs that tell the error.", research=True)
+@flag("--no-error", "Save the runs that tell the error.", research=True)
 @AS_TABLES
 def simulate(
     scene_path: Path | None,
@@ -161,8 +161,6 @@ def simulate(
     """Follow one scene in time: a scene file, options, or a file with options over it."""
     from ..show import report, run_report
 
-    steps = ("dt_s", "tolerance") if accuracy is not None else ()
-    keep = [name for name in steps if name in given["settings"]]
     base = None if scene_path is None else sn.load_scene(scene_path)
     scene, notes = make_scene(base, **given)
     _check_that_all_apply(scene, accuracy, given["settings"])
@@ -170,7 +168,7 @@ def simulate(
         sn.save_scene(scene, saved_path)
         report.wrote(saved_path)
     try:
-        run = _watched(scene, accuracy, keep)
+        run = _watched(scene, accuracy)
         if out is not None:
             run.to_csv(out)
     except KeyboardInterrupt:
@@ -239,19 +237,21 @@ def make_scene(
 def _check_that_all_apply(scene: sn.Scene, accuracy: float | None, settings: Given) -> None:
     """Raise BadInput for a setting that the scene has no use for: it would change nothing."""
     springs = "the joints are pinned; give --formulation implicit too"
+    chosen = "--accuracy chooses it"
     steps = f"method {scene.method!r} takes fixed steps; give dt_s, or a --method that picks them"
     pinned = scene.formulation == "explicit"
     for no_use, why, *names in (
         (pinned, springs, "joint_stiffness_n_m", "joint_damping_n_s_m", "gap"),
         (scene.incline_rad == 0, "the ground is level", "incline_direction_deg"),
-        (not (scene.adaptive or accuracy), steps, "tolerance"),
+        (accuracy is not None, chosen, "tolerance"),
+        (not scene.adaptive, steps, "tolerance"),
     ):
         for name in names:
             if no_use and name in settings:
                 raise BadInput(f"{name} has no effect: {why}")
 
 
-def _watched(scene: sn.Scene, accuracy: float | None, keep: list[str]) -> sn.Run:
+def _watched(scene: sn.Scene, accuracy: float | None) -> sn.Run:
     """Run a scene, telling on a terminal how far it is."""
     with progress(scene.duration_s, "s simulated", so_far=True) as tell:
-        return interruptible(lambda: sn.simulate(scene, tell, accuracy=accuracy, keep=keep))
+        return interruptible(lambda: sn.simulate(scene, tell, accuracy=accuracy))

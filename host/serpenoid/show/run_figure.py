@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..simulation.run import ENERGY_COLUMNS, Run
+from ..simulation.core_run import ENERGY_COLUMNS
+from ..simulation.run import Run
 from .plot import (
     BLUE,
     GREEN,

@@ -17,6 +17,15 @@ from .scene import MAX_LINK_STEPS, Scene, objection
 
 Progress = Callable[[float], object]
 STANDARD_GRAVITY_M_S2 = 9.80665
+ENERGY_COLUMNS = (
+    "kinetic_j",
+    "springs_j",
+    "height_j",
+    "joint_work_j",
+    "friction_heat_j",
+    "damper_heat_j",
+    "positive_work_j",
+)
 
 
 def _torque(request: Any, scene: Scene) -> None:

@@ -1,17 +1,16 @@
-"""What is known of a run's error, by its time steps and by its springs, and warnings of it."""
+"""What an estimate of a run's error consists of, and the warnings that follow from it."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from ..base.rows import Result, Row, detail
-from .scene import Scene, objection
+from .scene import MIN_TOLERANCE, Scene, objection
 
-_PRESENT_AT = 0.01  # errors of the mean speed that a warning names
-_FAR = 0.1  # body lengths and radians that a warning names
+WARNED_SPEED = 0.01  # relative error of the mean speed that a warning names
+WARNED_SIZE = 0.1  # body lengths and radians that a warning names
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,18 +28,6 @@ class Difference:
     mean_speed: float
     energy_j: dict[str, float] | None = None
 
-    def grown(self, factor: float = 1.0, by: Difference | None = None) -> Difference:
-        """Return all of them times a factor, with another's sizes added to each, signs kept."""
-        more = by or Difference(0.0, 0.0, 0.0)
-        speed, doubt = factor * self.mean_speed, more.energy_j or {}
-        return Difference(
-            factor * self.position_m + more.position_m,
-            factor * self.angle_rad + more.angle_rad,
-            speed + math.copysign(more.mean_speed, speed),
-            self.energy_j
-            and {name: factor * j + doubt.get(name, 0.0) for name, j in self.energy_j.items()},
-        )
-
     def in_words(self) -> str:
         """Return places, angles and mean speed in one line."""
         speed = f"{self.mean_speed:+.2g}"
@@ -54,17 +41,21 @@ class Difference:
         """Return the larger of position in body lengths and angle in radians."""
         return max(self.position_m / body_m, self.angle_rad)
 
+    def times(self, factor: float) -> Difference:
+        """Return all differences times a factor."""
+        energy = self.energy_j and {name: factor * j for name, j in self.energy_j.items()}
+        return Difference(*(factor * v for v in list(asdict(self).values())[:3]), energy)
+
 
 @dataclass(frozen=True, slots=True)
 class RunError(Result):
-    """Split what is known of a run's error.
+    """Hold the estimated errors of a run.
 
-    integration: of the method, from two runs that are finer than it (judge.py). modelling: of the
-    springs, from a run of the exact model; None for the explicit formulation, which has none. How:
-    in words. settled: whether the finer runs agree among themselves; where they do not, the figures
-    are the size of the disagreement and no bound: the run cannot be told to be better than that.
-    believed_s: the time up to which the finer runs agree with this one to a hundredth of a body
-    length and of a radian. chaotic: whether they part because neighbouring motions do.
+    integration: of the method, four times the difference from a finer run. modelling: of the
+    springs, from a run of the exact model; None for the explicit formulation, which has none. how:
+    in words. settled: whether a yet finer run is nearer to the finer one than that is to the run;
+    where it is not, the figures are no bound. believed_s: the time up to which the finer run agrees
+    with this one to a hundredth of a body length and of a radian.
     """
 
     integration: Difference
@@ -72,7 +63,6 @@ class RunError(Result):
     how: str
     settled: bool = True
     believed_s: float = 0.0
-    chaotic: bool = False
 
     def rows(self) -> list[Row]:
         """Return the errors of time steps and springs."""
@@ -92,74 +82,72 @@ class RunError(Result):
         return sum(part.size(body_m) for part in (self.integration, self.modelling) if part)
 
 
+def finer_scene(scene: Scene, times: int = 1) -> Scene:
+    """Return the scene at a tenth of its tolerance or half its step, so many times.
+
+    It records energies at most. Below some tolerance rounding makes steps short and tells no more
+    (a run by nonsmooth takes ten times as long at 1e-11 with 40 links): there it is ten times the
+    tolerance, whose difference is the larger.
+    """
+    record = tuple(name for name in scene.record if name == "energy")
+    if not scene.adaptive:
+        parts = 2**times
+        every = parts * scene.every
+        return replace(scene, record=record, dt_s=scene.dt_s / parts, record_every=every)
+    many = scene.method == "nonsmooth"
+    least = MIN_TOLERANCE * max(1.0, (scene.robot.links / 3) ** 3) if many else MIN_TOLERANCE
+    factor = 0.1 if scene.tolerance >= 10**times * least else 10.0
+    return replace(scene, record=record, tolerance=scene.tolerance * factor**times)
+
+
 def warnings_of(scene: Scene, error: RunError) -> tuple[str, ...]:
     """Return what somebody who uses a run of a scene with such an error must know."""
     finer = "take a smaller " + ("tolerance" if scene.adaptive else "dt_s")
-    return (
-        *_unsettled(error, finer),
-        *_springs_too_soft(scene, error.modelling),
-        *_steps_too_long(error.integration, scene.robot.body_length_m, finer),
-        *_no_sticking(scene),
-    )
-
-
-def _unsettled(error: RunError, finer: str) -> Iterator[str]:
-    """Say that the finer runs of a run do not agree."""
-    if error.settled:
-        return
-    until = f"believe it up to t = {error.believed_s:.3g} s"
-    if error.chaotic:
-        yield (
-            "the motion is chaotic: neighbouring ones part, so that finer runs disagree as much "
-            f"among themselves as with this one; {until}, and beyond that only its statistics"
-        )
-    else:
-        yield (
+    off, said, body_m = error.integration, [], scene.robot.body_length_m
+    if not error.settled:
+        said.append(
             "the error estimate is no bound: finer runs disagree as much among themselves as with "
-            f"this one; {until}, or {finer}"
+            f"this one; believe it up to t = {error.believed_s:.3g} s, or {finer}"
         )
-
-
-def _springs_too_soft(scene: Scene, off: Difference | None) -> Iterator[str]:
-    """Say what the springs do to the mean speed, where it is much."""
-    springs = f"the springs (k = {scene.joint_stiffness_n_m:g} N/m)"
-    if off is not None and off.mean_speed == math.inf:
-        yield f"{springs} move a robot that rests in the exact model; take formulation 'explicit'"
-    elif off is not None and abs(off.mean_speed) > _PRESENT_AT:
-        percent = 100 * off.mean_speed
-        yield (
-            f"{springs} change the mean speed by {percent:+.2g} %; the error falls as 1/k: take "
-            f"k = {scene.joint_stiffness_n_m * abs(percent):.1g} N/m for 1 %, or formulation "
-            "'explicit'"
-        )
-
-
-def _steps_too_long(off: Difference, body_m: float, finer: str) -> Iterator[str]:
-    """Say what the time steps do to a run, where it is much."""
-    if math.isinf(off.position_m):  # no finer run came to its end, which is said already
-        return
-    if off.mean_speed == math.inf:
-        yield f"the time steps move a robot that rests; {finer}"
-    elif abs(off.mean_speed) > _PRESENT_AT:
+    if error.modelling is not None:
+        said += _springs_too_soft(scene, error.modelling.mean_speed)
+    if off.mean_speed == math.inf and math.isfinite(off.position_m):
+        said.append(f"the time steps move a robot that rests; {finer}")
+    elif WARNED_SPEED < abs(off.mean_speed) < math.inf:
         percent = 100 * abs(off.mean_speed)
-        yield f"the time steps change the mean speed by about {percent:.2g} %; {finer}"
-    elif not off.size(body_m) <= _FAR:
-        yield (
-            f"the time steps put links off by up to {off.position_m:.2g} m and "
+        said.append(f"the time steps may change the mean speed by {percent:.2g} %; {finer}")
+    elif WARNED_SIZE < off.size(body_m) < math.inf:
+        said.append(
+            f"the time steps may put links off by {off.position_m:.2g} m and "
             f"{off.angle_rad:.2g} rad; {finer}"
         )
-
-
-def _no_sticking(scene: Scene) -> Iterator[str]:
-    """Say what a scene on dry ground loses whose wheels cannot stick."""
-    if scene.law == "dry" and scene.method != "nonsmooth":
-        yield (
+    if chatters(scene):
+        soft = objection("nonsmooth", scene) is not None
+        said.append(
             f"method {scene.method!r} knows nothing of sticking: at rest its wheels chatter, and "
-            f"joint torques may be wrong by a third at any step; take {_sticking(scene)}"
+            "joint torques may be wrong by a third at any step; take method 'nonsmooth'"
+            + (" with formulation 'explicit'" if soft else "")
         )
+    return tuple(said)
 
 
-def _sticking(scene: Scene) -> str:
-    """Return how to have exact sticking in a scene on dry ground."""
-    soft = objection("nonsmooth", scene) is not None
-    return "method 'nonsmooth'" + (" with formulation 'explicit'" if soft else "")
+def chatters(scene: Scene) -> bool:
+    """Return whether dry friction meets a method that does not know sticking."""
+    return scene.law == "dry" and scene.method != "nonsmooth"
+
+
+def _springs_too_soft(scene: Scene, speed_error: float) -> list[str]:
+    """Return what the springs do to the mean speed, where it is much."""
+    springs = f"the springs (k = {scene.joint_stiffness_n_m:g} N/m)"
+    if speed_error == math.inf:
+        return [
+            f"{springs} move a robot that rests in the exact model; take formulation 'explicit'"
+        ]
+    if not abs(speed_error) > WARNED_SPEED:
+        return []
+    percent = 100 * speed_error
+    return [
+        f"{springs} change the mean speed by {percent:+.2g} %; the error falls as 1/k: take "
+        f"k = {scene.joint_stiffness_n_m * abs(percent):.1g} N/m for 1 %, or formulation "
+        "'explicit'"
+    ]

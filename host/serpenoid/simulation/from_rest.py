@@ -12,8 +12,7 @@ import numpy as np
 from ..base.errors import Diverged
 from ..model.link_state import LinkState
 from ..periodic.steady import FromRest, Motion, Steady
-from .judge import exact_scene
-from .scene import Scene
+from .scene import Scene, exact_scene
 from .simulate import simulate
 from .starts import start_state
 

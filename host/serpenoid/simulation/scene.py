@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 from numpy.typing import ArrayLike
@@ -34,16 +34,18 @@ from ..model.robot import Robot
 from .methods import GONE, METHODS, OwnChoice
 
 MAX_LINK_STEPS = 10**11
+MIN_TOLERANCE = 1e-13
 MAX_RECORDED_BYTES = 4_000_000_000
 DEFAULT_ROWS = 20_000
 _FIRST_ADVISED = ("dop853", "rk4", "radau")  # behind the one that suits a scene
+_MOST_ACCURATE = ("dop853", "nonsmooth", "rk4")  # of the explicit formulation
 _ANY_WAY = "formulation 'explicit', and leave the method to the scene"
 _LIMITS = {
     "joint_stiffness_n_m": NOT_NEGATIVE,
     "joint_damping_n_s_m": NOT_NEGATIVE,
     "incline_rad": Limits(0.0, math.pi / 2),
     "incline_direction_rad": Limits(-math.tau, math.tau),
-    "tolerance": Limits(1e-13, 0.1),
+    "tolerance": Limits(MIN_TOLERANCE, 0.1),
     "duration_s": NOT_NEGATIVE,
     "dt_s": POSITIVE,
 }
@@ -300,6 +302,17 @@ def default_method(scene: Scene) -> str:
     gears = servo is not None and servo.gear_friction_nm > 0
     dry = (scene.law == "dry" or gears) and objection("nonsmooth", scene) is None
     return "nonsmooth" if dry else "rk4"
+
+
+def exact_scene(scene: Scene, tolerance: float) -> Scene:
+    """Return a scene in the explicit formulation, by the most accurate method for it.
+
+    It records energies at most.
+    """
+    record = tuple(name for name in scene.record if name == "energy")
+    bare = replace(scene, formulation="explicit", method="auto", record=record)
+    method = next(name for name in _MOST_ACCURATE if objection(name, bare) is None)
+    return replace(bare, tolerance=tolerance, method=method)
 
 
 def ways_out(name: str, scene: Scene) -> str:

@@ -1,60 +1,30 @@
-"""A run in time: a scene is prepared once, run by the core, and its run given a judge."""
+"""A run in time: of a scene as it is, or with the step or tolerance that an accuracy needs."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from dataclasses import dataclass, replace
-from functools import partial
+import math
+from dataclasses import replace
 
-from ..base.checks import check_kind
-from ..base.errors import BadInput
-from ..model.link_state import LinkState
-from .core_run import Progress, run_core
-from .judge import check_wanted, run_error, simulate_to
+from ..base.checks import check_kind, check_number
+from ..base.errors import BadInput, NotConverged
+from .core_run import Progress
+from .methods import METHODS, OwnChoice
 from .run import Run
-from .scene import Scene
-from .stability import check_step
-from .starts import check_imposed, start_state
+from .scene import MIN_TOLERANCE, Scene, default_method, exact_scene, objection
+from .stability import largest_stable_step_s
+from .starts import start_state
 
-
-@dataclass(frozen=True, slots=True)
-class Prepared:
-    """Hold a scene that is ready to run, and the state that it and related scenes start from.
-
-    progress: called now and then with the time in s.
-    """
-
-    scene: Scene
-    start: LinkState
-    progress: Progress | None = None
-
-    @classmethod
-    def of(cls, scene: Scene, progress: Progress | None = None) -> Prepared:
-        """Find the state that a scene starts from."""
-        if isinstance(scene.start, LinkState):
-            check_imposed(scene, scene.start)
-        return cls(scene, start_state(scene), progress)
-
-    def run(self) -> Run:
-        """Run the scene."""
-        judge = partial(run_error, simulate=replace(self, progress=None).run_related)
-        out = run_core(self.scene, self.start, self.progress)
-        return Run(scene=self.scene, judge=judge, **out)
-
-    def run_related(self, scene: Scene) -> Run:
-        """Run a scene that has another method, step or record, or the exact model's joints."""
-        check_step(scene)
-        if scene.formulation != self.scene.formulation:
-            return Prepared.of(scene, self.progress).run()
-        return replace(self, scene=scene).run()
+MAX_TRIES = 6
+MAX_LINK_STEPS = 10**8  # of a run that an accuracy asks for: some ten seconds
+REASONS = {
+    "nonsmooth": "dry friction holds wheels: sticking must be exact",
+    "dop853": "smooth motion, without springs that ring: high order at few steps",
+    "radau": "stiff springs: steps as long as the slow motion allows",
+}
 
 
 def simulate(
-    scene: Scene,
-    progress: Progress | None = None,
-    *,
-    accuracy: float | None = None,
-    keep: Collection[str] = (),
+    scene: Scene, progress: Progress | None = None, *, accuracy: float | None = None
 ) -> Run:
     """Run a scene and return what it recorded.
 
@@ -66,9 +36,8 @@ def simulate(
         Called now and then with the time in s.
     accuracy
         Largest estimated error, in body lengths and rad. If given, the step or tolerance is chosen
-        for it, and the method too unless the scene names one. `Run.picked` says which and why.
-    keep
-        "dt_s", "tolerance": what `accuracy` must not change.
+        for it, and the method too unless the scene names one. `Run.picked` says which and why. dt_s
+        stays the grid of recorded times: fixed steps are whole parts of it.
 
     Returns
     -------
@@ -84,7 +53,7 @@ def simulate(
     Diverged
         If the state leaves the finite numbers or the method gives up; the message has the time.
     NotConverged
-        If `accuracy` cannot be reached.
+        If `accuracy` cannot be reached; the message has the error that was, and why.
 
     Examples
     --------
@@ -96,10 +65,77 @@ def simulate(
     6
     """
     check_kind("scene", scene, Scene)
-    if accuracy is not None:
-        check_wanted(accuracy, keep)
-        return simulate_to(accuracy, scene, Prepared.of(scene, progress).run_related, keep)
-    if keep:
-        raise BadInput(f"keep is {keep!r} without an accuracy; give accuracy too, or leave it out")
-    check_step(scene)
-    return Prepared.of(scene, progress).run()
+    if accuracy is None:
+        return Run.of(scene, start_state(scene), progress)
+    check_number("accuracy", accuracy, 1e-10, 0.1)
+    return _accurate_run(scene, accuracy, progress)
+
+
+def _accurate_run(scene: Scene, accuracy: float, progress: Progress | None) -> Run:
+    """Return a run whose estimated error is at most the accuracy; or raise NotConverged."""
+    start, (tried, why) = start_state(scene), _first_try(scene, accuracy)
+    for _ in range(MAX_TRIES):
+        setting = f"tolerance {tried.tolerance:g}" if tried.adaptive else f"dt_s {tried.dt_s:g}"
+        picked = f"formulation {tried.formulation!r}, method {tried.method!r}, {setting}: {why}"
+        run = Run.of(tried, start, progress, picked)
+        error, body_m = run.error_estimate, scene.robot.body_length_m
+        worst = error.worst(body_m)
+        if worst <= accuracy and error.settled:
+            return run
+        springs = error.modelling.size(body_m) if error.modelling else 0.0
+        if springs > max(accuracy, error.integration.size(body_m)):
+            wanted = 1.5 * scene.joint_stiffness_n_m * springs / accuracy
+            reason = (
+                f"the springs alone (k = {scene.joint_stiffness_n_m:g} N/m) are as far off; take "
+                f"formulation 'explicit', or joint_stiffness_n_m {wanted:.1g}"
+            )
+            break
+        reason = "ask for less, or a shorter run"
+        if not error.settled:
+            reason = f"finer runs do not agree; believe it up to t = {error.believed_s:.3g} s"
+        try:
+            tried = _finer(tried, min(max(worst / accuracy, 1.0), 1e3))
+        except BadInput:  # more steps than any run may have
+            break
+        if not tried.adaptive and tried.steps * scene.robot.links > MAX_LINK_STEPS:
+            reason = f"its steps would have to be {tried.dt_s:.1g} s; leave the method open"
+            break
+    raise NotConverged(
+        f"accuracy is {accuracy:g}; method {tried.method!r} came to {worst:.2g} only: {reason}"
+    )
+
+
+def _first_try(scene: Scene, accuracy: float) -> tuple[Scene, str]:
+    """Return the scene with the method and the step or tolerance to begin with, and why so."""
+    chosen, why = scene, f"method {scene.method!r} was given"
+    if isinstance(scene.method, OwnChoice):
+        method = _accurate_method(scene)
+        chosen, why = replace(scene, method=method), REASONS.get(method, "the scene's own method")
+    chosen = replace(chosen, tolerance=max(accuracy / 10, 10 * MIN_TOLERANCE))
+    if chosen.adaptive:
+        return chosen, why
+    longest_s = min(chosen.gait.period_s / 40, largest_stable_step_s(chosen) / 2)
+    return _split(chosen, chosen.dt_s / longest_s), why
+
+
+def _accurate_method(scene: Scene) -> str:
+    """Return the method that gets a scene most accurate, of those that run it."""
+    if scene.formulation == "explicit":
+        return exact_scene(scene, scene.tolerance).method
+    smooth = () if scene.law == "dry" else ("radau", "dop853")
+    runs = (method for method in smooth if objection(method, scene) is None)
+    return next(runs, default_method(scene))
+
+
+def _finer(scene: Scene, factor: float) -> Scene:
+    """Return a scene whose error should be smaller by a factor."""
+    if scene.adaptive:
+        return replace(scene, tolerance=max(scene.tolerance / factor / 3, MIN_TOLERANCE))
+    order = 1 if scene.law == "dry" or scene.servo else METHODS[scene.method].order
+    return _split(scene, max(2.0, 1.2 * factor ** (1 / order)))
+
+
+def _split(scene: Scene, parts: float) -> Scene:
+    """Return a scene whose steps are shorter by at least a factor, its recorded times the same."""
+    whole = max(math.ceil(parts), 1)
+    return replace(scene, dt_s=scene.dt_s / whole, record_every=whole * scene.every)

@@ -32,8 +32,10 @@ from ..model.robot import Robot
 from .scene import Scene, objection
 
 _PHASES, _MOST_LINKS = 8, 60
-_LONGEST_S, _SPAN = 1e9, 1e-24  # steps, s, and how far down each search looks
-_SHORTER = np.geomspace(0.03, 0.99, 40)  # parts of a limit that must be stable, too
+_SHORTEST_S, _LONGEST_S = 1e-60, 1e9  # between which the limit is searched for
+_HALVINGS = 45  # of the logarithm of that range: to 5e-12 of the limit
+_SHORTER = np.geomspace(0.03, 1.0, 40)  # parts of a stable step, which must be stable, too
+_ROUNDING = 1e-12  # of Jury's first two sums, which vanish with the step
 _SLACK = 1e-9  # rounding on the edge, where undamped modes live
 
 
@@ -159,46 +161,55 @@ def modes(scene: Scene) -> tuple[Array, Array]:
     return np.concatenate(stiff), np.concatenate(damped)
 
 
-def stability_test(scene: Scene) -> Callable[[float], bool] | None:
-    """Return the question `is this step stable?`, or None for a method that picks its own.
+def _inside_unit_circle(matrices: Array) -> bool:
+    """Return whether no eigenvalue of any matrix, (..., 2, 2) or (..., 3, 3), is beyond 1.
 
-    It is where the step's matrix, as the method itself takes it, has no eigenvalue beyond 1.
+    By Jury's conditions for z^3 - trace z^2 + minors z - det.
+    """
+    if not np.isfinite(matrices).all():
+        return False
+    scaled = matrices / (1 + _SLACK)
+    trace = np.trace(scaled, axis1=-2, axis2=-1)
+    minors = (trace**2 - np.trace(scaled @ scaled, axis1=-2, axis2=-1)) / 2
+    det = np.linalg.det(scaled) if scaled.shape[-1] == 3 else np.zeros_like(trace)
+    inside = (1 + minors - np.abs(trace + det) >= -_ROUNDING) & (np.abs(det) <= 1)
+    return bool((inside & (np.abs(minors - trace * det) <= 1 - det**2)).all())
+
+
+def _stability_test(scene: Scene) -> Callable[[float], bool] | None:
+    """Return the question whether a step is stable; None for a method that picks its own.
+
+    It is where the step's matrix, as the method itself takes it, has no eigenvalue beyond 1, and
+    where shorter steps have none either: the paper's method has windows of longer steps.
     """
     if scene.adaptive:
         return None
     stiff, damped = modes(scene)
 
     def stable(dt_s: float) -> bool:
+        steps_s = dt_s * _SHORTER[:, None]
         with np.errstate(all="ignore"):
-            step = _step(scene.method, stiff * dt_s**2, damped * dt_s)
-        finite = np.isfinite(step).all()
-        return bool(finite and np.abs(np.linalg.eigvals(step)).max() <= 1 + _SLACK)
+            matrices = _step(scene.method, (stiff * steps_s**2).ravel(), (damped * steps_s).ravel())
+            return _inside_unit_circle(matrices)
 
     return stable
 
 
 def largest_stable_step_s(scene: Scene) -> float:
-    """Return the fixed step, s, up to which all are stable; inf where nothing limits it.
-
-    Longer ones may be stable again: the paper's method has such windows.
-    """
-    stable, high = stability_test(scene), _LONGEST_S
-    if stable is None or stable(high):
+    """Return the fixed step, s, up to which all are stable; inf where nothing limits it."""
+    stable = _stability_test(scene)
+    low_s, high_s = _SHORTEST_S, _LONGEST_S
+    if stable is None or stable(high_s):
         return math.inf
-    while True:
-        low = high * _SPAN
-        for _ in range(60):
-            middle = math.sqrt(low * high)
-            low, high = (middle, high) if stable(middle) else (low, middle)
-        shorter = [part * low for part in _SHORTER if not stable(part * low)]
-        if not shorter:
-            return low
-        high = shorter[0]
+    for _ in range(_HALVINGS):
+        middle_s = math.sqrt(low_s * high_s)
+        low_s, high_s = (middle_s, high_s) if stable(middle_s) else (low_s, middle_s)
+    return low_s
 
 
 def check_step(scene: Scene) -> None:
     """Raise StepTooLarge, naming a step that works, when a scene's fixed step is unstable."""
-    stable = stability_test(scene)
+    stable = _stability_test(scene)
     if stable is None or stable(scene.dt_s):
         return
     limit = largest_stable_step_s(scene)

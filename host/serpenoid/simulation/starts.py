@@ -13,8 +13,7 @@ from ..model.gait import joint_motion
 from ..model.link_state import LinkState, from_tail
 from ..periodic.steady import steady_gait
 from .core_run import run_core
-from .judge import exact_scene
-from .scene import Scene
+from .scene import Scene, exact_scene
 from .stability import friction_rate
 
 _FORWARD = np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12.0  # derivative from five points, order 4
@@ -28,42 +27,7 @@ def _joints_at_start(scene: Scene) -> tuple[Array, Array]:
     return phi, rate
 
 
-def _placed(scene: Scene, vx_m_s: float, vy_m_s: float, omega_rad_s: float) -> LinkState:
-    """Return the state with link 1 at the origin along x, moving as given."""
-    phi, rate = _joints_at_start(scene)
-    tail_rate = np.array([vx_m_s, vy_m_s, omega_rad_s])
-    return LinkState.joined(scene.robot, from_tail(np.zeros(3), phi), from_tail(tail_rate, rate))
-
-
-def _moving(scene: Scene, vx_m_s: float, vy_m_s: float, turn_rad_s: float) -> LinkState:
-    """Return the state whose centre of mass and link 1 move as given.
-
-    Link 1 moves as the centre of mass does, turned about it, less what the shape adds.
-    """
-    still = _placed(scene, 0, 0, 0)
-    ahead, left = still.x_m[0] - still.x_m.mean(), still.y_m[0] - still.y_m.mean()
-    vx = vx_m_s - turn_rad_s * left - still.vx_m_s.mean()
-    vy = vy_m_s + turn_rad_s * ahead - still.vy_m_s.mean()
-    return _placed(scene, vx, vy, turn_rad_s)
-
-
-def _zero_momentum(scene: Scene) -> LinkState:
-    """Return the start in which neither the centre of mass moves nor the whole chain turns."""
-    robot, still = scene.robot, _placed(scene, 0, 0, 0)
-    m, inertia = robot.link_mass_kg, robot.inertia_kg_m2
-    x, y, vx, vy = (v - v.mean() for v in (still.x_m, still.y_m, still.vx_m_s, still.vy_m_s))
-    momentum = m * (x @ vy - y @ vx) + inertia * still.omega_rad_s.sum()
-    turn = -momentum / (robot.links * inertia + m * (x @ x + y @ y))
-    return _moving(scene, 0.0, 0.0, turn)
-
-
-def _steady_start(scene: Scene) -> LinkState:
-    """Return the explicit model's periodic state, link 1 at the origin heading along x."""
-    state = steady_gait(scene.robot, scene.ground, scene.gait, powers=False)
-    return _moving(scene, *state.body_velocity)
-
-
-def check_imposed(scene: Scene, start: LinkState) -> None:
+def _check_imposed(scene: Scene, start: LinkState) -> None:
     """Raise BadInput unless a start has the angles and rates of the joints that are imposed."""
     joints = np.arange(1, scene.robot.links)
     by_angle = scene.drive == "angle"
@@ -80,11 +44,31 @@ def check_imposed(scene: Scene, start: LinkState) -> None:
 
 
 def _explicit_start(scene: Scene) -> LinkState:
+    """Return the start with pinned joints, link 1 at the origin along x."""
     if isinstance(scene.start, LinkState):
+        _check_imposed(scene, scene.start)
         return scene.start
+    robot, (phi, rate) = scene.robot, _joints_at_start(scene)
+    still = LinkState.joined(robot, from_tail(np.zeros(3), phi), from_tail(np.zeros(3), rate))
     if scene.start == "link1_at_rest":
-        return _placed(scene, 0, 0, 0)
-    return _zero_momentum(scene) if scene.start == "zero_momentum" else _steady_start(scene)
+        return still
+    x_m, y_m, vx_m_s, vy_m_s = (
+        v - v.mean() for v in (still.x_m, still.y_m, still.vx_m_s, still.vy_m_s)
+    )
+    if scene.start == "steady":  # link 1 turns as the body velocity says
+        state = steady_gait(robot, scene.ground, scene.gait, powers=False)
+        ahead_m_s, left_m_s, turn_rad_s = state.body_velocity
+    else:  # neither does the centre of mass move nor the whole chain turn
+        mass_kg, inertia_kg_m2 = robot.link_mass_kg, robot.inertia_kg_m2
+        spin = mass_kg * (x_m @ vy_m_s - y_m @ vx_m_s) + inertia_kg_m2 * still.omega_rad_s.sum()
+        whole_kg_m2 = robot.links * inertia_kg_m2 + mass_kg * (x_m @ x_m + y_m @ y_m)
+        ahead_m_s, left_m_s, turn_rad_s = 0.0, 0.0, -spin / whole_kg_m2
+    return replace(
+        still,
+        vx_m_s=vx_m_s + ahead_m_s - turn_rad_s * y_m,
+        vy_m_s=vy_m_s + left_m_s + turn_rad_s * x_m,
+        omega_rad_s=still.omega_rad_s + turn_rad_s,
+    )
 
 
 def _on_slow_manifold(scene: Scene, start: LinkState) -> LinkState:

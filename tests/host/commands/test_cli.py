@@ -52,7 +52,7 @@ def test_the_springs_error_is_told() -> None:
 def test_an_accuracy_picks_the_method() -> None:
     got = answer(f"simulate {GAIT} --robot paper --duration-s 3 --accuracy 1e-4")
     assert got["method"] == "dop853"
-    assert "asked for" in got["picked"]
+    assert "tolerance 1e-05" in got["picked"]
     assert got["error_estimate"]["integration"]["angle_rad"] < 1e-4
 
 

@@ -185,10 +185,9 @@ def test_a_speed_between_rare_records_is_not_guessed() -> None:
     assert answer(line)["speed_over_last_period_m_s"] > 0.1
 
 
-def test_an_accuracy_keeps_what_is_given_or_says_why_not() -> None:
-    springs = f"{SHORT} --formulation implicit --method rk4 --set dt_s=1e-3 --accuracy"
+def test_an_accuracy_chooses_the_step_or_says_why_not() -> None:
+    springs = f"{SHORT} --formulation implicit --method rk4 --accuracy"
     got = answer(f"{springs} 0.05")
-    assert (got["formulation"], got["method"], got["dt_s"]) == ("implicit", "rk4", 1e-3)
+    assert (got["formulation"], got["method"]) == ("implicit", "rk4")
     assert "the springs alone (k = 1000 N/m)" in serpenoid(f"{springs} 1e-6").stderr
-    coarse = serpenoid(f"{SHORT} --method rk4 --set dt_s=1e-2 --accuracy 1e-9")
-    assert "dt_s 0.01 was given" in coarse.stderr
+    assert "--accuracy chooses it" in serpenoid(f"{springs} 0.05 --set tolerance=1e-6").stderr

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from robots import PAPER, VISCOUS
-from serpenoid.simulation.run import ENERGY_COLUMNS
+from serpenoid.simulation.core_run import ENERGY_COLUMNS
 
 from . import truth_cases as tc
 

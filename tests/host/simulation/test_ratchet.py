@@ -12,7 +12,7 @@ import serpenoid as sn
 from oracle import contact_modes
 from refusals import refused
 from robots import OF_2005, gait_in_deg
-from serpenoid.simulation.judge import difference
+from serpenoid.simulation.run import difference
 
 from . import truth_cases as tc
 
