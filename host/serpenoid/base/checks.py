@@ -55,15 +55,18 @@ class Limits(NamedTuple):
     high: float = math.inf
     open_low: bool = False
 
+    def check(self, name: str, value: object) -> float:
+        """Return value as a float, or raise BadInput naming it and the range it must be in."""
+        return check_number(name, value, self.low, self.high, open_low=self.open_low)
+
 
 POSITIVE, NOT_NEGATIVE = Limits(0.0, open_low=True), Limits(0.0)
 
 
 def check_fields(part: object, table: Mapping[str, Limits]) -> None:
     """Hold a frozen dataclass's fields as floats, each within its limits, or raise BadInput."""
-    for name, (low, high, open_low) in table.items():
-        value = check_number(name, getattr(part, name), low, high, open_low=open_low)
-        object.__setattr__(part, name, value)
+    for name, limits in table.items():
+        object.__setattr__(part, name, limits.check(name, getattr(part, name)))
 
 
 def _as_float(value: object) -> float | None:

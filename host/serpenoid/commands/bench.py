@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from ..show.screen import say
-from .declare import EXISTING, Command, directory, flag, option
+from .declare import EXISTING, directory, flag, option
 from .group import Commands
 
 OUT = option("--out", "Folder for figures and numbers.", type=directory, default=Path("bench-out"))
@@ -22,7 +22,7 @@ def _tell(text: str) -> None:
     say(text, err=True)
 
 
-@BENCH_GROUP.command(cls=Command)
+@BENCH_GROUP.command()
 @OUT
 @flag("--quick", "Three scenes, three rounds: less than a minute.")
 @option("--page", "A Markdown page whose table between the markers is renewed.", type=EXISTING)
@@ -49,7 +49,7 @@ def accuracy(out: Path, quick: bool, page: Path | None) -> None:
     say(f"{len(rows)} rows, {len(failed)} without a result; in {out}")
 
 
-@BENCH_GROUP.command(cls=Command)
+@BENCH_GROUP.command()
 @OUT
 @flag("--quick", "A coarse map, no long chains: less than a minute.")
 def stability(out: Path, quick: bool) -> None:
@@ -67,7 +67,7 @@ def stability(out: Path, quick: bool) -> None:
         raise SystemExit(1)
 
 
-@BENCH_GROUP.command(cls=Command)
+@BENCH_GROUP.command()
 @OUT
 def scenes(out: Path) -> None:
     """Count instructions per step of ever richer scenes."""

@@ -5,12 +5,13 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 
-from ..base.checks import Limits, check_choice, check_number, check_whole, range_in_words
+from ..base.checks import Limits, range_in_words
 from ..base.errors import BadInput
 from ..base.toml_table import check_names
 from ..show.screen import say
@@ -26,15 +27,27 @@ class ResearchOption(click.Option):
 class Command(click.Command):
     """A command whose help lists the options for researchers apart."""
 
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Refuse a word that is empty, as of a shell's variable that is not set."""
+        for word in args:
+            if not word or (word.startswith("--") and word.endswith("=")):
+                where = f" behind {word}" if word else ""
+                raise click.UsageError(f"a name is empty{where}; '.' is the current folder", ctx)
+        return super().parse_args(ctx, args)
+
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the options of builders, then those of researchers."""
         for title, for_research in (("Options", False), ("For researchers", True)):
-            parameters = self.get_params(ctx)
-            shown = [p for p in parameters if isinstance(p, ResearchOption) == for_research]
+            shown = [
+                p for p in self.get_params(ctx) if isinstance(p, ResearchOption) == for_research
+            ]
             records = [record for p in shown if (record := p.get_help_record(ctx)) is not None]
             if records:
                 with formatter.section(title):
                     formatter.write_dl(records)
+
+
+command = partial(click.command, cls=Command)
 
 
 def option(
@@ -79,71 +92,60 @@ def parsed_number(name: str, text: str) -> float:
         ) from None
 
 
+def parsed_whole(name: str, text: str) -> float:
+    """Return a typed number, as an int if it is a whole one: whom it goes to wants that."""
+    number = parsed_number(name, text)
+    return int(number) if number.is_integer() else number
+
+
 class Number(click.ParamType):
     """A number, typed without a unit; of limits only where no function of Python checks them."""
 
     name = "number"
 
-    def __init__(self, *limits: float, open_low: bool = False) -> None:
-        self.limits = Limits(*limits, open_low=open_low) if limits else None
+    def __init__(self, limits: Limits | None = None) -> None:
+        self.limits = limits
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return the number. Raises BadInput in the option's name."""
         name = param.opts[0] if param else "the number"
         number = parsed_number(name, value)
-        return number if self.limits is None else _within(name, number, self.limits)
+        return self.limits.check(name, number) if self.limits else number
 
 
-def _within(name: str, number: float, limits: Limits) -> float:
-    low, high, open_low = limits
-    return check_number(name, number, low, high, open_low=open_low)
-
-
-def number(*names_and_help: str, **how: Any) -> Option:
+def number(*names_and_help: str, limits: Limits | None = None, **how: Any) -> Option:
     """Return an option that takes a number."""
-    return option(*names_and_help, **{"type": Number(), **how})
+    return option(*names_and_help, type=Number(limits), **how)
 
 
 @dataclass(frozen=True)
 class Setting:
     """One name that `--set NAME=VALUE` takes.
 
-    limits: a number's range, or the words that it may be. usual: its default, in words.
-    is_whole: it is a whole number. read: makes its value of the name and the typed text, in place
-    of a number.
+    limits: of its number. usual: its default, in words. read: makes its value of the name and the
+    typed text.
     """
 
     name: str
     words: str
     unit: str = ""
-    limits: Limits | tuple[str, ...] | None = None
+    limits: Limits | None = None
     usual: str = ""
-    is_whole: bool = False
-    read: Callable[[str, str], Any] | None = None
+    read: Callable[[str, str], Any] = parsed_number
 
     def value(self, text: str) -> Any:
         """Return the value of a typed text. Raises BadInput in the setting's name."""
-        if self.read is not None:
-            return self.read(self.name, text)
-        if self.limits is not None and not isinstance(self.limits, Limits):
-            return check_choice(self.name, text, self.limits)
-        number = parsed_number(self.name, text)
-        if not self.is_whole:
-            return number if self.limits is None else _within(self.name, number, self.limits)
-        low, high = (self.limits or Limits(0.0))[:2]
-        rounded = int(number) if number.is_integer() else number
-        return check_whole(
-            self.name, rounded, int(low), None if high == float("inf") else int(high)
-        )
+        value = self.read(self.name, text)
+        if self.limits and isinstance(value, (int, float)):
+            self.limits.check(self.name, value)
+        return value
 
     @property
     def help(self) -> tuple[str, str]:
         """Return the name, and meaning, unit, limits and default in words."""
-        limits = ""
-        if isinstance(self.limits, Limits):
-            limits = range_in_words(*self.limits).removeprefix("a finite number, ")
-        elif self.limits:
-            limits = ", ".join(self.limits)
+        limits = (
+            range_in_words(*self.limits).removeprefix("a finite number, ") if self.limits else ""
+        )
         usual = f"default: {self.usual}" if self.usual else ""
         return self.name, "; ".join(filter(None, (self.words, self.unit, limits, usual)))
 
@@ -184,39 +186,16 @@ def settings(*known: Setting) -> Option:
     )
 
 
-def refuse_typed(words: str, *names: str) -> None:
-    """Raise UsageError for an option of this command that was typed, and would do nothing.
-
-    words: of the error, with {} for the option. names: of the options' values.
-    """
-    context = click.get_current_context()
-    typed = click.core.ParameterSource.COMMANDLINE
-    for parameter in context.command.params:
-        name = parameter.name or ""
-        given = name in names and context.get_parameter_source(name) is typed
-        if given and context.params[name] is not False:
-            raise click.UsageError(words.format(parameter.opts[0]))
+def refuse_unused(settings: Given, why: str, *names: str) -> None:
+    """Raise BadInput for settings that would change nothing, and say why."""
+    if unused := " and ".join(name for name in names if name in settings):
+        raise BadInput(f"--set {unused} would change nothing: {why}")
 
 
-_SESSION = ("session.toml", "readings.csv", "events.csv", "fit.json")
 FIGURES = (".png", ".pdf", ".svg")
-
-
-class PathType(click.Path):
-    """A file or a folder; an empty name is none, where Python takes it for the current folder."""
-
-    def __init__(self, **limits: bool) -> None:
-        super().__init__(**limits, path_type=Path)
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the path."""
-        _refuse(None if str(value) else NO_NAME)
-        return super().convert(value, param, ctx)
-
-
-NO_NAME = "the name is empty; '.' is the current folder"
-FOLDER = PathType(file_okay=False)
-EXISTING = PathType(exists=True, dir_okay=False)
+FOLDER = click.Path(file_okay=False, path_type=Path)
+EXISTING = click.Path(exists=True, dir_okay=False, path_type=Path)
+_SESSION = ("session.toml", "readings.csv", "events.csv", "fit.json")
 
 
 def out_file(*suffixes: str) -> Callable[[str | Path], Path]:
@@ -224,49 +203,27 @@ def out_file(*suffixes: str) -> Callable[[str | Path], Path]:
 
     def file(value: str | Path) -> Path:
         path = Path(value)
-        _refuse(_wrong(path, suffixes) if str(value) else NO_NAME)
+        folder, there = path.parent, path.exists()
+        in_session = there and path.name in _SESSION and (folder / "session.toml").exists()
+        wrong = {
+            f"must end in {' or '.join(suffixes)}": suffixes
+            and path.suffix.lower() not in suffixes,
+            "is a folder; name a file in it": path.is_dir(),
+            "holds a session's readings or set-up; take another name or folder": in_session,
+            f"has no folder: {str(folder)!r} is not there; make it first": not folder.exists(),
+            f"has no folder: {str(folder)!r} is a file": folder.is_file(),
+            "may not be written to": not os.access(path if there else folder, os.W_OK),
+        }
+        for words, is_wrong in wrong.items():
+            if is_wrong:
+                raise click.BadParameter(f"{str(path)!r} {words}")
         return path
 
     return file
 
 
-def _refuse(reason: str | None) -> None:
-    if reason:
-        raise click.BadParameter(reason)
-
-
-def _wrong(path: Path, suffixes: tuple[str, ...]) -> str | None:
-    if suffixes and path.suffix.lower() not in suffixes:
-        return f"{str(path)!r} must end in {' or '.join(suffixes)}"
-    if path.is_dir():
-        return f"{str(path)!r} is a folder; name a file in it"
-    if (own := _of_a_session(path)) is not None:
-        return f"{str(own)!r} holds a session's readings or set-up; take another name or folder"
-    if path.exists():
-        return None if os.access(path, os.W_OK) else f"{str(path)!r} may not be written to"
-    return _no_place(path.parent)
-
-
-def _of_a_session(path: Path) -> Path | None:
-    """Return the session's own file that writing there would destroy."""
-    in_session = (path.parent / "session.toml").exists()
-    return path if in_session and path.name in _SESSION and path.exists() else None
-
-
 def directory(value: str | Path) -> Path:
-    """Return a folder to be filled: it is there and may be written to, or can be made."""
-    _refuse(None if str(value) else NO_NAME)
-    path = there = Path(value)
-    while not there.exists():
-        there = there.parent
-    _refuse(_no_place(there))
+    """Return a folder to be filled, which is made if it is not there. Raises OSError."""
+    path = Path(value)
+    path.mkdir(parents=True, exist_ok=True)
     return path
-
-
-def _no_place(folder: Path) -> str | None:
-    """Say why no file can be made in a folder, if so."""
-    if not folder.exists():
-        return f"the folder {str(folder)!r} is not there; make it first"
-    if not folder.is_dir():
-        return f"{str(folder)!r} is a file, not a folder"
-    return None if os.access(folder, os.W_OK) else f"{str(folder)!r} may not be written to"

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import serpenoid as sn
 
 from ..base.errors import BadInput
 from ..show.screen import say
-from .declare import Given, Setting
+from .declare import Given
 from .options import FRICTION, ROBOT, typed_servo
-
-if TYPE_CHECKING:
-    from ..prediction.band import SpeedBand
-    from ..session.film import FilmReading
 
 
 @dataclass(frozen=True)
@@ -70,13 +65,13 @@ def make_snake(name: str | None, settings: Given, base: Snake | None = None) -> 
     Mass and friction are those of the whole robot. Where `links` alone is set, every link keeps
     its own.
     """
-    start = named_snake(name) if name is not None or (base is None and (name := "2005")) else base
-    assert start is not None
+    if name is not None or base is None:
+        base = named_snake(name or "2005")
     body = {one.name: settings[one.name] for one in ROBOT if one.name in settings}
     friction = {one.name: settings[one.name] for one in FRICTION if one.name in settings}
     if not body and not friction:
-        return start
-    old = start.robot
+        return base
+    old, ground = base.robot, base.ground
     links = body.pop("links", old.links)
     rod = old == sn.Robot(old.links, old.link_mass_kg, old.link_length_m)  # a rod stays one
     kept = {
@@ -85,10 +80,10 @@ def make_snake(name: str | None, settings: Given, base: Snake | None = None) -> 
         "link_inertia_kg_m2": None if rod else old.link_inertia_kg_m2,
     }
     robot = sn.Robot.whole_body(links, **(kept | body))
-    whole = start.ground.scaled(*4 * [links])
-    kept = {name: getattr(whole, name) for name in ("ct", "cn", "ft0", "fn0")}
-    ground = sn.Ground.whole_body(links, **(kept | friction)) if friction else start.ground
-    return replace(start, robot=robot, ground=ground, fit=None)
+    if friction:
+        whole = asdict(ground.scaled(*4 * [links]))
+        ground = sn.Ground.whole_body(links, **(whole | friction))
+    return replace(base, robot=robot, ground=ground, fit=None)
 
 
 def session_fit(folder: Path) -> sn.FrictionFit:
@@ -121,23 +116,6 @@ def take_servo(
     return read_session(snake.session).setup.driving(kind)
 
 
-def predicted_band(
-    snake: Snake,
-    gait: sn.Gait,
-    servo: sn.ServoKind | None = None,
-    commanded: sn.Gait | None = None,
-) -> SpeedBand | None:
-    """Return the one 95 % band of a gait's speed; None without a fit.
-
-    commanded: as for `speed_band`.
-    """
-    if snake.fit is None:
-        return None
-    from ..prediction.band import speed_band
-
-    return speed_band(snake.fit, gait, servo=servo, commanded=commanded)
-
-
 def tell_alarms(fit: sn.FrictionFit) -> sn.FrictionFit:
     """Warn of what forbids to trust a fit, note what was not measured; return the fit."""
     notes = alarms_of(fit)
@@ -158,42 +136,3 @@ def alarms_of(fit: sn.FrictionFit) -> Given:
 def servo_remark(kind: sn.ServoKind | None) -> Given:
     """Return the remark on a servo whose test the model did not describe, for JSON."""
     return {"servo_remark": kind.remark} if kind and kind.remark else {}
-
-
-_SAME_RAD, _SAME_RATE = 1e-3, 0.01
-JOINTS = Setting(
-    "joints",
-    "session with a film: its joints' gains and phases, in place of the commanded ones",
-    usual="as commanded",
-    read=lambda _name, text: Path(text),
-)
-
-
-def latest_film(session: Path, links: int) -> FilmReading:
-    """Return the latest film of a session. Raises BadInput: none, or of another robot."""
-    from ..session.folder import read_session
-
-    films = read_session(session).kept_films
-    if not films:
-        raise BadInput(
-            f"{session}: holds no film; measure one with `serpenoid video FILE --session {session}`"
-        )
-    joints = len(films[-1].gait.joint_gain)
-    if joints != links - 1:
-        raise BadInput(f"{session}: its film shows {joints} joints; the robot has {links - 1}")
-    return films[-1]
-
-
-def with_joints(gait: sn.Gait, session: Path | None, links: int) -> sn.Gait:
-    """Return the gait as a session's film says that the joints make it."""
-    if session is None:
-        return gait
-    seen = latest_film(session, links).gait
-    return replace(gait, joint_gain=seen.joint_gain, joint_shift_rad=seen.joint_shift_rad)
-
-
-def was_filmed(gait: sn.Gait, session: Path, links: int) -> bool:
-    """Tell whether a session's latest film shows this commanded gait; its board's clock errs."""
-    asked = latest_film(session, links).commanded
-    apart = abs(asked.alpha_rad - gait.alpha_rad), abs(asked.beta_rad - gait.beta_rad)
-    return max(apart) < _SAME_RAD and abs(asked.omega_rad_s / gait.omega_rad_s - 1.0) < _SAME_RATE

@@ -14,6 +14,7 @@ from typing import Any
 import click
 
 from ..base.errors import shortened
+from .declare import Command
 
 _CURES = {
     errno.ENOSPC: "make room and try again",
@@ -30,6 +31,8 @@ class Commands(click.Group):
     sections: its commands, unless they are added one by one. usual: the command that is meant where
     a file, a folder or an option stands first.
     """
+
+    command_class = Command
 
     def __init__(
         self, *args: Any, sections: Sections | None = None, usual: str = "", **kwargs: Any

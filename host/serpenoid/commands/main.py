@@ -19,7 +19,7 @@ from ..show.screen import say
 from .bench import BENCH_GROUP
 from .board.drive import drive
 from .board.tools import doctor, flash, monitor, ports, trim
-from .declare import Command, directory, option
+from .declare import command, directory, option
 from .friction.calibrate import calibrate
 from .friction.fitted import advise, compare, fit, report
 from .friction.servo import servo
@@ -33,7 +33,7 @@ from .video import VIDEO_GROUP
 from .view import examples, view
 
 
-@click.command(cls=Command)
+@command()
 @option(
     "--out", "Folder for figures and figures' numbers.", type=directory, default=Path("demo-out")
 )

@@ -19,16 +19,26 @@ from ..base.checks import FORMULATIONS, NOT_NEGATIVE, POSITIVE, Limits
 from ..base.errors import BadInput
 from ..base.files import write_text
 from ..model.capture_rate import HIGHEST_HZ, OPTION
-from ..show.screen import say
-from .declare import Given, Number, Setting, flag, number, option, parsed_number, together
+from ..show.screen import say, working
+from .declare import (
+    Given,
+    Setting,
+    flag,
+    number,
+    option,
+    parsed_number,
+    parsed_whole,
+    refuse_unused,
+    together,
+)
 
 T = TypeVar("T")
 AS_JSON = flag("--json", "as_json", "Answer with JSON.")
 AS_TABLES = together(flag("--verbose", "Print errors, margins and other powers, too."), AS_JSON)
-CAPTURE_FPS = option(
+CAPTURE_FPS = number(
     OPTION,
     "Pictures a second that the camera took, of slow motion whose file has no tag that says so.",
-    type=Number(1, HIGHEST_HZ),
+    limits=Limits(1, HIGHEST_HZ),
 )
 
 
@@ -44,7 +54,7 @@ ROBOT = (
         "number of links; more or fewer of the same, unless mass and friction are set too",
         limits=Limits(2, 100_000),
         usual="6",
-        is_whole=True,
+        read=parsed_whole,
     ),
     Setting("mass_kg", "mass of the whole robot, as it crawls", "kg", POSITIVE, "0.4536"),
     Setting("link_length_m", "length of one link, joint to joint", "m", POSITIVE, "0.076"),
@@ -56,24 +66,11 @@ ROBOT = (
         "a uniform rod's",
     ),
 )
+_BACK = "ratchet wheels: forwards,backwards"
 FRICTION = (
-    Setting(
-        "ct",
-        "viscous friction along the whole snake; ratchet wheels: forwards,backwards",
-        "N s/m",
-        NOT_NEGATIVE,
-        "0.084",
-        read=_both_ways,
-    ),
+    Setting("ct", f"viscous, along the snake; {_BACK}", "N s/m", NOT_NEGATIVE, "0.084", _both_ways),
     Setting("cn", "viscous friction across the whole snake", "N s/m", NOT_NEGATIVE, "1.2"),
-    Setting(
-        "ft0",
-        "dry friction along the whole snake; ratchet wheels: forwards,backwards",
-        "N",
-        NOT_NEGATIVE,
-        "0.14",
-        read=_both_ways,
-    ),
+    Setting("ft0", f"dry, along the snake; {_BACK}", "N", NOT_NEGATIVE, "0.14", _both_ways),
     Setting("fn0", "dry friction across the whole snake", "N", NOT_NEGATIVE, "0.27"),
 )
 OFFSET = Setting("offset_deg", "bend of every joint: steers", "deg", Limits(-180, 180), "0")
@@ -81,6 +78,7 @@ SPRINGS = (
     Setting("joint_stiffness_n_m", "implicit model: k of the joints", "N/m", POSITIVE, "1000"),
     Setting("joint_damping_n_s_m", "implicit model: c of the joints", "N s/m", NOT_NEGATIVE, "1"),
 )
+PINNED = "the joints are pinned; give --formulation implicit too"
 PLUG = (
     Setting(
         "volts", "voltage at the servos' plug", "V", Limits(1, 60), "the session's, or 4.8 to 6"
@@ -104,7 +102,7 @@ robot_option = option(
 gait_options = together(
     number("--alpha-deg", "Amplitude of the joints."),
     number("--beta-deg", "Phase lag from joint to joint."),
-    number("--frequency-hz", "Frequency of the gait.", type=Number(0.0, math.inf, open_low=True)),
+    number("--frequency-hz", "Frequency of the gait.", limits=POSITIVE),
     number("--omega-rad-s", "Its angular rate, in place of the frequency."),
 )
 servo_option = option(
@@ -139,19 +137,15 @@ listed_gaits = number(
 
 def typed_servo(name: str, settings: Given) -> sn.ServoKind | None:
     """Return servos of a name or file, at the plug's settings; None for joints that are ideal."""
-    volts, frame_ms = settings.get("volts"), settings.get("frame_ms")
     if name.lower() == IDEAL:
-        if volts or frame_ms:
-            raise BadInput("volts and frame_ms have no effect on ideal joints; give --servo NAME")
+        refuse_unused(settings, "joints are ideal; give --servo NAME", "volts", "frame_ms")
         return None
     kind = sn.servo(name)
     if kind.remark:
         say(f"serpenoid: warning: servo {kind.name}: {kind.remark}", err=True)
-    kind = kind if volts is None else kind.at_volts(volts)
-    return kind if frame_ms is None else kind.at_frames(frame_ms / 1e3)
-
-
-_GAIT_FIELDS = {"alpha_deg": "alpha_rad", "beta_deg": "beta_rad", "offset_deg": "offset_rad"}
+    if "volts" in settings:
+        kind = kind.at_volts(settings["volts"])
+    return kind.at_frames(settings["frame_ms"] / 1e3) if "frame_ms" in settings else kind
 
 
 def make_gait(typed: Given, settings: Given, base: sn.Gait | None = None) -> sn.Gait:
@@ -161,24 +155,20 @@ def make_gait(typed: Given, settings: Given, base: sn.Gait | None = None) -> sn.
     """
     given = {name: value for name, value in typed.items() if value is not None}
     given |= {name: settings[name] for name in ("offset_deg",) if name in settings}
-    rates = [name for name in ("frequency_hz", "omega_rad_s") if name in given]
+    rates = given.keys() & {"frequency_hz", "omega_rad_s"}
     if len(rates) > 1 or not (rates or base):
         raise BadInput("give one of --frequency-hz and --omega-rad-s")
-    missing = [name for name in ("alpha_deg", "beta_deg") if name not in given]
-    if missing and base is None:
-        raise BadInput(f"give --{missing[0].replace('_', '-')}")
-    made = sn.Gait.degrees(
-        given.get("alpha_deg", 0.0),
-        given.get("beta_deg", 0.0),
-        hertz=given.get("frequency_hz", 1.0),
-        offset_deg=given.get("offset_deg", 0.0),
-    )
+    for name in ("alpha_deg", "beta_deg"):
+        if base is None and name not in given:
+            raise BadInput(f"give --{name.replace('_', '-')}")
+    alpha, beta, offset = (given.get(f"{name}_deg", 0.0) for name in ("alpha", "beta", "offset"))
+    made = sn.Gait.degrees(alpha, beta, hertz=given.get("frequency_hz", 1.0), offset_deg=offset)
     if "omega_rad_s" in given:
         made = replace(made, omega_rad_s=given["omega_rad_s"])
     if base is None:
         return made
-    fields = [_GAIT_FIELDS.get(name, "omega_rad_s") for name in given]
-    return replace(base, **{field: getattr(made, field) for field in fields})
+    fields = {name.replace("_deg", "_rad").replace("frequency_hz", "omega_rad_s") for name in given}
+    return replace(base, **{name: getattr(made, name) for name in fields})
 
 
 def describe(gait: sn.Gait) -> Given:
@@ -214,6 +204,15 @@ def interruptible(work: Callable[[], T]) -> T:
         stop.set()
 
 
+def busy(what: str, work: Callable[[Callable[[float], object]], T]) -> T:
+    """Return work(), which takes what shows the share of it that is done, and show that it goes on.
+
+    Ctrl-C ends both, so this thread shows it.
+    """
+    with working(what) as show_share:
+        return interruptible(lambda: work(show_share))
+
+
 def tell(found: Any, as_json: bool, verbose: bool, notes: Given) -> None:
     """Print a result: as JSON with the notes of its fit, or its first sentence and its table."""
     from ..show import report
@@ -229,9 +228,7 @@ def finite(values: Any) -> Any:
         return {key: finite(value) for key, value in values.items()}
     if isinstance(values, (list, tuple)):
         return [finite(value) for value in values]
-    if isinstance(values, float) and not math.isfinite(values):
-        return None
-    return values
+    return None if isinstance(values, float) and not math.isfinite(values) else values
 
 
 def json_text(values: Given) -> str:

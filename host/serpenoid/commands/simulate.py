@@ -12,22 +12,22 @@ import click
 
 import serpenoid as sn
 
-from ..base.checks import FORMULATIONS, GAPS, POSITIVE, STARTS, Limits
+from ..base.checks import FORMULATIONS, GAPS, STARTS, Limits
 from ..base.errors import BadInput
 from ..show.screen import progress, say, working
 from ..simulation.methods import METHODS
 from .declare import (
     FIGURES,
-    Command,
     Given,
-    Number,
-    PathType,
     Setting,
+    command,
     flag,
     number,
     option,
     out_file,
     parsed_number,
+    parsed_whole,
+    refuse_unused,
     settings,
 )
 from .given import Snake, make_snake, servo_remark, take_servo
@@ -36,6 +36,7 @@ from .options import (
     FRICTION,
     IDEAL,
     OFFSET,
+    PINNED,
     PLUG,
     ROBOT,
     SPRINGS,
@@ -48,34 +49,21 @@ from .options import (
     show_json,
 )
 
-_FILE = PathType(dir_okay=False)
+
+def _list(read: Callable[[str, str], Any]) -> Callable[[str, str], list[Any]]:
+    """Return what reads a list with commas, each part by `read`; `none` is an empty one."""
+    return lambda name, text: [] if text == "none" else [read(name, x) for x in text.split(",")]
 
 
-def _pieces(text: str) -> list[str]:
-    """Split at commas; `none` is nothing."""
-    return [] if text.strip() in ("", "none") else [part.strip() for part in text.split(",")]
+def _text(_name: str, text: str) -> str:
+    return text
 
 
-def _list(read: Callable[[str, list[str]], Any]) -> Callable[[str, str], Any]:
-    """Return what reads a list with commas by `read`, which takes the setting's name, too."""
-    return lambda name, text: read(name, _pieces(text))
-
-
-def _numbers(name: str, parts: list[str]) -> list[float]:
-    return [parsed_number(name, part) for part in parts]
-
-
-def _joints(name: str, parts: list[str]) -> tuple[int, ...]:
-    if not all(part.isdecimal() for part in parts):
-        raise BadInput(f"{name} is {','.join(parts)!r}; give joints by number, such as 2,4")
-    return tuple(map(int, parts))
-
-
-def _locked(name: str, parts: list[str]) -> dict[int, float]:
-    pairs = [part.partition("=") for part in parts]
-    if not all(joint.isdecimal() and equals for joint, equals, _ in pairs):
-        raise BadInput(f"{name} is {','.join(parts)!r}; give joints and angles: 3=10,5=-20")
-    return {int(n): math.radians(parsed_number(f"{name} {n}", angle)) for n, _, angle in pairs}
+def _locked(name: str, text: str) -> tuple[float, float]:
+    joint, equals, angle = text.partition("=")
+    if not equals:
+        raise BadInput(f"{name} is {text!r}; give joints and angles: 3=10,5=-20")
+    return parsed_whole(name, joint), math.radians(parsed_number(f"{name} {joint}", angle))
 
 
 # Fields of Scene; angles in degrees.
@@ -85,44 +73,40 @@ SCENE = (
         "torque_nm",
         "constant torque of each joint, in place of the gait: 0.1,0.2,...",
         "N m",
-        read=_list(_numbers),
+        read=_list(parsed_number),
     ),
+    Setting("limp", "joints without torque, from 1 at the tail: 2,4", read=_list(parsed_whole)),
+    Setting("locked_deg", "joints that stay at an angle: 3=10,5=-20", "deg", read=_list(_locked)),
+    Setting("dt_s", "time step", "s", usual="0.001"),
+    Setting("tolerance", "of methods that pick their steps", usual="1e-7"),
+    Setting("start", f"state at time 0: {', '.join(STARTS)}", usual="zero_momentum", read=_text),
     Setting(
-        "limp", "joints without torque, from 1 at the tail: 2,4", usual="none", read=_list(_joints)
+        "gap",
+        f"implicit model: how the joints start open: {', '.join(GAPS)}",
+        usual=GAPS[0],
+        read=_text,
     ),
-    Setting(
-        "locked_deg",
-        "joints that stay at an angle: 3=10,5=-20",
-        "deg",
-        usual="none",
-        read=_list(_locked),
-    ),
-    Setting("dt_s", "time step", "s", POSITIVE, "0.001"),
-    Setting("tolerance", "of methods that pick their steps", "", POSITIVE, "1e-7"),
-    Setting("start", "state at time 0", limits=STARTS, usual="zero_momentum"),
-    Setting("gap", "implicit model: how the joints start open", limits=GAPS, usual=GAPS[0]),
-    Setting(
-        "record",
-        "what to keep beside the motion: joints,friction,energy",
-        usual="none",
-        read=_list(lambda _name, parts: tuple(parts)),
-    ),
+    Setting("record", "what to keep beside the motion: joints,friction,energy", read=_list(_text)),
     Setting(
         "record_every",
         "time steps between records",
-        limits=Limits(1),
         usual="1, more beyond 20 000 rows",
-        is_whole=True,
+        read=parsed_whole,
     ),
 )
 
 
-@click.command(cls=Command)
-@option("--scene", "scene_path", "Scene file; other options override it.", type=_FILE)
+@command()
+@option(
+    "--scene",
+    "scene_path",
+    "Scene file; other options override it.",
+    type=click.Path(dir_okay=False, path_type=Path),
+)
 @robot_option
 @gait_options
 @servo_option
-@number("--incline-deg", "Slope of the ground, uphill along the x axis.", type=Number(0, 90))
+@number("--incline-deg", "Slope of the ground, uphill along the x axis.", limits=Limits(0, 90))
 @number("--duration-s", "Length of the run; 10.")
 @option("--out", "CSV of all links at all recorded times.", type=out_file(".csv"))
 @option(
@@ -160,33 +144,42 @@ def simulate(
 ) -> None:
     """Follow one scene in time: a scene file, options, or a file with options over it."""
     from ..show import report, run_report
+    from ..show.run_figure import draw_run
 
-    base = None if scene_path is None else sn.load_scene(scene_path)
-    scene, notes = make_scene(base, **given)
-    _check_that_all_apply(scene, accuracy, given["settings"])
+    settings = given["settings"]
+    scene, notes = make_scene(scene_path and sn.load_scene(scene_path), **given)
+    if scene.formulation == "explicit":
+        refuse_unused(settings, PINNED, "joint_stiffness_n_m", "joint_damping_n_s_m", "gap")
+    if scene.incline_rad == 0:
+        refuse_unused(settings, "the ground is level", "incline_direction_deg")
+    if accuracy is not None:
+        refuse_unused(settings, "--accuracy chooses it", "tolerance")
+    elif not scene.adaptive:
+        steps = f"method {scene.method!r} takes fixed steps, dt_s; give a --method that picks them"
+        refuse_unused(settings, steps, "tolerance")
     if saved_path is not None:
         sn.save_scene(scene, saved_path)
-        report.wrote(saved_path)
     try:
-        run = _watched(scene, accuracy)
+        with progress(scene.duration_s, "s simulated", so_far=True) as tell:
+            run = interruptible(lambda: sn.simulate(scene, tell, accuracy=accuracy))
         if out is not None:
             run.to_csv(out)
     except KeyboardInterrupt:
         say("nothing of this run is kept", err=True)
         raise
-    if out is not None:
-        report.wrote(out)
     if figure is not None:
-        from ..show.run_figure import draw_run
-
         draw_run(run, figure)
-        report.wrote(figure)
+    report.wrote(*filter(None, (saved_path, out, figure)))
     with working("estimating the error"):
         summary = interruptible(lambda: run_report.run_summary(run, not no_error))
     if as_json:
         show_json({"gait": describe(scene.gait)} | summary | notes)
     else:
         run_report.show_run(run, summary, verbose)
+
+
+# Settings of a scene that are no fields of it by name, each with its field.
+_FIELDS = {"locked_deg": "locked", "torque_nm": "torque"}
 
 
 def make_scene(
@@ -205,53 +198,26 @@ def make_scene(
     Returns the scene, and what JSON says of the fit and the servo that it rests on.
     """
     snake = make_snake(robot, settings, base and Snake(base.robot, base.ground))
-    # joints that are driven by torques need no gait: a straight chain at rest
-    torques = "torque_nm" in settings
-    usual = base.gait if base else sn.Gait(0.0, 0.0, 1.0) if torques else None
-    fields: Given = {"robot": snake.robot, "ground": snake.ground}
-    fields["gait"] = make_gait(typed_gait, settings, usual)
-    own = {"torque_nm", "incline_direction_deg", "locked_deg"}  # under other names in a Scene
-    known = {one.name for one in (*SCENE, *SPRINGS)} - own
-    fields |= {name: settings[name] for name in known if name in settings}
-    if "locked_deg" in settings:
-        fields["locked"] = settings["locked_deg"]
-    directions = {"incline_deg": incline_deg, **settings}
-    for name in ("incline_deg", "incline_direction_deg"):
-        if directions.get(name) is not None:
-            fields[name.replace("_deg", "_rad")] = math.radians(directions[name])
+    names = {one.name for one in (*SCENE, *SPRINGS)} & settings.keys()
+    fields: Given = {_FIELDS.get(name, name): settings[name] for name in names}
     options = {"formulation": formulation, "method": method, "duration_s": duration_s}
+    options["incline_deg"] = incline_deg
     fields |= {name: value for name, value in options.items() if value is not None}
-
+    for name in {"incline_deg", "incline_direction_deg"} & fields.keys():
+        fields[name.replace("_deg", "_rad")] = math.radians(fields.pop(name))
+    if "locked" in fields:
+        fields["locked"] = dict(fields["locked"])
     kind = take_servo(servo, settings, IDEAL, snake)
-    if servo is not None:
-        if torques:
+    usual = base and base.gait
+    if "torque" in fields:
+        if servo is not None:
             raise click.UsageError("give one of --servo and --set torque_nm: both drive the joints")
+        fields |= {"drive": "torque", "servo": None}
+        usual = usual or sn.Gait(0.0, 0.0, 1.0)  # of a straight chain at rest
+    elif servo is not None:
         drive = "angle" if kind is None else "servo"
         fields |= {"drive": drive, "servo": kind and kind.servo, "torque": None}
-    if torques:
-        fields |= {"drive": "torque", "torque": settings["torque_nm"], "servo": None}
+    fields["gait"] = make_gait(typed_gait, settings, usual)
+    fields |= {"robot": snake.robot, "ground": snake.ground}
     scene = sn.Scene(**fields) if base is None else replace(base, **fields)
     return scene, snake.notes | servo_remark(kind)
-
-
-def _check_that_all_apply(scene: sn.Scene, accuracy: float | None, settings: Given) -> None:
-    """Raise BadInput for a setting that the scene has no use for: it would change nothing."""
-    springs = "the joints are pinned; give --formulation implicit too"
-    chosen = "--accuracy chooses it"
-    steps = f"method {scene.method!r} takes fixed steps; give dt_s, or a --method that picks them"
-    pinned = scene.formulation == "explicit"
-    for no_use, why, *names in (
-        (pinned, springs, "joint_stiffness_n_m", "joint_damping_n_s_m", "gap"),
-        (scene.incline_rad == 0, "the ground is level", "incline_direction_deg"),
-        (accuracy is not None, chosen, "tolerance"),
-        (not scene.adaptive, steps, "tolerance"),
-    ):
-        for name in names:
-            if no_use and name in settings:
-                raise BadInput(f"{name} has no effect: {why}")
-
-
-def _watched(scene: sn.Scene, accuracy: float | None) -> sn.Run:
-    """Run a scene, telling on a terminal how far it is."""
-    with progress(scene.duration_s, "s simulated", so_far=True) as tell:
-        return interruptible(lambda: sn.simulate(scene, tell, accuracy=accuracy))

@@ -13,15 +13,14 @@ import click
 
 import serpenoid as sn
 
+from ..base.checks import POSITIVE
 from ..show.screen import progress, say
 from .declare import (
     EXISTING,
     FIGURES,
     FOLDER,
-    Command,
     Given,
-    Number,
-    PathType,
+    number,
     option,
     out_file,
     settings,
@@ -58,10 +57,10 @@ TAGS = together(
         "Session whose robot it is; a film becomes a reading of it.",
         type=FOLDER,
     ),
-    option(
+    number(
         "--tag-mm",
         "Side of a tag's black square; the session's, or of the sheet for such links.",
-        type=Number(0, open_low=True),
+        limits=POSITIVE,
     ),
 )
 
@@ -90,7 +89,7 @@ def _remember(session: Path | None, side_m: float | None) -> None:
         write_setting(session, "robot", "tag_mm", round(1e3 * side_m, 6))
 
 
-@VIDEO_GROUP.command(cls=Command)
+@VIDEO_GROUP.command()
 @TAGS
 @option("--paper", "Size of the paper.", choice=["a4", "letter"], default="a4")
 @option("--out", "File to write.", type=out_file(".pdf", ".png", ".svg"), default=Path("tags.pdf"))
@@ -111,8 +110,8 @@ def tags(
     say(f"wrote {out}: {robot.links} tags of {1e3 * side:g} mm; print at 100 %")
 
 
-@VIDEO_GROUP.command(cls=Command)
-@click.argument("file", type=PathType())
+@VIDEO_GROUP.command()
+@click.argument("file", type=click.Path(path_type=Path))
 @TAGS
 @gait_options
 @option(

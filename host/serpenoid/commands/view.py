@@ -13,12 +13,12 @@ import serpenoid as sn
 
 from .. import _core
 from ..show.screen import say
-from .declare import FOLDER, Command, Given, flag, option, out_file, settings
+from .declare import FOLDER, Given, command, flag, option, out_file, settings
 from .given import make_snake
 from .options import AS_JSON, FRICTION, ROBOT, describe, interruptible, robot_option, show_json
 
 
-@click.command(cls=Command)
+@command()
 @click.argument("what", metavar="SCENE|RECORDING")
 @robot_option
 @option(
@@ -82,7 +82,7 @@ def view(
 BROUGHT = Path(_core.__file__).parent
 
 
-@click.command(cls=Command)
+@command()
 @click.argument("folder", type=FOLDER)
 @AS_JSON
 def examples(folder: Path, as_json: bool) -> None:

@@ -27,11 +27,11 @@ def _check_angle(name: str, angle: object) -> None:
     """Raise BadInput for an angle out of range; one that fits in degrees gets a hint."""
     limits = _NUMBERS[name]
     try:
-        check_number(name, angle, limits.low, limits.high)
+        limits.check(name, angle)
     except BadInput as error:
         try:
-            angle_deg = check_number(
-                name, angle, math.degrees(limits.low), math.degrees(limits.high)
+            angle_deg = Limits(math.degrees(limits.low), math.degrees(limits.high)).check(
+                name, angle
             )
         except BadInput:
             raise error from None
@@ -126,8 +126,7 @@ class Gait:
             given = getattr(self, name)
             if not isinstance(given, Iterable):
                 raise BadInput(f"{name} is {given!r}; it must be one value a joint, or () for none")
-            values = tuple(check_number(name, value, limits.low, limits.high) for value in given)
-            object.__setattr__(self, name, values)
+            object.__setattr__(self, name, tuple(limits.check(name, value) for value in given))
 
     def __repr__(self) -> str:
         """Return what was given; joints of their own only where there are any."""

@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import SupportsIndex
 
-from ..base.checks import POSITIVE, check_fields, check_number, check_whole
+from ..base.checks import POSITIVE, check_fields, check_whole
 
 MAX_LINKS = 100_000
 MAX_DENSITY_KG_M3 = 22_600  # osmium, the densest metal: no link outweighs a cube of it
@@ -107,9 +107,8 @@ class Robot:
         >>> round(robot.link_mass_kg, 4)
         0.0756
         """
-        low, high, open_low = POSITIVE
-        mass_kg = check_number("mass_kg", mass_kg, low, high, open_low=open_low)
-        return cls(links, mass_kg / check_links(links), link_length_m, link_inertia_kg_m2)
+        link_mass_kg = POSITIVE.check("mass_kg", mass_kg) / check_links(links)
+        return cls(links, link_mass_kg, link_length_m, link_inertia_kg_m2)
 
     @property
     def mass_kg(self) -> float:

@@ -19,7 +19,8 @@ notices = screen(stderr=True, soft_wrap=True, highlight=False)  # what is no ans
 
 def wrote(*paths: Path) -> None:
     """Say on standard error which files were written."""
-    notices.print("wrote " + " and ".join(map(str, paths)))
+    if paths:
+        notices.print("wrote " + " and ".join(map(str, paths)))
 
 
 def table(

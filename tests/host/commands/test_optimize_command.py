@@ -69,8 +69,7 @@ def test_two_motions_are_named_with_that_from_rest(asked: str, monkeypatch) -> N
 def test_several_speeds_are_a_front() -> None:
     costs = [best["cost_w"] for best in answer(f"{OPTIMIZE} 0.1,0.5")["front"]]
     assert costs == pytest.approx([7.63769e-3, 0.22733], rel=2e-5)
-    for refused in ("0.1,0.2 --send", "fast"):
-        assert serpenoid(f"{OPTIMIZE} {refused}").returncode == 2
+    assert serpenoid(f"{OPTIMIZE} fast").returncode == 2
 
 
 def test_what_shows_a_search_belongs_to_the_thread_that_ctrl_c_ends(monkeypatch) -> None:
@@ -83,10 +82,10 @@ def test_what_shows_a_search_belongs_to_the_thread_that_ctrl_c_ends(monkeypatch)
         shown.append(what)
         yield
 
-    monkeypatch.setattr("serpenoid.commands.gaits.optimize.working", busy)
+    monkeypatch.setattr("serpenoid.commands.options.working", busy)
     serpenoid(IDEAL, check=True)
     serpenoid(f"{OPTIMIZE} 0.1,0.2", check=True)
-    assert shown == ["searching", "searching", "servos", "searching"]
+    assert shown == ["searching", "servos", "searching"]
 
 
 def test_steady_warns_at_a_sharp_drop_of_speed() -> None:
@@ -95,26 +94,11 @@ def test_steady_warns_at_a_sharp_drop_of_speed() -> None:
     assert answer(line)["losses"]["amplitude"] == pytest.approx(0.44, abs=0.02)
 
 
-def test_a_gait_goes_to_the_board() -> None:
-    found = answer(f"{IDEAL} --send --port virtual --duration-s 0.5")  # one document
-    assert found["drive"]["frames"] > 5
-    assert found["drive"]["gait"] == found["gait"]
-
-
-def test_board_and_recording_are_looked_for_before_the_search(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def searched(*_: object, **__: object) -> None:
-        raise AssertionError("searched")
-
-    monkeypatch.setattr("serpenoid.least_power_gait", searched)
-    monkeypatch.setattr("serpenoid.robot.wire.ports.serial_ports", list)
-    send = f"{OPTIMIZE} 0.1 --send"
-    assert "no board found" in serpenoid(send).stderr
-    kept = tmp_path / "run.wire"
-    kept.write_text("kept")
-    again = serpenoid(f"{send} --port virtual --record {kept}").stderr
-    assert "holds something already" in again
+def test_the_gait_can_be_typed_into_drive() -> None:
+    line = serpenoid(f"{IDEAL} --ideal", check=True).stdout.splitlines()[-1]
+    typed = line.removeprefix("drive it: serpenoid ")
+    driven = answer(f"{typed} --port virtual:fast --duration-s 1")
+    assert driven["gait"]["alpha_deg"] == pytest.approx(31.77, abs=0.05)
 
 
 @pytest.mark.parametrize("speed", ["1e6", "0.05,9e9", "1e-8"])
@@ -170,8 +154,6 @@ def test_the_whole_study(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        ("--port virtual", "--port is for --send"),
-        ("--duration-s 3", "--duration-s is for --send"),
         ("--set joint_angle_deg=300", "joint_angle_deg is 300.0; it must be"),
         ("--set servo_speed_deg_s=-3", "servo_speed_rad_s is -0.05"),
     ],
@@ -183,7 +165,7 @@ def test_options_that_would_do_nothing_or_make_no_sense(words: str, told: str) -
 def test_springs_have_no_servos() -> None:
     gait = "--alpha-deg 70 --beta-deg 75 --frequency-hz 0.5"
     told = serpenoid(f"steady {gait} --formulation implicit --set volts=5").stderr
-    assert "volts and frame_ms have no effect on --formulation implicit" in told
+    assert "--set volts would change nothing" in told
 
 
 def test_an_ideal_gait_that_no_servo_follows_is_warned_of() -> None:

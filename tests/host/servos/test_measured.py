@@ -203,5 +203,5 @@ def test_options_that_would_do_nothing_are_refused(tmp_path: Path) -> None:
     assert "sigma_deg is -1" in serpenoid(f"servo --set sigma_deg=-1 --test {table}").stderr
     assert "give --load KG M" in serpenoid(f"servo --test {table} --set down_deg=90").stderr
     upright = f"servo --test {table} --load 0.1 0.1 --set axis=upright --set down_deg=90"
-    assert "down_deg is for a load that hangs" in serpenoid(upright).stderr
+    assert "a load about an upright axis does not hang" in serpenoid(upright).stderr
     assert serpenoid("servo").returncode == 2

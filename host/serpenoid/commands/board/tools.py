@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import click
 
+from ...base.checks import Limits
 from ...show.screen import say
-from ..declare import Command, Number, flag, option
+from ..declare import command, flag, number, option
 from ..options import AS_JSON, show_json
 
 PORT = option(
@@ -15,7 +16,7 @@ PORT = option(
 )
 
 
-@click.command(cls=Command)
+@command()
 @AS_JSON
 def ports(as_json: bool) -> None:
     """List the serial ports: which may be the robot, and whether this user may open them."""
@@ -25,15 +26,15 @@ def ports(as_json: bool) -> None:
     if as_json:
         return show_json({"ports": ports})
     for port in ports:
-        about = [port["device"], port["usb"], port["chip"] and f"likely a board ({port['chip']})"]
-        about += [port["description"]]
-        about += [] if port["allowed"] else ["this user may not open it: try `serpenoid doctor`"]
-        say("  ".join(part for part in about if part))
+        chip = port["chip"] and f"likely a board ({port['chip']})"
+        closed = "" if port["allowed"] else "this user may not open it: try `serpenoid doctor`"
+        about = port["device"], port["usb"], chip, port["description"], closed
+        say("  ".join(filter(None, about)))
     if not any(port["chip"] for port in ports):
         say(f"no board found by its USB id. {why_no_port()}", err=True)
 
 
-@click.command(cls=Command)
+@command()
 @option(
     "--board", "Needed where the USB id does not tell.", choice=["uno", "nano", "nano_old", "mega"]
 )
@@ -83,9 +84,9 @@ def flash(
 MARKS = {"ok": "ok  ", "note": "note", "fix": "FIX "}
 
 
-@click.command(cls=Command)
+@command()
 @PORT
-@option("--listen-s", "How long to listen to the board.", type=Number(0.2, 600), default=3.0)
+@number("--listen-s", "How long to listen to the board; 3.", limits=Limits(0.2, 600), default=3.0)
 @flag("--limp", "Ask whether servos go limp when pulses end, and keep it on the board: it moves.")
 @AS_JSON
 def doctor(port: str | None, listen_s: float, limp: bool, as_json: bool) -> None:
@@ -116,7 +117,7 @@ def doctor(port: str | None, listen_s: float, limp: bool, as_json: bool) -> None
         say(f"kept on the board: {found}" if found else "not tried", err=True)
 
 
-@click.command(cls=Command)
+@command()
 @PORT
 @AS_JSON
 def trim(port: str | None, as_json: bool) -> None:
@@ -135,7 +136,7 @@ def trim(port: str | None, as_json: bool) -> None:
         show_json({"saved": not work.unsaved, "trims": [asdict(t) for t in work.trims]})
 
 
-@click.command(cls=Command)
+@command()
 @PORT
 @flag("--all", "everything", "Every telemetry line, not one a second.")
 def monitor(port: str | None, everything: bool) -> None:

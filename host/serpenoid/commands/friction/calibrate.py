@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ...base.checks import Limits
 from ...show.screen import say
-from ..declare import Command, Number, PathType, flag, option, refuse_typed
+from ..declare import EXISTING, flag, number, option
+from ..declare import FOLDER as FOLDER_TYPE
 from ..group import Commands
 from ..options import AS_JSON, show_json
 from .calibrate_new import new
@@ -20,8 +22,7 @@ if TYPE_CHECKING:
     from ...session.journal import Journal
     from ...taking.steps import Step
 
-FOLDER = click.argument("folder", type=PathType(file_okay=False))
-TOML = PathType(exists=True)
+FOLDER = click.argument("folder", type=FOLDER_TYPE)
 
 
 @click.group(cls=Commands, usual="take")
@@ -41,18 +42,18 @@ calibrate.add_command(new)
 calibrate.add_command(push)
 
 
-@calibrate.command(cls=Command)
+@calibrate.command()
 @FOLDER
-@option("--script", "plan.toml that answers instead of a person.", type=TOML)
+@option("--script", "plan.toml that answers instead of a person.", type=EXISTING)
 @flag("--dry-run", "Show the next steps; write nothing.")
 @option(
     "--port",
     "The robot's serial port, to bend and drive it; `virtual` needs none. By hand unless given.",
 )
-@option(
+@number(
     "--patience-s",
     "With nobody answering for so long, the servos' pulses end.",
-    type=Number(1, 86400),
+    limits=Limits(1, 86400),
     default=300.0,
 )
 def take(
@@ -63,12 +64,10 @@ def take(
     patience_s: float,
 ) -> None:
     """Start or resume a session; `serpenoid calibrate DIR` is short for this."""
-    unasked = "port", "patience_s"
+    if sum((dry_run, script is not None, port is not None)) > 1:
+        raise click.UsageError("give one of --dry-run, --script and --port")
     if dry_run:
-        refuse_typed("{} has no effect with --dry-run; leave it out", "script", *unasked)
         return _dry_run(folder)
-    if script is not None:
-        refuse_typed("{} has no effect with --script; leave it out", *unasked)
     if script is not None:
         return _scripted(folder, script)
     from .calibrate_person import with_a_person
@@ -118,7 +117,7 @@ def _scripted(folder: Path, script: Path) -> None:
         say(f"{done} step(s) done; {count(journal.session)}")
 
 
-@calibrate.command(cls=Command)
+@calibrate.command()
 @FOLDER
 @click.argument("kind")
 @click.argument("cells", nargs=-1, metavar="NAME=VALUE...")
@@ -140,7 +139,7 @@ def add(
     say(f"reading {number} is kept" + (f"; reading {replaces} is not" if replaces else ""))
 
 
-@calibrate.command(cls=Command)
+@calibrate.command()
 @FOLDER
 @click.argument("number", type=int)
 @option("--reason", "Why it is not to be used.", default="")
@@ -152,7 +151,7 @@ def void(folder: Path, number: int, reason: str) -> None:
     say(f"reading {number} is void")
 
 
-@calibrate.command(cls=Command)
+@calibrate.command()
 @FOLDER
 @AS_JSON
 def status(folder: Path, as_json: bool) -> None:

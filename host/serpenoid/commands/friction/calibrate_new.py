@@ -11,7 +11,7 @@ import click
 
 from ...base.errors import BadInput
 from ...show.screen import say
-from ..declare import FOLDER, Command, Given, PathType, flag, option
+from ..declare import FOLDER, Given, command, flag, option
 
 if TYPE_CHECKING:
     from ...session.settings import Setup
@@ -58,12 +58,12 @@ def question_of(name: str) -> Question:
     return next(question for question in QUESTIONS if question.key == name)
 
 
-@click.command(cls=Command)
+@command()
 @click.argument("folder", type=FOLDER)
 @option(
     "--template",
     "Another session's folder, whose set-up is taken over unasked.",
-    type=PathType(exists=True),
+    type=click.Path(exists=True, path_type=Path),
 )
 @flag("--defaults", "Ask nothing: 2005 robot, a home treadmill.")
 @option("--surface", "What the wheels roll on.")

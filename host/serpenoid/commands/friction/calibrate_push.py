@@ -6,20 +6,20 @@ from pathlib import Path
 
 import click
 
+from ...base.checks import Limits
 from ...show.screen import say
-from ..declare import EXISTING, FOLDER, Command, Number, number, option
+from ..declare import EXISTING, FOLDER, command, number, option
 from ..options import CAPTURE_FPS
 
 
-@click.command(cls=Command)
+@command()
 @click.argument("folder", type=FOLDER)
 @click.argument("files", nargs=-1, required=True, type=EXISTING)
-@option(
+@number(
     "--lambda-deg",
     "Bend of the robot, as the protractor showed it; 0 where straight.",
-    type=Number(0, 60),
+    limits=Limits(0, 60),
     default=0.0,
-    show_default=True,
 )
 @option(
     "--way",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
 from pathlib import Path
 
 import click
@@ -11,7 +10,19 @@ import serpenoid as sn
 
 from ...base.checks import NOT_NEGATIVE, Limits
 from ...show.screen import progress, say, working
-from ..declare import FIGURES, FOLDER, Command, Given, Setting, flag, option, out_file, settings
+from ..declare import (
+    FIGURES,
+    FOLDER,
+    Given,
+    Setting,
+    command,
+    flag,
+    option,
+    out_file,
+    parsed_whole,
+    settings,
+    together,
+)
 from ..given import alarms_of, servo_remark, session_fit
 from ..options import (
     AS_JSON,
@@ -24,9 +35,8 @@ from ..options import (
     typed_servo,
 )
 
-MANY = 300  # readings, whose fit may take a second or more
 SAMPLES = Setting(
-    "samples", "frictions drawn from the fit", limits=Limits(16, 4096), usual="64", is_whole=True
+    "samples", "frictions drawn from the fit", "", Limits(16, 4096), "64", parsed_whole
 )
 AMPLITUDE = Setting(
     "amplitude_sigma",
@@ -34,9 +44,10 @@ AMPLITUDE = Setting(
     limits=NOT_NEGATIVE,
     usual="0.03",
 )
+of_session = together(click.argument("session", type=FOLDER), servo_option)
 
 
-@click.command(cls=Command)
+@command()
 @click.argument("session", type=FOLDER)
 @option(
     "--method",
@@ -69,29 +80,19 @@ def fit(
     Prints the whole snake's friction and each link's; --robot DIR gives it to any other command.
     """
     from ...show import report
+    from ...show.plot import friction_lines
+    from ...show.session.floor_figure import push_figure
 
     loaded = sn.load_session(session)
     for note in loaded.notes:
         say(f"note: {note}", err=True)
     say(f"session.toml: {loaded.setup.in_words()}", err=True)
-    count = len(loaded.kept)
-    with working(f"fitting {count} readings") if count > MANY else nullcontext():
+    with working(f"fitting {len(loaded.kept)} readings"):
         fit = sn.fit_friction(loaded, method=method)
     if figure is not None:
-        from ...show.plot import friction_lines
-        from ...show.session.floor_figure import push_figure
-
-        if loaded.on_floor:
-            push_figure(loaded, fit, figure)
-        else:
-            friction_lines(loaded, fit, figure)
+        draw = push_figure if loaded.on_floor else friction_lines
+        draw(loaded, fit, figure)
         report.wrote(figure)
-    not_kept = None
-    if save and method != "naive":
-        try:
-            sn.save_fit(fit, session)
-        except OSError as error:
-            not_kept = error
     if as_json:
         show_json(fit.to_dict())
     else:
@@ -99,16 +100,18 @@ def fit(
         say("\n".join(fit.remarks))
         if influence:
             report.influence(fit)
-    if not_kept is not None:
-        raise sn.SerpenoidError(
-            f"{not_kept}: the fit is shown, but not kept as fit.json"
-        ) from not_kept
+    if save and method != "naive":
+        try:
+            sn.save_fit(fit, session)
+        except OSError as error:
+            raise sn.SerpenoidError(
+                f"{error}: the fit is shown, but not kept as fit.json"
+            ) from error
 
 
-@click.command(cls=Command)
-@click.argument("session", type=FOLDER)
+@command()
+@of_session
 @listed_gaits
-@servo_option
 @settings(*PLUG, SAMPLES)
 @AS_TABLES
 def advise(
@@ -127,16 +130,15 @@ def advise(
     loaded = sn.load_session(session)
     notes = alarms_of(session_fit(session))  # which tells them, too
     kind = typed_servo(servo or "hobby", settings)
-    how = {"samples": settings.get("samples", 64), "servo": kind}
+    count = settings.get("samples", 64)
     with progress(len(gaits) or len(loaded.setup.plan.gaits), "gaits") as advance:
-        advice = sn.advise(loaded, gaits, **how, progress=advance)
+        advice = sn.advise(loaded, gaits, samples=count, servo=kind, progress=advance)
     tell(advice, as_json, verbose, notes | servo_remark(kind))
 
 
-@click.command(cls=Command)
-@click.argument("session", type=FOLDER)
+@command()
+@of_session
 @listed_gaits
-@servo_option
 @option("--plot", "figure", "Draw it into this file.", type=out_file(*FIGURES))
 @settings(*PLUG, SAMPLES, AMPLITUDE)
 @AS_TABLES
@@ -156,42 +158,29 @@ def compare(
     model's speed. Any hobby servo may move the joints unless --servo says which.
     """
     from ...prediction import comparison
+    from ...prediction.curve import speed_curves
     from ...show import report
+    from ...show.comparison_figure import comparison_figure
 
     loaded = sn.load_session(session)
     fit = session_fit(session)
     kind = typed_servo(servo or "hobby", settings)
+    how = {one.name: settings[one.name] for one in (SAMPLES, AMPLITUDE) if one.name in settings}
     with progress(len(comparison.compared_gaits(loaded, gaits)), "gaits") as advance:
-        compared = comparison.compare(
-            loaded,
-            fit,
-            gaits=gaits,
-            amplitude_sigma=settings.get("amplitude_sigma", 0.03),
-            samples=settings.get("samples", 64),
-            servo=kind,
-            progress=advance,
-        )
+        compared = comparison.compare(loaded, fit, gaits=gaits, servo=kind, progress=advance, **how)
     if figure is not None:
-        from ...prediction.curve import speed_curves
-        from ...show.comparison_figure import comparison_figure
-
         comparison_figure(compared, speed_curves(loaded, fit, compared, kind), figure)
         report.wrote(figure)
     tell(compared, as_json, verbose, alarms_of(fit) | servo_remark(kind))
 
 
-@click.command(cls=Command)
-@click.argument("session", type=FOLDER)
+@command()
+@of_session
 @option("--out", "Where to; report.html in the session's folder.", type=out_file(".html"))
-@servo_option
 @settings(*PLUG)
 @AS_JSON
 def report(
-    session: Path,
-    out: Path | None,
-    servo: str | None,
-    settings: Given,
-    as_json: bool,
+    session: Path, servo: str | None, out: Path | None, settings: Given, as_json: bool
 ) -> None:
     """Write a session's report: one self-contained HTML file, the same bytes when made again.
 
@@ -200,24 +189,21 @@ def report(
     from ...base.files import write_text
     from ...prediction import advice, comparison
     from ...prediction.curve import speed_curves
-    from ...session.folder import load_session
     from ...show.session.report_page import session_page
 
     out = out or session / "report.html"
-    compared = advised = None
-    kind = typed_servo(servo or "hobby", settings)
-    loaded = load_session(session)
+    loaded = sn.load_session(session)
     fit = session_fit(session)
+    kind = typed_servo(servo or "hobby", settings)
+    compared, curves = None, []
     if gaits := comparison.compared_gaits(loaded):
         with progress(len(gaits), "gaits") as advance:
             compared = comparison.compare(loaded, fit, servo=kind, progress=advance)
-    if loaded.setup.plan.gaits:
-        advised = advice.advise(loaded, servo=kind)
-    curves = [] if compared is None else speed_curves(loaded, fit, compared, kind)
-    page = session_page(loaded, fit, compared, advised, curves)
-    write_text(out, page)
-    verdict = None if compared is None else compared.verdict
+        curves = speed_curves(loaded, fit, compared, kind)
+    advised = advice.advise(loaded, servo=kind) if loaded.setup.plan.gaits else None
+    write_text(out, session_page(loaded, fit, compared, advised, curves))
     if as_json:
+        verdict = None if compared is None else compared.verdict
         notes = alarms_of(fit) | servo_remark(kind)
         show_json({"report": str(out), "verdict": verdict} | notes)
     else:

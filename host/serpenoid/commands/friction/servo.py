@@ -11,9 +11,20 @@ import click
 
 import serpenoid as sn
 
-from ...base.checks import NOT_NEGATIVE, Limits
+from ...base.checks import NOT_NEGATIVE, Limits, check_choice
 from ...show.screen import say, working
-from ..declare import EXISTING, Command, Given, Setting, flag, number, option, out_file, settings
+from ..declare import (
+    EXISTING,
+    Given,
+    Setting,
+    command,
+    flag,
+    number,
+    option,
+    out_file,
+    refuse_unused,
+    settings,
+)
 from ..given import servo_remark
 from ..options import AS_JSON, PLUG, show_json, typed_servo
 
@@ -21,7 +32,6 @@ if TYPE_CHECKING:
     from ...servos.bench_fit import MeasuredServo
     from ...servos.bench_test import BenchTest, Load
 
-AXES = ("level", "upright")
 COLUMNS = ("t_s", "setpoint_deg", "angle_deg")
 SENT = "sent_s"  # a column that a table may have, too
 BENCH = (
@@ -32,9 +42,14 @@ BENCH = (
         Limits(0, 57, open_low=True),
         "the table's own scatter",
     ),
-    Setting("axis", "axis of the load: level (it hangs), or upright", "", AXES, "level"),
     Setting(
-        "down_deg", "angle in the table at which the load hangs straight down", "deg", None, "0"
+        "axis",
+        "axis of the load: level (it hangs), or upright",
+        usual="level",
+        read=lambda name, text: check_choice(name, text, ("level", "upright")),
+    ),
+    Setting(
+        "down_deg", "angle in the table at which the load hangs straight down", "deg", usual="0"
     ),
     Setting(
         "inertia_kg_m2",
@@ -46,7 +61,7 @@ BENCH = (
 )
 
 
-@click.command(cls=Command)
+@command()
 @option(
     "--test",
     "table",
@@ -88,14 +103,14 @@ def servo(
     from ...servos.bench_test import BenchTest
 
     kind = typed_servo(like, settings)
-    sigma_deg = settings.get("sigma_deg")
     if kind is None:
         raise click.UsageError(
             "--like ideal has no servo to measure; give hobby, or a sheet's name"
         )
+    sigma_deg = settings.get("sigma_deg")
     head = read_table(table, columns_named(*COLUMNS), ",".join(COLUMNS))[0].head
-    names = (*COLUMNS, SENT) if columns_named(SENT)(head) else COLUMNS
-    t, setpoint, angle, *sent = number_columns(table, *names)
+    sent_s = [SENT] if columns_named(SENT)(head) else []
+    t, setpoint, angle, *sent = number_columns(table, *COLUMNS, *sent_s)
     with located(str(table)):
         test = BenchTest(
             np.array(t),
@@ -127,13 +142,12 @@ def servo(
 def _load(load: tuple[float, float] | None, settings: Given) -> Load | None:
     from ...servos.bench_test import Load
 
+    if load is None:
+        return refuse_unused(settings, "there is no load; give --load KG M", "axis", "down_deg")
     level = settings.get("axis") != "upright"
-    if load is None and ("axis" in settings or "down_deg" in settings):
-        raise click.UsageError("axis and down_deg are for --load; give --load KG M, or leave them")
-    if not level and "down_deg" in settings:
-        raise click.UsageError("down_deg is for a load that hangs; leave it out")
-    down_rad = math.radians(settings.get("down_deg", 0.0))
-    return None if load is None else Load(*load, level, down_rad)
+    if not level:
+        refuse_unused(settings, "a load about an upright axis does not hang", "down_deg")
+    return Load(*load, level, math.radians(settings.get("down_deg", 0.0)))
 
 
 def verdict_text(measured: MeasuredServo, noise_rad: float) -> str:

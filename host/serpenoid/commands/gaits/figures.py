@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import click
+import serpenoid as sn
 
 from ...show.screen import progress, say
-from ..declare import Command, directory, option
+from ..declare import command, directory, option
 from ..options import AS_JSON, interruptible, show_json, write_json
 
+if TYPE_CHECKING:
+    from ...paper.claims import Claim
+
 STEPS = 6  # of the progress
+HERTZ = 0.2, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0
 
 
-@click.command(cls=Command)
+@command()
 @option("--out", "Folder for figures and claims.", type=directory, default=Path("figures-out"))
 @AS_JSON
 def figures(out: Path, as_json: bool) -> None:
@@ -25,16 +31,55 @@ def figures(out: Path, as_json: bool) -> None:
     """
     from ...paper.claims import as_dict
     from ...show.report import table
-    from .remade import draw
 
-    out.mkdir(parents=True, exist_ok=True)
     with progress(STEPS, "figures") as advance:
         found = interruptible(lambda: draw(out, advance))
     values = as_dict(found)
     write_json(out / "claims.json", values)
     if as_json:
-        show_json(values)
-    else:
-        cells = [[c.where, c.paper, c.here, c.verdict] for c in found]
-        table("the paper's claims", ["where", "the paper", "here", "verdict"], cells, 4)
-        say(f"wrote {out / 'claims.json'} and the figures")
+        return show_json(values)
+    cells = [[c.where, c.paper, c.here, c.verdict] for c in found]
+    table("the paper's claims", ["where", "the paper", "here", "verdict"], cells, 4)
+    return say(f"wrote {out / 'claims.json'} and the figures")
+
+
+def draw(out: Path, advance: Callable[[int], None]) -> list[Claim]:
+    """Compute the study and draw its figures into a folder; return the claims."""
+    from ... import _core
+    from ...paper import study
+    from ...paper.claims import claims
+    from ...prediction.predict import predict_all
+    from ...show import plot
+    from ...show.gaits import gait_figures
+
+    closed = study.compare_formulations("zero")
+    opened = study.compare_formulations("slow_manifold")
+    gait_figures.errors_in_time(closed, opened, out / "fig6-7.png")
+    advance(1)
+    front = study.papers_front()
+    words = f"the paper's robot: {plot.robot_words(study.ROBOT, study.GROUND)}; net power"
+    gait_figures.power_of(study.papers_sweep(), front, words, out / "fig8.png")
+    papers = {"beta_deg": 80.0, "alpha_deg": 30.0}
+    gait_figures.optimum_figure(front, papers, words, out / "fig9-11.png")
+    advance(1)
+    run = study.path_run(study.PATH_GAIT, 3)
+    title = "the paper's robot, α = 30°, β = 80°, ω = 5 rad/s"
+    plot.path_and_poses(run, title, out / "fig12-13.png")
+    advance(1)
+    session = sn.load_session(Path(_core.__file__).parent / "calibration_data" / "nirakh-2005")
+    fit = sn.fit_friction(session)
+    lost = "readings regenerated from the lines that the paper prints: its own are lost"
+    plot.friction_lines(session, fit, out / "fig15-16.png", lost)
+    gaits = [sn.Gait.degrees(70, 75, hertz=hertz) for hertz in HERTZ]
+    points = predict_all(session.setup.robot, fit, gaits)
+    plot.formulations_figure(points, "2005 robot, α = 70°, β = 75°", out / "fig17.png")
+    advance(1)
+    body = study.OF_2005, study.BINGHAM
+    optima = [best for best in sn.power_front(*body, speeds_m_s=study.FRONT_2005_M_S) if best]
+    words = f"2005 robot: {plot.robot_words(*body)}"
+    gait_figures.power_of(study.cloud_2005(), optima, words, out / "front-2005.png")
+    advance(1)
+    bands = [(p.frequency_hz, p.low_ideal_m_s, p.high_ideal_m_s) for p in points]
+    found = claims(closed, opened, front, bands)
+    advance(1)
+    return found

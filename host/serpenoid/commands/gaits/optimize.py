@@ -1,75 +1,44 @@
-"""The command `serpenoid optimize`: the gait of least power at a speed, onto the robot if asked."""
+"""The command `serpenoid optimize`: the gait of least power at a speed."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
-from pathlib import Path
-from typing import Any, TypeVar
-
-import click
 
 import serpenoid as sn
 
-from ...base.checks import NOT_NEGATIVE, POSITIVE, Limits, check_number
-from ...show.screen import working
-from ..board.tools import PORT
-from ..declare import (
-    Command,
-    Given,
-    Number,
-    Setting,
-    flag,
-    option,
-    out_file,
-    parsed_number,
-    refuse_typed,
-    settings,
-)
-from ..given import Snake, make_snake, predicted_band, servo_remark, take_servo
+from ...base.checks import NOT_NEGATIVE, POSITIVE, Limits
+from ...show.screen import say
+from ..declare import Given, Setting, command, flag, option, parsed_number, settings
+from ..given import make_snake, servo_remark, take_servo
 from ..options import (
     AS_TABLES,
     FRICTION,
     IDEAL,
     PLUG,
     ROBOT,
+    busy,
     describe,
     formulation_option,
-    interruptible,
     robot_option,
     servo_option,
     show_json,
     warn_of_two_motions,
 )
-from .steady import beside_servo, few_links, speed_in_words, speeds_as_dict
+from .steady import expect, few_links
 
-_Result = TypeVar("_Result")
 _BOARD_ANGLE_DEG, _BOARD_SPEED_DEG_S = 90.0, 500.0  # a new board's own limits
 _KEPT_SPEED_SHARE = 0.8  # with 10 % less amplitude, and with 20 % less friction across
 _SPEED_ROUNDING = 1e-4  # relative: a search may end this far beyond a limit
-
-# Keys of answers, in their order; each is an attribute's name, or stands here beside it.
-_KEYS = {"cost_w": "power_w", "cost_error_w": "power_error_w"}
-_OF_LEAST_POWER = (
-    "gait",
-    "cost",
-    "formulation",
-    "cost_w",
-    "cost_error_w",
-    "solved_error_w",
-    "active",
-)
 LIMITS = (  # The fields of GaitLimits, whose angles are in radians
     Setting("joint_angle_deg", "most a joint may bend", "deg", Limits(0, 180, open_low=True), "90"),
     Setting(
         "servo_speed_deg_s",
         "most a servo turns; inf: no limit",
         "deg/s",
-        Limits(1e-3),
-        "90 % of its no-load speed",
-        read=lambda name, text: math.inf if text == "inf" else parsed_number(name, text),
+        usual="90 % of its no-load speed",
     ),
     Setting("servo_torque_nm", "most a servo holds", "N m", POSITIVE, "no limit"),
     Setting("omega_low_rad_s", "lowest rate of the gait", "rad/s", NOT_NEGATIVE, "the search's"),
@@ -77,46 +46,36 @@ LIMITS = (  # The fields of GaitLimits, whose angles are in radians
 )
 COST = Setting(
     "cost",
-    "mean power to make least",
-    limits=("power", "abs_power", "positive_power"),
+    "mean power to make least: power, abs_power or positive_power",
     usual="power",
+    read=lambda _name, text: text,
 )
 
 
-@click.command(cls=Command)
+@command()
 @robot_option
 @option(
     "--speed-m-s",
     "--speed",
-    "speed_m_s",
+    "speeds",
     "Wanted speed; several, with commas, give the whole front.",
     required=True,
     metavar="M/S[,M/S...]",
 )
 @servo_option
 @flag("--ideal", "The paper's optimum: without the robot's limits.")
-@flag("--send", "Drive the gait on the robot, as `drive` does.")
-@PORT
-@option(
-    "--duration-s",
-    "With --send: how long; until Ctrl-C unless given.",
-    type=Number(0, open_low=True),
-)
-@option("--record", "With --send: new file for the run's lines.", type=out_file())
 @settings(*ROBOT, *FRICTION, *PLUG, *LIMITS, COST)
 @formulation_option
 @AS_TABLES
 def optimize(
     robot: str | None,
-    speed_m_s: str,
+    speeds: str,
     servo: str | None,
     settings: Given,
     ideal: bool,
-    send: bool,
     formulation: str,
     verbose: bool,
     as_json: bool,
-    **run: Any,
 ) -> None:
     """Find the gait of least power at a speed that the robot can be driven with.
 
@@ -125,137 +84,91 @@ def optimize(
     less, or friction across the links 20 % less; where no gait does, it is one that loses least.
     --ideal leaves these limits out.
     """
-    wanted = _speeds(speed_m_s)
-    if not send:
-        refuse_typed("{} is for --send, which is not there", *run)
-    if len(wanted) > 1 and (send or servo):
-        raise click.UsageError("--send and --servo take one speed")
-    if send:
-        _check_board(**run)
-    snake = make_snake(robot, settings)
-    body = snake.robot, snake.ground
-    kind = take_servo(servo, settings, IDEAL if snake.fit is None else "hobby", snake)
-    if servo is None and kind is None and (few_links(snake.robot) or not ideal):
-        kind = take_servo("hobby", settings, IDEAL)
-    how = {"cost": settings.get("cost", "power"), "formulation": formulation}
-    limits = _limits(settings, ideal, send, kind)
-    if len(wanted) > 1:
-        front = _searched(lambda: sn.power_front(*body, speeds_m_s=wanted, limits=limits, **how))
-        return _show_front(wanted, front, as_json, snake.notes)
-    best = _searched(lambda: sn.least_power_gait(*body, speed_m_s=wanted[0], limits=limits, **how))
-    paper = None if ideal else _papers_optimum(snake, wanted[0], how)
-    best = replace(best, steady=warn_of_two_motions(best.steady))
-    with working("servos") as show_share:
-        shown = kind if few_links(snake.robot) else None
-        moved = beside_servo(best.steady, shown, snake.fit is None, show_share)
-    # what is sent is predicted when it is driven
-    band = interruptible(lambda: None if send else predicted_band(snake, best.gait, kind))
-    answer = _as_dict(best) | {"ideal": None if paper is None else _ideal_dict(paper)}
-    answer |= speeds_as_dict(moved, band)
-    answer |= snake.notes | servo_remark(kind)
-    if not as_json:
-        words = speed_in_words(best.steady, moved, band)
-        _show(best, paper, moved, kind, words, verbose)
-    if send:
-        from ..board.driving import drive_gait
-
-        drive_gait(best.gait, as_json, snake, before=answer, servo=kind, **run)
-    elif as_json:
-        show_json(answer)
-    return None
-
-
-def _check_board(port: str | None, record: Path | None, **_: Any) -> None:
-    """Find the board and the recording's place before the search, not after it."""
-    from ...robot.recording.recorder import check_free
-    from ...robot.wire.ports import find_port
-
-    if record is not None:
-        check_free(record)
-    if port is None:
-        find_port()
-
-
-def _papers_optimum(snake: Snake, speed_m_s: float, how: Given) -> sn.LeastPower | None:
-    """Return the gait of least power without the robot's limits."""
-    with suppress(sn.NotConverged):
-        return _searched(
-            lambda: sn.least_power_gait(snake.robot, snake.ground, speed_m_s=speed_m_s, **how)
-        )
-    return None
-
-
-def _show(
-    best: sn.LeastPower,
-    paper: sn.LeastPower | None,
-    moved: sn.ServoSteady | None,
-    kind: sn.ServoKind | None,
-    speed: str,
-    verbose: bool,
-) -> None:
-    """Print the answer: gait, speed, what limits it, and the paper's optimum; then the figures."""
     from ...show import report
     from ...show.gaits import gait_report
 
+    wanted = [
+        POSITIVE.check("--speed-m-s", parsed_number("--speed-m-s", v)) for v in speeds.split(",")
+    ]
+    snake = make_snake(robot, settings)
+    body = snake.robot, snake.ground
+    usual = "hobby" if few_links(snake) or not ideal else IDEAL
+    kind = take_servo(servo, settings, usual, snake)
+    how = {"cost": settings.get("cost", "power"), "formulation": formulation}
+    limits = _limits(settings, ideal, kind)
+    if len(wanted) > 1:
+        front = busy(
+            "searching", lambda _: sn.power_front(*body, speeds_m_s=wanted, limits=limits, **how)
+        )
+        return _show_front(wanted, front, as_json, snake.notes)
+
+    def searched(_: object) -> tuple[sn.LeastPower, sn.LeastPower | None]:
+        best = sn.least_power_gait(*body, speed_m_s=wanted[0], limits=limits, **how)
+        with suppress(sn.NotConverged):
+            return best, None if ideal else sn.least_power_gait(*body, speed_m_s=wanted[0], **how)
+        return best, None
+
+    best, paper = busy("searching", searched)
+    best = replace(best, steady=warn_of_two_motions(best.steady))
+    shown = kind if servo or few_links(snake) else None
+    expected = busy("servos", lambda share: expect(snake, best.steady, shown, share))
+    if as_json:
+        ideals = {"ideal": None if paper is None else _ideal_dict(paper)}
+        values = _as_dict(best) | ideals | expected.to_dict() | snake.notes
+        return show_json(values | servo_remark(kind))
     gait_report.warn_of_losses(best.losses)
-    words = f"{best.in_words()} {speed}"
+    words = f"{best.in_words()} {expected.in_words()}"
     if paper is None:
         gait_report.warn_too_fast(best.gait, kind or sn.servo("hobby"))
     else:
         words += f" {gait_report.beside_ideal(best, paper, kind)}"
-    report.show(best, *([moved] if moved else []), answer=words, verbose=verbose)
+    report.show(best, *expected.results[1:], answer=words, verbose=verbose)
+    typed = " ".join(
+        f"--{k.replace('_', '-')} {v:.4g}" for k, v in describe(best.gait).items() if v
+    )
+    say(f"drive it: serpenoid drive {f'--robot {robot} ' if robot else ''}{typed}")
+    return None
 
 
-def _limits(settings: Given, ideal: bool, send: bool, kind: sn.ServoKind | None) -> sn.GaitLimits:
-    """Return the limits of a search: those set, else the robot's.
+def _limits(settings: Given, ideal: bool, kind: sn.ServoKind | None) -> sn.GaitLimits:
+    """Return the limits of a search: those set, else the robot's unless ideal.
 
     The robot's are those of a new board, of servos that are to follow, and of the speed that is to
-    be kept; ideal: none of them, but the board's with send, as it refuses others.
+    be kept.
     """
     from ...servos.speed_limit import MAX_NO_LOAD_SHARE, no_load_rad_s
 
     limits: Given = {}
-    if send or not ideal:
+    if not ideal:
         limits["joint_angle_rad"] = math.radians(_BOARD_ANGLE_DEG)
         limits["servo_speed_rad_s"] = math.radians(_BOARD_SPEED_DEG_S)
-    if not ideal:
         limits["kept_speed_share"] = _KEPT_SPEED_SHARE
         if kind is not None:
             followed_rad_s = (1 - _SPEED_ROUNDING) * MAX_NO_LOAD_SHARE * no_load_rad_s(kind)
             limits["servo_speed_rad_s"] = min(limits["servo_speed_rad_s"], followed_rad_s)
-    for setting in LIMITS:
-        if setting.name in settings:
-            value, name = settings[setting.name], setting.name.replace("_deg", "_rad")
-            limits[name] = math.radians(value) if name != setting.name else value
+    for name in {one.name for one in LIMITS} & settings.keys():
+        value, field = settings[name], name.replace("_deg", "_rad")
+        limits[field] = value if field == name else math.radians(value)
     return sn.GaitLimits(**limits)
 
 
-def _speeds(text: str) -> list[float]:
-    try:
-        speeds = [float(part) for part in text.split(",")]
-    except ValueError:
-        raise click.BadParameter(
-            f"{text!r} is not a speed, nor speeds with commas", param_hint="--speed-m-s"
-        ) from None
-    return [check_number("--speed-m-s", speed, 0.0, open_low=True) for speed in speeds]
-
-
-def _searched(work: Callable[[], _Result]) -> _Result:
-    """Return work() and show that it goes on; Ctrl-C ends both, so this thread shows it."""
-    with working("searching"):
-        return interruptible(work)
-
-
 def _as_dict(best: sn.LeastPower) -> Given:
-    answer = {name: getattr(best, _KEYS.get(name, name)) for name in _OF_LEAST_POWER}
-    answer |= {"gait": describe(best.gait), "losses": best.losses.to_dict()}
-    return answer | best.steady.to_dict()
+    return {
+        "gait": describe(best.gait),
+        "cost": best.cost,
+        "formulation": best.formulation,
+        "cost_w": best.power_w,
+        "cost_error_w": best.power_error_w,
+        "solved_error_w": best.solved_error_w,
+        "active": best.active,
+        "losses": best.losses.to_dict(),
+    } | best.steady.to_dict()
 
 
 def _ideal_dict(paper: sn.LeastPower) -> Given:
     """Return the gait of the paper's optimum, its cost and what it loses."""
-    answer = {"gait": describe(paper.gait), "cost_w": paper.power_w}
-    return answer | {"losses": paper.losses.to_dict()}
+    answer = _as_dict(paper)
+    return {name: answer[name] for name in ("gait", "cost_w", "losses")}
 
 
 def _show_front(
@@ -268,7 +181,5 @@ def _show_front(
             f"no gait reaches {min(speeds):g} m/s within the limits; ask for less speed"
         )
     if as_json:
-        optima = [None if best is None else _as_dict(best) for best in front]
-        show_json({"front": optima} | notes)
-    else:
-        gait_report.front(speeds, front)
+        return show_json({"front": [best and _as_dict(best) for best in front]} | notes)
+    return gait_report.front(speeds, front)

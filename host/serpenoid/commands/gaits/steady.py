@@ -4,56 +4,49 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import click
 
 import serpenoid as sn
 
-from ...show.screen import working
-from ..declare import Command, Given, flag, settings
-from ..given import (
-    JOINTS,
-    Snake,
-    make_snake,
-    predicted_band,
-    servo_remark,
-    take_servo,
-    was_filmed,
-    with_joints,
-)
+from ..declare import Given, command, flag, refuse_unused, settings
+from ..given import Snake, make_snake, servo_remark, take_servo
 from ..options import (
     AS_TABLES,
     FRICTION,
     IDEAL,
     OFFSET,
+    PINNED,
     PLUG,
     ROBOT,
     RTOL,
     SPRINGS,
+    busy,
     describe,
     formulation_option,
     gait_options,
-    interruptible,
     make_gait,
     robot_option,
     servo_option,
     show_json,
+    tell,
     warn_of_two_motions,
 )
 
 if TYPE_CHECKING:
     from ...prediction.band import SpeedBand
 
+FEW_LINKS = 20  # servos are asked about unasked: the work grows as the cube of the links
+SERVO_DRAWS = 512  # servos of an uncertain kind, for the interval that they leave
 
-_FEW_LINKS = 20
 
-
-@click.command(cls=Command)
+@command()
 @robot_option
 @gait_options
 @servo_option
-@settings(*ROBOT, *FRICTION, OFFSET, *PLUG, *SPRINGS, RTOL, JOINTS)
+@settings(*ROBOT, *FRICTION, OFFSET, *PLUG, *SPRINGS, RTOL)
 @formulation_option
 @flag(
     "--sensitivities",
@@ -77,120 +70,107 @@ def steady(
     The figures are those of joints that follow the gait exactly. Beside them stands the speed with
     servos: with any hobby servo unless --servo says which, or `ideal`.
     """
-    snake = make_snake(robot, settings)
-    joints = settings.get("joints")
-    command = make_gait(typed_gait, settings)
-    gait = with_joints(command, joints, snake.robot.links)
-    springs = {one.name: settings[one.name] for one in SPRINGS if one.name in settings}
-    rtol = settings.get("rtol", 1e-6)
-    if formulation == "implicit":
-        if servo not in (None, IDEAL) or "volts" in settings or "frame_ms" in settings:
-            raise click.UsageError(
-                "--servo, volts and frame_ms have no effect on --formulation implicit"
-            )
-        if differentiated:
-            raise click.UsageError(
-                "--sensitivities are those of the exact model; leave --formulation implicit out"
-            )
-        return _on_springs(snake, gait, verbose, as_json, rtol=rtol, **springs)
-    if springs:
-        raise click.UsageError(
-            f"{' and '.join(springs)} have no effect: the joints are pinned; give "
-            "--formulation implicit too"
-        )
-    # a film shows what servos make of the joints
-    usual = "hobby" if joints is None and few_links(snake.robot) else IDEAL
-    kind = take_servo(servo, settings, usual, snake)
-    commanded = command if joints and was_filmed(command, joints, snake.robot.links) else None
-    with working("solving") as show_share:
-        state = interruptible(
-            lambda: sn.steady_gait(
-                snake.robot, snake.ground, gait, rtol=rtol, sensitivities=differentiated
-            )
-        )
-        moved = beside_servo(state, kind, snake.fit is None, show_share)
-        losses = interruptible(lambda: sn.speed_losses(snake.robot, snake.ground, gait))
-        band = interruptible(lambda: predicted_band(snake, gait, kind, commanded))
-    state = warn_of_two_motions(state)
-    if doubt := state.power_doubt_text(rtol):
-        warnings.warn(doubt, stacklevel=2)
-    if as_json:
-        known = {"losses": losses.to_dict()}
-        values = {"gait": describe(gait)} | state.to_dict() | known | snake.notes
-        return show_json(values | speeds_as_dict(moved, band) | servo_remark(kind))
     from ...show import report
     from ...show.gaits import gait_report
 
+    snake = make_snake(robot, settings)
+    body = snake.robot, snake.ground, make_gait(typed_gait, settings)
+    springs = {one.name: settings[one.name] for one in SPRINGS if one.name in settings}
+    rtol = settings.get("rtol", 1e-6)
+    typed = {"gait": describe(body[2])}
+    if formulation == "implicit":
+        if differentiated or servo not in (None, IDEAL):
+            raise click.UsageError(
+                "--servo and --sensitivities are of the exact model; leave --formulation implicit "
+                "out"
+            )
+        refuse_unused(settings, "springs have no servos", "volts", "frame_ms")
+        soft = busy("solving", lambda _: sn.steady_springs(*body, rtol=rtol, **springs))
+        if soft.error_estimate > rtol:
+            warnings.warn(
+                f"the speed is known to {soft.error_estimate:.1g}, not to the rtol of {rtol:g}: "
+                "the time steps of the springs do not give more",
+                stacklevel=2,
+            )
+        return tell(soft, as_json, verbose, typed | snake.notes)
+    refuse_unused(settings, PINNED, *springs)
+    kind = take_servo(servo, settings, "hobby" if few_links(snake) else IDEAL, snake)
+
+    def solved(show_share: Callable[[float], object]) -> tuple[Expected, sn.SpeedLosses]:
+        state = sn.steady_gait(*body, rtol=rtol, sensitivities=differentiated)
+        return expect(snake, state, kind, show_share), sn.speed_losses(*body)
+
+    expected, losses = busy("solving", solved)
+    state = warn_of_two_motions(expected.state)
+    if doubt := state.power_doubt_text(rtol):
+        warnings.warn(doubt, stacklevel=2)
+    if as_json:
+        values = typed | state.to_dict() | {"losses": losses.to_dict()} | snake.notes
+        return show_json(values | expected.to_dict() | servo_remark(kind))
     gait_report.warn_of_losses(losses)
-    answer = speed_in_words(state, moved, band)
-    report.show(state, *([moved] if moved else []), losses, answer=answer, verbose=verbose)
+    report.show(*expected.results, losses, answer=expected.in_words(), verbose=verbose)
     if state.sensitivities is not None:
         report.show(state.sensitivities, verbose=verbose)
     return None
 
 
-def _on_springs(
-    snake: Snake, gait: sn.Gait, verbose: bool, as_json: bool, rtol: float, **springs: float
-) -> None:
-    """Tell the periodic state of the implicit model."""
-    from ...show import report
+@dataclass(frozen=True)
+class Expected:
+    """The speed to expect of a gait: with ideal joints, with servos, and the band of a fit."""
 
-    body = snake.robot, snake.ground, gait
-    with working("solving"):
-        soft = interruptible(lambda: sn.steady_springs(*body, rtol=rtol, **springs))
-    if soft.error_estimate > rtol:
-        warnings.warn(
-            f"the speed is known to {soft.error_estimate:.1g}, not to the rtol of {rtol:g}: the "
-            "time steps of the springs do not give more",
-            stacklevel=2,
-        )
-    if as_json:
-        return show_json({"gait": describe(gait)} | soft.to_dict() | snake.notes)
-    return report.show(soft, verbose=verbose)
+    state: sn.Steady
+    servo: sn.ServoSteady | None
+    band: SpeedBand | None
 
+    @property
+    def results(self) -> list[sn.Steady | sn.ServoSteady]:
+        """Return what has rows to print."""
+        return [self.state, self.servo] if self.servo else [self.state]
 
-def few_links(robot: sn.Robot) -> bool:
-    """Tell whether servos are asked about unasked: the work grows as the cube of the links."""
-    return robot.links <= _FEW_LINKS
+    @property
+    def best(self) -> SpeedBand | sn.ServoSteady | sn.Steady:
+        """Return a fit's band, or else what servos leave of the speed."""
+        if self.band is None or (self.servo and not self.servo.follows):
+            return self.results[-1]
+        return self.band
 
+    def in_words(self) -> str:
+        """Return what a builder may expect."""
+        words = self.best.in_words()
+        return f"Predicted: {words}." if self.best is self.band else words
 
-def speeds_as_dict(moved: sn.ServoSteady | None, band: SpeedBand | None) -> Given:
-    """Return the speed with servos, and a fit's band; that is then the only interval of the speed.
-
-    The band has no ends where the servos cannot follow the gait.
-    """
-    no_ends = {"low_m_s": None, "high_m_s": None}
-    answer: Given = {"servo": moved.to_dict()} if moved else {}
-    if band is not None:
-        answer["band"] = band.to_dict() | (no_ends if moved and not moved.follows else {})
-    return answer
+    def to_dict(self) -> Given:
+        """Return the speed with servos, and the band."""
+        both = {"servo": self.servo, "band": self.band}
+        return {name: part.to_dict() for name, part in both.items() if part is not None}
 
 
-def speed_in_words(state: sn.Steady, moved: sn.ServoSteady | None, band: SpeedBand | None) -> str:
-    """Return what a builder may expect: a fit's band, or else what servos leave of the speed."""
-    if band is None or (moved and not moved.follows):
-        return (moved or state).in_words()
-    return f"Predicted: {band.in_words()}."
-
-
-def beside_servo(
-    ideal: sn.Steady,
+def expect(
+    snake: Snake,
+    state: sn.Steady,
     servo: sn.ServoKind | None,
-    with_band: bool,
-    show_share: Callable[[float], object] | None,
-) -> sn.ServoSteady | None:
-    """Return the speed with servos; one that does not settle is named, and is no reason to stop.
+    show_share: Callable[[float], object] | None = None,
+    draws: int = SERVO_DRAWS,
+) -> Expected:
+    """Return the speed to expect; servos that do not settle to one are warned of.
 
-    with_band: solve the servos drawn from the kind, too, for the interval that they leave.
-    show_share: called with the share of the work that is done.
+    show_share: called with the share of the work that is done. draws: servos drawn of an uncertain
+    kind; with a fit, whose band has servos of its own, none.
     """
-    from ...periodic.servo_steady import DRAWS, with_servo
+    from ...periodic.servo_steady import with_servo
+    from ...prediction.band import speed_band
 
-    if servo is None:
-        return None
-    draws = DRAWS if with_band else 0
-    try:
-        return interruptible(lambda: with_servo(ideal, servo, draws, show_share))
-    except sn.NotConverged as error:
-        warnings.warn(str(error), stacklevel=2)
-        return error.best
+    moved = None
+    if servo is not None:
+        try:
+            moved = with_servo(state, servo, 0 if snake.fit else draws, show_share)
+        except sn.NotConverged as error:
+            warnings.warn(str(error), stacklevel=2)
+            moved = error.best
+    band = speed_band(snake.fit, state.gait, servo=servo) if snake.fit else None
+    return Expected(state, moved, band)
+
+
+def few_links(snake: Snake) -> bool:
+    """Tell whether servos are asked about unasked."""
+    return snake.robot.links <= FEW_LINKS

@@ -10,9 +10,18 @@ import click
 
 import serpenoid as sn
 
-from ...base.checks import Limits
+from ...base.errors import BadInput
 from ...show.screen import progress, say
-from ..declare import Command, Given, Setting, option, out_file, settings
+from ..declare import (
+    Given,
+    Setting,
+    command,
+    option,
+    out_file,
+    parsed_number,
+    parsed_whole,
+    settings,
+)
 from ..given import make_snake, servo_remark
 from ..options import (
     AS_JSON,
@@ -34,32 +43,22 @@ _FILE_GAITS, _JSON_GAITS = 20_000_000, 1_000_000  # what memory holds of one fil
 
 def _span(text: str, name: str) -> list[float]:
     """Read FIRST:LAST:STEP, or one number."""
-    try:
-        numbers = [float(part) for part in text.split(":")]
-    except ValueError:
-        numbers = []
-    if len(numbers) not in (1, 3) or not all(math.isfinite(v) for v in numbers):
-        wanted = "FIRST:LAST:STEP, such as 5:75:5, nor one number"
-        raise click.BadParameter(f"{text!r} is not {wanted}", param_hint=name)
+    numbers = [parsed_number(name, part) for part in text.split(":")]
     if len(numbers) == 1:
         return numbers
-    first, last, step = numbers
-    if last < first or step <= 0:
-        low, high = sorted((first, last))
-        way = f"{low:g}:{high:g}:{abs(step) or 1:g}"
-        raise click.BadParameter(f"{text!r} must go upwards, such as {way}", param_hint=name)
-    if (last - first) / step >= _MOST:
-        few = f"{(last - first) / step:.2g} values; the most is {_MOST}: take a larger step"
-        raise click.BadParameter(f"{text!r} is {few}", param_hint=name)
+    first, last, step = numbers if len(numbers) == 3 else (0.0, 0.0, 0.0)
+    if not (last >= first and step > 0 and (last - first) / step < _MOST):
+        raise BadInput(
+            f"{name} is {text!r}; it must be one number, or FIRST:LAST:STEP that goes upwards in "
+            f"at most {_MOST} steps, such as 5:75:5"
+        )
     return [first + i * step for i in range(int((last - first) / step + 1 + 1e-9))]
 
 
-THREADS = Setting(
-    "threads", "threads to solve in", limits=Limits(1), usual="1 a core", is_whole=True
-)
+THREADS = Setting("threads", "threads to solve in", usual="1 a core", read=parsed_whole)
 
 
-@click.command(cls=Command)
+@command()
 @robot_option
 @option("--alpha-deg", "FIRST:LAST:STEP.", default="5:75:5")
 @option("--beta-deg", "FIRST:LAST:STEP.", default="20:90:5")
@@ -99,12 +98,12 @@ def sweep(
     if frequency_hz is not None and omega_rad_s is not None:
         raise click.UsageError("--omega-rad-s and --frequency-hz say the same; give one")
     alphas_deg, betas_deg = _span(alpha_deg, "--alpha-deg"), _span(beta_deg, "--beta-deg")
+    hertz = [] if frequency_hz is None else _span(frequency_hz, "--frequency-hz")
     grid = {
         "alpha_rad": [sn.Gait.degrees(a, 0.0, hertz=1.0).alpha_rad for a in alphas_deg],
         "beta_rad": [sn.Gait.degrees(0.0, b, hertz=1.0).beta_rad for b in betas_deg],
-        "omega_rad_s": _span(omega_rad_s or "1:20:1", "--omega-rad-s")
-        if frequency_hz is None
-        else [2 * math.pi * hz for hz in _span(frequency_hz, "--frequency-hz")],
+        "omega_rad_s": [math.tau * hz for hz in hertz]
+        or _span(omega_rad_s or "1:20:1", "--omega-rad-s"),
     }
     from ...show.sweep_files import sweep_values, write_sweep
 
