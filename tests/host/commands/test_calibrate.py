@@ -181,4 +181,4 @@ def test_a_mistyped_command_is_no_folder(tmp_path, monkeypatch):
 def test_what_is_for_a_person_is_refused_where_nobody_is_asked(folder):
     status, *said = calibrate(f"{folder} --dry-run --port virtual")
     assert status == 2
-    assert "--port has no effect with --dry-run" in " ".join(said)
+    assert "give one of --dry-run, --script and --port" in " ".join(said)
