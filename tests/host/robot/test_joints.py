@@ -87,11 +87,3 @@ def test_a_session_of_another_robot_is_refused_before_it_moves(links, tmp_path, 
     else:
         said = "the session is of a robot of 6 links, but this board moves 9"
         assert (done.returncode, said in done.stderr) == (2, True)
-
-
-def test_a_gait_searched_for_another_robot_is_not_sent():
-    asked = "optimize --robot paper --speed 0.05 --servo ideal --send --duration-s 1"
-    done = serpenoid(f"{asked} --port virtual:fast:joints=6")
-    said = "the gait is of a robot of 6 links, but this board moves 7"
-    assert (done.returncode, said in done.stderr) == (2, True)
-    assert "frames" in serpenoid(f"{asked} --port virtual:fast", check=True).stdout
