@@ -11,7 +11,7 @@ import numpy as np
 
 from ..prediction.comparison import ComparedGait, Comparison
 from ..prediction.curve import SpeedCurve
-from .plot import BLUE, GREEN, GREY, ORANGE, PURPLE, columns, figure, hatch_beyond
+from .plot import BLUE, GREEN, GREY, ORANGE, PURPLE, columns, draw_curve, figure, hatch_beyond
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,9 +37,7 @@ def draw_comparison(
     for curve, color in zip(curves, itertools.cycle(COLORS)):
         angles = np.degrees(curve.shape)
         label = f"{angles[0]:.3g}°/{angles[1]:.3g}°, {moved_by}; 95 % band"
-        f, low, high = curve.frequency_hz, curve.low_m_s, curve.high_m_s
-        top.fill_between(f, low, high, color=color, alpha=0.18, lw=0)
-        top.plot(f, curve.typical_m_s, color=color, label=label)
+        draw_curve(top, curve, color, label)
         gaits = [gait for gait in compared.gaits if (gait.alpha_rad, gait.beta_rad) == curve.shape]
         _measured(top, bottom, gaits, color)
     if len(curves) == 1:
@@ -50,7 +48,8 @@ def draw_comparison(
     top.set(
         xlim=(0, last_hz), ylim=(0, (1.15 + 0.08 * len(curves)) * top.get_ylim()[1])
     )  # room for the legend
-    top.legend(loc="upper left", fontsize=8)
+    if curves:
+        top.legend(loc="upper left", fontsize=8)
     bottom.axhline(0, color=GREY)
     bottom.set(xlabel="gait frequency (Hz)", ylabel="measured less\npredicted (%)")
     fig.align_ylabels()

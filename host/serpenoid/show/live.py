@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING
 
 from rich.console import Group
 from rich.live import Live
-from rich.table import Table
 
+from ..base.rows import table
 from ..robot.tools.driven_run import DrivenRun, Summary
 from .screen import screen
 
 if TYPE_CHECKING:
+    from rich.table import Table
+
     from ..periodic.servo_steady import ServoSteady
     from ..periodic.steady import Steady
     from ..prediction.band import SpeedBand
@@ -76,13 +78,10 @@ def line(run: DrivenRun, frame: Telemetry) -> str:
 
 
 def tables(run: DrivenRun, frame: Telemetry, band: Predicted | None = None) -> Group:
-    """Return the run's state as tables: distance and joints, then timing and losses."""
+    """Return the run's state as tables: distance, joints, then timing and losses."""
     losses, drift = run.robot.losses, run.robot.clock
-    joints = Table("joint", title=f"{frame.state}, {run.elapsed_s:.1f} s", title_justify="left")
-    for name in ("setpoint, deg", "pulse, us"):
-        joints.add_column(name, justify="right")
-    for j, (angle, pulse) in enumerate(zip(frame.setpoint_rad, frame.pulse_us, strict=True), 1):
-        joints.add_row(str(j), f"{math.degrees(angle):.2f}", str(pulse))
+    joints = zip(frame.setpoint_rad, frame.pulse_us, strict=True)
+    cells = [[str(j), f"{math.degrees(a):.2f}", str(us)] for j, (a, us) in enumerate(joints, 1)]
     facts = [
         ("phase", f"{math.degrees(frame.phase_rad):.1f} deg"),
         ("frame late", f"{frame.late_us} us, at most {run.latest_us} us"),
@@ -92,32 +91,38 @@ def tables(run: DrivenRun, frame: Telemetry, band: Predicted | None = None) -> G
         ("board's clock", f"{drift.ppm:+.0f} ± {drift.sd_ppm:.0f} ppm"),
         ("true frequency", _frequency(*run.frequency())),
     ]
-    expected = [_rows(_expected(band, run.elapsed_s))] if band else []
-    return Group(*expected, joints, _rows(facts), "Ctrl-C stops the robot")
+    return Group(
+        _facts(_expected(band, run.elapsed_s)),
+        table(
+            f"{frame.state}, {run.elapsed_s:.1f} s", ["joint", "setpoint, deg", "pulse, us"], cells
+        ),
+        _facts(facts),
+        "Ctrl-C stops the robot",
+    )
 
 
 def show_summary(summary: Summary, band: Predicted | None = None) -> None:
     """Print what a run came to, and the speed that was predicted for it."""
+    s = summary
     rows = [
-        ("board", f"{summary.board}, firmware {summary.firmware}"),
-        ("driven", f"{summary.duration_s:.2f} s"),
-        (
-            "frames",
-            f"{summary.frames}, missed {summary.missed_frames}, unread {summary.unread_frames}",
-        ),
-        (
-            "damaged lines",
-            f"{summary.damaged_lines}, commands sent again {summary.resent_commands}",
-        ),
-        ("latest frame", f"{summary.latest_us} us"),
-        ("clipped frames", str(summary.clipped_frames)),
-        ("board's clock", f"{summary.drift_ppm:+.0f} ± {summary.drift_sd_ppm:.0f} ppm"),
-        ("true gait frequency", _frequency(summary.frequency_hz, summary.frequency_sd_hz)),
-        ("recording", summary.recording or "none (--record FILE)"),
+        ("board", f"{s.board}, firmware {s.firmware}"),
+        ("driven", f"{s.duration_s:.2f} s"),
+        ("frames", f"{s.frames}, missed {s.missed_frames}, unread {s.unread_frames}"),
+        ("damaged lines", f"{s.damaged_lines}, commands sent again {s.resent_commands}"),
+        ("latest frame", f"{s.latest_us} us"),
+        ("clipped frames", str(s.clipped_frames)),
+        ("board's clock", f"{s.drift_ppm:+.0f} ± {s.drift_sd_ppm:.0f} ppm"),
+        ("true gait frequency", _frequency(s.frequency_hz, s.frequency_sd_hz)),
+        ("recording", s.recording or "none (--record FILE)"),
     ]
-    screen().print(_rows(_expected(band, summary.duration_s) + rows))
-    if summary.recording:
-        screen().print(f"see how it moved: serpenoid view {summary.recording}")
+    screen().print(_facts(_expected(band, s.duration_s) + rows))
+    if s.recording:
+        screen().print(f"see how it moved: serpenoid view {s.recording}")
+
+
+def _facts(rows: list[tuple[str, str]]) -> Table | str:
+    """Return a table of names and words; nothing of none."""
+    return table("", ["", ""], rows, 2) if rows else ""
 
 
 def _expected(band: Predicted | None, elapsed_s: float) -> list[tuple[str, str]]:
@@ -133,12 +138,3 @@ def _expected(band: Predicted | None, elapsed_s: float) -> list[tuple[str, str]]
 
 def _frequency(hz: float | None, sd_hz: float | None) -> str:
     return "unknown" if hz is None else f"{hz:.5f} ± {sd_hz:.5f} Hz"
-
-
-def _rows(rows: list[tuple[str, str]]) -> Table:
-    table = Table(show_header=False)
-    table.add_column()
-    table.add_column(overflow="fold")
-    for row in rows:
-        table.add_row(*row)
-    return table

@@ -20,11 +20,12 @@ from ..model.robot import Robot
 from ..prediction.predict import SpeedPoint
 from ..session.session import Session
 from ..simulation.run import Run
-from .friction_line import LINES, line
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from ..prediction.curve import SpeedCurve
 
 # Okabe and Ito's colours, which colour-blind readers can tell apart.
 BLUE, ORANGE, GREEN, RED, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#555555"
@@ -103,67 +104,56 @@ def draw_friction(
     kept, voided = friction_points(session, fit), voided_points(session, fit)
     errors = point_errors(session)
     readings = f"readings, {session.setup.provenance.kind}, ± 1 sigma"
-    for ax, part, title, colour in zip(
-        axes,
-        ("straight", "bent"),
-        ("Along the links", "Across the links"),
-        (BLUE, RED),
-        strict=True,
-    ):
-        axis = _law(ax, fit, part, (*kept[part], *errors[part]), colour, label=readings)
+    lines = (
+        ("straight", ("ct", "ft0"), "Along the links", BLUE),
+        ("bent", ("cn", "fn0"), "Across the links", RED),
+    )
+    for ax, (part, names, title, colour) in zip(axes, lines, strict=True):
+        axis = _law(ax, fit, names, (*kept[part], *errors[part]), colour, readings)
         if len(voided[part][0]):
             ax.plot(*voided[part], "x", color=GREY, ms=7, label="voided")
-        ax.set(
-            title=title,
-            xlabel=f"speed $v_{axis}$ (m/s)",
-            ylabel=f"friction $F_{axis}$ of the whole snake (N)",
-            xlim=(0, None),
-            ylim=(0, None),
-        )
+        ax.set(title=title, xlim=(0, None), ylim=(0, None))
+        ax.set_xlabel(f"speed $v_{axis}$ (m/s)")
+        ax.set_ylabel(f"friction $F_{axis}$ of the whole snake (N)")
         if part == "straight" or len(voided[part][0]):
             ax.legend(loc="lower right", fontsize=8)
     fit_heading(fig, session, fit)
-    fig.supxlabel(
-        "band: 95 % interval of the line" + (f"; {note}" if note else ""), fontsize=8, color=GREY
-    )
+    words = "; ".join(filter(None, ["band: 95 % interval of the line", note]))
+    fig.supxlabel(words, fontsize=8, color=GREY)
 
 
 def _law(
-    ax: Axes, fit: FrictionFit, part: str, points: Sequence[Any], colour: str, **dots: Any
+    ax: Axes,
+    fit: FrictionFit,
+    names: tuple[str, str],
+    points: Sequence[Any],
+    colour: str,
+    label: str,
 ) -> str:
     """Draw F = slope v + rest with its 95 % band, its points, and its words; return its axis."""
     speed, force, speed_sigma, force_sigma = points
-    slope, rest = LINES[part]
-    axis = slope[1]
-    v, law, _, sigma = line(fit, part, speed).T
-    ax.fill_between(v, law - 1.96 * sigma, law + 1.96 * sigma, color=colour, alpha=0.16, lw=0)
+    slope, rest = (fit.parameters[name].value for name in names)
+    rows, axis = [list(fit.whole_snake).index(name) for name in names], names[0][1]
+    v = np.linspace(0, 1.08 * float(speed.max()), 60)
+    terms = np.column_stack([v, np.ones_like(v)])
+    sigma = np.sqrt(np.sum(terms @ fit.covariance[np.ix_(rows, rows)] * terms, axis=1))
+    law = slope * v + rest
+    ax.fill_between(v, law - 1.96 * sigma, law + 1.96 * sigma, color=colour, alpha=0.18, lw=0)
     ax.plot(v, law, color=colour)
-    style = {"fmt": "o", "color": "black", "ms": 4, "lw": 0, "elinewidth": 1} | dots
-    ax.errorbar(speed, force, force_sigma, speed_sigma, **style)
-    words = (
-        f"$F_{axis} = {fit.parameters[slope].value:.3g}\\,v_{axis} "
-        f"+ {fit.parameters[rest].value:.3g}$ N"
-    )
+    ax.errorbar(
+        speed, force, force_sigma, speed_sigma,
+        fmt="o", color="black", ms=4, lw=0, elinewidth=1, label=label,
+    )  # fmt: skip
+    words = f"$F_{axis} = {slope:.3g}\\,v_{axis} + {rest:.3g}$ N"
     ax.text(0.04, 0.95, words, transform=ax.transAxes, color=colour, va="top", fontsize=11)
     return axis
 
 
-def speed_figure(points: Sequence[SpeedPoint], title: str, path: Path) -> None:
-    """Draw the speed with typical servos, its 95 % band, and hatch what is too fast for them."""
-    names = "frequency_hz", "servo_m_s", "low_m_s", "high_m_s"
-    f, typical, low, high = columns([p for p in points if p.follows], *names)
-    last_hz = min(points[-1].frequency_hz, 1.6 * points[-1].highest_hz)
-    with figure(7.2, 4.2, path=path) as (_, ax):
-        rest = np.zeros(1)
-        band = (np.append(rest, ends) for ends in (f, low, high))
-        label = "95 %: friction, amplitude and servos that nobody measured"
-        ax.fill_between(*band, color=BLUE, alpha=0.2, lw=0, label=label)
-        label = "typical hobby servos"
-        ax.plot(np.append(rest, f), np.append(rest, typical), color=BLUE, lw=2.2, label=label)
-        hatch_beyond(ax, points[-1].highest_hz, last_hz, "hobby")
-        ax.set(title=title, xlabel="gait frequency (Hz)", ylabel="speed (m/s)")
-        ax.set(xlim=(0, last_hz), ylim=(0, 1.5 * high.max()))  # room for the legend
-        ax.legend(loc="upper left", frameon=True, framealpha=0.95, edgecolor="none")
+def draw_curve(ax: Axes, curve: SpeedCurve, colour: str, label: str) -> None:
+    """Draw the speed with typical servos over frequency, and its 95 % band."""
+    f = curve.frequency_hz
+    ax.fill_between(f, curve.low_m_s, curve.high_m_s, color=colour, alpha=0.18, lw=0)
+    ax.plot(f, curve.typical_m_s, color=colour, label=label)
 
 
 def formulations_figure(points: Sequence[SpeedPoint], title: str, path: Path) -> None:
@@ -210,6 +200,18 @@ def draw_links(ax: Axes, run: Run, index: int, lift_m: float, colour: Any) -> No
     ax.plot(x[-1] + dx[-1], y[-1] + dy[-1], "o", color=colour, ms=6)
 
 
+def draw_path(ax: Axes, run: Run) -> None:
+    """Draw the paths of tail, head and centre of mass, with a key above them."""
+    for name, x, y, colour, width in (
+        ("tail", run.x_m[:, 0], run.y_m[:, 0], ORANGE, 1.0),
+        ("head", run.x_m[:, -1], run.y_m[:, -1], BLUE, 1.0),
+        ("centre of mass", *run.centre_m.T, "black", 2.0),
+    ):
+        ax.plot(x, y, color=colour, lw=width, label=name)
+    ax.plot(0, 0, "o", mfc="white", mec="black", ms=7, zorder=5, label="start")
+    ax.legend(loc="lower left", bbox_to_anchor=(-0.01, 0.985), ncols=4, fontsize=9)
+
+
 def along_travel(run: Run) -> Run:
     """Turn a run so that it travels along x and starts at the origin."""
     x, y = run.centre_m.T
@@ -233,21 +235,10 @@ def path_and_poses(run: Run, title: str, path: Path) -> None:
     run = along_travel(run)
     with figure(9.0, 6.0, rows=2, path=path, height_ratios=[1, 1.9]) as (fig, (top, bottom)):
         cycles = round(run.t_s[-1] / run.scene.gait.period_s)
-        centre = tuple(run.centre_m.T)
-        for name, (x, y), colour, width, end, shift, side in (
-            ("tail", (run.x_m[:, 0], run.y_m[:, 0]), ORANGE, 1.4, 0, (-6, 0), "right"),
-            ("head", (run.x_m[:, -1], run.y_m[:, -1]), BLUE, 1.4, -1, (6, 0), "left"),
-            ("centre of mass", centre, "black", 2.0, -1, (0, 36), "center"),
-        ):
-            top.plot(x, y, color=colour, lw=width)
-            line = {"arrowstyle": "-", "color": colour, "lw": 0.7} if side == "center" else None
-            words = {"color": colour, "va": "center", "ha": side, "textcoords": "offset points"}
-            top.annotate(name, (x[end], y[end]), xytext=shift, arrowprops=line, **words)
+        draw_path(top, run)
         top.set(xlabel="x (m)", ylabel="y (m)")
-        top.margins(x=0.07)
-        top.set_ylim(1.2 * float(run.y_m.min()), 2.2 * float(run.y_m.max()))
         top.set_aspect(3)
-        top.set_title(f"{cycles} cycles, y enlarged three times (Fig. 12)")
+        top.set_title(f"{cycles} cycles, y enlarged three times (Fig. 12)", pad=22)
         per_cycle = round(run.scene.gait.period_s / (run.t_s[1] - run.t_s[0]))
         apart = 1.15 * float(np.ptp(run.y_m[:per_cycle]))
         left = float(run.x_m[:per_cycle].min()) - run.scene.robot.link_length_m
@@ -273,15 +264,14 @@ def gait_title(gait: Gait) -> str:
     )
 
 
-def _both(value: float | tuple[float, float]) -> str:
-    """Return a friction, forwards and backwards where these differ."""
-    return f"{value[0]:.3g}/{value[1]:.3g}" if isinstance(value, tuple) else f"{value:.3g}"
-
-
 def robot_words(robot: Robot, ground: Ground) -> str:
     """Return the whole robot and its friction for a title."""
+
+    def ends(along: float | tuple[float, float]) -> str:
+        return "/".join(f"{value:.3g}" for value in np.atleast_1d(along))
+
     whole = ground.scaled(*4 * [robot.links])
-    friction = f"ct {_both(whole.ct)}, cn {whole.cn:.3g} N s/m"
+    friction = f"ct {ends(whole.ct)}, cn {whole.cn:.3g} N s/m"
     if ground.dry:
-        friction += f", ft0 {_both(whole.ft0)}, fn0 {whole.fn0:.3g} N"
+        friction += f", ft0 {ends(whole.ft0)}, fn0 {whole.fn0:.3g} N"
     return f"{robot.links} links of {robot.link_length_m:g} m, {robot.mass_kg:.4g} kg; {friction}"

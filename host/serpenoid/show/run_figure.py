@@ -18,6 +18,7 @@ from .plot import (
     RED,
     along_travel,
     draw_links,
+    draw_path,
     figure,
     gait_title,
     heading,
@@ -73,20 +74,13 @@ def scene_words(scene: Scene) -> str:
 
 
 def _path(ax: Axes, turned: Run) -> None:
-    for name, x, y, colour, width in (
-        ("tail", turned.x_m[:, 0], turned.y_m[:, 0], ORANGE, 1.0),
-        ("head", turned.x_m[:, -1], turned.y_m[:, -1], BLUE, 1.0),
-        ("centre of mass", *turned.centre_m.T, "black", 2.0),
-    ):
-        ax.plot(x, y, color=colour, lw=width, label=name)
+    draw_path(ax, turned)
     for index in np.unique(np.linspace(0, turned.t_s.size - 1, _POSES).astype(int)):
         draw_links(ax, turned, int(index), 0.0, "#a0a0a0")
     title = f"path over the ground, {turned.t_s[-1]:g} s; grey: the snake, a dot on its head"
     ax.set_title(title, pad=22)
     ax.set(xlabel="along the way from start to end (m)", ylabel="across it (m)")
     ax.set_aspect("equal", adjustable="datalim")
-    ax.plot(0, 0, "o", mfc="white", mec="black", ms=7, zorder=5, label="start")
-    ax.legend(loc="lower left", bbox_to_anchor=(-0.01, 0.985), ncols=4, fontsize=9)
 
 
 def _speed(ax: Axes, run: Run) -> None:

@@ -35,14 +35,12 @@ def drawn(monkeypatch) -> list[Figure]:
     return figures
 
 
-@pytest.mark.parametrize("name", ["friction", "speed", "formulations", "path"])
+@pytest.mark.parametrize("name", ["friction", "formulations", "path"])
 def test_every_figure_has_units_and_ink(name, run, tmp_path, drawn) -> None:
     path = tmp_path / f"{name}.png"
     if name == "friction":
         session = sn.load_session(NIRAKH_2005)
         plot.friction_lines(session, sn.fit_friction(session), path)
-    elif name == "speed":
-        plot.speed_figure(_points(), "title", path)
     elif name == "formulations":
         plot.formulations_figure(_points(), "title", path)
     else:
@@ -55,14 +53,6 @@ def test_every_figure_has_units_and_ink(name, run, tmp_path, drawn) -> None:
     assert min(pixels.shape[:2]) >= 600  # dots: sharp on a page
     ink = float((pixels.min(axis=2) < 0.9).mean())
     assert 0.01 < ink < 0.5
-
-
-def test_servos_that_cannot_follow_have_no_curve(tmp_path, drawn) -> None:
-    plot.speed_figure(_points(), "title", tmp_path / "speed.png")
-    (servos,) = (x for x in drawn[0].axes[0].lines if x.get_label() == "typical hobby servos")
-    assert list(servos.get_xdata()) == [0.0, 0.5, 1.0]
-    (hatched,) = (x for x in drawn[0].axes[0].patches if x.get_hatch())
-    assert hatched.get_bbox().x0 == pytest.approx(1.2)
 
 
 def test_a_ratchet_is_named_both_ways(run) -> None:

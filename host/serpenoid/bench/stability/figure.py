@@ -65,7 +65,7 @@ def stability_figure(cells: Sequence[Cell], path: Path) -> None:
         present = sorted({cell.kind for cell in cells})
         handles = [Patch(color=COLOURS[i], label=WORDS[i]) for i in present]
         handles += axes[0, 0].lines
-        fig.legend(handles=handles, loc="outside lower center", ncols=len(handles), fontsize=9)
+        fig.legend(handles=handles, loc="outside lower center", ncols=columns, fontsize=9)
         heading(fig, TITLE, 11)
 
 

@@ -61,16 +61,16 @@ def write_page(path: Path, title: str, about: str, shown: dict[str, Any]) -> Non
 
 
 def of_run(run: Run) -> dict[str, Any]:
-    """Return what the page shows of a run: at most MOST_FRAMES times, evenly spaced."""
-    duration = float(run.t_s[-1])
-    count = max(2, min(MOST_FRAMES, run.t_s.size, math.ceil(duration * FRAMES_A_SECOND) + 1))
-    t_s = np.linspace(0.0, duration, count)
-    slip = run.vy_m_s * np.cos(run.theta_rad) - run.vx_m_s * np.sin(run.theta_rad)
-    tables = (run.x_m, run.y_m, run.theta_rad, slip)
-    motion = Motion(*(_columns(t_s, run.t_s, table) for table in tables))
-    s = run.scene
-    slope = {"uphill_rad": s.incline_direction_rad} if s.incline_rad else {}
-    return slope | _shown(t_s, s.robot, s.ground, s.gait, motion)
+    """Return what the page shows of a run: at most MOST_FRAMES of its rows, evenly spaced."""
+    count = min(MOST_FRAMES, run.t_s.size, 2 + int(run.t_s[-1] * FRAMES_A_SECOND))
+    rows = np.linspace(0, run.t_s.size - 1, count).astype(int)
+    x_m, y_m, theta, vx, vy = (
+        table[rows] for table in (run.x_m, run.y_m, run.theta_rad, run.vx_m_s, run.vy_m_s)
+    )
+    motion = Motion(x_m, y_m, theta, vy * np.cos(theta) - vx * np.sin(theta))
+    scene = run.scene
+    shown = _shown(run.t_s[rows], scene.robot, scene.ground, scene.gait, motion)
+    return shown | ({"uphill_rad": scene.incline_direction_rad} if scene.incline_rad else {})
 
 
 def of_recording(stream: Stream, robot: Robot, ground: Ground) -> tuple[Gait, dict[str, Any]]:
@@ -154,8 +154,3 @@ def _shown(t_s: Array, robot: Robot, ground: Ground, gait: Gait, motion: Motion)
 def _rounded(values: Array) -> Any:
     """Return numbers as the page holds them, to 10 µm and 10 µrad."""
     return np.round(values, 5).tolist()
-
-
-def _columns(at: Array, x: Array, values: Array) -> Array:
-    """Interpolate each column (N, m), given at x (N,), at other places."""
-    return np.stack([np.interp(at, x, column) for column in values.T], axis=1)

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...calibration.push_paths import PushPath, push_paths
+from ...calibration.push_paths import push_paths
 from ..plot import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, figure, fit_heading
 
 if TYPE_CHECKING:
@@ -29,9 +29,13 @@ def draw_pushes(fig: Figure, axes: Any, session: Session, fit: FrictionFit) -> N
         bend = round(math.degrees(path.lambda_rad))
         name = None if bend in named else (f"bend {bend}°" if bend else "straight")
         named.add(bend)
-        _draw(axes, path, colour[bend], name)
+        look = {"color": colour[bend], "ms": 2.5, "mew": 0, "alpha": 0.6, "ls": ""}
+        look["marker"] = "o" if path.way == "there" else "s"
+        axes[0].plot(path.t_s, path.way_m, label=name, **look)
+        axes[0].plot(path.law_t_s, path.law_m, color="black", lw=0.8)
+        axes[1].plot(path.t_s, 1000 * path.residual_m, **look)
     axes[0].set(
-        title="Positions, and the fitted law",
+        title="Positions (squares: back), and the law",
         xlabel="time since the first position that counts (s)",
         ylabel="distance (m)",
     )
@@ -43,17 +47,11 @@ def draw_pushes(fig: Figure, axes: Any, session: Session, fit: FrictionFit) -> N
         ylabel="position less the law (mm)",
         ylim=(-most, most),
     )
-    axes[0].set_xlim(left=0)
+    for ax in axes:
+        ax.set_xlim(left=0)
     if named:
         axes[0].legend(loc="lower right", fontsize=8, markerscale=3)
     fit_heading(fig, session, fit)
-
-
-def _draw(axes: Any, path: PushPath, colour: str, name: str | None) -> None:
-    mark = "o" if path.way == "there" else "s"
-    axes[0].plot(path.t_s, path.way_m, mark, color=colour, ms=2.5, mew=0, alpha=0.6, label=name)
-    axes[0].plot(path.law_t_s, path.law_m, color="black", lw=0.8)
-    axes[1].plot(path.t_s, 1000 * path.residual_m, mark, color=colour, ms=2.5, mew=0, alpha=0.6)
 
 
 def push_figure(session: Session, fit: FrictionFit, path: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from html import escape
 from typing import Any
 
@@ -32,9 +32,10 @@ h3{font-size:1rem;margin:1.2rem 0 .3rem}
 th,td{padding:.25rem .7rem;border-bottom:1px solid var(--line);text-align:right;white-space:nowrap}
 th{white-space:normal}th:first-child,td:first-child{text-align:left}
 figure{margin:0 0 .5rem;background:#fff;border-radius:6px;overflow-x:auto}
-figure svg{display:block;width:100%;max-width:36rem;height:auto}
+figure svg{display:block;width:100%;max-width:28rem;height:auto}
 .void{color:var(--soft)}.void td{text-decoration:line-through}
 .words th,.words td{text-align:left;white-space:normal}.words td:last-child{overflow-wrap:anywhere}
+.off td:nth-child(4){white-space:nowrap}
 .said td{color:var(--soft);white-space:normal}tr:has(+.said) td{border:0}
 code{overflow-wrap:anywhere}
 @media screen and (prefers-color-scheme:dark){figure{background:none}
@@ -59,10 +60,10 @@ def session_page(
     notes = [fit.remarks[0], *fit.notes, *session.notes]
     if session.kept and not session.on_floor:
         what = "friction against speed, readings and lines"
-        drawings.append(_svg(what, draw_friction, session, fit, size=(5.0, 7.4), rows=2))
+        drawings.append(_svg(what, draw_friction, session, fit, size=(4.2, 6.4), rows=2))
     if session.kept_pushes:
         what = "pushes: places over time with the law, and residuals"
-        drawings.append(_svg(what, draw_pushes, session, fit, size=(5.1, 7.0), rows=2))
+        drawings.append(_svg(what, draw_pushes, session, fit, size=(4.2, 6.0), rows=2))
     parts = [
         f"<h1>{escape(setup.name)}</h1>",
         _story(session),
@@ -74,11 +75,11 @@ def session_page(
     ]
     if compared is not None:
         what = "speeds predicted and measured"
-        drawn = _svg(what, draw_comparison, compared, curves, size=(5.2, 5.6), **PANELS)
+        drawn = _svg(what, draw_comparison, compared, curves, size=(4.2, 5.2), **PANELS)
         parts += ["<h2>Speed</h2>", drawn, _table(*compared.table(verbose=False))]
     if advice is not None:
         heads, cells = advice.table()
-        listed = _table(heads, cells, words=True) if cells else ""
+        listed = _table(heads, cells, "words") if cells else ""
         parts += ["<h2>The next reading</h2>", f"<p>{_prose(advice.in_words())}</p>{listed}"]
     parts += [
         "<h2>Readings</h2>",
@@ -107,43 +108,34 @@ def _svg(
         fig.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
     drawn = text.getvalue()
     drawn = drawn[drawn.index("<svg") :]
-    # two drawings in one page must not share ids
-    salt = f"w{size[0]:g}".replace(".", "_")
+    # Two drawings in one page must not share ids.
+    salt = what.partition(" ")[0]
     drawn = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{salt}-", drawn)
     drawn = drawn.replace("<svg", f'<svg role="img" aria-label="{escape(what)}"', 1)
     return f'<figure tabindex="0">{drawn}</figure>'
 
 
-def _table(
-    head: Sequence[str],
-    rows: Sequence[Sequence[str]],
-    readings: Sequence[Any] = (),
-    words: bool = False,
-    said: Sequence[str] = (),
-) -> str:
-    """Return a table; readings: of its rows; words: it has text, not numbers; said: below each row.
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]], kind: str = "") -> str:
+    """Return a table; kind: "words" where it has text, not numbers."""
+    return _framed(head, "".join(map(_row, rows)), kind)
 
-    So a table has no more columns than a phone is wide.
-    """
+
+def _row(cells: Sequence[str], kind: str = "") -> str:
+    return f'<tr class="{kind}">' + "".join(f"<td>{_prose(c)}</td>" for c in cells) + "</tr>"
+
+
+def _framed(head: Sequence[str], body: str, kind: str) -> str:
     top = "".join(f'<th scope="col">{escape(h)}</th>' for h in head)
-    body = ""
-    for k, row in enumerate(rows):
-        mark = ' class="void"' if readings and readings[k].voided else ""
-        body += f"<tr{mark}>" + "".join(f"<td>{_prose(c)}</td>" for c in row) + "</tr>"
-        if said and said[k]:
-            body += f'<tr class="said"><td colspan="{len(head)}">{escape(said[k])}</td></tr>'
-    kind = ' class="words"' if words else ""
-    return f'<div class="wide" tabindex="0"><table{kind}><tr>{top}</tr>{body}</table></div>'
+    return (
+        f'<div class="wide" tabindex="0"><table class="{kind}"><tr>{top}</tr>{body}</table></div>'
+    )
 
 
 def _story(session: Session) -> str:
     setup, robot = session.setup, session.setup.robot
     place = setup.laboratory
     where = ", ".join(x for x in (place.surface, place.place, place.people) if x != "not said")
-    kept = {
-        "stations held": len(session.kept),
-        "pushes": len(session.kept_pushes),
-    }
+    kept = {"stations held": len(session.kept), "pushes": len(session.kept_pushes)}
     parts = [f"{n} {name}" for name, n in kept.items() if n or not any(kept.values())]
     taken = (*session.readings, *session.of("push"))
     parts.append(f"{sum(r.voided for r in taken)} voided")
@@ -172,18 +164,20 @@ def _prose(text: str) -> str:
 
 
 def _readings(session: Session, fit: FrictionFit) -> str:
-    """Return one table of all readings, with how far those in the fit are off."""
-    off, readings = _off(session, fit), session.numbered
-    rows = [[str(r.number), *r.in_words(), off.get(r.number, "")] for r in readings]
-    said = [": ".join(filter(None, ["voided" if r.voided else "", r.comment])) for r in readings]
-    head = ["no.", "what", "shown", "off by, σ"]
-    return _table(head, rows, readings, words=True, said=said)
+    """Return one table of all readings, with how far those in the fit are off.
 
-
-def _off(session: Session, fit: FrictionFit) -> dict[int, str]:
-    """Return by how many sigmas each reading in the fit is off, by their numbers."""
+    Remarks stand in rows of their own, so that the table is no wider than a phone.
+    """
     fitted = zip(session.fitted, fit.residuals, strict=True)
-    return {reading.number: f"{round(residual, 1) + 0.0:+.1f}" for reading, residual in fitted}
+    off = {reading.number: f"{round(residual, 1) + 0.0:+.1f}" for reading, residual in fitted}
+    body = ""
+    for r in session.numbered:
+        cells = [str(r.number), *r.in_words(), off.get(r.number, "")]
+        body += _row(cells, "void" if r.voided else "")
+        remark = ": ".join(filter(None, ["voided" if r.voided else "", r.comment]))
+        if remark:
+            body += f'<tr class="said"><td colspan="4">{escape(remark)}</td></tr>'
+    return _framed(["no.", "what", "shown", "off by, σ"], body, "words off")
 
 
 def _told(events: Sequence[Event]) -> list[str]:
@@ -193,21 +187,17 @@ def _told(events: Sequence[Event]) -> list[str]:
         "amend": "amended",
         "skip": "left out",
         "void": "voided",
-        "restore": "restored",
         "undo": "undone",
     }
-    rows = [
-        [
-            e.time_utc[:16].replace("T", " "),
-            names[e.event],
-            str(e.reading or "") if e.event != "skip" else "",
-            step_in_words(e.detail) if e.event == "skip" else e.detail,
-        ]
-        for e in events
-        if e.event in names
-    ]
+    rows = []
+    for e in events:
+        if e.event in names:
+            skipped = e.event == "skip"
+            number = "" if skipped else str(e.reading or "")
+            why = step_in_words(e.detail) if skipped else e.detail
+            rows.append([e.time_utc[:16].replace("T", " "), names[e.event], number, why])
     head = ["time (UTC)", "what", "reading", "why"]
-    return ["<h2>What happened</h2>", _table(head, rows, words=True)] if rows else []
+    return ["<h2>What happened</h2>", _table(head, rows, "words")] if rows else []
 
 
 def _provenance(session: Session, fit: FrictionFit) -> str:

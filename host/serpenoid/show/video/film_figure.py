@@ -19,15 +19,10 @@ COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE, "#56B4E9", "#8B6914", GREY)
 
 def film_figure(film: FilmMeasurement, path: Path) -> None:
     """Draw a measured film into a file."""
-    run = film.run
     with figure(9.0, 8.4, rows=2, path=path, height_ratios=[1.7, 1.4]) as (fig, (top, bottom)):
         _picture(top, film)
         _joints(bottom, film)
-        words = (
-            f"{run.film['name']}: {1e3 * run.speed_m_s:.2f} ± {1e3 * run.speed_sigma_m_s:.2f} "
-            f"mm/s, {run.omega_rad_s / (2 * math.pi):.4g} Hz, {run.periods:.2g} periods"
-        )
-        heading(fig, words, 11, "black")
+        heading(fig, f"{film.run.film['name']}: {film.run.in_words()}", 11, "black")
 
 
 def _picture(ax: Any, film: FilmMeasurement) -> None:
@@ -50,20 +45,23 @@ def _picture(ax: Any, film: FilmMeasurement) -> None:
 
 def _joints(ax: Any, film: FilmMeasurement) -> None:
     """Draw each joint's angle as dots, over the commanded sine or else its own."""
-    track, m = film.measured.track, film.measured.fitted.motion
+    track = film.measured.track
     phi = np.degrees(np.where(film.measured.held, joint_angles(track.states), np.nan))
     t = track.t_s - track.t_s[0]
     about = track.t_s - track.t_s.mean()
-    for i in range(phi.shape[1]):
+    m, count = film.measured.fitted.motion, phi.shape[1]
+    offset, amplitude, phase = m.offset_rad, m.amplitude_rad, m.phase_rad
+    if film.gait is not None:
+        offset, amplitude = (
+            np.full(count, film.gait.offset_rad),
+            np.full(count, film.gait.alpha_rad),
+        )
+        phase = m.phase_rad[0] + np.arange(count) * film.gait.beta_rad
+    sines = offset + amplitude * np.sin(m.omega_rad_s * about[:, None] + phase)
+    for i in range(count):
         colour = COLOURS[i % len(COLOURS)]
         ax.plot(t, phi[:, i], ".", ms=2.5, color=colour)
-        if film.gait is None:
-            offset, amplitude, phase = m.offset_rad[i], m.amplitude_rad[i], m.phase_rad[i]
-        else:
-            offset, amplitude = film.gait.offset_rad, film.gait.alpha_rad
-            phase = m.phase_rad[0] + i * film.gait.beta_rad
-        sine = offset + amplitude * np.sin(m.omega_rad_s * about + phase)
-        ax.plot(t, np.degrees(sine), lw=0.9, color=colour, label=f"joint {i + 1}")
+        ax.plot(t, np.degrees(sines[:, i]), lw=0.9, color=colour, label=f"joint {i + 1}")
     label = "commanded sine, in step with joint 1" if film.gait else "fitted sine"
     ax.set(title=f"joints: dots seen, lines the {label}", ylabel="angle (°)", xlabel="time (s)")
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
@@ -75,11 +73,10 @@ def show_film(measured: FilmMeasurement) -> None:
     run = measured.run
     show(run)
     table("joints, in degrees", *_cells(measured))
-    film, camera, least = run.film, run.camera, min(run.tags_seen)
-    where_seen = "every frame" if least == 1 else f"{100 * least:.1f} % of the frames or more"
+    film, camera = run.film, run.camera
     console.print(
         f"{film['frames']} frames of {film['width_px']} x {film['height_px']} px, "
-        f"{film['duration_s']:.2f} s; tags seen in {where_seen}; "
+        f"{film['duration_s']:.2f} s; tags seen in {min(run.tags_seen):.1%} of them or more; "
         f"residuals {run.residual_px:.2f} px, {1e3 * run.residual_m:.2f} mm; "
         f"links of {1e3 * run.link_length_m:.1f} mm give tags of "
         f"{1e3 * camera['tag_side_m']:.1f} mm, printed {1e3 * camera['printed_side_m']:.1f} mm",
@@ -91,23 +88,20 @@ def show_film(measured: FilmMeasurement) -> None:
 
 def _cells(film: FilmMeasurement) -> tuple[list[str], list[list[str]]]:
     """Return heads and cells of the joints' table, with what was commanded where it is known."""
-    gait, cells = film.gait, []
-    commanded = ["gain", "late"] if gait else []
+    cells = []
     for joint in film.run.joints:
-        row = [
-            str(joint.joint),
-            _pair(joint.amplitude_rad, joint.amplitude_sigma_rad),
-            _pair(joint.offset_rad, joint.offset_sigma_rad),
-            _pair(joint.phase_rad, joint.phase_sigma_rad),
-        ]
-        if gait:
-            late = joint.phase_rad - (joint.joint - 1) * gait.beta_rad
-            late = math.remainder(late, math.tau)
-            share = joint.amplitude_rad / gait.alpha_rad if gait.alpha_rad else math.nan
-            row += [f"{100 * share:.0f} %", f"{math.degrees(late):+.2f}"]
-        cells.append([*row, f"{100 * joint.seen:.0f} %"])
+        pairs_rad = (
+            (joint.amplitude_rad, joint.amplitude_sigma_rad),
+            (joint.offset_rad, joint.offset_sigma_rad),
+            (joint.phase_rad, joint.phase_sigma_rad),
+        )
+        row = [str(joint.joint)]
+        row += [f"{math.degrees(a):.2f} ± {math.degrees(sigma):.2f}" for a, sigma in pairs_rad]
+        if film.gait:
+            late_rad = joint.phase_rad - (joint.joint - 1) * film.gait.beta_rad
+            gain = joint.amplitude_rad / max(film.gait.alpha_rad, 1e-9)
+            late_deg = math.degrees(math.remainder(late_rad, math.tau))
+            row += [f"{gain:.0%}", f"{late_deg:+.2f}"]
+        cells.append([*row, f"{joint.seen:.0%}"])
+    commanded = ["gain", "late"] if film.gait else []
     return ["joint", "amplitude", "centre", "phase", *commanded, "seen"], cells
-
-
-def _pair(value_rad: float, sigma_rad: float) -> str:
-    return f"{math.degrees(value_rad):.2f} ± {math.degrees(sigma_rad):.2f}"
