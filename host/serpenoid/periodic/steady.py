@@ -78,7 +78,7 @@ class Steady(Result):
         Time in which the slowest disturbance falls to 1/e, s, inf when none does; its error,
         relative.
     sensitivities
-        Derivatives by gait, friction and robot, where they were asked for.
+        Per cents of speed for 1 % of seven numbers, where they were asked for.
     from_rest
         Whether a start from rest ends in this state (`reaches_reported`), and the `other` stable
         motion if the gait has two; None where that was not asked for, or not known.

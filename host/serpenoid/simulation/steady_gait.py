@@ -68,8 +68,8 @@ def steady_gait(
     servo : Servo or ServoKind, optional
         What moves the joints; None for joints that follow the gait exactly.
     sensitivities : bool
-        Whether to add the derivatives of the ideal joints' state by gait, friction and robot.
-
+        Whether to add by how many per cent 1 % of mass, length, amplitude, lag, rate and both
+        frictions change the speed, with ideal joints.
     from_rest : bool
         Whether to follow runs from rest, and on viscous ground of low friction from other starts,
         for the state's `from_rest`: two seconds at most.
@@ -97,10 +97,10 @@ def steady_gait(
     """
     ideal = ideal_gait(robot, ground, gait, rtol=rtol, powers=powers)
     if sensitivities:
-        from ..periodic.sensitivities import differentiate
+        from ..periodic.sensitivities import speed_sensitivities
 
-        floor_m_s = speed_floor_m_s(robot, gait.omega_rad_s)
-        ideal = replace(ideal, sensitivities=differentiate(robot, ground, gait, floor_m_s))
+        found = speed_sensitivities((robot, ground, gait), speed_floor_m_s(robot, gait.omega_rad_s))
+        ideal = replace(ideal, sensitivities=found)
     if from_rest:
         from .from_rest import from_rest as follow
 

@@ -51,7 +51,7 @@ SERVO_DRAWS = 512  # servos of an uncertain kind, for the interval that they lea
 @flag(
     "--sensitivities",
     "differentiated",
-    "What 1 % of each parameter changes (ideal joints); with a fit, what each unknown leaves.",
+    "What 1 % more of seven numbers changes of the speed (ideal joints).",
     research=True,
 )
 @AS_TABLES
