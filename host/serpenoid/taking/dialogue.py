@@ -1,53 +1,48 @@
-"""The person at the treadmill: each step said, each number asked for, each mistake mendable.
-
-At every prompt there are words for undoing, skipping, pausing and leaving. Nothing goes
-on by itself; when nobody answers, the robot's servos are let go and that is said.
-"""
+"""The person at the treadmill or on a floor: each step said, each number asked for and kept."""
 
 from __future__ import annotations
 
 import math
+import re
 import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 from ..base.errors import BadInput, CommandRefused, RecordingFailed, RobotError
+from ..model.gait import Gait
 from ..session.declaration import LENGTH_UNITS, Field, Values
 from ..session.journal import Journal
 from ..session.places import EXAMPLE, drifts, tidy_places
 from ..session.session import Session
+from .asking import PATIENCE_S, WORDS, Again, Asker, Left, Skip, Undo
 from .bends import NEAR_DEG
-from .parse_number import span
-from .procedure import doubts, likely_belt, next_step
-from .prompt import PATIENCE_S, Again, Left, Prompt
-from .push_prompt import (
-    CRAWL_QUESTION,
-    QUESTION,
-    FilmReader,
-    named_file,
-    no_films,
-    read_crawl,
-    take_track,
-)
+from .films import FilmReader, named_file, no_films, read_crawl, take_track
+from .procedure import ZERO_BEFORE, doubts, next_step, step_in_words
 from .pushes import Kept
 from .session_robot import SessionRobot
 from .steps import Step, Tracked
 from .terminal import Terminal
-from .track_files import UnitMissing
-from .treadmill import record_step
+from .track_files import UnitMissing, read_track_file
+from .treadmill import posed_after, record_step
 
-FILMED = {"push": QUESTION, "gait": CRAWL_QUESTION}  # kinds of steps that a film answers, too
+QUESTIONS = {  # of steps that a film answers, too
+    "push": "its film or track (of Tracker, Kinovea, CSV); or how far it rolled (m)",
+    "gait": "its film; or the distance between the marks (m)",
+}
+DRIFT = (
+    "drift left over, + uphill (m/s), and deg turned, + to the left, as 0.01 3deg (Enter: none); "
+    f"or places as s:m, {EXAMPLE}, or their table"
+)
 LEFT = "Left. Everything read so far is kept; the same command goes on from here."
 Told = Callable[[Session, Step], None]
 
 
-class Dialogue(Prompt):
+class Dialogue:
     """Take a session step by step with a person.
 
-    robot, patience_s: as of a Prompt. told: called with session and step when a step begins, for
-    pictures. clock_s: the time at the treadmill, by which it settles; this machine's
-    unless given.
+    robot, patience_s, clock_s: as of an Asker. told: called with session and step when a step
+    begins. film: what reads a film.
     """
 
     def __init__(
@@ -57,51 +52,45 @@ class Dialogue(Prompt):
         robot: SessionRobot | None = None,
         told: Told = lambda session, step: None,
         patience_s: float = PATIENCE_S,
-        clock_s: Callable[[], float] | None = None,
+        clock_s: Callable[[], float] = time.monotonic,
         film: FilmReader = no_films,
     ):
-        super().__init__(journal, terminal, robot, patience_s)
-        self._told, self._film = told, film
-        self._clock_s = clock_s or time.monotonic
+        self.journal, self._robot, self._told, self._film = journal, robot, told, film
+        self._asker = Asker(terminal, journal, robot, patience_s, clock_s)
+        self._say = self._asker.say
+        self._bend_deg: float | None = None  # how the robot lies, by the plan; None: not known
+        self._listed = 0  # the last reading that was listed
         if robot is not None:
             robot.offset_rad = steered_rad(journal.session) or 0.0
 
     def run(self) -> bool:
         """Go on until everything is done or the person leaves; return False if a robot is lost."""
+        self._say(WORDS)
         try:
-            self._go_on()
-        except RobotError as error:
-            self.say(
-                f"! the robot: {error}\n  Everything read so far is kept; the same command goes on."
-            )
-            return False
-        return True
-
-    def _go_on(self) -> None:
-        self.say("At every prompt: undo, skip, pause, quit, help.")
-        if self._robot is not None:
-            self.say("Esc or space stops the robot; Ctrl-C stops it and leaves, nothing is lost.")
-        try:
-            self._check_plan()
+            if self._robot is not None:
+                self._say("Esc or space stops the robot; Ctrl-C stops it and leaves.")
+                self._check_plan(self._robot)
             while self._one_step():
                 pass
         except (Left, EOFError):
-            self.say(LEFT)
+            self._say(LEFT)
         except KeyboardInterrupt:
-            self.say(f"\n{LEFT}")
+            self._say(f"\n{LEFT}")
             raise
+        except RobotError as error:
+            self._say(f"! the robot: {error}\n  {LEFT}")
+            return False
         finally:
-            self.let_go()
+            self._asker.let_go()
+        return True
 
-    def _check_plan(self) -> None:
+    def _check_plan(self, robot: SessionRobot) -> None:
         """Say at the start which bends of the plan the robot's joints cannot reach."""
-        if self._robot is None:
-            return
         plan = self.journal.session.setup.plan
-        reach_deg = self._robot.reach_deg(plan.bend)
+        reach_deg = robot.reach_deg(plan.bend)
         for bend_deg in map(math.degrees, plan.bends_rad):
             if reach_deg < bend_deg - NEAR_DEG:
-                self.say(f"! {self._too_far(bend_deg, reach_deg)}")
+                self._say(f"! {self._too_far(bend_deg, reach_deg)}")
 
     def _too_far(self, bend_deg: float, reach_deg: float) -> str:
         name = "push_lambda_deg" if self._on_floor else "lambda_deg"
@@ -118,72 +107,104 @@ class Dialogue(Prompt):
     def _one_step(self) -> bool:
         """Do one step; return False at the end."""
         self._read_again()
-        self.step = step = next_step(self.journal.session, self._posture.bend_deg)
+        if self._robot is not None and not self._robot.powered:
+            self._bend_deg = None
+        step = next_step(self.journal.session, self._bend_deg)
         self._told(self.journal.session, step)
-        self._skip_doubted = False
-        self.say("")
-        self.say(step.say)
+        if step.kind in ("straight", "bend", "done"):
+            self._list_readings()
+        self._say(f"\n{step.say}")
         if step.kind == "done":
             return False
         try:
-            self._do(step)
-        except (Again, BadInput, RecordingFailed, CommandRefused) as error:
-            if step.kind == "gait":
-                self.let_go()
-            if not isinstance(error, Again):
-                self.say(f"! {error}")
+            try:
+                self._do(step)
+            except Skip:
+                self._leave_out(step)
+            except Undo:
+                self._undo()
+        except (BadInput, RecordingFailed, CommandRefused) as error:
+            self._say(f"! {error}")
+        except Again:
+            pass
+        if step.kind == "gait":
+            self._asker.let_go()
         return True
 
     def _read_again(self) -> None:
         """Read the files again, and say what somebody changed in session.toml meanwhile."""
         while True:
             try:
-                changed = self.journal.read_again()
+                for line in self.journal.read_again():
+                    self._say(f"session.toml: {line}")
+                return
             except BadInput as error:
-                self.say(f"! {error}")
-                self.ask("  Enter when that is mended: ")
-                continue
-            for line in changed:
-                self.say(f"session.toml: {line}")
-            return
+                self._say(f"! {error}")
+                self._asker.confirm("  Enter when that is mended: ")
+
+    def _list_readings(self) -> None:
+        """Show the readings since the last pose, so that `undo 7` can name one."""
+        for r in self.journal.session.numbered:
+            if r.number > self._listed:
+                state = f"  void: {r.comment}" if r.voided else ""
+                self._say(f"  {r.number:4}  {'  '.join(r.in_words())}{state}")
+        self._listed = self.journal.last
+
+    def _leave_out(self, step: Step) -> None:
+        self.journal.event("skip", self.journal.last, step.key)
+        self._say(f"  left out: {step_in_words(step.key)}; undo takes it up again")
+        if step.key == ZERO_BEFORE:
+            zero_rad = self.journal.session.setup.instruments.incline_zero_sigma_rad
+            self._say(
+                f"  ! {math.degrees(zero_rad):.2g} deg are then assumed of the inclinometer's "
+                "zero; 0.3 deg are 17 % of the 2005 robot's ft0"
+            )
+        elif step.kind == "straight":
+            self._say("  ! without straight readings nothing can be fitted")
+
+    def _undo(self) -> None:
+        """Take up again what was left out since the last reading; else void that reading."""
+        session, last = self.journal.session, self.journal.last
+        skips = [e.detail for e in session.events if e.event == "skip" and e.reading == last]
+        left_out = [key for key in skips if key in session.skipped]
+        kept = [r.number for r in session.numbered if not r.voided]
+        if left_out:
+            self.journal.event("unskip", detail=left_out[-1])
+            self._say(f"  no longer left out: {step_in_words(left_out[-1])}")
+        elif kept:
+            self.journal.event("undo", max(kept))
+            self._say(f"  reading {max(kept)} is void")
+        else:
+            self._say("  ! there is no reading yet")
 
     def _do(self, step: Step) -> None:
         if step.kind in ("straight", "bend"):
             self._pose(step)
-        elif step.kind == "gait":
-            self._start(step)
-        values = self._values(step)
-        if step.kind == "gait" and self._robot and step.gait:
-            values["omega_rad_s"] = self._robot.rate(step.gait)
-            self.let_go()
-        number = record_step(self.journal, step, values)
-        self._posture.after(step)
+        elif step.gait is not None and self._robot is not None:
+            self._asker.confirm("Lay it straight. Enter starts the robot: ", ahead=False)
+            self._robot.go(step.gait)
+        number = self._asker.form(lambda: self._taken(step))
+        self._bend_deg = posed_after(step, self._bend_deg)
         if number:
-            self.say(f"kept as reading {number}")
+            self._say(f"kept as reading {number}")
 
     def _pose(self, step: Step) -> None:
-        what = "straightens" if step.kind == "straight" else "bends"
-        if self._robot is None:
+        robot = self._robot
+        if robot is None:
             if step.kind == "straight":
-                self.ask("Enter when it lies so: ")
+                self._asker.confirm("Enter when it lies so: ")
             return
-        if step.lambda_deg:
-            self._say_reach(self._robot, step)
-        self._ask_to_move(f"Enter {what} the robot (hands off): ")
-        reach_deg = self._robot.reach_deg(step.bend) if step.lambda_deg else 0.0
-        self._robot.pose(min(step.lambda_deg, reach_deg), step.bend)
-        self._steer(self._robot, step)
-
-    def _say_reach(self, robot: SessionRobot, step: Step) -> None:
-        """Say where the joints reach less than a step's bend; wait where it is not near it."""
-        while (reach_deg := robot.reach_deg(step.bend)) < step.lambda_deg:
-            if reach_deg >= step.lambda_deg - NEAR_DEG:
-                return self.say(
-                    f"  Joint limits and steering leave room for {reach_deg:g} deg: it is bent so "
-                    "far, and the protractor tells how far that is."
-                )
-            self.say(f"! {self._too_far(step.lambda_deg, reach_deg)}")
-            self.ask("  skip, or quit: ")
+        while step.lambda_deg and (reach := robot.reach_deg(step.bend)) < step.lambda_deg:
+            if reach >= step.lambda_deg - NEAR_DEG:
+                self._say(f"  Joint limits and steering leave room for {reach:g} deg: it is so.")
+                break
+            self._say(f"! {self._too_far(step.lambda_deg, reach)}")
+            self._asker.confirm("  skip, or quit: ")
+        what = "bends" if step.lambda_deg else "straightens"
+        self._asker.confirm(f"Enter {what} the robot (hands off): ", ahead=False)
+        reach = robot.reach_deg(step.bend) if step.lambda_deg else 0.0
+        robot.pose(min(step.lambda_deg, reach), step.bend)
+        self._steer(robot, step)
 
     def _steer(self, robot: SessionRobot, step: Step) -> None:
         """Have the offset found that runs straight, before the first reading; it is kept."""
@@ -191,61 +212,86 @@ class Dialogue(Prompt):
         if step.lambda_deg or left_out or steered_rad(self.journal.session) is not None:
             return
         if self._on_floor:
-            return self.say(
+            return self._say(
                 "  Left and right keys bend every joint a little, at every prompt. Where a push "
                 "turns the robot, steer against it before the next; each push keeps the offset."
             )
-        self.say(
+        self._say(
             "  Incline as for the first station, and raise the belt until the robot nearly holds "
             "its place: on a level belt it is carried off. Left and right keys bend every joint a "
             "little: steer until the robot runs straight by itself."
         )
         try:
-            self.step = replace(step, key="steering")
-            self.ask("  Enter keeps it; skip leaves the steering out alone: ")
-        except Again:
-            if "steering" in self.journal.session.skipped:
-                return  # the pose is there: on to what is asked next
-            raise
-        finally:
-            self.step = step
-        self.say(f"  every joint has {math.degrees(robot.offset_rad):+.2f} deg from now on")
+            self._asker.confirm("  Enter keeps it; skip leaves the steering out alone: ")
+        except Skip:
+            return self._leave_out(replace(step, kind="", key="steering"))
+        return self._say(f"  every joint has {math.degrees(robot.offset_rad):+.2f} deg from now on")
 
-    def _start(self, step: Step) -> None:
-        if self._robot is None or step.gait is None:
-            return
-        self._ask_to_move("Lay it straight. Enter starts the robot: ")
-        self._robot.go(step.gait)
-
-    def _ask_to_move(self, prompt: str) -> None:
-        """Wait for Enter, typed now and not ahead."""
-        self._terminal.forget()
-        self.ask(prompt)
+    def _taken(self, step: Step) -> int:
+        """Ask for a step's reading and keep it; return its number, 0 where none is kept."""
+        values = self._station(step) if step.kind == "station" else self._values(step)
+        if step.kind in ("station", "push") and not isinstance(values, Tracked):
+            values |= self._steering()
+        unit = self.journal.session.setup.instruments.belt_speed_unit
+        if not isinstance(values, Tracked):
+            values = self._asker.sure(
+                values, lambda typed: doubts(self.journal.session, step, typed), unit
+            )
+        elif step.gait is not None and self._robot is not None:
+            values["omega_rad_s"] = self._robot.rate(step.gait)
+        while True:
+            try:
+                return record_step(self.journal, step, values)
+            except RecordingFailed as error:
+                self._say(f"! {error}")
+                self._asker.ask("  Enter tries again: ")
 
     def _values(self, step: Step) -> Values:
-        """Ask for a step's numbers; what is out of line is asked about, never refused."""
-        typed = None
-        if step.kind in FILMED:
-            typed = self._film_or_number(step)
-            if isinstance(typed, Tracked):
-                return typed
-        begun_s, values = self._belt_set(step), Values()
-        for field in step.asked:
-            if field.column == "drift_m_s":
-                values |= self._drift(field)
-                continue
-            likely, unit = field.likely, ""
-            if field.column == "belt_speed_m_s":
-                unit = self.journal.session.setup.instruments.belt_speed_unit
-                if step.kind == "station":
-                    likely = likely_belt(self.journal.session, step, values)
-            values[field.column] = self.number(field, likely, typed=typed, unit=unit)
-            typed = None
-        if step.kind == "station" and "places" not in values:
-            values["waited_s"] = round(self._clock_s() - begun_s, 1)
-        if step.kind in ("station", "push"):
-            values |= self._steering()
-        return self._doubted(step, values)
+        """Return a step's numbers, or what a film or a table of its track shows."""
+        typed = ""
+        if step.kind in QUESTIONS:
+            while not typed:
+                typed = self._asker.ask(f"  {QUESTIONS[step.kind]}: ")
+            named = named_file(typed)
+            if named is not None and step.gait is not None:
+                return self._crawl(named[0], step.gait)
+            if named is not None:
+                self._pushes(*named, {**step.cells, **self._steering()})
+        unit = self.journal.session.setup.instruments.belt_speed_unit
+        values = self._asker.numbers(step.asked, typed, unit)
+        if step.gait is not None and self._robot is not None:
+            values["omega_rad_s"] = self._robot.rate(step.gait)
+        return values
+
+    def _station(self, step: Step) -> Values:
+        """Return what is read of a station; the belt settles from its speed's answer on."""
+        ask, setup = self._asker, self.journal.session.setup
+        fields = {field.column: field for field in step.asked}
+        set_up = fields["incline_deg"], fields["belt_speed_m_s"]
+        values = ask.numbers(set_up, unit=setup.instruments.belt_speed_unit)
+        set_s = ask.answered_s
+        text = ask.ask(f"  let it settle {step.settle_s:.0f} s; then {DRIFT}: ")
+        places = self._places(text)
+        if places:
+            return values | {"places": places, "drift_m_s": drifts(places)[0]}
+        values["waited_s"] = round(ask.answered_s - set_s, 1)
+        return values | self._drift(fields["drift_m_s"], fields["turned_deg"], text)
+
+    def _drift(self, drift: Field, turned: Field, text: str) -> Values:
+        """Return the drift in a line, and by how much the robot turned, in deg, behind it."""
+        found = re.search(r"[+-]?[\d.,]+\s*(deg|°)\s*$", text)
+        rest = text if found is None else text[: found.start()]
+        values = self._asker.numbers([drift], rest) if rest.strip() else {drift.column: 0.0}
+        angle = {turned.column: 0.0} if found is None else self._asker.numbers([turned], found[0])
+        return values | angle
+
+    def _places(self, text: str) -> str:
+        """Return the places over time that were typed, or are in a table; "" where none are."""
+        named = named_file(text)
+        if named is not None:
+            track = read_track_file(*named).values
+            return tidy_places(" ".join(f"{t - track[0, 0]:.6g}:{x:.6g}" for t, x, _ in track))
+        return tidy_places(text) if ":" in text else ""
 
     def _steering(self) -> Values:
         """Return the offset that steers, as a reading keeps it."""
@@ -253,82 +299,32 @@ class Dialogue(Prompt):
             return {}
         return {"offset_deg": round(math.degrees(self._robot.offset_rad), 3)}
 
-    def _film_or_number(self, step: Step) -> str | Tracked:
-        """Return what a film showed; or what was typed instead, the first of a step's numbers.
-
-        The pushes of a film are kept at once, however many.
-        """
-        text = ""
-        while not text:
-            text = self.ask(FILMED[step.kind])
-        named = named_file(text)
-        if named is None:
-            return text
-        if step.gait is None:
-            cells = {**step.cells, **self._steering()}
-            for kept in self._taken(*named, cells):
-                self.say(f"  {kept.in_words()}")
-            raise Again
-        crawl = read_crawl(self.journal, named[0], step.gait, self._film)
+    def _crawl(self, path: Path, gait: Gait) -> Tracked:
+        crawl = read_crawl(self.journal, path, gait, self._film)
         gains = ", ".join(f"{float(gain):.3f}" for gain in str(crawl["gains"]).split(","))
-        self.say(
+        self._say(
             f"  {float(crawl['speed_m_s']):.4f} m/s; joints' amplitudes over the commanded one, "
             f"from the tail: {gains}"
         )
         return crawl
 
-    def _taken(self, path: Path, unit: str | None, cells: Values) -> list[Kept]:
-        """Take the pushes of a file; ask for the unit of its lengths where it names none."""
-        while True:
+    def _pushes(self, path: Path, unit: str | None, cells: Values) -> None:
+        """Keep all pushes of a file, however many, and raise Again: the plan has moved on."""
+        kept: list[Kept] | None = None
+        while kept is None:
             try:
-                return take_track(self.journal, path, unit, cells, self._film, self._note)
+                kept = take_track(self.journal, path, unit, cells, self._film, self._note)
             except UnitMissing as error:
                 likely = f"; likely: {', '.join(error.likely)}" if error.likely else ""
                 names = ", ".join(LENGTH_UNITS)
-                typed = self.ask(f"  unit of its lengths ({names}{likely}): ").strip()
+                typed = self._asker.ask(f"  unit of its lengths ({names}{likely}): ").strip()
                 unit = typed if typed in LENGTH_UNITS else None
+        for one in kept:
+            self._say(f"  {one.in_words()}")
+        raise Again
 
     def _note(self, text: str) -> None:
-        self.say(f"  {text}")
-
-    def _belt_set(self, step: Step) -> float:
-        """Ask when a station's belt runs at its last speed; return that moment by the clock."""
-        if step.kind == "station":
-            self.ask(f"  Enter when the belt is set; let it settle {step.settle_s:.0f} s: ")
-        return self._clock_s()
-
-    def _doubted(self, step: Step, values: Values) -> Values:
-        """Ask about each number that is not where it was expected, until a word keeps it."""
-        kept: set[str] = set()
-        while True:
-            open_ = doubts(self.journal.session, step, values)
-            open_ = [(field, likely) for field, likely in open_ if field.column not in kept]
-            if not open_:
-                return values
-            field, likely = open_[0]
-            value = float(values[field.column])
-            why = f" ({field.why})" if field.why else ""
-            answer = self.answer(
-                f"  {field.words} {value:.4g} {field.unit}: expected {span(likely)}{why}. "
-                "Type it anew, keep, or again: "
-            )
-            if answer == "keep":
-                kept.add(field.column)
-            elif answer:
-                values[field.column] = self.number(field, typed=answer)
-
-    def _drift(self, field: Field) -> Values:
-        """Ask for the drift that is left; or for places over time, of a robot that still drifts."""
-        question = f"  places in a film as s:m, {EXAMPLE}; or {field.words} ({field.unit}): "
-        while True:
-            text = self.ask(question, enter=True)
-            if ":" not in text:  # no pairs of time and place
-                return {field.column: self.number(field, typed=text)}
-            try:
-                places = tidy_places(text)
-                return {"places": places, field.column: drifts(places)[0]}
-            except BadInput as error:
-                self.say(f"  ! {error}")
+        self._say(f"  {text}")
 
 
 def steered_rad(session: Session) -> float | None:

@@ -57,6 +57,8 @@ def push_step(session: Session, series: Series) -> Step | None:
         f"Push {len(done) + 1} of {plan.pushes}{bend}, {way.upper()}. {turn}Push it along its own "
         f"axis, head first, at a brisk walk ({SPEED_M_S:g} m/s; it then rolls some {far_m:.1f} m), "
         "let go within a hand's breadth, and leave it until it rests."
+        + " One film may hold all of them, the robot turned round after each."
+        * (plan.pushes > 1)
     )
     cells: Values = {
         "way": way,

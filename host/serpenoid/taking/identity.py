@@ -5,41 +5,30 @@ from __future__ import annotations
 from ..base.errors import BadInput
 from ..session.journal import Journal
 from ..session.settings import Setup, identity_differences
-from .prompt import SHORT, Again, Prompt
+from .asking import Asker, Skip, Undo
 from .terminal import Terminal
 
 
-def ask_identity(journal: Journal, terminal: Terminal) -> str:
-    """Ask whether robot and surface are the session's, and who measures; return the latter.
+def ask_identity(journal: Journal, terminal: Terminal) -> None:
+    """Ask whether robot and surface are those of a session that has readings.
 
-    Raises BadInput where the robot is another, Left and EOFError where the person leaves.
+    No word changes the session yet: it may be another robot's. Raises BadInput where it is, Left
+    and EOFError where the person leaves.
     """
+    if not journal.rows:
+        return
+    asker = Asker(terminal)
+    setup = journal.session.setup
+    asker.say(f"Resumed: {setup.name}, {in_words(setup)}.")
     while True:
         try:
-            return _Identity(journal, terminal).people()
-        except Again:
+            answer = asker.confirm("Is it this robot, on this surface? Enter: yes, n: no. ").lower()
+        except (Undo, Skip):
             continue
-
-
-class _Identity(Prompt):
-    def _obeyed(self, line: str, enter: bool) -> bool:
-        """Obey no word that changes a session: it may be another robot's."""
-        word = line.lower()
-        return SHORT.get(word, word) in ("help", "quit") and super()._obeyed(line, enter)
-
-    def people(self) -> str:
-        """Ask all; return who measures."""
-        setup = self.journal.session.setup
-        if not self.journal.rows:
-            return setup.laboratory.people
-        self.say(f"Resumed: {setup.name}, {in_words(setup)}.")
-        answer = "?"
-        while answer not in ("", "y", "yes", "n", "no"):
-            answer = self.ask("Is it this robot, on this surface? Enter: yes, n: no. ").lower()
         if answer in ("n", "no"):
-            raise BadInput(_another(journal=self.journal))
-        people = setup.laboratory.people
-        return self.ask(f"Who measures now? Enter: {people}. ") or people
+            raise BadInput(_another(journal))
+        if answer in ("", "y", "yes"):
+            return
 
 
 def in_words(setup: Setup) -> str:

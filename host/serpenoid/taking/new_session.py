@@ -9,11 +9,13 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from ..base.checks import check_choice
 from ..base.errors import BadInput, RecordingFailed
 from ..base.files import write_text
 from ..model.bends import FEWEST_LINKS
 from ..model.gait import Gait
-from ..session.declaration import Field
+from ..model.robot import check_links
+from ..session.declaration import BELT_UNITS, Field, Values
 from ..session.folder import load_setup
 from ..session.instruments import Instruments
 from ..session.journal import csv_line, utc_now
@@ -28,6 +30,8 @@ from ..session.settings import (
     RobotTable,
     Setup,
 )
+from .asking import Asker
+from .steps import Doubts
 
 LATER = "later"  # answers for what nobody has measured yet
 NOT_SAID = "not said"
@@ -130,6 +134,54 @@ def default_setup(name: str) -> Setup:
             pushes=PUSHES,
         ),
     )
+
+
+def ask_answers(asker: Asker, setup: Setup, given: Mapping[str, Any], on: str) -> dict[str, Any]:
+    """Return given answers of `calibrate new` with those that a person types; raises Left."""
+    return asker.form(lambda: _answers(asker, setup, given, on))
+
+
+def _answers(asker: Asker, setup: Setup, given: Mapping[str, Any], on: str) -> dict[str, Any]:
+    answers = dict(given)
+    unit = ""
+    for key, words in WORDS.items():
+        if answers.get(key) is None:
+            answers[key] = _asked(asker, words, getattr(setup.laboratory, key))
+    links = _asked(asker, "number of links", str(setup.robot.links))
+    if not links.isdecimal():
+        raise BadInput(f"{links!r} is no number of links")
+    answers["links"] = check_links(int(links))
+    if answers.get("joints") is None:
+        joints = _asked(
+            asker,
+            "what sets the joints: servos, straightedge, or hand (by eye they are 1.5 deg off)",
+            "servos",
+        )
+        answers["joints"] = check_choice("joints", joints, tuple(JOINT_SIGMA_DEG))
+    if on == "treadmill":
+        unit = _asked(asker, f"unit of the belt's speed ({', '.join(BELT_UNITS)})", "km/h")
+        answers["belt_speed_unit"] = check_choice("unit", unit, BELT_UNITS)
+    for question in QUESTIONS:
+        if answers.get(question.key) is None and question.on in ("", on):
+            answers[question.key] = _number(asker, question, question.usual_of(setup), unit)
+    return answers
+
+
+def _asked(asker: Asker, words: str, usual: str) -> str:
+    return asker.ask(f"{words} [{usual}]: ", usual)
+
+
+def _number(asker: Asker, question: Question, usual: str, unit: str) -> float | str:
+    field = question.field
+    text = _asked(asker, field.words, usual)
+    if question.later and text.lower() == LATER:
+        return LATER
+
+    def doubts(values: Values) -> Doubts:
+        low, high = field.likely or (field.low, field.high)
+        return [] if low <= float(values[field.column]) <= high else [(field, (low, high))]
+
+    return asker.sure(asker.numbers([field], text, unit), doubts, unit)[field.column]
 
 
 def on_place(plan: Plan, place: str) -> Plan:

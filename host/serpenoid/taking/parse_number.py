@@ -1,7 +1,7 @@
 """What a person types: numbers with units (comma decimals, grade, km/h), and cells.
 
 A bare number is in the field's own unit. Where that is not what was expected but another unit
-would be, the answer comes with a question; nothing is refused but what cannot be.
+would be, that unit is named; nothing is refused but what cannot be.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from ..base.errors import BadInput
@@ -25,7 +24,9 @@ OTHER_UNITS = {
     if f.other_unit
 }
 OTHER_UNITS |= {"incline_percent": ("incline_deg", "%"), "drift_km_h": ("drift_m_s", "km/h")}
-_NUMBER = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*(\S*)")
+_FIRST = re.compile(
+    r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)(?:\s*([^\s\d;,.+-][^\s;]*))?(?=[\s;]|$)[\s;]*"
+)
 _SPELLINGS = {
     "deg": "° degree degrees",
     "%": "percent",
@@ -40,60 +41,68 @@ _SPELLINGS = {
 }
 
 
-@dataclass(frozen=True)
-class Typed:
-    """A number in the field's unit; question, if not empty, is to be asked before it is taken.
+def first_number(text: str, field: Field, unit: str = "") -> tuple[float, str]:
+    """Return a line's first number in the field's unit, and the rest of the line.
 
-    meant: the value if the question is answered by yes.
+    unit: of a number without one, the field's own unless given. Raises BadInput with one sentence
+    that says the way out.
     """
-
-    value: float
-    question: str = ""
-    meant: float | None = None
-
-
-def parse_number(text: str, field: Field, likely: Range | None = None, unit: str = "") -> Typed:
-    """Read a number with or without unit; raises BadInput with one sentence that says the way out.
-
-    likely: the range expected now, the field's own unless given. unit: of a number without one, the
-    field's own unless given.
-    """
-    text = text.strip()
+    text = text.strip().replace("−", "-")
     if not text and field.usual is not None:
-        return Typed(field.usual)
-    match = _NUMBER.fullmatch(text.replace("−", "-"))
-    if not match:
+        return field.usual, ""
+    match = _FIRST.match(text)
+    rest = "" if match is None else text[match.end() :]
+    if match is None or (rest and not re.match(r"[+-]?[.,]?\d", rest)):
         raise BadInput(f"{text!r} is no number; {field.example}")
-    number = float(match[1].replace(",", "."))
-    if match[2]:
-        return Typed(_checked(_converted(number, _unit(match[2], field), field), field))
-    unit = unit or field.unit
-    value = number if unit == field.unit else _converted(number, unit, field)
-    low, high = likely or field.likely or (-math.inf, math.inf)
-    if number and high < math.inf and not low <= value <= high:
-        others = {other: _converted(number, other, field) for other in field.units if other != unit}
-        in_range = {other: x for other, x in others.items() if low <= x <= high}
-        if in_range:
-            other = min(in_range, key=lambda name: _off_middle(in_range[name], (low, high)))
-            question = (
-                f"{number:g} {unit} is outside {span((low, high))} {field.unit}; "
-                f"did you mean {number:g} {other} = {in_range[other]:.4g} {field.unit}?"
-            )
-            return Typed(value, question, in_range[other])
-    return Typed(_checked(value, field))
+    named = _unit(match[2], field) if match[2] else unit or field.unit
+    value = _converted(float(match[1].replace(",", ".")), named, field)
+    if not field.low <= value <= field.high or (field.open_low and value == field.low):
+        says = field.words if field.words.endswith("shows") else f"{field.words} is"
+        raise BadInput(
+            f"{value:.4g} {field.unit} cannot be: {says} {field.low:g} to {field.high:g} "
+            f"{field.unit}; {field.example}"
+        )
+    return value, rest
 
 
-def _off_middle(value: float, likely: Range) -> float:
-    """Return how far a value is from the geometric middle of a range, in factors of e."""
-    low, high = likely
+def read_number(text: str, field: Field, unit: str = "") -> float:
+    """Return the number of an option or a cell; raises BadInput where its unit is in doubt."""
+    value, rest = first_number(text, field, unit)
+    if rest:
+        raise BadInput(f"{text!r} is more than one number; {field.example}")
+    meant = other_unit(value, field, field.likely, unit)
+    if meant and not unit and re.search(r"\d[.,]?\s*$", text):
+        raise BadInput(f"{off_in_words(value, field, field.likely, unit)}; type the unit, too")
+    return value
+
+
+def other_unit(value: float, field: Field, likely: Range | None, unit: str = "") -> str:
+    """Return how a number would be likely in another unit; "" if in none, or if it is likely.
+
+    unit: that it was taken in.
+    """
+    low, high = likely or (-math.inf, math.inf)
+    unit = unit if unit in field.units else field.unit
+    if not value or high == math.inf or low <= value <= high:
+        return ""
+    number = _typed_in(value, unit, field)
+    others = {name: _converted(number, name, field) for name in field.units if name != unit}
+    fitting = {name: x for name, x in others.items() if low <= x <= high}
+    if not fitting:
+        return ""
     middle = math.sqrt(max(low, 1e-3 * high) * high)
-    return abs(math.log(max(abs(value), 1e-12) / middle))
+    best = min(fitting, key=lambda name: abs(math.log(max(abs(fitting[name]), 1e-12) / middle)))
+    return f"{number:.4g} {best} would be {fitting[best]:.4g} {field.unit}"
 
 
-def span(likely: Range) -> str:
-    """Return a range in words."""
-    low, high = likely
-    return f"at least {low:.3g}" if high == math.inf else f"{low:.3g} to {high:.3g}"
+def off_in_words(value: float, field: Field, likely: Range | None, unit: str = "") -> str:
+    """Return a number that is not where it was expected, and what else may have been meant."""
+    low, high = likely or (-math.inf, math.inf)
+    span = f"at least {low:.3g}" if high == math.inf else f"{low:.3g} to {high:.3g}"
+    meant = other_unit(value, field, likely, unit)
+    why = "; ".join(filter(None, (meant, field.why)))
+    text = f"{field.words} {value:.4g} {field.unit}: expected {span}"
+    return f"{text} ({why})" if why else text
 
 
 def _unit(text: str, field: Field) -> str:
@@ -111,14 +120,11 @@ def _converted(number: float, unit: str, field: Field) -> float:
     return number * field.units[unit]
 
 
-def _checked(value: float, field: Field) -> float:
-    if not field.low <= value <= field.high or (field.open_low and value == field.low):
-        says = field.words if field.words.endswith("shows") else f"{field.words} is"
-        raise BadInput(
-            f"{value:.4g} {field.unit} cannot be: {says} {field.low:g} to {field.high:g} "
-            f"{field.unit}; {field.example}"
-        )
-    return value
+def _typed_in(value: float, unit: str, field: Field) -> float:
+    """Return the number that stands for a value in a unit."""
+    if (field.unit, unit) == ("deg", "%"):
+        return 100 * math.tan(math.radians(value))
+    return value / (field.units[unit] or 1.0)
 
 
 def read_cells(kind: str, cells: Iterable[str], setup: Setup) -> dict[str, Any]:
@@ -146,7 +152,7 @@ def typed_cells(kind: str, typed: Iterable[tuple[str, Any]]) -> dict[str, Any]:
     """
     numbers = kind_of(kind).numbers()
     names, cells = dict[str, str](), dict[str, Any]()
-    for name, value in typed:
+    for name, given in typed:
         column, unit = OTHER_UNITS.get(name, (name, ""))
         if column not in numbers:
             column, unit = name, ""
@@ -154,14 +160,8 @@ def typed_cells(kind: str, typed: Iterable[tuple[str, Any]]) -> dict[str, Any]:
             both = " and ".join(dict.fromkeys((names[column], name)))
             raise BadInput(f"{both}: one quantity is given twice; give it once")
         names[column] = name
-        bare = unit and not re.search(r"[^\W\d_]$|%$", str(value).strip())
-        typed_value = f"{value} {unit}" if bare else value
-        if isinstance(typed_value, str) and column in numbers:
-            parsed = parse_number(typed_value, numbers[column])
-            if parsed.question:
-                raise BadInput(f"{column}: {parsed.question} Type the unit, too")
-            typed_value = parsed.value
-        cells[column] = typed_value
+        a_number = column in numbers and (unit or isinstance(given, str))
+        cells[column] = read_number(str(given), numbers[column], unit) if a_number else given
     return cells
 
 

@@ -34,9 +34,8 @@ from .expected import (
     slowing_deg,
 )
 from .floor_procedure import push_name, push_pose, push_step
-from .steps import Step
+from .steps import Doubts, Step
 
-Doubts = list[tuple[Field, Range]]  # numbers that are not where they were expected
 ZERO_BEFORE, ZERO_AFTER, BELT_CHECK = "zero before", "zero after", "belt check"
 _ZERO = Step(
     "",
@@ -274,8 +273,8 @@ def _station(session: Session, series: Series) -> Step | None:
     grade = 100 * math.tan(math.radians(incline_deg))
     say = (
         f"Incline to about {incline_deg:.1f} deg ({grade:.1f} %). Raise the belt until the robot "
-        f"holds its place{hint}, or nearly. Film it for some 4 s and type its places; or wait "
-        f"{wait_s:.0f} s, and read its drift by eye."
+        f"holds its place{hint}, or nearly. Type the belt's speed then, and let it settle "
+        f"{wait_s:.0f} s; or film it for some 4 s, and type its places."
     )
     first = not of_series(session, series)
     if first:

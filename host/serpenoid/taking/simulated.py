@@ -24,8 +24,7 @@ from ..session.declaration import Cells
 from ..session.session import Session
 from ..session.settings import Setup
 from ..session.station import slips
-from .procedure import Doubts
-from .steps import Step, Tracked
+from .steps import Doubts, Step, Tracked
 from .world import RUN_S, Truth, World
 
 TURNS, BELT_M, CHECKED_M_S = 10, 2.8, 0.5  # of a belt check

@@ -6,11 +6,13 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from ..model.gait import Gait
-from ..session.declaration import READ, Cells, Field, Values
+from ..session.declaration import READ, Cells, Field, Range, Values
 from ..session.track import Samples
 
 if TYPE_CHECKING:
     from .expected import Series
+
+Doubts = list[tuple[Field, Range]]  # numbers that are not where they were expected
 
 
 class Tracked(dict[str, "float | str"]):

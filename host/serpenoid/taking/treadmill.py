@@ -19,36 +19,35 @@ if TYPE_CHECKING:
 MOST_STEPS = 1000
 
 
-class Posture:
-    """How the robot lies, in degrees of the plan's bend; None when that is not known."""
-
-    def __init__(self) -> None:
-        self.bend_deg: float | None = None
-
-    def after(self, step: Step) -> None:
-        """Note that a step was done."""
-        if step.kind in ("straight", "bend"):
-            self.bend_deg = step.lambda_deg
-        elif step.kind == "gait":
-            self.bend_deg = None
+def posed_after(step: Step, before_deg: float | None) -> float | None:
+    """Return how the robot lies after a step, deg of the plan's bend; None where nobody knows."""
+    if step.kind in ("straight", "bend"):
+        return step.lambda_deg
+    return None if step.kind == "gait" else before_deg
 
 
-def take_step(record: Journal, treadmill: SimulatedPerson, posture: Posture) -> Step:
-    """Do the next step of a session and record it; return it, kind "done" at the end."""
-    session = record.session
-    step = next_step(session, posture.bend_deg)
-    if step.kind == "done":
-        return step
-    cells = treadmill.answer(step, session)
-    if cells is None:
-        record.event("skip", detail=step.key)
-        return step
-    doubtful = doubts(session, step, cells)
-    if doubtful:
-        cells = treadmill.look_again(step, doubtful, cells)
-    record_step(record, step, cells)
-    posture.after(step)
-    return step
+def take_steps(record: Journal, treadmill: SimulatedPerson) -> Iterator[Step]:
+    """Take every step that is left of a session, and yield it when done. Raises NotConverged."""
+    posed_deg: float | None = None
+    for _ in range(MOST_STEPS):
+        session = record.session
+        step = next_step(session, posed_deg)
+        if step.kind == "done":
+            return
+        cells = treadmill.answer(step, session)
+        if cells is None:
+            record.event("skip", detail=step.key)
+        else:
+            doubtful = doubts(session, step, cells)
+            record_step(
+                record, step, treadmill.look_again(step, doubtful, cells) if doubtful else cells
+            )
+            posed_deg = posed_after(step, posed_deg)
+        yield step
+    raise NotConverged(
+        f"{MOST_STEPS} steps and no end: does the treadmill's incline rise at all? Look at the "
+        "readings with `serpenoid calibrate status`"
+    )
 
 
 def record_step(record: Journal, step: Step, cells: Cells) -> int:
@@ -62,20 +61,6 @@ def record_step(record: Journal, step: Step, cells: Cells) -> int:
     values = KINDS[step.kind].derived(dict(step.cells) | dict(cells), watch)
     samples = cells.samples if isinstance(cells, Tracked) else None
     return record.add(step.kind, values, samples=samples)
-
-
-def take_steps(record: Journal, treadmill: SimulatedPerson) -> Iterator[Step]:
-    """Take every step that is left of a session, and yield it when done. Raises NotConverged."""
-    posture = Posture()
-    for _ in range(MOST_STEPS):
-        step = take_step(record, treadmill, posture)
-        if step.kind == "done":
-            return
-        yield step
-    raise NotConverged(
-        f"{MOST_STEPS} steps and no end: does the treadmill's incline rise at all? Look at the "
-        "readings with `serpenoid calibrate status`"
-    )
 
 
 def take_all(record: Journal, treadmill: SimulatedPerson) -> Session:

@@ -18,10 +18,10 @@ from typing import Any
 import tomllib
 from serpenoid import SerpenoidError
 from serpenoid.session.journal import Journal
+from serpenoid.taking.asking import Left
 from serpenoid.taking.dialogue import Dialogue
 from serpenoid.taking.identity import ask_identity
 from serpenoid.taking.new_session import answered, create_session, default_setup, on_place
-from serpenoid.taking.prompt import Left
 from serpenoid.taking.session_robot import SessionRobot
 
 FOLDER = Path(__file__).with_name("conversations")

@@ -4,9 +4,10 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from calibration.conversations import Typist
-from planned import replan
+from calibration.floor_sessions import TRUTH, push_track
 from robot.fake_board import eeprom_after
 from serpenoid import Ground, fit_friction
 from serpenoid.base.errors import RobotLost
@@ -26,9 +27,10 @@ def folder(tmp_path) -> Path:
 
 def talk(folder, *lines, robot=None, **given):
     """Return what a person heard, and the session afterwards."""
-    person = Typist(*lines)
+    person = Typist(*lines, robot=robot)
     with Journal(folder) as journal:
-        Dialogue(journal, person, robot, patience_s=5, **given).run()
+        clock_s = lambda: person.t_s  # noqa: E731
+        Dialogue(journal, person, robot, patience_s=5, clock_s=clock_s, **given).run()
         return person.heard, journal.session
 
 
@@ -38,58 +40,86 @@ def leave_out(folder, *keys):
             journal.event("skip", detail=key)
 
 
-ZERO = ("0,1", "-0.1")
-# belt set, incline, belt, turned, drift, "only 0 s of 16" kept
-STATION = ("", "2.0", "0.2", "", "", "keep")
+ZERO = "0,1 -0.1"
+STATION = "2.0 0.2", "(30 s) "  # incline and belt speed, then no drift
 
 
 class Led(Typist):
-    """Reads off a simulated treadmill what each prompt asks for."""
+    """Reads off a simulated robot what each prompt asks for."""
 
-    def __init__(self, setup):
+    def __init__(self, setup, truth):
         super().__init__()
-        truth = Truth(Ground(0.084, 1.2, 0.14, 0.27), incline_zero_rad=math.radians(0.1))
-        self.treadmill = SimulatedPerson(setup, truth, seed=4)
+        self.world = SimulatedPerson(setup, truth, seed=4)
+        self.answers = 0
 
     def told(self, session, step):
         self.step = step
-        self.cells = {} if step.kind == "done" else self.treadmill.answer(step, session)
+        self.cells = {} if step.kind == "done" else self.world.answer(step, session)
 
     def ask(self, prompt, patience_s, tick):
-        self.lines.append(self._read(prompt))
+        self.answers += 1
+        self.lines.append("skip" if self.cells is None else self._read(prompt))
         return super().ask(prompt, patience_s, tick)
 
     def _read(self, prompt):
-        if self.cells is None:
-            return "skip"
-        if "keep" in prompt:
+        cells = self.cells
+        if "or keep" in prompt:
             return "keep"
-        asked = [f for f in self.step.fields if prompt == f"  {f.words} ({f.unit}): "]
-        asked += self.step.fields[:1] if "its film" in prompt else ()
-        told = [self.cells[f.column] for f in asked if f.column in self.cells]
-        return f"{told[0]:g}".replace(".", ",") if told else ""
+        if "drift left over" in prompt:
+            self.t_s += cells["waited_s"]
+            return f"{cells['drift_m_s']} {cells['turned_deg']}deg"
+        asked = [f.column for f in self.step.asked if f.column not in ("drift_m_s", "turned_deg")]
+        return " ".join(f"{cells[c]:g}".replace(".", ",") for c in asked if "Enter" not in prompt)
 
 
 def test_it_leads_through_all_of_a_session_with_the_robot(folder):
     """What comes out is what the script takes without a person: the same procedure."""
-    replan(folder, gait_runs=1)
+    truth = Truth(Ground(0.084, 1.2, 0.14, 0.27), incline_zero_rad=math.radians(0.1))
     with SessionRobot("virtual:fast") as seat, Journal(folder) as journal:
-        person = Led(journal.session.setup)
-        assert Dialogue(journal, person, seat, person.told).run()
+        person = Led(journal.session.setup, truth)
+        clock_s = lambda: person.t_s  # noqa: E731
+        assert Dialogue(journal, person, seat, person.told, clock_s=clock_s).run()
         session = journal.session
         assert seat._robot.status().state == "idle"
     assert person.heard.rstrip().endswith("all of the plan is done")
     assert {round(math.degrees(b.lambda_rad), 1) for b in session.bends} == {7.5, 15, 30}
     assert len(session.zeros) == 2
-    assert len(session.kept_gait_runs) == 3
+    assert len(session.kept_gait_runs) == 9
+    assert person.answers <= 90
     for row, true in zip(fit_friction(session).rows(), (0.084, 1.2, 0.14, 0.27), strict=True):
         assert abs(row.value - true) < 3.5 * row.sigma
+
+
+def test_a_floor_with_films_takes_twenty_answers(tmp_path):
+    """One film holds all pushes of a pose; what each of its crawls shows is in one, too."""
+    setup = default_setup("made up")
+    folder = create_session(tmp_path / "s", replace(setup, plan=on_place(setup.plan, "floor")))
+    rng = np.random.default_rng(3)
+    lines = []
+    for pose, bend_deg in enumerate((0, 20, 42)):
+        film = tmp_path / f"{pose}.csv"
+        rows, at_s = [], 0.0
+        for k in range(8):
+            turn = math.pi * (k % 2)
+            bend = {"direction_rad": turn, "bend_rad": math.radians(bend_deg)}
+            one = np.array(push_track(0.9, TRUTH, rng, **bend))
+            one[:, 0] += at_s - one[0, 0]
+            rows, at_s = [*rows, *one.tolist()], one[-1, 0] + 1.5
+        film.write_text("\n".join(["t_s,x_m,y_m", *(",".join(map(repr, r)) for r in rows)]))
+        lines += ["", *([f"{180 - 2 * bend_deg}"] if bend_deg else []), str(film)]
+    lines += 4 * ["", "1 10"]
+    with SessionRobot("virtual:fast") as seat:
+        heard, session = talk(folder, *lines, robot=seat)
+    assert heard.endswith("all of the plan is done\n")
+    assert len(lines) <= 20
+    assert len(session.kept_pushes) == 24
+    assert len(session.kept_crawls) == 4
 
 
 def test_undoing_a_skip_heeds_no_clock(folder, monkeypatch):
     from serpenoid.session import journal as module
 
-    talk(folder, *ZERO, "", *STATION)
+    talk(folder, ZERO, "", *STATION)
     monkeypatch.setattr(module, "utc_now", lambda: "2001-02-03T04:05:06.007Z")
     heard, session = talk(folder, "", "skip", "undo")
     assert "no longer left out: station at" in heard
@@ -115,7 +145,7 @@ def test_the_offset_that_runs_straight_is_found_kept_and_resumed(folder):
             lies.append(joints(robot))
             return "quit"
 
-        heard, session = talk(folder, *ZERO, "", left(robot, 3), *STATION, look, robot=robot)
+        heard, session = talk(folder, ZERO, "", left(robot, 3), *STATION, look, robot=robot)
     assert lies == [pytest.approx([0.75] * 5, abs=0.02)]
     assert "every joint has +0.75 deg from now on" in heard
     assert math.degrees(session.kept[0].offset_rad) == pytest.approx(0.75)
@@ -152,7 +182,7 @@ def test_when_nobody_answers_pulses_end_and_the_pose_is_taken_again(folder, rele
     link.board.boot("external")
     with SessionRobot(link) as seat:
         heard, _ = talk(
-            folder, *ZERO, "", "(nobody)", lambda: str(seat.powered), "pause", robot=seat
+            folder, ZERO, "", "(nobody)", lambda: str(seat.powered), "pause", robot=seat
         )
         assert not seat.powered
     assert f"nobody answered for 5 s: {off}; the pose is to be taken again" in heard
@@ -167,7 +197,7 @@ def test_a_robot_that_is_lost_loses_no_reading(folder):
         def lost():
             raise RobotLost("unplugged")
 
-        heard, session = talk(folder, *ZERO, "", "", *STATION, lost, robot=seat)
+        heard, session = talk(folder, ZERO, "", "", *STATION, lost, robot=seat)
     assert "! the robot: unplugged" in heard
     assert len(session.kept) == 1
 
@@ -180,7 +210,7 @@ def floor(tmp_path):
     return create_session(tmp_path / "floor", replace(setup, plan=plan))
 
 
-PUSH = ("1.0", "2.4", "")
+PUSH = ("1.0 2.4 0",)
 
 
 def test_bends_and_gaits_beyond_a_joint_are_said_and_may_be_skipped(floor):

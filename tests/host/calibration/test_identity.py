@@ -62,12 +62,12 @@ def test_an_unweighed_robot_has_frictions_as_doubtful_as_its_mass():
 
 def test_another_board_than_before_is_told(folder):
     with Journal(folder) as journal:
-        assert len(begin(journal, "Ada", "uno, firmware 0.2.0, protocol 2")) == 1
-        assert len(begin(journal, "Ada", "by hand")) == 1
-        assert len(begin(journal, "Ada", "uno, firmware 0.2.0, protocol 2")) == 1
-        told = begin(journal, "Bob", "mega, firmware 0.3.0, protocol 2")
+        assert len(begin(journal, "uno, firmware 0.2.0, protocol 2")) == 1
+        assert len(begin(journal, "by hand")) == 1
+        assert len(begin(journal, "uno, firmware 0.2.0, protocol 2")) == 1
+        told = begin(journal, "mega, firmware 0.3.0, protocol 2")
     assert told[1] == (
         "note: this board is mega, firmware 0.3.0, protocol 2; the one before was uno, firmware "
         "0.2.0, protocol 2"
     )
-    assert read_events(folder, [])[-2].detail.endswith("; Bob")
+    assert read_events(folder, [])[-2].event == "start"

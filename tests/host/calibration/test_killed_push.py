@@ -15,8 +15,8 @@ import pytest
 from calibration.floor_sessions import floor_setup, push_track
 from serpenoid.session.folder import read_session
 from serpenoid.session.journal import Journal
+from serpenoid.taking.films import take_track
 from serpenoid.taking.new_session import create_session
-from serpenoid.taking.push_prompt import take_track
 
 
 class Killed(BaseException):

@@ -25,24 +25,20 @@ def test_taken_killed_and_resumed_at_a_terminal(folder):
         person.answers("Left and right keys bend every joint", "\x1b[D\x1b[D\x1b[C\x1b[D")
         person.answers("+0.50 deg on every joint", "\n")
         person.sees("every joint has +0.50 deg from now on")
-        person.answers("Enter when the belt is set", "\n")
-        person.answers("the inclinometer shows", "note héllo\n2.1\x7f0\n")
+        person.answers("the inclinometer shows", "héllo\n2.1\x7f0\n")
         person.answers("belt speed", "9\x150.2\n")
-        person.answers("turned off the belt", "\n")
         person.answers("drift left over", "\n")
-        person.answers("keep, or again", "\n")
-        person.answers("keep, or again", "keep\n")
+        person.answers("anew, or keep", "\n")
+        person.answers("anew, or keep", "keep\n")
         person.sees("kept as reading 2")
         person.sends(signal.SIGKILL)
         person.leaves()
     (reading,) = load_session(folder).kept
     assert math.degrees(reading.offset_rad) == pytest.approx(0.5)
     assert (math.degrees(reading.incline_rad), reading.belt_speed_m_s) == (pytest.approx(2.0), 0.2)
-    assert "note,,héllo" in (folder / "events.csv").read_text()
     with Person(f"calibrate {folder}") as person:
         person.sees("453.6 g, on belt")
         person.answers("Is it this robot", "\n")
-        person.answers("Who measures now", "Ada\n")
         person.sees("1 station ")
         person.answers("Robot straight", "quit\n")
         person.sees("Everything read so far is kept")
@@ -71,9 +67,9 @@ def test_a_new_session_asks_what_it_needs(tmp_path):
         person.answers(
             "'heavy' is no number; type a number in kg or g or lb, such as 0.48 or 480 g", "760\n"
         )
-        person.answers("did you mean 760 g = 0.76 kg? [Y/n]", "n\n")
-        person.answers("then type it anew", "480\n")
-        person.answers("did you mean 480 g = 0.48 kg? [Y/n]", "y\n")
+        person.answers("expected 0.02 to 20 (760 g would be 0.76 kg)", "undo\n")
+        person.answers("mass of the whole robot", "480\n")
+        person.answers("(480 g would be 0.48 kg)", "480 g\n")
         person.answers("length of a link", "80 mm\n")
         person.answers("voltage at their plug", "5,2 V\n\n")
         person.answers("smallest step of its incline", "0,5 deg\n")
@@ -92,14 +88,25 @@ def test_a_new_session_asks_what_it_needs(tmp_path):
     assert math.degrees(setup.instruments.joint_sigma_rad) == pytest.approx(1.5)
 
 
-def test_enter_at_the_mass_weighs_nothing(tmp_path):
+def test_enter_at_the_mass_weighs_nothing_and_undo_asks_again(tmp_path):
     with Person(f"calibrate new {tmp_path}/asked") as person:
-        person.presses("belt\n\n\n6\n\n\n")
+        person.answers("what the wheels roll on", "belr\nundo\nbelt\nskip\n\n7\nu\n6\n\n\n")
         person.answers(
-            "mass of the whole robot as it crawls (kg, or 480 g; later) [later]", 7 * "\n"
+            "mass of the whole robot as it crawls (kg, or 480 g; later) [later]",
+            "help\n" + 7 * "\n",
         )
         person.sees("begun:")
         assert person.leaves() == 0
     session = read_session(tmp_path / "asked")
+    assert session.setup.laboratory.surface == "belt"
+    assert session.setup.robot.links == 6
     assert not session.setup.robot_table.weighs
     assert session.mass_sigma == 0.05
+
+
+def test_who_leaves_a_new_session_writes_nothing(tmp_path):
+    for keys, status in (("belt\nquit\n", 0), ("\x04", 0), ("\x03", 130)):
+        with Person(f"calibrate new {tmp_path}/asked") as person:
+            person.answers("what the wheels roll on", keys)
+            assert person.leaves() == status
+        assert not (tmp_path / "asked").exists()

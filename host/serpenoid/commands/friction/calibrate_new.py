@@ -11,42 +11,26 @@ import click
 
 from ...base.errors import BadInput
 from ...show.screen import say
-from ..declare import FOLDER, Given, command, flag, option
+from ..declare import FOLDER, command, flag, option
 
 if TYPE_CHECKING:
-    from ...session.settings import Setup
     from ...taking.new_session import Question
 
 
-def quantity_of(name: str, unit: str = "") -> Callable[[Any], float | str]:
-    """Return the type of a number with a unit or in the one given, with a point or a comma.
-
-    A bare number that only another unit makes likely is asked about where somebody can answer.
-    `later` answers for a mass or a voltage.
-    """
+def quantity_of(name: str) -> Callable[[Any], float | str]:
+    """Return the type of a number with a unit, with a point or a comma; `later` does, too."""
 
     def quantity(value: Any) -> float | str:
-        import sys
-
         from ...taking.new_session import LATER
-        from ...taking.parse_number import parse_number
+        from ...taking.parse_number import read_number
 
-        if isinstance(value, float):
-            return value
         question = question_of(name)
         if question.later and str(value).strip().lower() == LATER:
             return LATER
         try:
-            typed = parse_number(str(value), question.field, unit=unit)
+            return read_number(str(value), question.field)
         except BadInput as error:
             raise click.BadParameter(str(error)) from None
-        if not typed.question or typed.meant is None:
-            return typed.value
-        if not sys.stdin.isatty():
-            raise click.BadParameter(f"{typed.question} Type the unit, too")
-        if click.confirm(typed.question, default=True):
-            return typed.meant
-        raise click.BadParameter("then type it anew, with its unit")
 
     return quantity
 
@@ -107,14 +91,17 @@ def new(
     import sys
     from dataclasses import replace
 
+    from ...taking.asking import WORDS, Asker, Left
     from ...taking.new_session import (
         LATER,
         answered,
+        ask_answers,
         create_session,
         on_place,
         refuse_existing,
         template_setup,
     )
+    from ...taking.terminal import Console
 
     refuse_existing(folder)
     setup = template_setup(template, os.path.basename(os.path.abspath(folder)))
@@ -124,7 +111,11 @@ def new(
                 "there is no terminal to ask at; give --template DIR, or --defaults with "
                 "--surface and --mass-kg"
             )
-        answers = _asked(setup, answers, on)
+        say(f"{WORDS} Enter takes what stands in brackets; units may be typed.")
+        try:
+            answers = ask_answers(Asker(Console()), setup, answers, on)
+        except (Left, EOFError):
+            return say("Left; nothing was written.")
     elif template is None and answers["mass_kg"] is None and not simulated:
         answers["mass_kg"] = LATER
     given = answered(replace(setup, plan=on_place(setup.plan, on)), answers)
@@ -139,39 +130,4 @@ def new(
     for gait in given.plan.gaits:
         if too_fast := too_fast_text(gait, given.driving(HOBBY), gait_name(gait)):
             say(f"serpenoid: warning: {too_fast}", err=True)
-    say(f"begun: {folder / 'session.toml'}; go on with `serpenoid calibrate {folder}`")
-
-
-def _asked(setup: Setup, answers: Given, on: str) -> Given:
-    """Ask what is not answered yet; Enter takes what stands in brackets."""
-    from ...session.declaration import BELT_UNITS
-    from ...taking.new_session import JOINT_SIGMA_DEG, QUESTIONS, WORDS
-
-    say("Enter takes what stands in brackets; numbers may be typed with their units.")
-    answered = dict(answers)
-    for name, words in WORDS.items():
-        if answered.get(name) is None:
-            answered[name] = click.prompt(words, default=getattr(setup.laboratory, name))
-    links = click.IntRange(2, 100)
-    answered["links"] = click.prompt("number of links", default=setup.robot.links, type=links)
-    if answered.get("joints") is None:
-        answered["joints"] = click.prompt(
-            "what sets the joints: servos, straightedge, or hand (by eye they are 1.5 deg off)",
-            default="servos",
-            type=click.Choice(list(JOINT_SIGMA_DEG)),
-            show_choices=False,
-        )
-    belt_unit = ""
-    if on == "treadmill":
-        choice = click.Choice(BELT_UNITS)
-        belt_unit = click.prompt("unit of the belt's speed", default="km/h", type=choice)
-        answered["belt_speed_unit"] = belt_unit
-    for question in QUESTIONS:
-        field = question.field
-        if answered.get(question.key) is None and question.on in ("", on):
-            unit = belt_unit if belt_unit in field.units else ""
-            kind = click.types.FuncParamType(quantity_of(question.key, unit))
-            answered[question.key] = click.prompt(
-                field.words, default=question.usual_of(setup), type=kind
-            )
-    return answered
+    return say(f"begun: {folder / 'session.toml'}; go on with `serpenoid calibrate {folder}`")

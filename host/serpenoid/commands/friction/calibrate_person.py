@@ -17,10 +17,10 @@ from ...session.journal import Journal
 from ...session.session import Session
 from ...show.screen import say
 from ...show.session.agreement import agreement
+from ...taking.asking import Left
 from ...taking.dialogue import Dialogue, Told
+from ...taking.films import FilmReader
 from ...taking.identity import ask_identity, in_words
-from ...taking.prompt import Left
-from ...taking.push_prompt import FilmReader
 from ...taking.session_robot import SessionRobot
 from ...taking.steps import Step, Tracked
 from ...taking.terminal import Console
@@ -45,7 +45,7 @@ def with_a_person(
         for note in journal.session.notes:
             console.say(f"note: {note}")
         try:
-            people = ask_identity(journal, console)
+            ask_identity(journal, console)
         except (Left, EOFError):
             return console.say("Left; nothing was changed.")
         robot = None
@@ -54,7 +54,7 @@ def with_a_person(
             robot = stack.enter_context(SessionRobot(port, match))
             console.keys = keys_of(robot)
         board = BY_HAND if robot is None else robot.greeting
-        for line in begin(journal, people, board):
+        for line in begin(journal, board):
             console.say(line)
         film = film_reader(journal.session.setup.robot_table.tag_side_m)
         told = _running_fit(console)
@@ -69,12 +69,12 @@ def with_a_person(
     return None
 
 
-def begin(journal: Journal, people: str, robot: str) -> list[str]:
-    """Keep who begins and with which board; return what to say, another board than before too."""
+def begin(journal: Journal, robot: str) -> list[str]:
+    """Keep that a session goes on; return what to say, of another board than before, too."""
     before = next(
         (e.detail for e in reversed(journal.session.events) if e.event == "connect"), robot
     )
-    journal.event("start", detail=f"{program()}; {people}")
+    journal.event("start", detail=program())
     if robot != BY_HAND:
         journal.event("connect", detail=robot)
     setup = journal.session.setup

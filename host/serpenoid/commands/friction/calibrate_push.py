@@ -53,7 +53,7 @@ def push(
     kept, void, with the reason.
     """
     from ...session.journal import Journal
-    from ...taking.push_prompt import take_track
+    from ...taking.films import take_track
     from ...taking.pushes import way_after
     from .calibrate_person import film_reader
 
