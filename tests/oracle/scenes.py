@@ -1,8 +1,8 @@
 """Whole scenes the slow way: any drive, fault, slope and friction law on the dense models, stepped.
 
-What is free to move is z = (x, y of link 1, theta_1, free joints) for pinned joints, or z = (x_i,
-y_i of every link, theta_1, free joints) for springs; the rest follows from the gait. Every force is
-written down link by link; accelerations come from dense.evaluate.
+What is free to move is z = (x, y of link 1, theta_1, free joints) for pinned joints, or z = (x, y
+of the centre of mass, gaps of all joints, theta_1, free joints) for springs; the rest follows from
+the gait. Every force is written down link by link; accelerations come from dense.evaluate.
 """
 
 from __future__ import annotations
@@ -145,21 +145,25 @@ class SlowScene:
         if self.pinned:
             q, qdot = (np.concatenate(pair) for pair in both)
             return *dense.closed_links(self.p, q, qdot), bend
-        pose, rates = (np.column_stack([*c.reshape(2, n), angle]) for c, angle in both)
-        return pose, rates, bend
+        (z, theta), (z_rate, omega) = both
+        tangent, normal = dense.axes(theta)
+        half = self.p.half_length_m
+        place = centres_of(z, half * tangent)
+        velocity = centres_of(z_rate, half * omega[:, None] * normal)
+        return np.column_stack([place, theta]), np.column_stack([velocity, omega]), bend
 
     def pack(self, start: sn.LinkState) -> Array:
         """Return y of a start, with four integrals of nothing behind."""
-        keep = slice(1) if self.pinned else slice(None)
         free = ~self.driven
-        z = [start.x_m[keep], start.y_m[keep], start.theta_rad[:1], np.diff(start.theta_rad)[free]]
-        rate = [
-            start.vx_m_s[keep],
-            start.vy_m_s[keep],
-            start.omega_rad_s[:1],
-            np.diff(start.omega_rad_s)[free],
-        ]
-        return np.concatenate([*z, *rate, np.zeros(4)])
+        pose = np.column_stack([start.x_m, start.y_m, start.theta_rad])
+        rates = np.column_stack([start.vx_m_s, start.vy_m_s, start.omega_rad_s])
+        gap, gap_rate = dense.joint_gaps(self.p, pose, rates)
+        both = []
+        for links, gaps in ((pose, gap), (rates, gap_rate)):
+            centres = links[:, :2]
+            lengths = [centres[0]] if self.pinned else [centres.mean(axis=0), gaps.ravel()]
+            both += [*lengths, links[:1, 2], np.diff(links[:, 2])[free]]
+        return np.concatenate([*both, np.zeros(4)])
 
     def torque(self, t_s: float, pose: Array, rates: Array) -> Array:
         """Return T_i (n-1,) of the joints that are not imposed, on link i from link i+1."""
@@ -194,14 +198,13 @@ class SlowScene:
         """Return y': rates, accelerations, and the powers of joints, friction, dampers, servos."""
         m, pose, rates = self.motion(t_s, y)
         free = ~self.driven
-        keep = slice(1) if self.pinned else slice(None)
         size = (len(y) - 4) // 2
-        accel = [
-            m.accel_m_s2[keep, 0],
-            m.accel_m_s2[keep, 1],
-            m.theta_ddot[:1],
-            np.diff(m.theta_ddot)[free],
-        ]
+        accel = [m.accel_m_s2[0]]
+        if not self.pinned:
+            rows, drift = dense.gap_rows(self.p, pose, rates)
+            gap_accel = rows @ np.column_stack([m.accel_m_s2, m.theta_ddot]).ravel() + drift
+            accel = [m.accel_m_s2.mean(axis=0), gap_accel]
+        accel += [m.theta_ddot[:1], np.diff(m.theta_ddot)[free]]
         power = -m.torque_n_m * np.diff(rates[:, 2])
         damped = 0.0
         if not self.pinned:
@@ -238,6 +241,17 @@ class SlowScene:
         """Return the rates of the gaps (n-1, 2)."""
         pose, rates, _ = self.links(t_s, y)
         return dense.joint_gaps(self.p, pose, rates)[1]
+
+
+def centres_of(z: Array, arms: Array) -> Array:
+    """Return centres (n, 2) of links with these arms (n, 2) from centre to head, or their rates.
+
+    z begins with those of the centre of mass, then the gaps of all joints.
+    """
+    n = len(arms)
+    steps = arms[:-1] + arms[1:] + z[2 : 2 * n].reshape(n - 1, 2)
+    centres = np.vstack([[0.0, 0.0], np.cumsum(steps, axis=0)])
+    return centres + z[:2] - centres.mean(axis=0)
 
 
 def rk4_step(rate, t_s: float, y: Array, dt_s: float) -> Array:

@@ -84,7 +84,6 @@ class MixedDrive {
     }
 
     int free_joints() const { return static_cast<int>(free_.size()); }
-    const std::vector<int>& free() const { return free_; }
     const std::vector<char>& imposed() const { return imposed_; }
     const std::vector<double>& rotor() const { return rotor_; }  // kg m^2, of free joints
     const double* joint_accel() const { return accel_.data(); }
@@ -107,6 +106,11 @@ class MixedDrive {
             k.omega[i + 1] = k.omega[i] + speed;
         }
         k.directions();
+    }
+
+    // The free joints' part of what the links have: angles, rates or accelerations.
+    void free_angles(const std::vector<double>& of_links, double* joint) const {
+        for (const int i : free_) *joint++ = of_links[i + 1] - of_links[i];
     }
 
     void limp(double* T) const {

@@ -32,7 +32,7 @@ class Method {
     // Put into the chain and the joints, at the present state, the forces that the method finds and
     // the system does not know: friction that is set-valued. The chain is filled, and has its
     // rates.
-    virtual void give_forces(double, System&) {}
+    virtual void give_forces(System&) {}
 
     // Estimated error of the last step, in the scale of its tolerance; NaN: not known.
     virtual double local_error() const { return std::numeric_limits<double>::quiet_NaN(); }

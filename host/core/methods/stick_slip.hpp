@@ -23,7 +23,7 @@
 #include "methods/fixed_step.hpp"
 #include "model/friction_law.hpp"
 #include "model/params.hpp"
-#include "scene/energy_ledger.hpp"
+#include "scene/system.hpp"
 
 namespace serpenoid {
 
@@ -86,20 +86,21 @@ class StickSlip : public FixedStep {
         : FixedStep(frictionless, dt),
           robot_(robot),
           ground_(ground),
-          rate_of_(frictionless.rate_of()),
           dy_(frictionless.dim()),
           whole_(frictionless.dim()),
           of_whole_(2 * robot.n),
-          of_halves_(2 * robot.n) {
-        if (dynamic_cast<EnergyLedger*>(&frictionless)) heat_ = EnergyLedger::heat_at(dy_.size());
-    }
+          of_halves_(2 * robot.n),
+          centre_(robot.n) {}
 
-    void give_forces(double, System& system) override {
-        Chain& k = system.chain;
+    void give_forces(System& system) override {
+        Chain& k = system.chain();
+        double fastest = 0;
+        for (int i = 0; i < robot_.n; ++i)
+            fastest = std::max(fastest, std::fabs(k.vx[i]) + std::fabs(k.vy[i]));
+        const double rounding = 1e-14 * fastest;
         for (int i = 0; i < robot_.n; ++i) {
             const double c = k.c[i], s = k.s[i], w = k.omega[i], m = robot_.m;
             const double vt = c * k.vx[i] + s * k.vy[i], vn = -s * k.vx[i] + c * k.vy[i];
-            const double rounding = 1e-14 * (std::fabs(k.vx[i]) + std::fabs(k.vy[i]));
             const double gt = c * k.ax[i] + s * k.ay[i] + w * vn;
             const double gn = -s * k.ax[i] + c * k.ay[i] - w * vt;
             const double ft = m * along(0).friction(vt, gt, std::fabs(vt) <= rounding);
@@ -117,37 +118,45 @@ class StickSlip : public FixedStep {
         for (std::size_t i = 0; i < whole_.size(); ++i) y[i] = 2 * y[i] - whole_[i];
         if (!ground_.dry()) return;  // nothing rests, and momentum is kept as the frame keeps it
         system_.fill(t + dt, y);
+        Chain& k = system_.chain();
         const Slide along_slide = along(dt), across_slide = across(dt);
         for (int i = 0; i < robot_.n; ++i)
-            set_velocity(i, along_slide.extrapolate(of_halves_[2 * i], of_whole_[2 * i]),
-                         across_slide.extrapolate(of_halves_[2 * i + 1], of_whole_[2 * i + 1]), y);
+            set_velocity(k, i, along_slide.extrapolate(of_halves_[2 * i], of_whole_[2 * i]),
+                         across_slide.extrapolate(of_halves_[2 * i + 1], of_whole_[2 * i + 1]));
+        set_centres(y);
     }
 
   private:
     Slide along(double h) const { return {WheelLaw::along(ground_), robot_.m, h}; }
     Slide across(double h) const { return {WheelLaw::across(ground_), robot_.m, h}; }
 
-    // Speed of wheel i along and across its link, in the directions that the chain has.
-    double speed_t(int i, const double* y) const {
-        return system_.chain.c[i] * y[2 * robot_.n + i] + system_.chain.s[i] * y[3 * robot_.n + i];
+    // Speeds of wheel i along and across its link.
+    static double speed_t(const Chain& k, int i) { return k.c[i] * k.vx[i] + k.s[i] * k.vy[i]; }
+    static double speed_n(const Chain& k, int i) { return k.c[i] * k.vy[i] - k.s[i] * k.vx[i]; }
+    static void set_velocity(Chain& k, int i, double vt, double vn) {
+        k.vx[i] = k.c[i] * vt - k.s[i] * vn;
+        k.vy[i] = k.s[i] * vt + k.c[i] * vn;
     }
-    double speed_n(int i, const double* y) const {
-        return system_.chain.c[i] * y[3 * robot_.n + i] - system_.chain.s[i] * y[2 * robot_.n + i];
-    }
-    void set_velocity(int i, double vt, double vn, double* y) const {
-        const double c = system_.chain.c[i], s = system_.chain.s[i];
-        y[2 * robot_.n + i] = c * vt - s * vn, y[3 * robot_.n + i] = s * vt + c * vn;
+    // The state of the chain; what is integrated beside it stays.
+    void set_centres(double* y) {
+        const int beside = 2 * system_.coordinates();
+        const std::vector<double> integrals(y + beside, y + system_.dim());
+        system_.set(system_.chain(), y);
+        std::copy(integrals.begin(), integrals.end(), y + beside);
     }
 
     void plain(double t, double h, double* y, std::vector<double>& speed) {
-        const int n = robot_.n;
+        const int n = robot_.n, m = system_.coordinates();
         const Slide along_slide = along(h), across_slide = across(h);
+        Chain& k = system_.chain();
         system_.rate(t, y, dy_.data());
-        for (int i = 0; i < n; ++i) speed[2 * i] = speed_t(i, y), speed[2 * i + 1] = speed_n(i, y);
-        for (std::size_t i = 2 * n; i < dy_.size(); ++i)
-            if (rate_of_[i] < 0) y[i] += h * dy_[i];
-        for (std::size_t i = 4 * n; i < dy_.size(); ++i)
-            if (rate_of_[i] >= 0) y[i] += h * y[rate_of_[i]];
+        for (int i = 0; i < n; ++i) {
+            speed[2 * i] = speed_t(k, i);
+            speed[2 * i + 1] = speed_n(k, i);
+        }
+        for (std::size_t i = m; i < dy_.size(); ++i) y[i] += h * dy_[i];
+        for (int i = system_.lengths(); i < m; ++i) y[i] += h * y[m + i];
+        centre_ = k;
         system_.fill(t + h, y);  // the directions at the end of the step
         double heat = 0;
         const auto slide = [&](const Slide& over, double& v, double kicked) {
@@ -157,19 +166,22 @@ class StickSlip : public FixedStep {
         };
         for (int i = 0; i < n; ++i) {
             double &vt = speed[2 * i], &vn = speed[2 * i + 1];
-            slide(along_slide, vt, speed_t(i, y));
-            slide(across_slide, vn, speed_n(i, y));
-            set_velocity(i, vt, vn, y);
-            y[i] += h * y[2 * n + i], y[n + i] += h * y[3 * n + i];
+            k.vx[i] = centre_.vx[i] + h * centre_.ax[i];
+            k.vy[i] = centre_.vy[i] + h * centre_.ay[i];
+            slide(along_slide, vt, speed_t(k, i));
+            slide(across_slide, vn, speed_n(k, i));
+            set_velocity(k, i, vt, vn);
+            k.x[i] = centre_.x[i] + h * k.vx[i];
+            k.y[i] = centre_.y[i] + h * k.vy[i];
         }
-        if (heat_ > 0) y[heat_] += heat;
+        set_centres(y);
+        if (system_.ledger()) y[2 * m + EnergyLedger::kHeat] += heat;
     }
 
     Robot robot_;
     Ground ground_;
-    std::vector<int> rate_of_;
     std::vector<double> dy_, whole_, of_whole_, of_halves_;
-    std::size_t heat_ = 0;  // where the ledger's is, 0 without one
+    Chain centre_;  // at the start of a plain step
 };
 
 }  // namespace serpenoid

@@ -8,6 +8,11 @@
 
 namespace serpenoid {
 
+// Between the ends of two links at a joint of the implicit model, and its rate.
+struct Gap {
+    double x, y, vx, vy;
+};
+
 // Arrays over the links, SI units; accelerations are results, forces are those of the ground.
 struct Chain {
     explicit Chain(int n)
@@ -33,14 +38,21 @@ struct Chain {
         }
     }
 
-    // Positions and velocities of all links from those of link 1 and all angles (Eqs. 10-21).
-    void follow(double l) {
+    // Positions and velocities of all links from those of link 1 and all angles (Eqs. 10-21), and
+    // from the gaps where joints are springs.
+    void follow(double l, const Gap* gaps = nullptr) {
         double px = x[0], py = y[0], ux = vx[0], uy = vy[0];
         for (int i = 0; i + 1 < n(); ++i) {
             px += l * (c[i] + c[i + 1]);
             py += l * (s[i] + s[i + 1]);
             ux -= l * (omega[i] * s[i] + omega[i + 1] * s[i + 1]);
             uy += l * (omega[i] * c[i] + omega[i + 1] * c[i + 1]);
+            if (gaps) {
+                px += gaps[i].x;
+                py += gaps[i].y;
+                ux += gaps[i].vx;
+                uy += gaps[i].vy;
+            }
             x[i + 1] = px;
             y[i + 1] = py;
             vx[i + 1] = ux;

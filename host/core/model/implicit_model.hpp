@@ -17,10 +17,6 @@ struct JointSpring {
 };
 
 // Delta_i and its rate.
-struct Gap {
-    double x, y, vx, vy;
-};
-
 inline Gap gap(const Chain& k, double l, int i) {
     return {k.x[i + 1] - k.x[i] - l * (k.c[i + 1] + k.c[i]),
             k.y[i + 1] - k.y[i] - l * (k.s[i + 1] + k.s[i]),
@@ -32,11 +28,10 @@ inline Gap gap(const Chain& k, double l, int i) {
 // were at the last latch.
 struct Damper {
     Damper(int links, bool held) : held(held), vx(links - 1), vy(links - 1) {}
-    void latch(const Chain& k, double l) {
-        if (!held) return;
-        for (int i = 0; i + 1 < k.n(); ++i) {
-            const Gap g = gap(k, l, i);
-            vx[i] = g.vx, vy[i] = g.vy;
+    void latch(const std::vector<Gap>& gaps) {
+        for (std::size_t i = 0; i < gaps.size(); ++i) {
+            vx[i] = gaps[i].vx;
+            vy[i] = gaps[i].vy;
         }
     }
     bool held;
@@ -44,10 +39,10 @@ struct Damper {
 };
 
 // Forces of all joints from the gaps between the links.
-inline void spring_forces(const Robot& r, const JointSpring& spring, const Damper& damper,
-                          const Chain& k, Joints& joints) {
-    for (int i = 0; i + 1 < k.n(); ++i) {
-        const Gap g = gap(k, r.l, i);
+inline void spring_forces(const JointSpring& spring, const Damper& damper,
+                          const std::vector<Gap>& gaps, Joints& joints) {
+    for (std::size_t i = 0; i < gaps.size(); ++i) {
+        const Gap& g = gaps[i];
         joints.Fx[i] = spring.k * g.x + spring.c * (damper.held ? damper.vx[i] : g.vx);
         joints.Fy[i] = spring.k * g.y + spring.c * (damper.held ? damper.vy[i] : g.vy);
     }

@@ -15,7 +15,9 @@ void evaluate(const RunRequest& q, const double* joint_acceleration, Chain& chai
         chain.follow(q.robot.l);
         explicit_mixed(q.robot, imposed, rotor, joint_acceleration, chain, joints);
     } else {
-        spring_forces(q.robot, q.spring, Damper(q.robot.n, false), chain, joints);
+        std::vector<Gap> gaps;
+        for (int i = 0; i + 1 < q.robot.n; ++i) gaps.push_back(gap(chain, q.robot.l, i));
+        spring_forces(q.spring, Damper(q.robot.n, false), gaps, joints);
         implicit_mixed(q.robot, imposed, rotor, joint_acceleration, scratch, chain, joints);
     }
 }

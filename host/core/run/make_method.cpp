@@ -5,12 +5,11 @@
 #include <stdexcept>
 
 #include "methods/adaptive/dop853.hpp"
-#include "methods/adaptive/error_scale.hpp"
 #include "methods/adaptive/mode_steps.hpp"
+#include "methods/adaptive/radau.hpp"
 #include "methods/paper_scheme.hpp"
 #include "methods/rk4.hpp"
 #include "methods/stick_slip.hpp"
-#include "methods/stiff/radau.hpp"
 
 namespace serpenoid {
 
@@ -27,7 +26,7 @@ std::unique_ptr<Method> smooth(const RunRequest& q, System& system) {
 std::unique_ptr<Method> nonsmooth(const RunRequest& q, System& system) {
     if (q.formulation == Formulation::implicit)
         return std::make_unique<StickSlip>(system, q.robot, q.ground, q.dt);
-    return std::make_unique<ModeSteps>(system, *system.modes(), error_scale(q, system),
+    return std::make_unique<ModeSteps>(system, *system.sticking(), error_scale(q, system),
                                        mode_tolerance(q), 1e-12 / rate_unit(q));
 }
 
@@ -38,7 +37,7 @@ std::unique_ptr<Method> make_method(const RunRequest& q, System& system) {
     if (is("rk4")) return std::make_unique<Rk4>(system, q.dt);
     if (is("paper")) return std::make_unique<PaperScheme>(system, q.dt);
     if (is("dop853")) return smooth(q, system);
-    if (is("radau")) return make_radau(q, system);
+    if (is("radau")) return std::make_unique<Radau>(system, error_scale(q, system), q.tolerance);
     if (is("nonsmooth")) return nonsmooth(q, system);
     throw std::logic_error("no maker");
 }

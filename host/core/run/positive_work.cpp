@@ -14,11 +14,11 @@ namespace {
 template <int nodes>
 class PowersOfSteps final : public PositiveWork {
   public:
-    PowersOfSteps(EnergyLedger& ledger, const Method& method)
-        : ledger_(ledger),
+    PowersOfSteps(System& system, const Method& method)
+        : system_(system),
           method_(method),
-          y_(ledger.dim()),
-          power_(ledger.joints.T.size()),
+          y_(system.dim()),
+          power_(system.joints().T.size()),
           values_(power_.size()) {
         joints_.reserve(power_.size());
     }
@@ -28,7 +28,7 @@ class PowersOfSteps final : public PositiveWork {
         for (int k = 0; k < nodes; ++k) {
             const double t = from_ + Gauss<nodes>::get().c[k] * (to_ - from_);
             method_.dense(t, y_.data());
-            ledger_.powers(t, y_.data(), power_);
+            system_.powers(t, y_.data(), power_);
             for (std::size_t i = 0; i < power_.size(); ++i) values_[i][k] = power_[i];
         }
         joints_.clear();
@@ -44,7 +44,7 @@ class PowersOfSteps final : public PositiveWork {
     }
 
   private:
-    EnergyLedger& ledger_;
+    System& system_;
     const Method& method_;
     double from_ = 0, to_ = 0, done_ = 0;
     std::vector<double> y_, power_;
@@ -54,10 +54,10 @@ class PowersOfSteps final : public PositiveWork {
 
 }  // namespace
 
-std::unique_ptr<PositiveWork> make_positive_work(EnergyLedger& ledger, const Method& method) {
-    ledger.leave_positive();
-    if (method.dense_order() <= 3) return std::make_unique<PowersOfSteps<4>>(ledger, method);
-    return std::make_unique<PowersOfSteps<8>>(ledger, method);
+std::unique_ptr<PositiveWork> make_positive_work(System& system, const Method& method) {
+    system.ledger()->leave_positive();
+    if (method.dense_order() <= 3) return std::make_unique<PowersOfSteps<4>>(system, method);
+    return std::make_unique<PowersOfSteps<8>>(system, method);
 }
 
 }  // namespace serpenoid

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "methods/method.hpp"
-#include "scene/energy_ledger.hpp"
+#include "scene/system.hpp"
 
 namespace serpenoid {
 
@@ -23,6 +23,6 @@ class PositiveWork {
 };
 
 // For a method with dense output. The ledger leaves the positive work to it.
-std::unique_ptr<PositiveWork> make_positive_work(EnergyLedger& ledger, const Method& method);
+std::unique_ptr<PositiveWork> make_positive_work(System& system, const Method& method);
 
 }  // namespace serpenoid

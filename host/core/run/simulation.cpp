@@ -9,8 +9,7 @@
 #include "run/make_method.hpp"
 #include "run/positive_work.hpp"
 #include "run/recorder.hpp"
-#include "scene/energy_ledger.hpp"
-#include "scene/make_system.hpp"
+#include "scene/system.hpp"
 
 namespace serpenoid {
 namespace {
@@ -135,18 +134,13 @@ class Run {
 }  // namespace
 
 RunResult simulate(const RunRequest& q) {
-    std::unique_ptr<System> system = make_system(q);
-    EnergyLedger* ledger = nullptr;
-    if (q.record_energy) {
-        auto with = std::make_unique<EnergyLedger>(std::move(system), q);
-        ledger = with.get();
-        system = std::move(with);
-    }
-    const std::unique_ptr<Method> method = make_method(q, *system);
+    System system(q);
+    const std::unique_ptr<Method> method = make_method(q, system);
     std::unique_ptr<PositiveWork> positive;
-    if (ledger && method->dense_order() > 0) positive = make_positive_work(*ledger, *method);
-    Recorder recorder(q, *system, *method, ledger, positive.get());
-    return Run(q, *system, *method, recorder, positive.get()).go();
+    if (q.record_energy && method->dense_order() > 0)
+        positive = make_positive_work(system, *method);
+    Recorder recorder(q, system, *method, positive.get());
+    return Run(q, system, *method, recorder, positive.get()).go();
 }
 
 }  // namespace serpenoid

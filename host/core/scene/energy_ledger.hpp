@@ -1,4 +1,4 @@
-// The energy balance of a run: a system with four integrals behind its state.
+// The energy balance of a run: four integrals behind the state of a system.
 //
 //     d/dt (kinetic + spring + height) = joints - friction - dampers
 // with joints = -sum T_i phi_i', friction = -sum f_i . v_i >= 0, dampers = what the joint forces do
@@ -9,94 +9,58 @@
 #pragma once
 
 #include <algorithm>
-#include <memory>
-#include <vector>
 
-#include "model/implicit_model.hpp"
-#include "scene/run_request.hpp"
-#include "scene/system.hpp"
+#include "scene/mechanics.hpp"
 
 namespace serpenoid {
 
-class EnergyLedger final : public System {
+inline double joint_power(const Mechanics& m, std::size_t i) {
+    return -m.joints.T[i] * (m.chain.omega[i + 1] - m.chain.omega[i]);
+}
+
+class EnergyLedger {
   public:
-    static constexpr int kColumns = 7;  // kinetic, spring, height, joints, friction, dampers, P+
+    static constexpr int kIntegrals = 4;  // joints, friction, dampers, P+
+    static constexpr int kHeat = 1;       // that of friction
+    static constexpr int kColumns = 7;    // kinetic, spring, height, and the integrals
 
-    EnergyLedger(std::unique_ptr<System> of, const RunRequest& q)
-        : System(*of), inner_(std::move(of)), robot_(q.robot), slope_(q.slope), spring_(q.spring) {
-        if (q.formulation == Formulation::explicit_) spring_ = {0, 0};
-    }
-
-    // Where friction's heat is in a state of so many numbers, the ledger's four at its end.
-    static std::size_t heat_at(std::size_t dim) { return dim - 3; }
-
-    int dim() const override { return inner_->dim() + 4; }
-    void set(const Chain& from, double* y) const override {
-        inner_->set(from, y);
-        std::fill_n(y + inner_->dim(), 4, 0.0);
-    }
+    explicit EnergyLedger(const RunRequest& q) : slope_(q.slope), stiffness_(q.spring.k) {}
     void leave_positive() { positive_ = false; }
 
-    // P_i of every joint.
-    void powers(double t, const double* y, std::vector<double>& power) {
-        inner_->forces(t, y);
-        for (std::size_t i = 0; i < power.size(); ++i) power[i] = joint_power(i);
-    }
-
-    void fill(double t, const double* y) override { inner_->fill(t, y); }
-    void forces(double t, const double* y) override { inner_->forces(t, y); }
-    void rate(double t, const double* y, double* dy) override {
-        inner_->rate(t, y, dy);
-        if (!inner_->rate_fills_forces()) inner_->forces(t, y);
-        const Chain& k = chain;
-        double *to = dy + inner_->dim(), joint = 0, spent = 0, lost = 0, damped = 0;
+    // Of the integrals, by the forces that the mechanics have.
+    void rates(const Mechanics& m, double* rate) const {
+        const Chain& k = m.chain;
+        std::fill_n(rate, kIntegrals, 0.0);
         for (int i = 0; i + 1 < k.n(); ++i) {
-            const double power = joint_power(i);
-            const Gap g = gap(k, robot_.l, i);
-            joint += power, spent += std::max(power, 0.0);
-            if (spring_.c == 0) continue;
-            damped += (joints.Fx[i] - spring_.k * g.x) * g.vx;
-            damped += (joints.Fy[i] - spring_.k * g.y) * g.vy;
+            const double power = joint_power(m, i);
+            rate[0] += power;
+            if (positive_) rate[3] += std::max(power, 0.0);
+        }
+        for (std::size_t i = 0; i < m.gaps.size(); ++i) {
+            const Gap& g = m.gaps[i];
+            rate[2] += (m.joints.Fx[i] - stiffness_ * g.x) * g.vx +
+                       (m.joints.Fy[i] - stiffness_ * g.y) * g.vy;
         }
         for (int i = 0; i < k.n(); ++i)
-            lost -= (k.fx[i] - robot_.m * slope_.gx) * k.vx[i] +
-                    (k.fy[i] - robot_.m * slope_.gy) * k.vy[i];
-        to[0] = joint, to[1] = lost, to[2] = damped, to[3] = positive_ ? spent : 0;
+            rate[kHeat] -= (k.fx[i] - m.robot.m * slope_.gx) * k.vx[i] +
+                           (k.fy[i] - m.robot.m * slope_.gy) * k.vy[i];
     }
-    std::vector<int> rate_of() const override {
-        std::vector<int> of = inner_->rate_of();
-        of.resize(dim(), -1);
-        return of;
-    }
-    double next_jump(double t) const override { return inner_->next_jump(t); }
-    void enter(double t, const double* y) override { inner_->enter(t, y); }
-    Modes* modes() override { return inner_->modes(); }
-    void latch() override { inner_->latch(); }
 
-    // One row of the ledger; the chain must have been filled from y.
-    void row(const double* y, double* to) const {
-        const Chain& k = chain;
-        std::fill_n(to, 3, 0.0);
+    void row(const Mechanics& m, const double* integrals, double* row) const {
+        const Chain& k = m.chain;
+        std::fill_n(row, 3, 0.0);
         for (int i = 0; i < k.n(); ++i) {
-            to[0] += 0.5 * robot_.m * (k.vx[i] * k.vx[i] + k.vy[i] * k.vy[i]) +
-                     0.5 * robot_.I * k.omega[i] * k.omega[i];
-            to[2] -= robot_.m * (slope_.gx * k.x[i] + slope_.gy * k.y[i]);
+            row[0] += 0.5 * m.robot.m * (k.vx[i] * k.vx[i] + k.vy[i] * k.vy[i]) +
+                      0.5 * m.robot.I * k.omega[i] * k.omega[i];
+            row[2] -= m.robot.m * (slope_.gx * k.x[i] + slope_.gy * k.y[i]);
         }
-        for (int i = 0; i + 1 < k.n(); ++i) {
-            const Gap g = gap(k, robot_.l, i);
-            to[1] += 0.5 * spring_.k * (g.x * g.x + g.y * g.y);
-        }
-        std::copy_n(y + inner_->dim(), 4, to + 3);
+        for (const Gap& g : m.gaps) row[1] += 0.5 * stiffness_ * (g.x * g.x + g.y * g.y);
+        std::copy_n(integrals, kIntegrals, row + 3);
     }
 
   private:
-    double joint_power(std::size_t i) const {
-        return -joints.T[i] * (chain.omega[i + 1] - chain.omega[i]);
-    }
-    std::unique_ptr<System> inner_;
-    Robot robot_;
     Slope slope_;
-    JointSpring spring_;
+    double stiffness_;
     bool positive_ = true;
 };
 

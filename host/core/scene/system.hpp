@@ -1,76 +1,67 @@
 // What a scene moves, as a system of first order y' = rate(t, y); methods see no more than this.
 //
-// The concrete systems are in explicit_systems.cpp and implicit_systems.cpp. A method pays one
-// virtual call per right-hand side.
+// Mechanics, and two optional parts: contacts that stick and slip, and the ledger of energy. The
+// state is that of the mechanics, and behind it the ledger's integrals.
 #pragma once
 
-#include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
-#include "model/chain.hpp"
+#include "scene/energy_ledger.hpp"
+#include "scene/mechanics.hpp"
+#include "scene/sticking.hpp"
 
 namespace serpenoid {
 
-// The modes of a system whose motion is smooth while they last: wheels that rest or slide.
-class Modes {
-  public:
-    virtual ~Modes() = default;
-    // Find the modes that follow on a state; what rests in them is put to rest in it.
-    virtual void find(double t, double* y) = 0;
-    // How far each part is from the end of its mode: negative beyond, -1 the aim when it ends.
-    virtual void margins(double t, const double* y, std::vector<double>& margin) = 0;
-    // Whether what rests has crept by the errors of the steps, and is to be found anew.
-    virtual bool creeps(double t, const double* y) = 0;
-};
-
 class System {
   public:
-    explicit System(int links)
-        : own_(std::make_unique<Parts>(links)), chain(own_->chain), joints(own_->joints) {}
-    explicit System(System& around) : chain(around.chain), joints(around.joints) {}
-    virtual ~System() = default;
+    explicit System(const RunRequest& request);
 
-    virtual int dim() const = 0;
+    int coordinates() const { return mechanics_->coordinates; }
+    int lengths() const { return mechanics_->lengths; }  // of the coordinates, the first ones
+    int dim() const { return 2 * coordinates() + (ledger_ ? EnergyLedger::kIntegrals : 0); }
 
-    // The state of a chain, and the chain (places, angles, velocities) of a state.
-    virtual void set(const Chain& from, double* y) const = 0;
-    virtual void fill(double t, const double* y) = 0;
+    void set(const Chain& from, double* y) const;
+    void fill(double t, const double* y) { mechanics_->fill(t, y); }
 
     // dy/dt, and no more than that takes.
-    virtual void rate(double t, const double* y, double* dy) = 0;
-
+    void rate(double t, const double* y, double* dy) {
+        if (!sticking_ && !ledger_) return mechanics_->rate(t, y, dy);
+        rate_with_parts(t, y, dy);
+    }
     // The chain with its accelerations and the forces of the ground, and the joints, for a record.
-    virtual void forces(double t, const double* y) = 0;
-
-    // Whether rate() has done what forces() does: driven by torques, the motion needs all of it.
-    virtual bool rate_fills_forces() const { return false; }
-
-    // For every entry that is a place or an angle, the entry that is its rate; -1 for the others.
-    virtual std::vector<int> rate_of() const = 0;
+    void forces(double t, const double* y);
 
     // Some drives jump (setpoints, tables). The next jump after t, and what to do when it is
     // reached: the motion between two jumps is smooth.
-    virtual double next_jump(double) const { return std::numeric_limits<double>::infinity(); }
-    virtual void enter(double, const double*) {}
+    double next_jump(double t) const { return mechanics_->next_jump(t); }
+    void enter(double t, const double* y) { mechanics_->enter(t, y); }
+    void latch() { mechanics_->latch(); }
 
-    // Those that its motion has, for a method that follows them.
-    virtual Modes* modes() { return nullptr; }
+    Sticking* sticking() { return sticking_.get(); }
+    EnergyLedger* ledger() { return ledger_ ? &*ledger_ : nullptr; }
+    Chain& chain() { return mechanics_->chain; }
+    Joints& joints() { return mechanics_->joints; }
 
-    // The paper's scheme: keep the rates of the gaps as they are, for the dampers of the next step.
-    virtual void latch() {}
+    // P_i = -T_i phi_i' of every joint, W.
+    void powers(double t, const double* y, std::vector<double>& power);
+    // One row of the ledger; the chain has been filled from y.
+    void ledger_row(const double* y, double* row) const {
+        ledger_->row(*mechanics_, y + 2 * coordinates(), row);
+    }
 
   private:
-    struct Parts {
-        explicit Parts(int links) : chain(links), joints(links) {}
-        Chain chain;
-        Joints joints;
-    };
-    std::unique_ptr<Parts> own_;
+    void rate_with_parts(double t, const double* y, double* dy);
 
-  public:
-    Chain& chain;
-    Joints& joints;
+    std::unique_ptr<Mechanics> mechanics_;
+    std::unique_ptr<Sticking> sticking_;
+    std::optional<EnergyLedger> ledger_;
 };
+
+// What counts as 1 in each entry of a state, for error norms: a body length (m) or a radian, and
+// these times `rate` (1/s). The ledger's entries choose no steps, or the motion would depend on
+// what is recorded.
+std::vector<double> error_scale(const System& system, double body, double rate);
 
 }  // namespace serpenoid

@@ -10,6 +10,7 @@ import numpy as np
 import serpenoid as sn
 from numpy.random import Generator
 from oracle import contact_modes as cm
+from oracle import dense
 from oracle import joint_work as jw
 from oracle.params import Gait
 from oracle.scenes import SlowScene
@@ -57,11 +58,17 @@ def rate_of(problem: Problem) -> Callable[[float, Array], Array]:
     def pinned(t: float, y: Array) -> Array:
         return slow.rate(t, np.append(y, np.zeros(4)))[:6]
 
-    def on_springs(t: float, y: Array) -> Array:  # ours: rates of all, then the integrals
-        place, speed, (theta, omega) = y[: 2 * n], y[2 * n : 4 * n], y[4 * n :]
-        moved = slow.rate(t, np.concatenate([place, [theta], speed, [omega], np.zeros(4)]))
-        turned = moved[[2 * n, 4 * n + 1]]
-        return np.concatenate([moved[: 2 * n], moved[2 * n + 1 : 4 * n + 1], turned])
+    def on_springs(t: float, y: Array) -> Array:
+        phi, phi_rate, bend = slow.joints(t)
+        theta, omega = (
+            link_1 + np.concatenate([[0.0], np.cumsum(joints)])
+            for link_1, joints in ((y[-2], phi), (y[-1], phi_rate))
+        )
+        pose = np.column_stack([*y[: 2 * n].reshape(2, n), theta])
+        rates = np.column_stack([*y[2 * n : 4 * n].reshape(2, n), omega])
+        moved = dense.evaluate(slow.p, pose, rates, phi_ddot=bend, spring=slow.spring)
+        turned = [y[-1], moved.theta_ddot[0]]
+        return np.concatenate([y[2 * n : 4 * n], moved.accel_m_s2.T.ravel(), turned])
 
     return on_springs if problem.implicit else pinned
 

@@ -30,7 +30,7 @@ void Dop853::restart(double t, const double* y) {
     h_next_ = 0;
 }
 
-void Dop853::go_on(double t, const double* y) {
+void Dop853::restart_with_step(double t, const double* y) {
     const double pace = h_next_;
     restart(t, y);
     h_next_ = pace;

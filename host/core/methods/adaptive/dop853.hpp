@@ -27,7 +27,7 @@ class Dop853 final : public Method {
 
     void restart(double t, const double* y) override;
     // The same, with a first step as long as the next one would have been.
-    void go_on(double t, const double* y);
+    void restart_with_step(double t, const double* y);
     StepOutcome step(double t_limit) override;
     double time() const override { return t_; }
     const double* state() const override { return y_.data(); }

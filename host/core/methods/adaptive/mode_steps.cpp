@@ -8,7 +8,7 @@
 
 namespace serpenoid {
 
-ModeSteps::ModeSteps(System& system, Modes& modes, const std::vector<double>& scale,
+ModeSteps::ModeSteps(System& system, Sticking& modes, const std::vector<double>& scale,
                      double tolerance, double shortest)
     : modes_(modes),
       explicit_(system, scale, tolerance),
@@ -98,7 +98,7 @@ void ModeSteps::look_for_stiffness() {
     if (smooth_ == &stiff_) return;
     stiff_steps_ = std::max(0, stiff_steps_ + (explicit_.decay() > pays_ ? 1 : -1));
     if (stiff_steps_ < kStiffSteps) return;
-    stiff_.begin(t_, y_.data(), explicit_.next_step());
+    stiff_.restart_with_step(t_, y_.data(), explicit_.next_step());
     smooth_ = &stiff_;
 }
 
@@ -113,9 +113,9 @@ StepOutcome ModeSteps::step(double t_limit) {
         last_.reset();
         // in steps as long as the last ones would have been
         if (smooth_ == &stiff_)
-            stiff_.begin(t_, y_.data(), stiff_.next_step());
+            stiff_.restart_with_step(t_, y_.data(), stiff_.next_step());
         else
-            explicit_.go_on(t_, y_.data());
+            explicit_.restart_with_step(t_, y_.data());
     }
     const double from = t_;
     const StepOutcome out = smooth_->step(t_limit);

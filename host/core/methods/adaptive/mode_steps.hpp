@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "methods/adaptive/dop853.hpp"
-#include "methods/adaptive/stiff_steps.hpp"
+#include "methods/adaptive/radau.hpp"
 #include "methods/method.hpp"
 #include "scene/system.hpp"
 
@@ -19,7 +19,7 @@ class ModeSteps final : public Method {
   public:
     // `modes`: those of the system. `scale`, `tolerance`: as Dop853 takes them. `shortest`: s,
     // below which time counts as standing still.
-    ModeSteps(System& system, Modes& modes, const std::vector<double>& scale, double tolerance,
+    ModeSteps(System& system, Sticking& modes, const std::vector<double>& scale, double tolerance,
               double shortest);
 
     void restart(double t, const double* y) override;
@@ -47,9 +47,9 @@ class ModeSteps final : public Method {
     double end_of_mode(Look from, Look to);
     Look look(double t);
 
-    Modes& modes_;
+    Sticking& modes_;
     Dop853 explicit_;
-    StiffSteps stiff_;
+    Radau stiff_;
     Method* smooth_ = &explicit_;  // the one that steps
     double pays_;                  // decay in an explicit step from which implicit ones pay
     int stiff_steps_ = 0;

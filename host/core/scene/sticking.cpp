@@ -1,5 +1,5 @@
-// The forces and modes of sticking_system.hpp.
-#include "scene/sticking_system.hpp"
+// The forces and modes of sticking.hpp.
+#include "scene/sticking.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +9,8 @@
 namespace serpenoid {
 
 namespace {
+constexpr double kAtRest = 1e-3;           // of a step's tolerance: speed of a wheel that may rest
+constexpr double kLeastTolerance = 1e-10;  // below it that speed is rounding
 constexpr double kOverBound =
     1e-6;  // of its bound: by how much the force exceeds it at the end of rest
 constexpr double kBackwards = 0.1;  // of at_rest: backward speed of a wheel at the end of its slide
@@ -17,87 +19,88 @@ constexpr double kCreep = 100;       // times at_rest: largest speed of a wheel 
 constexpr double kOvershot = 1e3;  // times at_rest: largest speed of a wheel just after it reversed
 }  // namespace
 
-StickingSystem::StickingSystem(std::unique_ptr<PairedSystem> slippery, const RunRequest& q,
-                               double at_rest, double moves)
-    : System(*slippery),
-      inner_(std::move(slippery)),
+Sticking::Sticking(Mechanics& mechanics, const RunRequest& q)
+    : mechanics_(mechanics),
+      chain_(mechanics.chain),
       along_(WheelLaw::along(q.ground)),
       ratchet_(q.ground.ratchet()),
       length_(2 * q.robot.l),
-      at_rest_(at_rest) {
+      at_rest_(kAtRest * std::max(mode_tolerance(q), kLeastTolerance) * q.robot.n * length_ *
+               rate_unit(q)) {
+    const double moves = q.robot.n * q.robot.m * q.robot.n * length_ * rate_unit(q) * rate_unit(q);
     const WheelLaw across = WheelLaw::across(q.ground);
-    for (int i = 0; i < chain.n(); ++i) {
+    for (int i = 0; i < chain_.n(); ++i) {
         if (along_.has_modes())
             contacts_.push_back({i, Kind::along, along_.bound, along_.grip(moves)});
         if (across.has_modes()) contacts_.push_back({i, Kind::across, across.bound, 1});
     }
-    for (int i = 0; i + 1 < chain.n() && gear_friction(q) > 0; ++i)
+    for (int i = 0; i + 1 < chain_.n() && gear_friction(q) > 0; ++i)
         if (q.faults.empty() || q.faults[i] == Fault::none)
             contacts_.push_back({i, Kind::gear, gear_friction(q) / length_, 1});
     for (std::size_t w = 0; w < contacts_.size(); ++w) resting_.push_back(static_cast<int>(w));
 }
 
-double StickingSystem::speed(const Contact& w) const {
+double Sticking::speed(const Contact& w) const {
     const int i = w.link;
-    if (w.kind == Kind::gear) return length_ * (chain.omega[i + 1] - chain.omega[i]);
-    return w.kind == Kind::across ? chain.c[i] * chain.vy[i] - chain.s[i] * chain.vx[i]
-                                  : chain.c[i] * chain.vx[i] + chain.s[i] * chain.vy[i];
+    if (w.kind == Kind::gear) return length_ * (chain_.omega[i + 1] - chain_.omega[i]);
+    return w.kind == Kind::across ? chain_.c[i] * chain_.vy[i] - chain_.s[i] * chain_.vx[i]
+                                  : chain_.c[i] * chain_.vx[i] + chain_.s[i] * chain_.vy[i];
 }
 
 // d/dt of speed(), the turning of the direction included.
-double StickingSystem::acceleration(const Contact& w) const {
+double Sticking::acceleration(const Contact& w) const {
     const int i = w.link;
-    const double c = chain.c[i], s = chain.s[i], turn = chain.omega[i];
-    if (w.kind == Kind::gear) return length_ * (chain.alpha[i + 1] - chain.alpha[i]);
+    const double c = chain_.c[i], s = chain_.s[i], turn = chain_.omega[i];
+    if (w.kind == Kind::gear) return length_ * (chain_.alpha[i + 1] - chain_.alpha[i]);
     if (w.kind == Kind::across)
-        return c * chain.ay[i] - s * chain.ax[i] - turn * (c * chain.vx[i] + s * chain.vy[i]);
-    return c * chain.ax[i] + s * chain.ay[i] + turn * (c * chain.vy[i] - s * chain.vx[i]);
+        return c * chain_.ay[i] - s * chain_.ax[i] - turn * (c * chain_.vx[i] + s * chain_.vy[i]);
+    return c * chain_.ax[i] + s * chain_.ay[i] + turn * (c * chain_.vy[i] - s * chain_.vx[i]);
 }
 
 // Add a force, a part of the bound, on a link in one of its directions or on a joint's drive.
-void StickingSystem::push(const Contact& w, double part) {
+void Sticking::push(const Contact& w, double part) {
     const int i = w.link;
     const double f = part * w.dry;
     if (w.kind == Kind::gear) {
-        inner_->driven[i] -= f * length_;
+        mechanics_.driven[i] -= f * length_;
         return;
     }
     const bool across = w.kind == Kind::across;
-    chain.fx[i] += f * (across ? -chain.s[i] : chain.c[i]);
-    chain.fy[i] += f * (across ? chain.c[i] : chain.s[i]);
+    chain_.fx[i] += f * (across ? -chain_.s[i] : chain_.c[i]);
+    chain_.fy[i] += f * (across ? chain_.c[i] : chain_.s[i]);
 }
 
 // The forces without those of what rests.
-void StickingSystem::release() { chain.fx = free_x_, chain.fy = free_y_, inner_->driven = free_T_; }
+void Sticking::release() { chain_.fx = free_x_, chain_.fy = free_y_, mechanics_.driven = free_T_; }
 
 // Add a ratchet's friction that differs from the mean of both directions.
-void StickingSystem::add_ratchet(const Contact& w) {
+void Sticking::add_ratchet(const Contact& w) {
     const int i = w.link;
     const double more = along_.viscous(w.sign) - along_.mean_viscous();
     const double f = along_.thrust - more * speed(w);
-    chain.fx[i] += f * chain.c[i], chain.fy[i] += f * chain.s[i];
+    chain_.fx[i] += f * chain_.c[i], chain_.fy[i] += f * chain_.s[i];
 }
 
 // All forces but those of what rests, and the accelerations by them.
-void StickingSystem::slide(double t, const double* y) {
-    inner_->load(t, y);
+void Sticking::slide(double t, const double* y) {
+    mechanics_.load(t, y);
     for (const Contact& w : contacts_) {
         if (ratchet_ && w.kind == Kind::along) add_ratchet(w);
         if (w.sign != 0) push(w, -w.sign);
     }
-    inner_->accelerate();
-    free_x_ = chain.fx, free_y_ = chain.fy, free_T_ = inner_->driven;
+    mechanics_.accelerate();
+    free_x_ = chain_.fx, free_y_ = chain_.fy, free_T_ = mechanics_.driven;
 }
 
 // W by columns and rows, each times its bound, and a times the bound; slide() has been called.
-void StickingSystem::respond(const std::vector<int>& which) {
+void Sticking::respond(const std::vector<int>& which) {
     const std::size_t k = which.size();
     response_.resize(k * k), pull_.resize(k), still_.resize(k);
     for (std::size_t i = 0; i < k; ++i) still_[i] = acceleration(contacts_[which[i]]);
     for (std::size_t j = 0; j < k; ++j) {
         release();
         push(contacts_[which[j]], 1);
-        inner_->accelerate();
+        mechanics_.accelerate();
         for (std::size_t i = 0; i < k; ++i) {
             const Contact& w = contacts_[which[i]];
             response_[i * k + j] = w.dry * (acceleration(w) - still_[i]);
@@ -112,46 +115,46 @@ void StickingSystem::respond(const std::vector<int>& which) {
 }
 
 // Add share_ to the forces, and take the accelerations by all of them.
-void StickingSystem::hold(const std::vector<int>& which) {
+void Sticking::hold(const std::vector<int>& which) {
     release();
     for (std::size_t i = 0; i < which.size(); ++i) push(contacts_[which[i]], share_[i]);
-    inner_->accelerate();
+    mechanics_.accelerate();
 }
 
 // What the forces on all that rests are, as parts of their bounds.
-void StickingSystem::find_shares(double t, const double* y) {
+void Sticking::find_shares(double t, const double* y) {
     slide(t, y);
     if (resting_.empty()) return;
     respond(resting_);
     box_.minimise_free(response_, pull_, share_);
 }
 
-void StickingSystem::forces(double t, const double* y) {
+void Sticking::forces(double t, const double* y) {
     find_shares(t, y);
     if (!resting_.empty()) hold(resting_);
-    inner_->recover();
+    mechanics_.recover();
 }
 
 // Impulses that leave no speed: the response to a force for a second is that to its impulse.
-void StickingSystem::put_to_rest(const std::vector<int>& which, double* y) {
+void Sticking::put_to_rest(const std::vector<int>& which, double* y) {
     const std::size_t k = which.size();
     std::vector<double> moving(k);
     for (std::size_t i = 0; i < k; ++i)
         moving[i] = contacts_[which[i]].dry * speed(contacts_[which[i]]);
     release();
-    inner_->accelerate();
-    const std::vector<double> ax = chain.ax, ay = chain.ay, alpha = chain.alpha;
+    mechanics_.accelerate();
+    const std::vector<double> ax = chain_.ax, ay = chain_.ay, alpha = chain_.alpha;
     box_.minimise_free(response_, moving, share_);
     hold(which);
-    for (int i = 0; i < chain.n(); ++i) {
-        chain.vx[i] += chain.ax[i] - ax[i], chain.vy[i] += chain.ay[i] - ay[i];
-        chain.omega[i] += chain.alpha[i] - alpha[i];
+    for (int i = 0; i < chain_.n(); ++i) {
+        chain_.vx[i] += chain_.ax[i] - ax[i], chain_.vy[i] += chain_.ay[i] - ay[i];
+        chain_.omega[i] += chain_.alpha[i] - alpha[i];
     }
-    inner_->set(chain, y);
+    mechanics_.set(chain_, y);
 }
 
-void StickingSystem::find(double t, double* y) {
-    inner_->fill(t, y);
+void Sticking::find(double t, double* y) {
+    mechanics_.fill(t, y);
     std::vector<int> slow;
     std::vector<double> share;
     std::vector<int> went;  // which way before
@@ -196,15 +199,15 @@ void StickingSystem::find(double t, double* y) {
 
 // By how much of its bound the force on a contact would have to be larger for the contact to rest;
 // respond() has been called.
-double StickingSystem::excess(const std::vector<double>& share, std::size_t i) const {
+double Sticking::excess(const std::vector<double>& share, std::size_t i) const {
     const std::size_t k = share.size();
     double pull = pull_[i];
     for (std::size_t j = 0; j < k; ++j) pull += response_[i * k + j] * share[j];
     return std::fabs(pull) / response_[i * k + i];
 }
 
-void StickingSystem::margins(double t, const double* y, std::vector<double>& margin) {
-    resting_.empty() ? inner_->fill(t, y) : find_shares(t, y);
+void Sticking::margins(double t, const double* y, std::vector<double>& margin) {
+    resting_.empty() ? mechanics_.fill(t, y) : find_shares(t, y);
     margin.assign(contacts_.size(), 0.0);
     for (std::size_t w = 0; w < contacts_.size(); ++w)
         if (contacts_[w].sign != 0)
@@ -222,7 +225,7 @@ void StickingSystem::margins(double t, const double* y, std::vector<double>& mar
 
 // Whether forces within the bounds hold all that rests, though the smallest ones do not: where more
 // hold than are needed, others take what one of them cannot.
-bool StickingSystem::others_hold() {
+bool Sticking::others_hold() {
     const auto beyond = [](double z) { return std::fabs(z) > 1; };
     const std::size_t k = resting_.size();
     if (std::none_of(share_.begin(), share_.begin() + static_cast<long>(k), beyond)) return false;
@@ -234,8 +237,8 @@ bool StickingSystem::others_hold() {
     return true;
 }
 
-bool StickingSystem::creeps(double t, const double* y) {
-    inner_->fill(t, y);
+bool Sticking::creeps(double t, const double* y) {
+    mechanics_.fill(t, y);
     return std::any_of(resting_.begin(), resting_.end(),
                        [&](int w) { return std::fabs(speed(contacts_[w])) > kCreep * at_rest_; });
 }

@@ -1,4 +1,4 @@
-// Set-valued dry friction for any explicit system: wheels rest or slide.
+// Set-valued dry friction for explicit mechanics: wheels rest or slide.
 //
 // Every link has two directions, along and across, in which it rests or slides one way or the
 // other: the mode. A direction that slides has its dry force; those that rest have the forces z mu,
@@ -20,38 +20,27 @@
 // it stops, without a rest.
 #pragma once
 
-#include <memory>
 #include <vector>
 
 #include "model/friction_law.hpp"
 #include "numerics/box_quadratic.hpp"
-#include "scene/paired_system.hpp"
+#include "scene/mechanics.hpp"
 
 namespace serpenoid {
 
-class StickingSystem final : public System, public Modes {
+class Sticking {
   public:
-    // The system has all but the dry friction, and the mean viscous friction of a ratchet. Slower
-    // than `at_rest`, m/s, a wheel may rest; `moves`: a force that moves the links, N.
-    StickingSystem(std::unique_ptr<PairedSystem> slippery, const RunRequest& q, double at_rest,
-                   double moves);
+    // The mechanics have all but the dry friction, and the mean viscous friction of a ratchet.
+    Sticking(Mechanics& mechanics, const RunRequest& request);
 
-    int dim() const override { return inner_->dim(); }
-    void set(const Chain& from, double* y) const override { inner_->set(from, y); }
-    void fill(double t, const double* y) override { inner_->fill(t, y); }
-    void rate(double t, const double* y, double* dy) override {
-        forces(t, y), inner_->derivative(y, dy);
-    }
-    void forces(double t, const double* y) override;
-    bool rate_fills_forces() const override { return true; }
-    std::vector<int> rate_of() const override { return inner_->rate_of(); }
-    double next_jump(double t) const override { return inner_->next_jump(t); }
-    void enter(double t, const double* y) override { inner_->enter(t, y); }
-    Modes* modes() override { return this; }
-
-    void find(double t, double* y) override;
-    void margins(double t, const double* y, std::vector<double>& margin) override;
-    bool creeps(double t, const double* y) override;
+    // The chain with all its forces, in the present modes.
+    void forces(double t, const double* y);
+    // Find the modes that follow on a state; what rests in them is put to rest in it.
+    void find(double t, double* y);
+    // How far each part is from the end of its mode: negative beyond, -1 the aim when it ends.
+    void margins(double t, const double* y, std::vector<double>& margin);
+    // Whether what rests has crept by the errors of the steps, and is to be found anew.
+    bool creeps(double t, const double* y);
 
   private:
     enum class Kind : char { along, across, gear };
@@ -77,10 +66,12 @@ class StickingSystem final : public System, public Modes {
     double excess(const std::vector<double>& share, std::size_t i) const;
     void put_to_rest(const std::vector<int>& which, double* y);
 
-    std::unique_ptr<PairedSystem> inner_;
+    Mechanics& mechanics_;
+    Chain& chain_;
     WheelLaw along_;
     bool ratchet_;
-    double length_, at_rest_;
+    double length_;       // of a link, m
+    double at_rest_;      // m/s: slower than this, a wheel may rest
     bool known_ = false;  // modes have been found before
     std::vector<Contact> contacts_;
     std::vector<int> resting_;

@@ -1,0 +1,323 @@
+// The stages, steps and errors of radau.hpp.
+#include "methods/adaptive/radau.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace serpenoid {
+
+namespace {
+// Of the inverse of the rule's matrix: eigenvalues, and eigenvectors by columns with their inverse;
+// of the complex pair real and imaginary part.
+constexpr double kMuReal = 3.637834252744496;
+constexpr double kMuRe = 2.6810828736277523, kMuIm = -3.050430199247411;
+constexpr double kT[3][3] = {
+    {0.09443876248897524, -0.14125529502095421, 0.03002919410514742},
+    {0.25021312296533332, 0.20412935229379994, -0.38294211275726192},
+    {1, 1, 0},
+};
+constexpr double kInverse[3][3] = {
+    {4.17871859155190428, 0.32768282076106237, 0.52337644549944951},
+    {-4.17871859155190428, -0.32768282076106237, 0.47662355450055044},
+    {0.50287263494578682, -2.57192694985560522, 0.59603920482822492},
+};
+// Weights of the stages' changes, over h, in the embedded formula.
+constexpr double kRootSix = 2.449489742783178;
+constexpr double kError[3] = {(-13 - 7 * kRootSix) / 3, (-13 + 7 * kRootSix) / 3, -1.0 / 3};
+
+constexpr int kMaxIterations = 8;
+constexpr double kIterationError = 0.01;   // of the tolerance: what the iteration may miss
+constexpr double kRounding = 1e-14;        // of a rate: least change that an iteration can make
+constexpr double kSlowContraction = 1e-2;  // above it the derivatives are taken anew
+constexpr double kKeptGrowth = 2;          // a step that may grow by less keeps its factors
+constexpr double kLongestStep = 1.5;       // of the motion's unit of time: it may not miss a beat
+constexpr double kFirstStep = 1e-3;        // of that unit
+constexpr double kDifference = 1e-5;       // of the scale, for derivatives
+constexpr double kMinError = 1e-4;         // of the tolerance, for the choice of the next step
+constexpr int kUniform = 2;     // coordinates of a place: the ground is the same everywhere
+constexpr int kMaxTries = 100;  // of a step
+}  // namespace
+
+Radau::Radau(System& system, const Vector& scale, double tolerance)
+    : system_(system),
+      m_(system.coordinates()),
+      dim_(system.dim()),
+      tolerance_(tolerance),
+      unit_s_(scale[0] / scale[m_]) {
+    for (const double one : scale) weight_.push_back(1 / (one * tolerance));
+    for (Vector* v : {&y_, &y_old_, &rate_, &scratch_, &moved_}) v->resize(dim_);
+    for (Stages* stages : {&stage_, &stage_rate_, &past_})
+        for (Vector& v : *stages) v.resize(dim_);
+    for (Vector& v : change_) v.resize(m_);
+    for (Vector* v : {&real_change_, &complex_re_, &complex_im_, &filter_, &ringing_, &frequency_})
+        v->resize(m_);
+    by_rate_.resize(m_ * m_);
+    by_place_.resize(m_ * m_);
+    h_next_ = kFirstStep * unit_s_;
+}
+
+void Radau::restart_with_step(double t, const double* y, double first_step) {
+    t_ = t;
+    h_ = 0;
+    h_factored_ = 0;
+    h_next_ = first_step;
+    std::copy_n(y, dim_, y_.begin());
+    system_.rate(t, y, rate_.data());
+    fresh_ = false;
+    stale_ = true;
+}
+
+// Derivatives of the accelerations in the middle of a step of h, as it is predicted.
+void Radau::differentiate(double h) {
+    predict(h);
+    set_stages(h);
+    const double t = t_ + h * Rule::get().c[1];
+    const Vector middle = stage_[1];
+    system_.rate(t, middle.data(), stage_rate_[1].data());
+    const double* accel = stage_rate_[1].data() + m_;
+    scratch_ = middle;
+    for (int entry = kUniform; entry < 2 * m_; ++entry) {
+        Vector& slopes = entry < m_ ? by_place_ : by_rate_;
+        const int column = entry % m_;
+        const double difference = kDifference / (weight_[entry] * tolerance_);
+        scratch_[entry] = middle[entry] + difference;
+        system_.rate(t, scratch_.data(), moved_.data());
+        scratch_[entry] = middle[entry];
+        for (int row = 0; row < m_; ++row)
+            slopes[column * m_ + row] = (moved_[m_ + row] - accel[row]) / difference;
+    }
+    for (int gap = kUniform; gap < system_.lengths(); ++gap) {
+        frequency_[gap] = std::sqrt(std::fabs(by_place_[gap * m_ + gap]));
+        double speed = 0;
+        for (int row = 0; row < m_; ++row)
+            speed = std::max(speed, std::fabs(by_place_[gap * m_ + row]) * weight_[m_ + row]);
+        ringing_[gap] = frequency_[gap] > 0 ? speed / frequency_[gap] : 0;
+    }
+    fresh_ = true;
+    stale_ = false;
+    h_factored_ = 0;
+}
+
+bool Radau::factor(double h) {
+    const double s = kMuReal / h;
+    const double re = kMuRe / h, im = kMuIm / h, square = re * re + im * im;
+    Vector& real = real_.begin(m_);
+    complex_.begin(m_);
+    for (int column = 0; column < m_; ++column)
+        for (int row = 0; row < m_; ++row) {
+            const int i = column * m_ + row;
+            const bool diagonal = row == column;
+            real[i] = (diagonal ? s : 0) - by_rate_[i] - by_place_[i] / s;
+            complex_.re[i] = (diagonal ? re : 0) - by_rate_[i] - by_place_[i] * re / square;
+            complex_.im[i] = (diagonal ? im : 0) + by_place_[i] * im / square;
+        }
+    h_factored_ = h;
+    return real_.factor() && complex_.factor();
+}
+
+// The stages' rates, as the last step's polynomial continues them.
+void Radau::predict(double h) {
+    for (int i = 0; i < kStages; ++i) {
+        change_[i].assign(m_, 0.0);
+        if (h_ == 0) continue;
+        const auto w = Rule::get().dense(1 + h / h_ * Rule::get().c[i]);
+        for (int j = 0; j < m_; ++j) {
+            change_[i][j] = y_old_[m_ + j] - y_[m_ + j];
+            for (int k = 0; k < kStages; ++k)
+                change_[i][j] += w[k] * (past_[k][m_ + j] - y_old_[m_ + j]);
+        }
+    }
+}
+
+void Radau::set_stages(double h) {
+    const auto& a = Rule::get().a;
+    for (int i = 0; i < kStages; ++i)
+        for (int j = 0; j < m_; ++j) {
+            double sum = 0;
+            for (int k = 0; k < kStages; ++k)
+                sum += a[i * kStages + k] * (y_[m_ + j] + change_[k][j]);
+            stage_[i][j] = y_[j] + h * sum;
+            stage_[i][m_ + j] = y_[m_ + j] + change_[i][j];
+        }
+}
+
+// One iteration; how far the rates, or the coordinates by them, moved, over the tolerance.
+double Radau::iterate(double h) {
+    for (int i = 0; i < kStages; ++i)
+        system_.rate(t_ + h * Rule::get().c[i], stage_[i].data(), stage_rate_[i].data());
+    const double s = kMuReal / h, re = kMuRe / h, im = kMuIm / h;
+    for (int j = 0; j < m_; ++j) {
+        double force[3] = {}, change[3] = {};
+        for (int k = 0; k < 3; ++k)
+            for (int i = 0; i < kStages; ++i) {
+                force[k] += kInverse[k][i] * stage_rate_[i][m_ + j];
+                change[k] += kInverse[k][i] * change_[i][j];
+            }
+        real_change_[j] = force[0] - s * change[0];
+        complex_re_[j] = force[1] - (re * change[1] - im * change[2]);
+        complex_im_[j] = force[2] - (re * change[2] + im * change[1]);
+    }
+    real_.solve(real_change_);
+    complex_.solve(complex_re_, complex_im_);
+    double moved = 0, check = 0;
+    for (int j = 0; j < m_; ++j) {
+        const double weight = std::max(weight_[m_ + j], weight_[j] / s);
+        for (int i = 0; i < kStages; ++i) {
+            const double step =
+                kT[i][0] * real_change_[j] + kT[i][1] * complex_re_[j] + kT[i][2] * complex_im_[j];
+            change_[i][j] += step;
+            moved = std::max(moved, std::fabs(step) * weight);
+            check += step * 0;
+        }
+    }
+    set_stages(h);
+    return moved + check;  // the maximum alone would pass over NaN
+}
+
+bool Radau::solve(double h) {
+    const double enough = std::max(kIterationError, kRounding / tolerance_);
+    predict(h);
+    set_stages(h);
+    double before = 0;
+    contraction_ = 0;
+    for (iterations_ = 1; iterations_ <= kMaxIterations; ++iterations_) {
+        const double moved = iterate(h);
+        if (!(moved < 1e300)) return false;
+        if (iterations_ > 1) contraction_ = std::max(moved / before, 0.3 * contraction_);
+        const double remaining =
+            iterations_ > 1 && contraction_ < 1 ? moved * contraction_ / (1 - contraction_) : moved;
+        if (remaining <= enough) return true;
+        if (contraction_ >= 1 && iterations_ > 2) return false;
+        before = moved;
+    }
+    return false;
+}
+
+// The embedded error for the rates at a state near the start; it is left in scratch_ as a change
+// of the state.
+double Radau::filtered(double h, const double* y, const double* accel) {
+    const double s = kMuReal / h;
+    Vector& place = moved_;
+    for (int j = 0; j < m_; ++j) {
+        place[j] = y[m_ + j];
+        filter_[j] = accel[j];
+        for (int i = 0; i < kStages; ++i) {
+            place[j] += kError[i] / h * (stage_[i][j] - y_[j]);
+            filter_[j] += kError[i] / h * change_[i][j];
+        }
+    }
+    for (int column = kUniform; column < m_; ++column)
+        for (int row = 0; row < m_; ++row)
+            filter_[row] += by_place_[column * m_ + row] * place[column] / s;
+    real_.solve(filter_);
+    double worst = 0, check = 0;
+    for (int j = 0; j < m_; ++j) {
+        scratch_[j] = (filter_[j] + place[j]) / s;
+        scratch_[m_ + j] = filter_[j];
+        worst = std::max(
+            {worst, std::fabs(scratch_[j]) * weight_[j], std::fabs(filter_[j]) * weight_[m_ + j]});
+        check += filter_[j] * 0;
+    }
+    return worst + check;
+}
+
+double Radau::swallowed_ringing(double h) const {
+    double worst = 0;
+    for (int gap = kUniform; gap < system_.lengths(); ++gap) {
+        double off = y_[gap];
+        for (int i = 0; i < kStages; ++i) off -= Rule::get().at0[i] * stage_[i][gap];
+        worst =
+            std::max(worst, ringing_[gap] * std::min(1.0, h * frequency_[gap]) * std::fabs(off));
+    }
+    return worst;
+}
+
+// Over the tolerance. A step without a smooth past is judged by rates that are filtered twice.
+double Radau::error(double h, bool first) {
+    double size = filtered(h, y_.data(), rate_.data() + m_);
+    if (first && size > 1) {
+        for (int i = 0; i < 2 * m_; ++i) scratch_[i] += y_[i];
+        for (int i = 2 * m_; i < dim_; ++i) scratch_[i] = y_[i];
+        const Vector near = scratch_;
+        system_.rate(t_, near.data(), moved_.data());
+        const Vector accel(moved_.begin() + m_, moved_.begin() + 2 * m_);
+        size = filtered(h, near.data(), accel.data());
+    }
+    size = std::max(size, swallowed_ringing(h));
+    return std::isfinite(size) ? std::max(size, kMinError) : HUGE_VAL;
+}
+
+// By how much the next step may be longer, in the light of the one before (Gustafsson).
+double Radau::growth(double h) const {
+    const double safety = 0.9 * (2 * kMaxIterations + 1) / (2 * kMaxIterations + iterations_);
+    const double trend = h_ > 0 ? h / h_ * std::pow(error_old_ / error_, 0.25) : 1;
+    return safety * std::min(1.0, trend) * std::pow(error_, -0.25);
+}
+
+// What is integrated beside the motion, and the start of the next step.
+void Radau::accept(double h, double t) {
+    const auto& a = Rule::get().a;
+    for (int i = 0; i < kStages && dim_ > 2 * m_; ++i)
+        system_.rate(t_ + h * Rule::get().c[i], stage_[i].data(), stage_rate_[i].data());
+    for (int entry = 2 * m_; entry < dim_; ++entry)
+        for (int i = 0; i < kStages; ++i) {
+            stage_[i][entry] = y_[entry];
+            for (int k = 0; k < kStages; ++k)
+                stage_[i][entry] += h * a[i * kStages + k] * stage_rate_[k][entry];
+        }
+    t_old_ = t_;
+    t_ = t;
+    h_ = h;
+    error_old_ = error_;
+    std::swap(y_old_, y_);
+    std::swap(past_, stage_);
+    y_ = past_.back();
+    system_.rate(t_, y_.data(), rate_.data());
+    fresh_ = false;
+}
+
+StepOutcome Radau::step(double t_limit) {
+    const char* why = "its step does not converge, however short";
+    bool first = h_ == 0;
+    for (int tries = 0; tries < kMaxTries; ++tries) {
+        const bool last = t_ + 1.01 * h_next_ >= t_limit;
+        const double h = last ? t_limit - t_ : h_next_;
+        if (!(t_ + h > t_)) break;
+        if (stale_) differentiate(h);
+        if ((h != h_factored_ && !factor(h)) || !solve(h)) {
+            if (fresh_) h_next_ = 0.5 * h;
+            stale_ = true;
+            continue;
+        }
+        const double earlier = error_;
+        error_ = error(h, first);
+        if (error_ > 1) {
+            why = "its error stays above the tolerance, however short the step";
+            // an error that does not fall with the step is that of a decay far shorter
+            const bool flat = !first || error_ == HUGE_VAL || error_ < 0.3 * earlier;
+            h_next_ = h * (flat ? std::clamp(growth(h), 0.1, 0.9) : 0.1);
+            first = true;
+            continue;
+        }
+        const double longest = std::max(1.0, kLongestStep * unit_s_ / h);
+        double grow = std::clamp(growth(h), 0.2, std::min(8.0, longest));
+        const bool slow = iterations_ > 2 && contraction_ > kSlowContraction;
+        if (!slow && !last && grow >= 1 && grow < kKeptGrowth) grow = 1;
+        h_next_ = last ? std::max(h_next_, h * grow) : h * grow;
+        accept(h, last ? t_limit : t_ + h);
+        stale_ = slow;
+        return {};
+    }
+    return {false, why};
+}
+
+void Radau::dense(double t, double* y) const {
+    const auto w = Rule::get().dense((t - t_old_) / h_);
+    for (int i = 0; i < dim_; ++i) {
+        y[i] = y_old_[i];
+        for (int k = 0; k < kStages; ++k) y[i] += w[k] * (past_[k][i] - y_old_[i]);
+    }
+}
+
+}  // namespace serpenoid

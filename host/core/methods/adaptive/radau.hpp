@@ -1,0 +1,91 @@
+// Radau IIA of order 5 with adaptive steps, for motion beside decays and ringing far faster than
+// it.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "methods/method.hpp"
+#include "numerics/dense.hpp"
+#include "numerics/radau_collocation.hpp"
+#include "scene/system.hpp"
+
+namespace serpenoid {
+
+// Three stages, solved by simplified Newton iteration in the coordinates in which the rule's matrix
+// has one real and two complex eigenvalues mu (Hairer, Wanner, Solving Ordinary Differential
+// Equations II, IV.8). The unknowns are the rates v of the stages; the coordinates follow exactly,
+// q = q_0 + h A v. So the matrices have the size of the coordinates: with s = mu / h
+//
+//     s - da/dv - (da/dq) / s.
+//
+// Their derivatives, by differences, and their factors are kept from step to step as long as the
+// iteration converges quickly. The error is the embedded one of order 3, filtered by the real
+// matrix: in a stiff direction it is then the distance from the slow motion.
+//
+// Of springs without dampers a long step swallows the ringing. By how much the gaps at its start
+// stand off the smooth curve through its stages counts as the speed that it is a quarter of a
+// period later; so ringing above the tolerance is followed.
+//
+// What is integrated beside the motion follows it and chooses nothing.
+class Radau final : public Method {
+  public:
+    // `scale`: what counts as 1 in each entry of the state.
+    Radau(System& system, const std::vector<double>& scale, double tolerance);
+
+    void restart(double t, const double* y) override { restart_with_step(t, y, h_next_); }
+    void restart_with_step(double t, const double* y, double first_step);
+    StepOutcome step(double t_limit) override;
+    double time() const override { return t_; }
+    const double* state() const override { return y_.data(); }
+    int dense_order() const override { return 3; }
+    void dense(double t, double* y) const override;
+    double local_error() const override { return error_ * tolerance_; }
+    double next_step() const { return h_next_; }
+    int unknowns() const { return m_; }
+
+  private:
+    static constexpr int kStages = 3;
+    using Rule = RadauRule<kStages>;
+    using Vector = std::vector<double>;
+    using Stages = std::array<Vector, kStages>;
+
+    void differentiate(double h);
+    bool factor(double h);
+    void predict(double h);
+    void set_stages(double h);
+    double iterate(double h);
+    bool solve(double h);
+    double filtered(double h, const double* y, const double* accel);
+    double swallowed_ringing(double h) const;
+    double error(double h, bool first);
+    double growth(double h) const;
+    void accept(double h, double t);
+
+    System& system_;
+    int m_, dim_;  // coordinates; entries of a state
+    double tolerance_;
+    double unit_s_;  // of the motion's time
+    Vector weight_;  // 1 / (scale tolerance)
+    double t_ = 0, t_old_ = 0;
+    double h_ = 0;  // of the last step, 0 after a restart
+    double h_next_ = 0;
+    double h_factored_ = 0;             // step of the factors, 0: none
+    double error_ = 0, error_old_ = 1;  // over the tolerance: of this step, of the last one
+    double contraction_ = 1;            // of the last iteration
+    int iterations_ = 0;
+    bool fresh_ = false;  // the derivatives are those of this step
+    bool stale_ = true;   // they are to be taken anew
+    Vector y_, y_old_, rate_, scratch_, moved_;
+    Stages change_;              // of the rates from the start of the step to its stages
+    Stages stage_, stage_rate_;  // states, and dy/dt of these
+    Stages past_;                // states of the last step's stages
+    Vector by_rate_, by_place_;  // derivatives of the accelerations, by columns
+    Vector ringing_;             // speed over the tolerance for a gap of 1 m
+    Vector frequency_;           // of the gaps, rad/s
+    DenseFactors real_;
+    ComplexFactors complex_;
+    Vector real_change_, complex_re_, complex_im_, filter_;
+};
+
+}  // namespace serpenoid

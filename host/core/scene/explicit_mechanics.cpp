@@ -1,0 +1,120 @@
+// The exact model, one class for each way to drive the joints.
+#include <algorithm>
+
+#include "model/explicit_model.hpp"
+#include "scene/mechanics.hpp"
+
+namespace serpenoid {
+
+namespace {
+
+// All angles imposed. Coordinates: x, y, theta of link 1.
+class ExplicitAngle final : public Mechanics {
+  public:
+    ExplicitAngle(const RunRequest& q, const Ground& ground)
+        : Mechanics(q, ground, 2, 1), drive(q.robot.n, q.gait) {}
+
+    void set(const Chain& c, double* y) const override {
+        const double state[6] = {c.x[0], c.y[0], c.theta[0], c.vx[0], c.vy[0], c.omega[0]};
+        std::copy_n(state, 6, y);
+    }
+    void fill(double t, const double* y) override {
+        drive.place(t, y[2], y[5], chain);
+        chain.x[0] = y[0];
+        chain.y[0] = y[1];
+        chain.vx[0] = y[3];
+        chain.vy[0] = y[4];
+        chain.follow(robot.l);
+    }
+    void load(double t, const double* y) override {
+        fill(t, y);
+        force(chain);
+    }
+    void accelerate() override { explicit_angle(robot, drive.joint_accel(), chain); }
+    void recover() override { joint_forces(robot, chain, joints); }
+    void rate(double t, const double* y, double* dy) override {
+        load(t, y);
+        const TailMotion tail = tail_motion(robot, drive.joint_accel(), chain);
+        std::copy_n(y + 3, 3, dy);
+        dy[3] = tail.ax;
+        dy[4] = tail.ay;
+        dy[5] = tail.alpha;
+    }
+    bool rate_fills_forces() const override { return false; }
+    void derivative(const double* y, double* dy) const override {
+        std::copy_n(y + 3, 3, dy);
+        dy[3] = chain.ax[0];
+        dy[4] = chain.ay[0];
+        dy[5] = chain.alpha[0];
+    }
+
+  private:
+    GaitDrive drive;
+};
+
+// Some angles imposed, some torques given, or all of one kind. Coordinates: x, y, theta of link 1,
+// the free joints' angles.
+class ExplicitMixed final : public Mechanics {
+  public:
+    ExplicitMixed(const RunRequest& q, const Ground& ground, MixedDrive joint_drive,
+                  std::unique_ptr<TorqueSource> torques)
+        : Mechanics(q, ground, 2, 1 + joint_drive.free_joints()),
+          drive(std::move(joint_drive)),
+          source(std::move(torques)) {}
+
+    void set(const Chain& c, double* y) const override {
+        const double place[3] = {c.x[0], c.y[0], c.theta[0]};
+        const double rate[3] = {c.vx[0], c.vy[0], c.omega[0]};
+        std::copy_n(place, 3, y);
+        std::copy_n(rate, 3, y + coordinates);
+        drive.free_angles(c.theta, y + 3);
+        drive.free_angles(c.omega, y + coordinates + 3);
+    }
+    void fill(double t, const double* y) override {
+        const double* rate = y + coordinates;
+        drive.place(t, y[2], rate[2], y + 3, rate + 3, chain);
+        chain.x[0] = y[0];
+        chain.y[0] = y[1];
+        chain.vx[0] = rate[0];
+        chain.vy[0] = rate[1];
+        chain.follow(robot.l);
+    }
+    void load(double t, const double* y) override {
+        fill(t, y);
+        force(chain);
+        source->torques(t, chain, driven.data());
+        drive.limp(driven.data());
+    }
+    void accelerate() override {
+        joints.T = driven;
+        explicit_mixed(robot, drive.imposed(), drive.rotor(), drive.joint_accel(), chain, joints);
+    }
+    void derivative(const double* y, double* dy) const override {
+        std::copy_n(y + coordinates, coordinates, dy);
+        double* accel = dy + coordinates;
+        accel[0] = chain.ax[0];
+        accel[1] = chain.ay[0];
+        accel[2] = chain.alpha[0];
+        drive.free_angles(chain.alpha, accel + 3);
+    }
+    double next_jump(double t) const override { return source->next_jump(t); }
+    void enter(double t, const double* y) override {
+        fill(t, y);
+        source->enter(t, chain);
+    }
+
+  private:
+    MixedDrive drive;
+    std::unique_ptr<TorqueSource> source;
+};
+
+}  // namespace
+
+std::unique_ptr<Mechanics> make_explicit(const RunRequest& q, const Ground& ground,
+                                         double gear_friction) {
+    if (!mixed(q)) return std::make_unique<ExplicitAngle>(q, ground);
+    return std::make_unique<ExplicitMixed>(q, ground, mixed_drive(q),
+                                           make_torques(q, gear_friction));
+}
+
+}  // namespace serpenoid

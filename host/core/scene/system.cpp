@@ -1,0 +1,73 @@
+// The parts of a scene's system, and how its rates come from them.
+#include "scene/system.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace serpenoid {
+
+std::unique_ptr<TorqueSource> make_torques(const RunRequest& q, double gear_friction) {
+    if (q.drive == Drive::angle) return std::make_unique<NoTorque>();
+    if (q.drive == Drive::servo) {
+        Servo servo = q.servo;
+        servo.gear_friction = gear_friction;
+        return std::make_unique<ServoTorque>(servo, q.gait, q.robot.n);
+    }
+    if (!q.table.empty()) return std::make_unique<TableTorque>(q.table);
+    return std::make_unique<FunctionTorque>(q.torque);
+}
+
+System::System(const RunRequest& q) {
+    if (q.record_energy) ledger_.emplace(q);
+    if (q.formulation == Formulation::implicit) {
+        // a method that makes the friction steps a system without
+        const Ground ground = q.method.makes_friction ? Ground{0, 0, 0, 0} : q.ground;
+        mechanics_ = make_implicit(q, ground, gear_friction(q));
+    } else if (q.method.makes_friction) {
+        const Ground smooth{WheelLaw::along(q.ground).mean_viscous(), q.ground.cn, 0, 0};
+        mechanics_ = make_explicit(q, smooth, 0);
+        sticking_ = std::make_unique<Sticking>(*mechanics_, q);
+    } else {
+        mechanics_ = make_explicit(q, q.ground, gear_friction(q));
+    }
+}
+
+void System::set(const Chain& from, double* y) const {
+    mechanics_->set(from, y);
+    std::fill(y + 2 * coordinates(), y + dim(), 0.0);
+}
+
+void System::forces(double t, const double* y) {
+    if (sticking_)
+        sticking_->forces(t, y);
+    else
+        mechanics_->forces(t, y);
+}
+
+void System::rate_with_parts(double t, const double* y, double* dy) {
+    if (sticking_) {
+        sticking_->forces(t, y);
+        mechanics_->derivative(y, dy);
+    } else {
+        mechanics_->rate(t, y, dy);
+        if (!mechanics_->rate_fills_forces()) mechanics_->forces(t, y);
+    }
+    if (ledger_) ledger_->rates(*mechanics_, dy + 2 * coordinates());
+}
+
+void System::powers(double t, const double* y, std::vector<double>& power) {
+    forces(t, y);
+    for (std::size_t i = 0; i < power.size(); ++i) power[i] = joint_power(*mechanics_, i);
+}
+
+std::vector<double> error_scale(const System& system, double body, double rate) {
+    const int m = system.coordinates();
+    std::vector<double> scale(system.dim(), HUGE_VAL);
+    for (int i = 0; i < m; ++i) {
+        scale[i] = i < system.lengths() ? body : 1;
+        scale[m + i] = scale[i] * rate;
+    }
+    return scale;
+}
+
+}  // namespace serpenoid
