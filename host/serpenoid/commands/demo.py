@@ -10,7 +10,7 @@ import shutil
 import textwrap
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -36,7 +36,6 @@ from ..taking.new_session import create_session, default_setup, on_place
 from ..taking.simulated import SimulatedPerson
 from ..taking.treadmill import take_all
 from ..taking.world import Truth, drawn_floor
-from .options import write_json
 
 if TYPE_CHECKING:
     from ..session.settings import Setup
@@ -54,7 +53,6 @@ TRUTH = Truth(
 
 def run_demo(out: Path) -> None:
     """Measure, fit, predict, compare and find a gait; all of it is written into the folder."""
-    out.mkdir(parents=True, exist_ok=True)
     session = take_session(out / "session")
     _step(
         1,
@@ -77,22 +75,13 @@ def run_demo(out: Path) -> None:
         "Both agree." if compared.verdict == "agrees" else compared.verdict_text,
     )
     floor = push_along_floor(out, fit.robot)
-    film, film_text = measure_film_of_demo(out)
-    _step(4, f"Without a treadmill, pushed along a floor: {_beside_truth(floor)}", film_text)
-    wanted = _drive_cheapest(fit, float(f"{gait.exact_m_s:.1g}"))
+    film = measure_film_of_demo(out)
+    _step(4, f"Without a treadmill, pushed along a floor: {_beside_truth(floor)}", film)
+    _drive_cheapest(fit, float(f"{gait.exact_m_s:.1g}"))
 
     with working("looking at each reading that could be next"):
         advised = sn.advise(session)
     write_text(out / "report.html", session_page(session, fit, compared, advised, curves))
-    numbers = {
-        "truth": FRICTIONS,
-        "fit": fit.to_dict(),
-        "comparison": compared.to_dict(),
-        "floor": floor.to_dict(),
-        "film": film,
-        "wanted": wanted,
-    }
-    write_json(out / "demo.json", numbers)
     say(f"Look at {out / 'report.html'}")
 
 
@@ -183,11 +172,8 @@ def push_along_floor(out: Path, robot: sn.Robot) -> sn.FrictionFit:
     return fit
 
 
-def measure_film_of_demo(out: Path) -> tuple[dict[str, Any] | None, str]:
-    """Measure the rendered film that is installed with the package (studies/demo_film.py).
-
-    Returns its numbers and a sentence; no numbers where the extra [video] is missing.
-    """
+def measure_film_of_demo(out: Path) -> str:
+    """Measure the rendered film that is installed with the package (studies/demo_film.py)."""
     from ..video.seeing.extra import need_extra
 
     folder = Path(_core.__file__).parent / "calibration_data" / "demo-film"
@@ -195,7 +181,7 @@ def measure_film_of_demo(out: Path) -> tuple[dict[str, Any] | None, str]:
     try:
         need_extra()
     except sn.BadInput as error:
-        return None, f"The film of a crawl is left out: {error}"
+        return f"The film of a crawl is left out: {error}"
     from ..show.video.film_figure import film_figure
     from ..video.measure_film import measure_film
 
@@ -204,13 +190,13 @@ def measure_film_of_demo(out: Path) -> tuple[dict[str, Any] | None, str]:
         film = measure_film(folder / "film.mp4", truth["links"], truth["link_length_m"], gait=gait)
     film_figure(film, out / "film.png")
     run = film.run
-    return run.to_dict() | {"truth": truth}, (
+    return (
         f"On a film it crawls at {1000 * run.speed_m_s:.1f} ± {1000 * run.speed_sigma_m_s:.1f} "
         f"mm/s (truth {1000 * truth['speed_m_s']:.1f})."
     )
 
 
-def _drive_cheapest(fit: sn.FrictionFit, speed_m_s: float) -> dict[str, float]:
+def _drive_cheapest(fit: sn.FrictionFit, speed_m_s: float) -> None:
     """Find the cheapest gait for a speed, drive it in the lab, and tell both speeds."""
     with working("searching"):
         best = sn.least_power_gait(fit.robot, fit.ground, speed_m_s=speed_m_s)
@@ -225,4 +211,3 @@ def _drive_cheapest(fit: sn.FrictionFit, speed_m_s: float) -> dict[str, float]:
         f"{1000 * best.power_w:.0f} mW. Predicted: {band.in_words()}; the lab's robot crawls at "
         f"{crawls:#.2g}.",
     )
-    return {"power_w": best.power_w, "crawls_m_s": crawls} | band.to_dict()

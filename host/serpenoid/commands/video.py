@@ -68,25 +68,17 @@ TAGS = together(
 def _robot(
     session: Path | None, tag_mm: float | None, settings: Given
 ) -> tuple[sn.Robot, float | None]:
-    """Return the robot and the tag's side (m) of the options, or as the session remembers it."""
-    from ..session.folder import read_session
-
-    setup = read_session(session).setup if session else None
-    base = setup.robot if setup else preset("2005").robot
-    sizes = {one.name: settings[one.name] for one in SIZES if one.name in settings}
-    robot = replace(base, **sizes, link_inertia_kg_m2=None)
-    side_m = None if tag_mm is None else tag_mm / 1e3
-    return robot, setup.robot_table.tag_side_m if setup and side_m is None else side_m
-
-
-def _remember(session: Path | None, side_m: float | None) -> None:
-    """Keep the side of the printed tags in a session, if it is another one."""
+    """Return the robot and its tags' side (m): of the options, else of the session."""
     from ..session.folder import load_setup, write_setting
 
-    if session is None or side_m is None:
-        return
-    if load_setup(session).robot_table.tag_side_m != side_m:
-        write_setting(session, "robot", "tag_mm", round(1e3 * side_m, 6))
+    setup = load_setup(session) if session else None
+    base = setup.robot if setup else preset("2005").robot
+    sizes = {one.name: settings[one.name] for one in SIZES if one.name in settings}
+    kept_m = setup.robot_table.tag_side_m if setup else None
+    side_m = kept_m if tag_mm is None else tag_mm / 1e3
+    if session and side_m and side_m != kept_m:
+        write_setting(session, "robot", "tag_mm", tag_mm)
+    return replace(base, **sizes, link_inertia_kg_m2=None), side_m
 
 
 @VIDEO_GROUP.command()
@@ -104,8 +96,7 @@ def tags(
 
     need_extra()
     robot, side = _robot(session, tag_mm, settings)
-    side = tag_side_m(robot.link_length_m) if side is None else side
-    _remember(session, side)
+    side = side or tag_side_m(robot.link_length_m)
     tag_sheet(tag_cells(robot.links), side, robot.link_length_m, paper, out)
     say(f"wrote {out}: {robot.links} tags of {1e3 * side:g} mm; print at 100 %")
 
@@ -145,29 +136,24 @@ def film(
     Each with its standard deviation. With a gait or a recording, joints are compared with what
     was commanded.
     """
+    from ..robot.recording.run_gait import recorded_gait
     from ..session.folder import read_session
+    from ..show.report import wrote
+    from ..show.video.film_figure import film_figure, show_film
     from ..video.measure_film import measure_film
+    from ..video.result import write_track
 
-    if way is not None:  # without a line of pushes it has no meaning
-        if session is None:
-            raise click.UsageError(
-                "--way goes with --session: it is kept with the session's reading"
-            )
-        if not read_session(session).has_line:
-            raise sn.BadInput(
-                f"{session} is a session at a treadmill, without pushes: --way has no line to "
-                "follow; leave --way out, the film then counts as on level ground"
-            )
+    if way is not None and not (session and read_session(session).has_line):
+        raise click.UsageError(
+            "--way is along the line of a session's pushes; give a --session that has some, or "
+            "leave --way out: the film then counts as on level ground"
+        )
     robot, side = _robot(session, tag_mm, settings)
     typed = "offset_deg" in settings or any(value is not None for value in typed_gait.values())
-    if recording is not None:
-        from ..robot.recording.run_gait import recorded_gait
-
-        if typed:
-            raise click.UsageError("--recording has the gait; leave the gait's options out")
-        gait: sn.Gait | None = recorded_gait(recording, robot.links - 1)
-    else:
-        gait = make_gait(typed_gait, settings) if typed else None
+    if recording and typed:
+        raise click.UsageError("--recording has the gait; leave the gait's options out")
+    gait = recorded_gait(recording, robot.links - 1) if recording else None
+    gait = make_gait(typed_gait, settings) if typed else gait
     with film_progress(file, capture_fps) as tell:
         film = measure_film(
             file,
@@ -179,15 +165,16 @@ def film(
             progress=tell,
             capture_fps=capture_fps,
         )
-    _write(film, track, picture)
+    if track is not None:
+        write_track(film.measured, track)
+    if picture is not None:
+        film_figure(film, picture)
+    wrote(*filter(None, (track, picture)))
     if as_json:
         show_json(film.run.to_dict())
     else:
-        from ..show.video.film_figure import show_film
-
         show_film(film)
     if session is not None:
-        _remember(session, side)
         _record(film, session, file.name, way)
 
 
@@ -201,21 +188,6 @@ def film_progress(
     seconds = max(1, math.ceil(Film.open(file, capture_fps).duration_s))
     with progress(seconds, "seconds of film", so_far=True) as tell:
         yield tell
-
-
-def _write(measured: FilmMeasurement, track: Path | None, picture: Path | None) -> None:
-    from ..show.report import wrote
-
-    if track is not None:
-        from ..video.result import write_track
-
-        write_track(measured.measured, track)
-        wrote(track)
-    if picture is not None:
-        from ..show.video.film_figure import film_figure
-
-        film_figure(measured, picture)
-        wrote(picture)
 
 
 def _record(measured: FilmMeasurement, session: Path, name: str, way: str | None) -> None:

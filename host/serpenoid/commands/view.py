@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import shutil
 import webbrowser
 from pathlib import Path
@@ -13,24 +12,24 @@ import serpenoid as sn
 
 from .. import _core
 from ..show.screen import say
-from .declare import FOLDER, Given, command, flag, option, out_file, settings
+from .declare import EXISTING, FOLDER, Given, command, flag, option, out_file, settings
 from .given import make_snake
 from .options import AS_JSON, FRICTION, ROBOT, describe, interruptible, robot_option, show_json
 
 
 @command()
-@click.argument("what", metavar="SCENE|RECORDING")
+@click.argument("what", metavar="SCENE|RECORDING", type=EXISTING)
 @robot_option
 @option(
     "--out",
-    "Page to write; it needs no other file. view.html, or a free view-N.html.",
+    "Page to write; it needs no other file. WHAT's name in this folder, unless given.",
     type=out_file(".html"),
 )
 @flag("--open", "open_it", "Open the page in the browser.")
 @settings(*ROBOT, *FRICTION)
 @AS_JSON
 def view(
-    what: str, robot: str | None, out: Path | None, open_it: bool, settings: Given, as_json: bool
+    what: Path, robot: str | None, out: Path | None, open_it: bool, settings: Given, as_json: bool
 ) -> None:
     """Write a page in which the snake crawls: play, scrub, slow down; slip and sticking of wheels.
 
@@ -42,30 +41,22 @@ def view(
     from ..show.plot import gait_title
     from ..show.run_figure import scene_words
 
-    if not Path(what).is_file():
-        raise click.UsageError(
-            f"{what!r} is no file; name a scene (.toml) or a recording of "
-            "`serpenoid drive --record`"
-        )
-    if out is None:  # a name in this folder that no page has yet
-        names = itertools.chain(["view.html"], (f"view-{k}.html" for k in itertools.count(2)))
-        out = out_file(".html")(next(n for n in names if not Path(n).exists()))
-    if what.endswith(".toml"):
+    out = out or Path(f"{what.stem}.html")
+    if what.suffix == ".toml":
         if robot is not None or settings:
             raise click.UsageError(
                 "a scene file has its own robot and ground; leave the options out"
             )
-        scene = sn.load_scene(Path(what))
+        scene = sn.load_scene(what)
         run = interruptible(lambda: sn.simulate(scene))
-        title, about = Path(what).stem.replace("_", " "), scene_words(scene).replace("\n", "; ")
+        title, about = what.stem.replace("_", " "), scene_words(scene).replace("\n", "; ")
         gait, shown = scene.gait, view_page.of_run(run)
     else:
         snake = make_snake(robot, settings)
         whose = f"robot and ground of {robot or 2005}{', changed' if settings else ''}"
-        stream = load_stream(Path(what))
+        stream, title = load_stream(what), what.name
         body = snake.robot, snake.ground
         gait, shown = interruptible(lambda: view_page.of_recording(stream, *body))
-        title = Path(what).name
         about = (
             f"{gait_title(gait)}; the path is predicted for the {whose} "
             "from the set-points that the firmware reported"

@@ -128,7 +128,7 @@ def test_ctrl_c_stops_a_long_run_at_once() -> None:
         ("optimize --speed-m-s 0.1,nan", 2, "--speed-m-s is nan"),
         ("fit no-such-folder", 2, "no-such-folder"),
         ("report no-such-folder", 2, "calibrate new no-such-folder"),
-        ("view no-such-file", 2, "a recording of `serpenoid drive --record`"),
+        ("view no-such-file", 2, "'no-such-file' does not exist"),
         ("sweep --json --alpha-deg -3", 2, "alpha_deg is -3.0; it must be a finite"),
         (f"steady {SHAPE} --frequency-hz -1", 2, "--frequency-hz is -1.0"),
         ("steady --alpha-deg 1,5", 2, "with a decimal point"),

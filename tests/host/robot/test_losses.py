@@ -30,12 +30,10 @@ from robot.patience import LONG_S, clock, until
 from serpenoid.base.errors import (
     CommandRefused,
     DamagedLine,
-    FramesMissing,
     NoAnswer,
     ProtocolMismatch,
     RobotError,
     RobotLost,
-    RobotReset,
     StateUnasked,
     StopUnconfirmed,
 )
@@ -279,23 +277,6 @@ def test_an_error_of_the_program_is_not_masked_by_the_loss_of_the_board():
             raise ZeroDivisionError
 
 
-@pytest.mark.parametrize("resumes_s", [0.7, 60.0])
-def test_frames_that_are_late_at_the_end_are_awaited_and_those_that_end_are_missed(resumes_s):
-    board = FastBoard()
-    with Robot(board) as robot:
-        robot.gait(GAIT)
-        robot.set("every", 1)
-        list(robot.frames(0.5))
-        end_s = board.now_s() + resumes_s
-        board.to_host = lambda s: b"" if s.startswith(b"t:") and board.now_s() < end_s else s
-        if resumes_s > 1.0:
-            with pytest.raises(FramesMissing, match=r"no telemetry for \d\.\d s"):
-                list(robot.frames(0.4))
-        else:
-            assert len(list(robot.frames(0.4))) <= 2
-            assert end_s <= board.now_s() < end_s + 0.1
-
-
 def test_a_state_that_nobody_asked_for_is_told_once_and_one_asked_for_never():
     board = FastBoard()
     with Robot(board) as robot:
@@ -319,26 +300,6 @@ def test_a_state_that_nobody_asked_for_is_told_once_and_one_asked_for_never():
             list(robot.frames(20.0))
         robot.straight()
         assert list(robot.frames(0.1))
-
-
-@pytest.mark.parametrize(
-    "tamper",
-    [
-        without("ok:", "err:"),
-        lambda line: sealed("ok: #999") if line.startswith(b"ok:") else line,
-        lambda line: sealed("err: #? crc") if line.startswith(b"ok:") else line,
-    ],
-    ids=["none", "for another number", "always damaged"],
-)
-def test_a_verdict_that_never_comes(tamper):
-    board = FastBoard()
-    with pytest.raises(RobotLost, match="no verdict for 'pose straight'"), Robot(board) as robot:
-        robot.gait(GAIT)
-        board.to_host = tamper
-        robot.straight()
-    board.board.run(0.1)
-    assert board.state == "hold"
-    assert 3 <= board.received.count(b"pose straight") < 200
 
 
 def test_a_motion_that_a_stop_overtook_is_not_sent_again_and_a_question_is():
@@ -368,16 +329,6 @@ def test_lines_lost_on_the_way_to_the_board_are_sent_again_and_obeyed_once():
         robot.trims()
         assert robot.losses.resent == len(lost) >= 3
         assert board.board.counters["lost"] == 0
-
-
-def test_a_reset_without_greeting_or_frames_shows_in_the_status():
-    board = FastBoard()
-    with pytest.raises(RobotReset, match=r"boot \d+, now \d+.*lost"), Robot(board) as robot:
-        robot.gait(GAIT)
-        robot.set("every", 0)
-        board.to_host = without("hello:", "t:")
-        board.reset("brownout")
-        robot.status()
 
 
 def test_a_board_that_does_not_list_its_settings_can_be_driven():

@@ -100,7 +100,7 @@ def test_a_title_cannot_break_the_page(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("line", "said"),
     [
-        ("view absent.wire", "'absent.wire' is no file"),
+        ("view absent.wire", "'absent.wire' does not exist"),
         (f"view {__file__}", "no recording"),
         (f"view {LIMPING} --out view.txt", "must end in .html"),
     ],

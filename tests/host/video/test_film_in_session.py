@@ -67,7 +67,7 @@ def test_a_film_without_its_track_is_refused_before_a_line_is_written(folder) ->
 
 def test_a_way_is_refused_where_there_is_no_line_of_pushes(folder) -> None:
     for more, words in (
-        ([], "--way goes with --session"),
+        ([], "give a --session that has some"),
         (["--session", folder], "leave --way out"),
     ):
         done = serpenoid("video a.mp4 --way there", *more)
