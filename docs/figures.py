@@ -7,7 +7,6 @@ import json
 import math
 import sys
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "studies"))
@@ -25,6 +24,7 @@ from serpenoid.prediction.curve import speed_curves
 from serpenoid.prediction.predict import one_cycle
 from serpenoid.servos.catalogue import HOBBY
 from serpenoid.show import plot
+from serpenoid.show.comparison_figure import comparison_figure
 from serpenoid.show.run_figure import draw_run
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -35,18 +35,9 @@ def speed(path: Path) -> None:
     """Draw the speed of the 2005 robot over frequency, with its band, from its session."""
     session = sn.load_session(ROOT / "calibration_data" / "nirakh-2005")
     fit = sn.fit_friction(session)
-    gaits = [sn.Gait.degrees(70, 75, hertz=hertz) for hertz in (0.2, 1.5)]
-    compared = sn.compare(replace(session, gait_runs=()), fit, gaits=gaits)
-    (curve,) = speed_curves(session, fit, compared, HOBBY)
-    with plot.figure(7.2, 4.2, path=path) as (_, ax):
-        plot.draw_curve(ax, curve, plot.BLUE, f"typical {HOBBY.name} servos, and 95 % band")
-        last_hz = 1.6 * curve.highest_hz
-        plot.hatch_beyond(ax, curve.highest_hz, last_hz, HOBBY.name)
-        ax.set(
-            title="2005 robot, α = 70°, β = 75°", xlim=(0, 1.6 * curve.highest_hz), ylim=(0, 0.2)
-        )
-        ax.set(xlabel="gait frequency (Hz)", ylabel="speed (m/s)")
-        ax.legend(loc="upper left")
+    gaits = [sn.Gait.degrees(70, 75, hertz=hertz) for hertz in (0.2, 0.8)]
+    compared = sn.compare(session, fit, gaits=gaits)
+    comparison_figure(compared, speed_curves(session, fit, compared, HOBBY), path)
 
 
 def crawl_path(path: Path) -> None:

@@ -18,20 +18,25 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLORS = BLUE, GREEN, PURPLE, ORANGE
-PANELS: dict[str, Any] = {"rows": 2, "sharex": True, "height_ratios": [3, 1]}
 
 
 def comparison_figure(compared: Comparison, curves: Sequence[SpeedCurve], path: Path) -> None:
     """Draw a comparison, with a curve for each amplitude and phase lag, into a file."""
-    with figure(7.2, 6.0, path=path, **PANELS) as (fig, axes):
+    with figure(7.2, 6.0, path=path, **panels(compared)) as (fig, axes):
         draw_comparison(fig, axes, compared, curves)
+
+
+def panels(compared: Comparison) -> dict[str, Any]:
+    """Return the panels of the drawing: that of the residuals where a gait was run."""
+    ran = any(gait.measured_m_s is not None for gait in compared.gaits)
+    return {"rows": 2, "sharex": True, "height_ratios": [3, 1]} if ran else {}
 
 
 def draw_comparison(
     fig: Figure, axes: Any, compared: Comparison, curves: Sequence[SpeedCurve]
 ) -> None:
     """Draw speed over frequency, each gait on the curve of its shape, and residuals below."""
-    top, bottom = axes
+    top, *below = np.atleast_1d(axes)
     last_hz = 1.4 * max(gait.frequency_hz for gait in compared.gaits)
     moved_by = "ideal joints" if compared.servo is None else f"typical {compared.servo} servos"
     for curve, color in zip(curves, itertools.cycle(COLORS)):
@@ -39,19 +44,21 @@ def draw_comparison(
         label = f"{angles[0]:.3g}°/{angles[1]:.3g}°, {moved_by}; 95 % band"
         draw_curve(top, curve, color, label)
         gaits = [gait for gait in compared.gaits if (gait.alpha_rad, gait.beta_rad) == curve.shape]
-        _measured(top, bottom, gaits, color)
+        if below:
+            _measured(top, below[0], gaits, color)
     if len(curves) == 1:
         hatch_beyond(top, curves[0].highest_hz, last_hz, str(compared.servo))
-    ran = any(gait.measured_m_s is not None for gait in compared.gaits)
-    below = "dots: measured, ± 95 %" if ran else "no gait run measured yet"
-    top.set(title=f"{compared.session}; {below}", ylabel="speed (m/s)")
+    words = "dots: measured, ± 95 %" if below else "no gait run measured"
+    top.set(title=f"{compared.session}; {words}", ylabel="speed (m/s)")
     top.set(
         xlim=(0, last_hz), ylim=(0, (1.15 + 0.08 * len(curves)) * top.get_ylim()[1])
     )  # room for the legend
     if curves:
         top.legend(loc="upper left", fontsize=8)
-    bottom.axhline(0, color=GREY)
-    bottom.set(xlabel="gait frequency (Hz)", ylabel="measured less\npredicted (%)")
+    if below:
+        below[0].axhline(0, color=GREY)
+        below[0].set(ylabel="measured less\npredicted (%)")
+    (*below, top)[0].set_xlabel("gait frequency (Hz)")
     fig.align_ylabels()
 
 

@@ -7,7 +7,7 @@ by iteration once a camera, tags lie at their own heights and tilts, rows are ex
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
@@ -34,22 +34,32 @@ class Lens:
     rolling_s: float = 0.0  # readout of all rows
     noise: float = 2.0
 
-    def rays(self, up: int = 1) -> tuple[np.ndarray, np.ndarray]:
-        """Return the eye and each (sub)pixel's direction in the world, (h up, w up, 3)."""
-        eye, target = np.array(self.eye_m), np.array(self.target_m)
-        ahead = (target - eye) / np.linalg.norm(target - eye)
-        side = np.array([0.0, 1.0, 0.0]) if abs(ahead[2]) > 0.999 else np.array([0.0, 0.0, 1.0])
-        right = np.cross(ahead, side)
+    def axes(self) -> np.ndarray:
+        """Return the camera's right, down and ahead in the world, (3, 3)."""
+        ahead = np.subtract(self.target_m, self.eye_m)
+        ahead /= np.linalg.norm(ahead)
+        right = np.cross(ahead, [0.0, 1.0, 0.0] if abs(ahead[2]) > 0.999 else [0.0, 0.0, 1.0])
         right /= np.linalg.norm(right)
-        down = np.cross(ahead, right)
-        columns = (np.arange(self.width * up) + 0.5) / up - self.width / 2 - self.middle_px[0]
-        rows = (np.arange(self.height * up) + 0.5) / up - self.height / 2 - self.middle_px[1]
+        return np.array([right, np.cross(ahead, right), ahead])
+
+    def pixels(self, points: np.ndarray) -> np.ndarray:
+        """Return the pixels of points (..., 3) in the world, (..., 2)."""
+        x, y, depth = np.moveaxis((points - np.array(self.eye_m)) @ self.axes().T, -1, 0)
+        flat = np.stack([x, y], axis=-1) / depth[..., None]
+        s = np.sum(flat**2, axis=-1, keepdims=True)
+        middle = 0.5 * np.array([self.width - 1, self.height - 1]) + self.middle_px
+        return middle + self.focal_px * flat * (1 + self.k1 * s + self.k2 * s**2)
+
+    def rays(self) -> np.ndarray:
+        """Return each pixel's direction in the world, (h, w, 3)."""
+        columns = np.arange(self.width) + 0.5 - self.width / 2 - self.middle_px[0]
+        rows = np.arange(self.height) + 0.5 - self.height / 2 - self.middle_px[1]
         seen = np.stack(np.meshgrid(columns, rows), axis=-1) / self.focal_px
         true = seen.copy()
         for _ in range(30):
             s = np.sum(true**2, axis=-1, keepdims=True)
             true = seen / (1 + self.k1 * s + self.k2 * s**2)
-        return eye, (ahead + true[..., :1] * right + true[..., 1:] * down).astype(np.float32)
+        return (np.insert(true, 2, 1.0, axis=-1) @ self.axes()).astype(np.float32)
 
 
 @dataclass(frozen=True)
@@ -87,38 +97,28 @@ class Film:
     glare: Glare | None = None
     up: int = 3
     steps: int = 1  # moments inside an exposure
-    _cache: dict = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.rng = np.random.default_rng(self.seed)
-        self.eye, self.directions = self.lens.rays()
+        self.eye, self.directions = np.array(self.lens.eye_m), self.lens.rays()
         self.floor = self._floor()
+        self.shine = 0.0 if self.glare is None else self._shine(self.glare)
         words = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
         ids = self.body.ids or tuple(range(self.body.links))
         self.bits = [np.pad(words.generateImageMarker(i, 6), 1, constant_values=255) for i in ids]
-        self.grain = [
-            self.rng.normal(0, self.lens.noise, (self.lens.height, self.lens.width)).astype(
-                np.float32
-            )
-            for _ in range(3)
-        ]
+        size = 3, self.lens.height, self.lens.width
+        self.grain = self.rng.normal(0, self.lens.noise, size).astype(np.float32)
 
     def _floor(self) -> np.ndarray:
         """Return the still background: wood-like noise of several sizes."""
-        d = self.directions
-        t = -self.eye[2] / np.minimum(d[..., 2], -1e-3)
-        x, y = self.eye[0] + t * d[..., 0], self.eye[1] + t * d[..., 1]
+        x, y = self._plane(0.0)
         tile = np.zeros((512, 512), np.float32)
         for size, strength in ((8, 14), (32, 12), (128, 10)):
             coarse = self.rng.normal(0, strength, (size, size)).astype(np.float32)
             tile += cv2.resize(coarse, (512, 512), interpolation=cv2.INTER_CUBIC)
         planks = 10 * ((np.floor(y / 0.09) % 2) - 0.5)
-        look = cv2.remap(
-            tile,
-            ((x * 600) % 511).astype(np.float32),
-            ((y * 600) % 511).astype(np.float32),
-            cv2.INTER_LINEAR,
-        )
+        across, along = (((v * 600) % 511).astype(np.float32) for v in (x, y))
+        look = cv2.remap(tile, across, along, cv2.INTER_LINEAR)
         return 135 + look + planks.astype(np.float32)
 
     def frame(self, t_s: float) -> np.ndarray:
@@ -126,48 +126,38 @@ class Film:
         image = self.floor.copy()
         for i in range(self.body.links):
             self._link(image, i, t_s)
-        if self.glare is not None:
-            image += self._shine(self.glare)
+        image += self.shine
         image += np.roll(self.grain[self.rng.integers(3)], self.rng.integers(997))
         return np.clip(image, 0, 255).astype(np.uint8)
 
-    def _shine(self, lamp: Glare) -> np.ndarray:
-        if "shine" not in self._cache:
-            d = self.directions
-            t = (self.body.height_m - self.eye[2]) / np.minimum(d[..., 2], -1e-3)
-            x, y = self.eye[0] + t * d[..., 0], self.eye[1] + t * d[..., 1]
-            far = np.hypot(x - lamp.centre_m[0], y - lamp.centre_m[1]) / lamp.radius_m
-            self._cache["shine"] = (lamp.strength * np.exp(-(far**4))).astype(np.float32)
-        return self._cache["shine"]
+    def _plane(self, height_m: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return x and y at which each pixel sees a plane of a height."""
+        d = self.directions
+        t = (height_m - self.eye[2]) / np.minimum(d[..., 2], -1e-3)
+        return self.eye[0] + t * d[..., 0], self.eye[1] + t * d[..., 1]
 
-    def _box(self, i: int, t_s: float) -> tuple[slice, slice] | None:
-        """Return the pixels that a link can touch during the exposure."""
-        if "grid" not in self._cache:
-            d = self.directions[::4, ::4]
-            t = (self.body.height_m - self.eye[2]) / np.minimum(d[..., 2], -1e-3)
-            self._cache["grid"] = self.eye[:2] + t[..., None] * d[..., :2]
-        b = self.body
-        centres, theta = self.pose(t_s)
-        later, turned = self.pose(t_s + self.lens.rolling_s + self.lens.exposure_s)
-        x, y = np.moveaxis(self._cache["grid"] - centres[i], -1, 0)
-        along, across = np.cos(theta[i]), np.sin(theta[i])
-        more = 0.012 + np.linalg.norm(later[i] - centres[i])
-        more += 0.5 * b.link_m * abs(turned[i] - theta[i])
-        near = np.abs(along * x + across * y) < 0.42 * b.link_m + more
-        near &= np.abs(along * y - across * x) < 0.5 * b.width_m + more
-        if not near.any():
-            return None
-        rows, columns = np.flatnonzero(near.any(axis=1)), np.flatnonzero(near.any(axis=0))
-        return (
-            slice(max(0, 4 * rows[0] - 4), min(self.lens.height, 4 * rows[-1] + 8)),
-            slice(max(0, 4 * columns[0] - 4), min(self.lens.width, 4 * columns[-1] + 8)),
-        )
+    def _shine(self, lamp: Glare) -> np.ndarray:
+        x, y = self._plane(self.body.height_m)
+        far = np.hypot(x - lamp.centre_m[0], y - lamp.centre_m[1]) / lamp.radius_m
+        return (lamp.strength * np.exp(-(far**4))).astype(np.float32)
+
+    def _box(self, i: int, t_s: float) -> tuple[slice, slice]:
+        """Return the pixels that a link can touch while the frame is exposed, with a margin."""
+        lens, body = self.lens, self.body
+        spans = lens.exposure_s + lens.rolling_s
+        ends = np.array([self.pose(t_s + late)[0][i] for late in (-spans, 0.0, spans)])
+        seen = lens.pixels(np.column_stack([ends, np.full(3, body.height_m)]))
+        near = np.linalg.norm(np.append(ends[1], body.height_m) - self.eye)
+        reach = 0.75 * max(body.link_m, body.width_m) * lens.focal_px / near + 4
+        low, high = seen.min(axis=0) - reach, seen.max(axis=0) + reach
+        size = np.array([lens.width, lens.height])
+        (left, top), (right, bottom) = np.clip([low, high], 0, size).astype(int).tolist()
+        return slice(top, bottom), slice(left, right)
 
     def _link(self, image: np.ndarray, i: int, t_s: float) -> None:
-        box = self._box(i, t_s)
-        if box is None:
+        box = rows, columns = self._box(i, t_s)
+        if rows.start >= rows.stop or columns.start >= columns.stop:
             return
-        rows, columns = box
         d = self.directions[rows, columns]
         size = (d.shape[1] * self.up, d.shape[0] * self.up)
         d = cv2.resize(d, size, interpolation=cv2.INTER_LINEAR)
@@ -202,12 +192,8 @@ class Film:
         ox, oy = cos * ex + sin * ey - dx, -sin * ex + cos * ey - dy
         vx, vy = cos * d[..., 0] + sin * d[..., 1], -sin * d[..., 0] + cos * d[..., 1]
         ct, st = np.float32(np.cos(turn)), np.float32(np.sin(turn))
-        ox, oy, vx, vy = (
-            ct * ox + st * oy,
-            -st * ox + ct * oy,
-            ct * vx + st * vy,
-            -st * vx + ct * vy,
-        )
+        ox, oy = ct * ox + st * oy, ct * oy - st * ox
+        vx, vy = ct * vx + st * vy, ct * vy - st * vx
         oz = np.float32(self.eye[2] - b.height_m - lift)
         t = (slope[0] * ox + slope[1] * oy - oz) / (d[..., 2] - slope[0] * vx - slope[1] * vy)
         x, y = ox + t * vx, oy + t * vy

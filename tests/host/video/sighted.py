@@ -15,21 +15,12 @@ def sighted(
     world: World, t_s: np.ndarray, lens: Lens, told_s: np.ndarray | None = None
 ) -> Sightings:
     """Return where a pinhole sees the tags' corners, with noise; told_s: the file's times."""
-    eye, rays = np.array(lens.eye_m), lens.rays()[1]
-    middle = rays[lens.height // 2, lens.width // 2]
-    right = rays[0, -1] - rays[0, 0]
-    right, ahead = right / np.linalg.norm(right), middle / np.linalg.norm(middle)
-    ahead -= right * (ahead @ right)
-    ahead /= np.linalg.norm(ahead)
-    down = np.cross(ahead, right)
     poses = [world.pose(t) for t in t_s]
     centre, theta = np.array([p[0] for p in poses]), np.array([p[1] for p in poses])
     cos, sin = np.cos(theta)[..., None], np.sin(theta)[..., None]
     x = centre[..., :1] + cos * SQUARE[:, 0] - sin * SQUARE[:, 1]
     y = centre[..., 1:] + sin * SQUARE[:, 0] + cos * SQUARE[:, 1]
-    point = np.stack([x, y, np.full_like(x, 0.045)], axis=-1) - eye
-    seen = np.stack([point @ right, point @ down], axis=-1) / (point @ ahead)[..., None]
-    pixels = lens.focal_px * seen + 0.5 * np.array([lens.width - 1, lens.height - 1])
+    pixels = lens.pixels(np.stack([x, y, np.full_like(x, 0.045)], axis=-1))
     noise = np.random.default_rng(1).normal(size=pixels.shape)
     told_s = t_s if told_s is None else told_s
     return Sightings.of(told_s, pixels + NOISE_PX * noise, (lens.width, lens.height))

@@ -8,6 +8,9 @@ import math
 import numpy as np
 import pytest
 from command_line import serpenoid
+from robots import NIRAKH_2005, gait_in_deg
+from serpenoid.session.folder import read_session
+from serpenoid.taking.new_session import create_session, default_setup
 from serpenoid.video.fitting.start import first_cameras
 from serpenoid.video.instrument import follow, measure
 from serpenoid.video.measure_film import measure_film
@@ -15,6 +18,8 @@ from serpenoid.video.seeing.film import Film as File
 from video.filming import Body, Lens, write
 from video.sighted import sighted
 from video.worlds import LINK_M, SIDE_M, crawling, errors, most_sigmas, shoot
+
+DEMO = NIRAKH_2005.with_name("demo-film")
 
 
 @pytest.fixture(scope="session")
@@ -115,3 +120,45 @@ def test_a_rate_that_varies_is_measured_by_the_files_own_times(tmp_path) -> None
     assert m.speed_m_s == pytest.approx(world.speed_m_s, rel=0.003)  # 36 % off at 30 frames/s
     assert m.omega_rad_s == pytest.approx(world.omega_rad_s, rel=5e-4)
     assert m.amplitude_rad == pytest.approx(world.amplitude_rad, abs=math.radians(0.2))
+
+
+def test_a_long_film_is_measured_as_a_short_one() -> None:
+    seconds = 21
+    world = crawling(omega_rad_s=4.0, speed_m_s=0.2 / seconds, start_m=-0.1)
+    s = sighted(world, np.arange(0, seconds, 1 / 30), Lens())
+    found = measure(follow(s, SIDE_M, first_cameras(s, LINK_M, SIDE_M)))
+    m = found.fitted.motion
+    assert m.omega_rad_s == pytest.approx(world.omega_rad_s, abs=5 * found.sigmas[0])
+    assert found.sigmas[0] < 1e-3 * world.omega_rad_s / seconds
+    assert m.amplitude_rad == pytest.approx(world.amplitude_rad, abs=math.radians(0.1))
+    assert m.speed_m_s == pytest.approx(world.speed_m_s, rel=0.003)
+    assert found.sigmas[1 : world.links].max() < math.radians(0.1)
+
+
+def test_the_demos_film_is_a_reading_that_says_what_the_lab_knows(tmp_path) -> None:
+    """The firmware moved the robot, the lab's floor carried it, and a lens saw it."""
+    truth = json.loads((DEMO / "truth.json").read_text())
+    folder = create_session(tmp_path / "session", default_setup("filmed"))
+    gait = "--alpha-deg 60 --beta-deg 75 --omega-rad-s 5.235988"
+    done = serpenoid(f"video {DEMO / 'film.mp4'} {gait} --session {folder} --json", check=True)
+    told = json.loads(done.stdout)
+    assert told["speed_m_s"] == pytest.approx(truth["speed_m_s"], rel=0.005)
+    assert abs(told["speed_m_s"] - truth["speed_m_s"]) < 4 * told["speed_sigma_m_s"]
+    assert told["turn_rad_s"] == pytest.approx(truth["turn_rad_s"], abs=math.radians(0.1))
+    for name in ("amplitude_rad", "phase_rad"):
+        found = np.array([joint[name] for joint in told["joints"]])
+        off = np.angle(np.exp(1j * (found - truth[name])))
+        assert np.degrees(off) == pytest.approx(0, abs=0.25)
+    (reading,) = read_session(folder).of("video")
+    made = np.array(truth["amplitude_rad"]) / truth["alpha_rad"]
+    assert reading.gait.joint_gain == pytest.approx(made, abs=0.006)
+    assert reading.track.columns[-1] == "joint5_rad"
+
+
+def test_a_recording_ties_the_film_to_the_boards_time() -> None:
+    board = gait_in_deg(60, 75, 5.1)
+    film = DEMO / "film.mp4"
+    run = measure_film(film, 6, LINK_M, gait=board, board_rate=True).run
+    assert run.omega_rad_s == pytest.approx(board.omega_rad_s, rel=1e-6)
+    assert run.time_scale == pytest.approx(5.235988 / 5.1, rel=1e-3)
+    assert run.path_m == pytest.approx(0.1026 * 2.2 * 1.2, rel=0.02)

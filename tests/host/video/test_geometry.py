@@ -61,7 +61,7 @@ def drawn_square(quad: np.ndarray, blur_px: float, fine: int = 16) -> np.ndarray
     return cv2.GaussianBlur(small, (0, 0), blur_px)
 
 
-@pytest.mark.parametrize("angle", [0.0, 0.2, 0.5, 0.785, 1.1])
+@pytest.mark.parametrize("angle", [0.0, 0.5, 1.1])
 def test_edges_give_corners_to_a_fraction_of_a_pixel(angle: float) -> None:
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     square = 17 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) @ turn.T + [60.3, 58.8]

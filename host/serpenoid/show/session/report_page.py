@@ -14,7 +14,7 @@ from ...prediction.comparison import Comparison
 from ...prediction.curve import SpeedCurve
 from ...session.session import Event, Session
 from ...taking.procedure import step_in_words
-from ..comparison_figure import PANELS, draw_comparison
+from ..comparison_figure import draw_comparison, panels
 from ..plot import draw_friction, figure
 from .floor_figure import draw_pushes
 
@@ -75,7 +75,7 @@ def session_page(
     ]
     if compared is not None:
         what = "speeds predicted and measured"
-        drawn = _svg(what, draw_comparison, compared, curves, size=(4.2, 5.2), **PANELS)
+        drawn = _svg(what, draw_comparison, compared, curves, size=(4.2, 5.2), **panels(compared))
         parts += ["<h2>Speed</h2>", drawn, _table(*compared.table(verbose=False))]
     if advice is not None:
         heads, cells = advice.table()
