@@ -442,19 +442,6 @@ class ServoKind:
             servo = servo.at_volts(supply_v)
         return None if loop_radius(servo) >= _HUNTS else servo
 
-    def units_of(self, servo: Servo) -> list[float]:
-        """Return by how many sigma a servo's UNCERTAIN values lie off: the inverse of `at`."""
-        plugged = servo.at_volts(self.servo.supply_v) if self.sigma.get("supply_v") else servo
-        ours, typical = _ratios(plugged), _ratios(self.servo)
-        ours["supply_v"] = servo.supply_v
-        *normal, even = (
-            math.log(ours[name] / typical[name]) / self.sigma[name]
-            if self.sigma.get(name) and typical[name]
-            else 0.0
-            for name in UNCERTAIN
-        )
-        return [*normal, NormalDist().inv_cdf((1 + even / math.sqrt(3)) / 2)]
-
 
 def _loss(ratios: Mapping[str, float]) -> float:
     """Return the motor's free speed over the whole servo's no-load speed."""

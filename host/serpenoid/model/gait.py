@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -116,6 +117,12 @@ class Gait:
         beta_rad = math.radians(check_number("beta_deg", beta_deg, -360.0, 360.0))
         offset_rad = math.radians(check_number("offset_deg", offset_deg, -180.0, 180.0))
         omega_rad_s = math.tau * check_number("hertz", hertz, 0.0, open_low=True)
+        if 0.0 < alpha_deg < math.pi and 0.0 < abs(beta_deg) < math.tau:
+            warnings.warn(
+                f"alpha is {alpha_deg:g} degrees and beta {beta_deg:g}; if radians were meant, "
+                f"they are {math.degrees(alpha_deg):.3g} and {math.degrees(beta_deg):.3g} degrees",
+                stacklevel=2,
+            )
         return cls(alpha_rad, beta_rad, omega_rad_s, offset_rad)
 
     def __post_init__(self) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -65,8 +65,8 @@ class Ground:
         """Divide the whole snake's ct, cn (N s/m), ft0, fn0 (N) evenly among its links."""
         n = check_links(links)
         total = cls(ct, cn, ft0, fn0)
-        along = total.ct_forward / n, total.ct_backward / n
-        dry_along = total.ft0_forward / n, total.ft0_backward / n
+        along = tuple(way / n for way in _ways(total.ct))
+        dry_along = tuple(way / n for way in _ways(total.ft0))
         return cls(along, total.cn / n, dry_along, total.fn0 / n)
 
     @property
@@ -93,13 +93,9 @@ class Ground:
         self, ct: float = 1.0, cn: float = 1.0, ft0: float = 1.0, fn0: float = 1.0
     ) -> Ground:
         """Return ground with ct, cn, ft0 and fn0 each times a factor, both ways alike."""
-        along = self.ct_forward * ct, self.ct_backward * ct
-        dry_along = self.ft0_forward * ft0, self.ft0_backward * ft0
+        along = tuple(ct * way for way in _ways(self.ct))
+        dry_along = tuple(ft0 * way for way in _ways(self.ft0))
         return Ground(along, self.cn * cn, dry_along, self.fn0 * fn0)
-
-    def turned_round(self) -> Ground:
-        """Return ground for wheels that are mounted the other way round."""
-        return replace(self, ct=_ways(self.ct)[::-1], ft0=_ways(self.ft0)[::-1])
 
     @property
     def dry(self) -> bool:

@@ -19,7 +19,7 @@ from ..base.rows import Result, Row, detail, two_digits
 from ..base.vectors import Array
 from ..model.core_model import core_model
 from ..model.drives import Servo, ServoKind, core_servo
-from ..model.gait import Gait
+from ..model.gait import Gait, gait_name
 from ..servos.speed_limit import (
     highest_hz,
     is_too_fast,
@@ -179,9 +179,10 @@ class ServoSteady(Result):
             )
         if too_fast := too_fast_text(self.ideal.gait, self.servo):
             return too_fast
-        speed, low, high = map(two_digits, (self.speed_m_s, self.low_m_s, self.high_m_s))
-        ideal = two_digits(self.ideal.speed_m_s)
-        text = f"About {speed} m/s with typical servos ({low} to {high}); ideal joints {ideal}."
+        speed, ideal = two_digits(self.speed_m_s), two_digits(self.ideal.speed_m_s)
+        ends = f" ({two_digits(self.low_m_s)} to {two_digits(self.high_m_s)})"
+        ends = "" if math.isnan(self.low_m_s) else ends
+        text = f"About {speed} m/s with typical servos{ends}; ideal joints {ideal}."
         return " ".join(filter(None, [text, self.remark]))
 
     def rows(self) -> list[Row]:
@@ -411,17 +412,15 @@ def with_servo(
     )
     if s.hunts:
         raise NotConverged(
-            f"speed not defined: the servos' loops hunt, and {ideal.gait} moves at "
-            f"{s.speed - s.spread:.2g} to {s.speed + s.spread:.2g} m/s, by how it begins "
-            "(the middle is this exception's `best`); use servos with more damping, or a gait "
-            "that asks less of them",
+            f"speed not defined: the servos' loops hunt, and {gait_name(ideal.gait)} moves at "
+            f"{s.speed - s.spread:.2g} to {s.speed + s.spread:.2g} m/s, by how it begins; use "
+            "servos with more damping, or a gait that asks less of them",
             best=driven,
         )
     if not s.converged:
         raise NotConverged(
-            f"the motion of {ideal.gait} with servos does not settle to a speed: the best is "
-            f"{s.speed:.6g} m/s (it is this exception's `best`); follow it in time with simulate, "
-            "drive 'servo'",
+            f"the motion of {gait_name(ideal.gait)} with servos does not settle to a speed: the "
+            f"best is {s.speed:.6g} m/s; follow it in time: `serpenoid simulate --servo NAME`",
             best=driven,
         )
     if not isinstance(servo, ServoKind) or servo.exact or draws == 0 or not driven.follows:

@@ -25,6 +25,13 @@ def test_an_angle_that_fits_in_degrees_gets_a_hint() -> None:
         sn.Gait(400, 1.3, 3.0)
 
 
+def test_degrees_that_look_like_radians_and_lengths_like_millimetres_get_a_hint() -> None:
+    with pytest.warns(UserWarning, match="if radians were meant, they are 70 and 75 degrees"):
+        sn.Gait.degrees(math.radians(70), math.radians(75), hertz=0.5)
+    with pytest.warns(UserWarning, match="in millimetres"):
+        sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=76)
+
+
 def test_a_link_heavier_than_metal_gets_a_hint(recwarn) -> None:
     sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
     assert not recwarn

@@ -53,9 +53,3 @@ def test_whole_body_and_factors_take_both_ways() -> None:
 def test_bad_pairs_are_named(given: dict, said: str) -> None:
     with refused(said):
         sn.Ground(**{"ct": 0.1, "cn": 1.0, **given})
-
-
-def test_wheels_mounted_the_other_way_round_swap_both_pairs() -> None:
-    ground = sn.Ground(ct=(0.1, 0.7), cn=2.0, ft0=(0.02, 0.3), fn0=0.5)
-    assert ground.turned_round() == sn.Ground(ct=(0.7, 0.1), cn=2.0, ft0=(0.3, 0.02), fn0=0.5)
-    assert ground.turned_round().turned_round() == ground
