@@ -18,7 +18,7 @@ PAINT = b"\xc5"  # what simboard fills the RAM with
 SERVO_PINS = {"uno": "D5D6D7B0B1B2B3B4C0C1C2C3", "mega": "E3H3H4H5H6B4B5B6F0F1F2F3"}
 ENABLE_PIN = {"uno": "D4", "mega": "G5"}
 DATA_WIRE = {"uno": ("C", 4), "mega": ("D", 1)}
-FAULTS = ("well", "silent", "data low")
+FAULTS = ("well", "silent", "data low", "restart stays", "deaf once")
 CAUSES = ("power-on", "external", "brown-out")
 EDGE = np.dtype([("cycle", "u8"), ("pin", "u4"), ("level", "u4")])
 SENT = np.dtype([("cycle", "u8"), ("value", "u4"), ("unused", "u4")])
@@ -247,7 +247,7 @@ class Board:
         self._lib.board_add_pca9685(self._board, port.encode(), data_bit)
 
     def fault_pca9685(self, fault: str) -> None:
-        """Make the servo driver well, silent (no power), or hold the data wire low."""
+        """Give the servo driver one of FAULTS; silent: it has no power."""
         self._lib.board_fault_pca9685(self._board, FAULTS.index(fault))
 
     @property

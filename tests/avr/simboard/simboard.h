@@ -11,7 +11,13 @@ struct board;
 
 enum reset_cause { RESET_POWER_ON, RESET_EXTERNAL, RESET_BROWN_OUT };
 // What ails a PCA9685: no power (it comes back as at power-up); it holds the data wire low.
-enum pca9685_fault { PCA9685_WELL, PCA9685_SILENT, PCA9685_DATA_LOW };
+enum pca9685_fault {
+    PCA9685_WELL,
+    PCA9685_SILENT,
+    PCA9685_DATA_LOW,
+    PCA9685_RESTART_STAYS,  // its bit in MODE1, as after a sleep with outputs on
+    PCA9685_DEAF_ONCE,      // to one byte of its registers
+};
 
 struct edge {
     uint64_t cycle;
