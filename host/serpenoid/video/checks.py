@@ -5,7 +5,6 @@ A check warns, which is a remark beside the film's numbers, or refuses the film 
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -30,6 +29,7 @@ SMALL_TAG_PX = 20.0
 BLUR_CELLS, BLUR_PX = 0.2, 1.0  # width of an edge, in cells of the tag, and at least
 # Films of 1/30 s of exposure, 25 ms of readout, 48 degrees aslant: errors over sigmas, rms.
 BLURRED = 2.5
+APART = 1.4  # from a tag to the next one, over the distance of nearest neighbours
 CENTRE_RAD = math.radians(1.0)  # a centre further off is worth a trim
 PHASE_RAD = math.radians(45.0)  # no servo lags behind the others by so much
 NEVER = math.inf
@@ -145,13 +145,6 @@ SEEN = (
         refuse=0,
     ),
     Check(
-        "doubles", lambda w: _share(w, w.doubles.values()),
-        lambda w, _: f"two tags with the same number are in the picture (numbers "
-        f"{_numbers(sorted(w.doubles))}): another robot, or tags that lie beside it? Take them "
-        "away; where a number is seen twice, neither counts",
-        refuse=0.2,
-    ),
-    Check(
         "strangers", lambda w: _share(w, w.strangers.values()) if _other_numbers(w) else 0,
         lambda w, _: f"shows tags {_numbers(_other_numbers(w))}, but the robot has "
         f"{w.sightings.links} links: another robot? If it is this one, give --set "
@@ -162,7 +155,8 @@ SEEN = (
         "no tags", lambda w: w.only_strays,
         lambda w, _: f"no tag is seen in {len(w.sightings.t_s)} frames; print ours with `serpenoid "
         "video tags`, with their white rim, at least 25 px a side in the film. AprilTags, other "
-        "ArUco tags, and the mirrored pictures of selfie cameras cannot be read",
+        "ArUco tags, the mirrored pictures of selfie cameras, and numbers that are seen twice in a "
+        "picture do not count",
         refuse=0,
     ),
     Check(
@@ -199,32 +193,22 @@ SEEN = (
 # ---- the order of the tags, by their places (frames, links, 2)
 
 
-def _shortest_way(centres: Array) -> tuple[float, list[int]]:
-    """Return how much longer the way by numbers is than the shortest way through all tags, and
-    that way; 1 and none where it has branches."""
-    from scipy.sparse.csgraph import depth_first_order, minimum_spanning_tree
-
-    gaps = np.linalg.norm(centres[:, :, None] - centres[:, None], axis=-1)
-    there = np.isfinite(gaps)
-    apart = np.where(there, gaps, 0.0).sum(axis=0) / np.maximum(there.sum(axis=0), 1)
-    tree = minimum_spanning_tree(apart).toarray()
-    near = (tree + tree.T > 0).sum(axis=0)
-    if (near > 2).any() or not near.all():
-        return 1.0, []
-    order = depth_first_order(tree, int(near.argmin()), directed=False)[0].tolist()
-    far, least = (
-        sum(apart[a, b] for a, b in itertools.pairwise(way)) for way in (range(len(apart)), order)
-    )
-    return far / least, min(order, order[::-1])
+def _steps(centres: Array) -> Array:
+    """Return the mean distance from each tag to the next one, over that of nearest neighbours."""
+    apart = np.linalg.norm(centres[:, :, None] - centres[:, None], axis=-1)
+    mean = np.ma.masked_invalid(apart).mean(axis=0).filled(np.inf)
+    nearest = np.median((mean + np.diag(np.full(len(mean), np.inf))).min(axis=0))
+    steps = np.diagonal(mean, offset=1) / nearest
+    return np.where(np.isfinite(steps), steps, 0.0)
 
 
 PLACED = (
     Check(
-        "order", lambda centres: _shortest_way(centres)[0],
-        lambda centres, _: f"the tags stand in the order {_numbers(_shortest_way(centres)[1])} "
-        "along the robot; number 1 belongs on the tail, then 2, 3, ...: put them on anew",
-        refuse=1.1,
-        warn=1.1,
+        "order", lambda centres: _steps(centres).max(),
+        lambda centres, _: f"tag {_steps(centres).argmax() + 1} and the next one are no "
+        "neighbours; number 1 belongs on the tail, then 2, 3, ...: put them on anew",
+        refuse=APART,
+        warn=APART,
     ),
 )  # fmt: skip
 

@@ -154,7 +154,7 @@ def test_links_that_tags_contradict_widen_the_sigma_of_lengths_and_speed(frames,
 
 def test_a_number_that_is_seen_twice_counts_for_neither(frames, told) -> None:
     two = [np.concatenate([frame, frame[::-1, ::-1]]) for frame in frames[::4]]
-    with refused(r"same number .* \(numbers 1, 2, 3, 4, 5, 6\): another"):
+    with refused("numbers that are seen twice in a picture do not count"):
         told(two, TIMES[::4])
 
 
@@ -167,7 +167,7 @@ def test_a_lamp_that_flickers_does_not_move_the_camera(frames, tmp_path) -> None
 
 
 def test_swapped_tags_are_refused(told) -> None:
-    with refused("in the order 1, 2, 4, 3, 5, 6 along"):
+    with refused(r"tag [24] and the next one are no neighbours"):
         told(drawn(Body(ids=(0, 1, 3, 2, 4, 5)), times=TIMES[::4]), times=TIMES[::4])
 
 

@@ -31,22 +31,15 @@ def optimum_figure(
 
     papers: what the paper states for "beta_deg" and "alpha_deg", drawn as dashed lines.
     """
-    speed = [b.speed_m_s for b in best]
-    gaits = [b.gait for b in best]
-    omega_rad_s, beta_rad, alpha_rad = columns(gaits, "omega_rad_s", "beta_rad", "alpha_rad")
-    optimum = {
-        "omega_rad_s": omega_rad_s,
-        "beta_deg": np.degrees(beta_rad),
-        "alpha_deg": np.degrees(alpha_rad),
-    }
-    words = (
-        ("rate (Fig. 9)", "ω (rad/s)"),
-        ("phase lag (Fig. 10)", "β (°)"),
-        ("amplitude (Fig. 11)", "α (°)"),
+    speed = np.array([b.speed_m_s for b in best])
+    omega, beta, alpha = columns([b.gait for b in best], "omega_rad_s", "beta_rad", "alpha_rad")
+    panels = (
+        ("rate (Fig. 9)", "ω (rad/s)", omega, None),
+        ("phase lag (Fig. 10)", "β (°)", np.degrees(beta), papers["beta_deg"]),
+        ("amplitude (Fig. 11)", "α (°)", np.degrees(alpha), papers["alpha_deg"]),
     )
     with figure(10.5, 3.8, 3, path=path) as (fig, axes):
-        for ax, (name, unit), (key, values) in zip(axes, words, optimum.items(), strict=True):
-            stated = papers.get(key)
+        for ax, (name, unit, values, stated) in zip(axes, panels, strict=True):
             ax.plot(speed, values, "o-", color=BLUE, ms=4, label="least power")
             if stated is not None:
                 ax.axhline(
@@ -56,18 +49,11 @@ def optimum_figure(
                 reach = max(10.0, 1.5 * float(np.abs(values - stated).max()))
                 ax.set_ylim(stated - reach, stated + reach)
             else:
-                slope = float(np.dot(speed, values) / np.dot(speed, speed))
-                ax.plot(
-                    [0, speed[-1]],
-                    [0, slope * speed[-1]],
-                    "--",
-                    color=ORANGE,
-                    label="the paper: nearly linear",
-                )
+                line = np.array([0.0, speed[-1]]) * (speed @ values) / (speed @ speed)
+                ax.plot([0, speed[-1]], line, "--", color=ORANGE, label="the paper: nearly linear")
                 ax.set_ylim(0, 1.25 * max(values))
             ax.set(xlabel="speed (m/s)", ylabel=unit, title=name)
             ax.set_xlim(left=0)
-            ax.yaxis.get_major_locator().set_params(steps=[1, 2, 5, 10])
             ax.legend(loc="upper left", fontsize=8)
         heading(fig, title)
 

@@ -16,7 +16,7 @@ from ...base.errors import BadInput, NotConverged
 from ...base.files import write_text
 from ...base.rows import two_digits
 from ...lab.robot import LabRobot
-from ...model.gait import Gait, joint_motion
+from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
 from ...robot.recording.run_gait import longest_gait
@@ -79,19 +79,14 @@ def of_recording(stream: Stream, robot: Robot, ground: Ground) -> tuple[Gait, di
     Where frames did not arrive the joints go straight to the next set-points.
     Raises BadInput for a recording without a gait, or of a robot of other links.
     """
-    gait = longest_gait(stream)
-    kept = np.flatnonzero(stream.state == "gait")
-    links = stream.setpoint_rad.shape[1] + 1
+    gait, links = longest_gait(stream), stream.setpoint_rad.shape[1] + 1
     if robot.links != links:
         raise BadInput(f"links is {robot.links}; what is shown is of a robot of {links}")
-    kept = np.arange(kept[0], kept[-1] + 1)
-    board_s = stream.board_s[kept]
-    every = math.ceil(kept.size / MOST_FRAMES)
+    in_gait = np.flatnonzero(stream.state == "gait")
+    kept = slice(in_gait[0], in_gait[-1] + 1)
+    board_s, every = stream.board_s[kept], math.ceil((in_gait[-1] - in_gait[0] + 1) / MOST_FRAMES)
     motion = follow(robot, ground, stream.setpoint_rad[kept], np.diff(board_s), every)
-    phase = stream.phase_rad[kept][1::every]
-    asked = joint_motion(gait, robot.links - 1, phase / gait.omega_rad_s).angle_rad
-    shown = _shown(board_s[1::every] - board_s[0], robot, ground, gait, motion)
-    return gait, shown | {"asked_deg": _rounded(np.degrees(asked))}
+    return gait, _shown(board_s[1::every] - board_s[0], robot, ground, gait, motion)
 
 
 def follow(

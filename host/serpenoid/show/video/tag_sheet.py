@@ -56,7 +56,7 @@ def tag_sheet(
     words = WORDS.format(RULER_MM, side_mm)
     ax.text(MARGIN_MM, top - 8, words, fontsize=8.2, va="top", linespacing=1.45)
     for k, place in enumerate(places):
-        _tag(ax, cells[k], k + 1, len(cells), side_mm, *place)
+        _tag(ax, cells[k], k + 1, side_mm, *place)
     x, y = MARGIN_MM + 4, MARGIN_MM + 6
     ax.plot([x, x + RULER_MM], [y, y], color=BLACK, lw=0.8)
     for mm in range(0, RULER_MM + 1, 10):
@@ -72,21 +72,19 @@ def _places(count: int, side_mm: float, paper: str) -> list[tuple[float, float]]
     """Return the lower left corner of each tag's label, mm."""
     width, height = PAPERS_MM[paper]
     label = side_mm * (CELLS + 2) / CELLS
-    wide, high = label + GAP_MM, label + GAP_MM + 5.0
-    columns = int((width - 2 * MARGIN_MM + GAP_MM) // wide)
-    rows = int((height - 2 * MARGIN_MM - HEAD_MM - FOOT_MM) // high)
+    step = label + GAP_MM
+    columns = int((width - 2 * MARGIN_MM + GAP_MM) // step)
+    rows = int((height - 2 * MARGIN_MM - HEAD_MM - FOOT_MM) // step)
     if columns * rows < count:
         raise BadInput(
             f"{count} tags of {side_mm:g} mm do not fit on {paper}; give a smaller --tag-mm"
         )
     top = height - MARGIN_MM - HEAD_MM + GAP_MM
-    return [(MARGIN_MM + k % columns * wide, top - (k // columns + 1) * high) for k in range(count)]
+    return [(MARGIN_MM + k % columns * step, top - (k // columns + 1) * step) for k in range(count)]
 
 
-def _tag(
-    ax: Axes, white: NDArray[np.bool_], number: int, count: int, side: float, x: float, y: float
-) -> None:
-    """Draw one label: rim, cells, cut line, number, arrow to the head."""
+def _tag(ax: Axes, white: NDArray[np.bool_], number: int, side: float, x: float, y: float) -> None:
+    """Draw one label: rim, cells, cut line, and in the rim number and arrow to the head."""
     from matplotlib.patches import FancyArrow, Rectangle
 
     cell = side / CELLS
@@ -96,13 +94,10 @@ def _tag(
     for row, column in np.argwhere(white):
         corner = (x + cell * (1 + column), y + cell * (CELLS - row))
         ax.add_patch(Rectangle(corner, cell, cell, fc="white", lw=0))
-    # In the rim, small and pale enough to leave the black square's edge alone.
-    rim = {"fontsize": max(3.0, 0.45 * cell / 25.4 * 72), "color": GREY, "ha": "center"}
-    ax.text(x + 0.5 * cell, y + 0.5 * cell, str(number), va="center", **rim)
+    # Small and pale enough to leave the black square's edge alone.
+    size_pt = max(3.0, 0.45 * cell / 25.4 * 72)
+    middle = x + 0.5 * cell, y + 0.5 * cell
+    ax.text(*middle, str(number), fontsize=size_pt, color=GREY, ha="center", va="center")
     head = {"head_width": 0.3 * cell, "head_length": 0.25 * cell, "length_includes_head": True}
     start = x + label - 0.85 * cell, y + 0.5 * label
-    arrow = FancyArrow(*start, 0.5 * cell, 0.0, width=0.06 * cell, fc=GREY, lw=0, **head)
-    ax.add_patch(arrow)
-    end = {1: "TAIL  ", count: "HEAD  "}.get(number, "")
-    words = f"{number}  {end}→"
-    ax.text(x, y - 0.8, words, fontsize=8, va="top", family="DejaVu Sans")
+    ax.add_patch(FancyArrow(*start, 0.5 * cell, 0.0, width=0.06 * cell, fc=GREY, lw=0, **head))

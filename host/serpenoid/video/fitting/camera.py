@@ -8,7 +8,6 @@ one readout_s after the first: who fits adds that to the pixels (`Sightings.skew
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -150,23 +149,9 @@ class Camera:
 
     def by_shared(self, states: Array) -> Array:
         """Return the pixels' derivatives by what is shared, (frames, links, 4, 2, 10 + 6 links)."""
-        world = self.corners(states)  # moved by a tag's side and mounting alone
-
-        def pixels(step: Array) -> Array:
-            camera = replace(self, shared=self.shared + step)
-            return camera.image(camera.corners(states) if step[8:].any() else world)
-
-        # What mounts a tag moves no other: all of them step at once.
-        tags = np.tile(np.eye(len(MOUNTING)), self.links)
-        units = np.eye(len(LENS), len(self.shared))
-        slopes = _slopes(pixels, np.concatenate([units, np.pad(tags, ((0, 0), (len(LENS), 0)))]))
-        lens, mounting = np.split(slopes, [len(LENS)], axis=-1)
-        same = np.eye(self.links)[:, None, None, :, None]
-        of_links = (same * mounting[..., None, :]).reshape(*mounting.shape[:-1], -1)
-        return np.concatenate([lens, of_links], axis=-1)
-
-
-def _slopes(pixels: Callable[[Array], Array], units: Array) -> Array:
-    """Return the derivatives of pixels by steps along units (unknowns, ...), the last axis."""
-    here = pixels(0.0 * units[0])
-    return np.stack([pixels(STEP * unit) - here for unit in units], axis=-1) / STEP
+        here = self.image(self.corners(states))
+        slopes = []
+        for step in STEP * np.eye(len(self.shared)):
+            moved = replace(self, shared=self.shared + step)
+            slopes.append((moved.image(moved.corners(states)) - here) / STEP)
+        return np.stack(slopes, axis=-1)

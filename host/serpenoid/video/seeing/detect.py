@@ -38,7 +38,6 @@ class TagFinder:
         self.side_px = 0.0
         self.patience = 0
         self.strangers: Counter[int] = Counter()  # numbers that are on no link, and how often
-        self.doubles: Counter[int] = Counter()  # numbers seen at two places at once, and how often
 
     def find(self, picture: Grey) -> dict[int, Tag]:
         """Return the tags found, by link from 0."""
@@ -81,7 +80,6 @@ class TagFinder:
                 double.add(number)
             tags[number] = tag
         for number in double:  # which of them is the robot's?
-            self.doubles[number] += 1
             del tags[number]
         return tags
 

@@ -24,17 +24,15 @@ class Watched:
     """What one look at a film brought up.
 
     film; sightings; edge_px (frames, links): width of a tag's edges, NaN where none; strangers:
-    tags of numbers that are on no link, with the number of frames; doubles: tags that are seen at
-    two places at once, and left out there, in the same way; shifts: of the floor, (time, x px,
-    y px, sigma px); plain_floor: too little on it can be followed; picture: the first frame with a
-    tag, grey.
+    tags of numbers that are on no link, with the number of frames; shifts: of the floor, (time,
+    x px, y px, sigma px); plain_floor: too little on it can be followed; picture: the first frame
+    with a tag, grey.
     """
 
     film: Film
     sightings: Sightings
     edge_px: Single
     strangers: dict[int, int]
-    doubles: dict[int, int]
     shifts: tuple[tuple[float, float, float, float], ...]
     plain_floor: bool
     picture: Grey
@@ -87,7 +85,6 @@ def watch(film: Film, links: int, progress: Callable[[float], None] = lambda _: 
         sightings,
         edge_px,
         finder.strangers,
-        finder.doubles,
         shifts,
         plain,
         picture,
