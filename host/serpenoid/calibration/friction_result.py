@@ -386,10 +386,9 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
         )
     robot = session.setup.robot_table
     if not robot.weighs:
-        place = "into session.toml" if robot.weighed else "in place of `weighed = false`"
         notes.append(
             f"{NOT_WEIGHED}, and one per cent of mass is one per cent of friction: "
-            f"weigh it, and write mass_kg = 0.48, say, {place}."
+            f"weigh it, and write mass_kg = 0.48, say, into session.toml."
         )
     measured = session.setup.provenance.kind != "regenerated"
     if session.kept and not session.zero.readings and measured:

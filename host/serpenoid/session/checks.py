@@ -6,14 +6,14 @@ import math
 from dataclasses import dataclass
 
 from ..base.errors import BadInput
-from .declaration import Field, Taken, Watch
-from .instruments import MAX_INCLINE_DEG, MAX_SPEED_M_S
-from .station import BEND_WORD, LAMBDA
+from .declaration import PLANNED, Taken, Watch, number, word
+from .instruments import MAX_INCLINE_DEG, MAX_LAMBDA_DEG, MAX_SPEED_M_S
+from .station import BENDS
 
 LIKELY_DEG = (-5.0, 5.0)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ZeroReading(Taken):
     """The inclinometer read twice on one spot, the second time turned end for end.
 
@@ -23,28 +23,18 @@ class ZeroReading(Taken):
     kind = "zero"
     part = "zeros"
     fitted = True
-    fields = (
-        Field(
-            "incline_deg",
-            "it shows",
-            -MAX_INCLINE_DEG,
-            MAX_INCLINE_DEG,
-            LIKELY_DEG,
-            attribute="shown_rad",
-        ),
-        Field(
-            "reversed_deg",
-            "turned, it shows",
-            -MAX_INCLINE_DEG,
-            MAX_INCLINE_DEG,
-            LIKELY_DEG,
-            why="the zero would be beyond 0.5 deg: was a sign forgotten?",
-        ),
-    )
 
     number: int
-    shown_rad: float
-    reversed_rad: float
+    incline_rad: float = number(
+        -MAX_INCLINE_DEG, MAX_INCLINE_DEG, words="it shows", likely=LIKELY_DEG
+    )
+    reversed_rad: float = number(
+        -MAX_INCLINE_DEG,
+        MAX_INCLINE_DEG,
+        words="turned, it shows",
+        likely=LIKELY_DEG,
+        why="the zero would be beyond 0.5 deg: was a sign forgotten?",
+    )
     before: bool = True
     voided: bool = False
     comment: str = ""
@@ -53,16 +43,16 @@ class ZeroReading(Taken):
     @property
     def zero_rad(self) -> float:
         """Return what the inclinometer shows where it is level."""
-        return (self.shown_rad + self.reversed_rad) / 2
+        return (self.incline_rad + self.reversed_rad) / 2
 
     def in_words(self) -> tuple[str, str]:
         """Return what it is, and its values."""
-        shown, turned = math.degrees(self.shown_rad), math.degrees(self.reversed_rad)
+        shown, turned = math.degrees(self.incline_rad), math.degrees(self.reversed_rad)
         values = f"{shown:+.2f}°, turned {turned:+.2f}°: zero {math.degrees(self.zero_rad):+.3f}°"
         return f"inclinometer, {'before' if self.before else 'after'}", values
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class BendCheck(Taken):
     """The protractor held between the last two links at an end of a bent robot.
 
@@ -71,19 +61,14 @@ class BendCheck(Taken):
 
     kind = "bend"
     part = "bends"
-    fields = (
-        LAMBDA,
-        Field("between_links_deg", "the protractor shows", 0.0, 180.0),
-        BEND_WORD,
-    )
 
     number: int
-    lambda_rad: float
-    between_links_rad: float
+    lambda_rad: float = number(0.0, MAX_LAMBDA_DEG, source=PLANNED)
+    between_links_rad: float = number(0.0, 180.0, words="the protractor shows")
     voided: bool = False
     comment: str = ""
     time_utc: str = ""
-    bend: str = "zigzag"
+    bend: str = word(*BENDS, of_plan=True)
 
     @property
     def found_rad(self) -> float:
@@ -97,35 +82,28 @@ class BendCheck(Taken):
         return f"protractor, bend {math.degrees(self.lambda_rad):.4g}°", values
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class BeltCheck(Taken):
     """A mark on the belt, timed over a way: the true speed over the one that was shown."""
 
     kind = "belt"
     fitted = True
-    fields = (
-        Field(
-            "belt_speed_m_s",
-            "belt speed that the treadmill shows",
-            0.0,
-            MAX_SPEED_M_S,
-            open_low=True,
-            other_unit=("belt_speed_km_h", "km/h"),
-        ),
-        Field(
-            "distance_m",
-            "way of the mark in all (turns of the belt times its length)",
-            0.0,
-            1000.0,
-            open_low=True,
-        ),
-        Field("duration_s", "time taken", 0.0, 1e5, (5.0, 600.0), open_low=True),
-    )
 
     number: int
-    belt_speed_m_s: float
-    distance_m: float
-    duration_s: float
+    belt_speed_m_s: float = number(
+        0.0,
+        MAX_SPEED_M_S,
+        words="belt speed that the treadmill shows",
+        open_low=True,
+        other_unit=("belt_speed_km_h", "km/h"),
+    )
+    distance_m: float = number(
+        0.0,
+        1000.0,
+        words="way of the mark in all (turns of the belt times its length)",
+        open_low=True,
+    )
+    duration_s: float = number(0.0, 1e5, words="time taken", likely=(5.0, 600.0), open_low=True)
     voided: bool = False
     comment: str = ""
     time_utc: str = ""

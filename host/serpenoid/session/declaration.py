@@ -1,11 +1,11 @@
-"""What the declaration of a kind of reading consists of: its fields, and what it is used for."""
+"""Numbers and words as dataclasses declare them: settings of a session, columns of a reading."""
 
 from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass, field, replace
 from typing import Any, ClassVar, Protocol
 
 from ..base.checks import check_choice, check_number
@@ -65,26 +65,24 @@ def in_unit(name: str, value: float) -> float:
 
 @dataclass(frozen=True)
 class Field:
-    """One number of a reading.
+    """One number of a table or of a reading.
 
-    column: its name in readings.csv, unit included. words: what a person is asked for. low, high:
-    limits, low itself excluded if open_low. likely: the range that is expected, or None; why: what
-    it means to be beyond it. usual: what an empty answer means, or None. source: READ off by a
-    person, PLANNED (the plan or the board tells it) or DERIVED from the others. attribute: of the
-    reading, in SI; the column's name with `_rad` for `_deg` unless given. optional: the cell may be
-    empty. other_unit: column and unit that people may type instead.
+    column: its key or column, unit included. words: what a person is asked for. low, high: limits,
+    low itself excluded if open_low. likely: the range that is expected, or None; why: what it means
+    to be beyond it. usual: what an empty answer means, or None. source: READ off by a person,
+    PLANNED (the plan or the board tells it) or DERIVED from the others. optional: it may be empty.
+    other_unit: column and unit that people may type instead.
     """
 
     column: str
-    words: str
-    low: float
-    high: float
+    words: str = ""
+    low: float = 0.0
+    high: float = math.inf
     likely: Range | None = None
     why: str = ""
     usual: float | None = None
     open_low: bool = False
     source: str = READ
-    attribute: str = ""
     optional: bool = False
     other_unit: tuple[str, str] | None = None
 
@@ -108,11 +106,6 @@ class Field:
     def _quantity(self) -> tuple[Units, str]:
         return next(q for end, q in QUANTITIES.items() if self.column.endswith(end))
 
-    @property
-    def name(self) -> str:
-        """Return the name of the reading's attribute."""
-        return self.attribute or self.column.replace("_deg", "_rad")
-
     def read(self, text: str) -> float | None:
         """Return a cell's number in SI, None if it is empty and may be; raises BadInput."""
         if not text and self.optional:
@@ -130,20 +123,14 @@ class Word:
     """One word of a reading: one of the choices, the first where nothing is said.
 
     choices: none if any word without a space will do. of_plan: what is not said when it is typed is
-    as the plan's attribute of this name has it. source: as of a Field. tidy: returns what is typed
-    as it is kept, without a blank; raises BadInput.
+    as the plan's attribute of this name has it. tidy: returns what is typed as it is kept, without
+    a blank; raises BadInput.
     """
 
-    column: str
+    column: str = ""
     choices: tuple[str, ...] = ()
     of_plan: bool = False
-    source: str = PLANNED
     tidy: Callable[[str], str] | None = None
-
-    @property
-    def name(self) -> str:
-        """Return the name of the reading's attribute."""
-        return self.column
 
     @property
     def usual(self) -> str:
@@ -156,6 +143,30 @@ class Word:
         return check_choice(self.column, word, self.choices) if self.choices else word
 
 
+def number(
+    low: float = 0.0,
+    high: float = math.inf,
+    *,
+    default: Any = MISSING,
+    note: str = "",
+    shown: bool = True,
+    **more: Any,
+) -> Any:
+    """Declare a number, or a tuple of them; one whose type has None may stay empty.
+
+    more: as of a Field. note: what stands behind it in a new session.toml. shown: it is part of a
+    session's hash.
+    """
+    limits = Field("", low=low, high=high, **more)
+    return field(default=default, repr=shown, metadata={"limits": limits, "note": note})
+
+
+def word(*choices: str, of_plan: bool = False, tidy: Callable[[str], str] | None = None) -> Any:
+    """Declare a word of a reading."""
+    limits = Word("", choices, of_plan, tidy)
+    return field(default=limits.usual, metadata={"limits": limits})
+
+
 class Watch(Protocol):
     """Tape and stopwatch."""
 
@@ -164,35 +175,53 @@ class Watch(Protocol):
         ...
 
 
+@dataclass(frozen=True)
 class Taken(ABC):
-    """A reading; each kind is a dataclass of this that declares all of its kind.
+    """A reading; each kind is a dataclass of this whose declared fields are its columns, in SI.
 
-    kind: what readings.csv calls it. fields: numbers and words, in the order of asking. part: the
-    attribute of Session that holds such readings. fitted: the friction fit rests on it, so that the
-    session's hash covers it. columns: of its file of samples (`tracks`), which the attribute
-    `track` holds; none if it has no file. track_may_miss: some readings have none.
-
-    Its dataclass has number, voided, comment and time_utc besides the fields' attributes. Raises
-    BadInput, naming value and limits, where one of them is out of range.
+    kind: what readings.csv calls it. part: the attribute of Session that holds such readings.
+    fitted: the friction fit rests on it, so that the session's hash covers it. columns: of its file
+    of samples (`tracks`), which the attribute `track` holds; none if it has no file.
+    track_may_miss: some readings have none. attributes: field -> attribute, lambda_deg in
+    lambda_rad. Raises BadInput, naming value and limits, where one of them is out of range.
     """
 
-    __slots__ = ()
     kind: ClassVar[str]
-    fields: ClassVar[tuple[Field | Word, ...]]
     part: ClassVar[str] = "further"
     fitted: ClassVar[bool] = False
     columns: ClassVar[tuple[str, ...]] = ()
     track_may_miss: ClassVar[bool] = False
+    fields: ClassVar[tuple[Field | Word, ...]] = ()
+    attributes: ClassVar[dict[str, str]] = {}
+
+    def __init_subclass__(cls) -> None:
+        found = dict[str, Field | Word]()
+        for name, declared in list(vars(cls).items()):
+            limits = getattr(declared, "metadata", {}).get("limits")
+            if isinstance(limits, Field):
+                may_miss = cls.__annotations__[name].endswith("None")
+                limits = replace(
+                    limits,
+                    column=name.removesuffix("_rad") + "_deg" * name.endswith("_rad"),
+                    optional=may_miss,
+                )
+            elif isinstance(limits, Word):
+                limits = replace(limits, column=name)
+            if limits is not None:
+                found[name] = limits
+        cls.fields = tuple(found.values())
+        cls.attributes = {limits.column: name for name, limits in found.items()}
 
     def __post_init__(self) -> None:
-        for field in self.fields:
-            value, column = getattr(self, field.name), field.column
-            if isinstance(field, Word):
-                if field.choices:
-                    check_choice(column, value, field.choices)
-            elif value is not None or not field.optional:
-                limits = in_si(column, field.low), in_si(column, field.high)
-                check_number(field.name, value, *limits, open_low=field.open_low)
+        for limits in self.fields:
+            value, column = getattr(self, self.attributes[limits.column]), limits.column
+            if isinstance(limits, Word):
+                if limits.choices:
+                    check_choice(column, value, limits.choices)
+            elif value is not None or not limits.optional:
+                low, high = in_si(column, limits.low), in_si(column, limits.high)
+                name = self.attributes[column]
+                check_number(name, value, low, high, open_low=limits.open_low)
 
     @classmethod
     def numbers(cls) -> dict[str, Field]:

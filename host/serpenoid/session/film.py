@@ -7,14 +7,15 @@ from dataclasses import dataclass
 
 from ..base.errors import BadInput
 from ..model.gait import Gait
-from .declaration import DERIVED, Field, Taken, Word
-from .gait_run import COMMANDED, SPEED, WAY, GaitRun
+from .declaration import DERIVED, PLANNED, Taken, number, word
+from .gait_run import RUN_WAYS, GaitRun
+from .instruments import MAX_SPEED_M_S
 from .track import Track
 
 TRACK = ("t_s", "x_m", "y_m", "heading_rad", "joint*_rad")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class FilmReading(Taken):
     """What a film showed of a gait run on level ground of the session's surface.
 
@@ -26,30 +27,19 @@ class FilmReading(Taken):
 
     kind = "video"
     columns = TRACK
-    fields = (
-        *COMMANDED,
-        Field("omega_rad_s", "omega", 0.0, 1000.0, open_low=True, source=DERIVED),
-        *SPEED,
-        Field("offset_deg", "the bend of every joint", -180.0, 180.0, source=DERIVED),
-        Field("gain_sigma", "standard deviation of a gain", 0.0, 2.0, source=DERIVED),
-        Word("gains", source=DERIVED),
-        Word("shifts_deg", source=DERIVED),
-        Word("film_sha256", source=DERIVED),
-        WAY,
-    )
 
     number: int
-    alpha_rad: float
-    beta_rad: float
-    omega_rad_s: float
-    speed_m_s: float
-    speed_sigma_m_s: float
-    offset_rad: float
-    gain_sigma: float
-    gains: str
-    shifts_deg: str
-    film_sha256: str
-    way: str = "level"
+    alpha_rad: float = number(0.0, 180.0, source=PLANNED)
+    beta_rad: float = number(-360.0, 360.0, source=PLANNED)
+    omega_rad_s: float = number(0.0, 1000.0, open_low=True, source=DERIVED)
+    speed_m_s: float = number(0.0, MAX_SPEED_M_S, source=DERIVED)
+    speed_sigma_m_s: float = number(0.0, MAX_SPEED_M_S, open_low=True, source=DERIVED)
+    offset_rad: float = number(-180.0, 180.0, source=DERIVED)
+    gain_sigma: float = number(0.0, 2.0, source=DERIVED)
+    gains: str = word()
+    shifts_deg: str = word()
+    film_sha256: str = word()
+    way: str = word(*RUN_WAYS)
     track: Track | None = None
     voided: bool = False
     comment: str = ""

@@ -8,29 +8,13 @@ from typing import Any
 
 from ..base.errors import BadInput
 from ..model.gait import Gait
-from .declaration import DERIVED, PLANNED, Field, Taken, Watch, Word
+from .declaration import DERIVED, PLANNED, Taken, Watch, number, word
 from .instruments import MAX_SPEED_M_S
 
 RUN_WAYS = ("level", "there", "back")  # along the line of the pushes, where a floor slopes
-COMMANDED = (
-    Field("alpha_deg", "alpha", 0.0, 180.0, source=PLANNED),
-    Field("beta_deg", "beta", -360.0, 360.0, source=PLANNED),
-)
-SPEED = (
-    Field("speed_m_s", "the speed", 0.0, MAX_SPEED_M_S, source=DERIVED),
-    Field(
-        "speed_sigma_m_s",
-        "its standard deviation",
-        0.0,
-        MAX_SPEED_M_S,
-        open_low=True,
-        source=DERIVED,
-    ),
-)
-WAY = Word("way", RUN_WAYS, source=DERIVED)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class GaitRun(Taken):
     """One measured speed of the crawling robot, on level ground of the session's surface.
 
@@ -42,42 +26,25 @@ class GaitRun(Taken):
 
     kind = "gait"
     part = "gait_runs"
-    fields = (
-        *COMMANDED,
-        Field(
-            "omega_rad_s",
-            "omega",
-            0.0,
-            1000.0,
-            open_low=True,
-            source=PLANNED,
-            other_unit=("frequency_hz", "Hz"),
-        ),
-        Field(
-            "distance_m",
-            "distance between the marks",
-            0.0,
-            1000.0,
-            (0.05, 10.0),
-            optional=True,
-        ),
-        Field("duration_s", "time taken", 0.0, 1e5, (1.0, 600.0), open_low=True, optional=True),
-        *SPEED,
-        WAY,
-    )
 
     number: int
-    alpha_rad: float
-    beta_rad: float
-    omega_rad_s: float
-    speed_m_s: float
-    speed_sigma_m_s: float
+    alpha_rad: float = number(0.0, 180.0, source=PLANNED)
+    beta_rad: float = number(-360.0, 360.0, source=PLANNED)
+    omega_rad_s: float = number(
+        0.0, 1000.0, open_low=True, source=PLANNED, other_unit=("frequency_hz", "Hz")
+    )
+    speed_m_s: float = number(0.0, MAX_SPEED_M_S, source=DERIVED)
+    speed_sigma_m_s: float = number(0.0, MAX_SPEED_M_S, open_low=True, source=DERIVED)
     voided: bool = False
     comment: str = ""
     time_utc: str = ""
-    distance_m: float | None = None
-    duration_s: float | None = None
-    way: str = "level"
+    distance_m: float | None = number(
+        0.0, 1000.0, words="distance between the marks", default=None, likely=(0.05, 10.0)
+    )
+    duration_s: float | None = number(
+        0.0, 1e5, words="time taken", default=None, likely=(1.0, 600.0), open_low=True
+    )
+    way: str = word(*RUN_WAYS)
 
     @property
     def gait(self) -> Gait:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from .declaration import BELT_UNITS
+from .declaration import BELT_UNITS, number
 from .push_size import MAX_PLACE_SIGMA_M
-from .settings_table import SettingsTable, choice, in_si_units, number
+from .settings_table import SettingsTable, choice, in_si_units
 
 # Beyond these a number is a slip of units, not a reading: the joints end before 60 degrees, the
 # snake tumbles before 45, and no treadmill runs faster than 10 m/s.

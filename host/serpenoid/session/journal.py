@@ -132,11 +132,10 @@ class Journal:
         return len(rows)
 
     def _row(self, number: int, kind: str, cells: Cells, comment: str) -> dict[str, str]:
-        setup = 1 + sum(e.event == "amend" for e in self.session.events)
         return reading_row(kind, cells, self.session.setup.plan) | {
             "reading": str(number),
             "time_utc": utc_now(),
-            "setup": str(setup),
+            "setup": "1",
             "comment": comment,
         }
 

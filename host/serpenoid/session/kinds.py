@@ -120,5 +120,5 @@ def make_reading(row: Row, common: Mapping[str, Any]) -> Any:
     common: number, and where known voided, comment, time_utc and track.
     """
     kind, cells = kind_of(row["kind"]), cells_of(row)
-    values = {f.name: f.read(cells.get(f.column, "")) for f in kind.fields}
+    values = {kind.attributes[f.column]: f.read(cells.get(f.column, "")) for f in kind.fields}
     return kind(**values, **common)

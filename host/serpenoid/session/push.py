@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..base.errors import BadInput
-from .declaration import DERIVED, Field, Taken, Word
+from .declaration import DERIVED, PLANNED, Taken, number, word
+from .instruments import MAX_LAMBDA_DEG
 from .push_size import unlikely_push, unlikely_sigma
-from .station import BEND_WORD, LAMBDA, STEERING, bend_in_words
+from .station import BENDS, bend_in_words
 from .track import Floats, Track
 
 WAYS = ("there", "back")
@@ -18,7 +19,7 @@ SOURCES = ("rest", "film")  # what a push is known by: tape and watch, or a tabl
 TRACK = ("t_s", "x_m", "y_m")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Push(Taken):
     """One push: the robot let go at speed on a level floor, and followed until it rests.
 
@@ -36,99 +37,50 @@ class Push(Taken):
     fitted = True
     track_may_miss = True
     columns = TRACK
-    fields = (
-        LAMBDA,
-        Field(
-            "distance_m",
-            "way from where the hand let go to where it rests",
-            0.0,
-            100.0,
-            (0.2, 5.0),
-            "push harder: a short way tells little",
-            open_low=True,
-            optional=True,
-        ),
-        Field(
-            "duration_s",
-            "time from the hand to rest",
-            0.0,
-            1e3,
-            (0.4, 20.0),
-            open_low=True,
-            optional=True,
-        ),
-        Field(
-            "turned_deg",
-            "turned while it rolled, + to the left (Enter: not)",
-            -180.0,
-            180.0,
-            likely=(-10.0, 10.0),
-            usual=0.0,
-            optional=True,
-            why="a robot that turns by more slips sideways: push it again",
-        ),
-        Field(
-            "start_s",
-            "the track counts from here, the hand gone",
-            -1e6,
-            1e6,
-            source=DERIVED,
-            optional=True,
-        ),
-        Field("end_s", "the track counts to here", -1e6, 1e6, source=DERIVED, optional=True),
-        Field(
-            "scale_sigma",
-            "standard deviation of the film's scale, relative",
-            0.0,
-            0.2,
-            source=DERIVED,
-            optional=True,
-        ),
-        Field(
-            "distance_sigma_m",
-            "standard deviation of a place",
-            0.0,
-            100.0,
-            open_low=True,
-            source=DERIVED,
-            optional=True,
-        ),
-        Field(
-            "time_sigma_s",
-            "standard deviation of a time",
-            0.0,
-            10.0,
-            source=DERIVED,
-            optional=True,
-        ),
-        STEERING,
-        Word("way", WAYS),
-        Word("by", SOURCES, source=DERIVED),
-        BEND_WORD,
-        Word("place"),
-        Word("file_sha256", source=DERIVED),
-    )
 
     number: int
-    lambda_rad: float
-    distance_m: float | None = None
-    duration_s: float | None = None
-    turned_rad: float | None = None
-    start_s: float | None = None
-    end_s: float | None = None
-    scale_sigma: float | None = None
-    distance_sigma_m: float | None = None
-    time_sigma_s: float | None = None
-    way: str = "there"
-    by: str = "rest"
-    bend: str = "zigzag"
-    place: str = ""
-    file_sha256: str = ""
+    lambda_rad: float = number(0.0, MAX_LAMBDA_DEG, source=PLANNED)
+    distance_m: float | None = number(
+        0.0,
+        100.0,
+        words="way from where the hand let go to where it rests",
+        default=None,
+        likely=(0.2, 5.0),
+        why="push harder: a short way tells little",
+        open_low=True,
+    )
+    duration_s: float | None = number(
+        0.0,
+        1e3,
+        words="time from the hand to rest",
+        default=None,
+        likely=(0.4, 20.0),
+        open_low=True,
+    )
+    turned_rad: float | None = number(
+        -180.0,
+        180.0,
+        words="turned while it rolled, + to the left (Enter: not)",
+        default=None,
+        likely=(-10.0, 10.0),
+        usual=0.0,
+        why="a robot that turns by more slips sideways: push it again",
+    )
+    start_s: float | None = number(-1e6, 1e6, default=None, source=DERIVED)
+    end_s: float | None = number(-1e6, 1e6, default=None, source=DERIVED)
+    scale_sigma: float | None = number(0.0, 0.2, default=None, source=DERIVED)
+    distance_sigma_m: float | None = number(0.0, 100.0, default=None, open_low=True, source=DERIVED)
+    time_sigma_s: float | None = number(0.0, 10.0, default=None, source=DERIVED)
+    way: str = word(*WAYS)
+    by: str = word(*SOURCES)
+    bend: str = word(*BENDS, of_plan=True)
+    place: str = word()
+    file_sha256: str = word()
     track: Track | None = None
     voided: bool = False
     comment: str = ""
     time_utc: str = ""
-    offset_rad: float | None = field(default=None, repr=False)  # no part of the session's hash
+    offset_rad: float | None = number(-45.0, 45.0, default=None, source=PLANNED, shown=False)
 
     def __post_init__(self) -> None:
         if self.track is None and (self.by != "rest" or None in (self.distance_m, self.duration_s)):

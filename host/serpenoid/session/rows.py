@@ -2,8 +2,7 @@
 
 A line that has no end was cut short while it was written (a kill, a power cut) and does not
 count; the writer later closes it with the mark TORN. Lines are never changed: a reading is voided,
-or used again (`restore`, of older versions) by an event, and a later reading may say which one it
-replaces.
+or used again (`restore`, of older versions) by an event; a later one may say which it replaces.
 """
 
 from __future__ import annotations
@@ -31,7 +30,7 @@ from .kinds import (
     words_of,
 )
 from .session import Event, Session
-from .settings import Setup, amendment
+from .settings import Setup
 from .track import FOLDER, Track, read_track
 
 TORN = "#torn"
@@ -51,28 +50,15 @@ EVENTS = (
     "connect",
 )
 ON_READINGS = ("void", "restore", "undo")
-INCLINED = ("station", "zero")  # kinds whose errors these instruments state
-SHOWN = {
-    "incline_sigma_deg",
-    "incline_zero_sigma_deg",
-    "belt_speed_sigma_m_s",
-    "lambda_sigma_deg",
-    "belt_scale_sigma_percent",
-    "joint_sigma_deg",
-    "incline_step_percent",
-}
-TIMED = {"distance_sigma_m", "time_sigma_s"}  # of belt checks and of places over time
 Numbered = dict[int, Row]  # rows by the numbers of their readings
 
 
 def session_of(setup: Setup, events: Sequence[Event], folder: Path, notes: list[str]) -> Session:
     """Return the session of a folder. notes: what is told of its files so far."""
     path, notes = folder / "readings.csv", list(notes)
-    later = [_keys(event.detail, folder) for event in events if event.event == "amend"]
-    if any(later):
-        named = ", ".join(sorted(set().union(*later)))
+    if any(event.event == "amend" for event in events):
         notes.append(
-            f"{named}: amended in events.csv by an older program; that holds over session.toml"
+            f"{folder / 'events.csv'}: what older programs amended holds over session.toml"
         )
     rows = _numbered(path, notes)
     voided = _voided(rows, events, folder / "events.csv")
@@ -87,21 +73,13 @@ def session_of(setup: Setup, events: Sequence[Event], folder: Path, notes: list[
         common = {"number": number, "voided": number in voided, "comment": comment}
         common |= {"time_utc": row["time_utc"]}
         with located(row["where"]):
-            under = _setup_number(row, len(later))
             if number not in voided:
-                _check_instruments(row, set().union(*later[under - 1 :]))
                 _check_facing(row)
             session = session.with_reading(make_reading(row, common | _track(row, kind, folder)))
     if left_out:
         kinds = ", ".join(sorted(left_out))
         notes.append(f"{left_out.total()} reading(s) of kinds not used here ({kinds}) left out")
     return replace(session, notes=tuple(notes))
-
-
-def _keys(detail: str, folder: Path) -> set[str]:
-    """Return the settings that an amendment changes."""
-    tables = amendment(detail, folder / "events.csv")
-    return {key for table in tables.values() for key in table}
 
 
 def read_events(folder: Path, notes: list[str]) -> list[Event]:
@@ -139,11 +117,6 @@ def rows_in(path: Path, columns: tuple[str, ...], notes: list[str]) -> Iterator[
         )
     with located(f"{path}:1"):
         header = _cells(lines[0]) if len(lines) > 1 else []
-    if len(header) == 1 and ";" in lines[0]:
-        raise BadInput(
-            f"{path}:1: the cells are parted by semicolons; a spreadsheet did that: save the file "
-            "as CSV with commas, and decimals with a point"
-        )
     check_names(header, columns, f"{path}:1", "column")
     for number, line in enumerate(lines[1:-1], 2):
         where = f"{path}:{number}"
@@ -173,7 +146,6 @@ def _row(header: list[str], line: str) -> Row:
 def _numbered(path: Path, notes: list[str]) -> Numbered:
     """Return the rows by number, each checked against those before it; raises BadInput."""
     rows: Numbered = {}
-    latest = ""
     for row in rows_in(path, READING_COLUMNS, notes):
         with located(row["where"]):
             number = whole_number("reading", row["reading"])
@@ -186,12 +158,7 @@ def _numbered(path: Path, notes: list[str]) -> Numbered:
                 raise BadInput(
                     f"replaces is {row['replaces']}, but there is no such reading before this one"
                 )
-            if row["time_utc"] and time_of(row["time_utc"]) < latest:
-                notes.append(
-                    f"{row['where']}: the clock went back, from {latest} to {row['time_utc']}; the "
-                    "order of the lines counts"
-                )
-            latest = row["time_utc"] or latest
+            time_of(row["time_utc"])
         rows[number] = {**row, "kind": OLD_KINDS.get(row["kind"], row["kind"])}
     return rows
 
@@ -212,18 +179,9 @@ def _voided(rows: Numbered, events: Sequence[Event], path: Path) -> dict[int, st
             replaced = rows[event.reading]["replaces"]
             if event.event == "undo" and replaced:
                 why.pop(int(replaced), None)
-        elif not _replaced_later(event, rows):
+        else:
             why.pop(event.reading, None)
     return why
-
-
-def _replaced_later(restored: Event, rows: Numbered) -> bool:
-    """Tell whether a reading was taken anew after it was restored: then the new one counts."""
-    after = re.fullmatch(r"after reading (\d+)", restored.detail)
-    return after is not None and any(
-        row["replaces"] == str(restored.reading) and number > int(after[1])
-        for number, row in rows.items()
-    )
 
 
 def _check_facing(row: Row) -> None:
@@ -237,18 +195,6 @@ def _check_facing(row: Row) -> None:
         )
 
 
-def _check_instruments(row: Row, changed: set[str]) -> None:
-    """Raise BadInput if instruments that a reading was taken with were amended after it."""
-    timed = row["kind"] == "belt" or "places" in words_of(row)
-    used = (SHOWN if row["kind"] in INCLINED else set()) | (TIMED if timed else set())
-    if used & changed:
-        raise BadInput(
-            f"reading {row['reading']} was taken with other instruments: a session has one set of "
-            "instruments. Begin a new session for others; correct in session.toml what was "
-            "mistyped there"
-        )
-
-
 def _track(row: Row, kind: type[Taken], folder: Path) -> dict[str, Track]:
     """Return the track of a reading whose kind has one."""
     name, sha256 = (words_of(row).get(word, "") for word in TRACK_WORDS)
@@ -257,17 +203,6 @@ def _track(row: Row, kind: type[Taken], folder: Path) -> dict[str, Track]:
     if not re.fullmatch(rf"{FOLDER}/\w+\.csv", name):
         raise BadInput(f"track is {name!r}; it must be a file such as {FOLDER}/0001.csv")
     return {"track": read_track(folder / name, kind.columns, sha256)}
-
-
-def _setup_number(row: Row, amendments: int) -> int:
-    """Return under which set-up a reading was taken: 1, and one more for each amendment."""
-    number = whole_number("setup", row["setup"])
-    if number > amendments + 1:
-        raise BadInput(
-            f"setup is {number}, but events.csv tells of {amendments} amendment(s), so the "
-            f"last is {amendments + 1}; has a line been taken out of events.csv?"
-        )
-    return number
 
 
 def whole_number(name: str, text: str) -> int:

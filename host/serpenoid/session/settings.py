@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 from ..base.checks import check_number
 from ..base.errors import BadInput
@@ -19,9 +19,9 @@ from ..model.drives import FRAME_S, ServoKind
 from ..model.gait import Gait
 from ..model.robot import Robot, check_links
 from ..robot.wire.protocol import frame_us
-from .declaration import in_si
+from .declaration import in_si, number
 from .instruments import MAX_INCLINE_DEG, MAX_LAMBDA_DEG, MAX_SPEED_M_S, Instruments
-from .settings_table import SettingsTable, choice, in_si_units, number, read_by, toml_text
+from .settings_table import SettingsTable, choice, in_si_units, read_by, toml_text
 from .station import BENDS
 
 FORMAT = 2
@@ -31,7 +31,6 @@ MAX_GRAVITY_M_S2 = 30.0
 ASSUMED_LINK_KG = 0.0756  # of the 2005 robot, where nobody has weighed this one yet
 NOT_WEIGHED = 0.05  # relative standard deviation of a mass that is an assumption
 LATER = ("mass_kg", "supply_v")  # settings that may stay empty until somebody has measured them
-SAME = 0.005  # relative: nobody weighs the same robot twice to the same figures
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,8 +45,6 @@ class Provenance(SettingsTable):
 @dataclass(frozen=True, kw_only=True)
 class RobotTable(SettingsTable):
     """The table [robot]. mass_kg: of the whole robot; None: nobody has weighed it yet."""
-
-    old: ClassVar[tuple[str, ...]] = ("link_mass_kg", "weighed")
 
     links: int = read_by(check_links)
     link_length_m: float = number(
@@ -81,27 +78,27 @@ class RobotTable(SettingsTable):
     )
     frame_ms: float | None = number(1.0, 100.0, default=None, note='of the board; "": its own')
     tag_mm: float | None = number(3.0, 1000.0, default=None, note="side of its printed tags")
-    link_mass_kg: float | None = number(default=None, open_low=True)
-    weighed: bool = True
 
     @classmethod
     def read(cls, table: Table) -> RobotTable:
-        """Return a file's table; an older file has the mass of one link."""
-        if "link_mass_kg" in table.values:
-            table = replace(table, values={"mass_kg": "", **table.values})
-        return super().read(table)
+        """Return a file's table; an older file has the mass of one link, or says it was assumed."""
+        values = dict(table.values)
+        if "link_mass_kg" in values:
+            values["mass_kg"] = table.number("link_mass_kg") * table.whole("links")
+        if not values.get("weighed", True):
+            values["mass_kg"] = ""
+        kept = {k: v for k, v in values.items() if k not in ("link_mass_kg", "weighed")}
+        return super().read(replace(table, values=kept))
 
     @property
     def weighs(self) -> bool:
         """Tell whether the mass is no assumption."""
-        return self.weighed and (self.mass_kg, self.link_mass_kg) != (None, None)
+        return self.mass_kg is not None
 
     @property
     def mean_link_kg(self) -> float:
         """Return the mass over the number of links, an assumed one where nobody weighed it."""
-        if self.mass_kg is not None:
-            return self.mass_kg / self.links
-        return self.link_mass_kg or ASSUMED_LINK_KG
+        return ASSUMED_LINK_KG if self.mass_kg is None else self.mass_kg / self.links
 
     @property
     def tag_side_m(self) -> float | None:
@@ -145,15 +142,6 @@ def _planned_gait(value: Any) -> Gait:
     return Gait(math.radians(alpha), math.radians(beta), rate * rates[named[0]])
 
 
-def _without_ratchet(value: Any) -> bool:
-    if value is not False:
-        raise BadInput(
-            f"ratchet is {str(value).lower()}, but a fit knows one friction along the wheels, not "
-            "another backwards; such a session is not read"
-        )
-    return value
-
-
 @dataclass(frozen=True, kw_only=True)
 class Plan(SettingsTable):
     """The table [plan]: which stations or pushes are to be taken, and which gaits to run.
@@ -162,8 +150,6 @@ class Plan(SettingsTable):
     floor: in each bend of push_lambda_deg `pushes` pushes. gaits: to be run on level ground
     afterwards, each gait_runs times. bend: "balanced", or "zigzag" for a robot that is guided.
     """
-
-    old: ClassVar[tuple[str, ...]] = ("ratchet",)
 
     on: str = choice(
         *PLACES, default="treadmill", note="treadmill; or floor: pushes instead of stations"
@@ -183,10 +169,15 @@ class Plan(SettingsTable):
         1, 100, default=3, note="of each gait, on level ground of the same surface"
     )
     gaits: tuple[Gait, ...] = read_by(_planned_gaits, ())
-    ratchet: bool = read_by(_without_ratchet, False)
 
     incline_start_rad = in_si_units("incline_start_deg")
     incline_step_rad = in_si_units("incline_step_deg")
+
+    @classmethod
+    def read(cls, table: Table) -> Plan:
+        """Return a file's table; raises BadInput for ratchet wheels, which older programs knew."""
+        what = "a fit knows one friction along the wheels, not another backwards"
+        return super().read(table.without_removed({"ratchet": what}))
 
     @property
     def lambda_rad(self) -> tuple[float, ...]:
@@ -266,7 +257,6 @@ class Setup:
             f"joints ± {tools.joint_sigma_deg:.2g} deg"
         )
         empty = [key for key in LATER if getattr(body, key) is None]
-        empty = [key for key in empty if key != "mass_kg" or not body.weighs]
         return text + (f"; still to be filled in: {', '.join(empty)}" if empty else "")
 
     @property
@@ -319,44 +309,28 @@ def changes(before: Setup, now: Setup) -> list[str]:
     return lines
 
 
-def identity_differences(session: Setup, wanted: Setup) -> list[str]:
-    """Return what keeps two set-ups from being one session, a line each: robot, mass, surface."""
-    pairs: tuple[tuple[str, Any, Any], ...] = (
-        ("links", session.robot.links, wanted.robot.links),
-        ("mass_kg", session.robot.mass_kg, wanted.robot.mass_kg),
-        ("link_length_m", session.robot.link_length_m, wanted.robot.link_length_m),
-        ("surface", session.laboratory.surface, wanted.laboratory.surface),
-        ("gravity_m_s2", session.laboratory.gravity_m_s2, wanted.laboratory.gravity_m_s2),
-    )
-    lines = list[str]()
-    for name, a, b in pairs:
-        same = a == b or (isinstance(a, float) and abs(a - float(b)) <= SAME * a)
-        if not same:
-            has, wants = (f"{v:.6g}" if isinstance(v, float) else repr(v) for v in (a, b))
-            lines.append(f"{name}: the session has {has}, this has {wants}")
-    return lines
-
-
 def amended(top: Table, details: Sequence[str], path: Path) -> Table:
-    """Return session.toml with the amendments that older programs kept in events.csv put in."""
+    """Return session.toml with the amendments that older programs kept in events.csv put in.
+
+    Raises BadInput where instruments changed: a session has one set of them.
+    """
     values: dict[str, Any] = {
         name: dict(part) if isinstance(part, dict) else part for name, part in top.values.items()
     }
     for detail in details:
-        for name, part in amendment(detail, path).items():
-            weighed = {"weighed": True} if name == "robot" and "mass_kg" in part else {}
-            values[name].update(part | weighed)
+        with located(str(path)):
+            try:
+                change = Table.parsed(detail, path).values
+            except ValueError as error:
+                raise BadInput(f"the amendment {detail!r} is not TOML: {error}") from error
+            for name, part in change.items():
+                if name not in TABLES or not isinstance(part, dict):
+                    raise BadInput(f"the amendment {detail!r} has no table {name!r}")
+                if name == "instruments":
+                    raise BadInput(
+                        f"{', '.join(part)} was amended in mid-session, but a session has one set "
+                        "of instruments. Begin a new session for others; if session.toml was "
+                        "mistyped, correct it there, and take that line out of events.csv"
+                    )
+                values[name].update(part)
     return replace(top, values=values)
-
-
-def amendment(detail: str, path: Path) -> dict[str, dict[str, Any]]:
-    """Return the tables of an amendment's line; raises BadInput."""
-    with located(str(path)):
-        try:
-            change = dict(Table.parsed(detail, path).values)
-        except ValueError as error:
-            raise BadInput(f"the amendment {detail!r} is not TOML: {error}") from error
-        for name, part in change.items():
-            if name not in TABLES or not isinstance(part, dict):
-                raise BadInput(f"the amendment {detail!r} has no table {name!r} of session.toml")
-    return change

@@ -5,36 +5,18 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable
-from dataclasses import MISSING, Field, dataclass, field, fields
-from typing import Any, ClassVar, TypeVar
+from dataclasses import MISSING, Field, dataclass, field, fields, replace
+from typing import Any, TypeVar
 
 from ..base.checks import check_choice, check_number, check_whole
 from ..base.errors import BadInput
 from ..base.toml_table import Table, located
 from ..model.gait import Gait
 from .declaration import Field as Number
-from .declaration import Range, in_si
+from .declaration import in_si
 
 T = TypeVar("T", bound="SettingsTable")
 _TYPES = {"str": (str, "text in quotes"), "bool": (bool, "true or false")}
-
-
-def number(
-    low: float = 0.0,
-    high: float = math.inf,
-    *,
-    default: Any = MISSING,
-    open_low: bool = False,
-    words: str = "",
-    likely: Range | None = None,
-    note: str = "",
-) -> Any:
-    """Declare a number, or a tuple of them; one whose type has None may stay empty in the file.
-
-    words: what `calibrate new` asks for. note: what stands behind it in a new file.
-    """
-    limits = Number("", words, low, high, likely, open_low=open_low)
-    return field(default=default, metadata={"limits": limits, "note": note})
 
 
 def choice(*choices: str, default: Any = MISSING, note: str = "") -> Any:
@@ -54,12 +36,7 @@ def in_si_units(key: str) -> Any:
 
 @dataclass(frozen=True)
 class SettingsTable:
-    """Hold a table's values, each within its limits; raises BadInput, naming key and limit.
-
-    old: keys of older files, which new ones do not have.
-    """
-
-    old: ClassVar[tuple[str, ...]] = ()
+    """Hold a table's values, each within its limits; raises BadInput, naming key and limit."""
 
     def __post_init__(self) -> None:
         for part in fields(self):
@@ -70,8 +47,7 @@ class SettingsTable:
         """Return a file's table; raises BadInput, naming file and line, too."""
         parts = {part.name: part for part in fields(cls)}
         needed = [name for name, part in parts.items() if part.default is MISSING]
-        optional = [name for name in parts if name not in (*needed, *cls.old)]
-        table.only(*needed, optional=(*optional, *(n for n in cls.old if n in table.values)))
+        table.only(*needed, optional=tuple(name for name in parts if name not in needed))
         values = dict[str, Any]()
         for name, value in table.values.items():
             with located(table.where(name)):
@@ -82,19 +58,16 @@ class SettingsTable:
     @classmethod
     def limits(cls, key: str) -> Number:
         """Return a key's limits, as a number that a person types."""
-        limits = cls.__dataclass_fields__[key].metadata["limits"]
-        return Number(
-            key, limits.words, limits.low, limits.high, limits.likely, open_low=limits.open_low
-        )
+        limits: Number = cls.__dataclass_fields__[key].metadata["limits"]
+        return replace(limits, column=key)
 
     def text(self) -> str:
         """Return the table's lines in a new file."""
         lines = list[str]()
         for part in fields(self):
-            if part.name not in self.old:
-                note = part.metadata.get("note", "")
-                value = toml_text(getattr(self, part.name))
-                lines.append(f"{part.name} = {value}{'  # ' * bool(note)}{note}\n")
+            note = part.metadata.get("note", "")
+            value = toml_text(getattr(self, part.name))
+            lines.append(f"{part.name} = {value}{'  # ' * bool(note)}{note}\n")
         return "".join(lines)
 
 

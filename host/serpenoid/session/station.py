@@ -8,7 +8,7 @@ from typing import Any
 
 from ..base.errors import BadInput
 from ..model.bends import balanced_signs
-from .declaration import PLANNED, READ, Field, Taken, Watch, Word
+from .declaration import PLANNED, Taken, Watch, number, word
 from .instruments import MAX_INCLINE_DEG, MAX_LAMBDA_DEG, MAX_SPEED_M_S
 from .places import drifts, tidy_places
 
@@ -16,14 +16,9 @@ BENDS = ("zigzag", "balanced")  # zigzag first: sessions of before there were ot
 # Slower than this a robot that is steered goes by jerks: every touch of the steering shakes wheels
 # loose that would rest, so that dry friction across is less than that of wheels which slide.
 LEAST_SLIP_M_S = 0.12
-LAMBDA = Field("lambda_deg", "the bend", 0.0, MAX_LAMBDA_DEG, source=PLANNED)
-BEND_WORD = Word("bend", BENDS, of_plan=True)
-STEERING = Field(
-    "offset_deg", "steering, on every joint", -45.0, 45.0, source=PLANNED, optional=True
-)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Reading(Taken):
     """One station held: the belt speed at which the snake neither climbs nor slides.
 
@@ -42,53 +37,39 @@ class Reading(Taken):
     kind = "station"
     part = "readings"
     fitted = True
-    fields = (
-        LAMBDA,
-        Field("incline_deg", "the inclinometer shows", 0.0, MAX_INCLINE_DEG, open_low=True),
-        Field(
-            "belt_speed_m_s",
-            "belt speed",
-            0.0,
-            MAX_SPEED_M_S,
-            other_unit=("belt_speed_km_h", "km/h"),
-        ),
-        Field(
-            "turned_deg",
-            "turned off the belt's direction, + to the left (Enter: not)",
-            -180.0,
-            180.0,
-            likely=(-5.0, 5.0),
-            usual=0.0,
-            optional=True,
-            why="a robot that has turned by more is not held by this law: hold it again",
-        ),
-        Field(
-            "drift_m_s",
-            "drift left over, + uphill with the belt (Enter: none)",
-            -MAX_SPEED_M_S,
-            MAX_SPEED_M_S,
-            likely=(-0.06, 0.06),
-            usual=0.0,
-        ),
-        STEERING,
-        Field("waited_s", "time since the belt was set", 0.0, 1e5, source=PLANNED, optional=True),
-        Word("places", source=READ, tidy=tidy_places),
-        BEND_WORD,
-    )
 
     number: int
-    lambda_rad: float
-    incline_rad: float
-    belt_speed_m_s: float
-    drift_m_s: float = 0.0
+    lambda_rad: float = number(0.0, MAX_LAMBDA_DEG, words="the bend", source=PLANNED)
+    incline_rad: float = number(0.0, MAX_INCLINE_DEG, words="the inclinometer shows", open_low=True)
+    belt_speed_m_s: float = number(
+        0.0, MAX_SPEED_M_S, words="belt speed", other_unit=("belt_speed_km_h", "km/h")
+    )
+    drift_m_s: float = number(
+        -MAX_SPEED_M_S,
+        MAX_SPEED_M_S,
+        words="drift left over, + uphill with the belt (Enter: none)",
+        default=0.0,
+        likely=(-0.06, 0.06),
+        usual=0.0,
+    )
     voided: bool = False
     comment: str = ""
     time_utc: str = ""
-    bend: str = "zigzag"
-    turned_rad: float | None = None
-    offset_rad: float | None = None
-    waited_s: float | None = None
-    places: str = ""
+    bend: str = word(*BENDS, of_plan=True)
+    turned_rad: float | None = number(
+        -180.0,
+        180.0,
+        words="turned off the belt's direction, + to the left (Enter: not)",
+        default=None,
+        likely=(-5.0, 5.0),
+        usual=0.0,
+        why="a robot that has turned by more is not held by this law: hold it again",
+    )
+    offset_rad: float | None = number(-45.0, 45.0, default=None, source=PLANNED)
+    waited_s: float | None = number(
+        0.0, 1e5, words="time since the belt was set", default=None, source=PLANNED
+    )
+    places: str = word(tidy=tidy_places)
 
     def __post_init__(self) -> None:
         Taken.__post_init__(self)

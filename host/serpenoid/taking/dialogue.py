@@ -289,7 +289,7 @@ class Dialogue:
         """Return the places over time that were typed, or are in a table; "" where none are."""
         named = named_file(text)
         if named is not None:
-            track = read_track_file(*named).values
+            track = read_track_file(*named, pushed=False).values
             return tidy_places(" ".join(f"{t - track[0, 0]:.6g}:{x:.6g}" for t, x, _ in track))
         return tidy_places(text) if ":" in text else ""
 

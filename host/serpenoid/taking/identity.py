@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..base.errors import BadInput
 from ..session.journal import Journal
-from ..session.settings import Setup, identity_differences
+from ..session.settings import Setup
 from .asking import Asker, Skip, Undo
 from .terminal import Terminal
 
@@ -26,7 +26,13 @@ def ask_identity(journal: Journal, terminal: Terminal) -> None:
         except (Undo, Skip):
             continue
         if answer in ("n", "no"):
-            raise BadInput(_another(journal))
+            folder = journal.folder
+            raise BadInput(
+                f"{folder} is a session of another robot or surface ({in_words(setup)})\n"
+                f"begin a session for this one: serpenoid calibrate new OTHER --template {folder}\n"
+                "if the session's own value is mistyped: correct it in "
+                f"{folder / 'session.toml'}"
+            )
         if answer in ("", "y", "yes"):
             return
 
@@ -38,22 +44,4 @@ def in_words(setup: Setup) -> str:
     return (
         f"{robot.links} links of {1000 * robot.link_length_m:.4g} mm, "
         f"{1000 * robot.links * robot.link_mass_kg:.4g} g{weighed}, on {setup.laboratory.surface}"
-    )
-
-
-def refuse_another(journal: Journal, here: Setup) -> None:
-    """Raise BadInput, with the differences, where the robot or surface here is another."""
-    lines = identity_differences(journal.session.setup, here)
-    if lines:
-        raise BadInput(_another(journal, lines))
-
-
-def _another(journal: Journal, lines: list[str] | None = None) -> str:
-    """Return what to do about a session of another robot or surface. lines: the differences."""
-    folder, here = journal.folder, in_words(journal.session.setup)
-    differences = "".join(f"\n  {line}" for line in lines or [])
-    return (
-        f"{folder} is a session of another robot or surface ({here}){differences}\n"
-        f"begin a session for this one: serpenoid calibrate new OTHER --template {folder}\n"
-        f"if the session's own value is mistyped: correct it in {folder / 'session.toml'}"
     )

@@ -239,10 +239,8 @@ def template_setup(path: str | Path | None, name: str) -> Setup:
     plan = replace(plan, gaits=plan.gaits or proposed.plan.gaits)
     if other.robot.links >= FEWEST_LINKS:
         plan = replace(plan, bend="balanced")
-    body = other.robot_table
-    mass_kg = body.links * body.mean_link_kg if body.weighs else None
-    body = replace(body, mass_kg=mass_kg, link_mass_kg=None, weighed=True)
-    return Setup(name, replace(proposed.provenance, kind=kind), body, other.laboratory, tools, plan)
+    provenance = replace(proposed.provenance, kind=kind)
+    return Setup(name, provenance, other.robot_table, other.laboratory, tools, plan)
 
 
 def create_session(folder: str | Path, setup: Setup) -> Path:

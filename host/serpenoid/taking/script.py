@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -26,10 +25,6 @@ from .steps import Step
 from .treadmill import take_steps
 from .world import Truth
 
-IDENTITY = {
-    "robot": ("links", "mass_kg", "link_mass_kg", "link_length_m"),
-    "laboratory": ("surface",),
-}
 _FRICTIONS = ("ct", "cn", "ft0", "fn0")
 _TRUTH = (
     "incline_zero_deg",
@@ -50,27 +45,10 @@ _TRUTH = (
 def load_script(path: Path) -> Table:
     """Read a script; raises BadInput, naming file and line."""
     top = Table.load(path)
-    top.only(optional=("simulated", "reading", "robot", "laboratory"))
+    top.only(optional=("simulated", "reading"))
     if ("simulated" in top.values) == ("reading" in top.values):
         raise BadInput(f"{path}: give either [simulated] or a list of [[reading]]")
     return top
-
-
-def wanted_setup(top: Table, setup: Setup) -> Setup:
-    """Return a session's set-up with what a script says of robot and laboratory put in."""
-    for name, attribute in (("robot", "robot_table"), ("laboratory", "laboratory")):
-        if name in top.values:
-            table = top.table(name)
-            table.only(optional=IDENTITY[name])
-            values = dict(table.values)
-            if "link_mass_kg" in values:
-                links = int(values.get("links", setup.robot.links))
-                values["mass_kg"] = links * table.number("link_mass_kg")
-                del values["link_mass_kg"]
-            with located(table.heading):
-                changed = replace(getattr(setup, attribute), **values)
-            setup = replace(setup, **{attribute: changed})
-    return setup
 
 
 def simulated_treadmill(top: Table, setup: Setup) -> SimulatedPerson:

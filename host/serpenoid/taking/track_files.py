@@ -1,9 +1,12 @@
-"""Tracks made by other programs: Tracker's, Kinovea's and plain tables of time and place."""
+"""Tracks made by other programs: Tracker's, Kinovea's and plain tables of time and place.
+
+Columns are told by their names, as Tracker, Kinovea (in its languages) and people give them: `t`,
+`Time (ms)`, `Trajectory 1/X (cm)`, `x_m`. A unit of no time or length is refused, never dropped.
+"""
 
 from __future__ import annotations
 
 import hashlib
-import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,15 +21,47 @@ from ..base.toml_table import located
 from ..calibration.floor.look import MOVES_M_S, speeds
 from ..session.declaration import LENGTH_UNITS
 from ..session.push_size import likely_units, unlikely_push
-from .track_columns import NEEDED, TIME_ADVICE, Column, TrackColumns, track_columns
 
 Floats = NDArray[np.float64]
+NEEDED = "t_s,x_m,y_m, or as in Time (ms);Trajectory 1/X (cm);Trajectory 1/Y (cm)"
+TIME_UNITS = {"s": 1.0, "ms": 1e-3, "μs": 1e-6, "min": 60.0, "min/100": 0.6, "hour/10000": 0.36}
+# What a column is -> words for it; those of a time in Kinovea's languages.
+MEANINGS = {
+    "t": "t time timestamp temps zeit tiempo tempo tid tijd czas čas vreme vrijeme време время "
+    "час χρόνος aika zaman waktu masa timp laikas idő 時間 时间 시간 เวลา زمان الزمن thời",
+    "frame": "n frame frames step image picture bild",
+    "rate": "v vel velocity speed acc accel acceleration",
+}
+SPELLINGS = {
+    "m": "meter meters metre metres м",
+    "cm": "centimeter centimeters centimetre centimetres см",
+    "mm": "millimeter millimeters millimetre millimetres мм",
+    "in": 'inch inches "',
+    "ft": "foot feet",
+    "yd": "yard yards",
+    "s": "sec secs second seconds с сек",
+    "ms": "msec millisecond milliseconds мс 毫秒",
+    "μs": "us microsecond microseconds",
+    "min": "minute minutes",
+}
+_MEANING = {
+    word.casefold(): meaning for meaning, words in MEANINGS.items() for word in words.split()
+}
+_UNIT = {word: unit for unit, words in SPELLINGS.items() for word in (unit, *words.split())}
+_UNIT |= {unit: unit for unit in TIME_UNITS}
+_IN_BRACKETS = re.compile(r"[(\[{]\s*([^()\[\]{}]*?)\s*[)\]}]\s*$")
+_BEHIND = re.compile(r"[\s_/]+(?:in\s+)?([^\s_/]+(?:/\d+)?)$")
+_AXIS = re.compile(r"(?:pos|position|coord)?([xy])(?:pos|position|coord)?\d*")
 _CLOCK = re.compile(r"(?:(\d+):)?(\d+):(\d\d)(?:[:.,](\d+))?(?:\s*\(\d+\))?")
-CLOCK_STEP_S = 0.01  # of Kinovea's clock
+TIME_ADVICE = (
+    "export the time in s or ms (Tracker: take t as the first column; Kinovea: milliseconds as "
+    "the time format in its preferences, and no normalized time), or, if it is in s, name the "
+    "column Time (s)"
+)
 MOST_FRAMES_A_SECOND = 60  # that a timecode of hours, minutes, seconds and pictures counts
 LEAST_STEP_S = 1 / 2000  # between two pictures: no camera of a phone is faster
-FAST_S = 0.1  # a push is at its fastest for longer than this
 MOST_STEP_S = 0.5  # between two pictures of a push, where the time has no unit
+FAST_S = 0.1  # a push is at its fastest for longer than this
 FEWEST_PLACES = 3
 
 
@@ -39,13 +74,78 @@ class TrackFile:
     notes: tuple[str, ...] = ()
 
 
-def read_track_file(path: Path, unit: str | None = None) -> TrackFile:
+@dataclass(frozen=True)
+class Column:
+    """Hold where a column is, its name as written, what it is ("t", "frame", "x", "y" or "").
+
+    unit: as written, None where none is.
+    """
+
+    place: int
+    name: str
+    meaning: str
+    unit: str | None
+
+    @classmethod
+    def of(cls, place: int, cell: str) -> Column:
+        """Return what the name of a column says."""
+        found = _IN_BRACKETS.search(cell)
+        if found is None:
+            found = _BEHIND.search(cell)
+            found = found if found and found[1].casefold() in _UNIT else None
+        name = cell[: found.start()] if found else cell
+        words = [word for word in re.split(r"[\s/_.,:;#|()-]+", name.casefold()) if word] or [""]
+        meanings = [_MEANING.get(word, "") for word in words]
+        axis = _AXIS.fullmatch(words[-1]) or _AXIS.fullmatch(words[0])
+        rate = "rate" in meanings or re.match("[vapl]_", name.casefold())  # Tracker's v_x, a_x
+        meaning = axis[1] if axis and not rate else ""
+        if "t" in (meanings[0], meanings[-1]):
+            meaning = "t"
+        elif meanings == ["frame"]:
+            meaning = "frame"
+        return cls(place, cell, meaning, found[1] if found else None)
+
+    @property
+    def length_unit(self) -> str | None:
+        """Return its unit, a key of LENGTH_UNITS; None if it names none. Raises BadInput."""
+        unit = None if self.unit is None else _UNIT.get(self.unit.casefold(), "")
+        if unit is None or unit in LENGTH_UNITS:
+            return unit
+        raise BadInput(
+            f"{self.name} is in {self.unit or 'an empty unit'!r}, which is no length; set the "
+            "scale and export again (Tracker: Track > New > Calibration Tools; Kinovea: "
+            "draw a line of known length, right-click it, Calibrate); units that are read: "
+            f"{', '.join(LENGTH_UNITS)}"
+        )
+
+    @property
+    def time_s(self) -> float:
+        """Return the duration of its unit, s; of s if it names none. Raises BadInput."""
+        if self.unit is None and self.meaning == "t":
+            return 1.0
+        unit = _UNIT.get((self.unit or "frames").casefold(), "")
+        if unit in TIME_UNITS:
+            return TIME_UNITS[unit]
+        raise BadInput(
+            f"{self.name} is no time in seconds but in {self.unit or 'frames'}; {TIME_ADVICE}"
+        )
+
+
+def _columns(head: list[str]) -> list[Column] | None:
+    """Return time, x and, if it is there, y of the first point; None without time and x."""
+    columns = [Column.of(place, cell) for place, cell in enumerate(head)]
+    by = {name: [c for c in columns if c.meaning == name] for name in ("t", "frame", "x", "y")}
+    times = by["t"] or by["frame"]
+    if not times or not by["x"]:
+        return None
+    return [times[0], by["x"][0], *by["y"][:1]]
+
+
+def read_track_file(path: Path, unit: str | None = None, *, pushed: bool = True) -> TrackFile:
     """Return the track of a file's first point.
 
-    Columns are told by their names: a time, and x and y of one point; y may be missing. Units stand
-    in the names, as in `Time (ms)` and `x (cm)`. A time without one is in s, or a clock as
-    Kinovea's h:mm:ss:cc. Times in whole hundredths become those of even pictures where they can be.
-    Rows with an empty place are left out.
+    A time without unit is in s, or a clock as Kinovea's h:mm:ss:cc. Rows with an empty place are
+    left out.
 
     Parameters
     ----------
@@ -53,6 +153,8 @@ def read_track_file(path: Path, unit: str | None = None) -> TrackFile:
         The file.
     unit
         Of lengths whose column names none: one of LENGTH_UNITS.
+    pushed
+        It is a track of a push, as fast and as long as those are.
 
     Raises
     ------
@@ -62,37 +164,43 @@ def read_track_file(path: Path, unit: str | None = None) -> TrackFile:
     """
     if unit is not None:
         check_choice("unit", unit, tuple(LENGTH_UNITS))
-    table, columns = read_table(path, track_columns, NEEDED)
-    kept = [columns.time, columns.x, *([columns.y] if columns.y else [])]
+    table, columns = read_table(path, _columns, NEEDED)
+    time, x = columns[:2]
+    rows = [(line, [cells[c.place] for c in columns]) for line, cells in _whole(table, columns)]
     with located(str(path)):
-        units = [column.length_unit or unit for column in kept[1:]]
-        cells, point, others = _rows_of_first_point(table, columns, [c.place for c in kept])
-    times = _times_s(table, columns.time, cells)
-    places = [[_value(table, line, text) for text in texts[1:]] for line, texts in cells]
-    if len(times) < FEWEST_PLACES:
-        raise BadInput(f"{path}: {len(times)} place(s) in it; is it a track of time, x and y?")
-    track = np.zeros((len(times), 3))
-    track[:, 0] = times
-    track[:, 1 : len(kept)] = np.array(places) * [LENGTH_UNITS[name or "m"] for name in units]
+        units = [column.length_unit or unit for column in columns[1:]]
+        clock = bool(rows) and all(_CLOCK.fullmatch(texts[0]) for _, texts in rows)
+        scale = 1.0 if clock else time.time_s
+    track = np.zeros((len(rows), 3))
+    for row, (line, texts) in zip(track, rows, strict=True):
+        row[0] = _clock_s(texts[0]) if clock else scale * _value(table, line, texts[0])
+        for k, text in enumerate(texts[1:]):
+            row[1 + k] = _value(table, line, text) * LENGTH_UNITS[units[k] or "m"]
     with located(str(path)):
-        _check_times(track[:, 0], columns.time, cells)
+        if len(track) < FEWEST_PLACES:
+            raise BadInput(f"{len(track)} place(s) in it; is it a track of time, x and y?")
+        _check_times(track[:, 0], time, [texts[0] for _, texts in rows] if clock else [])
         track = track[np.concatenate([[True], np.diff(track[:, 0]) != 0.0])]
-        track[:, 0] = _without_rounding(track[:, 0])
+        if pushed and None not in units:
+            _check_size(track, units[0] or "m", x)
     if None in units:
-        raise UnitMissing(path, columns.x.name, track)
-    with located(str(path)):
-        _check_size(track, units[0] or "m", columns.x)
+        raise UnitMissing(path, x.name, track)
     notes = []
-    if others:
-        notes.append(
-            f"{path.name}: the point {point or columns.x.name!r} is taken; {', '.join(others)} "
-            "in the same file is left out"
-        )
-    if columns.y is None:
+    if sum(Column.of(0, cell).meaning == "x" for cell in table.head) > 1:
+        notes.append(f"{path.name}: the first point, {x.name}, is taken; the others are left out")
+    if len(columns) < 3:
         notes.append(f"{path.name}: no column y; the track is taken as straight along x")
-    if columns.x.unit is not None and unit not in (None, *units):
-        notes.append(f"{path.name}: its lengths are in {units[0]}, as it says; not in {unit}")
     return TrackFile(track, hashlib.sha256(table.text.encode()).hexdigest(), tuple(notes))
+
+
+def _whole(table: TextTable, columns: list[Column]) -> list[tuple[int, list[str]]]:
+    """Return the rows, by their lines, in which no column of the track is empty."""
+    width = 1 + max(column.place for column in columns)
+    return [
+        (line, cells)
+        for line, cells in table.rows
+        if len(cells) >= width and not any(is_missing(cells[c.place]) for c in columns)
+    ]
 
 
 class UnitMissing(BadInput):
@@ -133,60 +241,11 @@ def _check_size(track: Floats, unit: str, column: Column) -> None:
         raise BadInput(f"{told}; {where}, or the scale")
 
 
-def _rows_of_first_point(
-    table: TextTable, columns: TrackColumns, places: list[int]
-) -> tuple[list[tuple[int, list[str]]], str, list[str]]:
-    """Return line and cells of each place of the first point, its name, and those of others.
-
-    Kinovea's text form has its points one after the other, a blank line or a name between.
-    """
-    rows: list[tuple[int, list[str]]] = []
-    point, others = columns.x.point or _name_above(table, columns.x.place), list(columns.others)
-    in_parts = table.head[0].startswith("#")
-    ended = False
-    for line, cells in table.rows:
-        name = " ".join(cells).lstrip("# ") if cells and cells[0].startswith("#") else ""
-        if in_parts and rows and (name or not any(cells)):
-            ended = True
-        if name:
-            if ended:
-                others.append(name)
-            else:
-                point = name
-            continue
-        texts = [cells[place] if place < len(cells) else "" for place in places]
-        if any(is_missing(text) for text in texts):
-            continue
-        if not ended:
-            rows.append((line, texts))
-        elif not others:
-            others.append("another point")
-    return rows, point, others
-
-
-def _name_above(table: TextTable, place: int) -> str:
-    """Return the name of a point as Tracker writes it: above its first column."""
-    names = [cell for cell in table.above[: place + 1] if cell]
-    return names[-1] if names and not table.head[0].startswith("#") else ""
-
-
 def _value(table: TextTable, line: int, text: str) -> float:
     try:
-        value = table.number(text)
+        return table.number(text)
     except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise BadInput(f"{table.where(line)}: {text!r} is not a number")
-    return value
-
-
-def _times_s(table: TextTable, column: Column, cells: list[tuple[int, list[str]]]) -> list[float]:
-    """Return the times of rows; raises BadInput."""
-    if cells and all(_CLOCK.fullmatch(texts[0]) for _, texts in cells):
-        return [_clock_s(texts[0]) for _, texts in cells]
-    with located(str(table.path)):
-        scale = column.time_s or 1.0
-    return [scale * _value(table, line, texts[0]) for line, texts in cells]
+        raise BadInput(f"{table.where(line)}: {text!r} is not a number") from None
 
 
 def _clock_s(text: str) -> float:
@@ -198,56 +257,22 @@ def _clock_s(text: str) -> float:
     return 3600 * int(hours or 0) + 60 * int(minutes) + int(seconds) + fraction
 
 
-def _check_times(t: Floats, column: Column, cells: list[tuple[int, list[str]]]) -> None:
+def _check_times(t: Floats, column: Column, clocks: list[str]) -> None:
     """Raise BadInput where times cannot be seconds, or what their unit says."""
     steps = np.diff(t)
-    steps = steps[steps > 0]
-    if not len(steps):
+    if not (steps > 0.0).any() or (steps < 0.0).any():
         raise BadInput(f"the times in {column.name} do not rise; {TIME_ADVICE}")
-    falls = np.flatnonzero(np.diff(t) < 0.0)
-    if len(falls):
-        raise BadInput(
-            f"times must rise: {t[falls[0] + 1]:.6g} s comes after {t[falls[0]]:.6g} s in "
-            f"{column.name}; is that the time?"
-        )
-    step = float(np.median(steps))
-    clocks = [_CLOCK.fullmatch(texts[0]) for _, texts in cells]
-    if clocks[0]:
-        ends = [match[4] for match in clocks if match and match[4]]
-        counts_frames = (
-            ends and max(map(len, ends)) == 2 and max(map(int, ends)) < (MOST_FRAMES_A_SECOND)
-        )
-        if counts_frames and t[-1] - t[0] > 1.0 and step < 1.5 * CLOCK_STEP_S:
-            raise BadInput(f"the clock in {column.name} counts pictures; {TIME_ADVICE}")
-        return
-    if column.unit is None and step > MOST_STEP_S:
+    step, doubt = float(np.median(steps[steps > 0.0])), ""
+    ends = [re.split("[:.,]", text)[-1] for text in clocks]
+    counts = ends and all(e.isdecimal() and int(e) < MOST_FRAMES_A_SECOND for e in ends)
+    if counts and t[-1] - t[0] > 1.0 and step < 0.015:
+        doubt = "is a clock that counts pictures"
+    elif not clocks and column.unit is None and step > MOST_STEP_S:
         what = "pictures" if np.all(steps == np.round(steps)) else "ms"
-        raise BadInput(
-            f"{column.name} has no unit and rises by {step:.4g} from one place to the next: it "
-            f"looks like {what}, not s; {TIME_ADVICE}"
-        )
-    if column.unit is None and t[0] == 0.0 and abs(t[-1] - 1.0) < 1e-6:
-        raise BadInput(
-            f"{column.name} has no unit and runs from 0 to 1: it looks like a normalized time; "
-            f"{TIME_ADVICE}"
-        )
-    if step < LEAST_STEP_S:
-        raise BadInput(
-            f"{column.name} says {1 / step:.3g} pictures a second: its unit is wrong; {TIME_ADVICE}"
-        )
-
-
-def _without_rounding(t: Floats) -> Floats:
-    """Return times as they were before a clock of whole hundredths cut them, s.
-
-    Pictures come evenly, pictures without a place counted. Where no even line is within a hundredth
-    of all times, or a picture is as short as that, they stay as they are.
-    """
-    steps = np.diff(t)
-    whole = np.abs(100 * t - np.round(100 * t)).max(initial=0.0) < 1e-6
-    if not whole or len(t) < 10 or np.median(steps) < 2 * CLOCK_STEP_S:
-        return t
-    step_s = steps[steps < 1.5 * np.median(steps)].mean()
-    count = np.concatenate([[0.0], np.cumsum(np.round(steps / step_s))])
-    even = np.asarray(np.polyval(np.polyfit(count, t, 1), count), dtype=np.float64)
-    return even if np.ptp(t - even) <= 1.2 * CLOCK_STEP_S else t
+        doubt = f"has no unit and rises by {step:.4g} from one place to the next, like {what}"
+    elif column.unit is None and t[0] == 0.0 and abs(t[-1] - 1.0) < 1e-6:
+        doubt = "has no unit and runs from 0 to 1, like a normalized time"
+    elif step < LEAST_STEP_S:
+        doubt = f"says {1 / step:.3g} pictures a second: its unit is wrong"
+    if doubt:
+        raise BadInput(f"{column.name} {doubt}; {TIME_ADVICE}")

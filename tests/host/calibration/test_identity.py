@@ -49,7 +49,8 @@ def test_an_unweighed_robot_has_frictions_as_doubtful_as_its_mass():
     session = load_session(NIRAKH_2005)
     body = session.setup.robot_table
     setups = [
-        replace(session.setup, robot_table=replace(body, weighed=told)) for told in (True, False)
+        replace(session.setup, robot_table=replace(body, mass_kg=mass_kg))
+        for mass_kg in (body.mass_kg, None)
     ]
     assert "g ± 0 %" in setups[0].in_words()
     assert "g ± 5 %" in setups[1].in_words()

@@ -17,8 +17,6 @@ from serpenoid import BadInput, load_session
 from serpenoid.session import folder as session_file
 from serpenoid.session.kinds import READING_COLUMNS
 
-ROW_1 = "1,station,,1,,0.0,2.0,0.181468,0.0,,,,,,,,,,,regenerated from Eq. 59 through Eq. 58"
-
 
 @pytest.fixture
 def folder(tmp_path):
@@ -72,7 +70,6 @@ def test_regenerating_gives_the_committed_file():
             r":2: incline_deg is nan; .* more than 0 and at most 45",
         ),
         (",2.0,0.181468,", ",200,0.181468,", r":2: incline_deg is 200.0; .*at most 45"),
-        (",2.0,0.181468,", ",two,0.181468,", r":2: incline_deg is 'two'"),
         (",2.0,0.181468,", ",2,0,0.181468,", r":2: 21 cells where the header has 20"),
         (
             ",2.0,0.181468,",
@@ -89,16 +86,12 @@ def test_regenerating_gives_the_committed_file():
             "incline_rad",
             r":1: unknown column 'incline_rad'; .*'incline_deg'.*convert",
         ),
-        ("belt_speed_m_s", "belt_speed_km_h", r":1: unknown .*'belt_speed_m_s', in those units"),
-        ("incline_deg", "inclin_deg", r":1: unknown .*did you mean 'incline_deg'"),
         (
             "incline_deg,",
             "incline_deg,incline_deg,",
             r":1: column 'incline_deg' stands there twice",
         ),
-        ("comment", "comment,humidity", r":1: unknown column 'humidity'; known are reading"),
         (",regenerated", ',"regenerated', r":\d+: not CSV"),
-        (ROW_1, "1,station,,1,,0.0,2.0,0.18", r":2: 8 cells where the header has 20; .*cut short"),
     ],
 )
 def test_bad_readings_name_file_line_and_range(folder, old, new, says):
@@ -119,17 +112,14 @@ def test_bad_readings_name_file_line_and_range(folder, old, new, says):
             "mass_kg = 0.0",
             r":\d+: mass_kg is 0.0; .*at least 0.001",
         ),
-        ("mass_kg = 0.4536", 'mass_kg = "heavy"', r":\d+: mass_kg is 'heavy'"),
         (
             "mass_kg = 0.4536",
             "link_mass_g = 75.6",
             r":\d+: unknown key 'link_mass_g'",
         ),
         ("mass_kg = 0.4536", "", r"toml: no key mass_kg"),
-        ("link_length_m = 0.076", "", r"toml: no key link_length_m"),
         ('kind = "regenerated"', 'kind = "guessed"', r":\d+: kind is 'guessed'; .*measured"),
         ("lambda_deg = [0.0, 7.5]", "lambda_deg = []", r":\d+: lambda_deg is \[\]"),
-        ("gravity_m_s2 = 9.80665", "gravity_m_s2 = -9.8", r":\d+: gravity_m_s2 is -9.8"),
         (
             "belt_speed_sigma_m_s = 0.02",
             "belt_speed_sigma_m_s = 0",
@@ -147,17 +137,13 @@ def test_bad_setups_name_file_line_and_range(folder, old, new, says):
     assert re.search(says, found)
 
 
-def test_an_older_file_has_the_mass_of_a_link(folder):
+def test_an_older_file_has_the_mass_of_a_link_or_says_that_it_was_assumed(folder):
     path = folder / "session.toml"
-    path.write_text(path.read_text().replace("mass_kg = 0.4536", "link_mass_kg = 0.1"))
+    text = path.read_text()
+    path.write_text(text.replace("mass_kg = 0.4536", "link_mass_kg = 0.1"))
     assert load_session(folder).setup.robot.mass_kg == pytest.approx(0.6)
-
-
-def test_lines_named_are_the_lines_meant(folder):
-    path = folder / "session.toml"
-    rewrite(path, "links = 6", "links = 0")
-    line = path.read_text().splitlines().index("links = 0") + 1
-    assert complaint(folder).startswith(f"{path}:{line}: links is 0")
+    path.write_text(text.replace("mass_kg = 0.4536", "link_mass_kg = 0.1\nweighed = false"))
+    assert load_session(folder).setup.mass_sigma == 0.05
 
 
 def test_missing_and_empty_files_are_refused(folder, tmp_path):

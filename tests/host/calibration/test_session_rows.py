@@ -113,13 +113,6 @@ def test_every_kind_of_reading_lands_in_its_place(folder):
     assert session.folder == folder
 
 
-def test_a_push_by_its_older_name_is_a_push(folder):
-    append(folder, reading(1, kind="coast", lambda_deg=0, distance_m=1, duration_s=2.1, more=""))
-    (push,) = read_session(folder).of("push")
-    assert push.in_words()[1] == "1.000 m in 2.10 s to rest"
-    assert push.kind == "push"
-
-
 def test_readings_of_ways_that_are_gone_are_left_out_by_name_and_the_fit_stays(folder):
     """A slide, a check of break-away and a push by marks in an older file."""
     stations = [
@@ -134,11 +127,10 @@ def test_readings_of_ways_that_are_gone_are_left_out_by_name_and_the_fit_stays(f
         reading(5, kind="slide", distance_m=1, duration_s=2.1),
         reading(6, kind="breakaway"),
         reading(7, **marks),
-        reading(8, **marks),
     )
     session = load_session(folder)
     assert (
-        "4 reading(s) of kinds not used here (breakaway, push by marks, slide)"
+        "3 reading(s) of kinds not used here (breakaway, push by marks, slide)"
         in (session.notes[0])
     )
     assert fit_friction(session).intervals == before.intervals
@@ -170,54 +162,37 @@ def test_a_zero_that_moved_by_more_than_its_errors_is_in_the_uncertainty_and_tol
     assert moved.parameters["ft0"].sigma > 1.5 * stood.parameters["ft0"].sigma
 
 
-@pytest.mark.parametrize(
-    ("change", "kept"),
-    [
-        ("instruments.incline_step_percent = 1.0", {}),
-        ("instruments.incline_zero_sigma_deg = 0.4", {}),
-        ("instruments.belt_scale_sigma_percent = 8", {"kind": "zero", "reversed_deg": -2}),
-        ("instruments.time_sigma_s = 0.5", {"more": '"places=0:0,2:0.045,4:0.13"'}),
-    ],
-)
-def test_instruments_that_changed_in_mid_session_are_refused(folder, change, kept):
-    """Older programs let people amend them; a change of another instrument does not matter."""
-    append(folder, reading(1, **kept), reading(2, **RAN))
-    harmless = '"instruments.film_scale_sigma_percent = 2"'
-    append(folder, event("amend", detail=harmless), to="events.csv")
-    assert load_session(folder).setup.instruments.film_scale_sigma_percent == 2.0
-    append(folder, event("amend", detail=f'"{change}"'), to="events.csv")
-    with refused("reading 1 was taken with other instruments.*correct in session.toml"):
-        load_session(folder)
-
-
 def test_a_session_of_ratchet_wheels_is_refused_by_name(folder):
-    """One whose plan says that there are none loads, with the same fit."""
-    back = {"kind": "push", "distance_m": 1, "duration_s": 2, "more": "facing=back"}
-    append(folder, reading(1), reading(2, more="facing=up"), reading(3, **back))
+    append(folder, reading(1), reading(2, more="facing=up"))
     with refused("csv:3: reading 2 has facing=up: its wheels rolled backwards.*void"):
         load_session(folder)
     append(folder, event("void", 2), to="events.csv")
-    with refused("csv:4: reading 3 has facing=back"):
-        load_session(folder)
-    append(folder, event("void", 3), to="events.csv")
     plain = load_session(folder)
     toml = folder / "session.toml"
     toml.write_text(SETUP + "ratchet = false\n")
     assert load_session(folder).sha256 == plain.sha256
     toml.write_text(SETUP + "ratchet = true\n")
-    with refused("session.toml:31: ratchet is true, but a fit knows one friction"):
-        load_session(folder)
-    toml.write_text(SETUP)
-    append(folder, event("amend", detail='"plan.ratchet = true"'), to="events.csv")
-    with refused("ratchet is true"):
+    with refused("session.toml:31: ratchet is True; a fit knows one friction"):
         load_session(folder)
 
 
-def test_instruments_stated_before_the_first_reading_hold_for_all(folder):
-    change = "instruments.incline_zero_sigma_deg = 0.4"
-    append(folder, event("amend", detail=f'"{change}"'), to="events.csv")
+def test_what_older_programs_amended_holds_but_for_instruments_and_ratchet_wheels(folder):
     append(folder, reading(1, setup=2))
-    assert math.degrees(load_session(folder).zero.sigma_rad) == pytest.approx(0.4)
+    append(folder, event("amend", detail='"robot.mass_kg = 0.5"'), to="events.csv")
+    session = load_session(folder)
+    assert session.setup.robot.mass_kg == pytest.approx(0.5)
+    assert "older programs amended holds" in session.notes[0]
+    for change, says in (
+        ("instruments.time_sigma_s = 0.5", "one set of instruments.*correct it there"),
+        ("plan.ratchet = true", "ratchet is True"),
+        ("snake.links = 5", "has no table 'snake'"),
+        ("plan.lambda_deg = [90]", "lambda_deg is 90"),
+        ("hm", "is not TOML"),
+    ):
+        path = folder / "events.csv"
+        path.write_text(",".join(EVENT_COLUMNS) + "\n" + event("amend", detail=f'"{change}"'))
+        with refused(says):
+            load_session(folder)
 
 
 def test_void_and_what_older_versions_restored_and_redid(folder):
@@ -258,47 +233,10 @@ def test_a_line_cut_short_does_not_count(folder, kept):
     assert not load_session(folder).notes
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "says"),
-    [
-        (",2.5,", ",nan,", r"readings.csv:2: incline_deg is nan"),
-        (",2.5,", ',"2,5",', r"readings.csv:2: incline_deg is '2,5'"),
-        (",2.5,", ",2,5,", r"readings.csv:2: 21 cells where the header has 20; .*comma"),
-        ("\n1,station", "\n0,station", r"readings.csv:2: reading is '0'"),
-        ("station,,1,", "station,,2,", r"readings.csv:2: setup is 2, but events.csv .* 0 amend"),
-        ("station,,1,,", "station,,1,9,", r"readings.csv:2: replaces is 9, but there is no"),
-        ("station,,1", "station,noon,1", r"readings.csv:2: time_utc is 'noon'"),
-        ("incline_deg", "incline_percent", r"readings.csv:1: unknown column 'incline_percent'"),
-    ],
-)
-def test_bad_cells_name_file_line_and_range(folder, old, new, says):
-    append(folder, reading(1))
-    path = folder / "readings.csv"
-    assert old in path.read_text()
-    path.write_text(path.read_text().replace(old, new, 1))
-    with refused(says):
-        load_session(folder)
-
-
 def test_other_damage_is_told(folder):
     append(folder, reading(1), reading(1))
     with refused(r"csv:3: reading 1 is there already, at .*csv:2"):
         load_session(folder)
-    path = folder / "readings.csv"
-    path.write_text(path.read_text().replace(",", ";"))
-    with refused("semicolons; a spreadsheet did that"):
-        load_session(folder)
-
-
-def test_a_clock_set_back_is_noted_and_the_order_stays(folder):
-    append(
-        folder,
-        reading(1, time_utc="2026-05-01T12:00:00Z"),
-        reading(2, time_utc="2026-05-01T11:00:00Z"),
-    )
-    session = load_session(folder)
-    assert [r.number for r in session.kept] == [1, 2]
-    assert "csv:3: the clock went back" in session.notes[0]
 
 
 def test_events_are_held_to_the_same(folder):
@@ -310,31 +248,6 @@ def test_events_are_held_to_the_same(folder):
     append(folder, event("dance"), to="events.csv")
     with refused(r"events.csv:4: event is 'dance'"):
         load_session(folder)
-
-
-def test_amendments_are_read_strictly(folder):
-    for detail, says in (
-        ('"snake.links = 5"', "has no table 'snake'"),
-        ('"instruments.lambda_sigma = 1"', "kept as 'lambda_sigma_deg'"),
-        ('"plan.lambda_deg = [90]"', "lambda_deg is 90"),
-        ("hm", "is not TOML"),
-    ):
-        path = folder / "events.csv"
-        path.write_text(",".join(EVENT_COLUMNS) + "\n" + event("amend", detail=detail))
-        with refused(says):
-            read_session(folder)
-
-
-def test_what_is_not_there_or_empty_has_a_way_on(folder):
-    for name in ("readings.csv", "events.csv"):
-        whole = (folder / name).read_text()
-        (folder / name).write_text("")
-        with refused("the file is empty; take it from a backup"):
-            read_session(folder)
-        (folder / name).unlink()
-        with refused("not there, but it belongs to the session; take it"):
-            read_session(folder)
-        (folder / name).write_text(whole)
 
 
 def test_zero_bytes_after_a_power_cut_are_told(folder):

@@ -38,17 +38,3 @@ def kinovea_table(rows, unit="cm", time="Time (ms)", seconds=1e-3, separator=","
 
 def clock(t):
     return f"0:00:{int(t):02}:{int(100 * t + 0.5) % 100:02}"
-
-
-def kinovea_text(rows, unit="mm", comma=False, names=()):
-    """Kinovea's text for gnuplot: points one after the other; with names, times as numbers."""
-    lines = ["#Kinovea Trajectory data export", "#T X Y", ""]
-    for k, name in enumerate(names or ("", "")):
-        lines += [f"# {name}"] if name else []
-        for t, x, y in rows:
-            time = spelled(t, comma) if names else clock(t)
-            lines.append(
-                f"{time} " + " ".join(spelled(v / METRES[unit] + k, comma) for v in (x, y))
-            )
-        lines.append("")
-    return "\n".join(lines)

@@ -54,19 +54,6 @@ def test_a_session_cut_anywhere_is_resumed_from_its_rows(folder, plan):
         assert path.read_text().startswith("".join(lines[:kept]))
 
 
-def test_another_robot_or_surface_is_refused_with_the_difference(folder, plan):
-    text = "[robot]\nmass_kg = 0.48\n[laboratory]\nsurface = 'carpet'\n"
-    plan.write_text(text + PLAN)
-    status, _, err = calibrate(f"{folder} --script {plan}")
-    assert status == 2
-    assert "mass_kg: the session has 0.4536, this has 0.48" in err
-    assert "surface: the session has 'belt', this has 'carpet'" in err
-    plan.write_text("[robot]\nlinks = 'six'\n" + PLAN)
-    _, _, err = calibrate(f"{folder} --script {plan}")
-    assert f" {plan}:1: links is 'six'" in err
-    assert err.count("plan.toml") == 1
-
-
 def test_listed_readings_are_added_once(folder, tmp_path):
     rows = [(0.0, 2.0, 0.2), (0.0, 2.3, 0.5)]
     text = "".join(

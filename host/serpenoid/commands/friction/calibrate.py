@@ -104,13 +104,11 @@ def _dry_run(folder: Path) -> None:
 
 
 def _scripted(folder: Path, script: Path) -> None:
-    from ...taking.identity import refuse_another
-    from ...taking.script import load_script, run_script, wanted_setup
+    from ...taking.script import load_script, run_script
     from .calibrate_person import count, program
 
     top = load_script(script)
     with _journal(folder) as journal:
-        refuse_another(journal, wanted_setup(top, journal.session.setup))
         journal.event("start", detail=f"{program()}, script {script.name}")
         done = run_script(journal, top, lambda step: say(f"done: {step.key}", err=True))
         journal.event("end")
