@@ -13,7 +13,6 @@ import pytest
 import serpenoid as sn
 from command_line import serpenoid
 from robots import BINGHAM, NIRAKH_2005, OF_2005, gait_in_deg
-from serpenoid.model.gait import joint_motion
 from serpenoid.show.pages.view_page import follow, of_run, write_page
 from webdriver import Browser
 
@@ -73,15 +72,6 @@ def test_a_robot_that_is_led_goes_as_the_simulator_says() -> None:
     assert np.mean(motion.y_m[-1] - motion.y_m[0]) == pytest.approx(0.0, abs=1e-3)
     slip = run.vy_m_s * np.cos(run.theta_rad) - run.vx_m_s * np.sin(run.theta_rad)
     assert np.abs(motion.slip_m_s[200:] - slip[201:]).max() < 0.02 * np.abs(slip).max()
-
-
-def test_a_gap_in_a_recording_is_bridged() -> None:
-    asked = joint_motion(sn.Gait(0.5, 1.3, 2.0), 5, np.linspace(0.0, 3.0, 151)).angle_rad
-    whole = follow(OF_2005, BINGHAM, asked, np.full(150, 0.02))
-    kept = np.r_[0:60, 64:151]
-    some = follow(OF_2005, BINGHAM, asked[kept], 0.02 * np.diff(kept))
-    gone = [np.mean(motion.x_m[-1] - motion.x_m[0]) for motion in (whole, some)]
-    assert gone[1] == pytest.approx(gone[0], rel=0.03)
 
 
 def test_the_page_is_one_file_that_no_title_breaks(tmp_path) -> None:

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import av
 import cv2
@@ -71,9 +72,9 @@ class Body:
     side_m: float = 0.034
     width_m: float = 0.045
     height_m: float = 0.045
-    mount_m: np.ndarray | None = None  # (links, 3): dx, dy, lift
-    turn_rad: np.ndarray | None = None
-    slope: np.ndarray | None = None  # (links, 2)
+    mount_m: Any = ((0.0, 0.0, 0.0),) * 13  # (links, 3): dx, dy, lift
+    turn_rad: Any = (0.0,) * 13
+    slope: Any = ((0.0, 0.0),) * 13  # (links, 2)
     ids: tuple[int, ...] | None = None
 
 
@@ -183,9 +184,7 @@ class Film:
         (c0, h0), (c1, h1) = [(c[i], h[i]) for c, h in ends]
         cx, cy = c0[0] + share * (c1[0] - c0[0]), c0[1] + share * (c1[1] - c0[1])
         angle = h0 + share * (h1 - h0)
-        dx, dy, lift = b.mount_m[i] if b.mount_m is not None else (0.0, 0.0, 0.0)
-        turn = b.turn_rad[i] if b.turn_rad is not None else 0.0
-        slope = b.slope[i] if b.slope is not None else (0.0, 0.0)
+        (dx, dy, lift), turn, slope = b.mount_m[i], b.turn_rad[i], b.slope[i]
         cos, sin = np.cos(angle).astype(np.float32), np.sin(angle).astype(np.float32)
         # The tag's plane in the link's frame: z = height + lift + slopes, about the tag's middle.
         ex, ey = np.float32(self.eye[0]) - cx, np.float32(self.eye[1]) - cy

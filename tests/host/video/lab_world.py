@@ -71,12 +71,12 @@ def crawled(robot: LabRobot, servos: Servos, gait: sn.Gait, set_rad: np.ndarray)
     arc = np.sinc(turn * t[cycle] / math.tau)  # chord over arc of a cycle
     chord = np.abs(np.diff(middle[ends])).mean()
 
+    columns = np.column_stack([centre.real, centre.imag, theta])
+
     def pose(at_s: float) -> tuple[np.ndarray, np.ndarray]:
-        k = min(int(at_s / STEP_S), len(t) - 2) if at_s > 0 else 0
-        share = at_s / STEP_S - k
-        z = (1 - share) * centre[k] + share * centre[k + 1]
-        angle = (1 - share) * theta[k] + share * theta[k + 1]
-        return np.column_stack([z.real, z.imag]), angle
+        row = np.array([np.interp(at_s, t, column) for column in columns.T])
+        x, y, angle = np.split(row, 3)
+        return np.column_stack([x, y]), angle
 
     return World(
         pose,

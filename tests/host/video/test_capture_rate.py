@@ -23,9 +23,10 @@ DEMO_FILM = Path(_core.__file__).parent / "calibration_data" / "demo-film" / "fi
 LINK_M = 0.076
 
 
-def copied(path, *, slower=1, tags=None, cover=False, every=1):
+def copied(path, *, slower=1, tags=None, cover=False):
     """Copy the demo's film without coding it again: slower, tagged, behind a cover."""
-    with av.open(str(DEMO_FILM)) as old, av.open(str(path), "w", options=_options(path)) as new:
+    options = {"movflags": "use_metadata_tags"}
+    with av.open(str(DEMO_FILM)) as old, av.open(str(path), "w", options=options) as new:
         if cover:
             picture = new.add_stream("mjpeg", rate=1)
             picture.width, picture.height, picture.pix_fmt = 320, 240, "yuvj420p"
@@ -41,10 +42,6 @@ def copied(path, *, slower=1, tags=None, cover=False, every=1):
                 packet.stream = stream
                 new.mux(packet)
     return path
-
-
-def _options(path):
-    return {"movflags": "use_metadata_tags"} if path.suffix in (".mp4", ".mov") else {}
 
 
 ANDROID = {"com.android.capture.fps": "240.000000"}

@@ -77,29 +77,6 @@ def test_camera_and_mountings_are_those_of_the_renderer(measured, plain) -> None
     assert camera.mounting[inner, 2] == pytest.approx(body.turn_rad[inner], abs=math.radians(0.3))
 
 
-def test_the_command_tells_it_and_writes_what_was_asked_for(
-    plain, measured, tmp_path, monkeypatch
-) -> None:
-    path, world, *_ = plain
-
-    def once(file, links, link_m, *_, **__):  # measured already, of this very film and robot
-        assert (file, links, link_m) == (path, 6, LINK_M)
-        return measured[0]
-
-    monkeypatch.setattr("serpenoid.video.measure_film.measure_film", once)
-    names = {"--track": "track.csv", "--plot": "film.png"}
-    options = [part for option, name in names.items() for part in (option, str(tmp_path / name))]
-    done = serpenoid(f"video {path} --json", *options, check=True)
-    told = json.loads(done.stdout)
-    assert told["speed_m_s"] == pytest.approx(world.speed_m_s, rel=0.005)
-    assert len(told["joints"]) == 5
-    assert len(told["film"]["sha256"]) == 64
-    rows = np.genfromtxt(tmp_path / "track.csv", delimiter=",", names=True)
-    assert len(rows) == told["film"]["frames"]
-    assert np.ptp(rows["joint3_rad"]) > 1.2
-    assert all((tmp_path / name).stat().st_size > 5000 for name in names.values())
-
-
 def slowing(seconds: float) -> np.ndarray:
     """Return the moments of a phone in dim light: from 30 to 15 frames/s, each off by a sixth."""
     gaps = np.linspace(1 / 30, 1 / 15, 60) * (1 + 0.16 * (-1.0) ** np.arange(60))
@@ -140,8 +117,14 @@ def test_the_demos_film_is_a_reading_that_says_what_the_lab_knows(tmp_path) -> N
     truth = json.loads((DEMO / "truth.json").read_text())
     folder = create_session(tmp_path / "session", default_setup("filmed"))
     gait = "--alpha-deg 60 --beta-deg 75 --omega-rad-s 5.235988"
-    done = serpenoid(f"video {DEMO / 'film.mp4'} {gait} --session {folder} --json", check=True)
+    files = tmp_path / "track.csv", tmp_path / "film.png"
+    typed = f"video {DEMO / 'film.mp4'} {gait} --track {files[0]} --plot {files[1]}"
+    done = serpenoid(f"{typed} --session {folder} --json", check=True)
+    assert all(file.stat().st_size > 5000 for file in files)
     told = json.loads(done.stdout)
+    rows = np.genfromtxt(files[0], delimiter=",", names=True)
+    assert len(rows) == told["film"]["frames"]
+    assert np.ptp(rows["joint3_rad"]) == pytest.approx(2 * truth["amplitude_rad"][2], rel=0.03)
     assert told["speed_m_s"] == pytest.approx(truth["speed_m_s"], rel=0.005)
     assert abs(told["speed_m_s"] - truth["speed_m_s"]) < 4 * told["speed_sigma_m_s"]
     assert told["turn_rad_s"] == pytest.approx(truth["turn_rad_s"], abs=math.radians(0.1))
