@@ -41,7 +41,7 @@ def test_a_session_is_begun_pushed_and_gone_on_with(tmp_path, tracks):
     plan = (folder / "session.toml").read_text()
     assert 'on = "floor"' in plan
     assert "wheels_kg = 0.0" in plan
-    assert "align its links" in run(f"calibrate {folder} --dry-run")
+    assert "align its links" in run(f"calibrate status {folder}")
     first = run(f"calibrate {folder}", typed=f"\n{tracks[0]}\nparsec\ncm\nquit\n")
     assert first.count("unit of its lengths (m, cm, mm, in, ft, yd; likely: cm (") == 2
     assert "Push 1 of 8, straight, THERE" in first

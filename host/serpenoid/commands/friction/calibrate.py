@@ -9,7 +9,7 @@ import click
 
 from ...base.checks import Limits
 from ...show.screen import say
-from ..declare import EXISTING, flag, number, option
+from ..declare import EXISTING, number, option
 from ..declare import FOLDER as FOLDER_TYPE
 from ..group import Commands
 from ..options import AS_JSON, show_json
@@ -17,10 +17,7 @@ from .calibrate_new import new
 from .calibrate_push import push
 
 if TYPE_CHECKING:
-    import serpenoid as sn
-
     from ...session.journal import Journal
-    from ...taking.steps import Step
 
 FOLDER = click.argument("folder", type=FOLDER_TYPE)
 
@@ -33,8 +30,8 @@ def calibrate() -> None:
     again at any time: it continues. Every reading is on the disk before the next is asked for;
     nothing is ever overwritten. What is mistyped in DIR/session.toml is corrected there.
 
-    `calibrate DIR` takes --port (a robot that bends and steers itself), --script and --dry-run:
-    see `serpenoid calibrate take --help`.
+    `calibrate DIR` takes --port (a robot that bends and steers itself) and --script: see
+    `serpenoid calibrate take --help`. `calibrate status DIR` tells the next step.
     """
 
 
@@ -45,7 +42,6 @@ calibrate.add_command(push)
 @calibrate.command()
 @FOLDER
 @option("--script", "plan.toml that answers instead of a person.", type=EXISTING)
-@flag("--dry-run", "Show the next steps; write nothing.")
 @option(
     "--port",
     "The robot's serial port, to bend and drive it; `virtual` needs none. By hand unless given.",
@@ -59,15 +55,12 @@ calibrate.add_command(push)
 def take(
     folder: Path,
     script: Path | None,
-    dry_run: bool,
     port: str | None,
     patience_s: float,
 ) -> None:
     """Start or resume a session; `serpenoid calibrate DIR` is short for this."""
-    if sum((dry_run, script is not None, port is not None)) > 1:
-        raise click.UsageError("give one of --dry-run, --script and --port")
-    if dry_run:
-        return _dry_run(folder)
+    if script is not None and port is not None:
+        raise click.UsageError("give one of --script and --port")
     if script is not None:
         return _scripted(folder, script)
     from .calibrate_person import with_a_person
@@ -79,28 +72,6 @@ def _journal(folder: Path) -> Journal:
     from ...session.journal import Journal
 
     return Journal(folder)
-
-
-def _session(folder: Path) -> sn.Session:
-    from ...session.folder import read_session
-
-    return read_session(folder)
-
-
-def _state(session: sn.Session) -> tuple[list[tuple[str, str]], Step]:
-    """Return how far each part of the plan is, and the next step."""
-    from ...taking.procedure import next_step, progress
-
-    return progress(session), next_step(session)
-
-
-def _dry_run(folder: Path) -> None:
-    parts, step = _state(_session(folder))
-    for name, state in parts:
-        say(f"{name:14} {state}")
-    say(f"next: {step.say}")
-    for field in step.asked:
-        say(f"  asks: {field.words} ({field.unit})")
 
 
 def _scripted(folder: Path, script: Path) -> None:
@@ -143,7 +114,6 @@ def add(
 @option("--reason", "Why it is not to be used.", default="")
 def void(folder: Path, number: int, reason: str) -> None:
     """Mark a reading as not to be used; its line stays."""
-
     with _journal(folder) as journal:
         journal.event("void", number, reason)
     say(f"reading {number} is void")
@@ -154,10 +124,12 @@ def void(folder: Path, number: int, reason: str) -> None:
 @AS_JSON
 def status(folder: Path, as_json: bool) -> None:
     """Tell how far a session is, what was read, and the next step; writes nothing."""
+    from ...session.folder import read_session
     from ...show.session import table
+    from ...taking.procedure import next_step, progress
 
-    session = _session(folder)
-    parts, step = _state(session)
+    session = read_session(folder)
+    parts, step = progress(session), next_step(session)
     if as_json:
         return show_json(table.as_dict(session, parts, step.say))
     table.show(session, parts)
