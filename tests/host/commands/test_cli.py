@@ -56,11 +56,6 @@ def test_an_accuracy_picks_the_method() -> None:
     assert got["error_estimate"]["integration"]["angle_rad"] < 1e-4
 
 
-def test_the_error_can_be_left_out() -> None:
-    got = answer(f"simulate {GAIT} --robot paper --duration-s 1 --no-error")
-    assert got["error_estimate"] is None
-
-
 def test_sweep_writes_every_gait(tmp_path) -> None:
     out = tmp_path / "sweep.csv"
     grid = "--alpha-deg 30:40:10 --beta-deg 80 --omega-rad-s 1:3:1"

@@ -1,14 +1,12 @@
 """`fit` and the friction that it hands to other commands."""
 
 import json
-import os
 import shutil
-import subprocess
 from functools import partial
 
 import pytest
 import serpenoid as sn
-from command_line import answer, program, serpenoid
+from command_line import answer, serpenoid
 from robots import NIRAKH_2005
 
 run = partial(serpenoid, check=True)
@@ -35,22 +33,6 @@ def test_fit_shows_whole_and_per_link_values_and_keeps_them(folder):
     assert kept.parameters["ct_whole"].value == pytest.approx(0.084, rel=1e-4)
     assert answer(f"fit --no-save --method naive {folder}")["method"] == "naive"
     assert sn.load_fit(folder).method == "joint"
-
-
-@pytest.mark.slow
-def test_a_fit_of_many_readings_shows_that_it_works(folder):
-    """On a terminal alone: a pipe gets nothing of it."""
-    path = folder / "readings.csv"
-    header, *rows = path.read_text().splitlines()
-    many = [row.split(",", 1)[1] for row in rows] * 30
-    path.write_text("\n".join([header, *(f"{k},{row}" for k, row in enumerate(many, 1))]) + "\n")
-    command = program(f"fit {folder} --no-save --json")
-    for force, shows in (({"FORCE_COLOR": "1"}, True), ({}, False)):
-        done = subprocess.run(
-            command, check=True, capture_output=True, text=True, env=os.environ | force
-        )
-        assert json.loads(done.stdout)["chi2"] > 0
-        assert (f"fitting {len(many)} readings" in done.stderr) is shows
 
 
 def test_a_session_or_its_fit_gives_friction_to_other_commands(folder):

@@ -251,27 +251,6 @@ def test_a_stop_goes_out_at_once_though_another_thread_waits_for_a_verdict(monke
     assert fake.received.index(b"\n!\n") < fake.received.index(b" stop *")
 
 
-def test_stops_of_another_thread_lose_no_question_of_this_one():
-    with FakeBoard() as fake, Robot(fake.port) as robot:
-        done, asked, told = threading.Event(), 0, [0] * 30
-
-        def stop() -> None:
-            while not done.wait(0.003):
-                if told[asked] < dialogue.MOST_STOPS // 2:  # however long the question takes
-                    told[asked] += 1
-                    robot._dialogue.halt()
-
-        stopper = threading.Thread(target=stop)
-        stopper.start()
-        try:
-            for asked in range(30):  # noqa: B007
-                assert robot.status().state == "idle"
-        finally:
-            done.set()
-            stopper.join()
-        assert sum(told) > 5
-
-
 def test_a_stop_that_is_to_stay_refuses_motion_until_it_is_released(monkeypatch, crawling):
     """Also a motion whose verdict was lost: it is not sent again after such a stop."""
     monkeypatch.setattr(dialogue, "RETRY_S", 0.3)  # in which the stop has come

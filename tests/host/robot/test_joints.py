@@ -11,7 +11,6 @@ import pytest
 from command_line import answer, serpenoid
 from refusals import refused
 from robots import gait_in_deg
-from serpenoid.model.bends import balanced_signs, joint_multiples
 from serpenoid.robot import Robot
 from serpenoid.robot.recording.stream import load_stream
 from serpenoid.taking.board_run import board_gait
@@ -42,16 +41,6 @@ def test_gait_pose_and_recording_have_so_many_joints(joints, tmp_path):
     assert stream.setpoint_rad.shape == (len(stream.frame), joints)
     period_s = np.ptp(stream.board_s) / np.ptp(stream.frame)
     assert period_s == pytest.approx(FRAME_US[joints] * 1e-6, rel=1e-4)
-
-
-@pytest.mark.parametrize("number", range(3, 13))
-def test_any_number_of_joints_takes_the_balanced_bend(number):
-    with Robot(f"virtual:fast:joints={number}") as robot:
-        robot.set("pose_speed", 360)
-        robot.bent(0.2, -0.03)
-        *_, frame = robot.frames(1.0 + 0.15 * number)
-        bent = [0.2 * k - 0.03 for k in joint_multiples(balanced_signs(number + 1))]
-        assert frame.setpoint_rad == pytest.approx(bent, abs=2e-4)
 
 
 def test_three_links_have_no_balanced_bend_and_other_numbers_no_board():
