@@ -395,7 +395,7 @@ def bench_test(r: Random) -> Answer:
         angle += math.copysign(min(abs(step), math.degrees(speed) * 0.02), step)
         rows.append(f"{k / 50},{goal},{angle + r.gauss(0, 0.5)}\n")
     Path("bench.csv").write_text("t_s,setpoint_deg,angle_deg\n" + "".join(rows))
-    told = asked("servo", "--test", "bench.csv")["told"].get("no_load_rad_s")
+    told = asked("servo", "--test", "bench.csv")["determined"].get("no_load_rad_s")
     return (
         {"no_load_rad_s": [told["value"], FITTED * told["sigma"] * told["value"]]} if told else {}
     )

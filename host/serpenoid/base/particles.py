@@ -21,6 +21,9 @@ FREEDOM, WIDER = 6.0, 1.15  # of Student's distribution about a mode: tails, and
 MOVES = 6  # of every particle after a step, and twice as many after the last
 _LENGTHS = (0.2, 0.4, 0.6, 1.0)  # of the difference of two particles
 _JITTER = 0.02  # standard deviations of the particles
+_CROSSOVERS = (0.2, 0.5, 1.0)  # shares of the parameters that a move changes
+_WHOLE = 0.1  # share of moves by the whole difference, from one maximum to another
+_SNAPSHOTS = 4  # of all samples, a fixed number of moves apart
 
 
 @dataclass(frozen=True)
@@ -52,32 +55,27 @@ class Student:
         return np.asarray(head - 0.5 * (size * math.log(FREEDOM * math.pi) + far))
 
 
-def about_a_maximum(
-    centre: Floats, root: Floats, log_density: LogDensity, count: int, moves: int, seed: int
-) -> Floats:
-    """Return (count, D) samples of a density near one of its maxima, where it is nearly normal.
+def explored(x: Floats, log_density: LogDensity, moves: int, rng: np.random.Generator) -> Floats:
+    """Return samples (M, N, D) of a density, from M equally spaced moves of the second half.
 
-    centre (D,), root (D, D): of the normal distribution that touches it there. Each sample moves by
-    itself: towards the centre and on by a part of a normal one, which is always accepted of a
-    normal density (preconditioned Crank-Nicolson), or to and fro.
+    x (N, D): where they begin, about the maxima. Each sample moves by the difference of two others
+    in all of its parameters or in some (differential evolution with crossover, Vrugt 2009). The
+    first follows a narrow ridge, the second widens parameters that the density hardly limits.
     """
-    rng = np.random.default_rng(seed)
-    unit = rng.normal(size=(count, centre.size))
-    log = log_density(centre + unit @ root.T)
+    count = len(x)
+    log, kept = log_density(x), []
     for k in range(moves):
-        step = rng.normal(size=unit.shape)
-        if k % 2:
-            part = rng.uniform(0.05, 0.7, size=(count, 1))
-            tried = np.sqrt(1 - part**2) * unit + part * step
-        else:
-            tried = unit + 0.5 * rng.exponential(size=(count, 1)) / math.sqrt(centre.size) * step
-        new = log_density(centre + tried @ root.T)
-        gain = new - log
-        if k % 2:
-            gain += 0.5 * np.sum(tried**2 - unit**2, axis=1)
-        taken = np.log(rng.uniform(size=count)) < gain
-        unit, log = np.where(taken[:, None], tried, unit), np.where(taken, new, log)
-    return np.asarray(centre + unit @ root.T)
+        pair = x[rng.permutation(count)] - x[rng.permutation(count)]
+        pair += _JITTER * x.std(axis=0) * rng.normal(size=x.shape)
+        moved = rng.random(x.shape) < rng.choice(_CROSSOVERS, size=(count, 1))
+        length = rng.uniform(0.5, 1.7, (count, 1)) / np.sqrt(np.maximum(moved.sum(1), 1))[:, None]
+        tried = x + np.where(rng.random((count, 1)) < _WHOLE, 1.0, length) * moved * pair
+        new = log_density(tried)
+        taken = np.log(rng.random(count)) < new - log
+        x, log = np.where(taken[:, None], tried, x), np.where(taken, new, log)
+        if k >= moves // 2 and (moves - 1 - k) % (moves // (2 * _SNAPSHOTS)) == 0:
+            kept.append(x)
+    return np.array(kept)
 
 
 def alike(log: Floats) -> float:

@@ -15,13 +15,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base.errors import BadInput
-from ..base.maxima import LOG_DENSITY_RANGE, Maximum, log_density, maxima
-from ..base.particles import about_a_maximum
+from ..base.maxima import Maximum, log_density, maxima
+from ..base.particles import explored
 from ..model.drives import ServoKind
-from .bench_test import UNREPORTED, Array, BenchModel, BenchTest, Values
+from .bench_test import UNREPORTED, Array, BenchModel, BenchTest, Prior, Values
 
-# With 100 moves of each sample the tails of friction and dead band were too short.
-SAMPLES, MOVES, KEPT = 256, 250, 128
+# With half the moves the tails of friction and dead band are too short.
+POPULATION, MOVES = 96, 400  # samples that move together, at each rate of the loop
+SAMPLES, KEPT = 384, 128  # that intervals are made of, and servos in a file
 DRAWN_STARTS, BEST_STARTS = 1024, 8  # servos drawn; least squares start from the best of them
 START_SIGMAS = 1.5  # width of what starts are drawn from, in standard deviations of the priors
 MIN_P_VALUE = 0.01  # below it the model does not describe the table
@@ -51,15 +52,13 @@ class Measured(NamedTuple):
 class Verdict(NamedTuple):
     """Whether the model describes a table: p-value, and the rows where residuals are largest.
 
-    variance_ratio: the residuals' variance over that of the noise, at least 1; chi2: over the
-    stated noise.
+    variance_ratio: the residuals' variance over that of the noise, at least 1.
     """
 
     p_value: float
     worst_s: float
     worst_rad: float
     variance_ratio: float
-    chi2: float
 
     @property
     def describes(self) -> bool:
@@ -92,52 +91,40 @@ class MeasuredServo:
 
 
 class _Fit(NamedTuple):
-    """A model, the noise that its residuals are measured by, and maxima of its posterior."""
+    """A model of the table, and the maxima of its posterior, the highest first."""
 
     model: BenchModel
-    noise_rad: float
     maxima: list[Maximum]
 
-    def residuals(self, x: Array) -> Array:
-        """Return (K, T) what the model has above the table, over the noise."""
-        return (self.model.angles(x) - self.model.test.angle_rad) / self.noise_rad
-
-    def improved(self, starts: Array) -> _Fit:
-        """Return the fit with the maxima that least squares reach from starts."""
-        return self._replace(maxima=maxima(self.residuals, starts))
-
     @property
-    def log_density(self) -> float:
-        """Return the logarithm of the highest density."""
-        return self.maxima[0].log_density
+    def log_mass(self) -> float:
+        """Return the logarithm of the mass about the maximum that has most."""
+        return max(one.log_mass for one in self.maxima)
 
 
-def _searched(fit: _Fit, continuous: _Fit | None, rng: np.random.Generator) -> _Fit:
+def _searched(model: BenchModel, continuous: _Fit | None, rng: np.random.Generator) -> _Fit:
     """Return the fit of a model from the best of many servos that are drawn.
 
-    continuous: the fit of a continuous loop, whose zero, gain and delays the drawn ones have.
+    continuous: the fit of a continuous loop, whose zero, gain and delays the drawn ones have. Each
+    step of a sampled loop waits for a sample, up to a period longer or shorter.
     """
-    from scipy.special import ndtri
-    from scipy.stats import qmc
-
-    model = fit.model
-    even = qmc.Sobol(model.size, seed=rng).random(DRAWN_STARTS)  # pyright: ignore[reportCallIssue] (older SciPy)
-    starts = START_SIGMAS * ndtri(np.clip(even, 1e-9, 1 - 1e-9))
+    starts = START_SIGMAS * rng.normal(size=(DRAWN_STARTS, model.size))
     first_step = len(model.names)
     starts[:, first_step:] = 0.0
     if continuous is not None:
         x = continuous.maxima[0].x
-        delay = model.names.index("delay_s")
         for column in (model.names.index(name) for name in ("zero_rad", "gain", "start_rad")):
             starts[:, column] = x[column]
+        delay = model.names.index("delay_s")
         starts[:, delay] = x[delay] - 0.5 * model.period_s / model.priors["delay_s"].sigma
-        ratio = continuous.model.step_sigma_s / model.step_sigma_s
-        starts[:, first_step:] = ratio * x[first_step:]
-    misfit = np.sum(fit.residuals(starts) ** 2, axis=1)
-    return fit.improved(starts[np.argsort(misfit)[:BEST_STARTS]])
+        waits_s = model.period_s * rng.uniform(-0.5, 0.5, (DRAWN_STARTS, model.steps))
+        delays_s = continuous.model.step_delays_s(x) + waits_s
+        starts[:, first_step:] = delays_s / model.step_sigma_s
+    misfit = np.sum(model.residuals(starts) ** 2, axis=1)
+    return _Fit(model, maxima(model.residuals, starts[np.argsort(misfit)[:BEST_STARTS]]))
 
 
-def _verdict(fit: _Fit) -> Verdict:
+def _verdict(model: BenchModel, best: Maximum) -> Verdict:
     """Return whether residuals are as large as the noise, and have no pattern.
 
     Two tests: the sum of squares over the noise that was stated; and means of neighbouring rows,
@@ -146,31 +133,26 @@ def _verdict(fit: _Fit) -> Verdict:
     """
     from scipy.special import chdtrc, fdtrc
 
-    test, best = fit.model.test, fit.maxima[0]
-    residual = -fit.residuals(best.x[None])[0]
-    chi2 = float(np.sum(residual**2))
-    freedom = max(residual.size - best.determined, 1.0)
+    test, residual = model.test, -model.residuals(best.x[None])[0]
+    chi2, freedom = float(residual @ residual), max(residual.size - best.determined, 1.0)
     blocks = np.array_split(residual, max(residual.size // BLOCK_ROWS, 1))
     means = np.array([block.mean() * math.sqrt(block.size) for block in blocks])
-    between_freedom = len(blocks) - best.determined
-    within_freedom = residual.size - len(blocks)
+    between_freedom, within_freedom = len(blocks) - best.determined, residual.size - len(blocks)
     p_values, ratio = [], max(chi2 / freedom, 1.0)
     if between_freedom >= MIN_BLOCKS:
-        floor = (test.resolution_rad / fit.noise_rad) ** 2 / 12
-        within = max((chi2 - float(means @ means)) / within_freedom, floor, 1e-18)
+        rounding = max((test.resolution_rad / model.noise_rad) ** 2 / 12, 1e-18)
+        within = max((chi2 - float(means @ means)) / within_freedom, rounding)
         between = float(means @ means) / between_freedom
         p_values.append(float(fdtrc(between_freedom, within_freedom, between / within)))
         ratio = max(ratio, between)
     if test.sigma_rad is not None or not p_values:
         p_values.append(float(chdtrc(freedom, chi2)))
     worst = int(np.argmax(np.abs(means)))
-    row = sum(block.size for block in blocks[:worst]) + blocks[worst].size // 2
     return Verdict(
         -math.expm1(len(p_values) * math.log1p(-min(*p_values, 1 - 1e-15))),
-        float(test.t_s[row]),
-        float(blocks[worst].mean()) * fit.noise_rad,
+        float(np.array_split(test.t_s, len(blocks))[worst].mean()),
+        float(blocks[worst].mean()) * model.noise_rad,
         ratio,
-        chi2,
     )
 
 
@@ -183,70 +165,62 @@ def servo_of_test(
             f"servo {like.name!r} has no uncertainty to fit; take `hobby`, or a data sheet's"
         )
     rng = np.random.default_rng(seed)
-    continuous = _searched(_Fit(BenchModel(test, like, 0.0), test.noise_rad, []), None, rng)
-    fits = [continuous]
+    fits = [_searched(BenchModel(test, like, 0.0), None, rng)]
     for update_hz in sorted({*(like.updates_hz or (like.servo.update_hz,))} - {0.0}):
-        fit = _Fit(BenchModel(test, like, update_hz), test.noise_rad, [])
-        fits.append(_searched(fit, continuous, rng))
-    best = max(fits, key=lambda fit: fit.log_density)
-    verdict = _verdict(best)
+        fits.append(_searched(BenchModel(test, like, update_hz), fits[0], rng))
+    best = max(fits, key=lambda fit: fit.maxima[0].log_density)
+    verdict = _verdict(best.model, best.maxima[0])
     if not verdict.describes:
-        noise_rad = test.noise_rad * math.sqrt(verdict.variance_ratio)
-        fits = [
-            fit._replace(noise_rad=noise_rad).improved(np.array([one.x for one in fit.maxima]))
-            for fit in fits
-        ]
-        best = max(fits, key=lambda fit: fit.log_density)
-    parts = _sampled(fits, best.log_density, rng)
-    kept = [servo for fit, x in parts for servo in fit.model.servos(fit.model.samples(x, rng), rng)]
-    kept = [kept[k] for k in rng.permutation(len(kept))[:KEPT]]
+        for fit in fits:
+            fit.model.noise_rad *= math.sqrt(verdict.variance_ratio)
+            starts = np.array([one.x for one in fit.maxima])
+            fit.maxima[:] = maxima(fit.model.residuals, starts)
+    parts = _sampled(fits, rng)
+    samples = [model.samples(x, rng) for model, x in parts]
+    model, x = max(parts, key=lambda part: len(part[1]))
+    named = zip(
+        [*model.names, *(f"step {k}" for k in range(model.steps))],
+        np.median(x, axis=0).tolist(),
+        strict=True,
+    )
+    servos = [model.servos(values, rng) for (model, _), values in zip(parts, samples, strict=True)]
+    kept = [servo for one in servos for servo in one]
+    kept = tuple(kept[k] for k in rng.permutation(len(kept))[:KEPT])
     typical = best.model.servos(best.model.values(best.maxima[0].x[None]), rng)[0]
     source = f"a bench test of one joint, from {like.name}"
-    kind = ServoKind(name, typical, {}, (), source, tuple(kept))
-    return MeasuredServo(kind, _measured(parts, rng), verdict, _outside(parts))
+    return MeasuredServo(
+        ServoKind(name, typical, {}, (), source, kept),
+        {
+            key: _measured(key, model.priors[key], samples)
+            for key in model.names
+            if key not in UNREPORTED
+        },
+        verdict,
+        {key: off for key, off in named if abs(off) > FAR_SIGMAS},
+    )
 
 
-def _sampled(
-    fits: list[_Fit], highest: float, rng: np.random.Generator
-) -> list[tuple[_Fit, Array]]:
-    """Return samples (K, P) about each maximum of the fits, by the mass about it."""
-    pairs = [
-        (fit, one)
-        for fit in fits
-        for one in fit.maxima
-        if one.log_density > highest - LOG_DENSITY_RANGE
-    ]
-    masses = np.array([one.log_mass for _, one in pairs])
-    share = np.cumsum(np.exp(masses - masses.max()))
-    counts = np.diff(np.round(SAMPLES * share / share[-1]), prepend=0.0).astype(int)
+def _sampled(fits: list[_Fit], rng: np.random.Generator) -> list[tuple[BenchModel, Array]]:
+    """Return samples (K, P) of each fit that counts, as many as its mass says."""
+    masses = np.array([fit.log_mass for fit in fits])
+    shares = np.exp(masses - masses.max())
+    counts = np.round(SAMPLES * shares / shares.sum()).astype(int).tolist()
     parts = []
-    for (fit, one), count in zip(pairs, counts.tolist(), strict=True):
+    for (model, peaks), count in zip(fits, counts, strict=True):
         if count:
-            density = partial(log_density, fit.residuals)
-            seed = int(rng.integers(2**31))
-            parts.append((fit, about_a_maximum(one.x, one.root, density, count, MOVES, seed)))
+            weights = np.exp([one.log_mass - masses.max() for one in peaks])
+            chosen = rng.choice(len(peaks), POPULATION, p=weights / weights.sum())
+            normal = rng.normal(size=(POPULATION, model.size))
+            offsets = [peaks[k].root @ one for k, one in zip(chosen, normal, strict=True)]
+            x = np.array([peaks[k].x for k in chosen]) + offsets
+            x = np.concatenate(explored(x, partial(log_density, model.residuals), MOVES, rng))
+            parts.append((model, x[rng.permutation(len(x))[:count]]))
     return parts
 
 
-def _measured(parts: list[tuple[_Fit, Array]], rng: np.random.Generator) -> dict[str, Measured]:
-    """Return the values with their intervals, and what was known of them without the test."""
-    samples: list[Values] = [fit.model.samples(x, rng) for fit, x in parts]
-    model = parts[0][0].model
-    measured = {}
-    for name in model.names:
-        if name in UNREPORTED:
-            continue
-        prior = model.priors[name]
-        values = np.concatenate([part[name] for part in samples])
-        middle, low, high = np.quantile(values, (0.5, 0.025, 0.975)).tolist()
-        spread = np.log(np.abs(values)) if prior.logarithmic else values
-        measured[name] = Measured(middle, low, high, prior.sigma, float(spread.std()))
-    return measured
-
-
-def _outside(parts: list[tuple[_Fit, Array]]) -> dict[str, float]:
-    """Return the parameters that lie far from what is usual, and by how many sigma."""
-    fit, x = max(parts, key=lambda part: len(part[1]))
-    names = [*fit.model.names, *(f"step {k}" for k in range(fit.model.steps))]
-    middle = np.median(x, axis=0).tolist()
-    return {name: off for name, off in zip(names, middle, strict=True) if abs(off) > FAR_SIGMAS}
+def _measured(name: str, prior: Prior, samples: list[Values]) -> Measured:
+    """Return a value with its interval, and what was known of it without the test."""
+    values = np.concatenate([part[name] for part in samples])
+    middle, low, high = np.quantile(values, (0.5, 0.025, 0.975)).tolist()
+    spread = np.log(np.abs(values)) if prior.logarithmic else values
+    return Measured(middle, low, high, prior.sigma, float(spread.std()))

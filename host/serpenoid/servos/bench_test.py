@@ -11,20 +11,18 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from .. import _core
 from ..base.checks import check_number
 from ..base.errors import BadInput
-from ..base.vectors import finite_vector
 from ..model.drives import Servo, ServoKind
 
 Array = NDArray[np.float64]
 Values = dict[str, Array]
 GRAVITY_M_S2 = 9.81
 MIN_ROWS, MAX_TEST_S = 10, 20.0
-MAX_STEPS = 40  # with a delay of their own; a gait's setpoints share one delay
-MIN_STEP_S = 0.05  # between such steps, longer than two frames of a board
+MAX_STEPS = 40  # with a delay of their own; a gait has more setpoints, which share one delay
 
 
 @dataclass(frozen=True)
@@ -40,9 +38,8 @@ class Load:
     down_rad: float = 0.0
 
     def __post_init__(self) -> None:
-        check_number("mass_kg", self.mass_kg, 0.0, open_low=True)
-        check_number("distance_m", self.distance_m, 0.0, open_low=True)
-        check_number("down_rad", self.down_rad)
+        for name in ("mass_kg", "distance_m"):
+            check_number(name, getattr(self, name), 0.0, open_low=True)
 
 
 @dataclass(frozen=True)
@@ -50,41 +47,27 @@ class BenchTest:
     """What was sent to one joint, and the angles that were seen.
 
     t_s (T,), rising; setpoint_rad (T,), each held until the next time; angle_rad (T,), with the
-    standard deviation sigma_rad; None: the table's own scatter. inertia_kg_m2: of what the servo
-    turns, beside the load. sent_s (T,): when the row's setpoint was sent, by the host's clock; None
-    for the row's time. Raises BadInput.
+    standard deviation sigma_rad; None: the table's own scatter. sent_s (T,): when the row's
+    setpoint was sent, by the host's clock; None for the row's time. Raises BadInput.
     """
 
     t_s: Array
     setpoint_rad: Array
     angle_rad: Array
     sigma_rad: float | None = None
-    inertia_kg_m2: float = 0.0
     load: Load | None = None
     sent_s: Array | None = None
 
     def __post_init__(self) -> None:
-        names = ["t_s", "setpoint_rad", "angle_rad"]
-        names += ["sent_s"] if self.sent_s is not None else []
-        for name in names:
-            given: ArrayLike = getattr(self, name)
-            count = np.size(given)
-            object.__setattr__(self, name, np.array(finite_vector(name, given, count), dtype=float))
-        if len({getattr(self, name).size for name in names}) != 1:
-            raise BadInput(f"{', '.join(names)} must have one value each row")
-        if self.t_s.size < MIN_ROWS or not (np.diff(self.t_s) > 0).all():
+        rows, lasts_s = self.t_s.size, float(np.ptp(self.t_s))
+        if rows < MIN_ROWS or not (np.diff(self.t_s) > 0).all():
             raise BadInput(
-                f"a bench test needs {MIN_ROWS} rows or more at rising times; got {self.t_s.size}"
+                f"a bench test needs {MIN_ROWS} rows or more at rising times; got {rows}"
             )
-        if np.ptp(self.t_s) > MAX_TEST_S:
-            raise BadInput(
-                f"the test lasts {np.ptp(self.t_s):.3g} s; give {MAX_TEST_S:.0f} s at most"
-            )
+        if lasts_s > MAX_TEST_S:
+            raise BadInput(f"the test lasts {lasts_s:.3g} s; give {MAX_TEST_S:.0f} s at most")
         if np.ptp(self.setpoint_rad) == 0:
             raise BadInput("the setpoint never changes; send a step, or a gait")
-        if self.sigma_rad is not None:
-            check_number("sigma_rad", self.sigma_rad, 0.0, 1.0, open_low=True)
-        check_number("inertia_kg_m2", self.inertia_kg_m2, 0.0)
 
     @property
     def resolution_rad(self) -> float:
@@ -165,13 +148,12 @@ def servo_priors(kind: ServoKind) -> dict[str, Prior]:
         "dead_band_rad": (servo.dead_band_rad, "dead_band_rad"),
         "supply_sag": (servo.supply_sag, "supply_sag"),
     }
-    priors = {
-        name: Prior(value, sigma.get(field, 0.0), logarithmic=True)
-        for name, (value, field) in typical.items()
-    }
-    for name in ("stall_torque_nm", "no_load_rad_s"):  # at a voltage that nobody may have measured
-        spread = math.hypot(priors[name].sigma, sigma.get("supply_v", 0.0))
-        priors[name] = priors[name]._replace(sigma=spread)
+    priors = {}
+    for name, (value, field) in typical.items():
+        # Torque and speed are those at a voltage that nobody may have measured.
+        at_volts = field in ("torque_limit_nm", "speed_limit_rad_s")
+        volts = sigma.get("supply_v", 0.0) if at_volts else 0.0
+        priors[name] = Prior(value, math.hypot(sigma.get(field, 0.0), volts), logarithmic=True)
     derivative = (servo.damping_nms_rad - line) / max(servo.stiffness_nm_rad, 1e-12)
     return priors | {"derivative_s": Prior(derivative, DERIVATIVE_S)}
 
@@ -195,21 +177,21 @@ class BenchModel:
         self.setpoints_rad = test.setpoint_rad[np.r_[0, changes]]
         self.sent_s = np.r_[test.t_s[0], sent_s[changes]]
         self.start_rad = float(np.mean(test.angle_rad[: changes[0]][-5:]))
-        single = changes.size < 2 or np.median(np.diff(sent_s[changes])) > MIN_STEP_S
-        self.steps = changes.size if single and changes.size <= MAX_STEPS else 0
+        self.steps = changes.size if changes.size <= MAX_STEPS else 0
         # A step waits for the loop's next sample, up to a period.
         self.step_sigma_s = math.hypot(STEP_DELAY_S, self.period_s / math.sqrt(12))
         self.size = len(self.names) + self.steps
+        self.noise_rad = test.noise_rad
 
     def values(self, x: Array) -> Values:
         """Return each parameter in its own unit, (K,), of parameters (K, P)."""
-        columns = dict(zip(self.names, x.T, strict=False))
-        zeros = np.zeros(len(x))
-        return {name: prior.value(columns.get(name, zeros)) for name, prior in self.priors.items()}
+        columns = dict.fromkeys(self.priors, np.zeros(len(x)))
+        columns |= zip(self.names, x.T, strict=False)
+        return {name: prior.value(columns[name]) for name, prior in self.priors.items()}
 
     def step_delays_s(self, x: Array) -> Array:
-        """Return how much later than the others each step takes effect, (K, steps)."""
-        return self.step_sigma_s * x[:, len(self.names) :]
+        """Return how much later than the others each step takes effect, (..., steps)."""
+        return self.step_sigma_s * x[..., len(self.names) :]
 
     def fields(self, values: Values) -> Values:
         """Return the fields of servos with such values; the angles' own gain is left as it is.
@@ -234,6 +216,7 @@ class BenchModel:
             "gear_friction_nm": friction * torque,
             "gear_damping_nms_rad": gear * line,
             "supply_sag": sag,
+            "update_hz": np.full_like(sag, self.update_hz),
         }
 
     def angles(self, x: Array) -> Array:
@@ -241,36 +224,36 @@ class BenchModel:
         values, test, load = self.values(x), self.test, self.test.load
         gain, zero = values["gain"], values["zero_rad"]
         fields = self.fields(values)
-        inertia = test.inertia_kg_m2
         moment_nm = down_rad = np.zeros(len(x))
+        inertia = 0.0 if load is None else load.mass_kg * load.distance_m**2
         if load is None:
             at_0, at_90 = (values[name] for name in UNSTATED_LOAD)
             moment_nm = fields["torque_limit_nm"] * np.hypot(at_0, at_90)
             down_rad = -np.arctan2(at_0, at_90)
-        else:
-            inertia += load.mass_kg * load.distance_m**2
-            if load.level:
-                weight = load.mass_kg * load.distance_m * GRAVITY_M_S2
-                moment_nm = weight * values["load_moment_ratio"]
-                down_rad = load.down_rad + values["load_down_rad"]
+        elif load.level:
+            weight = load.mass_kg * load.distance_m * GRAVITY_M_S2
+            moment_nm = weight * values["load_moment_ratio"]
+            down_rad = load.down_rad + values["load_down_rad"]
         fields |= {
-            "update_hz": np.full(len(x), self.update_hz),
             "gain": gain,
             "gravity_nm": moment_nm * np.sign(gain),  # of mirrored angles, too
             "gravity_angle_rad": zero - down_rad,
-            "load_inertia_kg_m2": np.full(len(x), inertia),
+            "load_inertia_kg_m2": inertia,
             "start_rad": (self.start_rad + values["start_rad"] - zero) / gain,
         }
         effect_s = self.sent_s + values["delay_s"][:, None] + 0.5 * self.period_s
         if self.steps:
             effect_s[:, 1:] += self.step_delays_s(x)
         effect_s = np.ascontiguousarray(np.maximum.accumulate(effect_s, axis=1))
-        zeros = np.zeros(len(x))
-        joints = np.column_stack([fields.get(name, zeros) for name in _core.BENCH_FIELDS])
-        angles = _core.bench_angles(
-            np.ascontiguousarray(joints), self.setpoints_rad, effect_s, test.t_s
-        )
+        joints = np.zeros((len(x), len(_core.BENCH_FIELDS)))
+        for column, name in enumerate(_core.BENCH_FIELDS):
+            joints[:, column] = fields.get(name, 0.0)
+        angles = _core.bench_angles(joints, self.setpoints_rad, effect_s, test.t_s)
         return gain[:, None] * angles + zero[:, None]
+
+    def residuals(self, x: Array) -> Array:
+        """Return (K, T) what the model has above the table, over the noise."""
+        return (self.angles(x) - self.test.angle_rad) / self.noise_rad
 
     def samples(self, x: Array, rng: np.random.Generator) -> Values:
         """Return what such parameters say of servo and table, by name, (K,).
@@ -282,12 +265,12 @@ class BenchModel:
         """
         values = self.values(x)
         gain = np.where(rng.random(len(x)) < 0.5, np.abs(values["gain"]), 1.0)
-        values["no_load_rad_s"] = values["no_load_rad_s"] * gain
-        values["dead_band_rad"] = values["dead_band_rad"] * gain
-        values["stiffness_over_torque"] = values["stiffness_over_torque"] / gain
-        values["delay_s"] = values["delay_s"] + self.period_s * rng.uniform(-0.5, 0.5, len(x))
+        values["no_load_rad_s"] *= gain
+        values["dead_band_rad"] *= gain
+        values["stiffness_over_torque"] /= gain
+        values["delay_s"] += self.period_s * rng.uniform(-0.5, 0.5, len(x))
         if self.steps:
-            values["delay_s"] = values["delay_s"] + self.step_delays_s(x).mean(axis=1)
+            values["delay_s"] += self.step_delays_s(x).mean(axis=1)
         return values
 
     def servos(self, values: Values, rng: np.random.Generator) -> list[Servo]:
@@ -296,21 +279,19 @@ class BenchModel:
         half_width = math.sqrt(3) * self.kind.sigma.get("supply_v", 0.0)
         count = values["no_load_rad_s"].size
         fields["supply_v"] = typical.supply_v * np.exp(rng.uniform(-half_width, half_width, count))
-        fixed = {"frame_s": typical.frame_s, "update_hz": self.update_hz}
         rows = np.column_stack(list(fields.values())).tolist()
-        return [Servo(**dict(zip(fields, row, strict=True)), **fixed) for row in rows]
+        return [
+            Servo(**dict(zip(fields, row, strict=True)), frame_s=typical.frame_s) for row in rows
+        ]
 
 
 def _sign_of_angles(test: BenchTest) -> float:
     """Return 1, or -1 where the angle turns the other way. Raises BadInput for another unit."""
-    slopes = []
-    seen = test.angle_rad - test.angle_rad.mean()
+    seen, slope = test.angle_rad - test.angle_rad.mean(), 0.0
     for late_s in np.arange(0.0, 0.31, 0.02):
-        index = np.searchsorted(test.t_s, test.t_s - late_s, side="right") - 1
-        sent = test.setpoint_rad[np.maximum(index, 0)]
-        sent = sent - sent.mean()
-        slopes.append(float(sent @ seen / max(sent @ sent, 1e-12)))
-    slope = max(slopes, key=abs)
+        sent = np.interp(test.t_s - late_s, test.t_s, test.setpoint_rad)
+        sent -= sent.mean()
+        slope = max(slope, float(sent @ seen / max(sent @ sent, 1e-12)), key=abs)
     if not 0.1 < abs(slope) < 1.7:
         raise BadInput(
             f"the angle moves by {slope:.2g} degrees for a degree of the setpoint; both must be "

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -47,29 +48,31 @@ def load_servo(path: str | Path) -> ServoKind:
     """
     top = Table.load(Path(path))
     top.check_format(FORMAT)
-    others = ("name", "source", "sigma", "updates_hz", "drawn", "remark")
-    top.only("format", "servo", optional=others)
+    readers: dict[str, Callable[[str], Any]] = {
+        "name": top.string,
+        "source": top.string,
+        "remark": top.string,
+        "updates_hz": lambda key: top.numbers(key, 0.0, 1e4),
+        "sigma": lambda key: _numbers(top.table(key), UNCERTAIN, 0.0, 3.0),
+        "drawn": lambda key: _drawn(top.table(key).without_removed(REMOVED), servo),
+    }
+    top.only("format", "servo", optional=tuple(readers))
     table = top.table("servo").without_removed(REMOVED)
-    table.only(optional=_FIELDS)
-    values: dict[str, Any] = {name: table.number(name) for name in table.values}
     with located(table.heading):
-        servo = Servo(**values)
-    sigma: dict[str, float] = {}
-    if "sigma" in top.values:
-        doubt = top.table("sigma")
-        doubt.only(optional=UNCERTAIN)
-        sigma = {name: doubt.number(name, 0.0, 3.0) for name in doubt.values}
-    name = top.string("name") if "name" in top.values else Path(path).stem
-    source = top.string("source") if "source" in top.values else str(path)
-    updates = top.numbers("updates_hz", 0.0, 1e4) if "updates_hz" in top.values else ()
-    drawn = _load_drawn(top, servo) if "drawn" in top.values else ()
-    remark = top.string("remark") if "remark" in top.values else ""
-    return ServoKind(name, servo, sigma, updates, source, drawn, remark)
+        servo = Servo(**_numbers(table, _FIELDS))
+    given: dict[str, Any] = {"name": Path(path).stem, "source": str(path)}
+    given |= {key: read(key) for key, read in readers.items() if key in top.values}
+    return ServoKind(servo=servo, **given)
 
 
-def _load_drawn(top: Table, typical: Servo) -> tuple[Servo, ...]:
+def _numbers(table: Table, names: tuple[str, ...], *limits: float) -> dict[str, float]:
+    """Return the numbers of a table that has some of these names."""
+    table.only(optional=names)
+    return {name: table.number(name, *limits) for name in table.values}
+
+
+def _drawn(table: Table, typical: Servo) -> tuple[Servo, ...]:
     """Return the servos of [drawn]: lists of equal length, by field."""
-    table = top.table("drawn").without_removed(REMOVED)
     table.only(optional=_FIELDS)
     columns = {name: table.numbers(name) for name in table.values}
     counts = {len(values) for values in columns.values()}
@@ -104,13 +107,10 @@ def save_servo(kind: ServoKind, path: str | Path) -> None:
     import tomli_w
 
     values: dict[str, Any] = {"format": FORMAT, "name": kind.name}
-    if kind.source:
-        values["source"] = kind.source
-    if kind.remark:
-        values["remark"] = kind.remark
-    if kind.updates_hz:
-        values["updates_hz"] = list(kind.updates_hz)
-    values["servo"] = {name: getattr(kind.servo, name) for name in _FIELDS}
+    for key in ("source", "remark", "updates_hz"):
+        if getattr(kind, key):
+            values[key] = getattr(kind, key)
+    values["servo"] = asdict(kind.servo)
     if kind.sigma:
         values["sigma"] = dict(kind.sigma)
     if kind.drawn:

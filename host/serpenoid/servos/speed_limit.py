@@ -64,23 +64,13 @@ def too_fast_text(gait: Gait, servo: Servo | ServoKind | None, gait_name: str = 
     if servo is None or not is_too_fast(gait, servo):
         return ""
     rate_rad_s, limit_rad_s = joint_rate_rad_s(gait), MAX_NO_LOAD_SHARE * no_load_rad_s(servo)
-    digits = 2
-    while digits < 6 and f"{rate_rad_s:.{digits}g}" == f"{limit_rad_s:.{digits}g}":
-        digits += 1
+    apart = (d for d in range(2, 6) if f"{rate_rad_s:.{d}g}" != f"{limit_rad_s:.{d}g}")
+    digits = next(apart, 6)
+    highest = highest_hz(gait, servo)
+    unit_hz = 10.0 ** (math.floor(math.log10(highest)) - 1)  # of its second digit
     too_fast = f"{gait_name} is too fast" if gait_name else "Too fast"
     return (
         f"{too_fast} for {typical_servo_name(servo)}: the joints must turn at "
         f"{rate_rad_s:.{digits}g} rad/s; the limit is {speed_limit_text(servo, digits)}. "
-        f"Stay below {_frequency_text(gait, highest_hz(gait, servo))} Hz."
+        f"Stay below {math.floor(MAX_ROUNDING * highest / unit_hz) * unit_hz:.2g} Hz."
     )
-
-
-def _frequency_text(gait: Gait, limit_hz: float) -> str:
-    """Return the limit with 2 digits, or with more where they would be too high to heed."""
-    frequency_hz, digits = gait.omega_rad_s / math.tau, 2
-    while digits < 6:
-        rounded_hz = float(f"{limit_hz:.{digits}g}")
-        if rounded_hz <= MAX_ROUNDING * limit_hz and rounded_hz < frequency_hz:
-            break
-        digits += 1
-    return f"{limit_hz:.{digits}g}"

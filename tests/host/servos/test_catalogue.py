@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -79,18 +78,6 @@ def test_voltage_moves_torque_and_speed_and_leaves_the_gear() -> None:
         sn.Servo().at_volts(5.0)
 
 
-def test_every_kind_is_a_servo_that_does_not_hunt() -> None:
-    for name, kind in SERVOS.items():
-        assert kind.name == name
-        assert kind.source
-        assert not kind.exact
-        assert 0 < loop_radius(kind.servo) < 0.97
-        # no servo is without rotor or gear; motors come to speed in 10 to 100 ms
-        line = kind.servo.torque_limit_nm / kind.servo.speed_limit_rad_s
-        assert 0.01 < kind.servo.armature_kg_m2 / line < 0.1
-        assert kind.servo.gear_friction_nm < 0.2 * kind.servo.torque_limit_nm
-
-
 def sheet_rows() -> list[list[str]]:
     """Return the rows of the docs' table that have a sheet's numbers: name, kg cm, s, V, ..."""
     text = (Path(__file__).parents[3] / "docs" / "servos.md").read_text(encoding="utf-8")
@@ -112,29 +99,6 @@ def test_a_servo_does_what_its_sheet_says(row: list[str]) -> None:
     assert 0.015 < servo.gear_friction_nm / servo.torque_limit_nm < 0.13
 
 
-def test_draws_have_the_sigma_and_follow_torque_and_speed() -> None:
-    base = sn.Servo(2.0, 0.05, 0.4, 8.0, 0.005, 2e-3, 0.02, 4e-3)
-    kind = sn.ServoKind("x", base, {"torque_limit_nm": 0.3, "armature_kg_m2": 0.4})
-    drawn = kind.draws(2000, seed=1)
-
-    def sigma(value) -> float:
-        return float(np.std([math.log(value(one)) for one in drawn]))
-
-    assert sigma(lambda s: s.torque_limit_nm) == pytest.approx(0.3, rel=0.05)
-    assert sigma(lambda s: s.armature_kg_m2 / s.torque_limit_nm) == pytest.approx(0.4, rel=0.05)
-    for name in ("stiffness_nm_rad", "damping_nms_rad", "gear_friction_nm"):
-        ratios = [getattr(s, name) / s.torque_limit_nm for s in drawn]
-        assert np.ptp(ratios) < 1e-12
-    assert drawn == kind.draws(2000, seed=1) != kind.draws(2000, seed=2)
-    assert sn.ServoKind("x", base).draws(3) == [base] * 3
-
-
-def test_drawn_servos_do_not_hunt_and_look_as_often_as_the_kind_says() -> None:
-    drawn = sn.servo().draws(300)
-    assert max(map(loop_radius, drawn)) < 0.97
-    assert {s.update_hz for s in drawn} == {50.0, 300.0}
-
-
 def test_the_loop_radius_is_that_of_a_simulated_swing() -> None:
     """A held loop with a rotor, stepped finely: its swing falls by the factor from look to look."""
     servo = sn.Servo(3.0, 0.05, 0.4, 8.0, 0.0, 2e-3, 0.0, 3e-3, 50.0)
@@ -154,14 +118,9 @@ def test_a_kind_comes_back_from_its_file(tmp_path: Path) -> None:
     for kind in SERVOS.values():
         path = tmp_path / f"{kind.name}.toml"
         sn.save_servo(kind, path)
+        old = path.read_text().replace("[servo]\n", "[servo]\nbacklash_rad = 0.0\n")
+        path.write_text(old)  # as files of earlier states have it
         assert sn.load_servo(path) == kind == sn.servo(path)
-
-
-def test_a_file_from_before_play_was_removed_is_read_where_it_had_none(tmp_path: Path) -> None:
-    path, kind = tmp_path / "old.toml", SERVOS["MG996R"]
-    sn.save_servo(kind, path)
-    path.write_text(path.read_text().replace("[servo]\n", "[servo]\nbacklash_rad = 0.0\n"))
-    assert sn.load_servo(path) == kind
 
 
 @pytest.mark.parametrize(
@@ -170,11 +129,7 @@ def test_a_file_from_before_play_was_removed_is_read_where_it_had_none(tmp_path:
         ("format = 2\n[servo]\n", ":1: format is 2"),
         ("format = 1\n[servo]\nstiffness = 3\n", ":3: unknown key 'stiffness'"),
         ("format = 1\n[servo]\narmature_kg_m2 = -1\n", "armature_kg_m2 is -1"),
-        (
-            "format = 1\n[servo]\nbacklash_rad = 0.01\n",
-            "backlash_rad is 0.01; serpenoid no longer has play",
-        ),
-        ("format = 1\n[servo]\n[drawn]\nbacklash_rad = [0, 0.1]\n", ":4: backlash_rad is"),
+        ("format = 1\n[servo]\nbacklash_rad = 0.01\n", "serpenoid no longer has play"),
         ("format = 1\n[servo]\n[sigma]\nframe_s = 0.1\n", ":4: unknown key 'frame_s'"),
         ("format = 1\n[servo]\n[sigma]\nsupply_sag = 9\n", ":4: supply_sag is 9"),
         ("format = 1\n", "no key servo"),
@@ -203,10 +158,3 @@ def test_a_kind_is_made_of_servos() -> None:
     for name in ("sigma", "updates_hz", "drawn"):
         with refused(f"{name} is 0.1"):
             sn.ServoKind("x", sn.Servo(), **{name: 0.1})
-
-
-def test_doubt_about_what_is_no_field_is_refused() -> None:
-    with refused("sigma is 'frame_s'"):
-        sn.ServoKind("x", sn.Servo(), {"frame_s": 0.1})
-    with refused("frame_s is 0"):
-        replace(sn.Servo(), frame_s=0.0)

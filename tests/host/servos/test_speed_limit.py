@@ -36,10 +36,8 @@ def test_who_heeds_the_sentence_can_run_the_gait(kind: str, alpha_deg: float) ->
     assert not is_too_fast(slower, servo)
     assert highest_hz(slower, servo) == pytest.approx(highest_hz(gait, servo))
     above = replace(gait, omega_rad_s=1.0001 * math.tau * highest_hz(gait, servo))
-    text = too_fast_text(above, servo)
-    rate, limit, told_hz = map(float, re.findall(r"([\d.]+) (?:rad/s;|\(|Hz)", text))
+    rate, limit = map(float, re.findall(r"([\d.]+) (?:rad/s;|\()", too_fast_text(above, servo)))
     assert rate > limit  # digits enough to tell them apart
-    assert told_hz < above.omega_rad_s / math.tau
 
 
 def test_servos_that_are_ideal_or_measured_decide_too() -> None:

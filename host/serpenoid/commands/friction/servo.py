@@ -11,7 +11,7 @@ import click
 
 import serpenoid as sn
 
-from ...base.checks import NOT_NEGATIVE, Limits, check_choice
+from ...base.checks import Limits, check_choice
 from ...show.screen import say, working
 from ..declare import (
     EXISTING,
@@ -50,13 +50,6 @@ BENCH = (
     ),
     Setting(
         "down_deg", "angle in the table at which the load hangs straight down", "deg", usual="0"
-    ),
-    Setting(
-        "inertia_kg_m2",
-        "inertia of what the joint turns, about its axis, beside the load",
-        "kg m²",
-        NOT_NEGATIVE,
-        "0",
     ),
 )
 
@@ -117,7 +110,6 @@ def servo(
             np.radians(setpoint),
             np.radians(angle),
             None if sigma_deg is None else math.radians(sigma_deg),
-            settings.get("inertia_kg_m2", 0.0),
             _load(load, settings),
             np.array(sent[0]) if sent else None,
         )
@@ -200,10 +192,9 @@ def answer(measured: MeasuredServo, test: BenchTest) -> dict[str, Any]:
         "noise_rad": test.noise_rad,
         "name": measured.kind.name,
         "servo": asdict(measured.kind.servo),
-        "chi2": verdict.chi2,
         "readings": test.t_s.size,
-        "told": {name: one._asdict() for name, one in measured.determined.items()},
-        "untold": measured.open,
+        "determined": {name: one._asdict() for name, one in measured.determined.items()},
+        "open": measured.open,
         "outside": measured.outside,
         "notes": notes(measured),
     }
