@@ -95,7 +95,6 @@ class BeltCheck(Taken):
         MAX_SPEED_M_S,
         words="belt speed that the treadmill shows",
         open_low=True,
-        other_unit=("belt_speed_km_h", "km/h"),
     )
     distance_m: float = number(
         0.0,

@@ -71,7 +71,6 @@ class Field:
     low itself excluded if open_low. likely: the range that is expected, or None; why: what it means
     to be beyond it. usual: what an empty answer means, or None. source: READ off by a person,
     PLANNED (the plan or the board tells it) or DERIVED from the others. optional: it may be empty.
-    other_unit: column and unit that people may type instead.
     """
 
     column: str
@@ -84,7 +83,6 @@ class Field:
     open_low: bool = False
     source: str = READ
     optional: bool = False
-    other_unit: tuple[str, str] | None = None
 
     @property
     def units(self) -> Units:

@@ -30,9 +30,7 @@ class GaitRun(Taken):
     number: int
     alpha_rad: float = number(0.0, 180.0, source=PLANNED)
     beta_rad: float = number(-360.0, 360.0, source=PLANNED)
-    omega_rad_s: float = number(
-        0.0, 1000.0, open_low=True, source=PLANNED, other_unit=("frequency_hz", "Hz")
-    )
+    omega_rad_s: float = number(0.0, 1000.0, open_low=True, source=PLANNED)
     speed_m_s: float = number(0.0, MAX_SPEED_M_S, source=DERIVED)
     speed_sigma_m_s: float = number(0.0, MAX_SPEED_M_S, open_low=True, source=DERIVED)
     voided: bool = False

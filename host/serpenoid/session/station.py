@@ -41,9 +41,7 @@ class Reading(Taken):
     number: int
     lambda_rad: float = number(0.0, MAX_LAMBDA_DEG, words="the bend", source=PLANNED)
     incline_rad: float = number(0.0, MAX_INCLINE_DEG, words="the inclinometer shows", open_low=True)
-    belt_speed_m_s: float = number(
-        0.0, MAX_SPEED_M_S, words="belt speed", other_unit=("belt_speed_km_h", "km/h")
-    )
+    belt_speed_m_s: float = number(0.0, MAX_SPEED_M_S, words="belt speed")
     drift_m_s: float = number(
         -MAX_SPEED_M_S,
         MAX_SPEED_M_S,

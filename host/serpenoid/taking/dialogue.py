@@ -69,7 +69,6 @@ class Dialogue:
         try:
             if self._robot is not None:
                 self._say("Esc or space stops the robot; Ctrl-C stops it and leaves.")
-                self._check_plan(self._robot)
             while self._one_step():
                 pass
         except (Left, EOFError):
@@ -83,14 +82,6 @@ class Dialogue:
         finally:
             self._asker.let_go()
         return True
-
-    def _check_plan(self, robot: SessionRobot) -> None:
-        """Say at the start which bends of the plan the robot's joints cannot reach."""
-        plan = self.journal.session.setup.plan
-        reach_deg = robot.reach_deg(plan.bend)
-        for bend_deg in map(math.degrees, plan.bends_rad):
-            if reach_deg < bend_deg - NEAR_DEG:
-                self._say(f"! {self._too_far(bend_deg, reach_deg)}")
 
     def _too_far(self, bend_deg: float, reach_deg: float) -> str:
         name = "push_lambda_deg" if self._on_floor else "lambda_deg"
@@ -281,9 +272,12 @@ class Dialogue:
         """Return the drift in a line, and by how much the robot turned, in deg, behind it."""
         found = re.search(r"[+-]?[\d.,]+\s*(deg|°)\s*$", text)
         rest = text if found is None else text[: found.start()]
-        values = self._asker.numbers([drift], rest) if rest.strip() else {drift.column: 0.0}
-        angle = {turned.column: 0.0} if found is None else self._asker.numbers([turned], found[0])
-        return values | angle
+        values = Values({drift.column: 0.0, turned.column: 0.0})
+        if rest.strip():
+            values |= self._asker.numbers([drift], rest)
+        if found is not None:
+            values |= self._asker.numbers([turned], found[0])
+        return values
 
     def _places(self, text: str) -> str:
         """Return the places over time that were typed, or are in a table; "" where none are."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -60,48 +60,19 @@ CRAWLS = tuple(
 )
 
 
-@dataclass(frozen=True)
-class Question:
-    """A number that `calibrate new` asks for, of a setting of a table.
-
-    on: the place where it is asked; anywhere if empty. unit, per_unit: in which Enter's answer is
-    shown, and how much of the setting's one is. scale: the setting over the number that is typed.
-    later: it may be left open.
-    """
-
-    table: str
-    key: str
-    on: str = ""
-    unit: str = ""
-    per_unit: float = 1.0
-    scale: float = 1.0
-    later: bool = False
-
-    @property
-    def field(self) -> Field:
-        """Return the number that is typed."""
-        return TABLES[self.table].limits(self.key)
-
-    def usual_of(self, setup: Setup) -> str:
-        """Return what Enter takes."""
-        if self.later:
-            return LATER
-        value = getattr(setup.tables[self.table], self.key) / self.scale / self.per_unit
-        return f"{value:.2g} {self.unit}"
-
-
-MASS = Question("robot", "mass_kg", later=True)
-LENGTH = Question("robot", "link_length_m", unit="mm", per_unit=0.001)
-QUESTIONS = (
-    MASS,
-    LENGTH,
-    Question("robot", "supply_v", later=True),
-    Question("robot", "wheels_kg", "floor", later=True),
-    Question("instruments", "incline_sigma_deg", "treadmill", "deg", scale=1 / math.sqrt(12)),
-    Question("instruments", "incline_step_percent", "treadmill", "%"),
-    Question("instruments", "belt_speed_step_m_s", "treadmill", "km/h", 1 / 3.6),
-    Question("instruments", "belt_speed_least_m_s", "treadmill", "km/h", 1 / 3.6),
-)
+# Numbers that `calibrate new` asks for, by their tables: key -> place where it is asked, "" if
+# anywhere. Those of LATER_KEYS may be left open.
+QUESTIONS = {
+    "robot": {"mass_kg": "", "link_length_m": "", "supply_v": "", "wheels_kg": "floor"},
+    "instruments": {
+        "incline_sigma_deg": "treadmill",
+        "incline_step_percent": "treadmill",
+        "belt_speed_step_m_s": "treadmill",
+        "belt_speed_least_m_s": "treadmill",
+    },
+}
+LATER_KEYS = ("mass_kg", "supply_v", "wheels_kg")
+STEP_KEY = "incline_sigma_deg"  # asked as the inclinometer's smallest step, sqrt(12) times this
 
 
 def default_setup(name: str) -> Setup:
@@ -161,9 +132,12 @@ def _answers(asker: Asker, setup: Setup, given: Mapping[str, Any], on: str) -> d
     if on == "treadmill":
         unit = _asked(asker, f"unit of the belt's speed ({', '.join(BELT_UNITS)})", "km/h")
         answers["belt_speed_unit"] = check_choice("unit", unit, BELT_UNITS)
-    for question in QUESTIONS:
-        if answers.get(question.key) is None and question.on in ("", on):
-            answers[question.key] = _number(asker, question, question.usual_of(setup), unit)
+    for table, keys in QUESTIONS.items():
+        for key, place in keys.items():
+            if answers.get(key) is None and place in ("", on):
+                usual = getattr(setup.tables[table], key)
+                usual = math.sqrt(12) * usual if key == STEP_KEY else usual
+                answers[key] = _number(asker, TABLES[table].limits(key), usual, unit)
     return answers
 
 
@@ -171,10 +145,10 @@ def _asked(asker: Asker, words: str, usual: str) -> str:
     return asker.ask(f"{words} [{usual}]: ", usual)
 
 
-def _number(asker: Asker, question: Question, usual: str, unit: str) -> float | str:
-    field = question.field
-    text = _asked(asker, field.words, usual)
-    if question.later and text.lower() == LATER:
+def _number(asker: Asker, field: Field, usual: float, unit: str) -> float | str:
+    later = field.column in LATER_KEYS
+    text = _asked(asker, field.words, LATER if later else f"{usual:.2g} {field.unit}")
+    if later and text.lower() == LATER:
         return LATER
 
     def doubts(values: Values) -> Doubts:
@@ -208,11 +182,11 @@ def answered(setup: Setup, answers: Mapping[str, Any]) -> Setup:
         changes["instruments"]["belt_speed_unit"] = given["belt_speed_unit"]
     if "joints" in given:
         changes["instruments"]["joint_sigma_deg"] = JOINT_SIGMA_DEG[given["joints"]]
-    for question in QUESTIONS:
-        if question.key in given:
-            value = given[question.key]
-            set_to = None if value == LATER else question.scale * value
-            changes[question.table][question.key] = set_to
+    for table, keys in QUESTIONS.items():
+        found = {key: given[key] for key in keys if key in given}
+        changes[table] |= {k: None if value == LATER else value for k, value in found.items()}
+    if STEP_KEY in given:
+        changes["instruments"][STEP_KEY] = given[STEP_KEY] / math.sqrt(12)
     if "belt_speed_step_m_s" in given:
         rounding_m_s = given["belt_speed_step_m_s"] / math.sqrt(12)
         sigma_m_s = math.hypot(rounding_m_s, DRIFT_SIGMA_M_S)

@@ -13,17 +13,9 @@ from typing import Any
 
 from ..base.errors import BadInput
 from ..session.declaration import Field, Range, Word
-from ..session.kinds import KINDS, kind_of
+from ..session.kinds import kind_of
 from ..session.settings import Setup
 
-# Other names of columns, by which people type another unit: name -> column, unit.
-OTHER_UNITS = {
-    f.other_unit[0]: (column, f.other_unit[1])
-    for kind in KINDS.values()
-    for column, f in kind.numbers().items()
-    if f.other_unit
-}
-OTHER_UNITS |= {"incline_percent": ("incline_deg", "%"), "drift_km_h": ("drift_m_s", "km/h")}
 _FIRST = re.compile(
     r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)(?:\s*([^\s\d;,.+-][^\s;]*))?(?=[\s;]|$)[\s;]*"
 )
@@ -65,14 +57,13 @@ def first_number(text: str, field: Field, unit: str = "") -> tuple[float, str]:
     return value, rest
 
 
-def read_number(text: str, field: Field, unit: str = "") -> float:
+def read_number(text: str, field: Field) -> float:
     """Return the number of an option or a cell; raises BadInput where its unit is in doubt."""
-    value, rest = first_number(text, field, unit)
+    value, rest = first_number(text, field)
     if rest:
         raise BadInput(f"{text!r} is more than one number; {field.example}")
-    meant = other_unit(value, field, field.likely, unit)
-    if meant and not unit and re.search(r"\d[.,]?\s*$", text):
-        raise BadInput(f"{off_in_words(value, field, field.likely, unit)}; type the unit, too")
+    if re.search(r"\d[.,]?\s*$", text) and other_unit(value, field, field.likely):
+        raise BadInput(f"{off_in_words(value, field, field.likely)}; type the unit, too")
     return value
 
 
@@ -130,39 +121,28 @@ def _typed_in(value: float, unit: str, field: Field) -> float:
 def read_cells(kind: str, cells: Iterable[str], setup: Setup) -> dict[str, Any]:
     """Return the values of one reading from NAME=VALUE pairs, derived ones too; raises BadInput."""
     columns = [field.column for field in kind_of(kind).fields]
-    pairs: list[tuple[str, str]] = []
+    typed = dict[str, str]()
     for cell in cells:
         name, equals, text = cell.partition("=")
-        if not equals or OTHER_UNITS.get(name, (name,))[0] not in columns:
-            others = {column: f"{column} (or {name})" for name, (column, _) in OTHER_UNITS.items()}
-            names = ", ".join(others.get(column, column) for column in columns)
-            raise BadInput(f"{cell!r} is not NAME=VALUE with a name of {names}")
-        pairs.append((name, text))
+        if not equals or name not in columns:
+            raise BadInput(f"{cell!r} is not NAME=VALUE with a name of {', '.join(columns)}")
+        if name in typed:
+            raise BadInput(f"{name} is given twice; give it once")
+        typed[name] = text
     words = {f.column: f.read for f in kind_of(kind).fields if isinstance(f, Word)}
-    typed = typed_cells(kind, pairs)
-    typed |= {column: read(typed[column]) for column, read in words.items() if column in typed}
-    return completed(kind, typed, setup)
+    read = {c: words[c](text) if c in words else text for c, text in typed.items()}
+    return completed(kind, typed_cells(kind, read), setup)
 
 
-def typed_cells(kind: str, typed: Iterable[tuple[str, Any]]) -> dict[str, Any]:
-    """Return what was typed by column, numbers read with their units.
-
-    A name of another unit puts this unit behind a bare number. Raises BadInput where one column is
-    given twice, by whichever names.
-    """
+def typed_cells(kind: str, typed: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what was typed by column, numbers in text read with their units."""
     numbers = kind_of(kind).numbers()
-    names, cells = dict[str, str](), dict[str, Any]()
-    for name, given in typed:
-        column, unit = OTHER_UNITS.get(name, (name, ""))
-        if column not in numbers:
-            column, unit = name, ""
-        if column in names:
-            both = " and ".join(dict.fromkeys((names[column], name)))
-            raise BadInput(f"{both}: one quantity is given twice; give it once")
-        names[column] = name
-        a_number = column in numbers and (unit or isinstance(given, str))
-        cells[column] = read_number(str(given), numbers[column], unit) if a_number else given
-    return cells
+    return {
+        column: read_number(value, numbers[column])
+        if isinstance(value, str) and column in numbers
+        else value
+        for column, value in typed.items()
+    }
 
 
 def completed(kind: str, cells: Mapping[str, Any], setup: Setup) -> dict[str, Any]:

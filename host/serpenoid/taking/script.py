@@ -85,7 +85,7 @@ def _add_listed(journal: Journal, top: Table) -> int:
         cells = dict(row)
         kind, comment = str(cells.pop("kind", "station")), str(cells.pop("comment", ""))
         with located(f"{top.path}: reading {number}"):
-            cells = completed(kind, typed_cells(kind, cells.items()), journal.session.setup)
+            cells = completed(kind, typed_cells(kind, cells), journal.session.setup)
             journal.check(kind, cells)
         made.append((kind, cells, comment))
     return journal.add_once(made)

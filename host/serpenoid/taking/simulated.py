@@ -18,17 +18,27 @@ import numpy as np
 from ..calibration.crawls.filmed import crawl_cells
 from ..calibration.floor.look import look_at
 from ..lab.belt import Belt
+from ..lab.crawl import crawl_speed, filmed_crawl
+from ..lab.floor import Floor, Push, Track
 from ..lab.person import Habits, Held, Person
+from ..lab.recording import Camera, film, to_rest
+from ..lab.robot import pose_of
+from ..model.bends import bend_signs
 from ..model.gait import Gait
 from ..session.declaration import Cells
 from ..session.session import Session
 from ..session.settings import Setup
 from ..session.station import slips
+from ..session.track import Floats
 from .steps import Doubts, Step, Tracked
-from .world import RUN_S, Truth, World
+from .world import Truth
 
 TURNS, BELT_M, CHECKED_M_S = 10, 2.8, 0.5  # of a belt check
 START_M_S = 0.3  # of the belt, where nothing tells better
+RUN_M, RUN_S = 1.0, 40.0  # a gait run: so far, or so long at most
+SPEED, SPEED_SIGMA = 0.9, 0.12  # m/s, of pushes, and how they scatter, relative
+CROOKED_RAD, SPIN_RAD_S = 0.015, 0.06
+SPEED_OFF, GAIN_OFF = 0.002, 0.002  # of a filmed crawl: its scale, each joint's amplitude
 TRIES = 6  # of a push, until somebody gives up
 # What a person on a floor takes, s: to turn the robot round, push it and take the film in; to bend
 # it and lay the protractor on; to start a gait and lay the tape.
@@ -44,7 +54,7 @@ def _habits(truth: Truth) -> Habits:
     return replace(habits, let_go_rad=0.0, let_go_rad_s=0.0) if truth.guided else habits
 
 
-class SimulatedPerson(World):
+class SimulatedPerson:
     """Do each step of the procedure against a known truth; the same seed does the same.
 
     It answers with what a person could read, never with a truth: for each kind of step
@@ -67,7 +77,10 @@ class SimulatedPerson(World):
         seed: int = 0,
         run_gait: Callable[[Gait], Gait] = lambda gait: gait,
     ):
-        super().__init__(setup, truth, np.random.default_rng(seed))
+        self.setup, self.truth, self.rng = setup, truth, np.random.default_rng(seed)
+        self.robot = truth.robot(setup.robot, self.rng)
+        self._floor = Floor(self.robot, truth.slope_rad, truth.across_rad)
+        self._speeds = dict[tuple[Gait, tuple[float, float]], float]()
         self.t_s, self.misread = 0.0, 0
         self._run_gait = lru_cache(run_gait)
         self._belt_run = Belt(self.robot, gravity_m_s2=setup.laboratory.gravity_m_s2)
@@ -105,13 +118,16 @@ class SimulatedPerson(World):
     def _straight(self, step: Step) -> Cells:
         """Have the board put the robot in a step's pose, and lay it on the belt or the floor."""
         self.t_s += BEND_S
-        self._belt_run.pose(self.bend(step.lambda_deg))
+        signs = bend_signs(self.setup.plan.bend, self.setup.robot.links)
+        self._pose_rad = pose_of(signs, math.radians(step.lambda_deg))
+        self._belt_run.pose(self._pose_rad)
         return {}
 
     def _bend(self, step: Step) -> Cells:
         """Bend as planned; lay the protractor on the joints at both ends."""
         self._straight(step)
-        shown_deg = self.protractor_deg(ENDS[self.setup.plan.on])
+        off_rad = ENDS[self.setup.plan.on] * self.setup.instruments.lambda_sigma_rad
+        shown_deg = self.robot.protractor_deg(self._pose_rad, off_rad, self.rng)
         return {"between_links_deg": round(sum(shown_deg) / 2, 1)}
 
     def _station(self, step: Step) -> Cells | None:
@@ -190,3 +206,59 @@ class SimulatedPerson(World):
         if self.rng.uniform() < 0.5:
             return {**read, "incline_deg": round(float(read["incline_deg"]) + 1.0, 4)}
         return {**read, "belt_speed_m_s": round(float(read["belt_speed_m_s"]) * 3.6, 5)}  # km/h
+
+    def normal(self, sigma: float) -> float:
+        """Return an error drawn."""
+        return float(self.rng.normal()) * sigma
+
+    def push(self, step: Step, speed_m_s: float = SPEED) -> Track:
+        """Push the robot the way that a step says, as a hand does: about so fast, not straight."""
+        direction = 0.0 if step.cells["way"] == "there" else math.pi
+        speed_m_s *= max(1.0 + self.normal(SPEED_SIGMA), 0.3)
+        crooked_rad, spin_rad_s = self.normal(CROOKED_RAD), self.normal(SPIN_RAD_S)
+        made = Push(speed_m_s, direction, crooked_rad, spin_rad_s)
+        return self._floor.push(self._pose_rad, made)
+
+    def film(self, track: Track, camera: Camera) -> Floats:
+        """Return what a film shows of a push: t_s, x_m, y_m in rows."""
+        return film(track, replace(camera, scale=self.truth.film_scale), self.rng)[:, :3]
+
+    def tape(self, track: Track) -> dict[str, float]:
+        """Return what tape and watch say of a push, and by how much it turned."""
+        way_m, time_s = to_rest(track, self.rng)
+        turned_deg = round(math.degrees(track.turned_rad))
+        return {"distance_m": way_m, "duration_s": time_s, "turned_deg": turned_deg}
+
+    def time_crawl(self, step: Step, gait: Gait) -> tuple[dict[str, float], float]:
+        """Return what tape and watch say of a step's crawl, and how long it took, s."""
+        key = gait, self._slopes(step)
+        if key not in self._speeds:
+            rises, falls = key[1]
+            self._speeds[key] = crawl_speed(
+                self.robot, self._made(gait), slope_rad=rises, across_rad=falls
+            )
+        speed_m_s, watch = self._speeds[key], self.setup.instruments
+        distance = min(RUN_M, speed_m_s * RUN_S)
+        duration = distance / speed_m_s if speed_m_s > 0.0 else RUN_S
+        duration += self.normal(watch.time_sigma_s)
+        measured = max(distance + self.normal(watch.distance_sigma_m), 0.0)
+        read = {"distance_m": round(measured, 3), "duration_s": round(max(duration, 0.1), 2)}
+        return read, duration
+
+    def film_crawl(self, step: Step, gait: Gait, camera: Camera) -> Floats:
+        """Return what is measured in a film of a crawl, its scale and joints' gains a little off.
+
+        Rows as of `filmed_crawl`.
+        """
+        off = replace(camera, scale=1.0 + self.normal(SPEED_OFF))
+        rows = filmed_crawl(self.robot, self._made(gait), off, self.rng, *self._slopes(step))
+        rows[:, 4:] *= 1.0 + GAIN_OFF * self.rng.normal(size=rows.shape[1] - 4)
+        return rows
+
+    def _made(self, gait: Gait) -> Gait:
+        return replace(gait, alpha_rad=gait.alpha_rad * self.truth.amplitude)
+
+    def _slopes(self, step: Step) -> tuple[float, float]:
+        """Return by what the floor rises ahead of a step's crawl, and falls to its left."""
+        side = {"there": 1.0, "back": -1.0}.get(str(step.cells.get("way", "")), 0.0)
+        return -side * self.truth.slope_rad, side * self.truth.across_rad

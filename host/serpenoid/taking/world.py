@@ -1,4 +1,4 @@
-"""The lab of a session: what is true there and nobody knows, the robot, and what records it."""
+"""The lab of a session: what is true there, and nobody knows."""
 
 from __future__ import annotations
 
@@ -7,26 +7,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..lab.crawl import crawl_speed, filmed_crawl
-from ..lab.floor import Floor, Push, Track
 from ..lab.instruments import Instrument
 from ..lab.person import Display
-from ..lab.recording import Camera, film, to_rest
-from ..lab.robot import LabRobot, pose_of
-from ..model.bends import bend_signs
+from ..lab.recording import Camera
+from ..lab.robot import LabRobot
 from ..model.drives import Servo, ServoKind
-from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..session.settings import Setup
-from ..session.track import Floats
-from .steps import Step
 
 PHONE = Camera()
-RUN_M, RUN_S = 1.0, 40.0  # a gait run: so far, or so long at most
-SPEED, SPEED_SIGMA = 0.9, 0.12  # m/s, of pushes, and how they scatter, relative
-CROOKED_RAD, SPIN_RAD_S = 0.015, 0.06
-SPEED_OFF, GAIN_OFF = 0.002, 0.002  # of a filmed crawl: its scale, each joint's amplitude
 
 
 @dataclass(frozen=True)
@@ -128,94 +118,3 @@ def drawn_floor(
         joint_sigma_rad=setup.instruments.joint_sigma_rad,
         servo=servo and servo.draws(1, int(rng.integers(2**31)))[0],
     )
-
-
-class World:
-    """A session's robot in the lab, and what camera, tape, watch and protractor record of it.
-
-    robot_rng: draws the joints' errors; rng, for which it stands unless given, all else.
-    """
-
-    def __init__(
-        self,
-        setup: Setup,
-        truth: Truth,
-        rng: np.random.Generator,
-        robot_rng: np.random.Generator | None = None,
-    ):
-        self.truth, self.rng = truth, rng
-        self.setup = setup
-        self.robot = truth.robot(setup.robot, robot_rng or rng)
-        self._floor = Floor(self.robot, truth.slope_rad, truth.across_rad)
-        self._speeds = dict[tuple[Gait, tuple[float, float]], float]()
-        self.bend(0.0)
-
-    def bend(self, bend_deg: float) -> list[float]:
-        """Bend the robot, straight at 0; return what its joints are told."""
-        signs = bend_signs(self.setup.plan.bend, self.setup.robot.links)
-        self._pose_rad = pose_of(signs, math.radians(bend_deg))
-        return self._pose_rad
-
-    def protractor_deg(self, scatter: float = 1.0) -> list[float]:
-        """Return what a protractor shows between the links at tail and head.
-
-        scatter: of each, over what the set-up states of a bend.
-        """
-        off_rad = scatter * self.setup.instruments.lambda_sigma_rad
-        return self.robot.protractor_deg(self._pose_rad, off_rad, self.rng)
-
-    def normal(self, sigma: float) -> float:
-        """Return an error drawn."""
-        return float(self.rng.normal()) * sigma
-
-    def push(self, step: Step, speed_m_s: float = SPEED) -> Track:
-        """Push the robot the way that a step says, as a hand does: about so fast, not straight."""
-        direction = 0.0 if step.cells["way"] == "there" else math.pi
-        speed_m_s *= max(1.0 + self.normal(SPEED_SIGMA), 0.3)
-        crooked_rad, spin_rad_s = self.normal(CROOKED_RAD), self.normal(SPIN_RAD_S)
-        made = Push(speed_m_s, direction, crooked_rad, spin_rad_s)
-        return self._floor.push(self._pose_rad, made)
-
-    def film(self, track: Track, camera: Camera = PHONE) -> Floats:
-        """Return what a film shows of a push: t_s, x_m, y_m in rows."""
-        return film(track, replace(camera, scale=self.truth.film_scale), self.rng)[:, :3]
-
-    def tape(self, track: Track) -> dict[str, float]:
-        """Return what tape and watch say of a push, and by how much it turned."""
-        way_m, time_s = to_rest(track, self.rng)
-        turned_deg = round(math.degrees(track.turned_rad))
-        return {"distance_m": way_m, "duration_s": time_s, "turned_deg": turned_deg}
-
-    def time_crawl(self, step: Step, gait: Gait) -> tuple[dict[str, float], float]:
-        """Return what tape and watch say of a step's crawl, and how long it took, s."""
-        key = gait, self._slopes(step)
-        if key not in self._speeds:
-            rises, falls = key[1]
-            self._speeds[key] = crawl_speed(
-                self.robot, self._made(gait), slope_rad=rises, across_rad=falls
-            )
-        speed_m_s, watch = self._speeds[key], self.setup.instruments
-        distance = min(RUN_M, speed_m_s * RUN_S)
-        duration = distance / speed_m_s if speed_m_s > 0.0 else RUN_S
-        duration += self.normal(watch.time_sigma_s)
-        measured = max(distance + self.normal(watch.distance_sigma_m), 0.0)
-        read = {"distance_m": round(measured, 3), "duration_s": round(max(duration, 0.1), 2)}
-        return read, duration
-
-    def film_crawl(self, step: Step, gait: Gait, camera: Camera = PHONE) -> Floats:
-        """Return what is measured in a film of a crawl, its scale and joints' gains a little off.
-
-        Rows as of `filmed_crawl`.
-        """
-        off = replace(camera, scale=1.0 + self.normal(SPEED_OFF))
-        rows = filmed_crawl(self.robot, self._made(gait), off, self.rng, *self._slopes(step))
-        rows[:, 4:] *= 1.0 + GAIN_OFF * self.rng.normal(size=rows.shape[1] - 4)
-        return rows
-
-    def _made(self, gait: Gait) -> Gait:
-        return replace(gait, alpha_rad=gait.alpha_rad * self.truth.amplitude)
-
-    def _slopes(self, step: Step) -> tuple[float, float]:
-        """Return by what the floor rises ahead of a step's crawl, and falls to its left."""
-        side = {"there": 1.0, "back": -1.0}.get(str(step.cells.get("way", "")), 0.0)
-        return -side * self.truth.slope_rad, side * self.truth.across_rad

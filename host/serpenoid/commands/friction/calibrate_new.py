@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -13,33 +13,23 @@ from ...base.errors import BadInput
 from ...show.screen import say
 from ..declare import FOLDER, command, flag, option
 
-if TYPE_CHECKING:
-    from ...taking.new_session import Question
-
 
 def quantity_of(name: str) -> Callable[[Any], float | str]:
     """Return the type of a number with a unit, with a point or a comma; `later` does, too."""
 
     def quantity(value: Any) -> float | str:
+        from ...session.settings import RobotTable
         from ...taking.new_session import LATER
         from ...taking.parse_number import read_number
 
-        question = question_of(name)
-        if question.later and str(value).strip().lower() == LATER:
+        if str(value).strip().lower() == LATER:
             return LATER
         try:
-            return read_number(str(value), question.field)
+            return read_number(str(value), RobotTable.limits(name))
         except BadInput as error:
             raise click.BadParameter(str(error)) from None
 
     return quantity
-
-
-def question_of(name: str) -> Question:
-    """Return one of the numbers that are asked for."""
-    from ...taking.new_session import QUESTIONS
-
-    return next(question for question in QUESTIONS if question.key == name)
 
 
 @command()
