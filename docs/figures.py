@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import math
 import sys
@@ -83,14 +82,10 @@ FIGURES: dict[str, Callable[[Path], None]] = {
 
 
 def main() -> None:
-    """Draw all of them into a folder."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, default=STORED)
-    out = parser.parse_args().out
-    out.mkdir(parents=True, exist_ok=True)
+    """Draw all of them into host/docs."""
     for name, draw in FIGURES.items():
-        draw(out / name)
-        print(out / name)
+        draw(STORED / name)
+        print(STORED / name)
 
 
 if __name__ == "__main__":
