@@ -37,13 +37,13 @@ def number_sigmas(
     bundle: Bundle,
     fitted: Fitted,
     seen: Sightings,
-    some: Track,
+    sample: Track,
     picked: Places,
     held: Array,
 ) -> Array:
     """Return the standard deviations of `Motion.numbers`, in their order.
 
-    some: the track in the frames `picked`, with how it follows the camera's unknowns. held: share
+    sample: the track in the frames `picked`, with how it follows the camera's unknowns. held: share
     of the frames that tell a joint.
     """
     pixels = _of_pixels(fitted)
@@ -53,24 +53,24 @@ def number_sigmas(
     # phase; and the share of speed and rate that it takes off or adds.
     readout_s, height = bundle.camera.shared[READOUT], seen.image_px[1]
     rows = np.ma.masked_invalid(seen.corners_px[..., 1]).mean(axis=(0, 2)) / height - 0.5
-    late = readout_s * fitted.motion.omega_rad_s * 0.5 * (rows[1:] + rows[:-1])
-    first, last = bundle.camera.plane_px(some.states[[0, -1], :2])[:, 1] / height
-    late_rad, swept = np.ma.filled(late, 0.0), readout_s * (last - first) / np.ptp(some.t_s)
-    swings, apart = slice(1, count + 1), slice(count + 1, 2 * count)
+    delay = readout_s * fitted.motion.omega_rad_s * 0.5 * (rows[1:] + rows[:-1])
+    first, last = bundle.camera.plane_px(sample.states[[0, -1], :2])[:, 1] / height
+    delay_rad, sweep = np.ma.filled(delay, 0.0), readout_s * (last - first) / np.ptp(sample.t_s)
+    amplitude_rows, phase_rows = slice(1, count + 1), slice(count + 1, 2 * count)
     floor = np.full(len(pixels), FLOOR_ANGLE_RAD)
-    floor[0] = LATE_RATE * swept * fitted.motion.omega_rad_s
+    floor[0] = LATE_RATE * sweep * fitted.motion.omega_rad_s
     floor[-1] = FLOOR_TURN_RAD_S
-    floor[-2] = np.hypot(FLOOR_SPEED, LATE_SPEED * swept) * fitted.motion.speed_m_s
+    floor[-2] = np.hypot(FLOOR_SPEED, LATE_SPEED * sweep) * fitted.motion.speed_m_s
     floor[2 * count : -3] = FLOOR_OFFSET_RAD
     coded = max(1.0, (CODED_PX / float(np.nanmedian(seen.side_px))) ** 2)
-    floor[swings] = coded * np.hypot(FLOOR_AMPLITUDE_RAD, FLOOR_AMPLITUDE * amplitude)
-    camera = _of_camera(bundle, some, fitted, picked)
+    floor[amplitude_rows] = coded * np.hypot(FLOOR_AMPLITUDE_RAD, FLOOR_AMPLITUDE * amplitude)
+    camera = _of_camera(bundle, sample, fitted, picked)
     sigmas = np.sqrt(pixels**2 + camera**2 + floor**2)
     # What a slow readout and missing tags leave.
-    sigmas[swings] = np.hypot(sigmas[swings], 0.5 * late_rad**2 * amplitude)
-    sigmas[apart] = np.hypot(sigmas[apart], LATE * (late_rad[1:] - late_rad[0]))
-    sigmas[swings] /= np.maximum(held, 0.1)
-    sigmas[apart] /= np.maximum(np.minimum(held[1:], held[0]), 0.1)
+    sigmas[amplitude_rows] = np.hypot(sigmas[amplitude_rows], 0.5 * delay_rad**2 * amplitude)
+    sigmas[phase_rows] = np.hypot(sigmas[phase_rows], LATE * (delay_rad[1:] - delay_rad[0]))
+    sigmas[amplitude_rows] /= np.maximum(held, 0.1)
+    sigmas[phase_rows] /= np.maximum(np.minimum(held[1:], held[0]), 0.1)
     return sigmas
 
 
@@ -83,17 +83,17 @@ def _of_pixels(fitted: Fitted) -> Array:
         sine, rest = fitted.coefficients[:, i], fitted.joints_rest_rad[:, i]
         cov = sine_covariance(fitted.t_s, m.omega_rad_s, sine, rest, fitted.weight[:, i])
         s, c = np.sin(m.phase_rad[i]), np.cos(m.phase_rad[i])
-        turned = np.array([[s, c], [c, -s]])
-        amplitude[i], phase[i] = np.sqrt(np.diag(turned @ cov[1:3, 1:3] @ turned.T))
+        rotated = np.array([[s, c], [c, -s]])
+        amplitude[i], phase[i] = np.sqrt(np.diag(rotated @ cov[1:3, 1:3] @ rotated.T))
         offset[i], rate[i] = np.sqrt(np.diag(cov)[[0, -1]])
     phase /= np.maximum(m.amplitude_rad, 1e-9)
-    apart = np.hypot(phase[1:], phase[0])
+    phase_steps = np.hypot(phase[1:], phase[0])
     omega = 1 / np.sqrt(np.sum(1 / np.maximum(rate, 1e-12) ** 2))
     weight = fitted.path_weight
     root = np.sqrt(weight)[:, None]
     a = path_basis(fitted.t_s, m.omega_rad_s, m.turn_rad_s) * root
-    way = np.exp(-1j * np.arctan2(m.velocity_m_s[1], m.velocity_m_s[0]))
-    rest = fitted.path_rest_m * way
+    rotation = np.exp(-1j * np.arctan2(m.velocity_m_s[1], m.velocity_m_s[0]))
+    rest = fitted.path_rest_m * rotation
     b = np.column_stack([basis(fitted.t_s, m.omega_rad_s), fitted.t_s]) * root
     spread = np.linalg.pinv((a.conj().T @ a).real)[1, 1]
     along, across, turn = (
@@ -105,7 +105,7 @@ def _of_pixels(fitted: Fitted) -> Array:
         )
     )
     direction = across / max(m.speed_m_s, 1e-9)
-    return np.concatenate([[omega], amplitude, apart, offset, [direction, along, turn]])
+    return np.concatenate([[omega], amplitude, phase_steps, offset, [direction, along, turn]])
 
 
 def _of_camera(bundle: Bundle, track: Track, fitted: Fitted, picked: Places) -> Array:
@@ -124,10 +124,10 @@ def _of_camera(bundle: Bundle, track: Track, fitted: Fitted, picked: Places) -> 
     scale = np.sqrt(np.diag(bundle.covariance))
     values, vectors = np.linalg.eigh(bundle.covariance / np.outer(scale, scale))
     sizes, directions = np.sqrt(np.maximum(values, 0.0)), scale[:, None] * vectors
-    here = numbers(track.states)
-    variance = np.zeros(len(here))
+    base = numbers(track.states)
+    variance = np.zeros(len(base))
     for size, direction in zip(sizes, directions.T, strict=True):
-        change = numbers(track.states + STEP * size * (track.by_shared @ direction)) - here
+        change = numbers(track.states + STEP * size * (track.by_shared @ direction)) - base
         change[1:-2] = wrapped(change[1:-2])
         variance += (change / STEP) ** 2
     return np.sqrt(variance)

@@ -56,13 +56,13 @@ def calibrate(
     still: the joints do not move. Errors of edges then repeat from frame to frame, so that lens and
     scale are held to what is known before (`rough`).
     """
-    few = sightings.picked(_spread(sightings, ROUGH_FRAMES))
+    sample = sightings.picked(_spread(sightings, ROUGH_FRAMES))
     rough = []
     for plane in starts:
-        turns = start.quarter_turns(*start.tag_poses(plane, few))
+        turns = start.quarter_turns(*start.tag_poses(plane, sample))
         camera = plane.with_turns(turns)
-        states = start.first_states(camera, few, turns)
-        fitted = bundles.fit(camera, states, few, side_m, turns, ROUGH_STEPS, rough=True)
+        states = start.first_states(camera, sample, turns)
+        fitted = bundles.fit(camera, states, sample, side_m, turns, ROUGH_STEPS, rough=True)
         rough.append(fitted)
     best = min(rough, key=lambda fitted: fitted.cost)
     picked = sightings.picked(_spread(sightings, CALIBRATION_FRAMES))
@@ -103,11 +103,11 @@ def measure(followed: Followed) -> Measured:
         loose_rad = KNOWN_RAD
         track = frames.fit_states(fit.camera, seen, expected, loose_rad, fit.noise_px)
         fitted = motion.fit_motion(track, *_weights(track))
-    some = np.arange(0, len(track.t_s), 1 + len(track.t_s) // SENSITIVE_FRAMES)
-    few = seen.picked(some), track.states[some], loose_rad
-    sensitive = frames.fit_states(fit.camera, *few, fit.noise_px, sensitive=True)
+    picked = np.arange(0, len(track.t_s), 1 + len(track.t_s) // SENSITIVE_FRAMES)
+    sample = seen.picked(picked), track.states[picked], loose_rad
+    sensitive = frames.fit_states(fit.camera, *sample, fit.noise_px, sensitive=True)
     held = held_joints(track)
-    sigmas = errors.number_sigmas(fit, fitted, seen, sensitive, some, held.mean(axis=0))
+    sigmas = errors.number_sigmas(fit, fitted, seen, sensitive, picked, held.mean(axis=0))
     return Measured(fit, track, fitted, sigmas, held)
 
 

@@ -76,11 +76,11 @@ def first_rate(t_s: Array, phi: Array, weight: Array) -> float:
         # of the joints' powers; gaps count for nothing
         even = np.arange(t_s[0], t_s[-1], step)
         power = np.zeros(len(even) // 2 + 1)
-        for values, there in zip(phi.T, weight.T > 0, strict=True):
-            if there.sum() > 1:
-                seen = np.interp(even, t_s, there.astype(float)) > 0.5
-                waves = np.interp(even, t_s[there], values[there])
-                power += np.abs(np.fft.rfft(np.where(seen, waves - waves[seen].mean(), 0.0))) ** 2
+        for values, mask in zip(phi.T, weight.T > 0, strict=True):
+            if mask.sum() > 1:
+                valid = np.interp(even, t_s, mask.astype(float)) > 0.5
+                waves = np.interp(even, t_s[mask], values[mask])
+                power += np.abs(np.fft.rfft(np.where(valid, waves - waves[valid].mean(), 0.0))) ** 2
         peak = 2 * np.pi * float(power.argmax()) / (len(even) * step)
         low, high = max(low, peak - 1.5 * unit), min(high, peak + 1.5 * unit)
     rates = np.arange(low, high, 0.1 * unit)
@@ -105,18 +105,18 @@ def sine_covariance(t_s: Array, omega: float, sine: Array, rest: Array, weight: 
 def mean_variance(rest: Array, weight: Array, unknowns: int) -> float:
     """Return the weighted residuals' variance, times the factor of their correlation."""
     scaled = rest * np.sqrt(weight)
-    there = weight > 0
-    free = max(1, int(there.sum()) - unknowns)
-    return float(np.sum(scaled**2) / free) * correlation_factor(scaled[there])
+    mask = weight > 0
+    free = max(1, int(mask.sum()) - unknowns)
+    return float(np.sum(scaled**2) / free) * correlation_factor(scaled[mask])
 
 
 def path_basis(t_s: Array, omega: float, turn: float) -> Complex:
     """Return the columns of the path's formula: 1, V's, then e^{i (W + k w) t}."""
-    turned = np.exp(1j * turn * t_s)
-    gone = t_s + 0j if abs(turn) * np.ptp(t_s) < 1e-9 else (turned - 1) / (1j * turn)
+    rotation = np.exp(1j * turn * t_s)
+    travel = t_s + 0j if abs(turn) * np.ptp(t_s) < 1e-9 else (rotation - 1) / (1j * turn)
     orders = [k for k in range(-HARMONICS, HARMONICS + 1) if k]
-    waves = [turned * np.exp(1j * k * omega * t_s) for k in orders]
-    return np.stack([np.ones_like(gone), gone, *waves], axis=1)
+    waves = [rotation * np.exp(1j * k * omega * t_s) for k in orders]
+    return np.stack([np.ones_like(travel), travel, *waves], axis=1)
 
 
 @dataclass(frozen=True)
@@ -190,5 +190,5 @@ def correlation_factor(rest: Array) -> float:
         return 1.0
     rho = rho / rho[0]
     pairs = rho[1 : n // 2 - 1 : 2] + rho[2 : n // 2 : 2]
-    above = np.logical_and.accumulate(pairs > 0)
-    return 1.0 + 2 * max(float(pairs[above].sum()), rho[1] if n > 2 else 0.0, 0.0)
+    is_positive = np.logical_and.accumulate(pairs > 0)
+    return 1.0 + 2 * max(float(pairs[is_positive].sum()), rho[1] if n > 2 else 0.0, 0.0)

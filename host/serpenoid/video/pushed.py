@@ -97,12 +97,12 @@ def track_pushes(
 def still_joints(phi: Array, seen: Mask) -> Array:
     """Return the angles at which joints are held, (joints,), rad. Raises BadInput: they move."""
     angle = np.ma.array(phi, mask=~(seen[:, 1:] & seen[:, :-1]))
-    held = np.ma.filled(np.ma.median(angle, axis=0), 0.0)
-    moves = 1.4826 * np.ma.filled(np.ma.median(abs(angle - held), axis=0), 0.0)
-    for i in np.flatnonzero(moves > STILL_RAD):
+    held_rad = np.ma.filled(np.ma.median(angle, axis=0), 0.0)
+    moved_rad = 1.4826 * np.ma.filled(np.ma.median(abs(angle - held_rad), axis=0), 0.0)
+    for i in np.flatnonzero(moved_rad > STILL_RAD):
         raise BadInput(
-            f"joint {i + 1} moves by {math.degrees(moves[i]):.0f}° in this film: a push needs "
+            f"joint {i + 1} moves by {math.degrees(moved_rad[i]):.0f}° in this film: a push needs "
             "joints that hold still, and one bend a film; a crawl is measured by `serpenoid "
             "video FILE`"
         )
-    return held
+    return held_rad

@@ -92,15 +92,15 @@ def fit(
     cost = problem.cost(camera, states, noise)
     for _ in range(steps):
         step, step_states = problem.step(camera, states, noise, damping)
-        tried = replace(camera, shared=camera.shared + step)
-        tried_states = states + step_states
-        lower = problem.cost(tried, tried_states, noise)
-        if lower < cost:
-            gained = cost - lower
-            camera, states, damping = tried, tried_states, max(damping / 5, 1e-9)
+        new_camera = replace(camera, shared=camera.shared + step)
+        new_states = states + step_states
+        new_cost = problem.cost(new_camera, new_states, noise)
+        if new_cost < cost:
+            gained = cost - new_cost
+            camera, states, damping = new_camera, new_states, max(damping / 5, 1e-9)
             noise = noise if rough else problem.noise(camera, states)
             cost = problem.cost(camera, states, noise)
-            if gained < 1e-5 * lower and damping < 1e-6:
+            if gained < 1e-5 * new_cost and damping < 1e-6:
                 break
         else:
             damping *= 8
@@ -129,16 +129,16 @@ def equations(
     Each (frames, 8 links, unknowns), the misses (frames, 8 links, 1); before them stand the
     derivatives by what is shared, if asked for. The weight is 1, less for outliers, 0 for none.
     """
-    off = misses(camera, states, s)
-    share = np.minimum(1.0, OUTLIER / np.maximum(rms(off) / noise_px, 1e-9))
+    rest = misses(camera, states, s)
+    share = np.minimum(1.0, OUTLIER / np.maximum(rms(rest) / noise_px, 1e-9))
     root = (np.sqrt(s.seen * share) / noise_px)[..., None, None, None]
-    wanted = off[..., None]
+    columns = rest[..., None]
     if shared:
         by_shared = camera.by_shared(states)
         by_shared[..., READOUT] = s.skew
-        wanted = np.concatenate([by_shared, wanted], axis=-1)
+        columns = np.concatenate([by_shared, columns], axis=-1)
     # A tag that was not found may be expected behind the camera, at NaN.
-    a, b = (np.where(root > 0, part * root, 0.0) for part in (camera.by_states(states), wanted))
+    a, b = (np.where(root > 0, part * root, 0.0) for part in (camera.by_states(states), columns))
     shape = len(states), 8 * s.links, -1
     return a.reshape(shape), b.reshape(shape)
 
@@ -166,11 +166,11 @@ class _Problem:
 
     def cost(self, camera: Camera, states: Array, noise: float) -> float:
         """Return the sum of squares; an outlier's grows no faster than its distance."""
-        far = rms(misses(camera, states, self.sightings)) / noise
-        if not np.isfinite(far).all():
+        distance = rms(misses(camera, states, self.sightings)) / noise
+        if not np.isfinite(distance).all():
             return np.inf
-        squares = np.where(far < OUTLIER, far**2, OUTLIER * (2 * far - OUTLIER))
-        priors = (np.sum(off**2) for off in self._from_prior(camera, states))
+        squares = np.where(distance < OUTLIER, distance**2, OUTLIER * (2 * distance - OUTLIER))
+        priors = (np.sum(rest**2) for rest in self._from_prior(camera, states))
         return 8 * float(squares.sum()) + float(sum(priors))
 
     def _normal(
@@ -210,6 +210,6 @@ class _Problem:
         matrix, score, _ = self._normal(camera, states, noise)
         inverse = np.linalg.inv(matrix)
         frames = len(score)
-        apart = score - score.mean(axis=0)
-        scatter = SLOW * apart.T @ apart * frames / (frames - 1)
+        centred = score - score.mean(axis=0)
+        scatter = SLOW * centred.T @ centred * frames / (frames - 1)
         return inverse @ (scatter + np.diag(1 / self.sigma**2)) @ inverse

@@ -105,8 +105,8 @@ class Camera:
         """Return the pixels of world points (..., 3), (..., 2); behind the camera: NaN."""
         turn, distance = self.pose
         point = world @ turn.T + [0.0, 0.0, distance]
-        ahead = np.where(point[..., 2:] > 1e-6 * distance, point[..., 2:], np.nan)
-        flat = point[..., :2] / ahead
+        depth = np.where(point[..., 2:] > 1e-6 * distance, point[..., 2:], np.nan)
+        flat = point[..., :2] / depth
         return self._middle_px + self.focal_px * flat * self._stretch(flat)
 
     def _stretch(self, flat: Array) -> Array:

@@ -59,13 +59,15 @@ def filled_headings(states: Array, seen: Mask, phi: Array) -> Array:
     more.
     """
     out, links = states.copy(), np.arange(seen.shape[1])
-    turned = np.zeros(seen.shape)
-    turned[:, 1:] = np.cumsum(np.broadcast_to(phi, (len(seen), len(links) - 1)), axis=1)
-    for there in np.unique(seen, axis=0):
-        if there.all() or not there.any():
+    bend = np.zeros(seen.shape)
+    bend[:, 1:] = np.cumsum(np.broadcast_to(phi, (len(seen), len(links) - 1)), axis=1)
+    for pattern in np.unique(seen, axis=0):
+        if pattern.all() or not pattern.any():
             continue
-        rows = (seen == there).all(axis=1)
-        base = np.unwrap((states[rows, 2:] - turned[rows])[:, there], axis=1)
-        shares = [np.interp(links[~there], links[there], unit) for unit in np.eye(there.sum())]
-        out[np.ix_(rows, 2 + links[~there])] = base @ shares + turned[rows][:, ~there]
+        rows = (seen == pattern).all(axis=1)
+        base = np.unwrap((states[rows, 2:] - bend[rows])[:, pattern], axis=1)
+        shares = [
+            np.interp(links[~pattern], links[pattern], unit) for unit in np.eye(pattern.sum())
+        ]
+        out[np.ix_(rows, 2 + links[~pattern])] = base @ shares + bend[rows][:, ~pattern]
     return out

@@ -48,24 +48,25 @@ def fit_states(
     """
 
     def of_frames(cut: slice) -> tuple[Array, ...]:
-        s, wanted, known = sightings.picked(cut), expected[cut], np.zeros_like(expected[cut])
-        known[:, 2:] = 1 / expected_sigma_rad**2
-        known[:, :2] = 1e-6
-        held = known[:, None] * np.eye(known.shape[1])
-        states = wanted
+        s, expected_state = sightings.picked(cut), expected[cut]
+        prior_weight = np.zeros_like(expected_state)
+        prior_weight[:, 2:] = 1 / expected_sigma_rad**2
+        prior_weight[:, :2] = 1e-6
+        prior_matrix = prior_weight[:, None] * np.eye(prior_weight.shape[1])
+        states = expected_state
         a, rest = equations(camera, states, s, noise_px)
         for _ in range(STEPS):
-            pull = (a.transpose(0, 2, 1) @ rest)[..., 0] + known * (wanted - states)
-            step = np.linalg.solve(a.transpose(0, 2, 1) @ a + held, pull[..., None])
+            pull = (a.transpose(0, 2, 1) @ rest)[..., 0] + prior_weight * (expected_state - states)
+            step = np.linalg.solve(a.transpose(0, 2, 1) @ a + prior_matrix, pull[..., None])
             states = states + step[..., 0]
             a, rest = equations(camera, states, s, noise_px)
-        matrix = a.transpose(0, 2, 1) @ a + held
-        miss = np.where(s.seen, rms(misses(camera, states, s)), np.nan)
+        matrix = a.transpose(0, 2, 1) @ a + prior_matrix
+        rest_px = np.where(s.seen, rms(misses(camera, states, s)), np.nan)
         covariance = np.linalg.inv(matrix)
-        own = np.diagonal(covariance, axis1=1, axis2=2)
-        beside = np.diagonal(covariance[:, 2:, 2:], offset=1, axis1=1, axis2=2)
-        joints = own[:, 2:-1] + own[:, 3:] - 2 * beside
-        fitted = states, own[:, 0] + own[:, 1], joints, miss
+        variance = np.diagonal(covariance, axis1=1, axis2=2)
+        neighbours = np.diagonal(covariance[:, 2:, 2:], offset=1, axis1=1, axis2=2)
+        joints = variance[:, 2:-1] + variance[:, 3:] - 2 * neighbours
+        fitted = states, variance[:, 0] + variance[:, 1], joints, rest_px
         if not sensitive:
             return fitted
         b = equations(camera, states, s, noise_px, shared=True)[1][..., :-1]

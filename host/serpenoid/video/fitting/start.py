@@ -25,12 +25,12 @@ def first_cameras(sightings: Sightings, link_m: float, side_m: float) -> list[Ca
     squares look nearly the same from both sides.
     """
     frame, link = np.nonzero(sightings.seen)
-    some = slice(None, None, max(1, len(frame) // SAMPLE))
-    corners = sightings.corners_px[frame[some], link[some]].astype(float)
+    sample = slice(None, None, max(1, len(frame) // SAMPLE))
+    corners = sightings.corners_px[frame[sample], link[sample]].astype(float)
     around = np.arange(DIRECTIONS) * 2 * np.pi / DIRECTIONS
-    leaning = TILTS_RAD[1:, None, None] * np.stack([np.cos(around), np.sin(around)], axis=-1)
-    tried = []
-    for focal, tilt in product(FOCALS, [np.zeros(2), *leaning.reshape(-1, 2)]):
+    tilts = TILTS_RAD[1:, None, None] * np.stack([np.cos(around), np.sin(around)], axis=-1)
+    candidates = []
+    for focal, tilt in product(FOCALS, [np.zeros(2), *tilts.reshape(-1, 2)]):
         shared = np.zeros(len(LENS) + len(MOUNTING) * sightings.links)
         shared[0], shared[8] = np.log(focal), np.log(side_m)
         shared[5:7] = tilt
@@ -44,14 +44,14 @@ def first_cameras(sightings: Sightings, link_m: float, side_m: float) -> list[Ca
         distance = np.zeros_like(shared)
         distance[7] = np.log(side_m / np.median(sides))
         camera = replace(camera, shared=shared + distance)
-        tried.append((spread if np.isfinite(spread) else np.inf, focal, camera))
-    tried.sort(key=lambda trial: trial[0])
+        candidates.append((spread if np.isfinite(spread) else np.inf, focal, camera))
+    candidates.sort(key=lambda trial: trial[0])
     best: dict[float, Camera] = {}
-    for _, focal, camera in tried:
+    for _, focal, camera in candidates:
         best.setdefault(focal, camera)
-    lean = tried[0][2].shared[5:7]
-    others = [camera for *_, camera in tried if camera.shared[5:7] @ lean < 0]
-    return [*best.values(), *others[:1]]
+    best_tilt = candidates[0][2].shared[5:7]
+    opposite = [camera for *_, camera in candidates if camera.shared[5:7] @ best_tilt < 0]
+    return [*best.values(), *opposite[:1]]
 
 
 def tag_poses(camera: Camera, sightings: Sightings) -> tuple[Array, Array]:
@@ -73,9 +73,9 @@ def quarter_turns(centres: Array, headings: Array) -> Array:
     """
     first, last = centres[:, :1], centres[:, -1:]
     after, before = np.hstack([centres[:, 1:], last]), np.hstack([first, centres[:, :-1]])
-    along = after - before
-    apart = np.exp(1j * (np.arctan2(along[..., 1], along[..., 0]) - headings))
-    mean = np.angle(np.nan_to_num(apart).sum(axis=0))
+    directions = after - before
+    turns = np.exp(1j * (np.arctan2(directions[..., 1], directions[..., 0]) - headings))
+    mean = np.angle(np.nan_to_num(turns).sum(axis=0))
     return -np.round(mean / (np.pi / 2)) * np.pi / 2
 
 
@@ -87,10 +87,10 @@ def first_states(camera: Camera, sightings: Sightings, turns: Array) -> Array:
     centres, headings = tag_poses(camera, sightings)
     states = np.full((len(headings), headings.shape[1] + 2), np.nan)
     for i, theta in enumerate((headings - turns).T, 2):
-        there = np.isfinite(theta)
-        if there.any():
-            smooth = np.unwrap(theta[there])
-            states[:, i] = np.interp(sightings.t_s, sightings.t_s[there], smooth)
+        mask = np.isfinite(theta)
+        if mask.any():
+            smooth = np.unwrap(theta[mask])
+            states[:, i] = np.interp(sightings.t_s, sightings.t_s[mask], smooth)
     states = filled_headings(states, np.isfinite(states[:, 2:]), np.zeros(headings.shape[1] - 1))
     states[:, :2] = 0.0
 

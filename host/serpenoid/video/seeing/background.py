@@ -55,30 +55,30 @@ class Background:
         self.looks += 1
         if self._points is None:
             return
-        now = _even(np.ascontiguousarray(picture))
-        there, status = self._follow(self._first, now, self._points)
-        back, again = self._follow(now, self._first, there)
-        off = np.linalg.norm(back - self._points, axis=2).ravel()
-        good = (status & again).ravel() == 1
-        good &= off < REACH_PX
-        if good.sum() < max(LEAST_POINTS, len(good) / 3):
+        later = _even(np.ascontiguousarray(picture))
+        forward_points, status = self._follow(self._first, later, self._points)
+        returned_points, returned_status = self._follow(later, self._first, forward_points)
+        distance = np.linalg.norm(returned_points - self._points, axis=2).ravel()
+        is_good = (status & returned_status).ravel() == 1
+        is_good &= distance < REACH_PX
+        if is_good.sum() < max(LEAST_POINTS, len(is_good) / 3):
             return
-        start, end = self._points[good, 0], there[good, 0]
-        _, common = cv2.estimateAffinePartial2D(start, end, ransacReprojThreshold=REACH_PX)
-        same = common.ravel() == 1
-        if same.sum() >= max(LEAST_POINTS, good.sum() / 2):
-            points, moved = start[same], (end - start)[same]
+        start, end = self._points[is_good, 0], forward_points[is_good, 0]
+        _, inliers = cv2.estimateAffinePartial2D(start, end, ransacReprojThreshold=REACH_PX)
+        is_common = inliers.ravel() == 1
+        if is_common.sum() >= max(LEAST_POINTS, is_good.sum() / 2):
+            points, moved = start[is_common], (end - start)[is_common]
             # The picture moves, turns and grows: by how much did the window's corner move that
             # moved most? So a picture that turns or grows about its middle has moved, too.
             left, top, right, bottom = self.window
             corners = np.array([[x, y] for x in (left, right) for y in (top, bottom)], float)
-            a, far = _similar(points), _similar(corners)
+            a, corner_rows = _similar(points), _similar(corners)
             inverse = np.linalg.inv(a.T @ a)
-            way = inverse @ a.T @ moved.ravel()
-            spread = np.sum((moved.ravel() - a @ way) ** 2) / (a.shape[0] - 4)
-            shift = (far @ way).reshape(-1, 2)
+            motion = inverse @ a.T @ moved.ravel()
+            spread = np.sum((moved.ravel() - a @ motion) ** 2) / (a.shape[0] - 4)
+            shift = (corner_rows @ motion).reshape(-1, 2)
             worst = int(np.argmax(np.linalg.norm(shift, axis=1)))
-            rows = far[2 * worst : 2 * worst + 2]
+            rows = corner_rows[2 * worst : 2 * worst + 2]
             sigma = np.sqrt(spread * np.trace(rows @ inverse @ rows.T) / 2)
             x, y = shift[worst].tolist()
             self.shifts.append((time_s, x, y, float(sigma)))

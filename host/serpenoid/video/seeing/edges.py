@@ -38,31 +38,31 @@ def _refined(picture: Grey, quads: Array) -> tuple[Array, Array]:
     import cv2
 
     start, end = quads, np.roll(quads, -1, axis=1)
-    along = end - start
-    length = np.linalg.norm(along, axis=-1, keepdims=True)
+    edge = end - start
+    length = np.linalg.norm(edge, axis=-1, keepdims=True)
     # Clockwise on a picture whose y points down: outside is to the left of the way along.
-    outward = np.stack([along[..., 1], -along[..., 0]], axis=-1) / length
+    outward = np.stack([edge[..., 1], -edge[..., 0]], axis=-1) / length
     # A tag seen aslant is narrower one way: across an edge, a cell is as wide as the area tells.
     x, y = quads[..., 0], quads[..., 1]
     area = 0.5 * np.abs(np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1))
     reach = REACH_CELLS / CELLS * area[:, None, None] / np.maximum(length, 1e-6)
     reach = np.minimum(reach, MOST_REACH_PX)
-    base = start[:, :, None] + ALONG[:, None] * along[:, :, None]
-    where = base[..., None, :] + (reach[..., None] * ACROSS)[..., None] * outward[:, :, None, None]
-    flat = where.reshape(len(quads) * 4, -1, 2).astype(np.float32)
+    base = start[:, :, None] + ALONG[:, None] * edge[:, :, None]
+    places = base[..., None, :] + (reach[..., None] * ACROSS)[..., None] * outward[:, :, None, None]
+    flat = places.reshape(len(quads) * 4, -1, 2).astype(np.float32)
     grey = cv2.remap(
         picture, flat[..., 0], flat[..., 1], cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE
     )
-    offset, width = _crossings(grey.reshape(where.shape[:-1]).astype(float))
+    offset, width = _crossings(grey.reshape(places.shape[:-1]).astype(float))
     lines = _lines(offset * reach)
-    corners = _cut(start, along, outward, lines)
+    corners = _cut(start, edge, outward, lines)
     read = np.isfinite(offset) & np.isfinite(width)
     rows = len(quads), -1
     widths = _median((width * reach).reshape(rows), read.reshape(rows))
     good = np.isfinite(corners).all(axis=(1, 2))
     good &= np.abs(corners - quads).max(axis=(1, 2)) < 2 * reach.max(axis=(1, 2))
-    inside = (where >= 0) & (where <= np.array(picture.shape[::-1]) - 1)
-    good &= inside.all(axis=(1, 2, 3, 4))  # a rim that the picture cuts off tells no edge
+    in_picture = (places >= 0) & (places <= np.array(picture.shape[::-1]) - 1)
+    good &= in_picture.all(axis=(1, 2, 3, 4))  # a rim that the picture cuts off tells no edge
     return np.where(good[:, None, None], corners, quads), np.where(good, widths, np.nan)
 
 
@@ -102,26 +102,26 @@ def _passes(share: Array, level: float) -> Array:
 
 def _lines(offset: Array) -> Array:
     """Return intercept and slope of each edge's line, (tags, 4, 2); NaN with too few points."""
-    there = np.isfinite(offset)
+    mask = np.isfinite(offset)
     for _ in range(2):
-        line = _line(offset, there)
+        line = _line(offset, mask)
         miss = np.abs(offset - line[..., :1] - line[..., 1:] * ALONG)
-        typical = _median(miss, there)[..., None]
-        there = there & (miss <= 3.5 * typical + 0.02)
-    return _line(offset, there)
+        typical = _median(miss, mask)[..., None]
+        mask = mask & (miss <= 3.5 * typical + 0.02)
+    return _line(offset, mask)
 
 
-def _median(values: Array, there: Mask) -> Array:
+def _median(values: Array, mask: Mask) -> Array:
     """Return the median of those that are there along the last axis, NaN of none."""
-    ranked = np.sort(np.where(there, values, np.inf), axis=-1)
-    middle = np.maximum(there.sum(axis=-1) - 1, 0) // 2
+    ranked = np.sort(np.where(mask, values, np.inf), axis=-1)
+    middle = np.maximum(mask.sum(axis=-1) - 1, 0) // 2
     median = np.take_along_axis(ranked, middle[..., None], -1)[..., 0]
     return np.where(np.isfinite(median), median, np.nan)
 
 
-def _line(offset: Array, there: Mask) -> Array:
-    w = there.astype(float)
-    y = np.where(there, offset, 0.0)
+def _line(offset: Array, mask: Mask) -> Array:
+    w = mask.astype(float)
+    y = np.where(mask, offset, 0.0)
     n, sx, sxx = w.sum(-1), (w * ALONG).sum(-1), (w * ALONG**2).sum(-1)
     sy, sxy = y.sum(-1), (y * ALONG).sum(-1)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -130,13 +130,18 @@ def _line(offset: Array, there: Mask) -> Array:
     return np.where((n >= LEAST_POINTS)[..., None], line, np.nan)
 
 
-def _cut(start: Array, along: Array, outward: Array, lines: Array) -> Array:
+def _cut(start: Array, edge: Array, outward: Array, lines: Array) -> Array:
     """Return where each edge's line meets that of the edge before it."""
     point = start + lines[..., :1] * outward
-    way = along + lines[..., 1:] * outward
-    before_point, before_way = np.roll(point, 1, axis=1), np.roll(way, 1, axis=1)
-    apart = before_point - point
+    direction = edge + lines[..., 1:] * outward
+    last_point, last_direction = np.roll(point, 1, axis=1), np.roll(direction, 1, axis=1)
+    gap = last_point - point
     with np.errstate(invalid="ignore", divide="ignore"):
-        cross = way[..., 0] * before_way[..., 1] - way[..., 1] * before_way[..., 0]
-        share = (apart[..., 0] * before_way[..., 1] - apart[..., 1] * before_way[..., 0]) / cross
-    return point + share[..., None] * way
+        cross = (
+            direction[..., 0] * last_direction[..., 1]
+            - direction[..., 1] * last_direction[..., 0]
+        )
+        share = (
+            gap[..., 0] * last_direction[..., 1] - gap[..., 1] * last_direction[..., 0]
+        ) / cross
+    return point + share[..., None] * direction

@@ -36,15 +36,18 @@ class Sightings:
 
         def skews(cut: slice) -> tuple[Single]:
             begin = max(0, cut.start - 1)
-            beside = slice(begin, cut.stop + 1)
-            part = corners_px[beside].astype(float)
-            row = part[..., 1:] / image_px[1] - 0.5
+            neighbours = slice(begin, cut.stop + 1)
+            near_px = corners_px[neighbours].astype(float)
+            row = near_px[..., 1:] / image_px[1] - 0.5
             # how fast corners move: from the frames beside, or from the one that has it
-            apart = np.diff(part, axis=0) / np.diff(t_s[beside])[:, None, None, None]
-            none = np.full((1, *part.shape[1:]), np.nan)
-            before, after = np.concatenate([none, apart]), np.concatenate([apart, none])
-            one, both = np.where(np.isfinite(before), before, after), 0.5 * (before + after)
-            moved = row * np.where(np.isfinite(both), both, one)
+            rates = np.diff(near_px, axis=0) / np.diff(t_s[neighbours])[:, None, None, None]
+            gap = np.full((1, *near_px.shape[1:]), np.nan)
+            backward, forward = np.concatenate([gap, rates]), np.concatenate([rates, gap])
+            one_sided, central = (
+                np.where(np.isfinite(backward), backward, forward),
+                0.5 * (backward + forward),
+            )
+            moved = row * np.where(np.isfinite(central), central, one_sided)
             skew = np.where(np.isfinite(moved), moved, 0.0).astype(np.float32)
             return (skew[cut.start - begin :][:CHUNK],)
 
