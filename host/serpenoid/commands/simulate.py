@@ -13,7 +13,6 @@ import click
 import serpenoid as sn
 
 from ..base.checks import FORMULATIONS, GAPS, STARTS, Limits
-from ..base.errors import BadInput
 from ..show.screen import progress, say, working
 from ..simulation.methods import METHODS
 from .declare import (
@@ -25,7 +24,6 @@ from .declare import (
     number,
     option,
     out_file,
-    parsed_number,
     parsed_whole,
     refuse_unused,
     settings,
@@ -59,24 +57,10 @@ def _text(_name: str, text: str) -> str:
     return text
 
 
-def _locked(name: str, text: str) -> tuple[float, float]:
-    joint, equals, angle = text.partition("=")
-    if not equals:
-        raise BadInput(f"{name} is {text!r}; give joints and angles: 3=10,5=-20")
-    return parsed_whole(name, joint), math.radians(parsed_number(f"{name} {joint}", angle))
-
-
-# Fields of Scene; angles in degrees.
+# Fields of Scene, angles in degrees. Joint torques and locked joints are for scene files.
 SCENE = (
     Setting("incline_direction_deg", "uphill, from the x axis", "deg", Limits(-360, 360), "0"),
-    Setting(
-        "torque_nm",
-        "constant torque of each joint, in place of the gait: 0.1,0.2,...",
-        "N m",
-        read=_list(parsed_number),
-    ),
     Setting("limp", "joints without torque, from 1 at the tail: 2,4", read=_list(parsed_whole)),
-    Setting("locked_deg", "joints that stay at an angle: 3=10,5=-20", "deg", read=_list(_locked)),
     Setting("dt_s", "time step", "s", usual="0.001"),
     Setting("tolerance", "of methods that pick their steps", usual="1e-7"),
     Setting("start", f"state at time 0: {', '.join(STARTS)}", usual="zero_momentum", read=_text),
@@ -178,10 +162,6 @@ def simulate(
         run_report.show_run(run, summary, verbose)
 
 
-# Settings of a scene that are no fields of it by name, each with its field.
-_FIELDS = {"locked_deg": "locked", "torque_nm": "torque"}
-
-
 def make_scene(
     base: sn.Scene | None,
     robot: str | None,
@@ -199,25 +179,17 @@ def make_scene(
     """
     snake = make_snake(robot, settings, base and Snake(base.robot, base.ground))
     names = {one.name for one in (*SCENE, *SPRINGS)} & settings.keys()
-    fields: Given = {_FIELDS.get(name, name): settings[name] for name in names}
+    fields: Given = {name: settings[name] for name in names}
     options = {"formulation": formulation, "method": method, "duration_s": duration_s}
     options["incline_deg"] = incline_deg
     fields |= {name: value for name, value in options.items() if value is not None}
     for name in {"incline_deg", "incline_direction_deg"} & fields.keys():
         fields[name.replace("_deg", "_rad")] = math.radians(fields.pop(name))
-    if "locked" in fields:
-        fields["locked"] = dict(fields["locked"])
     kind = take_servo(servo, settings, IDEAL, snake)
-    usual = base and base.gait
-    if "torque" in fields:
-        if servo is not None:
-            raise click.UsageError("give one of --servo and --set torque_nm: both drive the joints")
-        fields |= {"drive": "torque", "servo": None}
-        usual = usual or sn.Gait(0.0, 0.0, 1.0)  # of a straight chain at rest
-    elif servo is not None:
+    if servo is not None:
         drive = "angle" if kind is None else "servo"
         fields |= {"drive": drive, "servo": kind and kind.servo, "torque": None}
-    fields["gait"] = make_gait(typed_gait, settings, usual)
+    fields["gait"] = make_gait(typed_gait, settings, base and base.gait)
     fields |= {"robot": snake.robot, "ground": snake.ground}
     scene = sn.Scene(**fields) if base is None else replace(base, **fields)
     return scene, snake.notes | servo_remark(kind)

@@ -37,7 +37,6 @@ OPTIONS = {
     "incline_direction_deg": ("90", "incline_direction_rad", math.radians(90)),
     "--servo": ("SG90", "servo", sn.servo("SG90").servo),
     "limp": ("2", "limp", (2,)),
-    "locked_deg": ("1=10,3=-20", "locked", {1: math.radians(10), 3: math.radians(-20)}),
     "--method": ("dop853", "method", "dop853"),
     "dt_s": ("0.00025", "dt_s", 0.00025),
     "tolerance": ("1e-5", "tolerance", 1e-5),
@@ -54,7 +53,11 @@ def as_typed(name: str, value: str) -> str:
 
 
 def test_every_field_has_its_option(tmp_path: Path) -> None:
-    fields = {name.split(".")[-1] for _, name, _ in OPTIONS.values()} | {"drive", "torque"}
+    fields = {name.split(".")[-1] for _, name, _ in OPTIONS.values()} | {
+        "drive",
+        "torque",
+        "locked",
+    }
     fields |= {"joint_gain", "joint_shift_rad"}  # of a gait that is wrong: for studies in Python
     for kind in (sn.Scene, sn.Robot, sn.Ground, sn.Gait):
         names = {f.name for f in dataclasses.fields(kind)} - {"robot", "ground", "gait"}
@@ -144,13 +147,8 @@ def test_dry_ground_takes_the_method_that_runs_the_scene() -> None:
     ("line", "said"),
     [
         ("simulate --omega-rad-s 5", "give --alpha-deg"),
-        (f"{SHORT} --servo hobby --set torque_nm=0,0,0,0,0", "both drive the joints"),
-        (f"{SHORT} --set torque_nm=1,2", "must be 5 numbers"),
-        (f"{SHORT} --set torque_nm=a", "torque_nm is 'a'"),
         (f"{SHORT} --set 'limp=2;3'", "type a number without its unit"),
         (f"{SHORT} --set limp=7", "limp names joint 7"),
-        (f"{SHORT} --set locked_deg=3", "give joints and angles: 3=10"),
-        (f"{SHORT} --set locked_deg=3=nan", "locked[3] is nan"),
         (f"{SHORT} --set record=work", "record is 'work'"),
         (f"{SHORT} --scene nowhere.toml", "nowhere.toml: No such file"),
         (f"{SHORT} --set joint_stiffness_n_m=5", "joint_stiffness_n_m would change nothing"),
@@ -170,12 +168,6 @@ def test_a_refusal_names_what_was_typed(line: str, said: str) -> None:
     done = serpenoid(line)
     assert done.returncode in (1, 2)
     assert said in done.stderr
-
-
-def test_torques_need_no_gait() -> None:
-    got = answer("simulate --set torque_nm=0.001,0,0,0,0 --duration-s 0.1 --set dt_s=0.01")
-    assert got["method"] == "nonsmooth"
-    assert got["gait"]["alpha_deg"] == 0
 
 
 def test_a_speed_between_rare_records_is_not_guessed() -> None:
