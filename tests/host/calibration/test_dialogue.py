@@ -10,7 +10,7 @@ from calibration.conversations import Typist
 from calibration.floor_sessions import TRUTH, push_track
 from robot.fake_board import eeprom_after
 from serpenoid import Ground, fit_friction
-from serpenoid.base.errors import RobotLost
+from serpenoid.base.errors import RecordingFailed, RobotLost
 from serpenoid.robot.wire.virtual import VirtualLink
 from serpenoid.session.journal import Journal
 from serpenoid.session.rows import read_events
@@ -114,6 +114,23 @@ def test_a_floor_with_films_takes_twenty_answers(tmp_path):
     assert len(lines) <= 20
     assert len(session.kept_pushes) == 24
     assert len(session.kept_crawls) == 4
+
+
+def test_a_full_disk_keeps_what_was_typed_and_tries_again(folder, monkeypatch):
+    from serpenoid.session import journal as module
+
+    write, full = module.append_line, [True, True, False, False]
+
+    def append(path, line):
+        if full.pop(0):
+            raise RecordingFailed("no room")
+        write(path, line)
+
+    monkeypatch.setattr(module, "append_line", append)
+    heard, session = talk(folder, ZERO, "", "")
+    assert heard.count("! no room") == 2
+    assert "kept as reading 1" in heard
+    assert len(session.zeros) == 1
 
 
 def test_undoing_a_skip_heeds_no_clock(folder, monkeypatch):

@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from calibration.floor_sessions import TRUTH, floor_setup, push_track
+from calibration.floor_sessions import TRUTH, floor_setup
 from refusals import refused
 from serpenoid import Ground, fit_friction, load_session
 from serpenoid.calibration.floor.look import look_at, pushes_in
@@ -138,26 +138,6 @@ def test_what_is_too_fast_or_too_long_for_a_push_is_not_taken(tmp_path):
             with refused(told):
                 journal.add("push", cells | more)
         assert journal.add("push", cells | {"distance_m": 0.8, "duration_s": 3.0}) == 1
-
-
-def test_the_scatter_of_a_robot_at_rest_is_no_push(tmp_path):
-    rng = np.random.default_rng(8)
-    rest = np.arange(30.0, 60.0, 1 / 30)
-    still = np.column_stack([rest, np.full((len(rest), 2), 0.3)])
-    rows = np.concatenate([push_track(0.8, TRUTH, rng, sigma_m=0.0), still])
-    rows[:, 1:] += 0.002 * rng.normal(size=(len(rows), 2))
-    with Journal(create_session(tmp_path / "s", floor_setup())) as journal:
-        assert len(keep_pushes(journal, rows, {"lambda_deg": 0.0})) == 1
-
-
-def test_a_doubtful_push_is_kept_and_void(tmp_path):
-    short = filmed(4, 0.3)[0]
-    with Journal(create_session(tmp_path / "s", floor_setup())) as journal:
-        (kept,) = keep_pushes(journal, short, {"lambda_deg": 0.0})
-        (push,) = journal.session.of("push")
-        assert push.voided
-        assert "push harder" in push.comment
-        assert "VOID" in kept.in_words()
 
 
 def test_a_session_by_the_whole_procedure_tells_all_four():

@@ -10,14 +10,12 @@ import time
 
 import pytest
 from refusals import refused
-from robots import NIRAKH_2005
 from serpenoid.base.errors import RecordingFailed
 from serpenoid.session.folder import read_session
 from serpenoid.session.journal import Journal, append_line
 from serpenoid.taking.new_session import (
     create_session,
     default_setup,
-    template_setup,
 )
 
 STATION = {"lambda_deg": 0.0, "incline_deg": 2.5, "belt_speed_m_s": 0.4, "drift_m_s": 0.0}
@@ -53,12 +51,6 @@ def test_a_session_is_made_and_read_back_exactly(folder):
     assert (folder / "session.toml").read_text() == before
 
 
-def test_a_set_up_is_taken_over_from_another_session(folder):
-    assert template_setup(folder, "b").robot == read_session(folder).setup.robot
-    old = template_setup(NIRAKH_2005, "b")
-    assert (old.provenance.kind, len(old.plan.lambda_rad)) == ("measured", 2)
-
-
 def test_what_is_added_is_on_disk_at_once(folder):
     with Journal(folder) as journal:
         assert journal.add("station", STATION, comment="two\nlines, with a comma") == 1
@@ -74,9 +66,7 @@ def test_what_is_added_is_on_disk_at_once(folder):
     ("kind", "cells", "says"),
     [
         ("station", STATION | {"incline_deg": float("nan")}, "incline_deg is nan"),
-        ("station", STATION | {"incline_deg": "two"}, "incline_deg is 'two'"),
         ("station", STATION | {"drift_m_s": 0.4}, "must be more than 0"),
-        ("station", {"lambda_deg": 0.0}, "incline_deg is ''"),
         ("dance", STATION, "kind is 'dance'"),
         ("station", STATION | {"gamma": 1}, "unknown column 'gamma'"),
     ],
@@ -129,7 +119,7 @@ def test_killed_at_any_moment_at_most_the_one_being_written_is_lost(folder, seed
         assert journal.add("station", STATION) == len(kept) + 1
 
 
-@pytest.mark.parametrize("cut", [1, 2, 10, 30, 60])
+@pytest.mark.parametrize("cut", range(1, 40, 3))
 def test_a_line_that_was_cut_short_is_closed_and_the_next_one_whole(folder, cut):
     with Journal(folder) as journal:
         journal.add("station", STATION)
@@ -163,14 +153,4 @@ def test_no_file_at_all_is_told(tmp_path):
     with pytest.raises(RecordingFailed, match="nothing was written"):
         append_line(tmp_path / "none.csv", "x\n")
     with refused(r"no session here.*calibrate new"), Journal(tmp_path):
-        pass
-
-
-def test_other_formats_are_refused(folder):
-    path = folder / "session.toml"
-    path.write_text(path.read_text().replace("format = 2", "format = 3"))
-    with refused(r"format is 3; .*install a newer"), Journal(folder):
-        pass
-    path.write_text(path.read_text().replace("format = 3", "format = 1"))
-    with refused(r"toml:\d+: format is 1, which held stations alone"), Journal(folder):
         pass

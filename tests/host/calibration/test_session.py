@@ -69,27 +69,15 @@ def test_regenerating_gives_the_committed_file():
             ",nan,0.181468,",
             r":2: incline_deg is nan; .* more than 0 and at most 45",
         ),
-        (",2.0,0.181468,", ",200,0.181468,", r":2: incline_deg is 200.0; .*at most 45"),
         (",2.0,0.181468,", ",2,0,0.181468,", r":2: 21 cells where the header has 20"),
-        (
-            ",2.0,0.181468,",
-            ",2.0,-0.1,",
-            r":2: belt_speed_m_s is -0.1; .*at least 0 and at most 10",
-        ),
         (",0.181468,0.0,", ",0.181468,0.2,", r":2: belt_speed_m_s - drift_m_s is -0.018532 .*void"),
         ("\n6,station,,1,", "\n6,station,yesterday,1,", r":7: time_utc is 'yesterday'; .*ISO 8601"),
-        ("\n6,station,", "\n6.5,station,", r":7: reading is '6.5'; .*whole number from 1"),
         ("\n6,station,", "\n5,station,", r":7: reading 5 is there already"),
         (",drift_m_s", "", r":1: no column drift_m_s"),
         (
             "incline_deg",
             "incline_rad",
             r":1: unknown column 'incline_rad'; .*'incline_deg'.*convert",
-        ),
-        (
-            "incline_deg,",
-            "incline_deg,incline_deg,",
-            r":1: column 'incline_deg' stands there twice",
         ),
         (",regenerated", ',"regenerated', r":\d+: not CSV"),
     ],
@@ -104,7 +92,6 @@ def test_bad_readings_name_file_line_and_range(folder, old, new, says):
     [
         ("format = 2", "format = 1", r":2: format is 1, which held stations alone"),
         ("format = 2", "format = 3", r":2: format is 3; .*up to 2; install a newer"),
-        ("format = 2", 'format = "1"', r":2: format is '1'; it must be a whole number"),
         ("format = 2", "", r"toml: the file has no format"),
         ("links = 6", "links = 1", r":\d+: links is 1; .*2"),
         (
@@ -118,15 +105,8 @@ def test_bad_readings_name_file_line_and_range(folder, old, new, says):
             r":\d+: unknown key 'link_mass_g'",
         ),
         ("mass_kg = 0.4536", "", r"toml: no key mass_kg"),
-        ('kind = "regenerated"', 'kind = "guessed"', r":\d+: kind is 'guessed'; .*measured"),
         ("lambda_deg = [0.0, 7.5]", "lambda_deg = []", r":\d+: lambda_deg is \[\]"),
-        (
-            "belt_speed_sigma_m_s = 0.02",
-            "belt_speed_sigma_m_s = 0",
-            r":\d+: belt_speed_sigma_m_s is",
-        ),
         ("[robot]", "[snake]", r":\d+: unknown key 'snake'"),
-        ("[robot]", "[robot", r": not TOML"),
         ('name = "nirakh-2005"', 'name = ""', r":3: name is ''; it must be text"),
     ],
 )

@@ -12,7 +12,7 @@ from serpenoid import fit_friction, load_session
 from serpenoid.session.checks import ZeroReading
 from serpenoid.session.folder import read_session
 from serpenoid.session.kinds import READING_COLUMNS
-from serpenoid.session.rows import EVENT_COLUMNS, read_events
+from serpenoid.session.rows import EVENT_COLUMNS
 
 SETUP = """
 format = 2
@@ -222,31 +222,9 @@ def test_the_hash_tells_what_a_fit_rests_on(folder):
     assert load_session(folder).sha256 != first
 
 
-@pytest.mark.parametrize("kept", range(0, len(reading(2)), 7))
-def test_a_line_cut_short_does_not_count(folder, kept):
-    append(folder, reading(1), reading(2)[:kept])
-    session = load_session(folder)
-    assert [r.number for r in session.readings] == [1]
-    assert bool(session.notes) == bool(kept)
-    append(folder, "#torn\n", reading(2))
-    assert [r.number for r in load_session(folder).readings] == [1, 2]
-    assert not load_session(folder).notes
-
-
 def test_other_damage_is_told(folder):
     append(folder, reading(1), reading(1))
     with refused(r"csv:3: reading 1 is there already, at .*csv:2"):
-        load_session(folder)
-
-
-def test_events_are_held_to_the_same(folder):
-    append(folder, event("start", detail="firmware 0.1"), to="events.csv")
-    assert read_events(folder, [])[0].detail == "firmware 0.1"
-    append(folder, event("void", 7), to="events.csv")
-    with refused("void of reading 7, which is not there"):
-        load_session(folder)
-    append(folder, event("dance"), to="events.csv")
-    with refused(r"events.csv:4: event is 'dance'"):
         load_session(folder)
 
 

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
-from refusals import refused
 from robots import OF_2005, gait_in_deg
 from serpenoid import Servo, _core
 from serpenoid.lab.crawl import crawl_speed
@@ -134,12 +133,3 @@ def test_a_stiff_servo_on_quick_frames_is_a_robot_whose_joints_follow() -> None:
     ideal = crawl_speed(LabRobot.whole(OF_2005, WHOLE), GAIT)
     driven = crawl_speed(LabRobot.whole(OF_2005, WHOLE, servo=stiff), GAIT)
     assert driven == pytest.approx(ideal, rel=0.01)
-
-
-def test_a_robot_without_servo_is_not_driven_and_the_joints_are_seen() -> None:
-    with refused("no servo"):
-        LabRobot.whole(OF_2005, WHOLE).driven_chain()
-    told = Floor(LabRobot.whole(OF_2005, WHOLE, servo=SERVO))
-    track, joints = told.run_servos(np.tile(STILL, (5, 1)))
-    assert joints == pytest.approx(np.tile(STILL, (5, 1)), abs=1e-3)
-    assert track.t_s == pytest.approx(0.02 * np.arange(1, 6))

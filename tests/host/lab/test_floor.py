@@ -11,7 +11,6 @@ from serpenoid import Ground
 from serpenoid.calibration.fitting.shared import straightness_factors
 from serpenoid.lab.floor import Floor, Push
 from serpenoid.lab.instruments import Instrument
-from serpenoid.lab.recording import to_rest
 from serpenoid.lab.robot import LabRobot, pose_of
 
 WHOLE = Ground(0.084, 1.2, 0.14, 0.27)
@@ -77,11 +76,3 @@ def test_wheels_that_turn_roll_farther():
     a, b = drag(0.0)
     track = Floor(LabRobot.whole(OF_2005, WHOLE, rolling_kg=0.02)).push(STRAIGHT, Push(0.8))
     assert track.x_m[-1] == pytest.approx(coast(0.8, a, b, MASS + 0.02)[1], rel=2e-3)
-
-
-def test_tape_and_watch():
-    track, rng = Floor(ROBOT).push(STRAIGHT, Push(0.9)), np.random.default_rng(2)
-    stop, far = coast(0.9, *drag(0.0), MASS)
-    assert to_rest(track, rng, EXACT, EXACT) == pytest.approx((far, stop), rel=0.01)
-    found = [to_rest(track, rng) for _ in range(200)]
-    assert np.std([t for _, t in found]) == pytest.approx(0.12, rel=0.2)
