@@ -72,15 +72,7 @@ def progress(total: float, what: str, so_far: bool = False) -> Iterator[Callable
     from rich import progress as bars
 
     errors = screen(stderr=True)
-    columns = (
-        bars.TextColumn("{task.description}"),
-        bars.BarColumn(),
-        bars.MofNCompleteColumn(),
-        bars.TimeRemainingColumn(),
-    )
-    with bars.Progress(
-        *columns, console=errors, transient=True, disable=not errors.is_terminal
-    ) as bar:
+    with bars.Progress(console=errors, transient=True, disable=not errors.is_terminal) as bar:
         task = bar.add_task(what, total=total)
         if so_far:
             yield lambda done: bar.update(task, completed=done)

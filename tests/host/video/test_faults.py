@@ -86,7 +86,6 @@ def test_a_knock_is_told_and_widens_the_sigmas_and_a_push_is_refused(frames, tol
     "moved",
     [
         lambda f, k: shifted(f, 6 * math.sin(0.2 * k), 5 * math.sin(0.15 * k)),  # held by hand
-        lambda f, k: shifted(f, 0.25 * k),  # stabilised: the picture goes with the robot
         lambda f, k: shifted(f, angle_deg=0.06 * k),  # stabilised: about the picture's middle
     ],
 )

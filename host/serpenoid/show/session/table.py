@@ -8,7 +8,7 @@ from typing import Any
 from ...session.session import Session
 from .. import report
 
-MOST_ROWS = 500  # the newest readings, on a terminal
+COLUMNS = "reading", "what", "values", "state", "comment"
 
 
 def rows(session: Session) -> list[list[str]]:
@@ -21,15 +21,10 @@ def rows(session: Session) -> list[list[str]]:
 
 def show(session: Session, parts: list[tuple[str, str]]) -> None:
     """Print what was read, then how far each part of the plan is."""
-    columns = ["reading", "what", "values", "state", "comment"]
     lines = rows(session)
-    if len(lines) > MOST_ROWS:
-        earlier = len(lines) - MOST_ROWS
-        report.console.print(f"{earlier} earlier readings are not shown; --json has them")
-        lines = lines[-MOST_ROWS:]
-    shown = [k for k, name in enumerate(columns) if name != "state" or any(row[k] for row in lines)]
+    shown = [k for k, name in enumerate(COLUMNS) if name != "state" or any(row[k] for row in lines)]
     cells = [[row[k] for k in shown] for row in lines]
-    report.table(session.setup.name, [columns[k] for k in shown], cells, len(shown))
+    report.table(session.setup.name, [COLUMNS[k] for k in shown], cells, len(shown))
     for name, state in parts:
         report.console.print(f"{name:14} {state}")
     for note in notes(session):
@@ -55,9 +50,6 @@ def as_dict(session: Session, parts: list[tuple[str, str]], say: str) -> dict[st
         "zero_deg": math.degrees(zero.value_rad),
         "zero_sigma_deg": math.degrees(zero.sigma_rad),
         "sha256": session.sha256,
-        "readings": [
-            dict(zip(("reading", "what", "values", "state", "comment"), row, strict=True))
-            for row in rows(session)
-        ],
+        "readings": [dict(zip(COLUMNS, row, strict=True)) for row in rows(session)],
         "notes": notes(session),
     }

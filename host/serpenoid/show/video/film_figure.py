@@ -13,7 +13,6 @@ from ...video.result import FilmMeasurement
 from ..plot import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, figure, heading
 from ..report import console, show, table
 
-MOST_POINTS = 20_000  # of a path
 COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE, "#56B4E9", "#8B6914", GREY)
 
 
@@ -26,15 +25,11 @@ def film_figure(film: FilmMeasurement, path: Path) -> None:
 
 
 def _picture(ax: Any, film: FilmMeasurement) -> None:
-    """Draw the first frame, the middle's and the head's path, and the chain at start and end."""
+    """Draw the first frame, the middle's path, and the chain at start and end."""
     camera = film.measured.bundle.camera
     states = film.measured.track.states
-    states = states[:: 1 + len(states) // MOST_POINTS]
     ax.imshow(film.watched.picture, cmap="gray", vmin=0, vmax=255)
-    middle = camera.plane_px(states[:, :2])
-    ax.plot(*middle.T, color=BLUE, lw=2, label="middle of the robot")
-    head = camera.image(camera.corners(states)[:, -1].mean(axis=1))
-    ax.plot(*head.T, color=ORANGE, lw=1.2, label="head")
+    ax.plot(*camera.plane_px(states[:, :2]).T, color=BLUE, lw=2, label="middle of the robot")
     for k, style, words in ((0, "o-", "links and joints at the start"), (-1, "o:", "at the end")):
         ax.plot(*camera.joints_px(states[k]).T, style, color=RED, lw=1.5, ms=3, label=words)
     ax.set(title="path over the first frame", xticks=[], yticks=[])

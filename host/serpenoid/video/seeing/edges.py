@@ -138,8 +138,7 @@ def _cut(start: Array, edge: Array, outward: Array, lines: Array) -> Array:
     gap = last_point - point
     with np.errstate(invalid="ignore", divide="ignore"):
         cross = (
-            direction[..., 0] * last_direction[..., 1]
-            - direction[..., 1] * last_direction[..., 0]
+            direction[..., 0] * last_direction[..., 1] - direction[..., 1] * last_direction[..., 0]
         )
         share = (
             gap[..., 0] * last_direction[..., 1] - gap[..., 1] * last_direction[..., 0]
