@@ -49,10 +49,10 @@ def typical_servo_name(servo: Servo | ServoKind) -> str:
     return f"a typical {servo.name} servo" if isinstance(servo, ServoKind) else "the given servo"
 
 
-def speed_limit_text(servo: Servo | ServoKind, digits: int = 2, unit: str = "") -> str:
+def speed_limit_text(servo: Servo | ServoKind, digits: int = 2) -> str:
     """Return a servo's limit in words, e.g. '5.6 (90 % of its no-load speed, 6.2)', rad/s."""
     speed_rad_s = no_load_rad_s(servo)
-    limit = f"{MAX_NO_LOAD_SHARE * speed_rad_s:.{digits}g} {unit}".rstrip()
+    limit = f"{MAX_NO_LOAD_SHARE * speed_rad_s:.{digits}g}"
     return f"{limit} ({100 * MAX_NO_LOAD_SHARE:.0f} % of its no-load speed, {speed_rad_s:.2g})"
 
 

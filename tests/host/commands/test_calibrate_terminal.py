@@ -39,7 +39,7 @@ def test_taken_killed_and_resumed_at_a_terminal(folder):
     with Person(f"calibrate {folder}") as person:
         person.sees("453.6 g, on belt")
         person.answers("Is it this robot", "\n")
-        person.sees("1 station ")
+        person.sees("stations 1")
         person.answers("Robot straight", "quit\n")
         person.sees("Everything read so far is kept")
         assert person.leaves() == 0

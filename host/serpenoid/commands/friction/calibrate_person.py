@@ -127,16 +127,15 @@ def program() -> str:
 
 def count(session: Session) -> str:
     """Return how much a session holds, in words."""
-    stations, runs = len(session.kept), len(session.kept_crawls)
-    pushes = len(session.kept_pushes)
     taken = (*session.readings, *session.gait_runs, *session.of("push"))
-    void = sum(r.voided for r in taken)
-    on_floor = session.has_line
-    parts = [f"{stations} station{'s' * (stations != 1)}"] if stations or not on_floor else []
-    parts += [f"{pushes} push{'es' * (pushes != 1)}"] if on_floor else []
-    return f"{', '.join(parts)} and {runs} gait run{'s' * (runs != 1)} kept" + (
-        f", {void} void" if void else ""
-    )
+    counts = {
+        "stations": len(session.kept),
+        "pushes": len(session.kept_pushes),
+        "gait runs": len(session.kept_crawls),
+        "void": sum(reading.voided for reading in taken),
+    }
+    told = ", ".join(f"{name} {number}" for name, number in counts.items() if number)
+    return told or "no reading yet"
 
 
 def film_reader(side_m: float | None = None, capture_fps: float | None = None) -> FilmReader:

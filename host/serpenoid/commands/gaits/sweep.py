@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from itertools import product
 from pathlib import Path
 
 import click
@@ -121,24 +120,11 @@ def sweep(
         write_sweep(grid_states, out)
         missed = int((~grid_states.converged).sum())
         say(f"wrote {count} gaits to {out}; {missed} did not converge", err=True)
-        if grid_states.servo_speed_m_s is not None:
-            lost = sum(map(math.isnan, grid_states.servo_speed_m_s.flat))
-            say(f"with servos {lost} do not settle to a speed", err=True)
-    if kind is not None:
-        _say_too_fast(grid, kind)
-    if as_json:
-        show_json(sweep_values(grid_states) | snake.notes | servo_remark(kind))
-
-
-def _say_too_fast(grid: dict[str, list[float]], servo: sn.ServoKind) -> None:
-    """Say how many gaits are too fast for the servo, so that they have no band."""
-    from ...servos.speed_limit import is_too_fast, speed_limit_text, typical_servo_name
-
-    shapes = product(grid["alpha_rad"], grid["beta_rad"], grid["omega_rad_s"])
-    too_fast = sum(is_too_fast(sn.Gait(*shape), servo) for shape in shapes)
-    if too_fast:
+    if grid_states.servo_low_m_s is not None:
+        lost = sum(map(math.isnan, grid_states.servo_low_m_s.flat))
         say(
-            f"too fast for {typical_servo_name(servo)}, so without a band: {too_fast} gaits, whose "
-            f"joints must turn faster than {speed_limit_text(servo, unit='rad/s')}",
+            f"{lost} have no band: they are too fast for a typical servo, or settle to no speed",
             err=True,
         )
+    if as_json:
+        show_json(sweep_values(grid_states) | snake.notes | servo_remark(kind))
