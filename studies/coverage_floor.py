@@ -16,7 +16,7 @@ import numpy as np
 from coverage_treadmill import GAIT, SERVOS, WHOLE, WHOLE_2005, DrivenTable
 from numpy.typing import NDArray
 from serpenoid import FrictionFit, Gait, SerpenoidError, ServoKind, fit_friction
-from serpenoid.calibration.fitting.shared import FRICTIONS
+from serpenoid.friction.parameters import FRICTIONS
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.recording import Camera
 from serpenoid.periodic.servo_steady import band

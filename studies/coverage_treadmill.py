@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from serpenoid import Gait, Ground, Robot, SerpenoidError, fit_friction, servo
-from serpenoid.calibration.fitting.shared import FRICTIONS
-from serpenoid.calibration.friction_result import ground_of
+from serpenoid.friction.parameters import FRICTIONS
+from serpenoid.friction.result import ground_of
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.periodic.servo_steady import band, servo_speeds
 from serpenoid.periodic.steady import steady_gait

@@ -24,7 +24,6 @@ ROOMS = [
     "robot",
     "lab",
     "session",
-    "calibration",
     "friction",
     "taking",
     "prediction",
@@ -152,7 +151,7 @@ def test_the_labs_chain_knows_nothing_of_the_products_law() -> None:
 
 def test_the_fit_and_the_lab_share_nothing() -> None:
     """What is tested by a world must not be in it, nor the world in what is tested."""
-    graph, judged = python_graph(), re.compile(r"(calibration|session|friction)\b")
+    graph, judged = python_graph(), re.compile(r"(session|friction)\b")
     both = [(name, o) for name, others in graph.items() for o in others]
     assert [(a, b) for a, b in both if judged.match(a) and b.split(".")[0] == "lab"] == []
     assert [(a, b) for a, b in both if a.split(".")[0] == "lab" and judged.match(b)] == []

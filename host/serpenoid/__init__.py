@@ -8,9 +8,9 @@ if TYPE_CHECKING:
 
     __version__: str
     from .base.errors import BadInput, Diverged, NotConverged, SerpenoidError, StepTooLarge
-    from .calibration.fit_file import load_fit, save_fit
-    from .calibration.friction_fit import fit_friction
-    from .calibration.friction_result import FrictionFit
+    from .friction.file import load_fit, save_fit
+    from .friction.fit import fit_friction
+    from .friction.result import FrictionFit
     from .gaits.least_power import LeastPower, least_power_gait, power_front
     from .gaits.limits import GaitLimits, SpeedLosses, speed_losses
     from .model.drives import Servo, ServoKind, TorqueTable
@@ -40,9 +40,9 @@ _HOMES = {
     "base.errors": ("BadInput", "Diverged", "NotConverged", "SerpenoidError", "StepTooLarge"),
     "prediction.advice": ("Advice", "advise"),
     "prediction.comparison": ("Comparison", "compare"),
-    "calibration.fit_file": ("load_fit", "save_fit"),
-    "calibration.friction_fit": ("fit_friction",),
-    "calibration.friction_result": ("FrictionFit",),
+    "friction.file": ("load_fit", "save_fit"),
+    "friction.fit": ("fit_friction",),
+    "friction.result": ("FrictionFit",),
     "session.session": ("Session",),
     "session.folder": ("load_session",),
     "model.drives": ("Servo", "ServoKind", "TorqueTable"),

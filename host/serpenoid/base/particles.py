@@ -28,30 +28,32 @@ _SNAPSHOTS = 4  # of all samples, a fixed number of moves apart
 
 @dataclass(frozen=True)
 class Student:
-    """Student's distribution about a centre (D,), with a root (D, D) made somewhat wider."""
+    """Student's distribution about a centre (D,), with a lower root (D, D) made somewhat wider.
+
+    normal: how many of the last coordinates are normal given the first: whole tails in many
+    dimensions would be tails far out.
+    """
 
     centre: Floats
     root: Floats
+    normal: int = 0
 
     def points(self, count: int, seed: int) -> Floats:
-        """Return (count, D) scrambled Sobol points of it."""
-        from scipy.special import chdtri, ndtri
-        from scipy.stats import qmc
-
-        size = len(self.centre)
-        even = qmc.Sobol(size + 1, seed=seed).random(count)  # pyright: ignore[reportCallIssue] (older SciPy)
-        tail = chdtri(FREEDOM, even[:, -1:]) / FREEDOM
-        unit = WIDER * (ndtri(even[:, :-1]) / np.sqrt(tail))
+        """Return (count, D) random points of it."""
+        rng, heavy = np.random.default_rng(seed), len(self.centre) - self.normal
+        unit = WIDER * rng.standard_normal((count, len(self.centre)))
+        unit[:, :heavy] /= np.sqrt(rng.chisquare(FREEDOM, (count, 1)) / FREEDOM)
         return np.asarray(self.centre + unit @ self.root.T)
 
     def log_density(self, x: Floats) -> Floats:
         """Return its logarithm at points (K, D)."""
         from scipy.special import gammaln
 
-        root, size = WIDER * self.root, len(self.centre)
-        unit = np.linalg.solve(root, (x - self.centre).T)
+        root, size = WIDER * self.root, len(self.centre) - self.normal
+        square = np.linalg.solve(root, (x - self.centre).T) ** 2
         head = gammaln((FREEDOM + size) / 2) - gammaln(FREEDOM / 2) - np.linalg.slogdet(root)[1]
-        far = (FREEDOM + size) * np.log1p(np.sum(unit**2, axis=0) / FREEDOM)
+        far = (FREEDOM + size) * np.log1p(np.sum(square[:size], axis=0) / FREEDOM)
+        far = far + np.sum(square[size:], axis=0) + self.normal * math.log(2 * math.pi)
         return np.asarray(head - 0.5 * (size * math.log(FREEDOM * math.pi) + far))
 
 

@@ -18,7 +18,7 @@ import serpenoid as sn
 
 from .. import _core
 from ..base.files import read_json, write_text
-from ..calibration.friction_result import DOUBTFUL
+from ..friction.result import DOUBTFUL
 from ..lab.crawl import crawl_speed
 from ..model.gait import gait_name
 from ..prediction.band import speed_band
@@ -147,7 +147,8 @@ def _without_outlier(
     """
     if fit.p_value is None or fit.p_value > DOUBTFUL or session.folder is None:
         return session, fit, ""
-    worst = min(fit.influence, key=lambda reading: reading.chi2_without).reading
+    told = {i.chi2_without: i.reading for i in fit.influence if i.chi2_without is not None}
+    worst = told[min(told)]
     with Journal(session.folder) as journal:
         journal.event("void", worst, "misread: chi2 says so")
         without = sn.fit_friction(journal.session)

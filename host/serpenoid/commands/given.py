@@ -88,7 +88,7 @@ def make_snake(name: str | None, settings: Given, base: Snake | None = None) -> 
 
 def session_fit(folder: Path) -> sn.FrictionFit:
     """Return a session's fit.json if it is that of its readings, else fit them now."""
-    from ..calibration.fit_file import NAME, rests_on
+    from ..friction.file import NAME, rests_on
 
     session = sn.load_session(folder)
     if (folder / NAME).exists():

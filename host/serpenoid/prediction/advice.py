@@ -16,15 +16,14 @@ from ..base.checks import check_kind
 from ..base.errors import BadInput
 from ..base.rows import Result
 from ..base.vectors import Array
-from ..calibration.crawls.data import as_run, crawls_by_command, same_command
-from ..calibration.friction_fit import fit_friction
-from ..calibration.friction_result import FrictionFit
-from ..calibration.session_posterior import covariance_after, mode_of
+from ..friction.fit import covariance_after, fit_friction, map_estimate
+from ..friction.result import FrictionFit
 from ..model.drives import ServoKind
 from ..model.gait import Gait, gait_name
 from ..periodic.servo_steady import band
 from ..servos.catalogue import HOBBY
 from ..servos.speed_limit import too_fast_text
+from ..session.crawls import as_run, crawls_by_command, same_command
 from ..session.session import Session
 from .next_readings import MAX_TIMES, Candidate, can_film, candidates
 from .speeds import SAMPLES, Progress, draw_samples, draw_servos, speed, speeds
@@ -219,7 +218,7 @@ def advise(
         raise BadInput(f"{session.where}: no gait to predict; name one with --gait")
     if not session.kept and not session.on_floor:
         raise BadInput(f"{session.where}: no station was held, and no push; take one first")
-    fit, mode = fit_friction(session), mode_of(session)
+    fit, estimate = fit_friction(session), map_estimate(session)
     servo = servo and session.setup.driving(servo)
     too_fast = [too_fast_text(gait, servo, gait_name(gait)) for gait in wanted]
     slow = tuple(gait for gait, text in zip(wanted, too_fast, strict=True) if not text)
@@ -230,13 +229,13 @@ def advise(
         )
     bands = _bands(session, fit, slow, servo, samples, progress)
     now = float(np.mean(bands.whole))
-    before = bands.by_friction(covariance_after(session, mode))
+    before = bands.by_friction(covariance_after(session, estimate))
 
     def band_with(candidate: Candidate, times: int) -> float:
-        grown = covariance_after(candidate.session_with(session, times), mode)
+        grown = covariance_after(candidate.session_with(session, times), estimate)
         return bands.after(bands.by_friction(grown) / before)
 
-    readings = [_repeated(each, band_with) for each in candidates(session, mode)]
+    readings = [_repeated(each, band_with) for each in candidates(session, estimate)]
     if servo is not None and not servo.drawn and not servo.exact:
         words = "a bench test of one joint (`serpenoid servo --test`)"
         readings.append(NextReading("servo", words, 1, SERVO_TEST_MIN, bands.servo_tested))

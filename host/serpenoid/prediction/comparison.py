@@ -12,14 +12,14 @@ import numpy as np
 from ..base.checks import check_kind, check_number
 from ..base.errors import BadInput, NotConverged
 from ..base.rows import Result
-from ..calibration.crawls.data import Crawls, crawls_by_command, mean_speed, same_command
-from ..calibration.friction_fit import fit_friction
-from ..calibration.friction_result import FrictionFit
+from ..friction.fit import fit_friction
+from ..friction.result import FrictionFit
 from ..model.drives import ServoKind
 from ..model.gait import Gait, gait_name
 from ..periodic.servo_steady import band
 from ..servos.catalogue import HOBBY
 from ..servos.speed_limit import highest_hz, too_fast_text
+from ..session.crawls import Crawls, crawls_by_command, mean_speed, same_command
 from ..session.gait_run import GaitRun
 from ..session.session import Session
 from ..simulation.steady_springs import steady_springs

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base.vectors import Array
-from ..calibration.friction_result import FrictionFit
+from ..friction.result import FrictionFit
 from ..model.drives import ServoKind
 from ..model.gait import Gait
 from ..periodic.servo_steady import band

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from ..base.vectors import Array
-from ..calibration.crawls.data import crawls_by_command
-from ..calibration.friction_result import Estimate, FrictionFit
+from ..friction.result import Estimate, FrictionFit
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..session.crawls import crawls_by_command
 from ..session.session import Session
 from ..simulation.scene import Scene
 from ..simulation.simulate import simulate

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..calibration.fitting.identifiability import SAFE_BEND
-from ..calibration.fitting.posterior import Mode
-from ..calibration.fitting.rolling_law import rest, way_m
-from ..calibration.fitting.rounding import nearest_shown
+from ..friction.identifiability import SAFE_BEND_SIGMAS
+from ..friction.posterior import MapEstimate
+from ..friction.rolling_law import rest, way_m
+from ..friction.rounding import nearest_shown
 from ..session.push import WAYS, Push
 from ..session.session import Session
 from ..session.station import LEAST_SLIP_M_S, Reading
@@ -62,22 +62,22 @@ class Candidate:
         return session
 
 
-def candidates(session: Session, mode: Mode) -> Iterator[Candidate]:
+def candidates(session: Session, estimate: MapEstimate) -> Iterator[Candidate]:
     """Yield pushes for a session on a floor, else stations that the treadmill can be set to."""
-    yield from _pushes(session, mode) if session.on_floor else _stations(session, mode)
+    yield from _pushes(session, estimate) if session.on_floor else _stations(session, estimate)
 
 
-def _stations(session: Session, mode: Mode) -> Iterator[Candidate]:
+def _stations(session: Session, estimate: MapEstimate) -> Iterator[Candidate]:
     setup, kept = session.setup, session.kept
     sigma_rad, bend = setup.instruments.lambda_sigma_rad, setup.plan.bend
     now = kept[-1].lambda_rad if kept[-1].bend == bend else 0.0
     near = SAME_BEND_SIGMAS * sigma_rad
     angles = [now if now and abs(angle - now) < near else angle for angle in BELT_BENDS_RAD]
     for angle in dict.fromkeys(angles):
-        if angle and angle <= SAFE_BEND * sigma_rad:
+        if angle and angle <= SAFE_BEND_SIGMAS * sigma_rad:
             continue  # a lesser bend would bias cn
         minutes = STATION_MIN + (0.0 if angle == now else BEND_MIN)
-        for incline, slip in _belt_places(session, mode, angle):
+        for incline, slip in _belt_places(session, estimate, angle):
             degrees = math.degrees(angle)
             pose = "straight"
             if angle:
@@ -92,12 +92,14 @@ def _stations(session: Session, mode: Mode) -> Iterator[Candidate]:
             )
 
 
-def _belt_places(session: Session, mode: Mode, angle: float) -> list[tuple[float, float]]:
+def _belt_places(
+    session: Session, estimate: MapEstimate, angle: float
+) -> list[tuple[float, float]]:
     """Return inclines as the inclinometer shows them, and the slips at which the robot holds."""
     setup, zero = session.setup, session.zero.value_rad
     shown = np.array([reading.incline_rad for reading in session.kept], dtype=float)
     steepest = max(MAX_INCLINE_RAD, float(shown.max()))
-    drag, dry_n = pull_of(setup, mode.x[:4].tolist(), angle)
+    drag, dry_n = pull_of(setup, estimate.x[:4].tolist(), angle)
     found: dict[float, float] = {}
     for wanted_m_s in SLIPS_M_S:
         sine = min((drag * wanted_m_s + dry_n) / setup.weight_n, MAX_SINE)
@@ -122,13 +124,13 @@ def _failed(session: Session, angle: float, incline_rad: float) -> bool:
     return bool(there) and all(there)
 
 
-def _pushes(session: Session, mode: Mode) -> Iterator[Candidate]:
+def _pushes(session: Session, estimate: MapEstimate) -> Iterator[Candidate]:
     setup, last = session.setup, session.kept_pushes[-1]
     filmed = any(push.track is not None for push in session.kept_pushes)
     for bend_rad in FLOOR_BENDS_RAD:
         near = abs(last.lambda_rad - bend_rad) < SAME_BEND_SIGMAS * SAME_RAD
         angle = last.lambda_rad if near else bend_rad
-        drag, dry_n = pull_of(setup, mode.x[:4].tolist(), angle)
+        drag, dry_n = pull_of(setup, estimate.x[:4].tolist(), angle)
         law = np.array([drag, dry_n]) * setup.laboratory.gravity_m_s2 / setup.weight_n
         pose = f"bent {math.degrees(angle):.3g}°" if angle else "straight"
         words = f"pushes, {pose}, at {PUSH_M_S:g} m/s, one there and one back, " + (

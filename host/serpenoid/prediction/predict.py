@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.long_calls import in_threads
-from ..calibration.friction_result import FrictionFit
+from ..friction.result import FrictionFit
 from ..model.drives import ServoKind
 from ..model.gait import Gait
 from ..model.ground import Ground

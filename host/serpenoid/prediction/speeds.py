@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..base.vectors import Array
-from ..calibration.friction_result import FrictionFit, ground_of
+from ..friction.result import FrictionFit, ground_of
 from ..model.drives import Servo, ServoKind
 from ..model.gait import Gait
 from ..model.ground import Ground

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.vectors import Array
-from ..calibration.friction_result import FrictionFit, ground_of
+from ..friction.result import FrictionFit, ground_of
 from ..model.drives import Servo
 from ..model.gait import Gait
 from ..periodic.neighbours import drawn_states

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from ..base.files import whole_file
-from ..calibration.friction_fit import friction_points, point_errors, voided_points
-from ..calibration.friction_result import FrictionFit
+from ..friction.fit import friction_points, point_errors, voided_points
+from ..friction.result import FrictionFit
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot

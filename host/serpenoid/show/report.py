@@ -11,7 +11,7 @@ from .screen import screen
 
 if TYPE_CHECKING:
     from ..base.rows import Result
-    from ..calibration.friction_result import FrictionFit
+    from ..friction.result import FrictionFit
 
 console = screen(width=None if screen().is_terminal else 100, highlight=False)
 notices = screen(stderr=True, soft_wrap=True, highlight=False)  # what is no answer
@@ -49,12 +49,11 @@ def influence(fit: FrictionFit) -> None:
     cells = [
         [
             str(i.reading),
-            f"{round(i.studentised, 1) + 0.0:+.1f}",
-            f"{i.leverage:.2f}",
-            f"{i.chi2_without:.1f}",
+            f"{residual + 0.0:+.1f}",
+            "–" if i.chi2_without is None else f"{i.chi2_without:.1f}",
+            *(f"{shift:+.2f}" for shift in (i.shift_in_sigmas or {}).values()),
         ]
-        + [f"{shift:+.2f}" for shift in i.shift]
-        for i in fit.influence
+        for i, residual in zip(fit.influence, fit.residuals, strict=True)
     ]
-    columns = ["reading", "off by", "leverage", "chi2 without", "ct", "cn", "ft0", "fn0"]
+    columns = ["reading", "off by", "chi2 without", "ct", "cn", "ft0", "fn0"]
     table("without each reading, parameters would move by (in their sigmas)", columns, cells)

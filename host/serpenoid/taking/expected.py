@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from ..calibration.fitting.bends import projections
-from ..calibration.fitting.paper_fit import two_lines
-from ..calibration.fitting.stations import Stations
+from ..friction.bends import projections
+from ..friction.paper_fit import two_lines
+from ..friction.stations import Stations
 from ..session.session import Session
 from ..session.settings import Plan, Setup
 from ..session.station import Reading, bent_share

@@ -14,11 +14,11 @@ from ..base.checks import sha256_of
 from ..base.errors import BadInput
 from ..base.tables import NO_TEXT, columns_named, is_missing, read_table
 from ..base.toml_table import located
-from ..calibration.crawls.filmed import crawl_cells
 from ..model.capture_rate import OPTION, capture_rate, slow_motion_doubt
 from ..model.gait import Gait
 from ..model.robot import Robot
 from ..session.declaration import LENGTH_UNITS, Cells
+from ..session.filmed_crawl import crawl_cells
 from ..session.journal import Journal
 from ..session.track import Floats
 from .pushes import Kept, keep_pushes

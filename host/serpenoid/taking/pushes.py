@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..base.errors import BadInput
-from ..calibration.floor.look import Look, look_at, pushes_in
 from ..session.declaration import Cells, Values
 from ..session.journal import Journal
 from ..session.kinds import DOUBTFUL
@@ -14,6 +13,7 @@ from ..session.push import TRACK, WAYS, Push
 from ..session.push_size import unlikely_push
 from ..session.station import slips
 from ..session.track import Floats, Track
+from .track_look import Look, look_at, pushes_in
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,6 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..calibration.crawls.filmed import crawl_cells
-from ..calibration.floor.look import look_at
 from ..lab.belt import Belt
 from ..lab.crawl import crawl_speed, filmed_crawl
 from ..lab.floor import Floor, Push, Track
@@ -26,11 +24,13 @@ from ..lab.robot import pose_of
 from ..model.bends import bend_signs
 from ..model.gait import Gait
 from ..session.declaration import Cells
+from ..session.filmed_crawl import crawl_cells
 from ..session.session import Session
 from ..session.settings import Setup
 from ..session.station import slips
 from ..session.track import Floats
 from .steps import Doubts, Step, Tracked
+from .track_look import look_at
 from .world import Truth
 
 TURNS, BELT_M, CHECKED_M_S = 10, 2.8, 0.5  # of a belt check

@@ -18,9 +18,9 @@ from ..base.checks import check_choice
 from ..base.errors import BadInput
 from ..base.tables import TextTable, is_missing, read_table
 from ..base.toml_table import located
-from ..calibration.floor.look import MOVES_M_S, speeds
 from ..session.declaration import LENGTH_UNITS
 from ..session.push_size import likely_units, unlikely_push
+from .track_look import MOVES_M_S, speeds
 
 Floats = NDArray[np.float64]
 NEEDED = "t_s,x_m,y_m, or as in Time (ms);Trajectory 1/X (cm);Trajectory 1/Y (cm)"

@@ -17,12 +17,12 @@ from serpenoid import (
     fit_friction,
     load_session,
 )
-from serpenoid.calibration.crawls.filmed import crawl_cells
-from serpenoid.calibration.friction_result import Estimate
+from serpenoid.friction.result import Estimate
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
 from serpenoid.prediction.level import level_session
 from serpenoid.prediction.speeds import speed
+from serpenoid.session.filmed_crawl import crawl_cells
 from serpenoid.session.gait_run import GaitRun
 from serpenoid.taking.new_session import create_session, default_setup, on_place
 from serpenoid.taking.procedure import next_step, progress
@@ -141,7 +141,7 @@ def test_crawls_on_a_floor_that_tilts_across_are_put_right() -> None:
     session = replace(floor_session(), gait_runs=runs)
     fit = fit_friction(session)
     known = {"floor_slope_rad": LEVEL, "floor_slope_across_rad": Estimate(across_rad, 1e-5)}
-    brought, words = level_session(session, replace(fit, ground=ground, nuisances=known))
+    brought, words = level_session(session, replace(fit, values=np.array(TRUTH), nuisances=known))
     assert f"by {math.degrees(across_rad):.2f} ± 0.00 deg to the left of the way there" in words
     for run in brought.gait_runs:
         assert run.speed_m_s == pytest.approx(level, abs=2 * run.speed_sigma_m_s)

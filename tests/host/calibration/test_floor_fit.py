@@ -19,17 +19,17 @@ from calibration.synthetic_session import session as stations_session
 from calibration.synthetic_session import setup as stations_setup
 from refusals import refused
 from serpenoid import Ground, Robot, fit_friction
-from serpenoid.calibration.fitting.bends import resistance
-from serpenoid.calibration.fitting.rolling_law import rest, way_m
-from serpenoid.calibration.floor.look import look_at
-from serpenoid.calibration.floor.slip import Slip, Start
-from serpenoid.calibration.floor.tracks import PushTrack
-from serpenoid.calibration.push_paths import push_paths
+from serpenoid.friction.bends import resistance
+from serpenoid.friction.push_paths import push_paths
+from serpenoid.friction.push_track import PushTrack
+from serpenoid.friction.rolling_law import rest, way_m
+from serpenoid.friction.slip import Slip, Start
 from serpenoid.lab.floor import Floor, Push
 from serpenoid.lab.recording import Camera, film
 from serpenoid.lab.robot import LabRobot, pose_of
 from serpenoid.model.bends import balanced_signs
 from serpenoid.session.track import Track
+from serpenoid.taking.track_look import look_at
 from simulated_sessions import MemoryRecord
 
 
@@ -178,7 +178,7 @@ def test_stations_and_pushes_are_one_fit():
     session = mixed_session()
     together = fit_friction(session)
     alone = fit_friction(replace(session, further=()))
-    for name in together.names:
+    for name in together.parameters:
         assert together.parameters[name].sigma < 1.001 * alone.parameters[name].sigma
     assert together.parameters["ct"].sigma < 0.8 * alone.parameters["ct"].sigma
 
@@ -222,7 +222,6 @@ def test_a_path_that_turns_feels_the_slope_where_it_heads():
     off_rad = 0.35 * at / 2.4 - 0.1
     way = np.interp(at, step * np.arange(len(ways)), ways)
     track = PushTrack(1, at, way, 0.001, 0.0, off_rad, "film")
-    no_slip = np.zeros(4)
-    rows = track.near(0.19, 0.29, np.zeros(2), no_slip)
-    left, level = (rows(*one(c, f), np.array([[0.0, a]]), no_slip[None]) for a in (pull, 0.0))
+    near = track.linear_about(np.array([0.19, 0.29, *np.zeros(6)]))
+    left, level = (near.residuals(np.array([[c, f, 0.0, a, *np.zeros(4)]])) for a in (pull, 0.0))
     assert np.abs(left).max() < 0.03 * np.abs(left - level).max()

@@ -8,7 +8,6 @@ import pytest
 from calibration.floor_sessions import TRUTH, floor_setup
 from refusals import refused
 from serpenoid import Ground, fit_friction, load_session
-from serpenoid.calibration.floor.look import look_at, pushes_in
 from serpenoid.lab.floor import Floor, Push
 from serpenoid.lab.recording import Camera, film
 from serpenoid.lab.robot import LabRobot
@@ -16,6 +15,7 @@ from serpenoid.session.journal import Journal
 from serpenoid.taking.new_session import create_session
 from serpenoid.taking.pushes import keep_pushes, way_after
 from serpenoid.taking.simulated import SimulatedPerson
+from serpenoid.taking.track_look import look_at, pushes_in
 from serpenoid.taking.treadmill import take_all
 from serpenoid.taking.world import drawn_floor
 from simulated_sessions import MemoryRecord
@@ -148,5 +148,5 @@ def test_a_session_by_the_whole_procedure_tells_all_four():
     assert len(taken.bends) == 2
     assert person.t_s < 30 * 60
     fit = fit_friction(taken)
-    for name, true in zip(fit.names, TRUTH, strict=True):
+    for name, true in zip(fit.whole_snake, TRUTH, strict=True):
         assert abs(fit.whole_snake[name] - true) < 3.5 * fit.parameters[name].sigma

@@ -13,8 +13,8 @@ from odrpack import odr_fit
 from refusals import refused
 from robots import NIRAKH_2005
 from serpenoid import fit_friction, load_session
-from serpenoid.calibration.fitting.shared import FRICTIONS
-from serpenoid.calibration.session_posterior import mode_of
+from serpenoid.friction.fit import map_estimate
+from serpenoid.friction.parameters import FRICTIONS
 
 TRUTH = np.array([getattr(WHOLE_BODY_2005, name) for name in FRICTIONS])
 
@@ -107,7 +107,7 @@ def test_joint_fit_solves_the_whole_problem(seed, lambdas_deg):
     np.testing.assert_array_less(np.abs(values(fit) - found), 1e-4 * sigmas(fit))
     assert fit.chi2 == pytest.approx(chi2, rel=1e-4)
     # In standard deviations, so that small correlations are not asked for to a relative error.
-    linear = mode_of(made).covariance[:4, :4]
+    linear = map_estimate(made).covariance[:4, :4]
     sigma = np.sqrt(np.diag(linear))
     unit = np.outer(sigma, sigma)
     np.testing.assert_allclose(linear / unit, covariance / unit, rtol=0, atol=0.02)
@@ -179,5 +179,5 @@ def test_result_is_frozen_and_goes_to_json():
 
 
 def test_importing_does_not_import_scipy():
-    code = "import sys, serpenoid.calibration.friction_fit; sys.exit('scipy' in sys.modules)"
+    code = "import sys, serpenoid.friction.fit; sys.exit('scipy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

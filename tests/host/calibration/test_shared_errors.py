@@ -9,8 +9,8 @@ import pytest
 import serpenoid as sn
 from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup
 from command_line import serpenoid
-from serpenoid.calibration.fitting.shared import straightness_factors
-from serpenoid.calibration.friction_result import NO_BELT
+from serpenoid.friction.bends import straightness_factors
+from serpenoid.friction.result import NO_BELT
 from serpenoid.session.checks import BeltCheck
 from serpenoid.session.journal import Journal
 from serpenoid.show.session.agreement import agreement

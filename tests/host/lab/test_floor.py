@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from robots import OF_2005
 from serpenoid import Ground
-from serpenoid.calibration.fitting.shared import straightness_factors
+from serpenoid.friction.bends import straightness_factors
 from serpenoid.lab.floor import Floor, Push
 from serpenoid.lab.instruments import Instrument
 from serpenoid.lab.robot import LabRobot, pose_of

@@ -15,7 +15,7 @@ from serpenoid import advise
 from serpenoid.prediction.band import speed_band
 from serpenoid.session.station import Reading
 
-GAIT = gait_in_deg(70, 75, 2 * math.pi * 0.25)
+GAIT = gait_in_deg(70, 75, 2 * math.pi * 0.5)
 
 
 @pytest.fixture(scope="module")

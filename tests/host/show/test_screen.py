@@ -59,12 +59,12 @@ def test_no_file_commands_the_terminal(tmp_path: Path) -> None:
     assert b"it is not `SECONDS < LINE`" in shown
     assert not obeyed(shown)
     fit = sn.save_fit(sn.fit_friction(sn.load_session(FOLDER_2005)), tmp_path / "fit.json")
-    from serpenoid.calibration import fit_file
+    from serpenoid.friction import file as fit_file
 
     given = json.loads(fit.read_text())
     given["alarms"], given["notes"] = [f"an alarm {EVIL}"], [f"a note {EVIL}"]
     del given["sha256"]
-    fit.write_text(json.dumps(given | {"sha256": fit_file._hash(given)}))
+    fit.write_text(json.dumps(given | {"sha256": fit_file.hash_of(given)}))
     gait = "--alpha-deg 70 --beta-deg 75 --frequency-hz 0.5"
     shown = on_a_terminal(f"steady {gait} --robot {fit} --servo ideal")
     assert b"an alarm" in shown

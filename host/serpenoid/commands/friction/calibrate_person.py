@@ -8,7 +8,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from ...base.errors import RecordingFailed, SerpenoidError
-from ...calibration.friction_fit import fit_friction
+from ...friction.fit import fit_friction
 from ...model.gait import Gait
 from ...model.robot import Robot
 from ...robot.robot_match import RobotMatch

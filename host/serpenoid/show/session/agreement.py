@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...calibration.friction_result import DOUBTFUL, FrictionFit
+from ...friction.result import DOUBTFUL, FrictionFit
 
 
 def agreement(fit: FrictionFit) -> str:

@@ -6,13 +6,13 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...calibration.push_paths import push_paths
+from ...friction.push_paths import push_paths
 from ..plot import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, figure, fit_heading
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ...calibration.friction_result import FrictionFit
+    from ...friction.result import FrictionFit
     from ...session.session import Session
 
 COLOURS = (BLUE, ORANGE, RED, GREEN, PURPLE)

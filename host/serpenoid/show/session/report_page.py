@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 from html import escape
 from typing import Any
 
-from ...calibration.friction_result import FrictionFit
+from ...friction.result import FrictionFit
 from ...prediction.advice import Advice
 from ...prediction.comparison import Comparison
 from ...prediction.curve import SpeedCurve

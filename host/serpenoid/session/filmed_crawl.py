@@ -11,10 +11,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.errors import BadInput
-from ...base.sines import basis, fit_sines
-from ...model.gait import Gait
-from ...session.declaration import Cells
+from ..base.errors import BadInput
+from ..base.sines import basis, fit_sines
+from ..model.gait import Gait
+from .declaration import Cells
 
 Array = NDArray[np.float64]
 LEAST_CYCLES = 1.5

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...model.gait import Gait
-from ...session.film import FilmReading
-from ...session.gait_run import GaitRun
-from ...session.session import Session
+from ..model.gait import Gait
+from .film import FilmReading
+from .gait_run import GaitRun
+from .session import Session
 
 # Commands that differ by less are one command: a film shows its rate, and may show its angles.
 _SAME_RATE, _SAME_RAD = 0.01, 0.01

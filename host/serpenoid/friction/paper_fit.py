@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from .bends import projections, resistance
-from .shared import FRICTIONS
+from .parameters import FRICTIONS, Floats
 from .stations import Stations
-from .unknowns import Floats
 
 
 def points(data: Stations, values: Floats) -> dict[str, tuple[Floats, Floats]]:

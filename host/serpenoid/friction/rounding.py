@@ -7,20 +7,18 @@ has the same error again, and a series' errors may rise and fall together: taken
 they would make ct and cn look better known than they are.
 
 So phi is drawn evenly, and h, known to a hundredth alone, as a normal distribution. What the errors
-then have in common is their correlation; how far they may reach together is told by the draws
+then have in common is their correlation; how far they may reach together is told by the samples
 themselves, for sawteeth have no tails.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Whole = NDArray[np.intp]
+from .parameters import Floats, Whole
 
 STEP_SIGMA = 0.01  # of a treadmill's step, relative
-DRAWS = 1024
+SAMPLES = 1024
 _TRIALS = 256
 _LEAST_STEP = 1.5  # of the treadmill in the inclinometer's; below, set points cannot be told apart
 _ON_GRID, _SLACK = 0.02, 0.1  # in steps of the inclinometer
@@ -55,29 +53,29 @@ def set_points(shown_rad: Floats, step_rad: float, grade_step: float) -> Whole |
 
 
 def _phases(set_point: Whole, step_rad: float, grade_step: float) -> tuple[Floats, Floats]:
-    """Return the first point's (DRAWS,) phases, and those of all, (DRAWS, points), in steps."""
-    even = (np.arange(DRAWS) + 0.5) / DRAWS
+    """Return the first point's (SAMPLES,) phases, and those of all, (SAMPLES, points), in steps."""
+    even = (np.arange(SAMPLES) + 0.5) / SAMPLES
     scale = 1.0 + STEP_SIGMA * _normal(_GOLDEN)
     true = scale[:, None] * np.arctan(grade_step * set_point) / step_rad
     return even, even[:, None] + true - true[:, :1]
 
 
 def _normal(irrational: float) -> Floats:
-    """Return DRAWS draws of a normal distribution, evenly spread."""
+    """Return SAMPLES samples of a normal distribution, evenly spread."""
     from scipy.special import ndtri
 
-    return np.asarray(ndtri((np.arange(DRAWS) * irrational + 0.5) % 1.0), dtype=np.float64)
+    return np.asarray(ndtri((np.arange(SAMPLES) * irrational + 0.5) % 1.0), dtype=np.float64)
 
 
 def shared_rounding(shown_rad: Floats, sigma_rad: float, grade_step: float) -> tuple[Whole, Floats]:
-    """Return which shared rounding error each reading has (-1: none), and draws of them, rad.
+    """Return which shared rounding error each reading has (-1: none), and samples of them, rad.
 
-    The draws are (DRAWS, errors). Readings of one set point that showed the same share an error;
-    where one showed now this, now that, it is not held exactly, and goes with no other. None is
-    shared where the readings do not lie on the inclinometer's steps, or not on the treadmill's:
+    The samples are (SAMPLES, errors). Readings of one set point that showed the same share an
+    error; where one showed now this, now that, it is not held exactly, and goes with no other. None
+    is shared where the readings do not lie on the inclinometer's steps, or not on the treadmill's:
     then nothing tells that their errors go together.
     """
-    alone = np.full(len(shown_rad), -1, dtype=np.intp), np.empty((DRAWS, 0))
+    alone = np.full(len(shown_rad), -1, dtype=np.intp), np.empty((SAMPLES, 0))
     step_rad = shown_step_rad(shown_rad, sigma_rad) if len(shown_rad) else None
     points = None if step_rad is None else set_points(shown_rad, step_rad, grade_step)
     if step_rad is None or points is None:
@@ -88,7 +86,7 @@ def shared_rounding(shown_rad: Floats, sigma_rad: float, grade_step: float) -> t
     for k in np.flatnonzero(np.diff(groups[:, 0]) == 0) + 1:
         phase[:, k] = np.random.default_rng(k).permutation(even)
     errors = step_rad * (np.round(phase) - phase)
-    return index.astype(np.intp).ravel(), errors[np.random.default_rng(0).permutation(DRAWS)]
+    return index.astype(np.intp).ravel(), errors[np.random.default_rng(0).permutation(SAMPLES)]
 
 
 def nearest_shown(

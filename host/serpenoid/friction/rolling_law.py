@@ -14,9 +14,9 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.polynomial.polynomial import polyval
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from .parameters import Floats
+
 _SMALL = 0.05  # below it the series are exact to 1e-10
 
 

@@ -19,10 +19,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..fitting.rolling_law import rest, way_m
-from ..fitting.unknowns import Floats
+from .parameters import Floats
+from .rolling_law import rest, way_m
 
-_MOMENTS = 200  # of the motion, equally spaced: its integrals are then right to 1e-5 m
+MOMENTS = 200  # of the motion, equally spaced: its integrals are then right to 1e-5 m
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Slip:
         t_s: from the start. law: speed at the start, c and f along the axis, (1,). pull: of the
         floor, m/s^2, along its line and to the left. axis_rad: of the first axis to that line.
         """
-        t = np.linspace(0.0, min(rest(*law)[0][0], t_s[-1]), _MOMENTS)
+        t = np.linspace(0.0, min(rest(*law)[0][0], t_s[-1]), MOMENTS)
 
         def integral(rate: Floats) -> Floats:
             """Return the integral since the start, by the trapezoidal rule."""

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-LEAST = 20.0  # scatters of a place: a shorter way has no direction to speak of
+from .parameters import Floats
+
+MIN_SCATTERS = 20.0  # of a place: a shorter way has no direction to speak of
 
 
 def along(x_m: Floats, y_m: Floats, sigma_m: float) -> Floats:
@@ -21,7 +21,7 @@ def along(x_m: Floats, y_m: Floats, sigma_m: float) -> Floats:
 
 def across(x_m: Floats, y_m: Floats) -> Floats:
     """Return how far each place is to the left of the chord, m."""
-    chord_rad = _curve(x_m, y_m, 0.0)[2]
+    chord_rad = chord_of(x_m, y_m)
     return np.asarray(np.cos(chord_rad) * y_m - np.sin(chord_rad) * x_m)
 
 
@@ -42,11 +42,16 @@ def _curve(x_m: Floats, y_m: Floats, sigma_m: float) -> tuple[Floats, Floats, fl
 
     The chord goes from the first places to the last. The slope is 0 on too short a way.
     """
-    few = max(1, len(x_m) // 8)
-    dx, dy = (float(np.mean(v[-few:]) - np.mean(v[:few])) for v in (x_m, y_m))
+    eighth = max(1, len(x_m) // 8)
+    dx, dy = (float(np.mean(v[-eighth:]) - np.mean(v[:eighth])) for v in (x_m, y_m))
     chord_rad = float(np.arctan2(dy, dx))
     c, s = np.cos(chord_rad), np.sin(chord_rad)
     ahead = c * x_m + s * y_m
-    if np.ptp(ahead) < LEAST * sigma_m:
+    if np.ptp(ahead) < MIN_SCATTERS * sigma_m:
         return ahead, np.zeros(1), chord_rad
     return ahead, np.polyder(np.polyfit(ahead, c * y_m - s * x_m, 2)), chord_rad
+
+
+def chord_of(x_m: Floats, y_m: Floats) -> float:
+    """Return the direction of the chord from the first places to the last, rad."""
+    return _curve(x_m, y_m, 0.0)[2]

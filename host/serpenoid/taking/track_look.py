@@ -9,13 +9,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...base.errors import BadInput
-from ..fitting.rolling_law import way_m
-from .arc import along, turn_rad
+from ..base.errors import BadInput
+from ..friction.arc import along, turn_rad
+from ..friction.parameters import Floats
+from ..friction.rolling_law import way_m
 
-Floats = NDArray[np.float64]
 PIECE_S = 0.13  # over which a speed is taken
 AFTER_S = 0.07  # from the fastest moment: the fingers are gone
 RESTED_S = 0.4  # of rest that counts: it tells where the robot stopped

@@ -1,1 +1,0 @@
-"""Crawls in the friction fit: their speeds beside pushes and stations, or alone, by draws."""

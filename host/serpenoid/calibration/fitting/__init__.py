@@ -1,1 +1,0 @@
-"""The fit's mathematics: readings as arrays, identifiability, joint, naive, influence."""

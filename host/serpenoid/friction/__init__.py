@@ -1,0 +1,1 @@
+"""From a session to friction of the whole snake, with intervals."""

@@ -1,0 +1,178 @@
+"""What a bend does to friction, and which readings share a bend's error.
+
+Straightness. A link that stands delta off its path slips across it, however slowly, so that dry
+friction across drags it back with fn0 / n |sin delta|: always in the same sense, and to first
+order. With joints off by independent errors of sigma, the links' angles are their sums; the robot
+is steered, so that its mean heading and its mean curvature are taken off. What is left has the
+covariance S, and the mean of |delta| over the links is a sigma on average and scatters by b sigma:
+
+    a = sqrt(2/pi) mean(s_i),   b^2 = (2/pi) / n^2 sum s_i s_j (sqrt(1 - rho^2) + rho asin rho - 1),
+
+s_i^2 = S_ii, rho = S_ij / (s_i s_j). Links that are bent by more than delta gain on one side what
+they lose on the other: to first order their dry friction does not tell where the robot heads. So in
+a bend it is the straight links alone that heading and curvature follow; two of them lie along the
+path exactly, and only where there are three is something left.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..session.push import Push
+from ..session.session import Session
+from ..session.station import Reading
+from .parameters import Floats, Parameter, Values, Whole
+
+# Assumed correlation between the setting errors of two bends. They are set one by one, but by the
+# same protractor and servos. Taken for independent (0), cn's interval covers 90 % if they are all
+# the same; taken for half the same, 90 % if they are independent. 0.25 covers 93 to 97 % of either.
+CORRELATION = 0.25
+BEND_ERROR, COMMON_ERROR = "lambda_offset_rad_at_", "common error of bends"
+STRAIGHTNESS = "straight links' mean angle"
+SAME_BEND_RAD = math.radians(1e-3)  # between two bends written down with four decimals
+
+
+@dataclass(frozen=True)
+class Bends:
+    """The bends of N readings.
+
+    lambda_rad, share (of the links that are bent, 0 where straight), posture (which of the bends,
+    -1: straight): (N,). off_rad: mean and standard deviation of the straight links' mean |angle| to
+    the path, times their share of all links, (2, N). angle_rad: of each bend, as set. errors: a
+    parameter for each bend, rad.
+    """
+
+    lambda_rad: Floats
+    share: Floats
+    posture: Whole
+    off_rad: Floats
+    angle_rad: tuple[float, ...]
+    errors: tuple[Parameter, ...]
+
+    @classmethod
+    def of(cls, session: Session, readings: Sequence[Reading | Push], where: str = "") -> Bends:
+        """Take the bends of some of a session's readings; where: ends the names of their errors."""
+        given, links = session.setup.instruments, session.setup.robot.links
+        share = np.array([session.bent_share(r) for r in readings], dtype=float)
+        bent = np.round(share * links).astype(int).tolist()
+        factors = np.array([straightness_factors(links, b) for b in bent]).reshape(-1, 2).T
+        off_rad = given.joint_sigma_rad * (1.0 - share) * factors
+        posture, angles = _postures(session, readings, given.lambda_sigma_rad)
+        errors: dict[str, Parameter] = {}
+        for angle in angles:
+            name = f"{BEND_ERROR}{math.degrees(angle):.4g}_deg{where}"
+            again = sum(known == name or known.startswith(name + "_again") for known in errors)
+            name += f"_again_{again}" if again else ""
+            errors[name] = Parameter(name, sigma=given.lambda_sigma_rad)
+        lambda_rad = np.array([r.lambda_rad for r in readings], dtype=float)
+        return cls(lambda_rad, share, posture, off_rad, angles, tuple(errors.values()))
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Return each bend's error, and what straight links have in common where it is open."""
+        common = (Parameter(COMMON_ERROR, sigma=1.0),) if len(self.errors) > 1 else ()
+        mean, sigma = self.off_rad
+        unsure = sigma > 0.0
+        if not unsure.any():
+            return (*common, *self.errors)
+        low = float((-mean[unsure] / sigma[unsure]).max())
+        return (*common, *self.errors, Parameter(STRAIGHTNESS, sigma=1.0, low=low))
+
+    def astray_rad(self, values: Values) -> Floats:
+        """Return the straight links' mean |angle| to the path, times their share, (K or 1, N)."""
+        mean, sigma = self.off_rad
+        return (
+            mean + sigma * values[STRAIGHTNESS][:, None] if STRAIGHTNESS in values else mean[None]
+        )
+
+    def angles_rad(self, values: Values) -> Floats:
+        """Return the true bend of each reading, (K, N)."""
+        if not self.errors:
+            return self.lambda_rad[None]
+        errors = [values[error.name] for error in self.errors]
+        errors.append(np.zeros_like(errors[0]))  # of straight readings, whose posture is -1
+        return np.asarray(self.lambda_rad + np.stack(errors, axis=1)[:, self.posture])
+
+
+def projections(
+    bent_share: Floats | float, angle_rad: Floats | float
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return what ct, cn, ft0 and fn0 count in A and B, where friction along the belt is A v + B.
+
+    With a share q of the links bent by lambda and the rest straight,
+    A = ct (1 - q sin^2) + cn q sin^2 and B = ft0 (1 - q + q cos) + fn0 q sin.
+    """
+    q, cos, sin = np.asarray(bent_share, dtype=float), np.cos(angle_rad), np.sin(angle_rad)
+    return 1.0 - q * sin**2, q * sin**2, 1.0 - q + q * cos, q * sin
+
+
+def resistance(
+    whole: Floats,
+    bent_share: Floats | float,
+    angle_rad: Floats | float,
+    astray_rad: Floats | float = 0.0,
+) -> tuple[Floats, Floats]:
+    """Return A, N s/m, and B, N, of friction A v + B along the way, whole snake, each (..., N).
+
+    whole: (..., 4) frictions in the order of FRICTIONS. astray_rad: the straight links' mean
+    |angle| to the way, times their share.
+    """
+    ct, cn, ft0, fn0 = np.moveaxis(whole, -1, 0)[..., None]
+    by_ct, by_cn, by_ft0, by_fn0 = projections(bent_share, angle_rad)
+    return ct * by_ct + cn * by_cn, ft0 * by_ft0 + fn0 * (by_fn0 + astray_rad)
+
+
+def straightness_factors(links: int, bent: int = 0) -> tuple[float, float]:
+    """Return a and b: mean and scatter of the straight links' mean |delta|, per sigma of a joint.
+
+    links: number of links. bent: how many of them are bent, evenly many at either end. Two straight
+    links lie along any path that is steered: 0 and 0.
+    """
+    straight = links - bent
+    if straight < 3:
+        return 0.0, 0.0
+    place = bent / 2 + np.arange(straight, dtype=float)
+    joints_before = np.minimum.outer(place, place)
+    steered = np.column_stack([np.ones(straight), place])
+    off = np.eye(straight) - steered @ np.linalg.pinv(steered)
+    covariance = off @ joints_before @ off.T
+    s = np.sqrt(np.diag(covariance))
+    rho = np.clip(covariance / np.outer(s, s), -1.0, 1.0)
+    shape = np.sqrt(1.0 - rho**2) + rho * np.arcsin(rho) - 1.0
+    scatter = math.sqrt(2 / math.pi * float(s @ shape @ s)) / straight
+    return math.sqrt(2 / math.pi) * float(s.mean()), scatter
+
+
+def _postures(
+    session: Session, readings: Sequence[Reading | Push], sigma_rad: float
+) -> tuple[Whole, tuple[float, ...]]:
+    """Return which posture each reading was taken in (-1: straight), and the postures' angles.
+
+    Bends set by one protractor check are one posture. So are bends without a check that differ by
+    less than a standard deviation of the bend: they were set once, and share its error.
+    """
+    checks = [check for check in session.bends if not check.voided]
+
+    def check_of(reading: Reading | Push) -> int:
+        """Return the last check of this bend before the reading; -1 where there is none."""
+        found = [
+            k
+            for k, check in enumerate(checks)
+            if check.number < reading.number
+            and abs(check.found_rad - reading.lambda_rad) < SAME_BEND_RAD
+        ]
+        return found[-1] if found else -1
+
+    index = np.full(len(readings), -1, dtype=np.intp)
+    known: list[tuple[int, float]] = []
+    bent = [(check_of(r), r.lambda_rad, k) for k, r in enumerate(readings) if r.lambda_rad > 0.0]
+    for check, angle, k in sorted(bent):
+        latest = known[-1] if known else (check, -math.inf)
+        if latest[0] != check or angle - latest[1] > max(sigma_rad, 1e-9):
+            known.append((check, angle))
+        index[k] = len(known) - 1
+    return index, tuple(angle for _, angle in known)

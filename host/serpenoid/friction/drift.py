@@ -1,0 +1,87 @@
+"""Short readings: a robot watched for some seconds on the belt, while it still drifts.
+
+Its slip v obeys m_e v' = m g sin(gamma) - A v - B, of which rolling_law has the solution: with
+c = A / m_e and f = (B - m g sin(gamma)) / m_e the way is x0 + v0 t p(c t) - f t^2 q(c t). Nothing
+is differentiated: with c given the track's places are linear in x0, v0 and f, so that least squares
+tell f, whatever x0 and v0 are. What is left for the fit is one balance a reading,
+
+    m g sin(gamma) = B - m_e f(A / m_e),
+
+which is that of a station, A v + B, where the robot holds: a steady slip v has f = -c v. So a
+place is counted from where the mean slip would be, and all that a short reading adds is the f of
+these small ways. Its error is that of places and times.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..session.instruments import Instruments
+from ..session.places import track_of
+from ..session.session import Session
+from ..session.station import Reading
+from .parameters import Floats
+from .rolling_law import shapes
+
+# A wheel's J / r^2 over its mass: 0.5 for a disc, 1 for a ring; with the spread of what is sold.
+WHEEL_SHAPE = (0.75, 0.15)
+# Where nobody told what the wheels weigh: their J / r^2 over the robot's mass.
+UNTOLD = (0.045, 0.03)
+MIN_PLACE_SIGMA_M = 1e-4  # nobody reads a place on a belt better
+
+
+@dataclass(frozen=True, eq=False)
+class Drift:
+    """Places of one short reading: t_s (J,), and off_m (J,), downhill, from the mean slip.
+
+    sigma_m: of a place, the error of its time in it.
+    """
+
+    t_s: Floats
+    off_m: Floats
+    sigma_m: float
+
+    def braking(self, c: Floats) -> Floats:
+        """Return f, m/s^2, at each c (K,)."""
+        column = self._own_column(c)
+        return np.asarray(column @ self.off_m / np.sum(column**2, axis=1))
+
+    @property
+    def braking_sigma(self) -> float:
+        """Return the standard deviation of f."""
+        return self.sigma_m / float(np.linalg.norm(self._own_column(np.zeros(1))))
+
+    def _own_column(self, c: Floats) -> Floats:
+        """Return the column of f (K, J), orthogonal to those of x0 and v0."""
+        p, q = shapes(c[:, None] * self.t_s)[:2]
+        rolled, braked = self.t_s * p, -(self.t_s**2) * q
+        rolled = rolled - rolled.mean(axis=1, keepdims=True)
+        braked = braked - braked.mean(axis=1, keepdims=True)
+        share = np.sum(braked * rolled, axis=1) / np.sum(rolled**2, axis=1)
+        return np.asarray(braked - share[:, None] * rolled)
+
+
+def drifts_of(readings: Sequence[Reading], tools: Instruments) -> dict[int, Drift]:
+    """Return the short readings among some, by their index."""
+    drifts = {}
+    for k, reading in enumerate(readings):
+        t, y = track_of(reading.places)
+        if t.size:
+            speed = float(np.abs(np.diff(y) / np.diff(t)).max())
+            sigma_m = math.hypot(tools.distance_sigma_m, speed * tools.time_sigma_s)
+            drifts[k] = Drift(t, y[-1] / t[-1] * t - y, max(sigma_m, MIN_PLACE_SIGMA_M))
+    return drifts
+
+
+def wheels_share(session: Session) -> tuple[float, float]:
+    """Return J / r^2 of all wheels over the robot's mass, and its standard deviation."""
+    wheels_kg = session.setup.robot_table.wheels_kg
+    if wheels_kg is None:
+        return UNTOLD
+    mean, sigma = WHEEL_SHAPE
+    share = wheels_kg / (session.setup.robot.links * session.setup.robot.link_mass_kg)
+    return mean * share, sigma * share

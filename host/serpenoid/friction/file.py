@@ -1,0 +1,147 @@
+"""A friction fit on disk: fit.json beside its session, written whole or not at all."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from ..base.checks import check_number
+from ..base.errors import BadInput
+from ..base.files import read_json, write_text
+from ..session.session import Session
+from .result import METHODS, FrictionFit
+
+FORMAT = 3  # 2 had more draws, of what readings share, too
+OLDEST = 2  # 1 had no draws
+NAME = "fit.json"
+MAX_LETTERS = 200  # of a reason in a message
+
+
+def save_fit(fit: FrictionFit, path: str | Path) -> Path:
+    """Write a fit to a file, or as fit.json into a session's folder.
+
+    An interrupted write leaves the old file. The same readings give the same file.
+
+    Parameters
+    ----------
+    fit
+        Written with the hash of its readings and this program's version.
+    path
+        The file, or a folder.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+
+    Examples
+    --------
+    >>> session = sn.load_session("calibration_data/nirakh-2005")
+    >>> path = sn.save_fit(sn.fit_friction(session), "fit.json")
+    >>> path.name
+    'fit.json'
+    """
+    from importlib.metadata import version
+
+    path = Path(path)
+    path = path / NAME if path.is_dir() else path
+    values = {"format": FORMAT, "serpenoid_version": version("serpenoid")} | fit.to_dict()
+    values["sha256"] = hash_of(values)
+    write_text(path, json.dumps(values, allow_nan=False) + "\n")
+    return path
+
+
+def load_fit(path: str | Path) -> FrictionFit:
+    """Read a fit from a file, or from fit.json in a session's folder.
+
+    Parameters
+    ----------
+    path
+        The file, or a folder.
+
+    Returns
+    -------
+    FrictionFit
+        Its notes say if the session's readings have changed since.
+
+    Raises
+    ------
+    BadInput
+        The message names the file and what is wrong with it.
+
+    Examples
+    --------
+    >>> session = sn.load_session("calibration_data/nirakh-2005")
+    >>> path = sn.save_fit(sn.fit_friction(session), "fit.json")
+    >>> sn.load_fit(path).ground.ct > 0
+    True
+    """
+    path = Path(path)
+    path = path / NAME if path.is_dir() else path
+    if not path.exists():
+        raise BadInput(f"{path}: no such file; `serpenoid fit DIR` writes one")
+    try:
+        given = read_json(path)
+    except BadInput as error:
+        raise BadInput(f"{error}; `serpenoid fit DIR` writes it anew") from None
+    try:
+        _check(given)
+        fit = FrictionFit.from_dict(given)
+    except (LookupError, TypeError, ValueError, AttributeError) as error:
+        what = f"{error} is missing" if isinstance(error, KeyError) else str(error)[:MAX_LETTERS]
+        raise BadInput(
+            f"{path}: not a fit of this program: {what}; `serpenoid fit DIR` writes it anew"
+        ) from error
+    return _with_age(fit, path)
+
+
+def rests_on(fit: FrictionFit, session: Session) -> bool:
+    """Return whether a fit is that of a session as it is now."""
+    return session.sha256 == fit.session_sha256
+
+
+def hash_of(values: Mapping[str, Any]) -> str:
+    """Return the SHA-256 of a fit's own numbers and texts."""
+    text = json.dumps(values, sort_keys=True, allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _check(given: Mapping[str, Any]) -> None:
+    """Raise BadInput where the file is of another format, or not as a fit wrote it."""
+    written = check_number("format", given["format"], 1)
+    if not OLDEST <= written <= FORMAT:
+        cure = "an older version wrote it" if written < OLDEST else "install a newer one"
+        raise BadInput(
+            f"format is {given['format']}; this version reads formats {OLDEST} to {FORMAT}; {cure}"
+        )
+    if given["method"] not in METHODS:
+        raise BadInput(f"method is {given['method']}; this version fits by {' or '.join(METHODS)}")
+    if given.get("sha256") != hash_of({k: v for k, v in given.items() if k != "sha256"}):
+        raise BadInput(
+            "sha256 is not that of its numbers: an older version wrote it, or it was edited"
+        )
+
+
+def _with_age(fit: FrictionFit, path: Path) -> FrictionFit:
+    """Note that the readings beside the file are no longer those it was fitted to."""
+    from ..session.folder import load_session
+
+    folder = path.parent
+    if not (folder / "session.toml").exists():
+        return fit
+    try:
+        if rests_on(fit, load_session(folder)):
+            return fit
+    except BadInput:
+        pass  # readings that cannot be read are others, too
+    note = f"{path} is older than the readings beside it: run `serpenoid fit {folder}` again."
+    return replace(fit, notes=(*fit.notes, note))

@@ -1,0 +1,357 @@
+"""Friction of the whole snake fitted to a calibration session (Eqs. 58-62), with honest intervals.
+
+On a treadmill inclined by gamma the snake holds its station where, over the whole body of weight
+m g, with a share q of its links turned by lambda to the direction of the belt and the rest along,
+
+    m g sin(gamma) = A v + B,
+    A = (1 - q) ct + q (ct cos^2(lambda) + cn sin^2(lambda)),
+    B = (1 - q) ft0 + q (ft0 cos(lambda) + fn0 sin(lambda)).
+
+q = 1 is Eq. 60, the paper's zigzag; lambda = 0 is Eq. 58. A balanced bend of six links has q = 4/6.
+
+All readings of a session, pushes along a floor among them, make one posterior: the fit's values are
+its MAP estimate, its intervals and covariance those of samples. The paper's own fit is `paper_fit`.
+
+Scales. The law m g sin(gamma) = A v + B stays the same when a mass k times as large makes every
+friction k times as large, and when a belt k times as fast makes ct and cn k times as small. So no
+station can tell either: their errors are factors of the samples.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+
+from ..base.checks import check_choice, check_kind
+from ..base.errors import BadInput, NotConverged
+from ..session.session import Session
+from .bends import COMMON_ERROR, STRAIGHTNESS
+from .identifiability import check_floor, check_readings
+from .notes import alarms_of, notes_on
+from .paper_fit import errors, points, two_lines
+from .parameters import FRICTIONS, Floats
+from .posterior import COUNT, MapEstimate, Posterior, Readings, RoundingErrors, Samples
+from .result import (
+    KEPT_SAMPLES,
+    LEVEL,
+    METHODS,
+    UNITS,
+    Estimate,
+    FrictionFit,
+    Influence,
+    narrowest,
+    spread_samples,
+)
+from .stations import BELT, ROUNDING, Stations
+
+USUAL, USUAL_N = (0.084, 1.2, 0.14, 0.27), 4.4484  # of the 2005 robot, and its weight
+CHORD_STEPS = 12  # of all refits together, each with the slopes of the estimate of all readings
+SETTLED_SIGMAS = 1e-4  # of the last of them; else the solver finds the fit without a reading
+VISCOUS = np.array([1.0, 1.0, 0.0, 0.0])  # frictions that a belt's scale changes
+
+
+def fit_friction(
+    session: Session,
+    *,
+    method: str = "joint",
+    seed: int = 2005,
+) -> FrictionFit:
+    """Fit ct, cn, ft0 and fn0 to a session's kept readings: stations and pushes together.
+
+    Parameters
+    ----------
+    session
+        What was read.
+    method
+        "joint": errors in variables, all readings at once, no parameter below 0. Sigma is absolute,
+        never rescaled by the scatter: chi2 tells whether the stated uncertainties hold.
+        "naive": the paper's Eq. 61 and two straight lines, of stations alone; sigma is rescaled.
+    seed
+        Of the samples.
+
+    Returns
+    -------
+    FrictionFit
+        Values, intervals and notes.
+
+    Raises
+    ------
+    BadInput
+        The readings leave a friction open. It names the friction and the reading that would tell
+        it: fewer than two straight or two bent ones (three if naive), speeds too close to each
+        other, or a bend that its uncertainty could undo.
+
+    Examples
+    --------
+    >>> session = sn.load_session("calibration_data/nirakh-2005")
+    >>> fit = sn.fit_friction(session)
+    >>> round(fit.parameters["ct"].value, 3)
+    0.084
+    """
+    check_kind("session", session, Session)
+    check_choice("method", method, METHODS)
+    naive = method == "naive"
+    if session.on_floor and naive:
+        raise BadInput(
+            f"{session.where}: method 'naive' is the paper's, of stations alone; pushes "
+            "are fitted by 'joint'"
+        )
+    if not session.on_floor:
+        check_readings(session, Stations.of(session), 3 if naive else 2)
+    try:
+        estimate = map_estimate(session)
+        if session.on_floor:
+            check_floor(session, estimate)
+        fit = _naive(session) if naive else _joint(session, estimate, seed)
+        refits = refitted(estimate)
+        if not naive:
+            fit = replace(fit, influence=_influences(fit, refits))
+        alarms = alarms_of(fit, session, estimate, refits)
+        return replace(fit, alarms=alarms, notes=(*alarms, *notes_on(fit, session)))
+    except NotConverged as error:
+        raise NotConverged(f"{session.where}: {error}; {_suspect(session)}") from error
+
+
+def posterior_of(session: Session) -> Posterior:
+    """Return the posterior of a session's kept stations and pushes."""
+    kinds: list[Readings] = []
+    rounding = RoundingErrors()
+    if session.kept:
+        stations = Stations.of(session)
+        kinds.append(stations)
+        names = [p.name for p in stations.parameters if p.name.startswith(ROUNDING)]
+        rounding = RoundingErrors(tuple(names), stations.rounding_samples)
+    if session.on_floor:
+        from .pushes import Pushes
+
+        kinds.append(Pushes.of(session))
+    return Posterior(tuple(kinds), rounding)
+
+
+def map_estimate(session: Session) -> MapEstimate:
+    """Return the MAP estimate of a session's readings. Raises NotConverged.
+
+    It is sought from usual frictions.
+    """
+    posterior = posterior_of(session)
+    return posterior.estimate(_usual_point(session, posterior))
+
+
+def covariance_after(session: Session, estimate: MapEstimate) -> Floats:
+    """Return the frictions' covariance (4, 4) that a session's readings leave, by their slopes.
+
+    Belt and mass are in it. estimate: where, of all or some of the readings; coordinates that it
+    does not have are as before them.
+    """
+    posterior = posterior_of(session)
+    known = dict(zip(estimate.posterior.names, estimate.x.tolist(), strict=True))
+    x = np.array([known.get(name, 0.0) for name in posterior.names])
+    covariance = posterior.linear_about(x).at(x).covariance[:COUNT, :COUNT]
+    belt, mass = _scale_sigmas(session, posterior)
+    whole, viscous = x[:COUNT], x[:COUNT] * VISCOUS
+    scales = mass**2 * np.outer(whole, whole) + belt**2 * np.outer(viscous, viscous)
+    return np.asarray(covariance + scales)
+
+
+def friction_points(session: Session, fit: FrictionFit) -> dict[str, tuple[Floats, Floats]]:
+    """Return part -> (speeds, forces) of the kept readings, the points of Figs. 15 and 16.
+
+    "straight": v_t and F_t by Eq. 58. "bent": v_n and F_n by Eq. 61, which takes the tangential
+    friction as known, here from the fit. m/s and N, whole snake.
+    """
+    return points(Stations.of(session), fit.values)
+
+
+def voided_points(session: Session, fit: FrictionFit) -> dict[str, tuple[Floats, Floats]]:
+    """Return part -> (speeds, forces) of the voided readings, as friction_points does."""
+    voided = [
+        replace(r, voided=False) for r in session.readings if r.voided and r.slip_speed_m_s > 0
+    ]
+    return friction_points(replace(session, readings=tuple(voided)), fit)
+
+
+def point_errors(session: Session) -> dict[str, tuple[Floats, Floats]]:
+    """Return part -> standard deviations of friction_points' speeds and forces, each alone."""
+    return errors(Stations.of(session))
+
+
+def refitted(estimate: MapEstimate) -> dict[int, tuple[float, Floats] | None]:
+    """Return chi2 and the point (D,) of the fit without each reading, by its number.
+
+    None where the others leave a parameter open. Films stay linear about the estimate of all. All
+    are sought together by the slopes there; each that does not settle so, by the solver.
+    """
+    posterior, slopes = estimate.posterior, estimate.slopes
+    numbers = readings_of(posterior)
+    omitted = np.array([posterior.numbers == number for number in numbers])
+    inverse = np.zeros((len(numbers), *slopes.shape[1:] * 2))
+    told = np.zeros(len(numbers), dtype=bool)
+    for k, rows in enumerate(omitted):
+        with suppress(NotConverged):
+            inverse[k] = posterior.at(estimate.x, rows).covariance
+            told[k] = True
+    x = np.tile(estimate.x, (len(numbers), 1))
+    for _ in range(CHORD_STEPS):
+        pull = (~omitted * posterior.residuals(x)) @ slopes
+        step = np.einsum("kij,kj->ki", inverse, pull)
+        x = np.maximum(x - step, posterior.low)
+    off = np.abs(step) * np.linalg.norm(slopes, axis=0)
+    settled = (off < SETTLED_SIGMAS).all(axis=1) & (x > posterior.low).all(axis=1)
+    refits = dict[int, tuple[float, Floats] | None]()
+    for k, number in enumerate(numbers):
+        refits[number] = None
+        with suppress(NotConverged):
+            point = x[k] if settled[k] else posterior.minimum(estimate.x, omitted[k])
+            if told[k]:
+                refits[number] = posterior.at(point, omitted[k]).chi2, point
+    return refits
+
+
+def readings_of(posterior: Posterior) -> list[int]:
+    """Return the numbers of the readings, in their order."""
+    return list(dict.fromkeys(posterior.numbers[posterior.numbers >= 0].tolist()))
+
+
+def _usual_point(session: Session, posterior: Posterior) -> Floats:
+    return posterior.start(np.array(USUAL) * session.setup.weight_n / USUAL_N)
+
+
+def _scale_sigmas(session: Session, posterior: Posterior) -> tuple[float, float]:
+    """Return the relative errors of belt and mass that are no parameters."""
+    belt = session.belt_scale[1] if session.kept and BELT not in posterior.names else 0.0
+    return belt, session.mass_sigma
+
+
+def _scaled(session: Session, posterior: Posterior, samples: Samples, seed: int) -> Samples:
+    """Return samples whose frictions have the errors of belt and mass in them, log-normal ones."""
+    belt, mass = np.random.default_rng([seed, 2]).normal(size=(2, len(samples.x), 1))
+    belt_sigma, mass_sigma = _scale_sigmas(session, posterior)
+    factors = np.exp(mass_sigma * mass - belt_sigma * VISCOUS * belt)
+    x = np.column_stack([samples.x[:, :COUNT] * factors, samples.x[:, COUNT:]])
+    return replace(samples, x=x)
+
+
+def _joint(session: Session, estimate: MapEstimate, seed: int) -> FrictionFit:
+    """Return the fit of all readings, without influences and notes."""
+    posterior, values = estimate.posterior, estimate.x[:COUNT]
+    samples = _scaled(session, posterior, posterior.samples(estimate, seed), seed)
+    frictions = samples.x[:, :COUNT]
+    ends = [narrowest(frictions[:, k], samples.weight_for(k), values[k]) for k in range(COUNT)]
+    covariance = np.cov(frictions.T, aweights=samples.unlimited, ddof=0)
+    rows = posterior.residuals(estimate.x[None])[0]
+    return FrictionFit(
+        "joint",
+        session.setup.robot,
+        values,
+        _beside_limits(covariance, values, np.array(ends)),
+        np.array(ends),
+        spread_samples(frictions, samples.weight, seed),
+        chi2=float(rows @ rows),
+        dof=int(np.sum(posterior.numbers >= 0)) - COUNT,
+        nuisances=_nuisances(estimate, samples),
+        residuals=_shown_residuals(estimate, rows),
+        session_name=session.setup.name,
+        session_sha256=session.sha256,
+    )
+
+
+def _beside_limits(covariance: Floats, values: Floats, ends: Floats) -> Floats:
+    """Return a covariance that agrees with intervals which end at the limit of 0.
+
+    Where one does, sigma shrinks so that value + 1.96 sigma is the interval's upper end.
+    """
+    from scipy.special import ndtri
+
+    sigma = np.sqrt(np.diag(covariance))
+    above = (ends[:, 1] - values) / float(ndtri(0.5 + LEVEL / 2))
+    share = np.where(ends[:, 0] > 0.0, 1.0, np.minimum(above / np.maximum(sigma, 1e-300), 1.0))
+    return np.asarray(covariance * np.outer(share, share))
+
+
+def _nuisances(estimate: MapEstimate, samples: Samples) -> MappingProxyType[str, Estimate]:
+    """Return what the readings share, by name."""
+    sampled, nuisances = estimate.posterior.by_name(samples.x), dict[str, Estimate]()
+    for name, value in estimate.values.items():
+        hidden = (*FRICTIONS, COMMON_ERROR, STRAIGHTNESS)
+        if name in hidden or name.startswith(ROUNDING):
+            continue
+        sigma = float(np.sqrt(np.cov(sampled[name], aweights=samples.weight, ddof=0)))
+        nuisances[name] = Estimate(float(value[0]), sigma)
+    return MappingProxyType(nuisances)
+
+
+def _shown_residuals(estimate: MapEstimate, rows: Floats) -> tuple[float, ...]:
+    """Return one residual for each reading; of more than one row the root mean square."""
+    shown = dict[int, float]()
+    for number in readings_of(estimate.posterior):
+        own = rows[estimate.posterior.numbers == number]
+        shown[number] = float(own[0] if len(own) == 1 else np.sqrt(np.mean(own**2)))
+    for kind in estimate.posterior.kinds:
+        if isinstance(kind, Stations):
+            whole = kind.whole_residuals(estimate.values)[0].tolist()
+            shown |= dict(zip(kind.numbers.tolist(), whole, strict=True))
+    return tuple(shown.values())
+
+
+def _influences(fit: FrictionFit, refits: dict[int, MapEstimate | None]) -> tuple[Influence, ...]:
+    sigma = np.maximum(np.sqrt(np.diag(fit.covariance)), 1e-12)
+    found = []
+    for number, without in refits.items():
+        if without is None:
+            found.append(Influence(number, None, None))
+            continue
+        chi2, x = without
+        shift = ((x[:COUNT] - fit.values) / sigma).tolist()
+        found.append(Influence(number, chi2, dict(zip(FRICTIONS, shift, strict=True))))
+    return tuple(found)
+
+
+def _naive(session: Session) -> FrictionFit:
+    """Return the paper's fit, without notes."""
+    from scipy.special import stdtrit
+
+    stations = Stations.of(session)
+    values, covariance = two_lines(stations)
+    if values.min() < 0.0:
+        name = FRICTIONS[int(values.argmin())]
+        raise BadInput(
+            f"{session.where}: the naive fit gives {name} = {values.min():.3g} {UNITS[name]}; it "
+            "must be at least 0; use method='joint' or look for a misread value"
+        )
+    counts = [int(stations.parts[part].sum()) for part in ("straight", "bent") * 2]
+    widths = stdtrit(np.array(counts) - 2, 0.5 + LEVEL / 2)
+    sigma = np.sqrt(np.diag(covariance))
+    wider = np.outer(widths, widths) / 1.96**2 * covariance
+    samples = np.random.default_rng(2005).multivariate_normal(values, wider, KEPT_SAMPLES)
+    posterior = posterior_of(session)
+    start = posterior.by_name(posterior.start(values)[None])
+    residuals = stations.whole_residuals(start)[0]
+    return FrictionFit(
+        "naive",
+        session.setup.robot,
+        values,
+        covariance,
+        np.maximum(np.column_stack([values - widths * sigma, values + widths * sigma]), 0.0),
+        np.maximum(samples, 0.0),
+        chi2=float(residuals @ residuals),
+        dof=len(stations) - COUNT,
+        residuals=tuple(residuals.tolist()),
+        session_name=session.setup.name,
+        session_sha256=session.sha256,
+    )
+
+
+def _suspect(session: Session) -> str:
+    """Name the reading without which the others agree best, where all together have no fit."""
+    posterior, chi2 = posterior_of(session), dict[int, float]()
+    start = _usual_point(session, posterior)
+    for number in readings_of(posterior):
+        with suppress(NotConverged):
+            chi2[number] = posterior.estimate(start, posterior.numbers == number).chi2
+    if not chi2:
+        return "look for a misread value"
+    best = min(chi2, key=lambda number: chi2[number])
+    return f"without reading {best} chi2 would be {chi2[best]:.1f}: look at that one first"

@@ -1,0 +1,37 @@
+"""Parameters of a fit with their priors, and values of them by name."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Whole = NDArray[np.intp]
+Values = Mapping[str, Floats]  # of each parameter, (K,)
+
+FRICTIONS = ("ct", "cn", "ft0", "fn0")  # the whole snake's, in their order
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number that readings depend on, with its normal prior.
+
+    sigma: of the prior; infinite: any value above low is as likely as any other.
+    """
+
+    name: str
+    mean: float = 0.0
+    sigma: float = math.inf
+    low: float = -math.inf
+
+
+FRICTION_PARAMETERS = tuple(Parameter(name, low=0.0) for name in FRICTIONS)
+
+
+def frictions_in(values: Values) -> Floats:
+    """Return the frictions (K, 4) among values by name, in the order of FRICTIONS."""
+    return np.stack([values[name] for name in FRICTIONS], axis=-1)

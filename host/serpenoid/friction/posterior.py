@@ -1,0 +1,328 @@
+"""The posterior of readings of all kinds: its MAP estimate, and samples of it.
+
+A point x (D,) has the frictions in their unit, then every other parameter in standard deviations of
+its prior, such that all of these are standard normal before the readings: the errors of bends and
+shared roundings, which correlate, by the root of their correlation. Residuals are normal with
+standard deviation 1: those of readings, then those of priors.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.errors import NotConverged
+from ..base.particles import Student, tempered
+from .bends import BEND_ERROR, COMMON_ERROR, CORRELATION
+from .parameters import FRICTIONS, Floats, Parameter, Values, Whole
+
+COUNT = len(FRICTIONS)
+SAMPLES = 32768  # about the MAP estimate: an interval's end then errs by 1 % of a half width
+MAX_RESIDUALS = 2**21  # of all these samples; with more of a sample there are fewer of them
+MIN_SAMPLES = 4096
+PARTICLES = 4096  # of sequential Monte Carlo, where samples about the estimate are worth too few
+MIN_INDEPENDENT = 2000.0  # samples of equal weight that the weighted ones must be worth
+BLOCK_RESIDUALS = 2**15  # as many as a processor's own memory holds
+DIFFERENCE = 1e-5  # relative step of a parameter, for slopes
+MIN_SCALE = 0.1  # of a friction, whose step is relative to that at least
+MAX_ROUNDS = 30  # of linear films; most need 5, those of robots that slip 8 to 15
+SETTLED_SIGMAS = 1e-2  # of a round's last step: the next one is the square of that
+NEGATIVE_SAMPLE_WEIGHT = 0.25  # Weight of a sample in which another friction is negative. With 0,
+# intervals were too narrow in sessions where that friction is 0, with 1 too wide.
+ZERO_SIGMAS = 1e-6  # a friction of less of its standard deviation is 0
+MAX_EVALUATIONS = 200  # of the residuals, until the solver gives up
+
+
+class Readings(Protocol):
+    """The readings of one kind."""
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Return the parameters that these readings depend on."""
+        ...
+
+    @property
+    def numbers(self) -> Whole:
+        """Return the number of the reading that each residual belongs to."""
+        ...
+
+    def residuals(self, values: Values) -> Floats:
+        """Return the residuals (K, rows) at K values of each parameter."""
+        ...
+
+    def linear_about(self, values: Values) -> Readings:
+        """Return the readings made linear about values (1,), where they are; else themselves."""
+        ...
+
+
+@dataclass(frozen=True)
+class RoundingErrors:
+    """Errors that are not normal before the readings: their names, and samples (N, errors)."""
+
+    names: tuple[str, ...] = ()
+    samples: Floats = field(default_factory=lambda: np.empty((1, 0)))
+
+    @cached_property
+    def root(self) -> Floats:
+        """Return the root of their correlation, (errors, errors)."""
+        unit = self.samples / self.samples.std(axis=0)
+        together = unit.T @ unit / max(len(unit), 1)
+        # less than a ten thousandth of it is a set point's alone, or many points had no inverse
+        return np.linalg.cholesky(together + 1e-4 * np.eye(len(together)))
+
+    @property
+    def standard(self) -> Floats:
+        """Return the samples as uncorrelated errors of standard deviation 1."""
+        return np.linalg.solve(self.root, (self.samples / self.samples.std(axis=0)).T).T
+
+
+@dataclass(frozen=True)
+class MapEstimate:
+    """The point x (D,) of highest density, with residuals and slopes there; 0 of omitted rows."""
+
+    posterior: Posterior
+    x: Floats
+    residuals: Floats
+    slopes: Floats
+
+    @property
+    def chi2(self) -> float:
+        """Return the sum of squares."""
+        return float(self.residuals @ self.residuals)
+
+    @cached_property
+    def covariance(self) -> Floats:
+        """Return the covariance (D, D); raises NotConverged where a parameter is open.
+
+        A minimum far out, where a friction is 0 and a reading's whole error with it, has slopes of
+        1e12 beside others of 1: rounding errors are then all that is left of it.
+        """
+        information = self.slopes.T @ self.slopes
+        diagonal = np.diag(information)
+        if np.isfinite(information).all() and diagonal.min() > 0.0:
+            scale = np.sqrt(diagonal)
+            values, vectors = np.linalg.eigh(information / np.outer(scale, scale))
+            if values[0] > len(scale) * np.finfo(float).eps * values[-1]:
+                return np.asarray((vectors / values) @ vectors.T / np.outer(scale, scale))
+        raise NotConverged("the readings contradict each other so far that no friction is told")
+
+    @property
+    def determined(self) -> bool:
+        """Tell whether no parameter is open."""
+        try:
+            return bool(self.covariance.size)
+        except NotConverged:
+            return False
+
+    @property
+    def values(self) -> dict[str, Floats]:
+        """Return (1,) of each parameter."""
+        return self.posterior.by_name(self.x[None])
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Samples x (N, D) with their weights (N,), which sum to 1.
+
+    unlimited: their weights if frictions could be negative; that of such a sample is 0 otherwise.
+    """
+
+    x: Floats
+    weight: Floats
+    unlimited: Floats
+
+    def weight_for(self, friction: int) -> Floats:
+        """Return the weights (N,) by which an interval of one friction counts the samples."""
+        negative = self.x[:, :COUNT] < 0.0
+        others = np.delete(negative, friction, axis=1).any(axis=1)
+        weight = self.unlimited * np.where(others, NEGATIVE_SAMPLE_WEIGHT, 1.0)
+        weight = weight * ~negative[:, friction]
+        return np.asarray(weight / weight.sum())
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """What readings and priors say together."""
+
+    kinds: tuple[Readings, ...]
+    rounding: RoundingErrors = field(default_factory=RoundingErrors)
+
+    @cached_property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Return every parameter once, the frictions first, roundings last."""
+        named = {p.name: p for kind in self.kinds for p in kind.parameters}
+        return tuple(sorted(named.values(), key=lambda p: p.name in self.rounding.names))
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Return the parameters' names."""
+        return tuple(p.name for p in self.parameters)
+
+    @cached_property
+    def low(self) -> Floats:
+        """Return the least value of each coordinate."""
+        parts = [(p.low - p.mean) / (p.sigma or 1.0) for p in self.parameters[COUNT:]]
+        return np.concatenate([np.zeros(COUNT), parts])
+
+    @cached_property
+    def numbers(self) -> Whole:
+        """Return the reading that each residual belongs to; -1 for a prior."""
+        priors = np.full(len(self.names) - COUNT, -1)
+        return np.concatenate([*(kind.numbers for kind in self.kinds), priors])
+
+    @cached_property
+    def _by_coordinate(self) -> Floats:
+        """Return the parameters' errors but frictions by the coordinates, (D - 4, D - 4)."""
+        names, root = self.names[COUNT:], np.eye(len(self.names) - COUNT)
+        if COMMON_ERROR in names:
+            bends = [k for k, name in enumerate(names) if name.startswith(BEND_ERROR)]
+            root[bends, bends] = math.sqrt(1.0 - CORRELATION)
+            root[bends, names.index(COMMON_ERROR)] = math.sqrt(CORRELATION)
+        first = len(root) - len(self.rounding.names)
+        root[first:, first:] = self.rounding.root
+        return np.array([p.sigma for p in self.parameters[COUNT:]])[:, None] * root
+
+    def by_name(self, x: Floats) -> dict[str, Floats]:
+        """Return the parameters' values at points (K, D), by their names."""
+        means = [p.mean for p in self.parameters[COUNT:]]
+        others = means + x[:, COUNT:] @ self._by_coordinate.T
+        return dict(zip(self.names, (*x.T[:COUNT], *others.T), strict=True))
+
+    def residuals(self, x: Floats) -> Floats:
+        """Return the residuals (K, rows) at points (K, D): of readings, then of priors."""
+        values = self.by_name(x)
+        parts = [kind.residuals(values) for kind in self.kinds]
+        return np.concatenate([*parts, x[:, COUNT:]], axis=1)
+
+    def slopes(self, x: Floats) -> Floats:
+        """Return the residuals' slopes (rows, D) at a point (D,), by central differences."""
+        scale = np.where(np.arange(len(x)) < COUNT, MIN_SCALE, 1.0)
+        step = DIFFERENCE * np.maximum(np.abs(x), scale)
+        ends = self.residuals(np.concatenate([x + np.diag(step), x - np.diag(step)]))
+        return np.asarray((ends[: len(x)] - ends[len(x) :]).T / (2 * step))
+
+    def linear_about(self, x: Floats) -> Posterior:
+        """Return the posterior with readings made linear about a point (D,), where they are."""
+        values = self.by_name(x[None])
+        return replace(self, kinds=tuple(kind.linear_about(values) for kind in self.kinds))
+
+    def start(self, frictions: Sequence[float] | Floats) -> Floats:
+        """Return a point (D,) with these frictions and all else as it was before the readings."""
+        return np.append(frictions, np.zeros(len(self.names) - COUNT))
+
+    def estimate(self, start: Floats, omitted: NDArray[np.bool_] | None = None) -> MapEstimate:
+        """Return the MAP estimate, from a start (D,); raises NotConverged.
+
+        omitted: which residuals do not count. Films are linear about the answer.
+        """
+        posterior, x = self.linear_about(start), start
+        for _ in range(MAX_ROUNDS):
+            latest, kinds = x, posterior.kinds
+            x = posterior.minimum(x, omitted)
+            posterior = posterior.linear_about(x)
+            moved = np.abs(x - latest) * np.linalg.norm(posterior.slopes(x), axis=0)
+            if posterior.kinds == kinds or moved.max() < SETTLED_SIGMAS:
+                return posterior.at(x, omitted)
+        raise NotConverged("the fit came to no end")
+
+    def minimum(self, start: Floats, omitted: NDArray[np.bool_] | None = None) -> Floats:
+        """Return where the sum of squares is least (D,), from a start; raises NotConverged."""
+        from scipy.optimize import least_squares
+
+        counts = np.ones((len(self.numbers), 1)) if omitted is None else ~omitted[:, None]
+        solved = least_squares(
+            lambda x: counts[:, 0] * self.residuals(x[None])[0],
+            np.maximum(start, self.low + 1e-9),
+            jac=lambda x: counts * self.slopes(x),  # pyright: ignore[reportArgumentType]
+            bounds=(self.low, np.inf),
+            x_scale="jac",
+            **dict.fromkeys(("xtol", "ftol", "gtol"), 1e-12),
+            max_nfev=MAX_EVALUATIONS,
+        )
+        if not solved.success:
+            raise NotConverged("the readings contradict each other")
+        # the solver stops just inside a limit of 0
+        size = np.linalg.norm(self.slopes(solved.x), axis=0)
+        zero = (np.arange(len(size)) < COUNT) & (solved.x * size < ZERO_SIGMAS)
+        return np.where(zero, 0.0, solved.x)
+
+    def at(self, x: Floats, omitted: NDArray[np.bool_] | None = None) -> MapEstimate:
+        """Return residuals and slopes at a point (D,); omitted: as in `estimate`."""
+        counts = np.ones(len(self.numbers)) if omitted is None else ~omitted
+        residuals = counts * self.residuals(x[None])[0]
+        return MapEstimate(self, x, residuals, counts[:, None] * self.slopes(x))
+
+    def samples(self, estimate: MapEstimate, seed: int) -> Samples:
+        """Return weighted samples about an estimate; particles where those are worth too few."""
+        count = min(SAMPLES, max(MAX_RESIDUALS // len(self.numbers), MIN_SAMPLES))
+        root = np.linalg.cholesky(estimate.covariance)
+        about = Student(estimate.x, root, len(self.rounding.names))
+        x = about.points(count, seed)
+        log = self.log_density(x) - about.log_density(x)
+        x = self._with_roundings(estimate, x, seed)
+        weight = _shares(np.where((x >= self.low).all(axis=1), log, -np.inf))
+        unlimited = _shares(log)
+        if _independent(weight) >= MIN_INDEPENDENT:
+            enough = _independent(unlimited) >= MIN_INDEPENDENT
+            return Samples(x, weight, unlimited if enough else weight)
+        x = self._tempered(about, seed)
+        return Samples(x, *np.full((2, len(x)), 1.0 / len(x)))
+
+    def _with_roundings(self, estimate: MapEstimate, x: Floats, seed: int) -> Floats:
+        """Return points (K, D) in which roundings are sawtooth errors, not normal ones.
+
+        To first order an estimate errs by C e, where e are these errors and C the parameters'
+        covariance with them, and by a part that is independent of e. A point d off the estimate has
+        e = d_e + n, n of covariance 1 - C_ee: that part of it is replaced.
+        """
+        count = len(self.rounding.names)
+        if not count:
+            return x
+        rng, gain = np.random.default_rng([seed, 1]), estimate.covariance[:, -count:]
+        values, vectors = np.linalg.eigh(np.eye(count) - gain[-count:])
+        noise = rng.normal(size=(len(x), count)) * np.sqrt(np.maximum(values, 0.0))
+        normal = x[:, -count:] - estimate.x[-count:] + noise @ vectors.T
+        sawtooth = self.rounding.standard[rng.integers(len(self.rounding.samples), size=len(x))]
+        return np.asarray(x + (sawtooth - normal) @ gain.T)
+
+    def _tempered(self, about: Student, seed: int) -> Floats:
+        """Return particles (N, D), which begin about the estimate within the limits."""
+        x = about.points(4 * PARTICLES, seed)
+        inside = (x >= self.low).all(axis=1)
+        x = x[inside] if inside.any() else np.maximum(x, self.low)
+        x = np.resize(x, (PARTICLES, x.shape[1]))
+
+        def ratio(x: Floats) -> Floats:
+            inside = (x >= self.low).all(axis=1)
+            log = self.log_density(np.maximum(x, self.low)) - about.log_density(x)
+            return np.where(inside, log, -np.inf)
+
+        return tempered(x, about.log_density, ratio, np.random.default_rng(seed))[0]
+
+    def log_density(self, x: Floats) -> Floats:
+        """Return its logarithm at points (K, D), but for a constant and limits.
+
+        It is no number where a law has no value, beyond the limits.
+        """
+        pieces = max(len(x) * len(self.numbers) // BLOCK_RESIDUALS, 1)
+        with np.errstate(invalid="ignore", over="ignore"):
+            parts = [np.sum(self.residuals(x) ** 2, axis=1) for x in np.array_split(x, pieces)]
+        return -0.5 * np.concatenate(parts)
+
+
+def _shares(log: Floats) -> Floats:
+    """Return weights that sum to 1 from their logarithms; all in one where none is finite."""
+    log = np.where(np.isnan(log), -np.inf, log)
+    weight = np.exp(log - log.max()) if np.isfinite(log.max()) else np.eye(1, len(log))[0]
+    return np.asarray(weight / weight.sum())
+
+
+def _independent(weight: Floats) -> float:
+    """Return how many samples of equal weight weighted ones are worth."""
+    return float(1.0 / np.sum(weight**2))

@@ -1,0 +1,202 @@
+"""Pushes along a floor: each rolls out, and tells the friction that brakes it.
+
+A push obeys, while it moves, v' = -(c v + f) + a, with
+
+    c = A / m_e,   f = B / m_e,   m_e = m (1 + rho k_t),
+
+A = ct k_t + cn k_n, B = ft0 k_f + fn0 (k_g + s): the same projections of the bend as a station's
+(`bends`), s the drag of links that stand off their path. rho is the wheels' J / r^2 over the mass
+m: wheels turn by the speed along their links alone, so that their share of the motion's energy is
+that of ct. A floor falls by s_along towards "there" and by s_across to the left of it: at an angle
+psi to the line of the pushes a = +- g m / m_e (s_along cos psi + s_across sin psi), and psi follows
+the track. A robot without a straight link slips, too (`slip`).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..session.push import Push
+from ..session.session import Session
+from ..session.station import slips
+from .arc import across, along, chord_of, directions_rad
+from .bends import Bends, projections, resistance
+from .drift import wheels_share
+from .parameters import FRICTION_PARAMETERS, Floats, Parameter, Values, Whole, frictions_in
+from .push_track import LinearTrack, PushTrack
+
+WHEELS, SCALE = "wheels_turning_over_mass", "film_scale"
+SLOPES = ("floor_slope_rad", "floor_slope_across_rad")
+TAPE_SIGMA_M = 0.005  # of a way measured from where a hand let go
+FILM_SIGMA_M = 0.001  # of a place, where nothing states it
+# A path further off the line of its floor was filmed by a camera that somebody turned.
+MAX_CROOKED_RAD = math.radians(25.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Pushes:
+    """The kept pushes of a session.
+
+    sign: +1 there, -1 back. place: which of the places. wheels: their J / r^2 over the mass, mean
+    and standard deviation. linear: of each film by its index, what it tells near a point.
+    """
+
+    tracks: tuple[PushTrack, ...]
+    bends: Bends
+    sign: Floats
+    place: Whole
+    places: tuple[str, ...]
+    mass_kg: float
+    gravity_m_s2: float
+    wheels: tuple[float, float]
+    slope_sigma_rad: float
+    scale_sigma: float
+    linear: dict[int, LinearTrack]
+
+    @classmethod
+    def of(cls, session: Session) -> Pushes:
+        """Take a session's kept pushes."""
+        pushes, setup = session.kept_pushes, session.setup
+        places = tuple(sorted({push.place for push in pushes}))
+        lines = {place: _line_rad(pushes, place) for place in places}
+        links, given = setup.robot.links, setup.instruments
+        tracks = [
+            _track(push, given.push_time_sigma_s, lines[push.place], links) for push in pushes
+        ]
+        return cls(
+            tuple(tracks),
+            Bends.of(session, pushes, "_on_floor"),
+            np.array([1.0 if push.way == "there" else -1.0 for push in pushes]),
+            np.array([places.index(push.place) for push in pushes], dtype=np.intp),
+            places,
+            links * setup.robot.link_mass_kg,
+            setup.laboratory.gravity_m_s2,
+            wheels_share(session),
+            given.floor_slope_sigma_rad,
+            max([given.film_scale_sigma, *(push.scale_sigma or 0.0 for push in pushes)]),
+            {},
+        )
+
+    @property
+    def filmed(self) -> list[int]:
+        """Return the indices of films."""
+        return [k for k, track in enumerate(self.tracks) if track.by == "film"]
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Return the frictions, then what the pushes share."""
+        shared = [Parameter(n, sigma=self.slope_sigma_rad) for n in sum(self._slope_names, ())]
+        if self.filmed and self.scale_sigma > 0.0:
+            shared.append(Parameter(SCALE, 1.0, self.scale_sigma))
+        if self.wheels[1] > 0.0:
+            shared.append(Parameter(WHEELS, *self.wheels, low=0.0))
+        return (*FRICTION_PARAMETERS, *self.bends.parameters, *shared)
+
+    @property
+    def _slope_names(self) -> list[tuple[str, ...]]:
+        """Return for each place the names of its slopes along and across."""
+        ends = ["_" + place if place else "" for place in self.places]
+        return [tuple(name + end for name in SLOPES) for end in ends]
+
+    @property
+    def numbers(self) -> Whole:
+        """Return the push that each residual belongs to."""
+        rows = [1 if t.by == "rest" else 2 + t.slips for t in self.tracks]
+        return np.repeat(np.array([t.number for t in self.tracks], dtype=np.intp), rows)
+
+    def laws(self, values: Values) -> Floats:
+        """Return of each push c, f, the floor's pull, and the numbers of its slip, (K, N, 8).
+
+        In the lengths as filmed. The pull helps where it is above 0.
+        """
+        angles, share = self.bends.angles_rad(values), self.bends.share
+        c, f, inert = self._motion(values, share, angles)
+        slopes = [np.stack([values[n] for n in names], axis=1) for names in self._slope_names]
+        slope = np.stack(slopes, axis=1)[:, self.place]
+        pull = (self.gravity_m_s2 * self.sign * inert)[..., None] * slope
+        parts = [c, f, pull[..., 0], pull[..., 1]]
+        if any(track.slips for track in self.tracks):
+            across_c, _, _ = self._motion(values, 1.0, np.pi / 2 - angles)
+            end_c, end_f, _ = self._motion(values, 0.5, 2 * angles)
+            parts += [angles, across_c, end_c, end_f]
+        else:
+            parts += [np.zeros_like(c)] * 4
+        return np.stack(np.broadcast_arrays(*parts), axis=2)
+
+    def _motion(
+        self, values: Values, share: Floats | float, angles: Floats
+    ) -> tuple[Floats, Floats, Floats]:
+        """Return c and f on level ground, and m / m_e, each (K, N), in lengths as filmed.
+
+        share: of the links that stand at these angles to the way.
+        """
+        whole, astray = frictions_in(values), self.bends.astray_rad(values)
+        viscous, dry = resistance(whole, share, angles, astray)
+        wheels = values[WHEELS][:, None] if WHEELS in values else self.wheels[0]
+        inert = 1.0 + wheels * projections(share, angles)[0]
+        mass, scale = self.mass_kg * inert, np.ones(len(self.tracks))
+        if SCALE in values:
+            is_film = [track.by == "film" for track in self.tracks]
+            scale = np.where(is_film, values[SCALE][:, None], 1.0)
+        return viscous / mass, dry / mass * scale, scale / inert * np.ones_like(viscous)
+
+    def residuals(self, values: Values) -> Floats:
+        """Return the residuals (K, rows), films linear about a point."""
+        laws = self.laws(values)
+        parts = []
+        for k, track in enumerate(self.tracks):
+            law = laws[:, k]
+            if track.by == "film":
+                parts.append(self.linear[k].residuals(law))
+            else:
+                parts.append(track.rest_residuals(law[:, 0], law[:, 1] - law[:, 2]))
+        return np.concatenate(parts, axis=1)
+
+    def linear_about(self, values: Values) -> Pushes:
+        """Return the pushes with films linear about values (1,)."""
+        laws = self.laws(values)[0]
+        linear = {k: self.tracks[k].linear_about(laws[k], self.linear.get(k)) for k in self.filmed}
+        return replace(self, linear=linear) if linear else self
+
+
+def _track(push: Push, time_sigma_s: float, line_rad: float, links: int) -> PushTrack:
+    """Return a push as the fit takes it; line_rad: direction of its floor's line in the picture."""
+    if push.track is None:
+        sigma_s = time_sigma_s if push.time_sigma_s is None else push.time_sigma_s
+        t, x = np.array([push.duration_s]), np.array([push.distance_m])
+        sigma_m = push.distance_sigma_m or TAPE_SIGMA_M
+        return PushTrack(push.number, t, x, sigma_m, sigma_s, np.zeros(1), "rest")
+    t, x, y = push.counted
+    sigma_m = push.distance_sigma_m or FILM_SIGMA_M
+    way, directions, chord_rad = along(x, y, sigma_m), directions_rad(x, y, sigma_m), chord_of(x, y)
+    mean = float(directions.mean())
+    # a line has no sense: paths there and back along it are both at 0
+    off = (mean - line_rad + math.pi / 2) % math.pi - math.pi / 2
+    turned = mean - off if abs(off) < MAX_CROOKED_RAD else 0.0
+    heading = directions - turned if turned else np.zeros_like(t)
+    return PushTrack(
+        push.number,
+        t - t[0],
+        way - way[0],
+        sigma_m,
+        push.time_sigma_s or 0.0,
+        heading,
+        "film",
+        slips(push.bend, push.lambda_rad, links),
+        across(x, y),
+        chord_rad - turned if turned else 0.0,
+    )
+
+
+def _line_rad(pushes: tuple[Push, ...], place: str) -> float:
+    """Return the direction of the line that all films at one place follow, there or back."""
+    doubled = [
+        2.0 * float(directions_rad(x, y, push.distance_sigma_m or FILM_SIGMA_M).mean())
+        for push in pushes
+        if push.place == place and push.by == "film"
+        for _, x, y in (push.counted,)
+    ]
+    return 0.5 * math.atan2(np.sin(doubled).sum(), np.cos(doubled).sum())

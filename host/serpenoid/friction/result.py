@@ -1,0 +1,347 @@
+"""What a friction fit gives back: values, intervals, covariance, and what to know about them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+
+from ..base.checks import check_number
+from ..base.rows import Result, Row, ranged
+from ..model.ground import Ground
+from ..model.robot import Robot
+from ..session.session import NO_BELT
+from .parameters import FRICTIONS, Floats
+
+T = TypeVar("T")
+
+UNITS = MappingProxyType({name: "N s/m" if name[0] == "c" else "N" for name in FRICTIONS})
+LEVEL = 0.95
+METHODS = "joint", "naive"
+WHOLE = "_whole"
+NOT_WEIGHED = "The robot was not weighed"
+NO_ZERO = "The inclinometer's zero was not measured"
+DOUBTFUL = 0.01  # below this p-value the stated uncertainties and the readings do not agree
+TAILS = np.linspace(0.1, 0.9, 33) * (1.0 - LEVEL)  # shares below an interval that are tried
+KEPT_SAMPLES = 256
+SIX_DIGITS = "{:.6g}"  # of a sample, as files keep them
+
+
+def ground_of(links: int, whole: Sequence[float]) -> Ground:
+    """Return ground per link from the whole snake's frictions, in the order of FRICTIONS."""
+    return Ground.whole_body(links, *whole)
+
+
+class Estimate(NamedTuple):
+    """A fitted value and its standard deviation, in the same unit."""
+
+    value: float
+    sigma: float
+
+
+@dataclass(frozen=True)
+class Influence:
+    """What one reading does to a fit, told by a fit without it.
+
+    reading: its number. chi2_without: chi2 of that fit, and shift_in_sigmas: how its frictions
+    differ, in standard deviations; both None where the others leave a friction open.
+    """
+
+    reading: int
+    chi2_without: float | None
+    shift_in_sigmas: Mapping[str, float] | None
+
+
+class WholeSnake(Mapping[str, T]):
+    """Map ct_whole, cn_whole, ft0_whole, fn0_whole to what is known of them, whole snake.
+
+    Iterates under these names, so that none is mistaken for `ground`'s per-link values; the short
+    ones (ct, cn, ft0, fn0), whole snake too, still find their value.
+    """
+
+    def __init__(self, values: Sequence[T]) -> None:
+        self._values = dict(zip(FRICTIONS, values, strict=True))
+
+    def __getitem__(self, name: str) -> T:
+        return self._values[name.removesuffix(WHOLE)]
+
+    def __iter__(self) -> Iterator[str]:
+        return (name + WHOLE for name in self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def __repr__(self) -> str:
+        return f"WholeSnake({dict(self)})"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FrictionFit(Result):
+    """Hold the friction fitted to one session; print() gives a report of it.
+
+    Attributes
+    ----------
+    method
+        "joint" or "naive".
+    robot
+        The robot measured.
+    values : (4,)
+        ct, cn, N s/m, ft0, fn0, N, of the whole snake.
+    covariance : (4, 4)
+        Of the values.
+    ends : (4, 2)
+        Of the values' 95 % intervals, none below 0.
+    samples : (N, 4)
+        Samples of the values, each as likely as any other.
+    chi2, dof
+        Of readings and priors under the stated uncertainties.
+    nuisances
+        name -> (value, sigma): what the readings share, errors of bends and of the inclinometer's
+        zero, slopes of a floor; none for "naive".
+    residuals
+        One for each kept reading, in standard deviations; of a filmed push the root mean square.
+    influence
+        One for each kept reading; none for "naive".
+    notes, alarms
+        Remarks in words; alarms are those notes that forbid to trust a prediction.
+    session_name, session_sha256
+        The session fitted, and the hash of what the fit rests on.
+
+    Examples
+    --------
+    >>> session = sn.load_session("calibration_data/nirakh-2005")
+    >>> fit = sn.fit_friction(session)
+    >>> round(fit.parameters["cn_whole"].value, 2)  # of the whole snake, N s/m
+    1.2
+    """
+
+    method: str
+    robot: Robot
+    values: Floats
+    covariance: Floats
+    ends: Floats
+    samples: Floats
+    chi2: float = 0.0
+    dof: int = 0
+    nuisances: Mapping[str, Estimate] = field(default_factory=dict[str, Estimate])
+    residuals: tuple[float, ...] = ()
+    influence: tuple[Influence, ...] = ()
+    notes: tuple[str, ...] = ()
+    alarms: tuple[str, ...] = ()
+    session_name: str = ""
+    session_sha256: str = ""
+
+    def __post_init__(self) -> None:
+        shapes = {"values": (4,), "covariance": (4, 4), "ends": (4, 2), "samples": (-1, 4)}
+        for name, shape in shapes.items():
+            array = np.array(getattr(self, name), dtype=np.float64).reshape(shape)
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+
+    @property
+    def sigma(self) -> str:
+        """Return "absolute": from the instruments, or "rescaled": from the scatter (naive)."""
+        return "rescaled" if self.method == "naive" else "absolute"
+
+    @property
+    def parameters(self) -> Mapping[str, Estimate]:
+        """Return name -> (value, sigma): ct_whole, cn_whole, N s/m, ft0_whole, fn0_whole, N."""
+        sigmas = np.sqrt(np.maximum(np.diag(self.covariance), 0.0)).tolist()
+        return WholeSnake(
+            [Estimate(*pair) for pair in zip(self.values.tolist(), sigmas, strict=True)]
+        )
+
+    @property
+    def intervals(self) -> Mapping[str, tuple[float, float]]:
+        """Return name -> (low, high) at 95 %."""
+        return WholeSnake([(low, high) for low, high in self.ends.tolist()])
+
+    @property
+    def ground(self) -> Ground:
+        """Return the fitted friction per link, as simulations take it."""
+        return ground_of(self.robot.links, self.values.tolist())
+
+    @property
+    def unmeasured(self) -> list[str]:
+        """Return the notes on what nobody measured: every prediction rests on its prior."""
+        return [note for note in self.notes if note.startswith((NOT_WEIGHED, NO_ZERO, NO_BELT))]
+
+    @property
+    def whole_snake(self) -> dict[str, float]:
+        """Return ct, cn (N s/m), ft0, fn0 (N) of the whole snake."""
+        return dict(zip(FRICTIONS, self.values.tolist(), strict=True))
+
+    def sample_whole(self, count: int = 64, seed: int = 2005) -> Floats:
+        """Return samples of the whole snake's frictions that the readings allow, never below 0.
+
+        Parameters
+        ----------
+        count, seed
+            Number of samples, and the seed. One is drawn in each of so many parts of the fit's.
+
+        Returns
+        -------
+        (count, 4) array
+            N s/m and N, in the order of parameters.
+        """
+        check_number("count", count, 1, 2**20)
+        rng = np.random.default_rng(seed)
+        places = (np.arange(count) + rng.random(count)) / count * len(self.samples)
+        return self.samples[rng.permutation(places.astype(np.intp))]
+
+    def sample(self, count: int = 64, seed: int = 2005) -> tuple[Ground, ...]:
+        """Return samples of friction per link that the readings allow, as simulations take them.
+
+        Parameters
+        ----------
+        count, seed
+            As for `sample_whole`: the same samples.
+
+        Returns
+        -------
+        tuple of Ground
+            `count` grounds.
+        """
+        samples = self.sample_whole(count, seed).tolist()
+        return tuple(ground_of(self.robot.links, sample) for sample in samples)
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{r.name} {r.value:.4g} ± {r.sigma:.2g} {r.unit}" for r in self.rows())
+        return f"<FrictionFit {self.session_name!r}, {self.method}: {values}>"
+
+    def in_words(self) -> str:
+        """Return along and across the snake what resists, each with its 95 % interval."""
+        ct, cn, ft0, fn0 = (ranged(r.value, r.unit, r.low, r.high) for r in self.rows())
+        return f"Along, the snake resists with {ft0} and {ct}; across, with {fn0} and {cn}."
+
+    @property
+    def remarks(self) -> list[str]:
+        """Return friction of one link, whether the readings agree, and the notes."""
+        links = self.robot.links
+        parts = [f"{r.name} {r.value / links:.4g} {r.unit}" for r in self.rows()]
+        text = ", ".join(parts).replace(WHOLE, "")
+        notes = [f"note: {note}" for note in self.notes]
+        agree = f"{self.session_name}, {self.method} fit: {self.chi2_in_words}"
+        return [f"each of {links} links: {text}", agree, *notes]
+
+    def __str__(self) -> str:
+        return "\n".join([super().__str__(), *self.remarks])
+
+    @property
+    def chi2_in_words(self) -> str:
+        """Return chi2, its degrees of freedom and its chance."""
+        chance = "" if self.p_value is None else f" (p = {self.p_value:.2g})"
+        return f"chi2 = {self.chi2:.3g} for {self.dof} degrees of freedom{chance}"
+
+    @property
+    def p_value(self) -> float | None:
+        """Return p_value, the chance of so large a chi2 if model and uncertainties hold."""
+        from scipy.special import chdtrc
+
+        return float(chdtrc(self.dof, self.chi2)) if self.dof > 0 else None
+
+    def rows(self) -> list[Row]:
+        """Return a table's lines, one a parameter of the whole snake."""
+        return [
+            Row(name, UNITS[name.removesuffix(WHOLE)], value, *self.intervals[name], sigma)
+            for name, (value, sigma) in self.parameters.items()
+        ]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain lists, numbers and text, fit for JSON."""
+        parameters = {
+            row.name: {
+                "unit": row.unit,
+                "value": row.value,
+                "sigma": row.sigma,
+                "interval": [row.low, row.high],
+            }
+            for row in self.rows()
+        }
+        return {
+            "session": {"name": self.session_name, "sha256": self.session_sha256},
+            "method": self.method,
+            "sigma": self.sigma,
+            "interval_level": LEVEL,
+            "parameters": parameters,
+            "covariance": {"order": list(parameters), "values": self.covariance.tolist()},
+            "robot": {
+                "links": self.robot.links,
+                "link_mass_kg": self.robot.link_mass_kg,
+                "link_length_m": self.robot.link_length_m,
+                "link_inertia_kg_m2": self.robot.inertia_kg_m2,
+            },
+            "ground_per_link": {name: getattr(self.ground, name) for name in FRICTIONS},
+            **{name: getattr(self, name) for name in ("chi2", "dof", "p_value")},
+            "nuisances": {name: e._asdict() for name, e in self.nuisances.items()},
+            "residuals": list(self.residuals),
+            "influence": [vars(i) for i in self.influence],
+            **{name: list(getattr(self, name)) for name in ("alarms", "notes")},
+            "draws": {"order": list(FRICTIONS), "values": self.samples.tolist()},
+        }
+
+    @classmethod
+    def from_dict(cls, given: Mapping[str, Any]) -> FrictionFit:
+        """Return the fit that `to_dict` gave; files of format 2 have more draws."""
+        parts = list(given["parameters"].values())
+        nuisances = {name: Estimate(**part) for name, part in given["nuisances"].items()}
+        without = ("reading", "chi2_without", "shift_in_sigmas")
+        return cls(
+            given["method"],
+            Robot(**given["robot"]),
+            np.array([part["value"] for part in parts]),
+            np.array(given["covariance"]["values"]),
+            np.array([part["interval"] for part in parts]),
+            np.array([row[:4] for row in given["draws"]["values"]]),
+            given["chi2"],
+            given["dof"],
+            MappingProxyType(nuisances),
+            tuple(given["residuals"]),
+            tuple(Influence(*(each[key] for key in without)) for each in given["influence"]),
+            tuple(given["notes"]),
+            tuple(given["alarms"]),
+            **{"session_" + key: text for key, text in given["session"].items()},
+        )
+
+
+def narrowest(x: Floats, weight: Floats, value: float) -> tuple[float, float]:
+    """Return the narrowest interval that holds LEVEL of weighted samples (N,), and value.
+
+    It ends at 0 where a friction of 0 is as likely as any other; one that cut off the same share at
+    either end would never hold it. A parabola through the widths finds the least one, for random
+    samples move each of them.
+    """
+    order = np.argsort(x)
+    share = np.cumsum(weight[order]) - weight[order] / 2
+    low, high = (np.interp(TAILS + more, share, x[order]) for more in (0.0, LEVEL))
+    curve, slope, _ = np.polyfit(TAILS, high - low, 2)
+    tail = float(np.clip(-slope / (2.0 * curve), 0.0, TAILS[-1])) if curve > 0.0 else 0.0
+    first, last = np.interp([tail, tail + LEVEL], share, x[order]).tolist()
+    first = first if tail > TAILS[0] else 0.0
+    return max(min(first, value), 0.0), max(last, value)
+
+
+def spread_samples(x: Floats, weight: Floats, seed: int) -> Floats:
+    """Return KEPT_SAMPLES of weighted samples (N, P), each as likely as any other.
+
+    Samples are halved by weight along one axis, each half along the next, and so on; in this order
+    they are resampled systematically. So the kept ones scatter less than as many that are drawn
+    independently, and so do some of them that are picked one in each of as many parts.
+    """
+    parts, axis = [np.flatnonzero(weight)], 0
+    while len(parts) < KEPT_SAMPLES:
+        halves = []
+        for part in parts:
+            order = part[np.argsort(x[part, axis % x.shape[1]], kind="stable")]
+            share = np.cumsum(weight[order])
+            middle = int(np.searchsorted(share, share[-1:].sum() / 2))
+            halves += [order[:middle], order[middle:]]
+        parts, axis = halves, axis + 1
+    order = np.concatenate(parts)
+    steps = (np.arange(KEPT_SAMPLES) + np.random.default_rng(seed).random()) / KEPT_SAMPLES
+    share = np.cumsum(weight[order])
+    picked = order[np.searchsorted(share, steps * share[-1])]
+    return np.array([[float(SIX_DIGITS.format(v)) for v in row] for row in x[picked].tolist()])

@@ -1,0 +1,168 @@
+"""Stations on a belt: readings of one force balance each, with the errors that they share.
+
+A robot that holds its station at slip v has m g sin(gamma) = A v + B. The true speed of each
+reading is solved for by hand (errors in variables); what is left is the distance to the line,
+
+    r_i = (m g sin(gamma_i - z) - A v_i - B) / s_i,
+    s_i^2 = (m g cos(gamma_i - z) sg)^2 + (A sv)^2.
+
+A robot that still drifted when it was read has -m_e f of its track instead of A v (`drift`), and
+the track's error in s_i. Shared are the bends' errors, the inclinometer's zero z, its roundings
+(`rounding`), the scale of the belt's speed, and links off their path (`bends`).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..session.session import Session
+from .bends import Bends, resistance
+from .drift import Drift, drifts_of, wheels_share
+from .parameters import FRICTION_PARAMETERS, Floats, Parameter, Values, Whole, frictions_in
+from .rounding import shared_rounding
+
+# Taken where a set-up claims a zero without error: an undeclared 0.1 degrees would leave ft0's 95 %
+# interval with 17 % coverage, so that the prior is never absent.
+ZERO_SIGMA_RAD = math.radians(0.1)
+ZERO, BELT, ROUNDING = "incline_zero_rad", "belt_scale", "rounding "
+MIN_SIGMA_N = 1e-12  # of a reading, where frictions are 0 and nothing else errs
+
+
+@dataclass(frozen=True, eq=False)
+class Stations:
+    """The kept stations of a session.
+
+    incline_rad (as shown, less the zero where that was measured), slip_m_s, incline_sigma_rad (what
+    is a reading's alone): per reading. rounding: per reading, which of the shared rounding errors
+    its incline has; -1 where that is its alone. rounding_samples: of these errors, rad, (N,
+    errors).
+    drifts: by its index, of each reading that drifted. belt_sigma: relative, of the belt's scale,
+    where pushes beside the stations tell it; else 0.
+    """
+
+    numbers: Whole
+    bends: Bends
+    incline_rad: Floats
+    slip_m_s: Floats
+    incline_sigma_rad: Floats
+    speed_sigma_m_s: float
+    rounding: Whole
+    rounding_samples: Floats
+    weight_n: float
+    zero_sigma_rad: float
+    drifts: dict[int, Drift]
+    effective_kg: float
+    inertia_n: Floats
+    inertia_sigma_n: Floats
+    belt_sigma: float
+
+    @classmethod
+    def of(cls, session: Session) -> Stations:
+        """Take a session's kept stations."""
+        kept, given, zero = session.kept, session.setup.instruments, session.zero
+        belt, belt_sigma = session.belt_scale
+        shown_rad = np.array([r.incline_rad for r in kept], dtype=float)
+        rounding, samples = shared_rounding(
+            shown_rad, given.incline_sigma_rad, given.incline_step_rad
+        )
+        rolling, rolling_sigma = wheels_share(session)
+        robot = session.setup.robot
+        effective_kg = robot.links * robot.link_mass_kg * (1.0 + rolling)
+        drifts = drifts_of(kept, given)
+        inertia_n, sigma_n = np.zeros((2, len(kept)))
+        for k, drift in drifts.items():
+            inertia_n[k] = -effective_kg * drift.braking(np.zeros(1))[0]
+            own_n = effective_kg * drift.braking_sigma
+            sigma_n[k] = math.hypot(own_n, inertia_n[k] * rolling_sigma / (1.0 + rolling))
+        return cls(
+            numbers=np.array([r.number for r in kept], dtype=np.intp),
+            bends=Bends.of(session, kept),
+            incline_rad=shown_rad - zero.value_rad,
+            slip_m_s=np.array([belt * r.belt_speed_m_s - r.drift_m_s for r in kept], dtype=float),
+            incline_sigma_rad=np.where(rounding < 0, given.incline_sigma_rad, 0.0),
+            speed_sigma_m_s=given.belt_speed_sigma_m_s,
+            rounding=rounding,
+            rounding_samples=samples,
+            weight_n=session.setup.weight_n,
+            zero_sigma_rad=zero.sigma_rad or ZERO_SIGMA_RAD,
+            drifts=drifts,
+            effective_kg=effective_kg,
+            inertia_n=inertia_n,
+            inertia_sigma_n=sigma_n,
+            belt_sigma=belt_sigma if session.on_floor else 0.0,
+        )
+
+    def __len__(self) -> int:
+        return len(self.slip_m_s)
+
+    @property
+    def lambda_rad(self) -> Floats:
+        """Return the bend of each reading, as set."""
+        return self.bends.lambda_rad
+
+    @property
+    def bent(self) -> NDArray[np.bool_]:
+        """Tell which readings were taken with the robot bent."""
+        return self.bends.posture >= 0
+
+    @property
+    def parts(self) -> dict[str, NDArray[np.bool_]]:
+        """Return which readings are straight, and bent."""
+        return {"straight": ~self.bent, "bent": self.bent}
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Return the frictions, then what readings share."""
+        belt = (Parameter(BELT, 1.0, self.belt_sigma),) if self.belt_sigma else ()
+        roundings = [
+            Parameter(f"{ROUNDING}{k}", sigma=sigma)
+            for k, sigma in enumerate(self.rounding_samples.std(axis=0).tolist())
+        ]
+        zero = Parameter(ZERO, sigma=self.zero_sigma_rad)
+        return (*FRICTION_PARAMETERS, zero, *belt, *self.bends.parameters, *roundings)
+
+    def linear_about(self, values: Values) -> Stations:
+        """Return itself: nothing in it is made linear."""
+        return self
+
+    def residuals(self, values: Values) -> Floats:
+        """Return r_i (K, N): see the head of this file."""
+        count = self.rounding_samples.shape[1]
+        errors = [values[f"{ROUNDING}{k}"] for k in range(count)]
+        errors.append(np.zeros(1))  # of readings whose rounding is their own: -1
+        shared = np.stack(np.broadcast_arrays(*errors), axis=1)[:, self.rounding]
+        excess, spread, _ = self._balance(values, shared)
+        return np.asarray(excess / spread)
+
+    def whole_residuals(self, values: Values) -> Floats:
+        """Return residuals (K, N) over all that a reading errs by, its shared rounding too."""
+        excess, spread, per_incline = self._balance(values, 0.0)
+        return np.asarray(excess / np.hypot(spread, per_incline * self.shared_sigma_rad))
+
+    @property
+    def shared_sigma_rad(self) -> Floats:
+        """Return the standard deviation of each reading's shared rounding; 0 where it has none."""
+        return np.append(self.rounding_samples.std(axis=0), 0.0)[self.rounding]
+
+    def _balance(
+        self, values: Values, rounding_rad: Floats | float
+    ) -> tuple[Floats, Floats, Floats]:
+        """Return excess force, its standard deviation, and its slope by the incline, (K, N), N."""
+        bends, angles = self.bends, self.bends.angles_rad(values)
+        law = frictions_in(values), bends.share, angles, bends.astray_rad(values)
+        viscous, dry = resistance(*law)
+        incline = self.incline_rad - values[ZERO][:, None] - rounding_rad
+        belt = values[BELT][:, None] if self.belt_sigma else 1.0
+        drag_n = viscous * belt * self.slip_m_s
+        for k, drift in self.drifts.items():
+            braking = drift.braking(viscous[:, k] / self.effective_kg)
+            drag_n[:, k] -= self.effective_kg * braking
+        per_incline_n = self.weight_n * np.cos(incline)
+        excess_n = self.weight_n * np.sin(incline) - drag_n - dry
+        spread_n = np.hypot(per_incline_n * self.incline_sigma_rad, self.inertia_sigma_n)
+        spread_n = np.hypot(spread_n, belt * viscous * self.speed_sigma_m_s)
+        return excess_n, np.maximum(spread_n, MIN_SIGMA_N), per_incline_n
