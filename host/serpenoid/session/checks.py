@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 from ..base.errors import BadInput
-from .declaration import PLANNED, Taken, Watch, number, word
-from .instruments import MAX_INCLINE_DEG, MAX_LAMBDA_DEG, MAX_SPEED_M_S
+from .declaration import PLANNED, Taken, number, word
+from .instruments import MAX_INCLINE_DEG, MAX_LAMBDA_DEG, MAX_SPEED_M_S, Instruments
 from .station import BENDS
 
 LIKELY_DEG = (-5.0, 5.0)
@@ -120,7 +120,7 @@ class BeltCheck(Taken):
         """Return the true speed of the belt over the one shown."""
         return self.distance_m / self.duration_s / self.belt_speed_m_s
 
-    def scale_sigma(self, watch: Watch) -> float:
+    def scale_sigma(self, watch: Instruments) -> float:
         """Return the standard deviation of the scale that tape and stopwatch leave."""
         speed_m_s, sigma_m_s = watch.speed(self.distance_m, self.duration_s)
         return self.scale * sigma_m_s / speed_m_s

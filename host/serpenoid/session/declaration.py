@@ -6,9 +6,12 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, replace
-from typing import Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from ..base.checks import check_choice, check_number
+
+if TYPE_CHECKING:
+    from .instruments import Instruments
 
 Cells = Mapping[str, str | float]
 Values = dict[str, float | str]
@@ -165,14 +168,6 @@ def word(*choices: str, of_plan: bool = False, tidy: Callable[[str], str] | None
     return field(default=limits.usual, metadata={"limits": limits})
 
 
-class Watch(Protocol):
-    """Tape and stopwatch."""
-
-    def speed(self, distance_m: float, time_s: float) -> tuple[float, float]:
-        """Return the mean speed over a distance and its standard deviation, m/s."""
-        ...
-
-
 @dataclass(frozen=True)
 class Taken(ABC):
     """A reading; each kind is a dataclass of this whose declared fields are its columns, in SI.
@@ -233,7 +228,7 @@ class Taken(ABC):
         return tuple(numbers[column] for column in columns or numbers)
 
     @classmethod
-    def derived(cls, cells: dict[str, Any], watch: Watch) -> dict[str, Any]:
+    def derived(cls, cells: dict[str, Any], watch: Instruments) -> dict[str, Any]:
         """Put in what follows from other cells, as a speed does; raises BadInput."""
         return cells
 

@@ -8,8 +8,8 @@ from typing import Any
 
 from ..base.errors import BadInput
 from ..model.gait import Gait
-from .declaration import DERIVED, PLANNED, Taken, Watch, number, word
-from .instruments import MAX_SPEED_M_S
+from .declaration import DERIVED, PLANNED, Taken, number, word
+from .instruments import MAX_SPEED_M_S, Instruments
 
 RUN_WAYS = ("level", "there", "back")  # along the line of the pushes, where a floor slopes
 
@@ -50,7 +50,7 @@ class GaitRun(Taken):
         return Gait(self.alpha_rad, self.beta_rad, self.omega_rad_s)
 
     @classmethod
-    def derived(cls, cells: dict[str, Any], watch: Watch) -> dict[str, Any]:
+    def derived(cls, cells: dict[str, Any], watch: Instruments) -> dict[str, Any]:
         """Put in the speed that distance and time give, unless it is given itself."""
         there = [name for name in ("distance_m", "duration_s") if name in cells]
         if not there or "speed_m_s" in cells:

@@ -101,24 +101,12 @@ def words_of(row: Row) -> dict[str, str]:
     return {name: text for name, _, text in (w.partition("=") for w in row["more"].split())}
 
 
-def cells_of(row: Row) -> dict[str, str]:
-    """Return the fields of a row that hold something, column -> text; words always."""
-    said = words_of(row)
-    cells = {}
-    for field in kind_of(row["kind"]).fields:
-        text = row.get(field.column, "") or said.get(field.column, "")
-        if isinstance(field, Word):
-            cells[field.column] = text or field.usual
-        elif text:
-            cells[field.column] = text
-    return cells
-
-
 def make_reading(row: Row, common: Mapping[str, Any]) -> Any:
     """Return the reading that a row of a known kind holds, of its kind's class; raises BadInput.
 
     common: number, and where known voided, comment, time_utc and track.
     """
-    kind, cells = kind_of(row["kind"]), cells_of(row)
-    values = {kind.attributes[f.column]: f.read(cells.get(f.column, "")) for f in kind.fields}
+    kind, said = kind_of(row["kind"]), words_of(row)
+    cells = {f.column: row.get(f.column, "") or said.get(f.column, "") for f in kind.fields}
+    values = {kind.attributes[f.column]: f.read(cells[f.column]) for f in kind.fields}
     return kind(**values, **common)

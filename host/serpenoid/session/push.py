@@ -10,7 +10,7 @@ import numpy as np
 from ..base.errors import BadInput
 from .declaration import DERIVED, PLANNED, Taken, number, word
 from .instruments import MAX_LAMBDA_DEG
-from .push_size import unlikely_push, unlikely_sigma
+from .push_size import MAX_PLACE_SIGMA_M, unlikely_push
 from .station import BENDS, bend_in_words
 from .track import Floats, Track
 
@@ -69,7 +69,9 @@ class Push(Taken):
     start_s: float | None = number(-1e6, 1e6, default=None, source=DERIVED)
     end_s: float | None = number(-1e6, 1e6, default=None, source=DERIVED)
     scale_sigma: float | None = number(0.0, 0.2, default=None, source=DERIVED)
-    distance_sigma_m: float | None = number(0.0, 100.0, default=None, open_low=True, source=DERIVED)
+    distance_sigma_m: float | None = number(
+        0.0, MAX_PLACE_SIGMA_M, default=None, open_low=True, source=DERIVED
+    )
     time_sigma_s: float | None = number(0.0, 10.0, default=None, source=DERIVED)
     way: str = word(*WAYS)
     by: str = word(*SOURCES)
@@ -97,9 +99,7 @@ class Push(Taken):
             )
 
     def doubt(self) -> str:
-        """Return why it is no push: too fast, too long, or places too uncertain."""
-        if self.distance_sigma_m is not None and (told := unlikely_sigma(self.distance_sigma_m)):
-            return told
+        """Return why it is no push: too fast or too long."""
         if self.distance_m is None or not self.duration_s:
             return ""
         # Dry friction alone brakes evenly: the speed at the start is twice the mean one.

@@ -38,19 +38,3 @@ def unlikely_push(speed_m_s: float, way_m: float, unit: str = "m") -> str:
         f"{way_m:.3g} m from {speed_m_s:.3g} m/s is no push: at most {MAX_PUSH_M:g} m and "
         f"{MAX_PUSH_M_S:g} m/s{instead}"
     )
-
-
-def unlikely_sigma(sigma_m: float) -> str:
-    """Return why a place cannot be as uncertain as that; "" if it can."""
-    if sigma_m <= MAX_PLACE_SIGMA_M:
-        return ""
-    units = [
-        f"{name} ({length_m * sigma_m:.2g} m)"
-        for name, length_m in LENGTH_UNITS.items()
-        if 1e-4 <= length_m * sigma_m <= MAX_PLACE_SIGMA_M
-    ]
-    instead = f"; likely instead of m: {', '.join(units)}" if units else ""
-    return (
-        f"distance_sigma_m is {sigma_m:.3g} m; a place is known to {MAX_PLACE_SIGMA_M:g} m at "
-        f"least{instead}"
-    )

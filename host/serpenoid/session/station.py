@@ -8,8 +8,8 @@ from typing import Any
 
 from ..base.errors import BadInput
 from ..model.bends import balanced_signs
-from .declaration import PLANNED, Taken, Watch, number, word
-from .instruments import MAX_INCLINE_DEG, MAX_LAMBDA_DEG, MAX_SPEED_M_S
+from .declaration import PLANNED, Taken, number, word
+from .instruments import MAX_INCLINE_DEG, MAX_LAMBDA_DEG, MAX_SPEED_M_S, Instruments
 from .places import drifts, tidy_places
 
 BENDS = ("zigzag", "balanced")  # zigzag first: sessions of before there were others do not say
@@ -102,7 +102,7 @@ class Reading(Taken):
         return math.sin(self.incline_rad) + change_m_s / duration_s / gravity_m_s2
 
     @classmethod
-    def derived(cls, cells: dict[str, Any], watch: Watch) -> dict[str, Any]:
+    def derived(cls, cells: dict[str, Any], watch: Instruments) -> dict[str, Any]:
         """Put in the mean drift of a short reading."""
         places = str(cells.get("places", ""))
         return cells | {"drift_m_s": drifts(tidy_places(places))[0]} if places else cells

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ..base.errors import BadInput, CommandRefused, RecordingFailed, RobotError
 from ..model.gait import Gait
-from ..session.declaration import LENGTH_UNITS, Field, Values
+from ..session.declaration import Field, Values
 from ..session.journal import Journal
 from ..session.places import EXAMPLE, drifts, tidy_places
 from ..session.session import Session
@@ -19,11 +19,10 @@ from .asking import PATIENCE_S, WORDS, Again, Asker, Left, Skip, Undo
 from .bends import NEAR_DEG
 from .films import FilmReader, named_file, no_films, read_crawl, take_track
 from .procedure import ZERO_BEFORE, doubts, next_step, step_in_words
-from .pushes import Kept
 from .session_robot import SessionRobot
 from .steps import Step, Tracked
 from .terminal import Terminal
-from .track_files import UnitMissing, read_track_file
+from .track_files import read_track_file
 from .treadmill import posed_after, record_step
 
 QUESTIONS = {  # of steps that a film answers, too
@@ -304,16 +303,7 @@ class Dialogue:
 
     def _pushes(self, path: Path, unit: str | None, cells: Values) -> None:
         """Keep all pushes of a file, however many, and raise Again: the plan has moved on."""
-        kept: list[Kept] | None = None
-        while kept is None:
-            try:
-                kept = take_track(self.journal, path, unit, cells, self._film, self._note)
-            except UnitMissing as error:
-                likely = f"; likely: {', '.join(error.likely)}" if error.likely else ""
-                names = ", ".join(LENGTH_UNITS)
-                typed = self._asker.ask(f"  unit of its lengths ({names}{likely}): ").strip()
-                unit = typed if typed in LENGTH_UNITS else None
-        for one in kept:
+        for one in take_track(self.journal, path, unit, cells, self._film, self._note):
             self._say(f"  {one.in_words()}")
         raise Again
 

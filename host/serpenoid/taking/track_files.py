@@ -52,13 +52,11 @@ _UNIT |= {unit: unit for unit in TIME_UNITS}
 _IN_BRACKETS = re.compile(r"[(\[{]\s*([^()\[\]{}]*?)\s*[)\]}]\s*$")
 _BEHIND = re.compile(r"[\s_/]+(?:in\s+)?([^\s_/]+(?:/\d+)?)$")
 _AXIS = re.compile(r"(?:pos|position|coord)?([xy])(?:pos|position|coord)?\d*")
-_CLOCK = re.compile(r"(?:(\d+):)?(\d+):(\d\d)(?:[:.,](\d+))?(?:\s*\(\d+\))?")
 TIME_ADVICE = (
     "export the time in s or ms (Tracker: take t as the first column; Kinovea: milliseconds as "
     "the time format in its preferences, and no normalized time), or, if it is in s, name the "
     "column Time (s)"
 )
-MOST_FRAMES_A_SECOND = 60  # that a timecode of hours, minutes, seconds and pictures counts
 LEAST_STEP_S = 1 / 2000  # between two pictures: no camera of a phone is faster
 MOST_STEP_S = 0.5  # between two pictures of a push, where the time has no unit
 FAST_S = 0.1  # a push is at its fastest for longer than this
@@ -144,8 +142,7 @@ def _columns(head: list[str]) -> list[Column] | None:
 def read_track_file(path: Path, unit: str | None = None, *, pushed: bool = True) -> TrackFile:
     """Return the track of a file's first point.
 
-    A time without unit is in s, or a clock as Kinovea's h:mm:ss:cc. Rows with an empty place are
-    left out.
+    A time without unit is in s. Rows with an empty place are left out.
 
     Parameters
     ----------
@@ -169,22 +166,26 @@ def read_track_file(path: Path, unit: str | None = None, *, pushed: bool = True)
     rows = [(line, [cells[c.place] for c in columns]) for line, cells in _whole(table, columns)]
     with located(str(path)):
         units = [column.length_unit or unit for column in columns[1:]]
-        clock = bool(rows) and all(_CLOCK.fullmatch(texts[0]) for _, texts in rows)
-        scale = 1.0 if clock else time.time_s
+        scale = time.time_s
     track = np.zeros((len(rows), 3))
     for row, (line, texts) in zip(track, rows, strict=True):
-        row[0] = _clock_s(texts[0]) if clock else scale * _value(table, line, texts[0])
+        row[0] = scale * _value(table, line, texts[0])
         for k, text in enumerate(texts[1:]):
             row[1 + k] = _value(table, line, text) * LENGTH_UNITS[units[k] or "m"]
     with located(str(path)):
         if len(track) < FEWEST_PLACES:
             raise BadInput(f"{len(track)} place(s) in it; is it a track of time, x and y?")
-        _check_times(track[:, 0], time, [texts[0] for _, texts in rows] if clock else [])
+        _check_times(track[:, 0], time)
         track = track[np.concatenate([[True], np.diff(track[:, 0]) != 0.0])]
-        if pushed and None not in units:
+        if None in units:
+            likely = likely_units(*speed_and_way(track)) if pushed else []
+            some = f"; likely: {', '.join(likely)}" if likely else ""
+            raise BadInput(
+                f"its lengths have no unit ({x.name}); say it, by --unit or behind the file's name "
+                f"at the prompt: one of {', '.join(LENGTH_UNITS)}{some}"
+            )
+        if pushed:
             _check_size(track, units[0] or "m", x)
-    if None in units:
-        raise UnitMissing(path, x.name, track)
     notes = []
     if sum(Column.of(0, cell).meaning == "x" for cell in table.head) > 1:
         notes.append(f"{path.name}: the first point, {x.name}, is taken; the others are left out")
@@ -201,18 +202,6 @@ def _whole(table: TextTable, columns: list[Column]) -> list[tuple[int, list[str]
         for line, cells in table.rows
         if len(cells) >= width and not any(is_missing(cells[c.place]) for c in columns)
     ]
-
-
-class UnitMissing(BadInput):
-    """A table names no unit of length; `likely` has what the track would be in likely ones."""
-
-    def __init__(self, path: Path, column: str, track: Floats):
-        self.likely = likely_units(*speed_and_way(track))
-        some = f"; likely: {', '.join(self.likely)}" if self.likely else ""
-        super().__init__(
-            f"{path}: its lengths have no unit ({column}); say it: --unit with one of "
-            f"{', '.join(LENGTH_UNITS)}{some}"
-        )
 
 
 def speed_and_way(track: Floats) -> tuple[float, float]:
@@ -245,29 +234,17 @@ def _value(table: TextTable, line: int, text: str) -> float:
     try:
         return table.number(text)
     except ValueError:
-        raise BadInput(f"{table.where(line)}: {text!r} is not a number") from None
+        clock = f"; {TIME_ADVICE}" if ":" in text else ""
+        raise BadInput(f"{table.where(line)}: {text!r} is not a number{clock}") from None
 
 
-def _clock_s(text: str) -> float:
-    """Return the time of a clock, s."""
-    match = _CLOCK.fullmatch(text)
-    assert match is not None
-    hours, minutes, seconds, rest = match.groups()
-    fraction = int(rest) / 10 ** len(rest) if rest else 0.0
-    return 3600 * int(hours or 0) + 60 * int(minutes) + int(seconds) + fraction
-
-
-def _check_times(t: Floats, column: Column, clocks: list[str]) -> None:
+def _check_times(t: Floats, column: Column) -> None:
     """Raise BadInput where times cannot be seconds, or what their unit says."""
     steps = np.diff(t)
     if not (steps > 0.0).any() or (steps < 0.0).any():
         raise BadInput(f"the times in {column.name} do not rise; {TIME_ADVICE}")
     step, doubt = float(np.median(steps[steps > 0.0])), ""
-    ends = [re.split("[:.,]", text)[-1] for text in clocks]
-    counts = ends and all(e.isdecimal() and int(e) < MOST_FRAMES_A_SECOND for e in ends)
-    if counts and t[-1] - t[0] > 1.0 and step < 0.015:
-        doubt = "is a clock that counts pictures"
-    elif not clocks and column.unit is None and step > MOST_STEP_S:
+    if column.unit is None and step > MOST_STEP_S:
         what = "pictures" if np.all(steps == np.round(steps)) else "ms"
         doubt = f"has no unit and rises by {step:.4g} from one place to the next, like {what}"
     elif column.unit is None and t[0] == 0.0 and abs(t[-1] - 1.0) < 1e-6:

@@ -34,7 +34,3 @@ def kinovea_table(rows, unit="cm", time="Time (ms)", seconds=1e-3, separator=","
         numbers = [t / seconds, *(v / METRES.get(unit, 0.01) for v in (x, y))]
         lines.append(separator.join(f'"{spelled(v, comma)}"' for v in numbers))
     return "\r\n".join(lines) + "\r\n"
-
-
-def clock(t):
-    return f"0:00:{int(t):02}:{int(100 * t + 0.5) % 100:02}"

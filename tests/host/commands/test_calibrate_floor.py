@@ -42,8 +42,8 @@ def test_a_session_is_begun_pushed_and_gone_on_with(tmp_path, tracks):
     assert 'on = "floor"' in plan
     assert "wheels_kg = 0.0" in plan
     assert "align its links" in run(f"calibrate status {folder}")
-    first = run(f"calibrate {folder}", typed=f"\n{tracks[0]}\nparsec\ncm\nquit\n")
-    assert first.count("unit of its lengths (m, cm, mm, in, ft, yd; likely: cm (") == 2
+    first = run(f"calibrate {folder}", typed=f"\n{tracks[0]}\n{tracks[0]} cm\nquit\n")
+    assert "behind the file's name at the prompt: one of m, cm, mm, in, ft, yd; likely: cm" in first
     assert "Push 1 of 8, straight, THERE" in first
     assert "reading 1, there: " in first
     # a second process finds all of it, and what a kill left half written does not count
