@@ -115,7 +115,7 @@ def whole_file(path: Path) -> Iterator[Path]:
             os.fsync(file.fileno())
         part.replace(target)
     except OSError as error:
-        if error.filename != str(part):
+        if error.filename not in (None, str(part)):
             raise
         raise OSError(error.errno, error.strerror, str(path)) from None  # nobody knows of the part
     finally:

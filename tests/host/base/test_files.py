@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 import subprocess
@@ -111,6 +112,10 @@ def test_an_error_names_the_file_that_was_asked_for(tmp_path: Path) -> None:
     with pytest.raises(OSError, match="No such file") as error:
         write_csv(path, ["t_s"], [])
     assert error.value.filename == str(path)
+    full = tmp_path / "full.csv"
+    with pytest.raises(OSError, match="No space") as error, whole_file(full):
+        raise OSError(errno.ENOSPC, "No space left on device")  # as a write says it, without a name
+    assert error.value.filename == str(full)
 
 
 def test_a_fit_that_cannot_be_kept_is_shown_and_ends_with_1(tmp_path: Path) -> None:
@@ -120,7 +125,7 @@ def test_a_fit_that_cannot_be_kept_is_shown_and_ends_with_1(tmp_path: Path) -> N
     (session / "fit.json").mkdir()
     done = serpenoid("fit", session)
     assert "0.084" in done.stdout
-    assert (done.returncode, "not kept as fit.json" in done.stderr) == (1, True)
+    assert (done.returncode, "the fit is shown, but not kept" in done.stderr) == (1, True)
 
 
 def test_a_sessions_own_files_are_not_written_over(tmp_path: Path) -> None:

@@ -24,6 +24,7 @@ from ..declare import (
     together,
 )
 from ..given import alarms_of, servo_remark, session_fit
+from ..group import of_system
 from ..options import (
     AS_JSON,
     AS_TABLES,
@@ -104,9 +105,8 @@ def fit(
         try:
             sn.save_fit(fit, session)
         except OSError as error:
-            raise sn.SerpenoidError(
-                f"{error}: the fit is shown, but not kept as fit.json"
-            ) from error
+            words = f"{of_system(error)}; the fit is shown, but not kept"
+            raise sn.SerpenoidError(words) from error
 
 
 @command()

@@ -81,7 +81,9 @@ def of_recording(stream: Stream, robot: Robot, ground: Ground) -> tuple[Gait, di
     """
     gait, links = longest_gait(stream), stream.setpoint_rad.shape[1] + 1
     if robot.links != links:
-        raise BadInput(f"links is {robot.links}; what is shown is of a robot of {links}")
+        raise BadInput(
+            f"links is {robot.links}; this is of a robot of {links}: give --set links={links}"
+        )
     in_gait = np.flatnonzero(stream.state == "gait")
     kept = slice(in_gait[0], in_gait[-1] + 1)
     board_s, every = stream.board_s[kept], math.ceil((in_gait[-1] - in_gait[0] + 1) / MOST_FRAMES)
