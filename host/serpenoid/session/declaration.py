@@ -6,12 +6,9 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from ..base.checks import check_choice, check_number
-
-if TYPE_CHECKING:
-    from .instruments import Instruments
 
 Cells = Mapping[str, str | float]
 Values = dict[str, float | str]
@@ -228,8 +225,8 @@ class Taken(ABC):
         return tuple(numbers[column] for column in columns or numbers)
 
     @classmethod
-    def derived(cls, cells: dict[str, Any], watch: Instruments) -> dict[str, Any]:
-        """Put in what follows from other cells, as a speed does; raises BadInput."""
+    def derived(cls, cells: dict[str, Any], watch: Any) -> dict[str, Any]:
+        """Put in what follows from other cells, by the Instruments; raises BadInput."""
         return cells
 
     def doubt(self) -> str:
