@@ -74,10 +74,6 @@ def _side_px(w: Watched) -> float:
     return float(np.nanmedian(w.sightings.side_px))
 
 
-def _share(w: Watched, counts: Iterable[int]) -> float:
-    return max(counts, default=0) / len(w.sightings.t_s)
-
-
 def _other_numbers(w: Watched) -> list[int]:
     """Return numbers of tags that are on no link of the robot, misreadings left out."""
     numbers: list[int] = []
@@ -145,7 +141,8 @@ SEEN = (
         refuse=0,
     ),
     Check(
-        "strangers", lambda w: _share(w, w.strangers.values()) if _other_numbers(w) else 0,
+        "strangers", lambda w: max([0, *map(w.strangers.get, _other_numbers(w))])
+        / len(w.sightings.t_s),
         lambda w, _: f"shows tags {_numbers(_other_numbers(w))}, but the robot has "
         f"{w.sightings.links} links: another robot? If it is this one, give --set "
         f"links={max(_other_numbers(w)) + 1}",

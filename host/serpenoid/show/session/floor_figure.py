@@ -29,7 +29,7 @@ def draw_pushes(fig: Figure, axes: Any, session: Session, fit: FrictionFit) -> N
         bend = round(math.degrees(path.lambda_rad))
         name = None if bend in named else (f"bend {bend}°" if bend else "straight")
         named.add(bend)
-        look = {"color": colour[bend], "ms": 2.5, "mew": 0, "alpha": 0.6, "ls": ""}
+        look = {"color": colour[bend], "ms": 2.5, "mew": 0, "alpha": 0.9, "ls": ""}
         look["marker"] = "o" if path.way == "there" else "s"
         axes[0].plot(path.t_s, path.way_m, label=name, **look)
         axes[0].plot(path.law_t_s, path.law_m, color="black", lw=0.8)
