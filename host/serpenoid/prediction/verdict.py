@@ -88,17 +88,15 @@ class Predicted:
         centre = self.joints_m_s.mean(axis=0)
         spread = np.cov(self.joints_m_s.T).reshape(len(centre), len(centre))
         shares = self._shares
-        several = len(np.unique(shares, axis=0)) > 1
+        several = bool(np.ptp(shares, axis=0).any())
         if not several:
             shares = shares[:1]
         noise = np.diag(self.sigma_m_s**2 + (several * SPACING * centre) ** 2)
         each = shares[:, :, None] * spread * shares[:, None, :] + noise
         root = np.linalg.cholesky(np.linalg.inv(each))
         log_volume = np.linalg.slogdet(each)[1]
-        log = np.empty((len(speeds), len(shares)))
-        for k, (share, inverse) in enumerate(zip(shares, root, strict=True)):
-            off = (speeds - share * centre) @ inverse
-            log[:, k] = -0.5 * (np.sum(off**2, axis=1) + log_volume[k])
+        off = (speeds - (shares * centre)[:, None]) @ root  # (slopes, K, gaits)
+        log = -0.5 * (np.sum(off**2, axis=2).T + log_volume)
         if own is not None and several:
             servos = len(self.servo_shares)
             same = np.arange(len(shares))[None] % servos == own[:, None] % servos
