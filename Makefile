@@ -46,7 +46,7 @@ quick-tests:
 test-slow: $(VENV)/built $(VENV)/dev
 	@sh .ci/need chromium=chromium chromedriver=chromium-driver em++=emscripten node=nodejs \
 		$$(cat tests/avr/packages.txt) || echo "what needs these is skipped"
-	@sh .ci/need $$(cat tests/portable/packages.txt) || echo "other compilers are skipped"
+	@sh .ci/need $$(cat tests/core/packages.txt) || echo "other compilers are skipped"
 	$(PYTEST) -m slow
 
 build: $(VENV)/built

@@ -14,8 +14,8 @@ constexpr double kLeastTolerance = 1e-10;  // below it that speed is rounding
 constexpr double kOverBound =
     1e-6;  // of its bound: by how much the force exceeds it at the end of rest
 constexpr double kBackwards = 0.1;  // of at_rest: backward speed of a wheel at the end of its slide
-constexpr double kRounding = 1e-12;  // of its bound, in the sum of all forces on a contact
-constexpr double kCreep = 100;       // times at_rest: largest speed of a wheel that rests
+constexpr double kForceRounding = 1e-12;  // of its bound, in the sum of all forces on a contact
+constexpr double kCreep = 100;            // times at_rest: largest speed of a wheel that rests
 constexpr double kOvershot = 1e3;  // times at_rest: largest speed of a wheel just after it reversed
 }  // namespace
 
@@ -232,7 +232,7 @@ bool Sticking::others_hold() {
     std::vector<double> within = share_;
     box_.minimise(response_, pull_, within);
     for (std::size_t i = 0; i < k; ++i)
-        if (excess(within, i) > kRounding) return false;
+        if (excess(within, i) > kForceRounding) return false;
     share_ = within;
     return true;
 }

@@ -1,0 +1,60 @@
+"""The core's own tests by ctest: as it is shipped, under sanitizers, by other compilers."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+CORE = Path(__file__).parents[2] / "host" / "core"
+WINE, DOCTEST = "/usr/lib/wine/wine64", "/usr/include/doctest/doctest.h"
+# Name -> (options of CMake, what has to be installed).
+BUILDS = {
+    "shipped": (["-DCMAKE_BUILD_TYPE=Release"], []),
+    "sanitizers": (
+        [
+            "-DCMAKE_BUILD_TYPE=Debug",
+            "-DCMAKE_CXX_FLAGS=-O1 -fsanitize=address,undefined -fno-sanitize-recover=all",
+        ],
+        [],
+    ),
+    "clang": (
+        ["-DCMAKE_CXX_COMPILER=clang++", "-DCMAKE_CXX_FLAGS=-O1 -stdlib=libc++ -pedantic-errors"],
+        ["clang++", "/usr/share/doc/libc++-dev", "/usr/share/doc/libc++abi-dev"],
+    ),
+    # As on Windows, where MSVC has no vectors.
+    "windows": (
+        [
+            "-DCMAKE_SYSTEM_NAME=Windows",
+            "-DCMAKE_CXX_COMPILER=x86_64-w64-mingw32-g++-posix",
+            "-DCMAKE_CXX_FLAGS=-O1 -DSERPENOID_PLAIN_PACKS",
+            "-DCMAKE_EXE_LINKER_FLAGS=-static",
+            f"-DCMAKE_CROSSCOMPILING_EMULATOR={WINE}",
+        ],
+        ["x86_64-w64-mingw32-g++-posix", WINE],
+    ),
+}
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.mark.parametrize("build", BUILDS)
+def test_the_core_passes_its_own_tests(build: str, tmp_path: Path) -> None:
+    options, needed = BUILDS[build]
+    needed = ["cmake", "ctest", DOCTEST, *needed]
+    if absent := [p for p in needed if not (shutil.which(p) or Path(p).exists())]:
+        pytest.skip(f"needs {' and '.join(absent)}; see tests/core/packages.txt")
+    wine = {"WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "wine")}
+    for command in (
+        ["cmake", "-S", str(CORE), "-B", str(tmp_path), *options],
+        ["cmake", "--build", str(tmp_path), "--parallel", str(os.cpu_count())],
+        ["ctest", "--test-dir", str(tmp_path), "--output-on-failure"],
+    ):
+        done = subprocess.run(
+            command, capture_output=True, text=True, check=False, env=os.environ | wine
+        )
+        assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
+        assert "warning:" not in done.stderr
