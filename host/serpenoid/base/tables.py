@@ -1,16 +1,16 @@
 """Tables of numbers that other programs exported as text: separators, decimals, names of columns.
 
 Cells are parted by tabs, semicolons, commas or spaces, whichever parts the names of the columns.
-Decimals have a point or a comma. A byte-order mark and the line `sep=;` of spreadsheets are
-skipped. UTF-16 with its mark is read; what is not UTF-8 is read as Windows-1252, since numbers are
-the same in it. Lines above the names of the columns, such as a title, are no part of the table.
+Decimals have a point or a comma. A byte-order mark is skipped. UTF-16 with its mark is read; what
+is not UTF-8 is read as Windows-1252, since numbers are the same in it. Lines above the names of the
+columns, such as a title or the line `sep=;` of spreadsheets, are no part of the table.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
@@ -53,16 +53,13 @@ Found = TypeVar("Found")
 class TextTable:
     """Hold the cells of a table, stripped and without quotes.
 
-    path, text: of the file. head: names of the columns. head_line: which line they are, from 1.
-    above: the cells of the line above them. rows: number of its line and cells, for each line
-    below; a blank line has no cells. thousands: the mark between thousands, or "".
+    path, text: of the file. head: names of the columns. rows: number of its line and cells, for
+    each line below; a blank line has no cells. thousands: the mark between thousands, or "".
     """
 
     path: Path
     text: str
     head: list[str]
-    head_line: int
-    above: list[str]
     rows: list[tuple[int, list[str]]]
     thousands: str
 
@@ -115,11 +112,8 @@ def read_table(
     check_text_file(path)
     text = _decoded(path)
     lines = text.split("\n")
-    separators: Sequence[str] = SEPARATORS
-    if declared := re.fullmatch(r'\ufeff?"?sep=(.)"?', lines[0].strip(" ")):
-        separators, lines = (declared[1],), ["", *lines[1:]]
     for number, line in enumerate(lines[:HEAD_LINES]):
-        for separator in separators:
+        for separator in SEPARATORS:
             cells = _cells(line, separator)
             found = find(cells) if cells else None
             if found is not None:
@@ -214,5 +208,4 @@ def _table(path: Path, text: str, lines: list[str], head: int, separator: str) -
         rows.append((number, cells))
     if len(marks) > 1:
         raise BadInput(f"{path}: numbers as 1,234.5 and as 1.234,5 in one file; write all alike")
-    above = _cells(lines[head - 1], separator) if head else []
-    return TextTable(path, text, names, head + 1, above, rows, next(iter(marks), ""))
+    return TextTable(path, text, names, rows, next(iter(marks), ""))
