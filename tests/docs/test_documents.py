@@ -97,8 +97,8 @@ def folder(tmp_path_factory) -> Path:
 def _push_along_floor(made: Path) -> None:
     """Take a session of pushes and filmed crawls, by the plan, in the lab."""
     filmed = CASES[0]
-    setup, planned = floor_setup(filmed), default_setup("a floor").procedure.gaits
-    create_session(made, replace(setup, procedure=replace(setup.procedure, gaits=planned)))
+    setup, planned = floor_setup(filmed), default_setup("a floor").plan.gaits
+    create_session(made, replace(setup, plan=replace(setup.plan, gaits=planned)))
     with Journal(made) as journal:
         take_all(journal, drawn_person(filmed, np.random.default_rng(1)))
 
