@@ -70,8 +70,7 @@ figures: $(VENV)/built
 	$(VENV)/bin/python docs/figures.py
 
 bench: $(VENV)/built
-	$(VENV)/bin/serpenoid bench accuracy --out bench-out
-	$(VENV)/bin/serpenoid bench scenes --out bench-out
+	$(VENV)/bin/serpenoid bench --out bench-out
 
 wheel: $(VENV)/built $(VENV)/dev
 	.ci/wheel

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from collections.abc import Callable
@@ -14,11 +13,10 @@ import film_pictures
 import robot_drawing
 import serpenoid as sn
 import wiring_diagram
-from serpenoid.bench.accuracy.figure import accuracy_figure
-from serpenoid.bench.accuracy.measure import Row
-from serpenoid.bench.rows import read_rows
-from serpenoid.bench.stability.figure import stability_figure
-from serpenoid.bench.stability.map import Cell
+from serpenoid.base.files import csv_rows, read_text
+from serpenoid.bench.stability_map import Cell, stability_figure
+from serpenoid.bench.work_precision import read_rows
+from serpenoid.bench.work_precision_figure import work_precision_figure
 from serpenoid.prediction.curve import speed_curves
 from serpenoid.prediction.predict import one_cycle
 from serpenoid.servos.catalogue import HOBBY
@@ -53,15 +51,16 @@ def run(path: Path) -> None:
 
 
 def accuracy(path: Path) -> None:
-    """Draw the measurement that stands in accuracy.csv; `serpenoid bench accuracy` measures."""
-    found = json.loads((STORED / "accuracy.json").read_text())
-    where = f"{found['cpu']}, {found['compiler']}, one core"
-    accuracy_figure(read_rows(STORED / "accuracy.csv", Row), path, where)
+    """Draw the measurement that stands in accuracy.csv; `serpenoid bench` measures."""
+    rows, machine = read_rows(STORED / "accuracy.csv")
+    work_precision_figure(rows, path, machine)
 
 
 def stability(path: Path) -> None:
-    """Draw the maps that stand in stability.csv; `serpenoid bench stability` measures."""
-    stability_figure(read_rows(STORED / "stability.csv", Cell), path)
+    """Draw the map that stands in stability.csv; `serpenoid bench` measures."""
+    _, *lines = csv_rows(read_text(STORED / "stability.csv"))
+    cells = [Cell(line[0], *map(float, line[1:8])) for line in lines]  # type: ignore[arg-type]
+    stability_figure(cells, path)
 
 
 FIGURES: dict[str, Callable[[Path], None]] = {

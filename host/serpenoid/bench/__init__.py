@@ -1,1 +1,1 @@
-"""Benchmarks: error against run time, stability, and what a scene costs; SciPy is the one peer."""
+"""Benchmarks: error against run time beside SciPy, stability, and what each term costs."""

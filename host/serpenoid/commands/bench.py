@@ -1,81 +1,82 @@
-"""The commands of `serpenoid bench`."""
+"""The command `serpenoid bench`: error against run time, stability, and what a scene costs."""
 
 from __future__ import annotations
 
+import dataclasses
+from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..show.screen import say
-from .declare import EXISTING, directory, flag, option
-from .group import Commands
+from .declare import Command, directory, flag, option
 
-OUT = option("--out", "Folder for figures and numbers.", type=directory, default=Path("bench-out"))
-
-
-@click.group(name="bench", cls=Commands)
-def BENCH_GROUP() -> None:
-    """Measure error against run time beside SciPy's solvers, and stability."""
+if TYPE_CHECKING:
+    from ..bench.extremes import Outcome
+    from ..bench.stability_map import Cell
 
 
 def _tell(text: str) -> None:
     say(text, err=True)
 
 
-@BENCH_GROUP.command()
-@OUT
-@flag("--quick", "Three scenes, three rounds: less than a minute.")
-@option("--page", "A Markdown page whose table between the markers is renewed.", type=EXISTING)
-def accuracy(out: Path, quick: bool, page: Path | None) -> None:
-    """Draw error against run time of every method and SciPy's: accuracy.png, .csv and .json."""
-    from ..bench.accuracy.equal_error import headline, table
-    from ..bench.accuracy.figure import write_all
-    from ..bench.accuracy.measure import NOT_TRIED, QUICK, Effort, run
-    from ..bench.rows import renew_table
+@click.command(cls=Command)
+@option("--out", "Folder for figures and numbers.", type=directory, default=Path("bench-out"))
+@flag("--quick", "Three scenes and a coarse map, in a quarter of a minute; else four minutes.")
+def bench(out: Path, quick: bool) -> None:
+    """Measure every method beside SciPy: error against run time, stability, and costs.
 
-    rows = run(QUICK if quick else Effort(), _tell)
-    write_all(rows, out)
-    if page:
-        renew_table(page, "accuracy", table(rows))
-    failed = [row for row in rows if row.error is None]
-    for row in failed:  # all stand in the files; here those that were tried
-        if row.note.startswith(NOT_TRIED):
-            continue
-        say(f"failed: {row.scene}, {row.method}, {row.kind} {row.setting:g}: {row.note}")
-    say(f"\n{table(rows)}\n")
-    for line in headline(rows):
-        if "ratio" in line:
-            say("{scene} at {error:g}: {ours} {ratio:.3g} times as fast as {peer}".format(**line))
-    say(f"{len(rows)} rows, {len(failed)} without a result; in {out}")
+    Exit status 1 where a run hangs, has a NaN or is silently wrong.
+    """
+    from ..base.files import write_csv
+    from ..bench import extremes, scenes, stability_map, work_precision
+    from ..bench.work_precision_figure import work_precision_figure
 
+    def save(name: str, rows: Sequence[Any]) -> None:
+        header = [field.name for field in dataclasses.fields(rows[0])]
+        write_csv(out / name, header, [list(dataclasses.astuple(row)) for row in rows])
 
-@BENCH_GROUP.command()
-@OUT
-@flag("--quick", "A coarse map, no long chains: less than a minute.")
-def stability(out: Path, quick: bool) -> None:
-    """Map where each fixed step is stable, and try extreme scenes; exit status 1 on a defect."""
-    from ..bench.stability.figure import defects, measure_and_write, summary
+    out.mkdir(parents=True, exist_ok=True)
+    _tell("what each term of a scene costs ...")
+    costs = list(scenes.measure(quick))
+    save("costs.csv", costs)
+    rows = list(work_precision.measure(quick, _tell))
+    work_precision.write_rows(out / "accuracy.csv", rows)
+    work_precision_figure(rows, out / "accuracy.png", work_precision.machine())
+    grid = stability_map.QUICK if quick else stability_map.FULL
+    cells = list(stability_map.measure(grid, _tell))
+    save("stability.csv", cells)
+    stability_map.stability_figure(cells, out / "stability.png")
+    outcomes = list(extremes.measure(quick, _tell))
+    save("extremes.csv", outcomes)
 
-    measured = measure_and_write(out, quick, _tell)
-    for line in summary(*measured):
-        say(line)
-    wrong = defects(*measured)
-    for line in wrong:
-        say(f"DEFECT: {line}")
-    say(f"\n{len(wrong)} defects; maps and tables in {out}")
-    if wrong:
+    say(f"Milliseconds a simulated second at an error of 1e-6:\n\n{work_precision.table(rows)}\n")
+    say("Time of a Runge-Kutta step, 6 links, and its ratio to the plain scene:")
+    for one in costs:
+        say(f"{one.formulation:10}{one.scene:28}{one.step_us:7.2f} us{one.ratio:7.2f}")
+    for method in dict.fromkeys(cell.method for cell in cells):
+        words = Counter(stability_map.WORDS[cell.kind] for cell in cells if cell.method == method)
+        say(f"\n{method}: " + ", ".join(f"{count} {word}" for word, count in words.items()))
+    say("\nExtreme scenes: " + ", ".join(f"{n} {w}" for w, n in _outcomes(outcomes).items()))
+    defects = count_defects(cells, outcomes)
+    say("Defects: " + ", ".join(f"{word} {count}" for word, count in defects.items()))
+    say(f"Figures and numbers are in {out}")
+    if any(defects.values()):
         raise SystemExit(1)
 
 
-@BENCH_GROUP.command()
-@OUT
-def scenes(out: Path) -> None:
-    """Count instructions per step of ever richer scenes."""
-    from ..bench.scenes import run
+def _outcomes(outcomes: Sequence[Outcome]) -> Counter[str]:
+    return Counter(one.outcome for one in outcomes)
 
-    rungs = run(out, _tell)
-    say("instructions per RK4 step, six links (callgrind)")
-    for r in rungs:
-        counts = f"{r.instructions_per_step:10.0f}{r.ratio_to_plain:8.2f}"
-        say(f"{r.formulation:10}{r.rung:30}{counts}")
-    say(f"written to {out / 'scenes.csv'}; the last column is relative to the plain scene")
+
+def count_defects(cells: Sequence[Cell], outcomes: Sequence[Outcome]) -> dict[str, int]:
+    """Return how many cells and extreme scenes show each defect: all must be 0."""
+    from ..bench.extremes import DEFECTS
+
+    found = _outcomes(outcomes)
+    counts = {word: found[word] for word in DEFECTS}
+    counts["SILENTLY WRONG"] += sum(cell.kind == 3 and not cell.note for cell in cells)
+    counts["HANG"] += len({cell.note for cell in cells if cell.note})
+    return counts

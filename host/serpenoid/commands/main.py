@@ -16,7 +16,7 @@ import click
 from ..base import system
 from ..base.errors import BadInput, SerpenoidError
 from ..show.screen import say
-from .bench import BENCH_GROUP
+from .bench import bench
 from .board.drive import drive
 from .board.tools import doctor, flash, monitor, ports, trim
 from .declare import command, directory, option
@@ -54,7 +54,7 @@ SECTIONS = {
     "Measure a servo": (servo,),
     "Film the robot": (VIDEO_GROUP,),
     "Run the robot": (ports, flash, doctor, trim, drive, monitor),
-    "For researchers": (BENCH_GROUP, figures),
+    "For researchers": (bench, figures),
 }
 
 

@@ -43,8 +43,9 @@ class Difference:
 
     def times(self, factor: float) -> Difference:
         """Return all differences times a factor."""
-        energy = self.energy_j and {name: factor * j for name, j in self.energy_j.items()}
-        return Difference(*(factor * v for v in list(asdict(self).values())[:3]), energy)
+        place, angle, speed = self.position_m, self.angle_rad, self.mean_speed
+        energy = {name: factor * j for name, j in (self.energy_j or {}).items()} or None
+        return Difference(factor * place, factor * angle, factor * speed, energy)
 
 
 @dataclass(frozen=True, slots=True)

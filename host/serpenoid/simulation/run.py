@@ -232,10 +232,10 @@ def difference(run: Run, other: Run) -> Difference:
     _, a, b = np.intersect1d(run.t_s, other.t_s, return_indices=True)
     position = np.hypot(run.x_m[a] - other.x_m[b], run.y_m[a] - other.y_m[b])
     angle = np.abs(run.theta_rad[a] - other.theta_rad[b])
-    energy = None
+    energy: dict[str, float] | None = None
     if run.energy_j.size and other.energy_j.size:
         largest = np.abs(run.energy_j[a] - other.energy_j[b]).max(axis=0)
-        energy = dict(zip(ENERGY_COLUMNS, largest.tolist(), strict=True))
+        energy = {n: float(j) for n, j in zip(ENERGY_COLUMNS, largest, strict=True)}
     speed = math.inf
     if not _rests(other):
         speed = run.travel_m / other.travel_m - 1
@@ -265,7 +265,8 @@ def _estimate(run: Run) -> RunError:
     finer = finer_scene(scene)
     setting = "tolerance" if scene.adaptive else "dt_s"
     how = f"integration: {SAFETY:g} times the difference to a run at {setting} "
-    error = RunError(Difference(*[math.inf] * 3), None, "no finer run comes to its end", False)
+    unknown = Difference(math.inf, math.inf, math.inf)
+    error = RunError(unknown, None, "no finer run comes to its end", False)
     with suppress(Diverged, StepTooLarge):
         beside = Run.of(finer, start)
         off, settled = difference(run, beside), True

@@ -74,6 +74,7 @@ def simulate(
 def _accurate_run(scene: Scene, accuracy: float, progress: Progress | None) -> Run:
     """Return a run whose estimated error is at most the accuracy; or raise NotConverged."""
     start, (tried, why) = start_state(scene), _first_try(scene, accuracy)
+    worst, reason = math.inf, "ask for less, or a shorter run"
     for _ in range(MAX_TRIES):
         setting = f"tolerance {tried.tolerance:g}" if tried.adaptive else f"dt_s {tried.dt_s:g}"
         picked = f"formulation {tried.formulation!r}, method {tried.method!r}, {setting}: {why}"
@@ -90,7 +91,6 @@ def _accurate_run(scene: Scene, accuracy: float, progress: Progress | None) -> R
                 f"formulation 'explicit', or joint_stiffness_n_m {wanted:.1g}"
             )
             break
-        reason = "ask for less, or a shorter run"
         if not error.settled:
             reason = f"finer runs do not agree; believe it up to t = {error.believed_s:.3g} s"
         try:

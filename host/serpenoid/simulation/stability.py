@@ -103,17 +103,17 @@ def _motor_line(servo: Servo, gait: Gait) -> float:
     return servo.torque_limit_nm / servo.speed_limit_rad_s
 
 
-def _step(method: str, stiff: Array, damped: Array) -> Array:
+def _step(method: str, stiff: Array, damped: Array, braked: Array) -> Array:
     """Return what a step makes of (x, h v) of each mode, as matrices; h v before it counts, too.
 
-    stiff, damped: of each mode, times h^2 and h. The dampers of "paper" act on the v of the step
-    before; else the last of y is v.
+    stiff, damped, braked: of each mode, times h^2, h and h. The dampers of "paper" act on the v of
+    the step before; else the last of y is v.
     """
     size = 3 if method == "paper" else 2
     unit = np.broadcast_to(np.eye(size)[:, None], (size, stiff.size, size))
 
     def force(y: Array) -> Array:
-        return -(stiff[:, None] * y[0] + damped[:, None] * y[-1])
+        return -(stiff[:, None] * y[0] + damped[:, None] * y[-1] + braked[:, None] * y[1])
 
     def kick(y: Array, part: float) -> Array:
         v = y[1] + part * force(y)
@@ -136,13 +136,14 @@ def friction_rate(scene: Scene) -> float:
     return max(ground.ct_forward, ground.ct_backward, ground.cn) / scene.robot.link_mass_kg
 
 
-def modes(scene: Scene) -> tuple[Array, Array]:
-    """Return stiff (1/s^2) and damped (1/s) of the scene's modes s^2 + damped s + stiff = 0.
+def _modes(scene: Scene) -> tuple[Array, Array, Array]:
+    """Return stiff (1/s^2), damped and braked (1/s) of the modes x'' + (d + b) x' + s x = 0.
 
-    Springs of the implicit joints, servos, and friction (stiff = 0).
+    Springs of the implicit joints, servos, and friction (stiff = 0). Friction brakes every mode
+    besides, by up to its fastest rate.
     """
     friction = 0.0 if scene.method == "nonsmooth" else friction_rate(scene)  # 0: implicit there
-    stiff, damped = [np.zeros(1)], [np.array([friction])]
+    stiff, damped = [np.zeros(1)], [np.zeros(1)]
     if scene.formulation == "implicit":
         imposed = scene.drive == "angle" and not scene.limp
         mu = np.linspace(*_joint_modes(scene.robot, scene.gait, imposed), 64)
@@ -158,7 +159,8 @@ def modes(scene: Scene) -> tuple[Array, Array]:
             (scene.servo.damping_nms_rad + gear) * nu,
             (_motor_line(scene.servo, scene.gait) + gear) * nu,
         ]
-    return np.concatenate(stiff), np.concatenate(damped)
+    braked = np.repeat([0.0, friction], sum(map(len, stiff)))
+    return np.concatenate(stiff * 2), np.concatenate(damped * 2), braked
 
 
 def _inside_unit_circle(matrices: Array) -> bool:
@@ -184,12 +186,13 @@ def _stability_test(scene: Scene) -> Callable[[float], bool] | None:
     """
     if scene.adaptive:
         return None
-    stiff, damped = modes(scene)
+    stiff, damped, braked = _modes(scene)
 
     def stable(dt_s: float) -> bool:
         steps_s = dt_s * _SHORTER[:, None]
         with np.errstate(all="ignore"):
-            matrices = _step(scene.method, (stiff * steps_s**2).ravel(), (damped * steps_s).ravel())
+            numbers = stiff * steps_s**2, damped * steps_s, braked * steps_s
+            matrices = _step(scene.method, *(number.ravel() for number in numbers))
             return _inside_unit_circle(matrices)
 
     return stable

@@ -1,4 +1,4 @@
-"""The accuracy benchmark's parts: limits, truth, times at equal error, files, the table."""
+"""The benchmark: limits of time, truth, times at equal error, files, defects that are counted."""
 
 from __future__ import annotations
 
@@ -7,19 +7,16 @@ import os
 import signal
 import threading
 import time
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import serpenoid as sn
-from refusals import refused
-from serpenoid.bench.accuracy import equal_error
-from serpenoid.bench.accuracy import measure as accuracy
-from serpenoid.bench.accuracy.equal_error import table
-from serpenoid.bench.accuracy.measure import Effort, Row
+from serpenoid.bench import extremes, scenes
 from serpenoid.bench.child_process import Crashed, Failed, Limited, Overran
 from serpenoid.bench.problems import problems, reference
-from serpenoid.bench.rows import read_rows, renew_table, write_rows
+from serpenoid.bench.stability_map import Cell
+from serpenoid.bench.work_precision import Row, contenders, read_rows, table, write_rows
+from serpenoid.commands.bench import count_defects
 
 ROOT = Path(__file__).parents[3]
 PROBLEMS = {p.name: p for p in problems()}
@@ -61,17 +58,42 @@ def test_a_child_leaves_ctrl_c_to_who_started_it_and_starts_in_any_thread() -> N
     assert signal.getsignal(signal.SIGINT) is before
 
 
-def test_ratios_are_of_the_best_on_either_side() -> None:
+def test_the_table_has_times_at_equal_error_and_the_ratio_of_the_best() -> None:
     def row(method: str, time_s: float) -> Row:
-        return Row("paper6", method, "", "dt_s", 1.0, 1e-7, time_s, simulated_s=10.0)
+        return Row("paper6", method, "dt_s", 1.0, 1e-7, time_s)
 
-    times = {"serpenoid rk4": 3.0, "serpenoid x": 1.0, "SciPy A": 4.0, "SciPy B": 2.0}
+    times = {"rk4": 3.0, "dop853": 1.0, "SciPy A": 4.0, "SciPy B": 2.0}
     rows = [row(method, time_s) for method, time_s in times.items()]
-    rows.append(Row("paper6", "serpenoid y", "", "dt_s", 1.0, note="no"))
-    line = next(x for x in equal_error.headline(rows) if x["error"] == 1e-6)
-    assert (line["ours"], line["peer"], line["ratio"]) == ("serpenoid x", "SciPy B", 2.0)
-    assert "| serpenoid x | 100 |" in equal_error.table(rows)
-    assert "serpenoid y" not in equal_error.table(rows)
+    rows.append(Row("paper6", "radau", "dt_s", 1.0, note="no"))
+    lines = table(rows).splitlines()
+    assert "| dop853 | 1000 |" in lines
+    assert "| radau | – |" in lines
+    assert lines[-1].endswith("| **2** |")
+
+
+def test_rows_come_back_from_their_file(tmp_path: Path) -> None:
+    rows = [
+        Row("paper3", "rk4", "dt_s", 1e-2, 1e-5, 1e-4),
+        Row("n50", "rk4", "dt_s", 1.0, note="x"),
+    ]
+    write_rows(tmp_path / "a.csv", rows)
+    again, machine = read_rows(tmp_path / "a.csv")
+    assert again[0] == rows[0]
+    assert again[1].note == "x"
+    assert math.isnan(again[1].error)
+    assert "one core" in machine
+
+
+def test_the_table_of_the_documentation_is_that_of_the_kept_measurement() -> None:
+    rows, _ = read_rows(ROOT / "host/docs/accuracy.csv")
+    assert table(rows) in (ROOT / "docs/benchmarks.md").read_text()
+
+
+def test_order_four_is_seen_and_what_is_refused_is_noted() -> None:
+    problem = PROBLEMS["paper3"]
+    rk4 = next(one for one in contenders(problem) if one.name == "rk4")
+    errors = [problem.error(rk4.work(dt)(), reference(problem).end) for dt in (1e-2, 3e-3)]
+    assert errors[0] / errors[1] > 30  # 123
 
 
 @pytest.mark.parametrize(
@@ -87,32 +109,35 @@ def test_kept_end_states_are_those_of_the_core(name: str) -> None:
     assert reference(problem).known_to < 1e-9
 
 
-def test_a_reference_of_another_problem_is_refused() -> None:
-    problem = PROBLEMS["paper3"]
-    changed = replace(problem, duration_s=11.0)
-    with refused("another problem"):
-        reference(changed)
+def test_extreme_scenes_meet_their_error_or_say_no() -> None:
+    names = "cn/ct = 1e6", "mass 1e-6 kg", "hard stick", "k = 2.2e6, c = 1 at 1 ms"
+    words = {}
+    for extreme in extremes.extremes():
+        if extreme.problem.name not in names:
+            continue
+        kept = extreme.problem.name == "hard stick"
+        exact = reference(extreme.problem).end if kept else None
+        for method in ("rk4", "nonsmooth"):
+            try:
+                word = extremes.outcome_of(extreme, method, exact).outcome
+            except sn.SerpenoidError as error:
+                word = type(error).__name__
+            words[extreme.problem.name, method] = word
+    assert words["k = 2.2e6, c = 1 at 1 ms", "rk4"] == "StepTooLarge"
+    assert words["mass 1e-6 kg", "rk4"] == "StepTooLarge"
+    assert words["hard stick", "nonsmooth"] == "met"
+    assert words["cn/ct = 1e6", "rk4"] == "no reference"
 
 
-@pytest.mark.slow
-def test_a_measured_scene_to_files_and_back(tmp_path: Path) -> None:
-    effort = Effort(("paper3",), rounds=1, limit_s=1.0, budget_s=1.0)
-    rows = accuracy.run(effort, lambda _: None)
-    rk4 = [row for row in rows if row.method == "serpenoid rk4" and row.error is not None]
-    assert len(rk4) >= 2
-    assert rk4[0].error / rk4[1].error > 30  # order four between 10 ms and 3 ms: 123
-    assert all(row.note for row in rows if row.error is None)
-    write_rows(tmp_path / "a.csv", rows, {"cpu": "any"})
-    assert read_rows(tmp_path / "a.csv", Row) == rows
-    assert (tmp_path / "a.csv").read_text().splitlines()[0].endswith(",note,cpu")
+def test_what_must_not_be_is_counted() -> None:
+    usual = ("rk4", 6, 10.0, 1.0, 1e3, 1e-3)
+    cells = [Cell(*usual, 1.0, 1.0), Cell(*usual, math.inf, 1.0), Cell(*usual, math.nan, 1.0, "x")]
+    outcomes = [extremes.Outcome("a", "rk4", word) for word in ("met", "NaN", "HANG")]
+    counts = count_defects(cells, outcomes)
+    assert counts == {"HANG": 2, "NaN": 1, "SILENTLY WRONG": 1, "CRASH": 0}
 
 
-def test_the_table_of_the_documentation_is_that_of_the_kept_measurement(tmp_path: Path) -> None:
-    page = ROOT / "docs" / "benchmarks.md"
-    copy = tmp_path / "page.md"
-    copy.write_text(page.read_text())
-    renew_table(copy, "accuracy", table(read_rows(ROOT / "host/docs/accuracy.csv", Row)))
-    assert copy.read_text() == page.read_text()
-    copy.write_text("no markers")
-    with refused("once each"):
-        renew_table(copy, "accuracy", "")
+@pytest.mark.parametrize("formulation", scenes.FORMULATIONS)
+def test_each_term_of_a_scene_runs(formulation: str) -> None:
+    for scene in scenes.variants(formulation, 10).values():
+        assert sn.simulate(scene).steps == 10

@@ -19,7 +19,7 @@ LONG = f"simulate --robot paper {GAIT} --duration-s 1e6 --no-error"  # would tak
         (f"{LONG} --out file/run.csv", "'file' is a file"),
         (f"{LONG} --save-scene scene.json", "must end in .toml"),
         ("sweep --out absent/sweep.csv", "is not there"),
-        ("bench accuracy --out file", "file exists"),
+        ("bench --out file", "file exists"),
         ("demo --out file/deeper", "not a directory"),
         ("demo --out ''", "a name is empty"),
         ("sweep --out=", "a name is empty behind --out="),

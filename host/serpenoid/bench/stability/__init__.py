@@ -1,1 +1,0 @@
-"""Which steps are stable, and what extreme scenes do to every method."""

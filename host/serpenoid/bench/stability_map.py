@@ -1,0 +1,215 @@
+"""Where each fixed step is stable: measured growth beside the rule that refuses it beforehand.
+
+A cell (method, links, friction, c, k, dt) runs the paper's bent snake twice, past the check that
+would refuse it, from starts that differ by a nanometre in the gaps. What the difference does from
+the second quarter of the steps to the last is measured: no accuracy is asked, only whether an error
+grows. A run that stays finite and bounded while it is metres off is unstable by this.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+
+from .. import _core
+from ..model.gait import Gait
+from ..model.ground import Ground
+from ..model.link_state import LinkState
+from ..model.robot import Robot
+from ..show.plot import figure, heading
+from ..simulation.core_run import core_request
+from ..simulation.methods import METHODS
+from ..simulation.scene import Scene
+from ..simulation.stability import largest_stable_step_s
+from ..simulation.starts import start_state
+from .child_process import Crashed, Failed, Limited, Overran
+from .problems import Array
+
+NUDGE_M = 1e-9
+UNSTABLE_GROWTH = 10.0  # over the second half of the steps: 0.4 % a step of 1200
+SAMPLES = 20
+TORN_LENGTHS = 0.1  # of a link: a joint that opens so far, and 30 times as far as at the start
+FAR_M = 1e-4  # a difference that has come this far from NUDGE_M has grown, however it goes on
+WORDS = ("stable, runs", "unstable, refused", "refused, no growth seen", "SILENTLY WRONG")
+COLOURS = ("#9ecae1", "#f4a582", "#fde0b8", "#b2182b")  # of WORDS
+LIMIT_S = 30.0  # of processor time, for a line of cells over dt
+Line = tuple[str, int, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """Hold the points of a map: n links, cn N s/m, c N s/m, k N/m, dt s, and steps of each run."""
+
+    links: tuple[int, ...]
+    friction: tuple[float, ...]
+    damping: tuple[float, ...]
+    stiffness: tuple[float, ...]
+    dt_s: tuple[float, ...]
+    steps: int
+
+
+def _decades(low: int, high: int, per_decade: int) -> tuple[float, ...]:
+    return tuple(np.logspace(low, high, (high - low) * per_decade + 1).tolist())
+
+
+FULL = Grid(
+    (2, 6, 50), (10.0, 1e4), (0.0, 1.0, 1e3, 1e5), _decades(2, 9, 2), _decades(-5, -1, 3), 1200
+)
+QUICK = Grid((6,), (10.0, 1e4), (0.0, 1e3), _decades(2, 8, 1), _decades(-5, -1, 2), 600)
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """Hold one cell: growth of a difference over half the steps, and what the rule says.
+
+    growth: inf where the run left the finite numbers or went far, nan where there is no answer;
+    note says why. limit_s: the longest stable step by the rule.
+    """
+
+    method: str
+    links: int
+    friction_n_s_m: float
+    damping_n_s_m: float
+    stiffness_n_m: float
+    dt_s: float
+    growth: float
+    limit_s: float
+    note: str = ""
+
+    @property
+    def kind(self) -> int:
+        """Return which of WORDS the cell is."""
+        refused, grows = self.dt_s > self.limit_s, not self.growth <= UNSTABLE_GROWTH
+        return (0, 3, 2, 1)[2 * refused + grows]
+
+
+def fixed_step_methods() -> list[str]:
+    """Return the methods that take fixed steps in the implicit formulation."""
+    return [
+        name
+        for name, kind in METHODS.items()
+        if "implicit" in kind.formulations and "implicit" not in kind.adaptive
+    ]
+
+
+def scene_of(method: str, links: int, friction: float, damping: float, stiffness: float) -> Scene:
+    """Return the paper's scene with other numbers, its gait all but stopped, at rest.
+
+    A moving gait pumps soft springs without dampers: their growth is the model's, not the method's.
+    """
+    beta = min(math.radians(80), 4 * math.pi / links)
+    return Scene(
+        Robot(links, 1.0, 0.12),
+        Ground(ct=0.1, cn=friction),
+        Gait(math.radians(30), beta, 1e-3),
+        formulation="implicit",
+        joint_stiffness_n_m=stiffness,
+        joint_damping_n_s_m=damping,
+        method=method,
+        record_every=1,
+        gap="zero",
+    )
+
+
+def _gaps(scene: Scene, start: LinkState, steps: int) -> Array | None:
+    """Run the core past the check of the step; return gaps (T, n-1, 2), None if it diverged."""
+    request = core_request(scene)
+    request.duration_s, request.steps = steps * scene.dt_s, steps
+    request.every = steps // SAMPLES
+    run, half = _core.run(request, start.packed(), None), scene.robot.link_length_m / 2
+    if run["failed_at"] >= 0:
+        return None
+    turned = (("x_m", np.cos(run["theta_rad"])), ("y_m", np.sin(run["theta_rad"])))
+    gaps = [np.diff(run[name], axis=1) - half * (t[:, 1:] + t[:, :-1]) for name, t in turned]
+    return np.stack(gaps, axis=2)
+
+
+def growth(scene: Scene, steps: int) -> float:
+    """Return by what a difference of two runs grows from the second quarter to the last.
+
+    inf when it or the gaps themselves came far at any sample: two runs that are both metres off may
+    well agree in the end.
+    """
+    start, rng = start_state(scene), np.random.default_rng(1)
+    nudged = start.packed()
+    nudged[: 2 * scene.robot.links] += NUDGE_M * rng.normal(size=2 * scene.robot.links)
+    one = _gaps(scene, start, steps)
+    other = _gaps(scene, LinkState(*nudged.reshape(6, -1)), steps)
+    if one is None or other is None:
+        return math.inf
+    apart, open_m = np.abs(other - one).max(axis=(1, 2)), np.abs(one).max(axis=(1, 2))
+    torn = open_m.max() > max(TORN_LENGTHS * scene.robot.link_length_m, 30 * open_m[0])
+    if torn or not apart.max() < FAR_M:
+        return math.inf
+    # undamped modes beat: the largest of several samples; and positions are rounded to some 1e-14
+    early, late = apart[SAMPLES // 4 : SAMPLES // 2].max(), apart[-SAMPLES // 4 :].max()
+    return float(late / max(early, 1e-13))
+
+
+def line_of_growth(line: Line, steps_s: Sequence[float], count: int) -> list[float]:
+    """Return the growth at each dt; line: what `scene_of` takes."""
+    scene = scene_of(*line)
+    return [growth(replace(scene, dt_s=dt, duration_s=dt), count) for dt in steps_s]
+
+
+def measure(grid: Grid, tell: Callable[[str], None]) -> Iterator[Cell]:
+    """Yield every cell of a grid for every method of fixed steps."""
+    axes = fixed_step_methods(), grid.links, grid.friction, grid.damping, grid.stiffness
+    with Limited() as child:
+        for line in product(*axes):
+            if line[2:] == (grid.friction[0], grid.damping[0], grid.stiffness[0]):
+                tell(f"map of stability: {line[0]}, {line[1]} links ...")
+            limit_s, note = largest_stable_step_s(scene_of(*line)), ""
+            try:
+                values = child(LIMIT_S, line_of_growth, line, grid.dt_s, grid.steps)
+            except (Overran, Crashed, Failed) as failure:
+                values, note = [math.nan] * len(grid.dt_s), str(failure)
+            for dt_s, value in zip(grid.dt_s, values, strict=True):
+                yield Cell(*line, dt_s, value, limit_s, note)
+
+
+def _edges(values: Sequence[float]) -> Array:
+    logs = np.log10(values)
+    step = logs[1] - logs[0]
+    return 10 ** np.concatenate([[logs[0] - step / 2], logs + step / 2])
+
+
+def stability_figure(cells: Sequence[Cell], path: Path) -> None:
+    """Draw all methods downwards, low and high friction and damping to the right, of 6 links."""
+    from matplotlib.colors import ListedColormap
+    from matplotlib.patches import Patch
+
+    panels: dict[tuple[str, float, float], list[Cell]] = {}
+    for cell in cells:
+        if cell.links == 6 and cell.damping_n_s_m in (0.0, 1e3):
+            row = cell.method, cell.friction_n_s_m, cell.damping_n_s_m
+            panels.setdefault(row, []).append(cell)
+    methods = list(dict.fromkeys(method for method, *_ in panels))
+    columns = len(panels) // len(methods)
+    size = 2.9 * columns + 0.8, 2.0 * len(methods) + 1.3
+    grid = {"rows": len(methods), "squeeze": False, "sharex": True, "sharey": True}
+    with figure(*size, columns, path=path, **grid) as (fig, axes):
+        for ax, ((_, friction, damping), inside) in zip(axes.flat, panels.items(), strict=True):
+            limits = {cell.stiffness_n_m: cell.limit_s for cell in inside}
+            kinds = np.reshape([cell.kind for cell in inside], (len(limits), -1))
+            k, dt = _edges([*limits]), _edges([cell.dt_s for cell in inside[: kinds.shape[1]]])
+            look = {"vmin": -0.5, "vmax": 3.5, "edgecolors": "white", "linewidth": 0.4}
+            ax.pcolormesh(k, dt, kinds.T, cmap=ListedColormap(COLOURS), **look)
+            line = {"color": "black", "lw": 1.4, "label": "limit by the rule"}
+            ax.plot(*zip(*limits.items(), strict=True), **line)
+            ax.set(xscale="log", yscale="log", xlim=k[[0, -1]], ylim=dt[[0, -1]])
+            ax.grid(visible=False)
+            ax.set_title(f"$c_n$ = {friction:g}, c = {damping:g} N s/m", fontsize=9)
+        for ax, method in zip(axes[:, 0], methods, strict=True):
+            ax.set_ylabel(f"{method}\nstep dt (s)")
+        for ax in axes[-1]:
+            ax.set_xlabel("stiffness k (N/m)")
+        handles = [Patch(color=COLOURS[i], label=WORDS[i]) for i in range(len(WORDS))]
+        handles += axes[0, 0].lines
+        fig.legend(handles=handles, loc="outside lower center", ncols=columns, fontsize=9)
+        heading(fig, "Joints as springs k and dampers c, 6 links: does a disturbance grow?", 11)
