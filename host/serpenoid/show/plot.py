@@ -178,17 +178,9 @@ def hatch_beyond(ax: Axes, highest_hz: float | None, last_hz: float, servos: str
     """Hatch the frequencies up to the last one that are too fast for a typical servo of a kind."""
     if highest_hz is None or highest_hz >= last_hz:
         return
-    ax.axvspan(
-        highest_hz,
-        last_hz,
-        facecolor="none",
-        edgecolor=GREY,
-        alpha=0.3,
-        hatch="//",
-        zorder=0,
-        lw=0,
-        label=f"above {highest_hz:.2g} Hz too fast for a typical {servos} servo",
-    )
+    words = f"above {highest_hz:.2g} Hz too fast for a typical {servos} servo"
+    look = {"fc": "none", "ec": GREY, "alpha": 0.3, "hatch": "//", "zorder": 0, "lw": 0}
+    ax.axvspan(highest_hz, last_hz, label=words, **look)
 
 
 def draw_links(ax: Axes, run: Run, index: int, lift_m: float, colour: Any) -> None:

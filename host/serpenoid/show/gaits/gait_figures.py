@@ -12,7 +12,6 @@ from ...paper.study import Comparison
 from ...periodic.sweep import Sweep
 from ..plot import (
     BLUE,
-    GREY,
     ORANGE,
     RED,
     columns,
@@ -69,24 +68,12 @@ def errors_in_time(closed: Comparison, opened: Comparison, path: Path) -> None:
             left.plot(errors.t_s, 1e3 * angle, style, color=colour, lw=1.0, label=name)
             size = np.maximum(np.hypot(vx, vy), 1e-6)
             right.semilogy(errors.t_s, size, style, color=colour, lw=0.9)
-        left.axhspan(
-            -1, 1, color="#eeeeee", zorder=0, label="1 mrad, the order that the paper tells"
-        )
-        left.set(
-            xlabel="time (s)",
-            ylabel="error of the angle (mrad)",
-            title="tail's angle (Fig. 6)",
-            xlim=(0, closed.t_s[-1]),
-            ylim=(-1.5, 2.6),
-        )
+        left.axhspan(-1, 1, color="#eeeeee", zorder=0, label="1 mrad, the paper's order of it")
+        left.set(title="tail's angle (Fig. 6)", ylabel="error of the angle (mrad)")
+        right.set(title="tail's velocity (Fig. 7)", ylabel="error of the velocity, its size (m/s)")
+        for ax, ends in ((left, (-1.5, 2.6)), (right, (3e-5, 5e-2))):
+            ax.set(xlabel="time (s)", xlim=(0, closed.t_s[-1]), ylim=ends)
         left.legend(loc="upper right", fontsize=8)
-        right.set(
-            xlabel="time (s)",
-            ylabel="error of the velocity, its size (m/s)",
-            title="tail's velocity (Fig. 7)",
-            xlim=(0, closed.t_s[-1]),
-            ylim=(3e-5, 5e-2),
-        )
         heading(
             fig,
             "implicit less exact model: three links of 1 kg, 0.12 m; α = 30°, β = 90°, "
@@ -105,18 +92,12 @@ def power_of(
     good = cloud.converged & (cloud.speed_m_s > 1e-3) & (watts > 0)
     speed = [b.speed_m_s for b in front]
     with figure(7.2, 5.0, path=path) as (fig, ax):
-        ax.scatter(
-            cloud.speed_m_s[good],
-            watts[good],
-            s=4,
-            color="#9a9a9a",
-            lw=0,
-            rasterized=True,
-            label=f"{int(good.sum())} gaits that travel",
-        )
+        words = f"{int(good.sum())} gaits that travel"
+        look = {"color": "#9a9a9a", "ms": 2, "mew": 0, "rasterized": True}
+        ax.plot(cloud.speed_m_s[good], watts[good], "o", label=words, **look)
         ax.plot(speed, [b.power_w for b in front], "o-", color=BLUE, ms=4, label="least power")
         ax.set(xlabel="speed (m/s)", ylabel="power (W)", xscale="log", yscale="log")
         if speed:  # the claim is about the front: what is far slower only shrinks it
             ax.set_xlim(left=0.5 * min(speed))
-        ax.legend(loc="upper left", markerscale=1.0)
-        fig.suptitle(title, fontsize=9, color=GREY)
+        ax.legend(loc="upper left")
+        heading(fig, title)

@@ -34,23 +34,13 @@ def draw_pushes(fig: Figure, axes: Any, session: Session, fit: FrictionFit) -> N
         axes[0].plot(path.t_s, path.way_m, label=name, **look)
         axes[0].plot(path.law_t_s, path.law_m, color="black", lw=0.8)
         axes[1].plot(path.t_s, 1000 * path.residual_m, **look)
-    axes[0].set(
-        title="Positions (squares: back), and the law",
-        xlabel="time since the first position that counts (s)",
-        ylabel="distance (m)",
-    )
-    axes[1].axhline(0.0, color=GREY, lw=0.8)
     most = max([MOST_MM, *(1.1 * float(abs(1000 * p.residual_m).max()) for p in paths)])
-    axes[1].set(
-        title="Residuals",
-        xlabel="time (s)",
-        ylabel="position less the law (mm)",
-        ylim=(-most, most),
-    )
+    axes[0].set(title="Positions (squares: back), and the law", ylabel="distance (m)")
+    axes[1].set(title="Residuals", ylabel="position less the law (mm)", ylim=(-most, most))
+    axes[1].axhline(0.0, color=GREY, lw=0.8)
     for ax in axes:
-        ax.set_xlim(left=0)
-    if named:
-        axes[0].legend(loc="lower right", fontsize=8, markerscale=3)
+        ax.set(xlabel="time since the first position that counts (s)", xlim=(0, None))
+    axes[0].legend(loc="lower right", fontsize=8, markerscale=3)
     fit_heading(fig, session, fit)
 
 
