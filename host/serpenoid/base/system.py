@@ -26,7 +26,6 @@ USB = Path("/sys/bus/usb/devices")
 FAR = 1 << 30  # a lock there hides nothing that is written in the file
 NAP_S = 0.01  # between two looks for a key of Windows
 KEYS_OF_WINDOWS = {"H": "\x1b[A", "P": "\x1b[B", "M": "\x1b[C", "K": "\x1b[D"}
-KEYS_OF_WINDOWS |= {"I": "\x1b[5~", "Q": "\x1b[6~"}
 
 
 def signals(*names: str) -> tuple[signal.Signals, ...]:

@@ -34,8 +34,8 @@ def pressed(monkeypatch: pytest.MonkeyPatch, *parts: bytes) -> list[str]:
 
 
 def test_every_key_has_one_name_and_a_lone_escape_does_not_wait(monkeypatch):
-    parts = b"a\x1b[A\x1b[B!\r", b"\x1b[5~\x1b[6~\x1bOC\x1b[D\x7fz", b"\x1b", b"q"
-    names = "a up down ! enter/page up/page down/right left backspace z \x1b q end"
+    parts = b"a\x1b[A\x1b[B!\r", b"\x1b[3~\x1bOP\x1bOC\x1b[D\x7fz", b"\x1b", b"q"
+    names = "a up down ! enter/other/other/right left backspace z \x1b q end"
     found = " ".join(pressed(monkeypatch, *parts))
     assert found == names.replace("/", " ")
 

@@ -111,7 +111,7 @@ def test_nothing_is_wrong_with_the_virtual_board(port):
     told = answer(f"doctor --port {port} --listen-s 0.5")
     assert told["well"]
     assert [f["name"] for f in told["findings"]] == [
-        *("pyserial", "port", "greeting", "protocol", "settings", "without pulses", "counters"),
+        *("port", "greeting", "protocol", "settings", "without pulses", "counters"),
         *("timing", "clock", "platformio"),
     ]
     status, _, said = serpenoid(f"doctor --port {port} --listen-s 0")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib.metadata import version
 from typing import Literal
 
 from ...base.errors import NoAnswer, PortBusy, ProtocolMismatch, RobotError
@@ -57,7 +56,6 @@ def examine(
 
     listen_s: how long to count frames, at least 0.2; timeout_s: how long to wait for a greeting.
     """
-    yield Finding("pyserial", "ok", f"version {version('pyserial')}")
     try:
         yield from _port(port, listen_s, timeout_s)
     except RobotError as error:

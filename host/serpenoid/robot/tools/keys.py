@@ -12,17 +12,16 @@ from ...base import system
 from ...base.errors import BadInput
 
 ARROWS = {"A": "up", "B": "down", "C": "right", "D": "left"}
-NAMES = {f"\x1b{mode}{end}": name for mode in "[O" for end, name in ARROWS.items()} | {
-    "\x1b[5~": "page up",
-    "\x1b[6~": "page down",
+NAMES = {
     "\n": "enter",
     "\r": "enter",
     "\x7f": "backspace",
     "\x08": "backspace",
     "\x04": "end",
 }
-KEY = re.compile("|".join(map(re.escape, NAMES)) + "|.", re.DOTALL)
-UNFINISHED = re.compile("\x1b(\\[[56]?|O)?$")
+# A key is one character, or a code behind an escape: of an arrow, of Delete, of F1.
+KEY = re.compile(r"\x1b(\[[\d;]*[A-Za-z~]|O[A-Z])|.", re.DOTALL)
+UNFINISHED = re.compile(r"\x1b(\[[\d;]*|O)?$")
 REST_S = 0.05  # in which the rest of a key's code comes
 
 Keyboard = Callable[[float], str]
@@ -38,9 +37,9 @@ def need_terminal() -> None:
 def keyboard(reader: KeyReader | None = None) -> Iterator[Keyboard]:
     """Give a function that returns the next key within so many seconds, or nothing.
 
-    A key is one character or a name of NAMES; "end" is the end of the input. Where standard input
-    is no terminal, its characters count as keys. Ctrl-C stays a signal; Ctrl-Z is off. reader: one
-    that is used again, so that keys typed ahead are not lost.
+    A key is one character, a name of ARROWS or NAMES, or "other"; "end" is the end of the input.
+    Where standard input is no terminal, its characters count as keys. Ctrl-C stays a signal; Ctrl-Z
+    is off. reader: one that is used again, so that keys typed ahead are not lost.
     """
     if sys.stdin is None:
         yield lambda _: "end"
@@ -70,6 +69,8 @@ class KeyReader:
         if not key:
             return ""
         self._text = self._text[key.end() :]
+        if key[1]:
+            return ARROWS.get(key[1][-1], "other")
         return NAMES.get(key[0], key[0])
 
     def _fill(self, timeout_s: float) -> bool:

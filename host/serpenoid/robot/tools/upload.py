@@ -79,8 +79,6 @@ def flash(
     PlatformIO's output as it comes. output: one of OUTPUTS, what makes the servos' pulses. Raises
     BadInput, PortMissing, PortBusy, FlashFailed, NoAnswer.
     """
-    if board is not None:
-        check_joints(board, joints)
     folder = find_project()
     pio = find_platformio()
     if not pio:
