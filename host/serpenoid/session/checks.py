@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from ..base.errors import BadInput
-from .declaration import PLANNED, Taken, number, word
+from .declaration import PLANNED, Taken, number_field, word_field
 from .instruments import MAX_INCLINE_DEG, MAX_LAMBDA_DEG, MAX_SPEED_M_S, Instruments
 from .station import BENDS
 
@@ -25,10 +25,10 @@ class ZeroReading(Taken):
     fitted = True
 
     number: int
-    incline_rad: float = number(
+    incline_rad: float = number_field(
         -MAX_INCLINE_DEG, MAX_INCLINE_DEG, words="it shows", likely=LIKELY_DEG
     )
-    reversed_rad: float = number(
+    reversed_rad: float = number_field(
         -MAX_INCLINE_DEG,
         MAX_INCLINE_DEG,
         words="turned, it shows",
@@ -63,12 +63,12 @@ class BendCheck(Taken):
     part = "bends"
 
     number: int
-    lambda_rad: float = number(0.0, MAX_LAMBDA_DEG, source=PLANNED)
-    between_links_rad: float = number(0.0, 180.0, words="the protractor shows")
+    lambda_rad: float = number_field(0.0, MAX_LAMBDA_DEG, source=PLANNED)
+    between_links_rad: float = number_field(0.0, 180.0, words="the protractor shows")
     voided: bool = False
     comment: str = ""
     time_utc: str = ""
-    bend: str = word(*BENDS, of_plan=True)
+    bend: str = word_field(*BENDS, of_plan=True)
 
     @property
     def found_rad(self) -> float:
@@ -90,19 +90,21 @@ class BeltCheck(Taken):
     fitted = True
 
     number: int
-    belt_speed_m_s: float = number(
+    belt_speed_m_s: float = number_field(
         0.0,
         MAX_SPEED_M_S,
         words="belt speed that the treadmill shows",
         open_low=True,
     )
-    distance_m: float = number(
+    distance_m: float = number_field(
         0.0,
         1000.0,
         words="way of the mark in all (turns of the belt times its length)",
         open_low=True,
     )
-    duration_s: float = number(0.0, 1e5, words="time taken", likely=(5.0, 600.0), open_low=True)
+    duration_s: float = number_field(
+        0.0, 1e5, words="time taken", likely=(5.0, 600.0), open_low=True
+    )
     voided: bool = False
     comment: str = ""
     time_utc: str = ""

@@ -141,7 +141,7 @@ class Word:
         return check_choice(self.column, word, self.choices) if self.choices else word
 
 
-def number(
+def number_field(
     low: float = 0.0,
     high: float = math.inf,
     *,
@@ -159,7 +159,9 @@ def number(
     return field(default=default, repr=shown, metadata={"limits": limits, "note": note})
 
 
-def word(*choices: str, of_plan: bool = False, tidy: Callable[[str], str] | None = None) -> Any:
+def word_field(
+    *choices: str, of_plan: bool = False, tidy: Callable[[str], str] | None = None
+) -> Any:
     """Declare a word of a reading."""
     limits = Word("", choices, of_plan, tidy)
     return field(default=limits.usual, metadata={"limits": limits})

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ..base.errors import BadInput
 from ..model.gait import Gait
-from .declaration import DERIVED, PLANNED, Taken, number, word
+from .declaration import DERIVED, PLANNED, Taken, number_field, word_field
 from .gait_run import RUN_WAYS, GaitRun
 from .instruments import MAX_SPEED_M_S
 from .track import Track
@@ -29,17 +29,17 @@ class FilmReading(Taken):
     columns = TRACK
 
     number: int
-    alpha_rad: float = number(0.0, 180.0, source=PLANNED)
-    beta_rad: float = number(-360.0, 360.0, source=PLANNED)
-    omega_rad_s: float = number(0.0, 1000.0, open_low=True, source=DERIVED)
-    speed_m_s: float = number(0.0, MAX_SPEED_M_S, source=DERIVED)
-    speed_sigma_m_s: float = number(0.0, MAX_SPEED_M_S, open_low=True, source=DERIVED)
-    offset_rad: float = number(-180.0, 180.0, source=DERIVED)
-    gain_sigma: float = number(0.0, 2.0, source=DERIVED)
-    gains: str = word()
-    shifts_deg: str = word()
-    film_sha256: str = word()
-    way: str = word(*RUN_WAYS)
+    alpha_rad: float = number_field(0.0, 180.0, source=PLANNED)
+    beta_rad: float = number_field(-360.0, 360.0, source=PLANNED)
+    omega_rad_s: float = number_field(0.0, 1000.0, open_low=True, source=DERIVED)
+    speed_m_s: float = number_field(0.0, MAX_SPEED_M_S, source=DERIVED)
+    speed_sigma_m_s: float = number_field(0.0, MAX_SPEED_M_S, open_low=True, source=DERIVED)
+    offset_rad: float = number_field(-180.0, 180.0, source=DERIVED)
+    gain_sigma: float = number_field(0.0, 2.0, source=DERIVED)
+    gains: str = word_field()
+    shifts_deg: str = word_field()
+    film_sha256: str = word_field()
+    way: str = word_field(*RUN_WAYS)
     track: Track | None = None
     voided: bool = False
     comment: str = ""

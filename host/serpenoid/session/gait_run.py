@@ -8,7 +8,7 @@ from typing import Any
 
 from ..base.errors import BadInput
 from ..model.gait import Gait
-from .declaration import DERIVED, PLANNED, Taken, number, word
+from .declaration import DERIVED, PLANNED, Taken, number_field, word_field
 from .instruments import MAX_SPEED_M_S, Instruments
 
 RUN_WAYS = ("level", "there", "back")  # along the line of the pushes, where a floor slopes
@@ -28,21 +28,21 @@ class GaitRun(Taken):
     part = "gait_runs"
 
     number: int
-    alpha_rad: float = number(0.0, 180.0, source=PLANNED)
-    beta_rad: float = number(-360.0, 360.0, source=PLANNED)
-    omega_rad_s: float = number(0.0, 1000.0, open_low=True, source=PLANNED)
-    speed_m_s: float = number(0.0, MAX_SPEED_M_S, source=DERIVED)
-    speed_sigma_m_s: float = number(0.0, MAX_SPEED_M_S, open_low=True, source=DERIVED)
+    alpha_rad: float = number_field(0.0, 180.0, source=PLANNED)
+    beta_rad: float = number_field(-360.0, 360.0, source=PLANNED)
+    omega_rad_s: float = number_field(0.0, 1000.0, open_low=True, source=PLANNED)
+    speed_m_s: float = number_field(0.0, MAX_SPEED_M_S, source=DERIVED)
+    speed_sigma_m_s: float = number_field(0.0, MAX_SPEED_M_S, open_low=True, source=DERIVED)
     voided: bool = False
     comment: str = ""
     time_utc: str = ""
-    distance_m: float | None = number(
+    distance_m: float | None = number_field(
         0.0, 1000.0, words="distance between the marks", default=None, likely=(0.05, 10.0)
     )
-    duration_s: float | None = number(
+    duration_s: float | None = number_field(
         0.0, 1e5, words="time taken", default=None, likely=(1.0, 600.0), open_low=True
     )
-    way: str = word(*RUN_WAYS)
+    way: str = word_field(*RUN_WAYS)
 
     @property
     def gait(self) -> Gait:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from .declaration import BELT_UNITS, number
+from .declaration import BELT_UNITS, number_field
 from .push_size import MAX_PLACE_SIGMA_M
 from .settings_table import SettingsTable, choice, in_si_units
 
@@ -28,28 +28,30 @@ class Instruments(SettingsTable):
     before pushes both ways tell it.
     """
 
-    incline_sigma_deg: float = number(
+    incline_sigma_deg: float = number_field(
         high=MAX_INCLINE_DEG,
         open_low=True,
         words="inclinometer: smallest step it shows (deg)",
         note="steps of d give d / sqrt(12)",
     )
-    incline_zero_sigma_deg: float = number(
+    incline_zero_sigma_deg: float = number_field(
         high=MAX_INCLINE_DEG,
         note="assumed of phones; a zero measured by reversal takes its place",
     )
-    belt_speed_sigma_m_s: float = number(high=MAX_SPEED_M_S, open_low=True)
-    lambda_sigma_deg: float = number(high=MAX_LAMBDA_DEG, note="of one bend, protractor and joints")
-    belt_scale_sigma_percent: float = number(
+    belt_speed_sigma_m_s: float = number_field(high=MAX_SPEED_M_S, open_low=True)
+    lambda_sigma_deg: float = number_field(
+        high=MAX_LAMBDA_DEG, note="of one bend, protractor and joints"
+    )
+    belt_scale_sigma_percent: float = number_field(
         high=50.0, default=0.0, note="of the speed that the treadmill shows"
     )
-    mass_sigma_percent: float = number(high=50.0, default=0.0, note="of the robot's mass")
-    joint_sigma_deg: float = number(
+    mass_sigma_percent: float = number_field(high=50.0, default=0.0, note="of the robot's mass")
+    joint_sigma_deg: float = number_field(
         high=MAX_ANGLE_SIGMA_DEG,
         default=0.0,
         note="of each joint about straight: 0.5 by servos or straightedge, 1.5 by hand",
     )
-    incline_step_percent: float = number(
+    incline_step_percent: float = number_field(
         high=20.0,
         default=0.5,
         open_low=True,
@@ -59,26 +61,26 @@ class Instruments(SettingsTable):
     belt_speed_unit: str = choice(
         *BELT_UNITS, default="m/s", note="that the treadmill shows: of a speed typed without one"
     )
-    belt_speed_step_m_s: float = number(
+    belt_speed_step_m_s: float = number_field(
         high=MAX_SPEED_M_S,
         default=0.1 / 3.6,
         open_low=True,
         words="belt: smallest step it can be set to",
     )
-    belt_speed_least_m_s: float = number(
+    belt_speed_least_m_s: float = number_field(
         high=MAX_SPEED_M_S, default=0.0, words="belt: least speed above 0"
     )
-    distance_sigma_m: float = number(
+    distance_sigma_m: float = number_field(
         high=MAX_PLACE_SIGMA_M, default=0.005, note="of a gait run: tape and marks; stopwatch"
     )
-    time_sigma_s: float = number(default=0.2)
-    film_scale_sigma_percent: float = number(
+    time_sigma_s: float = number_field(default=0.2)
+    film_scale_sigma_percent: float = number_field(
         high=20.0, default=0.5, note="of lengths in a film of pushes"
     )
-    push_time_sigma_s: float = number(
+    push_time_sigma_s: float = number_field(
         high=10.0, default=0.12, open_low=True, note="of a push timed by hand"
     )
-    floor_slope_sigma_deg: float = number(
+    floor_slope_sigma_deg: float = number_field(
         high=MAX_ANGLE_SIGMA_DEG,
         default=0.3,
         open_low=True,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base.errors import BadInput
-from .declaration import DERIVED, PLANNED, Taken, number, word
+from .declaration import DERIVED, PLANNED, Taken, number_field, word_field
 from .instruments import MAX_LAMBDA_DEG
 from .push_size import MAX_PLACE_SIGMA_M, unlikely_push
 from .station import BENDS, bend_in_words
@@ -39,8 +39,8 @@ class Push(Taken):
     columns = TRACK
 
     number: int
-    lambda_rad: float = number(0.0, MAX_LAMBDA_DEG, source=PLANNED)
-    distance_m: float | None = number(
+    lambda_rad: float = number_field(0.0, MAX_LAMBDA_DEG, source=PLANNED)
+    distance_m: float | None = number_field(
         0.0,
         100.0,
         words="way from where the hand let go to where it rests",
@@ -49,7 +49,7 @@ class Push(Taken):
         why="push harder: a short way tells little",
         open_low=True,
     )
-    duration_s: float | None = number(
+    duration_s: float | None = number_field(
         0.0,
         1e3,
         words="time from the hand to rest",
@@ -57,7 +57,7 @@ class Push(Taken):
         likely=(0.4, 20.0),
         open_low=True,
     )
-    turned_rad: float | None = number(
+    turned_rad: float | None = number_field(
         -180.0,
         180.0,
         words="turned while it rolled, + to the left (Enter: not)",
@@ -66,23 +66,23 @@ class Push(Taken):
         usual=0.0,
         why="a robot that turns by more slips sideways: push it again",
     )
-    start_s: float | None = number(-1e6, 1e6, default=None, source=DERIVED)
-    end_s: float | None = number(-1e6, 1e6, default=None, source=DERIVED)
-    scale_sigma: float | None = number(0.0, 0.2, default=None, source=DERIVED)
-    distance_sigma_m: float | None = number(
+    start_s: float | None = number_field(-1e6, 1e6, default=None, source=DERIVED)
+    end_s: float | None = number_field(-1e6, 1e6, default=None, source=DERIVED)
+    scale_sigma: float | None = number_field(0.0, 0.2, default=None, source=DERIVED)
+    distance_sigma_m: float | None = number_field(
         0.0, MAX_PLACE_SIGMA_M, default=None, open_low=True, source=DERIVED
     )
-    time_sigma_s: float | None = number(0.0, 10.0, default=None, source=DERIVED)
-    way: str = word(*WAYS)
-    by: str = word(*SOURCES)
-    bend: str = word(*BENDS, of_plan=True)
-    place: str = word()
-    file_sha256: str = word()
+    time_sigma_s: float | None = number_field(0.0, 10.0, default=None, source=DERIVED)
+    way: str = word_field(*WAYS)
+    by: str = word_field(*SOURCES)
+    bend: str = word_field(*BENDS, of_plan=True)
+    place: str = word_field()
+    file_sha256: str = word_field()
     track: Track | None = None
     voided: bool = False
     comment: str = ""
     time_utc: str = ""
-    offset_rad: float | None = number(-45.0, 45.0, default=None, source=PLANNED, shown=False)
+    offset_rad: float | None = number_field(-45.0, 45.0, default=None, source=PLANNED, shown=False)
 
     def __post_init__(self) -> None:
         if self.track is None and (self.by != "rest" or None in (self.distance_m, self.duration_s)):

@@ -19,7 +19,7 @@ from ..model.drives import FRAME_S, ServoKind
 from ..model.gait import Gait
 from ..model.robot import Robot, check_links
 from ..robot.wire.protocol import frame_us
-from .declaration import in_si, number
+from .declaration import in_si, number_field
 from .instruments import MAX_INCLINE_DEG, MAX_LAMBDA_DEG, MAX_SPEED_M_S, Instruments
 from .settings_table import SettingsTable, choice, in_si_units, read_by, toml_text
 from .station import BENDS
@@ -47,28 +47,28 @@ class RobotTable(SettingsTable):
     """The table [robot]. mass_kg: of the whole robot; None: nobody has weighed it yet."""
 
     links: int = read_by(check_links)
-    link_length_m: float = number(
+    link_length_m: float = number_field(
         0.001,
         10.0,
         words="length of a link, joint to joint (m, or 76 mm)",
         likely=(0.01, 1.0),
         note="joint to joint",
     )
-    mass_kg: float | None = number(
+    mass_kg: float | None = number_field(
         0.001,
         1000.0,
         words="mass of the whole robot as it crawls (kg, or 480 g; later)",
         likely=(0.02, 20.0),
         note='of the whole robot as it crawls, cables and all; "" until it is weighed',
     )
-    wheels_kg: float | None = number(
+    wheels_kg: float | None = number_field(
         high=100.0,
         default=None,
         words="mass of all wheels together (kg, or 36 g; later)",
         likely=(0.001, 2.0),
         note="of all wheels together, which a push sets turning",
     )
-    supply_v: float | None = number(
+    supply_v: float | None = number_field(
         1.0,
         60.0,
         default=None,
@@ -76,8 +76,10 @@ class RobotTable(SettingsTable):
         likely=(4.0, 15.0),
         note="at the servos' plug, as they move",
     )
-    frame_ms: float | None = number(1.0, 100.0, default=None, note='of the board; "": its own')
-    tag_mm: float | None = number(3.0, 1000.0, default=None, note="side of its printed tags")
+    frame_ms: float | None = number_field(
+        1.0, 100.0, default=None, note='of the board; "": its own'
+    )
+    tag_mm: float | None = number_field(3.0, 1000.0, default=None, note="side of its printed tags")
 
     @classmethod
     def read(cls, table: Table) -> RobotTable:
@@ -115,7 +117,7 @@ class Laboratory(SettingsTable):
     )
     place: str
     people: str
-    gravity_m_s2: float = number(high=MAX_GRAVITY_M_S2, open_low=True)
+    gravity_m_s2: float = number_field(high=MAX_GRAVITY_M_S2, open_low=True)
 
 
 def _text(name: str, value: Any) -> str:
@@ -154,18 +156,22 @@ class Plan(SettingsTable):
     on: str = choice(
         *PLACES, default="treadmill", note="treadmill; or floor: pushes instead of stations"
     )
-    push_lambda_deg: tuple[float, ...] = number(high=MAX_LAMBDA_DEG, default=(0.0, 20.0, 45.0))
-    pushes: int = number(0, 100, default=8, note="in each of these bends, half of them either way")
-    lambda_deg: tuple[float, ...] = number(
+    push_lambda_deg: tuple[float, ...] = number_field(
+        high=MAX_LAMBDA_DEG, default=(0.0, 20.0, 45.0)
+    )
+    pushes: int = number_field(
+        0, 100, default=8, note="in each of these bends, half of them either way"
+    )
+    lambda_deg: tuple[float, ...] = number_field(
         high=MAX_LAMBDA_DEG, note="7.5 as in 2005; 15 and 30 tell cn three to ten times better"
     )
-    incline_start_deg: float = number(high=MAX_INCLINE_DEG, open_low=True)
-    incline_step_deg: float = number(high=MAX_INCLINE_DEG, open_low=True)
-    belt_speed_max_m_s: float = number(high=MAX_SPEED_M_S, open_low=True)
+    incline_start_deg: float = number_field(high=MAX_INCLINE_DEG, open_low=True)
+    incline_step_deg: float = number_field(high=MAX_INCLINE_DEG, open_low=True)
+    belt_speed_max_m_s: float = number_field(high=MAX_SPEED_M_S, open_low=True)
     bend: str = choice(
         *BENDS, default="zigzag", note="balanced; or zigzag, for a robot guided on the belt"
     )
-    gait_runs: int = number(
+    gait_runs: int = number_field(
         1, 100, default=3, note="of each gait, on level ground of the same surface"
     )
     gaits: tuple[Gait, ...] = read_by(_planned_gaits, ())

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..base.errors import BadInput
 from ..model.bends import balanced_signs
-from .declaration import PLANNED, Taken, number, word
+from .declaration import PLANNED, Taken, number_field, word_field
 from .instruments import MAX_INCLINE_DEG, MAX_LAMBDA_DEG, MAX_SPEED_M_S, Instruments
 from .places import drifts, tidy_places
 
@@ -39,10 +39,12 @@ class Reading(Taken):
     fitted = True
 
     number: int
-    lambda_rad: float = number(0.0, MAX_LAMBDA_DEG, words="the bend", source=PLANNED)
-    incline_rad: float = number(0.0, MAX_INCLINE_DEG, words="the inclinometer shows", open_low=True)
-    belt_speed_m_s: float = number(0.0, MAX_SPEED_M_S, words="belt speed")
-    drift_m_s: float = number(
+    lambda_rad: float = number_field(0.0, MAX_LAMBDA_DEG, words="the bend", source=PLANNED)
+    incline_rad: float = number_field(
+        0.0, MAX_INCLINE_DEG, words="the inclinometer shows", open_low=True
+    )
+    belt_speed_m_s: float = number_field(0.0, MAX_SPEED_M_S, words="belt speed")
+    drift_m_s: float = number_field(
         -MAX_SPEED_M_S,
         MAX_SPEED_M_S,
         words="drift left over, + uphill with the belt (Enter: none)",
@@ -53,8 +55,8 @@ class Reading(Taken):
     voided: bool = False
     comment: str = ""
     time_utc: str = ""
-    bend: str = word(*BENDS, of_plan=True)
-    turned_rad: float | None = number(
+    bend: str = word_field(*BENDS, of_plan=True)
+    turned_rad: float | None = number_field(
         -180.0,
         180.0,
         words="turned off the belt's direction, + to the left (Enter: not)",
@@ -63,11 +65,11 @@ class Reading(Taken):
         usual=0.0,
         why="a robot that has turned by more is not held by this law: hold it again",
     )
-    offset_rad: float | None = number(-45.0, 45.0, default=None, source=PLANNED)
-    waited_s: float | None = number(
+    offset_rad: float | None = number_field(-45.0, 45.0, default=None, source=PLANNED)
+    waited_s: float | None = number_field(
         0.0, 1e5, words="time since the belt was set", default=None, source=PLANNED
     )
-    places: str = word(tidy=tidy_places)
+    places: str = word_field(tidy=tidy_places)
 
     def __post_init__(self) -> None:
         Taken.__post_init__(self)
