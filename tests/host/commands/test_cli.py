@@ -49,13 +49,6 @@ def test_the_springs_error_is_told() -> None:
     assert "change the mean speed by +" in got["warnings"][0]
 
 
-def test_an_accuracy_picks_the_method() -> None:
-    got = answer(f"simulate {GAIT} --robot paper --duration-s 3 --accuracy 1e-4")
-    assert got["method"] == "dop853"
-    assert "tolerance 1e-05" in got["picked"]
-    assert got["error_estimate"]["integration"]["angle_rad"] < 1e-4
-
-
 def test_sweep_writes_every_gait(tmp_path) -> None:
     out = tmp_path / "sweep.csv"
     grid = "--alpha-deg 30:40:10 --beta-deg 80 --omega-rad-s 1:3:1"
@@ -68,10 +61,6 @@ def test_sweep_answers_with_json() -> None:
     assert got["alpha_deg"] == [30.0]
     assert got["speed_m_s"][0][0][0] == pytest.approx(0.292060796024, rel=1e-6)
     assert got["converged"] == [[[True, True]]]
-
-
-def test_a_run_of_no_length_says_so() -> None:
-    assert answer(f"simulate {GAIT} --duration-s 0")["displacement_m"] == 0.0
 
 
 TELLING = """
