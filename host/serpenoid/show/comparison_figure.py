@@ -36,7 +36,7 @@ def draw_comparison(
     fig: Figure, axes: Any, compared: Comparison, curves: Sequence[SpeedCurve]
 ) -> None:
     """Draw speed over frequency, each gait on the curve of its shape, and residuals below."""
-    top, *below = np.atleast_1d(axes)
+    top, *residual_axes = np.atleast_1d(axes)
     last_hz = 1.4 * max(gait.frequency_hz for gait in compared.gaits)
     moved_by = "ideal joints" if compared.servo is None else f"typical {compared.servo} servos"
     for curve, color in zip(curves, itertools.cycle(COLORS)):
@@ -44,21 +44,21 @@ def draw_comparison(
         label = f"{angles[0]:.3g}°/{angles[1]:.3g}°, {moved_by}; 95 % band"
         draw_curve(top, curve, color, label)
         gaits = [gait for gait in compared.gaits if (gait.alpha_rad, gait.beta_rad) == curve.shape]
-        if below:
-            _measured(top, below[0], gaits, color)
+        if residual_axes:
+            _measured(top, residual_axes[0], gaits, color)
     if len(curves) == 1:
         hatch_beyond(top, curves[0].highest_hz, last_hz, str(compared.servo))
-    words = "dots: measured, ± 95 %" if below else "no gait run measured"
+    words = "dots: measured, ± 95 %" if residual_axes else "no gait run measured"
     top.set(title=f"{compared.session}; {words}", ylabel="speed (m/s)")
     top.set(
         xlim=(0, last_hz), ylim=(0, (1.15 + 0.08 * len(curves)) * top.get_ylim()[1])
     )  # room for the legend
     if curves:
         top.legend(loc="upper left", fontsize=8)
-    if below:
-        below[0].axhline(0, color=GREY)
-        below[0].set(ylabel="measured less\npredicted (%)")
-    (*below, top)[0].set_xlabel("gait frequency (Hz)")
+    if residual_axes:
+        residual_axes[0].axhline(0, color=GREY)
+        residual_axes[0].set(ylabel="measured less\npredicted (%)")
+    (*residual_axes, top)[0].set_xlabel("gait frequency (Hz)")
     fig.align_ylabels()
 
 
@@ -70,8 +70,8 @@ def _measured(top: Axes, bottom: Axes, gaits: Sequence[ComparedGait], color: str
     )
     dots = {"fmt": "o", "color": color, "mec": "black", "capsize": 3, "ms": 5}
     top.errorbar(f, measured, 1.96 * sigma, **dots)
-    off = 100 * (measured / typical - 1)
-    bottom.errorbar(f, off, 196 * sigma / typical, **dots)
+    percent = 100 * (measured / typical - 1)
+    bottom.errorbar(f, percent, 196 * sigma / typical, **dots)
     f, typical, low, high = columns(
         [gait for gait in ran if gait.low_all_m_s is not None],
         *("frequency_hz", "typical_m_s", "low_all_m_s", "high_all_m_s"),

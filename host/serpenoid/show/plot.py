@@ -232,12 +232,12 @@ def path_and_poses(run: Run, title: str, path: Path) -> None:
         top.set_aspect(3)
         top.set_title(f"{cycles} cycles, y enlarged three times (Fig. 12)", pad=22)
         per_cycle = round(run.scene.gait.period_s / (run.t_s[1] - run.t_s[0]))
-        apart = 1.15 * float(np.ptp(run.y_m[:per_cycle]))
-        left = float(run.x_m[:per_cycle].min()) - run.scene.robot.link_length_m
+        spacing = 1.15 * float(np.ptp(run.y_m[:per_cycle]))
+        label_x = float(run.x_m[:per_cycle].min()) - run.scene.robot.link_length_m
         for k, label in enumerate(("0", "T/6", "T/3", "T/2", "2T/3", "5T/6")):
             colour = colormaps["viridis"](0.08 + 0.14 * k)
-            draw_links(bottom, run, round(k * per_cycle / 6), -k * apart, colour)
-            bottom.text(left, -k * apart, label, color=colour, va="center", ha="right")
+            draw_links(bottom, run, round(k * per_cycle / 6), -k * spacing, colour)
+            bottom.text(label_x, -k * spacing, label, color=colour, va="center", ha="right")
         bottom.set(xlabel="x, along the mean direction of travel (m)", yticks=[])
         bottom.set_aspect("equal")
         bottom.set_title(
@@ -262,8 +262,8 @@ def robot_words(robot: Robot, ground: Ground) -> str:
     def ends(along: float | tuple[float, float]) -> str:
         return "/".join(f"{value:.3g}" for value in np.atleast_1d(along))
 
-    whole = ground.scaled(*4 * [robot.links])
-    friction = f"ct {ends(whole.ct)}, cn {whole.cn:.3g} N s/m"
+    ground_of_body = ground.scaled(*4 * [robot.links])
+    friction = f"ct {ends(ground_of_body.ct)}, cn {ground_of_body.cn:.3g} N s/m"
     if ground.dry:
-        friction += f", ft0 {ends(whole.ft0)}, fn0 {whole.fn0:.3g} N"
+        friction += f", ft0 {ends(ground_of_body.ft0)}, fn0 {ground_of_body.fn0:.3g} N"
     return f"{robot.links} links of {robot.link_length_m:g} m, {robot.mass_kg:.4g} kg; {friction}"

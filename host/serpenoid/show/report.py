@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -39,7 +40,7 @@ def show(*results: Result, answer: str | None = None, verbose: bool = False) -> 
     console.print(results[0].in_words() if answer is None else answer)
     heads, cells = zip(*(result.table(verbose) for result in results), strict=True)
     if any(cells):
-        table("", max(heads, key=len), [row for part in cells for row in part])
+        table("", max(heads, key=len), list(itertools.chain(*cells)))
     if any(result.table() != result.table(verbose) for result in results):
         console.print("errors, margins and other powers: --verbose")
 

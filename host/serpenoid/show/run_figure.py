@@ -38,14 +38,16 @@ def draw_run(run: Run, path: Path) -> None:
     The path is turned so that the way from start to end lies along x.
     """
     ledger = run.energy_j.size > 0
-    turned = along_travel(run)
+    run_along_x = along_travel(run)
     # of the path, so that x as y fill its width
-    wide, high = (np.ptp(v) + 1.2 * run.scene.robot.link_length_m for v in (turned.x_m, turned.y_m))
+    wide, high = (
+        np.ptp(v) + 1.2 * run.scene.robot.link_length_m for v in (run_along_x.x_m, run_along_x.y_m)
+    )
     heights = [float(np.clip(8.0 * high / wide, 1.5, 4.5)), 2.0, 2.4][: 2 + ledger]
     high = sum(heights) + 0.8 * len(heights) + 0.9
     panels = {"rows": len(heights), "height_ratios": heights}
     with figure(9.0, high, path=path, **panels) as (fig, axes):
-        _path(axes[0], turned)
+        _path(axes[0], run_along_x)
         _speed(axes[1], run)
         if ledger:
             _energy(axes[2], run)

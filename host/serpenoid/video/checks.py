@@ -106,10 +106,10 @@ def _camera_words(w: Watched, _: float) -> str:
     )
 
 
-def _lost_words(w: Watched, most: float) -> str:
+def _lost_words(w: Watched, lost_share: float) -> str:
     lost = 1 - w.sightings.seen.mean(axis=0)
     return (
-        f"tag {lost.argmax() + 1} is missing in {100 * most:.0f} % of the frames, all "
+        f"tag {lost.argmax() + 1} is missing in {100 * lost_share:.0f} % of the frames, all "
         f"tags in {100 * lost.mean():.0f} %: look for glare, shadow, dirt, a long exposure, or "
         "the picture's edge. σ of its joints are as much wider"
     )
@@ -192,8 +192,8 @@ SEEN = (
 
 def _steps(centres: Array) -> Array:
     """Return the mean distance from each tag to the next one, over that of nearest neighbours."""
-    apart = np.linalg.norm(centres[:, :, None] - centres[:, None], axis=-1)
-    mean = np.ma.masked_invalid(apart).mean(axis=0).filled(np.inf)
+    distances = np.linalg.norm(centres[:, :, None] - centres[:, None], axis=-1)
+    mean = np.ma.masked_invalid(distances).mean(axis=0).filled(np.inf)
     nearest = np.median((mean + np.diag(np.full(len(mean), np.inf))).min(axis=0))
     steps = np.diagonal(mean, offset=1) / nearest
     return np.where(np.isfinite(steps), steps, 0.0)
@@ -312,9 +312,9 @@ def _phases_off(filmed: Filmed) -> Array:
 
 def _phase_words(filmed: Filmed, _: float) -> str:
     off_deg = np.degrees(_phases_off(filmed))
-    shown = [f"joint {k + 1} is {off_deg[k]:+.0f}°" for k in np.flatnonzero(off_deg)]
+    joints = [f"joint {k + 1} is {off_deg[k]:+.0f}°" for k in np.flatnonzero(off_deg)]
     return (
-        f"{', '.join(shown)} out of step with the others: does the servo turn the wrong way (set "
+        f"{', '.join(joints)} out of step with the others: does the servo turn the wrong way (set "
         "its trim's sense to the other sign), or are two plugs swapped? Mend it, and film again"
     )
 

@@ -118,8 +118,8 @@ def _of_camera(bundle: Bundle, track: Track, fitted: Fitted, picked: Places) -> 
     weights = fitted.weight[picked], fitted.path_weight[picked]
 
     def numbers(states: Array) -> Array:
-        moved = replace(track, states=states)
-        return fit_motion(moved, *weights, fitted.motion.omega_rad_s).motion.numbers()
+        moved_track = replace(track, states=states)
+        return fit_motion(moved_track, *weights, fitted.motion.omega_rad_s).motion.numbers()
 
     scale = np.sqrt(np.diag(bundle.covariance))
     values, vectors = np.linalg.eigh(bundle.covariance / np.outer(scale, scale))

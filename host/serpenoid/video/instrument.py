@@ -73,9 +73,9 @@ def calibrate(
 def _spread(sightings: Sightings, most: int) -> Places:
     """Return frames to calibrate with: those with most tags, spread evenly over the film."""
     count = sightings.seen.sum(axis=1)
-    good = np.flatnonzero(count >= max(2, np.quantile(count, 0.7)))
-    order = np.linspace(0, len(good) - 1, min(len(good), most)).round()
-    return good[order.astype(int)]
+    frames_with_most = np.flatnonzero(count >= max(2, np.quantile(count, 0.7)))
+    order = np.linspace(0, len(frames_with_most) - 1, min(len(frames_with_most), most)).round()
+    return frames_with_most[order.astype(int)]
 
 
 def follow(sightings: Sightings, side_m: float, starts: list[Camera]) -> Followed:

@@ -34,8 +34,8 @@ def measured_gait(run: FilmedRun, gait: Gait | None) -> Gait:
     amplitude, phase, offset = _columns(run.joints, "amplitude_rad", "phase_rad", "offset_rad")
     alpha = gait.alpha_rad if gait else float(amplitude.mean())
     steps = np.array([gait.beta_rad]) if gait else STEPS_RAD
-    turned = np.exp(1j * (phase - steps[:, None] * np.arange(len(phase))))
-    shifts = np.angle(turned / np.exp(1j * np.angle(turned.mean(axis=1, keepdims=True))))
+    phasors = np.exp(1j * (phase - steps[:, None] * np.arange(len(phase))))
+    shifts = np.angle(phasors / np.exp(1j * np.angle(phasors.mean(axis=1, keepdims=True))))
     best = int(np.mean(shifts**2, axis=1).argmin())
     return Gait(
         alpha,
@@ -69,18 +69,18 @@ def reading_doubt(run: FilmedRun, stated: Gait | None, planned: Sequence[Gait]) 
 
     Servos lose amplitude, so less of it is no other gait; more is, and so is less than half.
     """
-    made = measured_gait(run, None)
+    filmed = measured_gait(run, None)
     for gait in [stated] if stated else planned:
         ratio = gait.omega_rad_s / run.omega_rad_s
-        same_bend = 0.5 <= made.alpha_rad / max(gait.alpha_rad, 1e-9) <= 1.0 + ALIKE
-        same_lag = abs(math.remainder(made.beta_rad - gait.beta_rad, math.tau)) <= 2 * ALIKE
+        same_bend = 0.5 <= filmed.alpha_rad / max(gait.alpha_rad, 1e-9) <= 1.0 + ALIKE
+        same_lag = abs(math.remainder(filmed.beta_rad - gait.beta_rad, math.tau)) <= 2 * ALIKE
         same_rate = abs(ratio - 1.0) <= max(RATE_FLAG, 4 * run.omega_sigma_rad_s / run.omega_rad_s)
         slow = ratio > SLOW_MOTION and abs(ratio / round(ratio) - 1.0) < WHOLE
         if same_bend and same_lag and slow:
             return rate_words(run, gait)
         if stated and not (same_bend and same_lag and same_rate):
             return (
-                f"the film shows the gait {gait_name(made)}; stated was {gait_name(gait)}. Leave "
+                f"the film shows the gait {gait_name(filmed)}; stated was {gait_name(gait)}. Leave "
                 "the gait's options out to keep it as a reading of the gait that it shows"
             )
     return ""

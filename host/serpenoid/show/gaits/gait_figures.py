@@ -89,12 +89,12 @@ def power_of(
 ) -> None:
     """Draw the power of all gaits against speed, and the least (Fig. 8)."""
     watts = cloud.power_w
-    good = cloud.converged & (cloud.speed_m_s > 1e-3) & (watts > 0)
+    travels = cloud.converged & (cloud.speed_m_s > 1e-3) & (watts > 0)
     speed = [b.speed_m_s for b in front]
     with figure(7.2, 5.0, path=path) as (fig, ax):
-        words = f"{int(good.sum())} gaits that travel"
+        words = f"{int(travels.sum())} gaits that travel"
         look = {"color": "#9a9a9a", "ms": 2, "mew": 0, "rasterized": True}
-        ax.plot(cloud.speed_m_s[good], watts[good], "o", label=words, **look)
+        ax.plot(cloud.speed_m_s[travels], watts[travels], "o", label=words, **look)
         ax.plot(speed, [b.power_w for b in front], "o-", color=BLUE, ms=4, label="least power")
         ax.set(xlabel="speed (m/s)", ylabel="power (W)", xscale="log", yscale="log")
         if speed:  # the claim is about the front: what is far slower only shrinks it

@@ -34,9 +34,9 @@ def draw_pushes(fig: Figure, axes: Any, session: Session, fit: FrictionFit) -> N
         axes[0].plot(path.t_s, path.way_m, label=name, **look)
         axes[0].plot(path.law_t_s, path.law_m, color="black", lw=0.8)
         axes[1].plot(path.t_s, 1000 * path.residual_m, **look)
-    most = max([MOST_MM, *(1.1 * float(abs(1000 * p.residual_m).max()) for p in paths)])
+    limit_mm = max([MOST_MM, *(1.1 * float(abs(1000 * p.residual_m).max()) for p in paths)])
     axes[0].set(title="Positions (squares: back), and the law", ylabel="distance (m)")
-    axes[1].set(title="Residuals", ylabel="position less the law (mm)", ylim=(-most, most))
+    axes[1].set(title="Residuals", ylabel="position less the law (mm)", ylim=(-limit_mm, limit_mm))
     axes[1].axhline(0.0, color=GREY, lw=0.8)
     for ax in axes:
         ax.set(xlabel="time since the first position that counts (s)", xlim=(0, None))

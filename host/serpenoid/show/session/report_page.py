@@ -169,10 +169,10 @@ def _readings(session: Session, fit: FrictionFit) -> str:
     Remarks stand in rows of their own, so that the table is no wider than a phone.
     """
     fitted = zip(session.fitted, fit.residuals, strict=True)
-    off = {reading.number: f"{round(residual, 1) + 0.0:+.1f}" for reading, residual in fitted}
+    residuals = {reading.number: f"{round(residual, 1) + 0.0:+.1f}" for reading, residual in fitted}
     body = ""
     for r in session.numbered:
-        cells = [str(r.number), *r.in_words(), off.get(r.number, "")]
+        cells = [str(r.number), *r.in_words(), residuals.get(r.number, "")]
         body += _row(cells, "void" if r.voided else "")
         remark = ": ".join(filter(None, ["voided" if r.voided else "", r.comment]))
         if remark:

@@ -155,9 +155,9 @@ class _Problem:
 
     def noise(self, camera: Camera, states: Array) -> float:
         """Return the standard deviation of a corner's coordinate, px, robustly."""
-        off = misses(camera, states, self.sightings)[self.sightings.seen]
+        rest = misses(camera, states, self.sightings)[self.sightings.seen]
         # Of 8 numbers a tag, some 3 go into its frame's state.
-        return max(0.02, 1.4826 * float(np.median(np.abs(off))) * np.sqrt(8 / 6.5))
+        return max(0.02, 1.4826 * float(np.median(np.abs(rest))) * np.sqrt(8 / 6.5))
 
     def _from_prior(self, camera: Camera, states: Array) -> tuple[Array, Array]:
         drift = (states - self.start) * self.loose
@@ -187,23 +187,23 @@ class _Problem:
         of_frames += (1e-9 + damping * np.einsum("fii->fi", of_frames)[:, None]) * unit
         cross = a.transpose(0, 2, 1) @ wanted
         cross[..., -1] -= self.loose * self._from_prior(camera, states)[1]
-        inside = np.linalg.solve(of_frames, cross)
+        frame_steps = np.linalg.solve(of_frames, cross)
         reduced = (
             wanted[..., :-1].transpose(0, 2, 1) @ wanted
-            - cross[..., :-1].transpose(0, 2, 1) @ inside
+            - cross[..., :-1].transpose(0, 2, 1) @ frame_steps
         )
         matrix = reduced[..., :-1].sum(axis=0) + np.diag(1 / self.sigma**2)
-        return matrix, reduced[..., -1], inside
+        return matrix, reduced[..., -1], frame_steps
 
     def step(
         self, camera: Camera, states: Array, noise: float, damping: float
     ) -> tuple[Array, Array]:
         """Return how far the shared unknowns and the states go."""
-        matrix, score, inside = self._normal(camera, states, noise, damping)
-        off, _ = self._from_prior(camera, states)
+        matrix, score, frame_steps = self._normal(camera, states, noise, damping)
+        prior_rest, _ = self._from_prior(camera, states)
         damped = matrix + damping * np.diag(np.diag(matrix))
-        step = np.linalg.solve(damped, score.sum(axis=0) - off / self.sigma)
-        return step, inside[..., -1] - inside[..., :-1] @ step
+        step = np.linalg.solve(damped, score.sum(axis=0) - prior_rest / self.sigma)
+        return step, frame_steps[..., -1] - frame_steps[..., :-1] @ step
 
     def covariance(self, camera: Camera, states: Array, noise: float) -> Array:
         """Return the covariance from how the frames' scores scatter, and from the priors."""

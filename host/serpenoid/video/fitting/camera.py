@@ -96,8 +96,8 @@ class Camera:
         theta = states[:, 2:, None]
         cos, sin = np.cos(theta), np.sin(theta)
         x, y = flat[None, ..., 0], flat[None, ..., 1]
-        turned = np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
-        flat_world = link_centres(states, self.link_m)[:, :, None] + turned
+        rotated = np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
+        flat_world = link_centres(states, self.link_m)[:, :, None] + rotated
         heights = np.broadcast_to(up, flat_world.shape[:-1])
         return np.concatenate([flat_world, heights[..., None]], axis=-1)
 
@@ -132,7 +132,8 @@ class Camera:
 
     def on_plane(self, pixels: Array) -> Array:
         """Return where pixels (..., 2) meet the plane of the tags, (..., 2), m."""
-        q = d = (pixels - self._middle_px) / self.focal_px
+        d = (pixels - self._middle_px) / self.focal_px
+        q = d
         for _ in range(8 * self.shared[1:3].any()):  # the distortion undone: a fixed point
             q = d / self._stretch(q)
         turn, distance = self.pose
@@ -143,15 +144,15 @@ class Camera:
     def by_states(self, states: Array) -> Array:
         """Return the pixels' derivatives by the states, (frames, links, 4, 2, links + 2)."""
         steps = np.eye(states.shape[1] + 1, states.shape[1], -1)[:, None]  # the first one is none
-        moved = np.concatenate(states + STEP * steps)  # as so many more frames
-        here, *stepped = np.split(self.image(self.corners(moved)), len(steps))
-        return np.stack(stepped, axis=-1) / STEP - here[..., None] / STEP
+        stepped_states = np.concatenate(states + STEP * steps)  # as so many more frames
+        base, *stepped = np.split(self.image(self.corners(stepped_states)), len(steps))
+        return np.stack(stepped, axis=-1) / STEP - base[..., None] / STEP
 
     def by_shared(self, states: Array) -> Array:
         """Return the pixels' derivatives by what is shared, (frames, links, 4, 2, 10 + 6 links)."""
-        here = self.image(self.corners(states))
+        base = self.image(self.corners(states))
         slopes = []
         for step in STEP * np.eye(len(self.shared)):
-            moved = replace(self, shared=self.shared + step)
-            slopes.append((moved.image(moved.corners(states)) - here) / STEP)
+            camera = replace(self, shared=self.shared + step)
+            slopes.append((camera.image(camera.corners(states)) - base) / STEP)
         return np.stack(slopes, axis=-1)

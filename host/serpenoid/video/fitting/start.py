@@ -72,8 +72,8 @@ def quarter_turns(centres: Array, headings: Array) -> Array:
     A link points from the tag before it to the tag after it, in the mean over the film.
     """
     first, last = centres[:, :1], centres[:, -1:]
-    after, before = np.hstack([centres[:, 1:], last]), np.hstack([first, centres[:, :-1]])
-    directions = after - before
+    next_tag, last_tag = np.hstack([centres[:, 1:], last]), np.hstack([first, centres[:, :-1]])
+    directions = next_tag - last_tag
     turns = np.exp(1j * (np.arctan2(directions[..., 1], directions[..., 0]) - headings))
     mean = np.angle(np.nan_to_num(turns).sum(axis=0))
     return -np.round(mean / (np.pi / 2)) * np.pi / 2

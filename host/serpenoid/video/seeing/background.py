@@ -67,15 +67,16 @@ class Background:
         _, inliers = cv2.estimateAffinePartial2D(start, end, ransacReprojThreshold=REACH_PX)
         is_common = inliers.ravel() == 1
         if is_common.sum() >= max(LEAST_POINTS, is_good.sum() / 2):
-            points, moved = start[is_common], (end - start)[is_common]
+            points, shifts = start[is_common], (end - start)[is_common]
             # The picture moves, turns and grows: by how much did the window's corner move that
             # moved most? So a picture that turns or grows about its middle has moved, too.
             left, top, right, bottom = self.window
-            corners = np.array([[x, y] for x in (left, right) for y in (top, bottom)], float)
+            ends = [[left, top], [left, bottom], [right, top], [right, bottom]]
+            corners = np.array(ends, float)
             a, corner_rows = _similar(points), _similar(corners)
             inverse = np.linalg.inv(a.T @ a)
-            motion = inverse @ a.T @ moved.ravel()
-            spread = np.sum((moved.ravel() - a @ motion) ** 2) / (a.shape[0] - 4)
+            motion = inverse @ a.T @ shifts.ravel()
+            spread = np.sum((shifts.ravel() - a @ motion) ** 2) / (a.shape[0] - 4)
             shift = (corner_rows @ motion).reshape(-1, 2)
             worst = int(np.argmax(np.linalg.norm(shift, axis=1)))
             rows = corner_rows[2 * worst : 2 * worst + 2]
@@ -88,10 +89,10 @@ class Background:
         import cv2
 
         size = (PATCH_PX, PATCH_PX)
-        there, status, _ = cv2.calcOpticalFlowPyrLK(
+        found_points, status, _ = cv2.calcOpticalFlowPyrLK(
             first, other, points, points.copy(), winSize=size, maxLevel=4
         )
-        return there, status
+        return found_points, status
 
 
 def _similar(points: Array) -> Array:

@@ -64,7 +64,8 @@ class TagFinder:
         p.minMarkerPerimeterRate = 0.01
         if self.side_px:
             near = int(np.clip(self.side_px * 0.8, 11, 101)) | 1
-            p.adaptiveThreshWinSizeMin = p.adaptiveThreshWinSizeMax = near
+            p.adaptiveThreshWinSizeMin = near
+            p.adaptiveThreshWinSizeMax = near
         corners, ids, _ = cv2.aruco.ArucoDetector(dictionary(), p).detectMarkers(part)
         tags: dict[int, Tag] = {}
         double: set[int] = set()

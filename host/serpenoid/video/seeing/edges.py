@@ -59,11 +59,11 @@ def _refined(picture: Grey, quads: Array) -> tuple[Array, Array]:
     read = np.isfinite(offset) & np.isfinite(width)
     rows = len(quads), -1
     widths = _median((width * reach).reshape(rows), read.reshape(rows))
-    good = np.isfinite(corners).all(axis=(1, 2))
-    good &= np.abs(corners - quads).max(axis=(1, 2)) < 2 * reach.max(axis=(1, 2))
+    is_read = np.isfinite(corners).all(axis=(1, 2))
+    is_read &= np.abs(corners - quads).max(axis=(1, 2)) < 2 * reach.max(axis=(1, 2))
     in_picture = (places >= 0) & (places <= np.array(picture.shape[::-1]) - 1)
-    good &= in_picture.all(axis=(1, 2, 3, 4))  # a rim that the picture cuts off tells no edge
-    return np.where(good[:, None, None], corners, quads), np.where(good, widths, np.nan)
+    is_read &= in_picture.all(axis=(1, 2, 3, 4))  # a rim that the picture cuts off tells no edge
+    return np.where(is_read[:, None, None], corners, quads), np.where(is_read, widths, np.nan)
 
 
 def _crossings(profile: Array) -> tuple[Array, Array]:
@@ -83,14 +83,14 @@ def _crossings(profile: Array) -> tuple[Array, Array]:
         share = (profile - dark[..., None]) / rise[..., None]
     crossings = [_passes(share, level) for level in (0.25, 0.5, 0.75)]
     contrast = np.quantile(rise, 0.5, axis=(-2, -1), keepdims=True)
-    good = (rise > 0.5 * contrast) & (rise > LEAST_CONTRAST)
-    return np.where(good, crossings[1], np.nan), np.abs(crossings[2] - crossings[0])
+    is_edge = (rise > 0.5 * contrast) & (rise > LEAST_CONTRAST)
+    return np.where(is_edge, crossings[1], np.nan), np.abs(crossings[2] - crossings[0])
 
 
 def _passes(share: Array, level: float) -> Array:
     """Return where a rising profile first passes a level."""
-    above = share > level
-    k = above.argmax(axis=-1)
+    is_above = share > level
+    k = is_above.argmax(axis=-1)
     low = np.take_along_axis(share, np.maximum(k - 1, 0)[..., None], -1)[..., 0]
     high = np.take_along_axis(share, k[..., None], -1)[..., 0]
     with np.errstate(invalid="ignore", divide="ignore"):

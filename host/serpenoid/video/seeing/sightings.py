@@ -47,8 +47,8 @@ class Sightings:
                 np.where(np.isfinite(backward), backward, forward),
                 0.5 * (backward + forward),
             )
-            moved = row * np.where(np.isfinite(central), central, one_sided)
-            skew = np.where(np.isfinite(moved), moved, 0.0).astype(np.float32)
+            row_shift = row * np.where(np.isfinite(central), central, one_sided)
+            skew = np.where(np.isfinite(row_shift), row_shift, 0.0).astype(np.float32)
             return (skew[cut.start - begin :][:CHUNK],)
 
         return Sightings(t_s, corners_px, image_px, in_chunks(skews, len(t_s))[0])

@@ -23,5 +23,5 @@ def tag_cells(links: int) -> list[Mask]:
     """Return which cells of each link's tag are white, (6, 6) each, row by row from the top."""
     if not 2 <= links <= MOST_LINKS:
         raise BadInput(f"links is {links}; the sheet has tags for 2 to {MOST_LINKS}")
-    known = dictionary()
-    return [known.generateImageMarker(k, CELLS) > 127 for k in range(links)]
+    family = dictionary()
+    return [family.generateImageMarker(k, CELLS) > 127 for k in range(links)]
