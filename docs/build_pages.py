@@ -19,6 +19,7 @@ import tomllib
 from click.testing import CliRunner
 from serpenoid.base import errors
 from serpenoid.commands.main import cli
+from serpenoid.robot import RobotBoard
 from serpenoid.robot.wire.protocol import ERRORS
 
 HERE = Path(__file__).resolve().parent
@@ -159,9 +160,14 @@ def api_pages() -> dict[str, str]:
     for title, names in groups.items():
         kind = "autofunction" if title == "Functions" else "autoclass"
         members = title not in ("Functions", "Exceptions")
+        lines = []
         for name in names:
             pages[name] = f"# `{name}`\n\n{directive(kind, name, members)}"
-        parts.append("\n".join([f"## {title}\n", "```{toctree}", *names, "```\n"]))
+            value = RobotBoard if title == "The robot" else getattr(sn, name.split(".")[1])
+            first = (inspect.getdoc(value) or "").split("\n\n")[0].replace("\n", " ")
+            lines.append(f"- [`{name.split('.')[-1]}`]({name}.md): {first}")
+        toctree = ["```{toctree}", ":hidden:", "", *names, "```\n"]
+        parts.append("\n".join([f"## {title}\n", *lines, "", *toctree]))
     return pages | {"api": "\n".join(parts)}
 
 

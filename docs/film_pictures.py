@@ -12,6 +12,8 @@ from matplotlib.patches import Circle, FancyArrow, Polygon, Rectangle
 
 GREEN, RED, GREY, BODY = "#009E73", "#D55E00", "#777777", "#b9c3cc"
 LETTERS_PT = 12.5  # legible on a phone
+# Inner cells of the first six tags, white where a bit is 1, row by row from the top.
+PATTERNS = (0xB532, 0x0F9A, 0x332D, 0x9946, 0x549E, 0x79CD)
 ANGLES = np.radians([8, 30, 12, -28, -20, 14])
 
 
@@ -32,8 +34,8 @@ def draw(path: Path) -> None:
     fig.savefig(path)
 
 
-def _label(ax: Axes, x: float, y: float, side: float, angle: float = 0.0) -> None:
-    """Draw a tag with its rim and its arrow, about its middle."""
+def _label(ax: Axes, x: float, y: float, side: float, angle: float = 0.0, link: int = 0) -> None:
+    """Draw a link's tag with its rim and its arrow, about its middle."""
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) / 2
 
@@ -43,8 +45,10 @@ def _label(ax: Axes, x: float, y: float, side: float, angle: float = 0.0) -> Non
 
     put(side * 8 / 6 * square, "white", ec=GREY, lw=0.8)
     put(side * square, "black", lw=0)
-    for cell in ((-0.25, 0.08), (0.08, 0.25), (0.08, -0.08), (-0.08, -0.25)):
-        put(side * (square / 6 + cell), "white", lw=0)
+    for cell in range(16):
+        if PATTERNS[link] >> (15 - cell) & 1:
+            middle = np.array([cell % 4 - 1.5, 1.5 - cell // 4]) / 6
+            put(side * (square / 6 + middle), "white", ec="white", lw=0.5)
     tip = np.array(
         [
             [0.54, 0.03],
@@ -59,7 +63,7 @@ def _label(ax: Axes, x: float, y: float, side: float, angle: float = 0.0) -> Non
     put(side * tip, GREY, lw=0)
 
 
-def _robot(ax: Axes, x: float, y: float, link: float, tags: bool = True) -> np.ndarray:
+def _robot(ax: Axes, x: float, y: float, link: float) -> np.ndarray:
     """Draw the robot from its tail; return the links' middles."""
     middles, at = [], np.array([x, y])
     for angle in ANGLES:
@@ -69,9 +73,8 @@ def _robot(ax: Axes, x: float, y: float, link: float, tags: bool = True) -> np.n
         ax.add_patch(Polygon([*(ends + across), *(ends[::-1] - across)], fc=BODY, lw=0))
         middles.append(at + along / 2)
         at = at + along
-    for middle, angle in zip(middles, ANGLES, strict=True):
-        if tags:
-            _label(ax, *middle, 0.45 * link, angle)
+    for k, (middle, angle) in enumerate(zip(middles, ANGLES, strict=True)):
+        _label(ax, *middle, 0.45 * link, angle, k)
     return np.array(middles)
 
 
@@ -83,7 +86,7 @@ def _tags(ax: Axes) -> None:
     ax.set(xlim=(0, 12), ylim=(0, 5))
     ax.add_patch(Rectangle((0.5, 0.3), 3.4, 4.4, fc="white", ec="black"))
     for k in range(6):
-        _label(ax, 1.2 + 1.0 * (k % 3), 3.3 - 1.0 * (k // 3), 0.55)
+        _label(ax, 1.2 + 1.0 * (k % 3), 3.3 - 1.0 * (k // 3), 0.55, link=k)
     ax.plot([0.9, 3.4], [0.8, 0.8], color="black")
     for x in np.linspace(0.9, 3.4, 11):
         ax.plot([x, x], [0.8, 0.95], color="black", lw=0.7)

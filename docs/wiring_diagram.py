@@ -52,12 +52,13 @@ def supply() -> str:
             wire(BLACK, (20, 60), (20, MINUS[1]), MINUS, width=4),
             wire(RED, PLUS, (426, 60)),
             wire(BLACK, (550, 60), (565, 60), (565, MINUS[1]), MINUS),
-            box(8, 12, 84, 48, "supply", "5 to 6 V"),
-            box(118, 20, 52, 30, "fuse"),
+            box(4, 4, 104, 66, "supply", "5 to 6 V", "10 A (3 A)"),
+            box(122, 8, 58, 66, "fuse", "10 A", "(3 A)"),
             box(196, 20, 62, 30, "switch"),
             box(426, 36, 124, 48, "capacitor", "+ 1000 µF −"),
             dot(PLUS, RED, 7),
             dot(MINUS, BLACK, 7),
+            text(28, 94, "in brackets: micro servos", "start"),
             text(PLUS[0] - 12, PLUS[1] - 6, "star +", "end"),
             text(MINUS[0] - 8, MINUS[1] + 22, "star −", "end"),
         ]
@@ -132,7 +133,8 @@ def on_driver() -> str:
 
 def draw(path: Path, board: str, height: int, top_of_board: int) -> None:
     """Write a diagram."""
-    inside = supply() + servos(top_of_board) + board
+    plug = "plug, in order: S white, yellow or orange; + red; − black or brown"
+    inside = supply() + servos(top_of_board) + board + text(WIDTH / 2, height - 8, plug)
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" role="img" '
@@ -146,6 +148,6 @@ def draw(path: Path, board: str, height: int, top_of_board: int) -> None:
 def draw_file(path: Path) -> None:
     """Write the diagram of a file's name: for a board's pins, or for a PCA9685."""
     if path.stem == "wiring":
-        draw(path, on_pins(), 590, 490)
+        draw(path, on_pins(), 616, 490)
     else:
-        draw(path, on_driver(), 665, 430)
+        draw(path, on_driver(), 691, 430)

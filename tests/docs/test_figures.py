@@ -12,6 +12,8 @@ from matplotlib.image import imread
 
 sys.path.insert(0, str(ROOT / "docs"))
 import figures
+import film_pictures
+from serpenoid.video.seeing.tags import tag_cells
 
 MOST = 2e-3  # of the ink: the last digit of a solver may move an edge by a shade
 
@@ -44,3 +46,8 @@ def test_every_picture_of_a_page_is_in_the_repository() -> None:
     for page in (*(ROOT / "docs").glob("*.md"), ROOT / "README.md"):
         for name in re.findall(r"!\[[^]]*\]\(([^)]+)\)", page.read_text()):
             assert (page.parent / name).exists(), f"{page.name}: {name}"
+
+
+def test_drawn_tags_are_the_printed_ones() -> None:
+    cells = np.array(tag_cells(len(film_pictures.PATTERNS)))[:, 1:-1, 1:-1].reshape(-1, 16)
+    assert (cells @ (1 << np.arange(15, -1, -1)) == film_pictures.PATTERNS).all()
