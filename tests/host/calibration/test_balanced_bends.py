@@ -9,10 +9,6 @@ import serpenoid as sn
 from calibration.synthetic_session import setup
 from serpenoid import Session
 from serpenoid.session.station import Reading
-from serpenoid.taking.new_session import default_setup
-from serpenoid.taking.simulated import SimulatedPerson, Truth
-from serpenoid.taking.treadmill import take_all
-from simulated_sessions import MemoryRecord
 
 TRUTH = np.array([0.084, 1.2, 0.14, 0.27])
 # Written down by hand: which links are bent, and to which side.
@@ -70,17 +66,6 @@ def test_a_fit_finds_the_frictions_again(bend, links, method):
     assert list(fit.whole_snake.values()) == pytest.approx(TRUTH, rel=2e-3)
 
 
-@pytest.mark.parametrize(("which", "off"), [(0, 0.5), (1, 0.5)])
-def test_one_misread_of_three_straight_readings_is_named(which, off):
-    """The default plan has three: each bend says what the straight robot's friction is, too."""
-    made = session_of("balanced")
-    straight = [made.readings[k] for k in (0, 2, 5)]
-    wrong = straight[which]
-    straight[which] = replace(wrong, belt_speed_m_s=wrong.belt_speed_m_s + off)
-    fit = sn.fit_friction(replace(made, readings=(*straight, *made.readings[6:])))
-    assert f"Without reading {wrong.number} chi2 would be 0.0: look at that one" in fit.alarms[0]
-
-
 def test_readings_that_could_each_be_the_wrong_one_are_all_named():
     """With one bend, any two of three straight readings are a line that agrees with it."""
     made = session_of("balanced")
@@ -93,14 +78,3 @@ def test_readings_that_could_each_be_the_wrong_one_are_all_named():
 def test_a_zigzag_is_asked_whether_it_was_guided():
     assert any("Was it guided?" in note for note in sn.fit_friction(session_of("zigzag")).notes)
     assert not any("guided" in note for note in sn.fit_friction(session_of("balanced")).notes)
-
-
-@pytest.mark.parametrize("bend", ["zigzag", "balanced"])
-def test_a_guided_robot_whose_joints_are_exact_goes_through_the_plan(bend):
-    base = default_setup("guided")
-    plan = replace(base.plan, gaits=(), bend=bend)
-    setup = replace(base, plan=plan).with_robot(sn.Robot(4, 0.1, 0.076))
-    truth = Truth(sn.Ground(0.084, 1.2, 0.14, 0.27), joint_sigma_rad=0.0, guided=True)
-    taken = take_all(MemoryRecord(setup), SimulatedPerson(setup, truth, seed=1))
-    assert len(taken.kept) > 15
-    assert all(abs(r.turned_rad) < 0.07 for r in taken.kept)  # by eye

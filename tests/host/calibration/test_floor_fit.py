@@ -159,21 +159,6 @@ def test_one_way_only_is_as_sure_as_the_floor_is_level():
     assert low < FT0 < high
 
 
-def test_tape_and_watch_leave_viscous_and_dry_friction_open():
-    """Ways and times to rest tell the sum of frictions alone."""
-    rng = np.random.default_rng(4)
-    record = MemoryRecord(floor_setup())
-    for bend in (0.0, 30.0):
-        for k in range(4):
-            t, x = rolled_out(0.8, TRUTH, bend_rad=math.radians(bend), rolling=0.0595)
-            cells = {"lambda_deg": bend, "bend": "balanced", "way": ("there", "back")[k % 2]}
-            cells["distance_m"] = x[-1] + 0.005 * rng.normal()
-            cells["duration_s"] = t[-4001] + 0.12 * rng.normal()
-            record.add("push", cells)
-    with refused(r"ct and ft0 cannot be told from 8 push"):
-        fit_friction(record.session)
-
-
 def test_stations_and_pushes_are_one_fit():
     session = mixed_session()
     together = fit_friction(session)

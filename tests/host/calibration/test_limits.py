@@ -50,15 +50,6 @@ def test_sigma_interval_and_draws_tell_the_same_beside_the_limit(fits):
         assert 0.015 < np.mean(drawn > high) < 0.08
 
 
-def test_friction_across_of_0_states_no_sigma_wider_than_its_interval():
-    made = [sn.fit_friction(held(0.084, seed, cn=0.0)) for seed in range(6)]
-    cut = [fit for fit in made if fit.intervals["cn"][0] == 0.0]
-    assert len(cut) >= 3
-    for fit in cut:
-        (value, sigma), (_, high) = fit.parameters["cn"], fit.intervals["cn"]
-        assert sigma <= 1.001 * (high - value) / 1.96
-
-
 def test_a_fit_at_its_limit_predicts_and_is_printed(fits, capsys):
     fit = next(f for f in fits if f.parameters["ct"].value == 0.0)
     gait = gait_in_deg(70, 75, math.pi)

@@ -13,8 +13,6 @@ from serpenoid.friction.result import narrowest
 WORLDS = {
     "coarse": World(bends_deg=(7.5, 30.0)),
     "any incline": World(grade=0.0, bends_deg=(30.0,)),
-    "a zero that drifts": World(zero_drift_deg=0.3, bends_deg=(7.5, 30.0)),
-    "heavy, noisy": World(mass_kg=1.2, ct=0.3, cn=3.0, ft0=0.3, fn0=0.8, speed_sigma=0.03),
 }
 
 

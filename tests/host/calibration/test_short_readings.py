@@ -141,10 +141,3 @@ def test_a_listed_reading_without_a_word_of_drift_had_none(folder, tmp_path):
     for _ in range(2):
         assert run(f"take {folder} --script {script}").returncode == 0
     assert [r.drift_m_s for r in read_session(folder).kept] == [0.0]
-
-
-def test_bad_places_are_refused_and_nothing_is_written(folder):
-    said = run(f"add {folder} station {CELLS} 'places=0:0 2:0.04'")
-    assert said.returncode != 0
-    assert "three places" in said.stderr
-    assert not read_session(folder).readings
