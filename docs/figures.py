@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -17,8 +16,8 @@ from serpenoid.base.files import csv_rows, read_text
 from serpenoid.bench.stability_map import Cell, stability_figure
 from serpenoid.bench.work_precision import read_rows
 from serpenoid.bench.work_precision_figure import work_precision_figure
+from serpenoid.paper.study import PATH_GAIT, path_run
 from serpenoid.prediction.curve import speed_curves
-from serpenoid.prediction.predict import one_cycle
 from serpenoid.servos.catalogue import HOBBY
 from serpenoid.show import plot
 from serpenoid.show.comparison_figure import comparison_figure
@@ -39,9 +38,8 @@ def speed(path: Path) -> None:
 
 def crawl_path(path: Path) -> None:
     """Draw the path of the paper's robot."""
-    robot, ground = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
-    run = one_cycle(robot, ground, sn.Gait.degrees(30, 80, hertz=5.0 / math.tau))[1]
-    plot.path_and_poses(run, "the paper's robot, α = 30°, β = 80°, ω = 5 rad/s", path)
+    title = "the paper's robot, α = 30°, β = 80°, ω = 5 rad/s"
+    plot.path_and_poses(path_run(PATH_GAIT, 3), title, path)
 
 
 def run(path: Path) -> None:

@@ -17,7 +17,6 @@ from ..friction.result import FrictionFit
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..prediction.predict import SpeedPoint
 from ..session.session import Session
 from ..simulation.run import Run
 
@@ -156,9 +155,10 @@ def draw_curve(ax: Axes, curve: SpeedCurve, colour: str, label: str) -> None:
     ax.plot(f, curve.typical_m_s, color=colour, label=label)
 
 
-def formulations_figure(points: Sequence[SpeedPoint], title: str, path: Path) -> None:
-    """Draw speeds of ideal joints by the two models of the paper (Fig. 17), and the difference."""
-    f, exact, implicit = columns(points, "frequency_hz", "explicit_m_s", "implicit_m_s")
+def formulations_figure(
+    f: np.ndarray, exact: np.ndarray, implicit: np.ndarray, title: str, path: Path
+) -> None:
+    """Draw speeds, m/s, over rates, Hz, by the paper's two models (Fig. 17), and the difference."""
     with figure(8.4, 3.8, 2, path=path) as (fig, (left, right)):
         circles = {"mfc": "white", "color": ORANGE, "ms": 5.5, "mew": 1.5}
         left.plot(f, exact, color=BLUE, label="explicit (exact)")

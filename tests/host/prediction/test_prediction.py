@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import serpenoid as sn
-from robots import NIRAKH_2005, PAPER, VISCOUS, gait_in_deg
-from serpenoid.prediction.predict import one_cycle, predict
+from robots import NIRAKH_2005, gait_in_deg
+from serpenoid.prediction.band import speed_band
 
 
 @pytest.fixture(scope="module")
@@ -14,25 +14,17 @@ def fit() -> sn.FrictionFit:
     return sn.fit_friction(sn.load_session(NIRAKH_2005))
 
 
-def test_speed_of_the_2005_robot(fit) -> None:
-    quick = predict(fit.robot, fit, gait_in_deg(70, 75, 5.0))
-    assert quick.explicit_m_s == pytest.approx(0.133205, rel=2e-4)
-    assert quick.explicit_error_m_s < 1e-6
-    assert np.isnan([quick.low_m_s, quick.high_m_s]).all()  # too fast for servos
+def test_a_band_of_the_2005_robot(fit) -> None:
+    too_fast = speed_band(fit, gait_in_deg(70, 75, 5.0))
+    assert too_fast.speed_m_s < 0.133205  # of ideal joints
+    assert np.isnan([too_fast.low_m_s, too_fast.high_m_s]).all()
     gait = gait_in_deg(70, 75, 4.0)
-    point = predict(fit.robot, fit, gait)
-    assert point.low_ideal_m_s < point.explicit_m_s < point.high_ideal_m_s
+    moved, ideal = speed_band(fit, gait), speed_band(fit, gait, servo=None)
+    assert (ideal.low_m_s, ideal.high_m_s) == (moved.low_joints_m_s, moved.high_joints_m_s)
+    assert ideal.low_m_s < ideal.speed_m_s < ideal.high_m_s
     # servos take some of the speed, and add to the doubt
-    assert point.low_m_s < point.low_ideal_m_s
-    assert point.high_m_s < 1.01 * point.high_ideal_m_s
-    state = sn.steady_gait(fit.robot, fit.ground, gait, powers=False)
-    stated = state.error_estimate * state.speed_m_s  # a speed, not a share
-    assert point.explicit_error_m_s == pytest.approx(stated, rel=1e-6)
-    ideal = predict(fit.robot, fit, gait, servo=None)
-    assert (ideal.low_m_s, ideal.high_m_s) == (point.low_ideal_m_s, point.high_ideal_m_s)
-    # asking for more must move the speed by no more than the error that is stated
-    finer = sn.steady_springs(fit.robot, fit.ground, gait, rtol=1e-5)
-    assert abs(finer.speed_m_s - point.implicit_m_s) <= point.implicit_error_m_s
+    assert moved.low_m_s < ideal.low_m_s
+    assert moved.high_m_s < 1.01 * ideal.high_m_s
 
 
 def test_samples_follow_the_fit_and_stay_physical(fit) -> None:
@@ -53,11 +45,3 @@ def test_samples_follow_the_fit_and_stay_physical(fit) -> None:
     assert np.corrcoef(samples.T) == pytest.approx(
         fit.covariance / np.outer(sigmas, sigmas), abs=0.05
     )
-
-
-def test_mean_speed_over_a_cycle_is_the_periodic_states() -> None:
-    gait = gait_in_deg(30, 80, 5.0)
-    state, run = one_cycle(PAPER, VISCOUS, gait)
-    # 600 steps of RK4 a period, 120 of them recorded
-    speeds = run.mean_speed_m_s(gait.period_s)[::120]
-    assert speeds == pytest.approx([state.speed_m_s] * 3, rel=1e-6)

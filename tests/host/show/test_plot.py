@@ -2,28 +2,19 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import matplotlib.image
+import numpy as np
 import pytest
 import serpenoid as sn
 from matplotlib.figure import Figure
-from robots import NIRAKH_2005, PAPER, VISCOUS, gait_in_deg
-from serpenoid.prediction.predict import one_cycle
+from robots import NIRAKH_2005
+from serpenoid.paper.study import PATH_GAIT, path_run
 from serpenoid.show import plot
 
 
 @pytest.fixture(scope="module")
 def run() -> sn.Run:
-    gait = gait_in_deg(30, 80, 5.0)
-    return one_cycle(PAPER, VISCOUS, gait)[1]
-
-
-def _points() -> list[SimpleNamespace]:
-    names = "frequency_hz", "explicit_m_s", "implicit_m_s"
-    return [
-        SimpleNamespace(**dict(zip(names, (f, 0.1 * f, 0.099 * f), strict=True))) for f in (1, 2)
-    ]
+    return path_run(PATH_GAIT, 3)
 
 
 @pytest.fixture
@@ -42,7 +33,8 @@ def test_every_figure_has_units_and_ink(name, run, tmp_path, drawn) -> None:
         session = sn.load_session(NIRAKH_2005)
         plot.friction_lines(session, sn.fit_friction(session), path)
     elif name == "formulations":
-        plot.formulations_figure(_points(), "title", path)
+        rates_hz = np.array([1.0, 2.0])
+        plot.formulations_figure(rates_hz, 0.1 * rates_hz, 0.099 * rates_hz, "title", path)
     else:
         plot.path_and_poses(run, "title", path)
     for ax in drawn[0].axes:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from ...paper.claims import Claim
 
 STEPS = 6  # of the progress
+SPRINGS_RTOL = 1e-3  # of the implicit model's speed
 HERTZ = 0.2, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0
 
 
@@ -45,10 +47,13 @@ def figures(out: Path, as_json: bool) -> None:
 
 def draw(out: Path, advance: Callable[[int], None]) -> list[Claim]:
     """Compute the study and draw its figures into a folder; return the claims."""
+    import numpy as np
+
     from ... import _core
+    from ...base.long_calls import in_threads
     from ...paper import study
     from ...paper.claims import claims
-    from ...prediction.predict import predict_all
+    from ...prediction.band import speed_band
     from ...show import plot
     from ...show.gaits import gait_figures
 
@@ -71,15 +76,20 @@ def draw(out: Path, advance: Callable[[int], None]) -> list[Claim]:
     lost = "readings regenerated from the lines that the paper prints: its own are lost"
     plot.friction_lines(session, fit, out / "fig15-16.png", lost)
     gaits = [sn.Gait.degrees(70, 75, hertz=hertz) for hertz in HERTZ]
-    points = predict_all(session.setup.robot, fit, gaits)
-    plot.formulations_figure(points, "2005 robot, α = 70°, β = 75°", out / "fig17.png")
+    bands = in_threads(lambda gait: speed_band(fit, gait, servo=None), gaits)
+    exact = np.array([band.speed_m_s for band in bands])
+    on_springs = partial(sn.steady_springs, fit.robot, fit.ground, rtol=SPRINGS_RTOL)
+    implicit = in_threads(on_springs, gaits)
+    speeds = np.array([springs.speed_m_s for springs in implicit])
+    title = "2005 robot, α = 70°, β = 75°"
+    plot.formulations_figure(np.array(HERTZ), exact, speeds, title, out / "fig17.png")
     advance(1)
     body = study.OF_2005, study.BINGHAM
     optima = [best for best in sn.power_front(*body, speeds_m_s=study.FRONT_2005_M_S) if best]
     words = f"2005 robot: {plot.robot_words(*body)}"
     gait_figures.power_of(study.cloud_2005(), optima, words, out / "front-2005.png")
     advance(1)
-    bands = [(p.frequency_hz, p.low_ideal_m_s, p.high_ideal_m_s) for p in points]
-    found = claims(closed, opened, front, bands)
+    ends = [(hz, b.low_m_s, b.high_m_s) for hz, b in zip(HERTZ, bands, strict=True)]
+    found = claims(closed, opened, front, ends)
     advance(1)
     return found
