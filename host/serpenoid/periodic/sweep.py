@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +16,7 @@ from ..base.long_calls import Progress, in_threads, threads_to_use
 from ..base.rows import Result, two_digits
 from ..base.vectors import Array
 from ..model.drives import Servo, ServoKind
-from ..model.gait import Gait
+from ..model.gait import Gait, gait_name
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..servos.speed_limit import is_too_fast
@@ -27,6 +27,14 @@ from .steady import steady_gait
 
 _RTOL, _DRAWS = 1e-3, 64  # of gaits with servos: a grid has many
 _SHAPES_AT_ONCE = 4096  # solved here: bounds the memory beside the result
+
+
+class BestGait(NamedTuple):
+    """A gait of a grid with its speed, and the energy of a metre without regeneration."""
+
+    gait: Gait
+    speed_m_s: float
+    energy_j_m: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,10 +88,51 @@ class Sweep(Result):
     servo_low_m_s: NDArray[np.float64] | None = None
     servo_high_m_s: NDArray[np.float64] | None = None
 
+    def best(self, *, per_metre: bool = False) -> BestGait | None:
+        """Return the fastest gait, or the one with the cheapest metre; None if none travels.
+
+        With a servo its speed counts, and only gaits that it can follow. The power is that of
+        ideal joints that do not regenerate.
+        """
+        speed_m_s = np.where(self.converged, self.speed_m_s, np.nan)
+        if self.servo_speed_m_s is not None and self.servo_low_m_s is not None:
+            speed_m_s = np.where(np.isnan(self.servo_low_m_s), np.nan, self.servo_speed_m_s)
+        speed_m_s = np.where(speed_m_s > 0, speed_m_s, np.nan)
+        energy_j_m = self.positive_power_w / speed_m_s
+        score = -energy_j_m if per_metre else speed_m_s
+        if np.isnan(score).all():
+            return None
+        place = np.unravel_index(np.nanargmax(score), score.shape)
+        shape = zip((self.alpha_rad, self.beta_rad, self.omega_rad_s), place[-3:], strict=True)
+        alpha_rad, beta_rad, omega_rad_s = (float(values[k]) for values, k in shape)
+        gait = Gait(alpha_rad, beta_rad, omega_rad_s)
+        return BestGait(gait, float(speed_m_s[place]), float(energy_j_m[place]))
+
     def in_words(self) -> str:
-        """Return the speed of the fastest gait."""
-        fastest = two_digits(float(np.nanmax(self.speed_m_s)))
-        return f"The fastest of {self.speed_m_s.size} gaits makes {fastest} m/s."
+        """Return the fastest gait, the cheapest metre, and how many gaits do not settle."""
+        said = [f"{self.speed_m_s.size} gaits."]
+        for word, per_metre in (("Fastest", False), ("Cheapest metre", True)):
+            found = self.best(per_metre=per_metre)
+            if found is not None and not (per_metre and found.energy_j_m == 0):
+                cost = f", {two_digits(found.energy_j_m)} J/m" if found.energy_j_m else ""
+                speed = two_digits(found.speed_m_s)
+                said.append(f"{word}: {gait_name(found.gait)}, {speed} m/s{cost}.")
+        lost = int((~self.converged).sum())
+        return " ".join([*said, f"{lost} do not settle." if lost else "All settle."])
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain lists, indexed [alpha, beta, omega]; what is not finite is None."""
+        plain: dict[str, Any] = {
+            "alpha_deg": np.degrees(self.alpha_rad).round(10).tolist(),
+            "beta_deg": np.degrees(self.beta_rad).round(10).tolist(),
+        }
+        for name in self.__match_args__:
+            values = getattr(self, name)
+            if values is not None:
+                cells = values.astype(object)
+                cells[~np.isfinite(values)] = None
+                plain[name] = cells.tolist()
+        return plain
 
 
 def sweep(

@@ -104,7 +104,6 @@ def test_ctrl_c_stops_a_long_run_at_once() -> None:
         (f"steady {SHAPE}", 2, "give one of --frequency-hz and --omega-rad-s"),
         (f"steady {GAIT} --alhpa-deg 3", 2, "No such option"),
         (f"steady {GAIT} --set ct=0 --set cn=0 --set ft0=0 --set fn0=0", 2, "no friction"),
-        ("sweep", 2, "give --out"),
         (f"simulate {GAIT} --set record_every=0", 2, "record_every is 0"),
         (f"simulate {GAIT} --set dt_s=-1", 2, "dt_s is -1.0"),
         ("steady --alpha-deg 70 --beta-deg inf --omega-rad-s 5", 2, "beta_deg is inf"),

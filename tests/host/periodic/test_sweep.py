@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 import serpenoid as sn
 from refusals import refused
 from robots import BINGHAM, OF_2005, PAPER, VISCOUS
-from serpenoid.show.sweep_files import sweep_values, write_sweep
+from serpenoid.show.sweep_files import write_sweep
 
 GRID = {"alpha_rad": [0.4, 0.9, 1.2], "beta_rad": [0.5, 1.3], "omega_rad_s": [1.0, 5.0, 9.0]}
 NAMES = (
@@ -81,16 +82,32 @@ def test_files_hold_the_sweep(tmp_path: Path) -> None:
     with np.load(tmp_path / "s.npz") as file:
         assert np.array_equal(file["settling_time_s"], grid.settling_time_s)
         assert np.array_equal(file["omega_rad_s"], grid.omega_rad_s)
-    values = sweep_values(grid)
+    values = grid.to_dict()
     assert values["speed_m_s"] == grid.speed_m_s.tolist()
     assert values["alpha_deg"] == pytest.approx(np.degrees(GRID["alpha_rad"]))
     with (tmp_path / "s.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 18
     last = rows[-1]
-    assert float(last["omega_rad_s"]) == 9.0
+    assert float(last["frequency_hz"]) == pytest.approx(9.0 / math.tau)
+    assert float(last["alpha_deg"]) == pytest.approx(math.degrees(1.2))
     assert float(last["abs_power_w"]) == grid.abs_power_w[-1, -1, -1]
     assert last["converged"] == "1"
+
+
+def test_the_fastest_gait_and_the_cheapest_metre_come_first() -> None:
+    grid = sn.sweep(OF_2005, BINGHAM, **GRID, rtol=1e-4)
+    fastest, cheapest = grid.best(), grid.best(per_metre=True)
+    assert fastest is not None
+    assert cheapest is not None
+    assert fastest.speed_m_s == grid.speed_m_s.max()
+    state = sn.steady_gait(OF_2005, BINGHAM, cheapest.gait)
+    assert cheapest.energy_j_m == pytest.approx(state.positive_power_w / state.speed_m_s, rel=1e-3)
+    assert cheapest.energy_j_m <= (grid.positive_power_w / grid.speed_m_s).min() * (1 + 1e-9)
+    assert "Fastest: " in grid.in_words()
+    assert grid.in_words().endswith("All settle.")
+    still = sn.sweep(PAPER, VISCOUS, alpha_rad=0.0, beta_rad=1.0, omega_rad_s=1.0)
+    assert still.best() is None
 
 
 def test_bad_input_is_named() -> None:
