@@ -19,6 +19,7 @@ from ..base.checks import (
     Limits,
     check_choice,
     check_fields,
+    check_kind,
     check_number,
     check_whole,
 )
@@ -279,10 +280,7 @@ class ServoKind:
             if not isinstance(getattr(self, name), (tuple, list)):
                 raise BadInput(f"{name} is {getattr(self, name)!r}; it must be a tuple")
         for servo in (self.servo, *self.drawn):
-            if not isinstance(servo, Servo):
-                raise BadInput(
-                    f"servo is {servo!r}; it must be an sn.Servo, such as sn.servo('hobby').servo"
-                )
+            check_kind("servo", servo, Servo)
         for name, value in self.sigma.items():
             check_choice("sigma", name, UNCERTAIN)
             check_number(f"sigma of {name}", value, 0.0, 3.0)

@@ -30,14 +30,11 @@ def _check_angle(name: str, angle: object) -> None:
     try:
         limits.check(name, angle)
     except BadInput as error:
-        try:
-            angle_deg = Limits(math.degrees(limits.low), math.degrees(limits.high)).check(
-                name, angle
-            )
-        except BadInput:
-            raise error from None
+        low_deg, high_deg = math.degrees(limits.low), math.degrees(limits.high)
+        if not isinstance(angle, (int, float)) or not low_deg <= angle <= high_deg:
+            raise
         raise BadInput(
-            f"{error}; if degrees were meant, it is {math.radians(angle_deg):.5g} rad "
+            f"{error}; if degrees were meant, it is {math.radians(angle):.5g} rad "
             "(Gait.degrees in Python)"
         ) from None
 
