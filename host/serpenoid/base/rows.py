@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import io
 import math
 import textwrap
@@ -70,6 +71,18 @@ class Result:
     def table(self, verbose: bool = True) -> tuple[list[str], list[list[str]]]:
         """Return heads and cells of the rows, those of details only if verbose."""
         return columns([row for row in self.rows() if verbose or not row.detail])
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {self.in_words()}>"
+
+    def _repr_html_(self) -> str:
+        """Return the sentence and the table for a notebook."""
+        heads, cells = self.table(verbose=False)
+        lines = []
+        for line in (heads, *cells):
+            inside = "".join(f"<td>{html.escape(cell)}</td>" for cell in line)
+            lines.append(f"<tr>{inside}</tr>")
+        return f"<p>{html.escape(self.in_words())}</p><table>{''.join(lines)}</table>"
 
     def __str__(self) -> str:
         from rich.console import Console

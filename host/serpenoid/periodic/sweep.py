@@ -37,7 +37,7 @@ class BestGait(NamedTuple):
     energy_j_m: float
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Sweep(Result):
     """Hold periodic states over a grid; all arrays but the axes are indexed [alpha, beta, omega].
 

@@ -42,7 +42,7 @@ _CSV_GROUPS = (
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Run(Result):
     """Hold a run: T recorded times and arrays over n links, counted from the tail.
 

@@ -104,6 +104,7 @@ def test_the_fastest_gait_and_the_cheapest_metre_come_first() -> None:
     state = sn.steady_gait(OF_2005, BINGHAM, cheapest.gait)
     assert cheapest.energy_j_m == pytest.approx(state.positive_power_w / state.speed_m_s, rel=1e-3)
     assert cheapest.energy_j_m <= (grid.positive_power_w / grid.speed_m_s).min() * (1 + 1e-9)
+    assert repr(grid) == f"<Sweep: {grid.in_words()}>"
     assert "Fastest: " in grid.in_words()
     assert grid.in_words().endswith("All settle.")
     still = sn.sweep(PAPER, VISCOUS, alpha_rad=0.0, beta_rad=1.0, omega_rad_s=1.0)

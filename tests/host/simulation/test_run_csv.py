@@ -46,3 +46,11 @@ def test_what_is_recorded_changes_no_bit_of_the_motion() -> None:
     for name in ("x_m", "theta_rad", "vy_m_s", "omega_rad_s"):
         kept = np.concatenate([getattr(fine, name)[:-1:7], getattr(fine, name)[-1:]])
         assert np.array_equal(kept, getattr(rough, name)), name
+
+
+def test_a_notebook_shows_a_sentence_and_a_table() -> None:
+    run = sn.simulate(sn.Scene(PAPER, VISCOUS, sn.Gait(0.5, 1.4, 5.0), duration_s=0.1))
+    assert repr(run) == f"<Run: {run.in_words()}>"
+    page = run._repr_html_()
+    assert page.startswith(f"<p>{run.in_words()}</p><table><tr>")
+    assert page.count("<tr>") == 1 + len(run.table(verbose=False)[1])
