@@ -25,10 +25,16 @@ HELP = """\
   skip     leave this reading out, or take what stands in brackets
   pause    servos off, until Enter
   quit     leave; everything read so far is kept
-Several numbers may be typed in a line: they answer the questions that follow, too."""
+What a prompt asks for may be typed in one line, as 2.3 0.45, or one by one."""
 SHORT = {"q": "quit", "exit": "quit", "?": "help", "u": "undo"}
 PATIENCE_S = 300.0
 T = TypeVar("T")
+
+
+def questions(fields: Sequence[Field], unit: str = "") -> str:
+    """Return what is asked for some numbers; unit: of those that have it."""
+    units = [unit if unit in field.units else field.unit for field in fields]
+    return "; ".join(f"{f.words} ({u})" for f, u in zip(fields, units, strict=True))
 
 
 class Undo(Exception):
@@ -124,10 +130,9 @@ class Asker:
         """
         values = Values()
         self._rest = typed
-        for field in fields:
+        for k, field in enumerate(fields):
+            text = self._rest or self.ask(f"  {questions(fields[k:], unit)}: ")
             in_unit = unit if unit in field.units else ""
-            prompt = f"  {field.words} ({in_unit or field.unit}): "
-            text = self._rest or self.ask(prompt)
             values[field.column], self._rest = first_number(text, field, in_unit)
         if self._rest:
             raise BadInput(f"{self._rest!r} is too much; {len(fields)} number(s) are asked for")

@@ -15,7 +15,7 @@ from ..session.declaration import Field, Values
 from ..session.journal import Journal
 from ..session.places import EXAMPLE, drifts, tidy_places
 from ..session.session import Session
-from .asking import PATIENCE_S, WORDS, Again, Asker, Left, Skip, Undo
+from .asking import PATIENCE_S, WORDS, Again, Asker, Left, Skip, Undo, questions
 from .bends import NEAR_DEG
 from .films import FilmReader, named_file, no_films, read_crawl, take_track
 from .procedure import ZERO_BEFORE, doubts, next_step, step_in_words
@@ -26,8 +26,8 @@ from .track_files import read_track_file
 from .treadmill import posed_after, record_step
 
 QUESTIONS = {  # of steps that a film answers, too
-    "push": "its film or track (of Tracker, Kinovea, CSV); or how far it rolled (m)",
-    "gait": "its film; or the distance between the marks (m)",
+    "push": "its film or track (of Tracker, Kinovea, CSV)",
+    "gait": "its film",
 }
 DRIFT = (
     "drift left over, + uphill (m/s), and deg turned, + to the left, as 0.01 3deg (Enter: none); "
@@ -241,7 +241,8 @@ class Dialogue:
         typed = ""
         if step.kind in QUESTIONS:
             while not typed:
-                typed = self._asker.ask(f"  {QUESTIONS[step.kind]}: ")
+                numbers = questions(step.asked)
+                typed = self._asker.ask(f"  {QUESTIONS[step.kind]}; or {numbers}: ")
             named = named_file(typed)
             if named is not None and step.gait is not None:
                 return self._crawl(named[0], step.gait)

@@ -5,13 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from calibration.conversations import Typist
 from command_line import serpenoid
 from refusals import refused
 from scipy.integrate import solve_ivp
 from serpenoid import fit_friction
 from serpenoid.session.folder import read_session
+from serpenoid.session.journal import Journal
 from serpenoid.session.places import drifts, tidy_places
 from serpenoid.session.station import Reading
+from serpenoid.taking.dialogue import Dialogue
 from serpenoid.taking.new_session import create_session, default_setup
 
 from .synthetic_session import WHOLE_BODY_2005
@@ -141,3 +144,14 @@ def test_a_listed_reading_without_a_word_of_drift_had_none(folder, tmp_path):
     for _ in range(2):
         assert run(f"take {folder} --script {script}").returncode == 0
     assert [r.drift_m_s for r in read_session(folder).kept] == [0.0]
+
+
+def test_a_table_of_places_is_a_short_reading_at_the_prompt(folder, tmp_path):
+    table = tmp_path / "belt.csv"
+    table.write_text("t_s,x_m\n0,0\n2,0.04\n4,0.12\n")
+    person = Typist("0.1 -0.1", "", "2.0 0.3", str(table))
+    with Journal(folder) as journal:
+        Dialogue(journal, person).run()
+        (station,) = journal.session.kept
+    assert station.places == "0:0,2:0.04,4:0.12"
+    assert station.waited_s is None

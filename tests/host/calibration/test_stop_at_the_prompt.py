@@ -15,7 +15,7 @@ BELT = "without zero before; without steering"
 GAIT = f"{BELT}; plan.gait_runs = 1; " + "; ".join(
     f"without {key}" for key in ("straight", "bend 7.5", "bend 15", "bend 30")
 )
-POSE, INCLINE = "Enter straightens the robot (hands off): ", "the inclinometer shows (deg): "
+POSE, INCLINE = "Enter straightens the robot (hands off): ", "the inclinometer shows (deg)"
 SPEED = "belt speed (m/s): "
 
 
