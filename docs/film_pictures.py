@@ -49,17 +49,7 @@ def _label(ax: Axes, x: float, y: float, side: float, angle: float = 0.0, link: 
         if PATTERNS[link] >> (15 - cell) & 1:
             middle = np.array([cell % 4 - 1.5, 1.5 - cell // 4]) / 6
             put(side * (square / 6 + middle), "white", ec="white", lw=0.5)
-    tip = np.array(
-        [
-            [0.54, 0.03],
-            [0.6, 0.03],
-            [0.6, 0.07],
-            [0.65, 0],
-            [0.6, -0.07],
-            [0.6, -0.03],
-            [0.54, -0.03],
-        ]
-    )
+    tip = np.array([[0.55, 0.07], [0.65, 0], [0.55, -0.07]])
     put(side * tip, GREY, lw=0)
 
 
