@@ -65,8 +65,8 @@ class Ground:
         """Divide the whole snake's ct, cn (N s/m), ft0, fn0 (N) evenly among its links."""
         n = check_links(links)
         total = cls(ct, cn, ft0, fn0)
-        along = tuple(way / n for way in _ways(total.ct))
-        dry_along = tuple(way / n for way in _ways(total.ft0))
+        along = total.ct_forward / n, total.ct_backward / n
+        dry_along = total.ft0_forward / n, total.ft0_backward / n
         return cls(along, total.cn / n, dry_along, total.fn0 / n)
 
     @property
@@ -93,8 +93,8 @@ class Ground:
         self, ct: float = 1.0, cn: float = 1.0, ft0: float = 1.0, fn0: float = 1.0
     ) -> Ground:
         """Return ground with ct, cn, ft0 and fn0 each times a factor, both ways alike."""
-        along = tuple(ct * way for way in _ways(self.ct))
-        dry_along = tuple(ft0 * way for way in _ways(self.ft0))
+        along = self.ct_forward * ct, self.ct_backward * ct
+        dry_along = self.ft0_forward * ft0, self.ft0_backward * ft0
         return Ground(along, self.cn * cn, dry_along, self.fn0 * fn0)
 
     @property
