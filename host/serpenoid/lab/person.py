@@ -35,12 +35,10 @@ TURNED_RAD = math.radians(5.0)  # beyond it a robot is no longer held as the law
 class Habits:
     """How a person works.
 
-    steers: looks each half second and steers; else watches only. hasty: share of stations that are
-    read after a third of the time. let_go_rad, let_go_rad_s, let_go_m_s: scatter of heading,
-    turning and speed when the robot is let go.
+    hasty: share of stations that are read after a third of the time. let_go_rad, let_go_rad_s,
+    let_go_m_s: scatter of heading, turning and speed when the robot is let go.
     """
 
-    steers: bool = True
     hasty: float = 0.0
     let_go_rad: float = math.radians(2.0)
     let_go_rad_s: float = math.radians(3.0)
@@ -218,7 +216,7 @@ class Person:
             habits.let_go_m_s * float(rng.normal()),
             habits.let_go_rad_s * float(rng.normal()),
         )
-        belt.steer(self.helm.offset_rad if not habits.steers else self.helm.trim_rad)
+        belt.steer(self.helm.trim_rad)
 
     def _held(self, shown: float, seen: list[Sight], drift: float, waited_s: float) -> Held:
         turned = EYE_RAD.shows(seen[-1].heading_rad, self.rng)
@@ -228,8 +226,7 @@ class Person:
         """Steer and look until the time is over or the robot leaves; return what was there."""
         seen = [self.belt.look()]
         for _ in range(max(1, round(duration_s / LOOK_S))):
-            if self.habits.steers:
-                self._steer(seen[-1], shown_m_s)
+            self._steer(seen[-1], shown_m_s)
             self.belt.wait(LOOK_S)
             seen.append(self.belt.look())
             if self._leaves(seen[-1]):

@@ -51,14 +51,9 @@ def film(track: Track, camera: Camera, rng: np.random.Generator) -> Array:
     return np.stack(rows, axis=1)
 
 
-def to_rest(
-    track: Track,
-    rng: np.random.Generator,
-    tape_m: Instrument = TAPE_M,
-    watch_s: Instrument = WATCH_S,
-) -> tuple[float, float]:
+def to_rest(track: Track, rng: np.random.Generator) -> tuple[float, float]:
     """Return distance, m, and time, s, from the hand to rest, by tape and watch."""
     start = [np.interp(track.released_s, track.t_s, way) for way in (track.x_m, track.y_m)]
     way = float(np.hypot(track.x_m[-1] - start[0], track.y_m[-1] - start[1]))
     time = float(track.t_s[-1] - track.released_s)
-    return tape_m.shows(way, rng), max(watch_s.shows(time, rng), 0.0)
+    return TAPE_M.shows(way, rng), max(WATCH_S.shows(time, rng), 0.0)

@@ -29,8 +29,6 @@ from .track_files import read_track_file
 FilmReader = Callable[[Path, Robot, Gait | None], Tracked]
 TEXTS = (".csv", ".txt", ".tsv", ".dat")
 FILMS = (".mp4", ".mov", ".mkv", ".avi", ".m4v", ".webm")
-QUESTION = "  its film or track (of Tracker, Kinovea, CSV), or how far it rolled (m): "
-CRAWL_QUESTION = "  its film, or the distance between the marks (m): "
 CRAWL_COLUMNS = ("t_s", "x_m", "y_m", "heading_rad")  # of `video --track`; then the joints
 
 

@@ -77,14 +77,14 @@ class Truth:
         )
         return whole.drawn(rng, self.joint_sigma_rad, self.link_spread)
 
-    def display(self, setup: Setup, scatter: float = 1.0) -> Display:
-        """Return the treadmill's display; scatter: of the belt, over what the set-up states."""
+    def display(self, setup: Setup) -> Display:
+        """Return the treadmill's display."""
         steps = setup.instruments
         return Display(
             steps.belt_speed_step_m_s,
             self.belt_scale,
             steps.belt_speed_least_m_s,
-            scatter * setup.instruments.belt_speed_sigma_m_s,
+            setup.instruments.belt_speed_sigma_m_s,
         )
 
     def inclinometer_rad(self, setup: Setup) -> Instrument:

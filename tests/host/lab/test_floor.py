@@ -10,14 +10,12 @@ from robots import OF_2005
 from serpenoid import Ground
 from serpenoid.friction.bends import straightness_factors
 from serpenoid.lab.floor import Floor, Push
-from serpenoid.lab.instruments import Instrument
 from serpenoid.lab.robot import LabRobot, pose_of
 
 WHOLE = Ground(0.084, 1.2, 0.14, 0.27)
 MASS, G = 6 * 0.0756, 9.81
 ROBOT = LabRobot.whole(OF_2005, WHOLE)
 STRAIGHT, BALANCED = [0.0] * 5, (1, -1, 0, 0, -1, 1)
-EXACT = Instrument()
 
 
 def coast(v0, a, b, inert):
