@@ -127,7 +127,7 @@ def measure(quick: bool, tell: Callable[[str], None]) -> Iterator[Row]:
 
     A fixed step refused as too long does not end the row: a shorter one may be right.
     """
-    limit_s, rounds = (3.0, 3) if quick else (1.5, 5)
+    limit_s, rounds = (3.0, 3) if quick else (1.0, 5)
     with Limited() as child:
         for problem in problems():
             if quick and problem.name not in QUICK_SCENES:

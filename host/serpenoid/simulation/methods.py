@@ -35,10 +35,6 @@ def _kind(row: dict[str, Any]) -> MethodKind:
 METHODS = {row.pop("name"): _kind(row) for row in _core.method_table()}
 
 
-# Methods that scene files may name and that are no longer there, each with one to take.
-GONE = {"euler": "rk4", "semi_implicit_euler": "rk4", "collocation": "dop853"}
-
-
 class OwnChoice(str):
     """Hold a method's name that a scene chose by itself: changed, the scene chooses anew."""
 

@@ -31,7 +31,7 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.link_state import LinkState
 from ..model.robot import Robot
-from .methods import GONE, METHODS, OwnChoice
+from .methods import METHODS, OwnChoice
 
 MAX_LINK_STEPS = 10**11
 MIN_TOLERANCE = 1e-13
@@ -144,8 +144,6 @@ class Scene:
         check_parts(self.robot, self.ground, self.gait)
         check_choice("formulation", self.formulation, FORMULATIONS)
         check_choice("drive", self.drive, DRIVES)
-        if self.method in GONE:
-            raise BadInput(f"method {self.method!r} is gone; take method {GONE[self.method]!r}")
         if not isinstance(self.method, OwnChoice):
             check_choice("method", self.method, ("auto", *METHODS))
         check_choice("gap", self.gap, GAPS)

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
-from refusals import refused
 from robots import PAPER, VISCOUS, gait_in_deg
 from serpenoid import LinkState
 from serpenoid.bench import stability_map
@@ -16,12 +15,6 @@ from serpenoid.simulation.methods import METHODS
 from serpenoid.simulation.stability import largest_stable_step_s
 
 GAIT = gait_in_deg(30, 80, 5.0)
-
-
-@pytest.mark.parametrize("method", ["euler", "semi_implicit_euler"])
-def test_a_method_that_is_gone_names_another(method: str) -> None:
-    with refused(f"{method}.* is gone; take method 'rk4'"):
-        sn.Scene(PAPER, VISCOUS, GAIT, method=method)
 
 
 SLOW = sn.Scene(PAPER, sn.Ground(1.0, 1.0), sn.Gait(0.5, 1.4, 0.3), method="rk4", dt_s=4.0)
