@@ -96,8 +96,10 @@ class FrictionFit(Result):
         Of the values' 95 % intervals, none below 0.
     samples : (N, 4)
         Samples of the values, each as likely as any other.
-    chi2, dof
-        Of readings and priors under the stated uncertainties.
+    chi2
+        Sum of squared residuals of readings and priors under the stated uncertainties.
+    dof
+        Degrees of freedom of chi2.
     nuisances
         name -> (value, sigma): what the readings share, errors of bends and of the inclinometer's
         zero, slopes of a floor; none for "naive".
@@ -105,10 +107,14 @@ class FrictionFit(Result):
         One for each kept reading, in standard deviations; of a filmed push the root mean square.
     influence
         One for each kept reading; none for "naive".
-    notes, alarms
-        Remarks in words; alarms are those notes that forbid to trust a prediction.
-    session_name, session_sha256
-        The session fitted, and the hash of what the fit rests on.
+    notes
+        Remarks in words.
+    alarms
+        Those notes that forbid to trust a prediction.
+    session_name
+        Name of the session fitted.
+    session_sha256
+        Hash of what the fit rests on.
 
     Examples
     --------

@@ -51,8 +51,10 @@ class LeastPower(Result):
         The exact model's periodic state.
     formulation
         "explicit" or "implicit".
-    limits, active
-        The limits of the search, and those that the gait has reached, in words.
+    limits
+        The limits of the search.
+    active
+        Those limits that the gait has reached, in words.
     power_error_w
         How much less power there may be, W: solved_error_w, the accuracy with which the search
         compares gaits, and what its last two restarts gained.
@@ -121,8 +123,10 @@ def least_power_gait(
 
     Parameters
     ----------
-    robot, ground
-        What crawls, and on what; friction along the links must be the same both ways.
+    robot
+        What crawls.
+    ground
+        Friction of what it crawls on. Friction along the links must be the same both ways.
     speed_m_s
         The wanted speed, m/s.
     cost
@@ -131,8 +135,10 @@ def least_power_gait(
         Of joints, servos, rate and of the speed that is lost with less amplitude or friction.
     formulation
         "explicit", or "implicit": the paper's springs and dampers, from the exact model's optimum.
-    joint_stiffness_n_m, joint_damping_n_s_m
-        Of the implicit formulation, N/m and N s/m.
+    joint_stiffness_n_m
+        Stiffness of the springs in the joints, N/m.
+    joint_damping_n_s_m
+        Damping in the joints, N s/m.
     rtol
         Accuracy of the final state, relative; 1e-10 on viscous and 1e-5 on dry ground unless given.
 
@@ -186,8 +192,10 @@ def power_front(
 
     Parameters
     ----------
-    robot, ground
-        What crawls, and on what.
+    robot
+        What crawls.
+    ground
+        Friction of what it crawls on.
     speeds_m_s
         The wanted speeds, m/s.
     search

@@ -54,8 +54,10 @@ class GaitLimits:
         Limit of alpha omega, rad/s.
     servo_torque_nm
         Limit of every joint's torque at any time, N m.
-    omega_low_rad_s, omega_high_rad_s
-        Range of the gait's rate, rad/s.
+    omega_low_rad_s
+        Lowest rate of the gait, rad/s.
+    omega_high_rad_s
+        Highest rate of the gait, rad/s.
     kept_speed_share
         Share of the speed that is left when the amplitude is 10 % less, and when friction across
         the links is 20 % less, 0 to 0.99. Where no gait keeps it, the search takes one that keeps
@@ -215,8 +217,12 @@ def speed_losses(robot: Robot, ground: Ground, gait: Gait) -> SpeedLosses:
 
     Parameters
     ----------
-    robot, ground, gait
-        What crawls, on what and how.
+    robot
+        What crawls.
+    ground
+        Friction of what it crawls on.
+    gait
+        How its joints move.
 
     Returns
     -------

@@ -104,8 +104,10 @@ class Servo:
 
     Attributes
     ----------
-    stiffness_nm_rad, damping_nms_rad
-        K and D of the position loop, N m/rad and N m s/rad.
+    stiffness_nm_rad
+        K of the position loop, N m/rad.
+    damping_nms_rad
+        D of the position loop, N m s/rad.
     torque_limit_nm
         Stalled torque S of the motor, at the joint, N m.
     speed_limit_rad_s
@@ -114,8 +116,10 @@ class Servo:
         The loop's error counts from here on, rad.
     armature_kg_m2
         The rotor's inertia times the gear ratio squared, kg m^2.
-    gear_friction_nm, gear_damping_nms_rad
-        Dry and viscous friction of the gear, N m and N m s/rad.
+    gear_friction_nm
+        Dry friction of the gear, N m.
+    gear_damping_nms_rad
+        Viscous friction of the gear, N m s/rad.
     update_hz
         How often the loop looks, Hz, on the clock of the frames; 0: at all times.
     supply_sag

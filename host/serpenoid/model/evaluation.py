@@ -133,8 +133,10 @@ def acceleration(
 
     Parameters
     ----------
-    robot, ground
-        What moves, and on what. Dry friction at rest is 0 here (sgn 0 = 0).
+    robot
+        What moves.
+    ground
+        Friction of what it moves on. Dry friction at rest is 0 here (sgn 0 = 0).
     state
         A LinkState, or (q, qdot) as `LinkState.joined` takes them. The explicit model reads the
         position and velocity of link 1 only, and all angles and rates.
@@ -142,8 +144,10 @@ def acceleration(
         A TorqueDrive or an AngleDrive.
     formulation
         "explicit" or "implicit".
-    joint_stiffness_n_m, joint_damping_n_s_m
-        Of the implicit formulation, N/m and N s/m.
+    joint_stiffness_n_m
+        Stiffness of the springs in the joints, N/m.
+    joint_damping_n_s_m
+        Damping in the joints, N s/m.
 
     Returns
     -------

@@ -24,10 +24,14 @@ class Ground:
 
     Attributes
     ----------
-    ct, cn
-        Viscous friction per link along and across it, N s/m, at least 0.
-    ft0, fn0
-        Dry friction per link along and across it, N, at least 0.
+    ct
+        Viscous friction per link along it, N s/m, at least 0.
+    cn
+        Viscous friction per link across it, N s/m, at least 0.
+    ft0
+        Dry friction per link along it, N, at least 0.
+    fn0
+        Dry friction per link across it, N, at least 0.
 
     Raises
     ------

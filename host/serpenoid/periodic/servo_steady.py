@@ -69,13 +69,17 @@ class ServoSteady(Result):
         The periodic state of joints that follow the gait exactly.
     servo
         The servo or the kind of servo.
-    speed_m_s, spread_m_s
-        Of the (typical) servo: mean and half the range of speed, m/s, over all phases between the
-        board's frames and the gait, which have no period in common.
+    speed_m_s
+        Speed with the (typical) servo, m/s: mean over all phases between the board's frames and the
+        gait, which have no period in common.
+    spread_m_s
+        Half the range of the speed over these phases, m/s.
     error_estimate
         Numerical error of the speed, relative: step length, phases, and what settling leaves.
-    amplitude_ratio, lag_rad
-        First harmonic of the joints' angles over the gait's, mean over joints: a factor, and rad.
+    amplitude_ratio
+        First harmonic of the joints' angles over the gait's, mean over joints.
+    lag_rad
+        Lag of that harmonic behind the gait, rad.
     ripple_rad_s
         Rms of the joints' rates beside the first harmonic, rad/s.
     power_w

@@ -52,8 +52,12 @@ class Steady(Result):
 
     Attributes
     ----------
-    robot, ground, gait
-        What crawls, on what and how.
+    robot
+        What crawls.
+    ground
+        Friction of what it crawls on.
+    gait
+        How its joints move.
     speed_m_s
         Along the path's mean circle, m/s. For a straight gait it is the displacement over a period,
         divided by the period. A gait that steers turns about a centre. In axes that turn evenly
@@ -64,19 +68,28 @@ class Steady(Result):
         phase.
     turn_rad_per_cycle
         Change of heading in a period, rad.
-    power_w, abs_power_w, positive_power_w
-        Net mean of P = -sum T_i phi_i', and means of sum |P_i| and of sum max(P_i, 0), W.
+    power_w
+        Net mean of P = -sum T_i phi_i', W.
+    abs_power_w
+        Mean of sum |P_i|, W.
+    positive_power_w
+        Mean of sum max(P_i, 0), W.
     error_estimate
         Of the speed, relative (near no speed: to 1e-4 of body length times omega).
-    power_error_w, abs_power_error_w, positive_power_error_w
-        Of each power, W.
+    power_error_w
+        Error of power_w, W.
+    abs_power_error_w
+        Error of abs_power_w, W.
+    positive_power_error_w
+        Error of positive_power_w, W.
     turn_error_rad
         Of the turn, rad.
     direction_rad
         Direction of travel, counted from the heading of link 1 at phase 0, rad.
-    settling_time_s, settling_error
-        Time in which the slowest disturbance falls to 1/e, s, inf when none does; its error,
-        relative.
+    settling_time_s
+        Time in which the slowest disturbance falls to 1/e, s; inf when none does.
+    settling_error
+        Relative error of that time.
     sensitivities
         Per cents of speed for 1 % of seven numbers, where they were asked for.
     from_rest

@@ -45,22 +45,40 @@ class Sweep(Result):
 
     Attributes
     ----------
-    alpha_rad, beta_rad, omega_rad_s
-        The axes, rad and rad/s.
-    speed_m_s, turn_rad_per_cycle, settling_time_s
-        As in Steady; m/s, rad, s.
-    power_w, abs_power_w, positive_power_w
-        As in Steady, W.
+    alpha_rad
+        Amplitudes, rad: an axis of the grid.
+    beta_rad
+        Phase lags, rad: an axis of the grid.
+    omega_rad_s
+        Rates, rad/s: an axis of the grid.
+    speed_m_s
+        Speed of each gait, m/s, as in Steady.
+    turn_rad_per_cycle
+        Change of heading in a period, rad.
+    settling_time_s
+        Time in which the slowest disturbance falls to 1/e, s.
+    power_w
+        Net mean of P = -sum T_i phi_i', W.
+    abs_power_w
+        Mean of sum |P_i|, W.
+    positive_power_w
+        Mean of sum max(P_i, 0), W.
     error_estimate
         Of the speed, relative.
-    power_error_w, positive_power_error_w
-        Errors of the powers, W; that of abs_power_w is the first plus twice the second.
+    power_error_w
+        Error of power_w, W.
+    positive_power_error_w
+        Error of positive_power_w, W. That of abs_power_w is power_error_w plus twice this one.
     converged
         Whether the wanted accuracy was reached; where not, the best value is given with its error.
-    servo_speed_m_s, servo_low_m_s, servo_high_m_s
-        Speed with the (typical) servo and the 95 % band of servos drawn from the kind, m/s. NaN
-        where the motion does not settle; the band also where the gait is too fast for the servo, or
-        the robot too heavy. None without a servo. All others are of ideal joints.
+    servo_speed_m_s
+        Speed with the (typical) servo, m/s; NaN where the motion does not settle, None without a
+        servo. All other values are of ideal joints.
+    servo_low_m_s
+        Lower end of the 95 % band of servos drawn from the kind, m/s; NaN also where the gait is
+        too fast for the servo, or the robot too heavy.
+    servo_high_m_s
+        Upper end of that band, m/s.
 
     Examples
     --------
@@ -153,18 +171,28 @@ def sweep(
 
     Parameters
     ----------
-    robot, ground
-        One, or a list of each.
-    alpha_rad, beta_rad, omega_rad_s
-        A value or a list each; rad and rad/s.
-    rtol, powers
-        Accuracy of the speed, relative; whether to compute powers, too, which takes longer.
+    robot
+        One robot, or a list.
+    ground
+        One ground, or a list; then all pairs are solved.
+    alpha_rad
+        Amplitudes, rad: a value or a list.
+    beta_rad
+        Phase lags, rad: a value or a list.
+    omega_rad_s
+        Rates, rad/s: a value or a list.
+    rtol
+        Accuracy of the speed, relative.
+    powers
+        Whether to compute powers, too, which takes longer.
     servo
         What moves the joints, beside ideal ones, of one robot on one ground; solved here. Some
         15 ms a gait, and about 15 times that for a kind that is in doubt.
-    threads, scheduler
-        Number of threads, all processors unless given, or address of a Dask cluster, such as
-        "tcp://10.0.0.1:8786", with serpenoid[dask] on all its workers. No bit differs.
+    threads
+        Number of threads; all processors unless given.
+    scheduler
+        Address of a Dask cluster, such as "tcp://10.0.0.1:8786", with serpenoid[dask] on all its
+        workers. No bit differs.
     progress
         Called with the gaits solved since the last call (again for servos); may raise to stop.
 

@@ -184,9 +184,11 @@ def advise(
 
     Parameters
     ----------
-    session, gaits
-        The readings so far, and the gaits that matter: the planned ones unless given. Those that
-        are too fast for the servo have no band and do not count; the note names them.
+    session
+        The readings so far.
+    gaits
+        The gaits that matter: the planned ones unless given. Those that are too fast for the servo
+        have no band and do not count; the note names them.
     samples
         Number of frictions drawn from the fit.
     servo

@@ -111,9 +111,11 @@ class Comparison(Result):
     p_value
         The chance of speeds so far from the predicted ones if model, fit and stated errors hold;
         None if no gait was judged.
-    friction, amplitude
-        The one factor on all friction, and that on the joints' amplitude, which would explain the
-        speeds best, each with its p-value; None where the speeds agree.
+    friction
+        The one factor on all friction that would explain the speeds best, with its p-value; None
+        where the speeds agree.
+    amplitude
+        The one factor on the joints' amplitude that would, with its p-value; None where they agree.
     verdict
         "agrees", "differs", "not measured", or "not judged".
     verdict_text
@@ -184,16 +186,20 @@ def compare(
 
     Parameters
     ----------
-    session, fit
-        The gait runs, and the friction: the session's own joint fit unless given.
+    session
+        The session with the gait runs.
+    fit
+        The friction: the session's own joint fit unless given.
     gaits
         Further gaits to predict.
     amplitude_sigma
         Standard deviation of true over commanded amplitude, common to all gaits.
     servo
         The kind that moves the joints, any hobby servo unless given. None: they follow the gait.
-    samples, seed
-        Number of frictions drawn, and the seed of the draw.
+    samples
+        Number of frictions drawn.
+    seed
+        Seed of the draw.
     progress
         Called with the gaits done, of `compared_gaits`.
 

@@ -63,12 +63,18 @@ class Scene:
 
     Attributes
     ----------
-    robot, ground, gait
-        What crawls, on what and how.
+    robot
+        What crawls.
+    ground
+        Friction of what it crawls on.
+    gait
+        How its joints move.
     formulation
         "explicit" (pinned joints) or "implicit" (Eqs. 51-56).
-    joint_stiffness_n_m, joint_damping_n_s_m
-        k and c of the implicit formulation, N/m and N s/m.
+    joint_stiffness_n_m
+        Stiffness k of the implicit formulation, N/m.
+    joint_damping_n_s_m
+        Damping c of the implicit formulation, N s/m.
     drive
         "angle": the gait's joint angles are imposed. "torque": `torque` acts. "servo": `servo`
         follows the gait as the firmware sends it.
@@ -76,12 +82,14 @@ class Scene:
         N m: a TorqueTable, an (n-1,) list of constants, or a function of time.
     servo
         The servos of all joints.
-    limp, locked
-        Joints without torque, and joints that stay at an angle, rad. Joints count from 1 at the
-        tail.
-    incline_rad, incline_direction_rad
-        Slope of the ground, rad, and the direction in which it rises, rad, in the ground's frame
-        (0: along x). Friction stays as given: measure it on the slope.
+    limp
+        Joints without torque; they count from 1 at the tail.
+    locked
+        Joints that stay at an angle, rad, by their number.
+    incline_rad
+        Slope of the ground, rad. Friction stays as given: measure it on the slope.
+    incline_direction_rad
+        Direction in which the ground rises, rad, in its own frame (0: along x).
     method
         One of methods.METHODS, or "auto": "nonsmooth" on dry ground, else "rk4". With "auto" the
         scene has the method's name, and chooses again when `replace` changes it. On dry ground all

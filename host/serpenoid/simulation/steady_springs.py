@@ -34,12 +34,20 @@ class SteadySprings(Result):
     ----------
     speed_m_s
         As in Steady, m/s.
-    power_w, abs_power_w, positive_power_w
-        As in Steady, W.
+    power_w
+        Net mean of P = -sum T_i phi_i', W.
+    abs_power_w
+        Mean of sum |P_i|, W.
+    positive_power_w
+        Mean of sum max(P_i, 0), W.
     error_estimate
         Of the speed, relative: what later cycles will still change, and the time steps.
-    power_error_w, abs_power_error_w, positive_power_error_w
-        The same for each power, W.
+    power_error_w
+        Error of power_w, W.
+    abs_power_error_w
+        Error of abs_power_w, W.
+    positive_power_error_w
+        Error of positive_power_w, W.
     modelling_error
         Of the speed, relative to the exact model's, signed.
     cycles
@@ -154,10 +162,16 @@ def steady_springs(
 
     Parameters
     ----------
-    robot, ground, gait
-        What crawls, on what and how.
-    joint_stiffness_n_m, joint_damping_n_s_m
-        Of the springs and dampers, N/m and N s/m.
+    robot
+        What crawls.
+    ground
+        Friction of what it crawls on.
+    gait
+        How its joints move.
+    joint_stiffness_n_m
+        Stiffness of the springs in the joints, N/m.
+    joint_damping_n_s_m
+        Damping in the joints, N s/m.
     rtol
         The run ends when the speed will change by less than this, relative; 1e-9 to 0.1.
 
