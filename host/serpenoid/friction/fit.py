@@ -19,6 +19,7 @@ station can tell either: their errors are factors of the samples.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 from types import MappingProxyType
@@ -194,6 +195,7 @@ def refitted(estimate: MapEstimate) -> dict[int, tuple[float, Floats] | None]:
             inverse[k] = posterior.at(estimate.x, rows).covariance
             told[k] = True
     x = np.tile(estimate.x, (len(numbers), 1))
+    step = np.zeros_like(x)
     for _ in range(CHORD_STEPS):
         pull = (~omitted * posterior.residuals(x)) @ slopes
         step = np.einsum("kij,kj->ki", inverse, pull)
@@ -296,7 +298,9 @@ def _shown_residuals(estimate: MapEstimate, rows: Floats) -> tuple[float, ...]:
     return tuple(shown.values())
 
 
-def _influences(fit: FrictionFit, refits: dict[int, MapEstimate | None]) -> tuple[Influence, ...]:
+def _influences(
+    fit: FrictionFit, refits: Mapping[int, tuple[float, Floats] | None]
+) -> tuple[Influence, ...]:
     sigma = np.maximum(np.sqrt(np.diag(fit.covariance)), 1e-12)
     found = []
     for number, without in refits.items():

@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 Whole = NDArray[np.intp]
 Values = Mapping[str, Floats]  # of each parameter, (K,)
 
-FRICTIONS = ("ct", "cn", "ft0", "fn0")  # the whole snake's, in their order
+FRICTIONS: tuple[str, ...] = ("ct", "cn", "ft0", "fn0")  # the whole snake's, in their order
 
 
 @dataclass(frozen=True)

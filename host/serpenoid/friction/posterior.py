@@ -261,7 +261,7 @@ class Posterior:
     def samples(self, estimate: MapEstimate, seed: int) -> Samples:
         """Return weighted samples about an estimate; particles where those are worth too few."""
         count = min(SAMPLES, max(MAX_RESIDUALS // len(self.numbers), MIN_SAMPLES))
-        root = np.linalg.cholesky(estimate.covariance)
+        root = np.asarray(np.linalg.cholesky(estimate.covariance), dtype=np.float64)
         about = Student(estimate.x, root, len(self.rounding.names))
         x = about.points(count, seed)
         log = self.log_density(x) - about.log_density(x)

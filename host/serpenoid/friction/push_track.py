@@ -106,14 +106,9 @@ class PushTrack:
         """Return what a film tells of the law near one (8,); near: what it told at another one."""
         count = 6 if self.slips else 2
         own = near.own if near else np.append(self.pushed_m_s, np.zeros(count - 1))
-        steps = np.append(OWN_STEPS[:count], LAW_STEPS)
-        for _ in range(1 if near else ROUNDS):
-            numbers = np.concatenate([own, law])
-            points = numbers + np.vstack([np.zeros_like(steps), np.diag(steps)])
-            rows = self.residuals(points)
-            off, slopes = rows[0], (rows[1:] - rows[0]).T / steps
-            own = own - np.linalg.lstsq(slopes[:, :count], off, rcond=None)[0]
-            own[0] = max(own[0], 0.3 * self.pushed_m_s, MIN_SPEED_M_S)
+        own, slopes = self._stepped(own, law)
+        for _ in range(0 if near else ROUNDS - 1):
+            own, slopes = self._stepped(own, law)
         own_basis = np.linalg.qr(slopes[:, :count])[0]
         by_law = slopes[:, count:] - own_basis @ (own_basis.T @ slopes[:, count:])
         told = [0, 1, 3] if self.slips else [0, 1]
@@ -121,6 +116,16 @@ class PushTrack:
         off = self.residuals(np.concatenate([own, law])[None])[0]
         off = off - own_basis @ (own_basis.T @ off)
         return LinearTrack(law, own, basis.T @ off, basis.T @ by_law)
+
+    def _stepped(self, own: Floats, law: Floats) -> tuple[Floats, Floats]:
+        """Return own numbers after a step of Gauss-Newton, and the slopes before it, by all."""
+        steps = np.append(OWN_STEPS[: len(own)], LAW_STEPS)
+        changes = np.vstack([np.zeros_like(steps), np.diag(steps)])
+        rows = self.residuals(np.concatenate([own, law]) + changes)
+        slopes = (rows[1:] - rows[0]).T / steps
+        own = own - np.linalg.lstsq(slopes[:, : len(own)], rows[0], rcond=None)[0]
+        own[0] = max(own[0], 0.3 * self.pushed_m_s, MIN_SPEED_M_S)
+        return own, slopes
 
     def rest_residuals(self, c: Floats, f: Floats) -> Floats:
         """Return what remains of a push by its rest, in sigmas, (K, 1), at c and f (K,).
