@@ -31,7 +31,8 @@ MIN_INDEPENDENT = 2000.0  # samples of equal weight that the weighted ones must 
 BLOCK_RESIDUALS = 2**15  # as many as a processor's own memory holds
 DIFFERENCE = 1e-5  # relative step of a parameter, for slopes
 MIN_SCALE = 0.1  # of a friction, whose step is relative to that at least
-MAX_ROUNDS = 30  # of linear films; most need 5, those of robots that slip 8 to 15
+MAX_ROUNDS = 60  # of linear films; most need 5, those of robots that slip 10 to 25
+WHOLE_ROUNDS = 6  # after these half of each step: those of robots that slip overshoot
 SETTLED_SIGMAS = 1e-2  # of a round's last step: the next one is the square of that
 NEGATIVE_SAMPLE_WEIGHT = 0.25  # Weight of a sample in which another friction is negative. With 0,
 # intervals were too narrow in sessions where that friction is 0, with 1 too wide.
@@ -222,9 +223,11 @@ class Posterior:
         omitted: which residuals do not count. Films are linear about the answer.
         """
         posterior, x = self.linear_about(start), start
-        for _ in range(MAX_ROUNDS):
+        for done in range(MAX_ROUNDS):
             latest, kinds = x, posterior.kinds
             x = posterior.minimum(x, omitted)
+            if done >= WHOLE_ROUNDS:
+                x = (x + latest) / 2
             posterior = posterior.linear_about(x)
             moved = np.abs(x - latest) * np.linalg.norm(posterior.slopes(x), axis=0)
             if posterior.kinds == kinds or moved.max() < SETTLED_SIGMAS:
