@@ -34,8 +34,13 @@ def test_the_quiet_failure_of_rk4_is_refused() -> None:
 def test_what_runs_does_not_grow_and_what_grows_is_refused(method: str) -> None:
     """Around the limit by the modes: a disturbance grows half above and not just below."""
     # from 60 links on the limit is by a bound of the modes
-    for links, damping, stiffness in ((2, 1e3, 1e5), (6, 300, 1e6), (6, 30, 1e4), (80, 30, 1e5)):
-        line = method, links, 10.0, damping, stiffness
+    for links, friction, damping, stiffness in (
+        (2, 10.0, 1e3, 1e5),
+        (6, 10.0, 300, 1e6),
+        (6, 1e4, 1e3, 1e3),  # friction brakes what the dampers do, too
+        (80, 10.0, 30, 1e5),
+    ):
+        line = method, links, friction, damping, stiffness
         limit = min(1.0, largest_stable_step_s(stability_map.scene_of(*line)))
         below, above = stability_map.line_of_growth(line, (0.98 * limit, 1.5 * limit), 3000)
         assert below < stability_map.UNSTABLE_GROWTH, line
