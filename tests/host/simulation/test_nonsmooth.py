@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
 import serpenoid as sn
-from oracle import contact_modes
 from robots import BINGHAM, OF_2005, gait_in_deg
 
 from . import truth_cases as tc
@@ -111,7 +109,7 @@ def test_a_wheel_at_rest_is_at_rest() -> None:
 
 
 def test_explicit_forces_are_those_of_the_reference() -> None:
-    """Friction, joint forces and torques against events located by a dense solver."""
+    """Friction, joint forces and torques against those of an event-driven dense solver."""
     scene = sn.Scene(
         OF_2005,
         BINGHAM,
@@ -124,22 +122,13 @@ def test_explicit_forces_are_those_of_the_reference() -> None:
         start="link1_at_rest",
     )
     run = sn.simulate(scene)
-    world = tc.world(scene)
-    pieces = list(contact_modes.pieces(world, tc.packed(run.state(0)), 2.0, rtol=1e-10))
-    jumps = [a[0] for a, b in pairwise(pieces) if a[2] is not b[2]]
     friction = tc.slips(run, run.friction_x_n, run.friction_y_n)
-    checked = 0
-    for k, t in enumerate(run.t_s):
-        if np.abs(np.array(jumps) - t).min() < 1e-4:
-            continue  # which of the modes beside a jump counts is rounding
-        _, track, mode = next(piece for piece in pieces if t <= piece[0])
-        forces = world.forces(t, track(t), mode)
-        assert friction[k].ravel() == pytest.approx(forces.wheels, abs=1e-6)
-        assert run.joint_force_x_n[k] == pytest.approx(forces.pins[::2], abs=1e-6)
-        assert run.joint_force_y_n[k] == pytest.approx(forces.pins[1::2], abs=1e-6)
-        assert run.joint_torque_nm[k] == pytest.approx(forces.torques, abs=1e-7)
-        checked += 1
-    assert checked > 30
+    for forces in tc.DRY_RUNS["forces"]["rows"]:
+        k, pins = forces["row"], forces["pins"]
+        assert friction[k].ravel() == pytest.approx(forces["wheels"], abs=1e-6)
+        assert run.joint_force_x_n[k] == pytest.approx(pins[::2], abs=1e-6)
+        assert run.joint_force_y_n[k] == pytest.approx(pins[1::2], abs=1e-6)
+        assert run.joint_torque_nm[k] == pytest.approx(forces["torques"], abs=1e-7)
 
 
 def balance(scene: sn.Scene) -> float:

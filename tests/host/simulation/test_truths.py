@@ -1,7 +1,7 @@
 """Hard springs, free joints on dry ground and long runs, held to references of their own.
 
-The references (tests/oracle: implicit, contact_modes) share neither code nor coordinates with the
-package. `studies/truths.py` holds many more cases to them.
+The references (tests/oracle: dense models, a table of an event-driven solver) share no code with
+the package. `studies/truths.py` holds more cases to them.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 import serpenoid as sn
 from serpenoid.simulation.starts import start_state
@@ -53,10 +54,10 @@ def test_torques_and_servos_on_dry_ground(kind: str, seed: int) -> None:
     """Wheels and gears that stick and slip, by events: to 1e-8, and to what runs claim."""
     scene = tc.free_case(kind, seed, duration_s=0.2)
     loose, tight = (sn.simulate(replace(scene, tolerance=t)) for t in (1e-6, 1e-11))
-    truth = tc.by_events(scene, loose)
-    assert tc.off(tc.places(tight), truth, scene.robot) < 1e-8
+    truth = np.array(tc.DRY_RUNS[f"{kind} {seed}"]["places"])
+    assert tc.off(tc.places(tight)[10::10], truth, scene.robot) < 1e-8
     claim = loose.error_estimate.integration.size(scene.robot.body_length_m)
-    assert tc.off(tc.places(loose), truth, scene.robot) <= 1.5 * claim + 1e-9
+    assert tc.off(tc.places(loose)[10::10], truth, scene.robot) <= 1.5 * claim + 1e-9
 
 
 @pytest.mark.parametrize(
@@ -74,7 +75,7 @@ def test_springs_on_dry_ground(links: int, k: float, lasts_s: float, dt_s: float
         dt_s=dt_s,
     )
     run = sn.simulate(scene)
-    truth = tc.by_events(scene, replace(run, t_s=run.t_s[-1:]), 1e-11 if k < 1e8 else 1e-9)
+    truth = np.array(tc.DRY_RUNS[f"springs {links} {k:g}"]["places"])
     error = tc.off(tc.places(run)[-1:], truth, scene.robot)
     assert error < 1e-5
     assert run.error_estimate.settled

@@ -2,31 +2,25 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import serpenoid as sn
 from numpy.random import Generator
-from oracle import contact_modes as cm
 from oracle import dense
-from oracle import joint_work as jw
-from oracle.params import Gait
 from oracle.scenes import SlowScene
-from oracle.scenes import params_of as params
 from robots import BINGHAM, OF_2005, VISCOUS, gait_in_deg
-from serpenoid._core.firmware import gait_setpoints_rad
+from scipy.integrate import solve_ivp
 from serpenoid.bench.problems import Problem
-from serpenoid.simulation.starts import start_state
 
 Array = np.ndarray
+# Name of a scene -> what an event-driven solver told of it.
+DRY_RUNS = json.loads((Path(__file__).parents[2] / "oracle" / "dry_runs.json").read_text())
 PAPER_GAIT = gait_in_deg(30, 80, 5.0)
-
-
-def gait_of(gait: sn.Gait) -> Gait:
-    """Return a gait as the references take it."""
-    return Gait(gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, gait.offset_rad)
 
 
 def hard_scene(links: int, k: float, incline_rad: float = 0.0, **more: Any) -> sn.Scene:
@@ -42,23 +36,11 @@ def hard_scene(links: int, k: float, incline_rad: float = 0.0, **more: Any) -> s
     )
 
 
-def end_on_springs(scene: sn.Scene, start: sn.LinkState, rtol: float = 1e-8) -> Array:
-    """Return the links' places (x, y, theta), (n, 3), at the end of a scene on springs.
+def on_springs(slow: SlowScene) -> Callable[[float, Array], Array]:
+    """Return y' = f(t, y) of links on springs, y = (x, y, x', y' of all, theta_1, theta_1')."""
+    n = slow.p.links
 
-    SciPy's stiff method solves the dense equations of oracle/dense.py.
-    """
-    ((pose, _),) = SlowScene(scene).run(start, np.array([scene.duration_s]), "Radau", rtol)
-    return pose
-
-
-def rate_of(problem: Problem) -> Callable[[float, Array], Array]:
-    """Return y' = f(t, y) of a benchmark's problem by the dense equations, y as its peers have."""
-    slow, n = SlowScene(problem.scene()), problem.robot.links
-
-    def pinned(t: float, y: Array) -> Array:
-        return slow.rate(t, np.append(y, np.zeros(4)))[:6]
-
-    def on_springs(t: float, y: Array) -> Array:
+    def rate(t: float, y: Array) -> Array:
         phi, phi_rate, bend = slow.joints(t)
         theta, omega = (
             link_1 + np.concatenate([[0.0], np.cumsum(joints)])
@@ -70,7 +52,33 @@ def rate_of(problem: Problem) -> Callable[[float, Array], Array]:
         turned = [y[-1], moved.theta_ddot[0]]
         return np.concatenate([y[2 * n : 4 * n], moved.accel_m_s2.T.ravel(), turned])
 
-    return on_springs if problem.implicit else pinned
+    return rate
+
+
+def end_on_springs(scene: sn.Scene, start: sn.LinkState, rtol: float = 1e-8) -> Array:
+    """Return the links' places (x, y, theta), (n, 3), at the end of a scene on springs.
+
+    SciPy's stiff method solves the dense equations of oracle/dense.py, with centres as states.
+    """
+    slow, n = SlowScene(scene), scene.robot.links
+    turned = [start.theta_rad[0], start.omega_rad_s[0]]
+    first = np.concatenate([start.x_m, start.y_m, start.vx_m_s, start.vy_m_s, turned])
+    span = (0.0, scene.duration_s)
+    out = solve_ivp(on_springs(slow), span, first, "Radau", rtol=rtol, atol=rtol / 100)
+    assert out.success, out.message
+    end = out.y[:, -1]
+    theta = end[-2] + np.concatenate([[0.0], np.cumsum(slow.joints(scene.duration_s)[0])])
+    return np.column_stack([end[:n], end[n : 2 * n], theta])
+
+
+def rate_of(problem: Problem) -> Callable[[float, Array], Array]:
+    """Return y' = f(t, y) of a benchmark's problem by the dense equations, y as its peers have."""
+    slow = SlowScene(problem.scene())
+
+    def pinned(t: float, y: Array) -> Array:
+        return slow.rate(t, np.append(y, np.zeros(4)))[:6]
+
+    return on_springs(slow) if problem.implicit else pinned
 
 
 def places(run: sn.Run) -> Array:
@@ -83,48 +91,6 @@ def off(found: Array, truth: Array, robot: sn.Robot) -> float:
     gap = found - truth
     centre = np.hypot(gap[..., 0], gap[..., 1]).max() / robot.body_length_m
     return float(max(centre, abs(gap[..., 2]).max()))
-
-
-def world(scene: sn.Scene) -> cm.World:
-    """Return a scene as the event-driven reference takes it."""
-    p, gait = params(scene), scene.gait
-    if scene.servo is not None:
-        setpoints = gait_setpoints_rad(
-            gait.alpha_rad,
-            gait.beta_rad,
-            gait.omega_rad_s,
-            offset_rad=gait.offset_rad,
-            joints=p.links - 1,
-            frames=int(scene.duration_s / scene.servo.frame_s) + 2,
-        )
-        return cm.World(p, cm.ServoDrive(scene.servo, np.asarray(setpoints), scene.servo.frame_s))
-    still = cm.Drive(np.zeros(1), np.zeros((1, p.links - 1)))
-    if scene.formulation == "implicit":
-        stiffness, damping = scene.joint_stiffness_n_m, scene.joint_damping_n_s_m
-        return cm.SpringWorld(p, still, gait_of(gait), stiffness, damping)
-    if scene.drive == "angle":
-        return jw.GaitWorld(p, still, gait_of(gait))
-    if isinstance(scene.torque, sn.TorqueTable):
-        return cm.World(p, cm.Drive(scene.torque.t_s, scene.torque.torque_nm))
-    return cm.World(p, cm.Drive(np.zeros(1), np.asarray(scene.torque)[None]))
-
-
-def packed(state: sn.LinkState) -> Array:
-    """Return a state as the event-driven reference takes it: (x, y, theta) by links, then rates."""
-    places = np.stack([state.x_m, state.y_m, state.theta_rad], axis=1).ravel()
-    rates = np.stack([state.vx_m_s, state.vy_m_s, state.omega_rad_s], axis=1).ravel()
-    return np.concatenate([places, rates])
-
-
-def by_events(scene: sn.Scene, run: sn.Run, rtol: float = 1e-12) -> Array:
-    """Return the places (T, n, 3) at a run's times by the event-driven reference."""
-    rows = np.array(list(cm.run(world(scene), packed(run.state(0)), run.t_s, rtol=rtol)))
-    return rows[:, : rows.shape[1] // 2].reshape(len(rows), -1, 3)
-
-
-def work_by_events(scene: sn.Scene, rtol: float = 1e-12) -> float:
-    """Return the positive work of a scene's joints, J, by the event-driven reference."""
-    return jw.positive_work(world(scene), packed(start_state(scene)), scene.duration_s, rtol)
 
 
 def far_scene(cycles: int, offset_rad: float = 0.0, **more: Any) -> sn.Scene:
