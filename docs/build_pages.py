@@ -140,31 +140,25 @@ def error_page() -> str:
     )
 
 
-def directive(kind: str, name: str, members: bool) -> str:
-    """Return a block that documents one name."""
-    options = "   :members:\n" if members else ""
-    return f"```{{eval-rst}}\n.. {kind}:: {name}\n{options}```\n"
-
-
 def api_pages() -> dict[str, str]:
     """Return a page for each public name, and "api", which lists them."""
-    groups: dict[str, list[str]] = {"Functions": [], "Classes": [], "Exceptions": []}
+    groups: dict[str, dict[str, Any]] = {"Functions": {}, "Classes": {}, "Exceptions": {}}
     for name in sn.__all__:
         value = getattr(sn, name)
         kind = "Functions" if inspect.isfunction(value) else "Classes"
         if inspect.isclass(value) and issubclass(value, Exception):
             kind = "Exceptions"
-        groups[kind].append(f"serpenoid.{name}")
-    groups["The robot"] = ["serpenoid.robot.RobotBoard"]
+        groups[kind][f"serpenoid.{name}"] = value
+    groups["The robot"] = {"serpenoid.robot.RobotBoard": RobotBoard}
     pages, parts = {}, [API_HEAD]
     for title, names in groups.items():
         kind = "autofunction" if title == "Functions" else "autoclass"
-        members = title not in ("Functions", "Exceptions")
+        options = "" if title in ("Functions", "Exceptions") else "   :members:\n"
         lines = []
-        for name in names:
-            pages[name] = f"# `{name}`\n\n{directive(kind, name, members)}"
-            value = RobotBoard if title == "The robot" else getattr(sn, name.split(".")[1])
-            first = (inspect.getdoc(value) or "").split("\n\n")[0].replace("\n", " ")
+        for name, value in names.items():
+            shown = f"```{{eval-rst}}\n.. {kind}:: {name}\n{options}```\n"
+            pages[name] = f"# `{name}`\n\n{shown}"
+            first = str(inspect.getdoc(value)).split("\n\n")[0].replace("\n", " ")
             lines.append(f"- [`{name.split('.')[-1]}`]({name}.md): {first}")
         toctree = ["```{toctree}", ":hidden:", "", *names, "```\n"]
         parts.append("\n".join([f"## {title}\n", *lines, "", *toctree]))

@@ -78,8 +78,7 @@ def _tags(ax: Axes) -> None:
     for k in range(6):
         _label(ax, 1.2 + 1.0 * (k % 3), 3.3 - 1.0 * (k // 3), 0.55, link=k)
     ax.plot([0.9, 3.4], [0.8, 0.8], color="black")
-    for x in np.linspace(0.9, 3.4, 11):
-        ax.plot([x, x], [0.8, 0.95], color="black", lw=0.7)
+    ax.plot(np.linspace(0.9, 3.4, 11), np.full(11, 0.85), "|", color="black")
     _say(ax, 2.15, 0.4, "100 mm?")
     _say(ax, 7.8, 3.3, "Print at 100 %. Hold a rule against the ruler.")
     _label(ax, 6.1, 1.6, 1.1)
@@ -108,7 +107,6 @@ def _tripod(ax: Axes) -> None:
     for x in (5.0, 10.0):
         ax.plot([camera[0], x], [camera[1], 0.6], color=GREEN, lw=0.8, ls="--")
     ax.add_patch(Rectangle((5.6, 0.5), 3.4, 0.3, fc=BODY))
-    ax.add_patch(FancyArrow(7.0, 1.2, 1.4, 0, width=0.03, head_width=0.18, color=GREY))
     _say(
         ax,
         8.6,
