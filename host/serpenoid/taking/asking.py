@@ -101,11 +101,16 @@ class Asker:
                 self.say(f"  ! {error}")
             self._given.pop()
 
-    def confirm(self, prompt: str, *, ahead: bool = True) -> str:
-        """Return the answer to a question of its own; ahead: it may have been typed before."""
+    def confirm(self, prompt: str, *, ahead: bool = True) -> None:
+        """Wait for Enter alone; ahead: it may have been typed before."""
+        self.form(lambda: self._entered(prompt, ahead))
+
+    def _entered(self, prompt: str, ahead: bool) -> None:
         if not ahead:
             self._terminal.forget()
-        return self.form(lambda: self.ask(prompt))
+        text = self.ask(prompt)
+        if text:  # "no" must not start a robot, and a number must not be lost
+            raise BadInput(f"{text!r} is no answer to this; press Enter alone, or type help")
 
     def ask(self, prompt: str, usual: str = "") -> str:
         """Return an answer, usual for Enter and skip; raises Undo, Skip, Left and Again."""

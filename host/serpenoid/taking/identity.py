@@ -22,7 +22,7 @@ def ask_identity(journal: Journal, terminal: Terminal) -> None:
     asker.say(f"Resumed: {setup.name}, {in_words(setup)}.")
     while True:
         try:
-            answer = asker.confirm("Is it this robot, on this surface? Enter: yes, n: no. ").lower()
+            answer = asker.ask("Is it this robot, on this surface? Enter: yes, n: no. ").lower()
         except (Undo, Skip):
             continue
         if answer in ("n", "no"):

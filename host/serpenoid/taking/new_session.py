@@ -30,7 +30,7 @@ from ..session.settings import (
     RobotTable,
     Setup,
 )
-from .asking import Asker
+from .asking import Asker, Skip, Undo
 from .steps import Doubts
 
 LATER = "later"  # answers for what nobody has measured yet
@@ -109,7 +109,11 @@ def default_setup(name: str) -> Setup:
 
 def ask_answers(asker: Asker, setup: Setup, given: Mapping[str, Any], on: str) -> dict[str, Any]:
     """Return given answers of `calibrate new` with those that a person types; raises Left."""
-    return asker.form(lambda: _answers(asker, setup, given, on))
+    while True:
+        try:
+            return asker.form(lambda: _answers(asker, setup, given, on))
+        except Undo:
+            asker.say("  ! nothing was asked before this")
 
 
 def _answers(asker: Asker, setup: Setup, given: Mapping[str, Any], on: str) -> dict[str, Any]:
@@ -155,7 +159,10 @@ def _number(asker: Asker, field: Field, usual: float, unit: str) -> float | str:
         low, high = field.likely or (field.low, field.high)
         return [] if low <= float(values[field.column]) <= high else [(field, (low, high))]
 
-    return asker.sure(asker.numbers([field], text, unit), doubts, unit)[field.column]
+    try:
+        return asker.sure(asker.numbers([field], text, unit), doubts, unit)[field.column]
+    except Skip as error:
+        raise BadInput("a number in doubt cannot be left out; type it anew, or keep it") from error
 
 
 def on_place(plan: Plan, place: str) -> Plan:

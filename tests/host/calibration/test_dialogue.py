@@ -116,6 +116,15 @@ def test_a_floor_with_films_takes_twenty_answers(tmp_path):
     assert len(session.kept_crawls) == 4
 
 
+def test_words_where_enter_alone_is_asked_start_nothing(folder):
+    """A word such as "no" is no Enter, and a number typed too early is not lost unsaid."""
+    with SessionRobot("virtual:fast") as seat:
+        heard, _ = talk(folder, "skip", "no", "2.4 0.5", "quit", robot=seat)
+        assert not seat.powered
+    assert "'no' is no answer to this; press Enter alone" in heard
+    assert "'2.4 0.5' is no answer to this" in heard
+
+
 def test_a_full_disk_keeps_what_was_typed_and_tries_again(folder, monkeypatch):
     from serpenoid.session import journal as module
 
@@ -198,9 +207,7 @@ def test_when_nobody_answers_pulses_end_and_the_pose_is_taken_again(folder, rele
     link.board.eeprom = eeprom_after(f"set released {released}")
     link.board.boot("external")
     with SessionRobot(link) as seat:
-        heard, _ = talk(
-            folder, ZERO, "", "(nobody)", lambda: str(seat.powered), "pause", robot=seat
-        )
+        heard, _ = talk(folder, ZERO, "", "(nobody)", "", "pause", robot=seat)
         assert not seat.powered
     assert f"nobody answered for 5 s: {off}; the pose is to be taken again" in heard
     assert f"paused; {off}. Enter goes on" in heard

@@ -104,6 +104,16 @@ def test_enter_at_the_mass_weighs_nothing_and_undo_asks_again(tmp_path):
     assert session.mass_sigma == 0.05
 
 
+def test_a_new_session_has_an_answer_to_words_that_take_nothing_back(tmp_path):
+    with Person(f"calibrate new {tmp_path}/asked") as person:
+        person.answers("what the wheels roll on", "undo\n")
+        person.answers("nothing was asked before this", "belt\n" + 5 * "\n")
+        person.answers("mass of the whole robot", "480\n")
+        person.answers("(480 g would be 0.48 kg)", "skip\n")
+        person.answers("a number in doubt cannot be left out", "quit\n")
+        assert person.leaves() == 0
+
+
 def test_who_leaves_a_new_session_writes_nothing(tmp_path):
     for keys, status in (("belt\nquit\n", 0), ("\x04", 0), ("\x03", 130)):
         with Person(f"calibrate new {tmp_path}/asked") as person:
