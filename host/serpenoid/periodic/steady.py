@@ -78,8 +78,6 @@ class Steady(Result):
         Of the speed, relative (near no speed: to 1e-4 of body length times omega).
     power_error_w
         Error of power_w, W.
-    abs_power_error_w
-        Error of abs_power_w, W.
     positive_power_error_w
         Error of positive_power_w, W.
     turn_error_rad

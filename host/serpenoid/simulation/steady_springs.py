@@ -44,8 +44,6 @@ class SteadySprings(Result):
         Of the speed, relative: what later cycles will still change, and the time steps.
     power_error_w
         Error of power_w, W.
-    abs_power_error_w
-        Error of abs_power_w, W.
     positive_power_error_w
         Error of positive_power_w, W.
     modelling_error
