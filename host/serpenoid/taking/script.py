@@ -23,7 +23,7 @@ from .parse_number import completed, typed_cells
 from .simulated import SimulatedPerson
 from .steps import Step
 from .treadmill import take_steps
-from .world import Truth
+from .world import Truth, wheel_inertia_kg
 
 _FRICTIONS = ("ct", "cn", "ft0", "fn0")
 _TRUTH = (
@@ -61,6 +61,8 @@ def simulated_treadmill(top: Table, setup: Setup) -> SimulatedPerson:
         n.replace("_deg", "_rad"): math.radians(v) if n.endswith("_deg") else v
         for n, v in given.items()
     }
+    if setup.plan.on == "floor":
+        in_si.setdefault("rolling_kg", wheel_inertia_kg(setup))
     return SimulatedPerson(setup, Truth(Ground(ct, cn, ft0, fn0), **in_si), table.whole("seed"))
 
 

@@ -93,6 +93,15 @@ class Truth:
         return Instrument(self.incline_zero_rad, step=step_rad)
 
 
+def wheel_inertia_kg(setup: Setup, shape: float = 0.0) -> float:
+    """Return J / r^2 of all wheels of a set-up, kg; shape: how far off the usual, in sigmas."""
+    wheels_kg = setup.robot_table.wheels_kg
+    if wheels_kg is not None:
+        return max((0.75 + 0.15 * shape) * wheels_kg, 0.0)
+    mass_kg = setup.robot.links * setup.robot.link_mass_kg
+    return max((0.045 + 0.03 * shape) * mass_kg, 0.0)
+
+
 def drawn_floor(
     setup: Setup, ground: Ground, rng: np.random.Generator, servo: ServoKind | None = None
 ) -> Truth:
@@ -101,20 +110,13 @@ def drawn_floor(
     servo: the kind of which the robot has one drawn; None: its joints follow the gait.
     """
     slope, scale, mass, shape, across = (float(v) for v in rng.normal(size=5))
-    wheels_kg = setup.robot_table.wheels_kg
-    mass_kg = setup.robot.links * setup.robot.link_mass_kg
-    rolling = (
-        (0.045 + 0.03 * shape) * mass_kg
-        if wheels_kg is None
-        else ((0.75 + 0.15 * shape) * wheels_kg)
-    )
     return Truth(
         ground,
         slope_rad=setup.instruments.floor_slope_sigma_rad * slope,
         across_rad=setup.instruments.floor_slope_sigma_rad * across,
         film_scale=1.0 + setup.instruments.film_scale_sigma * scale,
         mass_scale=1.0 + setup.instruments.mass_sigma * mass,
-        rolling_kg=max(rolling, 0.0),
+        rolling_kg=wheel_inertia_kg(setup, shape),
         joint_sigma_rad=setup.instruments.joint_sigma_rad,
         servo=servo and servo.draws(1, int(rng.integers(2**31)))[0],
     )

@@ -71,6 +71,16 @@ def test_a_session_of_a_treadmill_goes_on_on_the_floor(tmp_path):
     assert "pushes, straight 1 of 8" in run(f"calibrate status {folder}")
 
 
+def test_a_simulated_person_pushes_the_wheels_that_the_session_names(tmp_path):
+    """Their inertia is a sixth of the mass: left out, dry friction comes back 15 % too large."""
+    folder, script = tmp_path / "s", tmp_path / "person.toml"
+    run(f"{NEW.replace('0g', '100g')} {folder}")
+    script.write_text("[simulated]\nseed = 1\nct = 0.084\ncn = 1.2\nft0 = 0.14\nfn0 = 0.27\n")
+    run(f"calibrate {folder} --script {script}")
+    fit = answer(f"fit {folder} --no-save")
+    assert fit["parameters"]["ft0_whole"]["value"] == pytest.approx(0.14, rel=0.05)
+
+
 def test_advice_and_report_of_a_floor(tmp_path):
     folder = tmp_path / "s"
     person = drawn_person(CASES[0], np.random.default_rng(5))
