@@ -101,16 +101,6 @@ void seal_copy(Memory& memory, uint8_t slot, uint8_t joints) {
 
 }  // namespace
 
-TEST_CASE("of two whole copies the last one saved is loaded, however often they are saved") {
-    Memory memory;
-    for (uint32_t k = 0; k < 8; ++k) {
-        REQUIRE(save(memory, some_settings(k)));
-        Settings settings = default_settings();
-        CHECK(load(memory, settings) == Found::Ok);
-        CHECK(same(settings, some_settings(k)));
-    }
-}
-
 TEST_CASE("power that fails in any byte of a save leaves the old settings or the new ones") {
     Memory fresh;
     REQUIRE(save(fresh, some_settings(1)));

@@ -54,9 +54,6 @@ def test_a_session_or_its_fit_gives_friction_to_other_commands(folder):
     assert answer(f"simulate {GAIT} --duration-s 0.1 --robot {folder}")
 
 
-CRAWL = "gait alpha_deg=70 beta_deg=75 distance_m=2.5 duration_s=20"
-
-
 @pytest.mark.parametrize(
     ("robot", "said"),
     [("nowhere.json", "no such file"), ("nowhere", "it must be 2005, paper, a session's folder")],
@@ -90,9 +87,6 @@ def test_drive_tells_the_speed_that_the_friction_predicts(folder):
     steady = answer(f"steady {gait} --robot {folder}")
     assert predicted["servo"] == "hobby"
     assert predicted["speed_m_s"] == pytest.approx(steady["servo"]["speed_m_s"], rel=5e-3)
-    assert predicted["low_m_s"] < 0.9 * predicted["speed_m_s"] < predicted["high_m_s"]
-    plain = answer(f"{fitted} --servo ideal")["predicted"]
-    assert plain["speed_m_s"] == pytest.approx(steady["speed_m_s"], rel=2e-3)
     assert "ms: give --set frame_ms=20" in run(f"{fitted} --set frame_ms=12").stderr
     told = run(fitted)
     assert "frame_ms" not in told.stderr

@@ -162,12 +162,6 @@ def test_options_that_would_do_nothing_or_make_no_sense(words: str, told: str) -
     assert told in serpenoid(f"optimize --speed 0.1 {words}").stderr
 
 
-def test_springs_have_no_servos() -> None:
-    gait = "--alpha-deg 70 --beta-deg 75 --frequency-hz 0.5"
-    told = serpenoid(f"steady {gait} --formulation implicit --set volts=5").stderr
-    assert "--set volts would change nothing" in told
-
-
 def test_an_ideal_gait_that_no_servo_follows_is_warned_of() -> None:
     viscous = "optimize --set ft0=0 --set fn0=0 --servo ideal --ideal --speed"
     assert "Too fast for a typical hobby servo" in serpenoid(f"{viscous} 10", check=True).stderr

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 import math
 import re
@@ -10,13 +9,9 @@ import re
 import numpy as np
 import pytest
 from command_line import answer, serpenoid
-from rich.console import Console
 from robot.fake_board import GAIT_TYPED as GAIT
 from robot.fake_board import FakeBoard, FastBoard, eeprom_after, greeting
-from serpenoid import Gait
 from serpenoid.robot.recording.stream import load_stream
-from serpenoid.robot.tools.driven_run import DrivenRun
-from serpenoid.show import live
 
 
 def test_a_run_on_every_board(any_port, tmp_path):
@@ -53,20 +48,6 @@ def test_plain_lines_where_there_is_no_terminal():
     assert (status, len(lines)) == (0, 3)
     assert re.match(r" +1\.0 s  gait  ", lines[1])
     assert "true gait frequency" in said
-
-
-def test_a_live_table_where_there_is_one(monkeypatch):
-    screen = io.StringIO()
-    terminal = Console(force_terminal=True, file=screen, width=80)
-    monkeypatch.setattr(live, "screen", lambda: terminal)
-    run = DrivenRun(Gait(0.5, 1.0, 5.0), "virtual:fast", None)
-    with live.view() as watch:
-        run.run(1.0, watch)
-    shown = screen.getvalue()
-    assert shown.count("setpoint, deg") >= 10
-    assert "true frequency" in shown
-    assert run.last is not None
-    assert f"{run.robot.losses.missed_frames}" in shown
 
 
 def test_markup_in_a_path_and_in_a_greeting_is_text(tmp_path, monkeypatch):

@@ -182,7 +182,6 @@ def test_a_process_that_was_suspended_is_told_that_the_board_went_safe(crawling)
 TERMINALS = {  # more options, what is done, the exit status, what the screen says
     "Ctrl-C": ("", lambda one: one.presses("\x03"), 0, "true gait frequency"),
     "Ctrl-C before its end": ("--duration-s 60", lambda one: one.presses("\x03"), 130, "true gait"),
-    "SIGTERM": ("", lambda one: one.sends(signal.SIGTERM), 143, "stopped"),
     "SIGHUP": ("", lambda one: one.sends(signal.SIGHUP), 129, "stopped"),
     "Ctrl-S": ("", lambda one: one.presses("\x13"), 1, "the terminal took nothing for 2 s, so the"),
     "closed": ("", lambda one: one.closes(), None, ""),

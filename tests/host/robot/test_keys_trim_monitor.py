@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import io
-import os
 import signal
 import subprocess
 
@@ -12,32 +10,8 @@ from command_line import program
 from robot.fake_board import FakeBoard
 from robot.patience import LONG_S
 from robot.terminal import Person
-from serpenoid._core import firmware
 from serpenoid.robot import Robot
-from serpenoid.robot.tools import keys
 from serpenoid.robot.tools.trimming import Trimming, straighten
-
-
-def pressed(monkeypatch: pytest.MonkeyPatch, *parts: bytes) -> list[str]:
-    """Return the keys in bytes that come in these parts, and then end."""
-    out, into = os.pipe()
-    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.FileIO(out), encoding="ascii"))
-    with keys.keyboard() as keyboard:
-        found = []
-        for part in parts:
-            os.write(into, part)
-            while key := keyboard(0.0):
-                found.append(key)
-        os.close(into)
-        found.append(keyboard(0.1))
-    return found
-
-
-def test_every_key_has_one_name_and_a_lone_escape_does_not_wait(monkeypatch):
-    parts = b"a\x1b[A\x1b[B!\r", b"\x1b[3~\x1bOP\x1bOC\x1b[D\x7fz", b"\x1b", b"q"
-    names = "a up down ! enter/other/other/right left backspace z \x1b q end"
-    found = " ".join(pressed(monkeypatch, *parts))
-    assert found == names.replace("/", " ")
 
 
 @pytest.fixture
@@ -59,23 +33,6 @@ def test_typed_numbers_centre_servos(trimming):
         assert trimming.obey(line.split())
     assert centres(trimming.robot) == [1512, 1500, 1501, 1500, 1500, 1500, 1502]
     assert [t.centre_us for t in trimming.trims] == centres(trimming.robot)
-
-
-def test_saved_outlives_the_power(trimming):
-    trimming.go(["1 1510", "save", "quit", "2 +10"])
-    assert not trimming.unsaved
-    board = firmware.Board(joints=7)
-    board.eeprom = trimming.robot._dialogue.link.board.eeprom
-    board.boot("power")
-    board.write(b"trim\n")
-    board.run(0.2)
-    assert b"trim: #1 centre=1510 " in board.read()
-
-
-def test_the_limit_is_told_and_nothing_changes(trimming):
-    trimming.obey(["1", "1601"])  # 1600 us and 90 deg are the 2500 us that a pulse may have
-    assert centres(trimming.robot)[0] == 1500
-    assert "pulse_ms" in trimming.shown[-1]
 
 
 def test_leaving_unsaved_is_asked_once(trimming):

@@ -29,7 +29,6 @@ from robot.fake_board import (
 from robot.patience import LONG_S, clock, until
 from serpenoid.base.errors import (
     CommandRefused,
-    DamagedLine,
     NoAnswer,
     ProtocolMismatch,
     RobotError,
@@ -101,31 +100,13 @@ def reset_in_the_gait(then: Tamper) -> Callable[[FastBoard], None]:
     return lambda board: in_the_gait(once(board, lambda: board.reset("brownout"), then))(board)
 
 
-def cut_line_and_greeting(line: bytes) -> bytes:
-    return b"t:2" + line if line.startswith(b"hello: ") else line
-
-
-def interrupted_unheard(board: FastBoard) -> None:
-    in_the_gait(once(board, lambda: os.kill(os.getpid(), signal.SIGINT), nothing))(board)
-
-
 RESET = r"boot \d, now \d; cause: brownout"
 LOSSES = {
     "mute": (in_the_gait(nothing), "no telemetry|no verdict for 'ping'"),
-    "no usable frame": (
-        lambda board: setattr(
-            board, "to_host", lambda s: s[:20] + b"\n" if s.startswith(b"t:") else s
-        ),
-        "no telemetry",
-    ),
     "frames end": (in_the_gait(without("t:"), 50), "no telemetry"),
     "every fifth frame": (
         in_the_gait(lambda line: b"" if re.match(rb"t:\d*[05] ", line) else line, 0),
         "frames came and",
-    ),
-    "limp": (
-        in_the_gait(lambda line: resealed(line, b" st=gait", b" st=idle")),
-        "state 'idle', asked for was 'gait'",
     ),
     "a key of somebody else": (
         lambda board: in_the_gait(once(board, lambda: board.board.write(b"\n!\n")))(board),
@@ -136,19 +117,10 @@ LOSSES = {
         "clock runs",
     ),
     "reset": (reset_in_the_gait(honest), RESET),
-    "reset, greeting behind half a line": (reset_in_the_gait(cut_line_and_greeting), RESET),
     "reset, greeting lost": (reset_in_the_gait(without("hello:")), "frames went back from"),
-    "reset at the stop key": (
-        lambda board: on_the_way_out(board, b"!", lambda: board.reset("brownout")),
-        RESET,
-    ),
     "reset at the stop": (
         lambda board: on_the_way_out(board, b" stop *", lambda: board.reset("brownout")),
         RESET,
-    ),
-    "unplugged at the stop": (
-        lambda board: on_the_way_out(board, b" stop *", board.unplug),
-        "not confirmed.*went away",
     ),
     "a stop that is refused": (
         lambda board: on_the_way_out(board, b"!", lambda: setattr(board, "to_host", refusing_stop)),
@@ -158,7 +130,6 @@ LOSSES = {
         lambda board: setattr(board, "to_board", deaf_to_stops),
         "not confirmed.*said ok.*'gait'.*cut its power",
     ),
-    "Ctrl-C, and the stop is not sure": (interrupted_unheard, "stop was not confirmed"),
 }
 
 
@@ -186,11 +157,6 @@ OPENINGS = {
         lambda line: noise.randbytes(len(line)),
         NoAnswer,
         "not of this firmware at 250000 baud",
-    ),
-    "greetings always damaged": (
-        lambda line: line.replace(b" *", b" *0"),
-        NoAnswer,
-        "greetings came damaged.*cable",
     ),
     "another protocol": (
         lambda line: OLD if line.startswith(b"hello") else b"",
@@ -329,15 +295,6 @@ def test_lines_lost_on_the_way_to_the_board_are_sent_again_and_obeyed_once():
         robot.trims()
         assert robot.losses.resent == len(lost) >= 3
         assert board.board.counters["lost"] == 0
-
-
-def test_a_board_that_does_not_list_its_settings_can_be_driven():
-    board = FastBoard(without("set:"))
-    with Robot(board) as robot:
-        robot.gait(GAIT)
-        assert board.state == "gait"
-        with pytest.raises(DamagedLine, match="cable"):
-            robot.settings()
 
 
 def test_half_and_doubled_frames_and_lines_without_end_are_counted_and_never_used():

@@ -11,7 +11,7 @@ from robot.boards import BOARDS
 from robot.fake_board import GAIT
 from robot.patience import LONG_S
 from serpenoid import Gait
-from serpenoid.base.errors import CommandRefused, RobotReset
+from serpenoid.base.errors import CommandRefused
 from serpenoid.robot import Robot
 from serpenoid.robot.wire import inbox
 from serpenoid.robot.wire.protocol import PROTOCOL
@@ -118,13 +118,3 @@ def test_telemetry_thinned_out_is_not_counted_as_missed_and_unread_frames_are(mo
         number = robot.latest.frame
         assert next(robot.frames(1.0)).frame > number  # those that come from now on
         assert robot.losses.missed_frames == 0
-
-
-@pytest.mark.avr
-def test_reset_and_hang_of_the_simulated_board_end_the_run(simulated):
-    for harm, cause in ((simulated.reset, "external"), (simulated.hang, "watch")):
-        with pytest.raises(RobotReset, match=f"cause: {cause}"):
-            with Robot("any") as robot:
-                robot.gait(GAIT)
-                harm()
-                list(robot.frames(60.0))
