@@ -41,10 +41,12 @@ def session(
     truth: Ground,
     rng: np.random.Generator | None = None,
     offset_sigma: float = 1.0,
+    on_grades: bool = False,
 ) -> Session:
     """Take a session's readings; rng errs as the set-up's uncertainties say, None not at all.
 
     offset_sigma: how far bends err, each alone, in the set-up's standard deviations.
+    on_grades: the treadmill stops at its own grades alone.
     """
     unit = setup.instruments
     bends = np.zeros(sum(x > 0 for x in setup.plan.lambda_rad))
@@ -53,7 +55,8 @@ def session(
     readings: list[Reading] = []
     for nominal in setup.plan.lambda_rad:
         bend = nominal + (next(offsets) * unit.lambda_sigma_rad if nominal else 0.0)
-        for incline, speed in _stations(setup, truth, bend, rng):
+        grade = unit.incline_step_rad if on_grades else 0.0
+        for incline, speed in _stations(setup, truth, bend, rng, grade):
             shown = incline + zero * unit.incline_zero_sigma_rad
             noise = 0.0
             if rng is not None:
@@ -64,13 +67,17 @@ def session(
     return Session(setup, tuple(readings))
 
 
-def _stations(setup: Setup, truth: Ground, bend: float, rng: np.random.Generator | None):
+def _stations(
+    setup: Setup, truth: Ground, bend: float, rng: np.random.Generator | None, grade: float
+):
     """Yield true inclines and the true speeds that hold the snake there (Eq. 60)."""
     c, s = math.cos(bend), math.sin(bend)
     incline = setup.plan.incline_start_rad
     while True:
-        # The treadmill stops anywhere within a step of the inclinometer.
+        # A treadmill without grades stops anywhere within a step of the inclinometer.
         true = incline + (0.0 if rng is None else rng.uniform(-0.5, 0.5) * STEP_RAD)
+        if grade:
+            true = math.atan(round(math.tan(incline) / grade) * grade)
         pull = setup.weight_n * math.sin(true)
         speed = (pull - truth.ft0 * c - truth.fn0 * s) / (truth.ct * c * c + truth.cn * s * s)
         if speed > setup.plan.belt_speed_max_m_s:

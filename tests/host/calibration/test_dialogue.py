@@ -1,4 +1,4 @@
-"""The dialogue with a made-up person: every word at every prompt, typos, nobody there, a robot."""
+"""The dialogue with a made-up person: what a full disk, a silence and a lost robot leave."""
 
 import math
 from dataclasses import replace
@@ -9,7 +9,6 @@ import pytest
 from calibration.conversations import Typist
 from calibration.floor_sessions import TRUTH, push_track
 from robot.fake_board import eeprom_after
-from serpenoid import Ground, fit_friction
 from serpenoid.base.errors import RecordingFailed, RobotLost
 from serpenoid.robot.wire.virtual import VirtualLink
 from serpenoid.session.journal import Journal
@@ -17,7 +16,6 @@ from serpenoid.session.rows import read_events
 from serpenoid.taking.dialogue import Dialogue
 from serpenoid.taking.new_session import create_session, default_setup, on_place
 from serpenoid.taking.session_robot import SessionRobot
-from serpenoid.taking.simulated import SimulatedPerson, Truth
 
 
 @pytest.fixture
@@ -42,52 +40,6 @@ def leave_out(folder, *keys):
 
 ZERO = "0,1 -0.1"
 STATION = "2.0 0.2", "(30 s) "  # incline and belt speed, then no drift
-
-
-class Led(Typist):
-    """Reads off a simulated robot what each prompt asks for."""
-
-    def __init__(self, setup, truth):
-        super().__init__()
-        self.world = SimulatedPerson(setup, truth, seed=4)
-        self.answers = 0
-
-    def told(self, session, step):
-        self.step = step
-        self.cells = {} if step.kind == "done" else self.world.answer(step, session)
-
-    def ask(self, prompt, patience_s, tick):
-        self.answers += 1
-        self.lines.append("skip" if self.cells is None else self._read(prompt))
-        return super().ask(prompt, patience_s, tick)
-
-    def _read(self, prompt):
-        cells = self.cells
-        if "or keep" in prompt:
-            return "keep"
-        if "drift left over" in prompt:
-            self.t_s += cells["waited_s"]
-            return f"{cells['drift_m_s']} {cells['turned_deg']}deg"
-        asked = [f.column for f in self.step.asked if f.column not in ("drift_m_s", "turned_deg")]
-        return " ".join(f"{cells[c]:g}".replace(".", ",") for c in asked if "Enter" not in prompt)
-
-
-def test_it_leads_through_all_of_a_session_with_the_robot(folder):
-    """What comes out is what the script takes without a person: the same procedure."""
-    truth = Truth(Ground(0.084, 1.2, 0.14, 0.27), incline_zero_rad=math.radians(0.1))
-    with SessionRobot("virtual:fast") as seat, Journal(folder) as journal:
-        person = Led(journal.session.setup, truth)
-        clock_s = lambda: person.t_s  # noqa: E731
-        assert Dialogue(journal, person, seat, person.told, clock_s=clock_s).run()
-        session = journal.session
-        assert seat._robot.status().state == "idle"
-    assert person.heard.rstrip().endswith("all of the plan is done")
-    assert {round(math.degrees(b.lambda_rad), 1) for b in session.bends} == {7.5, 15, 30}
-    assert len(session.zeros) == 2
-    assert len(session.kept_gait_runs) == 9
-    assert person.answers <= 90
-    for row, true in zip(fit_friction(session).rows(), (0.084, 1.2, 0.14, 0.27), strict=True):
-        assert abs(row.value - true) < 3.5 * row.sigma
 
 
 def test_a_floor_with_films_takes_twenty_answers(tmp_path):
@@ -142,16 +94,6 @@ def test_a_full_disk_keeps_what_was_typed_and_tries_again(folder, monkeypatch):
     assert len(session.zeros) == 1
 
 
-def test_undoing_a_skip_heeds_no_clock(folder, monkeypatch):
-    from serpenoid.session import journal as module
-
-    talk(folder, ZERO, "", *STATION)
-    monkeypatch.setattr(module, "utc_now", lambda: "2001-02-03T04:05:06.007Z")
-    heard, session = talk(folder, "", "skip", "undo")
-    assert "no longer left out: station at" in heard
-    assert len(session.kept) == 1
-
-
 def test_the_offset_that_runs_straight_is_found_kept_and_resumed(folder):
     def left(robot, times):
         def press():
@@ -180,18 +122,6 @@ def test_the_offset_that_runs_straight_is_found_kept_and_resumed(folder):
         heard, _ = talk(folder, "", left(robot, -1), look, robot=robot)
     assert "steer until the robot runs straight" not in heard  # it is known
     assert lies[1] == pytest.approx([-14.5, 8.0, 0.5, -7.0, 15.5], abs=0.02)
-
-
-def test_steering_beyond_a_joint_leaves_the_pose(folder):
-    with SessionRobot("virtual:fast") as robot:
-        assert robot.steer(1) == "+0.00 deg on every joint"  # nothing is posed
-        robot.pose(30.0)
-        robot.steer(40)
-        kept = robot.steer(0)
-        assert kept == "+10.00 deg on every joint"
-        assert robot.steer(4000).startswith("not steered: the board refuses")
-        robot.idle()
-        assert robot.steer(1) == kept
 
 
 @pytest.mark.parametrize(

@@ -14,68 +14,13 @@ from serpenoid.session.rows import reading_rows
 from serpenoid.taking.dialogue import Dialogue
 from serpenoid.taking.new_session import create_session, default_setup, on_place
 
-WORDS = (
-    "undo",
-    "undo 1",
-    "undo 3",
-    "undo -1",
-    "undo ²",
-    "skip",
-    "pause",
-    "help",
-    "?",
-    "keep",
-    "quit",
-    "QUIT",
-    "u",
-)
-NONSENSE = (
-    "",
-    " ",
-    "nan",
-    "inf",
-    "-inf",
-    "1e400",
-    "0x10",
-    "1,2,3",
-    "1;2",
-    "--5",
-    "5 parsecs",
-    "%",
-    "é",
-    "\x1b[A",
-    "[b]",
-    "0",
-    "-0",
-    "9" * 400,
-    "y",
-    "n",
-    "k",
-    "2.3.4",
-    "+",
-    ",",
-    ".",
-    "½",
-    "~nobody",
-    "\x00.csv",
-)
-FITTING = (
-    "2",
-    "2.3",
-    "2,6",
-    "4 %",
-    "0.3",
-    "0.5 m/s",
-    "1.8 km/h",
-    "165",
-    "150",
-    "120",
-    "1.0",
-    "9.5",
-    "2.6 0.4",
-    "0.01 -2deg",
-    "0:0 2:0.045 4:0.13",
-)
+# Words of the prompts, nonsense, and numbers that fit somewhere.
+TYPED = """\
+undo|undo 1|undo 3|undo -1|undo ²|skip|pause|help|?|keep|quit|QUIT|u
+| |nan|inf|-inf|1e400|0x10|1,2,3|1;2|--5|5 parsecs|%|é|\x1b[A|[b]|0|-0|y|n|k|2.3.4|+|,|.|½|\x00.csv
+2|2.3|2,6|4 %|0.3|0.5 m/s|1.8 km/h|165|150|120|1.0|9.5|2.6 0.4|0.01 -2deg|0:0 2:0.045 4:0.13"""
+WORDS, NONSENSE, FITTING = (line.split("|") for line in TYPED.split("\n"))
+NONSENSE += ["~nobody", "9" * 400]
 
 
 @pytest.fixture(scope="module", params=["treadmill", "floor"])

@@ -1,7 +1,6 @@
 """fit.json: the same fit back, whole or not at all, and told when it is older than its readings."""
 
 import json
-import os
 import shutil
 
 import numpy as np
@@ -42,22 +41,6 @@ def test_a_fit_that_is_older_than_its_readings_says_so(folder):
     (folder / "readings.csv").write_text(text)
     assert any("older than the readings" in note for note in sn.load_fit(path).notes)
     assert not any("older" in note for note in sn.fit_friction(sn.load_session(folder)).notes)
-
-
-def test_a_write_that_fails_leaves_the_file_before(folder, monkeypatch):
-    fit = sn.fit_friction(sn.load_session(folder))
-    before = sn.save_fit(fit, folder).read_bytes()
-
-    def full(_number):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(os, "fsync", full)
-    with pytest.raises(OSError, match="No space"):
-        sn.save_fit(fit, folder)
-    assert (folder / "fit.json").read_bytes() == before
-    assert {p.name for p in folder.iterdir()} == {
-        *("session.toml", "readings.csv", "events.csv", "fit.json")
-    }
 
 
 def forged(folder, spoil):

@@ -7,18 +7,14 @@ import numpy as np
 import pytest
 from calibration.floor_sessions import TRUTH, floor_setup
 from refusals import refused
-from serpenoid import Ground, fit_friction, load_session
+from serpenoid import Ground, load_session
 from serpenoid.lab.floor import Floor, Push
 from serpenoid.lab.recording import Camera, film
 from serpenoid.lab.robot import LabRobot
 from serpenoid.session.journal import Journal
 from serpenoid.taking.new_session import create_session
-from serpenoid.taking.pushes import keep_pushes, way_after
-from serpenoid.taking.simulated import SimulatedPerson
+from serpenoid.taking.pushes import keep_pushes
 from serpenoid.taking.track_look import look_at, pushes_in
-from serpenoid.taking.treadmill import take_all
-from serpenoid.taking.world import drawn_floor
-from simulated_sessions import MemoryRecord
 
 WHOLE = Ground(*TRUTH)
 STRAIGHT = [0.0] * 5
@@ -76,16 +72,11 @@ def test_what_happens_to_a_push_is_seen():
         look_at(*np.where(np.arange(len(t))[:, None] == 3, np.nan, rows).T)
 
 
-def several(signs=(1, -1, 1, -1), hidden=()):
-    """One film of pushes there and back, the robot resting 1.5 s and turned by hand between.
-
-    hidden: numbers of pushes that are not seen for 0.4 s.
-    """
+def several(signs=(1, -1, 1, -1)):
+    """One film of pushes there and back, the robot resting 1.5 s and turned by hand between."""
     rows, begins, at = [], 0.0, 0.0
     for k, sign in enumerate(signs):
         one, _ = filmed(10 + k, 0.9)
-        if k in hidden:
-            one = one[(one[:, 0] < 0.9) | (one[:, 0] > 1.3)]
         t = one[:, 0] - one[0, 0]
         place = np.stack([begins + t, at + sign * (one[:, 1] - one[0, 1]), one[:, 2]], axis=1)
         rows.append(place)
@@ -112,18 +103,6 @@ def test_one_film_of_several_pushes_is_cut_by_itself(tmp_path):
     assert session.sha256 == load_session(folder).sha256
 
 
-def test_a_void_push_does_not_turn_the_ways_of_the_others(tmp_path):
-    rows = several(hidden=[1])
-    with Journal(create_session(tmp_path / "s", floor_setup())) as journal:
-        kept = keep_pushes(journal, rows, {"lambda_deg": 0.0, "way": "back"})
-        assert [bool(k.look.doubts) for k in kept] == [False, True, False, False]
-        assert [k.way for k in kept] == ["back", "there", "back", "there"]
-        assert way_after(kept, "there") == "back"
-        assert way_after(kept[:2], "there") == "there"  # the void one may be a hand's
-        assert way_after(kept[1:2], "there") == "back"  # a file of its own: it was turned round
-        assert way_after([], "there") == "there"
-
-
 def test_what_is_too_fast_or_too_long_for_a_push_is_not_taken(tmp_path):
     rows, cells = filmed(2, 0.9)[0], {"lambda_deg": 0.0}
     with Journal(create_session(tmp_path / "s", floor_setup())) as journal:
@@ -138,15 +117,3 @@ def test_what_is_too_fast_or_too_long_for_a_push_is_not_taken(tmp_path):
             with refused(told):
                 journal.add("push", cells | more)
         assert journal.add("push", cells | {"distance_m": 0.8, "duration_s": 3.0}) == 1
-
-
-def test_a_session_by_the_whole_procedure_tells_all_four():
-    setup = floor_setup()
-    person = SimulatedPerson(setup, drawn_floor(setup, WHOLE, np.random.default_rng(3)), 3)
-    taken = take_all(MemoryRecord(setup), person)
-    assert [p.way for p in taken.kept_pushes] == ["there", "back"] * 12
-    assert len(taken.bends) == 2
-    assert person.t_s < 30 * 60
-    fit = fit_friction(taken)
-    for name, true in zip(fit.whole_snake, TRUTH, strict=True):
-        assert abs(fit.whole_snake[name] - true) < 3.5 * fit.parameters[name].sigma

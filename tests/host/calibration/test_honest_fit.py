@@ -15,14 +15,6 @@ from serpenoid.session.station import Reading
 TRUTH = [getattr(WHOLE_BODY_2005, name) for name in FRICTIONS]
 
 
-def test_a_zero_that_is_claimed_exact_is_not_believed():
-    made = session(setup(7.5), WHOLE_BODY_2005)
-    claimed = replace(made.setup.instruments, incline_zero_sigma_deg=0.0)
-    fit = fit_friction(replace(made, setup=replace(made.setup, instruments=claimed)))
-    assert any("0 ± 0.1 degrees are assumed" in note for note in fit.notes)
-    assert fit.nuisances["incline_zero_rad"].sigma == pytest.approx(math.radians(0.1), rel=0.03)
-
-
 @pytest.mark.parametrize(
     ("name", "times"), [("belt_speed_m_s", 3.6), ("belt_speed_m_s", 1 / 3.6), ("incline_rad", 5.0)]
 )
@@ -48,15 +40,6 @@ def test_influence_foretells_the_fit_without_a_reading():
         for name, shift in told.shift_in_sigmas.items():
             moved = without.parameters[name].value - fit.parameters[name].value
             assert shift == pytest.approx(moved / fit.parameters[name].sigma, abs=1e-3)
-
-
-def test_a_reading_that_nothing_checks_is_told():
-    made = session(setup(15.0), WHOLE_BODY_2005, np.random.default_rng(27))
-    bent = [k for k, r in enumerate(made.readings) if r.lambda_rad]
-    for k in bent[1:-1]:
-        made = changed(made, k, voided=True)
-    fit = fit_friction(made)
-    assert [i.chi2_without is None for i in fit.influence][-2:] == [True, True]
 
 
 def test_a_measured_zero_is_taken_off_and_known_better():

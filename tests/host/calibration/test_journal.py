@@ -36,21 +36,6 @@ def child(folder, body):
     return subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True)
 
 
-def test_a_session_is_made_and_read_back_exactly(folder):
-    setup = read_session(folder).setup
-    proposed = default_setup("made up")
-    assert setup.robot == proposed.robot
-    assert setup.instruments.incline_sigma_rad == pytest.approx(
-        proposed.instruments.incline_sigma_rad, rel=1e-7
-    )
-    assert setup.plan.lambda_rad == pytest.approx(proposed.plan.lambda_rad, rel=1e-7)
-    assert setup.plan.gaits[0].omega_rad_s == pytest.approx(1.5707963268, abs=1e-9)
-    before = (folder / "session.toml").read_text()
-    with refused("nothing overwrites it"):
-        create_session(folder, proposed)
-    assert (folder / "session.toml").read_text() == before
-
-
 def test_what_is_added_is_on_disk_at_once(folder):
     with Journal(folder) as journal:
         assert journal.add("station", STATION, comment="two\nlines, with a comma") == 1
@@ -60,22 +45,6 @@ def test_what_is_added_is_on_disk_at_once(folder):
         journal.event("undo", 2)
         assert [r.number for r in journal.session.kept] == [1]
     assert [r.number for r in read_session(folder).kept] == [1]
-
-
-@pytest.mark.parametrize(
-    ("kind", "cells", "says"),
-    [
-        ("station", STATION | {"incline_deg": float("nan")}, "incline_deg is nan"),
-        ("station", STATION | {"drift_m_s": 0.4}, "must be more than 0"),
-        ("dance", STATION, "kind is 'dance'"),
-        ("station", STATION | {"gamma": 1}, "unknown column 'gamma'"),
-    ],
-)
-def test_nothing_is_written_that_could_not_be_read(folder, kind, cells, says):
-    before = (folder / "readings.csv").read_bytes()
-    with Journal(folder) as journal, refused(says):
-        journal.add(kind, cells)
-    assert (folder / "readings.csv").read_bytes() == before
 
 
 def test_corrections_of_what_is_not_there_are_refused(folder):

@@ -1,7 +1,6 @@
 """A kind of reading is declared once: what is declared here goes through files, tables and hash."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -66,25 +65,6 @@ def test_what_is_no_track_is_not_kept(folder, bad):
     assert read_session(folder).further == ()
 
 
-def test_a_belt_check_tells_the_scale(folder):
-    with Journal(folder) as journal:
-        cells = read_cells(
-            "belt",
-            ["belt_speed_m_s=1.8km/h", "distance_m=27.5", "duration_s=50"],
-            journal.session.setup,
-        )
-        journal.add("belt", cells)
-        (check,) = journal.session.of("belt")
-        assert check.scale == pytest.approx(1.1)
-        tools = journal.session.setup.instruments
-        watch = replace(tools, distance_sigma_m=0.01, time_sigma_s=0.2)
-        by_hand = 1.1 * math.hypot(0.01 / 27.5, 0.2 / 50)
-        assert check.scale_sigma(watch) == pytest.approx(by_hand)
-        with refused(r"3.6 times as fast as it showed.*check the units"):
-            journal.add("belt", cells | {"distance_m": 90.0})
-        assert replace(check, voided=True, distance_m=90.0).scale == pytest.approx(3.6)
-
-
 @pytest.mark.parametrize(
     ("text", "unit", "value", "rest"),
     [
@@ -97,12 +77,3 @@ def test_a_belt_check_tells_the_scale(folder):
 def test_a_number_without_unit_is_in_the_one_that_the_belt_shows(text, unit, value, rest):
     field = kind_of("station").numbers()["belt_speed_m_s"]
     assert first_number(text, field, unit) == (pytest.approx(value), rest)
-
-
-def test_a_length_that_only_another_unit_makes_likely_needs_its_unit(folder):
-    with Journal(folder) as journal:
-        setup = journal.session.setup
-        with refused("80 m: expected 0.2 to 5 .80 cm would be 0.8 m; .*; type the unit, too"):
-            read_cells("push", ["lambda_deg=0", "distance_m=80", "duration_s=2"], setup)
-        cells = read_cells("push", ["lambda_deg=0", "distance_m=80 cm", "duration_s=2"], setup)
-        assert cells["distance_m"] == pytest.approx(0.8)

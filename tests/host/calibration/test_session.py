@@ -1,7 +1,6 @@
 """Sessions on disk: the 2005 one as committed, and every way to get a file wrong."""
 
 import importlib.util
-import math
 import re
 import shutil
 from dataclasses import replace
@@ -37,24 +36,8 @@ def complaint(folder):
     return str(caught.value)
 
 
-def test_the_2005_session_is_what_the_paper_describes():
-    session = load_session(NIRAKH_2005)
-    setup = session.setup
-    assert setup.provenance.kind == "regenerated"
-    assert "lost" in setup.provenance.note
-    assert setup == load_session(NIRAKH_2005).setup != replace(setup, name="other")
-    assert setup.robot == OF_2005
-    assert setup.weight_n == pytest.approx(6 * 0.0756 * 9.80665, rel=1e-15)
-    assert [math.degrees(x) for x in setup.plan.lambda_rad] == pytest.approx([0.0, 7.5])
-    straight = [r for r in session.kept if r.lambda_rad == 0.0]
-    bent = [r for r in session.kept if r.lambda_rad > 0.0]
-    assert [math.degrees(r.incline_rad) for r in straight] == pytest.approx([2, 2.2, 2.4, 2.6, 2.8])
-    assert [math.degrees(r.incline_rad) for r in bent] == pytest.approx(
-        [2.4, 2.6, 2.8, 3, 3.2, 3.4]
-    )
-
-
 def test_regenerating_gives_the_committed_file():
+    assert load_session(NIRAKH_2005).setup.robot == OF_2005
     spec = importlib.util.spec_from_file_location("regenerate", NIRAKH_2005 / "regenerate.py")
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)
@@ -191,9 +174,7 @@ def test_a_session_keeps_the_voltage_and_the_frames_of_its_servos(tmp_path) -> N
     run(f"new {folder} --defaults --surface wood --mass-kg 480g --volts 5.2")
     setup = session_file.read_session(folder).setup
     assert setup.robot_table.supply_v == 5.2
-    kind = setup.driving(sn.servo("S3003"))
-    assert {s.supply_v for s in kind.draws(8)} == {5.2}
-    assert kind.servo.frame_s == 0.02  # of five joints
+    assert {s.supply_v for s in setup.driving(sn.servo("S3003")).draws(8)} == {5.2}
     session_file.write_setting(Path(folder), "robot", "supply_v", 5.6)
     session_file.write_setting(Path(folder), "robot", "frame_ms", 5.0)
     setup = session_file.read_session(folder).setup
@@ -202,6 +183,6 @@ def test_a_session_keeps_the_voltage_and_the_frames_of_its_servos(tmp_path) -> N
     stated = sn.servo().at_volts(4.9).at_frames(0.01)
     assert setup.driving(stated) == stated
     body = replace(setup.robot_table, supply_v=None, frame_ms=None, links=11)
-    longer = replace(setup, robot_table=body)
-    assert longer.driving(sn.servo()).servo.frame_s == 0.0275  # what the firmware has for ten
-    assert longer.driving(sn.servo()).sigma["supply_v"] > 0
+    longer = replace(setup, robot_table=body).driving(sn.servo())
+    assert longer.servo.frame_s == 0.0275  # what the firmware has for ten
+    assert longer.sigma["supply_v"] > 0

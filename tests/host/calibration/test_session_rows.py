@@ -136,17 +136,6 @@ def test_readings_of_ways_that_are_gone_are_left_out_by_name_and_the_fit_stays(f
     assert fit_friction(session).intervals == before.intervals
 
 
-def test_the_zero_is_the_mean_and_doubts_what_moved(folder):
-    taken = read_session(folder)
-    assert math.degrees(taken.zero.sigma_rad) == pytest.approx(0.1)  # as declared
-    before = ZeroReading(1, math.radians(0.3), math.radians(-0.1))
-    after = ZeroReading(5, math.radians(0.1), math.radians(0.16), before=False)
-    session = replace(taken, zeros=(before, after))
-    assert math.degrees(session.zero.value_rad) == pytest.approx(0.115)
-    # Each zero has 0.03 / sqrt(2), their mean 0.015; half of what moved is 0.015.
-    assert math.degrees(session.zero.sigma_rad) == pytest.approx(math.hypot(0.015, 0.015))
-
-
 def test_a_zero_that_moved_by_more_than_its_errors_is_in_the_uncertainty_and_told(folder):
     before = ZeroReading(1, math.radians(0.3), math.radians(-0.1))
     after = ZeroReading(5, math.radians(0.5), math.radians(0.1), before=False)
@@ -220,12 +209,6 @@ def test_the_hash_tells_what_a_fit_rests_on(folder):
     assert load_session(folder).sha256 == first
     append(folder, event("void", 2), to="events.csv")
     assert load_session(folder).sha256 != first
-
-
-def test_other_damage_is_told(folder):
-    append(folder, reading(1), reading(1))
-    with refused(r"csv:3: reading 1 is there already, at .*csv:2"):
-        load_session(folder)
 
 
 def test_zero_bytes_after_a_power_cut_are_told(folder):

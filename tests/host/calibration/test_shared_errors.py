@@ -4,7 +4,6 @@ import json
 import math
 from dataclasses import replace
 
-import numpy as np
 import pytest
 import serpenoid as sn
 from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
@@ -21,22 +20,6 @@ NAMES = ("ct", "cn", "ft0", "fn0")
 def stating(made, **sigmas):
     unsure = replace(made.setup.instruments, **sigmas)
     return replace(made, setup=replace(made.setup, instruments=unsure))
-
-
-@pytest.mark.parametrize(("links", "bent"), [(3, 0), (4, 0), (6, 0), (12, 0), (7, 4), (11, 8)])
-def test_how_far_links_stand_off_by_drawing_joints(links, bent):
-    """Joints drawn, a line through the straight links' angles taken off, the rest averaged.
-
-    Where links are bent it is the others alone that the robot follows.
-    """
-    rng = np.random.default_rng(3)
-    angles = np.cumsum(np.c_[np.zeros(20000), rng.normal(size=(20000, links - 1))], axis=1)
-    straight = np.arange(bent // 2, links - bent // 2)
-    at = np.polyfit(straight, angles[:, straight].T, 1).T
-    off = angles[:, straight] - (at[:, :1] * straight + at[:, 1:])
-    mean = np.abs(off).mean(axis=1)
-    assert straightness_factors(links, bent) == pytest.approx((mean.mean(), mean.std()), rel=0.03)
-    assert straightness_factors(2) == straightness_factors(6, 4) == (0.0, 0.0)
 
 
 def belt_as_stated(made):

@@ -12,23 +12,10 @@ from serpenoid import _core
 G, N, MASS, LENGTH = 9.81, 6, 0.0756, 0.076
 WHOLE = (0.084, 1.2, 0.14, 0.27)
 ZIGZAG, BALANCED = (1, -1, 1, -1, 1, -1), (1, -1, 0, 0, -1, 1)
-# Signs that read the same from both ends and add up to nothing.
-HELD = {
-    4: "+--+",
-    5: "+-0-+",
-    6: "+-00-+",
-    7: "+0-0-0+",
-    8: "+--++--+",
-    9: "+--+0+--+",
-    10: "+--+00+--+",
-    11: "+-+-000-+-+",
-    12: "+--++--++--+",
-}
-SIGN = {"+": 1, "-": -1, "0": 0}
 
 
-def chain(n=N, rolling=0.0, whole=WHOLE):
-    ct, cn, ft0, fn0 = (x / n for x in whole)
+def chain(n=N, rolling=0.0):
+    ct, cn, ft0, fn0 = (x / n for x in WHOLE)
     row = [ct, cn, ft0, fn0, ct, ft0, rolling, 1.0]
     return _core.FreeChain(MASS, LENGTH, MASS * LENGTH**2 / 12, np.array([row] * n))
 
@@ -37,46 +24,14 @@ def angles(c):
     return np.array(c.places).reshape(-1, 3)[:, 2]
 
 
-def placed(c, theta, belt=0.0, gamma=0.0, v=(0.0, 0.0), w=0.0, heading=0.0):
-    """Put a chain down with its links at theta, the mean one along the heading."""
+def placed(c, theta, belt=0.0, gamma=0.0, v=(0.0, 0.0), w=0.0):
+    """Put a chain down with its links at theta, the mean one along x."""
     theta = np.asarray(theta, dtype=float)
     c.set_joints(list(np.diff(theta)))
     c.set_ground_velocity(-belt, 0.0)
     c.set_slope(G * math.sin(gamma), 0.0)
-    c.place(0.0, 0.0, theta[0] - theta.mean() + heading, *v, w)
+    c.place(0.0, 0.0, theta[0] - theta.mean(), *v, w)
     return c
-
-
-def balance_speed(theta, gamma, whole=WHOLE):
-    """The belt speed at which forces along the belt balance: summed link by link, by bisection."""
-    ct, cn, ft0, fn0 = (x / len(theta) for x in whole)
-
-    def pull(v):
-        t, n = v * np.cos(theta), v * np.sin(theta)
-        along = np.cos(theta) * (ct * t + ft0) + np.abs(np.sin(theta)) * (cn * np.abs(n) + fn0)
-        return along.sum() - len(theta) * MASS * G * math.sin(gamma)
-
-    low, high = 0.0, 20.0
-    for _ in range(60):
-        low, high = (
-            ((low + high) / 2, high) if pull((low + high) / 2) < 0 else (low, (low + high) / 2)
-        )
-    return low
-
-
-@pytest.mark.parametrize("n", HELD)
-@pytest.mark.parametrize("bend", [7.5, 30.0])
-def test_balanced_bends_hold_heading_and_place(n, bend):
-    theta = np.array([SIGN[s] for s in HELD[n]]) * math.radians(bend)
-    assert theta.sum() == 0.0
-    assert list(theta) == list(theta[::-1])
-    whole = [x * n / N for x in WHOLE]
-    gamma = math.radians(4.0 if bend < 10 else 6.0)
-    c = placed(chain(n, whole=whole), theta, balance_speed(theta, gamma, whole), gamma)
-    c.advance(6.0, 0.004)
-    assert abs(math.degrees(angles(c).mean())) < 1e-3
-    assert abs(c.state[0]) < 1e-4
-    assert abs(c.state[1]) < 1e-4
 
 
 @pytest.mark.parametrize("signs", [ZIGZAG, BALANCED, (0,) * N])

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from refusals import refused
 from robots import OF_2005
 from serpenoid import Ground
 from serpenoid.lab.belt import Belt
@@ -57,18 +56,3 @@ def test_the_same_seed_does_the_same_and_a_display_that_is_off_shows():
     assert found is not None
     ratio = (one.belt_shown_m_s - one.drift_m_s) / (found.belt_shown_m_s - found.drift_m_s / 1.1)
     assert ratio == pytest.approx(1.1, abs=0.04)
-
-
-def test_a_robot_of_the_wrong_size_is_refused():
-    with refused("grounds has 2"):
-        LabRobot(OF_2005, (WHOLE, WHOLE))
-    with refused("joint_error_rad has 1"):
-        LabRobot(OF_2005, (WHOLE,), (0.1,))
-
-
-def test_drawn_links_share_the_whole():
-    drawn = LabRobot.whole(OF_2005, WHOLE).drawn(np.random.default_rng(1), 0.01, 0.1)
-    for name in ("ct", "cn", "ft0", "fn0"):
-        each = [getattr(g, name) for g in drawn.grounds]
-        assert sum(each) == pytest.approx(getattr(WHOLE, name))
-        assert max(each) > min(each)

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from calibration.floor_sessions import floor_session
-from calibration.plain_sessions import World, plain_session
 from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
 from refusals import refused
 from robots import gait_in_deg
@@ -48,7 +47,8 @@ def test_advise_promises_what_compare_then_shows(weak):
 
 
 def test_no_bend_is_named_that_would_bias_and_no_place_beyond_the_treadmill(weak):
-    coarse = plain_session(World(bends_deg=(15.0,)), np.random.default_rng(1))  # 0.5 % of grade
+    rng = np.random.default_rng(1)
+    coarse = session(setup(15.0), WHOLE_BODY_2005, rng, on_grades=True)  # 0.5 % of grade
     found = advise(coarse, [GAIT], servo=None)
     assert min(reading.belt_speed_m_s for reading in found.readings) > 0.12
     assert max(reading.incline_rad for reading in found.readings) < math.atan(0.15)
