@@ -86,7 +86,9 @@ class RunError(Result):
 def finer_scene(scene: Scene, times: int = 1) -> Scene:
     """Return the scene at a tenth of its tolerance or half its step, so many times.
 
-    It records energies at most. Below some tolerance rounding makes steps short and tells no more
+    By nonsmooth it is a hundredth: after each event steps begin anew, so that runs at tolerances
+    next to each other often take the same steps, and share their error. It records energies at
+    most. Below some tolerance rounding makes steps short and tells no more
     (a run by nonsmooth takes ten times as long at 1e-11 with 40 links): there it is ten times the
     tolerance, whose difference is the larger.
     """
@@ -97,8 +99,10 @@ def finer_scene(scene: Scene, times: int = 1) -> Scene:
         return replace(scene, record=record, dt_s=scene.dt_s / parts, record_every=every)
     many = scene.method == "nonsmooth"
     least = MIN_TOLERANCE * max(1.0, (scene.robot.links / 3) ** 3) if many else MIN_TOLERANCE
-    factor = 0.1 if scene.tolerance >= 10**times * least else 10.0
-    return replace(scene, record=record, tolerance=scene.tolerance * factor**times)
+    apart = 100.0 if many else 10.0
+    finer = scene.tolerance / apart**times
+    coarser = scene.tolerance * 10.0**times
+    return replace(scene, record=record, tolerance=finer if finer >= least else coarser)
 
 
 def warnings_of(scene: Scene, error: RunError) -> tuple[str, ...]:

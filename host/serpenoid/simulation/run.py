@@ -1,8 +1,9 @@
 """A run: everything that was recorded, and its error, estimated by a finer run.
 
-The finer run has half the step, or a tenth of the tolerance. Four times the difference is the
-estimate. Of a method of order 1 the error is twice the difference, of higher orders less. Where dry
-friction is not resolved, or over many cycles, it varies: 4 keeps 99 % of random scenes within it.
+The finer run has half the step, or a tenth of the tolerance (nonsmooth: a hundredth). Four times
+the difference is the estimate. Of a method of order 1 the error is twice the difference, of higher
+orders less. Where dry friction is not resolved, or over many cycles, it varies: 4 keeps 99 % of
+random scenes within it.
 """
 
 from __future__ import annotations
