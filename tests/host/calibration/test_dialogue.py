@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,11 +15,6 @@ from serpenoid.session.rows import read_events
 from serpenoid.taking.dialogue import Dialogue
 from serpenoid.taking.new_session import create_session, default_setup, on_place
 from serpenoid.taking.session_robot import SessionRobot
-
-
-@pytest.fixture
-def folder(tmp_path) -> Path:
-    return create_session(tmp_path / "session", default_setup("made up"))
 
 
 def talk(folder, *lines, robot=None, **given):

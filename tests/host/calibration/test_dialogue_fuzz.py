@@ -3,7 +3,6 @@
 import random
 import re
 import shutil
-from collections import deque
 from dataclasses import replace
 
 import pytest
@@ -16,7 +15,7 @@ from serpenoid.taking.new_session import create_session, default_setup, on_place
 
 # Words of the prompts, nonsense, and numbers that fit somewhere.
 TYPED = """\
-undo|undo 1|undo 3|undo -1|undo ²|skip|pause|help|?|keep|quit|QUIT|u
+undo|undo 1|undo 3|undo -1|undo ²|skip|pause|help|?|keep|u
 | |nan|inf|-inf|1e400|0x10|1,2,3|1;2|--5|5 parsecs|%|é|\x1b[A|[b]|0|-0|y|n|k|2.3.4|+|,|.|½|\x00.csv
 2|2.3|2,6|4 %|0.3|0.5 m/s|1.8 km/h|165|150|120|1.0|9.5|2.6 0.4|0.01 -2deg|0:0 2:0.045 4:0.13"""
 WORDS, NONSENSE, FITTING = (line.split("|") for line in TYPED.split("\n"))
@@ -50,20 +49,6 @@ def test_anything_at_any_prompt(begun, tmp_path, seed):
     lines = []
     for _ in range(150):
         pool = made.choices((WORDS, NONSENSE, FITTING), (1, 1, 4))[0]
-        lines.append(made.choice([w for w in pool if w.lower() != "quit"]))
+        lines.append(made.choice(pool))
     heard = talk(folder, lines)
     assert "Everything read so far is kept" in heard or "all of the plan is done" in heard
-
-
-ROAD = ("0.1", "-0.1", "", "2.0", "0.2", "", "keep", "2.3 0.5", "", "keep", "skip", "2.9 1.05")
-
-
-@pytest.mark.parametrize("begun", ["treadmill"], indirect=True)
-@pytest.mark.parametrize("word", WORDS)
-def test_every_word_at_every_other_prompt(begun, tmp_path, word):
-    for prompt in range(WORDS.index(word) % 2, len(ROAD), 2):
-        folder = shutil.copytree(begun, tmp_path / f"session{prompt}")
-        lines = deque(ROAD[:prompt])
-        lines.extend((word, "", "quit"))
-        heard = talk(folder, lines)
-        assert heard.count("Everything read so far is kept") == 1

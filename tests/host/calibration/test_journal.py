@@ -13,17 +13,8 @@ from refusals import refused
 from serpenoid.base.errors import RecordingFailed
 from serpenoid.session.folder import read_session
 from serpenoid.session.journal import Journal, append_line
-from serpenoid.taking.new_session import (
-    create_session,
-    default_setup,
-)
 
 STATION = {"lambda_deg": 0.0, "incline_deg": 2.5, "belt_speed_m_s": 0.4, "drift_m_s": 0.0}
-
-
-@pytest.fixture
-def folder(tmp_path):
-    return create_session(tmp_path / "session", default_setup("made up"))
 
 
 def child(folder, body):

@@ -9,16 +9,10 @@ from serpenoid.session.folder import read_session
 from serpenoid.session.journal import Journal
 from serpenoid.session.kinds import kind_of
 from serpenoid.show.session.table import rows
-from serpenoid.taking.new_session import create_session, default_setup
 from serpenoid.taking.parse_number import first_number, read_cells
 
 SAMPLES = [[0.0, 0.0, 0.0], [0.1, 0.05, 0.0], [0.2, 0.0911, 0.001]]
 FILMED = {"lambda_deg": 0.0, "by": "film"}
-
-
-@pytest.fixture
-def folder(tmp_path):
-    return create_session(tmp_path / "session", default_setup("made up"))
 
 
 def test_a_reading_is_kept_shown_voided_and_hashed(folder):

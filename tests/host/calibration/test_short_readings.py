@@ -6,6 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from calibration.conversations import Typist
+from calibration.synthetic_session import WHOLE_BODY_2005
+from calibration.synthetic_session import session as made_up
+from calibration.synthetic_session import setup as made_up_setup
 from command_line import serpenoid
 from refusals import refused
 from scipy.integrate import solve_ivp
@@ -15,11 +18,6 @@ from serpenoid.session.journal import Journal
 from serpenoid.session.places import drifts, tidy_places
 from serpenoid.session.station import Reading
 from serpenoid.taking.dialogue import Dialogue
-from serpenoid.taking.new_session import create_session, default_setup
-
-from .synthetic_session import WHOLE_BODY_2005
-from .synthetic_session import session as made_up
-from .synthetic_session import setup as made_up_setup
 
 NAMES = ("ct", "cn", "ft0", "fn0")
 TRUE = np.array([getattr(WHOLE_BODY_2005, name) for name in NAMES])
@@ -113,11 +111,6 @@ def test_what_is_no_track_is_said(typed, why):
 
 def run(line):
     return serpenoid(f"calibrate {line}")
-
-
-@pytest.fixture
-def folder(tmp_path):
-    return create_session(tmp_path / "session", default_setup("made up"))
 
 
 CELLS = "lambda_deg=15 incline_deg=4 belt_speed_m_s=0.5"
