@@ -40,10 +40,9 @@ class Counts(ctypes.Structure):
 
 @dataclass(frozen=True)
 class Line:
-    """One line the board sent: the cycles at which its first and last byte went to the UART."""
+    """One line the board sent: the cycle at which its first byte went to the UART."""
 
     cycle: int
-    end_cycle: int
     text: str
 
 
@@ -295,5 +294,5 @@ class Board:
             self._line.append((cycle, value))
             if value == ord("\n"):
                 text = bytes(v for _, v in self._line).decode("ascii", "replace").rstrip("\r\n")
-                self.lines.append(Line(self._line[0][0], cycle, text))
+                self.lines.append(Line(self._line[0][0], text))
                 self._line.clear()

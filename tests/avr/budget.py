@@ -51,10 +51,7 @@ def flash_bytes(elf: Path) -> int:
 def busy_board(elf: Path, name: str, seconds: float) -> tuple[Dialogue, int]:
     """Run a gait with a line a frame, commands sliding through it; return the first line seen."""
     talk = Dialogue(Board(elf, name, SERVO_PINS[name]))
-    talk.hello()
-    for command in ("gait 30 80 5", "ping", "help", "set", "trim", "status"):
-        verdict = talk.ask(command, 1.0)
-        assert verdict.startswith("ok:"), verdict
+    talk.obey("hello", "gait 30 80 5", "ping", "help", "set", "trim", "status")
     talk.keep_alive(4.0)
     first = len(talk.board.lines)
     for i in range(int(seconds / COMMAND_S)):
@@ -90,7 +87,7 @@ def harassed(
     rng = random.Random(2005)
     with wired(elf, name, joints, output) as board:
         talk = Dialogue(board)
-        talk.hello()
+        talk.obey("hello")
         end_s = board.time_s + seconds
         while board.time_s < end_s:
             talk.send(random_command(rng, joints))

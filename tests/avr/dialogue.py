@@ -62,9 +62,12 @@ class Dialogue:
         self.number = last_number
         self.greeting = unsealed(board.run_until("hello:", 3.0))
 
-    def hello(self) -> None:
-        """Open the session."""
-        assert self.ask("hello").startswith("ok:")
+    def obey(self, *commands: str) -> Dialogue:
+        """Send commands that the board must take; the first one of a session is `hello`."""
+        for command in commands:
+            verdict = self.ask(command, 5.0)
+            assert verdict.startswith("ok:"), (command, verdict)
+        return self
 
     def send(self, command: str) -> int:
         """Send one command and return its number, without awaiting the verdict."""

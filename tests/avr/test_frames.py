@@ -15,10 +15,7 @@ PULSE_US = 10.0  # the rare extreme of a pulse whose interrupt was delayed
 
 def running(board, command: str) -> Dialogue:
     """Start a gait with silence off and let it settle."""
-    talk = Dialogue(board)
-    talk.hello()
-    for line in ("set silence off", command):
-        assert talk.ask(line).startswith("ok:")
+    talk = Dialogue(board).obey("hello", "set silence off", command)
     board.run(4.0)
     return talk
 
@@ -56,15 +53,12 @@ def test_other_numbers_of_joints(start, name, joints, frame_us):
     talk = Dialogue(start(name, joints=joints))
     said = fields(talk.greeting)
     assert (int(said["joints"]), int(said["frame_us"])) == (joints, frame_us)
-    talk.hello()
     pose = " ".join(f"{(-1) ** j * (10 + j)}.123456" for j in range(joints))
-    for line in (f"trim {joints} centre 1510", "set silence off", f"pose {pose}"):
-        assert talk.ask(line).startswith("ok:"), line
+    talk.obey("hello", f"trim {joints} centre 1510", "set silence off", f"pose {pose}")
     talk.board.run(2.5)
     seen = telemetry(talk.board.lines[-5:])
     assert np.degrees(seen.angle_rad[-1, -1]) == pytest.approx(float(pose.split()[-1]), abs=0.01)
-    for line in ("save unattended", "gait 45 80 8"):
-        assert talk.ask(line, 5.0).startswith("ok:")
+    talk.obey("save unattended", "gait 45 80 8")
     talk.board.run(4.0)
     check_frames(talk, 4.0, joints, frame_us)
     after = Dialogue(start(name, talk.board.eeprom, joints=joints))

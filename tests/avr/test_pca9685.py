@@ -12,13 +12,6 @@ FULL_OFF = 0x10
 OSCILLATOR_MHZ = 25.0
 
 
-def obeyed(talk: Dialogue, *commands: str) -> Dialogue:
-    for command in commands:
-        verdict = talk.ask(command, 5.0)
-        assert verdict.startswith("ok:"), (command, verdict)
-    return talk
-
-
 def outputs_us(board, joints: int = 5, oscillator_mhz: float = OSCILLATOR_MHZ) -> np.ndarray:
     """Return the pulse of each channel, 0 if there is none, by the data sheet's own formula."""
     registers = board.pca9685
@@ -38,7 +31,7 @@ def enabled(board) -> bool:
 
 def check_straight(talk: Dialogue) -> None:
     """Find the driver again: it makes the pulses of a straight robot."""
-    obeyed(talk, "pose straight")
+    talk.obey("pose straight")
     talk.board.run(2.5)
     assert enabled(talk.board)
     assert np.all(np.abs(outputs_us(talk.board) - 1500) < 3)
@@ -49,12 +42,12 @@ def check_straight(talk: Dialogue) -> None:
 )
 def test_the_registers_are_the_pulses_of_telemetry(start, name, joints):
     board = start(name, joints=joints, output="pca9685")
-    talk = obeyed(Dialogue(board), "hello")
+    talk = Dialogue(board).obey("hello")
     assert fields(talk.greeting)["frame_us"] == "20000"
     assert board.pca9685[PRESCALE] == 121  # 25 MHz / (4096 * 50 Hz) - 1, rounded
     assert not np.any(outputs_us(board, joints))
     assert not enabled(board)
-    obeyed(talk, "set silence off", "gait 45 80 8")
+    talk.obey("set silence off", "gait 45 80 8")
     board.run(2.5)
     board.run_until("t:", 0.05)
     bursts, first = board.pca9685_bursts, len(board.lines) - 1
@@ -69,7 +62,7 @@ def test_the_registers_are_the_pulses_of_telemetry(start, name, joints):
     assert board.pca9685_bursts - bursts == seen.frame[-1] - seen.frame[0]  # one for all joints
     assert board.counts.twi_misused == 0
     assert talk.counters()["overruns"] == 0
-    obeyed(talk, "idle")
+    talk.obey("idle")
     board.run(0.05)
     assert not np.any(outputs_us(board, joints))
     assert not enabled(board)
@@ -78,21 +71,21 @@ def test_the_registers_are_the_pulses_of_telemetry(start, name, joints):
 @pytest.mark.slow
 def test_the_rate_and_the_oscillator_are_settings_and_answers_cost_no_line(start):
     board = start("uno", output="pca9685")
-    talk = obeyed(Dialogue(board), "hello")
+    talk = Dialogue(board).obey("hello")
     assert "low=5 high=20" in talk.ask("set frame_ms 4.9")
-    obeyed(talk, "set frame_ms 5", "set oscillator 26.5", "save")
+    talk.obey("set frame_ms 5", "set oscillator 26.5", "save")
     board.reset()
-    talk = obeyed(Dialogue(board), "hello")
+    talk = Dialogue(board).obey("hello")
     assert fields(talk.greeting)["frame_us"] == "5000"
     assert board.pca9685[PRESCALE] == round(26.5 * 5000 / 4096) - 1
-    obeyed(talk, "set silence off", "pose 10 -20 30 -40 50")
+    talk.obey("set silence off", "pose 10 -20 30 -40 50")
     board.run(3.0)
     seen = telemetry(board.lines[-8:])
     assert set(np.diff(seen.frame)) == {4}  # a line and an answer take longer than three frames
     tick_us = (board.pca9685[PRESCALE] + 1) / 26.5
     widths = outputs_us(board, oscillator_mhz=26.5)
     assert np.all(np.abs(widths - seen.pulse_us[-1]) <= tick_us / 2 + 1e-6)
-    obeyed(talk, "gait 30 80 6")
+    talk.obey("gait 30 80 6")
     board.run(3.0)
     before = talk.counters()
     talk.keep_alive(2.0, every_s=0.1)
@@ -106,7 +99,7 @@ def test_the_rate_and_the_oscillator_are_settings_and_answers_cost_no_line(start
 def test_without_a_driver_nothing_moves(start, fault):
     board = start("uno", output="pca9685")
     board.fault_pca9685(fault)
-    talk = obeyed(Dialogue(board), "hello")
+    talk = Dialogue(board).obey("hello")
     assert " output " in talk.ask("gait 30 80 5")
     assert not enabled(board)
     board.fault_pca9685("well")
@@ -116,7 +109,7 @@ def test_without_a_driver_nothing_moves(start, fault):
 @pytest.mark.parametrize("fault", ["silent", "power lost for a moment", "data low"])
 def test_a_lost_driver_ends_all_pulses_and_is_found_again(start, fault):
     board = start("uno", output="pca9685")
-    talk = obeyed(Dialogue(board), "hello", "set silence off", "gait 45 80 8")
+    talk = Dialogue(board).obey("hello", "set silence off", "gait 45 80 8")
     board.run(2.5)
     assert np.all(outputs_us(board) > 500)
     before, seen = talk.counters(), len(board.lines)
@@ -135,7 +128,7 @@ def test_a_lost_driver_ends_all_pulses_and_is_found_again(start, fault):
 @pytest.mark.parametrize("fault", ["restart stays", "deaf once"])
 def test_a_restart_bit_that_stays_and_a_lost_acknowledge_lose_no_driver(start, fault):
     board = start("uno", output="pca9685")
-    obeyed(Dialogue(board), "hello", "set silence off", "gait 45 80 8")
+    Dialogue(board).obey("hello", "set silence off", "gait 45 80 8")
     board.run(1.0)
     board.fault_pca9685(fault)
     for _ in range(25):
@@ -147,7 +140,7 @@ def test_a_restart_bit_that_stays_and_a_lost_acknowledge_lose_no_driver(start, f
 
 def test_a_hang_ends_all_pulses(start):
     board = start("uno", output="pca9685")
-    obeyed(Dialogue(board), "hello", "pose straight")
+    Dialogue(board).obey("hello", "pose straight")
     board.run(1.0)
     assert enabled(board)
     board.hang()

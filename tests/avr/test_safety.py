@@ -23,9 +23,7 @@ def widths(board, since_s):
 
 
 def crawling(board) -> Dialogue:
-    talk = Dialogue(board)
-    talk.hello()
-    assert talk.ask("gait 30 80 5").startswith("ok:")
+    talk = Dialogue(board).obey("hello", "gait 30 80 5")
     talk.keep_alive(3.0)
     return talk
 
@@ -33,9 +31,7 @@ def crawling(board) -> Dialogue:
 def test_no_pulse_before_the_first_motion_command(start):
     board = start()
     talk = Dialogue(board)
-    talk.hello()
-    for command in ("ping", "status", "help", "set", "trim", "set silence 5", "stop", "idle"):
-        assert talk.ask(command).startswith("ok:"), command
+    talk.obey("hello", "ping", "status", "help", "set", "trim", "set silence 5", "stop", "idle")
     talk.keep_alive(1.0)
     assert len(board.edges) == 0
     assert talk.ask("pose straight").startswith("ok:")
@@ -65,7 +61,7 @@ def test_reset_in_mid_motion_is_told_and_leaves_the_servos_limp(start, cause, wo
     after = fields(again.greeting)
     assert after["reset"] == word
     assert int(after["boot"]) == int(before["boot"]) + 1
-    again.hello()
+    again.obey("hello")
     again.keep_alive(1.0)
     assert all(len(width) == 0 for width in widths(board, reset_s + 0.001))
     assert telemetry(board.lines[-20:]).state[-1] == "idle"

@@ -37,9 +37,7 @@ LOADS = {
 
 
 def gait_running(start, name: str) -> Dialogue:
-    talk = Dialogue(start(name))
-    talk.hello()
-    assert talk.ask("gait 30 80 5").startswith("ok:")
+    talk = Dialogue(start(name)).obey("hello", "gait 30 80 5")
     talk.keep_alive(2.0)
     if talk.ask("set silence 10").startswith("ok:"):
         talk.send("bye")
@@ -89,14 +87,14 @@ def trial(start, name: str, load_name: str, seed: int) -> bool:
     return stopped
 
 
+@pytest.mark.parametrize(
+    ("name", "seeds"),
+    [
+        ("uno", range(2)),
+        *(pytest.param(name, range(2, 8), marks=pytest.mark.slow) for name in ("uno", "mega")),
+    ],
+)
 @pytest.mark.parametrize("load_name", LOADS)
-def test_a_stop_is_obeyed_within_two_frames_under(start, load_name):
-    assert [trial(start, "uno", load_name, seed) for seed in range(2)] == [True] * 2
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["uno", "mega"])
-@pytest.mark.parametrize("load_name", LOADS)
-def test_every_one_of_many_stops_is_obeyed_under(start, load_name, name):
-    """None of 98 fails, the quick ones included: one in 33 would in 19 of 20 such tests."""
-    assert [trial(start, name, load_name, seed) for seed in range(2, 8)] == [True] * 6
+def test_a_stop_is_obeyed_within_two_frames_under(start, load_name, name, seeds):
+    """None of 98 fails, the slow ones included: one in 33 would in 19 of 20 such tests."""
+    assert all(trial(start, name, load_name, seed) for seed in seeds)

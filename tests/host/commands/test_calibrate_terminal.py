@@ -45,17 +45,13 @@ def test_taken_killed_and_resumed_at_a_terminal(folder):
         assert person.leaves() == 0
 
 
-def test_the_end_of_the_input_and_ctrl_c_leave_the_session_whole(folder):
+def test_the_end_of_the_input_leaves_the_session_whole(folder):
     with Person(f"calibrate {folder}") as person:
         person.answers("it shows", "\x04")
         person.sees("Left.")
         assert person.leaves() == 0
-    with Person(f"calibrate {folder} --port virtual") as person:
-        person.sees("it shows")
-        person.sends(signal.SIGINT)
-        assert person.leaves() == 130
     assert read_session(folder).notes == ()
-    assert [e.event for e in read_events(folder, [])].count("end") == 2
+    assert [e.event for e in read_events(folder, [])].count("end") == 1
 
 
 def test_a_new_session_asks_what_it_needs(tmp_path):
