@@ -15,7 +15,7 @@ COLUMNS = (  # of a frame as the host reads it, in the order of Telemetry below
 )
 
 
-def seal(body: str) -> bytes:
+def sealed(body: str) -> bytes:
     """Return the line as it goes over the wire: body, CRC, line end."""
     return f"{body} *{crc(body):04X}\n".encode()
 
@@ -72,7 +72,7 @@ class Dialogue:
     def send(self, command: str) -> int:
         """Send one command and return its number, without awaiting the verdict."""
         self.number = (self.number + 1) % 65536
-        self.board.send(seal(f"#{self.number} {command}"))
+        self.board.send(sealed(f"#{self.number} {command}"))
         return self.number
 
     def ask(self, command: str, timeout_s: float = 0.5) -> str:

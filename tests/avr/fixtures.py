@@ -13,17 +13,19 @@ from avr.toolchain import ToolchainError, build_firmware, require
 
 
 @pytest.fixture(scope="session")
-def firmware_elf() -> Callable[..., Path]:
-    """Return a function from board name and joints to the ELF, built as PlatformIO does.
-
-    Without a toolchain the test is skipped with the reason; where CI=true it fails instead.
-    """
+def toolchain() -> None:
+    """Skip with the reason where the firmware cannot be built; where CI=true fail instead."""
     try:
         require()
     except ToolchainError as error:
         if os.environ.get("CI") == "true":
             pytest.fail(str(error))
         pytest.skip(str(error))
+
+
+@pytest.fixture(scope="session")
+def firmware_elf(toolchain: None) -> Callable[..., Path]:
+    """Return a function from board name and joints to the ELF, built as PlatformIO does."""
     return cache(build_firmware)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 from avr.board import F_CPU_HZ, Board
-from avr.dialogue import Dialogue, seal, telemetry
+from avr.dialogue import Dialogue, sealed, telemetry
 
 pytestmark = pytest.mark.avr
 
@@ -29,7 +29,7 @@ LOADS = {
     "gaits at 300/s": lambda *_: list(paced(b"gait 30 80 5\n", 300, 0.5)),
     "status at 50/s": lambda *_: list(paced(b"status\n", 50, 1.0)),
     "queued reports": lambda *_: [
-        (0.0, b"".join(seal(f"#{101 + i} {word}") for i, word in enumerate(QUEUED * 2)))
+        (0.0, b"".join(sealed(f"#{101 + i} {word}") for i, word in enumerate(QUEUED * 2)))
     ],
     "random bytes": lambda rng: [(0.0, rng.randbytes(int(0.4 * 25_000)))],
     "a line without end": lambda *_: [(0.0, b"x" * 9000)],

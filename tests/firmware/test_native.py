@@ -2,30 +2,18 @@
 
 from __future__ import annotations
 
-import os
 import tarfile
 
 import pytest
-from avr.toolchain import ToolchainError, pio, require
+from avr.toolchain import pio
+
+pytestmark = [pytest.mark.avr, pytest.mark.usefixtures("toolchain")]
 
 
-@pytest.fixture(autouse=True)
-def toolchain() -> None:
-    """Skip with the reason where PlatformIO cannot build; where CI=true fail instead."""
-    try:
-        require()
-    except ToolchainError as error:
-        if os.environ.get("CI") == "true":
-            raise
-        pytest.skip(str(error))
-
-
-@pytest.mark.avr
 def test_the_native_suites_pass() -> None:
     assert "succeeded" in pio("test", "-e", "native")
 
 
-@pytest.mark.avr
 @pytest.mark.parametrize("library", ["gait", "protocol"])
 def test_the_libraries_pack_for_others(library: str, tmp_path) -> None:
     pio("pkg", "pack", f"firmware/lib/{library}", "-o", str(tmp_path))

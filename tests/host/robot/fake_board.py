@@ -12,21 +12,17 @@ import time
 import tty
 from collections.abc import Callable
 
+from avr.dialogue import sealed
 from robot.patience import LONG_S, clock, until
 from serpenoid import Gait
 from serpenoid._core import firmware
 from serpenoid.base.errors import RobotLost
-from serpenoid.robot.wire import protocol
 from serpenoid.robot.wire.virtual import VirtualLink
 
 Tamper = Callable[[bytes], bytes]
 GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
 GAIT_TYPED = "--alpha-deg 30 --beta-deg 80 --omega-rad-s 5"
 MOST_AT_ONCE_S = 0.02  # that the board runs before its host may speak again
-
-
-def sealed(body: str) -> bytes:
-    return f"{body} *{protocol.crc(body):04X}\n".encode()
 
 
 def honest(line: bytes) -> bytes:

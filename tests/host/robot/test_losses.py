@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable
 
 import pytest
+from avr.dialogue import sealed
 from command_line import serpenoid
 from robot.fake_board import (
     GAIT,
@@ -23,7 +24,6 @@ from robot.fake_board import (
     honest,
     nothing,
     resealed,
-    sealed,
     without,
 )
 from robot.patience import LONG_S, clock, until

@@ -5,10 +5,11 @@ import math
 
 import numpy as np
 import pytest
+from avr.dialogue import sealed
 from hypothesis import given, seed
 from hypothesis import strategies as st
 from refusals import refused
-from robot.fake_board import FastBoard, honest, resealed, sealed
+from robot.fake_board import FastBoard, honest, resealed
 from serpenoid.base.errors import DamagedLine
 from serpenoid.robot import Robot
 from serpenoid.robot.wire import protocol

@@ -9,7 +9,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from robot.fake_board import FastBoard, sealed
+from avr.dialogue import sealed
+from robot.fake_board import FastBoard
 from serpenoid import Gait, SerpenoidError
 from serpenoid.robot import Robot
 from serpenoid.robot.recording.stream import load_stream
