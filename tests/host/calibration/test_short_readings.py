@@ -10,7 +10,6 @@ from calibration.synthetic_session import WHOLE_BODY_2005
 from calibration.synthetic_session import session as made_up
 from calibration.synthetic_session import setup as made_up_setup
 from command_line import serpenoid
-from refusals import refused
 from scipy.integrate import solve_ivp
 from serpenoid import fit_friction
 from serpenoid.session.folder import read_session
@@ -96,19 +95,6 @@ def test_places_are_typed_as_people_write_them(typed, kept):
     assert drifts(tidy_places("0:0 2:0.04 4:0.12")) == pytest.approx((0.03, 0.04, 4.0))
 
 
-@pytest.mark.parametrize(
-    ("typed", "why"),
-    [
-        ("0:0 2:0.1", "three places"),
-        ("0:0 2:0.1 2:0.2", "must rise"),
-        ("0:0 0.2:0 0.5:0", "must be 1 to 60 s"),
-    ],
-)
-def test_what_is_no_track_is_said(typed, why):
-    with refused(why):
-        tidy_places(typed)
-
-
 def run(line):
     return serpenoid(f"calibrate {line}")
 
@@ -129,14 +115,6 @@ def test_every_way_into_a_session_takes_places(folder, tmp_path):
     assert [r.drift_m_s for r in read.kept] == pytest.approx([0.03] * 2)
     said = " ".join(run(f"status {folder}").stdout.split())
     assert "+0.010 to +0.050 m/s" in said, said
-
-
-def test_a_listed_reading_without_a_word_of_drift_had_none(folder, tmp_path):
-    script = tmp_path / "script.toml"
-    script.write_text("[[reading]]\nlambda_deg = 0.0\nincline_deg = 2.3\nbelt_speed_m_s = 0.45\n")
-    for _ in range(2):
-        assert run(f"take {folder} --script {script}").returncode == 0
-    assert [r.drift_m_s for r in read_session(folder).kept] == [0.0]
 
 
 def test_a_table_of_places_is_a_short_reading_at_the_prompt(folder, tmp_path):

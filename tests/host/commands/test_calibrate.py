@@ -58,14 +58,14 @@ def test_listed_readings_are_added_once(folder, tmp_path):
     rows = [(0.0, 2.0, 0.2), (0.0, 2.3, 0.5)]
     text = "".join(
         f"[[reading]]\nlambda_deg = {bend}\nincline_deg = {incline}\nbelt_speed_m_s = {belt}\n"
-        "drift_m_s = 0.0\n"
         for bend, incline, belt in rows
     )
     path = tmp_path / "rows.toml"
     path.write_text(text)
     assert calibrate(f"{folder} --script {path}")[1].startswith("2 step(s)")
     assert calibrate(f"{folder} --script {path}")[1].startswith("0 step(s)")
-    assert [r.belt_speed_m_s for r in load_session(folder).kept] == [0.2, 0.5]
+    kept = load_session(folder).kept
+    assert [(r.belt_speed_m_s, r.drift_m_s) for r in kept] == [(0.2, 0.0), (0.5, 0.0)]
     # One of them voided, a reading by hand, the list grown: only what is new is added.
     calibrate(f"void {folder} 1")
     calibrate(f"add {folder} station lambda_deg=0 incline_deg=2.2 belt_speed_m_s=0.4")
