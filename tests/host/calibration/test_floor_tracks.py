@@ -108,12 +108,7 @@ def test_what_is_too_fast_or_too_long_for_a_push_is_not_taken(tmp_path):
     with Journal(create_session(tmp_path / "s", floor_setup())) as journal:
         with refused("from 8.* is no push: at most 10 m and 3 m/s; .*--tag-mm"):
             keep_pushes(journal, rows * (1.0, 10.0, 10.0), cells)
-        typed = [
-            ({"distance_m": 80.0, "duration_s": 3.0}, "no push.* likely instead of m: cm .0.8 m"),
-            ({"distance_m": 9.0, "duration_s": 3.0}, "9 m from 6 m/s is no push"),
-            ({"distance_m": 0.8, "duration_s": 3.0, "distance_sigma_m": 2.0}, "at most 0.05"),
-        ]
-        for more, told in typed:
-            with refused(told):
-                journal.add("push", cells | more)
+        unsure = {"distance_m": 0.8, "duration_s": 3.0, "distance_sigma_m": 2.0}
+        with refused("at most 0.05"):
+            journal.add("push", cells | unsure)
         assert journal.add("push", cells | {"distance_m": 0.8, "duration_s": 3.0}) == 1
