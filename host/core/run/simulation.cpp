@@ -22,10 +22,12 @@ Chain start_chain(const RunRequest& q) {
     return c;
 }
 
-bool finite(const double* y, int dim) {
-    double sum = 0;
-    for (int i = 0; i < dim; ++i) sum += y[i] * 0;
-    return sum == 0;
+// SI units: no robot goes so far or so fast. Forces and powers, squares and cubes of states, are
+// finite below it.
+constexpr double kLargestState = 1e30;
+
+bool bounded(const double* y, int dim) {
+    return std::all_of(y, y + dim, [](double value) { return std::abs(value) < kLargestState; });
 }
 
 // Steps from one jump to the next and notes the times of the grid.
@@ -103,7 +105,7 @@ class Run {
     }
     bool checked(double t) {
         unchecked_ = steps_unchecked_;
-        if (!finite(method_.state(), system_.dim())) return out_.failed_at = t, false;
+        if (!bounded(method_.state(), system_.dim())) return out_.failed_at = t, false;
         if (!ask(t)) return give_up(t, "it was interrupted"), false;
         if (out_.steps > q_.most_steps) return give_up(t, "it took too many steps"), false;
         return true;

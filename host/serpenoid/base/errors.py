@@ -83,7 +83,7 @@ class StepTooLarge(SerpenoidError, ArithmeticError):
 
 
 class Diverged(SerpenoidError, ArithmeticError):
-    """A run left the finite numbers; names the time, the cause and a step that works.
+    """A run grew without bound; names the time, the cause and a step that works.
 
     Way out: take the step or the method that the message names.
 

@@ -77,7 +77,7 @@ def run_core(scene: Scene, start: LinkState, progress: Progress | None = None) -
 
 
 def _what_failed(scene: Scene, t_s: float, why: str) -> str:
-    what = why or "the state left the finite numbers"
+    what = why or "the state grew without bound"
     if "stiff" in why and objection("radau", scene) is None:
         cure = "take method 'radau', which is made for stiff springs"
     elif scene.adaptive:
