@@ -102,7 +102,6 @@ def reset_in_the_gait(then: Tamper) -> Callable[[FastBoard], None]:
 
 RESET = r"boot \d, now \d; cause: brownout"
 LOSSES = {
-    "mute": (in_the_gait(nothing), "no telemetry|no verdict for 'ping'"),
     "frames end": (in_the_gait(without("t:"), 50), "no telemetry"),
     "every fifth frame": (
         in_the_gait(lambda line: b"" if re.match(rb"t:\d*[05] ", line) else line, 0),
