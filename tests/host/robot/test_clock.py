@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from serpenoid.base.errors import ClockWrong
-from serpenoid.robot.wire.clock import BoardClock
+from serpenoid.robot.wire.clock import TOLERANCE_PPM, BoardClock
 
 
 def followed(seed: int, ppm: float, duration_s: float):
@@ -29,6 +29,11 @@ def test_true_drift_lies_within_its_stated_deviation(duration_s):
     # Of 60 normal pulls, 95 % lie within 2; fewer than 50 happen by chance once in 10^4.
     assert np.sum(np.abs(pulls) < 2) >= 50
     assert 0.5 < np.sqrt(np.mean(pulls**2)) < 1.6
+
+
+def test_before_there_is_enough_it_is_the_data_sheets():
+    drift = followed(1, 3000.0, 1.0)
+    assert (drift.ppm, drift.sd_ppm) == (0.0, TOLERANCE_PPM)
 
 
 @pytest.mark.parametrize("pace", [0.0, 617.3, 0.4, 1.03, 2.5, 1.004])

@@ -29,6 +29,7 @@ from robot.fake_board import (
 from robot.patience import LONG_S, clock, until
 from serpenoid.base.errors import (
     CommandRefused,
+    DamagedLine,
     NoAnswer,
     ProtocolMismatch,
     RobotError,
@@ -100,6 +101,10 @@ def reset_in_the_gait(then: Tamper) -> Callable[[FastBoard], None]:
     return lambda board: in_the_gait(once(board, lambda: board.reset("brownout"), then))(board)
 
 
+def cut_line_and_greeting(line: bytes) -> bytes:
+    return b"t:2" + line if line.startswith(b"hello: ") else line
+
+
 RESET = r"boot \d, now \d; cause: brownout"
 LOSSES = {
     "frames end": (in_the_gait(without("t:"), 50), "no telemetry"),
@@ -116,6 +121,7 @@ LOSSES = {
         "clock runs",
     ),
     "reset": (reset_in_the_gait(honest), RESET),
+    "reset, greeting behind half a line": (reset_in_the_gait(cut_line_and_greeting), RESET),
     "reset, greeting lost": (reset_in_the_gait(without("hello:")), "frames went back from"),
     "reset at the stop": (
         lambda board: on_the_way_out(board, b" stop *", lambda: board.reset("brownout")),
@@ -156,6 +162,11 @@ OPENINGS = {
         lambda line: noise.randbytes(len(line)),
         NoAnswer,
         "not of this firmware at 250000 baud",
+    ),
+    "greetings always damaged": (
+        lambda line: line.replace(b" *", b" *0"),
+        NoAnswer,
+        "greetings came damaged.*cable",
     ),
     "another protocol": (
         lambda line: OLD if line.startswith(b"hello") else b"",
@@ -294,6 +305,15 @@ def test_lines_lost_on_the_way_to_the_board_are_sent_again_and_obeyed_once():
         robot.trims()
         assert robot.losses.resent == len(lost) >= 3
         assert board.board.counters["lost"] == 0
+
+
+def test_a_board_that_does_not_list_its_settings_can_be_driven():
+    board = FastBoard(without("set:"))
+    with Robot(board) as robot:
+        robot.gait(GAIT)
+        assert board.state == "gait"
+        with pytest.raises(DamagedLine, match="cable"):
+            robot.settings()
 
 
 def test_half_and_doubled_frames_and_lines_without_end_are_counted_and_never_used():
