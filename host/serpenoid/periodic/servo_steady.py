@@ -208,8 +208,9 @@ class ServoSteady(Result):
         return rows
 
     def _speed_row(self) -> Row:
-        """Return the speed with its interval. Without samples a fit's own band stands elsewhere."""
-        return Row("speed, typical servo", "m/s", self.speed_m_s, self.low_m_s, self.high_m_s)
+        """Return the speed with its interval; without either where servos cannot move the robot."""
+        speed_m_s = self.speed_m_s if self.moves else math.nan
+        return Row("speed, typical servo", "m/s", speed_m_s, self.low_m_s, self.high_m_s)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures as plain numbers, for JSON; None for what is not known."""

@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 Values = dict[str, Array]
 GRAVITY_M_S2 = 9.81
 MIN_ROWS, MAX_TEST_S = 10, 20.0
+MAX_LOAD_KG, MAX_LOAD_M = 5.0, 1.0  # their torque, 49 N m, is ten times that of a large hobby servo
 MAX_STEPS = 40  # with a delay of their own; a gait has more setpoints, which share one delay
 
 
@@ -38,8 +39,8 @@ class Load:
     down_rad: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("mass_kg", "distance_m"):
-            check_number(name, getattr(self, name), 0.0, open_low=True)
+        check_number("mass_kg", self.mass_kg, 0.0, MAX_LOAD_KG, open_low=True)
+        check_number("distance_m", self.distance_m, 0.0, MAX_LOAD_M, open_low=True)
 
 
 @dataclass(frozen=True)
@@ -59,11 +60,12 @@ class BenchTest:
     sent_s: Array | None = None
 
     def __post_init__(self) -> None:
-        rows, lasts_s = self.t_s.size, float(np.ptp(self.t_s))
+        rows = self.t_s.size
         if rows < MIN_ROWS or not (np.diff(self.t_s) > 0).all():
             raise BadInput(
                 f"a bench test needs {MIN_ROWS} rows or more at rising times; got {rows}"
             )
+        lasts_s = float(np.ptp(self.t_s))
         if lasts_s > MAX_TEST_S:
             raise BadInput(f"the test lasts {lasts_s:.3g} s; give {MAX_TEST_S:.0f} s at most")
         if np.ptp(self.setpoint_rad) == 0:

@@ -175,6 +175,7 @@ def test_a_remark_goes_with_every_band(tmp_path: Path) -> None:
     [
         ("t_s,angle_deg\n0,1\n", "t_s,setpoint_deg,angle_deg"),
         ("t_s,setpoint_deg,angle_deg\n" + "0,1,0\n" * 12, "rising times"),
+        ("t_s,setpoint_deg,angle_deg\n", "needs 10 rows"),
         ("t_s,setpoint_deg,angle_deg\n" + "".join(f"{k},1,0\n" for k in range(12)), "never chang"),
         ("t_s,setpoint_deg,angle_deg\n" + "".join(f"{9 * k},{k},0\n" for k in range(12)), "20 s"),
         (
