@@ -157,7 +157,7 @@ def check_names(
             raise BadInput(f"{where}: {what} {name!r} stands there twice")
     missing = [name for name in needed if name not in names]
     if missing:
-        raise BadInput(f"{where}: {what} {', '.join(missing)} is missing; it has no default")
+        raise BadInput(f"{where}: missing {what} {', '.join(missing)}, which has no default")
 
 
 def _hint(name: str, known: tuple[str, ...]) -> str:

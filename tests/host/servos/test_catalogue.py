@@ -132,7 +132,7 @@ def test_a_kind_comes_back_from_its_file(tmp_path: Path) -> None:
         ("format = 1\n[servo]\nbacklash_rad = 0.01\n", "serpenoid no longer has play"),
         ("format = 1\n[servo]\n[sigma]\nframe_s = 0.1\n", ":4: unknown key 'frame_s'"),
         ("format = 1\n[servo]\n[sigma]\nsupply_sag = 9\n", ":4: supply_sag is 9"),
-        ("format = 1\n", "key servo is missing"),
+        ("format = 1\n", "missing key servo"),
         ("format = 1\n[servo]\n[sigma]\nsupply_v = 0.1\n", "the servo has none"),
         ("format = 1\n[servo]\ngear_friction_nm = 1\n[sigma]\nsupply_sag = 1\n", "no servo moves"),
     ],
