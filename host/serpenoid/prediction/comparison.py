@@ -37,6 +37,7 @@ from .speeds import (
 from .verdict import SLOPES, Factor, Predicted, best_factors
 
 DOUBTFUL = 0.05  # p-value below which speeds differ from the prediction
+NORMAL_95 = 1.96  # standard deviations within which 95 % of normal errors lie
 SPRINGS_RTOL = 1e-3
 NO_GAIT = "no gait run and no gait planned; give one, or take a run with `serpenoid calibrate`"
 NOT_MEASURED = "No gait was run yet: these are predictions. Run one, and compare again."
@@ -75,6 +76,15 @@ class ComparedGait:
     def judged(self) -> bool:
         """Return whether the gait was run and servos can follow it."""
         return bool(self.runs) and self.low_all_m_s is not None
+
+    @property
+    def outside(self) -> bool:
+        """Return whether a judged speed is outside its band, by more than its own error."""
+        low, high, measured = self.low_all_m_s, self.high_all_m_s, self.measured_m_s
+        if low is None or high is None or measured is None:
+            return False
+        error = NORMAL_95 * (self.sigma_m_s or 0.0)
+        return not low - error <= measured <= high + error
 
     @property
     def name(self) -> str:
@@ -394,6 +404,11 @@ def _verdict(
     if p_value >= DOUBTFUL:
         room = f"up to ±{width:.0%}" if width <= 1.0 else "which is wider than the speed itself"
         text = f"Agrees: {count} within what friction, joints and servos allow, {room}"
+        if outside := sum(gait.outside for gait in judged):
+            text = (
+                f"Agrees: together the speeds of {count} are likely enough; {outside} of them "
+                f"{'lies' if outside == 1 else 'lie'} outside the 95 % band of that gait alone"
+            )
         return "agrees", f"{text} ({chance}; {largest})."
     return "differs", f"Differs: {largest} ({chance}, {count})."
 

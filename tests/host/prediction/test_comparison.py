@@ -55,6 +55,17 @@ def test_speeds_as_predicted_agree(fitted):
     json.dumps(found.to_dict(), allow_nan=False)
 
 
+def test_speeds_that_agree_only_together_are_not_called_within(fitted):
+    """Joints that follow better than hobby servos: each speed is high, for one reason."""
+    made, fit = fitted
+    found = comparison.compare(measured(made, factor=1.03), fit, samples=24)
+    assert [shown.outside for shown in found.gaits] == [True, True, False]
+    assert found.verdict == "agrees"
+    assert found.verdict_text.startswith(
+        "Agrees: together the speeds of 2 gaits are likely enough; 2 "
+    )
+
+
 def test_the_factor_on_amplitude_that_explains_the_speeds_is_told(fitted):
     made, fit = fitted
     found = comparison.compare(measured(made, 0.85), fit, samples=24, servo=None)
