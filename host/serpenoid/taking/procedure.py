@@ -80,6 +80,8 @@ def next_step(session: Session, posed_deg: float | None = None) -> Step:
     """
     steps = (step for _, _, step in _parts(session))
     step = next(filter(None, steps), _DONE)
+    if step is _DONE and (skipped := len(session.skipped)):
+        return replace(_DONE, say=f"{_DONE.say}, but for {skipped} left out")
     if step.series is None:
         return step
     setup, series = session.setup, step.series
@@ -113,8 +115,9 @@ def _parts(session: Session) -> Iterator[tuple[str, str, Step | None]]:
         for series in series_of(plan):
             step = None if series.key in skipped else _station(session, series)
             name = f"{series.key} deg" if series.lambda_rad else series.name
-            state = "done" if step is None else "more to come"
-            yield name, f"{len(of_series(session, series))} stations, {state}", step
+            held = len(of_series(session, series))
+            state = "more to come" if step else "done" if held else "left out"
+            yield name, f"{held} stations, {state}", step
         none = {ZERO_AFTER, BELT_CHECK}
         yield _check(ZERO_AFTER, after, _ZERO, skipped if session.kept else none)
         checked = bool(belt_checks(session))
