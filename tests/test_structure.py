@@ -191,10 +191,10 @@ def test_a_library_lives_in_its_rooms(library: str) -> None:
 
 # What one gate alone may do: a pattern -> the files that are that gate. A `part` is whole_file's.
 GATES = {
-    r"(?<!part)\.(open\([^)]*[\"'][wx]b?[\"']|write_(text|bytes)\()": ("model/files.py",),
+    r"(?<!part)\.(open\([^)]*[\"'][wx]b?[\"']|write_(text|bytes)\()": ("base/files.py",),
     r"csv\.(Dict)?[rR]eader\(": ("base/files.py",),
     r"\bav\.open\((?!str\(part\))": ("video/seeing/film.py",),
-    r"np\.load\(": ("model/files.py",),
+    r"np\.load\(": ("base/files.py",),
 }
 
 
