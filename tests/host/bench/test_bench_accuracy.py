@@ -86,7 +86,8 @@ def test_rows_come_back_from_their_file(tmp_path: Path) -> None:
 
 def test_the_table_of_the_documentation_is_that_of_the_kept_measurement() -> None:
     rows, _ = read_rows(ROOT / "host/docs/accuracy.csv")
-    assert table(rows) in (ROOT / "docs/benchmarks.md").read_text()
+    body = table(rows).partition("\n")[2]  # the page's heads say the scenes in words
+    assert body in (ROOT / "docs/benchmarks.md").read_text()
 
 
 def test_order_four_is_seen_and_what_is_refused_is_noted() -> None:
