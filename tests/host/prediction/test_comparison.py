@@ -55,6 +55,13 @@ def test_speeds_as_predicted_agree(fitted):
     json.dumps(found.to_dict(), allow_nan=False)
 
 
+def test_a_chance_of_one_in_fifty_is_a_difference(fitted):
+    made, fit = fitted
+    found = comparison.compare(measured(made, factor=1.07), fit, samples=24, servo=None)
+    assert 1e-3 < found.p_value < 0.05
+    assert found.verdict == "differs"
+
+
 def test_speeds_that_agree_only_together_are_not_called_within(fitted):
     """Joints that follow better than hobby servos: each speed is high, for one reason."""
     made, fit = fitted
