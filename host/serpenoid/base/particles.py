@@ -23,7 +23,7 @@ _LENGTHS = (0.2, 0.4, 0.6, 1.0)  # of the difference of two particles
 _JITTER = 0.02  # standard deviations of the particles
 _CROSSOVERS = (0.2, 0.5, 1.0)  # shares of the parameters that a move changes
 _WHOLE = 0.1  # share of moves by the whole difference, from one maximum to another
-_SNAPSHOTS = 4  # of all samples, a fixed number of moves apart
+_SNAPSHOTS = 4  # Sets of all samples that are kept, a fixed number of moves apart
 
 
 @dataclass(frozen=True)

@@ -23,9 +23,9 @@ from .problems import PAPER_GROUND, Array, Problem, gait_deg, paper_robot, refer
 from .scipy_peer import solve
 from .work_precision import contenders
 
-LIMIT_S = 20.0  # of processor time, for a run and the finer ones that tell its error
+LIMIT_S = 20.0  # Processor time of a run and of the finer ones that tell its error
 TRUTH_TOLERANCE, TRUTH_LIMIT_S = 1e-11, 6.0
-TRUTH_ERROR = 1e-8  # of the truth, and of rounding over many steps
+TRUTH_ERROR = 1e-8  # Error of the truth, and rounding over many steps
 SAID = {"StepTooLarge": "refused", "Diverged": "diverged", "BadInput": "bad input"}
 DEFECTS = ("HANG", "NaN", "SILENTLY WRONG", "CRASH")
 

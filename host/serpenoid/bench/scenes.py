@@ -67,5 +67,5 @@ def measure(quick: bool) -> Iterator[Cost]:
                 simulate(scene)
                 times_s.append(time.thread_time() - begin)
             step_us = 1e6 * min(times_s) / steps
-            plain_us = plain_us or step_us  # of the first scene
+            plain_us = plain_us or step_us
             yield Cost(formulation, name, step_us, step_us / plain_us)

@@ -33,11 +33,11 @@ from .problems import Array
 NUDGE_M = 1e-9
 UNSTABLE_GROWTH = 10.0  # over the second half of the steps: 0.4 % a step of 1200
 SAMPLES = 20
-TORN_LENGTHS = 0.1  # of a link: a joint that opens so far, and 30 times as far as at the start
+TORN_LENGTHS = 0.1  # Link lengths: a joint opens so far, and 30 times its start
 FAR_M = 1e-4  # a difference that has come this far from NUDGE_M has grown, however it goes on
 WORDS = ("stable, runs", "unstable, refused", "refused, no growth seen", "SILENTLY WRONG")
-COLOURS = ("#9ecae1", "#f4a582", "#fde0b8", "#b2182b")  # of WORDS
-LIMIT_S = 30.0  # of processor time, for a line of cells over dt
+COLOURS = ("#9ecae1", "#f4a582", "#fde0b8", "#b2182b")  # One for each of WORDS
+LIMIT_S = 30.0  # Processor time of a line of cells over dt
 Line = tuple[str, int, float, float, float]
 
 
@@ -136,11 +136,11 @@ def growth(scene: Scene, steps: int) -> float:
     start, rng = start_state(scene), np.random.default_rng(1)
     nudged = start.packed()
     nudged[: 2 * scene.robot.links] += NUDGE_M * rng.normal(size=2 * scene.robot.links)
-    one = _gaps(scene, start, steps)
+    plain = _gaps(scene, start, steps)
     other = _gaps(scene, LinkState(*nudged.reshape(6, -1)), steps)
-    if one is None or other is None:
+    if plain is None or other is None:
         return math.inf
-    apart, open_m = np.abs(other - one).max(axis=(1, 2)), np.abs(one).max(axis=(1, 2))
+    apart, open_m = np.abs(other - plain).max(axis=(1, 2)), np.abs(plain).max(axis=(1, 2))
     torn = open_m.max() > max(TORN_LENGTHS * scene.robot.link_length_m, 30 * open_m[0])
     if torn or not apart.max() < FAR_M:
         return math.inf

@@ -30,7 +30,7 @@ from .problems import Array, Problem, problems, reference
 
 STEPS_S = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)
 TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
-WIDTHS_M_S = (1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6)  # of the smoothed sign
+WIDTHS_M_S = (1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6)  # Widths of the smoothed sign
 DRY_TOLERANCE = 1e-7  # with a smoothed sign: finer than what the widths leave
 MIN_TIMED_S = 2e-3  # shorter work is repeated within a round
 MAX_TIMED_S = 0.1  # longer work is timed once
@@ -68,7 +68,8 @@ class Contender:
 
 def contenders(problem: Problem) -> list[Contender]:
     """Return every method of ours, and SciPy's; on dry ground the width of the sign is theirs."""
-    law, found = "viscous" if problem.ground.smooth else "dry", []
+    law = "viscous" if problem.ground.smooth else "dry"
+    found = []
     for name, kind in METHODS.items():
         if problem.formulation in kind.formulations and law in kind.laws:
             adaptive = problem.formulation in kind.adaptive

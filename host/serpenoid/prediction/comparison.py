@@ -240,36 +240,31 @@ def compare(
     level, levelled = level_session(session, fit)
     crawls = {crawl.gait: crawl for crawl in crawls_by_command(level)}
     servo = servo and session.setup.driving(servo)
-    filmed = {gait for gait, crawl in crawls.items() if crawl.films}
-    too_fast = {g: "" if g in filmed else too_fast_text(g, servo, gait_name(g)) for g in wanted}
+    commands = {gait: crawl.commanded for gait, crawl in crawls.items() if crawl.films}
+    too_fast = {g: "" if g in commands else too_fast_text(g, servo, gait_name(g)) for g in wanted}
     wanted.sort(key=lambda gait: bool(too_fast[gait]))
     drawn = draw_samples(fit, amplitude_sigma, samples, seed)
     servos = draw_servos(servo, samples, seed)
     found: dict[Gait, GaitSpeeds] = {}
     for gait in wanted:
-        commanded = crawls[gait].commanded if gait in filmed else None
-        found[gait] = speeds(drawn, gait, [] if too_fast[gait] else servos, commanded)
+        followed = [] if too_fast[gait] else servos
+        found[gait] = speeds(drawn, gait, followed, commands.get(gait))
         if progress is not None:
             progress(1)
-    shown = [
-        _compared(fit, gait, found[gait], servo, crawls.get(gait), bool(too_fast[gait]))
-        for gait in wanted
-    ]
+    shown = [_compared(fit, g, found[g], servo, crawls.get(g), bool(too_fast[g])) for g in wanted]
     judged = [gait for gait, row in zip(wanted, shown, strict=True) if row.judged]
     p_value = friction = amplitude = None
     if judged:
         predicted = _predicted(session, fit, [crawls[gait] for gait in judged], found, seed)
         p_value = predicted.p_value(seed)
         if p_value < DOUBTFUL:
-            pairs = [(g, crawls[g].commanded if g in filmed else None) for g in judged]
-            typical = servo and servo.servo
-            friction, amplitude = best_factors(predicted, fit, pairs, typical, seed)
+            pairs = [(g, commands.get(g)) for g in judged]
+            friction, amplitude = best_factors(predicted, fit, pairs, servo and servo.servo, seed)
     verdict, text = _verdict(shown, p_value, servo)
     if friction and amplitude:
         text += " " + _explained(friction, amplitude)
     remark = servo.remark if servo else ""
-    shown_joints = filter(None, map(_joints_as_filmed, crawls.values()))
-    words = [text, remark, *too_fast.values(), *shown_joints, levelled]
+    words = [text, remark, *too_fast.values(), *map(_joints_as_filmed, crawls.values()), levelled]
     return Comparison(
         session.setup.name,
         amplitude_sigma,

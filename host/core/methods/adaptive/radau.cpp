@@ -179,17 +179,18 @@ bool Radau::solve(double h) {
     const double enough = std::max(kIterationError, kRounding / tolerance_);
     predict(h);
     set_stages(h);
-    double before = 0;
+    double last_change = 0;
     contraction_ = 0;
     for (iterations_ = 1; iterations_ <= kMaxIterations; ++iterations_) {
-        const double moved = iterate(h);
-        if (!(moved < 1e300)) return false;
-        if (iterations_ > 1) contraction_ = std::max(moved / before, 0.3 * contraction_);
-        const double remaining =
-            iterations_ > 1 && contraction_ < 1 ? moved * contraction_ / (1 - contraction_) : moved;
+        const double change = iterate(h);
+        if (!(change < 1e300)) return false;
+        if (iterations_ > 1) contraction_ = std::max(change / last_change, 0.3 * contraction_);
+        const double remaining = iterations_ > 1 && contraction_ < 1
+                                     ? change * contraction_ / (1 - contraction_)
+                                     : change;
         if (remaining <= enough) return true;
         if (contraction_ >= 1 && iterations_ > 2) return false;
-        before = moved;
+        last_change = change;
     }
     return false;
 }
