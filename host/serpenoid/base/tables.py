@@ -21,7 +21,7 @@ from .files import csv_rows, read_bytes, with_line_feeds
 HEAD_LINES = 20  # of a file, among which the names of the columns are looked for
 SEPARATORS = ("\t", ";", ",", " ")  # tried in this order: a comma may be a decimal's, or in a name
 SHOWN = 120  # characters of a file's own line in a message
-MISSING = frozenset(("", "nan", "n/a", "#n/a", "na", "null", "none", "-", "--", "–", "?"))
+EMPTY_CELLS = frozenset(("", "-", "--", "–", "?"))  # nothing was seen there
 NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
 # A thousands mark shows in a number that has both marks; it is none of the decimal's.
 THOUSANDS = {
@@ -76,11 +76,6 @@ class TextTable:
     def where(self, line: int) -> str:
         """Return file and line."""
         return f"{self.path}:{line}"
-
-
-def is_missing(cell: str) -> bool:
-    """Tell whether a cell says that nothing was measured there."""
-    return cell.casefold() in MISSING
 
 
 def check_text_file(path: Path) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..base.checks import sha256_of
 from ..base.errors import BadInput
-from ..base.tables import NO_TEXT, columns_named, is_missing, read_table
+from ..base.tables import EMPTY_CELLS, NO_TEXT, columns_named, read_table
 from ..base.toml_table import located
 from ..model.capture_rate import OPTION, capture_rate, slow_motion_doubt
 from ..model.gait import Gait
@@ -121,7 +121,7 @@ def _crawl_rows(path: Path, joints: int) -> Floats:
             continue
         texts = [cells[place] if place < len(cells) else "" for place in places]
         try:
-            rows.append([math.nan if is_missing(text) else table.number(text) for text in texts])
+            rows.append([math.nan if text in EMPTY_CELLS else table.number(text) for text in texts])
         except ValueError as error:
             raise BadInput(f"{table.where(line)}: {error}; every cell must be a number") from None
         if not all(map(math.isfinite, rows[-1][: len(CRAWL_COLUMNS)])):

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ..base.checks import check_choice
 from ..base.errors import BadInput
-from ..base.tables import TextTable, is_missing, read_table
+from ..base.tables import EMPTY_CELLS, TextTable, read_table
 from ..base.toml_table import located
 from ..session.declaration import LENGTH_UNITS
 from ..session.push_size import likely_units, unlikely_push
@@ -163,15 +163,15 @@ def read_track_file(path: Path, unit: str | None = None, *, pushed: bool = True)
         check_choice("unit", unit, tuple(LENGTH_UNITS))
     table, columns = read_table(path, _columns, NEEDED)
     time, x = columns[:2]
-    rows = [(line, [cells[c.place] for c in columns]) for line, cells in _whole(table, columns)]
+    rows = _seen(table, columns)
     with located(str(path)):
         units = [column.length_unit or unit for column in columns[1:]]
         scale = time.time_s
     track = np.zeros((len(rows), 3))
+    factors = [scale, *(LENGTH_UNITS[each or "m"] for each in units)]
     for row, (line, texts) in zip(track, rows, strict=True):
-        row[0] = scale * _value(table, line, texts[0])
-        for k, text in enumerate(texts[1:]):
-            row[1 + k] = _value(table, line, text) * LENGTH_UNITS[units[k] or "m"]
+        for k, (text, column) in enumerate(zip(texts, columns, strict=True)):
+            row[k] = factors[k] * _value(table, line, text, column.name)
     with located(str(path)):
         if len(track) < FEWEST_PLACES:
             raise BadInput(f"{len(track)} place(s) in it; is it a track of time, x and y?")
@@ -194,14 +194,15 @@ def read_track_file(path: Path, unit: str | None = None, *, pushed: bool = True)
     return TrackFile(track, hashlib.sha256(table.text.encode()).hexdigest(), tuple(notes))
 
 
-def _whole(table: TextTable, columns: list[Column]) -> list[tuple[int, list[str]]]:
-    """Return the rows, by their lines, in which no column of the track is empty."""
+def _seen(table: TextTable, columns: list[Column]) -> list[tuple[int, list[str]]]:
+    """Return lines and cells of the rows in which no column of the track is empty."""
     width = 1 + max(column.place for column in columns)
-    return [
-        (line, cells)
+    rows = [
+        (line, [cells[c.place] for c in columns])
         for line, cells in table.rows
-        if len(cells) >= width and not any(is_missing(cells[c.place]) for c in columns)
+        if len(cells) >= width
     ]
+    return [(line, texts) for line, texts in rows if EMPTY_CELLS.isdisjoint(texts)]
 
 
 def speed_and_way(track: Floats) -> tuple[float, float]:
@@ -230,12 +231,12 @@ def _check_size(track: Floats, unit: str, column: Column) -> None:
         raise BadInput(f"{told}; {where}, or the scale")
 
 
-def _value(table: TextTable, line: int, text: str) -> float:
+def _value(table: TextTable, line: int, text: str, name: str) -> float:
     try:
         return table.number(text)
     except ValueError:
         clock = f"; {TIME_ADVICE}" if ":" in text else ""
-        raise BadInput(f"{table.where(line)}: {text!r} is not a number{clock}") from None
+        raise BadInput(f"{table.where(line)}: {name} is {text!r}, not a number{clock}") from None
 
 
 def _check_times(t: Floats, column: Column) -> None:

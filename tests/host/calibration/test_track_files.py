@@ -99,7 +99,7 @@ def test_the_point_that_was_taken_is_told(tmp_path):
 
 def test_places_that_were_not_seen_are_left_out(tmp_path):
     lines = kinovea_table(ROWS).split("\r\n")
-    for row, empty in ((5, ""), (9, "NaN"), (12, "-"), (20, "#N/A")):
+    for row, empty in ((5, ""), (9, "?"), (12, "-"), (20, "--")):
         lines[row + 1] = lines[row + 1].split(",")[0] + f',"{empty}","{empty}"'
     found = read(tmp_path, "\n".join(lines))
     seen = np.delete(ROWS, [5, 9, 12, 20], axis=0)
@@ -121,9 +121,10 @@ def test_places_that_were_not_seen_are_left_out(tmp_path):
         (kinovea_table(ROWS, time="Time", seconds=1 / 30), None, "rises by 1 .* like pictures"),
         (kinovea_table(ROWS, time="Time (ms)", seconds=1.0), None, r"3e\+04 pictures a second"),
         (tracker(ROWS, first="frame"), "m", "but in frames; .*Tracker: take t"),
-        ("t,x,y\n0:00:01:05,1,2\n", "mm", "'0:00:01:05' is not a number; export the time"),
+        ("t,x,y\n0:00:01:05,1,2\n", "mm", "t is '0:00:01:05', not a number; export the time"),
         ("a,b\n1,2\n", None, "no line names .* first line is 'a,b'; .* t_s,x_m,y_m"),
-        ("t,x,y\n0,1,2\n0.1,one,2\n0.2,1,2\n", "m", r"csv:3: 'one' is not a number"),
+        ("t,x,y\n0,1,2\n0.1,one,2\n0.2,1,2\n", "m", r"csv:3: x is 'one', not a number"),
+        ("t,x,y\n0,1,2\n0.1,1,NaN\n0.2,1,2\n", "m", "csv:3: y is 'NaN', not a number"),
         ("t,x,y\n0,1,2\n", "m", r"1 place\(s\) in it"),
         ("t,x,y\n0,1,2\n0,1,2\n0,1,2\n", "m", "do not rise"),
         ("t,x,y\n0,0,0,1,0,2\n", "m", ":2: 6 cells where .* 3; decimals with a comma need"),
