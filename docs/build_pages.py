@@ -89,6 +89,8 @@ JSON_HEAD = """# JSON keys
 API_HEAD = """# Python
 
 `import serpenoid as sn`. SI units and radians; links and joints count from the tail.
+`print(result)` shows a table. `plot("figure.png")` of a `Run`, `Sweep`, `Steady`, `FrictionFit` or
+`Comparison` returns a matplotlib figure.
 """
 
 

@@ -17,11 +17,7 @@ from serpenoid.bench.stability_map import Cell, stability_figure
 from serpenoid.bench.work_precision import read_rows
 from serpenoid.bench.work_precision_figure import work_precision_figure
 from serpenoid.paper.study import PATH_GAIT, path_run
-from serpenoid.prediction.curve import speed_curves
-from serpenoid.servos.catalogue import HOBBY
 from serpenoid.show import plot
-from serpenoid.show.comparison_figure import comparison_figure
-from serpenoid.show.run_figure import draw_run
 
 ROOT = Path(__file__).resolve().parents[1]
 STORED = ROOT / "host" / "docs"
@@ -30,10 +26,8 @@ STORED = ROOT / "host" / "docs"
 def speed(path: Path) -> None:
     """Draw the speed of the 2005 robot over frequency, with its band, from its session."""
     session = sn.load_session(ROOT / "calibration_data" / "nirakh-2005")
-    fit = sn.fit_friction(session)
     gaits = [sn.Gait.degrees(70, 75, hertz=hertz) for hertz in (0.2, 0.8)]
-    compared = sn.compare(session, fit, gaits=gaits)
-    comparison_figure(compared, speed_curves(session, fit, compared, HOBBY), path)
+    sn.compare(session, gaits=gaits).plot(path)
 
 
 def crawl_path(path: Path) -> None:
@@ -45,7 +39,7 @@ def crawl_path(path: Path) -> None:
 def run(path: Path) -> None:
     """Draw the example that limps on a slope."""
     scene = STORED.parent / "examples" / "limping_on_a_slope.toml"
-    draw_run(sn.simulate(sn.load_scene(scene)), path)
+    sn.simulate(sn.load_scene(scene)).plot(path)
 
 
 def accuracy(path: Path) -> None:

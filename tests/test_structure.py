@@ -55,7 +55,7 @@ NARROW = {
 }
 # Libraries that are slow or optional: name -> the rooms that may import them.
 LIBRARIES = {
-    "matplotlib": ("show", "bench", "commands"),
+    "matplotlib": ("show", "bench", "commands", "base"),  # base: the type that `.plot()` returns
     "rich": ("base", "show", "bench", "commands"),
     "cv2": ("video",),
     "av": ("video",),

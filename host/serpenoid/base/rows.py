@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import html
+import importlib
 import io
 import math
 import textwrap
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
     from rich.table import Table
 
 _WIDTH = 100  # characters of a printed result
@@ -90,6 +93,42 @@ class Result:
         text = Console(width=_WIDTH, file=io.StringIO(), markup=False, emoji=False, highlight=False)
         text.print(self.in_words(), table("", *self.table()), sep="\n")
         return text.file.getvalue().strip()  # type: ignore[attr-defined]
+
+
+class Plottable(Result):
+    """A result that has a figure.
+
+    The figure is drawn by serpenoid.show, which stands above all rooms of results and is imported
+    by its name at the first use: this is the one exception from the order of the rooms.
+    """
+
+    __slots__ = ()
+
+    def plot(self, path: Path | str | None = None, **details: Any) -> Figure:
+        """Draw this result.
+
+        Parameters
+        ----------
+        path
+            File to write, PNG, PDF or SVG; none unless given.
+        **details
+            Of a FrictionFit: `session`, whose readings are drawn with its lines.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure; its `axes` and `savefig` are matplotlib's.
+
+        Examples
+        --------
+        >>> robot = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
+        >>> ground = sn.Ground(ct=0.1, cn=10.0)
+        >>> state = sn.steady_gait(robot, ground, sn.Gait.degrees(30, 80, hertz=0.8))
+        >>> [axes.get_ylabel() for axes in state.plot().axes]
+        ['speed (m/s)', 'net power (W)']
+        """
+        figures = importlib.import_module("serpenoid.show.result_figure")
+        return figures.figure_of(self, path and Path(path), **details)
 
 
 def _shown(value: object) -> str:

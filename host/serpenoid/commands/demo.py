@@ -23,13 +23,10 @@ from ..lab.crawl import crawl_speed
 from ..model.gait import gait_name
 from ..prediction.band import speed_band
 from ..prediction.comparison import compared_gaits
-from ..prediction.curve import speed_curves
 from ..robot.robot import RobotBoard
 from ..session.journal import Journal
-from ..show.comparison_figure import comparison_figure
 from ..show.report import console
 from ..show.screen import progress, say, working
-from ..show.session.floor_figure import push_figure
 from ..show.session.report_page import session_page
 from ..taking.board_run import board_gait
 from ..taking.new_session import create_session, default_setup, on_place
@@ -65,8 +62,7 @@ def run_demo(out: Path) -> None:
 
     with progress(len(compared_gaits(session)), "gaits") as advance:
         compared = sn.compare(session, fit, servo=SERVOS, progress=advance)
-    curves = speed_curves(session, fit, compared, SERVOS)
-    comparison_figure(compared, curves, out / "comparison.png")
+    compared.plot(out / "comparison.png")
     gait = compared.gaits[1]
     _step(
         3,
@@ -81,7 +77,7 @@ def run_demo(out: Path) -> None:
 
     with working("looking at each reading that could be next"):
         advised = sn.advise(session)
-    write_text(out / "report.html", session_page(session, fit, compared, advised, curves))
+    write_text(out / "report.html", session_page(session, fit, compared, advised))
     say(f"Look at {out / 'report.html'}")
 
 
@@ -169,7 +165,7 @@ def push_along_floor(out: Path, robot: sn.Robot) -> sn.FrictionFit:
         session = take_all(journal, SimulatedPerson(setup, world, SEED))
     fit = sn.fit_friction(session)
     sn.save_fit(fit, out / "floor")
-    push_figure(session, fit, out / "floor.png")
+    fit.plot(out / "floor.png", session=session)
     return fit
 
 

@@ -128,7 +128,6 @@ def simulate(
 ) -> None:
     """Follow one scene in time: a scene file, options, or a file with options over it."""
     from ..show import report, run_report
-    from ..show.run_figure import draw_run
 
     settings = given["settings"]
     scene, notes = make_scene(scene_path and sn.load_scene(scene_path), **given)
@@ -152,7 +151,7 @@ def simulate(
         say("nothing of this run is kept", err=True)
         raise
     if figure is not None:
-        draw_run(run, figure)
+        run.plot(figure)
     report.wrote(*filter(None, (saved_path, out, figure)))
     with working("estimating the error"):
         summary = interruptible(lambda: run_report.run_summary(run, not no_error))

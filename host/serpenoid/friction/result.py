@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from ..base.checks import check_number
-from ..base.rows import Result, Row, ranged
+from ..base.rows import Plottable, Row, ranged
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..session.session import NO_BELT
@@ -79,7 +79,7 @@ class WholeSnake(Mapping[str, T]):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FrictionFit(Result):
+class FrictionFit(Plottable):
     """Hold the friction fitted to one session; print() gives a report of it.
 
     Attributes

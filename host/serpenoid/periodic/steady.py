@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from .. import _core
 from ..base.checks import check_number
 from ..base.errors import BadInput, NotConverged
-from ..base.rows import Result, Row, detail, two_digits
+from ..base.rows import Plottable, Row, detail, two_digits
 from ..base.vectors import Array
 from ..model.core_model import check_parts, core_model
 from ..model.gait import Gait, gait_words
@@ -47,7 +47,7 @@ POWER_DOUBT = 1e-4  # share of positive power: a smaller error needs no words
 
 
 @dataclass(frozen=True, slots=True)
-class Steady(Result):
+class Steady(Plottable):
     """Hold the periodic state of a gait (explicit model), when the start is forgotten.
 
     Attributes

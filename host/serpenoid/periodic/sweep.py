@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..base.checks import check_kind
 from ..base.errors import BadInput, NotConverged
 from ..base.long_calls import Progress, in_threads, threads_to_use
-from ..base.rows import Result, two_digits
+from ..base.rows import Plottable, two_digits
 from ..base.vectors import Array
 from ..model.drives import Servo, ServoKind
 from ..model.gait import Gait, gait_name
@@ -38,7 +38,7 @@ class BestGait(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Sweep(Result):
+class Sweep(Plottable):
     """Hold periodic states over a grid; all arrays but the axes are indexed [alpha, beta, omega].
 
     With several robots or grounds, [robot, ground, alpha, beta, omega]; a single one has no axis.

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ..base.checks import check_kind, check_number
 from ..base.errors import BadInput, NotConverged
-from ..base.rows import Result
+from ..base.rows import Plottable
 from ..friction.fit import fit_friction
 from ..friction.result import FrictionFit
 from ..model.drives import ServoKind
@@ -103,8 +103,8 @@ class ComparedGait:
         return [self.name, measured, band_text, implicit, f"{self.exact_m_s:.4f}", friction]
 
 
-@dataclass(frozen=True)
-class Comparison(Result):
+@dataclass(frozen=True, eq=False)
+class Comparison(Plottable):
     """Hold the predicted and the measured speeds of a session, and the verdict.
 
     Attributes
@@ -131,9 +131,9 @@ class Comparison(Result):
     verdict_text
         The verdict in words.
     servo
-        Name of the kind of servo; None for joints that follow the gait.
-    fit_alarms
-        Why the friction fit that this rests on is not to be trusted.
+        The kind of servo; None for joints that follow the gait.
+    fit
+        The friction that the predictions rest on.
     highest_hz
         Frequency up to which the first gait is not too fast for such servos, Hz; None without.
 
@@ -155,8 +155,8 @@ class Comparison(Result):
     amplitude: Factor | None
     verdict: str
     verdict_text: str
-    servo: str | None = None
-    fit_alarms: tuple[str, ...] = ()
+    servo: ServoKind | None = None
+    fit: FrictionFit | None = None
     highest_hz: float | None = None
 
     def in_words(self) -> str:
@@ -165,7 +165,7 @@ class Comparison(Result):
 
     def table(self, verbose: bool = True) -> tuple[list[str], list[list[str]]]:
         """Return one line for each gait, m/s: measured, with joints and servos, implicit, ideal."""
-        servos = "" if self.servo is None else f" and servos ({self.servo})"
+        servos = "" if self.servo is None else f" and servos ({self.servo.name})"
         heads = ["gait", "measured, m/s", f"95 % with joints{servos}, m/s", "implicit\nmodel"]
         heads += ["ideal\njoints", "95 % friction"]
         lines = [heads, *(gait.cells() for gait in self.gaits)]
@@ -176,7 +176,12 @@ class Comparison(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures by name; fit_alarms only where there are any."""
-        return {k: v for k, v in asdict(self).items() if k != "fit_alarms" or v}
+        values = asdict(replace(self, servo=None, fit=None)) | {
+            "servo": self.servo and self.servo.name
+        }
+        del values["fit"]
+        alarms = self.fit.alarms if self.fit else ()
+        return values | ({"fit_alarms": alarms} if alarms else {})
 
 
 def compare(
@@ -275,8 +280,8 @@ def compare(
         amplitude,
         verdict,
         " ".join(filter(None, words)),
-        servo=servo and servo.name,
-        fit_alarms=fit.alarms,
+        servo=servo,
+        fit=fit,
         highest_hz=servo and highest_hz(wanted[0], servo),
     )
 

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from ..base.vectors import Array
-from ..friction.result import FrictionFit
-from ..model.drives import ServoKind
 from ..model.gait import Gait
 from ..periodic.servo_steady import band
 from ..servos.speed_limit import highest_hz
-from ..session.session import Session
 from .comparison import Comparison
 from .speeds import draw_samples, draw_servos, speed, speeds
 
@@ -43,14 +41,12 @@ class SpeedCurve:
         return self.alpha_rad, self.beta_rad
 
 
-def speed_curves(
-    session: Session, fit: FrictionFit, compared: Comparison, servo: ServoKind | None
-) -> list[SpeedCurve]:
-    """Return a curve for each amplitude and phase lag of the compared gaits.
-
-    servo: the kind that moves the joints, as for `compare`; None: they follow the gait.
-    """
-    servo = servo and session.setup.driving(servo)
+@lru_cache(maxsize=1)  # a picture and a page draw the same comparison
+def speed_curves(compared: Comparison) -> list[SpeedCurve]:
+    """Return a curve for each amplitude and phase lag of the compared gaits; none without a fit."""
+    fit, servo = compared.fit, compared.servo
+    if fit is None:
+        return []
     samples, servos = draw_samples(fit, compared.amplitude_sigma), draw_servos(servo)
     rates_hz = [gait.frequency_hz for gait in compared.gaits]
     first_hz, most_hz = MARGINS[0] * min(rates_hz), MARGINS[1] * max(rates_hz)

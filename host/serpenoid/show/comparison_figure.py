@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..prediction.comparison import ComparedGait, Comparison
-from ..prediction.curve import SpeedCurve
-from .plot import BLUE, GREEN, GREY, ORANGE, PURPLE, columns, draw_curve, figure, hatch_beyond
+from ..prediction.curve import speed_curves
+from .plot import BLUE, GREEN, GREY, ORANGE, PURPLE, columns, draw_curve, hatch_beyond
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,25 +19,19 @@ if TYPE_CHECKING:
 COLORS = BLUE, GREEN, PURPLE, ORANGE
 
 
-def comparison_figure(compared: Comparison, curves: Sequence[SpeedCurve], path: Path) -> None:
-    """Draw a comparison, with a curve for each amplitude and phase lag, into a file."""
-    with figure(7.2, 6.0, path=path, **panels(compared)) as (fig, axes):
-        draw_comparison(fig, axes, compared, curves)
-
-
 def panels(compared: Comparison) -> dict[str, Any]:
     """Return the panels of the drawing: that of the residuals where a gait was run."""
     ran = any(gait.measured_m_s is not None for gait in compared.gaits)
     return {"rows": 2, "sharex": True, "height_ratios": [3, 1]} if ran else {}
 
 
-def draw_comparison(
-    fig: Figure, axes: Any, compared: Comparison, curves: Sequence[SpeedCurve]
-) -> None:
+def draw_comparison(fig: Figure, axes: Any, compared: Comparison) -> None:
     """Draw speed over frequency, each gait on the curve of its shape, and residuals below."""
     top, *residual_axes = np.atleast_1d(axes)
     last_hz = 1.4 * max(gait.frequency_hz for gait in compared.gaits)
-    moved_by = "ideal joints" if compared.servo is None else f"typical {compared.servo} servos"
+    kind = compared.servo and compared.servo.name
+    moved_by = f"typical {kind} servos" if kind else "ideal joints"
+    curves = speed_curves(compared)
     for curve, color in zip(curves, itertools.cycle(COLORS)):
         angles = np.degrees(curve.shape)
         label = f"{angles[0]:.3g}°/{angles[1]:.3g}°, {moved_by}; 95 % band"
@@ -47,7 +40,7 @@ def draw_comparison(
         if residual_axes:
             _measured(top, residual_axes[0], gaits, color)
     if len(curves) == 1:
-        hatch_beyond(top, curves[0].highest_hz, last_hz, str(compared.servo))
+        hatch_beyond(top, curves[0].highest_hz, last_hz, f"a typical {kind} servo")
     words = "dots: measured, ± 95 %" if residual_axes else "no gait run measured"
     top.set(title=f"{compared.session}; {words}", ylabel="speed (m/s)")
     top.set(

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 # Okabe and Ito's colours, which colour-blind readers can tell apart.
 BLUE, ORANGE, GREEN, RED, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#555555"
 PURPLE = "#CC79A7"
+BELT_M_S = 1.0  # a fast belt: so far go lines of friction that are drawn without readings
 STYLE: dict[str, Any] = {
     "figure.dpi": 110,
     "savefig.dpi": 160,
@@ -83,69 +84,50 @@ def heading(fig: Figure, text: str, size: float = 9, colour: str = GREY) -> None
     fig.suptitle(text, fontsize=size, color=colour, x=0.01, ha="left")
 
 
-def fit_heading(fig: Figure, session: Session, fit: FrictionFit) -> None:
+def fit_heading(fig: Figure, fit: FrictionFit) -> None:
     """Write the session's name and how well the law fits it above all axes."""
     p_value = "" if fit.p_value is None else f", p = {fit.p_value:.2g}"
     words = f"$\\chi^2$ = {fit.chi2:.3g} for {fit.dof} dof{p_value}"
-    heading(fig, f"{session.setup.name}: {words}", 10, "black")
-
-
-def friction_lines(session: Session, fit: FrictionFit, path: Path, note: str = "") -> None:
-    """Draw readings and fitted lines of friction along and across the links."""
-    with figure(9.0, 4.2, 2, path=path) as (fig, axes):
-        draw_friction(fig, axes, session, fit, note)
+    heading(fig, f"{fit.session_name}: {words}", 10, "black")
 
 
 def draw_friction(
-    fig: Figure, axes: Any, session: Session, fit: FrictionFit, note: str = ""
+    fig: Figure, axes: Any, fit: FrictionFit, session: Session | None, note: str = ""
 ) -> None:
-    """Draw readings with their errors, voided ones crossed out, and the lines; whole snake."""
-    kept, voided = friction_points(session, fit), voided_points(session, fit)
-    errors = point_errors(session)
-    readings = f"readings, {session.setup.provenance.kind}, ± 1 sigma"
+    """Draw the fitted lines of the whole snake, and a session's readings, voided ones crossed."""
     lines = (
         ("straight", ("ct", "ft0"), "Along the links", BLUE),
         ("bent", ("cn", "fn0"), "Across the links", RED),
     )
     for ax, (part, names, title, colour) in zip(axes, lines, strict=True):
-        axis = _law(ax, fit, names, (*kept[part], *errors[part]), colour, readings)
-        if len(voided[part][0]):
-            ax.plot(*voided[part], "x", color=GREY, ms=7, label="voided")
+        axis, last_m_s = names[0][1], BELT_M_S
+        if session is not None:
+            speed, force = friction_points(session, fit)[part]
+            voided = voided_points(session, fit)[part]
+            last_m_s = 1.08 * float(speed.max())
+            label = f"readings, {session.setup.provenance.kind}, ± 1 sigma"
+            look = {"fmt": "o", "color": "black", "ms": 4, "lw": 0, "elinewidth": 1}
+            errors = point_errors(session)[part]
+            ax.errorbar(speed, force, *reversed(errors), label=label, zorder=3, **look)
+            if len(voided[0]):
+                ax.plot(*voided, "x", color=GREY, ms=7, label="voided")
+            ax.legend(loc="lower right", fontsize=8)
+        slope, rest = (fit.parameters[name].value for name in names)
+        rows = [list(fit.whole_snake).index(name) for name in names]
+        v = np.linspace(0, last_m_s, 60)
+        terms = np.column_stack([v, np.ones_like(v)])
+        sigma = np.sqrt(np.sum(terms @ fit.covariance[np.ix_(rows, rows)] * terms, axis=1))
+        law = slope * v + rest
+        ax.fill_between(v, law - 1.96 * sigma, law + 1.96 * sigma, color=colour, alpha=0.18, lw=0)
+        ax.plot(v, law, color=colour)
+        words = f"$F_{axis} = {slope:.3g}\\,v_{axis} + {rest:.3g}$ N"
+        ax.text(0.04, 0.95, words, transform=ax.transAxes, color=colour, va="top", fontsize=11)
         ax.set(title=title, xlim=(0, None), ylim=(0, None))
         ax.set_xlabel(f"speed $v_{axis}$ (m/s)")
         ax.set_ylabel(f"friction $F_{axis}$ of the whole snake (N)")
-        if part == "straight" or len(voided[part][0]):
-            ax.legend(loc="lower right", fontsize=8)
-    fit_heading(fig, session, fit)
+    fit_heading(fig, fit)
     words = "; ".join(filter(None, ["band: 95 % interval of the line", note]))
     fig.supxlabel(words, fontsize=8, color=GREY)
-
-
-def _law(
-    ax: Axes,
-    fit: FrictionFit,
-    names: tuple[str, str],
-    points: Sequence[Any],
-    colour: str,
-    label: str,
-) -> str:
-    """Draw F = slope v + rest with its 95 % band, its points, and its words; return its axis."""
-    speed, force, speed_sigma, force_sigma = points
-    slope, rest = (fit.parameters[name].value for name in names)
-    rows, axis = [list(fit.whole_snake).index(name) for name in names], names[0][1]
-    v = np.linspace(0, 1.08 * float(speed.max()), 60)
-    terms = np.column_stack([v, np.ones_like(v)])
-    sigma = np.sqrt(np.sum(terms @ fit.covariance[np.ix_(rows, rows)] * terms, axis=1))
-    law = slope * v + rest
-    ax.fill_between(v, law - 1.96 * sigma, law + 1.96 * sigma, color=colour, alpha=0.18, lw=0)
-    ax.plot(v, law, color=colour)
-    ax.errorbar(
-        speed, force, force_sigma, speed_sigma,
-        fmt="o", color="black", ms=4, lw=0, elinewidth=1, label=label,
-    )  # fmt: skip
-    words = f"$F_{axis} = {slope:.3g}\\,v_{axis} + {rest:.3g}$ N"
-    ax.text(0.04, 0.95, words, transform=ax.transAxes, color=colour, va="top", fontsize=11)
-    return axis
 
 
 def draw_curve(ax: Axes, curve: SpeedCurve, colour: str, label: str) -> None:
@@ -174,11 +156,11 @@ def formulations_figure(
         heading(fig, title)
 
 
-def hatch_beyond(ax: Axes, highest_hz: float | None, last_hz: float, servos: str) -> None:
-    """Hatch the frequencies up to the last one that are too fast for a typical servo of a kind."""
+def hatch_beyond(ax: Axes, highest_hz: float | None, last_hz: float, servo: str) -> None:
+    """Hatch the frequencies up to the last one that are too fast for a servo, named in words."""
     if highest_hz is None or highest_hz >= last_hz:
         return
-    words = f"above {highest_hz:.2g} Hz too fast for a typical {servos} servo"
+    words = f"above {highest_hz:.2g} Hz too fast for {servo}"
     look = {"fc": "none", "ec": GREY, "alpha": 0.3, "hatch": "//", "zorder": 0, "lw": 0}
     ax.axvspan(highest_hz, last_hz, label=words, **look)
 

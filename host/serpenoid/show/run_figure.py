@@ -26,13 +26,14 @@ from .plot import (
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from ..simulation.scene import Scene
 
 _POSES = 4
 
 
-def draw_run(run: Run, path: Path) -> None:
+def run_figure(run: Run, path: Path | None) -> Figure:
     """Draw the path seen from above, the speed, and the energy ledger where it was recorded.
 
     The path is turned so that the way from start to end lies along x.
@@ -53,6 +54,7 @@ def draw_run(run: Run, path: Path) -> None:
             _energy(axes[2], run)
         axes[-1].set_xlabel("time (s)")
         heading(fig, scene_words(run.scene))
+        return fig
 
 
 def scene_words(scene: Scene) -> str:

@@ -19,7 +19,7 @@ import numpy as np
 
 from ..base.errors import Diverged, StepTooLarge
 from ..base.files import write_csv
-from ..base.rows import Result, Row, two_digits
+from ..base.rows import Plottable, Row, two_digits
 from ..base.vectors import Array
 from ..model.link_state import LinkState
 from .core_run import ENERGY_COLUMNS, Progress, run_core
@@ -44,7 +44,7 @@ _CSV_GROUPS = (
 
 
 @dataclass(frozen=True, repr=False)
-class Run(Result):
+class Run(Plottable):
     """Hold a run: T recorded times and arrays over n links, counted from the tail.
 
     Attributes

@@ -165,7 +165,7 @@ def test_the_picture_has_a_curve_for_each_amplitude_and_lag(fitted):
     made, fit = fitted
     gaits = [gait(3.0), gait(3.0, 0.5)]
     found = comparison.compare(made, fit, gaits=gaits, samples=16, servo=None)
-    curves = speed_curves(made, fit, found, None)
+    curves = speed_curves(found)
     assert [curve.shape for curve in curves] == [(g.alpha_rad, g.beta_rad) for g in gaits]
     for curve, shown in zip(curves, found.gaits, strict=True):
         at = np.interp(shown.frequency_hz, curve.frequency_hz, curve.typical_m_s)

@@ -31,7 +31,7 @@ def test_every_figure_has_units_and_ink(name, run, tmp_path, drawn) -> None:
     path = tmp_path / f"{name}.png"
     if name == "friction":
         session = sn.load_session(NIRAKH_2005)
-        plot.friction_lines(session, sn.fit_friction(session), path)
+        sn.fit_friction(session).plot(path, session=session)
     elif name == "formulations":
         rates_hz = np.array([1.0, 2.0])
         plot.formulations_figure(rates_hz, 0.1 * rates_hz, 0.099 * rates_hz, "title", path)

@@ -81,8 +81,6 @@ def fit(
     Prints the whole snake's friction and each link's; --robot DIR gives it to any other command.
     """
     from ...show import report
-    from ...show.plot import friction_lines
-    from ...show.session.floor_figure import push_figure
 
     loaded = sn.load_session(session)
     for note in loaded.notes:
@@ -91,8 +89,7 @@ def fit(
     with working(f"fitting {len(loaded.kept)} readings"):
         fit = sn.fit_friction(loaded, method=method)
     if figure is not None:
-        draw = push_figure if loaded.on_floor else friction_lines
-        draw(loaded, fit, figure)
+        fit.plot(figure, session=loaded)
         report.wrote(figure)
     if as_json:
         show_json(fit.to_dict())
@@ -158,9 +155,7 @@ def compare(
     model's speed. Any hobby servo may move the joints unless --servo says which.
     """
     from ...prediction import comparison
-    from ...prediction.curve import speed_curves
     from ...show import report
-    from ...show.comparison_figure import comparison_figure
 
     loaded = sn.load_session(session)
     fit = session_fit(session)
@@ -169,7 +164,7 @@ def compare(
     with progress(len(comparison.compared_gaits(loaded, gaits)), "gaits") as advance:
         compared = comparison.compare(loaded, fit, gaits=gaits, servo=kind, progress=advance, **how)
     if figure is not None:
-        comparison_figure(compared, speed_curves(loaded, fit, compared, kind), figure)
+        compared.plot(figure)
         report.wrote(figure)
     tell(compared, as_json, verbose, alarms_of(fit) | servo_remark(kind))
 
@@ -188,20 +183,18 @@ def report(
     """
     from ...base.files import write_text
     from ...prediction import advice, comparison
-    from ...prediction.curve import speed_curves
     from ...show.session.report_page import session_page
 
     out = out or session / "report.html"
     loaded = sn.load_session(session)
     fit = session_fit(session)
     kind = typed_servo(servo or "hobby", settings)
-    compared, curves = None, []
+    compared = None
     if gaits := comparison.compared_gaits(loaded):
         with progress(len(gaits), "gaits") as advance:
             compared = comparison.compare(loaded, fit, servo=kind, progress=advance)
-        curves = speed_curves(loaded, fit, compared, kind)
     advised = advice.advise(loaded, servo=kind) if loaded.setup.plan.gaits else None
-    write_text(out, session_page(loaded, fit, compared, advised, curves))
+    write_text(out, session_page(loaded, fit, compared, advised))
     if as_json:
         verdict = None if compared is None else compared.verdict
         notes = alarms_of(fit) | servo_remark(kind)

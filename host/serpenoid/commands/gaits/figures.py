@@ -74,7 +74,7 @@ def draw(out: Path, advance: Callable[[int], None]) -> list[Claim]:
     session = sn.load_session(Path(_core.__file__).parent / "calibration_data" / "nirakh-2005")
     fit = sn.fit_friction(session)
     lost = "readings regenerated from the lines that the paper prints: its own are lost"
-    plot.friction_lines(session, fit, out / "fig15-16.png", lost)
+    fit.plot(out / "fig15-16.png", session=session, note=lost)
     gaits = [sn.Gait.degrees(70, 75, hertz=hertz) for hertz in HERTZ]
     bands = in_threads(lambda gait: speed_band(fit, gait, servo=None), gaits)
     exact = np.array([band.speed_m_s for band in bands])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,6 +19,9 @@ from ..plot import (
     figure,
     heading,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def optimum_figure(
@@ -85,8 +89,8 @@ def power_of(
     cloud: Sweep,
     front: Sequence[LeastPower],
     title: str,
-    path: Path,
-) -> None:
+    path: Path | None,
+) -> Figure:
     """Draw the power of all gaits against speed, and the least (Fig. 8)."""
     watts = cloud.power_w
     travels = cloud.converged & (cloud.speed_m_s > 1e-3) & (watts > 0)
@@ -95,9 +99,10 @@ def power_of(
         words = f"{int(travels.sum())} gaits that travel"
         look = {"color": "#9a9a9a", "ms": 2, "mew": 0, "rasterized": True}
         ax.plot(cloud.speed_m_s[travels], watts[travels], "o", label=words, **look)
-        ax.plot(speed, [b.power_w for b in front], "o-", color=BLUE, ms=4, label="least power")
         ax.set(xlabel="speed (m/s)", ylabel="power (W)", xscale="log", yscale="log")
         if speed:  # the claim is about the front: what is far slower only shrinks it
+            ax.plot(speed, [b.power_w for b in front], "o-", color=BLUE, ms=4, label="least power")
             ax.set_xlim(left=0.5 * min(speed))
         ax.legend(loc="upper left")
         heading(fig, title)
+        return fig

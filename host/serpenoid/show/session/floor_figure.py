@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...friction.push_paths import push_paths
-from ..plot import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, figure, fit_heading
+from ..plot import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, fit_heading
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -41,10 +40,4 @@ def draw_pushes(fig: Figure, axes: Any, session: Session, fit: FrictionFit) -> N
     for ax in axes:
         ax.set(xlabel="time since the first position that counts (s)", xlim=(0, None))
     axes[0].legend(loc="lower right", fontsize=8, markerscale=3)
-    fit_heading(fig, session, fit)
-
-
-def push_figure(session: Session, fit: FrictionFit, path: Path) -> None:
-    """Write the drawing into a file."""
-    with figure(9.0, 4.2, 2, path=path) as (fig, axes):
-        draw_pushes(fig, axes, session, fit)
+    fit_heading(fig, fit)

@@ -11,7 +11,6 @@ from typing import Any
 from ...friction.result import FrictionFit
 from ...prediction.advice import Advice
 from ...prediction.comparison import Comparison
-from ...prediction.curve import SpeedCurve
 from ...session.session import Event, Session
 from ...taking.procedure import step_in_words
 from ..comparison_figure import draw_comparison, panels
@@ -53,14 +52,13 @@ def session_page(
     fit: FrictionFit,
     compared: Comparison | None,
     advice: Advice | None,
-    curves: Sequence[SpeedCurve] = (),
 ) -> str:
-    """Return the whole page; what is None is left out. curves: those of the comparison."""
+    """Return the whole page; what is None is left out."""
     setup, drawings = session.setup, []
     notes = [fit.remarks[0], *fit.notes, *session.notes]
     if session.kept and not session.on_floor:
         what = "friction against speed, readings and lines"
-        drawings.append(_svg(what, draw_friction, session, fit, size=(4.2, 6.4), rows=2))
+        drawings.append(_svg(what, draw_friction, fit, session, size=(4.2, 6.4), rows=2))
     if session.kept_pushes:
         what = "pushes: places over time with the law, and residuals"
         drawings.append(_svg(what, draw_pushes, session, fit, size=(4.2, 6.0), rows=2))
@@ -75,7 +73,7 @@ def session_page(
     ]
     if compared is not None:
         what = "speeds predicted and measured"
-        drawn = _svg(what, draw_comparison, compared, curves, size=(4.2, 5.2), **panels(compared))
+        drawn = _svg(what, draw_comparison, compared, size=(4.2, 5.2), **panels(compared))
         parts += ["<h2>Speed</h2>", drawn, _table(*compared.table(verbose=False))]
     if advice is not None:
         heads, cells = advice.table()

@@ -1,0 +1,126 @@
+"""The figure of each kind of result, for `.plot()`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import product
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..base.errors import NotConverged
+from ..friction.result import FrictionFit
+from ..periodic.steady import Steady, steady_gait
+from ..periodic.sweep import Sweep
+from ..prediction.comparison import Comparison
+from ..session.session import Session
+from ..simulation.run import Run
+from .comparison_figure import COLORS, draw_comparison, panels
+from .gaits.gait_figures import power_of
+from .plot import BLUE, draw_friction, figure, gait_title, hatch_beyond, heading
+from .run_figure import run_figure
+from .session.floor_figure import draw_pushes
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ..base.vectors import Array
+
+RATE_RATIOS = np.linspace(0.2, 2.0, 19)  # over a state's own rate: its curve over frequency
+
+
+def figure_of(result: Any, path: Path | None, **details: Any) -> Figure:
+    """Return the figure of a result, written into a file if one is given."""
+    draw = next(draw for kind, draw in FIGURES.items() if isinstance(result, kind))
+    return draw(result, path, **details)
+
+
+def fit_figure(
+    fit: FrictionFit, path: Path | None, session: Session | None = None, note: str = ""
+) -> Figure:
+    """Draw a fit's lines, and the readings of a session; of one on a floor its pushes."""
+    with figure(9.0, 4.2, 2, path=path) as (fig, axes):
+        if session is not None and session.on_floor:
+            draw_pushes(fig, axes, session, fit)
+        else:
+            draw_friction(fig, axes, fit, session, note)
+        return fig
+
+
+def comparison_figure(compared: Comparison, path: Path | None) -> Figure:
+    """Draw speeds over frequency: measured ones beside the predicted band."""
+    with figure(7.2, 6.0, path=path, **panels(compared)) as (fig, axes):
+        draw_comparison(fig, axes, compared)
+        return fig
+
+
+def steady_figure(state: Steady, path: Path | None) -> Figure:
+    """Draw speed and power of a gait over its frequency, and a dot at its own."""
+    gait, states = state.gait, list[Steady]()
+    for rate in (RATE_RATIOS * gait.omega_rad_s).tolist():
+        try:
+            states.append(
+                steady_gait(state.robot, state.ground, replace(gait, omega_rad_s=rate), rtol=1e-3)
+            )
+        except NotConverged:
+            continue
+    hertz, speed, power = np.array(
+        [(s.gait.omega_rad_s / math.tau, s.speed_m_s, s.power_w) for s in states]
+    ).T
+    with figure(8.4, 3.8, 2, path=path) as (fig, axes):
+        _over_frequency(axes, hertz, speed, power)
+        own_hz = gait.omega_rad_s / math.tau
+        for ax, value in zip(axes, (state.speed_m_s, state.power_w), strict=True):
+            ax.plot(own_hz, value, "o", color=BLUE, mec="black")
+            ax.set_ylim(0, None)
+        heading(fig, f"{gait_title(gait)}; ideal joints")
+        return fig
+
+
+def sweep_figure(grid: Sweep, path: Path | None) -> Figure:
+    """Draw speed and power of a few shapes over frequency; power over speed of many."""
+    hertz, title = grid.omega_rad_s / math.tau, grid.in_words().replace(". ", ".\n")
+    speed, power = grid.speed_m_s.reshape(-1, hertz.size), grid.power_w.reshape(-1, hertz.size)
+    if len(speed) > len(COLORS):
+        return power_of(grid, [], title, path)
+    angles = product(np.degrees(grid.alpha_rad), np.degrees(grid.beta_rad))
+    shapes = [f"{alpha:.3g}°/{beta:.3g}°" for alpha, beta in angles]
+    with figure(8.4, 4.2, 2, path=path) as (fig, axes):
+        for k, color in enumerate(COLORS[: len(speed)]):
+            shape = shapes[k % len(shapes)]
+            _over_frequency(axes, hertz, speed[k], power[k], f"{shape}, ideal joints", color)
+        if grid.servo_speed_m_s is not None and grid.servo_low_m_s is not None:
+            ends = grid.servo_speed_m_s, grid.servo_low_m_s, grid.servo_high_m_s
+            rows = (np.reshape(end, speed.shape) for end in ends)
+            for servo, low, high, color in zip(*rows, COLORS, strict=False):
+                followed = np.where(np.isnan(low), np.nan, servo)
+                axes[0].plot(hertz, followed, "--", color=color, label="with the servo; 95 % band")
+                axes[0].fill_between(hertz, low, high, color=color, alpha=0.18, lw=0)
+            if len(speed) == 1:
+                follows = hertz[~np.isnan(grid.servo_low_m_s.ravel())]
+                hatch_beyond(axes[0], max(follows, default=0.0), hertz[-1], "the servo")
+        axes[0].set_ylim(0, 1.3 * axes[0].get_ylim()[1])  # room for the legend
+        axes[0].legend(loc="upper left", fontsize=8)
+        heading(fig, title)
+        return fig
+
+
+def _over_frequency(
+    axes: Any, hertz: Array, speed: Array, power: Array, label: str = "", color: str = BLUE
+) -> None:
+    """Draw a speed and a power over frequency."""
+    for ax, curve, name in zip(axes, (speed, power), ("speed (m/s)", "net power (W)"), strict=True):
+        ax.plot(hertz, curve, ".-", ms=4, color=color, label=label)
+        ax.set(xlabel="gait frequency (Hz)", ylabel=name, xlim=(0, None))
+
+
+FIGURES: dict[type, Callable[..., Figure]] = {
+    Run: run_figure,
+    Sweep: sweep_figure,
+    Steady: steady_figure,
+    FrictionFit: fit_figure,
+    Comparison: comparison_figure,
+}
