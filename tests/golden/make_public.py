@@ -224,8 +224,9 @@ def make_inputs() -> None:
 def sections() -> Iterator[tuple[str, Iterable[str]]]:
     """Yield each part: its heading and its lines."""
     yield "Commands", commands(cli)
-    # A bench test with a quarter of its samples, which lists every value that a test may show.
-    with patch.object(bench_fit, "SAMPLES", 64), patch.object(bench_fit, "MAX_SIGMA_RATIO", 1e9):
+    # A bench test by few samples lists every value that a test may show.
+    short = {"SAMPLES": 64, "MOVES": 10, "BEST_STARTS": 2, "MAX_SIGMA_RATIO": 1e9}
+    with patch.multiple(bench_fit, **short):
         for line in ANSWERS:
             yield f"JSON: {line}", by_table(json.loads(run(f"{line} --json")))
     yield "Files: a scene", dict.fromkeys(scene_keys())

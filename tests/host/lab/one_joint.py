@@ -125,15 +125,20 @@ def moved(hidden: list[Hidden]) -> tuple[np.ndarray, np.ndarray]:
     return STEP_S * EVERY * np.arange(len(seen)), np.array(seen).T
 
 
-def tables_of(hidden: list[Hidden], seed: int, noise_rad: float = NOISE_RAD) -> list[BenchTest]:
-    """Return the tables that a film of 240 pictures a second leaves of each of them."""
-    t_s, angles = moved(hidden)
+def tables_of(
+    hidden: list[Hidden], seed: int, motion: tuple[np.ndarray, np.ndarray] | None = None
+) -> list[BenchTest]:
+    """Return the tables that a film of 240 pictures a second leaves of each of them.
+
+    motion: what `moved` returned, if somebody has it.
+    """
+    t_s, angles = motion or moved(hidden)
     rng = np.random.default_rng(seed)
     sent = np.searchsorted([t for t, _ in SENT], t_s + 1e-9, side="right") - 1
     setpoint = np.radians([SENT[k][1] for k in sent])
     tables = []
     for one, angle in zip(hidden, angles, strict=True):
-        noise = noise_rad * rng.normal(size=t_s.size)
+        noise = NOISE_RAD * rng.normal(size=t_s.size)
         seen = one.gain * angle + one.zero_rad + noise
         tables.append(BenchTest(t_s, setpoint, seen, STATED_RAD, load=one.load))
     return tables

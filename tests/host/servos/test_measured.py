@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,16 +16,36 @@ from lab.one_joint import SENT, Hidden, drawn, moved, tables_of
 from refusals import refused
 from serpenoid.commands.friction.servo import notes
 from serpenoid.servos import bench_fit
-from serpenoid.servos.bench_fit import MeasuredServo, servo_of_test
+from serpenoid.servos.bench_fit import servo_of_test
 from serpenoid.servos.bench_test import BenchModel, BenchTest, Load
 
 LEVEL = 0.95
 HIDDEN = sn.servo().draws(1, 104)[0]
 
 
-def found(one: Hidden, seed: int = 3, **changes: object) -> MeasuredServo:
-    """Return the fit of a hidden servo's table, with other columns or a load."""
-    return servo_of_test(replace(tables_of([one], seed)[0], **changes), sn.servo())
+CONTINUOUS = replace(HIDDEN, update_hz=0.0)
+LOAD = Load(0.1 * HIDDEN.torque_limit_nm / 9.81 / 0.1, 0.1)
+HIDDEN_SERVOS = {
+    "sampled": Hidden(HIDDEN),
+    "continuous": Hidden(CONTINUOUS),
+    "loaded": Hidden(CONTINUOUS, load=Load(3 * LOAD.mass_kg, LOAD.distance_m)),
+    "late": Hidden(CONTINUOUS, math.radians(5.0), delays_s=(0.08,) * 7),
+    "model 0": Hidden(CONTINUOUS, load=LOAD),
+    "model 50": Hidden(replace(HIDDEN, update_hz=50.0), load=LOAD, look_s=0.013),
+}
+
+
+@pytest.fixture(scope="module")
+def motions() -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Return times (T,) and angles (1, T) by the name of a hidden servo, all moved at once."""
+    t_s, angles = moved(list(HIDDEN_SERVOS.values()))
+    return {name: (t_s, angle[None]) for name, angle in zip(HIDDEN_SERVOS, angles, strict=True)}
+
+
+@pytest.fixture
+def table(motions) -> Callable[[str, int], BenchTest]:
+    """Return the function that gives a hidden servo's table, with the noise of a seed."""
+    return lambda name, seed: tables_of([HIDDEN_SERVOS[name]], seed, motions[name])[0]
 
 
 def written(test: BenchTest, path: Path) -> Path:
@@ -36,18 +57,17 @@ def written(test: BenchTest, path: Path) -> Path:
 
 
 @pytest.mark.parametrize("update_hz", [0.0, 50.0])
-def test_the_models_joint_moves_as_the_hidden_one(update_hz: float) -> None:
+def test_the_models_joint_moves_as_the_hidden_one(motions, update_hz: float) -> None:
     """Without noise: a motor with wires in steps of 10 us, and exact pieces of a line.
 
     The hidden loop samples at a rate of its own. The model's motion is the same if its setpoints
     take effect at the samples that first see them.
     """
-    servo = replace(HIDDEN, update_hz=update_hz)
-    load = Load(0.1 * servo.torque_limit_nm / 9.81 / 0.1, 0.1)
-    hidden = Hidden(servo, load=load, look_s=0.013 if update_hz else 0.0)
-    t_s, angles = moved([hidden])
-    test = BenchTest(t_s, angles[0], angles[0], load=load)
-    kind = sn.ServoKind("exact", servo, {"dead_band_rad": 1e-9})
+    name = f"model {update_hz:.0f}"
+    hidden = HIDDEN_SERVOS[name]
+    t_s, angles = motions[name]
+    test = BenchTest(t_s, angles[0], angles[0], load=LOAD)
+    kind = sn.ServoKind("exact", hidden.servo, {"dead_band_rad": 1e-9})
     model = BenchModel(test, kind, update_hz)
     model.setpoints_rad = np.radians([goal for _, goal in SENT])
     sent_s = np.array([t for t, _ in SENT])
@@ -82,9 +102,8 @@ def test_intervals_hold_hidden_servos() -> None:
 
 
 @pytest.mark.slow
-def test_an_offset_and_a_late_log_are_found() -> None:
-    late = Hidden(replace(HIDDEN, update_hz=0.0), math.radians(5.0), delays_s=(0.08,) * 7)
-    quick = found(late)
+def test_an_offset_and_a_late_log_are_found(table) -> None:
+    quick = servo_of_test(table("late", 3), sn.servo())
     assert quick.verdict.describes
     assert quick.values["zero_rad"].value == pytest.approx(math.radians(5.0), abs=math.radians(0.3))
     assert quick.values["delay_s"].value == pytest.approx(0.08, abs=0.004)
@@ -92,12 +111,10 @@ def test_an_offset_and_a_late_log_are_found() -> None:
 
 
 @pytest.mark.slow
-def test_a_load_that_hangs_shows_the_torque() -> None:
+def test_a_load_that_hangs_shows_the_torque(table) -> None:
     """Stated, it gives the torque; unstated, it is named."""
-    distance, servo = 0.1, replace(HIDDEN, update_hz=0.0)
-    load = Load(0.3 * servo.torque_limit_nm / 9.81 / distance, distance)
-    one = Hidden(servo, load=load)
-    stated, unstated = found(one), found(one, load=None)
+    servo, test = CONTINUOUS, table("loaded", 3)
+    stated, unstated = (servo_of_test(replace(test, load=x), sn.servo()) for x in (test.load, None))
     torque = stated.values["stall_torque_nm"]
     assert torque.is_determined
     assert torque.low <= servo.stall_torque_nm <= torque.high
@@ -106,9 +123,9 @@ def test_a_load_that_hangs_shows_the_torque() -> None:
 
 
 @pytest.mark.slow
-def test_what_the_model_has_not_is_no_servo() -> None:
+def test_what_the_model_has_not_is_no_servo(table) -> None:
     """A joint that stops at 20 degrees, as against a wall."""
-    test = tables_of([Hidden(HIDDEN)], 5)[0]
+    test = table("sampled", 5)
     fit = servo_of_test(replace(test, angle_rad=np.minimum(test.angle_rad, 0.35)), sn.servo())
     assert not fit.verdict.describes
     assert fit.verdict.variance_ratio > 2
@@ -117,8 +134,8 @@ def test_what_the_model_has_not_is_no_servo() -> None:
 
 
 @pytest.mark.slow
-def test_a_mirrored_angle_is_turned_and_another_unit_refused() -> None:
-    test = tables_of([Hidden(HIDDEN)], 6)[0]
+def test_a_mirrored_angle_is_turned_and_another_unit_refused(table) -> None:
+    test = table("sampled", 6)
     fit = servo_of_test(replace(test, angle_rad=-test.angle_rad), sn.servo())
     assert fit.verdict.describes
     assert fit.values["gain"].value == pytest.approx(-1.0, abs=0.02)
@@ -126,18 +143,17 @@ def test_a_mirrored_angle_is_turned_and_another_unit_refused() -> None:
         servo_of_test(replace(test, angle_rad=np.radians(test.angle_rad)), sn.servo())
 
 
-def test_the_tables_own_scatter_is_its_noise() -> None:
-    test = replace(tables_of([Hidden(HIDDEN)], 7)[0], sigma_rad=None)
+def test_the_tables_own_scatter_is_its_noise(table) -> None:
+    test = replace(table("sampled", 7), sigma_rad=None)
     assert math.degrees(test.noise_rad) == pytest.approx(0.3, rel=0.1)
     coarse = replace(test, angle_rad=np.radians(4 * np.round(np.degrees(test.angle_rad) / 4)))
     assert math.degrees(coarse.noise_rad) == pytest.approx(4 / math.sqrt(12), rel=0.01)
 
 
 @pytest.mark.slow
-def test_the_command_writes_a_file_that_others_take(tmp_path: Path) -> None:
-    test = tables_of([Hidden(replace(HIDDEN, update_hz=0.0))], 8)[0]
-    table, out = written(test, tmp_path / "joint.csv"), tmp_path / "mine.toml"
-    told = serpenoid(f"servo --test {table} --set sigma_deg=0.4 --out {out}", check=True).stdout
+def test_the_command_writes_a_file_that_others_take(tmp_path: Path, table) -> None:
+    file, out = written(table("continuous", 8), tmp_path / "joint.csv"), tmp_path / "mine.toml"
+    told = serpenoid(f"servo --test {file} --set sigma_deg=0.4 --out {out}", check=True).stdout
     assert told.startswith("The model of a servo describes the table (p ")
     assert "Without load the servo turns at about " in told
     assert "Open: " in told
@@ -146,12 +162,17 @@ def test_the_command_writes_a_file_that_others_take(tmp_path: Path) -> None:
     assert not kind.remark
 
 
-def test_a_remark_goes_with_every_band(tmp_path: Path) -> None:
-    """No file of a test that the model does not describe; with --anyway it says so everywhere."""
-    test = tables_of([Hidden(replace(HIDDEN, update_hz=0.0))], 9)[0]
+def test_a_remark_goes_with_every_band(tmp_path: Path, table, monkeypatch) -> None:
+    """No file of a test that the model does not describe; with --anyway it says so everywhere.
+
+    A few moves of the samples will do: their intervals are not looked at.
+    """
+    monkeypatch.setattr(bench_fit, "MOVES", 10)
+    monkeypatch.setattr(bench_fit, "BEST_STARTS", 2)
+    test = table("continuous", 9)
     wall = replace(test, angle_rad=np.minimum(test.angle_rad, 0.35))
-    table, out = written(wall, tmp_path / "wall.csv"), tmp_path / "wall.toml"
-    typed = f"servo --test {table} --set sigma_deg=0.4 --out {out}"
+    file, out = written(wall, tmp_path / "wall.csv"), tmp_path / "wall.toml"
+    typed = f"servo --test {file} --set sigma_deg=0.4 --out {out}"
     failed = serpenoid(typed)
     assert failed.returncode == 1
     assert failed.stdout.startswith("The model of a servo does NOT describe the table")
@@ -192,10 +213,10 @@ def test_a_table_that_is_no_test_is_refused(tmp_path: Path, text: str, says: str
     assert says in told.stderr
 
 
-def test_options_that_would_do_nothing_are_refused(tmp_path: Path) -> None:
-    table = written(tables_of([Hidden(HIDDEN)], 1)[0], tmp_path / "joint.csv")
-    assert "sigma_deg is -1" in serpenoid(f"servo --set sigma_deg=-1 --test {table}").stderr
-    assert "give --load KG M" in serpenoid(f"servo --test {table} --set down_deg=90").stderr
-    upright = f"servo --test {table} --load 0.1 0.1 --set axis=upright --set down_deg=90"
+def test_options_that_would_do_nothing_are_refused(tmp_path: Path, table) -> None:
+    file = written(table("sampled", 1), tmp_path / "joint.csv")
+    assert "sigma_deg is -1" in serpenoid(f"servo --set sigma_deg=-1 --test {file}").stderr
+    assert "give --load KG M" in serpenoid(f"servo --test {file} --set down_deg=90").stderr
+    upright = f"servo --test {file} --load 0.1 0.1 --set axis=upright --set down_deg=90"
     assert "a load about an upright axis does not hang" in serpenoid(upright).stderr
     assert serpenoid("servo").returncode == 2
