@@ -18,7 +18,7 @@ from serpenoid import Gait, Ground, Robot, SerpenoidError, fit_friction, servo
 from serpenoid.friction.parameters import FRICTIONS
 from serpenoid.friction.result import ground_of
 from serpenoid.lab.crawl import crawl_speed
-from serpenoid.periodic.servo_steady import band, servo_speeds
+from serpenoid.periodic.servo_steady import band, drawn_servo_speeds
 from serpenoid.periodic.steady import steady_gait
 from serpenoid.prediction.speeds import AMPLITUDE_SIGMA, scaled
 from serpenoid.session.settings import Setup
@@ -104,7 +104,7 @@ class DrivenTable:
         others = [SpeedTable(robot, scaled(GAIT, a), **more) for a in ends]
         self._tables = (others[0], table, others[1])
         ideal = steady_gait(robot, ground_of(robot.links, WHOLE.tolist()), GAIT, rtol=1e-4)
-        speeds = servo_speeds((ideal, drawn) for drawn in SERVOS.draws(servos))
+        speeds = drawn_servo_speeds([ideal] * servos, SERVOS.draws(servos))
         self.shares = speeds / ideal.speed_m_s
 
     def some(self, count: int, rng: np.random.Generator) -> NDArray[np.float64]:

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Sequence
 from functools import partial
 from importlib.metadata import version
 from typing import Any
 
+import numpy as np
+
 from ..base.errors import BadInput, ClusterFailed
+from ..base.long_calls import Progress
 from ..base.vectors import Array
-from .grid import Grid, Stretch, stretches
+from .grid import Shape, solve_shapes
 
 CONNECT_S = 10.0  # for the scheduler to answer
 FIRST_WORKER_S = 60.0  # for the first worker to come
@@ -18,20 +21,27 @@ CHUNKS_PER_THREAD = 4  # at least, so that all of the cluster's threads end at a
 GAITS_PER_CHUNK, DRY_GAITS_PER_CHUNK = 20_000, 2_000  # at most: about a second of work
 
 
-def solve_chunk(grid: Grid, wanted: str, chunk: Stretch) -> Array:
-    """Return a worker's figures of a chunk; raises ClusterFailed for another version than wanted.
+def solve_chunk(required: str, shapes: Sequence[Shape], *how: Any) -> Array:
+    """Return a worker's figures of some shapes; raises ClusterFailed for another version.
 
     Only the same version gives the same figures to the last bit.
     """
-    if (found := version("serpenoid")) != wanted:
+    if (present := version("serpenoid")) != required:
         raise ClusterFailed(
-            f"a worker has serpenoid {found}, here is {wanted}; install the same version there"
+            f"a worker has serpenoid {present}, here is {required}; install the same version there"
         )
-    return grid.solve(*chunk, threads=1)
+    return solve_shapes(shapes, *how)
 
 
-def solve_on_cluster(grid: Grid, scheduler: str) -> Iterator[tuple[Stretch, Array]]:
-    """Yield the chunks of a grid with their figures, in order; raises BadInput, ClusterFailed.
+def solve_on_cluster(
+    scheduler: str,
+    shapes: Sequence[Shape],
+    rates: Sequence[float],
+    rtol: float,
+    powers: bool,
+    progress: Progress | None,
+) -> Array:
+    """Return what `solve_shapes` does, from the workers; raises BadInput, ClusterFailed.
 
     The scheduler gives the chunks of a lost worker to another one.
     """
@@ -52,15 +62,19 @@ def solve_on_cluster(grid: Grid, scheduler: str) -> Iterator[tuple[Stretch, Arra
         client: Any = distributed.Client(scheduler, timeout=CONNECT_S, set_as_default=False)
         with client:
             client.wait_for_workers(1, FIRST_WORKER_S)
-            share = -(-grid.shapes // (CHUNKS_PER_THREAD * sum(client.nthreads().values())))
-            smooth = all(ground.smooth for ground in grid.grounds)
+            share = -(-len(shapes) // (CHUNKS_PER_THREAD * sum(client.nthreads().values())))
+            smooth = all(ground.smooth for _, ground, _ in shapes)
             gaits = GAITS_PER_CHUNK if smooth else DRY_GAITS_PER_CHUNK
-            most = max(1, gaits // len(grid.omega_rad_s))
-            chunks = list(stretches(grid.shapes, min(share, most)))
-            solve = partial(solve_chunk, grid, version("serpenoid"))
-            futures = client.map(solve, chunks, pure=False)
-            for chunk, future in zip(chunks, futures, strict=True):
-                yield chunk, future.result()
+            size = min(share, max(1, gaits // len(rates)))
+            chunks = [shapes[k : k + size] for k in range(0, len(shapes), size)]
+            solve = partial(solve_chunk, version("serpenoid"))
+            how = ([value] * len(chunks) for value in (rates, rtol, powers))
+            parts = []
+            for future in client.map(solve, chunks, *how, pure=False):
+                parts.append(future.result())
+                if progress is not None:
+                    progress(parts[-1].shape[0] * parts[-1].shape[1])
+            return np.concatenate(parts)
     except lost as error:
         raise ClusterFailed(
             f"the cluster at {scheduler} gives no answer ({type(error).__name__}: {error}); see "

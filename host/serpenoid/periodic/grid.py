@@ -1,10 +1,10 @@
-"""A grid of robots, grounds and gaits as one list of shapes, any stretch of which can be solved."""
+"""The shapes of a sweep, robots x grounds x alpha x beta, and their figures at every rate."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -20,125 +20,66 @@ from ..model.ground import Ground
 from ..model.robot import Robot
 from .steady import check_ground, speed_floor_m_s
 
-MOST_GAITS = 10**12
-Stretch = tuple[int, int]  # of shapes: the first, and the last plus one
-AXES = ("alpha_rad", "beta_rad", "omega_rad_s")
-FIELDS = (
-    "speed_m_s",
-    "power_w",
-    "abs_power_w",
-    "positive_power_w",
-    "turn_rad_per_cycle",
-    "error_estimate",
-    "power_error_w",
-    "positive_power_error_w",
-    "settling_time_s",
-    "converged",
-)
+MAX_GAITS = 10**8  # eleven numbers of each are 9 GB
+Shape = tuple[Robot, Ground, Gait]  # its gait at the first rate
+SLOWEST, CONVERGED = 8, 10  # columns of the core's table: ln of a disturbance's decay, and a flag
 
 
-@dataclass(frozen=True)
-class Grid:
-    """Hold the gaits to solve: robots x grounds x alpha x beta (the shapes, so ordered) x omega.
+def grid_shapes(
+    robots: Sequence[Robot], grounds: Sequence[Ground], axes: Sequence[Array], rtol: float
+) -> list[Shape]:
+    """Return every shape of a grid, the lags fastest; axes: alpha, beta, omega.
 
-    A shape's figures are the same to the last bit whatever stretch it is solved in.
     Raises BadInput.
     """
-
-    robots: tuple[Robot, ...]
-    grounds: tuple[Ground, ...]
-    alpha_rad: tuple[float, ...]
-    beta_rad: tuple[float, ...]
-    omega_rad_s: tuple[float, ...]
-    rtol: float = 1e-6
-    powers: bool = True
-
-    @classmethod
-    def of(
-        cls,
-        robots: Robot | Sequence[Robot],
-        grounds: Ground | Sequence[Ground],
-        axes: Sequence[ArrayLike],
-        rtol: float,
-        powers: bool,
-    ) -> Grid:
-        """Return the grid of one or several robots and grounds; axes: alpha, beta, omega."""
-        alpha, beta, omega = (axis(name, v) for name, v in zip(AXES, axes, strict=True))
-        parts = several(Robot, robots), several(Ground, grounds)
-        return cls(*parts, alpha, beta, omega, rtol, powers)
-
-    def __post_init__(self) -> None:
-        if not isinstance(self.powers, bool):
-            raise BadInput(f"powers is {self.powers!r}; it must be True or False")
-        for robot in self.robots:
-            check_parts(robot, self.grounds[0])
-        for ground in self.grounds:
-            check_parts(self.robots[0], ground)
-            check_ground(ground, self.rtol)
-        for alpha in self.alpha_rad:
-            Gait(alpha, self.beta_rad[0], self.omega_rad_s[0])
-        for beta in self.beta_rad:
-            Gait(0.0, beta, self.omega_rad_s[0])
-        for rate in self.omega_rad_s:
-            Gait(0.0, 0.0, rate)
-        if self.gaits > MOST_GAITS:
-            raise BadInput(f"the grid has {self.gaits:.3g} gaits; the most is {MOST_GAITS:.0e}")
-
-    @property
-    def size(self) -> tuple[int, int, int, int]:
-        """Return the numbers of robots, grounds, alphas and betas."""
-        return len(self.robots), len(self.grounds), len(self.alpha_rad), len(self.beta_rad)
-
-    @property
-    def shapes(self) -> int:
-        """Return the number of shapes."""
-        return math.prod(self.size)
-
-    @property
-    def gaits(self) -> int:
-        """Return the number of gaits."""
-        return self.shapes * len(self.omega_rad_s)
-
-    def models(self, first: int, last: int) -> list[_core.Model]:
-        """Return the shapes from first up to but not including last as the core takes them."""
-        any_gait = Gait(0.0, 0.0, self.omega_rad_s[0])
-        pairs = [core_model(r, g, any_gait) for r in self.robots for g in self.grounds]
-        alphas, betas = len(self.alpha_rad), len(self.beta_rad)
-        return [
-            pairs[k // (alphas * betas)].bent(
-                self.alpha_rad[k // betas % alphas], self.beta_rad[k % betas]
-            )
-            for k in range(first, last)
-        ]
-
-    def solve(self, first: int, last: int, threads: int, progress: Progress | None = None) -> Array:
-        """Return the core's eleven figures of a stretch of shapes, (shape, rate, 11)."""
-        models, rates = self.models(first, last), list(self.omega_rad_s)
-        count = min(threads, len(models))
-        return _core.sweep(models, rates, self.rtol, self.powers, count, progress)
-
-    def named(self, table: Array) -> dict[str, NDArray[Any]]:
-        """Return the figures of all shapes by name, each (shape, rate), with errors and times."""
-        columns = (table[..., k] for k in (*range(9), 10))
-        values: dict[str, NDArray[Any]] = dict(zip(FIELDS, columns, strict=True))
-        w, slowest = np.array(self.omega_rad_s), values["settling_time_s"]
-        robot = np.unravel_index(np.arange(self.shapes), self.size)[0]
-        floors = np.array([speed_floor_m_s(r, 1.0) for r in self.robots])[robot, None] * w
-        with np.errstate(divide="ignore"):
-            settling = np.where(slowest < 0, -2 * math.pi / w / slowest, math.inf)
-        error = values["error_estimate"] / np.maximum(values["speed_m_s"], floors)
-        derived = {"error_estimate": error, "settling_time_s": settling}
-        return values | derived | {"converged": values["converged"] > 0.5}
+    alphas, betas, rates = (values.tolist() for values in axes)
+    gaits = math.prod(map(len, (robots, grounds, alphas, betas, rates)))
+    if gaits > MAX_GAITS:
+        raise BadInput(f"the grid has {gaits:.3g} gaits; the most is {MAX_GAITS:.0e}")
+    for robot, ground in product(robots, grounds):
+        check_parts(robot, ground)
+        check_ground(ground, rtol)
+    for rate in rates:
+        Gait(0.0, 0.0, rate)
+    bends = [Gait(alpha, beta, rates[0]) for alpha, beta in product(alphas, betas)]
+    return list(product(robots, grounds, bends))
 
 
-def axis(name: str, values: ArrayLike) -> tuple[float, ...]:
-    """Return an axis of the grid as numbers."""
+def solve_shapes(
+    shapes: Sequence[Shape],
+    rates: Sequence[float],
+    rtol: float,
+    powers: bool,
+    threads: int = 1,
+    progress: Progress | None = None,
+) -> Array:
+    """Return the core's eleven figures of each shape at each rate, (shape, rate, 11).
+
+    A shape's are the same to the last bit whatever shapes are solved with it.
+    """
+    models = [core_model(*shape) for shape in shapes]
+    return _core.sweep(models, rates, rtol, powers, min(threads, len(models)), progress)
+
+
+def gait_figures(shapes: Sequence[Shape], rates: Array, table: Array) -> list[NDArray[Any]]:
+    """Return the figures that Sweep has, in its order, each (shape, rate), of the core's table."""
+    columns: list[NDArray[Any]] = list(np.moveaxis(table, -1, 0))
+    floors = np.array([speed_floor_m_s(robot, 1.0) for robot, _, _ in shapes])[:, None] * rates
+    columns[5] = columns[5] / np.maximum(columns[0], floors)
+    slowest = columns[SLOWEST]
+    with np.errstate(divide="ignore"):
+        columns[SLOWEST] = np.where(slowest < 0, -math.tau / rates / slowest, math.inf)
+    return [*columns[: SLOWEST + 1], columns[CONVERGED] > 0]
+
+
+def grid_axis(name: str, values: ArrayLike) -> Array:
+    """Return an axis of the grid, at least one number."""
     numbers = np.atleast_1d(number_array(name, values))
     if numbers.ndim != 1 or numbers.size == 0:
         raise BadInput(
             f"{name} has shape {numbers.shape}; it must be a list of at least one number"
         )
-    return tuple(numbers.tolist())
+    return numbers
 
 
 def several(kind: type, parts: Any) -> tuple[Any, ...]:
@@ -148,8 +89,3 @@ def several(kind: type, parts: Any) -> tuple[Any, ...]:
             raise BadInput(f"there is no {kind.__name__.lower()} in the list; give at least one")
         return tuple(parts)
     return (parts,)
-
-
-def stretches(shapes: int, length: int) -> Iterator[Stretch]:
-    """Cut the list of shapes into stretches of at most `length`."""
-    return ((at, min(at + length, shapes)) for at in range(0, shapes, length))

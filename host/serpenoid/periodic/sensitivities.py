@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -23,48 +23,31 @@ MIN_SIDE_RATIO = 0.1  # of the larger side: by more, the two sides differ
 MIN_SIDE_PERCENT = 0.02  # for 1 %: a smaller difference of the sides is of no use to anybody
 STATE_RTOL = 1e-7
 
-Parts = tuple[Robot, Ground, Gait]
+Parts = tuple[Any, ...]  # Robot, Ground, Gait
 
 
-def _heavier(parts: Parts, factor: float) -> Parts:
-    robot, ground, gait = parts
-    inertia = robot.inertia_kg_m2 * factor
-    heavy = replace(robot, link_mass_kg=robot.link_mass_kg * factor, link_inertia_kg_m2=inertia)
-    return heavy, ground, gait
-
-
-def _longer(parts: Parts, factor: float) -> Parts:
-    robot, ground, gait = parts
-    inertia = robot.inertia_kg_m2 * factor**2
-    long = replace(robot, link_length_m=robot.link_length_m * factor, link_inertia_kg_m2=inertia)
-    return long, ground, gait
-
-
-def _of_gait(field: str) -> Callable[[Parts, float], Parts]:
-    def changed(parts: Parts, factor: float) -> Parts:
-        robot, ground, gait = parts
-        return robot, ground, replace(gait, **{field: getattr(gait, field) * factor})
-
-    return changed
-
-
-def _of_friction(*fields: str) -> Callable[[Parts, float], Parts]:
-    def changed(parts: Parts, factor: float) -> Parts:
-        robot, ground, gait = parts
-        return robot, ground.scaled(**dict.fromkeys(fields, factor)), gait
-
-    return changed
-
-
-NUMBERS: dict[str, Callable[[Parts, float], Parts]] = {
-    "mass": _heavier,  # its inertia with it
-    "length": _longer,
-    "amplitude": _of_gait("alpha_rad"),
-    "lag": _of_gait("beta_rad"),
-    "rate": _of_gait("omega_rad_s"),
-    "friction along": _of_friction("ct", "ft0"),
-    "friction across": _of_friction("cn", "fn0"),
+# Which of robot, ground and gait each number is of, and what grows with which power of it.
+NUMBERS: dict[str, tuple[int, dict[str, int]]] = {
+    "mass": (0, {"link_mass_kg": 1, "link_inertia_kg_m2": 1}),
+    "length": (0, {"link_length_m": 1, "link_inertia_kg_m2": 2}),
+    "amplitude": (2, {"alpha_rad": 1}),
+    "lag": (2, {"beta_rad": 1}),
+    "rate": (2, {"omega_rad_s": 1}),
+    "friction along": (1, {"ct": 1, "ft0": 1}),
+    "friction across": (1, {"cn": 1, "fn0": 1}),
 }
+
+
+def changed_parts(parts: Parts, number: str, factor: float) -> Parts:
+    """Return robot (its inertia stated), ground and gait with one of NUMBERS times a factor."""
+    place, powers = NUMBERS[number]
+    part: Any = parts[place]
+    factors = {name: factor**power for name, power in powers.items()}
+    if isinstance(part, Ground):
+        part = part.scaled(**factors)
+    else:
+        part = replace(part, **{name: getattr(part, name) * f for name, f in factors.items()})
+    return (*parts[:place], part, *parts[place + 1 :])
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,16 +96,19 @@ class Sensitivities(Result):
         return dict(zip((name.replace(" ", "_") for name in NUMBERS), values, strict=True))
 
 
-def speed_sensitivities(parts: Parts, floor_m_s: float) -> Sensitivities:
+def speed_sensitivities(
+    robot: Robot, ground: Ground, gait: Gait, floor_m_s: float
+) -> Sensitivities:
     """Return per cents of a gait's speed for 1 % of each of seven numbers.
 
     Raises BadInput for a speed below the floor, and NotConverged where a state beside this one has
     no solution, or after 20 s.
     """
     limit = TimeLimit("the sensitivities of this state", "ask for the state without sensitivities")
-    factors = [1 + sign * step for step in STEPS for sign in (-1, 1)]
-    near = [change(parts, factor) for change in NUMBERS.values() for factor in factors]
-    models = [core_model(*one) for one in (parts, *near)]
+    parts = replace(robot, link_inertia_kg_m2=robot.inertia_kg_m2), ground, gait
+    factors = (1 + np.outer(STEPS, (-1, 1))).ravel().tolist()
+    near = [changed_parts(parts, *change) for change in product(NUMBERS, factors)]
+    models = [core_model(*each) for each in (parts, *near)]
     states = _core.neighbours(models[0], models, STATE_RTOL, False, 1, progress=limit)
     speeds = np.array([state.speed for state in states])
     claims = np.array([state.speed_error for state in states])

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-import time
-import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ import numpy as np
 from .. import _core
 from ..base.checks import check_kind
 from ..base.errors import NotConverged
-from ..base.long_calls import in_threads, keep_running
+from ..base.long_calls import Progress, in_threads, keep_running
 from ..base.rows import Result, Row, detail, two_digits
 from ..base.vectors import Array
 from ..model.core_model import core_model
@@ -32,9 +31,6 @@ from .steady import Steady, relative_error, steady_gait
 DRAWS = 512
 LEAST_AMPLITUDE = 0.2  # of the gait's: below it the typical servo is too weak for the robot
 _STEP_S, _LONG_STEP_S, _ROUGH_STEP_S, _LONG_PERIOD_S = 1e-3, 2e-3, 4e-3, 2.0
-SLOW_S = 10.0  # work that takes longer is announced
-# Of the work: by this much the rest is estimated. One slow draw of many would mislead.
-MEASURED_S, MEASURED_SHARE = 0.5, 0.03
 _LEVEL = 0.95
 _LEAST_TAIL = 1e-6  # of few draws: then the outermost one is the end
 _INSIDE = 4  # draws of a band solved finely between two at either end
@@ -134,19 +130,9 @@ class ServoSteady(Result):
         return self._ends[1]
 
     @property
-    def joint_rate_rad_s(self) -> float:
-        """Return the fastest rate at which the gait turns a joint, rad/s."""
-        return joint_rate_rad_s(self.ideal.gait)
-
-    @property
-    def no_load_rad_s(self) -> float:
-        """Return the no-load speed of the typical servo, rad/s."""
-        return no_load_rad_s(self.servo)
-
-    @property
     def joint_rate_over_no_load(self) -> float:
         """Return the fastest joint rate over the typical servo's no-load speed."""
-        return self.joint_rate_rad_s / self.no_load_rad_s
+        return joint_rate_rad_s(self.ideal.gait) / no_load_rad_s(self.servo)
 
     @property
     def follows(self) -> bool:
@@ -234,33 +220,6 @@ class ServoSteady(Result):
         return values if known else values | {"low_m_s": None, "high_m_s": None}
 
 
-class _SlowWork:
-    """Hear Ctrl-C while work goes on, and announce work that will take more than SLOW_S.
-
-    It is called with the cycles done and those in all as far as they are known, or with the share
-    that is done. Where the work in all grows by half, it announces that, too.
-    """
-
-    def __init__(self, work: str, progress: Callable[[float], object] | None) -> None:
-        self._work, self._progress = work, progress
-        self._begin_s, self._estimated = time.monotonic(), 0.0
-
-    def __call__(self, done: float, in_all: float = 1.0) -> None:
-        keep_running()
-        spent_s = time.monotonic() - self._begin_s
-        enough = done > MEASURED_SHARE * in_all or spent_s > SLOW_S / 2
-        if enough and spent_s > MEASURED_S and in_all > 1.5 * self._estimated:
-            self._announce(spent_s * (in_all / done - 1))
-            self._estimated = in_all
-        if self._progress is not None:
-            self._progress(min(done / in_all, 1.0))
-
-    def _announce(self, left_s: float) -> None:
-        if left_s > SLOW_S:
-            takes = f"{left_s:.0f} s" if left_s < 100 else f"{left_s / 60:.0f} minutes"
-            warnings.warn(f"{self._work}: this takes some {takes}; Ctrl-C stops it", stacklevel=2)
-
-
 def servo_state(
     ideal: Steady,
     servo: Servo,
@@ -297,21 +256,15 @@ def servo_speed(ideal: Steady, servo: Servo, rough: bool = False) -> float:
 
 
 def ripple_share(ideal: Steady, servo: Servo, rough: bool = False) -> float:
-    """Return the share of the ideal speed that joints of the seen amplitude have with a servo."""
-    return moved_by(ideal, servo, seen=True, rough=rough)[0]
+    """Return the share of the ideal speed that joints of the seen amplitude have with a servo.
 
-
-def moved_by(ideal: Steady, servo: Servo, seen: bool, rough: bool = False) -> tuple[float, float]:
-    """Return the share of the ideal speed that a servo leaves, and of the joints' amplitude.
-
-    seen: a film showed each joint's amplitude and phase, so that they are not counted again: the
-    speed is held to that of ideal joints which make the same ones.
+    A film showed each joint's amplitude and phase, so that they are not counted again: the speed is
+    compared with that of ideal joints which make the same ones.
     """
     moved = servo_state(ideal, servo, rough)
-    if seen:
-        made = as_made(ideal.gait, moved)
-        ideal = steady_gait(ideal.robot, ideal.ground, made, rtol=1e-3, powers=False)
-    return moved.speed / max(ideal.speed_m_s, 1e-9), moved.amplitude
+    made = as_made(ideal.gait, moved)
+    filmed = steady_gait(ideal.robot, ideal.ground, made, rtol=1e-3, powers=False)
+    return moved.speed / max(filmed.speed_m_s, 1e-9)
 
 
 def as_made(gait: Gait, moved: Any) -> Gait:
@@ -328,24 +281,19 @@ def as_made(gait: Gait, moved: Any) -> Gait:
     return replace(gait, joint_gain=tuple(gain.tolist()), joint_shift_rad=tuple(shifts.tolist()))
 
 
-def servo_speeds(pairs: Iterable[tuple[Steady, Servo]], rough: bool = False) -> Array:
-    """Return the speed, m/s, for each ideal periodic state and the servo that it is to have."""
-    return np.array(in_threads(lambda pair: servo_speed(*pair, rough), pairs))
-
-
 def drawn_servo_speeds(
     ideal: Sequence[Steady],
     servos: Sequence[Servo],
     threads: int | None = None,
     value: Callable[[Steady, Servo, bool], float] | None = None,
     ends_only: bool = False,
-    progress: Callable[[float], object] | None = None,
+    progress: Progress | None = None,
 ) -> Array:
-    """Return the speed of each draw with its servo, m/s, by rough states held to fine ones.
+    """Return the speed of each draw with its servo, m/s, by rough states corrected by fine ones.
 
     ideal: the draws with ideal joints. value: what is wanted in place of the speed, which is known
     to a part of _SLOW where it is less. ends_only: the ends of a band are wanted, so that the
-    middle three quarters may stay rough. progress: called with the share of the rough states done.
+    middle three quarters may stay rough. progress: called with 1 after each rough state.
     A rough state costs a quarter of a fine one or less and is mostly 1 % off.
     The draws at both ends, which make the ends of a band, and some between are solved finely. The
     median ratio there puts the others right. Where one would then still be off by more than
@@ -357,33 +305,25 @@ def drawn_servo_speeds(
             return value(ideal[k], servos[k], rough)
         return servo_state(ideal[k], servos[k], rough, slow=_SLOW).speed
 
-    done = 0
-
-    def tell(count: int) -> None:
-        nonlocal done
-        done += count
-        if progress is not None:
-            progress(min(done / len(servos), 1.0))
-
-    def solved(which: Sequence[int], rough: bool) -> Array:
-        return np.array(in_threads(lambda k: drawn(k, rough), which, tell, threads))
+    def solved(places: Sequence[int], rough: bool, progress: Progress | None = None) -> Array:
+        return np.array(in_threads(lambda k: drawn(k, rough), places, progress, threads))
 
     every = range(len(servos))
     if len(servos) <= _FEW:
         return solved(every, False)
-    values = solved(every, True)
-    order = np.argsort(values)
+    values = solved(every, True, progress)
     inside = np.linspace(1, len(servos) - 2, _INSIDE + 2).round().astype(int)
+    order = np.argsort(values)
     picked = order[[0, *inside, -1]]
     fine = solved(picked.tolist(), False)
     values *= np.median(fine / np.maximum(values[picked], 1e-12))
-    good = np.abs(values[picked] - fine).max() <= _MOST_OFF * values.std()
+    doubtful = np.abs(values[picked] - fine).max() > _MOST_OFF * values.std()
     values[picked] = fine
-    if not good:
+    if doubtful:
         eighth = len(servos) // 8
-        wanted = order[np.r_[:eighth, -eighth:0]] if ends_only else every
-        rest = np.setdiff1d(wanted, picked)
-        values[rest] = solved(rest.tolist(), False)
+        ends = order[np.r_[:eighth, -eighth:0]] if ends_only else order
+        unsolved = np.setdiff1d(ends, picked)
+        values[unsolved] = solved(unsolved.tolist(), False)
     return values
 
 
@@ -392,19 +332,24 @@ def with_servo(
     servo: Servo | ServoKind,
     draws: int = DRAWS,
     progress: Callable[[float], object] | None = None,
+    threads: int | None = None,
 ) -> ServoSteady:
     """Return the speed that servos leave of a gait's; draws: so many of an uncertain kind.
 
     Servos make the joints lag and their rates ripple at the frames' rate; on dry ground the ripple
     loosens wheels which should hold. Time steps with impulses for all that is dry, and a secant
     method to the fixed point of the cycle. progress: called with the share of the typical servo's
-    state that is done, and of the draws. Warns of work that will take more than SLOW_S. Raises
-    BadInput, and NotConverged with the best found.
+    state that is done, and of the draws. Raises BadInput, and NotConverged with the best state.
     """
+
+    def tell(done: float, every: float) -> None:
+        keep_running()
+        if progress is not None:
+            progress(min(done / every, 1.0))
+
     check_kind("servo", servo, (Servo, ServoKind))
     typical = servo.servo if isinstance(servo, ServoKind) else servo
-    links = f"{ideal.robot.links} links"
-    s = servo_state(ideal, typical, progress=_SlowWork(f"servos on {links}", progress))
+    s = servo_state(ideal, typical, progress=tell)
     if math.isnan(s.speed):
         raise NotConverged(
             f"a servo of stiffness {typical.stiffness_nm_rad:g} N m/rad on links of inertia "
@@ -430,6 +375,12 @@ def with_servo(
         )
     if not isinstance(servo, ServoKind) or servo.exact or draws == 0 or not driven.follows:
         return driven
-    slow = _SlowWork(f"{draws} servos on {links}", progress)
-    speeds = drawn_servo_speeds([ideal] * draws, servo.draws(draws), ends_only=True, progress=slow)
+    number = count(1)
+    speeds = drawn_servo_speeds(
+        [ideal] * draws,
+        servo.draws(draws),
+        threads,
+        ends_only=True,
+        progress=lambda _: tell(next(number), draws),
+    )
     return replace(driven, samples_m_s=tuple(speeds.tolist()))

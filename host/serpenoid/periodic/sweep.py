@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -19,14 +19,12 @@ from ..model.drives import Servo, ServoKind
 from ..model.gait import Gait, gait_name
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..servos.speed_limit import is_too_fast
 from .cluster import solve_on_cluster
-from .grid import AXES, Grid, Stretch, stretches
-from .servo_steady import LEAST_AMPLITUDE, band, drawn_servo_speeds, servo_state
+from .grid import Shape, gait_figures, grid_axis, grid_shapes, several, solve_shapes
+from .servo_steady import with_servo
 from .steady import steady_gait
 
 _RTOL, _DRAWS = 1e-3, 64  # of gaits with servos: a grid has many
-_SHAPES_AT_ONCE = 4096  # solved here: bounds the memory beside the result
 
 
 class BestGait(NamedTuple):
@@ -128,15 +126,15 @@ class Sweep(Plottable):
 
     def in_words(self) -> str:
         """Return the fastest gait, the cheapest metre, and how many gaits do not settle."""
-        said = [f"{self.speed_m_s.size} gaits."]
+        sentences = [f"{self.speed_m_s.size} gaits."]
         for word, per_metre in (("Fastest", False), ("Cheapest metre", True)):
-            found = self.best(per_metre=per_metre)
-            if found is not None and not (per_metre and found.energy_j_m == 0):
-                cost = f", {two_digits(found.energy_j_m)} J/m" if found.energy_j_m else ""
-                speed = two_digits(found.speed_m_s)
-                said.append(f"{word}: {gait_name(found.gait)}, {speed} m/s{cost}.")
+            best = self.best(per_metre=per_metre)
+            if best is not None and not (per_metre and best.energy_j_m == 0):
+                cost = f", {two_digits(best.energy_j_m)} J/m" if best.energy_j_m else ""
+                speed = two_digits(best.speed_m_s)
+                sentences.append(f"{word}: {gait_name(best.gait)}, {speed} m/s{cost}.")
         lost = int((~self.converged).sum())
-        return " ".join([*said, f"{lost} do not settle." if lost else "All settle."])
+        return " ".join([*sentences, f"{lost} do not settle." if lost else "All settle."])
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain lists, indexed [alpha, beta, omega]; what is not finite is None."""
@@ -216,76 +214,47 @@ def sweep(
     >>> grid.speed_m_s.shape, bool(grid.converged.all())
     ((2, 1, 1), True)
     """
-    single = [k for k, part in enumerate((robot, ground)) if not isinstance(part, Sequence)]
     if servo is not None:
         check_kind("servo", servo, (Servo, ServoKind))
-        if len(single) < 2:
+        if isinstance(robot, Sequence) or isinstance(ground, Sequence):
             raise BadInput("servo wants one robot on one ground; sweep them one by one")
-    grid = Grid.of(robot, ground, (alpha_rad, beta_rad, omega_rad_s), rtol, powers)
+    check_kind("powers", powers, bool)
+    names = "alpha_rad", "beta_rad", "omega_rad_s"
+    given = alpha_rad, beta_rad, omega_rad_s
+    axes = [grid_axis(name, values) for name, values in zip(names, given, strict=True)]
+    robots, grounds = several(Robot, robot), several(Ground, ground)
+    shapes, rates = grid_shapes(robots, grounds, axes, rtol), axes[2].tolist()
     count = threads_to_use(threads)
     if scheduler is None:
-        parts = _solve_here(grid, count, progress)
+        table = solve_shapes(shapes, rates, rtol, powers, count, progress)
     else:
-        parts = solve_on_cluster(grid, scheduler)
-    values = _figures(grid, parts, tuple(single), None if scheduler is None else progress)
-    moved = () if servo is None else _with_servo(grid, servo, count, progress)
-    return Sweep(*(np.array(getattr(grid, name)) for name in AXES), *values, *moved)
-
-
-def _solve_here(
-    grid: Grid, threads: int, progress: Progress | None
-) -> Iterator[tuple[Stretch, Array]]:
-    """Yield stretches of a grid with their figures, solved by some threads."""
-    for stretch in stretches(grid.shapes, _SHAPES_AT_ONCE):
-        yield stretch, grid.solve(*stretch, threads, progress)
-
-
-def _figures(
-    grid: Grid,
-    parts: Iterator[tuple[Stretch, Array]],
-    single: tuple[int, ...],
-    progress: Progress | None,
-) -> list[NDArray[Any]]:
-    """Return the figures of all stretches over the grid, without the axes of single parts."""
-    rates = len(grid.omega_rad_s)
-    table = np.empty((grid.shapes, rates, 11))
-    for (first, last), part in parts:
-        table[first:last] = part
-        if progress is not None:
-            progress((last - first) * rates)
-    size = (*grid.size, rates)
-    return [np.squeeze(v.reshape(size), axis=single) for v in grid.named(table).values()]
+        table = solve_on_cluster(scheduler, shapes, rates, rtol, powers, progress)
+    size = [len(part) for part in (robot, ground) if isinstance(part, Sequence)]
+    size += [axis.size for axis in axes]
+    values = [column.reshape(size) for column in gait_figures(shapes, axes[2], table)]
+    moved = () if servo is None else _with_servo(shapes, axes, servo, count, progress)
+    return Sweep(*axes, *values, *moved)
 
 
 def _with_servo(
-    grid: Grid,
+    shapes: Sequence[Shape],
+    axes: Sequence[Array],
     servo: Servo | ServoKind,
     threads: int,
     progress: Progress | None,
 ) -> list[Array]:
-    """Return speed of the typical servo, and ends of the band of drawn ones, m/s.
+    """Return speed of the typical servo, and ends of the band of drawn ones, m/s; NaN as Sweep."""
 
-    NaN as in Sweep. An exact servo's band is its spread over the frames' phase.
-    """
-    (robot,), (ground,) = grid.robots, grid.grounds
-    alone = isinstance(servo, Servo)
-    typical = servo if alone else servo.servo
-    drawn = [] if alone or servo.exact else servo.draws(_DRAWS)
-
-    def of(shape: tuple[float, float, float]) -> tuple[float, float, float]:
+    def solved(one: tuple[Shape, float]) -> tuple[float, float, float]:
+        (robot, ground, bend), rate = one
         try:
-            gait = Gait(*shape)
+            gait = replace(bend, omega_rad_s=rate)
             ideal = steady_gait(robot, ground, gait, rtol=_RTOL, powers=False)
+            moved = with_servo(ideal, servo, _DRAWS, threads=1)
         except NotConverged:
             return np.nan, np.nan, np.nan
-        state = servo_state(ideal, typical)
-        speed = state.speed if state.converged else np.nan
-        if state.amplitude < LEAST_AMPLITUDE or is_too_fast(gait, servo):
-            return speed, np.nan, np.nan
-        if not drawn:
-            return speed, max(speed - state.spread, 0.0), speed + state.spread
-        return speed, *band(drawn_servo_speeds([ideal] * _DRAWS, drawn, threads=1, ends_only=True))
+        return moved.speed_m_s, moved.low_m_s, moved.high_m_s
 
-    axes = [getattr(grid, name) for name in AXES]
-    speeds = in_threads(of, product(*axes), progress, threads)
-    return [np.reshape(column, tuple(map(len, axes))) for column in zip(*speeds, strict=True)]
+    speeds = in_threads(solved, product(shapes, axes[2].tolist()), progress, threads)
+    size = [axis.size for axis in axes]
+    return [np.reshape(column, size) for column in zip(*speeds, strict=True)]

@@ -99,8 +99,9 @@ def steady_gait(
     if sensitivities:
         from ..periodic.sensitivities import speed_sensitivities
 
-        found = speed_sensitivities((robot, ground, gait), speed_floor_m_s(robot, gait.omega_rad_s))
-        ideal = replace(ideal, sensitivities=found)
+        floor_m_s = speed_floor_m_s(robot, gait.omega_rad_s)
+        changes = speed_sensitivities(robot, ground, gait, floor_m_s)
+        ideal = replace(ideal, sensitivities=changes)
     if from_rest:
         from .from_rest import from_rest as follow
 

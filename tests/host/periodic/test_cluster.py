@@ -13,7 +13,6 @@ import serpenoid as sn
 from robots import BINGHAM, OF_2005, PAPER, VISCOUS
 from serpenoid.base.errors import ClusterFailed
 from serpenoid.periodic import cluster as cluster_module
-from serpenoid.periodic.grid import FIELDS
 
 distributed = pytest.importorskip("distributed")
 dask = pytest.importorskip("dask")
@@ -38,7 +37,9 @@ def local() -> Iterator[Any]:
 
 
 def same(one: sn.Sweep, other: sn.Sweep) -> bool:
-    return all(np.array_equal(getattr(one, n), getattr(other, n)) for n in FIELDS)
+    return all(
+        np.array_equal(getattr(one, n), getattr(other, n)) for n in sn.Sweep.__match_args__[3:13]
+    )
 
 
 @pytest.mark.parametrize(("robot", "ground"), [(PAPER, VISCOUS), (OF_2005, BINGHAM)])

@@ -7,7 +7,6 @@ import os
 import signal
 import threading
 import time
-import warnings
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -20,7 +19,6 @@ from robots import BINGHAM, OF_2005, gait_in_deg
 from serpenoid import Servo
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
-from serpenoid.periodic import servo_steady
 from serpenoid.periodic.servo_steady import (
     as_made,
     band,
@@ -251,18 +249,3 @@ def test_ctrl_c_ends_a_servo_state_of_many_links_within_a_second() -> None:
     shares: list[float] = []
     assert interrupted_after(0.7, lambda: with_servo(few, sn.servo(), progress=shares.append)) < 1
     assert shares
-
-
-def test_long_work_is_announced_before_it_begins(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Estimated from its first part; a state that soon ends says nothing."""
-    many = sn.steady_gait(
-        sn.Robot(40, 0.0756, 0.076), BINGHAM, gait_in_deg(70, 75, 1.0), powers=False
-    )
-    monkeypatch.setattr(servo_steady, "SLOW_S", 0.2)
-    monkeypatch.setattr(servo_steady, "MEASURED_S", 0.05)
-    with pytest.warns(UserWarning, match=r"servos on 40 links: this takes some \d+ s; Ctrl-C"):
-        with_servo(many, sn.Servo())
-    monkeypatch.undo()
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        with_servo(sn.steady_gait(OF_2005, BINGHAM, GAIT), sn.Servo())
