@@ -24,16 +24,6 @@ HELD_RAD = np.radians(1.5)  # a joint known worse than this in a frame says noth
 
 
 @dataclass(frozen=True)
-class Followed:
-    """The chain as tags hold it: camera, sightings with any tag, headings expected, track."""
-
-    bundle: bundles.Bundle
-    seen: Sightings
-    expected: Array
-    track: frames.Track
-
-
-@dataclass(frozen=True)
 class Measured:
     """What a film shows.
 
@@ -78,13 +68,26 @@ def _spread(sightings: Sightings, most: int) -> Places:
     return frames_with_most[order.astype(int)]
 
 
-def follow(sightings: Sightings, side_m: float, starts: list[Camera]) -> Followed:
-    """Follow the chain through a film. starts: those of `start.first_cameras`."""
-    fit = calibrate(sightings, side_m, starts)
-    seen = sightings.picked(np.asarray(sightings.seen.any(axis=1)))
+def follow(
+    sightings: Sightings, side_m: float, starts: list[Camera], still: bool = False
+) -> tuple[bundles.Bundle, Sightings, frames.Track]:
+    """Follow the chain through a film; return camera, frames that show it, and the chain there.
+
+    starts: those of `start.first_cameras`. still: the joints do not move, and two tags tell where
+    the robot is.
+    """
+    fit = calibrate(sightings, side_m, starts, still)
+    seen = sightings.picked(sightings.seen.sum(axis=1) >= 1 + still)
     expected = start.first_states(fit.camera, seen, fit.turns)
-    track = frames.fit_states(fit.camera, seen, expected, EXPECTED_SIGMA_RAD, fit.noise_px)
-    return Followed(fit, seen, expected, track)
+    return fit, seen, frames.fit_states(fit, seen, expected, EXPECTED_SIGMA_RAD)
+
+
+def fill_hidden(
+    fit: bundles.Bundle, seen: Sightings, track: frames.Track, phi: Array
+) -> frames.Track:
+    """Return the chain with hidden links where the joints phi say that they point."""
+    expected = filled_headings(track.states, seen.seen, phi)
+    return frames.fit_states(fit, seen, expected, KNOWN_RAD)
 
 
 def held_joints(track: frames.Track) -> Mask:
@@ -92,20 +95,16 @@ def held_joints(track: frames.Track) -> Mask:
     return np.asarray(_weights(track)[0] > 0)
 
 
-def measure(followed: Followed) -> Measured:
+def measure(fit: bundles.Bundle, seen: Sightings, track: frames.Track) -> Measured:
     """Measure what the robot did whose chain was followed."""
-    fit, seen, expected = followed.bundle, followed.seen, followed.expected
-    track, loose_rad = followed.track, EXPECTED_SIGMA_RAD
-    fitted = motion.fit_motion(track, *_weights(track))
+    fitted, loose_rad = motion.fit_motion(track, *_weights(track)), EXPECTED_SIGMA_RAD
     if not seen.seen.all():
-        phi = joint_angles(track.states) - fitted.joints_rest_rad
-        expected = filled_headings(track.states, seen.seen, phi)
-        loose_rad = KNOWN_RAD
-        track = frames.fit_states(fit.camera, seen, expected, loose_rad, fit.noise_px)
+        phi, loose_rad = joint_angles(track.states) - fitted.joints_rest_rad, KNOWN_RAD
+        track = fill_hidden(fit, seen, track, phi)
         fitted = motion.fit_motion(track, *_weights(track))
     picked = np.arange(0, len(track.t_s), 1 + len(track.t_s) // SENSITIVE_FRAMES)
     sample = seen.picked(picked), track.states[picked], loose_rad
-    sensitive = frames.fit_states(fit.camera, *sample, fit.noise_px, sensitive=True)
+    sensitive = frames.fit_states(fit, *sample, sensitive=True)
     held = held_joints(track)
     sigmas = errors.number_sigmas(fit, fitted, seen, sensitive, picked, held.mean(axis=0))
     return Measured(fit, track, fitted, sigmas, held)

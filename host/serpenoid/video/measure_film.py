@@ -54,14 +54,14 @@ def measure_film(
     scale = 1.0
     with refusals(path):
         followed = follow(watched.sightings, side, starts)
-        run_checks(FOLLOWED, followed.track)
-        measured = measure(followed)
+        run_checks(FOLLOWED, followed[-1])
+        measured = measure(*followed)
         if board_rate and gait is not None:
             scale = measured.fitted.motion.omega_rad_s / gait.omega_rad_s
             s = watched.sightings
             t_s = s.t_s[0] + (s.t_s - s.t_s[0]) * scale
             in_board_time = Sightings.of(t_s, s.corners_px, s.image_px)
-            measured = measure(follow(in_board_time, side, starts))
+            measured = measure(*follow(in_board_time, side, starts))
         measured = replace(measured, sigmas=widened_sigmas(watched, measured))
         remarks = [*run_checks(MOVED, measured), *run_checks(FITTED, measured.bundle), *seen]
         run = filmed_run(watched, measured, scale)

@@ -12,10 +12,9 @@ import numpy as np
 from ..base.errors import BadInput
 from .arrays import Array, Mask
 from .checks import FITTED, run_checks
-from .fitting import frames, start
 from .fitting.camera import LENS
-from .fitting.chain import filled_headings, joint_angles
-from .instrument import EXPECTED_SIGMA_RAD, KNOWN_RAD, calibrate
+from .fitting.chain import joint_angles
+from .instrument import fill_hidden, follow
 from .measure_film import refusals, seen_film
 from .result import Remark
 
@@ -73,15 +72,10 @@ def track_pushes(
     film = seen_film(path, links, link_m, side_m, progress, capture_fps)
     watched, side, starts, remarks = film
     with refusals(path):
-        s = watched.sightings
-        fit = calibrate(s, side, starts, still=True)
-        seen = s.picked(s.seen.sum(axis=1) >= 2)  # with two links the robot's place is known
-        expected = start.first_states(fit.camera, seen, fit.turns)
-        track = frames.fit_states(fit.camera, seen, expected, EXPECTED_SIGMA_RAD, fit.noise_px)
+        fit, seen, track = follow(watched.sightings, side, starts, still=True)
         # A hidden link stands to its neighbours as it always does.
         phi = still_joints(joint_angles(track.states), seen.seen)
-        expected = filled_headings(track.states, seen.seen, phi)
-        track = frames.fit_states(fit.camera, seen, expected, KNOWN_RAD, fit.noise_px)
+        track = fill_hidden(fit, seen, track, phi)
         clear = track.place_variance < PLACE_M**2
         rows = np.column_stack([track.t_s, track.states[:, :2]])[clear]
         if len(rows) < 2:

@@ -93,7 +93,7 @@ def test_a_rate_that_varies_is_measured_by_the_files_own_times(tmp_path) -> None
     assert told_s == pytest.approx(t_s, abs=2e-5)
     world = crawling(omega_rad_s=8.0, speed_m_s=0.08, start_m=-0.07)
     s = sighted(world, t_s, Lens(), told_s)
-    m = measure(follow(s, SIDE_M, first_cameras(s, LINK_M, SIDE_M))).fitted.motion
+    m = measure(*follow(s, SIDE_M, first_cameras(s, LINK_M, SIDE_M))).fitted.motion
     assert m.speed_m_s == pytest.approx(world.speed_m_s, rel=0.003)  # 36 % off at 30 frames/s
     assert m.omega_rad_s == pytest.approx(world.omega_rad_s, rel=5e-4)
     assert m.amplitude_rad == pytest.approx(world.amplitude_rad, abs=math.radians(0.2))
@@ -103,7 +103,7 @@ def test_a_long_film_is_measured_as_a_short_one() -> None:
     seconds = 21
     world = crawling(omega_rad_s=4.0, speed_m_s=0.2 / seconds, start_m=-0.1)
     s = sighted(world, np.arange(0, seconds, 1 / 30), Lens())
-    found = measure(follow(s, SIDE_M, first_cameras(s, LINK_M, SIDE_M)))
+    found = measure(*follow(s, SIDE_M, first_cameras(s, LINK_M, SIDE_M)))
     m = found.fitted.motion
     assert m.omega_rad_s == pytest.approx(world.omega_rad_s, abs=5 * found.sigmas[0])
     assert found.sigmas[0] < 1e-3 * world.omega_rad_s / seconds

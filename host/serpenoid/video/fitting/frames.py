@@ -8,8 +8,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..seeing.sightings import Sightings, in_chunks
-from .bundle import equations, misses, rms
-from .camera import Camera
+from .bundle import Bundle, equations, misses, rms
 
 STEPS = 6
 
@@ -34,11 +33,10 @@ class Track:
 
 
 def fit_states(
-    camera: Camera,
+    fit: Bundle,
     sightings: Sightings,
     expected: Array,
     expected_sigma_rad: float,
-    noise_px: float,
     sensitive: bool = False,
 ) -> Track:
     """Fit every frame's state.
@@ -53,13 +51,13 @@ def fit_states(
         prior_weight[:, 2:] = 1 / expected_sigma_rad**2
         prior_weight[:, :2] = 1e-6
         prior_matrix = prior_weight[:, None] * np.eye(prior_weight.shape[1])
-        states = expected_state
-        a, rest = equations(camera, states, s, noise_px)
+        camera, states = fit.camera, expected_state
+        a, rest = equations(camera, states, s, fit.noise_px)
         for _ in range(STEPS):
             pull = (a.transpose(0, 2, 1) @ rest)[..., 0] + prior_weight * (expected_state - states)
             step = np.linalg.solve(a.transpose(0, 2, 1) @ a + prior_matrix, pull[..., None])
             states = states + step[..., 0]
-            a, rest = equations(camera, states, s, noise_px)
+            a, rest = equations(camera, states, s, fit.noise_px)
         matrix = a.transpose(0, 2, 1) @ a + prior_matrix
         rest_px = np.where(s.seen, rms(misses(camera, states, s)), np.nan)
         covariance = np.linalg.inv(matrix)
@@ -69,7 +67,7 @@ def fit_states(
         fitted = states, variance[:, 0] + variance[:, 1], joints, rest_px
         if not sensitive:
             return fitted
-        b = equations(camera, states, s, noise_px, shared=True)[1][..., :-1]
+        b = equations(camera, states, s, fit.noise_px, shared=True)[1][..., :-1]
         return (*fitted, -np.linalg.solve(matrix, a.transpose(0, 2, 1) @ b))
 
     return Track(sightings.t_s, *in_chunks(of_frames, len(expected)))

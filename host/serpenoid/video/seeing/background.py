@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Array, Grey
+from ..arrays import Grey
 
 EVERY_S = 0.5
 MOST_POINTS, LEAST_POINTS = 150, 12
@@ -67,22 +67,21 @@ class Background:
         _, inliers = cv2.estimateAffinePartial2D(start, end, ransacReprojThreshold=REACH_PX)
         is_common = inliers.ravel() == 1
         if is_common.sum() >= max(LEAST_POINTS, is_good.sum() / 2):
-            points, shifts = start[is_common], (end - start)[is_common]
             # The picture moves, turns and grows: by how much did the window's corner move that
             # moved most? So a picture that turns or grows about its middle has moved, too.
+            # In complex numbers: shift = mean + growth (place - middle), by least squares.
+            place, shift = (pixels[is_common] @ [1, 1j] for pixels in (start, end - start))
+            middle, mean = place.mean(), shift.mean()
+            arm = place - middle
+            inertia = np.sum(np.abs(arm) ** 2)
+            growth = arm.conj() @ shift / inertia
             left, top, right, bottom = self.window
-            ends = [[left, top], [left, bottom], [right, top], [right, bottom]]
-            corners = np.array(ends, float)
-            a, corner_rows = _similar(points), _similar(corners)
-            inverse = np.linalg.inv(a.T @ a)
-            motion = inverse @ a.T @ shifts.ravel()
-            spread = np.sum((shifts.ravel() - a @ motion) ** 2) / (a.shape[0] - 4)
-            shift = (corner_rows @ motion).reshape(-1, 2)
-            worst = int(np.argmax(np.linalg.norm(shift, axis=1)))
-            rows = corner_rows[2 * worst : 2 * worst + 2]
-            sigma = np.sqrt(spread * np.trace(rows @ inverse @ rows.T) / 2)
-            x, y = shift[worst].tolist()
-            self.shifts.append((time_s, x, y, float(sigma)))
+            lever = np.add.outer([left, right], [1j * top, 1j * bottom]).ravel() - middle
+            moved = mean + growth * lever
+            worst = int(np.abs(moved).argmax())
+            rest = np.sum(np.abs(shift - mean - growth * arm) ** 2) / (2 * len(arm) - 4)
+            sigma = np.sqrt(rest * (1 / len(arm) + abs(lever[worst]) ** 2 / inertia))
+            self.shifts.append((time_s, moved[worst].real, moved[worst].imag, float(sigma)))
 
     @staticmethod
     def _follow(first: Any, other: Any, points: Any) -> tuple[Any, Any]:
@@ -93,13 +92,6 @@ class Background:
             first, other, points, points.copy(), winSize=size, maxLevel=4
         )
         return found_points, status
-
-
-def _similar(points: Array) -> Array:
-    """Return what a shift in x and y, a turn and a growth move of points (N, 2), (2 N, 4)."""
-    x, y = np.asarray(points, float).T
-    one, none = np.ones_like(x), np.zeros_like(x)
-    return np.stack([[one, none, -y, x], [none, one, x, y]]).transpose(2, 0, 1).reshape(-1, 4)
 
 
 def _even(picture: Grey) -> Grey:

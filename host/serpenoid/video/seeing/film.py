@@ -17,7 +17,6 @@ from ..arrays import Grey
 from .extra import need_extra
 
 MOST_BYTES = 1 << 40  # of a film
-LEAST_PX = 64
 CAPTURE_TAG = "capture.fps"  # ends the name of the tag in which Android phones say it
 
 
@@ -57,30 +56,18 @@ class Film:
         try:
             with av.open(str(path)) as box:
                 stream = box.streams.best("video")
-                if stream is None:
-                    raise BadInput(f"{path}: holds no pictures (sound only?); name the film itself")
-                coding = stream.codec_context
-                if coding is None:
-                    raise BadInput(
-                        f"{path}: the pictures' coding is unknown or damaged; film as H.264 or "
-                        "HEVC, and copy it from the phone again"
-                    )
+                coding = stream and stream.codec_context
+                if stream is None or coding is None:
+                    raise ValueError("no pictures in it, or of an unknown coding")
                 duration_s = float(box.duration or 0) / 1e6
                 film = Film(path, coding.width, coding.height, duration_s, coding.name)
                 tags = {**box.metadata, **stream.metadata}
         except (av.error.FFmpegError, ValueError) as error:
-            if isinstance(error, BadInput):
-                raise
             words = str(getattr(error, "strerror", None) or error)
             raise BadInput(
                 f"{path}: cannot be read as a film ({words}); copy it from the phone again, as MP4 "
                 "or MOV"
             ) from error
-        if min(film.width, film.height) < LEAST_PX:
-            raise BadInput(
-                f"{path}: the picture is {film.width} x {film.height} px; no robot can "
-                "be measured in that: film at 1080p"
-            )
         if capture_fps is not None:
             return film._taken_at(capture_fps, OPTION)
         for name, text in tags.items():
