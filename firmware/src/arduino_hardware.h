@@ -21,7 +21,7 @@ class ArduinoHardware : public firmware::Hardware {
         servo_driver::pulses(pulse_us, due_us);
     }
     bool output_answers() override { return servo_driver::answers(); }
-    uint16_t least_frame_us() const override { return servo_driver::least_frame_us(); }
+    uint16_t min_frame_us() const override { return servo_driver::min_frame_us(); }
     void begin_frames(uint16_t frame_us, uint16_t oscillator_khz) override {
         servo_driver::begin_frames(frame_us, oscillator_khz);
     }

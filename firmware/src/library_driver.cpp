@@ -14,7 +14,7 @@ namespace {
 // From the time that a frame is due until its pulses begin: time to compute them, even if late.
 const uint16_t kHandoverUs = 3000;
 // Handing over takes up to 60 µs, interrupts up to 40 µs more.
-const uint16_t kLeastGapUs = 150;
+const uint16_t kMinGapUs = 150;
 
 Servo servos[firmware::kMaxJoints];
 int16_t widths_us[firmware::kMaxJoints];
@@ -47,10 +47,10 @@ void write_pulses() {
 // All at once, in the gap between two refreshes; and the next refresh is made to begin on time.
 void hand_over() {
     const uint16_t ticks = servo_timer::gap_ticks();
-    if (ticks < 2 * kLeastGapUs) return;
+    if (ticks < 2 * kMinGapUs) return;
     write_pulses();
     int32_t left_us = static_cast<int32_t>(frame_due_us + kHandoverUs - ::micros());
-    while (left_us < kLeastGapUs) left_us += length_us;
+    while (left_us < kMinGapUs) left_us += length_us;
     servo_timer::begin_in(2 * static_cast<uint16_t>(left_us));
 }
 
@@ -65,7 +65,7 @@ void begin() {
 
 // The pulses follow one another, 2.5 ms at the longest, and then comes a gap of 2.5 ms, in which
 // the next ones are handed over.
-uint16_t least_frame_us() { return firmware::kMostPulseUs * (firmware::joint_count + 1); }
+uint16_t min_frame_us() { return firmware::kMaxPulseUs * (firmware::joint_count + 1); }
 
 void begin_frames(uint16_t frame_us, uint16_t) {
     length_us = frame_us;
@@ -87,8 +87,7 @@ void attach(uint8_t joint, int16_t pulse_us) {
     letting_go = false;
     noInterrupts();
     if (!servos[joint].attached()) {
-        servos[joint].attach(board::servo_pin(joint), firmware::kLeastPulseUs,
-                             firmware::kMostPulseUs);
+        servos[joint].attach(board::servo_pin(joint), firmware::kMinPulseUs, firmware::kMaxPulseUs);
     }
     servos[joint].writeMicroseconds(pulse_us - board::kPulseExcessUs);
     interrupts();

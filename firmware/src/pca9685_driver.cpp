@@ -20,10 +20,10 @@ const uint8_t kMode1 = 0x00, kFirstChannel = 0x06, kAllOffHigh = 0xFD, kPrescale
 const uint8_t kAwake = 0x20, kAsleep = 0x30;  // MODE1, with registers that count up by themselves
 const uint8_t kRestart = 0x80;                // MODE1, where outputs were on when it fell asleep
 const uint8_t kFullOff = 0x10;
-const uint8_t kMostPrescale = 255;
+const uint8_t kMaxPrescale = 255;
 const uint16_t kCounts = 4096;  // a cycle
 // Computing and sending all joints, with a line to write.
-const uint16_t kLeastUs = 2000 + 600 * firmware::joint_count;
+const uint16_t kMinUs = 2000 + 600 * firmware::joint_count;
 
 uint16_t oscillator_khz;  // of this chip
 uint8_t prescale;
@@ -57,13 +57,13 @@ bool start() {
 bool write_channels(const int16_t* pulse_us) {
     uint8_t bytes[4 * firmware::joint_count], *next = bytes;
     for (uint8_t i = 0; i < firmware::joint_count; ++i) {
-        const uint16_t on = static_cast<uint16_t>(i * (kCounts / 16));
-        const bool off = i >= attached || pulse_us[i] == 0;
-        const uint16_t end = (on + (off ? 0 : counts_of(pulse_us[i]))) % kCounts;
-        *next++ = static_cast<uint8_t>(on);
-        *next++ = static_cast<uint8_t>(on >> 8);
+        const uint16_t start = static_cast<uint16_t>(i * (kCounts / 16));
+        const bool is_off = i >= attached || pulse_us[i] == 0;
+        const uint16_t end = (start + (is_off ? 0 : counts_of(pulse_us[i]))) % kCounts;
+        *next++ = static_cast<uint8_t>(start);
+        *next++ = static_cast<uint8_t>(start >> 8);
         *next++ = static_cast<uint8_t>(end);
-        *next++ = static_cast<uint8_t>(off ? kFullOff : end >> 8);
+        *next++ = static_cast<uint8_t>(is_off ? kFullOff : end >> 8);
     }
     return two_wire::write(kDevice, kFirstChannel, bytes, sizeof bytes);
 }
@@ -77,13 +77,13 @@ void begin() {
     two_wire::begin();
 }
 
-uint16_t least_frame_us() { return kLeastUs; }
+uint16_t min_frame_us() { return kMinUs; }
 
 void begin_frames(uint16_t frame_us, uint16_t khz) {
     oscillator_khz = khz;
     const uint32_t clocks = static_cast<uint32_t>(frame_us) * khz / 1000;
-    const uint32_t wanted = (clocks + kCounts / 2) / kCounts;
-    prescale = static_cast<uint8_t>(wanted > kMostPrescale ? kMostPrescale : wanted - 1);
+    const uint32_t ratio = (clocks + kCounts / 2) / kCounts;
+    prescale = static_cast<uint8_t>(ratio > kMaxPrescale ? kMaxPrescale : ratio - 1);
     start();
 }
 

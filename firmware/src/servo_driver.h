@@ -10,7 +10,7 @@ namespace servo_driver {
 
 // Once, at a start: no servo gets pulses.
 void begin();
-uint16_t least_frame_us();
+uint16_t min_frame_us();
 void begin_frames(uint16_t frame_us, uint16_t oscillator_khz);
 // Once a pass of the loop.
 void service();

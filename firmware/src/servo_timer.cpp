@@ -29,10 +29,11 @@ void begin(uint16_t frame_us) {
 
 uint16_t gap_ticks() {
     ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
-        const uint16_t now = COUNT;  // past the compare, while its interrupt waits: no gap any more
-        if (COMPARE != kLibraryRefreshTicks || now >= kLibraryRefreshTicks) return 0;
+        const uint16_t count =
+            COUNT;  // past the compare, while its interrupt waits: no gap any more
+        if (COMPARE != kLibraryRefreshTicks || count >= kLibraryRefreshTicks) return 0;
         stretched = false;
-        return kLibraryRefreshTicks - now;
+        return kLibraryRefreshTicks - count;
     }
     return 0;
 }
@@ -44,9 +45,9 @@ void begin_in(uint16_t ticks) {
 void stretch() {
     if (stretch_ticks == 0 || stretched) return;
     ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
-        const uint16_t now = COUNT, end = COMPARE;
+        const uint16_t count = COUNT, end = COMPARE;
         // Not just before a pulse ends, nor in the gap.
-        const bool safe = end != kLibraryRefreshTicks && now > stretch_ticks && end > now + 40;
+        const bool safe = end != kLibraryRefreshTicks && count > stretch_ticks && end > count + 40;
         if (safe) {
             COMPARE = end - stretch_ticks;
             COUNT = COUNT - stretch_ticks + 1;  // the tick that these lines take

@@ -11,21 +11,21 @@ namespace two_wire {
 namespace {
 
 const uint32_t kBusHz = 400000;
-const uint8_t kMostPolls = 200;  // some 0.3 ms: a byte takes 23 µs
+const uint8_t kMaxPolls = 200;  // some 0.3 ms: a byte takes 23 µs
 
 // Do one step of the bus; true if it ended in this status. Bytes for the host go out meanwhile.
-bool step(uint8_t control, uint8_t wanted) {
+bool step(uint8_t control, uint8_t expected_status) {
     TWCR = static_cast<uint8_t>(_BV(TWINT) | _BV(TWEN) | control);
-    for (uint8_t polls = kMostPolls; !(TWCR & _BV(TWINT));) {
+    for (uint8_t polls = kMaxPolls; !(TWCR & _BV(TWINT));) {
         if (--polls == 0) return false;
         serial_port::poll();
     }
-    return TW_STATUS == wanted;
+    return TW_STATUS == expected_status;
 }
 
-bool send(uint8_t byte, uint8_t wanted) {
+bool send(uint8_t byte, uint8_t expected_status) {
     TWDR = byte;
-    return step(0, wanted);
+    return step(0, expected_status);
 }
 
 bool address(uint8_t started, uint8_t device, uint8_t first) {
@@ -59,7 +59,7 @@ void release() {
 // Free the bus; a unit that hangs is switched off.
 bool end(bool good) {
     TWCR = _BV(TWINT) | _BV(TWEN) | _BV(TWSTO);
-    for (uint8_t polls = kMostPolls; TWCR & _BV(TWSTO);) {
+    for (uint8_t polls = kMaxPolls; TWCR & _BV(TWSTO);) {
         if (--polls != 0) continue;
         good = false;
         break;

@@ -76,7 +76,7 @@ class VirtualBoard : public Hardware {
         for (uint8_t i = 0; i < attached_; ++i) pulse_us_[i] = pulse_us[i];
     }
     // As with the Servo library for many joints; for few, as short as a setting may be.
-    uint16_t least_frame_us() const override {
+    uint16_t min_frame_us() const override {
         return joint_count <= 7 ? 3000 : 2500 * (joint_count + 1);
     }
     void begin_frames(uint16_t, uint16_t) override {}

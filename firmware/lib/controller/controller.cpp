@@ -12,7 +12,7 @@ namespace {
 
 const char kStateNames[][7] FLASH = {"idle", "pose", "gait", "hold", "safing", "safe"};
 const char kResetNames[][9] FLASH = {"power", "brownout", "external", "watchdog", "unknown"};
-const char kFoundNames[][9] FLASH = {"ok", "new", "older", "damaged", "migrated"};
+const char kLoadResultNames[][9] FLASH = {"ok", "new", "older", "damaged", "migrated"};
 const char kWhySilence[] FLASH = "silence";
 const char kWhyArrived[] FLASH = "arrived";
 const char kWhyLimp[] FLASH = "limp";
@@ -24,7 +24,9 @@ const uint16_t kCentreUsPerS = 200;  // how fast a new centre is approached
 
 const char* state_name(State state) { return kStateNames[static_cast<uint8_t>(state)]; }
 const char* reset_name(Reset reset) { return kResetNames[static_cast<uint8_t>(reset)]; }
-const char* found_name(Found found) { return kFoundNames[static_cast<uint8_t>(found)]; }
+const char* load_result_name(LoadResult result) {
+    return kLoadResultNames[static_cast<uint8_t>(result)];
+}
 
 // cppcheck-suppress uninitDerivedMemberVar  // Memory() sets them to zero
 Controller::Controller(Hardware& hardware)
@@ -40,7 +42,7 @@ void Controller::begin(const Start& start) {
     set_defaults(settings_);
     store_.load(settings_);
     while (store_.busy()) store_.step();
-    found_ = store_.found();
+    load_result_ = store_.load_result();
     choose_frame();
     configure();
     frame_.number = start.first_frame - 1;
@@ -51,10 +53,10 @@ void Controller::begin(const Start& start) {
 
 // The frame that the owner wants, as far as the board can keep it. It lasts until the next start.
 void Controller::choose_frame() {
-    int32_t& wanted_u = settings_.value_u[kFrame];
-    const int32_t least_u = hardware_.least_frame_us() * 1000L;
-    if (wanted_u < least_u) wanted_u = least_u;
-    const uint16_t frame_us = static_cast<uint16_t>(wanted_u / 1000);
+    int32_t& frame_setting_u = settings_.value_u[kFrame];
+    const int32_t min_u = hardware_.min_frame_us() * 1000L;
+    if (frame_setting_u < min_u) frame_setting_u = min_u;
+    const uint16_t frame_us = static_cast<uint16_t>(frame_setting_u / 1000);
     motion_.limits().frame_us = frame_us;
     const int32_t khz = settings_.value_u[kOscillator] / 1000;
     hardware_.begin_frames(frame_us, static_cast<uint16_t>(khz));
@@ -128,14 +130,14 @@ void Controller::attach_next() {
 }
 
 void Controller::send_pulses() {
-    const int16_t most_us = static_cast<int16_t>(frame_us() / (1000000 / kCentreUsPerS) + 1);
+    const int16_t max_us = static_cast<int16_t>(frame_us() / (1000000 / kCentreUsPerS) + 1);
     frame_.phase = motion_.phase();
     for (uint8_t i = 0; i < joint_count; ++i) {
         const int16_t centre_us = static_cast<int16_t>(settings_.trim_u[i][kCentre] / 1000000);
         const int16_t gap_us = static_cast<int16_t>(centre_us - trim_[i].centre_us);
-        const int16_t step_us = gap_us > most_us    ? most_us
-                                : gap_us < -most_us ? static_cast<int16_t>(-most_us)
-                                                    : gap_us;
+        const int16_t step_us = gap_us > max_us    ? max_us
+                                : gap_us < -max_us ? static_cast<int16_t>(-max_us)
+                                                   : gap_us;
         trim_[i].centre_us = static_cast<int16_t>(trim_[i].centre_us + step_us);
         frame_.setpoint_q14[i] = motion_.setpoints_q14()[i];
         frame_.pulse_us[i] = i < attached_ ? pulse_us(trim_[i], frame_.setpoint_q14[i]) : 0;

@@ -66,7 +66,7 @@ struct Memory {
     uint16_t telemetry_wait_;
     uint16_t boot_id_, last_number_;
     State state_;
-    Found found_;
+    LoadResult load_result_;
     Tag tag_, store_tag_;  // of the last line; of the line that asked to save or load
     Error last_error_;     // verdict on last_number_
     LineReader::Event waiting_;
@@ -150,7 +150,7 @@ class Controller : private Memory {
     void go_idle(const char* why);
     void power_for(State state);
     OWN_FRAME void configure();
-    uint8_t least_every() const;
+    uint8_t min_every() const;
 
     // dialogue.cpp: lines
     OWN_FRAME void receive();
@@ -188,6 +188,6 @@ class Controller : private Memory {
 // Names as on the wire, in flash.
 const char* state_name(State state);
 const char* reset_name(Reset reset);
-const char* found_name(Found found);
+const char* load_result_name(LoadResult result);
 
 }  // namespace firmware

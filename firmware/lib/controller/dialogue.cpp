@@ -119,15 +119,15 @@ void Controller::accept_body(const Envelope& envelope) {
 
 // Whether a numbered line of a session is to be obeyed; if not, it has been answered here.
 bool Controller::in_order(const Envelope& envelope) {
-    const uint16_t ahead = static_cast<uint16_t>(envelope.number - last_number_);
+    const uint16_t number_step = static_cast<uint16_t>(envelope.number - last_number_);
     silent_frames_ = 0;
-    if (ahead >= 1 && ahead < 0x8000) {
-        count(counters_.lost, static_cast<uint16_t>(ahead - 1));
+    if (number_step >= 1 && number_step < 0x8000) {
+        count(counters_.lost, static_cast<uint16_t>(number_step - 1));
         return true;
     }
     const bool pending = store_.busy() && store_tag_.number == envelope.number;
-    if (ahead == 0 && !pending) verdict(tag_, Refusal(last_error_), true);
-    if (ahead != 0) verdict(tag_, Refusal(Error::Sequence));
+    if (number_step == 0 && !pending) verdict(tag_, Refusal(last_error_), true);
+    if (number_step != 0) verdict(tag_, Refusal(Error::Sequence));
     return false;
 }
 

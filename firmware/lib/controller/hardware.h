@@ -35,7 +35,7 @@ class Hardware : public Eeprom {
 
     // The shortest frame that leaves time for all pulses; at a start, the one that is chosen, and
     // what the clock of a separate servo driver is believed to be.
-    virtual uint16_t least_frame_us() const = 0;
+    virtual uint16_t min_frame_us() const = 0;
     virtual void begin_frames(uint16_t frame_us, uint16_t oscillator_khz) = 0;
 
     // Bytes between heap and stack that were never used; 0 where nobody counts.

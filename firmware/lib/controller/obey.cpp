@@ -75,11 +75,11 @@ Refusal Controller::start_gait(const Command& command) {
     // alpha · omega in deg/s · 1e-6, from thousandths so that 32 bits hold it.
     const uint32_t speed_u =
         static_cast<uint32_t>(u[kAlpha] / 1000) * static_cast<uint32_t>(u[kOmega] / 1000);
-    const int32_t most_u = settings_.value_u[kServoSpeed];
-    if (speed_u > static_cast<uint32_t>(most_u)) {
+    const int32_t max_u = settings_.value_u[kServoSpeed];
+    if (speed_u > static_cast<uint32_t>(max_u)) {
         const int32_t shown_u =
             speed_u > 2147483647UL ? 2147483647L : static_cast<int32_t>(speed_u);
-        return Refusal(Error::Speed, "value", shown_u, 0, most_u);
+        return Refusal(Error::Speed, "value", shown_u, 0, max_u);
     }
     gait_ = Gait{u[kAlpha], u[kBeta], u[kOmega], u[kOffset]};
     motion_.gait(gait_);
@@ -133,7 +133,7 @@ Refusal Controller::change_setting(const Command& command) {
     if (store_.busy()) return Refusal(Error::Saving);
     const int32_t value_u = command.value_u[0];
     Field field = setting(command.field);
-    if (command.field == kEvery && value_u != 0) field.low_u = least_every() * 1000000L;
+    if (command.field == kEvery && value_u != 0) field.low_u = min_every() * 1000000L;
     if (!in_range(field, value_u)) {
         return Refusal(Error::Range, field.name, value_u, field.low_u, field.high_u);
     }
@@ -147,7 +147,7 @@ Refusal Controller::change_setting(const Command& command) {
 Field Controller::setting(uint8_t index) const {
     Field field = setting_field(index);
     if (index == kFrame) {
-        field.low_u = hardware_.least_frame_us() * 1000L;
+        field.low_u = hardware_.min_frame_us() * 1000L;
         field.high_u = field.low_u > kFrameUs * 1000L ? field.low_u : kFrameUs * 1000L;
     }
     return field;
@@ -167,23 +167,23 @@ Refusal Controller::change_trim(const Command& command) {
     int32_t beyond_us;
     if (!within_pulses(settings_.trim_u[command.joint], beyond_us)) {
         value_u = before_u;
-        return Refusal(Error::Range, "pulse_ms", beyond_us * 1000, kLeastPulseUs * 1000L,
-                       kMostPulseUs * 1000L);
+        return Refusal(Error::Range, "pulse_ms", beyond_us * 1000, kMinPulseUs * 1000L,
+                       kMaxPulseUs * 1000L);
     }
     configure();
     return Refusal();
 }
 
 // Telemetry every so many frames at least, or its lines leave the wire no time for answers.
-uint8_t Controller::least_every() const {
+uint8_t Controller::min_every() const {
     const uint16_t usable_us = static_cast<uint16_t>(frame_us() - busy_us());
     return static_cast<uint8_t>((telemetry_us() + usable_us - 1) / usable_us);
 }
 
 void Controller::configure() {
-    const int32_t least_u = least_every() * 1000000L;
+    const int32_t min_u = min_every() * 1000000L;
     int32_t& every_u = settings_.value_u[kEvery];
-    if (every_u != 0 && every_u < least_u) every_u = least_u;
+    if (every_u != 0 && every_u < min_u) every_u = min_u;
     set_limits(motion_.limits(), settings_);
     motion_.limits_changed();
     if (state_ != State::Idle) return;

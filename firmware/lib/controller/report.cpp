@@ -12,7 +12,7 @@ void Controller::greet() {
     line_.put_flash(FLASH_TEXT(" frame_us=")).put_unsigned(frame_us());
     line_.put_flash(FLASH_TEXT(" boot=")).put_unsigned(boot_id_);
     line_.put_flash(FLASH_TEXT(" reset=")).put_flash(reset_name(start_.reset));
-    line_.put_flash(FLASH_TEXT(" settings=")).put_flash(found_name(found_));
+    line_.put_flash(FLASH_TEXT(" settings=")).put_flash(load_result_name(load_result_));
     line_.put_flash(FLASH_TEXT(" silence="));
     if (settings_.value_u[kSilence] == 0) {
         line_.put_flash(FLASH_TEXT("off"));

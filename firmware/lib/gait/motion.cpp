@@ -30,20 +30,20 @@ float swing_between(const GaitShape& a, const GaitShape& b) {
     const uint32_t lag = lag_q31 << 1;
     const float lag_rad = magnitude(static_cast<float>(static_cast<int32_t>(lag))) * kRadPerQ32Turn;
     const float chord = lag_rad * (joint_count - 1);
-    const int16_t less = a.alpha_q14 < b.alpha_q14 ? a.alpha_q14 : b.alpha_q14;
+    const int16_t smaller_alpha_q14 = a.alpha_q14 < b.alpha_q14 ? a.alpha_q14 : b.alpha_q14;
     return (magnitude(static_cast<float>(b.alpha_q14 - a.alpha_q14)) +
-            static_cast<float>(less) * (chord < 2 ? chord : 2)) *
+            static_cast<float>(smaller_alpha_q14) * (chord < 2 ? chord : 2)) *
            kRadPerQ14;
 }
 
 float shift_between(const GaitShape& a, const GaitShape& b) {
-    float most = 0;
+    float largest = 0;
     for (uint8_t i = 0; i < joint_count; ++i) {
         const int32_t shift = static_cast<int32_t>(b.base_q14[i]) - a.base_q14[i];
         const float size = magnitude(static_cast<float>(shift));
-        if (size > most) most = size;
+        if (size > largest) largest = size;
     }
-    return most * kRadPerQ14;
+    return largest * kRadPerQ14;
 }
 
 bool same(const GaitShape& a, const GaitShape& b) {
@@ -80,15 +80,15 @@ void Motion::gait(const Gait& gait) {
 
 void Motion::pose(const int32_t (&target_q30)[kMaxJoints]) {
     next_.alpha_q14 = 0;
-    next_.beta_q31_turn = to_.beta_q31_turn;
+    next_.beta_q31_turn = end_shape_.beta_q31_turn;
     for (uint8_t i = 0; i < joint_count; ++i) next_.base_q14[i] = q14_from_q30(target_q30[i]);
     order(phase_rate_, false);
 }
 
 void Motion::freeze() {
-    for (uint8_t i = 0; i < joint_count; ++i) from_.base_q14[i] = setpoint_q14_[i];
-    from_.alpha_q14 = 0;
-    to_ = from_;
+    for (uint8_t i = 0; i < joint_count; ++i) start_shape_.base_q14[i] = setpoint_q14_[i];
+    start_shape_.alpha_q14 = 0;
+    end_shape_ = start_shape_;
     blending_ = waiting_ = gait_ = turning_ = false;
 }
 
@@ -96,26 +96,26 @@ void Motion::order(uint64_t phase_rate, bool gait) {
     next_phase_rate_ = phase_rate;
     next_gait_ = gait;
     waiting_ = true;
-    if (under_way() && gait == gait_ && same(next_, to_)) {  // the change leads there anyway
+    if (under_way() && gait == gait_ && same(next_, end_shape_)) {  // the change leads there anyway
         target_phase_rate_ = phase_rate;
         waiting_ = false;
     }
 }
 
-// Plan the change from what is to next_.
+// Plan the change from the current shape to next_.
 void Motion::begin() {
     const float frame_s = frame_us() * 1e-6F;
-    to_ = next_;
+    end_shape_ = next_;
     gait_ = next_gait_;
     waiting_ = false;
-    if (!turning_) from_.beta_q31_turn = to_.beta_q31_turn;
+    if (!turning_) start_shape_.beta_q31_turn = end_shape_.beta_q31_turn;
     ChangeRequest request;
-    request.alpha_1_rad = from_.alpha_q14 * kRadPerQ14;
-    request.alpha_2_rad = to_.alpha_q14 * kRadPerQ14;
+    request.alpha_1_rad = start_shape_.alpha_q14 * kRadPerQ14;
+    request.alpha_2_rad = end_shape_.alpha_q14 * kRadPerQ14;
     request.omega_1_rad_s = turning_ ? rate_of(phase_rate_, frame_s) : 0;
     request.omega_2_rad_s = gait_ ? rate_of(next_phase_rate_, frame_s) : 0;
-    request.swing_rad = swing_between(from_, to_);
-    request.shift_rad = shift_between(from_, to_);
+    request.swing_rad = swing_between(start_shape_, end_shape_);
+    request.shift_rad = shift_between(start_shape_, end_shape_);
     const ChangePlan plan = plan_change(request, limits_.change);
     blend_phase_rate_ = step_of(plan.omega_rad_s, frame_s);
     target_phase_rate_ = gait_ ? next_phase_rate_ : static_cast<uint64_t>(blend_phase_rate_) << 32;
@@ -128,17 +128,17 @@ void Motion::begin() {
     const float frames = plan.duration_s / frame_s + 1;
     progress_q32_ = 0;
     progress_step_q32_ = static_cast<uint32_t>(4294967040.0F / frames);
-    if (!blending_) from_ = to_;
+    if (!blending_) start_shape_ = end_shape_;
 }
 
 // One frame's change of the rate towards this one; true when it is there, to 2⁻³² turns.
 bool Motion::approach(uint32_t rate) {
-    const uint32_t now = upper(phase_rate_);
-    const uint32_t gap = now < rate ? rate - now : now - rate;
+    const uint32_t current_rate = upper(phase_rate_);
+    const uint32_t gap = current_rate < rate ? rate - current_rate : current_rate - rate;
     if (gap <= phase_rate_change_) return true;
-    phase_rate_ =
-        static_cast<uint64_t>(now < rate ? now + phase_rate_change_ : now - phase_rate_change_)
-        << 32;
+    phase_rate_ = static_cast<uint64_t>(current_rate < rate ? current_rate + phase_rate_change_
+                                                            : current_rate - phase_rate_change_)
+                  << 32;
     return false;
 }
 
@@ -150,30 +150,30 @@ void Motion::proceed() {
         if (approach(blend_phase_rate_))
             phase_rate_ = static_cast<uint64_t>(blend_phase_rate_) << 32;
     } else {
-        const uint32_t before = progress_q32_;
+        const uint32_t previous_progress_q32 = progress_q32_;
         progress_q32_ += progress_step_q32_;
-        if (progress_q32_ < before) {
-            from_ = to_;
+        if (progress_q32_ < previous_progress_q32) {
+            start_shape_ = end_shape_;
             blending_ = false;
         }
     }
     if (!blending_) turning_ = turning_ && gait_;
 }
 
-int16_t Motion::at(const GaitShape& shape, uint8_t joint) const {
+int16_t Motion::angle_of(const GaitShape& shape, uint8_t joint) const {
     const int16_t swing = gait_angle(shape.alpha_q14, shape.beta_q31_turn, phase(), joint);
     return static_cast<int16_t>(shape.base_q14[joint] + swing);
 }
 
-// The angle nearest to the one wanted that limits and speed allow.
-int16_t Motion::held(uint8_t joint, int32_t wanted_q14) {
+// The angle nearest to the target that limits and speed allow.
+int16_t Motion::limited(uint8_t joint, int32_t target_q14) {
     const int32_t low = limits_.low_q14[joint], high = limits_.high_q14[joint];
     const int32_t step = limits_.servo_step_q14 + kRoundingQ14;
     const int32_t slowest = setpoint_q14_[joint] - step, fastest = setpoint_q14_[joint] + step;
-    int32_t angle = wanted_q14 < low ? low : wanted_q14 > high ? high : wanted_q14;
+    int32_t angle = target_q14 < low ? low : target_q14 > high ? high : target_q14;
     angle = angle < slowest ? slowest : angle > fastest ? fastest : angle;
-    const int32_t off = angle - wanted_q14;
-    if (off > kRoundingQ14 || off < -kRoundingQ14) ++clipped_;
+    const int32_t excess_q14 = angle - target_q14;
+    if (excess_q14 > kRoundingQ14 || excess_q14 < -kRoundingQ14) ++clipped_;
     return static_cast<int16_t>(angle);
 }
 
@@ -184,19 +184,20 @@ void Motion::advance(uint16_t frames) {
     clipped_ = 0;
     const int32_t weight_q14 = smooth_q14(static_cast<uint16_t>(progress_q32_ >> 16));
     for (uint8_t i = 0; i < joint_count; ++i) {
-        int32_t wanted_q14 = at(from_, i);
+        int32_t target_q14 = angle_of(start_shape_, i);
         if (blending_) {
-            const int32_t way = at(to_, i) - wanted_q14;  // at most 4 rad: 2¹⁶, times 2¹⁴
-            wanted_q14 += (way * weight_q14 + 0x2000) >> 14;
+            // At most 4 rad, which is 2¹⁶; times 2¹⁴ it fits.
+            const int32_t difference_q14 = angle_of(end_shape_, i) - target_q14;
+            target_q14 += (difference_q14 * weight_q14 + 0x2000) >> 14;
         }
-        setpoint_q14_[i] = held(i, wanted_q14);
+        setpoint_q14_[i] = limited(i, target_q14);
     }
 }
 
 bool Motion::arrived() const {
     if (turning_ || blending_ || waiting_) return false;
     for (uint8_t i = 0; i < joint_count; ++i) {
-        if (setpoint_q14_[i] != from_.base_q14[i]) return false;
+        if (setpoint_q14_[i] != start_shape_.base_q14[i]) return false;
     }
     return true;
 }

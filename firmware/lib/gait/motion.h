@@ -3,7 +3,7 @@
 // A shape is what the joints do at a phase: base_i + alpha sin(phase + i beta); a pose is a shape
 // without amplitude. A change blends from one shape to the next while the phase runs on:
 //
-//     setpoint_i = (1 - s) from_i + s to_i,    s = 3u² - 2u³,  u from 0 to 1 in T seconds
+//     setpoint_i = (1 - s) start_i + s end_i,    s = 3u² - 2u³,  u from 0 to 1 in T seconds
 //
 // As s stays between 0 and 1, no setpoint leaves the joint limits that both shapes keep; as s
 // begins and ends level, speed is continuous. change.h says how long T must be and how fast the
@@ -65,8 +65,8 @@ class Motion {
     OWN_FRAME void begin();
     void proceed();
     bool approach(uint32_t rate);
-    int16_t at(const GaitShape& shape, uint8_t joint) const;
-    int16_t held(uint8_t joint, int32_t wanted_q14);
+    int16_t angle_of(const GaitShape& shape, uint8_t joint) const;
+    int16_t limited(uint8_t joint, int32_t target_q14);
 
     MotionLimits limits_;
     uint64_t phase_;  // in 2⁻⁶⁴ turns
@@ -74,12 +74,12 @@ class Motion {
     uint64_t phase_rate_, target_phase_rate_, next_phase_rate_;
     uint32_t blend_phase_rate_;   // upper bound of it while blending, in 2⁻³² turns
     uint32_t phase_rate_change_;  // of it from frame to frame, in 2⁻³² turns
-    GaitShape from_, to_, next_;
+    GaitShape start_shape_, end_shape_, next_;
     uint32_t progress_q32_, progress_step_q32_;  // u above
     int16_t setpoint_q14_[kMaxJoints];
     uint8_t clipped_;
-    bool blending_, waiting_;          // from from_ to to_; next_ waits
-    bool gait_, next_gait_, turning_;  // to_ and next_ are gaits; the phase runs
+    bool blending_, waiting_;          // from start_shape_ to end_shape_; next_ waits
+    bool gait_, next_gait_, turning_;  // end_shape_ and next_ are gaits; the phase runs
 };
 
 }  // namespace firmware

@@ -14,37 +14,37 @@ struct Word {
     const char* text;
     uint8_t length;
 
-    bool is_flash(const char* other) const {
+    bool is_flash(const char* flash_word) const {
         for (uint8_t i = 0; i < length; ++i) {
-            if (flash_char(other + i) != text[i]) return false;
+            if (flash_char(flash_word + i) != text[i]) return false;
         }
-        return flash_char(other + length) == '\0';
+        return flash_char(flash_word + length) == '\0';
     }
-    bool begins(const char* other, uint8_t most) const {
-        if (length != most) return false;
+    bool begins(const char* flash_word, uint8_t count) const {
+        if (length != count) return false;
         for (uint8_t i = 0; i < length; ++i) {
-            if (flash_char(other + i) != text[i]) return false;
+            if (flash_char(flash_word + i) != text[i]) return false;
         }
         return true;
     }
     bool is_word() const { return text[0] >= 'a'; }
-    bool is(const char* other) const {
-        return strlen(other) == length && memcmp(other, text, length) == 0;
+    bool is(const char* expected) const {
+        return strlen(expected) == length && memcmp(expected, text, length) == 0;
     }
 };
 
 // `pose` with all its angles or `gait` with all its fields, and one too many.
-const uint8_t kMostWords = kMostValues + 2;
+const uint8_t kMaxWords = kMaxValues + 2;
 
 struct Words {
-    Word word[kMostWords];
+    Word word[kMaxWords];
     uint8_t count;
 };
 
 Words split(const char* text, uint8_t length) {
     Words words;
     words.count = 0;
-    for (uint8_t i = 0; i < length && words.count < kMostWords;) {
+    for (uint8_t i = 0; i < length && words.count < kMaxWords;) {
         while (i < length && text[i] == ' ') ++i;
         const uint8_t start = i;
         while (i < length && text[i] != ' ') ++i;
@@ -55,18 +55,20 @@ Words split(const char* text, uint8_t length) {
     return words;
 }
 
-#define FIRMWARE_VERB_TEXTS(id, word, fewest, most, help) const char kHelp##id[] FLASH = word help;
+#define FIRMWARE_VERB_TEXTS(id, word, min_fields, max_fields, help) \
+    const char kHelp##id[] FLASH = word help;
 FIRMWARE_VERBS(FIRMWARE_VERB_TEXTS)
 #undef FIRMWARE_VERB_TEXTS
 
 struct VerbText {
     const char* help;
-    uint8_t length;        // of the word at its begin
-    uint8_t fewest, most;  // fields
+    uint8_t length;  // of the word at its begin
+    uint8_t min_fields, max_fields;
 };
 
 const VerbText kVerbTexts[kVerbs] FLASH = {
-#define FIRMWARE_VERB_ROW(id, word, fewest, most, help) {kHelp##id, sizeof(word) - 1, fewest, most},
+#define FIRMWARE_VERB_ROW(id, word, min_fields, max_fields, help) \
+    {kHelp##id, sizeof(word) - 1, min_fields, max_fields},
     FIRMWARE_VERBS(FIRMWARE_VERB_ROW)
 #undef FIRMWARE_VERB_ROW
 };
@@ -104,12 +106,12 @@ int32_t trailing_crc(const char* line, uint8_t length) {
 // `[-]digits[.digits]` in millionths; false if it is anything else or does not fit.
 bool read_micro(const Word& word, int32_t& value_u) {
     const bool negative = word.length > 0 && word.text[0] == '-';
-    uint32_t whole = 0, micro = 0, weight = 100000;
+    uint32_t integer_part = 0, micro = 0, weight = 100000;
     uint8_t i = negative ? 1 : 0;
     bool any = false;
     for (; i < word.length && word.text[i] >= '0' && word.text[i] <= '9'; ++i, any = true) {
-        whole = whole * 10 + static_cast<uint32_t>(word.text[i] - '0');
-        if (whole > 2147) return false;
+        integer_part = integer_part * 10 + static_cast<uint32_t>(word.text[i] - '0');
+        if (integer_part > 2147) return false;
     }
     if (!any) return false;
     if (i < word.length && word.text[i] == '.') {
@@ -121,7 +123,7 @@ bool read_micro(const Word& word, int32_t& value_u) {
         }
         if (!any) return false;
     }
-    const uint32_t size = whole * 1000000 + micro;
+    const uint32_t size = integer_part * 1000000 + micro;
     if (i != word.length || size > 2147483647UL) return false;
     value_u = negative ? -static_cast<int32_t>(size) : static_cast<int32_t>(size);
     return true;
@@ -129,7 +131,7 @@ bool read_micro(const Word& word, int32_t& value_u) {
 
 Error read_value(const Word& word, const Field& field, int32_t& value_u) {
     if (!read_micro(word, value_u)) return Error::Number;
-    return field.whole && value_u % 1000000 != 0 ? Error::Number : Error::None;
+    return field.is_integer && value_u % 1000000 != 0 ? Error::Number : Error::None;
 }
 
 Refusal read_field(const Word& word, const Field& field, int32_t& value_u) {
@@ -260,7 +262,8 @@ Refusal parse_command(const char* body, uint8_t length, Command& command) {
     }
     if (verb == kVerbs) return Refusal(Error::Command);
     const uint8_t fields = static_cast<uint8_t>(words.count - 1);
-    if (fields < flash_u8(&kVerbTexts[verb].fewest) || fields > flash_u8(&kVerbTexts[verb].most)) {
+    if (fields < flash_u8(&kVerbTexts[verb].min_fields) ||
+        fields > flash_u8(&kVerbTexts[verb].max_fields)) {
         return Refusal(Error::Arguments);
     }
     command = Command();

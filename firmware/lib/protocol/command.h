@@ -44,24 +44,24 @@ bool ends_in_stop(const char* line, uint8_t length);
 bool is_bare_bye(const char* line, uint8_t length);
 
 enum class Verb : uint8_t {
-#define FIRMWARE_VERB_ID(id, word, fewest, most, help) id,
+#define FIRMWARE_VERB_ID(id, word, min_fields, max_fields, help) id,
     FIRMWARE_VERBS(FIRMWARE_VERB_ID)
 #undef FIRMWARE_VERB_ID
 };
-#define FIRMWARE_VERB_COUNT(id, word, fewest, most, help) +1
+#define FIRMWARE_VERB_COUNT(id, word, min_fields, max_fields, help) +1
 const uint8_t kVerbs = FIRMWARE_VERBS(FIRMWARE_VERB_COUNT);
 #undef FIRMWARE_VERB_COUNT
 
-const uint8_t kMostGaitFields = kGaitFieldCount;
-const uint8_t kMostValues = kMaxJoints > kMostGaitFields ? kMaxJoints : kMostGaitFields;
+const uint8_t kMaxGaitFields = kGaitFieldCount;
+const uint8_t kMaxValues = kMaxJoints > kMaxGaitFields ? kMaxJoints : kMaxGaitFields;
 
 struct Command {
     Verb verb;
-    bool lists;                    // `set` or `trim` without fields
-    bool unattended;               // of `save`
-    uint8_t joint;                 // of `trim`, from 0
-    uint8_t field;                 // Setting or TrimField
-    int32_t value_u[kMostValues];  // gait fields, joint angles, or the value of set and trim
+    bool lists;                   // `set` or `trim` without fields
+    bool unattended;              // of `save`
+    uint8_t joint;                // of `trim`, from 0
+    uint8_t field;                // Setting or TrimField
+    int32_t value_u[kMaxValues];  // gait fields, joint angles, or the value of set and trim
 };
 
 // Why a command is refused; with Range and Speed, which field and what its limits are.

@@ -28,13 +28,13 @@ static_assert(sizeof kTexts / sizeof kTexts[0] == static_cast<uint8_t>(Error::Ou
 }  // namespace
 
 ErrorText error_text(Error error) {
-    ErrorText found;
+    ErrorText text;
 #ifdef __AVR__
-    memcpy_P(&found, &kTexts[static_cast<uint8_t>(error)], sizeof found);
+    memcpy_P(&text, &kTexts[static_cast<uint8_t>(error)], sizeof text);
 #else
-    found = kTexts[static_cast<uint8_t>(error)];
+    text = kTexts[static_cast<uint8_t>(error)];
 #endif
-    return found;
+    return text;
 }
 
 }  // namespace firmware

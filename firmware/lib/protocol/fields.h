@@ -9,7 +9,7 @@ struct Field {
     char name[12];
     char unit[8];
     int32_t low_u, high_u, default_u;
-    bool whole;  // no decimals
+    bool is_integer;  // no decimals
 };
 
 // The order of each enum is the order of its table.

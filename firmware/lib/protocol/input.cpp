@@ -5,7 +5,7 @@
 namespace firmware {
 namespace {
 
-uint8_t after(uint8_t place) {
+uint8_t next_place(uint8_t place) {
     return static_cast<uint8_t>(place + 1 == input_size(joint_count) ? 0 : place + 1);
 }
 
@@ -47,14 +47,14 @@ uint8_t Input::free_places() const {
 void Input::store(uint8_t byte) {
     queue_[head_] = byte;
     fence();
-    head_ = after(head_);
+    head_ = next_place(head_);
 }
 
 // Two bytes, which the interrupt may change between them.
 uint16_t Input::full() const {
-    uint16_t found = full_;
-    while (found != full_) found = full_;
-    return found;
+    uint16_t count = full_;
+    while (count != full_) count = full_;
+    return count;
 }
 
 // The order of the looks matters: a stop that comes between two of them stands behind `head`, and
@@ -69,7 +69,7 @@ int16_t Input::pop() {
     fence();
     const uint8_t byte = queue_[tail_];
     fence();
-    tail_ = after(tail_);
+    tail_ = next_place(tail_);
     return byte;
 }
 

@@ -55,10 +55,10 @@ void Output::put_digits(uint32_t value, uint8_t decimals) {
             value -= power;
             ++digit;
         }
-        const uint8_t left = static_cast<uint8_t>(9 - i);  // digits still to come
-        started = started || digit != '0' || left <= decimals;
+        const uint8_t remaining_digits = static_cast<uint8_t>(9 - i);
+        started = started || digit != '0' || remaining_digits <= decimals;
         if (started) put(digit);
-        if (left == decimals && decimals > 0) put('.');
+        if (remaining_digits == decimals && decimals > 0) put('.');
     }
 }
 

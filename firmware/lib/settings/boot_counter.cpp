@@ -10,9 +10,9 @@ namespace {
 const uint8_t kCells = 8;
 
 uint16_t cell(Eeprom& eeprom, uint8_t index) {
-    const uint16_t at = static_cast<uint16_t>(2 * index);
-    const uint8_t low = eeprom.read(at);
-    return static_cast<uint16_t>(low | static_cast<uint16_t>(eeprom.read(at + 1U) << 8));
+    const uint16_t address = static_cast<uint16_t>(2 * index);
+    const uint8_t low = eeprom.read(address);
+    return static_cast<uint16_t>(low | static_cast<uint16_t>(eeprom.read(address + 1U) << 8));
 }
 
 }  // namespace
@@ -24,9 +24,9 @@ uint16_t count_boot(Eeprom& eeprom) {
         ++newest;
     }
     const uint16_t id = static_cast<uint16_t>(cell(eeprom, newest) + 1);
-    const uint16_t at = static_cast<uint16_t>(2 * ((newest + 1) % kCells));
-    eeprom.write(at, static_cast<uint8_t>(id & 0xFF));
-    eeprom.write(static_cast<uint16_t>(at + 1), static_cast<uint8_t>(id >> 8));
+    const uint16_t address = static_cast<uint16_t>(2 * ((newest + 1) % kCells));
+    eeprom.write(address, static_cast<uint8_t>(id & 0xFF));
+    eeprom.write(static_cast<uint16_t>(address + 1), static_cast<uint8_t>(id >> 8));
     return id;
 }
 

@@ -51,7 +51,7 @@ int32_t pulse_at(const int32_t (&trim_u)[kTrimFieldCount], TrimField limit) {
 bool within_pulses(const int32_t (&trim_u)[kTrimFieldCount], int32_t& beyond_us) {
     for (uint8_t f = kLow; f <= kHigh; ++f) {
         beyond_us = pulse_at(trim_u, static_cast<TrimField>(f));
-        if (beyond_us < kLeastPulseUs || beyond_us > kMostPulseUs) return false;
+        if (beyond_us < kMinPulseUs || beyond_us > kMaxPulseUs) return false;
     }
     return true;
 }

@@ -29,8 +29,8 @@ void set_limits(MotionLimits& limits, const Settings& settings);
 int32_t pulse_at(const int32_t (&trim_u)[kTrimFieldCount], TrimField limit);
 
 // Pulses that the servos may ever be sent.
-const int16_t kLeastPulseUs = 500;
-const int16_t kMostPulseUs = 2500;
+const int16_t kMinPulseUs = 500;
+const int16_t kMaxPulseUs = 2500;
 
 // Whether both limits of a joint can be reached by such a pulse; `beyond_us` is one that cannot.
 bool within_pulses(const int32_t (&trim_u)[kTrimFieldCount], int32_t& beyond_us);

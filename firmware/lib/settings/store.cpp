@@ -105,11 +105,11 @@ bool Store::step() {
     return job_ == None;
 }
 
-Found Store::found() {
-    if (newest_ == kNone) return damaged_ ? Found::Damaged : Found::New;
+LoadResult Store::load_result() {
+    if (newest_ == kNone) return damaged_ ? LoadResult::Damaged : LoadResult::New;
     slot_ = newest_;
-    if (read(kJointsByte) != joint_count) return Found::Migrated;
-    return damaged_ ? Found::Older : Found::Ok;
+    if (read(kJointsByte) != joint_count) return LoadResult::Migrated;
+    return damaged_ ? LoadResult::Older : LoadResult::Ok;
 }
 
 }  // namespace firmware

@@ -15,7 +15,7 @@
 
 namespace firmware {
 
-enum class Found : uint8_t { Ok, New, Older, Damaged, Migrated };
+enum class LoadResult : uint8_t { Ok, New, Older, Damaged, Migrated };
 
 class Store {
   public:
@@ -42,7 +42,7 @@ class Store {
     // Read or write one byte; true when that ended the job.
     bool step();
 
-    Found found();                                    // by the last load
+    LoadResult load_result();                         // by the last load
     bool loaded() const { return newest_ != kNone; }  // there was a copy to load
     bool good() const { return good_; }               // the last save reads back
 

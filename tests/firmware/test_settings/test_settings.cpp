@@ -53,7 +53,9 @@ struct Started : Store {
     }
 };
 
-Found load(Memory& memory, Settings& settings) { return Started(memory, settings).found(); }
+LoadResult load(Memory& memory, Settings& settings) {
+    return Started(memory, settings).load_result();
+}
 
 bool save(Memory& memory, Settings settings) {
     Settings before = default_settings();
@@ -69,7 +71,7 @@ int32_t within(std::mt19937& random, const Field& field) {
     const double part = static_cast<double>(random()) / 4294967295.0;
     const double value_u = field.low_u + part * (static_cast<double>(field.high_u) - field.low_u);
     const int32_t rounded_u = static_cast<int32_t>(value_u);
-    return field.whole ? rounded_u / 1000000 * 1000000 : rounded_u;
+    return field.is_integer ? rounded_u / 1000000 * 1000000 : rounded_u;
 }
 
 // Settings that could have been set.
@@ -115,7 +117,7 @@ TEST_CASE("power that fails in any byte of a save leaves the old settings or the
         first.writes_left = cut / 2;  // in the very first save nothing is kept
         save(first, some_settings(1));
         settings = default_settings();
-        CHECK(load(first, settings) == Found::New);
+        CHECK(load(first, settings) == LoadResult::New);
         CHECK(same(settings, default_settings()));
         for (const int torn : {-1, 0x00, 0x01, 0x02, 0xFF, 0xA7}) {
             Memory memory = fresh;
@@ -124,8 +126,8 @@ TEST_CASE("power that fails in any byte of a save leaves the old settings or the
             save(memory, some_settings(3));
             memory.writes_left = -1;
             settings = default_settings();
-            const Found found = load(memory, settings);
-            const bool usable = found == Found::Ok || found == Found::Older;
+            const LoadResult result = load(memory, settings);
+            const bool usable = result == LoadResult::Ok || result == LoadResult::Older;
             CAPTURE(cut);
             CAPTURE(torn);
             CHECK(usable);
@@ -133,7 +135,7 @@ TEST_CASE("power that fails in any byte of a save leaves the old settings or the
                 same(settings, some_settings(2)) || same(settings, some_settings(3));
             CHECK(old_or_new);
             CHECK(save(memory, some_settings(4)));  // and the next save works
-            CHECK(load(memory, settings) != Found::Damaged);
+            CHECK(load(memory, settings) != LoadResult::Damaged);
             CHECK(same(settings, some_settings(4)));
         }
     }
@@ -145,11 +147,11 @@ TEST_CASE("a byte that goes bad later costs one copy, two cost the settings, and
     REQUIRE(save(memory, some_settings(2)));
     memory.bytes[Store::slot_address(1) + 20] ^= 0x10;
     Settings settings = default_settings();
-    CHECK(load(memory, settings) == Found::Older);
+    CHECK(load(memory, settings) == LoadResult::Older);
     CHECK(same(settings, some_settings(1)));
     memory.bytes[Store::slot_address(0) + 20] ^= 0x10;
     settings = default_settings();
-    CHECK(load(memory, settings) == Found::Damaged);
+    CHECK(load(memory, settings) == LoadResult::Damaged);
     CHECK(same(settings, default_settings()));
 }
 
@@ -177,10 +179,10 @@ TEST_CASE("a copy of another layout is none, and is written over") {
     REQUIRE(save(memory, some_settings(1)));
     memory.bytes[Store::slot_address(0) + 1] = Store::kLayout - 1;
     Settings settings = default_settings();
-    CHECK(load(memory, settings) == Found::New);
+    CHECK(load(memory, settings) == LoadResult::New);
     CHECK(same(settings, default_settings()));
     REQUIRE(save(memory, some_settings(2)));
-    CHECK(load(memory, settings) == Found::Ok);
+    CHECK(load(memory, settings) == LoadResult::Ok);
 }
 
 TEST_CASE("a save that fails leaves the older copy the newest, and the next save comes after it") {
@@ -204,7 +206,7 @@ TEST_CASE("a save that fails leaves the older copy the newest, and the next save
     store.save(wanted);
     store.end();
     CHECK(store.good());
-    CHECK(load(memory, before) == Found::Ok);
+    CHECK(load(memory, before) == LoadResult::Ok);
     CHECK(same(before, wanted));
 }
 
@@ -214,7 +216,7 @@ TEST_CASE("a copy for another number of joints keeps what both have") {
     memory.bytes[Store::slot_address(0) + 2] = joint_count - 1;
     seal_copy(memory, 0, joint_count - 1);  // the last joint's trim goes, the CRC moves up
     Settings settings = default_settings();
-    CHECK(load(memory, settings) == Found::Migrated);
+    CHECK(load(memory, settings) == LoadResult::Migrated);
     Settings wanted = some_settings(3);
     for (int f = 0; f < kTrimFieldCount; ++f) {
         wanted.trim_u[joint_count - 1][f] = default_settings().trim_u[joint_count - 1][f];
