@@ -9,7 +9,7 @@ import numpy as np
 from serpenoid import Ground, ServoKind, Session
 from serpenoid.session.declaration import Cells
 from serpenoid.session.journal import Journal
-from serpenoid.session.kinds import kind_of, make_reading, reading_row
+from serpenoid.session.rows import kind_of, make_reading, reading_row
 from serpenoid.session.session import Event
 from serpenoid.session.settings import Setup
 from serpenoid.session.track import Samples, Track
@@ -21,7 +21,7 @@ class MemoryRecord(Journal):
 
     def __init__(self, setup: Setup, begun: Session | None = None):
         self.session = begun or Session(setup, ())
-        self._count = max((r.number for r in self.session.numbered), default=0)
+        self._count = max((r.number for r in self.session.readings), default=0)
 
     def add(
         self,
@@ -39,12 +39,11 @@ class MemoryRecord(Journal):
             common["track"] = Track.of(kind_of(kind).columns, samples)
         made = make_reading(reading_row(kind, cells, self.session.setup.plan), common)
         if replaces:
-            part = kind_of(kind).part
             kept = (
                 replace(r, voided=True) if r.number == replaces else r
-                for r in getattr(self.session, part)
+                for r in self.session.readings
             )
-            self.session = replace(self.session, **{part: tuple(kept)})
+            self.session = replace(self.session, readings=tuple(kept))
         self.session = self.session.with_reading(made)
         return self._count
 

@@ -6,11 +6,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from serpenoid.session.folder import load_setup
+from serpenoid.session.folder import read_session
 
 
 def replan(folder: Path, **changes: Any) -> None:
     """Change the plan of a session's folder."""
-    setup = load_setup(folder)
+    setup = read_session(folder).setup
     planned = replace(setup, plan=replace(setup.plan, **changes))
     (folder / "session.toml").write_text(planned.text("a test", "2026-05-01T12:00:00Z"))

@@ -12,8 +12,8 @@ import math
 from itertools import count
 from pathlib import Path
 
-from serpenoid.session.folder import load_setup
-from serpenoid.session.kinds import READING_COLUMNS, reading_row
+from serpenoid.session.folder import read_session
+from serpenoid.session.rows import READING_COLUMNS, reading_row
 from serpenoid.session.session import Setup
 
 CT_N_S_M, FT0_N = 0.084, 0.14  # Eq. 59, whole snake
@@ -62,7 +62,7 @@ def text() -> str:
     out = io.StringIO()
     writer = csv.DictWriter(out, READING_COLUMNS, lineterminator="\n")
     writer.writeheader()
-    writer.writerows(rows(load_setup(Path(__file__).parent)))
+    writer.writerows(rows(read_session(Path(__file__).parent).setup))
     return out.getvalue()
 
 

@@ -108,12 +108,13 @@ def take_servo(
 
     snake: of a session, which has their voltage and the frames of its board.
     """
+    from ..session.crawls import driving
     from ..session.folder import read_session
 
     kind = typed_servo(name or usual, settings)
     if kind is None or snake is None or snake.session is None:
         return kind
-    return read_session(snake.session).setup.driving(kind)
+    return driving(read_session(snake.session).setup, kind)
 
 
 def tell_alarms(fit: sn.FrictionFit) -> sn.FrictionFit:

@@ -69,9 +69,9 @@ def _robot(
     session: Path | None, tag_mm: float | None, settings: Given
 ) -> tuple[sn.Robot, float | None]:
     """Return the robot and its tags' side (m): of the options, else of the session."""
-    from ..session.folder import load_setup, write_setting
+    from ..session.folder import read_session, write_setting
 
-    setup = load_setup(session) if session else None
+    setup = read_session(session).setup if session else None
     base = setup.robot if setup else preset("2005").robot
     sizes = {one.name: settings[one.name] for one in SIZES if one.name in settings}
     kept_m = setup.robot_table.tag_side_m if setup else None

@@ -155,7 +155,7 @@ def _postures(
     Bends set by one protractor check are one posture. So are bends without a check that differ by
     less than a standard deviation of the bend: they were set once, and share its error.
     """
-    checks = [check for check in session.bends if not check.voided]
+    checks = session.kept_of("bend")
 
     def check_of(reading: Reading | Push) -> int:
         """Return the last check of this bend before the reading; -1 where there is none."""

@@ -20,10 +20,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..session.instruments import Instruments
-from ..session.places import track_of
 from ..session.session import Session
+from ..session.settings import Instruments
 from ..session.station import Reading
+from ..session.track import track_of
 from .parameters import Floats
 from .rolling_law import shapes
 

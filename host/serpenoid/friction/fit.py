@@ -169,7 +169,7 @@ def friction_points(session: Session, fit: FrictionFit) -> dict[str, tuple[Float
 def voided_points(session: Session, fit: FrictionFit) -> dict[str, tuple[Floats, Floats]]:
     """Return part -> (speeds, forces) of the voided readings, as friction_points does."""
     voided = [
-        replace(r, voided=False) for r in session.readings if r.voided and r.slip_speed_m_s > 0
+        replace(r, voided=False) for r in session.of("station") if r.voided and r.slip_speed_m_s > 0
     ]
     return friction_points(replace(session, readings=tuple(voided)), fit)
 
@@ -224,7 +224,7 @@ def _usual_point(session: Session, posterior: Posterior) -> Floats:
 def _scale_sigmas(session: Session, posterior: Posterior) -> tuple[float, float]:
     """Return the relative errors of belt and mass that are no parameters."""
     belt = session.belt_scale[1] if session.kept and BELT not in posterior.names else 0.0
-    return belt, session.mass_sigma
+    return belt, session.setup.mass_sigma
 
 
 def _scaled(session: Session, posterior: Posterior, samples: Samples, seed: int) -> Samples:

@@ -22,6 +22,11 @@ def check_links(links: object) -> int:
     return check_whole("links", links, 2, MAX_LINKS)
 
 
+def frame_us(joints: int) -> int:
+    """Return the time from setpoint to setpoint of a board with so many joints, µs."""
+    return 20_000 if joints <= 7 else 2_500 * (joints + 1)
+
+
 @dataclass(frozen=True, slots=True)
 class Robot:
     """Describe the body of a robot: equal rigid links; serpenoid.robot.Robot is a board to drive.

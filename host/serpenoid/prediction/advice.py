@@ -23,7 +23,7 @@ from ..model.gait import Gait, gait_name
 from ..periodic.servo_steady import band
 from ..servos.catalogue import HOBBY
 from ..servos.speed_limit import too_fast_text
-from ..session.crawls import as_run, crawls_by_command, same_command
+from ..session.crawls import as_run, crawls_by_command, driving, same_command
 from ..session.session import Session
 from .next_readings import MAX_TIMES, Candidate, can_film, candidates
 from .speeds import SAMPLES, Progress, draw_samples, draw_servos, speed, speeds
@@ -221,7 +221,7 @@ def advise(
     if not session.kept and not session.on_floor:
         raise BadInput(f"{session.where}: no station was held, and no push; take one first")
     fit, estimate = fit_friction(session), map_estimate(session)
-    servo = servo and session.setup.driving(servo)
+    servo = servo and driving(session.setup, servo)
     too_fast = [too_fast_text(gait, servo, gait_name(gait)) for gait in wanted]
     slow = tuple(gait for gait, text in zip(wanted, too_fast, strict=True) if not text)
     if not slow:

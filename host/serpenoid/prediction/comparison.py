@@ -19,7 +19,7 @@ from ..model.gait import Gait, gait_name
 from ..periodic.servo_steady import band
 from ..servos.catalogue import HOBBY
 from ..servos.speed_limit import highest_hz, too_fast_text
-from ..session.crawls import Crawls, crawls_by_command, mean_speed, same_command
+from ..session.crawls import Crawls, crawls_by_command, driving, mean_speed, same_command
 from ..session.gait_run import GaitRun
 from ..session.session import Session
 from ..simulation.steady_springs import steady_springs
@@ -244,7 +244,7 @@ def compare(
         raise BadInput(f"{session.where}: {NO_GAIT}")
     level, levelled = level_session(session, fit)
     crawls = {crawl.gait: crawl for crawl in crawls_by_command(level)}
-    servo = servo and session.setup.driving(servo)
+    servo = servo and driving(session.setup, servo)
     commands = {gait: crawl.commanded for gait, crawl in crawls.items() if crawl.films}
     too_fast = {g: "" if g in commands else too_fast_text(g, servo, gait_name(g)) for g in wanted}
     wanted.sort(key=lambda gait: bool(too_fast[gait]))

@@ -55,11 +55,7 @@ def level_session(session: Session, fit: FrictionFit) -> tuple[Session, str]:
             level[reading.number] = replace(
                 reading, speed_m_s=speed, speed_sigma_m_s=sigma, way="level"
             )
-    made = replace(
-        session,
-        gait_runs=tuple(level.get(r.number, r) for r in session.gait_runs),
-        further=tuple(level.get(r.number, r) for r in session.further),
-    )
+    made = replace(session, readings=tuple(level.get(r.number, r) for r in session.readings))
     return made, _in_words(slope)
 
 

@@ -56,7 +56,7 @@ class Candidate:
 
     def session_with(self, session: Session, times: int) -> Session:
         """Return the session with the reading so many times."""
-        first = 1 + max((reading.number for reading in session.numbered), default=0)
+        first = 1 + max((reading.number for reading in session.readings), default=0)
         for k, reading in enumerate(self.readings * times):
             session = session.with_reading(replace(reading, number=first + k))
         return session
@@ -117,7 +117,7 @@ def _failed(session: Session, angle: float, incline_rad: float) -> bool:
     step = session.setup.instruments.incline_step_rad
     there = [
         reading.voided
-        for reading in session.readings
+        for reading in session.of("station")
         if abs(reading.lambda_rad - angle) < SAME_RAD
         and abs(reading.incline_rad - incline_rad) < step / 2
     ]

@@ -1,4 +1,4 @@
-"""A session's crawls by their command: timed runs and films, and what they say of the speed."""
+"""A session's crawls by their command: timed runs, films, and the servos that drove them."""
 
 from __future__ import annotations
 
@@ -7,10 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..model.drives import FRAME_S, ServoKind
 from ..model.gait import Gait
-from .film import FilmReading
-from .gait_run import GaitRun
+from ..model.robot import frame_us
+from .declaration import in_si
+from .gait_run import FilmReading, GaitRun
 from .session import Session
+from .settings import Setup
 
 # Commands that differ by less are one command: a film shows its rate, and may show its angles.
 _SAME_RATE, _SAME_RAD = 0.01, 0.01
@@ -84,3 +87,14 @@ def mean_gait(gaits: Sequence[Gait]) -> Gait:
         joint_gain=tuple(gain.tolist()),
         joint_shift_rad=tuple(shift.tolist()),
     )
+
+
+def driving(setup: Setup, kind: ServoKind) -> ServoKind:
+    """Return a kind of servo at a session's voltage and frames, where it states none."""
+    table = setup.robot_table
+    if table.supply_v is not None and kind.sigma.get("supply_v"):
+        kind = kind.at_volts(table.supply_v)
+    if kind.servo.frame_s != FRAME_S:
+        return kind
+    own_ms = 1e-3 * frame_us(table.links - 1)
+    return kind.at_frames(in_si("frame_ms", table.frame_ms or own_ms))

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import json
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, dataclass, field, replace
-from typing import Any, ClassVar
+from dataclasses import MISSING, dataclass, field, fields, replace
+from typing import Any, ClassVar, TypeVar
 
-from ..base.checks import check_choice, check_number
+from ..base.checks import check_choice, check_number, check_whole
+from ..base.errors import BadInput
+from ..base.toml_table import Table, located
+from ..model.gait import Gait
 
+T = TypeVar("T", bound="SettingsTable")
 Cells = Mapping[str, str | float]
 Values = dict[str, float | str]
 Range = tuple[float, float]  # that a number is expected in
@@ -56,13 +61,6 @@ def in_si(name: str, value: float) -> float:
     return value / PER_SI.get(name.rpartition("_")[2], 1.0)
 
 
-def in_unit(name: str, value: float) -> float:
-    """Return a value in the unit of its name that is given in SI."""
-    if name.endswith("_deg"):
-        return math.degrees(value)
-    return value * PER_SI.get(name.rpartition("_")[2], 1.0)
-
-
 @dataclass(frozen=True)
 class Field:
     """One number of a table or of a reading.
@@ -70,10 +68,11 @@ class Field:
     column: its key or column, unit included. words: what a person is asked for. low, high: limits,
     low itself excluded if open_low. likely: the range that is expected, or None; why: what it means
     to be beyond it. usual: what an empty answer means, or None. source: READ off by a person,
-    PLANNED (the plan or the board tells it) or DERIVED from the others. optional: it may be empty.
+    PLANNED (the plan or the board tells it) or DERIVED from the others. note: what stands behind it
+    in a new session.toml. By its type it may be empty (optional), is an integer or is several.
     """
 
-    column: str
+    column: str = ""
     words: str = ""
     low: float = 0.0
     high: float = math.inf
@@ -82,7 +81,20 @@ class Field:
     usual: float | None = None
     open_low: bool = False
     source: str = READ
+    note: str = ""
     optional: bool = False
+    integer: bool = False
+    several: bool = False
+
+    def named(self, column: str, kind: str) -> Field:
+        """Return the field of a column whose attribute has a type, such as `float | None`."""
+        return replace(
+            self,
+            column=column,
+            optional=kind.endswith("None"),
+            integer=kind == "int",
+            several=kind.startswith("tuple"),
+        )
 
     @property
     def units(self) -> Units:
@@ -104,41 +116,66 @@ class Field:
     def _quantity(self) -> tuple[Units, str]:
         return next(q for end, q in QUANTITIES.items() if self.column.endswith(end))
 
+    def check(self, value: Any) -> Any:
+        """Return a value within the limits, None if it is empty and may be; raises BadInput."""
+        if self.optional and value in (None, ""):
+            return None
+        if self.integer:
+            return check_whole(self.column, value, int(self.low), int(self.high))
+        if not self.several:
+            return check_number(self.column, value, self.low, self.high, open_low=self.open_low)
+        if not isinstance(value, (list, tuple)) or not value:
+            raise BadInput(f"{self.column} is {value!r}; it must be a list of numbers")
+        return tuple(map(replace(self, several=False).check, value))
+
     def read(self, text: str) -> float | None:
         """Return a cell's number in SI, None if it is empty and may be; raises BadInput."""
-        if not text and self.optional:
-            return None
         try:
             value: object = float(text)
-        except ValueError:  # check_number says what is there instead of a number
+        except ValueError:  # check says what is there instead of a number
             value = text
-        number = check_number(self.column, value, self.low, self.high, open_low=self.open_low)
-        return in_si(self.column, number)
+        number = self.check(value)
+        return None if number is None else in_si(self.column, number)
 
 
 @dataclass(frozen=True)
 class Word:
-    """One word of a reading: one of the choices, the first where nothing is said.
+    """One word or text of a table or of a reading: one of the choices, if there are any.
 
-    choices: none if any word without a space will do. of_plan: what is not said when it is typed is
-    as the plan's attribute of this name has it. tidy: returns what is typed as it is kept, without
-    a blank; raises BadInput.
+    blank: it may be empty. of_plan: what is not said when it is typed is as the plan's attribute of
+    this name has it. tidy: returns what is given as it is kept; raises BadInput. note: as of a
+    Field.
     """
 
     column: str = ""
     choices: tuple[str, ...] = ()
+    blank: bool = True
     of_plan: bool = False
-    tidy: Callable[[str], str] | None = None
+    tidy: Callable[[Any], Any] | None = None
+    note: str = ""
+
+    def named(self, column: str, kind: str) -> Word:
+        """Return the word of a column."""
+        return replace(self, column=column)
 
     @property
     def usual(self) -> str:
         """Return what an empty cell means."""
         return self.choices[0] if self.choices else ""
 
+    def check(self, value: Any) -> Any:
+        """Return a value as it is kept; raises BadInput."""
+        if self.tidy:
+            return self.tidy(value)
+        if self.choices:
+            return check_choice(self.column, value, self.choices)
+        if not isinstance(value, str) or not (self.blank or value.strip()):
+            raise BadInput(f"{self.column} is {value!r}; it must be text in quotes")
+        return value.strip()
+
     def read(self, text: str) -> str:
         """Return the word of a cell; raises BadInput."""
-        word = self.tidy(text) if self.tidy and text else text or self.usual
-        return check_choice(self.column, word, self.choices) if self.choices else word
+        return self.check(text or self.usual)
 
 
 def number_field(
@@ -146,79 +183,61 @@ def number_field(
     high: float = math.inf,
     *,
     default: Any = MISSING,
-    note: str = "",
     shown: bool = True,
     **more: Any,
 ) -> Any:
     """Declare a number, or a tuple of them; one whose type has None may stay empty.
 
-    more: as of a Field. note: what stands behind it in a new session.toml. shown: it is part of a
-    session's hash.
+    more: as of a Field. shown: it is part of a session's hash.
     """
-    limits = Field("", low=low, high=high, **more)
-    return field(default=default, repr=shown, metadata={"limits": limits, "note": note})
+    limits = Field(low=low, high=high, **more)
+    return field(default=default, repr=shown, metadata={"limits": limits})
 
 
-def word_field(
-    *choices: str, of_plan: bool = False, tidy: Callable[[str], str] | None = None
-) -> Any:
-    """Declare a word of a reading."""
-    limits = Word("", choices, of_plan, tidy)
-    return field(default=limits.usual, metadata={"limits": limits})
+def word_field(*choices: str, default: Any = None, **more: Any) -> Any:
+    """Declare a word or text, by default the first choice or none. more: as of a Word."""
+    limits = Word(choices=choices, **more)
+    return field(default=limits.usual if default is None else default, metadata={"limits": limits})
 
 
-@dataclass(frozen=True)
-class Taken(ABC):
-    """A reading; each kind is a dataclass of this whose declared fields are its columns, in SI.
+class Declared:
+    """A dataclass whose fields are keys or columns of a file.
 
-    kind: what readings.csv calls it. part: the attribute of Session that holds such readings.
-    fitted: the friction fit rests on it, so that the session's hash covers it. columns: of its file
-    of samples (`tracks`), which the attribute `track` holds; none if it has no file.
-    track_may_miss: some readings have none. attributes: field -> attribute, lambda_deg in
-    lambda_rad. Raises BadInput, naming value and limits, where one of them is out of range.
+    declared: attribute -> its Field or Word, whose column is the attribute's name, but lambda_deg
+    of lambda_rad.
     """
 
-    kind: ClassVar[str]
-    part: ClassVar[str] = "further"
-    fitted: ClassVar[bool] = False
-    columns: ClassVar[tuple[str, ...]] = ()
-    track_may_miss: ClassVar[bool] = False
-    fields: ClassVar[tuple[Field | Word, ...]] = ()
-    attributes: ClassVar[dict[str, str]] = {}
+    declared: ClassVar[dict[str, Field | Word]] = {}
 
     def __init_subclass__(cls) -> None:
-        found = dict[str, Field | Word]()
-        for name, declared in list(vars(cls).items()):
-            limits = getattr(declared, "metadata", {}).get("limits")
-            if isinstance(limits, Field):
-                may_miss = cls.__annotations__[name].endswith("None")
-                limits = replace(
-                    limits,
-                    column=name.removesuffix("_rad") + "_deg" * name.endswith("_rad"),
-                    optional=may_miss,
-                )
-            elif isinstance(limits, Word):
-                limits = replace(limits, column=name)
-            if limits is not None:
-                found[name] = limits
-        cls.fields = tuple(found.values())
-        cls.attributes = {limits.column: name for name, limits in found.items()}
-
-    def __post_init__(self) -> None:
-        for limits in self.fields:
-            value, column = getattr(self, self.attributes[limits.column]), limits.column
-            if isinstance(limits, Word):
-                if limits.choices:
-                    check_choice(column, value, limits.choices)
-            elif value is not None or not limits.optional:
-                low, high = in_si(column, limits.low), in_si(column, limits.high)
-                name = self.attributes[column]
-                check_number(name, value, low, high, open_low=limits.open_low)
+        cls.declared = {
+            name: value.metadata["limits"].named(
+                name.removesuffix("_rad") + "_deg" * name.endswith("_rad"),
+                cls.__annotations__[name],
+            )
+            for name, value in vars(cls).items()
+            if "limits" in getattr(value, "metadata", {})
+        }
 
     @classmethod
     def numbers(cls) -> dict[str, Field]:
         """Return the fields that are numbers, by their columns."""
-        return {f.column: f for f in cls.fields if isinstance(f, Field)}
+        return {f.column: f for f in cls.declared.values() if isinstance(f, Field)}
+
+
+@dataclass(frozen=True)
+class Taken(Declared, ABC):
+    """A reading; each kind is a dataclass of this whose declared fields are its columns, in SI.
+
+    kind: what readings.csv calls it. fitted: the friction fit rests on it, so that the session's
+    hash covers it. columns: of its file of samples (`tracks`), which the attribute `track` holds;
+    none if it has no file. track_may_miss: some readings have none.
+    """
+
+    kind: ClassVar[str]
+    fitted: ClassVar[bool] = False
+    columns: ClassVar[tuple[str, ...]] = ()
+    track_may_miss: ClassVar[bool] = False
 
     @classmethod
     def asked(cls, *columns: str) -> tuple[Field, ...]:
@@ -237,4 +256,64 @@ class Taken(ABC):
 
     @abstractmethod
     def in_words(self) -> tuple[str, str]:
-        """Return what it is, and its values."""
+        """Return (title, values) for tables, e.g. ('station, bend 15°', '2.6°, belt 0.170')."""
+
+
+def in_si_units(key: str) -> Any:
+    """Return the property that has a key's number in SI."""
+    return property(lambda table: in_si(key, getattr(table, key)))
+
+
+@dataclass(frozen=True)
+class SettingsTable(Declared):
+    """A table of session.toml, its values within their limits, each in its key's unit.
+
+    Raises BadInput, naming key and limit.
+    """
+
+    def __post_init__(self) -> None:
+        for name, limits in self.declared.items():
+            object.__setattr__(self, name, limits.check(getattr(self, name)))
+
+    @classmethod
+    def read(cls: type[T], table: Table) -> T:
+        """Return a file's table; raises BadInput, naming file and line, too."""
+        needed = [part.name for part in fields(cls) if part.default is MISSING]
+        table.only(*needed, optional=tuple(cls.declared))
+        for name, value in table.values.items():
+            with located(table.where(name)):
+                cls.declared[name].check(value)
+        with located(table.heading):
+            return cls(**table.values)
+
+    def text(self) -> str:
+        """Return the table's lines in a new file."""
+        lines = list[str]()
+        for name, limits in self.declared.items():
+            note = f"  # {limits.note}" if limits.note else ""
+            lines.append(f"{name} = {toml_text(getattr(self, name))}{note}\n")
+        return "".join(lines)
+
+
+def toml_text(value: Any) -> str:
+    """Return a value as TOML has it; None is an empty text, which a person fills in."""
+    text = str(value)
+    match value:
+        case None:
+            text = '""'
+        case bool():
+            text = str(value).lower()
+        case str():
+            text = json.dumps("".join(c for c in value if c != "\x7f"), ensure_ascii=False)
+        case float():
+            text = f"{value:.10g}"
+            text += ".0" * text.lstrip("-").isdecimal()
+        case Gait():
+            alpha, beta = (f"{math.degrees(x):.10g}" for x in (value.alpha_rad, value.beta_rad))
+            rate = f"{value.omega_rad_s:.10g}"
+            text = f"\n  {{ alpha_deg = {alpha}, beta_deg = {beta}, omega_rad_s = {rate} }},"
+        case tuple():
+            parts = [toml_text(part) for part in value]
+            lines = "".join(parts)
+            text = f"[{lines}\n]" if "\n" in lines else f"[{', '.join(parts)}]"
+    return text

@@ -13,10 +13,10 @@ from typing import Any
 from ..base.errors import BadInput, RecordingFailed
 from ..base.files import read_text, write_text
 from ..base.toml_table import Table
+from .declaration import toml_text
 from .rows import read_events, session_of
 from .session import Session
 from .settings import FORMAT, Setup, amended
-from .settings_table import toml_text
 
 
 def load_session(folder: str | Path) -> Session:
@@ -61,11 +61,6 @@ def read_session(folder: str | Path) -> Session:
     details = [event.detail for event in events if event.event == "amend"]
     setup = Setup.read(amended(top, details, path))
     return session_of(setup, events, folder, notes)
-
-
-def load_setup(folder: str | Path) -> Setup:
-    """Read a session's settings alone; raises BadInput as load_session does."""
-    return read_session(folder).setup
 
 
 def write_setting(folder: Path, table: str, key: str, value: Any) -> None:

@@ -22,17 +22,20 @@ from ..base import system
 from ..base.errors import BadInput, RecordingFailed
 from .declaration import Cells
 from .folder import read_session
-from .kinds import (
+from .rows import (
+    EVENT_COLUMNS,
     LISTED,
+    ON_READINGS,
     READING_COLUMNS,
+    TORN,
     TRACK_WORDS,
     Row,
     kind_of,
     make_reading,
     reading_row,
+    reading_rows,
     words_of,
 )
-from .rows import EVENT_COLUMNS, ON_READINGS, TORN, reading_rows
 from .session import Session
 from .settings import changes
 from .track import Samples, Track

@@ -8,15 +8,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base.errors import BadInput
-from .declaration import DERIVED, PLANNED, Taken, number_field, word_field
-from .instruments import MAX_LAMBDA_DEG
-from .push_size import MAX_PLACE_SIGMA_M, unlikely_push
-from .station import BENDS, bend_in_words
+from ..model.bends import BENDS
+from .declaration import DERIVED, LENGTH_UNITS, PLANNED, Range, Taken, number_field, word_field
+from .settings import MAX_LAMBDA_DEG, MAX_PLACE_SIGMA_M
+from .station import bend_in_words
 from .track import Floats, Track
 
 WAYS = ("there", "back")
 SOURCES = ("rest", "film")  # what a push is known by: tape and watch, or a table of places
 TRACK = ("t_s", "x_m", "y_m")
+MAX_PUSH_M_S = 3.0  # at the start; robots of this size are pushed at 0.3 to 1.5 m/s
+MAX_PUSH_M = 10.0  # until it rests
+LIKELY_M_S: Range = (0.2, MAX_PUSH_M_S)
+LIKELY_M: Range = (0.1, MAX_PUSH_M)
 
 
 @dataclass(frozen=True)
@@ -126,3 +130,32 @@ class Push(Taken):
         way = math.hypot(x[-1] - x[0], y[-1] - y[0])
         turned = f", turned {math.degrees(self.turned_rad):+.2g}°" if self.turned_rad else ""
         return what, f"{self.by}: {len(t)} places, {way:.3f} m in {t[-1] - t[0]:.2f} s{turned}"
+
+
+def likely_units(speed_m_s: float, way_m: float, unit: str = "") -> list[str]:
+    """Return the units in which a push would be likely, other than the one that was taken.
+
+    unit: that one; if none is given, lengths were taken as m, but m itself counts, too.
+    """
+    found = []
+    for name, length_m in LENGTH_UNITS.items():
+        factor = length_m / LENGTH_UNITS[unit or "m"]
+        speed_fits = LIKELY_M_S[0] <= factor * speed_m_s <= LIKELY_M_S[1]
+        if name != unit and speed_fits and LIKELY_M[0] <= factor * way_m <= LIKELY_M[1]:
+            found.append(f"{name} ({factor * way_m:.2g} m from {factor * speed_m_s:.2g} m/s)")
+    return found
+
+
+def unlikely_push(speed_m_s: float, way_m: float, unit: str = "m") -> str:
+    """Return why a push cannot be so fast or so long; "" if it can.
+
+    unit: that its lengths were read in.
+    """
+    if speed_m_s <= MAX_PUSH_M_S and way_m <= MAX_PUSH_M:
+        return ""
+    units = likely_units(speed_m_s, way_m, unit)
+    instead = f"; likely instead of {unit}: {', '.join(units)}" if units else ""
+    return (
+        f"{way_m:.3g} m from {speed_m_s:.3g} m/s is no push: at most {MAX_PUSH_M:g} m and "
+        f"{MAX_PUSH_M_S:g} m/s{instead}"
+    )

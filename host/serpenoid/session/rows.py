@@ -3,36 +3,66 @@
 A line that has no end was cut short while it was written (a kill, a power cut) and does not
 count; the writer later closes it with the mark TORN. Lines are never changed: a reading is voided,
 or used again (`restore`, of older versions) by an event; a later one may say which it replaces.
+A column that the header lacks stands in the column `more` as NAME=VALUE, so that files of every age
+have the same header and older programs still read them.
 """
 
 from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
+from typing import Any
 
 from ..base.checks import check_choice
 from ..base.errors import BadInput
 from ..base.files import csv_rows, read_text
 from ..base.toml_table import check_names, located
-from .declaration import Taken
-from .kinds import (
-    DOUBTFUL,
-    KINDS,
-    OLD_KINDS,
-    READING_COLUMNS,
-    TRACK_WORDS,
-    Row,
-    make_reading,
-    words_of,
-)
+from .declaration import Cells, Taken, Word
+from .gait_run import FilmReading, GaitRun
+from .push import Push
 from .session import Event, Session
 from .settings import Setup
+from .station import BeltCheck, BendCheck, Reading, ZeroReading
 from .track import FOLDER, Track, read_track
 
+# All kinds by their names, in the order in which a session takes them.
+KINDS: dict[str, type[Taken]] = {
+    reading.kind: reading
+    for reading in (Reading, BendCheck, ZeroReading, BeltCheck, GaitRun, FilmReading, Push)
+}
+
+OLD_KINDS = {"coast": "push"}  # names of kinds in older files -> their names
+
+READING_COLUMNS = (
+    "reading",
+    "kind",
+    "time_utc",
+    "setup",
+    "replaces",
+    "lambda_deg",
+    "incline_deg",
+    "belt_speed_m_s",
+    "drift_m_s",
+    "reversed_deg",
+    "between_links_deg",
+    "alpha_deg",
+    "beta_deg",
+    "omega_rad_s",
+    "distance_m",
+    "duration_s",
+    "speed_m_s",
+    "speed_sigma_m_s",
+    "more",
+    "comment",
+)
+TRACK_WORDS = ("track", "track_sha256")  # of a kind with a track, in the column `more`
+DOUBTFUL = "doubtful"  # of a reading that is void from its first line on
+LISTED = "listed"  # of a reading that came from a list: a hash of the list up to it
+Row = Mapping[str, str]
 TORN = "#torn"
 EVENT_COLUMNS = ("time_utc", "event", "reading", "detail")
 EVENTS = (
@@ -53,6 +83,59 @@ ON_READINGS = ("void", "restore", "undo")
 Numbered = dict[int, Row]  # rows by the numbers of their readings
 
 
+def kind_of(name: str) -> type[Taken]:
+    """Return a kind of reading by its name; raises BadInput."""
+    name = OLD_KINDS.get(name, name)
+    if name not in KINDS:
+        raise BadInput(f"kind is {name!r}; it must be one of {', '.join(KINDS)}")
+    return KINDS[name]
+
+
+def reading_row(name: str, cells: Cells, plan: object = None) -> dict[str, str]:
+    """Return a row of all columns; raises BadInput for a kind or a column that is not known.
+
+    plan: the session's, which tells the words that it has and the cells have not.
+    """
+    kind = kind_of(name)
+    words = {w.column: w for w in kind.declared.values() if isinstance(w, Word)}
+    if plan is not None:
+        cells = {c: getattr(plan, c) for c, w in words.items() if w.of_plan} | dict(cells)
+    known = [f.column for f in kind.declared.values()]
+    row, more = dict.fromkeys(READING_COLUMNS, "") | {"kind": kind.kind}, []
+    for column, value in cells.items():
+        text = value if isinstance(value, str) else f"{value:.10g}"
+        if column in row:
+            row[column] = text
+        elif column not in (LISTED, DOUBTFUL, *known, *(TRACK_WORDS if kind.columns else ())):
+            known_words = ", ".join(known)
+            raise BadInput(f"unknown column {column!r}; a reading of kind {name} has {known_words}")
+        elif text and column in words:
+            word = words[column]
+            text = word.tidy(text) if word.tidy else text
+            more += [f"{column}={text}"] * (text != word.usual)
+        elif text:
+            more.append(f"{column}={text}")
+    return row | {"more": " ".join(more)}
+
+
+def words_of(row: Row) -> dict[str, str]:
+    """Return what the column `more` says, name -> text."""
+    return {name: text for name, _, text in (w.partition("=") for w in row["more"].split())}
+
+
+def make_reading(row: Row, common: Mapping[str, Any]) -> Any:
+    """Return the reading that a row of a known kind holds, of its kind's class; raises BadInput.
+
+    common: number, and where known voided, comment, time_utc and track.
+    """
+    kind, said = kind_of(row["kind"]), words_of(row)
+    values = {
+        name: field.read(row.get(field.column, "") or said.get(field.column, ""))
+        for name, field in kind.declared.items()
+    }
+    return kind(**values, **common)
+
+
 def session_of(setup: Setup, events: Sequence[Event], folder: Path, notes: list[str]) -> Session:
     """Return the session of a folder. notes: what is told of its files so far."""
     path, notes = folder / "readings.csv", list(notes)
@@ -64,7 +147,7 @@ def session_of(setup: Setup, events: Sequence[Event], folder: Path, notes: list[
     voided = _voided(rows, events, folder / "events.csv")
     session = Session(setup, (), str(path), folder=folder, events=tuple(events))
     left_out = Counter[str]()
-    for number, row in rows.items():
+    for number, row in sorted(rows.items()):
         kind = KINDS.get(row["kind"])
         if kind is None or words_of(row).get("by") == "marks":
             left_out[row["kind"] if kind is None else f"{row['kind']} by marks"] += 1

@@ -10,17 +10,13 @@ import json
 import math
 from collections import Counter
 from dataclasses import dataclass, replace
-from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
-from .checks import BendCheck, ZeroReading
-from .film import FilmReading
-from .gait_run import GaitRun
-from .kinds import KINDS
+from .gait_run import FilmReading, GaitRun
 from .push import Push
 from .settings import Setup
-from .station import Reading, bent_share
+from .station import Reading, ZeroReading, bent_share
 
 ANY_BELT = 0.07  # of a belt's true speed over the one shown, before a mark on it was timed
 NO_BELT = "The belt's speed was not checked"
@@ -54,17 +50,9 @@ class Session:
     setup
         The robot, the instruments and the plan.
     readings
-        The stations held.
+        What was measured, of every kind, by their numbers.
     where
         The session's name in errors: the readings' file if there is one.
-    gait_runs
-        Measured crawling speeds.
-    zeros
-        Zeros of the inclinometer, by reversal.
-    bends
-        Checks of a bend with a protractor.
-    further
-        Readings of all other kinds.
     folder
         The session's folder; None for a session in memory.
     notes
@@ -82,35 +70,31 @@ class Session:
     """
 
     setup: Setup
-    readings: tuple[Reading, ...]
+    readings: tuple[Any, ...]
     where: str = "session"
-    gait_runs: tuple[GaitRun, ...] = ()
-    zeros: tuple[ZeroReading, ...] = ()
-    bends: tuple[BendCheck, ...] = ()
-    further: tuple[Any, ...] = ()
     folder: Path | None = None
     notes: tuple[str, ...] = ()
     events: tuple[Event, ...] = ()
 
     def __str__(self) -> str:
         """Return the session's name, and how many readings of each kind it has."""
-        counts = Counter(reading.kind for reading in self.numbered)
+        counts = Counter(reading.kind for reading in self.readings)
         return f"{self.setup.name}: " + ", ".join(f"{n} {name}" for name, n in counts.items())
 
     @property
     def kept(self) -> tuple[Reading, ...]:
         """Return the stations that were not voided."""
-        return self._kept("station")
+        return self.kept_of("station")
 
     @property
     def kept_gait_runs(self) -> tuple[GaitRun, ...]:
         """Return the gait runs that were not voided."""
-        return self._kept("gait")
+        return self.kept_of("gait")
 
     @property
     def kept_films(self) -> tuple[FilmReading, ...]:
         """Return the measured films that were not voided."""
-        return self._kept("video")
+        return self.kept_of("video")
 
     @property
     def kept_crawls(self) -> tuple[GaitRun, ...]:
@@ -120,7 +104,7 @@ class Session:
     @property
     def kept_pushes(self) -> tuple[Push, ...]:
         """Return the pushes along a floor that were not voided."""
-        return self._kept("push")
+        return self.kept_of("push")
 
     @property
     def fitted(self) -> tuple[Reading | Push, ...]:
@@ -149,22 +133,18 @@ class Session:
         return bool(self.kept_pushes) or self.setup.plan.on == "floor"
 
     def of(self, kind: str) -> tuple[Any, ...]:
-        """Return all readings of a kind, by its name, in the order they were taken."""
-        return tuple(r for r in getattr(self, KINDS[kind].part) if r.kind == kind)
+        """Return all readings of a kind, by its name."""
+        return tuple(r for r in self.readings if r.kind == kind)
 
-    def _kept(self, kind: str) -> tuple[Any, ...]:
+    def kept_of(self, kind: str) -> tuple[Any, ...]:
+        """Return the readings of a kind that were not voided."""
         return tuple(r for r in self.of(kind) if not r.voided)
-
-    @property
-    def numbered(self) -> list[Any]:
-        """Return every reading, by their numbers."""
-        return sorted((r for kind in KINDS for r in self.of(kind)), key=attrgetter("number"))
 
     def with_reading(self, reading: Any) -> Session:
         """Return the session with one more reading; a zero knows of stations before it."""
         if isinstance(reading, ZeroReading):
-            reading = replace(reading, before=not self.readings)
-        return replace(self, **{reading.part: (*getattr(self, reading.part), reading)})
+            reading = replace(reading, before=not self.of("station"))
+        return replace(self, readings=(*self.readings, reading))
 
     @property
     def belt_scale(self) -> tuple[float, float]:
@@ -185,24 +165,20 @@ class Session:
         return mean, sum(weights) ** -0.5
 
     @property
-    def mass_sigma(self) -> float:
-        """Return the relative standard deviation of the mass; 5 % where it was not weighed."""
-        return self.setup.mass_sigma
-
-    @property
     def zero(self) -> Zero:
         """Return the inclinometer's zero and its standard deviation.
 
         Measured by reversal: the mean, with what two readings' errors leave and with half of what
         it moved between before and after. Not measured: 0, with what the set-up declares.
         """
-        kept = self._kept_zeros
+        kept = self.kept_of("zero")
         if not kept:
             return Zero(0.0, self.setup.instruments.incline_zero_sigma_rad, 0)
         means = self._zero_sides
-        moved_rad = abs(means[-1] - means[0]) / 2
         sigma_rad = self._zero_reading_sigma_rad / math.sqrt(len(kept))
-        return Zero(sum(means) / len(means), math.hypot(sigma_rad, moved_rad), len(kept))
+        return Zero(
+            sum(means) / len(means), math.hypot(sigma_rad, (means[-1] - means[0]) / 2), len(kept)
+        )
 
     @property
     def zero_moved_sigmas(self) -> float:
@@ -210,18 +186,14 @@ class Session:
         means = self._zero_sides
         if len(means) < 2:
             return 0.0
-        counts = [sum(z.before is side for z in self._kept_zeros) for side in (True, False)]
-        sigma_rad = self._zero_reading_sigma_rad * math.sqrt(sum(1 / n for n in counts))
+        counts = Counter(zero.before for zero in self.kept_of("zero"))
+        sigma_rad = self._zero_reading_sigma_rad * math.sqrt(sum(1 / n for n in counts.values()))
         return abs(means[1] - means[0]) / sigma_rad
-
-    @property
-    def _kept_zeros(self) -> tuple[ZeroReading, ...]:
-        return self._kept("zero")
 
     @property
     def _zero_sides(self) -> list[float]:
         """Return the mean zero before and after the stations, those of them that were measured."""
-        kept = self._kept_zeros
+        kept = self.kept_of("zero")
         sides = [[z.zero_rad for z in kept if z.before is side] for side in (True, False)]
         return [sum(side) / len(side) for side in sides if side]
 
@@ -240,13 +212,13 @@ class Session:
     def sha256(self) -> str:
         """Return a hash of all that a friction fit rests on: robot, gravity, zeros, readings."""
         setup = self.setup
-        readings = [replace(r, comment="", time_utc="") for r in self.numbered if r.fitted]
+        readings = [replace(r, comment="", time_utc="") for r in self.readings if r.fitted]
         rests_on = [
             repr(setup.robot),
             repr(setup.instruments),
             setup.laboratory.gravity_m_s2,
             setup.robot_table.wheels_kg,
-            self.mass_sigma,
+            setup.mass_sigma,
             *(repr(reading) for reading in readings if not reading.voided),
         ]
         return hashlib.sha256(json.dumps(rests_on).encode()).hexdigest()
@@ -254,8 +226,8 @@ class Session:
 
 def belt_checks(session: Session) -> list[tuple[float, float]]:
     """Return the belt's true speed over the one shown, and its sigma, of each timed mark."""
-    checks = (b for b in session.of("belt") if not b.voided)
-    return [(b.scale, b.scale_sigma(session.setup.instruments)) for b in checks]
+    tools = session.setup.instruments
+    return [(check.scale, check.scale_sigma(tools)) for check in session.kept_of("belt")]
 
 
 def belt_note(session: Session) -> str:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import MISSING, dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -15,14 +15,18 @@ from typing import Any
 from ..base.checks import check_number
 from ..base.errors import BadInput
 from ..base.toml_table import Table, located
-from ..model.drives import FRAME_S, ServoKind
+from ..model.bends import BENDS
 from ..model.gait import Gait
-from ..model.robot import Robot, check_links
-from ..robot.wire.protocol import frame_us
-from .declaration import in_si, number_field
-from .instruments import MAX_INCLINE_DEG, MAX_LAMBDA_DEG, MAX_SPEED_M_S, Instruments
-from .settings_table import SettingsTable, choice, in_si_units, read_by, toml_text
-from .station import BENDS
+from ..model.robot import MAX_LINKS, Robot
+from .declaration import (
+    BELT_UNITS,
+    SettingsTable,
+    in_si,
+    in_si_units,
+    number_field,
+    toml_text,
+    word_field,
+)
 
 FORMAT = 2
 PLACES = ("treadmill", "floor")  # where a plan is carried out
@@ -31,22 +35,34 @@ MAX_GRAVITY_M_S2 = 30.0
 ASSUMED_LINK_KG = 0.0756  # of the 2005 robot, where nobody has weighed this one yet
 NOT_WEIGHED = 0.05  # relative standard deviation of a mass that is an assumption
 LATER = ("mass_kg", "supply_v")  # settings that may stay empty until somebody has measured them
+# Beyond these a number is a slip of units, not a reading: the joints end before 60 degrees, the
+# snake tumbles before 45, and no treadmill runs faster than 10 m/s.
+MAX_LAMBDA_DEG, MAX_INCLINE_DEG, MAX_SPEED_M_S = 60.0, 45.0, 10.0
+MAX_ANGLE_SIGMA_DEG = math.degrees(0.2)  # beyond it no linear law of small angles holds
+MAX_PLACE_SIGMA_M = 0.05  # of a place; a tape is read to 1 to 5 mm, a film to 1 to 3 mm
+
+
+def text_field(note: str = "") -> Any:
+    """Declare a text that says something."""
+    return word_field(default=MISSING, blank=False, note=note)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Provenance(SettingsTable):
     """The table [provenance]: where the readings come from."""
 
-    kind: str = choice(*PROVENANCE, note="measured, simulated, or regenerated from published fits")
-    source: str
-    note: str
+    kind: str = word_field(
+        *PROVENANCE, default=MISSING, note="measured, simulated, or regenerated from published fits"
+    )
+    source: str = text_field()
+    note: str = text_field()
 
 
 @dataclass(frozen=True, kw_only=True)
 class RobotTable(SettingsTable):
     """The table [robot]. mass_kg: of the whole robot; None: nobody has weighed it yet."""
 
-    links: int = read_by(check_links)
+    links: int = number_field(2, MAX_LINKS)
     link_length_m: float = number_field(
         0.001,
         10.0,
@@ -98,11 +114,6 @@ class RobotTable(SettingsTable):
         return self.mass_kg is not None
 
     @property
-    def mean_link_kg(self) -> float:
-        """Return the mass over the number of links, an assumed one where nobody weighed it."""
-        return ASSUMED_LINK_KG if self.mass_kg is None else self.mass_kg / self.links
-
-    @property
     def tag_side_m(self) -> float | None:
         """Return the side of a printed tag; None where nobody said it."""
         return None if self.tag_mm is None else in_si("tag_mm", self.tag_mm)
@@ -112,26 +123,20 @@ class RobotTable(SettingsTable):
 class Laboratory(SettingsTable):
     """The table [laboratory]; friction holds for its surface alone."""
 
-    surface: str = read_by(
-        lambda value: _text("surface", value), note="what the wheels roll on; friction holds for it"
-    )
-    place: str
-    people: str
+    surface: str = text_field("what the wheels roll on; friction holds for it")
+    place: str = text_field()
+    people: str = text_field()
     gravity_m_s2: float = number_field(high=MAX_GRAVITY_M_S2, open_low=True)
 
 
-def _text(name: str, value: Any) -> str:
-    if not isinstance(value, str) or not value.strip():
-        raise BadInput(f"{name} is {value!r}; it must be text in quotes")
-    return value.strip()
-
-
-def _planned_gaits(values: Sequence[Any]) -> tuple[Gait, ...]:
+def _planned_gaits(values: Any) -> tuple[Gait, ...]:
     """Return the gaits of a list of {alpha_deg, beta_deg, omega_rad_s or frequency_hz}."""
-    return tuple(value if isinstance(value, Gait) else _planned_gait(value) for value in values)
+    return tuple(map(_planned_gait, values if isinstance(values, (list, tuple)) else [values]))
 
 
 def _planned_gait(value: Any) -> Gait:
+    if isinstance(value, Gait):
+        return value
     rates = {"omega_rad_s": 1.0, "frequency_hz": 2 * math.pi}
     named = [name for name in rates if isinstance(value, Mapping) and name in value]
     if len(named) != 1 or set(value) != {"alpha_deg", "beta_deg", *named}:
@@ -145,6 +150,95 @@ def _planned_gait(value: Any) -> Gait:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Instruments(SettingsTable):
+    """The table [instruments]: standard deviations, 0 for what is exact, and steps.
+
+    incline_sigma_deg: of one reading of the inclinometer; incline_zero_sigma_deg: of its zero.
+    belt_speed_sigma_m_s: of one belt speed past the snake. lambda_sigma_deg: of one bend,
+    joint_sigma_deg: of each joint about straight. Common to all readings: belt_scale_sigma_percent,
+    of the belt's true speed over the one shown, and mass_sigma_percent, of the mass.
+    distance_sigma_m, time_sigma_s: of tape and stopwatch. film_scale_sigma_percent: of lengths in
+    films. push_time_sigma_s: of a push timed by hand. floor_slope_sigma_deg: of the floor's slope,
+    before pushes both ways tell it.
+    """
+
+    incline_sigma_deg: float = number_field(
+        high=MAX_INCLINE_DEG,
+        open_low=True,
+        words="inclinometer: smallest step it shows (deg)",
+        note="steps of d give d / sqrt(12)",
+    )
+    incline_zero_sigma_deg: float = number_field(
+        high=MAX_INCLINE_DEG,
+        note="assumed of phones; a zero measured by reversal takes its place",
+    )
+    belt_speed_sigma_m_s: float = number_field(high=MAX_SPEED_M_S, open_low=True)
+    lambda_sigma_deg: float = number_field(
+        high=MAX_LAMBDA_DEG, note="of one bend, protractor and joints"
+    )
+    belt_scale_sigma_percent: float = number_field(
+        high=50.0, default=0.0, note="of the speed that the treadmill shows"
+    )
+    mass_sigma_percent: float = number_field(high=50.0, default=0.0, note="of the robot's mass")
+    joint_sigma_deg: float = number_field(
+        high=MAX_ANGLE_SIGMA_DEG,
+        default=0.0,
+        note="of each joint about straight: 0.5 by servos or straightedge, 1.5 by hand",
+    )
+    incline_step_percent: float = number_field(
+        high=20.0,
+        default=0.5,
+        open_low=True,
+        words="treadmill: smallest step of its incline (% or deg)",
+        note="what the treadmill can be set to",
+    )
+    belt_speed_unit: str = word_field(
+        *BELT_UNITS, note="that the treadmill shows: of a speed typed without one"
+    )
+    belt_speed_step_m_s: float = number_field(
+        high=MAX_SPEED_M_S,
+        default=0.1 / 3.6,
+        open_low=True,
+        words="belt: smallest step it can be set to",
+    )
+    belt_speed_least_m_s: float = number_field(
+        high=MAX_SPEED_M_S, default=0.0, words="belt: least speed above 0"
+    )
+    distance_sigma_m: float = number_field(
+        high=MAX_PLACE_SIGMA_M, default=0.005, note="of a gait run: tape and marks; stopwatch"
+    )
+    time_sigma_s: float = number_field(default=0.2)
+    film_scale_sigma_percent: float = number_field(
+        high=20.0, default=0.5, note="of lengths in a film of pushes"
+    )
+    push_time_sigma_s: float = number_field(
+        high=10.0, default=0.12, open_low=True, note="of a push timed by hand"
+    )
+    floor_slope_sigma_deg: float = number_field(
+        high=MAX_ANGLE_SIGMA_DEG,
+        default=0.3,
+        open_low=True,
+        note="of the floor, before both ways tell it",
+    )
+
+    incline_sigma_rad = in_si_units("incline_sigma_deg")
+    incline_zero_sigma_rad = in_si_units("incline_zero_sigma_deg")
+    lambda_sigma_rad = in_si_units("lambda_sigma_deg")
+    belt_scale_sigma = in_si_units("belt_scale_sigma_percent")
+    mass_sigma = in_si_units("mass_sigma_percent")
+    joint_sigma_rad = in_si_units("joint_sigma_deg")
+    incline_step_rad = in_si_units("incline_step_percent")
+    film_scale_sigma = in_si_units("film_scale_sigma_percent")
+    floor_slope_sigma_rad = in_si_units("floor_slope_sigma_deg")
+
+    def speed(self, distance_m: float, time_s: float) -> tuple[float, float]:
+        """Return the mean speed over a distance and its standard deviation, m/s."""
+        speed_m_s = distance_m / time_s
+        off_m = math.hypot(self.distance_sigma_m, speed_m_s * self.time_sigma_s)
+        return speed_m_s, off_m / time_s
+
+
+@dataclass(frozen=True, kw_only=True)
 class Plan(SettingsTable):
     """The table [plan]: which stations or pushes are to be taken, and which gaits to run.
 
@@ -153,9 +247,7 @@ class Plan(SettingsTable):
     afterwards, each gait_runs times. bend: "balanced", or "zigzag" for a robot that is guided.
     """
 
-    on: str = choice(
-        *PLACES, default="treadmill", note="treadmill; or floor: pushes instead of stations"
-    )
+    on: str = word_field(*PLACES, note="treadmill; or floor: pushes instead of stations")
     push_lambda_deg: tuple[float, ...] = number_field(
         high=MAX_LAMBDA_DEG, default=(0.0, 20.0, 45.0)
     )
@@ -168,13 +260,11 @@ class Plan(SettingsTable):
     incline_start_deg: float = number_field(high=MAX_INCLINE_DEG, open_low=True)
     incline_step_deg: float = number_field(high=MAX_INCLINE_DEG, open_low=True)
     belt_speed_max_m_s: float = number_field(high=MAX_SPEED_M_S, open_low=True)
-    bend: str = choice(
-        *BENDS, default="zigzag", note="balanced; or zigzag, for a robot guided on the belt"
-    )
+    bend: str = word_field(*BENDS, note="balanced; or zigzag, for a robot guided on the belt")
     gait_runs: int = number_field(
         1, 100, default=3, note="of each gait, on level ground of the same surface"
     )
-    gaits: tuple[Gait, ...] = read_by(_planned_gaits, ())
+    gaits: tuple[Gait, ...] = word_field(default=(), tidy=_planned_gaits)
 
     incline_start_rad = in_si_units("incline_start_deg")
     incline_step_rad = in_si_units("incline_step_deg")
@@ -225,14 +315,8 @@ class Setup:
     def read(cls, top: Table) -> Setup:
         """Return the set-up of a session.toml; raises BadInput."""
         top.only("format", "name", "program", "created_utc", *TABLES)
-        return cls(
-            top.string("name"),
-            Provenance.read(top.table("provenance")),
-            RobotTable.read(top.table("robot")),
-            Laboratory.read(top.table("laboratory")),
-            Instruments.read(top.table("instruments")),
-            Plan.read(top.table("plan")),
-        )
+        parts: list[Any] = [kind.read(top.table(name)) for name, kind in TABLES.items()]
+        return cls(top.string("name"), *parts)
 
     @property
     def tables(self) -> dict[str, SettingsTable]:
@@ -244,7 +328,8 @@ class Setup:
     def robot(self) -> Robot:
         """Return the robot, as weighed and measured."""
         table = self.robot_table
-        return Robot(table.links, table.mean_link_kg, table.link_length_m)
+        link_kg = ASSUMED_LINK_KG if table.mass_kg is None else table.mass_kg / table.links
+        return Robot(table.links, link_kg, table.link_length_m)
 
     def with_robot(self, robot: Robot) -> Setup:
         """Return the set-up with another robot's links, mass and length."""
@@ -275,16 +360,6 @@ class Setup:
     def weight_n(self) -> float:
         """Return the weight of the whole snake, the m g of Eqs. 58 and 60."""
         return self.robot.links * self.robot.link_mass_kg * self.laboratory.gravity_m_s2
-
-    def driving(self, kind: ServoKind) -> ServoKind:
-        """Return a kind of servo at the session's voltage and frames, where it states none."""
-        table = self.robot_table
-        if table.supply_v is not None and kind.sigma.get("supply_v"):
-            kind = kind.at_volts(table.supply_v)
-        if kind.servo.frame_s != FRAME_S:
-            return kind
-        own_ms = 1e-3 * frame_us(table.links - 1)
-        return kind.at_frames(in_si("frame_ms", table.frame_ms or own_ms))
 
     def text(self, program: str, created_utc: str) -> str:
         """Return session.toml."""

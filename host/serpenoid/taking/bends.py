@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..model.bends import balanced_signs, joint_multiples
-from ..session.checks import BendCheck
 from ..session.settings import Setup
+from ..session.station import BendCheck
 from .steps import Step
 
 NEAR_DEG = 2.5  # off a planned bend: what the protractor then shows raises no doubt

@@ -13,8 +13,8 @@ from ..base.errors import BadInput, CommandRefused, RecordingFailed, RobotError
 from ..model.gait import Gait
 from ..session.declaration import Field, Values
 from ..session.journal import Journal
-from ..session.places import EXAMPLE, drifts, tidy_places
 from ..session.session import Session
+from ..session.track import EXAMPLE, drifts, tidy_places
 from .asking import PATIENCE_S, WORDS, Again, Asker, Left, Skip, Undo, questions
 from .bends import NEAR_DEG
 from .films import FilmReader, named_file, no_films, read_crawl, take_track
@@ -134,7 +134,7 @@ class Dialogue:
 
     def _list_readings(self) -> None:
         """Show the readings since the last pose, so that `undo 7` can name one."""
-        for r in self.journal.session.numbered:
+        for r in self.journal.session.readings:
             if r.number > self._listed:
                 state = f"  void: {r.comment}" if r.voided else ""
                 self._say(f"  {r.number:4}  {'  '.join(r.in_words())}{state}")
@@ -157,7 +157,7 @@ class Dialogue:
         session, last = self.journal.session, self.journal.last
         skips = [e.detail for e in session.events if e.event == "skip" and e.reading == last]
         left_out = [key for key in skips if key in session.skipped]
-        kept = [r.number for r in session.numbered if not r.voided]
+        kept = [r.number for r in session.readings if not r.voided]
         if left_out:
             self.journal.event("unskip", detail=left_out[-1])
             self._say(f"  no longer left out: {step_in_words(left_out[-1])}")
@@ -314,5 +314,5 @@ class Dialogue:
 
 def steered_rad(session: Session) -> float | None:
     """Return the steering on every joint at the last reading that kept it; None before."""
-    kept = [r for r in (*session.readings, *session.of("push")) if r.offset_rad is not None]
+    kept = [r for r in (*session.of("station"), *session.of("push")) if r.offset_rad is not None]
     return max(kept, key=lambda r: r.number).offset_rad if kept else None

@@ -108,7 +108,7 @@ def shown_bend(session: Session, lambda_rad: float) -> float | None:
     """Return the bend that the last protractor check showed, None if it was of another bend."""
     if lambda_rad == 0.0:
         return 0.0
-    checks = [b for b in session.bends if not b.voided]
+    checks = session.kept_of("bend")
     if not checks or planned_bend(session, checks[-1].found_rad) != lambda_rad:
         return None
     return checks[-1].found_rad if checks[-1].bend == session.setup.plan.bend else None
@@ -201,4 +201,4 @@ def expected_speed(
     if straight is not None:  # a bent snake needs less speed
         speed, sigma = straight.at(math.sin(incline_rad))
         return 0.0, max(speed + SIGMAS * sigma, 0.05)
-    return None if session.readings else (0.0, most_m_s)
+    return None if session.of("station") else (0.0, most_m_s)

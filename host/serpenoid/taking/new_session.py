@@ -16,14 +16,13 @@ from ..model.bends import FEWEST_LINKS
 from ..model.gait import Gait
 from ..model.robot import check_links
 from ..session.declaration import BELT_UNITS, Field, Values
-from ..session.folder import load_setup
-from ..session.instruments import Instruments
+from ..session.folder import read_session
 from ..session.journal import csv_line, utc_now
-from ..session.kinds import READING_COLUMNS
-from ..session.rows import EVENT_COLUMNS
+from ..session.rows import EVENT_COLUMNS, READING_COLUMNS
 from ..session.settings import (
     ASSUMED_LINK_KG,
     TABLES,
+    Instruments,
     Laboratory,
     Plan,
     Provenance,
@@ -141,7 +140,7 @@ def _answers(asker: Asker, setup: Setup, given: Mapping[str, Any], on: str) -> d
             if answers.get(key) is None and place in ("", on):
                 usual = getattr(setup.tables[table], key)
                 usual = math.sqrt(12) * usual if key == STEP_KEY else usual
-                answers[key] = _number(asker, TABLES[table].limits(key), usual, unit)
+                answers[key] = _number(asker, TABLES[table].numbers()[key], usual, unit)
     return answers
 
 
@@ -212,7 +211,7 @@ def template_setup(path: str | Path | None, name: str) -> Setup:
     proposed = default_setup(name)
     if path is None:
         return proposed
-    other = load_setup(path)
+    other = read_session(path).setup
     kind, tools, plan = other.provenance.kind, other.instruments, other.plan
     if kind == "regenerated":  # its zero is that of no instrument that the new session has
         kind = "measured"

@@ -13,7 +13,7 @@ from typing import Any
 
 from ..base.errors import BadInput
 from ..session.declaration import Field, Range, Word
-from ..session.kinds import kind_of
+from ..session.rows import kind_of
 from ..session.settings import Setup
 
 _FIRST = re.compile(
@@ -120,7 +120,7 @@ def _typed_in(value: float, unit: str, field: Field) -> float:
 
 def read_cells(kind: str, cells: Iterable[str], setup: Setup) -> dict[str, Any]:
     """Return the values of one reading from NAME=VALUE pairs, derived ones too; raises BadInput."""
-    columns = [field.column for field in kind_of(kind).fields]
+    columns = [field.column for field in kind_of(kind).declared.values()]
     typed = dict[str, str]()
     for cell in cells:
         name, equals, text = cell.partition("=")
@@ -129,7 +129,7 @@ def read_cells(kind: str, cells: Iterable[str], setup: Setup) -> dict[str, Any]:
         if name in typed:
             raise BadInput(f"{name} is given twice; give it once")
         typed[name] = text
-    words = {f.column: f.read for f in kind_of(kind).fields if isinstance(f, Word)}
+    words = {f.column: f.read for f in kind_of(kind).declared.values() if isinstance(f, Word)}
     read = {c: words[c](text) if c in words else text for c, text in typed.items()}
     return completed(kind, typed_cells(kind, read), setup)
 

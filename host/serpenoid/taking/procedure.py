@@ -13,13 +13,13 @@ from dataclasses import replace
 
 from ..servos.catalogue import HOBBY
 from ..servos.speed_limit import too_fast_text
-from ..session.checks import BeltCheck, ZeroReading
+from ..session.crawls import driving
 from ..session.declaration import Cells, Field, Range, Values
 from ..session.gait_run import RUN_WAYS, GaitRun
-from ..session.places import drifts
 from ..session.session import Session, belt_checks
 from ..session.settings import Setup
-from ..session.station import LEAST_SLIP_M_S, Reading
+from ..session.station import LEAST_SLIP_M_S, BeltCheck, Reading, ZeroReading
+from ..session.track import drifts
 from .bends import bend_step
 from .expected import (
     STRAIGHT,
@@ -132,7 +132,7 @@ def _check(key: str, done: bool, step: Step, skipped: Set[str]) -> tuple[str, st
 
 
 def _zero_read(session: Session, before: bool) -> bool:
-    return any(z.before is before and not z.voided for z in session.zeros)
+    return any(zero.before is before for zero in session.kept_of("zero"))
 
 
 def next_incline_deg(session: Session, series: Series) -> float | None:
@@ -335,7 +335,7 @@ def _gait_step(session: Session) -> Step | None:
             "Once it goes steadily, film it from above for two cycles at least, or time it between "
             "two marks."
         )
-        too_fast = too_fast_text(gait, session.setup.driving(HOBBY))
+        too_fast = too_fast_text(gait, driving(session.setup, HOBBY))
         say = f"{say} {too_fast}".rstrip()
         fields = GaitRun.asked("distance_m", "duration_s")
         cells: Values = {

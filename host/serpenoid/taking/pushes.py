@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from ..base.errors import BadInput
 from ..session.declaration import Cells, Values
 from ..session.journal import Journal
-from ..session.kinds import DOUBTFUL
-from ..session.push import TRACK, WAYS, Push
-from ..session.push_size import unlikely_push
+from ..session.push import TRACK, WAYS, Push, unlikely_push
+from ..session.rows import DOUBTFUL
 from ..session.station import slips
 from ..session.track import Floats, Track
 from .track_look import Look, look_at, pushes_in

@@ -19,7 +19,7 @@ from ..base.errors import BadInput
 from ..base.tables import EMPTY_CELLS, TextTable, read_table
 from ..base.toml_table import located
 from ..session.declaration import LENGTH_UNITS
-from ..session.push_size import likely_units, unlikely_push
+from ..session.push import likely_units, unlikely_push
 from .track_look import MOVES_M_S, speeds
 
 Floats = NDArray[np.float64]

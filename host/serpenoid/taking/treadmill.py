@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from ..base.errors import NotConverged
 from ..session.declaration import Cells
 from ..session.journal import Journal
-from ..session.kinds import KINDS
+from ..session.rows import KINDS
 from ..session.session import Session
 from .procedure import doubts, next_step
 from .steps import Step, Tracked

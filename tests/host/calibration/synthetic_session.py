@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 from serpenoid import Ground, Session
-from serpenoid.session.instruments import Instruments
-from serpenoid.session.settings import Laboratory, Plan, Provenance, RobotTable, Setup
+from serpenoid.session.settings import Instruments, Laboratory, Plan, Provenance, RobotTable, Setup
 from serpenoid.session.station import Reading
 
 WHOLE_BODY_2005 = Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)  # Eqs. 59 and 62, not per link

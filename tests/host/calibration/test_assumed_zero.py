@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from serpenoid import Ground, fit_friction
-from serpenoid.session.folder import load_setup
+from serpenoid.session.folder import read_session
 from serpenoid.taking.new_session import (
     answered,
     create_session,
@@ -50,7 +50,7 @@ def test_the_interval_of_ft0_holds_where_nobody_measured_the_zero(seed, zero_deg
 
 
 def test_new_sessions_assume_half_a_degree_and_stated_numbers_stay(tmp_path):
-    old = load_setup("calibration_data/nirakh-2005").instruments
+    old = read_session("calibration_data/nirakh-2005").setup.instruments
     assert old.incline_zero_sigma_deg == 0.1
     new = template_setup("calibration_data/nirakh-2005", "mine")
     assert new.instruments == replace(old, incline_zero_sigma_deg=0.5)

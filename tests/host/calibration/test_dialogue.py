@@ -85,7 +85,7 @@ def test_a_full_disk_keeps_what_was_typed_and_tries_again(folder, monkeypatch):
     heard, session = talk(folder, ZERO, "", "")
     assert heard.count("! no room") == 2
     assert "kept as reading 1" in heard
-    assert len(session.zeros) == 1
+    assert len(session.of("zero")) == 1
 
 
 def test_the_offset_that_runs_straight_is_found_kept_and_resumed(folder):

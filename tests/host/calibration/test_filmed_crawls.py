@@ -138,12 +138,13 @@ def test_crawls_on_a_floor_that_tilts_across_are_put_right() -> None:
         for way, sign in (("there", 1.0), ("back", -1.0))
     )
     assert min(run.speed_m_s for run in runs) > 1.05 * level
-    session = replace(floor_session(), gait_runs=runs)
+    session = floor_session()
+    session = replace(session, readings=(*session.readings, *runs))
     fit = fit_friction(session)
     known = {"floor_slope_rad": LEVEL, "floor_slope_across_rad": Estimate(across_rad, 1e-5)}
     brought, words = level_session(session, replace(fit, values=np.array(TRUTH), nuisances=known))
     assert f"by {math.degrees(across_rad):.2f} ± 0.00 deg to the left of the way there" in words
-    for run in brought.gait_runs:
+    for run in brought.of("gait"):
         assert run.speed_m_s == pytest.approx(level, abs=2 * run.speed_sigma_m_s)
         assert run.speed_m_s == pytest.approx(level, rel=0.03)
 
@@ -152,7 +153,7 @@ def test_compare_holds_crawls_on_a_slope_to_the_prediction_for_level_ground(slop
     """The lab's crawls there and back are 8 % apart; no friction and no joint is to blame."""
     pushed = short_session(slope_rad=SLOPE_RAD)
     assert sloped[0].speed_m_s > 1.08 * sloped[1].speed_m_s
-    found = compare(replace(pushed, gait_runs=sloped), servo=None, samples=32)
+    found = compare(replace(pushed, readings=(*pushed.readings, *sloped)), servo=None, samples=32)
     assert found.verdict == "agrees"
     assert f"falls by {math.degrees(SLOPE_RAD):.2f} ± 0.0" in found.verdict_text
     (once,) = found.gaits
@@ -161,5 +162,5 @@ def test_compare_holds_crawls_on_a_slope_to_the_prediction_for_level_ground(slop
     for run in found.measured:
         assert abs(run.speed_m_s - once.exact_m_s) < run.speed_sigma_m_s
     level = replace(sloped[0], way="level")
-    anywhere = compare(replace(pushed, gait_runs=(level,)), servo=None, samples=32)
+    anywhere = compare(pushed.with_reading(level), servo=None, samples=32)
     assert "level ground" not in anywhere.verdict_text

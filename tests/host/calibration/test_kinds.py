@@ -7,7 +7,7 @@ import pytest
 from refusals import refused
 from serpenoid.session.folder import read_session
 from serpenoid.session.journal import Journal
-from serpenoid.session.kinds import kind_of
+from serpenoid.session.rows import kind_of
 from serpenoid.show.session.table import rows
 from serpenoid.taking.parse_number import first_number, read_cells
 
@@ -56,7 +56,7 @@ def test_what_is_no_track_is_not_kept(folder, bad):
     with Journal(folder) as journal, refused("a track"):
         journal.add("push", FILMED, samples=bad)
     assert not (folder / "tracks").exists()
-    assert read_session(folder).further == ()
+    assert read_session(folder).readings == ()
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from robots import NIRAKH_2005, OF_2005
 from serpenoid import BadInput, load_session
 from serpenoid.session import folder as session_file
-from serpenoid.session.kinds import READING_COLUMNS
+from serpenoid.session.crawls import driving
+from serpenoid.session.rows import READING_COLUMNS
 
 
 @pytest.fixture
@@ -174,15 +175,15 @@ def test_a_session_keeps_the_voltage_and_the_frames_of_its_servos(tmp_path) -> N
     run(f"new {folder} --defaults --surface wood --mass-kg 480g --volts 5.2")
     setup = session_file.read_session(folder).setup
     assert setup.robot_table.supply_v == 5.2
-    assert {s.supply_v for s in setup.driving(sn.servo("S3003")).draws(8)} == {5.2}
+    assert {s.supply_v for s in driving(setup, sn.servo("S3003")).draws(8)} == {5.2}
     session_file.write_setting(Path(folder), "robot", "supply_v", 5.6)
     session_file.write_setting(Path(folder), "robot", "frame_ms", 5.0)
     setup = session_file.read_session(folder).setup
-    assert setup.driving(sn.servo()).servo.supply_v == 5.6
-    assert {s.frame_s for s in setup.driving(sn.servo()).draws(8)} == {0.005}
+    assert driving(setup, sn.servo()).servo.supply_v == 5.6
+    assert {s.frame_s for s in driving(setup, sn.servo()).draws(8)} == {0.005}
     stated = sn.servo().at_volts(4.9).at_frames(0.01)
-    assert setup.driving(stated) == stated
+    assert driving(setup, stated) == stated
     body = replace(setup.robot_table, supply_v=None, frame_ms=None, links=11)
-    longer = replace(setup, robot_table=body).driving(sn.servo())
+    longer = driving(replace(setup, robot_table=body), sn.servo())
     assert longer.servo.frame_s == 0.0275  # what the firmware has for ten
     assert longer.sigma["supply_v"] > 0

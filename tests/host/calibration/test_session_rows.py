@@ -9,10 +9,9 @@ import pytest
 from refusals import refused
 from robots import NIRAKH_2005
 from serpenoid import fit_friction, load_session
-from serpenoid.session.checks import ZeroReading
 from serpenoid.session.folder import read_session
-from serpenoid.session.kinds import READING_COLUMNS
-from serpenoid.session.rows import EVENT_COLUMNS
+from serpenoid.session.rows import EVENT_COLUMNS, READING_COLUMNS
+from serpenoid.session.station import ZeroReading
 
 SETUP = """
 format = 2
@@ -100,11 +99,11 @@ def test_every_kind_of_reading_lands_in_its_place(folder):
         reading(7, kind="zero", incline_deg="0.1", reversed_deg="0.3"),
     )
     session = load_session(folder)
-    assert [r.number for r in session.readings] == [2, 4]
-    assert [b.number for b in session.bends] == [3]
-    assert math.degrees(session.bends[0].found_rad) == pytest.approx(15.5)
-    assert [z.before for z in session.zeros] == [True, False]
-    run = session.gait_runs[0]
+    assert [r.number for r in session.kept] == [2, 4]
+    assert [b.number for b in session.of("bend")] == [3]
+    assert math.degrees(session.of("bend")[0].found_rad) == pytest.approx(15.5)
+    assert [z.before for z in session.of("zero")] == [True, False]
+    run = session.of("gait")[0]
     assert (run.omega_rad_s, run.speed_m_s, run.speed_sigma_m_s) == (3.0, 0.1, 0.002)
     assert math.degrees(run.gait.beta_rad) == pytest.approx(75)
     assert re.search(r"1 reading\(s\) of kinds not used here \(coastdown\)", session.notes[0])
@@ -139,11 +138,12 @@ def test_readings_of_ways_that_are_gone_are_left_out_by_name_and_the_fit_stays(f
 def test_a_zero_that_moved_by_more_than_its_errors_is_in_the_uncertainty_and_told(folder):
     before = ZeroReading(1, math.radians(0.3), math.radians(-0.1))
     after = ZeroReading(5, math.radians(0.5), math.radians(0.1), before=False)
-    zero = replace(read_session(folder), zeros=(before, after)).zero
+    zero = replace(read_session(folder), readings=(before, after)).zero
     assert math.degrees(zero.value_rad) == pytest.approx(0.2)
     assert math.degrees(zero.sigma_rad) == pytest.approx(math.hypot(0.015, 0.1))
+    stations = load_session(NIRAKH_2005)
     moved, stood = (
-        fit_friction(replace(load_session(NIRAKH_2005), zeros=(before, last)))
+        fit_friction(replace(stations, readings=(*stations.readings, before, last)))
         for last in (after, replace(before, number=5, before=False))
     )
     assert "zero moved" in " ".join(moved.notes)

@@ -14,8 +14,8 @@ from scipy.integrate import solve_ivp
 from serpenoid import fit_friction
 from serpenoid.session.folder import read_session
 from serpenoid.session.journal import Journal
-from serpenoid.session.places import drifts, tidy_places
 from serpenoid.session.station import Reading
+from serpenoid.session.track import drifts, tidy_places
 from serpenoid.taking.dialogue import Dialogue
 
 NAMES = ("ct", "cn", "ft0", "fn0")

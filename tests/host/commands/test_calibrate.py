@@ -7,7 +7,7 @@ import pytest
 from command_line import answer, serpenoid
 from planned import replan
 from serpenoid import load_session
-from serpenoid.session.folder import load_setup, read_session
+from serpenoid.session.folder import read_session
 
 PLAN = "[simulated]\nseed = 3\nct = 0.084\ncn = 1.2\nft0 = 0.14\nfn0 = 0.27\n"
 
@@ -88,7 +88,7 @@ def test_readings_are_added_replaced_and_voided(folder):
     calibrate(f"void {folder} 2 --reason slipped")
     assert read_session(folder).readings[1].comment == "slipped"
     assert calibrate(f"add {folder} gait {GAIT} omega_rad_s=3.14")[0] == 0
-    assert load_session(folder).gait_runs[0].speed_m_s == pytest.approx(0.1)
+    assert load_session(folder).of("gait")[0].speed_m_s == pytest.approx(0.1)
 
 
 GAIT = "alpha_deg=70 beta_deg=75 distance_m=1 duration_s=10"
@@ -113,7 +113,7 @@ def test_a_plan_and_a_script_take_hz(folder, tmp_path):
         script.write_text(text)
         status, _, err = calibrate(f"{folder} --script {script}")
         assert (status, says in err) == (2 if says else 0, True), err
-    assert load_session(folder).gait_runs[0].omega_rad_s == pytest.approx(math.pi)
+    assert load_session(folder).of("gait")[0].omega_rad_s == pytest.approx(math.pi)
 
 
 @pytest.mark.parametrize(
@@ -150,7 +150,7 @@ def test_a_new_session_needs_answers_and_a_free_place(tmp_path, folder):
     other = tmp_path / "other"
     assert "no terminal to ask at" in calibrate(f"new {other}")[2]
     assert calibrate(f"new {other} --template {folder}")[0] == 0
-    assert load_setup(other).laboratory.surface == "belt"
+    assert read_session(other).setup.laboratory.surface == "belt"
     assert "no session here" in calibrate(f"void {tmp_path} 1")[2]
 
 

@@ -97,7 +97,7 @@ def test_enter_at_the_mass_weighs_nothing_and_undo_asks_again(tmp_path):
     assert session.setup.laboratory.surface == "belt"
     assert session.setup.robot.links == 6
     assert not session.setup.robot_table.weighs
-    assert session.mass_sigma == 0.05
+    assert session.setup.mass_sigma == 0.05
 
 
 def test_a_new_session_has_an_answer_to_words_that_take_nothing_back(tmp_path):

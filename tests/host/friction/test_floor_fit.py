@@ -35,9 +35,8 @@ def mixed_session():
     )
     stations = stations_session(stations_setup(7.5, 30.0), WHOLE_BODY_2005)
     numbered = tuple(replace(r, number=100 + r.number) for r in stations.readings)
-    record = MemoryRecord(
-        setup, replace(stations, setup=setup, readings=numbered, further=filmed.further)
-    )
+    both = replace(stations, setup=setup, readings=(*numbered, *filmed.readings))
+    record = MemoryRecord(setup, both)
     for way in ("there", "back"):
         t, x = rolled_out(0.8, TRUTH)
         cells = {"lambda_deg": 0.0, "way": way}
@@ -107,7 +106,7 @@ def test_one_way_only_is_as_sure_as_the_floor_is_level():
 def test_stations_and_pushes_are_one_fit():
     session = mixed_session()
     together = fit_friction(session)
-    alone = fit_friction(replace(session, further=()))
+    alone = fit_friction(replace(session, readings=session.kept))
     for name in together.parameters:
         assert together.parameters[name].sigma < 1.001 * alone.parameters[name].sigma
     assert together.parameters["ct"].sigma < 0.8 * alone.parameters["ct"].sigma
@@ -117,17 +116,17 @@ def test_each_reading_has_its_own_residual_among_pushes_of_all_kinds():
     session = mixed_session()
     misread = next(push for push in session.kept_pushes if push.by == "rest")
     wrong = replace(misread, distance_m=1.3 * misread.distance_m)
-    further = tuple(wrong if push == misread else push for push in session.further)
-    fit = fit_friction(replace(session, further=further))
+    readings = tuple(wrong if push == misread else push for push in session.readings)
+    fit = fit_friction(replace(session, readings=readings))
     assert session.fitted[int(np.argmax(np.abs(fit.residuals)))] == misread
 
 
 def test_a_push_that_hit_something_is_named():
     session = floor_session(seed=2)
-    first = session.further[0]
+    first = session.readings[0]
     hit = first.track.values * [1.0, 0.85, 0.85]
     wrong = replace(first, track=Track.of(first.track.columns, hit))
-    session = replace(session, further=(wrong, *session.further[1:]))
+    session = replace(session, readings=(wrong, *session.readings[1:]))
     assert "Without reading 1 chi2" in fit_friction(session).alarms[0]
 
 

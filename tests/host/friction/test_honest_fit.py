@@ -9,8 +9,7 @@ import pytest
 from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup
 from serpenoid import BadInput, NotConverged, Session, fit_friction
 from serpenoid.friction.parameters import FRICTIONS
-from serpenoid.session.checks import ZeroReading
-from serpenoid.session.station import Reading
+from serpenoid.session.station import Reading, ZeroReading
 
 TRUTH = [getattr(WHOLE_BODY_2005, name) for name in FRICTIONS]
 
@@ -47,7 +46,7 @@ def test_a_measured_zero_is_taken_off_and_known_better():
     off = math.radians(0.3)
     shown = tuple(replace(r, incline_rad=r.incline_rad + off) for r in exact.readings)
     zeros = tuple(ZeroReading(100 + k, 0.02 + off, off - 0.02, before=k == 0) for k in range(2))
-    fit = fit_friction(replace(exact, readings=shown, zeros=zeros))
+    fit = fit_friction(replace(exact, readings=(*shown, *zeros)))
     np.testing.assert_allclose(list(fit.whole_snake.values()), TRUTH, rtol=1e-6)
     assert fit.parameters["ft0"].sigma < 0.7 * fit_friction(exact).parameters["ft0"].sigma
 

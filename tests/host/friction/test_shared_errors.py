@@ -10,8 +10,8 @@ from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
 from command_line import serpenoid
 from serpenoid.friction.bends import straightness_factors
 from serpenoid.friction.result import NO_BELT
-from serpenoid.session.checks import BeltCheck
 from serpenoid.session.journal import Journal
+from serpenoid.session.station import BeltCheck
 from serpenoid.taking.new_session import answered, create_session, default_setup
 
 NAMES = ("ct", "cn", "ft0", "fn0")
@@ -41,7 +41,7 @@ def test_scales_add_in_quadrature_and_a_mark_on_the_belt_tells():
         )
         assert shared.intervals[name][1] > plain.intervals[name][1]
     check = BeltCheck(90, 0.5, 11.0, 20.0)  # it runs 10 % faster than it shows
-    told = replace(stating(made, belt_scale_sigma_percent=10.0), further=(check,))
+    told = stating(made, belt_scale_sigma_percent=10.0).with_reading(check)
     scale, sigma = told.belt_scale
     assert (scale, sigma) == (pytest.approx(1.1, abs=0.003), pytest.approx(0.011, rel=0.1))
     fit = sn.fit_friction(told)
@@ -59,7 +59,7 @@ def test_a_belt_that_nobody_checked_is_as_unsure_as_any_belt():
     notes = " ".join(fit.unmeasured)
     assert NO_BELT in notes
     assert "0 ± 0.1 degrees are assumed" in notes
-    checked = replace(made, further=(BeltCheck(90, 0.5, 28.0, 56.0),))
+    checked = made.with_reading(BeltCheck(90, 0.5, 28.0, 56.0))
     assert checked.belt_scale[1] < 0.01
     assert NO_BELT not in " ".join(sn.fit_friction(checked).unmeasured)
 

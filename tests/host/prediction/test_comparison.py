@@ -35,12 +35,12 @@ def fitted():
 
 def measured(made, amplitude=1.0, factor=1.0):
     """Return the session with one run of each gait, as joints of this amplitude would run it."""
-    runs = []
+    runs = list(made.readings)
     for k, rate in enumerate(RATES):
         v = sn.steady_gait(made.setup.robot, BINGHAM, gait(rate, amplitude), rtol=1e-3).speed_m_s
         g = gait(rate)
         runs.append(GaitRun(100 + k, g.alpha_rad, g.beta_rad, rate, factor * v, 0.01 * v))
-    return replace(made, gait_runs=tuple(runs))
+    return replace(made, readings=tuple(runs))
 
 
 def test_speeds_as_predicted_agree(fitted):
@@ -96,7 +96,8 @@ def test_a_floor_whose_slope_nobody_measured_is_no_fault_of_the_robot(fitted):
     """At 0.25 Hz a slope of 0.3 degrees takes a third of the speed."""
     made, fit = fitted
     slow = measured(made)
-    slow = replace(slow, gait_runs=(replace(slow.gait_runs[0], speed_m_s=0.036),))
+    runs = slow.of("gait")
+    slow = made.with_reading(replace(runs[0], speed_m_s=0.036))
     level = comparison.compare(slow, fit, samples=24, servo=None)
     tools = replace(slow.setup.instruments, floor_slope_sigma_deg=0.3)
     sloped = replace(slow, setup=replace(slow.setup, instruments=tools))
@@ -124,14 +125,16 @@ def test_p_values_of_what_was_drawn_are_even():
 
 def test_repeated_runs_are_one_mean(fitted):
     made, fit = fitted
-    runs = measured(made).gait_runs
+    runs = measured(made).of("gait")
     rate = runs[0].omega_rad_s * (1 + 2e-5)  # the board's clock, warmer
     twice = (
         *runs,
         replace(runs[0], number=200, speed_m_s=runs[0].speed_m_s * 1.02, omega_rad_s=rate),
         replace(runs[1], number=201, speed_m_s=9.0, voided=True),
     )
-    found = comparison.compare(replace(made, gait_runs=twice), fit, samples=16, servo=None)
+    found = comparison.compare(
+        replace(made, readings=(*made.readings, *twice)), fit, samples=16, servo=None
+    )
     assert found.gaits[0].runs == (100, 200)
     assert found.gaits[0].measured_m_s == pytest.approx(1.01 * runs[0].speed_m_s)
     assert found.gaits[0].sigma_m_s == pytest.approx(runs[0].speed_sigma_m_s / math.sqrt(2))
@@ -155,7 +158,7 @@ def test_a_gait_that_servos_cannot_follow_is_listed_and_not_judged(fitted):
     assert told.in_words().startswith("Too fast for a typical hobby servo: ")
     assert told.to_dict()["low_m_s"] is None
     run = GaitRun(100, gait(1).alpha_rad, gait(1).beta_rad, 12.6, 0.01, 0.001)
-    alone = comparison.compare(replace(made, gait_runs=(run,)), fit, samples=16)
+    alone = comparison.compare(made.with_reading(run), fit, samples=16)
     assert (alone.verdict, alone.p_value) == ("not judged", None)
     with refused("no gait run and no gait planned"):
         comparison.compare(made, fit)

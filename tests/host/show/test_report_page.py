@@ -11,10 +11,10 @@ import serpenoid as sn
 from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup
 from serpenoid import Comparison
 from serpenoid.prediction.comparison import ComparedGait
-from serpenoid.session.checks import BendCheck, ZeroReading
 from serpenoid.session.gait_run import GaitRun
 from serpenoid.session.push import Push
 from serpenoid.session.session import Event
+from serpenoid.session.station import BendCheck, ZeroReading
 from serpenoid.show.session.report_page import session_page
 from webdriver import Browser
 
@@ -75,7 +75,7 @@ def test_the_summary_and_the_counts_say_what_the_session_is(made, fit):
     assert "readings agree" in session_page(made, fit, None, None)
     assert "disagree by more than" in session_page(made, replace(fit, chi2=1e3), None, None)
     push = Push(90, 0.0, 1.0, 1.5, voided=True)
-    page = session_page(replace(made, further=(push,)), fit, None, None)
+    page = session_page(made.with_reading(push), fit, None, None)
     assert "2 voided" in page
     for row in fit.rows():
         assert f"{row.value / made.setup.robot.links:.4g} {row.unit}" in page
@@ -85,9 +85,7 @@ def test_voided_readings_remarks_and_every_kind_of_reading_are_told(made, fit):
     run = GaitRun(40, 1.2, 1.3, 3.1, 0.1, 0.002, voided=True, comment="hit the wall")
     more = replace(
         made,
-        gait_runs=(run,),
-        zeros=(ZeroReading(41, 0.002, -0.001),),
-        bends=(BendCheck(42, 0.26, 2.6),),
+        readings=(*made.readings, run, ZeroReading(41, 0.002, -0.001), BendCheck(42, 0.26, 2.6)),
     )
     events = [
         Event("2026-01-02T03:04:05.678Z", "note", 0, "warm <room>"),
@@ -133,8 +131,10 @@ def test_it_is_right_in_a_browser(made, fit, tmp_path, width, dark, paper):
     long = replace(made.readings[2], comment="the hand was on the belt, it was taken once more")
     more = replace(
         made,
-        readings=(*made.readings[:2], long, *made.readings[3:]),
-        bends=(BendCheck(42, 0.26, 2.6, voided=True, comment="a remark of many words on this"),),
+        readings=(
+            *(*made.readings[:2], long, *made.readings[3:]),
+            BendCheck(42, 0.26, 2.6, voided=True, comment="a remark of many words on this"),
+        ),
     )
     events = [Event("2026-01-02T03:04:05.678Z", "amend", 0, "instruments.belt_scale_sigma_percent")]
     page = session_page(replace(more, events=events), fit, compared(), None)

@@ -12,9 +12,8 @@ from command_line import serpenoid
 from robots import NIRAKH_2005
 from serpenoid import compare, fit_friction, load_session
 from serpenoid.prediction.speeds import speed
-from serpenoid.session.film import FilmReading
 from serpenoid.session.folder import read_session
-from serpenoid.session.gait_run import GaitRun
+from serpenoid.session.gait_run import FilmReading, GaitRun
 from serpenoid.session.journal import Journal
 from serpenoid.taking.new_session import create_session, default_setup
 
@@ -123,7 +122,7 @@ def test_films_and_timed_runs_of_one_command_are_one_gait(of_2005) -> None:
     ]
     commanded = films[1].commanded
     timed = GaitRun(9, commanded.alpha_rad, commanded.beta_rad, 3.0, made, 1e-5)
-    both = replace(session, gait_runs=(timed,))
+    both = session.with_reading(timed)
     for film in films:
         both = both.with_reading(film)
     found = compare(both, fit, samples=16, servo=None, gaits=[commanded])

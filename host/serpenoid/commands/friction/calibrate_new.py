@@ -25,7 +25,7 @@ def quantity_of(name: str) -> Callable[[Any], float | str]:
         if str(value).strip().lower() == LATER:
             return LATER
         try:
-            return read_number(str(value), RobotTable.limits(name))
+            return read_number(str(value), RobotTable.numbers()[name])
         except BadInput as error:
             raise click.BadParameter(str(error)) from None
 
@@ -116,8 +116,9 @@ def new(
     from ...model.gait import gait_name
     from ...servos.catalogue import HOBBY
     from ...servos.speed_limit import too_fast_text
+    from ...session.crawls import driving
 
     for gait in given.plan.gaits:
-        if too_fast := too_fast_text(gait, given.driving(HOBBY), gait_name(gait)):
+        if too_fast := too_fast_text(gait, driving(given, HOBBY), gait_name(gait)):
             say(f"serpenoid: warning: {too_fast}", err=True)
     return say(f"begun: {folder / 'session.toml'}; go on with `serpenoid calibrate {folder}`")

@@ -127,12 +127,11 @@ def program() -> str:
 
 def count(session: Session) -> str:
     """Return how much a session holds, in words."""
-    taken = (*session.readings, *session.gait_runs, *session.of("push"))
     counts = {
         "stations": len(session.kept),
         "pushes": len(session.kept_pushes),
         "gait runs": len(session.kept_crawls),
-        "void": sum(reading.voided for reading in taken),
+        "void": sum(reading.voided for reading in session.readings),
     }
     told = ", ".join(f"{name} {number}" for name, number in counts.items() if number)
     return told or "no reading yet"

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from ...base.errors import BadInput, ClockWrong, DamagedLine, RecordingFailed
 from ...base.files import check_file
+from ...model.robot import frame_us
 from ..wire.clock import BoardClock
-from ..wire.protocol import Hello, Telemetry, frame_us, parse
+from ..wire.protocol import Hello, Telemetry, parse
 from .recorder import TITLE
 
 if TYPE_CHECKING:

@@ -39,11 +39,6 @@ def line_limit(joints: int) -> int:
     return 80 if joints <= 5 else 20 + 12 * joints
 
 
-def frame_us(joints: int) -> int:
-    """Return the time from frame to frame of a board with so many joints."""
-    return 20_000 if joints <= 7 else 2_500 * (joints + 1)
-
-
 @dataclass(frozen=True)
 class Telemetry:
     """One frame: setpoints in rad (tail first), board time and pulses in µs, phase in rad.

@@ -135,7 +135,7 @@ def _story(session: Session) -> str:
     where = ", ".join(x for x in (place.surface, place.place, place.people) if x != "not said")
     kept = {"stations held": len(session.kept), "pushes": len(session.kept_pushes)}
     parts = [f"{n} {name}" for name, n in kept.items() if n or not any(kept.values())]
-    taken = (*session.readings, *session.of("push"))
+    taken = (*session.of("station"), *session.of("push"))
     parts.append(f"{sum(r.voided for r in taken)} voided")
     kind = escape(setup.provenance.kind)
     return (
@@ -169,7 +169,7 @@ def _readings(session: Session, fit: FrictionFit) -> str:
     fitted = zip(session.fitted, fit.residuals, strict=True)
     residuals = {reading.number: f"{round(residual, 1) + 0.0:+.1f}" for reading, residual in fitted}
     body = ""
-    for r in session.numbered:
+    for r in session.readings:
         cells = [str(r.number), *r.in_words(), residuals.get(r.number, "")]
         body += _row(cells, "void" if r.voided else "")
         remark = ": ".join(filter(None, ["voided" if r.voided else "", r.comment]))

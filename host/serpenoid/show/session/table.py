@@ -15,7 +15,7 @@ def rows(session: Session) -> list[list[str]]:
     """Return one row a reading: number, what, values, state; in the order of the numbers."""
     return [
         [str(r.number), *r.in_words(), "void" if r.voided else "", r.comment]
-        for r in session.numbered
+        for r in session.readings
     ]
 
 
