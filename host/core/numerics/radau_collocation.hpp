@@ -183,36 +183,6 @@ struct Stretch {
         return before;
     }
 
-    // The length of the parts below `limit`, to `finest`. Where the coefficients rise or fall
-    // almost evenly the line through them crosses the limit once, and touches the polynomial at
-    // both ends.
-    double below(double limit, double finest) const {
-        if (least() >= limit) return 0;
-        if (*std::max_element(b.begin(), b.end()) < limit) return to - from;
-        if (to - from <= finest) return (to - from) / 2;
-        if (even()) return (to - from) * below_on_line(limit);
-        Stretch after = *this;
-        return after.cut(0.5).below(limit, finest) + after.below(limit, finest);
-    }
-
-    // Whether no step from one coefficient to the next is twice another.
-    bool even() const {
-        double least = HUGE_VAL, most = 0;
-        for (int k = 0; k < s; ++k) {
-            const double step = (b[k + 1] - b[k]) * (b[s] > b[0] ? 1 : -1);
-            least = std::min(least, step), most = std::max(most, step);
-        }
-        return most <= 2 * least;
-    }
-
-    // The fraction of the line through the coefficients that is below `limit`; it crosses once.
-    double below_on_line(double limit) const {
-        int k = 0;
-        while (k + 1 < s && (b[k + 1] < limit) == (b[0] < limit)) ++k;
-        const double crossing = (k + (limit - b[k]) / (b[k + 1] - b[k])) / s;
-        return b[0] < limit ? crossing : 1 - crossing;
-    }
-
     // The first stretch at whose end it is below `limit`, by halving; `shortest` bounds the search.
     bool first_below(double limit, double shortest, Stretch& found) const {
         if (least() >= limit) return false;

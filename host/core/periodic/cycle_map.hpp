@@ -29,8 +29,8 @@ struct CycleState {
 // Work of the joints over the cycle, J.
 struct JointWork {
     std::vector<double> positive;  // integral of P_i^+ of each joint
-    double net = 0;
-    double doubtful = 0;  // positive work that depends on wheels whose mode is ambiguous
+    double error = 0;              // of their sum: by the samples and by ambiguous modes
+    double net = 0;                // equals what friction takes, but for errors
 };
 
 // What following a cycle gives.

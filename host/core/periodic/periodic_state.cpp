@@ -20,21 +20,8 @@ Acceptance::Acceptance(const SteadyOptions& options, const Robot& robot, const G
 }
 
 double Acceptance::excess(const SteadyState& s) const {
-    return std::max(s.speed_error / (rtol * std::max(s.speed, speed_floor)),
-                    s.power_error / wanted_power_error(s));
-}
-
-double Acceptance::positive_excess(const SteadyState& s) const {
-    return s.positive_power_error / wanted_power_error(s);
-}
-
-bool Acceptance::better(const SteadyState& s, const SteadyState& other) const {
-    const double mine = std::max(1.0, excess(s)), others = std::max(1.0, excess(other));
-    return mine < others || (mine == others && positive_excess(s) < positive_excess(other));
-}
-
-double Acceptance::wanted_power_error(const SteadyState& s) const {
-    return power_rtol * std::max(s.power, s.positive_power) + 1e-300;
+    const double watts = power_rtol * std::max(s.power, s.positive_power) + 1e-300;
+    return std::max(s.speed_error / (rtol * std::max(s.speed, speed_floor)), s.power_error / watts);
 }
 
 LevelChange::LevelChange(const SteadyState& fine, const SteadyState& coarse)

@@ -60,20 +60,12 @@ struct Acceptance {
                double omega);
 
     // How many times the errors of speed and net power are what is asked for; at most 1 is good
-    // enough for a state.
+    // enough. An error of positive power never refuses a state: it stands beside the value.
     double excess(const SteadyState& s) const;
-    // The same of positive power. A larger one never refuses a state: it stands beside the value.
-    double positive_excess(const SteadyState& s) const;
-    bool state(const SteadyState& s) const { return excess(s) <= 1; }
-    bool operator()(const SteadyState& s) const { return state(s) && positive_excess(s) <= 1; }
-    // Whether one state is known better than another: its speed and net power, then positive power.
-    bool better(const SteadyState& s, const SteadyState& other) const;
+    bool operator()(const SteadyState& s) const { return excess(s) <= 1; }
 
     double rtol, power_rtol;  // powers on dry ground: 10 rtol, for kinks of the torques limit them
     double speed_floor;       // m/s
-
-  private:
-    double wanted_power_error(const SteadyState& s) const;  // W
 };
 
 // What changed from one level (mesh or tolerance) to the next.

@@ -16,7 +16,7 @@ constexpr double kEarlier = 0.05;  // of the change before: one change may be sm
 constexpr double kLeastSettling = 4;  // levels may agree by luck
 constexpr double kRounding = 1e-15;   // of a map on smooth ground, over the scales
 constexpr double kTwice = 2;          // smooth ground: a change may be a part of the error alone
-constexpr double kKinks = 0.3;        // the same for positive power on smooth ground
+constexpr double kKinks = 0.3;        // the same for power on smooth ground
 
 // The derivative over a period in (Vx, Vy, L), of that of the image by p.
 Mat3 monodromy_of(Mat3 M, const CycleMap& map) {
@@ -56,17 +56,13 @@ SteadyState Refinement::report(const Orbit& orbit, double tolerance) const {
 // Sums over the joints. Every joint's change from the level before counts as an error, and so does
 // the mismatch of the joints' net work and what friction took.
 void Refinement::add_positive(const JointWork& work, double mismatch, SteadyState& next) {
-    const double time = map_.time();
-    double change = 0;
+    double change = work.error + mismatch;
     positive_.resize(work.positive.size());
     for (std::size_t i = 0; i < positive_.size(); ++i) {
-        next.positive_power += work.positive[i] / time;
-        change += std::fabs(work.positive[i] - positive_[i]) / time;
+        next.positive_power += work.positive[i] / map_.time();
+        change += std::fabs(work.positive[i] - positive_[i]);
     }
-    const double earlier = map_.smooth() ? kKinks : 0;
-    next.positive_power_error =
-        change + earlier * positive_change_ + (mismatch + work.doubtful) / time;
-    positive_change_ = first_ ? 0 : change;
+    next.positive_power_error = change / map_.time();
     next.abs_power = 2 * next.positive_power - next.power;
     positive_ = work.positive;
 }
@@ -142,9 +138,9 @@ SteadyState Refinement::refine(const Levels& levels, const Acceptance& accepted)
             next.converged = true;
             return next;
         }
-        next.converged = !first_ && accepted.state(next);
-        if (first_ || accepted.better(next, best)) best = next;
-        if (!first_ && accepted(best)) break;
+        next.converged = !first_ && accepted(next);
+        if (first_ || accepted.excess(next) < accepted.excess(best)) best = next;
+        if (next.converged) break;
         if (!first_) before_ = LevelChange(next, coarse_);
         coarse_ = next, first_ = false;
     }

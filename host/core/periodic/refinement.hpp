@@ -36,7 +36,6 @@ class Refinement {
     SteadyState coarse_;              // the level before
     LevelChange before_;              // and how it differed from its own coarser one
     std::vector<double> positive_{};  // and every joint's positive work
-    double positive_change_ = 0;      // and how their powers differed from its coarser ones
     Vec3 z_{};                        // and its start
     bool first_ = true;
 };

@@ -98,10 +98,8 @@ void SteadyByPieces::from_rest(CycleMap& map, FixedPoint& point, const Acceptanc
         SteadyState anew = Refinement(map, point, options)
                                .refine(levels(map, from * first_tolerance(options.rtol)), accepted);
         if (!settled && anew.slowest > 0) anew.converged = false;
-        if (anew.converged > out.converged ||
-            (anew.converged == out.converged && accepted.better(anew, out)))
-            out = anew;
-        if (out.converged && accepted(out)) break;  // another try may know positive power better
+        if (anew.converged || accepted.excess(anew) < accepted.excess(out)) out = anew;
+        if (out.converged) break;
     }
 }
 
@@ -125,8 +123,8 @@ SteadyState SteadyByPieces::solve(double omega, const SteadyOptions& options) {
         SteadyOptions wider = options;
         wider.rtol *= 10;
         const SteadyState rough = solve(omega, wider);
-        if (accepted.better(rough, out)) out = rough;
-        out.converged = out.converged && accepted.state(out);
+        if (accepted.excess(rough) < accepted.excess(out)) out = rough;
+        out.converged = out.converged && accepted(out);
     }
     return within_rounding(out);
 }

@@ -1,7 +1,8 @@
 // The positive work of a run's joints, from the dense output of its method.
 #pragma once
 
-#include <memory>
+#include <array>
+#include <vector>
 
 #include "methods/method.hpp"
 #include "scene/system.hpp"
@@ -9,20 +10,30 @@
 namespace serpenoid {
 
 // P_i^+ has a kink where a joint's power P_i changes its sign. A method that integrates it beside
-// the motion loses its order there, and shortens its steps. P_i itself is smooth within a step: the
-// polynomial through its values at Gauss's nodes is integrated between its own sign changes.
+// the motion loses its order there, and shortens its steps. P_i itself is smooth within a step:
+// parabolas through its values on four panels are integrated between their roots.
 class PositiveWork {
   public:
-    virtual ~PositiveWork() = default;
+    // For a method with dense output. The system's ledger leaves the positive work to this.
+    PositiveWork(System& system, const Method& method);
 
     // The method has taken a step from the end of the last one.
-    virtual void step() = 0;
+    void step();
 
     // Work up to a time within the last step, J.
-    virtual double until(double t) const = 0;
-};
+    double until(double t) const;
 
-// For a method with dense output. The ledger leaves the positive work to it.
-std::unique_ptr<PositiveWork> make_positive_work(System& system, const Method& method);
+  private:
+    static constexpr int kPanels = 4;
+
+    System& system_;
+    const Method& method_;
+    double start_ = 0;  // of the last step, s
+    double end_ = 0;
+    double done_ = 0;  // work before it, J
+    std::vector<double> y_;
+    std::vector<double> power_;
+    std::vector<std::array<double, 2 * kPanels + 1>> samples_;  // of every joint's power, W
+};
 
 }  // namespace serpenoid

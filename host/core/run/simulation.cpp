@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "run/make_method.hpp"
 #include "run/positive_work.hpp"
@@ -138,11 +139,11 @@ class Run {
 RunResult simulate(const RunRequest& q) {
     System system(q);
     const std::unique_ptr<Method> method = make_method(q, system);
-    std::unique_ptr<PositiveWork> positive;
-    if (q.record_energy && method->dense_order() > 0)
-        positive = make_positive_work(system, *method);
-    Recorder recorder(q, system, *method, positive.get());
-    return Run(q, system, *method, recorder, positive.get()).go();
+    std::optional<PositiveWork> positive;
+    if (q.record_energy && method->dense_order() > 0) positive.emplace(system, *method);
+    PositiveWork* const work = positive ? &*positive : nullptr;
+    Recorder recorder(q, system, *method, work);
+    return Run(q, system, *method, recorder, work).go();
 }
 
 }  // namespace serpenoid

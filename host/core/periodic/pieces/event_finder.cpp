@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "numerics/mean_positive_part.hpp"
+#include "numerics/bracketed_root.hpp"
 
 namespace serpenoid {
 

@@ -101,7 +101,7 @@ bool SlidingCycle::advance() {
             continue;
         }
         stalled = 0;
-        meter_.add(mode_, tau_, h, event.at, skipped_);
+        meter_.add(mode_, h, event.at, skipped_);
         skipped_ = 0;
         accumulate(h, event.at);
         piece_length_ = std::min(h * growth_, longest_piece_);

@@ -15,9 +15,9 @@ class WorkMeter {
 
     void start(bool wanted, double tolerance);
 
-    // Add the first x of the piece, which begins at tau and is h long. `skipped` of phase before it
-    // went by in event steps.
-    void add(const SlidingMode& mode, double tau, double h, double x, double skipped);
+    // Add the first x of the piece, which is h long. `skipped` of phase before it went by in event
+    // steps.
+    void add(const SlidingMode& mode, double h, double x, double skipped);
 
     // Wheels whose sign changed at an event.
     void changed(int wheel) { fresh_[wheel] = 1; }
@@ -25,18 +25,17 @@ class WorkMeter {
     const JointWork& work() const { return work_; }
 
   private:
-    void add_event_steps(double skipped);
-    void add_part(double tau, double h, double from, double wide);
     void add_doubt(const SlidingMode& mode, double h, double x);
 
-    double alpha_, omega_, reach_;
-    std::vector<double> lag_;  // of every joint, rad
+    double omega_;
+    double lever_;  // how far a joint moves against a wheel's force, m a rad of phase
     SlidingPiece& piece_;
     const EventFinder& events_;
-    std::vector<Lanes> torque_, rate_;
+    std::vector<Lanes> torque_;
+    std::vector<Lanes> rate_;
     std::vector<char> fresh_;  // wheels whose sliding has just begun
     JointWork work_;
-    double longest_ = 0;  // part of a piece, rad
+    double max_block_ = 0;  // rad, of five samples
     bool wanted_ = false;
 };
 

@@ -93,6 +93,7 @@ SteadyState SpectralViscous::state_of(const SteadyOptions& options, const Soluti
                                       const Solution& fine, int lane) const {
     constexpr double kRounding = 2e-15;  // of a speed, over half of body length times omega
     constexpr double kSlowest = 4e-3;    // most error of the multiplier's logarithm
+    constexpr double kPositive = 1e-6;   // most error of positive power; pieces have no limit
     constexpr double kSquared = 3;       // of the coarse error's square, what the fine one may be
     const double omega = omega_[lane];
     SteadyState to;
@@ -131,8 +132,10 @@ SteadyState SpectralViscous::state_of(const SteadyOptions& options, const Soluti
     for (int i = 0; i < 2; ++i) half[3 * i + 2] /= J, half[6 + i] *= J;
     to.monodromy = multiply(half, half);
     to.slowest_error = 4 * error + (large > 0 ? moved / large / 4 : 0);
-    to.converged = (options.rough || to.slowest_error <= kSlowest * std::fabs(to.slowest)) &&
-                   Acceptance(options, robot_, ground_, omega)(to);
+    to.converged =
+        (options.rough || to.slowest_error <= kSlowest * std::fabs(to.slowest)) &&
+        to.positive_power_error <= to.positive_power * std::max(options.rtol, kPositive) &&
+        Acceptance(options, robot_, ground_, omega)(to);
     return to;
 }
 

@@ -5,7 +5,9 @@
 // from one change of sign to the next, as absolute values. It hardly depends on where these are.
 #pragma once
 
-#include "numerics/mean_positive_part.hpp"
+#include <algorithm>
+
+#include "numerics/bracketed_root.hpp"
 #include "periodic/viscous/spectral_mesh.hpp"
 
 namespace serpenoid {
