@@ -27,32 +27,34 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0, help="of the servos; for a study in pieces")
     parser.add_argument("--count", type=int, default=None, help="of the servos that are tested")
-    given = parser.parse_args()
-    last = None if given.count is None else given.first + given.count
-    hidden = drawn(given.servos, given.seed)[given.first : last]
+    arguments = parser.parse_args()
+    last = None if arguments.count is None else arguments.first + arguments.count
+    hidden = drawn(arguments.servos, arguments.seed)[arguments.first : last]
     errors: dict[str, list[tuple[bool, float, float]]] = {}
     p_values, seconds = [], []
-    for one, test in zip(hidden, tables_of(hidden, given.seed + given.first), strict=True):
+    for servo, test in zip(
+        hidden, tables_of(hidden, arguments.seed + arguments.first), strict=True
+    ):
         begin = time.process_time()
         fit = servo_of_test(test, sn.servo())
         seconds.append(time.process_time() - begin)
         p_values.append(fit.verdict.p_value)
-        for name, true in one.truth.items():
+        for name, true in servo.truth.items():
             stated = fit.determined.get(name)
             if stated is not None:
-                held = stated.low <= true <= stated.high
+                is_inside = stated.low <= true <= stated.high
                 positive = stated.low > 0 < true
-                off = np.log(stated.value / true) if positive else stated.value - true
-                errors.setdefault(name, []).append((held, float(off), stated.sigma))
+                error = np.log(stated.value / true) if positive else stated.value - true
+                errors.setdefault(name, []).append((is_inside, float(error), stated.sigma))
     for name, values in errors.items():
-        held, off, sigma = np.array(values, dtype=float).T
+        flags, error, sigma = np.array(values, dtype=float).T
         print(
-            f"{name}: inside {held.sum():.0f} of {held.size}; off {np.sqrt(np.mean(off**2)):.2g} "
-            f"(rms), stated {np.sqrt(np.mean(sigma**2)):.2g}"
+            f"{name}: inside {flags.sum():.0f} of {flags.size}; "
+            f"error {np.sqrt(np.mean(error**2)):.2g} (rms), stated {np.sqrt(np.mean(sigma**2)):.2g}"
         )
     inside = np.array([value[0] for values in errors.values() for value in values])
-    held, missed = inside.sum(), (~inside).sum()
-    low, high = beta.ppf([0.025, 0.975], [held, held + 1], [missed + 1, missed])
+    hits, misses = inside.sum(), (~inside).sum()
+    low, high = beta.ppf([0.025, 0.975], [hits, hits + 1], [misses + 1, misses])
     low_p, middle_p = np.quantile(p_values, (0.1, 0.5))
     print(
         f"all: {100 * inside.mean():.1f} % of {inside.size} (95 % of it if they were independent: "

@@ -30,12 +30,12 @@ def main() -> None:
     parser.add_argument("--sessions", type=int, required=True, help="of each kind; 20 at least")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, default=Path("bench-out"))
-    asked = parser.parse_args()
-    run, draw = STUDIES[asked.study]
-    found = list(run(asked.sessions, asked.seed, print))
-    rows = [asdict(row) for row in found]
-    asked.out.mkdir(parents=True, exist_ok=True)
-    path = asked.out / f"{asked.study}.json"
+    arguments = parser.parse_args()
+    run, draw = STUDIES[arguments.study]
+    results = list(run(arguments.sessions, arguments.seed, print))
+    rows = [asdict(row) for row in results]
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    path = arguments.out / f"{arguments.study}.json"
     path.write_text(json.dumps(rows, indent=2) + "\n")
     draw(rows, path.with_suffix(".png"))
     print(*rows, sep="\n")

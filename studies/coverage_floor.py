@@ -138,25 +138,33 @@ class FloorTables:
     driven: DrivenTable
 
 
-def one_floor(case: FloorCase, seed: int, number: int, tables: FloorTables) -> list[float] | None:
+def run_floor_session(
+    case: FloorCase, seed: int, number: int, tables: FloorTables
+) -> list[float] | None:
     """Take and fit a session; return what held, widths, errors and minutes; None where refused."""
     grain = round(1e4 * case.camera.sigma_m)
     rng = np.random.default_rng([seed, grain, case.pushes, number])
     amplitude = 1.0 + AMPLITUDE_SIGMA * float(rng.normal())
     person = drawn_person(case, rng, amplitude)
-    taken = take_all(MemoryRecord(floor_setup(case)), person)
+    session = take_all(MemoryRecord(floor_setup(case)), person)
     try:
-        fit = fit_friction(taken, seed=number)
+        fit = fit_friction(session, seed=number)
     except SerpenoidError:
         return None
     bands = _bands(fit, rng, tables)
     ends = np.vstack([[fit.intervals[name] for name in FRICTIONS], *bands])
     crawls = crawl_speed(person.robot, scaled(GAIT, amplitude))
     true = np.append(WHOLE, [float(tables.speed(WHOLE[None, :])[0]), crawls])
-    held = (ends[:, 0] <= true) & (true <= ends[:, 1])
+    inside_flags = (ends[:, 0] <= true) & (true <= ends[:, 1])
     errors = np.abs(np.array(list(fit.whole_snake.values())) / WHOLE - 1.0)
-    off = _unseen(fit, case, person, amplitude, UNSEEN[number % len(UNSEEN)])
-    return [*held, *(ends[:, 1] - ends[:, 0]) / true / 2, *errors, *off, person.t_s / 60]
+    gait_errors = _unseen(fit, case, person, amplitude, UNSEEN[number % len(UNSEEN)])
+    return [
+        *inside_flags,
+        *(ends[:, 1] - ends[:, 0]) / true / 2,
+        *errors,
+        *gait_errors,
+        person.t_s / 60,
+    ]
 
 
 def _unseen(
@@ -164,34 +172,37 @@ def _unseen(
 ) -> list[float]:
     """Return what an unseen gait's speed is off by, the amplitude known and as commanded."""
     ideal = crawl_speed(replace(person.robot, servo=None), scaled(gait, amplitude))
-    off = abs(speed(fit.robot, fit.ground, gait) / ideal - 1.0)
-    return [abs(speed(fit.robot, fit.ground, scaled(gait, amplitude)) / ideal - 1.0), off]
+    commanded_error = abs(speed(fit.robot, fit.ground, gait) / ideal - 1.0)
+    return [
+        abs(speed(fit.robot, fit.ground, scaled(gait, amplitude)) / ideal - 1.0),
+        commanded_error,
+    ]
 
 
 def _bands(
     fit: FrictionFit, rng: np.random.Generator, tables: FloorTables
 ) -> list[tuple[float, float]]:
     """Return the bands of GAIT's speed, of frictions alone and of a driven robot."""
-    whole = fit.sample_whole(_SPEED_SAMPLES)
+    frictions = fit.sample_whole(_SPEED_SAMPLES)
     amplitudes = 1.0 + AMPLITUDE_SIGMA * rng.normal(size=_SPEED_SAMPLES)
     servos = tables.driven.some(_SPEED_SAMPLES, rng)
-    return [band(tables.speed(whole)), band(tables.driven(whole, amplitudes, servos))]
+    return [band(tables.speed(frictions)), band(tables.driven(frictions, amplitudes, servos))]
 
 
-def judged_floor(case: FloorCase, found: list[list[float] | None]) -> FloorCoverage:
+def judged_floor(case: FloorCase, rows: list[list[float] | None]) -> FloorCoverage:
     """Return the shares of a case's sessions."""
-    told: NDArray[np.float64] = np.array([row for row in found if row is not None], dtype=float)
-    middle = np.median(told, axis=0)
+    fitted: NDArray[np.float64] = np.array([row for row in rows if row is not None], dtype=float)
+    middle = np.median(fitted, axis=0)
     return FloorCoverage(
         case.name,
-        len(told),
-        len(found) - len(told),
-        *told[:, :6].mean(axis=0).tolist(),
-        sigma=math.sqrt(0.95 * 0.05 / len(told)),
+        len(fitted),
+        len(rows) - len(fitted),
+        *fitted[:, :6].mean(axis=0).tolist(),
+        sigma=math.sqrt(0.95 * 0.05 / len(fitted)),
         errors=tuple(middle[12:16].tolist()),
         half_widths=tuple(middle[6:12].tolist()),
         unseen=float(middle[16]),
-        unseen_90=float(np.quantile(told[:, 16], 0.9)),
+        unseen_90=float(np.quantile(fitted[:, 16], 0.9)),
         unseen_commanded=float(middle[17]),
         minutes=float(middle[18]),
     )
@@ -200,14 +211,14 @@ def judged_floor(case: FloorCase, found: list[list[float] | None]) -> FloorCover
 def floor_tables(_cases: Sequence[FloorCase] = ()) -> FloorTables:
     """Return GAIT's speeds, over frictions some per cent about the truth, and servos."""
     robot = default_setup("floor coverage").robot
-    near: dict[str, Any] = {"box": (0.8 * WHOLE, 1.2 * WHOLE), "kernel": "cubic"}
-    table = SpeedTable(robot, GAIT, **near)
-    return FloorTables(table, DrivenTable(robot, table, **near))
+    limits: dict[str, Any] = {"box": (0.8 * WHOLE, 1.2 * WHOLE), "kernel": "cubic"}
+    table = SpeedTable(robot, GAIT, **limits)
+    return FloorTables(table, DrivenTable(robot, table, **limits))
 
 
 STUDY = Study(
     CASES,
     floor_tables,
-    one_floor,
+    run_floor_session,
     lambda case, results: [judged_floor(case, results)],
 )

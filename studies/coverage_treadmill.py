@@ -101,8 +101,8 @@ class DrivenTable:
     def __init__(self, robot: Robot, table: SpeedTable, servos: int = _SERVOS, **more: Any):
         self._amplitudes = np.array([1.0 - AMPLITUDE_SIGMA, 1.0, 1.0 + AMPLITUDE_SIGMA])
         ends = self._amplitudes[[0, 2]]
-        others = [SpeedTable(robot, scaled(GAIT, a), **more) for a in ends]
-        self._tables = (others[0], table, others[1])
+        scaled_tables = [SpeedTable(robot, scaled(GAIT, a), **more) for a in ends]
+        self._tables = (scaled_tables[0], table, scaled_tables[1])
         ideal = steady_gait(robot, ground_of(robot.links, WHOLE.tolist()), GAIT, rtol=1e-4)
         speeds = drawn_servo_speeds([ideal] * servos, SERVOS.draws(servos))
         self.shares = speeds / ideal.speed_m_s
@@ -112,15 +112,18 @@ class DrivenTable:
         return np.resize(rng.permutation(self.shares), count)
 
     def __call__(
-        self, whole: NDArray[np.float64], amplitude: NDArray[np.float64], share: NDArray[np.float64]
+        self,
+        frictions: NDArray[np.float64],
+        amplitude: NDArray[np.float64],
+        share: NDArray[np.float64],
     ) -> NDArray[np.float64]:
         """Return the speeds of (count, 4) frictions, each with an amplitude and a servo's share."""
-        low, mid, high = (table(whole) for table in self._tables)
+        low, mid, high = (table(frictions) for table in self._tables)
         x = (amplitude - 1.0) / AMPLITUDE_SIGMA
         return share * (mid + x * (high - low) / 2 + x * x * ((high + low) / 2 - mid))
 
 
-def one(
+def run_session(
     case: Case, seed: int, number: int, tables: tuple[SpeedTable, DrivenTable]
 ) -> list[float] | None:
     """Take and fit a session; return what held, half widths, readings; None where refused."""
@@ -137,9 +140,9 @@ def one(
     truth = drawn_truth(setup, WHOLE_2005, rng, SERVOS)
     truth = replace(truth, incline_scale=1.0 + STEP_SIGMA * float(rng.normal()))
     treadmill = SimulatedPerson(setup, truth, int(rng.integers(2**31)))
-    taken = take_all(MemoryRecord(setup), treadmill)
+    session = take_all(MemoryRecord(setup), treadmill)
     try:
-        fit = fit_friction(taken)
+        fit = fit_friction(session)
     except SerpenoidError:
         return None
     drawn = fit.sample_whole(_SPEED_SAMPLES)
@@ -148,22 +151,22 @@ def one(
     crawls = crawl_speed(treadmill.robot, scaled(GAIT, float(amplitudes[0])))
     ends = np.vstack([[fit.intervals[name] for name in FRICTIONS], band(table(drawn)), band(both)])
     true = np.append(WHOLE, [float(table(WHOLE[None, :])[0]), crawls])
-    held = (ends[:, 0] <= true) & (true <= ends[:, 1])
-    return [*held, *(ends[:, 1] - ends[:, 0]) / true / 2, len(taken.kept)]
+    inside_flags = (ends[:, 0] <= true) & (true <= ends[:, 1])
+    return [*inside_flags, *(ends[:, 1] - ends[:, 0]) / true / 2, len(session.kept)]
 
 
-def judged(case: Case, found: list[list[float] | None]) -> Coverage:
+def judged(case: Case, rows: list[list[float] | None]) -> Coverage:
     """Return the shares of a case's sessions."""
-    told: NDArray[np.float64] = np.array([row for row in found if row is not None], dtype=float)
-    shares = told[:, :6].mean(axis=0).tolist()
-    widths = np.median(told[:, 6:12], axis=0).tolist()
+    fitted: NDArray[np.float64] = np.array([row for row in rows if row is not None], dtype=float)
+    shares = fitted[:, :6].mean(axis=0).tolist()
+    widths = np.median(fitted[:, 6:12], axis=0).tolist()
     return Coverage(
         case.name,
-        len(told),
-        len(found) - len(told),
-        float(told[:, 12].mean()),
+        len(fitted),
+        len(rows) - len(fitted),
+        float(fitted[:, 12].mean()),
         *shares,
-        sigma=math.sqrt(0.95 * 0.05 / len(told)),
+        sigma=math.sqrt(0.95 * 0.05 / len(fitted)),
         half_widths=tuple(widths),
     )
 
@@ -175,4 +178,4 @@ def speed_tables(_cases: Sequence[Case] = ()) -> tuple[SpeedTable, DrivenTable]:
     return table, DrivenTable(robot, table, **_TABLE)
 
 
-STUDY = Study(CASES, speed_tables, one, lambda case, results: [judged(case, results)])
+STUDY = Study(CASES, speed_tables, run_session, lambda case, results: [judged(case, results)])

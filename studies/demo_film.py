@@ -31,39 +31,39 @@ SECONDS = 2.2 * GAIT.period_s
 def world() -> World:
     """Return the demo's robot on its ground; its servos lag and miss the commanded angle."""
     rng = np.random.default_rng(2005)
-    whole = LabRobot.whole(sn.Robot(6, 0.0756, 0.076), sn.Ground(0.084, 1.2, 0.14, 0.27))
-    robot = whole.drawn(rng, math.radians(1.5), 0.1)
+    whole_robot = LabRobot.whole(sn.Robot(6, 0.0756, 0.076), sn.Ground(0.084, 1.2, 0.14, 0.27))
+    robot = whole_robot.drawn(rng, math.radians(1.5), 0.1)
     servos = Servos(rng.uniform(0.02, 0.035, 5), rng.uniform(0.9, 0.97, 5))
     return crawled(robot, servos, GAIT, set_points(GAIT, 8.0))
 
 
-def truth(made: World) -> dict[str, Any]:
+def truth(film_world: World) -> dict[str, Any]:
     """Return the commanded gait, and what the lab knows, in SI units."""
     return {
         "alpha_rad": GAIT.alpha_rad,
         "beta_rad": GAIT.beta_rad,
         "omega_rad_s": GAIT.omega_rad_s,
-        "links": made.links,
+        "links": film_world.links,
         "link_length_m": 0.076,
-        "speed_m_s": made.speed_m_s,
-        "turn_rad_s": made.turn_rad_s,
-        "amplitude_rad": made.amplitude_rad.tolist(),
-        "phase_rad": (made.phase_rad - made.phase_rad[0]).tolist(),
+        "speed_m_s": film_world.speed_m_s,
+        "turn_rad_s": film_world.turn_rad_s,
+        "amplitude_rad": film_world.amplitude_rad.tolist(),
+        "phase_rad": (film_world.phase_rad - film_world.phase_rad[0]).tolist(),
     }
 
 
 def main() -> None:
     """Write film and truth."""
     FOLDER.mkdir(exist_ok=True)
-    made, rng = world(), np.random.default_rng(7)
+    film_world, rng = world(), np.random.default_rng(7)
     body = Body(
         6,
         mount_m=rng.normal(size=(6, 3)) * [0.002, 0.002, 0.001],
         turn_rad=np.radians(1.5) * rng.normal(size=6),
         slope=0.02 * rng.normal(size=(6, 2)),
     )
-    shoot(made, FOLDER / "film.mp4", LENS, body, SECONDS, crf=24)
-    (FOLDER / "truth.json").write_text(json.dumps(truth(made), indent=2) + "\n")
+    shoot(film_world, FOLDER / "film.mp4", LENS, body, SECONDS, crf=24)
+    (FOLDER / "truth.json").write_text(json.dumps(truth(film_world), indent=2) + "\n")
 
 
 if __name__ == "__main__":

@@ -59,8 +59,8 @@ def plain(rng: np.random.Generator, links: int = 6, tilt_deg: float | None = Non
         slope=0.02 * rng.normal(size=(links, 2)),
     )
     tilt = math.radians(rng.uniform(5, 45) if tilt_deg is None else tilt_deg)
-    around, far = rng.uniform(0, math.tau), rng.uniform(0.7, 1.2) * links / 6
-    eye = far * np.array(
+    around, distance_m = rng.uniform(0, math.tau), rng.uniform(0.7, 1.2) * links / 6
+    eye = distance_m * np.array(
         [math.sin(tilt) * math.cos(around), math.sin(tilt) * math.sin(around), math.cos(tilt)]
     )
     lens = Lens(
@@ -68,7 +68,7 @@ def plain(rng: np.random.Generator, links: int = 6, tilt_deg: float | None = Non
         (0.0, 0.0, body.height_m),
         2 * round(320 * max(1, links / 6)),
         2 * round(240 * max(1, links / 6)),
-        rng.uniform(26, 31) / body.side_m * far,
+        rng.uniform(26, 31) / body.side_m * distance_m,
         k1=rng.uniform(-0.1, 0.1),
         k2=rng.uniform(-0.03, 0.03),
         middle_px=tuple(3 * rng.normal(size=2)),
@@ -139,17 +139,17 @@ def shot(scene: Scene, path: Path, seed: int) -> Path:
     return write(path, [camera.frame(t) for t in t_s], t_s - t_s[0])
 
 
-def errors(found: FilmMeasurement, world: World) -> tuple[Errors, Errors]:
+def errors(measurement: FilmMeasurement, world: World) -> tuple[Errors, Errors]:
     """Return the numbers' errors, in % and degrees, and the same in their standard deviations."""
-    run = found.run
+    run = measurement.run
 
     def of_joints(name: str) -> np.ndarray:
         return np.array([getattr(joint, name) for joint in run.joints])
 
-    late = of_joints("phase_rad") - world.phase_rad + world.phase_rad[0]
-    off = {
+    lag_error = of_joints("phase_rad") - world.phase_rad + world.phase_rad[0]
+    deviation = {
         "amplitude": of_joints("amplitude_rad") - world.amplitude_rad,
-        "phase": (late[1:] + math.pi) % math.tau - math.pi,
+        "phase": (lag_error[1:] + math.pi) % math.tau - math.pi,
         "centre": of_joints("offset_rad") - world.offset_rad,
         "turn": np.array([run.turn_rad_s - world.turn_rad_s]),
         "speed": np.array([run.speed_m_s - world.speed_m_s]),
@@ -163,10 +163,10 @@ def errors(found: FilmMeasurement, world: World) -> tuple[Errors, Errors]:
         "speed": run.speed_sigma_m_s,
         "rate": run.omega_sigma_rad_s,
     }
-    size = {name: np.degrees(error) for name, error in off.items()}
+    size = {name: np.degrees(error) for name, error in deviation.items()}
     for name, true in (("speed", world.speed_m_s), ("rate", world.omega_rad_s)):
-        size[name] = 100 * off[name] / true
-    return size, {name: error / sigma[name] for name, error in off.items()}
+        size[name] = 100 * deviation[name] / true
+    return size, {name: error / sigma[name] for name, error in deviation.items()}
 
 
 def measured(world: str, films: int, seed: int) -> Iterator[tuple[Errors, Errors]]:
@@ -176,15 +176,16 @@ def measured(world: str, films: int, seed: int) -> Iterator[tuple[Errors, Errors
             scene = WORLDS[world](np.random.default_rng([seed, k]))
             path = shot(scene, Path(folder) / "film.mp4", k)
             try:
-                found = measure_film(path, scene.body.links, LINK_M)
+                measurement = measure_film(path, scene.body.links, LINK_M)
             except BadInput as error:
                 print(f"{world} {k}: refused: {str(error)[len(str(path)) :]}", flush=True)
                 continue
-            size, z = errors(found, scene.world)
-            lost = 1 - found.watched.sightings.seen.mean()
+            size, z = errors(measurement, scene.world)
+            lost = 1 - measurement.watched.sightings.seen.mean()
             print(
-                f"{world} {k}: {len(found.measured.track.t_s)} frames, {100 * lost:.0f} % of the "
-                f"tags lost, speed {size['speed'][0]:+.3f} % ({z['speed'][0]:+.1f} sigma), "
+                f"{world} {k}: {len(measurement.measured.track.t_s)} frames, "
+                f"{100 * lost:.0f} % of the tags lost, "
+                f"speed {size['speed'][0]:+.3f} % ({z['speed'][0]:+.1f} sigma), "
                 f"amplitude {np.abs(size['amplitude']).max():.2f}, "
                 f"phase {np.abs(size['phase']).max():.2f} degrees",
                 flush=True,
@@ -212,9 +213,9 @@ def main() -> None:
     parser.add_argument("world", choices=[*WORLDS, "worlds"])
     parser.add_argument("--films", type=int, default=8)
     parser.add_argument("--seed", type=int, default=1)
-    given = parser.parse_args()
-    for world in list(WORLDS)[1:] if given.world == "worlds" else [given.world]:
-        films = list(measured(world, given.films, given.seed))
+    arguments = parser.parse_args()
+    for world in list(WORLDS)[1:] if arguments.world == "worlds" else [arguments.world]:
+        films = list(measured(world, arguments.films, arguments.seed))
         if films:
             print(f"{world}: {summary(films)}\n", flush=True)
 

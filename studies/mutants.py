@@ -110,13 +110,13 @@ def first_failure(tests: list[str]) -> str:
     return failed[1] if failed else "" if done.returncode == 0 else "cannot be collected"
 
 
-def run(chosen: list[Mutant], whole: bool) -> dict[str, str]:
+def run(chosen: list[Mutant], all_tests: bool) -> dict[str, str]:
     """Break the tree by each mutant; return which test noticed, nothing for those that live."""
     noticed = {}
     for mutant in chosen:
         begin = time.monotonic()
         with broken(mutant):
-            test = first_failure(mutant.tests) or (first_failure(["tests"]) if whole else "")
+            test = first_failure(mutant.tests) or (first_failure(["tests"]) if all_tests else "")
         noticed[mutant.name] = test
         print(f"{mutant.name}: {test or 'LIVES'} ({time.monotonic() - begin:.0f} s)", flush=True)
     build()
@@ -129,24 +129,24 @@ def main() -> int:
     parser.add_argument("names", nargs="*", help="how names begin")
     parser.add_argument("--whole", action="store_true")
     parser.add_argument("--write", action="store_true")
-    given = parser.parse_args()
-    chosen = [m for m in mutants() if m.name.startswith(tuple(given.names) or "")]
+    arguments = parser.parse_args()
+    chosen = [m for m in mutants() if m.name.startswith(tuple(arguments.names) or "")]
     objections = list(filter(None, (mutant.objection() for mutant in chosen)))
     if objections:
         raise SystemExit("\n".join(objections))
-    noticed = run(chosen, given.whole)
+    noticed = run(chosen, arguments.whole)
     tests = sorted({test for test in noticed.values() if ".py" in test})
     while tests and (wrong := first_failure(tests)):
         print(f"{wrong} fails without any mutant: it counts for nothing")
         tests.remove(wrong)
         noticed = {name: "" if test == wrong else test for name, test in noticed.items()}
     died = {name for name, test in noticed.items() if test}
-    before = set(killed())
+    killed_before = set(killed())
     print(f"{len(died)} of {len(noticed)} died")
-    if given.write:
-        names = [m.name for m in mutants() if m.name in (before - noticed.keys()) | died]
+    if arguments.write:
+        names = [m.name for m in mutants() if m.name in (killed_before - noticed.keys()) | died]
         KILLED.write_text("".join(f"{name}\n" for name in names))
-    risen = sorted((before & noticed.keys()) - died)
+    risen = sorted((killed_before & noticed.keys()) - died)
     print("".join(f"lives, and died before: {name}\n" for name in risen), end="")
     return int(bool(risen))
 

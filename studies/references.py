@@ -10,18 +10,18 @@ from serpenoid.bench.scipy_peer import solve
 
 def main() -> None:
     """Solve each by SciPy's DOP853; it is known to the distance from one ten times looser."""
-    kept = json.loads(FILE.read_text())
+    solutions = json.loads(FILE.read_text())
     for problem in problems():
         if problem.ground.dry:
             continue  # kept as it is
-        end, other = (solve(problem, "DOP853", tolerance) for tolerance in (1e-13, 1e-12))
-        kept[problem.name] = {
+        end, coarse_end = (solve(problem, "DOP853", tolerance) for tolerance in (1e-13, 1e-12))
+        solutions[problem.name] = {
             "problem": as_kept(problem),
             "first": problem.first.tolist(),
             "end": end.tolist(),
-            "known_to": max(problem.error(other, end), 1e-14),
+            "known_to": max(problem.error(coarse_end, end), 1e-14),
         }
-    FILE.write_text(json.dumps(kept, indent=1) + "\n")
+    FILE.write_text(json.dumps(solutions, indent=1) + "\n")
 
 
 if __name__ == "__main__":

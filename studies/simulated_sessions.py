@@ -37,20 +37,20 @@ class MemoryRecord(Journal):
         common: dict[str, Any] = {"number": self._count, "comment": comment}
         if samples is not None:
             common["track"] = Track.of(kind_of(kind).columns, samples)
-        made = make_reading(reading_row(kind, cells, self.session.setup.plan), common)
+        reading = make_reading(reading_row(kind, cells, self.session.setup.plan), common)
         if replaces:
-            kept = (
+            readings = (
                 replace(r, voided=True) if r.number == replaces else r
                 for r in self.session.readings
             )
-            self.session = replace(self.session, readings=tuple(kept))
-        self.session = self.session.with_reading(made)
+            self.session = replace(self.session, readings=tuple(readings))
+        self.session = self.session.with_reading(reading)
         return self._count
 
     def event(self, event: str, reading: int = 0, detail: str = "") -> None:
         """Keep one event."""
-        told = Event("", event, reading, detail)
-        self.session = replace(self.session, events=(*self.session.events, told))
+        event_row = Event("", event, reading, detail)
+        self.session = replace(self.session, events=(*self.session.events, event_row))
 
 
 def drawn_truth(

@@ -41,7 +41,7 @@ class SpeedTable:
             speeds = list(pool.map(lambda g: speed(robot, g, gait), grounds))
         self._of = RBFInterpolator(unit, np.array(speeds), neighbors=neighbours, kernel=kernel)
 
-    def __call__(self, whole: Array) -> Array:
+    def __call__(self, frictions: Array) -> Array:
         """Return the speeds of (count, 4) frictions of the whole snake."""
         low, high = self._box
-        return self._of(np.clip((whole - low) / (high - low), 0.0, 1.0))
+        return self._of(np.clip((frictions - low) / (high - low), 0.0, 1.0))

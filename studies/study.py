@@ -39,8 +39,8 @@ class Study:
         with all_cores() as pool:
             for number, case in enumerate(self.cases, 1):
                 numbers = range(max(sessions // self.rarer(case), 1))
-                one = partial(_session, self.session, case, seed, world)
-                results = list(pool.map(one, numbers, chunksize=10))
+                run_case = partial(_session, self.session, case, seed, world)
+                results = list(pool.map(run_case, numbers, chunksize=10))
                 tell(f"case {number} of {len(self.cases)}: {len(results)} sessions")
                 yield from self.rows(case, results)
 
