@@ -87,12 +87,10 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
             "one turns within a second, and is then not held by this law. Was it guided? If not, "
             "take them again in the balanced bend."
         )
-    for voided, kind in (
-        (len(session.readings) - len(session.kept), "reading"),
-        (sum(push.voided for push in session.of("push")), "push"),
-    ):
+    for kind, name in (("station", "reading"), ("push", "push")):
+        voided = sum(reading.voided for reading in session.of(kind))
         if voided:
-            notes.append(f"{voided} voided {kind}(s) left out.")
+            notes.append(f"{voided} voided {name}(s) left out.")
     if fit.method == "naive":
         notes.append(
             "Naive intervals leave out the errors that readings share (bend, inclinometer zero, "
