@@ -194,8 +194,8 @@ def main() -> None:
     """Write all of it anew."""
     shutil.rmtree(OUT, ignore_errors=True)
     pages(OUT / "static")
-    there = build_playground.build(OUT / "pages" / "playground")
-    front = PLAYGROUND if there else NO_PLAYGROUND
+    has_playground = build_playground.build(OUT / "pages" / "playground")
+    front = PLAYGROUND if has_playground else NO_PLAYGROUND
     (OUT / "front.md").write_text(front, encoding="utf-8")
     for name, text in (
         ("commands", command_page()),

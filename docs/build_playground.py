@@ -64,8 +64,8 @@ def _run(command: list[str]) -> None:
 def compile_core(build: Path) -> Path:
     """Compile what is newer than its object, link it, and return the module's script."""
     build.mkdir(parents=True, exist_ok=True)
-    every = sorted(CORE.rglob("*.cpp"))
-    sources = [p for p in every if p.relative_to(CORE).parts[0] not in LEFT_OUT]
+    sources = sorted(CORE.rglob("*.cpp"))
+    sources = [p for p in sources if p.relative_to(CORE).parts[0] not in LEFT_OUT]
     sources += sorted(FIRMWARE.glob("gait/*.cpp"))
     headers = [*CORE.rglob("*.hpp"), *FIRMWARE.glob("*/*.h"), Path(__file__)]
     newest = max(p.stat().st_mtime for p in headers)
@@ -109,8 +109,8 @@ def low_end_weights() -> list[float]:
 def tables() -> str:
     """Return what the page takes from the package: kinds of servos, and weights of a band."""
     kinds = {name: _kind(kind) for name, kind in SERVOS.items()}
-    given = {"lowEndWeights": low_end_weights(), "servos": kinds}
-    return f"const TABLES = {json.dumps(given, separators=(',', ':'))};\n"
+    data = {"lowEndWeights": low_end_weights(), "servos": kinds}
+    return f"const TABLES = {json.dumps(data, separators=(',', ':'))};\n"
 
 
 def page(module: Path) -> str:
@@ -128,7 +128,7 @@ def page(module: Path) -> str:
     return text
 
 
-def build(out: Path, alone: bool = False) -> bool:
+def build(folder: Path, standalone: bool = False) -> bool:
     """Write the page into a folder; False, and a line that says so, without emscripten.
 
     alone: no documentation stands beside it, and it has no link there.
@@ -136,11 +136,11 @@ def build(out: Path, alone: bool = False) -> bool:
     if not shutil.which("em++"):
         print("no playground: emscripten is not here (Debian: apt-get install emscripten)")
         return False
-    out.mkdir(parents=True, exist_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
     text = page(compile_core(ROOT / "build" / "web"))
-    if alone:
+    if standalone:
         text = re.sub(r'<a [^>]*id="home">.*?</a>', "", text)
-    (out / "index.html").write_text(text, encoding="utf-8")
+    (folder / "index.html").write_text(text, encoding="utf-8")
     return True
 
 

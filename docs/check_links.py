@@ -45,6 +45,6 @@ def broken(root: Path) -> list[str]:
 
 
 if __name__ == "__main__":
-    found = broken(Path(sys.argv[1]))
-    print("\n".join(found) or "every link leads somewhere")
-    sys.exit(bool(found))
+    broken_links = broken(Path(sys.argv[1]))
+    print("\n".join(broken_links) or "every link leads somewhere")
+    sys.exit(bool(broken_links))

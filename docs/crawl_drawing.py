@@ -50,9 +50,9 @@ def animated(kind: str, values: list[str], seconds: float) -> str:
 
 def rectangle(kind: str, x: float, y: float, length: float, width: float, corner: float) -> str:
     """Return a rectangle about a point of a link's own frame, all in metres."""
-    left, top = (x - length / 2) * SCALE, (y - width / 2) * SCALE
+    x_corner, top = (x - length / 2) * SCALE, (y - width / 2) * SCALE
     return (
-        f'<rect class="{kind}" x="{left:.1f}" y="{top:.1f}" '
+        f'<rect class="{kind}" x="{x_corner:.1f}" y="{top:.1f}" '
         f'width="{length * SCALE:.1f}" height="{width * SCALE:.1f}" rx="{corner * SCALE:.1f}"/>'
     )
 

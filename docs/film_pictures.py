@@ -55,14 +55,14 @@ def _label(ax: Axes, x: float, y: float, side: float, angle: float = 0.0, link: 
 
 def _robot(ax: Axes, x: float, y: float, link: float) -> np.ndarray:
     """Draw the robot from its tail; return the links' middles."""
-    middles, at = [], np.array([x, y])
+    middles, tail = [], np.array([x, y])
     for angle in ANGLES:
         along = link * np.array([np.cos(angle), np.sin(angle)])
         across = 0.22 * link * np.array([-np.sin(angle), np.cos(angle)])
-        ends = np.array([at + 0.06 * along, at + 0.94 * along])
+        ends = np.array([tail + 0.06 * along, tail + 0.94 * along])
         ax.add_patch(Polygon([*(ends + across), *(ends[::-1] - across)], fc=BODY, lw=0))
-        middles.append(at + along / 2)
-        at = at + along
+        middles.append(tail + along / 2)
+        tail = tail + along
     for k, (middle, angle) in enumerate(zip(middles, ANGLES, strict=True)):
         _label(ax, *middle, 0.45 * link, angle, k)
     return np.array(middles)

@@ -67,13 +67,15 @@ def supply() -> str:
 
 def signal(x: float, y_board: float) -> str:
     """Return a signal's wire from the board up to its servo, with a bow over each it crosses."""
-    down = {MINUS[1]}  # both wires to the star, supply's and capacitor's
+    minus_pins = {MINUS[1]}  # both wires to the star, supply's and capacitor's
     for number in range(1, 6):
         end = servo_x(number) + 22
         along = (x - end) / (MINUS[0] - end)
         if 0 < along < 1:
-            down.add(275 + along * (MINUS[1] - 275))
-    bows = "".join(f" V {y + BOW:g} a {BOW} {BOW} 0 0 1 0 {-2 * BOW}" for y in sorted(down)[::-1])
+            minus_pins.add(275 + along * (MINUS[1] - 275))
+    bows = "".join(
+        f" V {y + BOW:g} a {BOW} {BOW} 0 0 1 0 {-2 * BOW}" for y in sorted(minus_pins)[::-1]
+    )
     path = f"M {x:g} {y_board} {bows} V 225"
     return f'<path d="{path}" fill="none" stroke="{ORANGE}" stroke-width="2.5"/>'
 

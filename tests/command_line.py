@@ -32,13 +32,13 @@ def serpenoid(line: str, *words: object, typed: str = "", check: bool = False) -
 
     typed: its standard input. check: it must succeed.
     """
-    out, err, status = io.StringIO(), io.StringIO(), 0
+    output, err, status = io.StringIO(), io.StringIO(), 0
     argv = patch.object(sys, "argv", ["serpenoid", *shlex.split(line), *map(str, words)])
     with (
         TemporaryFile("w+") as file,
         argv,
         patch.object(sys, "stdin", file if typed else sys.stdin),
-        redirect_stdout(out),
+        redirect_stdout(output),
         redirect_stderr(err),
     ):
         file.write(typed)
@@ -47,7 +47,7 @@ def serpenoid(line: str, *words: object, typed: str = "", check: bool = False) -
             main()
         except SystemExit as left:
             status = int(left.code or 0)
-    done = Done(status, out.getvalue(), err.getvalue())
+    done = Done(status, output.getvalue(), err.getvalue())
     assert not (check and status), done.stdout + done.stderr
     return done
 

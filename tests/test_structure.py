@@ -70,7 +70,7 @@ def module_of(path: Path) -> str:
 
 def python_imports(path: Path, modules: set[str]) -> set[str]:
     """Return the package's own modules that a file imports: anywhere, type checking included."""
-    found = set()
+    modules_imported = set()
     package = path.relative_to(PACKAGE).parts[:-1]
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.ImportFrom) and node.level:
@@ -78,8 +78,8 @@ def python_imports(path: Path, modules: set[str]) -> set[str]:
             source = ".".join([*base, *filter(None, [node.module])])
             for name in node.names:
                 inner = f"{source}.{name.name}".strip(".")
-                found.add(inner if inner in modules or not source else source)
-    return found - {module_of(path), "_core", ""}
+                modules_imported.add(inner if inner in modules or not source else source)
+    return modules_imported - {module_of(path), "_core", ""}
 
 
 @cache
@@ -94,18 +94,18 @@ def core_graph() -> Graph:
     graph: Graph = {}
     for path in [*CORE.rglob("*.hpp"), *CORE.rglob("*.cpp")]:
         unit = path.relative_to(CORE).with_suffix("").as_posix()
-        own = re.findall(r'#include "([\w/]+/\w+)\.hpp"', path.read_text())
-        graph.setdefault(unit, set()).update(set(own) - {unit})
+        included = re.findall(r'#include "([\w/]+/\w+)\.hpp"', path.read_text())
+        graph.setdefault(unit, set()).update(set(included) - {unit})
     return graph
 
 
 def circles(graph: Graph) -> list[list[str]]:
     """Return the circles that a depth-first search meets, each as the files in it."""
-    found, done = [], set()
+    loops, done = [], set()
 
     def visit(name: str, path: list[str]) -> None:
         if name in path:
-            found.append(path[path.index(name) :])
+            loops.append(path[path.index(name) :])
         elif name not in done:
             for other in sorted(graph.get(name, ())):
                 visit(other, [*path, name])
@@ -113,18 +113,18 @@ def circles(graph: Graph) -> list[list[str]]:
 
     for name in sorted(graph):
         visit(name, [])
-    return found
+    return loops
 
 
 def uphill(graph: Graph, rooms: tuple[str, ...], separator: str) -> list[str]:
     """Return the arrows that run up, and those from or to no known room."""
     floor = {room: k for k, room in enumerate(rooms)}
     wrong = []
-    for name, others in graph.items():
-        for other in others:
-            ends = [x.split(separator)[0] for x in (name, other)]
+    for name, targets in graph.items():
+        for target in targets:
+            ends = [x.split(separator)[0] for x in (name, target)]
             if not all(x in floor for x in ends) or floor[ends[1]] > floor[ends[0]]:
-                wrong.append(f"{name} -> {other}")
+                wrong.append(f"{name} -> {target}")
     return sorted(wrong)
 
 
@@ -175,8 +175,8 @@ def test_every_file_is_in_a_room_that_says_its_job() -> None:
     for path in PACKAGE.rglob("*.py"):
         assert ast.get_docstring(ast.parse(path.read_text())), path
     assert {p.name for p in CORE.iterdir()} == {*CORE_ROOMS, "README.md", "CMakeLists.txt"}
-    said = re.findall(r"^\| `(\w+)/` \| \w", (CORE / "README.md").read_text(), re.MULTILINE)
-    assert said == list(CORE_ROOMS)
+    described = re.findall(r"^\| `(\w+)/` \| \w", (CORE / "README.md").read_text(), re.MULTILINE)
+    assert described == list(CORE_ROOMS)
     for path in [*CORE.rglob("*.hpp"), *CORE.rglob("*.cpp")]:
         assert path.read_text().startswith("// "), path
 
@@ -185,8 +185,8 @@ def test_every_file_is_in_a_room_that_says_its_job() -> None:
 def test_a_library_lives_in_its_rooms(library: str) -> None:
     for path in PACKAGE.rglob("*.py"):
         if path.relative_to(PACKAGE).parts[0] not in LIBRARIES[library]:
-            found = re.search(rf"^ *(from|import) {library}\b", path.read_text(), re.MULTILINE)
-            assert not found, f"{path} imports {library}"
+            line = re.search(rf"^ *(from|import) {library}\b", path.read_text(), re.MULTILINE)
+            assert not line, f"{path} imports {library}"
 
 
 # What one gate alone may do: a pattern -> the files that are that gate. A `part` is whole_file's.

@@ -12,8 +12,8 @@ KEPT = ROOT / "host" / "serpenoid" / "_core"
 
 def test_the_stubs_are_those_of_the_core(tmp_path):
     subprocess.run([sys.executable, ROOT / ".ci" / "stubs", tmp_path], check=True)
-    made = {path.name: path.read_text() for path in tmp_path.glob("*.pyi")}
-    kept = {path.name: path.read_text() for path in KEPT.glob("*.pyi")}
-    assert made.keys() == kept.keys() == {"__init__.pyi", "firmware.pyi"}
-    for name, text in made.items():
-        assert text == kept[name], f"renew it: .ci/stubs {KEPT.relative_to(ROOT)}"
+    generated = {path.name: path.read_text() for path in tmp_path.glob("*.pyi")}
+    stored = {path.name: path.read_text() for path in KEPT.glob("*.pyi")}
+    assert generated.keys() == stored.keys() == {"__init__.pyi", "firmware.pyi"}
+    for name, text in generated.items():
+        assert text == stored[name], f"renew it: .ci/stubs {KEPT.relative_to(ROOT)}"

@@ -82,7 +82,7 @@ def python_tokens(text: str) -> int:
 
 def other_tokens(text: str) -> int:
     """Count tokens of C++, JavaScript, a page or a script."""
-    return len(_TOKEN.findall(_COMMENT.sub(lambda found: found.group(1) or " ", text)))
+    return len(_TOKEN.findall(_COMMENT.sub(lambda match: match.group(1) or " ", text)))
 
 
 def room_of(name: str) -> str:
@@ -100,15 +100,15 @@ def listed() -> list[str]:
 
 def weights() -> dict[str, int]:
     """Return the tokens of each room."""
-    found: dict[str, int] = {}
+    tokens: dict[str, int] = {}
     for name in listed():
         if DRAWN.fullmatch(name) or not (ROOT / name).is_file():
             continue
         if Path(name).suffix in PYTHON + OTHER:
             count = python_tokens if name.endswith(PYTHON) else other_tokens
             room = room_of(name)
-            found[room] = found.get(room, 0) + count((ROOT / name).read_text())
-    return found
+            tokens[room] = tokens.get(room, 0) + count((ROOT / name).read_text())
+    return tokens
 
 
 pytestmark = pytest.mark.skipif(
@@ -119,21 +119,21 @@ pytestmark = pytest.mark.skipif(
 def test_no_folder_of_a_trial_slips_in() -> None:
     rooms = {name.partition("/")[0] for name in listed() if "/" in name}
     hidden = {".ci", ".devcontainer", ".github"}
-    kept = {"calibration_data", "constraints", "docs", "firmware", "host", "studies", "tests"}
-    assert rooms == hidden | kept
+    folders = {"calibration_data", "constraints", "docs", "firmware", "host", "studies", "tests"}
+    assert rooms == hidden | folders
 
 
 def row_weights() -> dict[tuple[str, ...], int]:
     """Return the tokens of each row of MOST_TOKENS; a room without a row is a row of its own."""
-    found = weights()
-    rows = {row: sum(found.pop(room, 0) for room in row) for row in MOST_TOKENS}
-    return rows | {(room,): count for room, count in found.items()}
+    tokens = weights()
+    rows = {row: sum(tokens.pop(room, 0) for room in row) for row in MOST_TOKENS}
+    return rows | {(room,): count for room, count in tokens.items()}
 
 
 def test_no_row_is_heavier_than_its_limit() -> None:
-    found = row_weights()
-    assert set(found) == set(MOST_TOKENS), "every room has a row"
-    heavy = {row: (n, MOST_TOKENS[row]) for row, n in found.items() if n > MOST_TOKENS[row]}
+    tokens = row_weights()
+    assert set(tokens) == set(MOST_TOKENS), "every room has a row"
+    heavy = {row: (n, MOST_TOKENS[row]) for row, n in tokens.items() if n > MOST_TOKENS[row]}
     assert not heavy, f"rooms: (tokens, their row): {heavy}"
 
 

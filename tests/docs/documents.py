@@ -41,7 +41,7 @@ def typed(page: Path) -> Iterator[str]:
 
 def mentioned(text: str) -> list[str]:
     """Return what stands in backticks and begins with `serpenoid `."""
-    return [" ".join(found.split()) for found in re.findall(r"`(serpenoid [a-z][^`]*)`", text)]
+    return [" ".join(line.split()) for line in re.findall(r"`(serpenoid [a-z][^`]*)`", text)]
 
 
 def unknown(line: str) -> str | None:
@@ -55,9 +55,9 @@ def unknown(line: str) -> str | None:
         if name not in command.commands:
             return f"no command {name!r} in {line!r}"
         command = command.commands[name]
-    known = {opt for p in command.params for opt in (*p.opts, *p.secondary_opts)}
+    options = {opt for p in command.params for opt in (*p.opts, *p.secondary_opts)}
     for word in words:
         option = word.split("=")[0]
-        if option.startswith("--") and option not in {*known, "--help"}:
+        if option.startswith("--") and option not in {*options, "--help"}:
             return f"no option {option!r} in {line!r}"
     return None

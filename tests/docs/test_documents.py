@@ -85,21 +85,21 @@ def test_python_of_a_page_works(page, folder) -> None:
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:
     """Return a folder that has what a clone's top has, to read from and to fill."""
-    made = tmp_path_factory.mktemp("clone")
+    clone = tmp_path_factory.mktemp("clone")
     for name in ("host", "tests"):
-        (made / name).symlink_to(ROOT / name)
-    shutil.copytree(ROOT / "calibration_data", made / "calibration_data")
-    take_session(made / "my-robot")
-    _push_along_floor(made / "my-floor")
-    return made
+        (clone / name).symlink_to(ROOT / name)
+    shutil.copytree(ROOT / "calibration_data", clone / "calibration_data")
+    take_session(clone / "my-robot")
+    _push_along_floor(clone / "my-floor")
+    return clone
 
 
-def _push_along_floor(made: Path) -> None:
+def _push_along_floor(clone: Path) -> None:
     """Take a session of pushes and filmed crawls, by the plan, in the lab."""
     filmed = CASES[0]
     setup, planned = floor_setup(filmed), default_setup("a floor").plan.gaits
-    create_session(made, replace(setup, plan=replace(setup.plan, gaits=planned)))
-    with Journal(made) as journal:
+    create_session(clone, replace(setup, plan=replace(setup.plan, gaits=planned)))
+    with Journal(clone) as journal:
         take_all(journal, drawn_person(filmed, np.random.default_rng(1)))
 
 

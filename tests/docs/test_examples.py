@@ -20,6 +20,6 @@ def test_example_of_a_public_name(
     text = getattr(sn, name).__doc__
     example = doctest.DocTestParser().get_doctest(text, {"sn": sn}, name, None, 0)
     assert example.examples
-    said: list[str] = []
-    failed, _ = doctest.DocTestRunner(verbose=False).run(example, out=said.append)
-    assert not failed, "".join(said)
+    printed: list[str] = []
+    failed, _ = doctest.DocTestRunner(verbose=False).run(example, out=printed.append)
+    assert not failed, "".join(printed)

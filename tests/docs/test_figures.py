@@ -18,11 +18,11 @@ from serpenoid.video.seeing.tags import tag_cells
 MOST = 2e-3  # of the ink: the last digit of a solver may move an edge by a shade
 
 
-def apart(one: np.ndarray, other: np.ndarray) -> float:
+def apart(image: np.ndarray, reference: np.ndarray) -> float:
     """Return the mean difference of two pictures; 1 if they are not of one size."""
-    if one.shape != other.shape:
+    if image.shape != reference.shape:
         return 1.0
-    return float(np.abs(one[..., :3] - other[..., :3]).mean())
+    return float(np.abs(image[..., :3] - reference[..., :3]).mean())
 
 
 @pytest.mark.slow
@@ -33,8 +33,8 @@ def test_a_stored_figure_is_todays(name, tmp_path) -> None:
     if name.endswith(".svg"):
         assert drawn.read_text() == stored.read_text()
     else:
-        found = apart(imread(drawn), imread(stored))
-        assert found < MOST, f"host/docs/{name} is stale: `make figures`"
+        difference = apart(imread(drawn), imread(stored))
+        assert difference < MOST, f"host/docs/{name} is stale: `make figures`"
 
 
 def test_every_stored_picture_has_its_drawing() -> None:

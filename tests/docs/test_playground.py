@@ -101,13 +101,13 @@ def test_speeds_equal_the_package(page, tmp_path) -> None:
     )
     for s, (ideal, typical, low, high) in zip(drawn, json.loads(done.stdout), strict=True):
         robot, ground, gait = parts(s)
-        wanted = sn.steady_gait(robot, ground, gait, servo=sn.servo(s["servo"]))
-        assert ideal == pytest.approx(wanted.ideal.speed_m_s, rel=1e-9), s
-        assert typical == pytest.approx(wanted.speed_m_s, rel=5e-3, abs=1e-4), s
-        if wanted.follows:
+        state = sn.steady_gait(robot, ground, gait, servo=sn.servo(s["servo"]))
+        assert ideal == pytest.approx(state.ideal.speed_m_s, rel=1e-9), s
+        assert typical == pytest.approx(state.speed_m_s, rel=5e-3, abs=1e-4), s
+        if state.follows:
             compared += 1
-            off = (wanted.high_m_s - wanted.low_m_s) / 3 + 0.03 * typical
-            assert [low, high] == pytest.approx([wanted.low_m_s, wanted.high_m_s], abs=off), s
+            tolerance = (state.high_m_s - state.low_m_s) / 3 + 0.03 * typical
+            assert [low, high] == pytest.approx([state.low_m_s, state.high_m_s], abs=tolerance), s
     assert compared >= 5
 
 
@@ -119,13 +119,13 @@ def test_the_page_is_small_and_asks_no_network(page) -> None:
 
 
 def test_a_slider_changes_the_answer_the_link_and_the_python(browser, tmp_path) -> None:
-    before = browser.text("#speed")
+    first_speed = browser.text("#speed")
     browser.runs("""const slider = document.forms[0].elements.alpha;
 slider.value = 60, slider.dispatchEvent(new Event('input', {bubbles: true}));""")
     browser.waits_for("shown.range")
     speed = browser.runs("return shown.speed")
     assert browser.text("#speed").startswith(f"{speed:.2g} m/s")
-    assert browser.text("#speed") != before
+    assert browser.text("#speed") != first_speed
     assert "alpha=60" in browser.runs("return location.hash")
     script = tmp_path / "same.py"
     script.write_text(browser.text("#python"))
@@ -134,11 +134,11 @@ slider.value = 60, slider.dispatchEvent(new Event('input', {bubbles: true}));"""
 
 
 def test_too_fast_a_gait_and_no_friction_are_said(browser) -> None:
-    kept = browser.runs("return location.hash")
-    for address, said in (("hz=2", "stay below"), ("ct=0&cn=0&ft0=0&fn0=0", "no friction")):
+    address_hash = browser.runs("return location.hash")
+    for address, message in (("hz=2", "stay below"), ("ct=0&cn=0&ft0=0&fn0=0", "no friction")):
         browser.runs(f"location.hash = {'#' + address!r}")
-        browser.sees("#speed", said)
-        browser.runs(f"location.hash = {kept!r}")
+        browser.sees("#speed", message)
+        browser.runs(f"location.hash = {address_hash!r}")
         browser.waits_for("shown.range")
 
 
@@ -148,8 +148,8 @@ def test_the_map_holds_the_packages_speeds_and_a_click_goes_there(browser) -> No
     values, s = browser.runs("return [[...shown.map.values], state]")
     for i, j in ((25, 12), (20, 20), (31, 30), (13, 31)):
         robot, ground, gait = parts(s | {"alpha": 3 * i, "beta": 4.5 * j})
-        wanted = sn.steady_gait(robot, ground, gait, rtol=1e-3, powers=False).speed_m_s
-        assert values[41 * i + j] == pytest.approx(wanted, rel=1e-9)
+        speed = sn.steady_gait(robot, ground, gait, rtol=1e-3, powers=False).speed_m_s
+        assert values[41 * i + j] == pytest.approx(speed, rel=1e-9)
     browser.runs("""const map = document.getElementById('map'), box = map.getBoundingClientRect();
 const {X, Y} = drawMap(map, shown.map, state);
 map.dispatchEvent(new MouseEvent('click', {clientX: box.left + X(90), clientY: box.top + Y(60)}));
@@ -186,10 +186,10 @@ def test_on_any_screen_from_a_server_with_a_link(page, width: int, dark: bool) -
     with served(page.parents[1]) as address, Browser(width, 844, dark) as visitor:
         visitor.opens(f"{address}/{link}")
         visitor.waits_for(DRAWN)
-        found = visitor.runs(
+        violations = visitor.runs(
             "const s = state; return [s.alpha, s.beta, s.links, s.ct, s.cn, s.servo]"
         )
-        assert found == [33, 88, 5, 0.084, 1.2, "hobby"]
+        assert violations == [33, 88, 5, 0.084, 1.2, "hobby"]
         visitor.runs("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
         visitor.waits_for(MAPPED)
         assert visitor.runs("return document.documentElement.scrollWidth") <= width

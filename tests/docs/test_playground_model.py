@@ -33,17 +33,17 @@ def tables() -> str:
     return subprocess.run(called, cwd=DOCS, capture_output=True, text=True, check=True).stdout
 
 
-def asked(tables: str, script: str):
+def javascript_value(tables: str, script: str):
     """Return what a script says that knows the page's tables and its worker."""
-    given = json.dumps({"tables": tables, "script": f"console.log(JSON.stringify({script}))"})
+    request = json.dumps({"tables": tables, "script": f"console.log(JSON.stringify({script}))"})
     called = ["node", "-e", LOAD, str(DOCS)]
-    done = subprocess.run(called, input=given, capture_output=True, text=True, check=True)
+    done = subprocess.run(called, input=request, capture_output=True, text=True, check=True)
     return json.loads(done.stdout)
 
 
 def test_a_range_is_the_packages_band(tables) -> None:
     speeds = [2 + math.sin(k * k) for k in range(128)]
-    ends = asked(
+    ends = javascript_value(
         tables,
         f"""(() => {{
 const core = new Core(null);
@@ -56,15 +56,15 @@ return core.range({{servo: 'hobby'}}); }})()""",
 def test_the_highest_frequency_is_the_packages(tables) -> None:
     gait = sn.Gait(math.radians(50), math.radians(75), 3.0)
     for name in ("hobby", "SG90"):
-        told = asked(tables, f"highestHz({{alpha: 50, servo: '{name}'}})")
-        assert told == pytest.approx(highest_hz(gait, sn.servo(name)))
+        answer = javascript_value(tables, f"highestHz({{alpha: 50, servo: '{name}'}})")
+        assert answer == pytest.approx(highest_hz(gait, sn.servo(name)))
 
 
 def test_the_core_is_given_one_link_and_radians(tables) -> None:
-    told = asked(
+    answers = javascript_value(
         tables,
         """new Core(null).scene({links: 4, mass: 2, length: 0.1, ct: 0.4, cn: 8, ft0: 0.8, fn0: 1.2,
 alpha: 90, beta: 45, hz: 0.5})""",
     )
-    wanted = [4, 0.5, 0.1, 0.1, 2, 0.2, 0.3, math.pi / 2, math.pi / 4, math.pi]
-    assert told == pytest.approx(wanted)
+    expected = [4, 0.5, 0.1, 0.1, 2, 0.2, 0.3, math.pi / 2, math.pi / 4, math.pi]
+    assert answers == pytest.approx(expected)

@@ -15,33 +15,37 @@ from serpenoid.taking.new_session import create_session, default_setup
 
 @pytest.mark.slow
 def test_demo(tmp_path) -> None:
-    out = tmp_path / "demo"
-    done = subprocess.run(program(f"demo --out {out}"), capture_output=True, text=True, check=False)
+    demo_folder = tmp_path / "demo"
+    done = subprocess.run(
+        program(f"demo --out {demo_folder}"), capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
     assert len(lines) <= 15
     assert [line[:5] for line in lines if line.startswith("[")] == [f"[{k}/5]" for k in range(1, 6)]
-    assert lines[-1].startswith(f"Look at {out}/report.html")
+    assert lines[-1].startswith(f"Look at {demo_folder}/report.html")
     for name in ("comparison.png", "film.png", "floor.png"):
-        assert (out / name).read_bytes()[:4] == b"\x89PNG"
+        assert (demo_folder / name).read_bytes()[:4] == b"\x89PNG"
     for folder in ("session", "floor"):
-        for row, truth in zip(load_fit(out / folder).rows(), FRICTIONS.values(), strict=True):
+        for row, truth in zip(
+            load_fit(demo_folder / folder).rows(), FRICTIONS.values(), strict=True
+        ):
             # An interval of 95 % of one seeded session: so wide at least, by a half.
             slack = 0.5 * (row.high - row.low)
             assert row.low - slack < truth < row.high + slack
-    assert len(load_session(out / "floor").kept_pushes) == 6
-    assert len(load_session(out / "session").kept) > 12
-    told = " ".join(done.stdout.split())
-    assert "Both agree." in told
-    film = re.search(r"crawls at (\S+) ± (\S+) mm/s \(truth (\S+)\)", told)
+    assert len(load_session(demo_folder / "floor").kept_pushes) == 6
+    assert len(load_session(demo_folder / "session").kept) > 12
+    text = " ".join(done.stdout.split())
+    assert "Both agree." in text
+    film = re.search(r"crawls at (\S+) ± (\S+) mm/s \(truth (\S+)\)", text)
     assert film is not None
-    found, sigma, truth = map(float, film.groups())
-    assert abs(found - truth) < 4 * sigma
-    speeds = re.search(r" m/s, (\S+) to (\S+) \(95 %.*crawls at (\S+)\. Look", told)
+    speed, sigma, truth = map(float, film.groups())
+    assert abs(speed - truth) < 4 * sigma
+    speeds = re.search(r" m/s, (\S+) to (\S+) \(95 %.*crawls at (\S+)\. Look", text)
     assert speeds is not None
     low, high, crawls = map(float, speeds.groups())
     assert 0.04 < low < crawls < high < 0.11
-    assert "</html>" in (out / "report.html").read_text()
+    assert "</html>" in (demo_folder / "report.html").read_text()
 
 
 def test_another_session_is_not_taken_for_the_demos(tmp_path) -> None:

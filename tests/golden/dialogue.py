@@ -35,42 +35,42 @@ def play(
     timed: the board's clock is exact, so that the listed telemetry must come as it stands.
     renamed: makes of a line of dialogue.txt what this board says instead.
     """
-    heard = bytearray()
-    said = 0
+    received = bytearray()
+    count = 0
     for mark, text in steps():
         if mark == ">":
-            assert not _next(heard, b""), f"unasked for, before {text!r}"
+            assert not _next(received, b""), f"unasked for, before {text!r}"
             write(text)
         elif mark == "~":
             run(float(text))
-            heard += take()
+            received += take()
         elif timed or not text.startswith(b"t:"):
-            _await(renamed(text), heard, run, take)
-            said += 1
+            _await(renamed(text), received, run, take)
+            count += 1
     run(1.0)
-    heard += take()
-    assert not _next(heard, b""), "more than the dialogue has"
-    return said
+    received += take()
+    assert not _next(received, b""), "more than the dialogue has"
+    return count
 
 
-def _next(heard: bytearray, wanted: bytes) -> bytes:
+def _next(received: bytearray, expected: bytes) -> bytes:
     """Take the next whole line that is to be compared, or return nothing."""
-    while b"\n" in heard:
-        line, _, rest = bytes(heard).partition(b"\n")
-        heard[:] = rest
-        if line == wanted or not line.startswith(tuple(word.encode() for word in TIMED)):
+    while b"\n" in received:
+        line, _, remainder = bytes(received).partition(b"\n")
+        received[:] = remainder
+        if line == expected or not line.startswith(tuple(word.encode() for word in TIMED)):
             return line
     return b""
 
 
 def _await(
-    wanted: bytes, heard: bytearray, run: Callable[[float], object], take: Callable[[], bytes]
+    expected: bytes, received: bytearray, run: Callable[[float], object], take: Callable[[], bytes]
 ) -> None:
     for _ in range(int(PATIENCE_S / STEP_S)):
-        line = _next(heard, wanted)
+        line = _next(received, expected)
         if line:
-            assert line == wanted, f"{line!r} instead of {wanted!r}"
+            assert line == expected, f"{line!r} instead of {expected!r}"
             return
         run(STEP_S)
-        heard += take()
-    raise AssertionError(f"{wanted!r} did not come within {PATIENCE_S} s")
+        received += take()
+    raise AssertionError(f"{expected!r} did not come within {PATIENCE_S} s")

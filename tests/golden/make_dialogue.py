@@ -473,24 +473,24 @@ def answer(body: str) -> str:
 
 def step(line: str) -> str:
     """Return the line of dialogue.txt for one line of the script."""
-    word, _, rest = line.partition(" ")
+    word, _, fields = line.partition(" ")
     if word in ("", "#"):
         return line
     written = {
-        "say": lambda: f"> {rest}\\n",
-        "seal": lambda: f"> {sealed(rest)}\\n",
-        "ask": lambda: f"> {sealed('#' + rest)}\\n",
-        "raw": lambda: f"> {rest}",
-        "wait": lambda: f"~ {rest}",
+        "say": lambda: f"> {fields}\\n",
+        "seal": lambda: f"> {sealed(fields)}\\n",
+        "ask": lambda: f"> {sealed('#' + fields)}\\n",
+        "raw": lambda: f"> {fields}",
+        "wait": lambda: f"~ {fields}",
     }
     return written[word]() if word in written else f"< {answer(line)}"
 
 
-def whole() -> str:
+def dialogue_text() -> str:
     """Return the text of dialogue.txt."""
     rule = "# `>` to the board, `<` from it, `~` seconds; \\n, \\xHH bytes. By make_dialogue.py."
     return "\n".join([rule, *map(step, SCRIPT.splitlines())]) + "\n"
 
 
 if __name__ == "__main__":
-    (HERE / "dialogue.txt").write_text(whole())
+    (HERE / "dialogue.txt").write_text(dialogue_text())

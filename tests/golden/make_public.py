@@ -188,7 +188,7 @@ def members(kind: type) -> list[str]:
     )
     for base in filter(ours, kind.__mro__):
         public |= {n: parameters(v) for n, v in vars(base).items() if n not in public}
-    return sorted(f"    {name}{after}" for name, after in public.items() if name[0] != "_")
+    return sorted(f"    {name}{signature}" for name, signature in public.items() if name[0] != "_")
 
 
 def parameters(value: Any) -> str:
@@ -201,7 +201,7 @@ def parameters(value: Any) -> str:
         usual = "" if p.default is p.empty else f"={p.default!r}"
         if dataclasses.is_dataclass(p.default):
             usual = f"={type(p.default).__name__}(...)"
-        star = "*" if p.kind is p.KEYWORD_ONLY and not any("*" in other for other in shown) else ""
+        star = "*" if p.kind is p.KEYWORD_ONLY and not any("*" in text for text in shown) else ""
         shown += [star] * bool(star) + [p.name + usual]
     return f"({', '.join(shown)})"
 

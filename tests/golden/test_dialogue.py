@@ -13,14 +13,14 @@ from serpenoid.robot.wire.protocol import ERRORS
 
 
 def test_the_file_is_what_its_script_writes() -> None:
-    assert make_dialogue.whole() == dialogue.PATH.read_text()
+    assert make_dialogue.dialogue_text() == dialogue.PATH.read_text()
 
 
 def test_the_controller_says_it_byte_for_byte() -> None:
     board = firmware.Board()
     board.boot()
-    said = dialogue.play(board.write, board.run, board.read, timed=True)
-    assert said == sum(mark == "<" for mark, _ in dialogue.steps())
+    count = dialogue.play(board.write, board.run, board.read, timed=True)
+    assert count == sum(mark == "<" for mark, _ in dialogue.steps())
 
 
 @pytest.mark.avr
@@ -32,14 +32,14 @@ def test_the_elf_says_it_byte_for_byte(start) -> None:
         body = body.replace(b"low=3 high=20", b"low=15 high=20")  # of a frame, at its pins
         return body + f" *{protocol.crc(body.decode()):04X}".encode()
 
-    said = dialogue.play(board.send, board.run, board.read, timed=False, renamed=as_uno)
-    assert said == sum(mark == "<" and text[:2] != b"t:" for mark, text in dialogue.steps())
+    count = dialogue.play(board.send, board.run, board.read, timed=False, renamed=as_uno)
+    assert count == sum(mark == "<" and text[:2] != b"t:" for mark, text in dialogue.steps())
 
 
 def test_the_host_seals_the_same_bytes() -> None:
     numbered = re.compile(rb"#(\d+) (.*) \*(?!0000)[0-9A-F]{4}\n")
-    found = (numbered.fullmatch(text) for _, text in dialogue.steps())
-    lines = [line for line in found if line and int(line[1]) < 65536]
+    matches = (numbered.fullmatch(text) for _, text in dialogue.steps())
+    lines = [line for line in matches if line and int(line[1]) < 65536]
     assert len(lines) > 30
     for line in lines:
         assert protocol.seal(line[2].decode(), int(line[1])) == line[0]
@@ -72,11 +72,11 @@ def spoken(message: protocol.Message) -> str:
 
 
 def test_the_host_understands_every_word() -> None:
-    heard = [protocol.parse(text) for mark, text in dialogue.steps() if mark == "<"]
+    messages = [protocol.parse(text) for mark, text in dialogue.steps() if mark == "<"]
     lines = [protocol.unseal(text) for mark, text in dialogue.steps() if mark == "<"]
-    assert [spoken(message) for message in heard] == lines
-    verdicts = [message for message in heard if isinstance(message, protocol.Verdict)]
-    assert {type(message) for message in heard} == set(protocol.Message.__args__)
+    assert [spoken(message) for message in messages] == lines
+    verdicts = [message for message in messages if isinstance(message, protocol.Verdict)]
+    assert {type(message) for message in messages} == set(protocol.Message.__args__)
     # An EEPROM that does not keep what is written is not to be had on a simulated board, and
     # among which lines a stop's verdict comes depends on the clock; the host alone knows bends,
     # no firmware is newer than this one, and the virtual board has servos.

@@ -15,7 +15,7 @@ What users see has changed. If that is meant: write a line in CHANGELOG.md, run
 
 def test_what_users_see_is_as_the_file_has_it(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    kept = make_public.PATH.read_text(encoding="utf-8").splitlines()
-    changes = difflib.unified_diff(kept, make_public.public().splitlines(), "kept", "now", n=0)
-    if found := "\n".join(changes):
-        pytest.fail(CURE + found, pytrace=False)
+    stored = make_public.PATH.read_text(encoding="utf-8").splitlines()
+    changes = difflib.unified_diff(stored, make_public.public().splitlines(), "kept", "now", n=0)
+    if text := "\n".join(changes):
+        pytest.fail(CURE + text, pytrace=False)

@@ -20,6 +20,6 @@ def test_intervals_cover_95_percent_of_320_sessions() -> None:
     table = SpeedTable(robot, GAIT, points=256)
     world = (table, DrivenTable(robot, table, 16, points=256))
     cases = tuple(c for c in CASES if len(c.lambdas_deg) == 1)
-    found = replace(STUDY, cases=cases, world=lambda _: world).run(80, 1, print)
-    shares = np.array([[getattr(case, name) for name in NAMES] for case in found])
+    results = replace(STUDY, cases=cases, world=lambda _: world).run(80, 1, print)
+    shares = np.array([[getattr(case, name) for name in NAMES] for case in results])
     assert ((shares.mean(axis=0) > 0.92) & (shares.mean(axis=0) < 0.985)).all(), shares

@@ -9,8 +9,8 @@ from demo_film import FOLDER, truth, world
 
 
 def test_the_kept_truth_is_the_labs() -> None:
-    kept = json.loads((FOLDER / "truth.json").read_text())
-    found = truth(world())
-    assert found.keys() == kept.keys()
-    for name, value in found.items():
-        assert kept[name] == pytest.approx(value, rel=1e-4, abs=1e-5), name
+    stored = json.loads((FOLDER / "truth.json").read_text())
+    drawn_truth = truth(world())
+    assert drawn_truth.keys() == stored.keys()
+    for name, value in drawn_truth.items():
+        assert stored[name] == pytest.approx(value, rel=1e-4, abs=1e-5), name
