@@ -9,8 +9,8 @@ import serpenoid as sn
 
 from ..base.errors import BadInput
 from ..show.screen import say
-from .declare import Given
-from .options import FRICTION, ROBOT, typed_servo
+from .declare import Given, refuse_unused
+from .options import FRICTION, IDEAL, ROBOT, servo_kind
 
 
 @dataclass(frozen=True)
@@ -18,13 +18,13 @@ class Snake:
     """A robot on its ground.
 
     fit: whose friction it is; None of a preset, of a scene, and where a number of it was changed.
-    session: the folder that it came from, if it did. notes: of its fit, for JSON.
+    session: that it came from, if it did. notes: of its fit, for JSON.
     """
 
     robot: sn.Robot
     ground: sn.Ground
     fit: sn.FrictionFit | None = None
-    session: Path | None = None
+    session: sn.Session | None = None
     notes: Given = field(default_factory=dict)
 
 
@@ -47,10 +47,11 @@ def named_snake(name: str) -> Snake:
     if path.suffix == ".toml" and path.is_file():
         scene = sn.load_scene(path)
         return Snake(scene.robot, scene.ground)
-    if path.is_dir():
-        fit, session = session_fit(path), path
+    session = sn.load_session(path) if path.is_dir() else None
+    if session is not None:
+        fit = session_fit(session)
     elif path.suffix == ".json":
-        fit, session = tell_alarms(sn.load_fit(path)), None
+        fit = tell_alarms(sn.load_fit(path))
     else:
         raise BadInput(
             f"--robot is {name!r}; it must be 2005, paper, a session's folder, a fit.json or a "
@@ -86,12 +87,12 @@ def make_snake(name: str | None, settings: Given, base: Snake | None = None) -> 
     return replace(base, robot=robot, ground=ground, fit=None)
 
 
-def session_fit(folder: Path) -> sn.FrictionFit:
+def session_fit(session: sn.Session) -> sn.FrictionFit:
     """Return a session's fit.json if it is that of its readings, else fit them now."""
     from ..friction.file import NAME, rests_on
 
-    session = sn.load_session(folder)
-    if (folder / NAME).exists():
+    folder = session.folder
+    if folder and (folder / NAME).exists():
         try:
             kept = sn.load_fit(folder)
             if rests_on(kept, session):
@@ -101,20 +102,18 @@ def session_fit(folder: Path) -> sn.FrictionFit:
     return tell_alarms(sn.fit_friction(session))
 
 
-def take_servo(
-    name: str | None, settings: Given, usual: str, snake: Snake | None = None
-) -> sn.ServoKind | None:
-    """Return the servos of --servo, else the usual ones; None for joints that are ideal.
+def take_servo(name: str, settings: Given, snake: Snake | None = None) -> sn.ServoKind | None:
+    """Return the servos of a name; None for joints that are ideal.
 
     snake: of a session, which has their voltage and the frames of its board.
     """
     from ..session.crawls import driving
-    from ..session.folder import read_session
 
-    kind = typed_servo(name or usual, settings)
-    if kind is None or snake is None or snake.session is None:
-        return kind
-    return driving(read_session(snake.session).setup, kind)
+    if name.lower() == IDEAL:
+        refuse_unused(settings, "joints are ideal; give --servo NAME", "volts", "frame_ms")
+        return None
+    kind = servo_kind(name, settings)
+    return driving(snake.session.setup, kind) if snake and snake.session else kind
 
 
 def tell_alarms(fit: sn.FrictionFit) -> sn.FrictionFit:
@@ -132,8 +131,3 @@ def alarms_of(fit: sn.FrictionFit) -> Given:
     old = [note for note in fit.notes if "is older than the readings" in note]
     notes = {"fit_alarms": [*fit.alarms, *old], "fit_notes": fit.unmeasured}
     return {key: words for key, words in notes.items() if words}
-
-
-def servo_remark(kind: sn.ServoKind | None) -> Given:
-    """Return the remark on a servo whose test the model did not describe, for JSON."""
-    return {"servo_remark": kind.remark} if kind and kind.remark else {}

@@ -28,7 +28,6 @@ from .declare import (
     option,
     parsed_number,
     parsed_whole,
-    refuse_unused,
     together,
 )
 
@@ -135,17 +134,21 @@ listed_gaits = number(
 )
 
 
-def typed_servo(name: str, settings: Given) -> sn.ServoKind | None:
-    """Return servos of a name or file, at the plug's settings; None for joints that are ideal."""
-    if name.lower() == IDEAL:
-        refuse_unused(settings, "joints are ideal; give --servo NAME", "volts", "frame_ms")
-        return None
+def servo_kind(name: str, settings: Given) -> sn.ServoKind:
+    """Return servos of a name or file, at the plug's settings."""
     kind = sn.servo(name)
-    if kind.remark:
-        say(f"serpenoid: warning: servo {kind.name}: {kind.remark}", err=True)
     if "volts" in settings:
         kind = kind.at_volts(settings["volts"])
     return kind.at_frames(settings["frame_ms"] / 1e3) if "frame_ms" in settings else kind
+
+
+GAIT_FIELDS = {  # of Gait, by the names that are typed
+    "alpha_deg": "alpha_rad",
+    "beta_deg": "beta_rad",
+    "offset_deg": "offset_rad",
+    "frequency_hz": "omega_rad_s",
+    "omega_rad_s": "omega_rad_s",
+}
 
 
 def make_gait(typed: Given, settings: Given, base: sn.Gait | None = None) -> sn.Gait:
@@ -153,22 +156,18 @@ def make_gait(typed: Given, settings: Given, base: sn.Gait | None = None) -> sn.
 
     typed: the values of the options by name; those that are None were not given.
     """
-    given = {name: value for name, value in typed.items() if value is not None}
-    given |= {name: settings[name] for name in ("offset_deg",) if name in settings}
+    given = {name: v for name, v in (settings | typed).items() if name in GAIT_FIELDS}
+    given = {name: value for name, value in given.items() if value is not None}
     rates = given.keys() & {"frequency_hz", "omega_rad_s"}
-    if len(rates) > 1 or not (rates or base):
-        raise BadInput("give one of --frequency-hz and --omega-rad-s")
-    for name in ("alpha_deg", "beta_deg"):
-        if base is None and name not in given:
-            raise BadInput(f"give --{name.replace('_', '-')}")
-    alpha, beta, offset = (given.get(f"{name}_deg", 0.0) for name in ("alpha", "beta", "offset"))
-    made = sn.Gait.degrees(alpha, beta, hertz=given.get("frequency_hz", 1.0), offset_deg=offset)
+    complete = base or (rates and given.keys() >= {"alpha_deg", "beta_deg"})
+    if len(rates) > 1 or not complete:
+        raise BadInput("give --alpha-deg, --beta-deg, and one of --frequency-hz and --omega-rad-s")
+    angles = {name: given.get(name, 0.0) for name in ("alpha_deg", "beta_deg", "offset_deg")}
+    made = sn.Gait.degrees(**angles, hertz=given.get("frequency_hz", 1.0))
+    fields = {GAIT_FIELDS[name]: getattr(made, GAIT_FIELDS[name]) for name in given}
     if "omega_rad_s" in given:
-        made = replace(made, omega_rad_s=given["omega_rad_s"])
-    if base is None:
-        return made
-    fields = {name.replace("_deg", "_rad").replace("frequency_hz", "omega_rad_s") for name in given}
-    return replace(base, **{name: getattr(made, name) for name in fields})
+        fields["omega_rad_s"] = given["omega_rad_s"]
+    return replace(base or made, **fields)
 
 
 def describe(gait: sn.Gait) -> Given:
@@ -217,9 +216,7 @@ def tell(found: Any, as_json: bool, verbose: bool, notes: Given) -> None:
     """Print a result: as JSON with the notes of its fit, or its first sentence and its table."""
     from ..show import report
 
-    if as_json:
-        return show_json(found.to_dict() | notes)
-    return report.show(found, verbose=verbose)
+    show_json(found.to_dict() | notes) if as_json else report.show(found, verbose=verbose)
 
 
 def finite(values: Any) -> Any:
@@ -231,19 +228,10 @@ def finite(values: Any) -> Any:
     return None if isinstance(values, float) and not math.isfinite(values) else values
 
 
-def json_text(values: Given) -> str:
-    """Return strict JSON; what is not finite becomes null."""
-    return json.dumps(finite(values), indent=2, allow_nan=False)
-
-
-def write_json(path: Path, values: Given) -> None:
-    """Write strict JSON into a file."""
-    write_text(path, json_text(values) + "\n")
-
-
-def show_json(values: Given) -> None:
-    """Print strict JSON."""
-    say(json_text(values))
+def show_json(values: Given, path: Path | None = None) -> None:
+    """Print strict JSON, or write it into a file; what is not finite becomes null."""
+    text = json.dumps(finite(values), indent=2, allow_nan=False)
+    say(text) if path is None else write_text(path, text + "\n")
 
 
 def warn_of_two_motions(state: sn.Steady) -> sn.Steady:

@@ -13,7 +13,7 @@ import click
 import serpenoid as sn
 
 from ..base.checks import FORMULATIONS, GAPS, STARTS, Limits
-from ..show.screen import progress, say, working
+from ..show.screen import say
 from ..simulation.methods import METHODS
 from .declare import (
     FIGURES,
@@ -28,7 +28,7 @@ from .declare import (
     refuse_unused,
     settings,
 )
-from .given import Snake, make_snake, servo_remark, take_servo
+from .given import Snake, make_snake, take_servo
 from .options import (
     AS_TABLES,
     FRICTION,
@@ -38,9 +38,9 @@ from .options import (
     PLUG,
     ROBOT,
     SPRINGS,
+    busy,
     describe,
     gait_options,
-    interruptible,
     make_gait,
     robot_option,
     servo_option,
@@ -133,18 +133,18 @@ def simulate(
     scene, notes = make_scene(scene_path and sn.load_scene(scene_path), **given)
     if scene.formulation == "explicit":
         refuse_unused(settings, PINNED, "joint_stiffness_n_m", "joint_damping_n_s_m", "gap")
-    if scene.incline_rad == 0:
-        refuse_unused(settings, "the ground is level", "incline_direction_deg")
-    if accuracy is not None:
-        refuse_unused(settings, "--accuracy chooses it", "tolerance")
-    elif not scene.adaptive:
-        steps = f"method {scene.method!r} takes fixed steps, dt_s; give a --method that picks them"
+    if accuracy is not None or not scene.adaptive:
+        steps = f"--accuracy chooses it, and method {scene.method!r} takes fixed steps, dt_s"
         refuse_unused(settings, steps, "tolerance")
     if saved_path is not None:
         sn.save_scene(scene, saved_path)
+
+    def simulated(show_share: Callable[[float], object]) -> sn.Run:
+        duration_s = max(scene.duration_s, scene.dt_s)
+        return sn.simulate(scene, lambda t_s: show_share(t_s / duration_s), accuracy=accuracy)
+
     try:
-        with progress(scene.duration_s, "s simulated", so_far=True) as tell:
-            run = interruptible(lambda: sn.simulate(scene, tell, accuracy=accuracy))
+        run = busy("simulating", simulated)
         if out is not None:
             run.to_csv(out)
     except KeyboardInterrupt:
@@ -152,9 +152,8 @@ def simulate(
         raise
     if figure is not None:
         run.plot(figure)
-    report.wrote(*filter(None, (saved_path, out, figure)))
-    with working("estimating the error"):
-        summary = interruptible(lambda: run_report.run_summary(run, not no_error))
+    report.wrote(saved_path, out, figure)
+    summary = busy("estimating the error", lambda _: run_report.run_summary(run, not no_error))
     if as_json:
         show_json({"gait": describe(scene.gait)} | summary | notes)
     else:
@@ -174,21 +173,21 @@ def make_scene(
 ) -> tuple[sn.Scene, Given]:
     """Make a scene of the options, over a scene file's if there is one.
 
-    Returns the scene, and what JSON says of the fit and the servo that it rests on.
+    Returns the scene, and what JSON says of the fit that it rests on.
     """
     snake = make_snake(robot, settings, base and Snake(base.robot, base.ground))
-    names = {one.name for one in (*SCENE, *SPRINGS)} & settings.keys()
-    fields: Given = {name: settings[name] for name in names}
+    names = {one.name for one in (*SCENE, *SPRINGS)}
+    fields: Given = {name: value for name, value in settings.items() if name in names}
     options = {"formulation": formulation, "method": method, "duration_s": duration_s}
     options["incline_deg"] = incline_deg
     fields |= {name: value for name, value in options.items() if value is not None}
     for name in {"incline_deg", "incline_direction_deg"} & fields.keys():
         fields[name.replace("_deg", "_rad")] = math.radians(fields.pop(name))
-    kind = take_servo(servo, settings, IDEAL, snake)
+    kind = take_servo(servo or IDEAL, settings, snake)
     if servo is not None:
         drive = "angle" if kind is None else "servo"
         fields |= {"drive": drive, "servo": kind and kind.servo, "torque": None}
     fields["gait"] = make_gait(typed_gait, settings, base and base.gait)
     fields |= {"robot": snake.robot, "ground": snake.ground}
     scene = sn.Scene(**fields) if base is None else replace(base, **fields)
-    return scene, snake.notes | servo_remark(kind)
+    return scene, snake.notes

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +11,7 @@ import click
 import serpenoid as sn
 
 from ..base.checks import POSITIVE
-from ..show.screen import progress, say
+from ..show.screen import say
 from .declare import (
     EXISTING,
     FIGURES,
@@ -26,13 +23,14 @@ from .declare import (
     settings,
     together,
 )
-from .given import preset
+from .given import named_snake
 from .group import Commands
 from .options import (
     AS_JSON,
     CAPTURE_FPS,
     OFFSET,
     ROBOT,
+    busy,
     gait_options,
     make_gait,
     show_json,
@@ -72,7 +70,7 @@ def _robot(
     from ..session.folder import read_session, write_setting
 
     setup = read_session(session).setup if session else None
-    base = setup.robot if setup else preset("2005").robot
+    base = setup.robot if setup else named_snake("2005").robot
     sizes = {one.name: settings[one.name] for one in SIZES if one.name in settings}
     kept_m = setup.robot_table.tag_side_m if setup else None
     side_m = kept_m if tag_mm is None else tag_mm / 1e3
@@ -154,40 +152,20 @@ def film(
         raise click.UsageError("--recording has the gait; leave the gait's options out")
     gait = recorded_gait(recording, robot.links - 1) if recording else None
     gait = make_gait(typed_gait, settings) if typed else gait
-    with film_progress(file, capture_fps) as tell:
-        film = measure_film(
-            file,
-            robot.links,
-            robot.link_length_m,
-            side,
-            gait,
-            board_rate=recording is not None,
-            progress=tell,
-            capture_fps=capture_fps,
-        )
+    how: Given = {"board_rate": recording is not None, "capture_fps": capture_fps}
+    of = file, robot.links, robot.link_length_m, side, gait
+    film = busy("watching the film", lambda share: measure_film(*of, progress=share, **how))
     if track is not None:
         write_track(film.measured, track)
     if picture is not None:
         film_figure(film, picture)
-    wrote(*filter(None, (track, picture)))
+    wrote(track, picture)
     if as_json:
         show_json(film.run.to_dict())
     else:
         show_film(film)
     if session is not None:
         _record(film, session, file.name, way)
-
-
-@contextmanager
-def film_progress(
-    file: Path, capture_fps: float | None = None
-) -> Iterator[Callable[[float], None]]:
-    """Show a bar of a film's real seconds; gives a function that is told times of it, s."""
-    from ..video.seeing.film import Film
-
-    seconds = max(1, math.ceil(Film.open(file, capture_fps).duration_s))
-    with progress(seconds, "seconds of film", so_far=True) as tell:
-        yield tell
 
 
 def _record(measured: FilmMeasurement, session: Path, name: str, way: str | None) -> None:

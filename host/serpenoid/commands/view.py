@@ -14,7 +14,7 @@ from .. import _core
 from ..show.screen import say
 from .declare import EXISTING, FOLDER, Given, command, flag, option, out_file, settings
 from .given import make_snake
-from .options import AS_JSON, FRICTION, ROBOT, describe, interruptible, robot_option, show_json
+from .options import AS_JSON, FRICTION, ROBOT, busy, describe, robot_option, show_json
 
 
 @command()
@@ -48,15 +48,14 @@ def view(
                 "a scene file has its own robot and ground; leave the options out"
             )
         scene = sn.load_scene(what)
-        run = interruptible(lambda: sn.simulate(scene))
+        run = busy("simulating", lambda _: sn.simulate(scene))
         title, about = what.stem.replace("_", " "), scene_words(scene).replace("\n", "; ")
         gait, shown = scene.gait, view_page.of_run(run)
     else:
         snake = make_snake(robot, settings)
         whose = f"robot and ground of {robot or 2005}{', changed' if settings else ''}"
-        stream, title = load_stream(what), what.name
-        body = snake.robot, snake.ground
-        gait, shown = interruptible(lambda: view_page.of_recording(stream, *body))
+        of = load_stream(what), snake.robot, snake.ground
+        title, (gait, shown) = what.name, busy("predicting", lambda _: view_page.of_recording(*of))
         about = (
             f"{gait_title(gait)}; the path is predicted for the {whose} "
             "from the set-points that the firmware reported"

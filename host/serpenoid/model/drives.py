@@ -254,8 +254,6 @@ class ServoKind:
         Where the values come from.
     drawn
         Servos that a measurement leaves possible, each as likely; if any, no others are drawn.
-    remark
-        Why nobody should trust it: what was measured is not described by the model of a servo.
 
     Raises
     ------
@@ -275,7 +273,6 @@ class ServoKind:
     updates_hz: tuple[float, ...] = ()
     source: str = ""
     drawn: tuple[Servo, ...] = ()
-    remark: str = ""
 
     def __post_init__(self) -> None:
         if not isinstance(self.sigma, Mapping):

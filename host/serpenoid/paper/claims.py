@@ -125,7 +125,7 @@ def _optima(front: Sequence[LeastPower]) -> list[Claim]:
     bend = np.ptp(rate / speed) / (rate / speed).mean()
     low, high = dearer(front, 0.1), dearer(front, 0.5)
     waves = [6 * b / 360 for b in beta]
-    command = "optimize --robot paper --speed-m-s 0.1,0.5"
+    command = "optimize --robot paper --speed-m-s 0.5 --servo ideal --ideal"
     inside = [_inside_grid(best.gait) for best in front]
     flat = ": the valley is flat" if max(low, high) < _FLAT else ""
     return [

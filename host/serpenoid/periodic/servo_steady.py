@@ -115,11 +115,6 @@ class ServoSteady(Result):
         return self.servo.name if isinstance(self.servo, ServoKind) else "as given"
 
     @property
-    def remark(self) -> str:
-        """Return why the servo is not to be trusted; "" if nothing speaks against it."""
-        return self.servo.remark if isinstance(self.servo, ServoKind) else ""
-
-    @property
     def low_m_s(self) -> float:
         """Return the lower end of the band that the servo leaves, m/s."""
         return self._ends[0]
@@ -172,8 +167,7 @@ class ServoSteady(Result):
         speed, ideal = two_digits(self.speed_m_s), two_digits(self.ideal.speed_m_s)
         ends = f" ({two_digits(self.low_m_s)} to {two_digits(self.high_m_s)})"
         ends = "" if math.isnan(self.low_m_s) else ends
-        text = f"About {speed} m/s with typical servos{ends}; ideal joints {ideal}."
-        return " ".join(filter(None, [text, self.remark]))
+        return f"About {speed} m/s with typical servos{ends}; ideal joints {ideal}."
 
     def rows(self) -> list[Row]:
         """Return speed with its band, what becomes of the joints, voltage, source and error."""
@@ -188,8 +182,6 @@ class ServoSteady(Result):
         ]
         if isinstance(self.servo, ServoKind):
             rows.append(Row("voltage at the plug", "V", words=self.servo.volts_in_words))
-            if self.remark:
-                rows.append(Row("remark", "", words=self.remark))
             return [*rows, detail("source", "", words=self.servo.source)]
         return rows
 

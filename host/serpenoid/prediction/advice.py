@@ -194,7 +194,7 @@ def advise(
     servo
         The kind that moves the joints, as for `compare`.
     progress
-        Called with the gaits done.
+        Called with the share of the gaits done, 0 to 1.
 
     Returns
     -------
@@ -252,8 +252,7 @@ def advise(
         )
     # a reading that saves less than a tenth comes after those that are worth their time
     readings.sort(key=lambda r: (r.band > (1.0 - WORTH) * now, (r.band - now) / r.minutes))
-    note = " ".join(filter(None, [servo.remark if servo else "", *too_fast]))
-    return Advice(slow, now, tuple(readings), note, servo and servo.name, fit.alarms)
+    return Advice(slow, now, tuple(readings), " ".join(too_fast), servo and servo.name, fit.alarms)
 
 
 def _repeated(candidate: Candidate, band_with: Any) -> NextReading:
@@ -302,6 +301,6 @@ def _bands(
         parts = drawn.friction_m_s, drawn.joints_m_s, drawn.all_m_s, filmed.all_m_s
         rows.append([mean, *(float(np.ptp(band(part))) / 2 / best for part in parts)])
         if progress is not None:
-            progress(1)
+            progress(len(rows) / len(gaits))
     mean_m_s, *halves = np.array(rows).T
     return _Bands(mean_m_s, np.array(slopes), *halves)

@@ -216,7 +216,7 @@ def compare(
     seed
         Seed of the draw.
     progress
-        Called with the gaits done, of `compared_gaits`.
+        Called with the share of the gaits done, 0 to 1.
 
     Returns
     -------
@@ -255,7 +255,7 @@ def compare(
         followed = [] if too_fast[gait] else servos
         found[gait] = speeds(drawn, gait, followed, commands.get(gait))
         if progress is not None:
-            progress(1)
+            progress(len(found) / len(wanted))
     shown = [_compared(fit, g, found[g], servo, crawls.get(g), bool(too_fast[g])) for g in wanted]
     judged = [gait for gait, row in zip(wanted, shown, strict=True) if row.judged]
     p_value = friction = amplitude = None
@@ -268,8 +268,7 @@ def compare(
     verdict, text = _verdict(shown, p_value, servo)
     if friction and amplitude:
         text += " " + _explained(friction, amplitude)
-    remark = servo.remark if servo else ""
-    words = [text, remark, *too_fast.values(), *map(_joints_as_filmed, crawls.values()), levelled]
+    words = [text, *too_fast.values(), *map(_joints_as_filmed, crawls.values()), levelled]
     return Comparison(
         session.setup.name,
         amplitude_sigma,

@@ -18,7 +18,7 @@ from ..periodic.neighbours import drawn_states
 from ..periodic.servo_steady import drawn_servo_speeds, ripple_share, servo_speed
 from ..periodic.steady import steady_gait
 
-Progress = Callable[[int], None]
+Progress = Callable[[float], object]
 AMPLITUDE_SIGMA = 0.03  # of the joints' true over commanded amplitude, common to all gaits
 SAMPLES = 64
 

@@ -18,10 +18,10 @@ console = screen(width=None if screen().is_terminal else 100, highlight=False)
 notices = screen(stderr=True, soft_wrap=True, highlight=False)  # what is no answer
 
 
-def wrote(*paths: Path) -> None:
+def wrote(*paths: Path | None) -> None:
     """Say on standard error which files were written."""
-    if paths:
-        notices.print("wrote " + " and ".join(map(str, paths)))
+    if any(paths):
+        notices.print("wrote " + " and ".join(str(path) for path in paths if path))
 
 
 def table(

@@ -1,12 +1,12 @@
 """The one way to a terminal: what comes from files, boards and users is text, never a command.
 
-A bar shows long work where somebody looks; elsewhere not even its library is loaded.
+Long work is shown to who watches a terminal; elsewhere not even the library for it is loaded.
 """
 
 from __future__ import annotations
 
-import os
 import sys
+import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -38,43 +38,29 @@ def screen(**options: Any) -> Console:
     return Screen(markup=False, emoji=False, **options)
 
 
-# What makes rich take a file or a pipe for a terminal.
-_FORCED = ("FORCE_COLOR", "TTY_COMPATIBLE", "TTY_INTERACTIVE")
-
-
-def _watched() -> bool:
-    """Return whether standard error is a terminal, or is to be taken for one."""
-    return sys.stderr.isatty() or any(os.environ.get(name) for name in _FORCED)
+REPORT_S = 10.0  # between two lines on long work where nobody watches
 
 
 @contextmanager
 def working(what: str) -> Iterator[Callable[[float], object]]:
     """Show on standard error that work goes on; gives a function that takes the share done of it.
 
-    The share, 0 to 1, is shown where a long part of the work knows it.
+    Where standard error is no terminal, a line tells the share, 0 to 1, every ten seconds.
     """
-    if not _watched():
-        yield lambda share: None
+    if sys.stderr.isatty():
+        with screen(stderr=True).status(what) as status:
+            yield lambda share: status.update(_share_text(what, share))
         return
-    with screen(stderr=True).status(what) as status:
-        yield lambda share: status.update(f"{what}, {100 * share:.0f} %")
+    reported_s = time.monotonic()
+
+    def report(share: float) -> None:
+        nonlocal reported_s
+        if time.monotonic() > reported_s + REPORT_S:
+            reported_s = time.monotonic()
+            say(_share_text(what, share), err=True)
+
+    yield report
 
 
-@contextmanager
-def progress(total: float, what: str, so_far: bool = False) -> Iterator[Callable[[float], None]]:
-    """Show a bar on standard error; gives a function that takes what was just done.
-
-    so_far: it takes all that is done by then.
-    """
-    if not _watched():
-        yield lambda done: None
-        return
-    from rich import progress as bars
-
-    errors = screen(stderr=True)
-    with bars.Progress(console=errors, transient=True, disable=not errors.is_terminal) as bar:
-        task = bar.add_task(what, total=total)
-        if so_far:
-            yield lambda done: bar.update(task, completed=done)
-        else:
-            yield lambda done: bar.advance(task, done)
+def _share_text(what: str, share: float) -> str:
+    return f"{what}, {100 * share:.0f} %"

@@ -39,7 +39,7 @@ def measure_film(
     side_m: float | None = None,
     gait: Gait | None = None,
     board_rate: bool = False,
-    progress: Callable[[float], None] = lambda _: None,
+    progress: Callable[[float], object] = lambda _: None,
     capture_fps: float | None = None,
 ) -> FilmMeasurement:
     """Measure what the robot of a film does.
@@ -88,7 +88,7 @@ def seen_film(
     links: int,
     link_m: float,
     side_m: float | None,
-    progress: Callable[[float], None],
+    progress: Callable[[float], object],
     capture_fps: float | None = None,
 ) -> tuple[Watched, float, list[Camera], list[Remark]]:
     """Return what a film shows, a tag's side (m), cameras to start from, and remarks.

@@ -41,7 +41,7 @@ def track_pushes(
     links: int,
     link_m: float,
     side_m: float | None = None,
-    progress: Callable[[float], None] = lambda _: None,
+    progress: Callable[[float], object] = lambda _: None,
     capture_fps: float | None = None,
 ) -> PushedRobot:
     """Follow a robot whose joints are locked through a film of one push or more.
@@ -55,7 +55,7 @@ def track_pushes(
     side_m
         Of a printed tag, without its white rim; that of the printed sheet unless given.
     progress
-        Is told the time in the film that was reached, s.
+        Called with the share of the film that is read.
     capture_fps
         Pictures a second that the camera took, of slow motion whose file does not tell.
 

@@ -102,7 +102,7 @@ def test_ctrl_c_stops_a_long_run_at_once() -> None:
         (f"steady {GAIT} --alhpa-deg 3", 2, "No such option"),
         (f"steady {GAIT} --set ct=0 --set cn=0 --set ft0=0 --set fn0=0", 2, "no friction"),
         (f"simulate {GAIT} --set record_every=0", 2, "record_every is 0"),
-        ("optimize --speed-m-s 0.1,nan", 2, "--speed-m-s is nan"),
+        ("optimize --speed-m-s nan", 2, "--speed-m-s is nan"),
         ("fit no-such-folder", 2, "no-such-folder"),
         ("report no-such-folder", 2, "calibrate new no-such-folder"),
         ("view no-such-file", 2, "'no-such-file' does not exist"),
@@ -112,6 +112,8 @@ def test_ctrl_c_stops_a_long_run_at_once() -> None:
         ("steady --set links=2.5", 2, "links is 2.5; it must be a whole number"),
         (f"steady {GAIT} --robot {300 * 'x'}.json", 1, "take a shorter name"),
         ("video tags --tag-mm nan", 2, "--tag-mm is nan"),
+        (f"drive {SHAPE} --omega-rad-s 60", 2, "--omega-rad-s is 60.0; it must be a finite"),
+        (f"drive {SHAPE} --frequency-hz 5", 2, "at least 0.00159155 and at most 4.77465"),
         ("nonsense", 2, "No such command"),
     ],
 )

@@ -44,11 +44,8 @@ def test_ranges(span: str, told: str) -> None:
 
 def test_more_gaits_than_memory_holds(tmp_path: Path) -> None:
     out = f"--out {tmp_path / 'a.csv'}"
-    assert "too many for one file" in refusal(
-        f"sweep --alpha-deg 1:75:0.01 --beta-deg 1:90:0.01 {out}"
-    )
-    few = "--alpha-deg 1:75:0.1 --beta-deg 1:90:0.1 --omega-rad-s 1:20:1"
-    assert "too many for JSON" in refusal(f"sweep {few} --json")
+    many = "--alpha-deg 1:75:0.1 --beta-deg 1:90:0.1 --omega-rad-s 1:20:1"
+    assert "are too many for one answer" in refusal(f"sweep {many} {out}")
 
 
 def test_a_scheduler_without_port(tmp_path: Path) -> None:

@@ -166,3 +166,9 @@ def test_what_is_printed() -> None:
     for words in ("largest torque of a joint", "friction heat at the end", "rk4, 0.001 s"):
         assert words in done.stdout
     assert done.stderr == ""
+
+
+def test_a_long_run_tells_how_far_it_is_where_nobody_watches(monkeypatch) -> None:
+    monkeypatch.setattr("serpenoid.show.screen.REPORT_S", 0.0)
+    told = serpenoid("simulate --alpha-deg 30 --beta-deg 80 --frequency-hz 1 --duration-s 2").stderr
+    assert "simulating, " in told

@@ -183,7 +183,7 @@ TERMINALS = {  # more options, what is done, the exit status, what the screen sa
     "Ctrl-C": ("", lambda one: one.presses("\x03"), 0, "true gait frequency"),
     "Ctrl-C before its end": ("--duration-s 60", lambda one: one.presses("\x03"), 130, "true gait"),
     "SIGHUP": ("", lambda one: one.sends(signal.SIGHUP), 129, "stopped"),
-    "Ctrl-S": ("", lambda one: one.presses("\x13"), 1, "the terminal took nothing for 2 s, so the"),
+    "Ctrl-S": ("", lambda one: one.presses("\x13"), 1, "the program stood still for 2 s, so the"),
     "closed": ("", lambda one: one.closes(), None, ""),
 }
 

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import time
+import math
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
 import serpenoid as sn
 
-from ...base.checks import POSITIVE
+from ...base.checks import POSITIVE, Limits
 from ..declare import Given, command, number, option, out_file, settings
-from ..given import make_snake, servo_remark, take_servo
+from ..gaits.steady import expect
+from ..given import Snake, make_snake, take_servo
 from ..options import (
     AS_JSON,
     OFFSET,
@@ -59,71 +60,59 @@ def drive(
     """
     from ...robot.robot_match import RobotMatch
     from ...robot.tools.driven_run import DrivenRun
+    from ...robot.wire.protocol import frame_us
     from ...servos.speed_limit import too_fast_text
     from ...show.live import show_summary, view
     from ...show.screen import say
-    from ..gaits.steady import expect
 
-    gait, snake = make_gait(typed_gait, settings), robot and make_snake(robot, {})
-    kind = take_servo(servo, settings, "hobby", snake or None)
+    check_board_limits(typed_gait)
+    gait, snake = make_gait(typed_gait, settings), make_snake(robot, {}) if robot else None
+    kind = take_servo(servo or "hobby", settings, snake)
+    if kind and snake and not (snake.session or "frame_ms" in settings):
+        kind = kind.at_frames(1e-6 * frame_us(snake.robot.links - 1))
     if not (snake and snake.fit) and (too_fast := too_fast_text(gait, kind)):
         say(f"serpenoid: warning: {too_fast}", err=True)
-    best = match = None
-    if snake:
-        state = busy("predicting", lambda _: sn.steady_gait(snake.robot, snake.ground, gait))
-        state = warn_of_two_motions(state)
-        best = busy("predicting", lambda _: expect(snake, state, kind, draws=DRIVE_SERVOS)).best
-        match = RobotMatch(snake.robot.links, "the gait", "give the --robot of this board, or none")
-        if not as_json:
-            say(f"predicted: {best.in_words()}")
+    best = predicted(snake, gait, kind) if snake else None
+    if best and not as_json:
+        say(f"predicted: {best.in_words()}")
+    cure = "give the --robot of this board, or none"
+    match = RobotMatch(snake.robot.links, "the gait", cure) if snake else None
     run = DrivenRun(gait, port, record, match)
     try:
         with nullcontext(lambda _: None) if as_json else view(best) as show:
-            interrupted = _watch(run, duration_s, show)
+            run.run(duration_s, show)
+    except KeyboardInterrupt:
+        if run.last is None or duration_s is not None:
+            raise
     finally:  # a run that failed has a summary too
         if (summary := run.summary()) is not None:
             frame_ms = run.robot.hello.frame_us / 1e3
             if best and kind and frame_ms != round(1e3 * kind.servo.frame_s, 3):
-                say(
-                    f"note: this board sets its servos every {frame_ms:g} ms, and the prediction "
-                    f"is for {1e3 * kind.servo.frame_s:g} ms: give --set frame_ms={frame_ms:g}",
-                    err=True,
-                )
-            told = {"gait": describe(run.gait), "frame_ms": frame_ms}
-            told |= {"predicted": best.to_dict()} if best else {}
-            notes = (snake.notes if snake else {}) | servo_remark(kind)
+                words = f"note: the board's frames take {frame_ms:g} ms: give --set frame_ms="
+                say(f"{words}{frame_ms:g} for its prediction", err=True)
+            values = {"gait": describe(run.gait), "frame_ms": frame_ms}
+            values |= {"predicted": best.to_dict()} if best else {}
             if as_json:
-                show_json(told | vars(summary) | notes)
+                show_json(values | vars(summary) | (snake.notes if snake else {}))
             else:
                 show_summary(summary, best)
-    if interrupted and duration_s is not None:
-        raise SystemExit(130)
 
 
-def _watch(run: Any, duration_s: float | None, show: Any) -> bool:
-    """Drive; return whether Ctrl-C ended it."""
-    from ...base.errors import RobotUnattended
-    from ...robot.tools.driven_run import UNATTENDED_S
+def predicted(snake: Snake, gait: sn.Gait, servo: sn.ServoKind | None) -> Any:
+    """Return the speed to expect of a gait, with what few servos leave of it."""
+    state = busy("predicting", lambda _: sn.steady_gait(snake.robot, snake.ground, gait))
+    state = warn_of_two_motions(state)
+    return busy("predicting", lambda _: expect(snake, state, servo, draws=DRIVE_SERVOS)).best
 
-    shown_in_s = 0.0
 
-    def timed(now: Any) -> None:
-        nonlocal shown_in_s
-        begun_s = time.monotonic()
-        show(now)
-        shown_in_s = time.monotonic() - begun_s
+def check_board_limits(typed_gait: Given) -> None:
+    """Raise BadInput, in the option's name and unit, for a gait that no board takes."""
+    from ..._core.firmware import GAIT
 
-    try:
-        run.run(duration_s, timed)
-    except RobotUnattended as error:
-        if shown_in_s < 0.5 * UNATTENDED_S:  # something else held the program up
-            raise
-        raise RobotUnattended(
-            f"the terminal took nothing for {UNATTENDED_S:g} s, so the robot was stopped; Ctrl-S "
-            "halts a terminal and Ctrl-Q lets it go on: start again, or pipe the output to a file"
-        ) from error
-    except KeyboardInterrupt:
-        if run.last is None:
-            raise
-        return True
-    return False
+    fields = {"alpha_deg": ("alpha", 1.0), "omega_rad_s": ("omega", 1.0)}
+    fields["frequency_hz"] = "omega", math.tau
+    for name, (field, unit) in fields.items():
+        _, low, high, _ = GAIT[field]
+        if typed_gait[name] is not None:
+            option = f"--{name.replace('_', '-')}"
+            Limits(low / unit, high / unit).check(option, typed_gait[name])

@@ -27,7 +27,7 @@ from ...taking.terminal import Console
 from ...video.made_gait import film_cells
 from ...video.measure_film import measure_film
 from ...video.pushed import track_pushes
-from ..video import film_progress
+from ..options import busy
 
 BY_HAND = "by hand"
 CURE = "take the board of that robot, or begin a session of this one: `serpenoid calibrate new`"
@@ -147,19 +147,19 @@ def film_reader(side_m: float | None = None, capture_fps: float | None = None) -
 
     def read(path: Path, robot: Robot, gait: Gait | None) -> Tracked:
         of = path, robot.links, robot.link_length_m, side_m
-        with film_progress(path, capture_fps) as tell:
-            if gait is not None:
-                crawl = measure_film(*of, gait, progress=tell, capture_fps=capture_fps)
-                remarks, (cells, samples), closing = crawl.run.remarks, film_cells(crawl), ""
-            else:
-                pushed = track_pushes(*of, tell, capture_fps)
-                remarks, samples = pushed.remarks, pushed.rows
-                cells = {"scale_sigma": round(pushed.scale_sigma, 6)}
-                closing = (
-                    f"{path.name}: all lengths ± {100 * pushed.scale_sigma:.1f} %, kept with its "
-                    "pushes; the fit takes this, or film_scale_sigma_percent in session.toml where "
-                    "that is larger"
-                )
+        what = f"watching {path.name}"
+        if gait is not None:
+            crawl = busy(what, lambda share: measure_film(*of, gait, False, share, capture_fps))
+            remarks, (cells, samples), closing = crawl.run.remarks, film_cells(crawl), ""
+        else:
+            pushed = busy(what, lambda share: track_pushes(*of, share, capture_fps))
+            remarks, samples = pushed.remarks, pushed.rows
+            cells = {"scale_sigma": round(pushed.scale_sigma, 6)}
+            closing = (
+                f"{path.name}: all lengths ± {100 * pushed.scale_sigma:.1f} %, kept with its "
+                "pushes; the fit takes this, or film_scale_sigma_percent in session.toml where "
+                "that is larger"
+            )
         for remark in remarks:
             say(f"{path.name}: {remark.name}: {remark.text}")
         if closing:

@@ -9,7 +9,7 @@ import click
 import serpenoid as sn
 
 from ...base.checks import NOT_NEGATIVE, Limits
-from ...show.screen import progress, say, working
+from ...show.screen import say
 from ..declare import (
     FIGURES,
     FOLDER,
@@ -23,17 +23,16 @@ from ..declare import (
     settings,
     together,
 )
-from ..given import alarms_of, servo_remark, session_fit
-from ..group import of_system
+from ..given import alarms_of, session_fit, take_servo
 from ..options import (
     AS_JSON,
     AS_TABLES,
     PLUG,
+    busy,
     listed_gaits,
     servo_option,
     show_json,
     tell,
-    typed_servo,
 )
 
 SAMPLES = Setting(
@@ -46,6 +45,14 @@ AMPLITUDE = Setting(
     usual="0.03",
 )
 of_session = together(click.argument("session", type=FOLDER), servo_option)
+
+
+def measured(
+    folder: Path, servo: str | None, settings: Given
+) -> tuple[sn.Session, sn.FrictionFit, sn.ServoKind | None]:
+    """Return a session, the fit of its readings, and servos: any hobby servo unless named."""
+    session = sn.load_session(folder)
+    return session, session_fit(session), take_servo(servo or "hobby", settings)
 
 
 @command()
@@ -86,8 +93,7 @@ def fit(
     for note in loaded.notes:
         say(f"note: {note}", err=True)
     say(f"session.toml: {loaded.setup.in_words()}", err=True)
-    with working(f"fitting {len(loaded.kept)} readings"):
-        fit = sn.fit_friction(loaded, method=method)
+    fit = busy("fitting", lambda _: sn.fit_friction(loaded, method=method))
     if figure is not None:
         fit.plot(figure, session=loaded)
         report.wrote(figure)
@@ -99,11 +105,7 @@ def fit(
         if influence:
             report.influence(fit)
     if save and method != "naive":
-        try:
-            sn.save_fit(fit, session)
-        except OSError as error:
-            words = f"{of_system(error)}; the fit is shown, but not kept"
-            raise sn.SerpenoidError(words) from error
+        sn.save_fit(fit, session)
 
 
 @command()
@@ -124,13 +126,13 @@ def advise(
     A station, a push, a film or a servo's test, as this session can have them. The band is that of
     `compare`: any hobby servo may move the joints unless --servo says which.
     """
-    loaded = sn.load_session(session)
-    notes = alarms_of(session_fit(session))  # which tells them, too
-    kind = typed_servo(servo or "hobby", settings)
+    loaded, fit, kind = measured(session, servo, settings)
     count = settings.get("samples", 64)
-    with progress(len(gaits) or len(loaded.setup.plan.gaits), "gaits") as advance:
-        advice = sn.advise(loaded, gaits, samples=count, servo=kind, progress=advance)
-    tell(advice, as_json, verbose, notes | servo_remark(kind))
+    advice = busy(
+        "advising",
+        lambda share: sn.advise(loaded, gaits, samples=count, servo=kind, progress=share),
+    )
+    tell(advice, as_json, verbose, alarms_of(fit))
 
 
 @command()
@@ -154,19 +156,18 @@ def compare(
     one factor would explain the speeds. Then each gait beside its 95 % band and the implicit
     model's speed. Any hobby servo may move the joints unless --servo says which.
     """
-    from ...prediction import comparison
     from ...show import report
 
-    loaded = sn.load_session(session)
-    fit = session_fit(session)
-    kind = typed_servo(servo or "hobby", settings)
+    loaded, fit, kind = measured(session, servo, settings)
     how = {one.name: settings[one.name] for one in (SAMPLES, AMPLITUDE) if one.name in settings}
-    with progress(len(comparison.compared_gaits(loaded, gaits)), "gaits") as advance:
-        compared = comparison.compare(loaded, fit, gaits=gaits, servo=kind, progress=advance, **how)
+    compared = busy(
+        "comparing",
+        lambda share: sn.compare(loaded, fit, gaits=gaits, servo=kind, progress=share, **how),
+    )
     if figure is not None:
         compared.plot(figure)
         report.wrote(figure)
-    tell(compared, as_json, verbose, alarms_of(fit) | servo_remark(kind))
+    tell(compared, as_json, verbose, alarms_of(fit))
 
 
 @command()
@@ -182,22 +183,19 @@ def report(
     Its speeds are those of `compare` and `advise`: any hobby servo unless --servo says which.
     """
     from ...base.files import write_text
-    from ...prediction import advice, comparison
+    from ...prediction.comparison import compared_gaits
     from ...show.session.report_page import session_page
 
     out = out or session / "report.html"
-    loaded = sn.load_session(session)
-    fit = session_fit(session)
-    kind = typed_servo(servo or "hobby", settings)
+    loaded, fit, kind = measured(session, servo, settings)
     compared = None
-    if gaits := comparison.compared_gaits(loaded):
-        with progress(len(gaits), "gaits") as advance:
-            compared = comparison.compare(loaded, fit, servo=kind, progress=advance)
-    advised = advice.advise(loaded, servo=kind) if loaded.setup.plan.gaits else None
+    if compared_gaits(loaded):
+        compared = busy(
+            "comparing", lambda share: sn.compare(loaded, fit, servo=kind, progress=share)
+        )
+    advised = sn.advise(loaded, servo=kind) if loaded.setup.plan.gaits else None
     write_text(out, session_page(loaded, fit, compared, advised))
     if as_json:
-        verdict = None if compared is None else compared.verdict
-        notes = alarms_of(fit) | servo_remark(kind)
-        show_json({"report": str(out), "verdict": verdict} | notes)
+        show_json({"report": str(out), "verdict": compared and compared.verdict} | alarms_of(fit))
     else:
         say(f"wrote {out}")

@@ -3,30 +3,26 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-import click
 
 import serpenoid as sn
 
 from ...base.checks import Limits, check_choice
-from ...show.screen import say, working
+from ...show.screen import say
 from ..declare import (
     EXISTING,
     Given,
     Setting,
     command,
-    flag,
     number,
     option,
     out_file,
     refuse_unused,
     settings,
 )
-from ..given import servo_remark
-from ..options import AS_JSON, PLUG, show_json, typed_servo
+from ..options import AS_JSON, PLUG, busy, servo_kind, show_json
 
 if TYPE_CHECKING:
     from ...servos.bench_fit import MeasuredServo
@@ -70,7 +66,6 @@ BENCH = (
     nargs=2,
     metavar="KG M",
 )
-@flag("--anyway", "Write the file of a test that the model does not describe, with a remark.")
 @option("--out", "File for --servo of other commands.", type=out_file(".toml"))
 @settings(*PLUG, *BENCH)
 @AS_JSON
@@ -78,7 +73,6 @@ def servo(
     table: Path,
     like: str,
     load: tuple[float, float] | None,
-    anyway: bool,
     out: Path | None,
     settings: Given,
     as_json: bool,
@@ -95,11 +89,7 @@ def servo(
     from ...servos.bench_fit import servo_of_test
     from ...servos.bench_test import BenchTest
 
-    kind = typed_servo(like, settings)
-    if kind is None:
-        raise click.UsageError(
-            "--like ideal has no servo to measure; give hobby, or a sheet's name"
-        )
+    kind = servo_kind(like, settings)
     sigma_deg = settings.get("sigma_deg")
     head = read_table(table, columns_named(*COLUMNS), ",".join(COLUMNS))[0].head
     sent_s = [SENT] if columns_named(SENT)(head) else []
@@ -113,20 +103,17 @@ def servo(
             _load(load, settings),
             np.array(sent[0]) if sent else None,
         )
-        with working("trying servos"):
-            measured = servo_of_test(test, kind, name="measured" if out is None else out.stem)
-    describes = measured.verdict.describes
-    if out is not None and (anyway or describes):
-        remark = "" if describes else verdict_text(measured, test.noise_rad)
-        sn.save_servo(replace(measured.kind, remark=remark), out)
-    show_json(answer(measured, test) | servo_remark(kind)) if as_json else show(measured, test)
+        name = "measured" if out is None else out.stem
+        measured = busy("trying servos", lambda _: servo_of_test(test, kind, name=name))
+    show_json(answer(measured, test)) if as_json else show(measured, test)
     if out is None:
         return
-    if not (anyway or describes):
+    if not measured.verdict.describes:
         raise sn.SerpenoidError(
             f"{out} is not written: the model does not describe the table. Look at its columns "
-            "and units, or give --load; --anyway writes the file with a remark"
+            "and units, or give --load"
         )
+    sn.save_servo(measured.kind, out)
     if not as_json:
         say(f"Written: {out}; give it to other commands with --servo {out}.")
 
@@ -137,8 +124,6 @@ def _load(load: tuple[float, float] | None, settings: Given) -> Load | None:
     if load is None:
         return refuse_unused(settings, "there is no load; give --load KG M", "axis", "down_deg")
     level = settings.get("axis") != "upright"
-    if not level:
-        refuse_unused(settings, "a load about an upright axis does not hang", "down_deg")
     return Load(*load, level, math.radians(settings.get("down_deg", 0.0)))
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -11,8 +10,8 @@ import serpenoid as sn
 
 from ...base.checks import NOT_NEGATIVE, POSITIVE, Limits
 from ...show.screen import say
-from ..declare import Given, Setting, command, flag, option, parsed_number, settings
-from ..given import make_snake, servo_remark, take_servo
+from ..declare import Given, Setting, command, flag, number, settings
+from ..given import make_snake, take_servo
 from ..options import (
     AS_TABLES,
     FRICTION,
@@ -54,14 +53,7 @@ COST = Setting(
 
 @command()
 @robot_option
-@option(
-    "--speed-m-s",
-    "--speed",
-    "speeds",
-    "Wanted speed; several, with commas, give the whole front.",
-    required=True,
-    metavar="M/S[,M/S...]",
-)
+@number("--speed-m-s", "--speed", "Wanted speed.", required=True, limits=POSITIVE)
 @servo_option
 @flag("--ideal", "The paper's optimum: without the robot's limits.")
 @settings(*ROBOT, *FRICTION, *PLUG, *LIMITS, COST)
@@ -69,7 +61,7 @@ COST = Setting(
 @AS_TABLES
 def optimize(
     robot: str | None,
-    speeds: str,
+    speed_m_s: float,
     servo: str | None,
     settings: Given,
     ideal: bool,
@@ -87,25 +79,17 @@ def optimize(
     from ...show import report
     from ...show.gaits import gait_report
 
-    wanted = [
-        POSITIVE.check("--speed-m-s", parsed_number("--speed-m-s", v)) for v in speeds.split(",")
-    ]
     snake = make_snake(robot, settings)
     body = snake.robot, snake.ground
     usual = "hobby" if few_links(snake) or not ideal else IDEAL
-    kind = take_servo(servo, settings, usual, snake)
-    how = {"cost": settings.get("cost", "power"), "formulation": formulation}
-    limits = _limits(settings, ideal, kind)
-    if len(wanted) > 1:
-        front = busy(
-            "searching", lambda _: sn.power_front(*body, speeds_m_s=wanted, limits=limits, **how)
-        )
-        return _show_front(wanted, front, as_json, snake.notes)
+    kind = take_servo(servo or usual, settings, snake)
+    wanted: Given = {"speed_m_s": speed_m_s, "formulation": formulation}
+    wanted["cost"] = settings.get("cost", "power")
 
     def searched(_: object) -> tuple[sn.LeastPower, sn.LeastPower | None]:
-        best = sn.least_power_gait(*body, speed_m_s=wanted[0], limits=limits, **how)
+        best = sn.least_power_gait(*body, limits=_limits(settings, ideal, kind), **wanted)
         with suppress(sn.NotConverged):
-            return best, None if ideal else sn.least_power_gait(*body, speed_m_s=wanted[0], **how)
+            return best, None if ideal else sn.least_power_gait(*body, **wanted)
         return best, None
 
     best, paper = busy("searching", searched)
@@ -113,9 +97,10 @@ def optimize(
     shown = kind if servo or few_links(snake) else None
     expected = busy("servos", lambda share: expect(snake, best.steady, shown, share))
     if as_json:
-        ideals = {"ideal": None if paper is None else _ideal_dict(paper)}
-        values = _as_dict(best) | ideals | expected.to_dict() | snake.notes
-        return show_json(values | servo_remark(kind))
+        kept = {"gait", "cost_w", "losses"}
+        ideal_values = paper and {k: v for k, v in _as_dict(paper).items() if k in kept}
+        values = _as_dict(best) | best.steady.to_dict() | {"ideal": ideal_values}
+        return show_json(values | expected.to_dict() | snake.notes)
     gait_report.warn_of_losses(best.losses)
     words = f"{best.in_words()} {expected.in_words()}"
     if paper is None:
@@ -123,10 +108,9 @@ def optimize(
     else:
         words += f" {gait_report.beside_ideal(best, paper, kind)}"
     report.show(best, *expected.results[1:], answer=words, verbose=verbose)
-    typed = " ".join(
-        f"--{k.replace('_', '-')} {v:.4g}" for k, v in describe(best.gait).items() if v
-    )
-    say(f"drive it: serpenoid drive {f'--robot {robot} ' if robot else ''}{typed}")
+    typed = [f"--{k.replace('_', '-')} {v:.4g}" for k, v in describe(best.gait).items() if v]
+    named = [f"--robot {robot}"] if robot else []
+    say(f"drive it: serpenoid drive {' '.join(named + typed)}")
     return None
 
 
@@ -153,6 +137,7 @@ def _limits(settings: Given, ideal: bool, kind: sn.ServoKind | None) -> sn.GaitL
 
 
 def _as_dict(best: sn.LeastPower) -> Given:
+    """Return a gait with its cost and what it loses."""
     return {
         "gait": describe(best.gait),
         "cost": best.cost,
@@ -162,24 +147,4 @@ def _as_dict(best: sn.LeastPower) -> Given:
         "solved_error_w": best.solved_error_w,
         "active": best.active,
         "losses": best.losses.to_dict(),
-    } | best.steady.to_dict()
-
-
-def _ideal_dict(paper: sn.LeastPower) -> Given:
-    """Return the gait of the paper's optimum, its cost and what it loses."""
-    answer = _as_dict(paper)
-    return {name: answer[name] for name in ("gait", "cost_w", "losses")}
-
-
-def _show_front(
-    speeds: list[float], front: Sequence[sn.LeastPower | None], as_json: bool, notes: Given
-) -> None:
-    from ...show.gaits import gait_report
-
-    if all(best is None for best in front):
-        raise sn.NotConverged(
-            f"no gait reaches {min(speeds):g} m/s within the limits; ask for less speed"
-        )
-    if as_json:
-        return show_json({"front": [best and _as_dict(best) for best in front]} | notes)
-    return gait_report.front(speeds, front)
+    }

@@ -12,7 +12,7 @@ import click
 import serpenoid as sn
 
 from ..declare import Given, command, flag, refuse_unused, settings
-from ..given import Snake, make_snake, servo_remark, take_servo
+from ..given import Snake, make_snake, take_servo
 from ..options import (
     AS_TABLES,
     FRICTION,
@@ -84,7 +84,6 @@ def steady(
                 "--servo and --sensitivities are of the exact model; leave --formulation implicit "
                 "out"
             )
-        refuse_unused(settings, "springs have no servos", "volts", "frame_ms")
         soft = busy("solving", lambda _: sn.steady_springs(*body, rtol=rtol, **springs))
         if soft.error_estimate > rtol:
             warnings.warn(
@@ -94,7 +93,7 @@ def steady(
             )
         return tell(soft, as_json, verbose, typed | snake.notes)
     refuse_unused(settings, PINNED, *springs)
-    kind = take_servo(servo, settings, "hobby" if few_links(snake) else IDEAL, snake)
+    kind = take_servo(servo or ("hobby" if few_links(snake) else IDEAL), settings, snake)
 
     def solved(show_share: Callable[[float], object]) -> tuple[Expected, sn.SpeedLosses]:
         state = sn.steady_gait(*body, rtol=rtol, sensitivities=differentiated)
@@ -106,7 +105,7 @@ def steady(
         warnings.warn(doubt, stacklevel=2)
     if as_json:
         values = typed | state.to_dict() | {"losses": losses.to_dict()} | snake.notes
-        return show_json(values | expected.to_dict() | servo_remark(kind))
+        return show_json(values | expected.to_dict())
     gait_report.warn_of_losses(losses)
     report.show(*expected.results, losses, answer=expected.in_words(), verbose=verbose)
     if state.sensitivities is not None:

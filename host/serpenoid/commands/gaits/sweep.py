@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import click
@@ -10,7 +11,7 @@ import click
 import serpenoid as sn
 
 from ...base.errors import BadInput
-from ...show.screen import progress, say
+from ...show.screen import say
 from ..declare import (
     Given,
     Setting,
@@ -21,7 +22,7 @@ from ..declare import (
     parsed_whole,
     settings,
 )
-from ..given import make_snake, servo_remark
+from ..given import make_snake, take_servo
 from ..options import (
     AS_JSON,
     FRICTION,
@@ -29,15 +30,15 @@ from ..options import (
     PLUG,
     ROBOT,
     RTOL,
+    busy,
     robot_option,
     servo_option,
     show_json,
-    typed_servo,
 )
 
 SUFFIXES = (".csv", ".npz")
-_MOST = 100_000  # values of a range
-_FILE_GAITS, _JSON_GAITS = 20_000_000, 1_000_000  # what memory holds of one file, as arrays or text
+MAX_VALUES = 100_000  # of a range
+MAX_GAITS = 1_000_000  # of an answer: its text takes a gigabyte
 
 
 def _span(text: str, name: str) -> list[float]:
@@ -46,10 +47,10 @@ def _span(text: str, name: str) -> list[float]:
     if len(numbers) == 1:
         return numbers
     first, last, step = numbers if len(numbers) == 3 else (0.0, 0.0, 0.0)
-    if not (last >= first and step > 0 and (last - first) / step < _MOST):
+    if not (last >= first and step > 0 and (last - first) / step < MAX_VALUES):
         raise BadInput(
             f"{name} is {text!r}; it must be one number, or FIRST:LAST:STEP that goes upwards in "
-            f"at most {_MOST} steps, such as 5:75:5"
+            f"at most {MAX_VALUES} steps, such as 5:75:5"
         )
     return [first + i * step for i in range(int((last - first) / step + 1 + 1e-9))]
 
@@ -94,7 +95,7 @@ def sweep(
     Joints follow the gaits exactly. --servo adds the speed with servos and its 95 % band, at half
     a second a gait; powers stay those of ideal joints.
     """
-    kind = typed_servo(servo or IDEAL, settings)
+    kind = take_servo(servo or IDEAL, settings)
     snake = make_snake(robot, settings)
     if frequency_hz is not None and omega_rad_s is not None:
         raise click.UsageError("--omega-rad-s and --frequency-hz say the same; give one")
@@ -109,25 +110,24 @@ def sweep(
     from ...show.sweep_files import write_sweep
 
     count = math.prod(map(len, grid.values()))
-    if count > (most := _JSON_GAITS if as_json else _FILE_GAITS):
+    if count > MAX_GAITS:
         raise click.UsageError(
-            f"{count:.3g} gaits are too many for {'JSON' if as_json else 'one file'}, which holds "
-            f"up to {most:.3g}; take larger steps, or sweep one part after the other"
+            f"{count:.3g} gaits are too many for one answer, which holds up to {MAX_GAITS:.3g}; "
+            "take larger steps, or sweep one part after the other"
         )
     how = {name: settings[name] for name in ("rtol", "threads") if name in settings}
     how |= {"scheduler": scheduler, "servo": kind, **grid}
-    with progress(count * (1 if kind is None else 2), "gaits") as advance:
-        grid_states = sn.sweep(snake.robot, snake.ground, **how, progress=advance)
+    solved, whole = [], count * (1 if kind is None else 2)
+
+    def solve(show_share: Callable[[float], object]) -> sn.Sweep:
+        def advance(gaits: float) -> None:
+            solved.append(gaits)
+            show_share(sum(solved) / whole)
+
+        return sn.sweep(snake.robot, snake.ground, progress=advance, **how)
+
+    states = busy("solving", solve)
     if out is not None:
-        write_sweep(grid_states, out)
+        write_sweep(states, out)
         say(f"wrote {count} gaits to {out}", err=True)
-    if grid_states.servo_low_m_s is not None:
-        lost = sum(map(math.isnan, grid_states.servo_low_m_s.flat))
-        say(
-            f"{lost} have no band: they are too fast for a typical servo, or settle to no speed",
-            err=True,
-        )
-    if as_json:
-        show_json(grid_states.to_dict() | snake.notes | servo_remark(kind))
-    else:
-        say(grid_states.in_words())
+    show_json(states.to_dict() | snake.notes) if as_json else say(states.in_words())

@@ -375,8 +375,9 @@ class Dialogue:
         self._attended_s = self.link.now_s()
         with self._changed:
             self.inbox.notice = RobotUnattended(
-                f"the program did not call for {self._unattended_s:g} s, so the robot was "
-                "stopped; iterate frames() meanwhile, or give Robot a longer unattended_s"
+                f"the program stood still for {self._unattended_s:g} s, so the robot was stopped: "
+                "a terminal halted by Ctrl-S goes on by Ctrl-Q; a script iterates frames() "
+                "meanwhile, or gives RobotBoard a longer unattended_s"
             )
         self.halt()
 

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ...gaits.limits import LIMIT_NAMES, REACHED
 from ...model.gait import gait_name
-from ...servos.catalogue import HOBBY
 from ...servos.speed_limit import is_too_fast, too_fast_text
-from ..report import notices, table
+from ..report import notices
 
 if TYPE_CHECKING:
     from ...gaits.least_power import LeastPower
@@ -47,24 +44,3 @@ def beside_ideal(best: LeastPower, ideal: LeastPower, servo: Servo | ServoKind |
         f"{words}The paper's optimum, {gait_name(ideal.gait)}, takes {100 * less:.2g} % less "
         f"power; it {speed}loses {ideal.losses.in_words()}."
     )
-
-
-def front(speeds_m_s: Sequence[float], optima: Sequence[LeastPower | None]) -> None:
-    """Print the least-power gaits of many speeds."""
-    cells = []
-    for speed, best in zip(speeds_m_s, optima, strict=True):
-        cells.append([f"{speed:.4g}"])
-        if best is None:
-            cells[-1] += ["out of reach"]
-            continue
-        angles = best.gait.alpha_rad, best.gait.beta_rad
-        cells[-1] += [f"{best.power_w:.5g}", f"{best.gait.omega_rad_s:.4g}"]
-        cells[-1] += [f"{math.degrees(angle):.4g}" for angle in angles]
-        cells[-1] += [f"{100 * best.losses.worst:.0f}", ", ".join(best.active) or "none"]
-    heads = ["speed (m/s)", "W", "omega (rad/s)", "alpha (deg)", "beta (deg)"]
-    heads += ["speed lost (%)", "limits reached"]
-    table("gaits of least power", heads, cells)
-    for speed, best in zip(speeds_m_s, optima, strict=True):
-        too_fast = best and too_fast_text(best.gait, HOBBY, f"The gait for {speed:.4g} m/s")
-        if too_fast:
-            notices.print(f"serpenoid: warning: {too_fast}")

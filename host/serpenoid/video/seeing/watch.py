@@ -47,8 +47,8 @@ class Watched:
         return frames <= max(1, STRAY_SHARE * len(self.sightings.t_s))
 
 
-def watch(film: Film, links: int, progress: Callable[[float], None] = lambda _: None) -> Watched:
-    """Read a film. progress: is told the time that was reached, s. Raises BadInput."""
+def watch(film: Film, links: int, progress: Callable[[float], object] = lambda _: None) -> Watched:
+    """Read a film. progress: called with the share of it that is read. Raises BadInput."""
     finder = TagFinder(links)
     looks: list[tuple[float, Single, Single]] = []
     ground: Background | None = None
@@ -68,7 +68,7 @@ def watch(film: Film, links: int, progress: Callable[[float], None] = lambda _: 
             ground.look(time_s, grey)
         elif tags and finder.window:
             picture, ground = grey.copy(), Background(finder.window, time_s, grey)
-        progress(time_s)
+        progress(time_s / max(film.duration_s, 1.0))
         if len(looks) >= MOST_FRAMES:
             raise BadInput(
                 f"{film.path}: has more than {MOST_FRAMES} frames; cut out a few "
