@@ -58,9 +58,9 @@ def drive(
     Exit status 0 at the end of --duration-s, or at Ctrl-C where none was given; 130 at an earlier
     Ctrl-C.
     """
+    from ...model.robot import frame_us
     from ...robot.robot_match import RobotMatch
     from ...robot.tools.driven_run import DrivenRun
-    from ...robot.wire.protocol import frame_us
     from ...servos.speed_limit import too_fast_text
     from ...show.live import show_summary, view
     from ...show.screen import say
