@@ -23,9 +23,8 @@ from serpenoid.periodic.servo_steady import band
 from serpenoid.prediction.speeds import AMPLITUDE_SIGMA, scaled, speed
 from serpenoid.session.settings import Setup
 from serpenoid.taking.new_session import PUSHES, default_setup
-from serpenoid.taking.simulated import SimulatedPerson
+from serpenoid.taking.simulated import SimulatedPerson, drawn_floor
 from serpenoid.taking.treadmill import take_all
-from serpenoid.taking.world import drawn_floor
 from simulated_sessions import MemoryRecord
 from speed_table import SpeedTable
 from study import Study
@@ -80,7 +79,7 @@ class FloorCoverage:
     relative errors. half_widths: of the intervals, relative, the median, those of the two speeds
     last. unseen, unseen_90: median and 90th percentile of the relative error of six gaits' speeds,
     by quick servos, the joints' amplitude known. unseen_commanded: the median with the amplitude as
-    commanded. minutes: by the lab's clock.
+    commanded.
     """
 
     case: str
@@ -98,7 +97,6 @@ class FloorCoverage:
     unseen: float
     unseen_90: float
     unseen_commanded: float
-    minutes: float
 
 
 def floor_setup(case: FloorCase) -> Setup:
@@ -141,7 +139,7 @@ class FloorTables:
 def run_floor_session(
     case: FloorCase, seed: int, number: int, tables: FloorTables
 ) -> list[float] | None:
-    """Take and fit a session; return what held, widths, errors and minutes; None where refused."""
+    """Take and fit a session; return what held, widths, errors; None where refused."""
     grain = round(1e4 * case.camera.sigma_m)
     rng = np.random.default_rng([seed, grain, case.pushes, number])
     amplitude = 1.0 + AMPLITUDE_SIGMA * float(rng.normal())
@@ -163,7 +161,6 @@ def run_floor_session(
         *(ends[:, 1] - ends[:, 0]) / true / 2,
         *errors,
         *gait_errors,
-        person.t_s / 60,
     ]
 
 
@@ -204,7 +201,6 @@ def judged_floor(case: FloorCase, rows: list[list[float] | None]) -> FloorCovera
         unseen=float(middle[16]),
         unseen_90=float(np.quantile(fitted[:, 16], 0.9)),
         unseen_commanded=float(middle[17]),
-        minutes=float(middle[18]),
     )
 
 

@@ -13,7 +13,7 @@ from serpenoid.session.rows import kind_of, make_reading, reading_row
 from serpenoid.session.session import Event
 from serpenoid.session.settings import Setup
 from serpenoid.session.track import Samples, Track
-from serpenoid.taking.world import Truth
+from serpenoid.taking.simulated import Truth
 
 
 class MemoryRecord(Journal):

@@ -20,6 +20,5 @@ def test_intervals_of_a_few_sessions_mostly_hold(tmp_path, monkeypatch) -> None:
     assert len(rows) == len(CASES)
     for row in rows:
         assert row["sessions"] + row["refused"] == 1
-        assert row["minutes"] < 35
     flags = [row[name] for row in rows[:-1] for name in ("ct", "cn", "ft0", "fn0", "speed")]
     assert np.mean(flags) > 0.8

@@ -30,9 +30,8 @@ from ..show.screen import progress, say, working
 from ..show.session.report_page import session_page
 from ..taking.board_run import board_gait
 from ..taking.new_session import create_session, default_setup, on_place
-from ..taking.simulated import SimulatedPerson
+from ..taking.simulated import SimulatedPerson, Truth, drawn_floor
 from ..taking.treadmill import take_all
-from ..taking.world import Truth, drawn_floor
 
 if TYPE_CHECKING:
     from ..session.settings import Setup

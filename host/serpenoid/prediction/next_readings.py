@@ -8,15 +8,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..friction.bends import resistance
 from ..friction.identifiability import SAFE_BEND_SIGMAS
 from ..friction.posterior import MapEstimate
 from ..friction.rolling_law import rest, way_m
 from ..friction.rounding import nearest_shown
 from ..session.push import WAYS, Push
 from ..session.session import Session
-from ..session.station import LEAST_SLIP_M_S, Reading
+from ..session.settings import Setup
+from ..session.station import LEAST_SLIP_M_S, Reading, bent_share
 from ..session.track import Track
-from ..taking.expected import pull_of
 
 # Minutes that a person takes: `docs/afternoon.md` and `docs/floor.md` plan with as many.
 STATION_MIN, PUSH_MIN, BEND_MIN = 4.0, 0.7, 3.0
@@ -99,7 +100,7 @@ def _belt_places(
     setup, zero = session.setup, session.zero.value_rad
     shown = np.array([reading.incline_rad for reading in session.kept], dtype=float)
     steepest = max(MAX_INCLINE_RAD, float(shown.max()))
-    drag, dry_n = pull_of(setup, estimate.x[:4].tolist(), angle)
+    drag, dry_n = _drag(setup, estimate, angle)
     found: dict[float, float] = {}
     for wanted_m_s in SLIPS_M_S:
         sine = min((drag * wanted_m_s + dry_n) / setup.weight_n, MAX_SINE)
@@ -110,6 +111,13 @@ def _belt_places(
         if held and 0.0 < incline <= steepest and not _failed(session, angle, incline):
             found[round(incline, 6)] = slip
     return list(found.items())
+
+
+def _drag(setup: Setup, estimate: MapEstimate, angle: float) -> tuple[float, float]:
+    """Return the drag, N s/m, and the dry force, N, of a robot that rolls in a bend."""
+    share = bent_share(setup.plan.bend, setup.robot.links)
+    viscous, dry_n = resistance(estimate.x[:4], share, angle)
+    return float(viscous[0]), float(dry_n[0])
 
 
 def _failed(session: Session, angle: float, incline_rad: float) -> bool:
@@ -130,7 +138,7 @@ def _pushes(session: Session, estimate: MapEstimate) -> Iterator[Candidate]:
     for bend_rad in FLOOR_BENDS_RAD:
         near = abs(last.lambda_rad - bend_rad) < SAME_BEND_SIGMAS * SAME_RAD
         angle = last.lambda_rad if near else bend_rad
-        drag, dry_n = pull_of(setup, estimate.x[:4].tolist(), angle)
+        drag, dry_n = _drag(setup, estimate, angle)
         law = np.array([drag, dry_n]) * setup.laboratory.gravity_m_s2 / setup.weight_n
         pose = f"bent {math.degrees(angle):.3g}°" if angle else "straight"
         words = f"pushes, {pose}, at {PUSH_M_S:g} m/s, one there and one back, " + (

@@ -14,13 +14,12 @@ from ..model.gait import Gait
 from ..session.declaration import Field, Values
 from ..session.journal import Journal
 from ..session.session import Session
-from ..session.track import EXAMPLE, drifts, tidy_places
+from ..session.track import EXAMPLE, tidy_places
 from .asking import PATIENCE_S, WORDS, Again, Asker, Left, Skip, Undo, questions
-from .bends import NEAR_DEG
 from .films import FilmReader, named_file, no_films, read_crawl, take_track
-from .procedure import ZERO_BEFORE, doubts, next_step, step_in_words
+from .procedure import ZERO_BEFORE, doubts, next_step
 from .session_robot import SessionRobot
-from .steps import Step, Tracked
+from .steps import NEAR_DEG, Step, Tracked, step_in_words
 from .terminal import Terminal
 from .track_files import read_track_file
 from .treadmill import posed_after, record_step
@@ -89,6 +88,10 @@ class Dialogue:
             f"Leave it out by `skip`; or plan less: {name} in "
             f"{self.journal.folder / 'session.toml'}"
         )
+
+    @property
+    def _bend(self) -> str:
+        return self.journal.session.setup.plan.bend
 
     @property
     def _on_floor(self) -> bool:
@@ -184,7 +187,7 @@ class Dialogue:
             if step.kind == "straight":
                 self._asker.confirm("Enter when it lies so: ")
             return
-        while step.lambda_deg and (reach := robot.reach_deg(step.bend)) < step.lambda_deg:
+        while step.lambda_deg and (reach := robot.reach_deg(self._bend)) < step.lambda_deg:
             if reach >= step.lambda_deg - NEAR_DEG:
                 self._say(f"  Joint limits and steering leave room for {reach:g} deg: it is so.")
                 break
@@ -192,8 +195,8 @@ class Dialogue:
             self._asker.confirm("  skip, or quit: ")
         what = "bends" if step.lambda_deg else "straightens"
         self._asker.confirm(f"Enter {what} the robot (hands off): ", ahead=False)
-        reach = robot.reach_deg(step.bend) if step.lambda_deg else 0.0
-        robot.pose(min(step.lambda_deg, reach), step.bend)
+        reach = robot.reach_deg(self._bend) if step.lambda_deg else 0.0
+        robot.pose(min(step.lambda_deg, reach), self._bend)
         self._steer(robot, step)
 
     def _steer(self, robot: SessionRobot, step: Step) -> None:
@@ -264,7 +267,7 @@ class Dialogue:
         text = ask.ask(f"  let it settle {step.settle_s:.0f} s; then {DRIFT}: ")
         places = self._places(text)
         if places:
-            return values | {"places": places, "drift_m_s": drifts(places)[0]}
+            return values | {"places": places}
         values["waited_s"] = round(ask.answered_s - set_s, 1)
         return values | self._drift(fields["drift_m_s"], fields["turned_deg"], text)
 

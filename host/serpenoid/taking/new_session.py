@@ -50,7 +50,7 @@ JOINT_SIGMA_DEG = {"servos": 0.5, "straightedge": 0.5, "hand": 1.5}
 DRIFT_SIGMA_M_S = 0.008
 # At the ends joints stand at twice this: it leaves 6 deg of 90 to trims and steering.
 STEEPEST_PUSH_DEG = 42.0
-PUSHES, CRAWL_RUNS = 8, 2  # on a floor, in each bend; of each gait, there and back
+PUSHES, GAIT_RUNS = 8, 2  # on a floor, in each bend; of each gait, on a floor there and back
 # On a floor: away from the cliff, far from each other, and little moved by a slope. All planned
 # gaits are such that a typical hobby servo follows them at 4.8 V.
 CRAWLS = tuple(
@@ -98,6 +98,7 @@ def default_setup(name: str) -> Setup:
             incline_start_deg=2.4,
             incline_step_deg=0.3,
             belt_speed_max_m_s=1.0,
+            gait_runs=GAIT_RUNS,
             gaits=gaits,
             bend="balanced",
             push_lambda_deg=(0.0, 20.0, STEEPEST_PUSH_DEG),
@@ -168,7 +169,7 @@ def on_place(plan: Plan, place: str) -> Plan:
     """Return a plan to be carried out at a place; on a floor with crawls of its own."""
     if place != "floor":
         return replace(plan, on=place)
-    return replace(plan, on=place, gaits=CRAWLS, gait_runs=CRAWL_RUNS)
+    return replace(plan, on=place, gaits=CRAWLS)
 
 
 def answered(setup: Setup, answers: Mapping[str, Any]) -> Setup:

@@ -9,21 +9,21 @@ ct = 0.084   # whole snake        lambda_deg = 0.0
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 from ..base.errors import BadInput
 from ..base.toml_table import Table, located
 from ..model.ground import Ground
+from ..servos.catalogue import HOBBY
+from ..session.crawls import driving
+from ..session.declaration import in_si
 from ..session.journal import Journal, Listed
 from ..session.settings import Setup
 from .parse_number import completed, typed_cells
-from .simulated import SimulatedPerson
+from .simulated import SimulatedPerson, Truth, wheel_inertia_kg
 from .steps import Step
-from .treadmill import take_steps
-from .world import Truth, wheel_inertia_kg
+from .treadmill import take_all
 
 _FRICTIONS = ("ct", "cn", "ft0", "fn0")
 _TRUTH = (
@@ -31,13 +31,8 @@ _TRUTH = (
     "belt_scale",
     "mass_scale",
     "joint_sigma_deg",
-    "link_spread",
     "rolling_kg",
-    "breakaway",
-    "disturbance_m_s",
     "misreads",
-    "hasty",
-    "short_s",
     "amplitude",
 )
 
@@ -51,30 +46,33 @@ def load_script(path: Path) -> Table:
     return top
 
 
-def simulated_treadmill(top: Table, setup: Setup) -> SimulatedPerson:
-    """Return the treadmill that a script's [simulated] describes; raises BadInput."""
+def simulated_person(top: Table, setup: Setup) -> SimulatedPerson:
+    """Return the person and the robot that a script's [simulated] describes; raises BadInput.
+
+    The robot has a hobby servo in each joint, one drawn by the seed, as predictions assume.
+    """
     table = top.table("simulated")
     table.only("seed", *_FRICTIONS, optional=_TRUTH)
-    ct, cn, ft0, fn0 = (table.number(name, 0.0) for name in _FRICTIONS)
-    given = {n: table.number(n) for n in _TRUTH if n in table.values}
-    in_si: dict[str, Any] = {
-        n.replace("_deg", "_rad"): math.radians(v) if n.endswith("_deg") else v
-        for n, v in given.items()
-    }
-    if setup.plan.on == "floor":
-        in_si.setdefault("rolling_kg", wheel_inertia_kg(setup))
-    return SimulatedPerson(setup, Truth(Ground(ct, cn, ft0, fn0), **in_si), table.whole("seed"))
+    seed, floor = table.whole("seed"), setup.plan.on == "floor"
+    values = {"rolling_kg": wheel_inertia_kg(setup)} if floor else {}
+    for name in _TRUTH:
+        if name in table.values:
+            values[name.replace("_deg", "_rad")] = in_si(name, table.number(name))
+    ground = Ground(*(table.number(name, 0.0) for name in _FRICTIONS))
+    servo = driving(setup, HOBBY).draws(1, seed)[0]
+    return SimulatedPerson(setup, Truth(ground, servo=servo, **values), seed)
 
 
-def run_script(journal: Journal, top: Table, told: Callable[[Step], None]) -> int:
-    """Take what is left of a session as a script says; return how many steps were done."""
+def run_script(journal: Journal, top: Table, show_step: Callable[[Step], object]) -> int:
+    """Take what is left of a session as a script says; return how many readings it added.
+
+    show_step: is called with each step of a simulated person when it is done.
+    """
     if "reading" in top.values:
         return _add_listed(journal, top)
-    done = 0
-    for step in take_steps(journal, simulated_treadmill(top, journal.session.setup)):
-        told(step)
-        done += 1
-    return done
+    first = journal.last
+    take_all(journal, simulated_person(top, journal.session.setup), show_step)
+    return journal.last - first
 
 
 def _add_listed(journal: Journal, top: Table) -> int:
@@ -82,12 +80,12 @@ def _add_listed(journal: Journal, top: Table) -> int:
     listed = top.values["reading"]
     if not isinstance(listed, list) or not all(isinstance(row, dict) for row in listed):
         raise BadInput(f"{top.where('reading')}: give readings as [[reading]] tables")
-    made: list[Listed] = []
+    readings = list[Listed]()
     for number, row in enumerate(listed, 1):
         cells = dict(row)
         kind, comment = str(cells.pop("kind", "station")), str(cells.pop("comment", ""))
         with located(f"{top.path}: reading {number}"):
             cells = completed(kind, typed_cells(kind, cells), journal.session.setup)
             journal.check(kind, cells)
-        made.append((kind, cells, comment))
-    return journal.add_once(made)
+        readings.append((kind, cells, comment))
+    return journal.add_once(readings)

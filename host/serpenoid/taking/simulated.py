@@ -3,71 +3,127 @@
 The robot obeys the lab's equations of motion, not a law of the fit: on a belt it yaws and leaves it
 unless it is steered, and below its least pull the belt carries it away; on a floor who pushes it
 lets go a little crooked. Everything that is read goes through instruments that err as the set-up
-says they may, and now and then the person misreads, or reads too early.
+says they may, and now and then the person misreads.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
 from ..lab.belt import Belt
 from ..lab.crawl import crawl_speed, filmed_crawl
-from ..lab.floor import Floor, Push, Track
-from ..lab.person import Habits, Held, Person
+from ..lab.floor import Floor, Push
+from ..lab.instruments import Instrument
+from ..lab.person import Display, Person
 from ..lab.recording import Camera, film, to_rest
-from ..lab.robot import pose_of
+from ..lab.robot import LabRobot, pose_of
 from ..model.bends import bend_signs
+from ..model.drives import Servo, ServoKind
 from ..model.gait import Gait
+from ..model.ground import Ground
+from ..model.robot import Robot
 from ..session.declaration import Cells
 from ..session.filmed_crawl import crawl_cells
-from ..session.session import Session
 from ..session.settings import Setup
 from ..session.station import slips
-from ..session.track import Floats
-from .steps import Doubts, Step, Tracked
+from .steps import Step, Tracked
 from .track_look import look_at
-from .world import Truth
 
-TURNS, BELT_M, CHECKED_M_S = 10, 2.8, 0.5  # of a belt check
-START_M_S = 0.3  # of the belt, where nothing tells better
-RUN_M, RUN_S = 1.0, 40.0  # a gait run: so far, or so long at most
-SPEED, SPEED_SIGMA = 0.9, 0.12  # m/s, of pushes, and how they scatter, relative
-CROOKED_RAD, SPIN_RAD_S = 0.015, 0.06
-SPEED_OFF, GAIN_OFF = 0.002, 0.002  # of a filmed crawl: its scale, each joint's amplitude
-TRIES = 6  # of a push, until somebody gives up
-# What a person on a floor takes, s: to turn the robot round, push it and take the film in; to bend
-# it and lay the protractor on; to start a gait and lay the tape.
-PUSH_S, BEND_S, GAIT_S = 40.0, 90.0, 60.0
-# Error of each end under a protractor, over what is stated of the bend: half the mean of both errs
-# by that at a treadmill, by half of it on a floor, where there is room and light.
-ENDS = {"treadmill": 2 * math.sqrt(2), "floor": math.sqrt(2)}
+BELT_TURNS_M, BELT_CHECK_M_S = 28.0, 0.5  # of a belt check: ten turns, and the speed shown
+FIRST_BELT_M_S = 0.3  # where nothing tells better
+RUN_M, RUN_S = 1.0, 40.0  # a gait run: this distance, or this time at most
+PUSH_M_S, PUSH_SPREAD = 0.9, 0.12  # speed of a push, and its relative scatter
+CROOKED_RAD, SPIN_RAD_S = 0.015, 0.06  # scatter of a push's direction and turning
+FILM_ERROR = 0.002  # relative, of a crawl's scale and of each joint's amplitude
+MAX_PUSHES = 6  # until somebody gives up
+PROTRACTOR_ENDS = 2 * math.sqrt(2)  # error at an end over that of a bend: half the mean of two ends
 
 
-def _habits(truth: Truth) -> Habits:
-    habits = Habits(hasty=truth.hasty, let_go_m_s=truth.disturbance_m_s)
-    # rails are laid along the belt, and the robot between them
-    return replace(habits, let_go_rad=0.0, let_go_rad_s=0.0) if truth.guided else habits
+PHONE = Camera()
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What a person at a treadmill or on a floor does not know.
+
+    Of the robot: ground, of the whole snake. mass_scale: its true mass over the one weighed.
+    joint_sigma_rad: of what each joint stands off its set-point, for good. rolling_kg: inertia of
+    the wheels (`lab.robot`). amplitude: of the joints in a gait, true over commanded. servo: what
+    moves them in a gait; None: they follow it.
+
+    Of a treadmill: incline_zero_rad: what the inclinometer shows where it is level. belt_scale:
+    true belt speed over shown. incline_scale: its true steps of grade over those stated.
+
+    Of a floor: slope_rad, across_rad: by what it falls towards "there" and to the left of it.
+    film_scale: lengths in films over true. camera: what films; None: tape and watch.
+
+    misreads: share of stations that are typed wrong.
+    """
+
+    ground: Ground
+    mass_scale: float = 1.0
+    joint_sigma_rad: float = math.radians(0.5)
+    rolling_kg: float = 0.0
+    amplitude: float = 1.0
+    servo: Servo | None = None
+    incline_zero_rad: float = 0.0
+    belt_scale: float = 1.0
+    incline_scale: float = 1.0
+    slope_rad: float = 0.0
+    across_rad: float = 0.0
+    film_scale: float = 1.0
+    camera: Camera | None = PHONE
+    misreads: float = 0.0
+
+    def robot(self, body: Robot, rng: np.random.Generator) -> LabRobot:
+        """Return the robot as it truly is, its joint errors drawn."""
+        mass_kg = body.link_mass_kg * self.mass_scale
+        inertia = body.inertia_kg_m2 * self.mass_scale
+        heavy = replace(body, link_mass_kg=mass_kg, link_inertia_kg_m2=inertia)
+        whole = LabRobot.whole(heavy, self.ground, rolling_kg=self.rolling_kg, servo=self.servo)
+        return whole.drawn(rng, self.joint_sigma_rad)
+
+
+def wheel_inertia_kg(setup: Setup, sigmas: float = 0.0) -> float:
+    """Return J / r^2 of all wheels of a set-up, kg; sigmas: by which it is off the usual."""
+    wheels_kg = setup.robot_table.wheels_kg
+    if wheels_kg is not None:
+        return max((0.75 + 0.15 * sigmas) * wheels_kg, 0.0)
+    mass_kg = setup.robot.links * setup.robot.link_mass_kg
+    return max((0.045 + 0.03 * sigmas) * mass_kg, 0.0)
+
+
+def drawn_floor(
+    setup: Setup, ground: Ground, rng: np.random.Generator, servo: ServoKind | None = None
+) -> Truth:
+    """Draw the errors that all readings on a floor share, as the set-up says they may be.
+
+    servo: the kind of which the robot has one drawn; None: its joints follow the gait.
+    """
+    slope, scale, mass, wheels, across = map(float, rng.normal(size=5))
+    tools = setup.instruments
+    return Truth(
+        ground,
+        slope_rad=tools.floor_slope_sigma_rad * slope,
+        across_rad=tools.floor_slope_sigma_rad * across,
+        film_scale=1.0 + tools.film_scale_sigma * scale,
+        mass_scale=1.0 + tools.mass_sigma * mass,
+        rolling_kg=wheel_inertia_kg(setup, wheels),
+        joint_sigma_rad=tools.joint_sigma_rad,
+        servo=servo and servo.draws(1, int(rng.integers(2**31)))[0],
+    )
 
 
 class SimulatedPerson:
     """Do each step of the procedure against a known truth; the same seed does the same.
 
-    It answers with what a person could read, never with a truth: for each kind of step
-    (`Step.kind`) the numbers of `step.fields`, in the columns' units. zero (incline_deg,
-    reversed_deg), bend (between_links_deg, between the last two links at an end of a robot bent as
-    `step.bend` says), station (incline_deg, belt_speed_m_s, drift_m_s, turned_deg, offset_deg and
-    waited_s), belt (belt_speed_m_s, distance_m, duration_s of a mark on the belt), gait
-    (distance_m, duration_s, omega_rad_s; or a `Tracked` of kind `video`), push (distance_m,
-    duration_s, or a `Tracked` with the track of a push); straight has none. A person who types
-    takes the same steps (`person.dialogue`).
-
-    run_gait: runs a gait on a board and returns the one that the board made of it, in true seconds.
-    t_s: what a person on a floor has needed so far.
+    It answers with what a person could read, never with a truth. run_gait: runs a gait on a board
+    and returns the one that the board made of it, in true seconds.
     """
 
     def __init__(
@@ -80,185 +136,133 @@ class SimulatedPerson:
         self.setup, self.truth, self.rng = setup, truth, np.random.default_rng(seed)
         self.robot = truth.robot(setup.robot, self.rng)
         self._floor = Floor(self.robot, truth.slope_rad, truth.across_rad)
-        self._speeds = dict[tuple[Gait, tuple[float, float]], float]()
-        self.t_s, self.misread = 0.0, 0
-        self._run_gait = lru_cache(run_gait)
-        self._belt_run = Belt(self.robot, gravity_m_s2=setup.laboratory.gravity_m_s2)
-        self._belt_run.guide(truth.guided)
-        self._inclinometer_rad = truth.inclinometer_rad(setup)
-        self.person = Person(self._belt_run, self.rng, _habits(truth), truth.display(setup))
-        self._on_floor = setup.plan.on == "floor"
+        self._treadmill = Belt(self.robot, gravity_m_s2=setup.laboratory.gravity_m_s2)
+        tools = setup.instruments
+        display = Display(
+            tools.belt_speed_step_m_s,
+            truth.belt_scale,
+            tools.belt_speed_least_m_s,
+            tools.belt_speed_sigma_m_s,
+        )
+        self._person = Person(self._treadmill, self.rng, display=display)
         # The deck does not lie level when the treadmill says 0.
-        deck_deg = 0.0 if self._on_floor else float(self.rng.uniform(-0.15, 0.15))
-        self._deck_rad = math.radians(deck_deg)
-        self._shown_m_s = START_M_S
-        self._true: Cells = {}
+        self._deck_rad = math.radians(float(self.rng.uniform(-0.15, 0.15)))
+        self._shown_m_s = FIRST_BELT_M_S
+        self._run_gait = lru_cache(run_gait)
+        self._crawl_speed = lru_cache(crawl_speed)
 
-    def answer(self, step: Step, session: Session) -> Cells | None:
-        """Do a step as a person would; return None if it cannot be done."""
+    def answer(self, step: Step) -> tuple[Cells, Cells] | None:
+        """Return what is typed after a step, and what a second look shows; None if it failed.
+
+        They differ where a station is misread.
+        """
         read: Cells | None = getattr(self, f"_{step.kind}")(step)
-        self._true = read or {}
-        return None if read is None else self._typed(step, read)
-
-    def look_again(self, step: Step, doubtful: Doubts, cells: Cells) -> Cells:
-        """Read again what is doubted, with care; on a floor what was measured is over."""
-        again = step.kind == "bend" and not self._on_floor
-        return self._bend(step) if again else self._true
+        if read is None:
+            return None
+        if step.kind != "station" or self.rng.uniform() >= self.truth.misreads:
+            return read, read
+        if self.rng.uniform() < 1 / 2:
+            typed = {"incline_deg": round(float(read["incline_deg"]) + 1.0, 4)}
+        else:  # in km/h
+            typed = {"belt_speed_m_s": round(float(read["belt_speed_m_s"]) * 3.6, 5)}
+        return {**read, **typed}, read
 
     def _shown_deg(self, incline_rad: float) -> float:
-        return round(math.degrees(self._inclinometer_rad.shows(incline_rad, self.rng)), 4)
+        step_rad = self.setup.instruments.incline_sigma_rad * math.sqrt(12)
+        inclinometer = Instrument(self.truth.incline_zero_rad, step=step_rad)
+        return round(math.degrees(inclinometer.shows(incline_rad, self.rng)), 4)
 
     def _zero(self, step: Step) -> Cells:
         slope_rad = math.radians(float(self.rng.uniform(-0.4, 0.4)))
-        return {
-            "incline_deg": self._shown_deg(slope_rad),
-            "reversed_deg": self._shown_deg(-slope_rad),
-        }
+        shown = self._shown_deg(slope_rad), self._shown_deg(-slope_rad)
+        return dict(zip(("incline_deg", "reversed_deg"), shown, strict=True))
 
     def _straight(self, step: Step) -> Cells:
         """Have the board put the robot in a step's pose, and lay it on the belt or the floor."""
-        self.t_s += BEND_S
         signs = bend_signs(self.setup.plan.bend, self.setup.robot.links)
         self._pose_rad = pose_of(signs, math.radians(step.lambda_deg))
-        self._belt_run.pose(self._pose_rad)
+        self._treadmill.pose(self._pose_rad)
         return {}
 
     def _bend(self, step: Step) -> Cells:
         """Bend as planned; lay the protractor on the joints at both ends."""
         self._straight(step)
-        off_rad = ENDS[self.setup.plan.on] * self.setup.instruments.lambda_sigma_rad
-        shown_deg = self.robot.protractor_deg(self._pose_rad, off_rad, self.rng)
+        sigma_rad = PROTRACTOR_ENDS * self.setup.instruments.lambda_sigma_rad
+        shown_deg = self.robot.protractor_deg(self._pose_rad, sigma_rad, self.rng)
         return {"between_links_deg": round(sum(shown_deg) / 2, 1)}
 
     def _station(self, step: Step) -> Cells | None:
         """Set the nearest incline, find the belt speed that holds, wait, read what is left."""
-        steps = self.setup.instruments
-        aim = math.radians(step.incline_deg) - self.truth.incline_zero_rad - self._deck_rad
-        grade_step = steps.incline_step_rad * self.truth.incline_scale
-        grade = round(math.tan(aim) / grade_step) * grade_step
+        truth = self.truth
+        grade_step = self.setup.instruments.incline_step_rad * truth.incline_scale
+        wanted_rad = math.radians(step.incline_deg) - truth.incline_zero_rad - self._deck_rad
+        grade = round(math.tan(wanted_rad) / grade_step) * grade_step
         incline_rad = math.atan(grade) + self._deck_rad
-        self._belt_run.tilt(incline_rad)
-        held = self._read(step)
-        if held is None or held.belt_shown_m_s - held.drift_m_s <= 0.0:
+        self._treadmill.tilt(incline_rad)
+        likely = next(field.likely for field in step.fields if field.column == "belt_speed_m_s")
+        guess_m_s = sum(likely) / 2 if likely else self._shown_m_s
+        station = self._person.hold(guess_m_s, step.settle_s)
+        if station is None or station.belt_shown_m_s <= station.drift_m_s:
             return None
-        self._shown_m_s = held.belt_shown_m_s
+        self._shown_m_s = station.belt_shown_m_s
         return {
             "incline_deg": self._shown_deg(incline_rad),
-            "belt_speed_m_s": round(held.belt_shown_m_s, 5),
-            "drift_m_s": round(held.drift_m_s, 3),
-            "turned_deg": round(math.degrees(held.turned_rad), 1),
-            "offset_deg": round(math.degrees(held.offset_rad), 3),
-            "waited_s": round(held.waited_s, 1),
-            "places": ",".join(f"{t:.3f}:{y:.4f}" for t, y in held.places),
+            "belt_speed_m_s": round(station.belt_shown_m_s, 5),
+            "drift_m_s": round(station.drift_m_s, 3),
+            "turned_deg": round(math.degrees(station.turned_rad), 1),
+            "offset_deg": round(math.degrees(station.offset_rad), 3),
+            "waited_s": round(station.waited_s, 1),
         }
-
-    def _read(self, step: Step) -> Held | None:
-        """Hold the robot until it settles; or only film how it drifts, where that is the plan."""
-        likely = next((f.likely for f in step.fields if f.column == "belt_speed_m_s"), None)
-        guess_m_s = sum(likely) / 2 if likely is not None else self._shown_m_s
-        if step.lambda_deg and self.truth.short_s:
-            return self.person.film(guess_m_s, self.truth.short_s)
-        return self.person.hold(guess_m_s, step.settle_s)
 
     def _belt(self, step: Step) -> Cells:
-        """Time a mark on the belt over ten turns."""
-        step_m_s, watch = self.setup.instruments.belt_speed_step_m_s, self.setup.instruments
-        shown, way_m = round(CHECKED_M_S / step_m_s) * step_m_s, TURNS * BELT_M
-        off_s = self.normal(watch.time_sigma_s)
-        return {
-            "belt_speed_m_s": round(shown, 5),
-            "distance_m": round(way_m + self.normal(watch.distance_sigma_m), 3),
-            "duration_s": round(way_m / (shown * self.truth.belt_scale) + off_s, 2),
-        }
+        step_m_s = self.setup.instruments.belt_speed_step_m_s
+        shown_m_s = round(BELT_CHECK_M_S / step_m_s) * step_m_s
+        belt_m_s = shown_m_s * self.truth.belt_scale
+        return {"belt_speed_m_s": round(shown_m_s, 5)} | self._timed(BELT_TURNS_M, belt_m_s)
+
+    def _timed(self, distance_m: float, speed_m_s: float) -> dict[str, float]:
+        """Return a distance and the time for it, by tape and stopwatch."""
+        tools = self.setup.instruments
+        way_m = distance_m + self._error(tools.distance_sigma_m)
+        time_s = distance_m / speed_m_s + self._error(tools.time_sigma_s)
+        return {"distance_m": round(max(way_m, 0.0), 3), "duration_s": round(max(time_s, 0.1), 2)}
 
     def _push(self, step: Step) -> Cells | None:
         """Push until a push is as it should be; return its track, or way and time to rest."""
-        for _ in range(TRIES):
-            self.t_s += PUSH_S
-            track = self.push(step)
-            if self.truth.camera is None:
-                return self.tape(track)
-            samples = self.film(track, self.truth.camera)
-            slipping = slips(step.bend, step.lambda_deg, self.setup.robot.links)
-            look = look_at(*samples.T, slips=slipping)
+        direction_rad = 0.0 if step.cells["way"] == "there" else math.pi
+        camera, plan = self.truth.camera, self.setup.plan
+        slipping = slips(plan.bend, step.lambda_deg, self.setup.robot.links)
+        for _ in range(MAX_PUSHES):
+            speed_m_s = PUSH_M_S * max(1.0 + self._error(PUSH_SPREAD), 0.3)
+            crooked = self._error(CROOKED_RAD), self._error(SPIN_RAD_S)
+            track = self._floor.push(self._pose_rad, Push(speed_m_s, direction_rad, *crooked))
+            if camera is None:
+                way_m, time_s = to_rest(track, self.rng)
+                turned_deg = round(math.degrees(track.turned_rad))
+                return {"distance_m": way_m, "duration_s": time_s, "turned_deg": turned_deg}
+            rows = film(track, replace(camera, scale=self.truth.film_scale), self.rng)[:, :3]
+            look = look_at(*rows.T, slips=slipping)
             if not look.doubts:
-                return Tracked({**look.cells(), "by": "film"}, samples)
+                return Tracked({**look.cells(), "by": "film"}, rows)
         return None
 
     def _gait(self, step: Step) -> Cells:
         """Run a gait, and film it on a floor; else time it between two marks."""
         assert step.gait is not None  # a gait's step has one
         gait = self._run_gait(step.gait)
-        self.t_s += GAIT_S
-        if self._on_floor and self.truth.camera is not None:
-            self.t_s += RUN_S
-            rows = self.film_crawl(step, gait, self.truth.camera)
-            return Tracked({**crawl_cells(rows, gait), "film_sha256": "simulated"}, rows, "video")
-        read, duration_s = self.time_crawl(step, gait)
-        self.t_s += duration_s
-        return read | {"omega_rad_s": gait.omega_rad_s}
-
-    def _typed(self, step: Step, read: Cells) -> Cells:
-        """Return what is typed: now and then a figure is wrong."""
-        if step.kind != "station" or self.rng.uniform() >= self.truth.misreads:
-            return read
-        self.misread += 1
-        if self.rng.uniform() < 0.5:
-            return {**read, "incline_deg": round(float(read["incline_deg"]) + 1.0, 4)}
-        return {**read, "belt_speed_m_s": round(float(read["belt_speed_m_s"]) * 3.6, 5)}  # km/h
-
-    def normal(self, sigma: float) -> float:
-        """Return an error drawn."""
-        return float(self.rng.normal()) * sigma
-
-    def push(self, step: Step, speed_m_s: float = SPEED) -> Track:
-        """Push the robot the way that a step says, as a hand does: about so fast, not straight."""
-        direction = 0.0 if step.cells["way"] == "there" else math.pi
-        speed_m_s *= max(1.0 + self.normal(SPEED_SIGMA), 0.3)
-        crooked_rad, spin_rad_s = self.normal(CROOKED_RAD), self.normal(SPIN_RAD_S)
-        made = Push(speed_m_s, direction, crooked_rad, spin_rad_s)
-        return self._floor.push(self._pose_rad, made)
-
-    def film(self, track: Track, camera: Camera) -> Floats:
-        """Return what a film shows of a push: t_s, x_m, y_m in rows."""
-        return film(track, replace(camera, scale=self.truth.film_scale), self.rng)[:, :3]
-
-    def tape(self, track: Track) -> dict[str, float]:
-        """Return what tape and watch say of a push, and by how much it turned."""
-        way_m, time_s = to_rest(track, self.rng)
-        turned_deg = round(math.degrees(track.turned_rad))
-        return {"distance_m": way_m, "duration_s": time_s, "turned_deg": turned_deg}
-
-    def time_crawl(self, step: Step, gait: Gait) -> tuple[dict[str, float], float]:
-        """Return what tape and watch say of a step's crawl, and how long it took, s."""
-        key = gait, self._slopes(step)
-        if key not in self._speeds:
-            rises, falls = key[1]
-            self._speeds[key] = crawl_speed(
-                self.robot, self._made(gait), slope_rad=rises, across_rad=falls
-            )
-        speed_m_s, watch = self._speeds[key], self.setup.instruments
-        distance = min(RUN_M, speed_m_s * RUN_S)
-        duration = distance / speed_m_s if speed_m_s > 0.0 else RUN_S
-        duration += self.normal(watch.time_sigma_s)
-        measured = max(distance + self.normal(watch.distance_sigma_m), 0.0)
-        read = {"distance_m": round(measured, 3), "duration_s": round(max(duration, 0.1), 2)}
-        return read, duration
-
-    def film_crawl(self, step: Step, gait: Gait, camera: Camera) -> Floats:
-        """Return what is measured in a film of a crawl, its scale and joints' gains a little off.
-
-        Rows as of `filmed_crawl`.
-        """
-        off = replace(camera, scale=1.0 + self.normal(SPEED_OFF))
-        rows = filmed_crawl(self.robot, self._made(gait), off, self.rng, *self._slopes(step))
-        rows[:, 4:] *= 1.0 + GAIN_OFF * self.rng.normal(size=rows.shape[1] - 4)
-        return rows
-
-    def _made(self, gait: Gait) -> Gait:
-        return replace(gait, alpha_rad=gait.alpha_rad * self.truth.amplitude)
-
-    def _slopes(self, step: Step) -> tuple[float, float]:
-        """Return by what the floor rises ahead of a step's crawl, and falls to its left."""
+        made = replace(gait, alpha_rad=gait.alpha_rad * self.truth.amplitude)
         side = {"there": 1.0, "back": -1.0}.get(str(step.cells.get("way", "")), 0.0)
-        return -side * self.truth.slope_rad, side * self.truth.across_rad
+        slopes = -side * self.truth.slope_rad, side * self.truth.across_rad
+        if self.setup.plan.on == "floor" and self.truth.camera is not None:
+            camera = replace(self.truth.camera, scale=1.0 + self._error(FILM_ERROR))
+            rows = filmed_crawl(self.robot, made, camera, self.rng, *slopes)
+            rows[:, 4:] *= 1.0 + FILM_ERROR * self.rng.normal(size=rows.shape[1] - 4)
+            return Tracked({**crawl_cells(rows, gait), "film_sha256": "simulated"}, rows, "video")
+        speed_m_s = self._crawl_speed(self.robot, made, slope_rad=slopes[0], across_rad=slopes[1])
+        run_m = min(RUN_M, speed_m_s * RUN_S)
+        return self._timed(run_m, run_m / RUN_S if run_m < RUN_M else speed_m_s) | {
+            "omega_rad_s": gait.omega_rad_s
+        }
+
+    def _error(self, sigma: float) -> float:
+        return float(self.rng.normal()) * sigma

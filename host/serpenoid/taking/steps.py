@@ -1,18 +1,24 @@
-"""One step of a session: what to set, in a few words, and which numbers to type then."""
+"""A step of a session, the poses of its plan, and what has been taken in each of them."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+import math
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
 
+import numpy as np
+
+from ..model.bends import balanced_signs, joint_multiples
 from ..model.gait import Gait
 from ..session.declaration import READ, Cells, Field, Range, Values
+from ..session.session import Session
+from ..session.settings import Plan, Setup
+from ..session.station import BendCheck
 from ..session.track import Samples
 
-if TYPE_CHECKING:
-    from .expected import Series
-
-Doubts = list[tuple[Field, Range]]  # numbers that are not where they were expected
+Doubts = list[tuple[Field, Range]]  # numbers that are outside the range that was expected
+STEEPER_PER_RAD = 1.4  # a bend of the 2005 robot multiplies its friction by some 1 + 1.4 lambda
+NEAR_DEG = 2.5  # of a planned bend; twice as much at the protractor raises no doubt
 
 
 class Tracked(dict[str, "float | str"]):
@@ -27,10 +33,9 @@ class Tracked(dict[str, "float | str"]):
 class Step:
     """One step: `key` names it in events, `say` tells what to set, `fields` what to type.
 
-    kind: that of the reading it ends in; else straight or done. lambda_deg: the bend it belongs to.
-    bend: of a bent robot, balanced or zigzag. settle_s:
-    how long to wait before reading. gait: to be run. cells: what the plan tells of the reading.
-    series: that it is of, whose pose it needs.
+    kind: that of the reading it ends in; else straight or done. lambda_deg: the plan's bend.
+    settle_s: how long to wait before reading. gait: to be run. cells: what the plan tells of the
+    reading.
     """
 
     key: str
@@ -41,11 +46,127 @@ class Step:
     incline_deg: float = 0.0
     settle_s: float = 0.0
     gait: Gait | None = None
-    bend: str = "zigzag"
     cells: Values = field(default_factory=dict)
-    series: Series | None = None
 
     @property
     def asked(self) -> tuple[Field, ...]:
         """Return the fields that a person is asked for."""
         return tuple(field for field in self.fields if field.source == READ)
+
+
+def planned_bends(plan: Plan) -> tuple[float, ...]:
+    """Return the bends of a plan, deg, straight included."""
+    return plan.push_lambda_deg if plan.on == "floor" else plan.lambda_deg
+
+
+def pose_key(plan: Plan, bend_deg: float) -> str:
+    """Return what events call all that is taken in a pose."""
+    if plan.on == "floor":
+        return f"pushes {bend_deg:g}" if bend_deg else "pushes straight"
+    return f"bend {bend_deg:g}" if bend_deg else "straight"
+
+
+def step_in_words(key: str) -> str:
+    """Return a step's key in words, such as `station 7.5 2.60` of a station."""
+    what, *numbers = key.split()
+    if what not in ("bend", "pushes", "station"):
+        return key
+    pose = "straight" if numbers[0] in ("0", "straight") else f"bend {numbers[0]} deg"
+    if what == "station":
+        return f"station at {numbers[1]} deg, {pose}"
+    return f"pushes, {pose}" if what == "pushes" else pose
+
+
+def _nearest_bend(plan: Plan, lambda_rad: float) -> float:
+    shown_deg = math.degrees(lambda_rad)
+    return min(planned_bends(plan), key=lambda bend_deg: abs(bend_deg - shown_deg))
+
+
+def taken_in(session: Session, bend_deg: float) -> list[Any]:
+    """Return the kept stations, on a floor the kept pushes, of one of the plan's bends."""
+    plan = session.setup.plan
+    return [
+        reading
+        for reading in (session.kept_pushes if plan.on == "floor" else session.kept)
+        if (reading.bend == plan.bend or not reading.lambda_rad)
+        and _nearest_bend(plan, reading.lambda_rad) == bend_deg
+    ]
+
+
+def shown_bend(session: Session, bend_deg: float) -> float | None:
+    """Return the bend that the last protractor check showed, deg; None if it was of another."""
+    if not bend_deg:
+        return 0.0
+    plan, checks = session.setup.plan, session.kept_of("bend")
+    if not checks or checks[-1].bend != plan.bend:
+        return None
+    found_rad: float = checks[-1].found_rad
+    return math.degrees(found_rad) if _nearest_bend(plan, found_rad) == bend_deg else None
+
+
+def friction_factor(bend_deg: float) -> float:
+    """Return by how much more a bent robot is braked than a straight one, about."""
+    return 1.0 + STEEPER_PER_RAD * math.radians(bend_deg)
+
+
+class Line(NamedTuple):
+    """Belt speed past the robot over sin(incline), through the stations of one bend.
+
+    noise_m_s: what one more station may be off by, one standard deviation.
+    """
+
+    slope: float
+    mean_sine: float
+    mean_m_s: float
+    noise_m_s: float
+
+    def speed(self, sine: float) -> float:
+        """Return the speed at an incline, m/s."""
+        return self.mean_m_s + self.slope * (sine - self.mean_sine)
+
+    def incline_deg(self, speed_m_s: float) -> float:
+        """Return the incline that a speed needs, deg."""
+        sine = self.mean_sine + (speed_m_s - self.mean_m_s) / self.slope
+        return math.degrees(math.asin(min(max(sine, 0.0), 1.0)))
+
+
+def line_of(session: Session, bend_deg: float) -> Line | None:
+    """Return the line through a bend's stations; None before there are two, or where it falls."""
+    stations = taken_in(session, bend_deg)
+    gravity = session.setup.laboratory.gravity_m_s2
+    sines = np.array([station.balance_sine(gravity) for station in stations])
+    if len(sines) < 2 or np.ptp(sines) < 1e-4:
+        return None
+    speeds = np.array([station.slip_speed_m_s for station in stations])
+    slope = float(np.polyfit(sines, speeds, 1)[0])
+    tools = session.setup.instruments
+    noise_m_s = math.hypot(tools.belt_speed_sigma_m_s, slope * tools.incline_sigma_rad)
+    line = Line(slope, float(sines.mean()), float(speeds.mean()), noise_m_s)
+    return line if slope > 0.0 else None
+
+
+def bend_step(key: str, setup: Setup, bend_deg: float, hint: str) -> Step:
+    """Return the step in which a robot is bent and the protractor laid on; hint: said at last."""
+    between_deg = 180.0 - 2 * bend_deg
+    if setup.plan.bend == "zigzag":
+        how = (
+            f"zigzag: every joint at {2 * bend_deg:g} deg, left and right in turn. Guide the "
+            "robot: left alone it turns."
+        )
+    else:
+        multiples = joint_multiples(balanced_signs(setup.robot.links))
+        joints = ", ".join(
+            f"{multiple * bend_deg:+g}" if multiple else "0" for multiple in multiples
+        )
+        how = f"balanced: joints from the tail at {joints} deg."
+    (shown,) = BendCheck.asked("between_links_deg")
+    likely = between_deg - 2 * NEAR_DEG, between_deg + 2 * NEAR_DEG
+    return Step(
+        key,
+        "bend",
+        f"Bend {bend_deg:g} deg, {how} A protractor between the last two links at either end shows "
+        f"{between_deg:g} deg. {hint}",
+        (replace(shown, likely=likely),),
+        bend_deg,
+        cells={"lambda_deg": bend_deg, "bend": setup.plan.bend},
+    )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from ..base.errors import NotConverged
@@ -16,7 +16,7 @@ from .steps import Step, Tracked
 if TYPE_CHECKING:
     from .simulated import SimulatedPerson
 
-MOST_STEPS = 1000
+MAX_STEPS = 1000
 
 
 def posed_after(step: Step, before_deg: float | None) -> float | None:
@@ -26,26 +26,31 @@ def posed_after(step: Step, before_deg: float | None) -> float | None:
     return None if step.kind == "gait" else before_deg
 
 
-def take_steps(record: Journal, treadmill: SimulatedPerson) -> Iterator[Step]:
-    """Take every step that is left of a session, and yield it when done. Raises NotConverged."""
+def take_all(
+    record: Journal,
+    person: SimulatedPerson,
+    show_step: Callable[[Step], object] = lambda step: None,
+) -> Session:
+    """Take every step that is left of a session; return the session. Raises NotConverged.
+
+    show_step: is called with each step when it is done.
+    """
     posed_deg: float | None = None
-    for _ in range(MOST_STEPS):
-        session = record.session
-        step = next_step(session, posed_deg)
+    for _ in range(MAX_STEPS):
+        step = next_step(record.session, posed_deg)
         if step.kind == "done":
-            return
-        cells = treadmill.answer(step, session)
-        if cells is None:
+            return record.session
+        answers = person.answer(step)
+        if answers is None:
             record.event("skip", detail=step.key)
         else:
-            doubtful = doubts(session, step, cells)
-            record_step(
-                record, step, treadmill.look_again(step, doubtful, cells) if doubtful else cells
-            )
+            typed, correct = answers
+            doubtful = doubts(record.session, step, typed)
+            record_step(record, step, correct if doubtful else typed)
             posed_deg = posed_after(step, posed_deg)
-        yield step
+        show_step(step)
     raise NotConverged(
-        f"{MOST_STEPS} steps and no end: does the treadmill's incline rise at all? Look at the "
+        f"{MAX_STEPS} steps and no end: does the treadmill's incline rise at all? Look at the "
         "readings with `serpenoid calibrate status`"
     )
 
@@ -54,17 +59,10 @@ def record_step(record: Journal, step: Step, cells: Cells) -> int:
     """Write what a step's fields came to; return the reading's number, 0 where none is kept."""
     if step.kind == "straight":
         return 0
-    if isinstance(cells, Tracked) and cells.kind:
-        way = {name: step.cells[name] for name in ("way",) if name in step.cells}
-        return record.add(cells.kind, {**cells, **way}, samples=cells.samples)
-    watch = record.session.setup.instruments
-    values = KINDS[step.kind].derived(dict(step.cells) | dict(cells), watch)
     samples = cells.samples if isinstance(cells, Tracked) else None
-    return record.add(step.kind, values, samples=samples)
-
-
-def take_all(record: Journal, treadmill: SimulatedPerson) -> Session:
-    """Take every step that is left of a session; return the session. Raises NotConverged."""
-    for _ in take_steps(record, treadmill):
-        pass
-    return record.session
+    kind = cells.kind if isinstance(cells, Tracked) and cells.kind else step.kind
+    planned = step.cells
+    if kind != step.kind:  # a film: of the plan it keeps the way alone
+        planned = {name: value for name, value in planned.items() if name == "way"}
+    values = KINDS[kind].derived(planned | dict(cells), record.session.setup.instruments)
+    return record.add(kind, values, samples=samples)

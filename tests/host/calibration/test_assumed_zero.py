@@ -13,9 +13,8 @@ from serpenoid.taking.new_session import (
     default_setup,
     template_setup,
 )
-from serpenoid.taking.simulated import SimulatedPerson
+from serpenoid.taking.simulated import SimulatedPerson, Truth
 from serpenoid.taking.treadmill import take_all
-from serpenoid.taking.world import Truth
 from simulated_sessions import MemoryRecord
 
 FT0_N = 0.14

@@ -38,7 +38,7 @@ def test_a_script_takes_the_session_and_ends(folder, plan):
     before = (folder / "readings.csv").read_bytes()
     assert len(load_session(folder).kept) > 12
     assert load_session(folder).setup.provenance.kind == "simulated"
-    assert calibrate(f"{folder} --script {plan}")[1].startswith("0 step(s)")
+    assert calibrate(f"{folder} --script {plan}")[1].startswith("0 reading(s)")
     assert (folder / "readings.csv").read_bytes() == before
     assert serpenoid(f"fit {folder}")[0] == 0
 
@@ -62,15 +62,15 @@ def test_listed_readings_are_added_once(folder, tmp_path):
     )
     path = tmp_path / "rows.toml"
     path.write_text(text)
-    assert calibrate(f"{folder} --script {path}")[1].startswith("2 step(s)")
-    assert calibrate(f"{folder} --script {path}")[1].startswith("0 step(s)")
+    assert calibrate(f"{folder} --script {path}")[1].startswith("2 reading(s)")
+    assert calibrate(f"{folder} --script {path}")[1].startswith("0 reading(s)")
     kept = load_session(folder).kept
     assert [(r.belt_speed_m_s, r.drift_m_s) for r in kept] == [(0.2, 0.0), (0.5, 0.0)]
     # One of them voided, a reading by hand, the list grown: only what is new is added.
     calibrate(f"void {folder} 1")
     calibrate(f"add {folder} station lambda_deg=0 incline_deg=2.2 belt_speed_m_s=0.4")
     path.write_text(text + text.split("[[reading]]")[2].join(["[[reading]]", ""]))
-    assert calibrate(f"{folder} --script {path}")[1].startswith("1 step(s)")
+    assert calibrate(f"{folder} --script {path}")[1].startswith("1 reading(s)")
     assert [r.belt_speed_m_s for r in load_session(folder).kept] == [0.5, 0.4, 0.5]
 
 

@@ -81,9 +81,9 @@ def _scripted(folder: Path, script: Path) -> None:
     top = load_script(script)
     with _journal(folder) as journal:
         journal.event("start", detail=f"{program()}, script {script.name}")
-        done = run_script(journal, top, lambda step: say(f"done: {step.key}", err=True))
+        added = run_script(journal, top, lambda step: say(f"done: {step.key}", err=True))
         journal.event("end")
-        say(f"{done} step(s) done; {count(journal.session)}")
+        say(f"{added} reading(s) added; {count(journal.session)}")
 
 
 @calibrate.command()

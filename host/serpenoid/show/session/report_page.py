@@ -12,7 +12,7 @@ from ...friction.result import FrictionFit
 from ...prediction.advice import Advice
 from ...prediction.comparison import Comparison
 from ...session.session import Event, Session
-from ...taking.procedure import step_in_words
+from ...taking.steps import step_in_words
 from ..comparison_figure import draw_comparison, panels
 from ..plot import draw_friction, figure
 from .floor_figure import draw_pushes
