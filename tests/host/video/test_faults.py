@@ -4,32 +4,18 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import replace
-from pathlib import Path
-from types import SimpleNamespace
 
 import av
 import cv2
 import numpy as np
 import pytest
-import serpenoid as sn
 from command_line import serpenoid
 from refusals import refused
-from robots import gait_in_deg
-from serpenoid.robot import Robot
-from serpenoid.robot.recording.run_gait import recorded_gait
-from serpenoid.video.checks import SEEN, SERVOS, run_checks
-from serpenoid.video.made_gait import reading_doubt
-from serpenoid.video.measure_film import measure_film
-from serpenoid.video.result import Joint
-from serpenoid.video.seeing.film import Film as File
-from serpenoid.video.seeing.watch import watch
 from video.filming import Body, Film, Lens, write
-from video.worlds import LINK_M, SIDE_M, crawling, errors, most_sigmas
+from video.worlds import LINK_M, SIDE_M, crawling, errors, measured, most_sigmas, remarks_of
 
 QUICK = crawling(seed=2, omega_rad_s=8.0, alpha_deg=40, speed_m_s=0.08, start_m=-0.06)
 TIMES = np.arange(0, 1.7, 1 / 30)
-GAIT = gait_in_deg(40, 80, 8.0)
 LEFT = np.arange(640) < 320  # columns of a picture in which the tail stays
 
 
@@ -48,12 +34,12 @@ def frames():
 def told(tmp_path):
     """Measure pictures; return the run and its remarks by name."""
 
-    def measured(pictures, times=TIMES, name="film.mp4", codec="libx264", **how):
-        path = write(tmp_path / name, pictures, np.asarray(times[: len(pictures)]), codec)
-        run = measure_film(path, how.pop("links", 6), how.pop("link_m", LINK_M), **how).run
-        return run, {r.name: r.text for r in run.remarks}
+    def measured_pictures(pictures, times=TIMES, line=""):
+        path = write(tmp_path / "film.mp4", pictures, np.asarray(times[: len(pictures)]))
+        run = measured(path, line)
+        return run, remarks_of(run)
 
-    return measured
+    return measured_pictures
 
 
 def shifted(picture, x: float = 0.0, y: float = 0.0, angle_deg: float = 0.0):
@@ -89,38 +75,44 @@ def test_a_knock_is_told_and_widens_the_sigmas_and_a_push_is_refused(frames, tol
         lambda f, k: shifted(f, angle_deg=0.06 * k),  # stabilised: about the picture's middle
     ],
 )
-def test_a_picture_that_moves_all_the_time_is_refused(frames, tmp_path, moved) -> None:
-    some = [moved(f, 3 * k) for k, f in enumerate(frames[::3])]
-    path = write(tmp_path / "film.mp4", some, TIMES[::3])
+def test_a_picture_that_moves_all_the_time_is_refused(frames, told, moved) -> None:
     with refused(r"the camera moved by .* switch stabilisation off"):
-        run_checks(SEEN, watch(File.open(path), 6))
+        told([moved(f, 3 * k) for k, f in enumerate(frames[::3])], TIMES[::3])
 
 
 @pytest.mark.parametrize(
-    ("spoil", "words", "how"),
+    ("spoil", "every", "words", "line"),
     [
-        (lambda f: f[:32:2], r"shows 1\.\d\d periods .* film longer", {"times": TIMES[:32:2]}),
+        (lambda f: f[:16], 2, r"shows 1\.\d\d periods .* film longer", ""),
         (
-            lambda f: f[::3],
+            lambda f: f,
+            3,
             r"tags are \d\d\.\d mm wide, not 34.0 mm",
-            {"times": TIMES[::3], "link_m": 0.09, "side_m": SIDE_M},
+            f"--set link_length_m=0.09 --tag-mm {1e3 * SIDE_M}",
         ),
-        (lambda f: f[:12], "shows tags 5, 6, but the robot has 4 links", {"links": 4}),
-        (lambda f: [np.ascontiguousarray(one[:, ::-1]) for one in f[:12]], "selfie cameras", {}),
-        (lambda _: [np.full((540, 960), 120, np.uint8)] * 12, "no tag is seen in 12 frames", {}),
-        (lambda f: f[:1] * 12, "no joint moves|periods", {}),
-        (lambda f: f[:1], "has 1 of 10 frames", {}),
+        (lambda f: f[:12], 1, "shows tags 5, 6, but the robot has 4 links", "--set links=4"),
+        (lambda f: [np.ascontiguousarray(one[:, ::-1]) for one in f[:12]], 1, "selfie cameras", ""),
+        (lambda _: [np.full((540, 960), 120, np.uint8)] * 12, 1, "no tag is seen in 12 frames", ""),
+        (lambda f: f[:1] * 12, 1, "no joint moves|periods", ""),
+        (lambda f: f[:1], 1, "has 1 of 10 frames", ""),
         (
-            lambda f: [f[0], *(np.where(LEFT, one, 200) for one in f[1:30:2])],
+            lambda f: [f[0], *(np.where(LEFT, one, 200) for one in f[1:15])],
+            2,
             "hidden or out of the picture",
-            {"times": TIMES[:32:2]},
+            "",
+        ),
+        (
+            lambda f: [np.concatenate([one, one[::-1, ::-1]]) for one in f],
+            4,
+            "numbers that are seen twice in a picture do not count",
+            "",
         ),
     ],
-    ids=["short", "links", "robot", "mirrored", "floor", "rest", "picture", "leaves"],
+    ids=["short", "links", "robot", "mirrored", "floor", "rest", "picture", "leaves", "twice"],
 )
-def test_what_cannot_be_measured_is_refused(frames, told, spoil, words, how) -> None:
+def test_what_cannot_be_measured_is_refused(frames, told, spoil, every, words, line) -> None:
     with refused(words):
-        told(spoil(frames), **how)
+        told(spoil(frames[::every]), TIMES[::every], line)
 
 
 def grey_with(numbers: list[int]) -> np.ndarray:
@@ -143,24 +135,18 @@ def test_one_stray_hit_in_fifty_frames_starts_no_advice(told) -> None:
 
 
 def test_links_that_tags_contradict_widen_the_sigma_of_lengths_and_speed(frames, told) -> None:
-    run, remarks = told(frames[::3], TIMES[::3], link_m=1.04 * LINK_M, side_m=SIDE_M)
+    sizes = f"--set link_length_m={1.04 * LINK_M} --tag-mm {1e3 * SIDE_M}"
+    run, remarks = told(frames[::3], TIMES[::3], sizes)
     assert "σ of all lengths and speeds" in remarks["scale"]
     assert run.scale_sigma == pytest.approx(0.04, abs=0.005)
     assert run.speed_sigma_m_s > abs(run.speed_m_s - QUICK.speed_m_s) / 1.2
 
 
-def test_a_number_that_is_seen_twice_counts_for_neither(frames, told) -> None:
-    two = [np.concatenate([frame, frame[::-1, ::-1]]) for frame in frames[::4]]
-    with refused("numbers that are seen twice in a picture do not count"):
-        told(two, TIMES[::4])
-
-
-def test_a_lamp_that_flickers_does_not_move_the_camera(frames, tmp_path) -> None:
+def test_a_lamp_that_flickers_does_not_move_the_camera(frames, told) -> None:
     gains = (1.0, 0.7, 1.2, 0.8)
-    lit = [cv2.convertScaleAbs(f, alpha=gain) for f, gain in zip(frames[::16], gains, strict=True)]
-    seen = watch(File.open(write(tmp_path / "film.mp4", lit, TIMES[::16])), 6)
-    assert len(seen.shifts) == 3
-    assert run_checks([check for check in SEEN if check.name == "camera"], seen) == []
+    some = enumerate(frames[::2])
+    lit = [cv2.convertScaleAbs(f, alpha=gains[k * 2 // 15 % 4]) for k, f in some]
+    assert not {"camera", "floor"} & set(told(lit, TIMES[::2])[1])
 
 
 def test_swapped_tags_are_refused(told) -> None:
@@ -185,7 +171,7 @@ def test_a_damaged_film_is_refused(frames, tmp_path) -> None:
         broken[place] ^= 0xFF
     path.write_bytes(broken)
     with refused(r"is damaged after 0\.7\d s: copy it from the phone again"):
-        measure_film(path, 6, LINK_M)
+        measured(path)
 
 
 @pytest.mark.parametrize(
@@ -200,99 +186,50 @@ def test_what_is_no_film_is_named(tmp_path, name, content, words) -> None:
     if content is not None:
         (tmp_path / name).write_bytes(content)
     with refused(words):
-        measure_film(tmp_path / name, 6, LINK_M)
+        measured(tmp_path / name)
 
 
-def servo_remarks(run, gait=GAIT):
-    return run_checks(SERVOS, (run, gait))
+@pytest.fixture(scope="module")
+def faulty(tmp_path_factory):
+    """A film whose joint 3 turns the wrong way, and whose joint 2 stands off its centre."""
+    world = crawling(2, omega_rad_s=8.0, alpha_deg=40, start_m=-0.06, wrong_way=2)
+    pictures = drawn(times=TIMES[::2], world=world)
+    return write(tmp_path_factory.mktemp("film") / "faulty.mp4", pictures, TIMES[::2])
 
 
-def run_of(phase_deg: list[float], offset_deg: list[float] | None = None) -> SimpleNamespace:
-    """Return what the joints of a film say, which is what servos are judged by."""
-    offsets = offset_deg or [0.0] * len(phase_deg)
-    joints = tuple(
-        Joint(i + 1, math.radians(40), 1e-3, math.radians(p), 1e-3, math.radians(o), 1e-3, 1.0)
-        for i, (p, o) in enumerate(zip(phase_deg, offsets, strict=True))
-    )
-    return SimpleNamespace(
-        joints=joints,
-        omega_rad_s=8.0,
-        omega_sigma_rad_s=1e-3,
-        time_scale=1.0,
-        film={"frame_rate_hz": 30.0},
-    )
+STATED = "--alpha-deg 40 --beta-deg 80 --omega-rad-s"
 
 
-EVEN = [0.0, 80, 160, 240, 320]  # of joints at 40 deg and 8 rad/s
-
-
-@pytest.mark.parametrize("gait", [GAIT, None])
-@pytest.mark.parametrize(
-    ("phases_deg", "joint"), [((0, 80, 340, 240, 320), 3), ((0, 80, 240, 160, 320), 4)]
-)
-def test_a_servo_that_turns_the_wrong_way_and_swapped_plugs_are_named(
-    gait, phases_deg, joint
-) -> None:
-    assert servo_remarks(run_of(EVEN), gait) == []
-    (remark,) = servo_remarks(run_of(list(phases_deg)), gait)
-    assert remark.name == "phase"
-    assert f"joint {joint} is" in remark.text or gait is None
+@pytest.mark.parametrize("gait", ["", f"{STATED} 8"])
+def test_servos_that_turn_the_wrong_way_or_want_a_trim_are_named(faulty, gait) -> None:
+    told = remarks_of(measured(faulty, gait))
+    assert ("joint 3 is" in told["phase"]) or not gait
+    assert "does the servo turn the wrong way" in told["phase"]
+    assert re.search(r"joint 2 swings about \+[23]\.\d° .* move its trim by -[23]", told["centre"])
 
 
 @pytest.mark.parametrize(
-    ("alpha_deg", "beta_deg", "rate", "doubt"),
+    ("gait", "doubt"),
     [
-        (40, 80, 8.0, ""),
-        (60, 80, 8.0, ""),  # servos lose amplitude
-        (30, 80, 8.0, "stated was"),
-        (90, 80, 8.0, "stated was"),
-        (40, 80, 8.3, "stated was"),
-        (40, 120, 8.0, "stated was"),
-        (40, 80, 32.0, "is it slow motion, 4 times"),
+        (f"{STATED} 8", ""),
+        (f"{STATED} 8".replace("40", "60"), ""),  # servos lose amplitude
+        (f"{STATED} 8.3", "stated was"),
+        (f"{STATED} 8".replace("80", "120"), "stated was"),
+        (f"{STATED} 32", "is it slow motion, 4 times"),
     ],
 )
 def test_a_film_of_another_gait_than_was_stated_is_no_reading(
-    alpha_deg, beta_deg, rate, doubt
+    frames, tmp_path, gait, doubt
 ) -> None:
-    gait = sn.Gait(math.radians(alpha_deg), math.radians(beta_deg), rate)
-    words = reading_doubt(run_of(EVEN), gait, [])
-    assert doubt in words
-    assert bool(words) == bool(doubt)
-    assert reading_doubt(run_of(EVEN), None, [gait]) == (words if "slow" in doubt else "")
-
-
-def test_a_centre_that_is_off_asks_for_a_trim() -> None:
-    run = run_of([0.0, 80, 160, 240, 320], [0.0, 0, 2.5, 0, 0])
-    (remark,) = servo_remarks(run)
-    assert "joint 3 swings about +2.5°" in remark.text
-    assert remark.text.endswith("move its trim by -2.5°")
-    (at_end,) = servo_remarks(run_of([0.0, 80, 160, 240, 320], [2.5, 0, 0, 0, 0]))
-    assert "unless the tag at that end is glued on askew" in at_end.text
-    assert servo_remarks(run, replace(GAIT, offset_rad=math.radians(2.5)))[0].name == "centre"
-
-
-def test_a_recording_gives_the_gait_that_was_commanded(tmp_path) -> None:
-    path = tmp_path / "run.wire"
-    gait = gait_in_deg(30, 80, 5.0)
-    with Robot("virtual:fast", record=path) as robot:
-        robot.gait(gait)
-        list(robot.frames(8.0))
-    found = recorded_gait(path, 5)
-    assert found.alpha_rad == pytest.approx(gait.alpha_rad, abs=math.radians(0.2))
-    assert found.beta_rad == pytest.approx(gait.beta_rad, abs=math.radians(0.3))
-    assert found.omega_rad_s == pytest.approx(gait.omega_rad_s, rel=0.01)
-    with refused("has 5 joints; the robot has 3"):
-        recorded_gait(path, 3)
+    folder, film = tmp_path / "session", tmp_path / "film.mp4"
+    serpenoid(f"calibrate new {folder} --defaults", check=True)
+    write(film, frames[::3], TIMES[::3])
+    told = serpenoid(f"video {film} {gait} --session {folder}", check=True).stderr
+    assert ("no reading" in told) == bool(doubt)
+    assert doubt in told
 
 
 def test_without_the_extra_the_way_to_it_is_told(monkeypatch, tmp_path) -> None:
     monkeypatch.setattr("serpenoid.video.seeing.extra.find_spec", lambda name: None)
     for typed in (["film.mp4"], ["tags", "--out", tmp_path / "tags.pdf"]):
         assert "pip install 'serpenoid[video]'" in serpenoid("video", *typed).stderr
-
-
-def test_only_this_room_imports_the_extras_packages_and_only_when_used() -> None:
-    package = Path(sn.__file__).parent
-    for path in package.rglob("*.py"):
-        found = re.findall(r"^( *)(?:import|from) (?:cv2|av)\b", path.read_text("utf-8"), re.M)
-        assert not found or (path.is_relative_to(package / "video") and "" not in found), path

@@ -7,9 +7,15 @@ import numpy as np
 import pytest
 from serpenoid.base.sines import basis, weighted
 from serpenoid.video.fitting.camera import MOUNTING, Camera
+from serpenoid.video.fitting.start import first_cameras
+from serpenoid.video.instrument import follow, measure
 from serpenoid.video.seeing.edges import refine
+from serpenoid.video.seeing.sightings import Sightings
+from video.filming import Lens
+from video.worlds import LINK_M, SIDE_M, World, crawling
 
-LINK_M = 0.076
+SQUARE = 0.5 * SIDE_M * np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
+NOISE_PX = 0.15
 
 
 def camera(links: int = 4) -> Camera:
@@ -79,3 +85,28 @@ def test_overtones_stay_small_where_part_of_a_cycle_is_never_seen() -> None:
     found = weighted(basis(t, 2 * np.pi), phi, seen)
     assert np.hypot(found[1, 0], found[2, 0]) == pytest.approx(1.0, abs=0.1)
     assert np.abs(found[3:]).max() < 0.3  # 3.2 where nothing holds them
+
+
+def sighted(world: World, t_s: np.ndarray, lens: Lens) -> Sightings:
+    """Return where a pinhole sees the tags' corners, with noise."""
+    poses = [world.pose(t) for t in t_s]
+    centre, theta = np.array([p[0] for p in poses]), np.array([p[1] for p in poses])
+    cos, sin = np.cos(theta)[..., None], np.sin(theta)[..., None]
+    x = centre[..., :1] + cos * SQUARE[:, 0] - sin * SQUARE[:, 1]
+    y = centre[..., 1:] + sin * SQUARE[:, 0] + cos * SQUARE[:, 1]
+    pixels = lens.pixels(np.stack([x, y, np.full_like(x, 0.045)], axis=-1))
+    noise = np.random.default_rng(1).normal(size=pixels.shape)
+    return Sightings.of(t_s, pixels + NOISE_PX * noise, (lens.width, lens.height))
+
+
+def test_a_long_film_is_measured_as_a_short_one() -> None:
+    seconds = 21
+    world = crawling(omega_rad_s=4.0, speed_m_s=0.2 / seconds, start_m=-0.1)
+    s = sighted(world, np.arange(0, seconds, 1 / 30), Lens())
+    found = measure(*follow(s, SIDE_M, first_cameras(s, LINK_M, SIDE_M)))
+    m = found.fitted.motion
+    assert m.omega_rad_s == pytest.approx(world.omega_rad_s, abs=5 * found.sigmas[0])
+    assert found.sigmas[0] < 1e-3 * world.omega_rad_s / seconds
+    assert m.amplitude_rad == pytest.approx(world.amplitude_rad, abs=np.radians(0.1))
+    assert m.speed_m_s == pytest.approx(world.speed_m_s, rel=0.003)
+    assert found.sigmas[1 : world.links].max() < np.radians(0.1)

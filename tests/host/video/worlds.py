@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
+import serpenoid as sn
+from command_line import serpenoid
 from video.filming import Body, Film, Lens, Pose, write
 
 LINK_M, SIDE_M = 0.076, 0.034
@@ -31,14 +36,21 @@ def crawling(
     alpha_deg: float = 45.0,
     omega_rad_s: float = 4.0,
     start_m: float = -0.11,
+    wrong_way: int | None = None,
 ) -> World:
-    """Return a robot whose joints, path and turn are known exactly; no joint is perfect."""
+    """Return a robot whose joints, path and turn are known exactly; no joint is perfect.
+
+    wrong_way: a joint whose servo turns so, from 0; the one before it is 3 degrees off its centre.
+    """
     rng = np.random.default_rng(seed)
     joints = links - 1
     amplitude = np.radians(alpha_deg) * (1 + 0.03 * rng.normal(size=joints))
     phase = np.radians(80) * np.arange(joints) + 0.04 * rng.normal(size=joints)
     offset = np.radians(1.5) * rng.normal(size=joints)
     turn, way = np.radians(1.2), 0.15
+    if wrong_way is not None:
+        phase[wrong_way] += np.pi
+        offset[wrong_way - 1] = np.radians(3)
 
     def pose(t: float) -> tuple[np.ndarray, np.ndarray]:
         phi = offset + amplitude * np.sin(omega_rad_s * t + phase)
@@ -74,6 +86,19 @@ def shoot(
         times_s = times_s + 0.03 / rate_hz * rng.normal(size=len(times_s))
     camera = Film(lens or Lens(), body or Body(world.links), world.pose, seed=seed, **film)
     return write(path, [camera.frame(t) for t in times_s], times_s - times_s[0], codec, crf)
+
+
+def measured(film: object, line: str = "") -> Any:
+    """Return what `serpenoid video FILM LINE` answers, by attributes; raise what it refuses."""
+    done = serpenoid(f"video {film} {line} --json")
+    if done.returncode:
+        raise sn.BadInput(done.stderr)
+    return json.loads(done.stdout, object_hook=lambda values: SimpleNamespace(**values))
+
+
+def remarks_of(run: Any) -> dict[str, str]:
+    """Return the remarks of an answer, by name."""
+    return {remark.name: remark.text for remark in run.remarks}
 
 
 def errors(run, world: World) -> dict[str, np.ndarray]:
