@@ -18,15 +18,13 @@ import serpenoid as sn
 
 from .. import _core
 from ..base.files import read_json, write_text
-from ..friction.result import DOUBTFUL
 from ..lab.crawl import crawl_speed
 from ..model.gait import gait_name
 from ..prediction.band import speed_band
-from ..prediction.comparison import compared_gaits
 from ..robot.robot import RobotBoard
 from ..session.journal import Journal
 from ..show.report import console
-from ..show.screen import progress, say, working
+from ..show.screen import say, working
 from ..show.session.report_page import session_page
 from ..taking.board_run import board_gait
 from ..taking.new_session import create_session, default_setup, on_place
@@ -42,7 +40,6 @@ FRICTIONS = {"ct": 0.084, "cn": 1.2, "ft0": 0.14, "fn0": 0.27}  # the whole 2005
 TRUTH = Truth(
     sn.Ground(**FRICTIONS),
     incline_zero_rad=math.radians(0.12),
-    misreads=0.05,
     servo=SERVOS.draws(1, SEED)[0],
 )
 
@@ -55,12 +52,12 @@ def run_demo(out: Path) -> None:
         f"A session of a simulated robot on a treadmill: {len(session.kept)} readings at rest and "
         f"{len(session.kept_gait_runs)} gait runs, as `serpenoid calibrate` asks for them.",
     )
-    session, fit, voided = _without_outlier(session, sn.fit_friction(session))
+    fit = sn.fit_friction(session)
     sn.save_fit(fit, out / "session")
-    _step(2, f"Its friction: {_beside_truth(fit)}", voided)
+    _step(2, f"Its friction: {_beside_truth(fit)}")
 
-    with progress(len(compared_gaits(session)), "gaits") as advance:
-        compared = sn.compare(session, fit, servo=SERVOS, progress=advance)
+    with working("comparing") as show_share:
+        compared = sn.compare(session, fit, servo=SERVOS, progress=show_share)
     compared.plot(out / "comparison.png")
     gait = compared.gaits[1]
     _step(
@@ -83,8 +80,8 @@ def run_demo(out: Path) -> None:
 def _step(number: int, *sentences: str) -> None:
     """Print what a step of the demo gave."""
     head = f"[{number}/{STEPS}] "
-    text = " ".join(sentence for sentence in sentences if sentence)
-    console.print(textwrap.fill(head + text, WIDTH, subsequent_indent=" " * len(head)))
+    text = head + " ".join(sentences)
+    console.print(textwrap.fill(text, WIDTH, subsequent_indent=" " * len(head)))
 
 
 def _beside_truth(fit: sn.FrictionFit) -> str:
@@ -131,24 +128,6 @@ def _begin_anew(folder: Path, setup: Setup) -> None:
             )
         shutil.rmtree(folder)
     create_session(folder, setup)
-
-
-def _without_outlier(
-    session: sn.Session, fit: sn.FrictionFit
-) -> tuple[sn.Session, sn.FrictionFit, str]:
-    """Void the reading without which chi2 is least, where the readings cannot all be right.
-
-    The third value says so in words.
-    """
-    if fit.p_value is None or fit.p_value > DOUBTFUL or session.folder is None:
-        return session, fit, ""
-    told = {i.chi2_without: i.reading for i in fit.influence if i.chi2_without is not None}
-    worst = told[min(told)]
-    with Journal(session.folder) as journal:
-        journal.event("void", worst, "misread: chi2 says so")
-        without = sn.fit_friction(journal.session)
-        words = f"Reading {worst} contradicted the others (p {fit.p_value:.1g}) and is voided."
-        return journal.session, without, words
 
 
 def push_along_floor(out: Path, robot: sn.Robot) -> sn.FrictionFit:
