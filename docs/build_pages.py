@@ -22,12 +22,12 @@ from serpenoid.commands.main import cli
 from serpenoid.robot import RobotBoard
 from serpenoid.robot.wire.protocol import ERRORS
 
-HERE = Path(__file__).resolve().parent
-OUT = HERE / "generated"
-LIMPING = HERE.parent / "host" / "examples" / "limping_on_a_slope.toml"
+DOCS = Path(__file__).resolve().parent
+GENERATED = DOCS / "generated"
+LIMPING = DOCS.parent / "host" / "examples" / "limping_on_a_slope.toml"
 GAIT = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "5"]
-MEANINGS = tomllib.loads((HERE / "json_keys.toml").read_text(encoding="utf-8"))
-SESSION = str(HERE.parent / "calibration_data" / "nirakh-2005")
+MEANINGS = tomllib.loads((DOCS / "json_keys.toml").read_text(encoding="utf-8"))
+SESSION = str(DOCS.parent / "calibration_data" / "nirakh-2005")
 ANSWERS = {  # commands whose --json is shown key by key
     "steady": ["steady", *GAIT],
     "steady --formulation implicit": ["steady", *GAIT, "--formulation", "implicit"],
@@ -116,7 +116,7 @@ def json_page() -> str:
         rows = [[f"`{key}`", meaning(key), f"`{shown}`"] for key, shown in keys(answer)]
         typed = " ".join(Path(a).name if "/" in a else a for a in arguments)
         parts.append(f"## `{name}`\n\n```text\nserpenoid {typed} --json\n```\n")
-        parts.append(table(["key", "meaning", "for example"], rows).replace(str(HERE.parent), ""))
+        parts.append(table(["key", "meaning", "for example"], rows).replace(str(DOCS.parent), ""))
     return "\n".join(parts)
 
 
@@ -192,18 +192,18 @@ of `serpenoid drive --port virtual`.
 
 def main() -> None:
     """Write all of it anew."""
-    shutil.rmtree(OUT, ignore_errors=True)
-    pages(OUT / "static")
-    has_playground = build_playground.build(OUT / "pages" / "playground")
+    shutil.rmtree(GENERATED, ignore_errors=True)
+    pages(GENERATED / "static")
+    has_playground = build_playground.build(GENERATED / "pages" / "playground")
     front = PLAYGROUND if has_playground else NO_PLAYGROUND
-    (OUT / "front.md").write_text(front, encoding="utf-8")
+    (GENERATED / "front.md").write_text(front, encoding="utf-8")
     for name, text in (
         ("commands", command_page()),
         ("json_keys", json_page()),
         ("errors", error_page()),
         *api_pages().items(),
     ):
-        (OUT / f"{name}.md").write_text(text, encoding="utf-8")
+        (GENERATED / f"{name}.md").write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

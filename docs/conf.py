@@ -12,7 +12,8 @@ sys.path.insert(0, str(Path(__file__).parent / "ext"))
 project = "serpenoid"
 author = "The serpenoid authors"
 project_copyright = "the serpenoid authors; MIT licence"
-release = version = version_of("serpenoid")
+version = version_of("serpenoid")
+release = version
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "mathtext"]
 html_math_renderer = "mathtext"
 myst_enable_extensions = ["dollarmath", "deflist"]

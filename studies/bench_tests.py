@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -52,7 +53,7 @@ def main() -> None:
             f"{name}: inside {flags.sum():.0f} of {flags.size}; "
             f"error {np.sqrt(np.mean(error**2)):.2g} (rms), stated {np.sqrt(np.mean(sigma**2)):.2g}"
         )
-    inside = np.array([value[0] for values in errors.values() for value in values])
+    inside = np.array([is_inside for is_inside, _, _ in chain.from_iterable(errors.values())])
     hits, misses = inside.sum(), (~inside).sum()
     low, high = beta.ppf([0.025, 0.975], [hits, hits + 1], [misses + 1, misses])
     low_p, middle_p = np.quantile(p_values, (0.1, 0.5))

@@ -9,22 +9,22 @@ from typing import Any
 from serpenoid.show.plot import BLUE, GREEN, GREY, ORANGE, RED, figure
 
 Row = Mapping[str, Any]
-WANTED = (0.93, 0.97)
-_OF = {"ct": BLUE, "cn": ORANGE, "ft0": GREEN, "fn0": RED, "speed": GREY, "driven": "#000000"}
+COVERAGE_RANGE = (0.93, 0.97)
+_COLOURS = {"ct": BLUE, "cn": ORANGE, "ft0": GREEN, "fn0": RED, "speed": GREY, "driven": "#000000"}
 
 
 def coverage_figure(rows: Sequence[Row], path: Path) -> None:
     """Draw each case's coverage with two standard deviations of its own scatter."""
     with figure(8.0, 1.0 + 0.72 * len(rows)) as (fig, ax):
-        ax.axvspan(*(100 * end for end in WANTED), color="#eeeeee", zorder=0)
-        shown = {name: colour for name, colour in _OF.items() if name in rows[0]}
+        ax.axvspan(*(100 * end for end in COVERAGE_RANGE), color="#eeeeee", zorder=0)
+        shown = {name: colour for name, colour in _COLOURS.items() if name in rows[0]}
         for k, row in enumerate(rows):
             for j, (name, colour) in enumerate(shown.items()):
-                at = k + 0.12 * (j - 2.5)
+                height = k + 0.12 * (j - 2.5)
                 label = {"label": name} if k == 0 else {}
                 ax.errorbar(
                     100 * row[name],
-                    at,
+                    height,
                     xerr=200 * row["sigma"],
                     fmt="o",
                     ms=5,
@@ -35,7 +35,8 @@ def coverage_figure(rows: Sequence[Row], path: Path) -> None:
         ax.axvline(95.0, color=GREY, lw=1.0)
         ax.set_yticks(range(len(rows)), [row["case"].replace("lambda", "λ") for row in rows])
         ax.set_ylim(len(rows) - 0.5, -0.5)
-        ax.set_xlim(min(90.0, *(100 * row[n] - 2.5 for row in rows for n in shown)), 100.0)
+        lowest = min(min(row[name] for name in shown) for row in rows)
+        ax.set_xlim(min(90.0, 100 * lowest - 2.5), 100.0)
         ax.grid(axis="y", visible=False)
         ax.set_xlabel("simulated sessions whose 95 % interval holds the truth (%)")
         ax.set_title(f"{rows[0]['sessions']} sessions a line; wanted: 93 to 97 %")

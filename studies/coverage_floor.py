@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from coverage_treadmill import GAIT, SERVOS, WHOLE, WHOLE_2005, DrivenTable
+from coverage_treadmill import GAIT, SERVOS, WHOLE_2005, WHOLE_SNAKE, DrivenTable
 from numpy.typing import NDArray
 from serpenoid import FrictionFit, Gait, SerpenoidError, ServoKind, fit_friction
 from serpenoid.friction.parameters import FRICTIONS
@@ -152,9 +152,9 @@ def run_floor_session(
     bands = _bands(fit, rng, tables)
     ends = np.vstack([[fit.intervals[name] for name in FRICTIONS], *bands])
     crawls = crawl_speed(person.robot, scaled(GAIT, amplitude))
-    true = np.append(WHOLE, [float(tables.speed(WHOLE[None, :])[0]), crawls])
+    true = np.append(WHOLE_SNAKE, [float(tables.speed(WHOLE_SNAKE[None, :])[0]), crawls])
     inside_flags = (ends[:, 0] <= true) & (true <= ends[:, 1])
-    errors = np.abs(np.array(list(fit.whole_snake.values())) / WHOLE - 1.0)
+    errors = np.abs(np.array(list(fit.whole_snake.values())) / WHOLE_SNAKE - 1.0)
     gait_errors = _unseen(fit, case, person, amplitude, UNSEEN[number % len(UNSEEN)])
     return [
         *inside_flags,
@@ -207,7 +207,7 @@ def judged_floor(case: FloorCase, rows: list[list[float] | None]) -> FloorCovera
 def floor_tables(_cases: Sequence[FloorCase] = ()) -> FloorTables:
     """Return GAIT's speeds, over frictions some per cent about the truth, and servos."""
     robot = default_setup("floor coverage").robot
-    limits: dict[str, Any] = {"box": (0.8 * WHOLE, 1.2 * WHOLE), "kernel": "cubic"}
+    limits: dict[str, Any] = {"box": (0.8 * WHOLE_SNAKE, 1.2 * WHOLE_SNAKE), "kernel": "cubic"}
     table = SpeedTable(robot, GAIT, **limits)
     return FloorTables(table, DrivenTable(robot, table, **limits))
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -30,7 +31,7 @@ from speed_table import SpeedTable
 from study import Study
 
 WHOLE_2005 = Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
-WHOLE = np.array([getattr(WHOLE_2005, name) for name in FRICTIONS])
+WHOLE_SNAKE = np.array([getattr(WHOLE_2005, name) for name in FRICTIONS])
 GAIT = Gait(math.radians(70.0), math.radians(75.0), math.pi)
 INCLINE_STEP_DEG, DRAWN, STEP_SIGMA = 0.1, (0.003, 0.007), 0.01
 SERVOS = servo("hobby")
@@ -55,9 +56,8 @@ class Case:
         return f"lambda {bends} deg, steps {steps}"
 
 
-CASES = tuple(
-    Case(bends, step) for bends in ((7.5,), (30.0,), (7.5, 15.0, 30.0)) for step in (0.005, None)
-)
+BENDS_DEG = ((7.5,), (30.0,), (7.5, 15.0, 30.0))
+CASES = tuple(Case(bends, step) for bends, step in product(BENDS_DEG, (0.005, None)))
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ def shown_in_steps(setup: Setup, step_deg: float) -> Setup:
 
 
 class DrivenTable:
-    """Speeds of GAIT over frictions and over the joints' amplitude, for the band of both.
+    """Speeds of GAIT over frictions and over the joints' amplitude, for the band of driven_speeds.
 
     shares: what each of many servos leaves of the speed on the ground of WHOLE_2005. A session has
     some of them, drawn for it alone: the same few for all would err alike in all.
@@ -103,7 +103,7 @@ class DrivenTable:
         ends = self._amplitudes[[0, 2]]
         scaled_tables = [SpeedTable(robot, scaled(GAIT, a), **more) for a in ends]
         self._tables = (scaled_tables[0], table, scaled_tables[1])
-        ideal = steady_gait(robot, ground_of(robot.links, WHOLE.tolist()), GAIT, rtol=1e-4)
+        ideal = steady_gait(robot, ground_of(robot.links, WHOLE_SNAKE.tolist()), GAIT, rtol=1e-4)
         speeds = drawn_servo_speeds([ideal] * servos, SERVOS.draws(servos))
         self.shares = speeds / ideal.speed_m_s
 
@@ -147,10 +147,12 @@ def run_session(
         return None
     drawn = fit.sample_whole(_SPEED_SAMPLES)
     amplitudes = 1.0 + AMPLITUDE_SIGMA * rng.normal(size=_SPEED_SAMPLES + 1)
-    both = driven(drawn, amplitudes[1:], driven.some(_SPEED_SAMPLES, rng))
+    driven_speeds = driven(drawn, amplitudes[1:], driven.some(_SPEED_SAMPLES, rng))
     crawls = crawl_speed(treadmill.robot, scaled(GAIT, float(amplitudes[0])))
-    ends = np.vstack([[fit.intervals[name] for name in FRICTIONS], band(table(drawn)), band(both)])
-    true = np.append(WHOLE, [float(table(WHOLE[None, :])[0]), crawls])
+    ends = np.vstack(
+        [[fit.intervals[name] for name in FRICTIONS], band(table(drawn)), band(driven_speeds)]
+    )
+    true = np.append(WHOLE_SNAKE, [float(table(WHOLE_SNAKE[None, :])[0]), crawls])
     inside_flags = (ends[:, 0] <= true) & (true <= ends[:, 1])
     return [*inside_flags, *(ends[:, 1] - ends[:, 0]) / true / 2, len(session.kept)]
 

@@ -34,7 +34,8 @@ class SpeedTable:
         from scipy.interpolate import RBFInterpolator
         from scipy.stats import qmc
 
-        self._box = low, high = box
+        self._box = box
+        low, high = box
         unit = qmc.Sobol(4, seed=7).random(points)  # pyright: ignore[reportCallIssue]
         grounds = [Ground.whole_body(robot.links, *x) for x in (low + unit * (high - low)).tolist()]
         with ThreadPoolExecutor(os.cpu_count()) as pool:

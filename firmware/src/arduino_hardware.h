@@ -11,7 +11,7 @@ class ArduinoHardware : public firmware::Hardware {
     // Once a pass of the loop: sends bytes, and what the servo driver has to do.
     void service();
     // Nothing to send or to hand over: the loop may sleep.
-    bool quiet() const { return serial_port::queues.out.empty() && servo_driver::quiet(); }
+    bool quiet() const { return serial_port::queues.output.empty() && servo_driver::quiet(); }
 
     uint32_t micros() override;
     firmware::SerialQueues& serial() override { return serial_port::queues; }

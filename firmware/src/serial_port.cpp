@@ -26,7 +26,7 @@ void begin() {
 }
 
 void poll() {
-    if (!queues.out.empty() && (UCSR0A & _BV(UDRE0))) UDR0 = queues.out.take();
+    if (!queues.output.empty() && (UCSR0A & _BV(UDRE0))) UDR0 = queues.output.take();
 }
 
 }  // namespace serial_port
@@ -38,9 +38,9 @@ ISR(RECEIVED_vect) {
     const uint8_t byte = UDR0;
     UCSR0B &= static_cast<uint8_t>(~_BV(RXCIE0));
     sei();  // a servo's edge need not wait for the rest, the next byte must
-    if (flags & _BV(DOR0)) serial_port::queues.in.lose();
+    if (flags & _BV(DOR0)) serial_port::queues.input.lose();
     const bool noise = (flags & _BV(FE0)) && byte != '!';
-    serial_port::queues.in.push(noise ? firmware::Input::kHole : byte);
+    serial_port::queues.input.push(noise ? firmware::Input::kHole : byte);
     cli();
     UCSR0B |= _BV(RXCIE0);
 }

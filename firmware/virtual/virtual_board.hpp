@@ -93,10 +93,11 @@ class VirtualBoard : public Hardware {
     void step() {
         now_us_ += kByteUs;
         if (!to_board_.empty()) {
-            serial_.in.push(static_cast<uint8_t>(to_board_.front()));
+            serial_.input.push(static_cast<uint8_t>(to_board_.front()));
             to_board_.pop_front();
         }
-        if (!serial_.out.empty()) from_board_.push_back(static_cast<char>(serial_.out.take()));
+        if (!serial_.output.empty())
+            from_board_.push_back(static_cast<char>(serial_.output.take()));
         controller_->poll();
     }
 

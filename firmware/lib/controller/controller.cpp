@@ -33,8 +33,8 @@ Controller::Controller(Hardware& hardware)
     : Memory(),
       hardware_(hardware),
       store_(hardware),
-      in_(hardware.serial().in),
-      line_(hardware.serial().out) {}
+      input_(hardware.serial().input),
+      line_(hardware.serial().output) {}
 
 void Controller::begin(const Start& start) {
     start_ = start;
@@ -182,13 +182,13 @@ void Controller::become(State state, const char* why) {
 }
 
 void Controller::send_telemetry(uint16_t frames) {
-    const uint16_t every = static_cast<uint16_t>(settings_.value_u[kEvery] / 1000000);
-    if (every == 0) return;
+    const uint16_t period_frames = static_cast<uint16_t>(settings_.value_u[kEvery] / 1000000);
+    if (period_frames == 0) return;
     if (telemetry_wait_ > frames) {
         telemetry_wait_ = static_cast<uint16_t>(telemetry_wait_ - frames);
         return;
     }
-    telemetry_wait_ = every;
+    telemetry_wait_ = period_frames;
     // One line passes who waits for an answer; the next gives way, or he might wait for ever.
     telemetry_sent_while_waiting_ =
         quiet() ? 0 : static_cast<uint8_t>(telemetry_sent_while_waiting_ + 1);

@@ -162,7 +162,7 @@ class Controller : private Memory {
     OWN_FRAME void accept_body(const Envelope& envelope);
     bool in_order(const Envelope& envelope);
     void refuse_damaged(Error error);
-    OWN_FRAME void verdict(const Tag& tag, const Refusal& refusal, bool again = false);
+    OWN_FRAME void verdict(const Tag& tag, const Refusal& refusal, bool repeated = false);
     OWN_FRAME void work_on_store();
     void send();
 
@@ -179,7 +179,7 @@ class Controller : private Memory {
 
     Hardware& hardware_;
     Store store_;
-    Input& in_;
+    Input& input_;
     Output& line_;
     Motion motion_;
     LineReader reader_;

@@ -20,7 +20,7 @@ void Controller::receive() {
     for (uint8_t n = 0; n < kBytesPerPass; ++n) {
         obey_stops();
         if (waiting_ != LineReader::kNothing) return;
-        const int16_t byte = in_.pop();
+        const int16_t byte = input_.pop();
         if (byte == Input::kNothing) return;
         if (byte == Input::kStopHere) {
             reader_.clear();
@@ -36,7 +36,7 @@ void Controller::receive() {
 
 // A stop waits for nothing: neither for lines before it nor for room; only its verdict does.
 void Controller::obey_stops() {
-    for (char which; (which = in_.take_stop()) != 0;) {
+    for (char which; (which = input_.take_stop()) != 0;) {
         uint8_t& due = which == '!' ? keys_due_ : words_due_;
         if (due < 255) ++due;
         silent_frames_ = 0;
@@ -102,7 +102,7 @@ void Controller::accept_body(const Envelope& envelope) {
     if (session_ && !greets && !in_order(envelope)) return;
     last_number_ = envelope.number;
     if (refusal.none()) {
-        const bool too_late = in_.before_stop() && !harmless(command.verb);
+        const bool too_late = input_.before_stop() && !harmless(command.verb);
         refusal = too_late ? Refusal(Error::Stopped) : obey(command);
     }
     if (greets && refusal.none() && envelope.has_crc && envelope.has_number) session_ = true;
@@ -148,7 +148,7 @@ void Controller::work_on_store() {
     verdict(store_tag_, Refusal(error));
 }
 
-void Controller::verdict(const Tag& tag, const Refusal& refusal, bool again) {
+void Controller::verdict(const Tag& tag, const Refusal& refusal, bool repeated) {
     line_.begin().put_flash(refusal.none() ? FLASH_TEXT("ok: #") : FLASH_TEXT("err: #"));
     if (tag.source == Source::Numbered) {
         line_.put_unsigned(tag.number);
@@ -157,7 +157,7 @@ void Controller::verdict(const Tag& tag, const Refusal& refusal, bool again) {
     }
     const ErrorText text = error_text(refusal.error);
     if (!refusal.none()) line_.put(' ').put_flash(text.word);
-    if (again) line_.put_flash(FLASH_TEXT(" again"));
+    if (repeated) line_.put_flash(FLASH_TEXT(" again"));
     if (refusal.field[0] != '\0') {
         line_.put(' ').put(refusal.field).put('=').put_micro(refusal.value_u);
         if (refusal.error == Error::Range)

@@ -14,8 +14,8 @@ namespace firmware {
 
 // Both queues of the serial port: whoever has the UART fills the one and empties the other.
 struct SerialQueues {
-    Input in;
-    Output out;
+    Input input;
+    Output output;
 };
 
 class Hardware : public Eeprom {

@@ -33,8 +33,8 @@ uint32_t mdeg_from_phase(uint32_t phase) {
 
 // 2⁶⁴ · 1e-12 / 2π is 2935890.50328: what a frame of 1 µs is worth at 1e-6 rad/s.
 uint64_t phase_step(int32_t omega_urad_s, uint16_t frame_us) {
-    const uint16_t rest = static_cast<uint16_t>((32983UL * frame_us + 0x8000UL) >> 16);
-    const uint64_t per_urad_s = static_cast<uint64_t>(2935890UL) * frame_us + rest;
+    const uint16_t remainder = static_cast<uint16_t>((32983UL * frame_us + 0x8000UL) >> 16);
+    const uint64_t per_urad_s = static_cast<uint64_t>(2935890UL) * frame_us + remainder;
     return static_cast<uint64_t>(omega_urad_s) * per_urad_s;
 }
 
