@@ -1,4 +1,4 @@
-// Contacts and wheels of lab_chain.hpp.
+// The steps of lab_chain.hpp.
 #include "lab/lab_chain.hpp"
 
 #include <algorithm>
@@ -11,10 +11,11 @@ namespace serpenoid {
 
 namespace {
 
-constexpr double kAtRest = 1e-5;     // m/s: a wheel that held has less
+constexpr double kAtRest = 1e-5;     // m/s: a wheel that rests has less
 constexpr double kNoChange = 1e-20;  // J: of an impulse times the speed that it changes
 constexpr double kUnmoved = 1e-24;   // 1/kg: an impulse that moves nothing
-constexpr int kMostSweeps = 3000;
+constexpr int kMaxSweeps = 3000;
+constexpr double kNever = 1e30;  // s
 
 // The friction of a wheel in one direction: c |v| + F0 against the motion, with other numbers
 // backwards on a ratchet. At rest it is what holds the wheel, up to F0 times the breakaway.
@@ -27,117 +28,307 @@ Friction across(const Ground& g) { return {g.cn, g.fn0, g.cn, g.fn0}; }
 
 }  // namespace
 
-LabChain::LabChain(const Robot& robot, std::vector<LabLink> links, int size, int others)
+LabChain::LabChain(const Robot& robot, std::vector<LabLink> links, std::optional<Servo> servo)
     : robot_(robot),
       links_(std::move(links)),
+      servo_(servo),
       n_(robot.n),
-      size_(size),
+      size_(servo ? 2 + n_ : 3),
+      theta_(n_),
       vx_(n_),
       vy_(n_),
-      u_(size),
-      mass_(size * size),
-      right_(size),
+      goal_(n_ - 1),
+      max_rate_(n_ - 1),
+      duty_(n_ - 1),
+      torque_(n_ - 1),
+      led_rate_(n_),
+      turns_(size_ - 2, std::vector<double>(n_, servo ? 0.0 : 1.0)),
+      u_(size_),
+      mass_(size_ * size_),
+      right_(size_),
       c_(n_),
       s_(n_),
       speeds_(2 * n_),
-      contact_(2 * n_ + others) {
-    for (Contact& c : contact_) c.row.assign(size, 0.0);
+      link_(n_),
+      contact_(servo ? 3 * n_ - 1 : 2 * n_) {
+    for (Contact& contact : contact_) contact.row.assign(size_, 0.0);
+    for (int i = 0; i < n_; ++i) {
+        if (servo) turns_[i][i] = 1;
+        link_[i].row.assign(size_, 0.0);
+        link_[i].row[servo ? i + 2 : 2] = 1;
+    }
+    for (int i = 0; servo && i + 1 < n_; ++i) {
+        gear(i).row[i + 3] = 1;
+        gear(i).row[i + 2] = -1;
+    }
+    restart();
 }
 
-void LabChain::point(const std::vector<double>& angle) {
-    for (int i = 0; i < n_; ++i) {
-        const double c = c_[i] = std::cos(angle[i]), s = s_[i] = std::sin(angle[i]);
-        double *t = contact_[2 * i].row.data(), *n = contact_[2 * i + 1].row.data();
-        t[0] = c, t[1] = s, n[0] = -s, n[1] = c;
+void LabChain::place(double x, double y, double theta, double vx, double vy, double w) {
+    const double turn = theta - theta_[0];
+    for (double& angle : theta_) angle += turn;
+    x_ = x;
+    y_ = y;
+    std::fill(u_.begin(), u_.end(), w);
+    u_[0] = vx;
+    u_[1] = vy;
+    heat_ = work_ = 0;
+    restart();
+}
+
+void LabChain::set_joints(const std::vector<double>& angle) {
+    for (int i = 0; i + 1 < n_; ++i) theta_[i + 1] = theta_[i] + angle[i];
+    goal_ = angle;
+    restart();
+}
+
+void LabChain::aim(const std::vector<double>& angle, double rate) {
+    goal_ = angle;
+    std::fill(max_rate_.begin(), max_rate_.end(), rate);
+}
+
+// The chain as it stands, its joints at rest; no wheel is known to stick.
+void LabChain::restart() {
+    std::fill(led_rate_.begin(), led_rate_.end(), 0.0);
+    since_update_ = kNever;
+    shape(0);
+    for (Contact& contact : contact_) contact.impulse = 0;
+    settle();
+}
+
+bool LabChain::advance(double duration, double h) {
+    const int steps = std::max(1, static_cast<int>(std::ceil(duration / h - 1e-9)));
+    for (int k = 0; k < steps; ++k)
+        if (!step(duration / steps)) return false;
+    return true;
+}
+
+bool LabChain::follow(const std::vector<double>& angle, double duration, double h) {
+    goal_ = angle;
+    for (int i = 0; i + 1 < n_; ++i) max_rate_[i] = std::fabs(angle[i] - joint_angle(i)) / duration;
+    return advance(duration, h);
+}
+
+bool LabChain::step(double h) {
+    if (servo_)
+        control(h);
+    else
+        turn_joints(h);
+    shape(h);
+    bodies(h);
+    if (servo_) drive(h);
+    resist(h);
+    if (!sweep()) return false;
+    x_ += h * u_[0];
+    y_ += h * u_[1];
+    for (int i = 0; i < n_; ++i) theta_[i] += h * link_[i].speed;
+    for (int i = 0; servo_ && i + 1 < n_; ++i) work_ += h * torque_[i] * gear(i).speed;
+    return true;
+}
+
+void LabChain::turn_joints(double h) {
+    for (int i = 0; i + 1 < n_; ++i) {
+        const double rate = (goal_[i] - joint_angle(i)) / h;
+        led_rate_[i + 1] = led_rate_[i] + std::clamp(rate, -max_rate_[i], max_rate_[i]);
     }
 }
 
+// The loops' duties: held between two updates, or new in every step.
+void LabChain::control(double h) {
+    const double hz = servo_->update_hz;
+    const bool due = hz == 0 || since_update_ * hz >= 1 - 0.5 * h * hz;
+    for (int i = 0; due && i + 1 < n_; ++i)
+        duty_[i] = servo_->duty(goal_[i] - joint_angle(i), gear(i).speed);
+    if (due) since_update_ = hz > 0 && since_update_ < kNever ? since_update_ - 1 / hz : 0;
+    since_update_ += h;
+}
+
+// The wheels' rows in the shape of the middle of the step, and what led joints and ground add.
+void LabChain::shape(double h) {
+    std::vector<double> angle = theta_;
+    for (int i = 0; i < n_; ++i) {
+        link_[i].offset = led_rate_[i];
+        angle[i] += 0.5 * h * (link_[i].offset + dot(link_[i].row.data(), u_.data(), size_));
+    }
+    point(angle);
+    for (std::size_t j = 0; j < turns_.size(); ++j) {
+        const std::vector<double>& speed = turning(turns_[j]);
+        for (int k = 0; k < 2 * n_; ++k) contact_[k].row[j + 2] = speed[k];
+    }
+    const std::vector<double>& speed = turning(led_rate_);
+    for (int k = 0; k < 2 * n_; ++k) {
+        Contact& wheel = contact_[k];
+        wheel.offset = speed[k] - wheel.row[0] * ground_x_ - wheel.row[1] * ground_y_;
+    }
+}
+
+// Links at these angles: the wheels' rows for the velocity of the centre.
+void LabChain::point(const std::vector<double>& angle) {
+    for (int i = 0; i < n_; ++i) {
+        c_[i] = std::cos(angle[i]);
+        s_[i] = std::sin(angle[i]);
+        std::vector<double>& t = contact_[2 * i].row;
+        std::vector<double>& n = contact_[2 * i + 1].row;
+        t[0] = n[1] = c_[i];
+        t[1] = s_[i];
+        n[0] = -s_[i];
+    }
+}
+
+// The speeds of all wheels where links turn at these rates about the resting centre of mass.
 const std::vector<double>& LabChain::turning(const std::vector<double>& rate) {
-    double mean_x = 0, mean_y = 0;
+    double mean_x = 0;
+    double mean_y = 0;
     for (const bool total : {true, false}) {
-        double x = -mean_x, y = -mean_y;
+        double x = -mean_x;
+        double y = -mean_y;
         for (int i = 0; i < n_; ++i) {
             if (i > 0) {
                 x -= robot_.l * (rate[i - 1] * s_[i - 1] + rate[i] * s_[i]);
                 y += robot_.l * (rate[i - 1] * c_[i - 1] + rate[i] * c_[i]);
             }
-            if (total) mean_x += x / n_, mean_y += y / n_;
-            speeds_[2 * i] = c_[i] * x + s_[i] * y, speeds_[2 * i + 1] = c_[i] * y - s_[i] * x;
+            if (total) {
+                mean_x += x / n_;
+                mean_y += y / n_;
+            }
+            speeds_[2 * i] = c_[i] * x + s_[i] * y;
+            speeds_[2 * i + 1] = c_[i] * y - s_[i] * x;
         }
     }
     return speeds_;
 }
 
-void LabChain::add_square(const Contact& contact, double weight, double target) {
-    const double* row = contact.row.data();
-    add(right_.data(), size_, weight * (target - contact.offset), row);
+// Add weight/2 (speed - target)^2 to what is minimised.
+void LabChain::add_square(const Row& line, double weight, double target) {
+    const double* row = line.row.data();
+    add(right_.data(), size_, weight * (target - line.offset), row);
     for (int i = 0; i < size_; ++i)  // the upper triangle
         if (row[i] != 0) add(&mass_[i * size_ + i], size_ - i, weight * row[i], row + i);
 }
 
+void LabChain::bodies(double h) {
+    std::fill(mass_.begin(), mass_.end(), 0.0);
+    std::fill(right_.begin(), right_.end(), 0.0);
+    for (int i = 0; i < n_; ++i) {
+        const double x = vx_[i] + h * slope_.gx - ground_x_;
+        const double y = vy_[i] + h * slope_.gy - ground_y_;
+        add_square(contact_[2 * i], robot_.m, c_[i] * x + s_[i] * y);
+        add_square(contact_[2 * i + 1], robot_.m, c_[i] * y - s_[i] * x);
+        add_square(link_[i], robot_.I, link_[i].speed);
+    }
+    if (!guided_) return;
+    // a link goes along the rails alone, whatever stiff rails would still give way
+    right_[1] = right_[2] = 0;
+    for (Contact& wheel : contact_) wheel.row[1] = wheel.row[2] = 0;
+}
+
+// Rotors, gears, and torques: the motor's line at the end of the step, the loop's duty as it is.
+void LabChain::drive(double h) {
+    Supply load;
+    for (int i = 0; i + 1 < n_; ++i) load.add(*servo_, duty_[i], gear(i).speed);
+    const double volts = load.voltage(servo_->supply_sag);
+    const double line = servo_->torque_limit / servo_->speed_limit + servo_->gear_damping;
+    for (int i = 0; i + 1 < n_; ++i) {
+        const double stall = servo_->torque_limit * volts * duty_[i];
+        add_square(gear(i), servo_->armature, gear(i).speed);
+        add_square(gear(i), h * line, stall / line);
+        torque_[i] = stall - line * gear(i).speed;
+        gear(i).high = h * servo_->gear_friction;
+        gear(i).low = -gear(i).high;
+    }
+}
+
+// Wheels: their spin, viscous friction, and bounds of dry impulses.
 void LabChain::resist(double h) {
     for (int k = 0; k < 2 * n_; ++k) {
         Contact& wheel = contact_[k];
         const LabLink& link = links_[k / 2];
         const Friction f = k % 2 == 0 ? along(link.ground) : across(link.ground);
-        if (k % 2 == 0) add_square(wheel, link.rolling, wheel.before);
-        wheel.viscous = h * (wheel.before < 0 ? f.viscous_back : f.viscous);
+        if (k % 2 == 0) add_square(wheel, link.rolling, wheel.speed);
+        wheel.viscous = h * (wheel.speed < 0 ? f.viscous_back : f.viscous);
         add_square(wheel, wheel.viscous, 0);
-        const double hold = std::fabs(wheel.before) < kAtRest ? h * link.breakaway : h;
-        wheel.least = -hold * f.dry, wheel.most = hold * f.dry_back;
+        const double hold = std::fabs(wheel.speed) < kAtRest ? h * link.breakaway : h;
+        wheel.low = -hold * f.dry;
+        wheel.high = hold * f.dry_back;
     }
 }
 
+// u and all impulses; false where there is no number.
 bool LabChain::sweep() {
     cholesky(mass_.data(), size_);
-    const auto solved = [&](std::vector<double>& x) {
-        forward(mass_.data(), size_, x.data()), backward(mass_.data(), size_, x.data());
+    const auto solve = [&](std::vector<double>& x) {
+        forward(mass_.data(), size_, x.data());
+        backward(mass_.data(), size_, x.data());
     };
-    u_ = right_, solved(u_);
+    u_ = right_;
+    solve(u_);
     for (Contact& c : contact_) {
-        c.reach = c.row, solved(c.reach);
-        const double gives = dot(c.row.data(), c.reach.data(), size_);
-        c.mass = gives > kUnmoved ? 1 / gives : 0;
-        c.impulse = std::clamp(c.impulse, c.least, c.most);
-        add(u_.data(), size_, c.impulse, c.reach.data());
+        c.response = c.row;
+        solve(c.response);
+        const double inverse = dot(c.row.data(), c.response.data(), size_);
+        c.mass = inverse > kUnmoved ? 1 / inverse : 0;
+        c.impulse = std::clamp(c.impulse, c.low, c.high);
+        add(u_.data(), size_, c.impulse, c.response.data());
     }
     bool changed = true;
-    for (int look = 0; look < kMostSweeps && changed; ++look) {
+    for (int sweeps = 0; sweeps < kMaxSweeps && changed; ++sweeps) {
         changed = false;
         for (Contact& c : contact_) {
             const double v = c.offset + dot(c.row.data(), u_.data(), size_);
-            const double stopping = c.impulse - c.mass * v;
-            const double by = std::clamp(stopping, c.least, c.most) - c.impulse;
-            if (by == 0) continue;
-            c.impulse += by;
-            add(u_.data(), size_, by, c.reach.data());
-            changed = changed || by * by > kNoChange * c.mass;
+            const double change = std::clamp(c.impulse - c.mass * v, c.low, c.high) - c.impulse;
+            if (change == 0) continue;
+            c.impulse += change;
+            add(u_.data(), size_, change, c.response.data());
+            changed = changed || change * change > kNoChange * c.mass;
         }
     }
     settle();
     for (int k = 0; k < 2 * n_; ++k) {
         const Contact& wheel = contact_[k];
-        heat_ += (wheel.viscous * wheel.before - wheel.impulse) * wheel.before;
+        heat_ += (wheel.viscous * wheel.speed - wheel.impulse) * wheel.speed;
     }
     return std::isfinite(u_[0] + u_[1] + u_[2]);
 }
 
+// Speeds of contacts and links by u.
 void LabChain::settle() {
-    for (Contact& c : contact_) c.before = c.offset + dot(c.row.data(), u_.data(), size_);
+    const auto set_speed = [&](Row& line) {
+        line.speed = line.offset + dot(line.row.data(), u_.data(), size_);
+    };
+    std::for_each(contact_.begin(), contact_.end(), set_speed);
+    std::for_each(link_.begin(), link_.end(), set_speed);
     for (int i = 0; i < n_; ++i) {
-        const double t = contact_[2 * i].before, n = contact_[2 * i + 1].before;
-        vx_[i] = c_[i] * t - s_[i] * n + ground_x_, vy_[i] = s_[i] * t + c_[i] * n + ground_y_;
+        const double t = contact_[2 * i].speed;
+        const double n = contact_[2 * i + 1].speed;
+        vx_[i] = c_[i] * t - s_[i] * n + ground_x_;
+        vy_[i] = s_[i] * t + c_[i] * n + ground_y_;
     }
 }
 
-double LabChain::kinetic(const std::vector<double>& rate) const {
+double LabChain::kinetic() const {
     double sum = 0;
     for (int i = 0; i < n_; ++i) {
-        const double spin = contact_[2 * i].before;
-        sum += robot_.m * (vx_[i] * vx_[i] + vy_[i] * vy_[i]) + robot_.I * rate[i] * rate[i] +
+        const double rate = link_[i].speed;
+        const double spin = contact_[2 * i].speed;
+        sum += robot_.m * (vx_[i] * vx_[i] + vy_[i] * vy_[i]) + robot_.I * rate * rate +
                links_[i].rolling * spin * spin;
     }
+    for (std::size_t k = 2 * n_; k < contact_.size(); ++k)
+        sum += servo_->armature * contact_[k].speed * contact_[k].speed;
     return 0.5 * sum;
+}
+
+std::vector<double> LabChain::places() {
+    point(theta_);
+    const std::vector<double>& turn = turning(std::vector<double>(n_, 1.0));  // x is vy, y is -vx
+    std::vector<double> links;
+    for (int i = 0; i < n_; ++i) {
+        const double t = turn[2 * i];
+        const double n = turn[2 * i + 1];
+        links.insert(links.end(),
+                     {x_ + s_[i] * t + c_[i] * n, y_ - c_[i] * t + s_[i] * n, theta_[i]});
+    }
+    return links;
 }
 
 }  // namespace serpenoid

@@ -1,15 +1,15 @@
-// The lab's free chain for Python, as serpenoid._core.FreeChain.
+// The lab's chain for Python, as serpenoid._core.LabChain.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <memory>
 #include <vector>
 
-#include "lab/driven_chain.hpp"
-#include "lab/free_chain.hpp"
+#include "lab/lab_chain.hpp"
 
 namespace nb = nanobind;
 using namespace serpenoid;
@@ -30,12 +30,9 @@ std::vector<LabLink> listed(Rows links) {
     return list;
 }
 
-Robot body(double mass, double length, double inertia, Rows links) {
-    return {static_cast<int>(links.shape(0)), mass, length / 2, inertia};
-}
-
-void check_joints(const FreeChain& chain, const std::vector<double>& angle) {
-    if (angle.size() != chain.joints().size()) throw nb::value_error("one angle a joint");
+void check_joints(const LabChain& chain, std::size_t count) {
+    if (count != static_cast<std::size_t>(chain.joints()))
+        throw nb::value_error("one angle a joint");
 }
 
 void check_time(double duration, double h) {
@@ -44,44 +41,22 @@ void check_time(double duration, double h) {
             "duration and step must be above 0, and not a thousand million steps");
 }
 
-// Lead the joints through rows of angles (K, n - 1), one each `frame` s. States (K, 6) at their
-// ends: x, y, theta, vx, vy, w; fewer rows where a step had no solution.
-nb::ndarray<nb::numpy, double> follow(FreeChain& c, Rows rows, double frame, double h) {
-    const std::size_t joints = c.joints().size(), count = rows.shape(0);
-    if (rows.shape(1) != joints) throw nb::value_error("one angle a joint");
-    check_time(frame, h);
-    auto out = std::make_unique<double[]>(6 * count + 1);
-    std::size_t done = 0;
-    {
-        nb::gil_scoped_release release;
-        std::vector<double> to(joints);
-        for (; done < count; ++done) {
-            std::copy_n(rows.data() + done * joints, joints, to.begin());
-            if (!c.lead(to, frame, h)) break;
-            const auto now = c.state();
-            std::copy_n(now.begin(), 6, &out[6 * done]);
-        }
-    }
-    double* data = out.release();
-    nb::capsule free(data, [](void* p) noexcept { delete[] static_cast<double*>(p); });
-    return {data, {done, 6}, free};
-}
-
-// Hold each row of setpoints (K, n - 1) for a frame of `steps` steps. States (K, n + 2) at the
-// frames' ends: x, y of the centre, angles of all links; fewer rows where a step failed.
-nb::ndarray<nb::numpy, double> drive(DrivenChain& c, Rows rows, int steps) {
+// Let the joints follow rows of angles (K, n - 1), one each `frame` s. States (K, n + 2) at their
+// ends: x, y of the centre, angles of all links; fewer rows where a step had no solution.
+nb::ndarray<nb::numpy, double> follow(LabChain& c, Rows rows, double frame, double h) {
     const std::size_t joints = rows.shape(1), count = rows.shape(0), width = joints + 3;
-    if (joints != static_cast<std::size_t>(c.joints())) throw nb::value_error("one angle a joint");
-    if (steps < 1) throw nb::value_error("steps must be 1 or more");
+    check_joints(c, joints);
+    check_time(frame, h);
     auto out = std::make_unique<double[]>(width * count + 1);
     std::size_t done = 0;
     {
         nb::gil_scoped_release release;
-        std::vector<double> to(joints);
         for (; done < count; ++done) {
-            std::copy_n(rows.data() + done * joints, joints, to.begin());
-            if (!c.frame(to, steps)) break;
-            c.state(&out[width * done]);
+            const double* const row = rows.data() + done * joints;
+            if (!c.follow({row, row + joints}, frame, h)) break;
+            double* const state = &out[width * done];
+            std::copy_n(c.state().begin(), 2, state);
+            std::copy(c.angles().begin(), c.angles().end(), state + 2);
         }
     }
     double* data = out.release();
@@ -89,54 +64,42 @@ nb::ndarray<nb::numpy, double> drive(DrivenChain& c, Rows rows, int steps) {
     return {data, {done, width}, free};
 }
 
-void bind_driven(nb::module_& m) {
-    nb::class_<DrivenChain>(m, "DrivenChain")
-        .def("__init__",
-             [](DrivenChain* self, double mass, double length, double inertia, Rows links,
-                const Servo& servo) {
-                 auto list = listed(links);
-                 new (self) DrivenChain(body(mass, length, inertia, links), list, servo);
-             })
-        .def("place",
-             [](DrivenChain& c, double theta, const std::vector<double>& joints) {
-                 if (joints.size() != static_cast<std::size_t>(c.joints()))
-                     throw nb::value_error("one angle a joint");
-                 c.place(theta, joints);
-             })
-        .def("set_slope", &DrivenChain::set_slope)
-        .def("drive", &drive)
-        .def_prop_ro("kinetic_j", &DrivenChain::kinetic)
-        .def_prop_ro("work_j", &DrivenChain::work);
-}
-
 }  // namespace
 
 void bind_lab(nb::module_& m) {
-    bind_driven(m);
-    nb::class_<FreeChain>(m, "FreeChain")
-        .def("__init__",
-             [](FreeChain* self, double mass, double length, double inertia, Rows links) {
-                 new (self) FreeChain(body(mass, length, inertia, links), listed(links));
-             })
-        .def("place", &FreeChain::place)
+    nb::class_<LabChain>(m, "LabChain")
+        .def(
+            "__init__",
+            [](LabChain* self, double mass, double length, double inertia, Rows links,
+               std::optional<Servo> servo) {
+                const int n = static_cast<int>(links.shape(0));
+                new (self) LabChain({n, mass, length / 2, inertia}, listed(links), servo);
+            },
+            nb::arg("mass_kg"), nb::arg("length_m"), nb::arg("inertia_kg_m2"), nb::arg("links"),
+            nb::arg("servo") = nb::none())
+        .def("place", &LabChain::place)
         .def("set_joints",
-             [](FreeChain& c, const std::vector<double>& angle) {
-                 check_joints(c, angle), c.set_joints(angle);
+             [](LabChain& c, const std::vector<double>& angle) {
+                 check_joints(c, angle.size());
+                 c.set_joints(angle);
              })
-        .def("aim", [](FreeChain& c, const std::vector<double>& angle,
-                       double rate) { check_joints(c, angle), c.aim(angle, rate); })
-        .def("set_slope", &FreeChain::set_slope)
-        .def("set_ground_velocity", &FreeChain::set_ground_velocity)
-        .def("guide", &FreeChain::guide)
+        .def("aim",
+             [](LabChain& c, const std::vector<double>& angle, double rate) {
+                 check_joints(c, angle.size());
+                 c.aim(angle, rate);
+             })
+        .def("set_slope", &LabChain::set_slope)
+        .def("set_ground_velocity", &LabChain::set_ground_velocity)
+        .def("guide", &LabChain::guide)
         .def("advance",
-             [](FreeChain& c, double duration, double h) {
+             [](LabChain& c, double duration, double h) {
                  check_time(duration, h);
                  nb::gil_scoped_release release;
                  return c.advance(duration, h);
              })
         .def("follow", &follow)
-        .def_prop_ro("state", &FreeChain::state)
-        .def_prop_ro("joints", &FreeChain::joints)
-        .def_prop_ro("kinetic_j", &FreeChain::kinetic)
-        .def_prop_ro("places", &FreeChain::places);
+        .def_prop_ro("state", &LabChain::state)
+        .def_prop_ro("kinetic_j", &LabChain::kinetic)
+        .def_prop_ro("work_j", &LabChain::work)
+        .def_prop_ro("places", &LabChain::places);
 }

@@ -323,46 +323,17 @@ def evaluate(
 ) -> dict: ...
 def method_table() -> list: ...
 
-class DrivenChain:
+class LabChain:
     def __init__(
         self,
-        arg0: float,
-        arg1: float,
-        arg2: float,
-        arg3: Annotated[
+        mass_kg: float,
+        length_m: float,
+        inertia_kg_m2: float,
+        links: Annotated[
             NDArray[numpy.float64],
             dict(shape=(None, None), order="C", device="cpu", writable=False),
         ],
-        arg4: Servo,
-        /,
-    ) -> None: ...
-    def place(self, arg0: float, arg1: Sequence[float], /) -> None: ...
-    def set_slope(self, arg0: float, arg1: float, /) -> None: ...
-    def drive(
-        self,
-        arg0: Annotated[
-            NDArray[numpy.float64],
-            dict(shape=(None, None), order="C", device="cpu", writable=False),
-        ],
-        arg1: int,
-        /,
-    ) -> NDArray[numpy.float64]: ...
-    @property
-    def kinetic_j(self) -> float: ...
-    @property
-    def work_j(self) -> float: ...
-
-class FreeChain:
-    def __init__(
-        self,
-        arg0: float,
-        arg1: float,
-        arg2: float,
-        arg3: Annotated[
-            NDArray[numpy.float64],
-            dict(shape=(None, None), order="C", device="cpu", writable=False),
-        ],
-        /,
+        servo: Servo | None = None,
     ) -> None: ...
     def place(
         self, arg0: float, arg1: float, arg2: float, arg3: float, arg4: float, arg5: float, /
@@ -386,8 +357,8 @@ class FreeChain:
     @property
     def state(self) -> list[float]: ...
     @property
-    def joints(self) -> list[float]: ...
-    @property
     def kinetic_j(self) -> float: ...
+    @property
+    def work_j(self) -> float: ...
     @property
     def places(self) -> list[float]: ...

@@ -102,8 +102,9 @@ class Floor:
         assert self.robot.servo is not None  # driven_chain has asked
         frame_s = self.robot.servo.frame_s
         chain.set_slope(*self._pull)
-        chain.place(-_mean_bend(list(setpoints[0])), setpoints[0].tolist())
-        rows = chain.drive(setpoints, max(1, math.ceil(frame_s / SERVO_STEP_S)))
+        chain.set_joints(setpoints[0].tolist())
+        chain.place(0.0, 0.0, -_mean_bend(list(setpoints[0])), 0.0, 0.0, 0.0)
+        rows = chain.follow(setpoints, frame_s, SERVO_STEP_S)
         if len(rows) < len(setpoints) or not np.isfinite(rows).all():
             raise NotConverged("the lab's robot came to no answer; are its numbers sensible?")
         t = np.arange(1, len(rows) + 1, dtype=np.float64) * frame_s
@@ -116,9 +117,8 @@ class Floor:
         rows = chain.follow(np.ascontiguousarray(angles_rad[1:]), frame_s, STEP_S)
         if len(rows) < len(angles_rad) - 1:
             raise NotConverged("the lab's robot came to no answer; are its numbers sensible?")
-        bend = np.cumsum(angles_rad[1:], axis=1).sum(axis=1) / self.robot.body.links
         t = np.arange(1, len(rows) + 1, dtype=np.float64) * frame_s
-        return Track(t, rows[:, 0], rows[:, 1], rows[:, 2] + bend)
+        return Track(t, rows[:, 0], rows[:, 1], rows[:, 2:].mean(axis=1))
 
     def _placed(self, joints: list[float], heading_rad: float, rates: tuple[float, float, float]):
         chain = self.robot.chain()

@@ -1,4 +1,4 @@
-"""The robot in the lab: what is true of it and nobody there knows, as the core's free chain."""
+"""The robot in the lab: what is true of it and nobody there knows, as the core's chain."""
 
 from __future__ import annotations
 
@@ -75,17 +75,17 @@ class LabRobot:
         grounds = tuple(g.scaled(*map(float, f)) for g, f in zip(self._links, factors, strict=True))
         return replace(self, grounds=grounds, joint_error_rad=joints)
 
-    def chain(self) -> _core.FreeChain:
+    def chain(self) -> _core.LabChain:
         """Return the robot as a body that can be moved, straight but for its joints' errors."""
-        chain = _core.FreeChain(*self._numbers())
+        chain = _core.LabChain(*self._numbers())
         chain.set_joints(list(self.joint_error_rad))
         return chain
 
-    def driven_chain(self) -> _core.DrivenChain:
+    def driven_chain(self) -> _core.LabChain:
         """Return the robot as a body whose joints its servo moves. Raises BadInput without one."""
         if self.servo is None:
             raise BadInput("the lab's robot has no servo; give LabRobot(servo=...)")
-        return _core.DrivenChain(*self._numbers(), core_servo(self.servo))
+        return _core.LabChain(*self._numbers(), core_servo(self.servo))
 
     def _numbers(self) -> tuple[float, float, float, Array]:
         body, share = self.body, self.rolling_kg / self.body.links

@@ -35,10 +35,11 @@ STILL = [0.3, -0.2, 0.1, 0.4, -0.3]
 
 def chain(
     servo: Servo, friction: tuple[float, ...] = (0.0,) * 6, rolling_kg: float = 0.0
-) -> _core.DrivenChain:
+) -> _core.LabChain:
     rows = np.array([[*friction, rolling_kg, 1.0]] * 6)
-    made = _core.DrivenChain(0.0756, 0.076, OF_2005.inertia_kg_m2, rows, core_servo(servo))
-    made.place(0.0, STILL)
+    made = _core.LabChain(0.0756, 0.076, OF_2005.inertia_kg_m2, rows, core_servo(servo))
+    made.set_joints(STILL)
+    made.place(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     return made
 
 
@@ -76,7 +77,7 @@ def test_without_friction_momentum_stays_and_servos_work_becomes_motion(rolling_
     missing = []
     for steps in (20, 40, 80):
         robot = chain(frictionless, rolling_kg=rolling_kg)
-        rows = robot.drive(swing(37), steps)
+        rows = robot.follow(swing(37), 0.02, 0.02 / steps)
         centre = np.abs(rows[:, :2]).max()  # it stays unless the ground turns wheels
         assert centre > 1e-3 if rolling_kg else centre < 2e-3 / steps
         missing.append(abs(robot.work_j - robot.kinetic_j) / robot.kinetic_j)
@@ -107,9 +108,8 @@ def test_a_servo_that_runs_free_turns_as_fast_as_its_motors_line_says() -> None:
         supply_sag=0.5,
     )
     rows = np.array([[0.0] * 7 + [1.0]] * 2)
-    pair = _core.DrivenChain(0.0756, 0.076, OF_2005.inertia_kg_m2, rows, core_servo(servo))
-    pair.place(0.0, [0.0])
-    turned = np.diff(pair.drive(np.full((150, 1), 1e3), 20)[:, 2:], axis=1)[:, 0]
+    pair = _core.LabChain(0.0756, 0.076, OF_2005.inertia_kg_m2, rows, core_servo(servo))
+    turned = np.diff(pair.follow(np.full((150, 1), 1e3), 0.02, 1e-3)[:, 2:], axis=1)[:, 0]
     # by hand: T V - friction = (T / w0 + damping) r with V = 1 - sag (V - r / w0)
     slope = 0.39 / 7.0 + 0.03 - 0.39 * (0.5 / 7.0) / 1.5
     rate = (0.39 / 1.5 - 0.05) / slope

@@ -17,7 +17,7 @@ ZIGZAG, BALANCED = (1, -1, 1, -1, 1, -1), (1, -1, 0, 0, -1, 1)
 def chain(n=N, rolling=0.0):
     ct, cn, ft0, fn0 = (x / n for x in WHOLE)
     row = [ct, cn, ft0, fn0, ct, ft0, rolling, 1.0]
-    return _core.FreeChain(MASS, LENGTH, MASS * LENGTH**2 / 12, np.array([row] * n))
+    return _core.LabChain(MASS, LENGTH, MASS * LENGTH**2 / 12, np.array([row] * n))
 
 
 def angles(c):
