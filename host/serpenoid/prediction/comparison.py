@@ -20,7 +20,7 @@ from ..periodic.servo_steady import band
 from ..servos.catalogue import HOBBY
 from ..servos.speed_limit import highest_hz, too_fast_text
 from ..session.crawls import Crawls, crawls_by_command, driving, mean_speed, same_command
-from ..session.gait_run import GaitRun
+from ..session.gait_run import Crawl
 from ..session.session import Session
 from ..simulation.steady_springs import steady_springs
 from .level import level_session, unknown_slope
@@ -149,7 +149,7 @@ class Comparison(Plottable):
     session: str
     amplitude_sigma: float
     gaits: tuple[ComparedGait, ...]
-    measured: tuple[GaitRun, ...]
+    measured: tuple[Crawl, ...]
     p_value: float | None
     friction: Factor | None
     amplitude: Factor | None

@@ -39,14 +39,13 @@ def level_session(session: Session, fit: FrictionFit) -> tuple[Session, str]:
     slope = floor_slope(session, fit.nuisances)
     level: dict[int, Any] = {}
     for crawl in crawls_by_command(session):
-        readings = [*crawl.timed, *crawl.films]
+        readings = crawl.runs
         for reading in readings:
             if reading.way == "level":
                 continue
             sign = 1.0 if reading.way == "back" else -1.0
             rises = [Estimate(sign * falls.value, falls.sigma) for falls in slope]
-            gait = reading.gait if reading in crawl.films else crawl.commanded
-            share, along, across = _share(fit.robot, fit.ground, gait, rises)
+            share, along, across = _share(fit.robot, fit.ground, reading.gait, rises)
             # readings of one way share the error along it, all readings that across it
             same_way = sum(other.way == reading.way for other in readings)
             doubt = math.hypot(math.sqrt(same_way) * along, math.sqrt(len(readings)) * across)

@@ -11,7 +11,7 @@ from ..model.drives import FRAME_S, ServoKind
 from ..model.gait import Gait
 from ..model.robot import frame_us
 from .declaration import in_si
-from .gait_run import FilmReading, GaitRun
+from .gait_run import Crawl, FilmReading
 from .session import Session
 from .settings import Setup
 
@@ -21,16 +21,19 @@ _SAME_RATE, _SAME_RAD = 0.01, 0.01
 
 @dataclass(frozen=True)
 class Crawls:
-    """All timed runs and films of one command."""
+    """All crawls of one command, timed ones first."""
 
-    commanded: Gait
-    timed: tuple[GaitRun, ...] = ()
-    films: tuple[FilmReading, ...] = ()
+    runs: tuple[Crawl, ...]
 
     @property
-    def runs(self) -> tuple[GaitRun, ...]:
-        """Return the timed runs, and what the films say as runs."""
-        return (*self.timed, *(film.gait_run for film in self.films))
+    def commanded(self) -> Gait:
+        """Return the command of the first one."""
+        return self.runs[0].commanded
+
+    @property
+    def films(self) -> tuple[FilmReading, ...]:
+        """Return those that were filmed."""
+        return tuple(run for run in self.runs if isinstance(run, FilmReading))
 
     @property
     def gait(self) -> Gait:
@@ -40,20 +43,19 @@ class Crawls:
 
 def crawls_by_command(session: Session) -> list[Crawls]:
     """Return the crawls of every command, the slowest first; films there and back are of one."""
-    crawls: list[Crawls] = []
-    timed = [Crawls(run.gait, timed=(run,)) for run in session.kept_gait_runs]
-    for new in [*timed, *(Crawls(film.commanded, films=(film,)) for film in session.kept_films)]:
-        same = [k for k, c in enumerate(crawls) if same_command(c.commanded, new.commanded)]
+    groups: list[list[Crawl]] = []
+    for crawl in session.kept_crawls:
+        command = crawl.commanded
+        same = [group for group in groups if same_command(group[0].commanded, command)]
         if same:
-            known = crawls[same[0]]
-            both = known.timed + new.timed, known.films + new.films
-            crawls[same[0]] = Crawls(known.commanded, *both)
+            same[0].append(crawl)
         else:
-            crawls.append(new)
-    return sorted(crawls, key=lambda crawl: crawl.commanded.omega_rad_s)
+            groups.append([crawl])
+    groups.sort(key=lambda group: group[0].omega_rad_s)
+    return [Crawls(tuple(group)) for group in groups]
 
 
-def mean_speed(runs: Sequence[GaitRun]) -> tuple[float, float]:
+def mean_speed(runs: Sequence[Crawl]) -> tuple[float, float]:
     """Return the weighted mean speed of some runs, and its standard deviation, m/s."""
     weights = np.array([r.speed_sigma_m_s for r in runs]) ** -2.0
     mean = weights @ np.array([r.speed_m_s for r in runs]) / weights.sum()

@@ -210,14 +210,12 @@ class Declared:
     declared: ClassVar[dict[str, Field | Word]] = {}
 
     def __init_subclass__(cls) -> None:
-        cls.declared = {
-            name: value.metadata["limits"].named(
-                name.removesuffix("_rad") + "_deg" * name.endswith("_rad"),
-                cls.__annotations__[name],
-            )
-            for name, value in vars(cls).items()
-            if "limits" in getattr(value, "metadata", {})
-        }
+        cls.declared = dict(cls.declared)  # of the class above
+        for name, value in vars(cls).items():
+            if "limits" in getattr(value, "metadata", {}):
+                column = name.removesuffix("_rad") + "_deg" * name.endswith("_rad")
+                limits, kind = value.metadata["limits"], cls.__annotations__[name]
+                cls.declared[name] = limits.named(column, kind)
 
     @classmethod
     def numbers(cls) -> dict[str, Field]:

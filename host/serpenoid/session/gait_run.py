@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from statistics import mean
 from typing import Any
 
 from ..base.errors import BadInput
-from ..model.gait import Gait
+from ..model.gait import Gait, gait_name
 from .declaration import DERIVED, PLANNED, Taken, number_field, word_field
 from .settings import MAX_SPEED_M_S, Instruments
 from .track import Track
@@ -17,16 +18,13 @@ TRACK = ("t_s", "x_m", "y_m", "heading_rad", "joint*_rad")
 
 
 @dataclass(frozen=True)
-class GaitRun(Taken):
+class Crawl(Taken):
     """One measured speed of the crawling robot, on level ground of the session's surface.
 
-    number: from 1, unique among all readings of the session. omega_rad_s: the true rate, from the
-    board's clock. speed_m_s: of the robot over ground, 0 where it got nowhere. distance_m,
-    duration_s: what it follows from, None where it was given itself. way: along the line of the
-    pushes, on a floor that may slope, or on level ground. Raises BadInput.
+    number: from 1, unique among all readings of the session. omega_rad_s: the true rate, by the
+    board's clock or the film. speed_m_s: of the robot over ground, 0 where it got nowhere. way:
+    along the line of the pushes, on a floor that may slope, or on level ground.
     """
-
-    kind = "gait"
 
     number: int
     alpha_rad: float = number_field(0.0, 180.0, source=PLANNED)
@@ -37,18 +35,35 @@ class GaitRun(Taken):
     voided: bool = False
     comment: str = ""
     time_utc: str = ""
+    way: str = word_field(*RUN_WAYS)
+
+    @property
+    def commanded(self) -> Gait:
+        """Return the gait that was commanded, at its true rate."""
+        return Gait(self.alpha_rad, self.beta_rad, self.omega_rad_s)
+
+    @property
+    def gait(self) -> Gait:
+        """Return the gait that the joints made, as far as anybody saw."""
+        return self.commanded
+
+
+@dataclass(frozen=True)
+class GaitRun(Crawl):
+    """A crawl that was timed over a marked distance.
+
+    distance_m, duration_s: what the speed follows from, None where it was given itself. Raises
+    BadInput.
+    """
+
+    kind = "gait"
+
     distance_m: float | None = number_field(
         0.0, 1000.0, words="distance between the marks", default=None, likely=(0.05, 10.0)
     )
     duration_s: float | None = number_field(
         0.0, 1e5, words="time taken", default=None, likely=(1.0, 600.0), open_low=True
     )
-    way: str = word_field(*RUN_WAYS)
-
-    @property
-    def gait(self) -> Gait:
-        """Return the gait that was run."""
-        return Gait(self.alpha_rad, self.beta_rad, self.omega_rad_s)
 
     @classmethod
     def derived(cls, cells: dict[str, Any], watch: Instruments) -> dict[str, Any]:
@@ -64,103 +79,68 @@ class GaitRun(Taken):
 
     def in_words(self) -> tuple[str, str]:
         """Return what it is, and its values."""
-        alpha, beta = math.degrees(self.alpha_rad), math.degrees(self.beta_rad)
-        what = f"gait {alpha:.3g}°/{beta:.3g}°, {self.omega_rad_s / (2 * math.pi):.3g} Hz"
-        return what, f"{self.speed_m_s:.4f} ± {self.speed_sigma_m_s:.4f} m/s"
+        return f"gait {gait_name(self.commanded)}", (
+            f"{self.speed_m_s:.4f} ± {self.speed_sigma_m_s:.4f} m/s"
+        )
 
 
 @dataclass(frozen=True)
-class FilmReading(Taken):
-    """What a film showed of a gait run on level ground of the session's surface.
+class FilmReading(Crawl):
+    """A crawl as a film showed it.
 
-    alpha_rad, beta_rad: commanded, or where nobody told, the mean of what was seen. omega_rad_s,
-    offset_rad, speed_m_s: seen. gains, shifts_deg: of every joint beside the commanded sine, tail
-    first, between commas: amplitude as a factor, phase in degrees. film_sha256: of the film's file.
-    way: as of a gait run. Raises BadInput.
+    alpha_rad, beta_rad: commanded, or where nobody told, the mean of what was seen. offset_rad:
+    seen. gains, shifts_deg: of every joint beside the commanded sine, tail first, between commas:
+    amplitude as a factor, phase in degrees. film_sha256: of the film's file. Raises BadInput.
     """
 
     kind = "video"
     columns = TRACK
 
-    number: int
-    alpha_rad: float = number_field(0.0, 180.0, source=PLANNED)
-    beta_rad: float = number_field(-360.0, 360.0, source=PLANNED)
-    omega_rad_s: float = number_field(0.0, 1000.0, open_low=True, source=DERIVED)
-    speed_m_s: float = number_field(0.0, MAX_SPEED_M_S, source=DERIVED)
-    speed_sigma_m_s: float = number_field(0.0, MAX_SPEED_M_S, open_low=True, source=DERIVED)
-    offset_rad: float = number_field(-180.0, 180.0, source=DERIVED)
-    gain_sigma: float = number_field(0.0, 2.0, source=DERIVED)
+    offset_rad: float = number_field(-180.0, 180.0, source=DERIVED, default=0.0)
+    gain_sigma: float = number_field(0.0, 2.0, source=DERIVED, default=0.0)
     gains: str = word_field()
     shifts_deg: str = word_field()
     film_sha256: str = word_field()
-    way: str = word_field(*RUN_WAYS)
     track: Track | None = None
-    voided: bool = False
-    comment: str = ""
-    time_utc: str = ""
 
     def __post_init__(self) -> None:
-        if not self.gains or len(_numbers("gains", self.gains)) != len(
-            _numbers("shifts_deg", self.shifts_deg)
-        ):
-            raise BadInput(
-                f"gains is {self.gains!r} and shifts_deg {self.shifts_deg!r}; they must be one "
-                "number a joint each, between commas"
-            )
-
-    @property
-    def commanded(self) -> Gait:
-        """Return the gait that was commanded, at the rate that was seen."""
-        return Gait(self.alpha_rad, self.beta_rad, self.omega_rad_s)
+        _ = self._joints
 
     @property
     def gait(self) -> Gait:
         """Return the gait that the joints made."""
-        gains = _numbers("gains", self.gains)
-        shifts = [math.radians(x) for x in _numbers("shifts_deg", self.shifts_deg)]
-        return Gait(
-            self.alpha_rad,
-            self.beta_rad,
-            self.omega_rad_s,
-            self.offset_rad,
-            tuple(gains),
-            tuple(shifts),
+        gains, shifts = self._joints
+        return replace(
+            self.commanded,
+            offset_rad=self.offset_rad,
+            joint_gain=tuple(gains),
+            joint_shift_rad=tuple(map(math.radians, shifts)),
         )
 
     @property
     def mean_gain(self) -> float:
         """Return the joints' mean amplitude over the commanded one."""
-        gains = _numbers("gains", self.gains)
-        return sum(gains) / len(gains)
+        return mean(self._joints[0])
 
     @property
-    def gait_run(self) -> GaitRun:
-        """Return the same as a gait run."""
-        return GaitRun(
-            self.number,
-            self.alpha_rad,
-            self.beta_rad,
-            self.omega_rad_s,
-            self.speed_m_s,
-            self.speed_sigma_m_s,
-            self.voided,
-            self.comment or "film",
-            self.time_utc,
-            way=self.way,
-        )
+    def _joints(self) -> tuple[list[float], list[float]]:
+        """Return gains and shifts, degrees, one a joint; raises BadInput."""
+        try:
+            gains, shifts = (
+                [float(part) for part in text.split(",")] for text in (self.gains, self.shifts_deg)
+            )
+        except ValueError:
+            gains, shifts = [], [0.0]
+        if len(gains) != len(shifts):
+            raise BadInput(
+                f"gains is {self.gains!r} and shifts_deg {self.shifts_deg!r}; they must be one "
+                "number a joint each, between commas"
+            )
+        return gains, shifts
 
     def in_words(self) -> tuple[str, str]:
-        """Return what it is, and its values."""
-        alpha, beta = math.degrees(self.alpha_rad), math.degrees(self.beta_rad)
-        what = f"film {alpha:.3g}°/{beta:.3g}°, {self.omega_rad_s / (2 * math.pi):.3g} Hz"
-        return what, (
+        """Return title and values."""
+        return f"film {gait_name(self.commanded)}", (
             f"{self.speed_m_s:.5f} ± {self.speed_sigma_m_s:.5f} m/s, "
             f"joints {100 * self.mean_gain:.1f} %"
         )
-
-
-def _numbers(name: str, text: str) -> list[float]:
-    try:
-        return [float(part) for part in text.split(",")]
-    except ValueError:
-        raise BadInput(f"{name} is {text!r}; it must be numbers between commas") from None

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from .gait_run import FilmReading, GaitRun
+from .gait_run import Crawl, FilmReading, GaitRun
 from .push import Push
 from .settings import Setup
 from .station import Reading, ZeroReading, bent_share
@@ -97,9 +97,9 @@ class Session:
         return self.kept_of("video")
 
     @property
-    def kept_crawls(self) -> tuple[GaitRun, ...]:
-        """Return the gait runs, and the films as gait runs, that were not voided."""
-        return (*self.kept_gait_runs, *(film.gait_run for film in self.kept_films))
+    def kept_crawls(self) -> tuple[Crawl, ...]:
+        """Return the gait runs and the films that were not voided."""
+        return (*self.kept_gait_runs, *self.kept_films)
 
     @property
     def kept_pushes(self) -> tuple[Push, ...]:

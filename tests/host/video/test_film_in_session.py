@@ -91,7 +91,8 @@ def test_what_is_no_film_is_refused(folder, change, rows) -> None:
 
 def filmed(gain: float, speed_m_s: float) -> FilmReading:
     angles, gains = (math.radians(50), math.radians(80)), ",".join([str(gain)] * 5)
-    return FilmReading(99, *angles, 3.0, speed_m_s, 1e-5, 0.0, 0.001, gains, "0,0,0,0,0", "cd" * 32)
+    joints = {"gain_sigma": 0.001, "gains": gains, "shifts_deg": "0,0,0,0,0"}
+    return FilmReading(99, *angles, 3.0, speed_m_s, 1e-5, **joints, film_sha256="cd" * 32)
 
 
 @pytest.fixture(scope="module")
