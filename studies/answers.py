@@ -30,6 +30,7 @@ from typing import Any
 import serpenoid as sn
 from click.testing import CliRunner
 from serpenoid.commands.main import cli
+from serpenoid.model.gait import joint_motion
 
 ANSWERS = Path(__file__).with_name("answers.json")
 SESSIONS = Path(__file__).with_name("answer_sessions.tar.xz")  # taken in the virtual lab
@@ -215,10 +216,11 @@ def acceleration(r: Random) -> Answer:
     """Return one evaluation of either formulation."""
     robot, ground, gait = parts(r, r.choice(("viscous", "dry")))
     state = sn.LinkState.in_gait(robot, gait, r.random(), [0.0, 0.0, 0.3], [0.05, 0.01, 0.2])
-    torque = sn.TorqueDrive([r.uniform(-0.05, 0.05) for _ in range(robot.links - 1)])
-    drive = r.choice((torque, sn.AngleDrive.of(robot, gait, 0.2)))
-    how = r.choice(("explicit", "implicit")) if drive is torque else "explicit"
-    found = sn.acceleration(robot, ground, state, drive=drive, formulation=how)
+    torque = {"torque_nm": [r.uniform(-0.05, 0.05) for _ in range(robot.links - 1)]}
+    turn = joint_motion(gait, robot.links - 1, 0.2).acceleration_rad_s2
+    joints = r.choice((torque, {"joint_acceleration_rad_s2": turn}))
+    how = r.choice(("explicit", "implicit")) if joints is torque else "explicit"
+    found = sn.acceleration(robot, ground, state, **joints, formulation=how)
     size = max(abs(v) for v in found.alpha_rad_s2)
     return {f"alpha_rad_s2 {k}": [float(v), 1e-10 * size] for k, v in enumerate(found.alpha_rad_s2)}
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from .gaits.least_power import LeastPower, least_power_gait, power_front
     from .gaits.limits import GaitLimits, SpeedLosses, speed_losses
     from .model.drives import Servo, ServoKind, TorqueTable
-    from .model.evaluation import Acceleration, AngleDrive, TorqueDrive, acceleration
+    from .model.evaluation import Acceleration, acceleration
     from .model.gait import Gait
     from .model.ground import Ground
     from .model.link_state import LinkState
@@ -46,7 +46,7 @@ _HOMES = {
     "session.session": ("Session",),
     "session.folder": ("load_session",),
     "model.drives": ("Servo", "ServoKind", "TorqueTable"),
-    "model.evaluation": ("Acceleration", "AngleDrive", "TorqueDrive", "acceleration"),
+    "model.evaluation": ("Acceleration", "acceleration"),
     "model.gait": ("Gait",),
     "model.ground": ("Ground",),
     "model.link_state": ("LinkState",),
@@ -70,7 +70,6 @@ _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 __all__ = [
     "Acceleration",
     "Advice",
-    "AngleDrive",
     "BadInput",
     "Comparison",
     "Diverged",
@@ -94,7 +93,6 @@ __all__ = [
     "SteadySprings",
     "StepTooLarge",
     "Sweep",
-    "TorqueDrive",
     "TorqueTable",
     "acceleration",
     "advise",

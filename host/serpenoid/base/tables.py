@@ -23,29 +23,9 @@ SEPARATORS = ("\t", ";", ",", " ")  # tried in this order: a comma may be a deci
 SHOWN = 120  # characters of a file's own line in a message
 EMPTY_CELLS = frozenset(("", "-", "--", "–", "?"))  # nothing was seen there
 NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
-# A thousands mark shows in a number that has both marks; it is none of the decimal's.
-THOUSANDS = {
-    ",": re.compile(r"[+-]?\d{1,3}(,\d{3})+\.\d*"),
-    ".": re.compile(r"[+-]?\d{1,3}(\.\d{3})+,\d*"),
-}
-SPACES_IN_NUMBERS = re.compile(r"(?<=\d)[\u00a0\u202f' ](?=\d{3})")
-# Files of programs that hold a table but are none: suffix -> what to export from it, and how.
-NO_TEXT = {
-    ".trk": "a file of Tracker itself; in Tracker take File > Export > Data File with t, x and y",
-    ".trz": "a project of Tracker; in Tracker take File > Export > Data File with t, x and y",
-    ".kva": "a file of Kinovea itself; in Kinovea export the trajectory's data as text/CSV",
-    ".xlsx": "a workbook; in the spreadsheet save the sheet as text/CSV",
-    ".xls": "a workbook; in the spreadsheet save the sheet as text/CSV",
-    ".ods": "a workbook; in the spreadsheet save the sheet as text/CSV",
-    ".numbers": "a workbook; in the spreadsheet save the sheet as text/CSV",
-    ".json": "a JSON file; export it as text/CSV",
-}
-# How files begin that are no text, whatever their suffix.
-BINARY = {
-    b"PK\x03\x04": "packed, as workbooks and projects are",
-    b"\xd0\xcf\x11\xe0": "a workbook of an old Excel",
-    b"<?xml": "XML, as Tracker, Kinovea and spreadsheets save their own files",
-}
+# Of programs that hold a table but are none, by their names, and by how files begin.
+OTHER_PROGRAMS = (".trk", ".trz", ".kva", ".xlsx", ".xls", ".ods", ".numbers", ".json")
+BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"<?xml")  # workbooks, projects of Tracker, XML
 Found = TypeVar("Found")
 
 
@@ -54,21 +34,17 @@ class TextTable:
     """Hold the cells of a table, stripped and without quotes.
 
     path, text: of the file. head: names of the columns. rows: number of its line and cells, for
-    each line below; a blank line has no cells. thousands: the mark between thousands, or "".
+    each line below; a blank line has no cells.
     """
 
     path: Path
     text: str
     head: list[str]
     rows: list[tuple[int, list[str]]]
-    thousands: str
 
     def number(self, cell: str) -> float:
         """Return the number of a cell; raises ValueError."""
-        text = SPACES_IN_NUMBERS.sub("", cell.replace("−", "-"))
-        if self.thousands:
-            text = text.replace(self.thousands, "")
-        text = text.replace(",", ".")
+        text = cell.replace("−", "-").replace(",", ".")
         if not NUMBER.fullmatch(text):
             raise ValueError(f"{cell!r} is not a number")
         return float(text)
@@ -76,12 +52,6 @@ class TextTable:
     def where(self, line: int) -> str:
         """Return file and line."""
         return f"{self.path}:{line}"
-
-
-def check_text_file(path: Path) -> None:
-    """Raise BadInput with what to export if a file's suffix is that of a program's own file."""
-    if told := NO_TEXT.get(path.suffix.lower()):
-        raise BadInput(f"{path}: this is {told}; export it as text/CSV, and give that file")
 
 
 def read_table(
@@ -104,7 +74,6 @@ def read_table(
     BadInput
         It is no text file, or no line names the columns; the message shows what is needed.
     """
-    check_text_file(path)
     text = _decoded(path)
     lines = text.split("\n")
     for number, line in enumerate(lines[:HEAD_LINES]):
@@ -158,9 +127,12 @@ def number_columns(path: Path, *names: str) -> list[list[float]]:
 def _decoded(path: Path) -> str:
     """Return the text of a file in UTF-8, UTF-16 with its mark, or Windows-1252."""
     data = read_bytes(path)
-    for start, what in BINARY.items():
-        if data.lstrip(b"\xef\xbb\xbf").startswith(start):
-            raise BadInput(f"{path}: this file is {what}; export it as text/CSV, and give that")
+    begin = data.lstrip(b"\xef\xbb\xbf")
+    if path.suffix.lower() in OTHER_PROGRAMS or begin.startswith(BINARY):
+        raise BadInput(
+            f"{path}: this is another program's own file; export the table there as text/CSV "
+            "(Tracker: File > Export > Data File with t, x and y), and give that file"
+        )
     try:
         if data.startswith((b"\xff\xfe", b"\xfe\xff")):
             return with_line_feeds(data.decode("utf-16"))
@@ -187,20 +159,12 @@ def _cells(line: str, separator: str) -> list[str]:
 def _table(path: Path, text: str, lines: list[str], head: int, separator: str) -> TextTable:
     """Return the table below a line of names; raises BadInput for a row with too many cells."""
     names = _cells(lines[head], separator)
-    rows: list[tuple[int, list[str]]] = []
-    marks: set[str] = set()
-    for number, line in enumerate(lines[head + 1 :], head + 2):
-        cells = _cells(line, separator)
+    rows = [(k, _cells(line, separator)) for k, line in enumerate(lines[head + 1 :], head + 2)]
+    for number, cells in rows:
         surplus = any(cells[len(names) :]) and not cells[0].startswith("#")
         if surplus and separator != " ":
             raise BadInput(
                 f"{path}:{number}: {len(cells)} cells where the names of the columns are "
                 f"{len(names)}; decimals with a comma need cells parted by semicolons or tabs"
             )
-        for mark, pattern in THOUSANDS.items():
-            if any(pattern.fullmatch(cell) for cell in cells):
-                marks.add(mark)
-        rows.append((number, cells))
-    if len(marks) > 1:
-        raise BadInput(f"{path}: numbers as 1,234.5 and as 1.234,5 in one file; write all alike")
-    return TextTable(path, text, names, rows, next(iter(marks), ""))
+    return TextTable(path, text, names, rows)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -474,8 +473,6 @@ def loop_radius(servo: Servo) -> float:
     glide = (1 - decay) / rate  # angle by a unit of rate, rate by a unit of acceleration
     drift = (look - glide) / rate  # angle by a unit of acceleration
     spring, damper = servo.stiffness_nm_rad / J, (servo.damping_nms_rad - line) / J
-    # of the matrix from look to look, whose eigenvalues are half +- root
-    first, last = 1 - drift * spring, decay - glide * damper
-    half, product = (first + last) / 2, (glide - drift * damper) * glide * spring
-    root = cmath.sqrt(half**2 - first * last - product)
-    return max(abs(half + root), abs(half - root)) ** (FRAME_S / look)
+    by_duty = np.outer((drift, glide), (spring, damper))
+    look_to_look = np.array([[1.0, glide], [0.0, decay]]) - by_duty
+    return float(np.abs(np.linalg.eigvals(look_to_look)).max()) ** (FRAME_S / look)

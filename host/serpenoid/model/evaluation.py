@@ -9,74 +9,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import _core
-from ..base.checks import FORMULATIONS, check_choice, check_kind, check_number
+from ..base.checks import FORMULATIONS, check_choice, check_number
 from ..base.errors import BadInput
 from ..base.rows import Result
 from ..base.vectors import Array, finite_vector
 from .core_model import check_parts, core_model
-from .gait import Gait, joint_motion
+from .gait import Gait
 from .ground import Ground
 from .link_state import LinkState
 from .robot import Robot
 
 # Of the fields of Acceleration, in the core.
 _CORE_NAMES = ("ax", "ay", "alpha", "fx", "fy", "joint_fx", "joint_fy", "joint_torque")
-
-
-@dataclass(frozen=True, slots=True)
-class TorqueDrive:
-    """Impose joint torques (Eqs. 3, 6, 9).
-
-    Attributes
-    ----------
-    torque_nm : (n-1,)
-        T_i on link i from link i+1, N m.
-
-    Examples
-    --------
-    >>> robot = sn.Robot(links=3, link_mass_kg=1.0, link_length_m=0.12)
-    >>> ground = sn.Ground(ct=0.1, cn=10.0)
-    >>> q, qdot = [0.1, -0.2, 0.3, -0.4, 0.7], [0.05, -0.03, 1.1, -0.7, 0.4]
-    >>> motion = sn.acceleration(robot, ground, (q, qdot), drive=sn.TorqueDrive([0.02, -0.01]))
-    >>> motion.alpha_rad_s2.round(3).tolist()
-    [5.963, -7.688, 2.551]
-    """
-
-    torque_nm: Array
-
-    def __post_init__(self) -> None:
-        finite_vector("torque_nm", self.torque_nm, np.size(self.torque_nm))
-
-
-@dataclass(frozen=True, slots=True)
-class AngleDrive:
-    """Impose the second derivatives of the joint angles.
-
-    Attributes
-    ----------
-    acceleration_rad_s2 : (n-1,)
-        phi_i'', rad/s^2.
-
-    Examples
-    --------
-    >>> robot = sn.Robot(links=3, link_mass_kg=1.0, link_length_m=0.12)
-    >>> straight = [0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 0.0]
-    >>> drive = sn.AngleDrive([1.0, -1.0])
-    >>> motion = sn.acceleration(robot, sn.Ground(ct=0.1, cn=10.0), straight, drive=drive)
-    >>> (motion.alpha_rad_s2[1:] - motion.alpha_rad_s2[:-1]).round(9).tolist()
-    [1.0, -1.0]
-    """
-
-    acceleration_rad_s2: Array
-
-    def __post_init__(self) -> None:
-        given = self.acceleration_rad_s2
-        finite_vector("acceleration_rad_s2", given, np.size(given))
-
-    @classmethod
-    def of(cls, robot: Robot, gait: Gait, t_s: float) -> AngleDrive:
-        """Take them from a gait at the time of t_s, in s (Eq. 57)."""
-        return cls(joint_motion(gait, robot.links - 1, t_s).acceleration_rad_s2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +43,7 @@ class Acceleration(Result):
     >>> robot = sn.Robot(links=3, link_mass_kg=1.0, link_length_m=0.12)
     >>> ground = sn.Ground(ct=0.1, cn=10.0)
     >>> q, qdot = [0.1, -0.2, 0.3, -0.4, 0.7], [0.05, -0.03, 1.1, -0.7, 0.4]
-    >>> motion = sn.acceleration(robot, ground, (q, qdot), drive=sn.TorqueDrive([0.02, -0.01]))
+    >>> motion = sn.acceleration(robot, ground, (q, qdot), torque_nm=[0.02, -0.01])
     >>> motion.joint_force_x_n.round(4).tolist()
     [0.4285, 0.3458]
     """
@@ -124,7 +68,8 @@ def acceleration(
     ground: Ground,
     state: LinkState | tuple[ArrayLike, ArrayLike],
     *,
-    drive: TorqueDrive | AngleDrive,
+    torque_nm: ArrayLike | None = None,
+    joint_acceleration_rad_s2: ArrayLike | None = None,
     formulation: str = "explicit",
     joint_stiffness_n_m: float = 1e3,
     joint_damping_n_s_m: float = 1.0,
@@ -140,8 +85,10 @@ def acceleration(
     state
         A LinkState, or (q, qdot) as `LinkState.joined` takes them. The explicit model reads the
         position and velocity of link 1 only, and all angles and rates.
-    drive
-        A TorqueDrive or an AngleDrive.
+    torque_nm : (n-1,)
+        T_i on link i from link i+1, N m (Eqs. 3, 6, 9).
+    joint_acceleration_rad_s2 : (n-1,)
+        phi_i'', rad/s^2, in place of torques.
     formulation
         "explicit" or "implicit".
     joint_stiffness_n_m
@@ -157,14 +104,15 @@ def acceleration(
     Raises
     ------
     BadInput
-        For arguments of a wrong kind or out of range.
+        For arguments of a wrong kind or out of range, and unless either torques or accelerations
+        of the joints are given.
 
     Examples
     --------
     >>> robot = sn.Robot(links=3, link_mass_kg=1.0, link_length_m=0.12)
     >>> ground = sn.Ground(ct=0.1, cn=10.0)
     >>> q, qdot = [0.1, -0.2, 0.3, -0.4, 0.7], [0.05, -0.03, 1.1, -0.7, 0.4]
-    >>> motion = sn.acceleration(robot, ground, (q, qdot), drive=sn.TorqueDrive([0.02, -0.01]))
+    >>> motion = sn.acceleration(robot, ground, (q, qdot), torque_nm=[0.02, -0.01])
     >>> motion.qddot.round(4).tolist()
     [0.2964, 0.3223, 5.9634, -7.6883, 2.5509]
     """
@@ -173,20 +121,16 @@ def acceleration(
     links = _link_state(robot, state)
     request = _core.RunRequest(core_model(robot, ground, Gait(0.0, 0.0, 1.0)))
     request.formulation = getattr(_core.Formulation, formulation)
-    request.drive, field = _driven(drive)
+    joints = {"torque_nm": torque_nm, "joint_acceleration_rad_s2": joint_acceleration_rad_s2}
+    given = [(name, values) for name, values in joints.items() if values is not None]
+    if len(given) != 1:
+        raise BadInput(f"{len(given)} of {' and '.join(joints)} are given; give one of them")
+    request.drive = _core.Drive.angle if torque_nm is None else _core.Drive.torque
     request.joint_stiffness_n_m = check_number("joint_stiffness_n_m", joint_stiffness_n_m, 0.0)
     request.joint_damping_n_s_m = check_number("joint_damping_n_s_m", joint_damping_n_s_m, 0.0)
-    by_joint = finite_vector(field, getattr(drive, field), robot.links - 1)
+    by_joint = finite_vector(*given[0], robot.links - 1)
     out = _core.evaluate(request, links.packed(), by_joint)
     return Acceleration(*(out[name] for name in _CORE_NAMES))
-
-
-def _driven(drive: object) -> tuple[_core.Drive, str]:
-    """Return how the core names a drive, and the drive's field."""
-    if isinstance(drive, TorqueDrive):
-        return _core.Drive.torque, "torque_nm"
-    check_kind("drive", drive, AngleDrive)
-    return _core.Drive.angle, "acceleration_rad_s2"
 
 
 def _link_state(robot: Robot, state: Any) -> LinkState:

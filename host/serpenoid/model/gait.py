@@ -24,21 +24,6 @@ _NUMBERS = {
 _BY_JOINT = {"joint_gain": Limits(0.0, 2.0), "joint_shift_rad": Limits(-math.pi, math.pi)}
 
 
-def _check_angle(name: str, angle: object) -> None:
-    """Raise BadInput for an angle out of range; one that fits in degrees gets a hint."""
-    limits = _NUMBERS[name]
-    try:
-        limits.check(name, angle)
-    except BadInput as error:
-        low_deg, high_deg = math.degrees(limits.low), math.degrees(limits.high)
-        if not isinstance(angle, (int, float)) or not low_deg <= angle <= high_deg:
-            raise
-        raise BadInput(
-            f"{error}; if degrees were meant, it is {math.radians(angle):.5g} rad "
-            "(Gait.degrees in Python)"
-        ) from None
-
-
 @dataclass(frozen=True, slots=True)
 class Gait:
     """Describe the joint angles phi_i(t) = offset + alpha sin(omega t + (i - 1) beta), Eq. 57.
@@ -123,8 +108,6 @@ class Gait:
         return cls(alpha_rad, beta_rad, omega_rad_s, offset_rad)
 
     def __post_init__(self) -> None:
-        for name in ("alpha_rad", "beta_rad", "offset_rad"):
-            _check_angle(name, getattr(self, name))
         check_fields(self, _NUMBERS)
         for name, limits in _BY_JOINT.items():
             given = getattr(self, name)
@@ -153,17 +136,11 @@ class Gait:
         return gain, shift
 
 
-def gait_words(gait: Gait) -> str:
-    """Return amplitude, lag and rate, and the bend of a gait that steers."""
-    alpha, beta, offset = map(math.degrees, (gait.alpha_rad, gait.beta_rad, gait.offset_rad))
-    bend = f", bend {offset:.5g}°" if offset else ""
-    return f"{alpha:.5g}°/{beta:.5g}°, {gait.omega_rad_s:.5g} rad/s{bend}"
-
-
 def gait_name(gait: Gait) -> str:
-    """Return amplitude, lag and frequency, e.g. '70°/75°, 0.5 Hz'."""
-    alpha, beta = math.degrees(gait.alpha_rad), math.degrees(gait.beta_rad)
-    return f"{alpha:.3g}°/{beta:.3g}°, {gait.omega_rad_s / math.tau:.3g} Hz"
+    """Return amplitude, lag, frequency and the bend of a gait that steers: '70°/75°, 0.5 Hz'."""
+    alpha, beta, offset = map(math.degrees, (gait.alpha_rad, gait.beta_rad, gait.offset_rad))
+    bend = f", bend {offset:.3g}°" if offset else ""
+    return f"{alpha:.3g}°/{beta:.3g}°, {gait.omega_rad_s / math.tau:.3g} Hz{bend}"
 
 
 class JointMotion(NamedTuple):

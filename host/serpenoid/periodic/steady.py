@@ -15,7 +15,7 @@ from ..base.errors import BadInput, NotConverged
 from ..base.rows import Plottable, Row, detail, two_digits
 from ..base.vectors import Array
 from ..model.core_model import check_parts, core_model
-from ..model.gait import Gait, gait_words
+from ..model.gait import Gait, gait_name
 from ..model.ground import Ground
 from ..model.robot import Robot
 
@@ -231,7 +231,7 @@ class Steady(Plottable):
         forgets = "under a cycle" if sudden else ""
         turn = math.degrees(self.turn_rad_per_cycle)
         return [
-            Row("gait", "", words=gait_words(self.gait)),
+            Row("gait", "", words=gait_name(self.gait)),
             Row("speed, ideal joints", "m/s", self.speed_m_s),
             Row("net power", "W", self.power_w),
             detail("power, each joint's absolute value", "W", self.abs_power_w),
@@ -372,7 +372,7 @@ def from_core(robot: Robot, ground: Ground, gait: Gait, s: _core.SteadyState) ->
 
 def _not_found(best: Steady, rtol: float) -> str:
     """Return why a state is no answer, and what to do."""
-    gait, follow = gait_words(best.gait), "follow the motion in time with simulate"
+    gait, follow = gait_name(best.gait), "follow the motion in time with simulate"
     if math.isinf(best.error_estimate):
         return f"no periodic state found for {gait}, nor anything near one; {follow}"
     also = f", its net power one of {best.power_error_w:.1g} W"

@@ -24,7 +24,7 @@ import numpy as np
 from ..base.errors import StepTooLarge
 from ..base.vectors import Array
 from ..model.drives import Servo
-from ..model.evaluation import TorqueDrive, acceleration
+from ..model.evaluation import acceleration
 from ..model.gait import Gait, joint_motion
 from ..model.ground import Ground
 from ..model.link_state import LinkState
@@ -85,7 +85,7 @@ def _mobility(scene: Scene) -> Array:
     ground, inverse_inertias = Ground(0.0, 0.0), []
     for state in _shapes(robot, scene.gait):
         bends = [
-            np.diff(acceleration(robot, ground, state, drive=TorqueDrive(-one)).alpha_rad_s2)
+            np.diff(acceleration(robot, ground, state, torque_nm=-one).alpha_rad_s2)
             for one in np.eye(joints)
         ]
         inverse_inertias.append(np.linalg.eigvalsh(np.array(bends)))

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..base.checks import sha256_of
 from ..base.errors import BadInput
-from ..base.tables import EMPTY_CELLS, NO_TEXT, columns_named, read_table
+from ..base.tables import EMPTY_CELLS, OTHER_PROGRAMS, columns_named, read_table
 from ..base.toml_table import located
 from ..model.capture_rate import OPTION, capture_rate, slow_motion_doubt
 from ..model.gait import Gait
@@ -37,7 +37,7 @@ def named_file(text: str) -> tuple[Path, str | None] | None:
     name, _, last = text.strip().rpartition(" ")
     unit = last if name and last in LENGTH_UNITS else None
     path = Path(os.path.expanduser((name if unit else text).strip().strip("'\"")))
-    known = (*TEXTS, *FILMS, *NO_TEXT)
+    known = (*TEXTS, *FILMS, *OTHER_PROGRAMS)
     return (path, unit) if isfile(path) or path.suffix.lower() in known else None
 
 
@@ -69,7 +69,7 @@ def take_track(
     whose joints hold still. tell: is called with what a person should know of the file.
     capture_fps: pictures a second that the camera took, where a track was made of slow motion.
     """
-    if path.suffix.lower() in (*TEXTS, *NO_TEXT) or not isfile(path):
+    if path.suffix.lower() in (*TEXTS, *OTHER_PROGRAMS) or not isfile(path):
         found = read_track_file(path, unit)
         track, sha256 = found.values, found.sha256
         for note in found.notes:

@@ -26,7 +26,7 @@ def test_columns_of_numbers(tmp_path, text):
         ("t,angle\n0,1\n", "first line is 't,angle'; make the names of the columns t_s,angle_deg"),
         ("t_s,angle_deg\n0,\n", ":2: angle_deg is no finite number"),
         ("t_s,angle_deg\n0\n", ":2: angle_deg is no finite number"),
-        ("t_s;angle_deg\n1.234,5;1,234.5\n", "numbers as 1,234.5 and as 1.234,5"),
+        ("t_s;angle_deg\n1.234,5;1,234.5\n", ":2: t_s is no finite number"),
     ],
 )
 def test_what_is_no_number_is_refused(tmp_path, text, told):

@@ -79,13 +79,6 @@ def test_what_spreadsheets_put_around_a_table(tmp_path, encoding, first):
     assert same(read(tmp_path, text, encoding=encoding))
 
 
-def test_thousands_marks_of_a_spreadsheet(tmp_path):
-    for marks in (str.maketrans(",.", ",."), str.maketrans(",.", ".,")):
-        rows = [";".join(f"{1000 * v:,.3f}".translate(marks) for v in row) for row in ROWS]
-        found = read(tmp_path, "\n".join(["t (ms);x (mm);y (mm)", *rows]))
-        assert same(found)
-
-
 def test_the_point_that_was_taken_is_told(tmp_path):
     found = read(tmp_path, tracker(ROWS, points=("head", "mass B")), "m")
     assert same(found)

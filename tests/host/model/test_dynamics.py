@@ -11,6 +11,7 @@ from refusals import refused
 from robots import VISCOUS
 
 K_N_M, C_N_S_M = 730.0, 2.3
+THEIRS = {"torque_nm": "torque", "joint_acceleration_rad_s2": "phi_ddot"}  # the reference's names
 
 
 def random_case(n: int, seed: int) -> tuple[Params, sn.Robot, sn.Ground, np.random.Generator]:
@@ -31,7 +32,7 @@ def random_state(robot: sn.Robot, rng: np.random.Generator, formulation: str) ->
 
 
 @pytest.mark.parametrize("formulation", ["explicit", "implicit"])
-@pytest.mark.parametrize("drive", ["torque", "angle"])
+@pytest.mark.parametrize("drive", THEIRS)
 @pytest.mark.parametrize("n", [2, 3, 4, 12, 50])
 def test_an_evaluation_is_the_dense_solution(n: int, drive: str, formulation: str) -> None:
     p, robot, ground, rng = random_case(n, len(drive + formulation))
@@ -41,13 +42,12 @@ def test_an_evaluation_is_the_dense_solution(n: int, drive: str, formulation: st
     pose = np.column_stack([state.x_m, state.y_m, state.theta_rad])
     rates = np.column_stack([state.vx_m_s, state.vy_m_s, state.omega_rad_s])
     imposed = rng.normal(size=n - 1)
-    how = {"torque": imposed} if drive == "torque" else {"phi_ddot": imposed}
-    truth = dense.evaluate(p, pose, rates, spring=spring, **how)
+    truth = dense.evaluate(p, pose, rates, spring=spring, **{THEIRS[drive]: imposed})
     a = sn.acceleration(
         robot,
         ground,
         state,
-        drive=(sn.TorqueDrive if drive == "torque" else sn.AngleDrive)(imposed),
+        **{drive: imposed},
         formulation=formulation,
         **(springs if spring else {}),
     )
@@ -69,8 +69,8 @@ def test_a_thousand_links_close_the_chain() -> None:
     q = np.concatenate([[0, 0], 0.3 * np.sin(np.arange(1000) / 7)])
     qdot = rng.normal(size=1002)
     bend = rng.normal(size=999)
-    imposed = sn.acceleration(robot, ground, (q, qdot), drive=sn.AngleDrive(bend))
-    back = sn.acceleration(robot, ground, (q, qdot), drive=sn.TorqueDrive(imposed.joint_torque_nm))
+    imposed = sn.acceleration(robot, ground, (q, qdot), joint_acceleration_rad_s2=bend)
+    back = sn.acceleration(robot, ground, (q, qdot), torque_nm=imposed.joint_torque_nm)
     # torques are sums over n links: n roundings of the largest, turned into acceleration by 1/I
     rounding = 1e-16 * 1000 * abs(imposed.joint_torque_nm).max() / robot.link_inertia_kg_m2
     np.testing.assert_allclose(np.diff(back.alpha_rad_s2), bend, rtol=0, atol=3 * rounding)
@@ -81,9 +81,10 @@ def test_bad_input_is_named() -> None:
     still = ([0.0] * 5, [0.0] * 5)
     for change, said in (
         ({"state": ([0, 0, 0, 0, np.nan], [0] * 5)}, r"q\[4\] is nan"),
-        ({"drive": sn.TorqueDrive([1.0])}, r"torque_nm has shape \(1,\); it must be 2 numbers"),
+        ({"torque_nm": [1.0]}, r"torque_nm has shape \(1,\); it must be 2 numbers"),
+        ({"torque_nm": None}, "0 of torque_nm and joint_acceleration_rad_s2 are given"),
         ({"formulation": "exact"}, "formulation is 'exact'; it must be one of explicit, implicit"),
     ):
         with refused(said):
-            given = {"state": still, "drive": sn.TorqueDrive([0.0, 0.0])} | change
+            given = {"state": still, "torque_nm": [0.0, 0.0]} | change
             sn.acceleration(sn.Robot(3, 1.0, 0.12), VISCOUS, **given)

@@ -18,13 +18,6 @@ def test_a_gait_in_degrees_is_the_gait_in_radians() -> None:
         sn.Gait.degrees(70, 75, hertz=0)
 
 
-def test_an_angle_that_fits_in_degrees_gets_a_hint() -> None:
-    with refused(r"beta_rad is 75.0; .*if degrees were meant, it is 1\.309 rad"):
-        sn.Gait(1.2, 75, 3.0)
-    with refused(r"alpha_rad is 400.0; .*at most 3\.14159$"):
-        sn.Gait(400, 1.3, 3.0)
-
-
 def test_degrees_that_look_like_radians_and_lengths_like_millimetres_get_a_hint() -> None:
     with pytest.warns(UserWarning, match="if radians were meant, they are 70 and 75 degrees"):
         sn.Gait.degrees(math.radians(70), math.radians(75), hertz=0.5)

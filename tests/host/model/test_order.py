@@ -39,12 +39,8 @@ def test_robot_last() -> None:
         (lambda: sn.fit_friction("my-robot"), "session is a str; it must be a serpenoid.Session"),
         (lambda: sn.compare("my-robot"), "session is a str"),
         (lambda: sn.advise(GAIT), "session is a Gait"),
-        (lambda: sn.acceleration(VISCOUS, PAPER, None, drive=None), "robot is a Ground"),
-        (lambda: sn.acceleration(PAPER, VISCOUS, None, drive=None), "state is a NoneType"),
-        (
-            lambda: sn.acceleration(PAPER, VISCOUS, ([0] * 8, [0] * 8), drive=GAIT),
-            "drive is a Gait",
-        ),
+        (lambda: sn.acceleration(VISCOUS, PAPER, None), "robot is a Ground"),
+        (lambda: sn.acceleration(PAPER, VISCOUS, None), "state is a NoneType"),
     ],
 )
 def test_another_kind_is_named(call, said) -> None:
