@@ -82,19 +82,14 @@ def together(*options: Option) -> Option:
 
 
 def parsed_number(name: str, text: str) -> float:
-    """Return a typed number. Raises BadInput for a text that is none, such as one with a unit."""
+    """Return a typed number, a whole one as an int. Raises BadInput for one with a unit."""
     try:
-        return float(text)
+        number = float(text)
     except ValueError:
         raise BadInput(
             f"{name} is {text!r}; type a number without its unit and with a decimal point, "
             "such as 0.5"
         ) from None
-
-
-def parsed_whole(name: str, text: str) -> float:
-    """Return a typed number, as an int if it is a whole one: whom it goes to wants that."""
-    number = parsed_number(name, text)
     return int(number) if number.is_integer() else number
 
 
@@ -198,28 +193,26 @@ EXISTING = click.Path(exists=True, dir_okay=False, path_type=Path)
 _SESSION = ("session.toml", "readings.csv", "events.csv", "fit.json")
 
 
-def out_file(*suffixes: str) -> Callable[[str | Path], Path]:
-    """Return the type of a file to be written: its folder is there, its suffix one of those."""
+class OutFile(click.Path):
+    """A file to be written, in a folder that is there, and none of a session's own."""
 
-    def file(value: str | Path) -> Path:
-        path = Path(value)
-        folder, there = path.parent, path.exists()
-        in_session = there and path.name in _SESSION and (folder / "session.toml").exists()
-        wrong = {
-            f"must end in {' or '.join(suffixes)}": suffixes
-            and path.suffix.lower() not in suffixes,
-            "is a folder; name a file in it": path.is_dir(),
-            "holds a session's readings or set-up; take another name or folder": in_session,
-            f"has no folder: {str(folder)!r} is not there; make it first": not folder.exists(),
-            f"has no folder: {str(folder)!r} is a file": folder.is_file(),
-            "may not be written to": not os.access(path if there else folder, os.W_OK),
-        }
-        for words, is_wrong in wrong.items():
-            if is_wrong:
-                raise click.BadParameter(f"{str(path)!r} {words}")
+    name = "file"
+
+    def __init__(self, *suffixes: str) -> None:
+        super().__init__(dir_okay=False, writable=True, path_type=Path)
+        self.suffixes = suffixes
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the path. Raises click.BadParameter before any work."""
+        path = Path(super().convert(value, param, ctx))
+        folder = path.parent
+        if self.suffixes and path.suffix.lower() not in self.suffixes:
+            self.fail(f"{value!r} must end in {' or '.join(self.suffixes)}", param, ctx)
+        if not (folder.is_dir() and os.access(folder, os.W_OK)):
+            self.fail(f"{str(folder)!r} is no folder that may be written to", param, ctx)
+        if path.name in _SESSION and (folder / "session.toml").exists():
+            self.fail(f"{value!r} is a session's own; take another name or folder", param, ctx)
         return path
-
-    return file
 
 
 def directory(value: str | Path) -> Path:

@@ -16,21 +16,16 @@ import click
 from ..base import system
 from ..base.errors import BadInput, SerpenoidError
 from ..show.screen import say
-from .bench import bench
-from .board.drive import drive
-from .board.tools import doctor, flash, monitor, ports, trim
+from .boards import doctor, drive, flash, monitor, ports, trim
 from .declare import command, directory, option
 from .friction.calibrate import calibrate
 from .friction.fitted import advise, compare, fit, report
 from .friction.servo import servo
-from .gaits.figures import figures
-from .gaits.optimize import optimize
-from .gaits.steady import steady
-from .gaits.sweep import sweep
 from .group import Commands, of_arguments, of_system
-from .simulate import simulate
+from .predict import optimize, steady, sweep
+from .research import bench, figures
+from .runs import examples, simulate, view
 from .video import VIDEO_GROUP
-from .view import examples, view
 
 
 @command()

@@ -17,13 +17,12 @@ from .declare import (
     FIGURES,
     FOLDER,
     Given,
+    OutFile,
     number,
     option,
-    out_file,
     settings,
     together,
 )
-from .given import named_snake
 from .group import Commands
 from .options import (
     AS_JSON,
@@ -33,6 +32,7 @@ from .options import (
     busy,
     gait_options,
     make_gait,
+    named_snake,
     show_json,
 )
 
@@ -82,7 +82,7 @@ def _robot(
 @VIDEO_GROUP.command()
 @TAGS
 @option("--paper", "Size of the paper.", choice=["a4", "letter"], default="a4")
-@option("--out", "File to write.", type=out_file(".pdf", ".png", ".svg"), default=Path("tags.pdf"))
+@option("--out", "File to write.", type=OutFile(".pdf", ".png", ".svg"), default=Path("tags.pdf"))
 @settings(*SIZES)
 def tags(
     session: Path | None, tag_mm: float | None, paper: str, out: Path, settings: Given
@@ -112,8 +112,8 @@ def tags(
     choice=["there", "back"],
 )
 @CAPTURE_FPS
-@option("--track", "Write time, place, heading, joints.", type=out_file(".csv"))
-@option("--plot", "picture", "Draw what was measured.", type=out_file(*FIGURES))
+@option("--track", "Write time, place, heading, joints.", type=OutFile(".csv"))
+@option("--plot", "picture", "Draw what was measured.", type=OutFile(*FIGURES))
 @settings(*SIZES, OFFSET)
 @AS_JSON
 def film(

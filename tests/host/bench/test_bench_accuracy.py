@@ -16,7 +16,7 @@ from serpenoid.bench.child_process import Crashed, Failed, Limited, Overran
 from serpenoid.bench.problems import problems, reference
 from serpenoid.bench.stability_map import Cell
 from serpenoid.bench.work_precision import Row, contenders, read_rows, table, write_rows
-from serpenoid.commands.bench import count_defects
+from serpenoid.commands.research import count_defects
 
 ROOT = Path(__file__).parents[3]
 PROBLEMS = {p.name: p for p in problems()}

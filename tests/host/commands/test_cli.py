@@ -187,7 +187,7 @@ def test_examples_are_copied_without_what_python_compiled(tmp_path, monkeypatch)
         (brought / folder / "__pycache__").mkdir(parents=True)
         (brought / folder / "__pycache__" / "a.pyc").touch()
         (brought / folder / "a.py").touch()
-    monkeypatch.setattr("serpenoid.commands.view.BROUGHT", brought)
+    monkeypatch.setattr("serpenoid.commands.runs.BROUGHT", brought)
     files = answer("examples", tmp_path / "got")["files"]
     assert [Path(name).name for name in files] == ["a.py", "a.py"]
 

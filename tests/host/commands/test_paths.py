@@ -14,17 +14,17 @@ LONG = f"simulate --robot paper {GAIT} --duration-s 1e6 --no-error"  # would tak
     [
         (f"{LONG} --out run.txt", "must end in .csv"),
         (f"{LONG} --plot run.gif", "must end in .png or .pdf or .svg"),
-        (f"{LONG} --plot absent/run.png", "'absent' is not there"),
-        (f"{LONG} --out folder.csv", "is a folder"),
-        (f"{LONG} --out file/run.csv", "'file' is a file"),
+        (f"{LONG} --plot absent/run.png", "'absent' is no folder"),
+        (f"{LONG} --out folder.csv", "is a directory"),
+        (f"{LONG} --out file/run.csv", "'file' is no folder"),
         (f"{LONG} --save-scene scene.json", "must end in .toml"),
-        ("sweep --out absent/sweep.csv", "is not there"),
+        ("sweep --out absent/sweep.csv", "is no folder"),
         ("bench --out file", "file exists"),
         ("demo --out file/deeper", "not a directory"),
         ("demo --out ''", "a name is empty"),
         ("sweep --out=", "a name is empty behind --out="),
         ("fit ''", "a name is empty"),
-        (f"drive --port virtual {GAIT} --record absent/run.wire", "is not there"),
+        (f"drive --port virtual {GAIT} --record absent/run.wire", "is no folder"),
     ],
 )
 def test_refused_before_any_work(line, said, tmp_path, monkeypatch) -> None:

@@ -14,30 +14,29 @@ from ..declare import (
     FIGURES,
     FOLDER,
     Given,
+    OutFile,
     Setting,
     command,
     flag,
     option,
-    out_file,
-    parsed_whole,
     settings,
     together,
 )
-from ..given import alarms_of, session_fit, take_servo
 from ..options import (
     AS_JSON,
     AS_TABLES,
     PLUG,
+    alarms_of,
     busy,
     listed_gaits,
     servo_option,
+    session_fit,
     show_json,
+    take_servo,
     tell,
 )
 
-SAMPLES = Setting(
-    "samples", "frictions drawn from the fit", "", Limits(16, 4096), "64", parsed_whole
-)
+SAMPLES = Setting("samples", "frictions drawn from the fit", "", Limits(16, 4096), "64")
 AMPLITUDE = Setting(
     "amplitude_sigma",
     "standard deviation of the joints' true over commanded amplitude",
@@ -67,7 +66,7 @@ def measured(
     "--plot",
     "figure",
     "Draw the lines and readings into this PNG, PDF or SVG.",
-    type=out_file(*FIGURES),
+    type=OutFile(*FIGURES),
 )
 @flag("--influence", "List what every reading does to the fit.")
 @option("--save/--no-save", "Keep it as fit.json beside the readings (not if naive).", default=True)
@@ -138,7 +137,7 @@ def advise(
 @command()
 @of_session
 @listed_gaits
-@option("--plot", "figure", "Draw it into this file.", type=out_file(*FIGURES))
+@option("--plot", "figure", "Draw it into this file.", type=OutFile(*FIGURES))
 @settings(*PLUG, SAMPLES, AMPLITUDE)
 @AS_TABLES
 def compare(
@@ -172,7 +171,7 @@ def compare(
 
 @command()
 @of_session
-@option("--out", "Where to; report.html in the session's folder.", type=out_file(".html"))
+@option("--out", "Where to; report.html in the session's folder.", type=OutFile(".html"))
 @settings(*PLUG)
 @AS_JSON
 def report(

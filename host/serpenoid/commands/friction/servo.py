@@ -14,11 +14,11 @@ from ...show.screen import say
 from ..declare import (
     EXISTING,
     Given,
+    OutFile,
     Setting,
     command,
     number,
     option,
-    out_file,
     refuse_unused,
     settings,
 )
@@ -66,7 +66,7 @@ BENCH = (
     nargs=2,
     metavar="KG M",
 )
-@option("--out", "File for --servo of other commands.", type=out_file(".toml"))
+@option("--out", "File for --servo of other commands.", type=OutFile(".toml"))
 @settings(*PLUG, *BENCH)
 @AS_JSON
 def servo(
@@ -157,12 +157,6 @@ def notes(measured: MeasuredServo) -> list[str]:
             f"Something pulls the joint with {abs(pull.value):.2g} of the motor's torque: if a "
             "load hangs on it, give --load KG M, which shows the torque itself."
         )
-    gain = measured.values["gain"]
-    if abs(math.log(abs(gain.value))) > FAR_SIGMAS * gain.sigma:
-        lines.append(
-            f"A degree of the setpoint is {gain.value:.3g} degrees of the table: one of them is "
-            "wrong, and the speed has both."
-        )
     return lines
 
 
@@ -197,11 +191,7 @@ def show(measured: MeasuredServo, test: BenchTest) -> None:
         f"{ranged(no_load.value, 'rad/s', no_load.low, no_load.high)}: "
         f"{two_digits(math.pi / 3 / no_load.value)} s for 60°."
     )
-    rows = [
-        [*Row(name, "", *one[:3]).cells, f"{one.prior_sigma:.2g}", f"{one.sigma:.2g}"]
-        for name, one in measured.determined.items()
-    ]
-    columns = ["measured", "typical", "95 %", "sigma before", "sigma after"]
-    report.table(measured.kind.source, columns, rows)
+    rows = [Row(name, "", *one[:3]).cells for name, one in measured.determined.items()]
+    report.table(measured.kind.source, ["measured", "typical", "95 %"], rows)
     for note in notes(measured):
         report.console.print(note)

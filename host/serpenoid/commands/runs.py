@@ -1,8 +1,10 @@
-"""The command `serpenoid simulate`: all of a Scene, by options, by a scene file, or by both."""
+"""The commands on runs in time: simulate, view a scene or a recording, copy examples."""
 
 from __future__ import annotations
 
 import math
+import shutil
+import webbrowser
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -12,39 +14,46 @@ import click
 
 import serpenoid as sn
 
+from .. import _core
 from ..base.checks import FORMULATIONS, GAPS, STARTS, Limits
 from ..show.screen import say
 from ..simulation.methods import METHODS
 from .declare import (
+    EXISTING,
     FIGURES,
+    FOLDER,
     Given,
+    OutFile,
     Setting,
     command,
     flag,
     number,
     option,
-    out_file,
-    parsed_whole,
+    parsed_number,
     refuse_unused,
     settings,
 )
-from .given import Snake, make_snake, take_servo
 from .options import (
+    AS_JSON,
     AS_TABLES,
     FRICTION,
+    GAIT_FIELDS,
     IDEAL,
     OFFSET,
     PINNED,
     PLUG,
     ROBOT,
     SPRINGS,
+    Snake,
     busy,
     describe,
     gait_options,
     make_gait,
+    make_snake,
     robot_option,
     servo_option,
     show_json,
+    take_servo,
 )
 
 
@@ -60,7 +69,7 @@ def _text(_name: str, text: str) -> str:
 # Fields of Scene, angles in degrees. Joint torques and locked joints are for scene files.
 SCENE = (
     Setting("incline_direction_deg", "uphill, from the x axis", "deg", Limits(-360, 360), "0"),
-    Setting("limp", "joints without torque, from 1 at the tail: 2,4", read=_list(parsed_whole)),
+    Setting("limp", "joints without torque, from 1 at the tail: 2,4", read=_list(parsed_number)),
     Setting("dt_s", "time step", "s", usual="0.001"),
     Setting("tolerance", "of methods that pick their steps", usual="1e-7"),
     Setting("start", f"state at time 0: {', '.join(STARTS)}", usual="zero_momentum", read=_text),
@@ -75,7 +84,6 @@ SCENE = (
         "record_every",
         "time steps between records",
         usual="1, more beyond 20 000 rows",
-        read=parsed_whole,
     ),
 )
 
@@ -92,14 +100,14 @@ SCENE = (
 @servo_option
 @number("--incline-deg", "Slope of the ground, uphill along the x axis.", limits=Limits(0, 90))
 @number("--duration-s", "Length of the run; 10.")
-@option("--out", "CSV of all links at all recorded times.", type=out_file(".csv"))
+@option("--out", "CSV of all links at all recorded times.", type=OutFile(".csv"))
 @option(
     "--plot",
     "figure",
     "PNG, PDF or SVG of path, speed and energy if recorded.",
-    type=out_file(*FIGURES),
+    type=OutFile(*FIGURES),
 )
-@option("--save-scene", "saved_path", "Write the scene to this file too.", type=out_file(".toml"))
+@option("--save-scene", "saved_path", "Write the scene to this file too.", type=OutFile(".toml"))
 @settings(*ROBOT, *FRICTION, OFFSET, *PLUG, *SPRINGS, *SCENE)
 @option(
     "--formulation",
@@ -165,29 +173,98 @@ def make_scene(
     robot: str | None,
     servo: str | None,
     settings: Given,
-    formulation: str | None,
-    method: str | None,
-    incline_deg: float | None,
-    duration_s: float | None,
-    **typed_gait: Any,
+    **typed: Any,
 ) -> tuple[sn.Scene, Given]:
     """Make a scene of the options, over a scene file's if there is one.
+
+    typed: options of the gait, and those that are named as a scene's fields.
 
     Returns the scene, and what JSON says of the fit that it rests on.
     """
     snake = make_snake(robot, settings, base and Snake(base.robot, base.ground))
     names = {one.name for one in (*SCENE, *SPRINGS)}
     fields: Given = {name: value for name, value in settings.items() if name in names}
-    options = {"formulation": formulation, "method": method, "duration_s": duration_s}
-    options["incline_deg"] = incline_deg
-    fields |= {name: value for name, value in options.items() if value is not None}
+    fields |= {n: v for n, v in typed.items() if v is not None and n not in GAIT_FIELDS}
     for name in {"incline_deg", "incline_direction_deg"} & fields.keys():
         fields[name.replace("_deg", "_rad")] = math.radians(fields.pop(name))
     kind = take_servo(servo or IDEAL, settings, snake)
     if servo is not None:
         drive = "angle" if kind is None else "servo"
         fields |= {"drive": drive, "servo": kind and kind.servo, "torque": None}
-    fields["gait"] = make_gait(typed_gait, settings, base and base.gait)
+    fields["gait"] = make_gait(typed, settings, base and base.gait)
     fields |= {"robot": snake.robot, "ground": snake.ground}
     scene = sn.Scene(**fields) if base is None else replace(base, **fields)
     return scene, snake.notes
+
+
+@command()
+@click.argument("what", metavar="SCENE|RECORDING", type=EXISTING)
+@robot_option
+@option(
+    "--out",
+    "Page to write; it needs no other file. WHAT's name in this folder, unless given.",
+    type=OutFile(".html"),
+)
+@flag("--open", "open_it", "Open the page in the browser.")
+@settings(*ROBOT, *FRICTION)
+@AS_JSON
+def view(
+    what: Path, robot: str | None, out: Path | None, open_it: bool, settings: Given, as_json: bool
+) -> None:
+    """Write a page in which the snake crawls: play, scrub, slow down; slip and sticking of wheels.
+
+    WHAT is a scene file or a recording of `serpenoid drive --record`. Of a recording it shows how
+    the robot and ground of the options move while the joints follow the recorded set-points.
+    """
+    from ..robot.recording.stream import load_stream
+    from ..show.pages import view_page
+    from ..show.plot import gait_title
+    from ..show.run_figure import scene_words
+
+    out = out or Path(f"{what.stem}.html")
+    if what.suffix == ".toml":
+        if robot is not None or settings:
+            raise click.UsageError(
+                "a scene file has its own robot and ground; leave the options out"
+            )
+        scene = sn.load_scene(what)
+        run = busy("simulating", lambda _: sn.simulate(scene))
+        title, about = what.stem.replace("_", " "), scene_words(scene).replace("\n", "; ")
+        gait, shown = scene.gait, view_page.of_run(run)
+    else:
+        snake = make_snake(robot, settings)
+        whose = f"robot and ground of {robot or 2005}{', changed' if settings else ''}"
+        of = load_stream(what), snake.robot, snake.ground
+        title, (gait, shown) = what.name, busy("predicting", lambda _: view_page.of_recording(*of))
+        about = (
+            f"{gait_title(gait)}; the path is predicted for the {whose} "
+            "from the set-points that the firmware reported"
+        )
+    view_page.write_page(out, title, about, shown)
+    if open_it:
+        webbrowser.open(out.resolve().as_uri())
+    if as_json:
+        show_json({"page": str(out), "duration_s": shown["t_s"][-1], "gait": describe(gait)})
+    else:
+        say(f"wrote {out}; open it in a browser")
+
+
+BROUGHT = Path(_core.__file__).parent
+
+
+@command()
+@click.argument("folder", type=FOLDER)
+@AS_JSON
+def examples(folder: Path, as_json: bool) -> None:
+    """Copy example scripts, example scenes and the 2005 session into a new FOLDER."""
+    if folder.exists():
+        raise click.UsageError(f"{folder} exists already; name a new folder")
+    bare = shutil.ignore_patterns("__pycache__")  # pip compiles what it installs
+    shutil.copytree(BROUGHT / "examples", folder, ignore=bare)
+    shutil.copytree(BROUGHT / "calibration_data", folder / "calibration_data", ignore=bare)
+    files = sorted(str(path) for path in folder.rglob("*") if path.is_file())
+    if as_json:
+        return show_json({"files": files})
+    for name in files:
+        say(name)
+    say(f"try: serpenoid simulate --scene {folder}/limping_on_a_slope.toml --plot run.png")
