@@ -48,7 +48,7 @@ def springs(rounds: int) -> None:
     for links, incline in ((6, 0.0), (2, 0.0), (2, 0.1), (6, 0.1), (20, 0.0), (20, 0.1)):
         for k in 10.0 ** np.arange(2, 10):
             scene = tc.hard_scene(links, k, incline)
-            truth = tc.end_on_springs(scene, start_state(scene))
+            truth, _ = tc.end_of(scene, start_state(scene))
             cells, soft = [], math.nan
             for method in METHODS:
                 one = stable(replace(scene, method=method))

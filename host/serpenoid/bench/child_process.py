@@ -13,25 +13,12 @@ from collections.abc import Callable
 from multiprocessing.connection import Connection
 from typing import Any
 
-
-class Overran(Exception):
-    """The work was stopped at its time limit."""
-
-
-class Failed(Exception):
-    """The work raised; the text begins with the name of what it raised."""
-
-
 PATIENCE = 30  # seconds on the wall for each one allowed on the processor
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
-class Crashed(Exception):
-    """The process that did the work died."""
-
-
 def _serve(pipe: Connection) -> None:
-    """Answer requests (function, arguments) with (failed, value) until the pipe closes."""
+    """Answer requests (limit, function, arguments) with (value, note) until the pipe closes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for who started us
     os.environ.update(dict.fromkeys(_THREADS, "1"))  # read when NumPy is loaded: not yet
     while True:
@@ -41,9 +28,9 @@ def _serve(pipe: Connection) -> None:
             return
         signal.setitimer(signal.ITIMER_PROF, limit_s)
         try:
-            answer = (False, work(*arguments))
+            answer = work(*arguments), ""
         except Exception as failure:
-            answer = (True, f"{type(failure).__name__}: {failure}")
+            answer = None, f"{type(failure).__name__}: {failure}"
         signal.setitimer(signal.ITIMER_PROF, 0)
         pipe.send(answer)
 
@@ -55,52 +42,37 @@ class Limited:
     """
 
     def __init__(self) -> None:
-        self._start()
-
-    def _start(self) -> None:
         context = multiprocessing.get_context("spawn")
-        self._pipe, theirs = context.Pipe()
-        self._child = context.Process(target=_serve, args=(theirs,), daemon=True)
+        self._pipe, end = context.Pipe()
+        self._child = context.Process(target=_serve, args=(end,), daemon=True)
         self._child.start()
-        theirs.close()
+        end.close()
 
     def __enter__(self) -> Limited:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._stop()
-
-    def _stop(self) -> None:
         self._child.kill()  # without effect on a child that has ended
         self._child.join()
         self._pipe.close()
 
-    def __call__(self, limit_s: float, work: Callable[..., Any], *arguments: object) -> Any:
-        """Return work(*arguments); raise Failed, Overran or Crashed.
+    def __call__(
+        self, limit_s: float, work: Callable[..., Any], *arguments: object
+    ) -> tuple[Any, str]:
+        """Return work(*arguments) and "", or None and a note.
 
-        limit_s: of processor time. work: a function of a module's top level.
+        A note is the name of an exception and its text, or begins with HANG or CRASH. limit_s: of
+        processor time. work: a function of a module's top level.
         """
         self._pipe.send((limit_s, work, arguments))
         try:
-            if not self._pipe.poll(PATIENCE * limit_s):
-                raise Overran(f"stopped after {PATIENCE * limit_s:g} s on the wall")
-            failed, value = self._pipe.recv()
+            if self._pipe.poll(PATIENCE * limit_s):
+                return self._pipe.recv()
         except (EOFError, ConnectionError):
-            code = self._replace()
-            if code == -signal.SIGPROF:
-                raise Overran(f"stopped after {limit_s:g} s") from None
-            raise Crashed(f"the process ended with status {code}") from None
-        except (Overran, KeyboardInterrupt):
-            self._replace()
-            raise
-        if failed:
-            raise Failed(value)
-        return value
-
-    def _replace(self) -> int | None:
-        """Start another child; return how the last one ended: its status or minus a signal."""
-        self._child.join(1.0)
-        self._stop()
+            self._child.join(1.0)
         code = self._child.exitcode
-        self._start()
-        return code
+        self.__exit__()
+        self.__init__()
+        if code in (None, -signal.SIGPROF):
+            return None, f"HANG: stopped after {limit_s:g} s"
+        return None, f"CRASH: the process ended with status {code}"

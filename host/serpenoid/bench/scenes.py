@@ -7,6 +7,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from ..base.checks import FORMULATIONS
 from ..model.drives import Servo
 from ..model.gait import Gait
 from ..model.ground import Ground
@@ -14,7 +15,6 @@ from ..model.robot import Robot
 from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
 
-FORMULATIONS = ("explicit", "implicit")
 STEPS, ROUNDS = 20_000, 5
 STEP_S = 1e-3
 

@@ -22,7 +22,8 @@ Rate = Callable[[float, Array], Array]
 
 def equations(problem: Problem, width_m_s: float = 0.0) -> Rate:
     """Return y' = f(t, y) of a problem; width_m_s: of the smoothed sign, 0: none."""
-    robot, ground, gait = problem.robot, problem.ground, problem.gait
+    scene = problem.scene
+    robot, ground, gait = scene.robot, scene.ground, scene.gait
     n, mass, inertia = robot.links, robot.link_mass_kg, robot.inertia_kg_m2
     half = robot.link_length_m / 2
     # x of all links = x of link 1 + arms @ cos(angles): half of the first and of the last link
@@ -50,9 +51,9 @@ def equations(problem: Problem, width_m_s: float = 0.0) -> Rate:
 
     def explicit(t: float, y: Array) -> Array:
         angles, rates, turns = shape(t, y[2], y[5])
-        c, s, one, none = np.cos(angles), np.sin(angles), np.ones(n), np.zeros(n)
-        by_x = np.stack([one, none, -arms @ s])  # x of all links by x, y and theta of link 1
-        by_y = np.stack([none, one, arms @ c])
+        c, s, unit, none = np.cos(angles), np.sin(angles), np.ones(n), np.zeros(n)
+        by_x = np.stack([unit, none, -arms @ s])  # x of all links by x, y and theta of link 1
+        by_y = np.stack([none, unit, arms @ c])
         vx, vy = y[3] - arms @ (s * rates), y[4] + arms @ (c * rates)
         rest_x = -arms @ (s * turns + c * rates**2)  # acceleration while link 1's is 0
         rest_y = arms @ (c * turns - s * rates**2)
@@ -72,7 +73,7 @@ def equations(problem: Problem, width_m_s: float = 0.0) -> Rate:
         arm_x, arm_y = half * meets @ c, half * meets @ s
         rate_x = apart @ vx + half * meets @ (s * rates)
         rate_y = apart @ vy - half * meets @ (c * rates)
-        k, d = problem.stiffness_n_m, problem.damping_n_s_m
+        k, d = scene.joint_stiffness_n_m, scene.joint_damping_n_s_m
         pull_x = k * (apart @ x - arm_x) + d * rate_x
         pull_y = k * (apart @ y_links - arm_y) + d * rate_y
         fx, fy = friction(c, s, vx, vy)
@@ -81,7 +82,7 @@ def equations(problem: Problem, width_m_s: float = 0.0) -> Rate:
         spin = (couple - inertia * turns.sum()) / (n * inertia)
         return np.concatenate([vx, vy, ax, ay, [y[4 * n + 1], spin]])
 
-    return implicit if problem.implicit else explicit
+    return implicit if problem.soft else explicit
 
 
 def solve(problem: Problem, method: str, tolerance: float, width_m_s: float = 0.0) -> Array:
@@ -90,8 +91,8 @@ def solve(problem: Problem, method: str, tolerance: float, width_m_s: float = 0.
 
     out = solve_ivp(
         equations(problem, width_m_s),
-        (0, problem.duration_s),
-        problem.first,
+        (0, problem.scene.duration_s),
+        problem.vector(problem.start),
         method,
         rtol=max(tolerance, 1e-13),
         atol=tolerance / 10,

@@ -16,18 +16,19 @@ from pathlib import Path
 
 import numpy as np
 
-from .. import _core
+from ..base.errors import Diverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.link_state import LinkState
 from ..model.robot import Robot
 from ..show.plot import figure, heading
-from ..simulation.core_run import core_request
+from ..simulation.core_run import run_core
 from ..simulation.methods import METHODS
+from ..simulation.run import Run
 from ..simulation.scene import Scene
 from ..simulation.stability import largest_stable_step_s
 from ..simulation.starts import start_state
-from .child_process import Crashed, Failed, Limited, Overran
+from .child_process import Limited
 from .problems import Array
 
 NUDGE_M = 1e-9
@@ -114,45 +115,33 @@ def scene_of(method: str, links: int, friction: float, damping: float, stiffness
     )
 
 
-def _gaps(scene: Scene, start: LinkState, steps: int) -> Array | None:
-    """Run the core past the check of the step; return gaps (T, n-1, 2), None if it diverged."""
-    request = core_request(scene)
-    request.duration_s, request.steps = steps * scene.dt_s, steps
-    request.every = steps // SAMPLES
-    run, half = _core.run(request, start.packed(), None), scene.robot.link_length_m / 2
-    if run["failed_at"] >= 0:
-        return None
-    turned = (("x_m", np.cos(run["theta_rad"])), ("y_m", np.sin(run["theta_rad"])))
-    gaps = [np.diff(run[name], axis=1) - half * (t[:, 1:] + t[:, :-1]) for name, t in turned]
-    return np.stack(gaps, axis=2)
-
-
 def growth(scene: Scene, steps: int) -> float:
     """Return by what a difference of two runs grows from the second quarter to the last.
 
     inf when it or the gaps themselves came far at any sample: two runs that are both metres off may
     well agree in the end.
     """
+    scene = replace(scene, duration_s=steps * scene.dt_s, record_every=steps // SAMPLES)
     start, rng = start_state(scene), np.random.default_rng(1)
     nudged = start.packed()
     nudged[: 2 * scene.robot.links] += NUDGE_M * rng.normal(size=2 * scene.robot.links)
-    plain = _gaps(scene, start, steps)
-    other = _gaps(scene, LinkState(*nudged.reshape(6, -1)), steps)
-    if plain is None or other is None:
+    starts = start, LinkState(*nudged.reshape(6, -1))
+    try:  # past the check of the step, which Run.of makes
+        plain, other = (Run(scene=scene, **run_core(scene, each)).gap_m for each in starts)
+    except Diverged:
         return math.inf
     apart, open_m = np.abs(other - plain).max(axis=(1, 2)), np.abs(plain).max(axis=(1, 2))
     torn = open_m.max() > max(TORN_LENGTHS * scene.robot.link_length_m, 30 * open_m[0])
     if torn or not apart.max() < FAR_M:
         return math.inf
     # undamped modes beat: the largest of several samples; and positions are rounded to some 1e-14
-    early, late = apart[SAMPLES // 4 : SAMPLES // 2].max(), apart[-SAMPLES // 4 :].max()
-    return float(late / max(early, 1e-13))
+    early, last = apart[SAMPLES // 4 : SAMPLES // 2].max(), apart[-SAMPLES // 4 :].max()
+    return float(last / max(early, 1e-13))
 
 
 def line_of_growth(line: Line, steps_s: Sequence[float], count: int) -> list[float]:
     """Return the growth at each dt; line: what `scene_of` takes."""
-    scene = scene_of(*line)
-    return [growth(replace(scene, dt_s=dt, duration_s=dt), count) for dt in steps_s]
+    return [growth(replace(scene_of(*line), dt_s=dt), count) for dt in steps_s]
 
 
 def measure(grid: Grid, tell: Callable[[str], None]) -> Iterator[Cell]:
@@ -162,11 +151,9 @@ def measure(grid: Grid, tell: Callable[[str], None]) -> Iterator[Cell]:
         for line in product(*axes):
             if line[2:] == (grid.friction[0], grid.damping[0], grid.stiffness[0]):
                 tell(f"map of stability: {line[0]}, {line[1]} links ...")
-            limit_s, note = largest_stable_step_s(scene_of(*line)), ""
-            try:
-                values = child(LIMIT_S, line_of_growth, line, grid.dt_s, grid.steps)
-            except (Overran, Crashed, Failed) as failure:
-                values, note = [math.nan] * len(grid.dt_s), str(failure)
+            limit_s = largest_stable_step_s(scene_of(*line))
+            values, note = child(LIMIT_S, line_of_growth, line, grid.dt_s, grid.steps)
+            values = values or [math.nan] * len(grid.dt_s)
             for dt_s, value in zip(grid.dt_s, values, strict=True):
                 yield Cell(*line, dt_s, value, limit_s, note)
 

@@ -14,18 +14,21 @@ import platform
 import statistics
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from .. import _core
 from ..base.files import csv_rows, read_text, write_csv
 from ..simulation.methods import METHODS
+from ..simulation.scene import objection
 from ..simulation.simulate import simulate
 from . import scipy_peer
-from .child_process import Crashed, Failed, Limited, Overran
+from .child_process import Limited
 from .problems import Array, Problem, problems, reference
 
 STEPS_S = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)
@@ -35,7 +38,8 @@ DRY_TOLERANCE = 1e-7  # with a smoothed sign: finer than what the widths leave
 MIN_TIMED_S = 2e-3  # shorter work is repeated within a round
 MAX_TIMED_S = 0.1  # longer work is timed once
 TABLE_ERROR = 1e-6
-QUICK_SCENES = ("paper6", "paper6_k1e3", "robot2005")
+PEER = "SciPy "  # begins the names of its methods
+FAILED = math.nan, math.nan
 Work = Callable[[], Array]
 Points = list[tuple[float, float]]
 
@@ -56,62 +60,49 @@ class Row:
     note: str = ""
 
 
-@dataclass(frozen=True)
-class Contender:
-    """Hold one way to solve a problem: work(setting) makes the call that is timed."""
+class Contender(NamedTuple):
+    """One way to solve a problem: the method, what its settings are, and their values."""
 
     name: str
     kind: str
     settings: tuple[float, ...]
-    work: Callable[[float], Work]
 
 
 def contenders(problem: Problem) -> list[Contender]:
     """Return every method of ours, and SciPy's; on dry ground the width of the sign is theirs."""
-    law = "viscous" if problem.ground.smooth else "dry"
-    found = []
+    scene, ways = problem.scene, []
     for name, kind in METHODS.items():
-        if problem.formulation in kind.formulations and law in kind.laws:
-            adaptive = problem.formulation in kind.adaptive
-            setting, values = ("tolerance", TOLERANCES) if adaptive else ("dt_s", STEPS_S)
-            found.append(Contender(name, setting, values, _own_work(problem, name, setting)))
-    setting, values = ("tolerance", TOLERANCES) if law == "viscous" else ("width_m_s", WIDTHS_M_S)
-    peers = [
-        Contender(f"SciPy {name}", setting, values, _scipy_work(problem, name))
-        for name in scipy_peer.METHODS
-    ]
-    return found + peers
+        if objection(name, scene) is None:
+            adaptive = scene.formulation in kind.adaptive
+            setting = ("tolerance", TOLERANCES) if adaptive else ("dt_s", STEPS_S)
+            ways.append(Contender(name, *setting))
+    dry = scene.law == "dry"
+    setting = ("width_m_s", WIDTHS_M_S) if dry else ("tolerance", TOLERANCES)
+    return ways + [Contender(PEER + name, *setting) for name in scipy_peer.METHODS]
 
 
-def _own_work(problem: Problem, method: str, kind: str) -> Callable[[float], Work]:
-    def work(setting: float) -> Work:
-        if kind == "dt_s":  # of which the duration is a whole number
-            setting = problem.duration_s / max(1, round(problem.duration_s / setting))
-        fields = {"method": method, "start": problem.start, "record_every": 10**9, kind: setting}
-        scene = problem.scene(**fields)
-        return lambda: problem.vector(simulate(scene).state())
-
-    return work
-
-
-def _scipy_work(problem: Problem, method: str) -> Callable[[float], Work]:
-    def work(setting: float) -> Work:
-        how = (DRY_TOLERANCE, setting) if problem.ground.dry else (setting,)
-        return lambda: scipy_peer.solve(problem, method, *how)
-
-    return work
+def work_of(problem: Problem, method: str, kind: str, setting: float) -> Work:
+    """Return the call that is timed, of one method at one setting; it returns the end state."""
+    if method.startswith(PEER):
+        how = (DRY_TOLERANCE, setting) if kind == "width_m_s" else (setting,)
+        return partial(scipy_peer.solve, problem, method.removeprefix(PEER), *how)
+    scene = problem.scene
+    if kind == "dt_s":  # of which the duration is a whole number
+        setting = scene.duration_s / max(1, round(scene.duration_s / setting))
+    changes: dict[str, Any] = {"method": method, "start": problem.start, kind: setting}
+    scene = replace(scene, record_every=10**9, **changes)
+    return lambda: problem.vector(simulate(scene).state())
 
 
 @np.errstate(all="ignore")  # what overflows in SciPy ends as a row
-def _timed(scene: str, method: str, setting: float, rounds: int) -> tuple[float, float]:
+def _timed(problem: Problem, work: tuple[str, str, float], rounds: int) -> tuple[float, float]:
     """Return the error and the time of a run: the median of rounds, or of one if it is long."""
-    problem = next(p for p in problems() if p.name == scene)
-    work = next(c for c in contenders(problem) if c.name == method).work(setting)
+    call = work_of(problem, *work)
     times, repeats, end = [], 1, np.empty(0)
     for number in range(rounds + 1):
         begin = time.thread_time()
         for _ in range(repeats):
-            end = work()
+            end = call()
         times.append((time.thread_time() - begin) / repeats)
         if number == 0:
             repeats = max(1, round(MIN_TIMED_S / max(times[0], 1e-7)))
@@ -120,7 +111,7 @@ def _timed(scene: str, method: str, setting: float, rounds: int) -> tuple[float,
     if not np.isfinite(end).all():
         raise ArithmeticError("the end state is not finite")
     median = statistics.median(times[1:] or times)
-    return problem.error(end, reference(problem).end), median / problem.duration_s
+    return problem.error(end, reference(problem).end), median / problem.scene.duration_s
 
 
 def measure(quick: bool, tell: Callable[[str], None]) -> Iterator[Row]:
@@ -131,26 +122,22 @@ def measure(quick: bool, tell: Callable[[str], None]) -> Iterator[Row]:
     limit_s, rounds = (3.0, 3) if quick else (1.0, 5)
     with Limited() as child:
         for problem in problems():
-            if quick and problem.name not in QUICK_SCENES:
+            if quick > problem.quick:
                 continue
             tell(f"error against run time: {problem.title} ...")
-            for one in contenders(problem):
-                settings, overran = one.settings, ""
+            for name, kind, values in contenders(problem):
+                settings, overran = values, ""
                 if quick:  # every other setting; of SciPy's solvers the best one at two
-                    few = () if one.name != "SciPy DOP853" else one.settings[:3:2]
-                    settings = one.settings[::2] if one.name in METHODS else few
+                    best = values[:3:2] if name == f"{PEER}DOP853" else ()
+                    settings = values[::2] if name in METHODS else best
                 for setting in settings:
-                    error, time_s, note = math.nan, math.nan, overran
-                    try:
-                        if not overran:
-                            run = (problem.name, one.name, setting, rounds)
-                            error, time_s = child(limit_s, _timed, *run)
-                    except Failed as failure:
-                        note = str(failure)
-                    except (Overran, Crashed) as failure:
-                        note = str(failure)
-                        overran = f"not tried: {note} at the setting before"
-                    yield Row(problem.name, one.name, one.kind, setting, error, time_s, note)
+                    answer, note = None, overran
+                    if not overran:
+                        work = name, kind, setting
+                        answer, note = child(limit_s, _timed, problem, work, rounds)
+                        if note.startswith(("HANG", "CRASH")):
+                            overran = f"not tried: {note} at the setting before"
+                    yield Row(problem.name, name, kind, setting, *(answer or FAILED), note)
 
 
 def time_at(error: float, points: Sequence[tuple[float, float]]) -> float | None:
@@ -191,13 +178,13 @@ def table(rows: Sequence[Row]) -> str:
     def cell(time_s: float | None) -> str:
         return "–" if time_s is None else f"{1e3 * time_s:{'.2g' if time_s < 0.1 else '.0f'}}"
 
-    methods = dict.fromkeys(row.method for row in sorted(rows, key=lambda r: "SciPy" in r.method))
+    methods = dict.fromkeys(row.method for row in sorted(rows, key=lambda r: PEER in r.method))
     lines = [["ms", *scenes], ["---", *("---:" for _ in scenes)]]
-    lines += [[m, *(cell(one[m]) if m in one else "" for one in times)] for m in methods]
+    lines += [[m, *(cell(column[m]) if m in column else "" for column in times)] for m in methods]
     last = ["**SciPy's best / our best**"]
-    for one in times:
+    for column in times:
         theirs, ours = (
-            min((t for m, t in one.items() if t and m.startswith("SciPy") == peer), default=None)
+            min((t for m, t in column.items() if t and m.startswith(PEER) == peer), default=None)
             for peer in (True, False)
         )
         last.append(f"**{theirs / ours:.2g}**" if theirs and ours else "–")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
 
 from numpy.typing import ArrayLike
 
@@ -236,7 +235,7 @@ class Scene:
             j: check_number(f"locked[{j}]", a, -math.pi, math.pi) for j, a in self.locked.items()
         }
         object.__setattr__(self, "limp", tuple(sorted(set(self.limp))))
-        object.__setattr__(self, "locked", MappingProxyType(locked))
+        object.__setattr__(self, "locked", locked)
 
     def _check_method(self) -> None:
         why = objection(self.method, self)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import serpenoid as sn
@@ -31,21 +29,6 @@ def test_every_column(tmp_path) -> None:
     ):
         assert table[name] == pytest.approx(of, rel=1e-12, abs=1e-15), name
     assert len(table.dtype.names) == 1 + 3 * 6 + 2 * 3 + 3 * 2 + 7
-
-
-def test_what_is_recorded_changes_no_bit_of_the_motion() -> None:
-    scene = sn.Scene(
-        PAPER,
-        VISCOUS,
-        sn.Gait(0.5, 1.4, 5.0),
-        formulation="implicit",
-        duration_s=0.1003,
-    )
-    fine = sn.simulate(replace(scene, record=("joints",), record_every=1))
-    rough = sn.simulate(replace(scene, record_every=7))
-    for name in ("x_m", "theta_rad", "vy_m_s", "omega_rad_s"):
-        kept = np.concatenate([getattr(fine, name)[:-1:7], getattr(fine, name)[-1:]])
-        assert np.array_equal(kept, getattr(rough, name)), name
 
 
 def test_a_notebook_shows_a_sentence_and_a_table() -> None:

@@ -132,21 +132,6 @@ def test_a_function_is_not_for_files(tmp_path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_file_is_written_whole_or_not_at_all(tmp_path, monkeypatch) -> None:
-    path = tmp_path / "scene.toml"
-    sn.save_scene(SCENES["defaults"], path)
-    before = path.read_bytes()
-
-    def full(_descriptor: int) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("os.fsync", full)
-    with pytest.raises(sn.SerpenoidError, match=r"scene.toml: cannot be written: No space left"):
-        sn.save_scene(SCENES["servo"], path)
-    assert path.read_bytes() == before
-    assert [p.name for p in tmp_path.iterdir()] == ["scene.toml"]
-
-
 def swap(old: str, new: str) -> str:
     assert old in PLAIN
     return PLAIN.replace(old, new)
@@ -201,17 +186,6 @@ def test_refusals(text: str, said: str, tmp_path) -> None:
     path.write_text(text)
     with refused("scene.toml" + said):
         sn.load_scene(path)
-
-
-def test_not_a_text_file(tmp_path) -> None:
-    path = tmp_path / "scene.toml"
-    path.write_bytes(b"format = 1\n# \xff\n")
-    with refused(r"scene.toml: not UTF-8 text at byte 13"):
-        sn.load_scene(path)
-    with refused(r"nowhere.toml: No such file"):
-        sn.load_scene(tmp_path / "nowhere.toml")
-    with refused(r": this is a folder"):
-        sn.load_scene(tmp_path)
 
 
 def test_an_editors_file_is_read(tmp_path) -> None:

@@ -176,34 +176,3 @@ def test_the_papers_method_steps_as_it_is_written(drive: str) -> None:
     )
     scene = replace(scene, start=anywhere(scene, 5))
     assert_alike(sn.simulate(scene), slow_run(scene, scene.start), 1e-10)
-
-
-@pytest.mark.parametrize("formulation", FORMULATIONS)
-@pytest.mark.parametrize("direction", [0.0, 0.7, -2.0])
-def test_on_a_slope_friction_comes_to_carry_the_weight(formulation: str, direction: float) -> None:
-    """Straight and not turning, it slides at m g sin / c, along and across, each with its own c."""
-    robot = robot_of(4)
-    scene = sn.Scene(
-        robot,
-        VISCOUS,
-        sn.Gait(0.0, 0.0, 1.0),
-        formulation=formulation,
-        incline_rad=0.2,
-        incline_direction_rad=direction,
-        duration_s=8.0,
-        record_every=8000,
-        record=("friction",),
-    )
-    end = sn.simulate(scene)
-    pull = robot.link_mass_kg * G * math.sin(0.2)
-    along, across = -pull * math.cos(direction), -pull * math.sin(direction)
-    assert end.vx_m_s[-1] == pytest.approx(along / VISCOUS.ct, abs=1e-9)
-    assert end.vy_m_s[-1] == pytest.approx(across / VISCOUS.cn, abs=1e-9)
-    assert end.friction_x_n[-1] == pytest.approx(-along, abs=1e-9)
-
-
-def test_a_servo_whose_speed_limit_is_stiff_is_refused() -> None:
-    """At its limit it is damped by limit/speed, here 30 N m s/rad: far more than by its gains."""
-    servo = sn.Servo(1.0, 0.0, 0.3, 0.01, 0.0)
-    with pytest.raises(sn.StepTooLarge):
-        sn.simulate(sn.Scene(robot_of(4), VISCOUS, GAIT, drive="servo", servo=servo))

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import serpenoid as sn
 from numpy.random import Generator
-from oracle import dense
 from oracle.scenes import SlowScene
 from robots import BINGHAM, OF_2005, VISCOUS, gait_in_deg
 from scipy.integrate import solve_ivp
-from serpenoid.bench.problems import Problem
 
 Array = np.ndarray
 # Name of a scene -> what an event-driven solver told of it.
@@ -36,49 +33,20 @@ def hard_scene(links: int, k: float, incline_rad: float = 0.0, **more: Any) -> s
     )
 
 
-def on_springs(slow: SlowScene) -> Callable[[float, Array], Array]:
-    """Return y' = f(t, y) of links on springs, y = (x, y, x', y' of all, theta_1, theta_1')."""
-    n = slow.p.links
+def end_of(scene: sn.Scene, start: sn.LinkState, rtol: float = 1e-8, solver: str = "Radau"):
+    """Return the links' (x, y, theta) and their rates, each (n, 3), at a smooth scene's end.
+
+    SciPy solves the dense equations of oracle/dense.py, whose states on springs are the gaps.
+    """
+    slow, none = SlowScene(scene), np.zeros(4)  # without the four integrals of work
 
     def rate(t: float, y: Array) -> Array:
-        phi, phi_rate, bend = slow.joints(t)
-        theta, omega = (
-            link_1 + np.concatenate([[0.0], np.cumsum(joints)])
-            for link_1, joints in ((y[-2], phi), (y[-1], phi_rate))
-        )
-        pose = np.column_stack([*y[: 2 * n].reshape(2, n), theta])
-        rates = np.column_stack([*y[2 * n : 4 * n].reshape(2, n), omega])
-        moved = dense.evaluate(slow.p, pose, rates, phi_ddot=bend, spring=slow.spring)
-        turned = [y[-1], moved.theta_ddot[0]]
-        return np.concatenate([y[2 * n : 4 * n], moved.accel_m_s2.T.ravel(), turned])
+        return slow.rate(t, np.append(y, none))[:-4]
 
-    return rate
-
-
-def end_on_springs(scene: sn.Scene, start: sn.LinkState, rtol: float = 1e-8) -> Array:
-    """Return the links' places (x, y, theta), (n, 3), at the end of a scene on springs.
-
-    SciPy's stiff method solves the dense equations of oracle/dense.py, with centres as states.
-    """
-    slow, n = SlowScene(scene), scene.robot.links
-    turned = [start.theta_rad[0], start.omega_rad_s[0]]
-    first = np.concatenate([start.x_m, start.y_m, start.vx_m_s, start.vy_m_s, turned])
-    span = (0.0, scene.duration_s)
-    out = solve_ivp(on_springs(slow), span, first, "Radau", rtol=rtol, atol=rtol / 100)
+    span, first = (0.0, scene.duration_s), slow.pack(start)[:-4]
+    out = solve_ivp(rate, span, first, solver, rtol=rtol, atol=rtol / 100)
     assert out.success, out.message
-    end = out.y[:, -1]
-    theta = end[-2] + np.concatenate([[0.0], np.cumsum(slow.joints(scene.duration_s)[0])])
-    return np.column_stack([end[:n], end[n : 2 * n], theta])
-
-
-def rate_of(problem: Problem) -> Callable[[float, Array], Array]:
-    """Return y' = f(t, y) of a benchmark's problem by the dense equations, y as its peers have."""
-    slow = SlowScene(problem.scene())
-
-    def pinned(t: float, y: Array) -> Array:
-        return slow.rate(t, np.append(y, np.zeros(4)))[:6]
-
-    return on_springs(slow) if problem.implicit else pinned
+    return slow.links(scene.duration_s, np.append(out.y[:, -1], none))[:2]
 
 
 def places(run: sn.Run) -> Array:
