@@ -39,7 +39,7 @@ function drawSnake(canvas, motion, phase, gone) {
   for (let x = -((gone % step) + step) * scale + w / 2 % (step * scale); x < w + step * scale; x += step * scale)
     line(g, [[x, 0], [x, h]], colour("grid"), 1);
   const back = [];
-  for (let p = phase; p >= 0 && p > phase - 4; p -= 0.02) {
+  for (let p = phase; p > phase - 4; p -= 0.02) {
     const [x, y] = pathAt(motion, p);
     back.push([w / 2 + (x - pathAt(motion, phase)[0]) * scale, Y0 - y * scale]);
   }

@@ -211,7 +211,7 @@ def make_scene(
 def view(
     what: Path, robot: str | None, out: Path | None, open_it: bool, settings: Given, as_json: bool
 ) -> None:
-    """Write a page in which the snake crawls: play, scrub, slow down; slip and sticking of wheels.
+    """Write a page in which the snake crawls: play and scrub; slip and sticking of wheels.
 
     WHAT is a scene file or a recording of `serpenoid drive --record`. Of a recording it shows how
     the robot and ground of the options move while the joints follow the recorded set-points.

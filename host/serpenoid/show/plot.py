@@ -161,7 +161,7 @@ def hatch_beyond(ax: Axes, highest_hz: float | None, last_hz: float, servo: str)
     if highest_hz is None or highest_hz >= last_hz:
         return
     words = f"above {highest_hz:.2g} Hz too fast for {servo}"
-    look = {"fc": "none", "ec": GREY, "alpha": 0.3, "hatch": "//", "zorder": 0, "lw": 0}
+    look = {"fc": "none", "ec": GREY, "alpha": 0.5, "hatch": "//", "zorder": 0, "lw": 0}
     ax.axvspan(highest_hz, last_hz, label=words, **look)
 
 

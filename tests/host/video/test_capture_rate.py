@@ -11,7 +11,7 @@ from command_line import serpenoid
 from refusals import refused
 from robots import NIRAKH_2005
 from serpenoid import load_session
-from video.worlds import measured, remarks_of
+from video.answers import measured, remarks_of
 
 DEMO_FILM = NIRAKH_2005.with_name("demo-film") / "film.mp4"
 

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from command_line import serpenoid
 from refusals import refused
+from video.answers import measured, remarks_of
 from video.filming import Body, Film, Lens, write
-from video.worlds import LINK_M, SIDE_M, crawling, errors, measured, most_sigmas, remarks_of
+from video.worlds import LINK_M, SIDE_M, crawling, errors, most_sigmas
 
 QUICK = crawling(seed=2, omega_rad_s=8.0, alpha_deg=40, speed_m_s=0.08, start_m=-0.06)
 TIMES = np.arange(0, 1.7, 1 / 30)

@@ -10,8 +10,9 @@ import pytest
 import serpenoid as sn
 from command_line import serpenoid
 from robots import NIRAKH_2005
+from video.answers import measured
 from video.filming import Body, Lens
-from video.worlds import SIDE_M, crawling, errors, measured, most_sigmas, shoot
+from video.worlds import SIDE_M, crawling, errors, most_sigmas, shoot
 
 DEMO = NIRAKH_2005.with_name("demo-film")
 LENS = Lens(k1=0.06, k2=-0.02, middle_px=(5.0, -3.0), rolling_s=0.015)

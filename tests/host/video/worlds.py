@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
-import serpenoid as sn
-from command_line import serpenoid
 from video.filming import Body, Film, Lens, Pose, write
 
 LINK_M, SIDE_M = 0.076, 0.034
@@ -86,19 +81,6 @@ def shoot(
         times_s = times_s + 0.03 / rate_hz * rng.normal(size=len(times_s))
     camera = Film(lens or Lens(), body or Body(world.links), world.pose, seed=seed, **film)
     return write(path, [camera.frame(t) for t in times_s], times_s - times_s[0], codec, crf)
-
-
-def measured(film: object, line: str = "") -> Any:
-    """Return what `serpenoid video FILM LINE` answers, by attributes; raise what it refuses."""
-    done = serpenoid(f"video {film} {line} --json")
-    if done.returncode:
-        raise sn.BadInput(done.stderr)
-    return json.loads(done.stdout, object_hook=lambda values: SimpleNamespace(**values))
-
-
-def remarks_of(run: Any) -> dict[str, str]:
-    """Return the remarks of an answer, by name."""
-    return {remark.name: remark.text for remark in run.remarks}
 
 
 def errors(run, world: World) -> dict[str, np.ndarray]:
