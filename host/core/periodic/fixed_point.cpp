@@ -15,7 +15,7 @@ double inner(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + 
 
 }  // namespace
 
-double Orbit::at_start(double value, int row, const Vec3& scale) const {
+double Orbit::extrapolate(double value, int row, const Vec3& scale) const {
     for (int k = 0; k < 3; ++k) value += end.state.by_start[row][k] * step[k] * scale[k];
     return value;
 }
@@ -30,21 +30,22 @@ double Orbit::condition() const {
     Mat3 A = identity3(), inverse = identity3();
     for (int i = 0; i < 9; ++i) A[i] -= derivative[i];
     if (!solve_dense<3, 3>(A.data(), inverse.data())) return HUGE_VAL;
-    double most = 0;
+    double norm = 0;
     for (int i = 0; i < 3; ++i)
-        most = std::max(most, std::fabs(inverse[3 * i]) + std::fabs(inverse[3 * i + 1]) +
+        norm = std::max(norm, std::fabs(inverse[3 * i]) + std::fabs(inverse[3 * i + 1]) +
                                   std::fabs(inverse[3 * i + 2]));
-    return most;
+    return norm;
 }
 
-// Follow from z: the residual and the image's derivative.
+// Follow from the start: the residual and the image's derivative.
 bool FixedPoint::evaluate(const Following& how, Orbit& orbit) {
     const Vec3 &scale = map_.scale(), sign = mirror_signs(map_.mirrored());
     Vec3 p;
-    for (int k = 0; k < 3; ++k) p[k] = z[k] * scale[k];
+    for (int k = 0; k < 3; ++k) p[k] = start[k] * scale[k];
     std::optional<CycleEnd> end = map_.follow(p, how);
     if (!end) return false;
-    orbit.z = z, orbit.end = std::move(*end);
+    orbit.start = start;
+    orbit.end = std::move(*end);
     const CycleState& state = orbit.end.state;
     for (int i = 0; i < 3; ++i) {
         orbit.residual[i] = (sign[i] * state.p[i] - p[i]) / scale[i];
@@ -62,74 +63,81 @@ bool FixedPoint::step(const Orbit& orbit, double damping, Vec3& d) const {
     return solve_dense<3, 1>(A.data(), d.data()) && std::isfinite(size(d));
 }
 
-// Limit the step to `reach`, and keep it from going against the residual, by damping: it makes the
-// step shorter and turns it towards the residual. True where Newton's step was changed.
-bool FixedPoint::shorten(const Orbit& orbit, double reach, Vec3& d) const {
+// Limit the step to `max_size`, and keep it from going against the residual, by damping: it makes
+// the step shorter and turns it towards the residual. True where Newton's step was changed.
+bool FixedPoint::shorten(const Orbit& orbit, double max_size, Vec3& d) const {
     const Vec3& r = orbit.residual;
-    const auto fits = [&] { return size(d) <= reach && inner(r, d) >= 0; };
+    const auto fits = [&] { return size(d) <= max_size && inner(r, d) >= 0; };
     if (fits()) return false;
-    for (double damping = 1e-6 * size(r) / reach; damping < 1; damping *= 4)
+    for (double damping = 1e-6 * size(r) / max_size; damping < 1; damping *= 4)
         if (step(orbit, damping, d) && fits()) return true;
-    for (int k = 0; k < 3; ++k) d[k] = r[k] * std::min(1.0, reach / size(r));
+    for (int k = 0; k < 3; ++k) d[k] = r[k] * std::min(1.0, max_size / size(r));
     return true;
 }
 
-bool FixedPoint::follow_cycles(int most, double near_enough, double tolerance, double share) {
-    constexpr double kPromising = 1e-3;
-    for (int i = 0; i < most; ++i, share = 1) {
+bool FixedPoint::follow_cycles(int max_cycles, double settled, double tolerance, double share) {
+    constexpr double kPromising = 1e-3;  // a cycle's change, over the scales
+    for (int i = 0; i < max_cycles; ++i, share = 1) {
         Orbit orbit;
         if (!evaluate({tolerance}, orbit)) return false;
-        double change = 0;
-        for (int k = 0; k < 3; ++k) {
-            const double by = share * orbit.residual[k];
-            change = std::max(change, std::fabs(by)), z[k] += by;
-        }
+        for (int k = 0; k < 3; ++k) start[k] += share * orbit.residual[k];
+        const double change = share * size(orbit.residual);
         promising_ = change < kPromising;
-        if (change < near_enough) break;
+        if (change < settled) break;
     }
     return true;
 }
 
 // Where every wheel slides one way all the cycle through friction hardly depends on the speed: the
 // residual is the same over a wide stretch, 1 - M next to singular, and Newton's step far too long.
-// So a step is at most `reach` long. Friction draws motions together, so the fixed point lies on
-// the side to which the residual points. If the residual still points ahead at the end of a step,
-// the step is accepted and the next may be longer. A step that went too far is cut by the secant.
-// When that does not help, a few cycles are followed.
+// So a step is limited. Friction draws motions together, so the fixed point lies on the side to
+// which the residual points. If the residual still points forward at the end of a step, the step
+// is accepted and the next may be longer. A step that went too far is cut by the secant. When that
+// does not help, a few cycles are followed.
 FixedPoint::Ended FixedPoint::solve(double tolerance, double goal, bool work, Orbit& orbit) {
-    constexpr int kMost = 40;
-    constexpr double kReach = 2;  // of the first step, in units of the scales
-    Vec3 last_z = z, last_d{};
-    double last = HUGE_VAL, part = 1, reach = kReach, before = 0;
-    bool cut = false;
-    for (int i = 0; i < kMost; ++i) {
-        const bool with_work = work && (i > 0 || near || promising_);
+    constexpr int kMaxIterations = 40;
+    constexpr double kFirstStep = 2;    // longest one, in units of the scales
+    constexpr double kShortest = 0.01;  // part of a step: a shorter one does not help
+    constexpr double kBelowGoal = 0.1;  // of the goal: a residual there is rounding
+    constexpr int kCycles = 4;          // are followed
+    Vec3 last_start = start, last_step{};
+    double last_size = HUGE_VAL, part = 1, max_size = kFirstStep, progress_begin = 0;
+    bool limited = false;
+    for (int i = 0; i < kMaxIterations; ++i) {
+        const bool with_work = work && (i > 0 || start_solved || promising_);
         if (!evaluate({tolerance, with_work}, orbit)) return Ended::broken;
         ++iterations;
-        const double now = size(orbit.residual), ahead = inner(orbit.residual, last_d);
-        if (now > last && now > 0.1 * goal && !(ahead > 0)) {
-            part *= std::clamp(before / (before - ahead), 0.1, 0.5);
-            if (part > 0.01) {
-                for (int k = 0; k < 3; ++k) z[k] = last_z[k] + part * last_d[k];
-                reach = part * size(last_d);
+        const double residual = size(orbit.residual);
+        const double progress = inner(orbit.residual, last_step);
+        if (residual > last_size && residual > kBelowGoal * goal && !(progress > 0)) {
+            part *= std::clamp(progress_begin / (progress_begin - progress), 0.1, 0.5);
+            start = last_start;
+            if (part > kShortest) {
+                for (int k = 0; k < 3; ++k) start[k] += part * last_step[k];
+                max_size = part * size(last_step);
             } else {
-                z = last_z, last = HUGE_VAL, part = 1;
-                if (!follow_cycles(4, goal, tolerance)) return Ended::broken;
+                last_size = HUGE_VAL;
+                part = 1;
+                if (!follow_cycles(kCycles, goal, tolerance)) return Ended::broken;
             }
             continue;
         }
         Vec3 d;
         if (!step(orbit, 0, d)) return Ended::stalled;
-        if (i == 0 && !near) promising_ = size(d) <= 4 * goal;
+        if (i == 0 && !start_solved) promising_ = size(d) <= 4 * goal;
         if (size(d) <= goal && with_work == work) {
             orbit.step = d;
-            z = orbit.start();
+            start = orbit.next_start();
             return Ended::converged;
         }
-        if (part == 1 && cut) reach *= 3;
-        cut = shorten(orbit, reach, d);
-        last = now, last_z = z, last_d = d, part = 1, before = inner(orbit.residual, d);
-        for (int k = 0; k < 3; ++k) z[k] += d[k];
+        if (part == 1 && limited) max_size *= 3;
+        limited = shorten(orbit, max_size, d);
+        last_size = residual;
+        last_start = start;
+        last_step = d;
+        part = 1;
+        progress_begin = inner(orbit.residual, d);
+        for (int k = 0; k < 3; ++k) start[k] += d[k];
     }
     return Ended::stalled;
 }

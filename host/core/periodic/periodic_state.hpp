@@ -54,43 +54,25 @@ struct SteadyState {
 // the speed is less: a gait that only swings has no speed to compare with.
 constexpr double kSpeedFloor = 1e-4;
 
-// The one rule by which a state is good enough.
+// The one rule by which a state is good enough. An error of positive power never refuses a state:
+// it stands beside the value.
 struct Acceptance {
     Acceptance(const SteadyOptions& options, const Robot& robot, const Ground& ground,
                double omega);
 
     // How many times the errors of speed and net power are what is asked for; at most 1 is good
-    // enough. An error of positive power never refuses a state: it stands beside the value.
+    // enough.
     double excess(const SteadyState& s) const;
     bool operator()(const SteadyState& s) const { return excess(s) <= 1; }
 
-    double rtol, power_rtol;  // powers on dry ground: 10 rtol, for kinks of the torques limit them
-    double speed_floor;       // m/s
+    double rtol;
+    double power_rtol;   // on dry ground 10 rtol, for kinks of the torques limit powers
+    double speed_floor;  // m/s
 };
 
-// What changed from one level (mesh or tolerance) to the next.
-struct LevelChange {
-    double speed = 0, power = 0, turn = 0, slowest = 0;
-
-    LevelChange() = default;
-    LevelChange(const SteadyState& fine, const SteadyState& coarse);
-};
-
-// How far a level's changes, and the error of its start state, bound its errors.
-struct ErrorRule {
-    double shrinks = 1;  // what the next level will change, as a part of what this one did
-    double earlier = 0;  // and as a part of the change before: one change may be small by luck
-    double speed = 0, power = 0, turn = 0;  // by the error of the state, and by rounding
-};
-
-// A bound is never less than a small part of what was asked for: levels may agree by luck.
-inline double least_bound(double error, double rtol, double value) {
+// A stated error is never less than a small part of what was asked for: levels may agree by luck.
+inline double stated_error(double error, double rtol, double value) {
     return std::max(error, 1e-3 * rtol * std::fabs(value));
 }
-
-// The one error bound of speed, power and turn: by the changes of this level and the one before,
-// and by the error of the state.
-void bound_errors(const LevelChange& change, const LevelChange& before, const ErrorRule& rule,
-                  double rtol, SteadyState& s);
 
 }  // namespace serpenoid

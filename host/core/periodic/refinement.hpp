@@ -8,35 +8,31 @@
 
 namespace serpenoid {
 
-// Tolerances, each a part of the one before.
-struct Levels {
-    double first, tighter = 0.05, last = 1e-13;
-    // Newton's last step: exact derivatives stand for it, and miss its square. In tolerances, or
-    // in their square root where that is longer.
-    double goal = 60, root_goal = 0.7;
-};
-
 class Refinement {
   public:
     Refinement(CycleMap& map, FixedPoint& point, const SteadyOptions& options)
         : map_(map), point_(point), options_(options) {}
 
     // Tighten the tolerance until a state is accepted; the best state where none is.
-    SteadyState refine(const Levels& levels, const Acceptance& accepted);
+    SteadyState refine(double first_tolerance, const Acceptance& accepted);
 
   private:
-    FixedPoint::Ended level(double tolerance, const Levels& levels, SteadyState& next);
+    // What changed from one level to the next.
+    struct Change {
+        double speed = 0, power = 0, turn = 0, slowest = 0;
+    };
+    FixedPoint::Ended level(double tolerance, SteadyState& next);
     SteadyState report(const Orbit& orbit, double tolerance) const;
-    void bound(const Orbit& orbit, double tolerance, SteadyState& next);
-    void add_positive(const JointWork& work, double mismatch, SteadyState& next);
+    void state_errors(const Orbit& orbit, double tolerance, SteadyState& next);
+    void add_positive(const JointWork& work, double rest, SteadyState& next);
 
     CycleMap& map_;
     FixedPoint& point_;
     SteadyOptions options_;
     SteadyState coarse_;              // the level before
-    LevelChange before_;              // and how it differed from its own coarser one
-    std::vector<double> positive_{};  // and every joint's positive work
-    Vec3 z_{};                        // and its start
+    Change last_change_;              // of that level from its own coarser one
+    std::vector<double> positive_{};  // every joint's positive work of that level, J
+    Vec3 last_start_{};               // and its start
     bool first_ = true;
 };
 

@@ -15,32 +15,28 @@ namespace {
 // is known to be small, but not how small.
 SteadyState within_rounding(SteadyState s) {
     constexpr double kLeast = -30;  // of its logarithm
-    if (s.slowest < kLeast) s.slowest = kLeast, s.slowest_error = -kLeast;
+    if (s.slowest < kLeast) {
+        s.slowest = kLeast;
+        s.slowest_error = -kLeast;
+    }
     return s;
 }
 
 constexpr double kSettled = 0.02;  // a cycle's change, over the scales
 
-constexpr double kWidest = 1e-4;  // rtol up to which a state that is lost is looked for again
+constexpr double kWidest = 1e-4;  // rtol below which a lost state is searched with ten times it
 
 // The first tolerance: the second level is then mostly enough.
 double first_tolerance(double rtol) { return std::clamp(0.12 * rtol, 1e-7, 3e-4); }
-
-// Newton's last step is short where pieces are that accurate: what it misses is its square.
-Levels levels(const CycleMap& map, double first) {
-    Levels to{first};
-    if (map.smooth()) to.first = std::min(first, 1e-6), to.root_goal = 0;
-    return to;
-}
 
 }  // namespace
 
 // The parabola through the last three rates' states, over the period, or the line through two,
 // unless that is far out.
 Vec3 SteadyByPieces::guess(double omega) const {
-    constexpr double kFar = 8;
+    constexpr double kMaxWeights = 8;  // their sum; beyond it an extrapolation is too far
     for (std::size_t count = solutions_.size(); count > 1; --count) {
-        const Solution* const from = solutions_.data() + solutions_.size() - count;
+        const Solution* const last = solutions_.data() + solutions_.size() - count;
         Vec3 z{};
         double weights = 0;
         for (std::size_t k = 0; k < count; ++k) {
@@ -48,21 +44,21 @@ Vec3 SteadyByPieces::guess(double omega) const {
             for (std::size_t j = 0; j < count; ++j)
                 if (j != k)
                     weight *=
-                        (1 / omega - 1 / from[j].omega) / (1 / from[k].omega - 1 / from[j].omega);
+                        (1 / omega - 1 / last[j].omega) / (1 / last[k].omega - 1 / last[j].omega);
             weights += std::fabs(weight);
-            for (int i = 0; i < 3; ++i) z[i] += weight * from[k].z[i];
+            for (int i = 0; i < 3; ++i) z[i] += weight * last[k].start[i];
         }
-        if (weights <= kFar) return z;
+        if (weights <= kMaxWeights) return z;
     }
-    return solutions_.back().z;
+    return solutions_.back().start;
 }
 
 // Keep a state for the rates to come; after one that failed they begin anew.
-void SteadyByPieces::remember(double omega, const Vec3& z, bool converged) {
+void SteadyByPieces::remember(double omega, const Vec3& start, bool converged) {
     if (!converged) solutions_.clear();
     std::erase_if(solutions_, [&](const Solution& k) { return k.omega == omega; });
     if (solutions_.size() == 3) solutions_.erase(solutions_.begin());
-    if (converged) solutions_.push_back({omega, z});
+    if (converged) solutions_.push_back({omega, start});
 }
 
 // Joints at rest give no scales. Disturbances decay as in the smallest waves; speed and power are
@@ -72,9 +68,11 @@ SteadyState SteadyByPieces::at_rest(double omega, const SteadyOptions& options) 
     small.alpha = 1e-3;
     const SteadyState waving = SteadyByPieces(robot_, ground_, small).solve(omega, options);
     SteadyState rest;
-    rest.monodromy = waving.monodromy, rest.slowest = waving.slowest;
+    rest.monodromy = waving.monodromy;
+    rest.slowest = waving.slowest;
     rest.slowest_error = waving.slowest_error;
-    rest.iterations = waving.iterations, rest.converged = true;
+    rest.iterations = waving.iterations;
+    rest.converged = true;
     return rest;
 }
 
@@ -82,51 +80,53 @@ SteadyState SteadyByPieces::at_rest(double omega, const SteadyOptions& options) 
 // tolerances mostly succeeds with another. An unstable state is accepted only if a motion led to
 // it. From rest, half of the first cycle's change is applied: the angular momentum of a fast gait
 // hardly changes, but the mirror changes its sign.
-void SteadyByPieces::from_rest(CycleMap& map, FixedPoint& point, const Acceptance& accepted,
-                               const SteadyOptions& options, SteadyState& out) const {
+void SteadyByPieces::search_from_rest(CycleMap& map, FixedPoint& point, const Acceptance& accepted,
+                                      const SteadyOptions& options, SteadyState& best) const {
     struct Try {
-        double from;
+        double tolerance;  // of the first one
         int cycles;
     };
     constexpr Try kTries[] = {{1, 4}, {0.03, 4}, {1, 200}, {0.3, 4}, {0.1, 4}, {30, 4}, {100, 4}};
+    constexpr int kFewCycles = 4;
+    constexpr double kFollowing = 1e-3;  // tolerance of the cycles before the search
     bool settled = false;
-    for (const auto& [from, cycles] : kTries) {
+    for (const auto& [tolerance, cycles] : kTries) {
         const double share = settled ? 1 : 0.5;
-        if (!settled) point.z = {0, 0, map.momentum_at_rest() / map.scale()[2]};
-        settled = settled || cycles > 4;
-        if (!point.follow_cycles(cycles, kSettled, 1e-3 * from, share)) continue;
-        SteadyState anew = Refinement(map, point, options)
-                               .refine(levels(map, from * first_tolerance(options.rtol)), accepted);
-        if (!settled && anew.slowest > 0) anew.converged = false;
-        if (anew.converged || accepted.excess(anew) < accepted.excess(out)) out = anew;
-        if (out.converged) break;
+        if (!settled) point.start = {0, 0, map.momentum_at_rest() / map.scale()[2]};
+        settled = settled || cycles > kFewCycles;
+        if (!point.follow_cycles(cycles, kSettled, kFollowing * tolerance, share)) continue;
+        SteadyState state = Refinement(map, point, options)
+                                .refine(tolerance * first_tolerance(options.rtol), accepted);
+        if (!settled && state.slowest > 0) state.converged = false;
+        if (state.converged || accepted.excess(state) < accepted.excess(best)) best = state;
+        if (best.converged) break;
     }
 }
 
 SteadyState SteadyByPieces::solve(double omega, const SteadyOptions& options) {
+    constexpr int kMaxPieces = 600'000;  // of a whole search, over the links: some seconds
     if (gait_.alpha == 0) return at_rest(omega, options);
     gait_.omega = omega;
     const Acceptance accepted(options, robot_, ground_, omega);
-    SlidingCycle map(robot_, ground_, gait_, 600'000 / robot_.n);
+    SlidingCycle map(robot_, ground_, gait_, kMaxPieces / robot_.n);
     FixedPoint point(map, promising_ && solutions_.size() > 1);
-    SteadyState out = SteadyState::unknown();
+    SteadyState best = SteadyState::unknown();
     if (start_ || !solutions_.empty()) {
-        point.z = start_ ? map.scaled(*start_) : guess(omega);
+        point.start = start_ ? map.scaled(*start_) : guess(omega);
         start_.reset();
-        out = Refinement(map, point, options)
-                  .refine(levels(map, first_tolerance(options.rtol)), accepted);
+        best = Refinement(map, point, options).refine(first_tolerance(options.rtol), accepted);
     }
-    if (!out.converged) from_rest(map, point, accepted, options, out);
+    if (!best.converged) search_from_rest(map, point, accepted, options, best);
     promising_ = point.promising();
-    remember(omega, point.z, out.converged);
-    if (!out.converged && options.rtol < kWidest) {  // where wheels chatter tight pieces break off
+    remember(omega, point.start, best.converged);
+    if (!best.converged && options.rtol < kWidest) {  // where wheels chatter tight pieces break off
         SteadyOptions wider = options;
         wider.rtol *= 10;
         const SteadyState rough = solve(omega, wider);
-        if (accepted.excess(rough) < accepted.excess(out)) out = rough;
-        out.converged = out.converged && accepted(out);
+        if (accepted.excess(rough) < accepted.excess(best)) best = rough;
+        best.converged = best.converged && accepted(best);
     }
-    return within_rounding(out);
+    return within_rounding(best);
 }
 
 }  // namespace serpenoid

@@ -31,13 +31,13 @@ class SteadyByPieces {
   private:
     struct Solution {  // of an earlier rate
         double omega;
-        Vec3 z;
+        Vec3 start;
     };
     SteadyState at_rest(double omega, const SteadyOptions& options) const;
-    void from_rest(CycleMap& map, FixedPoint& point, const Acceptance& accepted,
-                   const SteadyOptions& options, SteadyState& out) const;
+    void search_from_rest(CycleMap& map, FixedPoint& point, const Acceptance& accepted,
+                          const SteadyOptions& options, SteadyState& best) const;
     Vec3 guess(double omega) const;
-    void remember(double omega, const Vec3& z, bool converged);
+    void remember(double omega, const Vec3& start, bool converged);
 
     Robot robot_;
     Ground ground_;

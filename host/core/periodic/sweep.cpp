@@ -4,113 +4,106 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
-#include <mutex>
-#include <thread>
-#include <utility>
+#include <future>
 
-#include "periodic/rates_of_shape.hpp"
+#include "periodic/steady.hpp"
+#include "periodic/viscous/spectral.hpp"
 
 namespace serpenoid {
 
 namespace {
 
-void put(const SteadyState& s, double* to) {
-    to[kSpeed] = s.speed, to[kPower] = s.power;
-    to[kAbsPower] = s.abs_power, to[kPositivePower] = s.positive_power, to[kTurn] = s.turn;
-    to[kSpeedError] = s.speed_error, to[kPowerError] = s.power_error;
-    to[kPositivePowerError] = s.positive_power_error;
-    to[kSlowest] = s.slowest, to[kSlowestError] = s.slowest_error;
-    to[kConverged] = s.converged ? 1 : 0;
-}
-
-// Do `count` tasks in this thread; a task returns the number of gaits it solved.
-void in_turn(std::size_t count, const std::function<bool(long)>& go_on,
-             const std::function<long(std::size_t)>& task) {
-    using Clock = std::chrono::steady_clock;
-    long done = 0;
-    auto told = Clock::now();
-    for (std::size_t k = 0; k < count; ++k) {
-        done += task(k);
-        if (Clock::now() - told < std::chrono::milliseconds(100)) continue;
-        if (!go_on(std::exchange(done, 0))) return;
-        told = Clock::now();
+// Periodic states of one shape at these rates. On viscous ground by packs, unless none resolves the
+// motion or the gait steers; else by pieces.
+std::vector<SteadyState> states_of(const SweepShape& shape, const std::vector<double>& omegas,
+                                   const SteadyOptions& options) {
+    const auto& [robot, ground, gait] = shape;
+    const int count = static_cast<int>(omegas.size());
+    std::vector<SteadyState> states(count);
+    if (ground.smooth() && gait.offset == 0) {
+        SpectralViscous packs(robot, ground, gait);
+        for (int k = 0; k < count; k += kPack)
+            packs.solve(&omegas[k], std::min(kPack, count - k), options, &states[k]);
     }
-    go_on(done);
+    SteadyByPieces pieces(robot, ground, gait);
+    for (int k = 0; k < count; ++k)
+        if (!states[k].converged) states[k] = pieces.solve(omegas[k], options);
+    return states;
 }
 
-// Share `count` tasks out to threads; a task returns the number of gaits it solved.
-void share_out(std::size_t count, int threads, const std::function<bool(long)>& go_on,
-               const std::function<long(std::size_t)>& task) {
-    if (threads <= 1) return in_turn(count, go_on, task);
-    using namespace std::chrono_literals;
+void write_columns(const SteadyState& s, double* column) {
+    column[kSpeed] = s.speed;
+    column[kPower] = s.power;
+    column[kAbsPower] = s.abs_power;
+    column[kPositivePower] = s.positive_power;
+    column[kTurn] = s.turn;
+    column[kSpeedError] = s.speed_error;
+    column[kPowerError] = s.power_error;
+    column[kPositivePowerError] = s.positive_power_error;
+    column[kSlowest] = s.slowest;
+    column[kSlowestError] = s.slowest_error;
+    column[kConverged] = s.converged ? 1 : 0;
+}
+
+// Share `count` tasks among threads; a task returns the number of gaits it solved.
+void run_parallel(std::size_t count, int threads, const KeepRunning& keep_running,
+                  const std::function<long(std::size_t)>& task) {
+    constexpr std::chrono::milliseconds kReportInterval{100};
     std::atomic<std::size_t> next = 0;
-    std::atomic<long> done = 0;
+    std::atomic<long> gaits = 0;
     std::atomic<bool> stop = false;
-    std::mutex lock;
-    std::condition_variable ended;
-    int running = threads;
     const auto work = [&] {
-        for (std::size_t k; !stop && (k = next++) < count;) done += task(k);
-        const std::lock_guard<std::mutex> hold(lock);
-        --running;
-        ended.notify_one();
+        for (std::size_t k = next++; !stop && k < count; k = next++) gaits += task(k);
     };
-    std::vector<std::thread> pool;
-    for (int i = 0; i < threads; ++i) pool.emplace_back(work);
-    {
-        std::unique_lock<std::mutex> hold(lock);
-        while (!ended.wait_for(hold, 100ms, [&] { return running == 0; })) {
-            hold.unlock();
-            if (!stop && !go_on(done.exchange(0))) stop = true;
-            hold.lock();
-        }
+    std::vector<std::future<void>> pool(std::max(threads, 1));
+    for (auto& worker : pool) worker = std::async(std::launch::async, work);
+    for (auto& worker : pool) {
+        while (worker.wait_for(kReportInterval) != std::future_status::ready)
+            stop = stop || !keep_running(gaits.exchange(0));
+        worker.get();
     }
-    for (std::thread& t : pool) t.join();
-    if (!stop) go_on(done.exchange(0));
+    if (!stop) keep_running(gaits);
 }
 
 }  // namespace
 
-SteadyState steady_state(const SweepShape& k, const SteadyOptions& options) {
-    SteadyState state;
-    RatesOfShape(k.robot, k.ground, k.gait).solve(&k.gait.omega, 1, options, &state);
-    return state;
+SteadyState steady_state(const SweepShape& shape, const SteadyOptions& options) {
+    return states_of(shape, {shape.gait.omega}, options).front();
 }
 
 void sweep_shapes(const std::vector<SweepShape>& shapes, const std::vector<double>& omegas,
-                  const SteadyOptions& options, int threads, const std::function<bool(long)>& go_on,
-                  double* to) {
-    share_out(shapes.size(), threads, go_on, [&](std::size_t k) {
-        const auto& [robot, ground, gait] = shapes[k];
-        const int rates = static_cast<int>(omegas.size());
-        std::vector<SteadyState> states(rates);
-        RatesOfShape(robot, ground, gait).solve(omegas.data(), rates, options, states.data());
-        for (int i = 0; i < rates; ++i) put(states[i], to + (k * rates + i) * kSweepColumns);
-        return long{rates};
+                  const SteadyOptions& options, int threads, const KeepRunning& keep_running,
+                  double* columns) {
+    run_parallel(shapes.size(), threads, keep_running, [&](std::size_t k) {
+        double* column = columns + k * omegas.size() * kSweepColumns;
+        for (const SteadyState& state : states_of(shapes[k], omegas, options)) {
+            write_columns(state, column);
+            column += kSweepColumns;
+        }
+        return static_cast<long>(omegas.size());
     });
 }
 
 std::vector<SteadyState> neighbours(const SweepShape& middle, const std::vector<SweepShape>& shapes,
                                     const SteadyOptions& options, int threads,
-                                    const std::function<bool(long)>& go_on,
+                                    const KeepRunning& keep_running,
                                     const std::vector<Vec3>& starts) {
     SteadyByPieces begin(middle.robot, middle.ground, middle.gait);
     if (!middle.ground.smooth() && starts.empty())
-        begin.solve(middle.gait.omega, {options.rtol, false, 0});
-    std::vector<SteadyState> found(shapes.size());
-    share_out(shapes.size(), threads, go_on, [&](std::size_t k) {
+        begin.solve(middle.gait.omega, {options.rtol, false});
+    std::vector<SteadyState> states(shapes.size());
+    run_parallel(shapes.size(), threads, keep_running, [&](std::size_t k) {
         const auto& [robot, ground, gait] = shapes[k];
         if (ground.smooth()) {
-            found[k] = steady_state(shapes[k], options);
+            states[k] = steady_state(shapes[k], options);
             return 1L;
         }
         SteadyByPieces dry(robot, ground, gait, begin);
         if (!starts.empty()) dry.start_from(starts[k]);
-        found[k] = dry.solve(gait.omega, options);
+        states[k] = dry.solve(gait.omega, options);
         return 1L;
     });
-    return found;
+    return states;
 }
 
 }  // namespace serpenoid

@@ -36,20 +36,22 @@ enum SweepColumn {
     kSweepColumns
 };
 
-// Fills to[(shape * rates + rate) * kSweepColumns + column]. A shape is solved rate by rate in one
-// thread, from nothing, so neither the threads nor the other shapes change a bit of it. go_on(n) is
-// called now and then, in this thread, with the number of gaits done since its last call; false
-// ends the sweep after the shapes in hand.
+// Called now and then, in the caller's thread, with the number of gaits done since its last call;
+// false ends the work after the shapes in hand.
+using KeepRunning = std::function<bool(long)>;
+
+// Fills columns[(shape * rates + rate) * kSweepColumns + column]. A shape is solved rate by rate in
+// one thread, from nothing, so neither the threads nor the other shapes change a bit of it.
 void sweep_shapes(const std::vector<SweepShape>& shapes, const std::vector<double>& omegas,
-                  const SteadyOptions& options, int threads, const std::function<bool(long)>& go_on,
-                  double* to);
+                  const SteadyOptions& options, int threads, const KeepRunning& keep_running,
+                  double* columns);
 
 // The periodic states of shapes that are all alike, each at its own gait's rate. On dry ground they
 // begin at the state of `middle`, or each at its own velocities in the body frame at phase 0 where
 // `starts` has any.
 std::vector<SteadyState> neighbours(const SweepShape& middle, const std::vector<SweepShape>& shapes,
                                     const SteadyOptions& options, int threads,
-                                    const std::function<bool(long)>& go_on,
+                                    const KeepRunning& keep_running,
                                     const std::vector<Vec3>& starts = {});
 
 }  // namespace serpenoid

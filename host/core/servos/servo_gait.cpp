@@ -86,7 +86,7 @@ double settle(ServoSteps& steps, ServoCycle& map, double part, double least) {
     steps.cycle();  // the joints forget their start
     FixedPoint point(map, false);
     const Vec3 &scale = map.scale(), start = map.state();
-    for (int i = 0; i < 3; ++i) point.z[i] = start[i] / scale[i];
+    for (int i = 0; i < 3; ++i) point.start[i] = start[i] / scale[i];
     const double unit = scale[0] / map.nm();  // m/s
     for (int again = 0; again < 3; ++again) {
         Orbit orbit;
@@ -94,7 +94,7 @@ double settle(ServoSteps& steps, ServoCycle& map, double part, double least) {
         if (point.solve(0, goal, false, orbit) != FixedPoint::Ended::converged) break;
         const double left = unit * std::hypot(orbit.step[0], orbit.step[1], orbit.step[2]);
         if (left > 2 * part * std::max(steps.path().speed, least)) continue;  // it was faster
-        const Vec3& z = point.z;
+        const Vec3& z = point.start;
         map.set_state({z[0] * scale[0], z[1] * scale[1], z[2] * scale[2]});
         return left;
     }

@@ -91,10 +91,11 @@ void SpectralViscous::add_powers(Batch& batch) {
 // The state of one gait of a pack, with its errors.
 SteadyState SpectralViscous::state_of(const SteadyOptions& options, const Solution& coarse,
                                       const Solution& fine, int lane) const {
-    constexpr double kRounding = 2e-15;  // of a speed, over half of body length times omega
-    constexpr double kSlowest = 4e-3;    // most error of the multiplier's logarithm
-    constexpr double kPositive = 1e-6;   // most error of positive power; pieces have no limit
-    constexpr double kSquared = 3;       // of the coarse error's square, what the fine one may be
+    constexpr double kRounding = 2e-15;   // of a speed, over half of body length times omega
+    constexpr double kLeastTurn = 1e-14;  // rad
+    constexpr double kSlowest = 4e-3;     // most error of the multiplier's logarithm
+    constexpr double kPositive = 1e-6;    // most error of positive power; pieces have no limit
+    constexpr double kSquared = 3;        // of the coarse error's square, what the fine one may be
     const double omega = omega_[lane];
     SteadyState to;
     to.speed = to.chord = std::fabs(fine.speed);
@@ -105,18 +106,18 @@ SteadyState SpectralViscous::state_of(const SteadyOptions& options, const Soluti
     // by Cauchy and Schwarz: a relative change of the motion by `residual` changes power by no more
     // than this, with the power of the chain held still
     const double shrinks = std::clamp(kSquared * fine.first_change, 1e-3, 1.0);
-    const ErrorRule rule{shrinks, 0,
-                         fine.residual * to.speed + kRounding * omega * robot_.l * robot_.n,
-                         2 * fine.residual * std::sqrt(fine.still_power * to.power)};
-    LevelChange change;
-    change.speed = std::fabs(fine.speed - coarse.speed);
-    change.power = std::fabs(fine.power - coarse.power);
-    bound_errors(change, {}, rule, options.rtol, to);
+    const double speed_rest = fine.residual * to.speed + kRounding * omega * robot_.l * robot_.n;
+    to.speed_error = stated_error(shrinks * std::fabs(fine.speed - coarse.speed) + speed_rest,
+                                  options.rtol, to.speed);
+    const double power_rest = 2 * fine.residual * std::sqrt(fine.still_power * to.power);
+    const double power_change = shrinks * std::fabs(fine.power - coarse.power);
+    to.power_error = stated_error(power_change + power_rest, options.rtol, to.power);
+    to.turn_error = kLeastTurn;
     if (options.powers) {
         to.abs_power = fine.abs_power, to.positive_power = (fine.abs_power + fine.power) / 2;
-        const double error = fine.abs_error + 2 * fine.residual * fine.still_power +
-                             shrinks * change.power + rule.power;
-        to.positive_power_error = least_bound(error / 2, options.rtol, to.positive_power);
+        const double error =
+            fine.abs_error + 2 * fine.residual * fine.still_power + power_change + power_rest;
+        to.positive_power_error = stated_error(error / 2, options.rtol, to.positive_power);
     }
     // the transfer's order is four
     Mat3 half;
