@@ -57,34 +57,8 @@ inline double link_balance(const Robot& r, Chain& k, const Joints& joints, int i
     return r.l * (-k.s[i] * (px + qx) + k.c[i] * (py + qy));
 }
 
-// The three below take a chain and the joint forces, and fill its accelerations.
-
-// Angles imposed: joint_accel[j] = phi_j''. Returns theta_1''; k.alpha gets the couples of the
-// links.
-inline double implicit_turn(const Robot& r, const double* joint_accel, Chain& k,
-                            const Joints& joints) {
-    double turn = 0, turns = 0, couples = 0;
-    for (int i = 0; i < k.n(); ++i) {
-        if (i > 0) turn += joint_accel[i - 1];
-        turns += turn;
-        k.alpha[i] = link_balance(r, k, joints, i);
-        couples += k.alpha[i];
-    }
-    return (couples - r.I * turns) / (k.n() * r.I);
-}
-
-// The same, and the torques, which follow from the angular equation of each link.
-inline void implicit_angle(const Robot& r, const double* joint_accel, Chain& k, Joints& joints) {
-    double angular = implicit_turn(r, joint_accel, k, joints), T = 0;
-    for (int i = 0; i < k.n(); ++i) {
-        if (i > 0) angular += joint_accel[i - 1];
-        T += r.I * angular - k.alpha[i];
-        k.alpha[i] = angular;
-        if (i + 1 < k.n()) joints.T[i] = T;
-    }
-}
-
-// Some joints imposed, the others free, as explicit_mixed; the imposed torques solve
+// Fill the accelerations of a chain by the joint forces. Some joints imposed, the others free, as
+// explicit_mixed; the imposed torques solve
 //     (2T_i - T_{i-1} - T_{i+1})/I = (couple_{i+1} - couple_i)/I - phi_i'',
 // and so do those of joints with rotors, whose phi_i'' is (T_i - what drives the rotor) / rotor_i.
 inline void implicit_mixed(const Robot& r, const std::vector<char>& imposed,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -46,124 +47,48 @@ bool solve_dense(double* A, double* b) {
 
 // The same for a size that is known when it runs, factored once for any number of right sides. By
 // columns, so that every inner loop runs over neighbours in memory.
+template <class Scalar>
 class DenseFactors {
   public:
     // The matrix to fill, by columns.
-    std::vector<double>& begin(int size) {
+    std::vector<Scalar>& begin(int size) {
         n_ = size;
-        columns_.assign(size * size, 0.0);
+        columns_.assign(size * size, Scalar{});
         swapped_.resize(size);
         return columns_;
     }
     bool factor() {
         for (int k = 0; k < n_; ++k) {
-            double* __restrict pivots = column(k);
+            Scalar* pivots = column(k);
             int pivot = k;
             for (int i = k + 1; i < n_; ++i)
-                if (std::fabs(pivots[i]) > std::fabs(pivots[pivot])) pivot = i;
+                if (std::norm(pivots[i]) > std::norm(pivots[pivot])) pivot = i;
             swapped_[k] = pivot;
-            if (!(std::fabs(pivots[pivot]) > 0)) return false;
+            if (!(std::norm(pivots[pivot]) > 0)) return false;
             for (int j = 0; j < n_ && pivot != k; ++j) std::swap(column(j)[k], column(j)[pivot]);
-            const double inverse = 1 / pivots[k];
+            const Scalar inverse = Scalar{1} / pivots[k];
             for (int i = k + 1; i < n_; ++i) pivots[i] *= inverse;
             for (int j = k + 1; j < n_; ++j) {
-                double* __restrict reduced = column(j);
-                const double f = reduced[k];
-                if (f == 0) continue;
-                for (int i = k + 1; i < n_; ++i) reduced[i] -= f * pivots[i];
+                Scalar* reduced = column(j);
+                for (int i = k + 1; i < n_; ++i) reduced[i] -= reduced[k] * pivots[i];
             }
         }
         return true;
     }
-    void solve(std::vector<double>& b) {
-        double* __restrict x = b.data();
+    void solve(Scalar* x) {
         for (int k = 0; k < n_; ++k) std::swap(x[k], x[swapped_[k]]);
-        for (int k = 0; k < n_; ++k) {
-            const double* __restrict factors = column(k);
-            for (int i = k + 1; i < n_; ++i) x[i] -= factors[i] * x[k];
-        }
-        for (int k = n_ - 1; k >= 0; --k) {
-            const double* __restrict factors = column(k);
-            x[k] /= factors[k];
-            for (int i = 0; i < k; ++i) x[i] -= factors[i] * x[k];
-        }
-    }
-
-  private:
-    double* column(int k) { return &columns_[k * n_]; }
-    int n_ = 0;
-    std::vector<double> columns_;
-    std::vector<int> swapped_;
-};
-
-// The same for a complex matrix, in real and imaginary parts.
-class ComplexFactors {
-  public:
-    void begin(int size) {
-        n_ = size;
-        re.assign(size * size, 0.0);
-        im.assign(size * size, 0.0);
-        swapped_.resize(size);
-    }
-    bool factor() {
-        for (int k = 0; k < n_; ++k) {
-            double* __restrict pivots_re = &re[k * n_];
-            double* __restrict pivots_im = &im[k * n_];
-            const auto square = [&](int i) {
-                return pivots_re[i] * pivots_re[i] + pivots_im[i] * pivots_im[i];
-            };
-            int pivot = k;
-            for (int i = k + 1; i < n_; ++i)
-                if (square(i) > square(pivot)) pivot = i;
-            swapped_[k] = pivot;
-            const double size = square(pivot);
-            if (!(size > 0)) return false;
-            for (int j = 0; j < n_ && pivot != k; ++j) {
-                std::swap(re[j * n_ + k], re[j * n_ + pivot]);
-                std::swap(im[j * n_ + k], im[j * n_ + pivot]);
-            }
-            const double inverse_re = pivots_re[k] / size, inverse_im = -pivots_im[k] / size;
-            for (int i = k + 1; i < n_; ++i) {
-                const double real = pivots_re[i] * inverse_re - pivots_im[i] * inverse_im;
-                pivots_im[i] = pivots_re[i] * inverse_im + pivots_im[i] * inverse_re;
-                pivots_re[i] = real;
-            }
-            for (int j = k + 1; j < n_; ++j)
-                subtract(k, k + 1, n_, re[j * n_ + k], im[j * n_ + k], &re[j * n_], &im[j * n_]);
-        }
-        return true;
-    }
-    void solve(std::vector<double>& b_re, std::vector<double>& b_im) const {
-        for (int k = 0; k < n_; ++k) {
-            std::swap(b_re[k], b_re[swapped_[k]]);
-            std::swap(b_im[k], b_im[swapped_[k]]);
-        }
         for (int k = 0; k < n_; ++k)
-            subtract(k, k + 1, n_, b_re[k], b_im[k], b_re.data(), b_im.data());
+            for (int i = k + 1; i < n_; ++i) x[i] -= column(k)[i] * x[k];
         for (int k = n_ - 1; k >= 0; --k) {
-            const double pivot_re = re[k * n_ + k], pivot_im = im[k * n_ + k];
-            const double size = pivot_re * pivot_re + pivot_im * pivot_im;
-            const double real = (b_re[k] * pivot_re + b_im[k] * pivot_im) / size;
-            b_im[k] = (b_im[k] * pivot_re - b_re[k] * pivot_im) / size;
-            b_re[k] = real;
-            subtract(k, 0, k, real, b_im[k], b_re.data(), b_im.data());
+            x[k] /= column(k)[k];
+            for (int i = 0; i < k; ++i) x[i] -= column(k)[i] * x[k];
         }
     }
-    std::vector<double> re, im;  // by columns
 
   private:
-    // A column's rows from `begin` to `end`, less f times column k.
-    void subtract(int k, int begin, int end, double f_re, double f_im, double* __restrict b_re,
-                  double* __restrict b_im) const {
-        if (f_re == 0 && f_im == 0) return;
-        const double* __restrict column_re = &re[k * n_];
-        const double* __restrict column_im = &im[k * n_];
-        for (int i = begin; i < end; ++i) {
-            b_re[i] -= f_re * column_re[i] - f_im * column_im[i];
-            b_im[i] -= f_re * column_im[i] + f_im * column_re[i];
-        }
-    }
+    Scalar* column(int k) { return &columns_[k * n_]; }
     int n_ = 0;
+    std::vector<Scalar> columns_;
     std::vector<int> swapped_;
 };
 

@@ -20,6 +20,7 @@ Chain start_chain(const RunRequest& q) {
     Chain c(n);
     std::vector<double>* part[6] = {&c.x, &c.y, &c.theta, &c.vx, &c.vy, &c.omega};
     for (int p = 0; p < 6; ++p) std::copy_n(q.start.begin() + p * n, n, part[p]->begin());
+    c.directions();
     return c;
 }
 

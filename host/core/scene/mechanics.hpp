@@ -12,6 +12,7 @@
 #include "model/ground_force.hpp"
 #include "model/implicit_model.hpp"
 #include "scene/run_request.hpp"
+#include "scene/step_equations.hpp"
 
 namespace serpenoid {
 
@@ -57,6 +58,8 @@ class Mechanics {
     virtual void enter(double, const double*) {}
     // The paper's scheme: keep the rates of the gaps as they are, for the dampers of the next step.
     virtual void latch() {}
+    // The equations of an implicit step where these mechanics know better than a dense matrix.
+    virtual std::unique_ptr<StepEquations> step_equations() { return nullptr; }
 
     Robot robot;
     Chain chain;

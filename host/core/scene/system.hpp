@@ -38,6 +38,7 @@ class System {
     double next_jump(double t) const { return mechanics_->next_jump(t); }
     void enter(double t, const double* y) { mechanics_->enter(t, y); }
     void latch() { mechanics_->latch(); }
+    std::unique_ptr<StepEquations> step_equations() { return mechanics_->step_equations(); }
 
     Sticking* sticking() { return sticking_.get(); }
     EnergyLedger* ledger() { return ledger_ ? &*ledger_ : nullptr; }

@@ -27,16 +27,62 @@ constexpr double kRootSix = 2.449489742783178;
 constexpr double kError[3] = {(-13 - 7 * kRootSix) / 3, (-13 + 7 * kRootSix) / 3, -1.0 / 3};
 
 constexpr int kMaxIterations = 8;
-constexpr double kIterationError = 0.01;   // of the tolerance: what the iteration may miss
-constexpr double kRounding = 1e-14;        // of a rate: least change that an iteration can make
-constexpr double kSlowContraction = 1e-2;  // above it the derivatives are taken anew
-constexpr double kKeptGrowth = 2;          // a step that may grow by less keeps its factors
-constexpr double kLongestStep = 1.5;       // of the motion's unit of time: it may not miss a beat
-constexpr double kFirstStep = 1e-3;        // of that unit
-constexpr double kDifference = 1e-5;       // of the scale, for derivatives
-constexpr double kMinError = 1e-4;         // of the tolerance, for the choice of the next step
+constexpr double kIterationError = 0.03;  // of the tolerance: what the iteration may miss
+constexpr double kRemembered = 0.8;       // power of the remaining share, from step to step
+constexpr double kMinRemaining = 1e-6;    // of a change, which later ones may add to it
+constexpr double kRounding = 1e-14;       // of a rate: least change that an iteration can make
+constexpr double kKeptGrowth = 1.2;       // a step that may grow by less keeps its matrices
+constexpr double kLongestStep = 1.5;      // of the motion's unit of time: it may not miss a beat
+constexpr double kFirstStep = 1e-3;       // of that unit
+constexpr double kDifference = 1e-5;      // of the scale, for derivatives
+constexpr double kMinError = 1e-4;        // of the tolerance, for the choice of the next step
 constexpr int kUniform = 2;     // coordinates of a place: the ground is the same everywhere
 constexpr int kMaxTries = 100;  // of a step
+
+// For any system, by differences.
+class DenseEquations final : public StepEquations {
+  public:
+    DenseEquations(System& system, const std::vector<double>& scale)
+        : system_(system),
+          m_(system.coordinates()),
+          scale_(scale),
+          rate_(system.dim()),
+          moved_(rate_),
+          by_place_(m_ * m_),
+          by_rate_(m_ * m_) {}
+
+    bool linearise(double t, const double* y, double real_s, Complex complex_s) override {
+        system_.rate(t, y, rate_.data());
+        std::vector<double> near(y, y + system_.dim());
+        for (int entry = kUniform; entry < 2 * m_; ++entry) {
+            double* slopes = &(entry < m_ ? by_place_ : by_rate_)[entry % m_ * m_];
+            const double difference = kDifference * scale_[entry];
+            near[entry] += difference;
+            system_.rate(t, near.data(), moved_.data());
+            near[entry] = y[entry];
+            for (int row = 0; row < m_; ++row)
+                slopes[row] = (moved_[m_ + row] - rate_[m_ + row]) / difference;
+        }
+        return fill(real_s, real_) && fill(complex_s, complex_);
+    }
+    void solve(double* change) override { real_.solve(change); }
+    void solve(Complex* change) override { complex_.solve(change); }
+
+  private:
+    template <class Scalar>
+    bool fill(Scalar s, DenseFactors<Scalar>& factors) {
+        std::vector<Scalar>& matrix = factors.begin(m_);
+        for (int i = 0; i < m_ * m_; ++i)
+            matrix[i] = (i % (m_ + 1) == 0 ? s : Scalar{}) - by_rate_[i] - by_place_[i] / s;
+        return factors.factor();
+    }
+    System& system_;
+    int m_;
+    std::vector<double> scale_, rate_, moved_;
+    std::vector<double> by_place_, by_rate_;  // by columns
+    DenseFactors<double> real_;
+    DenseFactors<Complex> complex_;
+};
 }  // namespace
 
 Radau::Radau(System& system, const Vector& scale, double tolerance)
@@ -44,79 +90,58 @@ Radau::Radau(System& system, const Vector& scale, double tolerance)
       m_(system.coordinates()),
       dim_(system.dim()),
       tolerance_(tolerance),
-      unit_s_(scale[0] / scale[m_]) {
+      unit_s_(scale[0] / scale[m_]),
+      equations_(system.step_equations()) {
     for (const double one : scale) weight_.push_back(1 / (one * tolerance));
-    for (Vector* v : {&y_, &y_old_, &rate_, &scratch_, &moved_}) v->resize(dim_);
+    for (Vector* v : {&y_, &y_old_, &scratch_, &moved_}) v->resize(dim_);
     for (Stages* stages : {&stage_, &stage_rate_, &past_})
         for (Vector& v : *stages) v.resize(dim_);
     for (Vector& v : change_) v.resize(m_);
-    for (Vector* v : {&real_change_, &complex_re_, &complex_im_, &filter_, &ringing_, &frequency_})
-        v->resize(m_);
-    by_rate_.resize(m_ * m_);
-    by_place_.resize(m_ * m_);
+    for (Vector* v : {&real_change_, &filter_, &place_}) v->resize(m_);
+    complex_change_.resize(m_);
+    if (!equations_) equations_ = std::make_unique<DenseEquations>(system, scale);
     h_next_ = kFirstStep * unit_s_;
 }
 
 void Radau::restart_with_step(double t, const double* y, double first_step) {
     t_ = t;
     h_ = 0;
-    h_factored_ = 0;
+    h_linearised_ = 0;
     h_next_ = first_step;
+    remaining_ = 1;
     std::copy_n(y, dim_, y_.begin());
-    system_.rate(t, y, rate_.data());
     fresh_ = false;
-    stale_ = true;
 }
 
 // Derivatives of the accelerations in the middle of a step of h, as it is predicted.
-void Radau::differentiate(double h) {
-    predict(h);
-    set_stages(h);
-    const double t = t_ + h * Rule::get().c[1];
-    const Vector middle = stage_[1];
-    system_.rate(t, middle.data(), stage_rate_[1].data());
-    const double* accel = stage_rate_[1].data() + m_;
-    scratch_ = middle;
-    for (int entry = kUniform; entry < 2 * m_; ++entry) {
-        Vector& slopes = entry < m_ ? by_place_ : by_rate_;
-        const int column = entry % m_;
-        const double difference = kDifference / (weight_[entry] * tolerance_);
-        scratch_[entry] = middle[entry] + difference;
-        system_.rate(t, scratch_.data(), moved_.data());
-        scratch_[entry] = middle[entry];
-        for (int row = 0; row < m_; ++row)
-            slopes[column * m_ + row] = (moved_[m_ + row] - accel[row]) / difference;
-    }
-    for (int gap = kUniform; gap < system_.lengths(); ++gap) {
-        frequency_[gap] = std::sqrt(std::fabs(by_place_[gap * m_ + gap]));
-        double speed = 0;
-        for (int row = 0; row < m_; ++row)
-            speed = std::max(speed, std::fabs(by_place_[gap * m_ + row]) * weight_[m_ + row]);
-        ringing_[gap] = frequency_[gap] > 0 ? speed / frequency_[gap] : 0;
-    }
+bool Radau::linearise(double h) {
+    if (frequency_ == 0 && system_.lengths() > kUniform) find_ringing();
     fresh_ = true;
-    stale_ = false;
-    h_factored_ = 0;
+    h_linearised_ = h;
+    return equations_->linearise(t_ + h * Rule::get().c[1], stage_[1].data(), kMuReal / h,
+                                 {kMuRe / h, kMuIm / h});
 }
 
-bool Radau::factor(double h) {
-    const double s = kMuReal / h;
-    const double re = kMuRe / h, im = kMuIm / h, square = re * re + im * im;
-    Vector& real = real_.begin(m_);
-    complex_.begin(m_);
-    for (int column = 0; column < m_; ++column)
-        for (int row = 0; row < m_; ++row) {
-            const int i = column * m_ + row;
-            const bool diagonal = row == column;
-            real[i] = (diagonal ? s : 0) - by_rate_[i] - by_place_[i] / s;
-            complex_.re[i] = (diagonal ? re : 0) - by_rate_[i] - by_place_[i] * re / square;
-            complex_.im[i] = (diagonal ? im : 0) + by_place_[i] * im / square;
+// The accelerations by the gaps, at the start of a step.
+void Radau::find_ringing() {
+    const Vector& rate = stage_rate_[0];
+    system_.rate(t_, y_.data(), stage_rate_[0].data());
+    for (int gap = kUniform; gap < system_.lengths(); ++gap) {
+        const double difference = kDifference / (weight_[gap] * tolerance_);
+        scratch_ = y_;
+        scratch_[gap] += difference;
+        system_.rate(t_, scratch_.data(), moved_.data());
+        double speed = 0;
+        for (int row = m_; row < 2 * m_; ++row) {
+            const double slope = std::fabs(moved_[row] - rate[row]) / difference;
+            speed = std::max(speed, slope * weight_[row]);
+            if (row == m_ + gap) frequency_ = std::max(frequency_, std::sqrt(slope));
         }
-    h_factored_ = h;
-    return real_.factor() && complex_.factor();
+        ringing_ = std::max(ringing_, speed);
+    }
 }
 
-// The stages' rates, as the last step's polynomial continues them.
+// The stages, as the last step's polynomial continues their rates.
 void Radau::predict(double h) {
     for (int i = 0; i < kStages; ++i) {
         change_[i].assign(m_, 0.0);
@@ -128,6 +153,7 @@ void Radau::predict(double h) {
                 change_[i][j] += w[k] * (past_[k][m_ + j] - y_old_[m_ + j]);
         }
     }
+    set_stages(h);
 }
 
 void Radau::set_stages(double h) {
@@ -155,17 +181,17 @@ double Radau::iterate(double h) {
                 change[k] += kInverse[k][i] * change_[i][j];
             }
         real_change_[j] = force[0] - s * change[0];
-        complex_re_[j] = force[1] - (re * change[1] - im * change[2]);
-        complex_im_[j] = force[2] - (re * change[2] + im * change[1]);
+        complex_change_[j] = {force[1] - (re * change[1] - im * change[2]),
+                              force[2] - (re * change[2] + im * change[1])};
     }
-    real_.solve(real_change_);
-    complex_.solve(complex_re_, complex_im_);
+    equations_->solve(real_change_.data());
+    equations_->solve(complex_change_.data());
     double moved = 0, check = 0;
     for (int j = 0; j < m_; ++j) {
         const double weight = std::max(weight_[m_ + j], weight_[j] / s);
         for (int i = 0; i < kStages; ++i) {
-            const double step =
-                kT[i][0] * real_change_[j] + kT[i][1] * complex_re_[j] + kT[i][2] * complex_im_[j];
+            const double step = kT[i][0] * real_change_[j] + kT[i][1] * complex_change_[j].real() +
+                                kT[i][2] * complex_change_[j].imag();
             change_[i][j] += step;
             moved = std::max(moved, std::fabs(step) * weight);
             check += step * 0;
@@ -175,46 +201,47 @@ double Radau::iterate(double h) {
     return moved + check;  // the maximum alone would pass over NaN
 }
 
+// Before a second iteration tells the contraction, that of steps before stands for it, a little
+// less from step to step.
 bool Radau::solve(double h) {
     const double enough = std::max(kIterationError, kRounding / tolerance_);
-    predict(h);
-    set_stages(h);
     double last_change = 0;
     contraction_ = 0;
+    remaining_ = std::pow(remaining_, kRemembered);
     for (iterations_ = 1; iterations_ <= kMaxIterations; ++iterations_) {
         const double change = iterate(h);
         if (!(change < 1e300)) return false;
-        if (iterations_ > 1) contraction_ = std::max(change / last_change, 0.3 * contraction_);
-        const double remaining = iterations_ > 1 && contraction_ < 1
-                                     ? change * contraction_ / (1 - contraction_)
-                                     : change;
-        if (remaining <= enough) return true;
+        if (iterations_ > 1) {
+            contraction_ = std::max(change / last_change, 0.3 * contraction_);
+            remaining_ = contraction_ < 1 ? contraction_ / (1 - contraction_) : 1;
+            remaining_ = std::max(remaining_, kMinRemaining);
+        }
+        if (change * remaining_ <= enough) return true;
         if (contraction_ >= 1 && iterations_ > 2) return false;
         last_change = change;
     }
     return false;
 }
 
-// The embedded error for the rates at a state near the start; it is left in scratch_ as a change
-// of the state.
-double Radau::filtered(double h, const double* y, const double* accel) {
+// The embedded error at a state near the start, left in scratch_ as a change of the state. Its
+// places move first: by the accelerations there the filter sees its own derivatives by places.
+double Radau::filtered(double h, const Vector& y) {
     const double s = kMuReal / h;
-    Vector& place = moved_;
+    scratch_ = y;
     for (int j = 0; j < m_; ++j) {
-        place[j] = y[m_ + j];
-        filter_[j] = accel[j];
-        for (int i = 0; i < kStages; ++i) {
-            place[j] += kError[i] / h * (stage_[i][j] - y_[j]);
-            filter_[j] += kError[i] / h * change_[i][j];
-        }
+        place_[j] = y[m_ + j];
+        for (int i = 0; i < kStages; ++i) place_[j] += kError[i] / h * (stage_[i][j] - y_[j]);
+        scratch_[j] += place_[j] / s;
     }
-    for (int column = kUniform; column < m_; ++column)
-        for (int row = 0; row < m_; ++row)
-            filter_[row] += by_place_[column * m_ + row] * place[column] / s;
-    real_.solve(filter_);
+    system_.rate(t_, scratch_.data(), moved_.data());
+    for (int j = 0; j < m_; ++j) {
+        filter_[j] = moved_[m_ + j];
+        for (int i = 0; i < kStages; ++i) filter_[j] += kError[i] / h * change_[i][j];
+    }
+    equations_->solve(filter_.data());
     double worst = 0, check = 0;
     for (int j = 0; j < m_; ++j) {
-        scratch_[j] = (filter_[j] + place[j]) / s;
+        scratch_[j] = (filter_[j] + place_[j]) / s;
         scratch_[m_ + j] = filter_[j];
         worst = std::max(
             {worst, std::fabs(scratch_[j]) * weight_[j], std::fabs(filter_[j]) * weight_[m_ + j]});
@@ -228,22 +255,18 @@ double Radau::swallowed_ringing(double h) const {
     for (int gap = kUniform; gap < system_.lengths(); ++gap) {
         double off = y_[gap];
         for (int i = 0; i < kStages; ++i) off -= Rule::get().at0[i] * stage_[i][gap];
-        worst =
-            std::max(worst, ringing_[gap] * std::min(1.0, h * frequency_[gap]) * std::fabs(off));
+        worst = std::max(worst, std::fabs(off));
     }
-    return worst;
+    return worst > 0 ? worst * ringing_ * std::min(1 / frequency_, h) : 0;
 }
 
 // Over the tolerance. A step without a smooth past is judged by rates that are filtered twice.
 double Radau::error(double h, bool first) {
-    double size = filtered(h, y_.data(), rate_.data() + m_);
+    double size = filtered(h, y_);
     if (first && size > 1) {
-        for (int i = 0; i < 2 * m_; ++i) scratch_[i] += y_[i];
-        for (int i = 2 * m_; i < dim_; ++i) scratch_[i] = y_[i];
-        const Vector near = scratch_;
-        system_.rate(t_, near.data(), moved_.data());
-        const Vector accel(moved_.begin() + m_, moved_.begin() + 2 * m_);
-        size = filtered(h, near.data(), accel.data());
+        Vector near = y_;
+        for (int i = 0; i < 2 * m_; ++i) near[i] += scratch_[i];
+        size = filtered(h, near);
     }
     size = std::max(size, swallowed_ringing(h));
     return std::isfinite(size) ? std::max(size, kMinError) : HUGE_VAL;
@@ -274,7 +297,6 @@ void Radau::accept(double h, double t) {
     std::swap(y_old_, y_);
     std::swap(past_, stage_);
     y_ = past_.back();
-    system_.rate(t_, y_.data(), rate_.data());
     fresh_ = false;
 }
 
@@ -285,10 +307,10 @@ StepOutcome Radau::step(double t_limit) {
         const bool last = t_ + 1.01 * h_next_ >= t_limit;
         const double h = last ? t_limit - t_ : h_next_;
         if (!(t_ + h > t_)) break;
-        if (stale_) differentiate(h);
-        if ((h != h_factored_ && !factor(h)) || !solve(h)) {
+        predict(h);
+        if ((h != h_linearised_ && !linearise(h)) || !solve(h)) {
             if (fresh_) h_next_ = 0.5 * h;
-            stale_ = true;
+            h_linearised_ = 0;
             continue;
         }
         const double earlier = error_;
@@ -303,11 +325,11 @@ StepOutcome Radau::step(double t_limit) {
         }
         const double longest = std::max(1.0, kLongestStep * unit_s_ / h);
         double grow = std::clamp(growth(h), 0.2, std::min(8.0, longest));
-        const bool slow = iterations_ > 2 && contraction_ > kSlowContraction;
+        const bool slow = iterations_ > 2;
         if (!slow && !last && grow >= 1 && grow < kKeptGrowth) grow = 1;
         h_next_ = last ? std::max(h_next_, h * grow) : h * grow;
         accept(h, last ? t_limit : t_ + h);
-        stale_ = slow;
+        if (slow) h_linearised_ = 0;
         return {};
     }
     return {false, why};

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "methods/method.hpp"
@@ -15,13 +16,11 @@ namespace serpenoid {
 // Three stages, solved by simplified Newton iteration in the coordinates in which the rule's matrix
 // has one real and two complex eigenvalues mu (Hairer, Wanner, Solving Ordinary Differential
 // Equations II, IV.8). The unknowns are the rates v of the stages; the coordinates follow exactly,
-// q = q_0 + h A v. So the matrices have the size of the coordinates: with s = mu / h
+// q = q_0 + h A v. So the matrices have the size of the coordinates (step_equations.hpp).
 //
-//     s - da/dv - (da/dq) / s.
-//
-// Their derivatives, by differences, and their factors are kept from step to step as long as the
-// iteration converges quickly. The error is the embedded one of order 3, filtered by the real
-// matrix: in a stiff direction it is then the distance from the slow motion.
+// They are kept while the step stays and the iteration converges quickly. The error is the embedded
+// one of order 3, filtered by the real matrix: in a stiff direction it is then the distance from
+// the slow motion.
 //
 // Of springs without dampers a long step swallows the ringing. By how much the gaps at its start
 // stand off the smooth curve through its stages counts as the speed that it is a quarter of a
@@ -50,13 +49,13 @@ class Radau final : public Method {
     using Vector = std::vector<double>;
     using Stages = std::array<Vector, kStages>;
 
-    void differentiate(double h);
-    bool factor(double h);
+    bool linearise(double h);
+    void find_ringing();
     void predict(double h);
     void set_stages(double h);
     double iterate(double h);
     bool solve(double h);
-    double filtered(double h, const double* y, const double* accel);
+    double filtered(double h, const Vector& y);
     double swallowed_ringing(double h) const;
     double error(double h, bool first);
     double growth(double h) const;
@@ -70,22 +69,21 @@ class Radau final : public Method {
     double t_ = 0, t_old_ = 0;
     double h_ = 0;  // of the last step, 0 after a restart
     double h_next_ = 0;
-    double h_factored_ = 0;             // step of the factors, 0: none
+    double h_linearised_ = 0;           // step of the linear equations, 0: none
     double error_ = 0, error_old_ = 1;  // over the tolerance: of this step, of the last one
     double contraction_ = 1;            // of the last iteration
+    double remaining_ = 1;              // of a change: what later iterations would add
     int iterations_ = 0;
-    bool fresh_ = false;  // the derivatives are those of this step
-    bool stale_ = true;   // they are to be taken anew
-    Vector y_, y_old_, rate_, scratch_, moved_;
+    bool fresh_ = false;  // the linear equations are those of this step
+    Vector y_, y_old_, scratch_, moved_;
     Stages change_;              // of the rates from the start of the step to its stages
     Stages stage_, stage_rate_;  // states, and dy/dt of these
     Stages past_;                // states of the last step's stages
-    Vector by_rate_, by_place_;  // derivatives of the accelerations, by columns
-    Vector ringing_;             // speed over the tolerance for a gap of 1 m
-    Vector frequency_;           // of the gaps, rad/s
-    DenseFactors real_;
-    ComplexFactors complex_;
-    Vector real_change_, complex_re_, complex_im_, filter_;
+    std::unique_ptr<StepEquations> equations_;
+    double ringing_ = 0;    // acceleration over the tolerance for a gap of 1 m
+    double frequency_ = 0;  // of the gaps, rad/s, the largest
+    Vector real_change_, filter_, place_;
+    std::vector<StepEquations::Complex> complex_change_;
 };
 
 }  // namespace serpenoid
