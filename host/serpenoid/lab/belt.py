@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base.errors import NotConverged
-from ..base.vectors import Array
 from .robot import LabRobot
 
 STEER_RATE_RAD_S = math.radians(2.0)  # of a board that steers in a session
@@ -44,7 +43,7 @@ class Belt:
         self.t_s = 0.0
         self._chain, self._gravity = robot.chain(), gravity_m_s2
         self.pose_rad, self._offset = [0.0] * (robot.body.links - 1), 0.0
-        self.speed_m_s = self._wanted = 0.0
+        self.speed_m_s, self._wanted_m_s = 0.0, 0.0
 
     def tilt(self, incline_rad: float) -> None:
         """Raise the belt to an incline."""
@@ -52,7 +51,7 @@ class Belt:
 
     def run(self, speed_m_s: float) -> None:
         """Set the belt's speed, uphill; it gets there at its own haste."""
-        self._wanted = speed_m_s
+        self._wanted_m_s = speed_m_s
 
     def pose(self, set_rad: Sequence[float]) -> None:
         """Bend the robot, off the belt: what its joints are told."""
@@ -76,21 +75,20 @@ class Belt:
         push_rad_s: float = 0.0,
     ) -> None:
         """Let the robot go in the middle of the belt, held still before but for the push."""
-        self.speed_m_s = self._wanted
+        self.speed_m_s = self._wanted_m_s
         chain = self._chain
         chain.set_ground_velocity(-self.speed_m_s, 0.0)
         chain.set_joints(self._joints())
         chain.place(0.0, across_m, 0.0, 0.0, 0.0, 0.0)
-        turned = heading_rad - _axis_rad(self.places(), self.robot)
-        chain.place(0.0, across_m, turned, push_m_s, 0.0, push_rad_s)
+        chain.place(0.0, across_m, heading_rad - self._heading_rad(), push_m_s, 0.0, push_rad_s)
 
     def wait(self, duration_s: float) -> None:
         """Let time pass. Raises NotConverged."""
         remaining_s = duration_s
         while remaining_s > 1e-9:
-            dt = min(remaining_s, 0.1) if self.speed_m_s != self._wanted else remaining_s
-            most = SLEW_M_S2 * dt
-            self.speed_m_s += min(max(self._wanted - self.speed_m_s, -most), most)
+            dt = min(remaining_s, 0.1) if self.speed_m_s != self._wanted_m_s else remaining_s
+            change = SLEW_M_S2 * dt
+            self.speed_m_s += min(max(self._wanted_m_s - self.speed_m_s, -change), change)
             self._chain.set_ground_velocity(-self.speed_m_s, 0.0)
             if not self._chain.advance(dt, STEP_S):
                 raise NotConverged("the lab's robot came to no answer; are its numbers sensible?")
@@ -100,27 +98,18 @@ class Belt:
     def look(self) -> Sight:
         """Return where the robot is."""
         x, y, *_ = self._chain.state
-        heading = _axis_rad(self.places(), self.robot)
-        return Sight(self.t_s, x, y, math.remainder(heading, 2 * math.pi))
+        return Sight(self.t_s, x, y, self._heading_rad())
 
     @property
     def off(self) -> bool:
         """Tell whether the robot has left the belt."""
-        x, y, *_ = self._chain.state
-        return abs(x) > HALF_LENGTH_M or abs(y) > HALF_WIDTH_M
+        sight = self.look()
+        return abs(sight.along_m) > HALF_LENGTH_M or abs(sight.across_m) > HALF_WIDTH_M
 
-    def places(self) -> Array:
-        """Return centres and angles of all links, (n, 3), m and rad."""
-        return np.array(self._chain.places).reshape(-1, 3)
+    def _heading_rad(self) -> float:
+        """Return the direction from the tail's end to the head's: that of all links' sum."""
+        angles = np.reshape(self._chain.places, (-1, 3))[:, 2]
+        return math.atan2(np.sin(angles).sum(), np.cos(angles).sum())
 
     def _joints(self) -> list[float]:
         return self.robot.true_joints([a + self._offset for a in self.pose_rad])
-
-
-def _axis_rad(places: Array, robot: LabRobot) -> float:
-    """Return the direction from the tail's end to the head's."""
-    half = robot.body.link_length_m / 2
-    tail, head = places[0], places[-1]
-    dx = head[0] - tail[0] + half * (math.cos(head[2]) + math.cos(tail[2]))
-    dy = head[1] - tail[1] + half * (math.sin(head[2]) + math.sin(tail[2]))
-    return math.atan2(dy, dx)

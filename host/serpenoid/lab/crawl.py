@@ -7,7 +7,7 @@ import numpy as np
 from ..base.vectors import Array
 from ..model.gait import Gait
 from .floor import Floor
-from .recording import Camera
+from .recording import Camera, filmed
 from .robot import LabRobot
 
 SETTLE_CYCLES, CYCLES, SETTLE_S = 3, 4, 6.0
@@ -24,11 +24,10 @@ def crawl_speed(
     across_rad falls to its left.
     """
     period_s = gait.period_s
-    before = max(SETTLE_CYCLES, int(np.ceil(SETTLE_S / period_s)))
-    last_s = (before + CYCLES) * period_s
-    track, _ = Floor(robot, -slope_rad, across_rad).driven(gait, last_s, period_s / FRAMES)
-    # of servos' frames there is no whole number in a cycle
-    t_s = period_s * (before + np.arange(CYCLES + 1))
+    settled = max(SETTLE_CYCLES, int(np.ceil(SETTLE_S / period_s)))
+    # A servo's frames are no divisor of a cycle: places are interpolated at whole cycles.
+    t_s = period_s * (settled + np.arange(CYCLES + 1))
+    track, _ = Floor(robot, -slope_rad, across_rad).driven(gait, t_s[-1], period_s / FRAMES)
     x, y = (np.interp(t_s, track.t_s, way) for way in (track.x_m, track.y_m))
     return float(np.hypot(np.diff(x), np.diff(y)).mean()) / period_s
 
@@ -46,14 +45,11 @@ def filmed_crawl(
     Whole cycles, FILMED_S at least. A row a picture. slope_rad, across_rad: as of
     `crawl_speed`.
     """
-    before = SETTLE_S + SETTLE_CYCLES * gait.period_s
-    last = before + gait.period_s * max(3, np.ceil(FILMED_S / gait.period_s))
-    floor = Floor(robot, -slope_rad, across_rad)
-    track, joints = floor.driven(gait, last, gait.period_s / FRAMES)
-    t = before + np.arange(0.0, last - before, 1 / camera.rate_hz)
-    t = t[rng.uniform(size=t.size) >= camera.missing]
-    true = np.column_stack([track.x_m, track.y_m, track.heading_rad, joints])
-    rows = np.stack([np.interp(t, track.t_s, way) for way in true.T], axis=1)
-    rows[:, :2] *= camera.scale
-    scatter = [camera.sigma_m, camera.sigma_m, *[camera.sigma_rad] * (rows.shape[1] - 2)]
-    return np.column_stack([t - t[0], rows + scatter * rng.normal(size=rows.shape)])
+    settled_s = SETTLE_S + SETTLE_CYCLES * gait.period_s
+    cycles = max(3, np.ceil(FILMED_S / gait.period_s))
+    end_s = settled_s + gait.period_s * cycles
+    track, joints = Floor(robot, -slope_rad, across_rad).driven(gait, end_s, gait.period_s / FRAMES)
+    t = settled_s + np.arange(0.0, end_s - settled_s, 1 / camera.rate_hz)
+    rows = filmed(t[rng.uniform(size=t.size) >= camera.missing], track, joints, camera, rng)
+    rows[:, 0] -= rows[0, 0]
+    return rows

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .._core import LabChain
 from ..base.errors import NotConverged
 from ..base.vectors import Array
 from ..model.gait import Gait
@@ -18,6 +19,7 @@ REACH_M = 0.15  # of a hand that pushes
 FRAME_S = 0.01  # between the rows of a track
 REST_M_S, REST_RAD_S = 1e-6, 1e-5
 LONGEST_S = 60.0
+NO_ANSWER = "the lab's robot came to no answer; are its numbers sensible?"
 SERVO_STEP_S = 5e-4  # the speed is then some 0.2 % off, 3 % with a servo without rotor
 
 
@@ -75,53 +77,39 @@ class Floor:
         rolled[:, 0] += hand_s
         return Track(*np.concatenate([begun, rolled]).T, released_s=hand_s)
 
-    def driven(self, gait: Gait, duration_s: float, frame_s: float = 0.002) -> tuple[Track, Array]:
+    def driven(self, gait: Gait, duration_s: float, frame_s: float) -> tuple[Track, Array]:
         """Drive the robot's joints through a gait from rest; return its track and true angles.
 
-        Without a servo they follow but for their errors, and there is a row each frame_s. A servo
-        gets a setpoint each of its own frames; so often there is a row, then.
+        A servo gets a setpoint each of its own frames; without one there is a row each frame_s.
         """
-        if self.robot.servo is not None:
-            return self.run_servos(self._told(gait, duration_s, self.robot.servo.frame_s))
-        setpoints_rad = self._told(gait, duration_s, frame_s)
-        return self.follow(setpoints_rad, frame_s), setpoints_rad[1:]
-
-    def _told(self, gait: Gait, duration_s: float, frame_s: float) -> Array:
-        """Return the joints' setpoints, (K, n-1), rad, each with its joint's error."""
-        joints = self.robot.body.links - 1
+        servo, joints = self.robot.servo, np.arange(self.robot.body.links - 1)
+        frame_s = servo.frame_s if servo else frame_s
         phase = gait.omega_rad_s * frame_s * np.arange(round(duration_s / frame_s) + 1)[:, None]
-        swing = gait.alpha_rad * np.sin(phase + np.arange(joints) * gait.beta_rad)
-        return swing + gait.offset_rad + np.array(self.robot.joint_error_rad)
+        swing = gait.alpha_rad * np.sin(phase + joints * gait.beta_rad) + gait.offset_rad
+        return self.follow(swing + np.array(self.robot.joint_error_rad), frame_s)
 
-    def run_servos(self, setpoints_rad: Array) -> tuple[Track, Array]:
-        """Give the robot's servos a row of setpoints (K, n-1) each frame; it begins at the first.
+    def follow(self, setpoints_rad: Array, frame_s: float) -> tuple[Track, Array]:
+        """Give the joints a row of setpoints (K, n-1) each frame, from rest at the first.
 
-        Returns the track, a row at the end of each frame, and the joints' true angles there.
+        Servos follow them as they can, joints without one in straight lines. Return the track, a
+        row at the end of each frame, and the joints' true angles there.
         """
-        chain, setpoints = self.robot.driven_chain(), np.ascontiguousarray(setpoints_rad)
-        assert self.robot.servo is not None  # driven_chain has asked
-        frame_s = self.robot.servo.frame_s
-        chain.set_slope(*self._pull)
-        chain.set_joints(setpoints[0].tolist())
-        chain.place(0.0, 0.0, -_mean_bend(list(setpoints[0])), 0.0, 0.0, 0.0)
-        rows = chain.follow(setpoints, frame_s, SERVO_STEP_S)
-        if len(rows) < len(setpoints) or not np.isfinite(rows).all():
-            raise NotConverged("the lab's robot came to no answer; are its numbers sensible?")
-        t = np.arange(1, len(rows) + 1, dtype=np.float64) * frame_s
-        angles = rows[:, 2:]
+        servo = self.robot.servo
+        chain = self._placed(self.robot.chain(servo), setpoints_rad[0].tolist())
+        step_s = SERVO_STEP_S if servo else STEP_S
+        rows = chain.follow(np.ascontiguousarray(setpoints_rad), frame_s, step_s)
+        if len(rows) < len(setpoints_rad) or not np.isfinite(rows).all():
+            raise NotConverged(NO_ANSWER)
+        t, angles = np.arange(1.0, len(rows) + 1) * frame_s, rows[:, 2:]
         return Track(t, rows[:, 0], rows[:, 1], angles.mean(axis=1)), np.diff(angles, axis=1)
 
-    def follow(self, angles_rad: Array, frame_s: float) -> Track:
-        """Lead the joints through rows of true angles (K, n-1), one each frame, from rest."""
-        chain = self._placed(list(angles_rad[0]), 0.0, (0.0, 0.0, 0.0))
-        rows = chain.follow(np.ascontiguousarray(angles_rad[1:]), frame_s, STEP_S)
-        if len(rows) < len(angles_rad) - 1:
-            raise NotConverged("the lab's robot came to no answer; are its numbers sensible?")
-        t = np.arange(1, len(rows) + 1, dtype=np.float64) * frame_s
-        return Track(t, rows[:, 0], rows[:, 1], rows[:, 2:].mean(axis=1))
-
-    def _placed(self, joints: list[float], heading_rad: float, rates: tuple[float, float, float]):
-        chain = self.robot.chain()
+    def _placed(
+        self,
+        chain: LabChain,
+        joints: list[float],
+        heading_rad: float = 0.0,
+        rates: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    ) -> LabChain:
         chain.set_joints(joints)
         chain.set_slope(*self._pull)
         chain.place(0.0, 0.0, heading_rad - _mean_bend(joints), *rates)
@@ -135,7 +123,7 @@ class Floor:
     ) -> Array:
         """Return rows t, x, y, heading until the robot rests."""
         joints = self.robot.true_joints(pose_rad)
-        chain = self._placed(joints, heading_rad, rates)
+        chain = self._placed(self.robot.chain(), joints, heading_rad, rates)
         bend, rows = _mean_bend(joints), []
         for k in range(round(LONGEST_S / FRAME_S)):
             x, y, theta, vx, vy, w, _ = chain.state
@@ -143,7 +131,7 @@ class Floor:
             if k and math.hypot(vx, vy) < REST_M_S and abs(w) < REST_RAD_S:
                 break
             if not chain.advance(FRAME_S, STEP_S):
-                raise NotConverged("the lab's robot came to no answer; are its numbers sensible?")
+                raise NotConverged(NO_ANSWER)
         return np.array(rows)
 
 

@@ -41,14 +41,19 @@ def film(track: Track, camera: Camera, rng: np.random.Generator) -> Array:
     gaps = 1 / camera.rate_hz + camera.jitter_s * np.clip(rng.normal(size=int(end * 100)), -3, 3)
     t = float(rng.uniform()) / camera.rate_hz + np.cumsum(gaps)
     t = t[(t < end) & (rng.uniform(size=t.size) >= camera.missing)]
-    rows = [t]
-    for way, scale, sigma in (
-        (track.x_m, camera.scale, camera.sigma_m),
-        (track.y_m, camera.scale, camera.sigma_m),
-        (track.heading_rad, 1.0, camera.sigma_rad),
-    ):
-        rows.append(scale * np.interp(t, track.t_s, way) + sigma * rng.normal(size=t.size))
-    return np.stack(rows, axis=1)
+    return filmed(t, track, np.empty((len(track.t_s), 0)), camera, rng)
+
+
+def filmed(
+    t_s: Array, track: Track, joints_rad: Array, camera: Camera, rng: np.random.Generator
+) -> Array:
+    """Return what pictures at some times show: t_s, x_m, y_m, heading_rad and each joint, rad."""
+    true = np.column_stack([track.x_m, track.y_m, track.heading_rad, joints_rad])
+    rows = np.stack([np.interp(t_s, track.t_s, way) for way in true.T])
+    rows[:2] *= camera.scale
+    rows[:2] += camera.sigma_m * rng.normal(size=rows[:2].shape)
+    rows[2:] += camera.sigma_rad * rng.normal(size=rows[2:].shape)
+    return np.column_stack([t_s, *rows])
 
 
 def to_rest(track: Track, rng: np.random.Generator) -> tuple[float, float]:

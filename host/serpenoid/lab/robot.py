@@ -12,7 +12,6 @@ import numpy as np
 from .. import _core
 from ..base.checks import check_number
 from ..base.errors import BadInput
-from ..base.vectors import Array
 from ..model.bends import joint_multiples
 from ..model.core_model import friction_numbers
 from ..model.drives import Servo, core_servo
@@ -55,12 +54,10 @@ class LabRobot:
         return self.grounds * self.body.links if len(self.grounds) == 1 else self.grounds
 
     @classmethod
-    def whole(
-        cls, body: Robot, ground: Ground, joint_error_rad: Sequence[float] = (), **more: Any
-    ) -> LabRobot:
+    def whole(cls, body: Robot, ground: Ground, **more: Any) -> LabRobot:
         """Return a robot whose links share the whole snake's friction alike."""
         link_ground = Ground.whole_body(body.links, ground.ct, ground.cn, ground.ft0, ground.fn0)
-        return cls(body, (link_ground,), tuple(joint_error_rad), **more)
+        return cls(body, (link_ground,), **more)
 
     def drawn(
         self, rng: np.random.Generator, joint_sigma_rad: float, link_spread: float = 0.0
@@ -75,22 +72,22 @@ class LabRobot:
         grounds = tuple(g.scaled(*map(float, f)) for g, f in zip(self._links, factors, strict=True))
         return replace(self, grounds=grounds, joint_error_rad=joints)
 
-    def chain(self) -> _core.LabChain:
-        """Return the robot as a body that can be moved, straight but for its joints' errors."""
-        chain = _core.LabChain(*self._numbers())
-        chain.set_joints(list(self.joint_error_rad))
-        return chain
+    def chain(self, servo: Servo | None = None) -> _core.LabChain:
+        """Return the robot as a body that can be moved, straight but for its joints' errors.
 
-    def driven_chain(self) -> _core.LabChain:
-        """Return the robot as a body whose joints its servo moves. Raises BadInput without one."""
-        if self.servo is None:
-            raise BadInput("the lab's robot has no servo; give LabRobot(servo=...)")
-        return _core.LabChain(*self._numbers(), core_servo(self.servo))
-
-    def _numbers(self) -> tuple[float, float, float, Array]:
+        servo: what moves its joints; None: they are led.
+        """
         body, share = self.body, self.rolling_kg / self.body.links
         rows = [[*friction_numbers(g), share, self.breakaway] for g in self._links]
-        return body.link_mass_kg, body.link_length_m, body.inertia_kg_m2, np.array(rows)
+        chain = _core.LabChain(
+            body.link_mass_kg,
+            body.link_length_m,
+            body.inertia_kg_m2,
+            np.array(rows),
+            servo and core_servo(servo),
+        )
+        chain.set_joints(list(self.joint_error_rad))
+        return chain
 
     def true_joints(self, set_rad: Sequence[float]) -> list[float]:
         """Return where the joints stand when they are told to stand there."""

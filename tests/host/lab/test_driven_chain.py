@@ -122,7 +122,7 @@ def test_wheels_that_rest_hold_up_to_the_break_away() -> None:
     gone = []
     for breakaway in (1.1, 1.3):
         robot = LabRobot.whole(OF_2005, WHOLE, servo=SERVO, breakaway=breakaway)
-        track, _ = Floor(robot, slope).run_servos(np.zeros((50, 5)))
+        track, _ = Floor(robot, slope).follow(np.zeros((50, 5)), SERVO.frame_s)
         gone.append(float(track.x_m[-1]))
     assert gone[0] > 0.01
     assert abs(gone[1]) < 1e-6

@@ -50,9 +50,9 @@ def set_points(gait: sn.Gait, seconds: float, record: Path | None = None) -> np.
 def crawled(robot: LabRobot, servos: Servos, gait: sn.Gait, set_rad: np.ndarray) -> World:
     """Return the robot's poses from SETTLED_S on, and what is true of them."""
     joints = servos.angles(set_rad) + np.array(robot.joint_error_rad)
-    track = Floor(robot).follow(joints, STEP_S)
+    track, phi = Floor(robot).follow(joints, STEP_S)
     skip = round(SETTLED_S / STEP_S)
-    phi = joints[1:][skip:]
+    phi = phi[skip:]
     t = track.t_s[skip:] - track.t_s[skip]
     middle = (track.x_m + 1j * track.y_m)[skip:]
     heading = np.unwrap(track.heading_rad[skip:])
