@@ -6,17 +6,15 @@ import math
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
-from ..base.errors import BadInput, RecordingFailed
+from ..base.errors import BadInput
 from ..session.declaration import Field, Values
 from ..session.journal import Journal
-from .parse_number import first_number, off_in_words
+from .parse_number import bare_unit, doubt_in_words, first_number
+from .session_robot import SessionRobot
 from .steps import Doubts
 from .terminal import Terminal
-
-if TYPE_CHECKING:
-    from .session_robot import SessionRobot
 
 WORDS = "At every prompt: undo, skip, pause, quit, help."
 HELP = """\
@@ -26,15 +24,8 @@ HELP = """\
   pause    servos off, until Enter
   quit     leave; everything read so far is kept
 What a prompt asks for may be typed in one line, as 2.3 0.45, or one by one."""
-SHORT = {"q": "quit", "exit": "quit", "?": "help", "u": "undo"}
 PATIENCE_S = 300.0
 T = TypeVar("T")
-
-
-def questions(fields: Sequence[Field], unit: str = "") -> str:
-    """Return what is asked for some numbers; unit: of those that have it."""
-    units = [unit if unit in field.units else field.unit for field in fields]
-    return "; ".join(f"{f.words} ({u})" for f, u in zip(fields, units, strict=True))
 
 
 class Undo(Exception):
@@ -45,11 +36,11 @@ class Skip(Exception):
     """The person leaves this reading out."""
 
 
-class Left(Exception):
+class Quit(Exception):
     """The person wants to leave."""
 
 
-class Again(Exception):
+class Restart(Exception):
     """See where the session stands, and ask from there."""
 
 
@@ -58,7 +49,7 @@ class Asker:
 
     robot: None if it is set by hand. patience_s: how long a prompt waits before its servos are let
     go. journal: of the session whose readings `undo 7` voids; None where there is none yet.
-    answered_s: when the last answer came, by clock_s.
+    belt_unit: of a belt's speed without one. answered_s: when the last answer came, by clock_s.
     """
 
     def __init__(
@@ -71,10 +62,10 @@ class Asker:
     ):
         self._terminal, self._journal, self._robot = terminal, journal, robot
         self._patience_s, self._clock_s = patience_s, clock_s
-        self._given = list[tuple[str, float]]()
+        self._answers = list[tuple[str, float]]()
         self._replay = deque[tuple[str, float]]()
-        self._rest = ""  # of a line of several numbers
-        self.answered_s = 0.0
+        self._line = ""  # what is left of a line of several numbers
+        self.belt_unit, self.answered_s = "", 0.0
 
     def say(self, text: str) -> None:
         """Show a line or more."""
@@ -85,94 +76,88 @@ class Asker:
         """Return what a function makes of the answers that it asks for.
 
         After `undo` and after an answer that cannot be, it runs again on the answers before that
-        one. Raises Undo where there is none before, Skip, Left and Again.
+        one. Raises Undo where there is none before, Skip, Quit and Restart.
         """
-        self._given = []
+        self._answers = []
         while True:
-            self._replay, self._rest = deque(self._given), ""
+            self._replay, self._line = deque(self._answers), ""
             try:
                 return fill()
-            except Undo:
-                if not self._given:
+            except (Undo, BadInput) as error:
+                if not self._answers:
                     raise
-            except BadInput as error:
-                if not self._given:
-                    raise
-                self.say(f"  ! {error}")
-            self._given.pop()
+                if isinstance(error, BadInput):
+                    self.say(f"  ! {error}")
+            self._answers.pop()
 
-    def confirm(self, prompt: str, *, ahead: bool = True) -> None:
-        """Wait for Enter alone; ahead: it may have been typed before."""
-        self.form(lambda: self._entered(prompt, ahead))
+    def confirm(self, prompt: str, *, moves: bool = False) -> None:
+        """Wait for Enter alone; where it moves the robot, it may not have been typed before."""
+        self.form(lambda: self._enter(prompt, moves))
 
-    def _entered(self, prompt: str, ahead: bool) -> None:
-        if not ahead:
+    def _enter(self, prompt: str, moves: bool) -> None:
+        if moves:
             self._terminal.forget()
         text = self.ask(prompt)
         if text:  # "no" must not start a robot, and a number must not be lost
             raise BadInput(f"{text!r} is no answer to this; press Enter alone, or type help")
 
     def ask(self, prompt: str, usual: str = "") -> str:
-        """Return an answer, usual for Enter and skip; raises Undo, Skip, Left and Again."""
+        """Return an answer, usual for Enter and skip; raises Undo, Skip, Quit and Restart."""
         if self._replay:
             line, self.answered_s = self._replay.popleft()
             return line
-        line = None
-        while line is None:
+        answer = None
+        while answer is None:
             line = self._terminal.ask(prompt, self._patience_s, self._tick)
-            if line is None:
-                self._nobody()
-            else:
-                line = self._obeyed(line, usual)
+            if line is not None:
+                answer = self._obey(line, usual)
+            elif self._robot is not None and self._robot.powered:
+                self._stop_pulses(f"nobody answered for {self._patience_s:g} s")
         self.answered_s = self._clock_s()
-        self._given.append((line, self.answered_s))
-        return line
+        self._answers.append((answer, self.answered_s))
+        return answer
 
-    def numbers(self, fields: Sequence[Field], typed: str = "", unit: str = "") -> Values:
-        """Return the fields' numbers, by their columns. typed: the answer that is there already.
+    def question(self, fields: Sequence[Field]) -> str:
+        """Return what is asked for some numbers."""
+        return "; ".join(f"{f.words} ({bare_unit(f, self.belt_unit)})" for f in fields)
 
-        unit: of a number without one, where the field has that unit.
+    def numbers(self, fields: Sequence[Field], line: str = "") -> Values:
+        """Return the fields' numbers, by their columns; line: the answer that is there already.
+
+        Once a line ends, what has a usual value is not asked for.
         """
         values = Values()
-        self._rest = typed
         for k, field in enumerate(fields):
-            text = self._rest or self.ask(f"  {questions(fields[k:], unit)}: ")
-            in_unit = unit if unit in field.units else ""
-            values[field.column], self._rest = first_number(text, field, in_unit)
-        if self._rest:
-            raise BadInput(f"{self._rest!r} is too much; {len(fields)} number(s) are asked for")
+            if not line and not (k and field.usual is not None):
+                line = self.ask(f"  {self.question(fields[k:])}: ")
+            values[field.column], line = first_number(line, field, self.belt_unit)
+        if line:
+            raise BadInput(f"{line!r} is too much; {len(fields)} number(s) are asked for")
         return values
 
-    def sure(self, values: Values, doubts: Callable[[Values], Doubts], unit: str = "") -> Values:
+    def sure(self, values: Values, doubts: Callable[[Values], Doubts]) -> Values:
         """Return values once each number is where it is expected, or kept by the person."""
-        kept = set[str]()
+        sure = set[str]()
         while True:
-            found = [(field, likely) for field, likely in doubts(values)]
-            found = [(field, likely) for field, likely in found if field.column not in kept]
-            if not found:
+            doubtful = [doubt for doubt in doubts(values) if doubt[0].column not in sure]
+            if not doubtful:
                 return values
-            field, likely = found[0]
-            off = off_in_words(float(values[field.column]), field, likely, unit)
-            answer = self.ask(f"  {off}. Type it anew, or keep: ")
-            if answer.lower() in ("keep", "k"):
-                kept.add(field.column)
+            field, likely = doubtful[0]
+            doubt = doubt_in_words(float(values[field.column]), field, likely)
+            answer = self.ask(f"  {doubt}. Type it anew, or keep: ")
+            if answer.lower() == "keep":
+                sure.add(field.column)
             elif answer:
-                values = values | self.numbers([field], answer, unit)
+                values = values | self.numbers([field], answer)
             else:
-                self._given.pop()  # Enter keeps nothing that is in doubt
+                self._answers.pop()  # Enter keeps nothing that is in doubt
 
-    def let_go(self) -> None:
-        """Let the servos go limp."""
-        if self._robot is not None:
-            self._robot.idle()
-
-    def _obeyed(self, line: str, usual: str) -> str | None:
+    def _obey(self, line: str, usual: str) -> str | None:
         """Return the answer that a line is, None for a word that was obeyed and goes on."""
-        word, _, rest = line.strip().lower().partition(" ")
-        word = SHORT.get(word, word)
-        if rest and word == "undo":
-            self._void(rest.strip())
-        elif rest or word not in ("undo", "skip", "pause", "quit", "help"):
+        word, _, number = line.strip().lower().partition(" ")
+        if number and word == "undo":
+            self._void(number.strip())
+        elif number or word not in ("undo", "skip", "pause", "quit", "help"):
             return line or usual
         elif word == "skip" and usual:
             return usual
@@ -181,56 +166,42 @@ class Asker:
         elif word == "pause":
             self._pause()
         else:
-            raise {"undo": Undo, "skip": Skip, "quit": Left}[word]
+            raise {"undo": Undo, "skip": Skip, "quit": Quit}[word]
         return None
 
     def _void(self, number: str) -> None:
         rows = {} if self._journal is None else self._journal.rows
-        if self._journal is None or not number.isascii() or not number.isdecimal():
-            return self.say(f"  ! no reading has the number {number!r}")
-        if int(number) not in rows:
+        if self._journal is None or number not in map(str, rows):
             return self.say(f"  ! there is no reading {number}; there are {len(rows)}")
-        if self._note("undo", reading=int(number)):
-            self.say(f"  reading {number} is void")
-        return None
+        self._journal.event("undo", int(number))
+        return self.say(f"  reading {number} is void")
 
     def _pause(self) -> None:
         """Let the servos go until the person is back; the pose of a robot is then taken anew."""
-        held = self._robot is not None and self._robot.powered
-        self.let_go()
-        self._note("pause")
-        off = "" if self._robot is None else f"; {self._robot.without_pulses}"
-        while self._terminal.ask(f"  paused{off}. Enter goes on: ", math.inf, self._tick) is None:
+        pulses = ""
+        powered = self._robot is not None and self._robot.powered
+        if self._robot is not None:
+            self._robot.idle()
+            pulses = f"; {self._robot.without_pulses}"
+        while (
+            self._terminal.ask(f"  paused{pulses}. Enter goes on: ", math.inf, self._tick) is None
+        ):
             pass
-        self._note("resume")
-        if held:
-            raise Again
-
-    def _nobody(self) -> None:
-        if self._robot is not None and self._robot.powered:
-            self._pulses_off(self._robot, f"nobody answered for {self._patience_s:g} s")
+        if powered:
+            raise Restart
 
     def _tick(self) -> None:
         if self._robot is None:
             return
         self._robot.tick()
         if self._robot.stopped:
-            self._robot.stopped = False
-            self._pulses_off(self._robot, "stopped by a key")
+            self._stop_pulses("stopped by a key")
 
-    def _pulses_off(self, robot: SessionRobot, why: str) -> None:
-        robot.idle()
-        text = f"{why}: {robot.without_pulses}"
+    def _stop_pulses(self, why: str) -> None:
+        assert self._robot is not None
+        self._robot.idle()
+        text = f"{why}: {self._robot.without_pulses}"
         self._terminal.say(f"\n! {text}; the pose is to be taken again")
-        self._note("note", text)
-        raise Again
-
-    def _note(self, event: str, detail: str = "", reading: int = 0) -> bool:
-        """Keep an event; say so, and return False, where the disk takes no more."""
-        try:
-            if self._journal is not None:
-                self._journal.event(event, reading, detail)
-        except RecordingFailed as error:
-            self._terminal.say(f"  ! {error}")
-            return False
-        return True
+        if self._journal is not None:
+            self._journal.event("note", detail=text)
+        raise Restart

@@ -3,44 +3,43 @@
 from __future__ import annotations
 
 import math
-import re
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from ..base.errors import BadInput, CommandRefused, RecordingFailed, RobotError
 from ..model.gait import Gait
-from ..session.declaration import Field, Values
+from ..session.declaration import Values
 from ..session.journal import Journal
 from ..session.session import Session
+from ..session.settings import Setup
 from ..session.track import EXAMPLE, tidy_places
-from .asking import PATIENCE_S, WORDS, Again, Asker, Left, Skip, Undo, questions
+from .asking import PATIENCE_S, WORDS, Asker, Quit, Restart, Skip, Undo
 from .films import FilmReader, named_file, no_films, read_crawl, take_track
 from .procedure import ZERO_BEFORE, doubts, next_step
 from .session_robot import SessionRobot
-from .steps import NEAR_DEG, Step, Tracked, step_in_words
+from .steps import Step, Tracked, step_in_words
 from .terminal import Terminal
 from .track_files import read_track_file
 from .treadmill import posed_after, record_step
 
-QUESTIONS = {  # of steps that a film answers, too
+FILE_WORDS = {  # of steps that a file answers, too
     "push": "its film or track (of Tracker, Kinovea, CSV)",
     "gait": "its film",
 }
-DRIFT = (
+DRIFT_WORDS = (
     "drift left over, + uphill (m/s), and deg turned, + to the left, as 0.01 3deg (Enter: none); "
     f"or places as s:m, {EXAMPLE}, or their table"
 )
-LEFT = "Left. Everything read so far is kept; the same command goes on from here."
-Told = Callable[[Session, Step], None]
+QUIT_WORDS = "Left. Everything read so far is kept; the same command goes on from here."
 
 
 class Dialogue:
     """Take a session step by step with a person.
 
-    robot, patience_s, clock_s: as of an Asker. told: called with session and step when a step
-    begins. film: what reads a film.
+    robot, patience_s, clock_s: as of an Asker. show_fit: called with the session after each station
+    or push. film: what reads a film.
     """
 
     def __init__(
@@ -48,18 +47,18 @@ class Dialogue:
         journal: Journal,
         terminal: Terminal,
         robot: SessionRobot | None = None,
-        told: Told = lambda session, step: None,
+        show_fit: Callable[[Session], object] = lambda session: None,
         patience_s: float = PATIENCE_S,
         clock_s: Callable[[], float] = time.monotonic,
         film: FilmReader = no_films,
     ):
-        self.journal, self._robot, self._told, self._film = journal, robot, told, film
+        self.journal, self._robot, self._show_fit, self._film = journal, robot, show_fit, film
         self._asker = Asker(terminal, journal, robot, patience_s, clock_s)
         self._say = self._asker.say
         self._bend_deg: float | None = None  # how the robot lies, by the plan; None: not known
         self._listed = 0  # the last reading that was listed
         if robot is not None:
-            robot.offset_rad = steered_rad(journal.session) or 0.0
+            robot.offset_rad = steering_rad(journal.session) or 0.0
 
     def run(self) -> bool:
         """Go on until everything is done or the person leaves; return False if a robot is lost."""
@@ -67,43 +66,28 @@ class Dialogue:
         try:
             if self._robot is not None:
                 self._say("Esc or space stops the robot; Ctrl-C stops it and leaves.")
-            while self._one_step():
+            while self._take_step():
                 pass
-        except (Left, EOFError):
-            self._say(LEFT)
+        except (Quit, EOFError):
+            self._say(QUIT_WORDS)
         except KeyboardInterrupt:
-            self._say(f"\n{LEFT}")
+            self._say(f"\n{QUIT_WORDS}")
             raise
         except RobotError as error:
-            self._say(f"! the robot: {error}\n  {LEFT}")
+            self._say(f"! the robot: {error}\n  {QUIT_WORDS}")
             return False
         finally:
-            self._asker.let_go()
+            if self._robot is not None:
+                self._robot.idle()
         return True
 
-    def _too_far(self, bend_deg: float, reach_deg: float) -> str:
-        name = "push_lambda_deg" if self._on_floor else "lambda_deg"
-        return (
-            f"bend {bend_deg:g} deg: joint limits and steering leave room for {reach_deg:g} deg. "
-            f"Leave it out by `skip`; or plan less: {name} in "
-            f"{self.journal.folder / 'session.toml'}"
-        )
-
-    @property
-    def _bend(self) -> str:
-        return self.journal.session.setup.plan.bend
-
-    @property
-    def _on_floor(self) -> bool:
-        return self.journal.session.setup.plan.on == "floor"
-
-    def _one_step(self) -> bool:
+    def _take_step(self) -> bool:
         """Do one step; return False at the end."""
         self._read_again()
+        self._asker.belt_unit = self.journal.session.setup.instruments.belt_speed_unit
         if self._robot is not None and not self._robot.powered:
             self._bend_deg = None
         step = next_step(self.journal.session, self._bend_deg)
-        self._told(self.journal.session, step)
         if step.kind in ("straight", "bend", "done"):
             self._list_readings()
         self._say(f"\n{step.say}")
@@ -118,10 +102,10 @@ class Dialogue:
                 self._undo()
         except (BadInput, RecordingFailed, CommandRefused) as error:
             self._say(f"! {error}")
-        except Again:
+        except Restart:
             pass
-        if step.kind == "gait":
-            self._asker.let_go()
+        if self._robot is not None and step.kind == "gait":
+            self._robot.idle()
         return True
 
     def _read_again(self) -> None:
@@ -147,10 +131,10 @@ class Dialogue:
         self.journal.event("skip", self.journal.last, step.key)
         self._say(f"  left out: {step_in_words(step.key)}; undo takes it up again")
         if step.key == ZERO_BEFORE:
-            zero_rad = self.journal.session.setup.instruments.incline_zero_sigma_rad
+            zero_deg = self.journal.session.setup.instruments.incline_zero_sigma_deg
             self._say(
-                f"  ! {math.degrees(zero_rad):.2g} deg are then assumed of the inclinometer's "
-                "zero; 0.3 deg are 17 % of the 2005 robot's ft0"
+                f"  ! {zero_deg:.2g} deg are then assumed of the inclinometer's zero; 0.3 deg are "
+                "17 % of the 2005 robot's ft0"
             )
         elif step.kind == "straight":
             self._say("  ! without straight readings nothing can be fitted")
@@ -160,51 +144,42 @@ class Dialogue:
         session, last = self.journal.session, self.journal.last
         skips = [e.detail for e in session.events if e.event == "skip" and e.reading == last]
         left_out = [key for key in skips if key in session.skipped]
-        kept = [r.number for r in session.readings if not r.voided]
+        numbers = [r.number for r in session.readings if not r.voided]
         if left_out:
             self.journal.event("unskip", detail=left_out[-1])
             self._say(f"  no longer left out: {step_in_words(left_out[-1])}")
-        elif kept:
-            self.journal.event("undo", max(kept))
-            self._say(f"  reading {max(kept)} is void")
+        elif numbers:
+            self.journal.event("undo", max(numbers))
+            self._say(f"  reading {max(numbers)} is void")
         else:
             self._say("  ! there is no reading yet")
 
     def _do(self, step: Step) -> None:
-        if step.kind in ("straight", "bend"):
-            self._pose(step)
-        elif step.gait is not None and self._robot is not None:
-            self._asker.confirm("Lay it straight. Enter starts the robot: ", ahead=False)
-            self._robot.go(step.gait)
-        number = self._asker.form(lambda: self._taken(step))
+        """Move the robot as a step asks, ask for its reading, and keep it."""
+        robot, bends = self._robot, "bends" if step.lambda_deg else "straightens"
+        if step.kind in ("straight", "bend") and robot is not None:
+            self._asker.confirm(f"Enter {bends} the robot (hands off): ", moves=True)
+            robot.pose(step.lambda_deg, self.journal.session.setup.plan.bend)
+            if step.kind == "straight":
+                self._steer(robot)
+        elif step.kind == "straight":
+            self._asker.confirm("Enter when it lies so: ")
+        elif step.gait is not None and robot is not None:
+            self._asker.confirm("Lay it straight. Enter starts the robot: ", moves=True)
+            robot.go(step.gait)
+        number = self._asker.form(lambda: self._record(step))
         self._bend_deg = posed_after(step, self._bend_deg)
         if number:
             self._say(f"kept as reading {number}")
+        if step.kind in ("station", "push"):
+            self._show_fit(self.journal.session)
 
-    def _pose(self, step: Step) -> None:
-        robot = self._robot
-        if robot is None:
-            if step.kind == "straight":
-                self._asker.confirm("Enter when it lies so: ")
-            return
-        while step.lambda_deg and (reach := robot.reach_deg(self._bend)) < step.lambda_deg:
-            if reach >= step.lambda_deg - NEAR_DEG:
-                self._say(f"  Joint limits and steering leave room for {reach:g} deg: it is so.")
-                break
-            self._say(f"! {self._too_far(step.lambda_deg, reach)}")
-            self._asker.confirm("  skip, or quit: ")
-        what = "bends" if step.lambda_deg else "straightens"
-        self._asker.confirm(f"Enter {what} the robot (hands off): ", ahead=False)
-        reach = robot.reach_deg(self._bend) if step.lambda_deg else 0.0
-        robot.pose(min(step.lambda_deg, reach), self._bend)
-        self._steer(robot, step)
-
-    def _steer(self, robot: SessionRobot, step: Step) -> None:
+    def _steer(self, robot: SessionRobot) -> None:
         """Have the offset found that runs straight, before the first reading; it is kept."""
-        left_out = "steering" in self.journal.session.skipped
-        if step.lambda_deg or left_out or steered_rad(self.journal.session) is not None:
+        session = self.journal.session
+        if "steering" in session.skipped or steering_rad(session) is not None:
             return
-        if self._on_floor:
+        if session.setup.plan.on == "floor":
             return self._say(
                 "  Left and right keys bend every joint a little, at every prompt. Where a push "
                 "turns the robot, steer against it before the next; each push keeps the offset."
@@ -217,21 +192,18 @@ class Dialogue:
         try:
             self._asker.confirm("  Enter keeps it; skip leaves the steering out alone: ")
         except Skip:
-            return self._leave_out(replace(step, kind="", key="steering"))
+            return self._leave_out(Step("steering", "", ""))
         return self._say(f"  every joint has {math.degrees(robot.offset_rad):+.2f} deg from now on")
 
-    def _taken(self, step: Step) -> int:
+    def _record(self, step: Step) -> int:
         """Ask for a step's reading and keep it; return its number, 0 where none is kept."""
         values = self._station(step) if step.kind == "station" else self._values(step)
-        if step.kind in ("station", "push") and not isinstance(values, Tracked):
-            values |= self._steering()
-        unit = self.journal.session.setup.instruments.belt_speed_unit
-        if not isinstance(values, Tracked):
-            values = self._asker.sure(
-                values, lambda typed: doubts(self.journal.session, step, typed), unit
-            )
-        elif step.gait is not None and self._robot is not None:
+        if self._robot is not None and step.gait is not None:
             values["omega_rad_s"] = self._robot.rate(step.gait)
+        if not isinstance(values, Tracked):
+            if step.kind in ("station", "push"):
+                values |= self._steering()
+            values = self._asker.sure(values, partial(doubts, self.journal.session, step))
         while True:
             try:
                 return record_step(self.journal, step, values)
@@ -241,54 +213,33 @@ class Dialogue:
 
     def _values(self, step: Step) -> Values:
         """Return a step's numbers, or what a film or a table of its track shows."""
-        typed = ""
-        if step.kind in QUESTIONS:
-            while not typed:
-                numbers = questions(step.asked)
-                typed = self._asker.ask(f"  {QUESTIONS[step.kind]}; or {numbers}: ")
-            named = named_file(typed)
-            if named is not None and step.gait is not None:
-                return self._crawl(named[0], step.gait)
-            if named is not None:
-                self._pushes(*named, {**step.cells, **self._steering()})
-        unit = self.journal.session.setup.instruments.belt_speed_unit
-        values = self._asker.numbers(step.asked, typed, unit)
-        if step.gait is not None and self._robot is not None:
-            values["omega_rad_s"] = self._robot.rate(step.gait)
-        return values
+        line = ""
+        if step.kind in FILE_WORDS:
+            question = self._asker.question(step.questions)
+            while not line:
+                line = self._asker.ask(f"  {FILE_WORDS[step.kind]}; or {question}: ")
+            file = named_file(line)
+            if file is not None and step.gait is not None:
+                return self._crawl(file[0], step.gait)
+            if file is not None:
+                self._keep_pushes(*file, {**step.cells, **self._steering()})
+        return self._asker.numbers(step.questions, line)
 
     def _station(self, step: Step) -> Values:
         """Return what is read of a station; the belt settles from its speed's answer on."""
-        ask, setup = self._asker, self.journal.session.setup
-        fields = {field.column: field for field in step.asked}
-        set_up = fields["incline_deg"], fields["belt_speed_m_s"]
-        values = ask.numbers(set_up, unit=setup.instruments.belt_speed_unit)
+        ask = self._asker
+        incline, belt, *drift = step.questions
+        values = ask.numbers([incline, belt])
         set_s = ask.answered_s
-        text = ask.ask(f"  let it settle {step.settle_s:.0f} s; then {DRIFT}: ")
-        places = self._places(text)
-        if places:
-            return values | {"places": places}
+        line = ask.ask(f"  let it settle {step.settle_s:.0f} s; then {DRIFT_WORDS}: ")
+        file = named_file(line)
+        if file is not None:
+            track = read_track_file(*file, pushed=False).values
+            line = " ".join(f"{t - track[0, 0]:.6g}:{x:.6g}" for t, x, _ in track)
+        if ":" in line:
+            return values | {"places": tidy_places(line)}
         values["waited_s"] = round(ask.answered_s - set_s, 1)
-        return values | self._drift(fields["drift_m_s"], fields["turned_deg"], text)
-
-    def _drift(self, drift: Field, turned: Field, text: str) -> Values:
-        """Return the drift in a line, and by how much the robot turned, in deg, behind it."""
-        found = re.search(r"[+-]?[\d.,]+\s*(deg|°)\s*$", text)
-        rest = text if found is None else text[: found.start()]
-        values = Values({drift.column: 0.0, turned.column: 0.0})
-        if rest.strip():
-            values |= self._asker.numbers([drift], rest)
-        if found is not None:
-            values |= self._asker.numbers([turned], found[0])
-        return values
-
-    def _places(self, text: str) -> str:
-        """Return the places over time that were typed, or are in a table; "" where none are."""
-        named = named_file(text)
-        if named is not None:
-            track = read_track_file(*named, pushed=False).values
-            return tidy_places(" ".join(f"{t - track[0, 0]:.6g}:{x:.6g}" for t, x, _ in track))
-        return tidy_places(text) if ":" in text else ""
+        return values | ask.numbers(drift, line or "0")
 
     def _steering(self) -> Values:
         """Return the offset that steers, as a reading keeps it."""
@@ -305,17 +256,55 @@ class Dialogue:
         )
         return crawl
 
-    def _pushes(self, path: Path, unit: str | None, cells: Values) -> None:
-        """Keep all pushes of a file, however many, and raise Again: the plan has moved on."""
-        for one in take_track(self.journal, path, unit, cells, self._film, self._note):
-            self._say(f"  {one.in_words()}")
-        raise Again
+    def _keep_pushes(self, path: Path, unit: str | None, cells: Values) -> None:
+        """Keep all pushes of a file, however many, and raise Restart: the plan has moved on."""
+        tell = lambda text: self._say(f"  {text}")  # noqa: E731
+        for push in take_track(self.journal, path, unit, cells, self._film, tell):
+            tell(push.in_words())
+        self._show_fit(self.journal.session)
+        raise Restart
 
-    def _note(self, text: str) -> None:
-        self._say(f"  {text}")
+
+def steering_rad(session: Session) -> float | None:
+    """Return the steering on every joint at the last reading that has it; None before."""
+    offsets = [
+        reading.offset_rad
+        for reading in session.readings
+        if reading.kind in ("station", "push") and reading.offset_rad is not None
+    ]
+    return offsets[-1] if offsets else None
 
 
-def steered_rad(session: Session) -> float | None:
-    """Return the steering on every joint at the last reading that kept it; None before."""
-    kept = [r for r in (*session.of("station"), *session.of("push")) if r.offset_rad is not None]
-    return max(kept, key=lambda r: r.number).offset_rad if kept else None
+def ask_identity(journal: Journal, terminal: Terminal) -> None:
+    """Ask whether robot and surface are those of a session that has readings.
+
+    So two robots never share a session, and no word changes one yet: it may be another's. Raises
+    BadInput where it is, Quit and EOFError where the person leaves.
+    """
+    if not journal.rows:
+        return
+    asker, setup, folder = Asker(terminal), journal.session.setup, journal.folder
+    asker.say(f"Resumed: {setup.name}, {robot_in_words(setup)}.")
+    answer = None
+    while answer not in ("", "y", "yes"):
+        try:
+            answer = asker.ask("Is it this robot, on this surface? Enter: yes, n: no. ").lower()
+        except (Undo, Skip):
+            continue
+        if answer in ("n", "no"):
+            raise BadInput(
+                f"{folder} is a session of another robot or surface ({robot_in_words(setup)})\n"
+                f"begin a session for this one: serpenoid calibrate new OTHER --template {folder}\n"
+                "if the session's own value is mistyped: correct it in "
+                f"{folder / 'session.toml'}"
+            )
+
+
+def robot_in_words(setup: Setup) -> str:
+    """Return robot and surface in words."""
+    robot = setup.robot
+    weighed = "" if setup.robot_table.weighs else " (not weighed)"
+    return (
+        f"{robot.links} links of {1000 * robot.link_length_m:.4g} mm, "
+        f"{1000 * robot.links * robot.link_mass_kg:.4g} g{weighed}, on {setup.laboratory.surface}"
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import math
 from collections.abc import Mapping
 from dataclasses import replace
@@ -108,7 +109,7 @@ def default_setup(name: str) -> Setup:
 
 
 def ask_answers(asker: Asker, setup: Setup, given: Mapping[str, Any], on: str) -> dict[str, Any]:
-    """Return given answers of `calibrate new` with those that a person types; raises Left."""
+    """Return given answers of `calibrate new` with those that a person types; raises Quit."""
     while True:
         try:
             return asker.form(lambda: _answers(asker, setup, given, on))
@@ -118,7 +119,6 @@ def ask_answers(asker: Asker, setup: Setup, given: Mapping[str, Any], on: str) -
 
 def _answers(asker: Asker, setup: Setup, given: Mapping[str, Any], on: str) -> dict[str, Any]:
     answers = dict(given)
-    unit = ""
     for key, words in WORDS.items():
         if answers.get(key) is None:
             answers[key] = _asked(asker, words, getattr(setup.laboratory, key))
@@ -135,13 +135,13 @@ def _answers(asker: Asker, setup: Setup, given: Mapping[str, Any], on: str) -> d
         answers["joints"] = check_choice("joints", joints, tuple(JOINT_SIGMA_DEG))
     if on == "treadmill":
         unit = _asked(asker, f"unit of the belt's speed ({', '.join(BELT_UNITS)})", "km/h")
-        answers["belt_speed_unit"] = check_choice("unit", unit, BELT_UNITS)
+        answers["belt_speed_unit"] = asker.belt_unit = check_choice("unit", unit, BELT_UNITS)
     for table, keys in QUESTIONS.items():
         for key, place in keys.items():
             if answers.get(key) is None and place in ("", on):
                 usual = getattr(setup.tables[table], key)
                 usual = math.sqrt(12) * usual if key == STEP_KEY else usual
-                answers[key] = _number(asker, TABLES[table].numbers()[key], usual, unit)
+                answers[key] = _number(asker, TABLES[table].numbers()[key], usual)
     return answers
 
 
@@ -149,7 +149,7 @@ def _asked(asker: Asker, words: str, usual: str) -> str:
     return asker.ask(f"{words} [{usual}]: ", usual)
 
 
-def _number(asker: Asker, field: Field, usual: float, unit: str) -> float | str:
+def _number(asker: Asker, field: Field, usual: float) -> float | str:
     later = field.column in LATER_KEYS
     text = _asked(asker, field.words, LATER if later else f"{usual:.2g} {field.unit}")
     if later and text.lower() == LATER:
@@ -160,7 +160,7 @@ def _number(asker: Asker, field: Field, usual: float, unit: str) -> float | str:
         return [] if low <= float(values[field.column]) <= high else [(field, (low, high))]
 
     try:
-        return asker.sure(asker.numbers([field], text, unit), doubts, unit)[field.column]
+        return asker.sure(asker.numbers([field], text), doubts)[field.column]
     except Skip as error:
         raise BadInput("a number in doubt cannot be left out; type it anew, or keep it") from error
 
@@ -238,7 +238,9 @@ def create_session(folder: str | Path, setup: Setup) -> Path:
         program = f"serpenoid {version('serpenoid')}"
         write_text(folder / "session.toml", setup.text(program, utc_now()))
     except OSError as error:
-        raise RecordingFailed(f"{folder}: {error.strerror}; choose another folder") from error
+        full = error.errno == errno.ENOSPC
+        cure = "make room on that disk" if full else "choose another folder"
+        raise RecordingFailed(f"{folder}: {error.strerror}; {cure}") from error
     return folder
 
 

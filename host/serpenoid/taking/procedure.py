@@ -49,7 +49,7 @@ MAX_INCLINE_DEG = 12.0  # steeper, the snake starts to tumble, or the wheels to 
 MAX_ZERO_DEG = 0.5  # beyond it an inclinometer's sign was forgotten, or it is not one to use
 SETTLE_TIMES = 3.0  # of m / C_t, after which 5 % of a disturbance is left
 SLOPE_M_S = 53.0  # m/s of belt speed over sin(incline), m g / C_t of the 2005 robot
-STATIONS = 6  # of a bend, spread from rest to the top speed
+STATIONS = 5  # of a bend, about, spread from rest to the top speed
 DONE_SHARE = 0.85  # of the top speed: a station above it ends a bend, as one beyond 1 / 0.85 would
 SLOW_SHARE = 0.25  # of the top speed: a bend needs a station below it, which tells dry friction
 NOISE_SIGMAS, LINE_SHARE = 4.0, 0.5  # of a station's noise, and of the way from the line's middle
@@ -92,12 +92,12 @@ def _parts(session: Session) -> Iterator[tuple[str, str, Step | None]]:
         zero = Step(ZERO_BEFORE, "zero", _ZERO, ZeroReading.asked())
         yield _check(zero, True in zeros, open_)
     for bend_deg in planned_bends(plan):
-        key, taken = pose_key(plan, bend_deg), len(taken_in(session, bend_deg))
+        key, count = pose_key(plan, bend_deg), len(taken_in(session, bend_deg))
         step = _push(session, bend_deg) if floor else _station(session, bend_deg)
         step = None if key in skipped else step
         planned = f" of {plan.pushes}" if floor else " stations"
-        state = ", more to come" if step else ", done" if taken else ", left out"
-        yield step_in_words(key), f"{taken}{planned}{state}", step
+        state = ", more to come" if step else ", done" if count else ", left out"
+        yield step_in_words(key), f"{count}{planned}{state}", step
     if not floor:
         zero = Step(ZERO_AFTER, "zero", _ZERO, ZeroReading.asked())
         yield _check(zero, False in zeros, begun and ZERO_AFTER not in skipped)
@@ -136,8 +136,8 @@ def _push(session: Session, bend_deg: float) -> Step | None:
     key = f"push {pose} {len(done) + 1}"
     if len(done) >= plan.pushes or key in session.skipped:
         return None
-    there = sum(push.way == "there" for push in done)
-    way = "there" if 2 * there <= len(done) else "back"
+    forward = sum(push.way == "there" for push in done)
+    way = "there" if 2 * forward <= len(done) else "back"
     words = f"bend {pose} deg" if bend_deg else pose
     say = (
         f"Push {len(done) + 1} of {plan.pushes}, {words}, {way.upper()}. "
@@ -158,7 +158,7 @@ def next_incline_deg(session: Session, bend_deg: float) -> float | None:
 
     The first is the plan's, or the least at which a lesser bend held, made steeper as its friction
     asks. While all stations are fast, the next is less steep, because slow stations tell dry
-    friction. Otherwise it is steeper: by the plan's step, or by what raises the speed by a sixth of
+    friction. Otherwise it is steeper: by the plan's step, or by what raises the speed by a fifth of
     the top speed. A bend is done when that would pass the top speed, or the incline at which the
     snake tumbles.
     """
@@ -167,8 +167,8 @@ def next_incline_deg(session: Session, bend_deg: float) -> float | None:
     left_out = [
         float(key.split()[2]) for key in session.skipped if key.startswith(_station_key(bend_deg))
     ]
-    held = [math.degrees(station.incline_rad) for station in stations]
-    tried = held + left_out
+    inclines_deg = [math.degrees(station.incline_rad) for station in stations]
+    tried = inclines_deg + left_out
     if not tried:
         return _first_incline_deg(session, bend_deg)
     # The treadmill's own step at least, or its rounding could stay below for ever.
@@ -177,7 +177,7 @@ def next_incline_deg(session: Session, bend_deg: float) -> float | None:
     lowest_deg, fastest_m_s = min(tried), max(speeds, default=0.0)
     line = line_of(session, bend_deg)
     step_deg *= 1.0 if line else friction_factor(bend_deg)
-    if min(speeds, default=0.0) > SLOW_SHARE * top_m_s and step_deg < lowest_deg in held:
+    if min(speeds, default=0.0) > SLOW_SHARE * top_m_s and step_deg < lowest_deg in inclines_deg:
         return round(lowest_deg - step_deg, 3)
     next_deg, next_m_s = max(tried) + step_deg, fastest_m_s
     if line is not None:
@@ -195,9 +195,11 @@ def _first_incline_deg(session: Session, bend_deg: float) -> float:
     plan, inclines = session.setup.plan, [session.setup.plan.incline_start_deg]
     for lesser_deg in planned_bends(plan):
         factor = friction_factor(bend_deg) / friction_factor(lesser_deg)
-        held = [math.degrees(station.incline_rad) for station in taken_in(session, lesser_deg)]
-        if lesser_deg < bend_deg and held:
-            inclines.append(factor * min(held))
+        inclines_deg = [
+            math.degrees(station.incline_rad) for station in taken_in(session, lesser_deg)
+        ]
+        if lesser_deg < bend_deg and inclines_deg:
+            inclines.append(factor * min(inclines_deg))
     return round(min(max(inclines), MAX_INCLINE_DEG), 3)
 
 
@@ -245,7 +247,8 @@ def _station(session: Session, bend_deg: float) -> Step | None:
     steeper = f" Steeper, if the belt carries it off, or below {LEAST_SLIP_M_S:g} m/s."
     hint, likely = "", None
     if line_of(session, bend_deg) is not None:
-        likely = low, high = expected_speed(session, bend_deg, incline_deg)
+        low, high = expected_speed(session, bend_deg, incline_deg)
+        likely = low, high
         hint = f", about {low:.2f} to {high:.2f} m/s ({3.6 * low:.1f} to {3.6 * high:.1f} km/h)"
     say = (
         f"Incline to about {incline_deg:.1f} deg "
@@ -306,6 +309,10 @@ def _gait_run(session: Session, skipped: Set[str]) -> Step | None:
             "omega_rad_s": gait.omega_rad_s,
         }
         cells |= {"way": way} if way else {}
-        fields = GaitRun.asked("distance_m", "duration_s")
-        return Step(key, "gait", say.rstrip(), fields, gait=gait, cells=cells)
+        time, marks = GaitRun.asked("duration_s", "distance_m")
+        if session.kept_gait_runs:  # the marks are still there
+            marks_m = session.kept_gait_runs[-1].distance_m
+            words = f"{marks.words} (Enter: {marks_m:g} m)"
+            marks = replace(marks, words=words, usual=marks_m)
+        return Step(key, "gait", say.rstrip(), (time, marks), gait=gait, cells=cells)
     return None

@@ -20,7 +20,7 @@ from ..session.crawls import driving
 from ..session.declaration import in_si
 from ..session.journal import Journal, Listed
 from ..session.settings import Setup
-from .parse_number import completed, typed_cells
+from .parse_number import typed_cells
 from .simulated import SimulatedPerson, Truth, wheel_inertia_kg
 from .steps import Step
 from .treadmill import take_all
@@ -85,7 +85,7 @@ def _add_listed(journal: Journal, top: Table) -> int:
         cells = dict(row)
         kind, comment = str(cells.pop("kind", "station")), str(cells.pop("comment", ""))
         with located(f"{top.path}: reading {number}"):
-            cells = completed(kind, typed_cells(kind, cells), journal.session.setup)
+            cells = typed_cells(kind, cells, journal.session.setup)
             journal.check(kind, cells)
         readings.append((kind, cells, comment))
     return journal.add_once(readings)

@@ -83,16 +83,6 @@ class SessionRobot:
         self._robot.settle()
         self._robot.set("pose_speed", STEER_DEG_S)
 
-    def reach_deg(self, bend: str) -> float:
-        """Return the largest bend, deg, that every joint's limits allow with the steering."""
-        offset_deg = math.degrees(self.offset_rad)
-        reaches = [
-            ((trim.high_deg if multiple > 0 else trim.low_deg) - offset_deg) / multiple
-            for multiple, trim in zip(self._multiples(bend), self._robot.trims(), strict=True)
-            if multiple
-        ]
-        return math.floor(100 * min(reaches)) / 100
-
     def _quick(self) -> None:
         """Give the board its own speed back, steering done."""
         if self._posed is not None:
@@ -143,7 +133,7 @@ class SessionRobot:
             self._robot.idle()
             self.powered = False
             self._quick()
-        self._posed = None
+        self._posed, self.stopped = None, False
 
     def tick(self) -> None:
         """Show that the program is alive; raises RobotLost and the like when the robot is not."""

@@ -85,8 +85,8 @@ class Truth:
         mass_kg = body.link_mass_kg * self.mass_scale
         inertia = body.inertia_kg_m2 * self.mass_scale
         heavy = replace(body, link_mass_kg=mass_kg, link_inertia_kg_m2=inertia)
-        whole = LabRobot.whole(heavy, self.ground, rolling_kg=self.rolling_kg, servo=self.servo)
-        return whole.drawn(rng, self.joint_sigma_rad)
+        robot = LabRobot.whole(heavy, self.ground, rolling_kg=self.rolling_kg, servo=self.servo)
+        return robot.drawn(rng, self.joint_sigma_rad)
 
 
 def wheel_inertia_kg(setup: Setup, sigmas: float = 0.0) -> float:
@@ -250,15 +250,17 @@ class SimulatedPerson:
         """Run a gait, and film it on a floor; else time it between two marks."""
         assert step.gait is not None  # a gait's step has one
         gait = self._run_gait(step.gait)
-        made = replace(gait, alpha_rad=gait.alpha_rad * self.truth.amplitude)
+        swinging = replace(gait, alpha_rad=gait.alpha_rad * self.truth.amplitude)
         side = {"there": 1.0, "back": -1.0}.get(str(step.cells.get("way", "")), 0.0)
         slopes = -side * self.truth.slope_rad, side * self.truth.across_rad
         if self.setup.plan.on == "floor" and self.truth.camera is not None:
             camera = replace(self.truth.camera, scale=1.0 + self._error(FILM_ERROR))
-            rows = filmed_crawl(self.robot, made, camera, self.rng, *slopes)
+            rows = filmed_crawl(self.robot, swinging, camera, self.rng, *slopes)
             rows[:, 4:] *= 1.0 + FILM_ERROR * self.rng.normal(size=rows.shape[1] - 4)
             return Tracked({**crawl_cells(rows, gait), "film_sha256": "simulated"}, rows, "video")
-        speed_m_s = self._crawl_speed(self.robot, made, slope_rad=slopes[0], across_rad=slopes[1])
+        speed_m_s = self._crawl_speed(
+            self.robot, swinging, slope_rad=slopes[0], across_rad=slopes[1]
+        )
         run_m = min(RUN_M, speed_m_s * RUN_S)
         return self._timed(run_m, run_m / RUN_S if run_m < RUN_M else speed_m_s) | {
             "omega_rad_s": gait.omega_rad_s

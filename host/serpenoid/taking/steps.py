@@ -49,7 +49,7 @@ class Step:
     cells: Values = field(default_factory=dict)
 
     @property
-    def asked(self) -> tuple[Field, ...]:
+    def questions(self) -> tuple[Field, ...]:
         """Return the fields that a person is asked for."""
         return tuple(field for field in self.fields if field.source == READ)
 

@@ -122,7 +122,7 @@ def test_a_plan_and_a_script_take_hz(folder, tmp_path):
         ("incline_deg=two", "'two' is no number; type a number in deg or %"),
         ("incline_deg=nan", "'nan' is no number"),
         ("incline_deg=80", "80 deg cannot be"),
-        ("'incline_deg=2.3 m'", "'m' is no unit of this"),
+        ("'incline_deg=2.3 m'", "'m' is neither a number nor a unit of this"),
         ("gamma=2", "'gamma=2' is not NAME=VALUE with a name of lambda_deg, incline_deg"),
         ("lambda_deg=0", "incline_deg is ''"),
     ],

@@ -63,9 +63,9 @@ def test_a_new_session_asks_what_it_needs(tmp_path):
         person.answers(
             "'heavy' is no number; type a number in kg or g or lb, such as 0.48 or 480 g", "760\n"
         )
-        person.answers("expected 0.02 to 20 (760 g would be 0.76 kg)", "undo\n")
+        person.answers("as it crawls: 760 kg; expected 0.02 to 20 kg", "undo\n")
         person.answers("mass of the whole robot", "480\n")
-        person.answers("(480 g would be 0.48 kg)", "480 g\n")
+        person.answers("480 kg; expected 0.02 to 20 kg", "480 g\n")
         person.answers("length of a link", "80 mm\n")
         person.answers("voltage at their plug", "5,2 V\n\n")
         person.answers("smallest step of its incline", "0,5 deg\n")
@@ -86,7 +86,7 @@ def test_a_new_session_asks_what_it_needs(tmp_path):
 
 def test_enter_at_the_mass_weighs_nothing_and_undo_asks_again(tmp_path):
     with Person(f"calibrate new {tmp_path}/asked") as person:
-        person.answers("what the wheels roll on", "belr\nundo\nbelt\nskip\n\n7\nu\n6\n\n\n")
+        person.answers("what the wheels roll on", "belr\nundo\nbelt\nskip\n\n7\nundo\n6\n\n\n")
         person.answers(
             "mass of the whole robot as it crawls (kg, or 480 g; later) [later]",
             "help\n" + 7 * "\n",
@@ -105,7 +105,7 @@ def test_a_new_session_has_an_answer_to_words_that_take_nothing_back(tmp_path):
         person.answers("what the wheels roll on", "undo\n")
         person.answers("nothing was asked before this", "belt\n" + 5 * "\n")
         person.answers("mass of the whole robot", "480\n")
-        person.answers("(480 g would be 0.48 kg)", "skip\n")
+        person.answers("480 kg; expected 0.02 to 20 kg", "skip\n")
         person.answers("a number in doubt cannot be left out", "quit\n")
         assert person.leaves() == 0
 

@@ -81,7 +81,7 @@ def new(
     import sys
     from dataclasses import replace
 
-    from ...taking.asking import WORDS, Asker, Left
+    from ...taking.asking import WORDS, Asker, Quit
     from ...taking.new_session import (
         LATER,
         answered,
@@ -104,7 +104,7 @@ def new(
         say(f"{WORDS} Enter takes what stands in brackets; units may be typed.")
         try:
             answers = ask_answers(Asker(Console()), setup, answers, on)
-        except (Left, EOFError):
+        except (Quit, EOFError):
             return say("Left; nothing was written.")
     elif template is None and answers["mass_kg"] is None and not simulated:
         answers["mass_kg"] = LATER

@@ -17,12 +17,11 @@ from ...session.journal import Journal
 from ...session.session import Session
 from ...show.screen import say
 from ...show.session.agreement import agreement
-from ...taking.asking import Left
-from ...taking.dialogue import Dialogue, Told
+from ...taking.asking import Quit
+from ...taking.dialogue import Dialogue, ask_identity, robot_in_words
 from ...taking.films import FilmReader
-from ...taking.identity import ask_identity, in_words
 from ...taking.session_robot import SessionRobot
-from ...taking.steps import Step, Tracked
+from ...taking.steps import Tracked
 from ...taking.terminal import Console
 from ...video.made_gait import film_cells
 from ...video.measure_film import measure_film
@@ -46,7 +45,7 @@ def with_a_person(
             console.say(f"note: {note}")
         try:
             ask_identity(journal, console)
-        except (Left, EOFError):
+        except (Quit, EOFError):
             return console.say("Left; nothing was changed.")
         robot = None
         if port is not None:
@@ -57,8 +56,8 @@ def with_a_person(
         for line in begin(journal, board):
             console.say(line)
         film = film_reader(journal.session.setup.robot_table.tag_side_m)
-        told = _running_fit(console)
-        dialogue = Dialogue(journal, console, robot, told, patience_s, film=film)
+        show_fit = lambda session: console.say(_so_far(session))  # noqa: E731
+        dialogue = Dialogue(journal, console, robot, show_fit, patience_s, film=film)
         try:
             well = dialogue.run()
         finally:
@@ -78,7 +77,7 @@ def begin(journal: Journal, robot: str) -> list[str]:
     if robot != BY_HAND:
         journal.event("connect", detail=robot)
     setup = journal.session.setup
-    lines = [f"{setup.name}: {in_words(setup)}; robot {robot}. {count(journal.session)}."]
+    lines = [f"{setup.name}: {robot_in_words(setup)}; robot {robot}. {count(journal.session)}."]
     if robot not in (BY_HAND, before):
         lines.append(f"note: this board is {robot}; the one before was {before}")
     return lines
@@ -92,20 +91,6 @@ def keys_of(robot: SessionRobot) -> dict[str, Callable[[], str]]:
         "\x1b": robot.stop,
         " ": robot.stop,
     }
-
-
-def _running_fit(console: Console) -> Told:
-    """Return a function that tells the fit after each new station or push."""
-    shown = -1
-
-    def told(session: Session, step: Step) -> None:
-        nonlocal shown
-        kept = len(session.kept) + len(session.kept_pushes)
-        if shown >= 0 and kept != shown:
-            console.say(_so_far(session))
-        shown = kept
-
-    return told
 
 
 def _so_far(session: Session) -> str:
