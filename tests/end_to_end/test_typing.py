@@ -14,7 +14,7 @@ SCRIPT = '''
 from pathlib import Path
 
 import serpenoid as sn
-from serpenoid.robot import Robot as Board
+from serpenoid.robot import RobotBoard as Board
 
 robot = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
 ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)

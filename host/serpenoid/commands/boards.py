@@ -154,7 +154,7 @@ def trim(port: str | None, as_json: bool) -> None:
     with RobotBoard(port, unattended_s=UNATTENDED_S) as robot:
         straighten(robot)
         work = Trimming(robot, lambda text: say(text, err=True))
-        work.go(iter(sys.stdin.readline, ""))
+        work.obey_all(iter(sys.stdin.readline, ""))
     if as_json:
         show_json({"saved": not work.unsaved, "trims": [asdict(t) for t in work.trims]})
 

@@ -46,8 +46,6 @@ T = TypeVar("T")
 class RobotBoard:
     """A robot's board to talk to, inside `with RobotBoard(port) as robot:` only.
 
-    `Robot` in this package is the same class; serpenoid.Robot, another one, is the robot's body.
-
     port: such as "/dev/ttyACM0"; None finds the board by its USB id; "virtual" is the firmware's
     own controller in this process, "virtual:fast" the same as fast as it goes, and
     "virtual:joints=9" one with so many joints; a Link is taken as it is. record: a file that takes
@@ -90,7 +88,7 @@ class RobotBoard:
 
     def __enter__(self) -> RobotBoard:
         if self._talk is not None:
-            raise RobotClosed("this Robot has been used already; make a new one")
+            raise RobotClosed("this RobotBoard has been used already; make a new one")
         try:
             self._signals.install()
             self._open()
@@ -318,7 +316,7 @@ class RobotBoard:
             link.close()
             raise
         record = self._recorder.line if self._recorder else None
-        self._talk = Dialogue(link, record, self._unattended_s, self._heard)
+        self._talk = Dialogue(link, record, self._unattended_s, self._take_line)
         self._talk.start()
         greet(self._talk, self._timeout_s)
         try:
@@ -326,7 +324,7 @@ class RobotBoard:
         except (DamagedLine, CommandRefused):  # missed frames are counted by the default then
             self._talk.inbox.expect(1)
 
-    def _heard(self, line: bytes) -> None:
+    def _take_line(self, line: bytes) -> None:
         """Take each line of the board, in the reader's thread; whoever shows them overrides it."""
 
     def _leave(self, error: BaseException | None) -> None:
@@ -378,6 +376,3 @@ def _told(
 def _obey(text: str, answer: Answer) -> None:
     if not answer.verdict.accepted:
         raise refused(text, answer.verdict.error, answer.verdict.detail)
-
-
-Robot = RobotBoard  # the name in earlier scripts

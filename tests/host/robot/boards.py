@@ -8,7 +8,7 @@ import pytest
 from avr.board import Board
 from robot.fake_board import GAIT, FakeBoard, honest
 from serpenoid.base.errors import RobotLost
-from serpenoid.robot import Robot
+from serpenoid.robot import RobotBoard
 from serpenoid.robot.wire.virtual import LEAST_S, STEP_S
 
 BOARDS = ["virtual:fast", pytest.param("simulated", marks=pytest.mark.avr), "hardware"]
@@ -44,7 +44,7 @@ class SimulatedLink:
 
 @pytest.fixture
 def simulated(start: Callable[..., Board], monkeypatch: pytest.MonkeyPatch) -> Board:
-    """Put a simulated Uno behind every port that a Robot opens; opening it resets it."""
+    """Put a simulated Uno behind every port that a RobotBoard opens; opening it resets it."""
     board = start("uno")
     monkeypatch.setattr("serpenoid.robot.robot.open_link", lambda _: SimulatedLink(board))
     return board
@@ -80,9 +80,9 @@ def hardware_port(request: pytest.FixtureRequest) -> str:
 
 
 @pytest.fixture
-def crawling() -> Iterator[tuple[FakeBoard, Robot]]:
+def crawling() -> Iterator[tuple[FakeBoard, RobotBoard]]:
     """Drive a board behind a pseudo-terminal, and give both; it tells the truth at the end."""
-    with FakeBoard() as fake, Robot(fake.port) as robot:
+    with FakeBoard() as fake, RobotBoard(fake.port) as robot:
         robot.gait(GAIT)
         yield fake, robot
         fake.to_host = honest

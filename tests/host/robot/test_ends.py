@@ -16,20 +16,20 @@ from robot.fake_board import GAIT, GAIT_TYPED, FakeBoard, nothing
 from robot.patience import LONG_S, clock, until
 from robot.terminal import Person
 from serpenoid.base.errors import NoAnswer, RobotClosed, RobotHeld, RobotReset, RobotUnattended
-from serpenoid.robot import Robot
+from serpenoid.robot import RobotBoard
 from serpenoid.robot.recording.stream import load_stream
 from serpenoid.robot.wire import dialogue
 
-# A Robot leaves an ignored signal ignored, as it is for what nohup started.
+# A RobotBoard leaves an ignored signal ignored, as it is for what nohup started.
 OPENING = """
 import math, os, signal, sys, time
 for number in (signal.SIGHUP, signal.SIGQUIT):
     signal.signal(number, signal.SIG_DFL)
 from serpenoid import Gait
 from serpenoid.base.errors import RobotClosed
-from serpenoid.robot import Robot
+from serpenoid.robot import RobotBoard
 gait = Gait(math.radians(30), math.radians(80), 5.0)
-with Robot(sys.argv[1]) as robot:
+with RobotBoard(sys.argv[1]) as robot:
     print("open", flush=True)
 """
 COMMANDING = f"""{OPENING}
@@ -70,7 +70,7 @@ def drive(port: str, source: str, shell: bool = True) -> subprocess.Popen[str]:
 
 
 def test_an_exception_stops_the_robot_and_is_passed_on(any_port):
-    with pytest.raises(ZeroDivisionError), Robot(any_port) as robot:
+    with pytest.raises(ZeroDivisionError), RobotBoard(any_port) as robot:
         robot.gait(GAIT)
         assert next(robot.frames(LONG_S)).state == "gait"
         talk = robot._dialogue
@@ -81,7 +81,7 @@ def test_an_exception_stops_the_robot_and_is_passed_on(any_port):
 
 def test_a_stop_is_confirmed_before_bye():
     with FakeBoard() as fake:
-        with Robot(fake.port) as robot:
+        with RobotBoard(fake.port) as robot:
             robot.gait(GAIT)
         assert (fake.state, fake.board.session) == ("hold", False)
         sent = [line.split(b" *")[0].split(b" ")[-1] for line in fake.received.split(b"\n")]
@@ -154,7 +154,7 @@ def test_a_sleeping_program_keeps_its_robot_going_and_a_lost_one_does_not():
             said.append((fake.board.time_s, line.split()[1]))
         return line
 
-    with FakeBoard(listen) as fake, Robot(fake.port, unattended_s=1.5) as robot:
+    with FakeBoard(listen) as fake, RobotBoard(fake.port, unattended_s=1.5) as robot:
         robot.set("silence", 0.6)
         robot.gait(GAIT)
         assert until(lambda: robot.latest and said[-1][1] == b"hold", 20.0)  # looking is no call
@@ -282,8 +282,8 @@ def test_a_stop_that_is_to_stay_refuses_motion_until_it_is_released(monkeypatch,
 
 def test_a_robot_is_used_inside_its_block_only_and_once():
     with FakeBoard() as fake:
-        robot = Robot(fake.port)
-        with pytest.raises(RobotClosed, match="with Robot"):
+        robot = RobotBoard(fake.port)
+        with pytest.raises(RobotClosed, match="with RobotBoard"):
             robot.straight()
         with robot:
             robot.straight()
@@ -291,7 +291,7 @@ def test_a_robot_is_used_inside_its_block_only_and_once():
             with pytest.raises(RobotClosed):
                 use()
         fake.to_host = nothing
-        robot = Robot(fake.port, timeout_s=0.2)
+        robot = RobotBoard(fake.port, timeout_s=0.2)
         with pytest.raises(NoAnswer), robot:
             pass
         with pytest.raises(RobotClosed, match="failed before"):

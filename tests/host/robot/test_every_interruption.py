@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 import serpenoid.robot
 from serpenoid import Gait
-from serpenoid.robot import Robot
+from serpenoid.robot import RobotBoard
 from serpenoid.robot.recording.stream import load_stream
 
 ROOM = str(Path(serpenoid.robot.__file__).parent)
@@ -57,7 +57,7 @@ def usual_handlers():
 def run(path, *at):
     """Drive the virtual robot and leave it; return the lines of Python that this took."""
     with Interruptions(*at) as done:
-        with Robot("virtual:fast", record=path) as robot:
+        with RobotBoard("virtual:fast", record=path) as robot:
             robot.gait(GAIT)
             for _ in robot.frames(0.1):
                 pass

@@ -11,7 +11,7 @@ import pytest
 from command_line import answer, serpenoid
 from refusals import refused
 from robots import gait_in_deg
-from serpenoid.robot import Robot
+from serpenoid.robot import RobotBoard
 from serpenoid.robot.recording.stream import load_stream
 from serpenoid.taking.board_run import board_gait
 
@@ -23,7 +23,7 @@ GAIT_TYPED = "--alpha-deg 60 --beta-deg 40 --omega-rad-s 3"
 @pytest.mark.parametrize("joints", FRAME_US)
 def test_gait_pose_and_recording_have_so_many_joints(joints, tmp_path):
     lam = math.radians(7.5)
-    with Robot(f"virtual:fast:joints={joints}", record=tmp_path / "run.txt") as robot:
+    with RobotBoard(f"virtual:fast:joints={joints}", record=tmp_path / "run.txt") as robot:
         assert (robot.hello.joints, robot.hello.frame_us) == (joints, FRAME_US[joints])
         robot.zigzag(lam)
         *_, frame = robot.frames(2.0 + 0.1 * joints)
@@ -44,10 +44,10 @@ def test_gait_pose_and_recording_have_so_many_joints(joints, tmp_path):
 
 
 def test_three_links_have_no_balanced_bend_and_other_numbers_no_board():
-    with Robot("virtual:joints=2:fast") as robot, refused(r"3 links.*guide the robot"):
+    with RobotBoard("virtual:joints=2:fast") as robot, refused(r"3 links.*guide the robot"):
         robot.bent(0.1)
     for port in ("virtual:joints=13", "virtual:joints=", "virtual:quick"):
-        with refused("2 to 12 joints"), Robot(port):
+        with refused("2 to 12 joints"), RobotBoard(port):
             pass
 
 

@@ -2,48 +2,26 @@
 
 from __future__ import annotations
 
+import json
 import signal
 import subprocess
 
 import pytest
-from command_line import program
+from command_line import program, serpenoid
 from robot.fake_board import FakeBoard
 from robot.patience import LONG_S
 from robot.terminal import Person
-from serpenoid.robot import Robot
-from serpenoid.robot.tools.trimming import Trimming, straighten
 
 
-@pytest.fixture
-def trimming():
-    shown: list[str] = []
-    with Robot("virtual:fast:joints=7") as robot:
-        straighten(robot)
-        work = Trimming(robot, shown.append)
-        work.shown = shown  # type: ignore[attr-defined]
-        yield work
-
-
-def centres(robot: Robot) -> list[float]:
-    return [trim.centre_us for trim in robot.trims()]
-
-
-def test_typed_numbers_centre_servos(trimming):
-    for line in ("1 1512", "3 +5", "3 -4", "7 +2", "8 1500", "0 +1", "x", "1", "", "1 wide"):
-        assert trimming.obey(line.split())
-    assert centres(trimming.robot) == [1512, 1500, 1501, 1500, 1500, 1500, 1502]
-    assert [t.centre_us for t in trimming.trims] == centres(trimming.robot)
-
-
-def test_leaving_unsaved_is_asked_once(trimming):
-    trimming.obey(["1", "+1"])
-    assert trimming.obey(["quit"])
-    assert "not saved" in trimming.shown[-1]
-    assert trimming.obey(["1", "+1"])
-    assert trimming.obey(["quit"])
-    assert not trimming.obey(["quit"])
-    trimming.obey(["save"])
-    assert not trimming.obey(["quit"])
+def test_typed_numbers_centre_servos_until_the_power_goes_or_they_are_saved():
+    lines = ["1 1512", "3 +5", "3 -4", "7 +2", "8 1500", "0 +1", "x", "1", "", "1 wide"]
+    for end, said in (("quit", "not saved"), ("save", "saved on the board")):
+        done = serpenoid("trim --json --port virtual:fast:joints=7", typed="\n".join([*lines, end]))
+        trims = json.loads(done.stdout)
+        assert trims["saved"] == (end == "save")
+        centres = [trim["centre_us"] for trim in trims["trims"]]
+        assert centres == [1512, 1500, 1501, 1500, 1500, 1500, 1502]
+        assert said in done.stderr.splitlines()[-1]
 
 
 @pytest.mark.parametrize("how", ["quit", "term", "unplugged"])

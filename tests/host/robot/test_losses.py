@@ -37,7 +37,7 @@ from serpenoid.base.errors import (
     StateUnasked,
     StopUnconfirmed,
 )
-from serpenoid.robot import Robot
+from serpenoid.robot import RobotBoard
 from serpenoid.robot.recording.stream import load_stream
 from serpenoid.robot.wire.dialogue import MOST_STOPS
 from serpenoid.robot.wire.virtual import VirtualLink
@@ -185,7 +185,7 @@ OPENINGS = {
 def test_a_board_that_is_none_of_ours_is_told_by_what_came(board):
     tamper, error, said = OPENINGS[board]
     link = FastBoard(tamper)
-    with pytest.raises(error, match=said), Robot(link, timeout_s=1.0) as robot:
+    with pytest.raises(error, match=said), RobotBoard(link, timeout_s=1.0) as robot:
         list(robot.frames(LONG_S))
     assert b"#0 hello" in link.received or error is ProtocolMismatch
 
@@ -199,7 +199,7 @@ def test_a_damaged_greeting_is_not_believed_but_asked_for_again(protocol):
             return line
         return re.sub(rb"protocol=\d+", b"protocol=" + protocol.encode(), line)
 
-    with Robot(FastBoard(spoil)) as robot:
+    with RobotBoard(FastBoard(spoil)) as robot:
         assert robot.hello.board == "virtual"
 
 
@@ -207,7 +207,7 @@ def test_a_damaged_greeting_is_not_believed_but_asked_for_again(protocol):
 def test_a_stop_is_sure_though_the_line_on_its_state_was_lost_and_else_told(every):
     board = FastBoard(without("state:"))
     with pytest.raises(StopUnconfirmed, match=r"not confirmed.*'pose'"):
-        with Robot(board) as robot:
+        with RobotBoard(board) as robot:
             robot.set("every", every)
             robot.set("pose_speed", 1.0)
             robot.zigzag(0.4)
@@ -223,7 +223,7 @@ def test_a_stop_is_sure_though_the_line_on_its_state_was_lost_and_else_told(ever
 def test_a_signal_does_not_hide_that_the_stop_is_not_sure(number):
     board = FastBoard()
     with pytest.raises(StopUnconfirmed, match=r"not confirmed: no verdict.*power") as told:
-        with Robot(board) as robot:
+        with RobotBoard(board) as robot:
             robot.gait(GAIT)
             board.to_host = nothing
             os.kill(os.getpid(), number)
@@ -232,13 +232,13 @@ def test_a_signal_does_not_hide_that_the_stop_is_not_sure(number):
 
 
 def test_a_loss_is_told_though_it_was_caught_or_met_by_no_call():
-    with FakeBoard() as fake, pytest.raises(StopUnconfirmed), Robot(fake.port) as robot:
+    with FakeBoard() as fake, pytest.raises(StopUnconfirmed), RobotBoard(fake.port) as robot:
         robot.gait(GAIT)
         fake.unplug()
         with pytest.raises(RobotLost):
             list(robot.frames(5.0))
     with FakeBoard() as fake, pytest.raises(RobotError, match="went away"):
-        with Robot(fake.port) as robot:
+        with RobotBoard(fake.port) as robot:
             robot.gait(GAIT)
             fake.unplug()
             assert until(lambda: robot._dialogue.failure)
@@ -247,7 +247,7 @@ def test_a_loss_is_told_though_it_was_caught_or_met_by_no_call():
 def test_an_error_of_the_program_is_not_masked_by_the_loss_of_the_board():
     board = FastBoard()
     with pytest.warns(RuntimeWarning, match="stop was not confirmed"):
-        with pytest.raises(ZeroDivisionError), Robot(board) as robot:
+        with pytest.raises(ZeroDivisionError), RobotBoard(board) as robot:
             robot.gait(GAIT)
             board.unplug()
             raise ZeroDivisionError
@@ -255,7 +255,7 @@ def test_an_error_of_the_program_is_not_masked_by_the_loss_of_the_board():
 
 def test_a_state_that_nobody_asked_for_is_told_once_and_one_asked_for_never():
     board = FastBoard()
-    with Robot(board) as robot:
+    with RobotBoard(board) as robot:
         for ask in (
             robot.stop,
             lambda: robot.gait(GAIT),
@@ -280,7 +280,7 @@ def test_a_state_that_nobody_asked_for_is_told_once_and_one_asked_for_never():
 
 def test_a_motion_that_a_stop_overtook_is_not_sent_again_and_a_question_is():
     board = FastBoard()
-    with Robot(board) as robot:
+    with RobotBoard(board) as robot:
         board.to_host = lambda line: resealed(line, rb"^ok: (#\d+)$", rb"err: \1 stopped - by !")
         for ask, times in ((robot.straight, 1), (robot.status, MOST_STOPS)):
             sent = len(board.received)
@@ -300,7 +300,7 @@ def test_lines_lost_on_the_way_to_the_board_are_sent_again_and_obeyed_once():
         return b""
 
     board = FastBoard(to_board=lose_the_first)
-    with Robot(board) as robot:
+    with RobotBoard(board) as robot:
         robot.gait(GAIT)
         robot.trims()
         assert robot.losses.resent == len(lost) >= 3
@@ -309,7 +309,7 @@ def test_lines_lost_on_the_way_to_the_board_are_sent_again_and_obeyed_once():
 
 def test_a_board_that_does_not_list_its_settings_can_be_driven():
     board = FastBoard(without("set:"))
-    with Robot(board) as robot:
+    with RobotBoard(board) as robot:
         robot.gait(GAIT)
         assert board.state == "gait"
         with pytest.raises(DamagedLine, match="cable"):
@@ -326,7 +326,7 @@ def test_half_and_doubled_frames_and_lines_without_end_are_counted_and_never_use
         return {3: line[: len(line) // 2] + b"\n", 5: line * 2, 7: b""}.get(kind, line)
 
     board = FastBoard()
-    with Robot(board) as robot:
+    with RobotBoard(board) as robot:
         robot.gait(GAIT)
         board.to_host = spoil
         numbers = [frame.frame for frame in robot.frames(4.0)]
@@ -352,7 +352,7 @@ def test_unplugged_at_every_state_of_the_dialogue_is_lost_and_never_hangs(moment
         return line
 
     def run() -> None:
-        with Robot(fake.port, timeout_s=2.0) as robot:
+        with RobotBoard(fake.port, timeout_s=2.0) as robot:
             robot.gait(GAIT)
             for _ in itertools.islice(robot.frames(LONG_S), 5):
                 if moment == "frames":
@@ -385,7 +385,7 @@ def test_a_process_that_slept_after_asking_still_hears_the_answer(word):
 
     link.write = write
     link.now_s = lambda: link.board.time_s + 100.0 * len(slept)
-    with Robot(link, unattended_s=1e4) as robot:
+    with RobotBoard(link, unattended_s=1e4) as robot:
         robot.straight()
         robot.status()
     assert len(slept) > 1

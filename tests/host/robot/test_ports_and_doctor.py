@@ -16,13 +16,13 @@ from robot.patience import LONG_S
 from robot.terminal import Person
 from serpenoid.base import system
 from serpenoid.base.errors import PortBusy, PortMissing
-from serpenoid.robot import Robot
+from serpenoid.robot import RobotBoard
 from serpenoid.robot.tools import doctor
 from serpenoid.robot.tools.limp_test import FREE, RELEASED, limp_test
 from serpenoid.robot.wire import ports
 from serpenoid.robot.wire.virtual import VirtualLink
 
-OPENING = "import sys; from serpenoid.robot import Robot\nwith Robot(sys.argv[1]): pass"
+OPENING = "import sys; from serpenoid.robot import RobotBoard\nwith RobotBoard(sys.argv[1]): pass"
 
 
 @pytest.fixture
@@ -37,14 +37,14 @@ def plugged(monkeypatch: pytest.MonkeyPatch):
 
 
 def opened(port: str | None) -> None:
-    with Robot(port, timeout_s=0.2):
+    with RobotBoard(port, timeout_s=0.2):
         pass
 
 
 def test_two_programs_cannot_have_one_port_and_the_first_does_not_notice():
     with FakeBoard() as fake:
         played = os.open(fake.port, os.O_RDWR | os.O_NOCTTY)  # who plays a board may keep it open
-        with Robot(fake.port) as robot:
+        with RobotBoard(fake.port) as robot:
             boot = robot.hello.boot
             with pytest.raises(PortBusy, match=r"another program .*lock.*: close"):
                 opened(fake.port)
@@ -167,7 +167,7 @@ def test_the_limp_tests_answer_is_kept_on_the_board(turns, code):
     assert limp_test(link, lambda text: turns or text == FREE) == RELEASED[code]
     assert link.board.state == "idle"
     link.board.boot("power")
-    with Robot(link) as robot:
+    with RobotBoard(link) as robot:
         assert (robot.hello.settings, robot.settings()["released"]) == ("ok", code)
 
 

@@ -12,7 +12,7 @@ import pytest
 from avr.dialogue import sealed
 from robot.fake_board import FastBoard
 from serpenoid import Gait, SerpenoidError
-from serpenoid.robot import Robot
+from serpenoid.robot import RobotBoard
 from serpenoid.robot.recording.stream import load_stream
 from serpenoid.robot.tools.driven_run import DrivenRun
 
@@ -109,7 +109,7 @@ def some_gait(rng: random.Random) -> Gait:
 
 def some_program(rng: random.Random, record: Path) -> None:
     """Talk to a robot in a random way."""
-    with Robot("any", record=record, timeout_s=3.0) as robot:
+    with RobotBoard("any", record=record, timeout_s=3.0) as robot:
         for _ in range(rng.randrange(1, 6)):
             rng.choice(
                 [

@@ -14,7 +14,7 @@ from robot.fake_board import GAIT, FakeBoard, FastBoard, nothing
 from robot.patience import LONG_S, clock
 from robot.test_ends import drive
 from serpenoid.base.errors import NoAnswer, RecordingFailed
-from serpenoid.robot import Robot
+from serpenoid.robot import RobotBoard
 from serpenoid.robot.recording import recorder
 from serpenoid.robot.recording.stream import load_stream
 
@@ -27,7 +27,7 @@ PAGE = 4096
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
     path = tmp_path_factory.mktemp("recorded") / "run.txt"
-    with Robot("virtual:fast", record=path) as robot:
+    with RobotBoard("virtual:fast", record=path) as robot:
         robot.gait(GAIT)
         frames = list(robot.frames(1.0))
     return path, frames
@@ -65,7 +65,7 @@ def test_any_cut_leaves_every_whole_line(recorded, tmp_path):
 def test_damage_is_kept_as_it_came_and_counted(tmp_path):
     path = tmp_path / "run.txt"
     spoilt = FastBoard(lambda s: b"\xff\x00\\" + s if s.startswith(b"t:") else s)
-    with Robot(spoilt, record=path) as robot:
+    with RobotBoard(spoilt, record=path) as robot:
         robot.straight(0.1)
     assert load_stream(path).damaged >= 1
     assert b" < \\xff\\x00\\\\t:" in path.read_bytes()
@@ -74,11 +74,11 @@ def test_damage_is_kept_as_it_came_and_counted(tmp_path):
 def test_a_run_that_never_began_leaves_its_name_free(tmp_path):
     path = tmp_path / "run.txt"
     for _ in range(2):
-        with pytest.raises(NoAnswer), Robot(FastBoard(nothing), record=path, timeout_s=0.2):
+        with pytest.raises(NoAnswer), RobotBoard(FastBoard(nothing), record=path, timeout_s=0.2):
             pass
     assert not path.exists()
     path.write_text("thesis\n")
-    with refused("another name"), Robot("virtual:fast", record=path):
+    with refused("another name"), RobotBoard("virtual:fast", record=path):
         pass
     assert path.read_text() == "thesis\n"
 
@@ -87,9 +87,9 @@ FILLING = """
 import math, resource, signal, sys, time
 from pathlib import Path
 from serpenoid import Gait
-from serpenoid.robot import Robot
+from serpenoid.robot import RobotBoard
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-with Robot(sys.argv[1], record=Path(sys.argv[2])) as robot:
+with RobotBoard(sys.argv[1], record=Path(sys.argv[2])) as robot:
     resource.setrlimit(resource.RLIMIT_FSIZE, (9000, 9000))
     robot.gait(Gait(math.radians(30), math.radians(80), 5.0))
     print("open", flush=True)
@@ -135,7 +135,7 @@ def reads(reader: int) -> bytes:
 def test_a_stalled_disk_stops_nothing_and_is_told(stalled, monkeypatch):
     monkeypatch.setattr(recorder, "CLOSE_S", 0.2)
     with pytest.raises(RecordingFailed, match=r"stalled, and \d+ rows could not be written"):
-        with Robot("virtual", record=stalled[0]) as robot:
+        with RobotBoard("virtual", record=stalled[0]) as robot:
             robot.gait(GAIT)
             frames = list(islice(robot.frames(LONG_S), 60))
             begun_s = clock()

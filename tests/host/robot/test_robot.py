@@ -12,13 +12,13 @@ from robot.fake_board import GAIT
 from robot.patience import LONG_S
 from serpenoid import Gait
 from serpenoid.base.errors import CommandRefused
-from serpenoid.robot import Robot
+from serpenoid.robot import RobotBoard
 from serpenoid.robot.wire import inbox
 from serpenoid.robot.wire.protocol import PROTOCOL
 
 
 def test_a_run_from_opening_to_stop(any_port):
-    with Robot(any_port) as robot:
+    with RobotBoard(any_port) as robot:
         assert robot.hello.protocol == PROTOCOL
         assert robot.settings()["silence"] == 2.0
         robot.gait(GAIT)
@@ -42,7 +42,7 @@ def test_a_run_from_opening_to_stop(any_port):
 def test_the_gait_that_comes_is_the_one_asked_for(any_port):
     """Eq. 57, from the board's own phase; the lag is beyond half a turn and must come round."""
     gait = Gait(math.radians(25), beta_rad=-4.0, omega_rad_s=6.0, offset_rad=math.radians(-10))
-    with Robot(any_port) as robot:
+    with RobotBoard(any_port) as robot:
         robot.set("angle_ramp", 360)
         robot.set("pose_speed", 360)
         robot.set("rate_ramp", 100)
@@ -62,7 +62,7 @@ def test_the_gait_that_comes_is_the_one_asked_for(any_port):
 
 
 def test_poses_arrive_in_radians(any_port):
-    with Robot(any_port) as robot:
+    with RobotBoard(any_port) as robot:
         robot.set("pose_speed", 360)
         for move, angles_rad in (
             (lambda: robot.bent(0.15, -0.02), [-0.32, 0.13, -0.02, -0.17, 0.28]),
@@ -85,7 +85,7 @@ def test_poses_arrive_in_radians(any_port):
 def test_settings_and_trims_are_kept_when_saved(board, request):
     if board == "simulated":
         request.getfixturevalue("simulated")
-    with Robot("virtual:fast") as robot:
+    with RobotBoard("virtual:fast") as robot:
         robot.trim(2, "centre", 1512)
         robot.trim(5, "low", -75.5)
         robot.set("silence", 3.5)
@@ -108,7 +108,7 @@ def test_settings_and_trims_are_kept_when_saved(board, request):
 
 def test_telemetry_thinned_out_is_not_counted_as_missed_and_unread_frames_are(monkeypatch):
     monkeypatch.setattr(inbox, "MOST_UNREAD", 10)
-    with Robot("virtual:fast") as robot:
+    with RobotBoard("virtual:fast") as robot:
         for every, most in ((100, 3), (10, 26), (0, 0), (3, 85)):
             robot.set("every", every)
             assert most - 2 <= len(list(robot.frames(5.0))) <= most

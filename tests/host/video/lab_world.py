@@ -14,7 +14,7 @@ import numpy as np
 import serpenoid as sn
 from serpenoid.lab.floor import Floor
 from serpenoid.lab.robot import LabRobot
-from serpenoid.robot import Robot as Board
+from serpenoid.robot import RobotBoard as Board
 from video.worlds import LINK_M, World
 
 FRAME_S, STEP_S = 0.02, 0.002  # of the board's set-points, of the joints' rows

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import re
-from array import array
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...base.errors import BadInput, ClockWrong, DamagedLine, RecordingFailed
+from ...base.errors import BadInput, ClockWrong, DamagedLine
 from ...base.files import check_file
 from ...model.robot import frame_us
 from ..wire.clock import BoardClock
@@ -20,8 +19,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-MOST_BYTES = 1 << 31  # a fortnight of telemetry
-LONGEST_ROW = 4096  # bytes; a whole line takes a tenth of it, and what is longer is damaged
+MAX_BYTES = 1 << 28  # eight hours of telemetry, which take a gigabyte of memory
+_ROW = 4096  # bytes; a whole line takes a tenth of it, and what is longer is damaged
 _COLUMNS = {  # what is kept of each frame, with the type codes of array.array
     "host_s": "d",
     "board_us": "q",
@@ -80,18 +79,12 @@ def load_stream(path: Path) -> Stream:
 
 
 def _rows(path: Path) -> Iterator[tuple[int, bytes]]:
-    """Yield the rows that are whole, counted from 1, no more of each than LONGEST_ROW bytes."""
-    check_file(path, MOST_BYTES)
-    try:
-        with path.open("rb") as file:
-            for number, row in enumerate(iter(lambda: file.readline(LONGEST_ROW), b""), 1):
-                piece = row
-                while len(piece) == LONGEST_ROW and not piece.endswith(b"\n"):
-                    piece = file.readline(LONGEST_ROW)
-                if piece.endswith(b"\n"):  # else it is half a row
-                    yield number, row.removesuffix(b"\n")
-    except OSError as error:
-        raise RecordingFailed(f"cannot read {path}: {error.strerror or error}") from error
+    """Yield the rows that are whole, counted from 1."""
+    check_file(path, MAX_BYTES)
+    with path.open("rb") as file:
+        for number, row in enumerate(file, 1):
+            if row.endswith(b"\n"):  # else it is half a row
+                yield number, row.removesuffix(b"\n")
 
 
 class _Reading:
@@ -100,7 +93,6 @@ class _Reading:
     def __init__(self, path: Path):
         self._path = path
         self._last_s = 0.0
-        self._states: dict[str, int] = {}
         self._sent: list[tuple[float, str]] = []
         self._said: list[tuple[float, str]] = []
         self._damaged = 0
@@ -111,14 +103,14 @@ class _Reading:
     def _begin_frames(self, joints: int) -> None:
         """Expect frames of so many joints, as greeted; 0 for as many as the first one has."""
         self._joints, self._clock = joints, BoardClock(frame_us(joints))
-        self._columns = {name: array(code) for name, code in _COLUMNS.items()}
+        self._frames: list[tuple[float, int, Telemetry]] = []
 
     def take(self, number: int, row: bytes) -> None:
         """Take one row; raise BadInput, with its number, if it is not as Recorder writes it."""
         try:
-            if row.startswith(b"#"):
-                self._note(row.decode("utf-8", "replace"))
-            else:
+            if row.startswith(b"# end: "):
+                self._end = row.removeprefix(b"# end: ").decode("utf-8", "replace")
+            elif not row.startswith(b"#"):
                 self._line(*self._parts(row))
         except ValueError as error:  # no row of a recording, or time runs backwards
             raise BadInput(f"{self._path}:{number}: {row[:60]!r} ({error})") from None
@@ -127,23 +119,28 @@ class _Reading:
         """Return all that was taken."""
         import numpy as np
 
-        columns: dict[str, Any] = {n: np.asarray(column) for n, column in self._columns.items()}
-        for name in ("setpoint_rad", "pulse_us"):
-            columns[name] = columns[name].reshape(len(columns["frame"]), self._joints)
-        columns["state"] = np.array([*self._states, ""], dtype=str)[columns["state"]]
+        size = len(self._frames), self._joints
+
+        def column(name: str) -> Any:
+            return np.array([getattr(frame, name) for *_, frame in self._frames])
+
         return Stream(
             begun=begun,
-            board_s=columns.pop("board_us") * 1e-6,
-            **columns,
+            host_s=np.array([host_s for host_s, *_ in self._frames]),
+            frame=column("frame"),
+            board_s=1e-6 * np.array([board_us for _, board_us, _ in self._frames]),
+            phase_rad=column("phase_rad"),
+            setpoint_rad=column("setpoint_rad").reshape(size),
+            pulse_us=column("pulse_us").reshape(size),
+            exec_us=column("exec_us"),
+            late_us=column("late_us"),
+            clipped=column("clipped"),
+            state=column("state").astype(str),
             sent=tuple(self._sent),
             said=tuple(self._said),
             damaged=self._damaged,
             end=self._end,
         )
-
-    def _note(self, text: str) -> None:
-        if text.startswith("# end: "):
-            self._end = text.removeprefix("# end: ")
 
     def _parts(self, row: bytes) -> tuple[float, str, bytes]:
         parts = _ROW.fullmatch(row)
@@ -154,8 +151,6 @@ class _Reading:
         if host_s < self._last_s:
             raise ValueError(f"time is {seconds.decode()} after {self._last_s}: it runs backwards")
         self._last_s = host_s
-        if len(row) == LONGEST_ROW:  # cut, perhaps amid an escaped byte
-            text = b""
         return host_s, direction.decode(), text.decode("unicode_escape").encode("latin-1")
 
     def _line(self, host_s: float, direction: str, text: bytes) -> None:
@@ -174,7 +169,7 @@ class _Reading:
         if isinstance(message, Hello) and not self._greeted:
             self._greeted = True
             if self._joints != message.joints:  # frames before this greeting were noise
-                self._damaged += len(self._columns["frame"])
+                self._damaged += len(self._frames)
                 self._begin_frames(message.joints)
             self._clock.frame_us = message.frame_us
 
@@ -185,8 +180,4 @@ class _Reading:
         if len(frame.setpoint_rad) != self._joints:
             raise DamagedLine(f"a frame has another number of joints than {self._joints}")
         board_us = self._clock.unwrap(frame.frame, frame.board_us)
-        state = self._states.setdefault(frame.state, len(self._states))
-        values = vars(frame) | {"host_s": host_s, "board_us": board_us, "state": state}
-        for name, column in self._columns.items():
-            value = values[name]
-            column.extend(value if isinstance(value, tuple) else (value,))
+        self._frames.append((host_s, board_us, frame))

@@ -9,9 +9,7 @@ from typing import Literal
 from ...base.errors import NoAnswer, PortBusy, ProtocolMismatch, RobotError
 from ..robot import RobotBoard
 from ..wire import ports
-from ..wire.inbox import Losses
 from ..wire.protocol import PROTOCOL, Hello
-from ..wire.reports import Status
 from .limp_test import RELEASED
 from .upload import find_platformio
 
@@ -48,6 +46,11 @@ class Finding:
     found: str
     fix: str = ""
 
+    @classmethod
+    def judged(cls, name: str, seen: str, is_well: bool, fix: str) -> Finding:
+        """Return what is "ok", or to be put right by a fix."""
+        return cls(name, "ok", seen) if is_well else cls(name, "fix", seen, fix)
+
 
 def examine(
     port: str | None = None, listen_s: float = 3.0, timeout_s: float = 5.0
@@ -81,13 +84,10 @@ def _port(port: str | None, listen_s: float, timeout_s: float) -> Iterator[Findi
 
 def _access(port: str) -> Iterator[Finding]:
     """Look whether the port is there, and who may open it, up to what to fix."""
-    if not ports.is_there(port):
-        here = f"serial ports here: {ports.port_names()}"
-        yield Finding("port", "fix", f"there is no {port}", here)
-    yield Finding("port", "ok", port)
-    if not ports.allowed(port):
-        yield Finding("permission", "fix", "refused", ports.why_forbidden(port))
-    yield Finding("permission", "ok", f"this user may open {port}")
+    names = f"serial ports here: {ports.port_names()}"
+    yield Finding.judged("port", port, ports.is_there(port), f"there is no such port; {names}")
+    may_open = ports.allowed(port)
+    yield Finding.judged("permission", f"to open {port}", may_open, ports.why_forbidden(port))
 
 
 def _board(port: str, listen_s: float, timeout_s: float) -> Iterator[Finding]:
@@ -121,43 +121,25 @@ def _settings(hello: Hello, settings: dict[str, float]) -> Iterator[Finding]:
 def _running(robot: RobotBoard, listen_s: float) -> Iterator[Finding]:
     """Listen for a while, then judge losses, timing and clock."""
     robot.set("every", 1)  # until the next reset, so that there is something to hear
-    heard = sum(1 for _ in robot.frames(listen_s))
+    frames = sum(1 for _ in robot.frames(listen_s))
     status = robot.status()
-    yield _counters(status, robot.losses, heard)
-    yield _timing(status)
-    yield _drift(robot)
-
-
-def _counters(status: Status, losses: Losses, heard: int) -> Finding:
-    """Judge what the board has counted since its start, and what was lost on the way here."""
     counts = {name: getattr(status, name) for name in BOARD_COUNTS}
-    counts |= {name: getattr(losses, name) for name in HOST_COUNTS}
-    bad = ", ".join(f"{name} {count}" for name, count in counts.items() if count)
-    if not heard:
-        return Finding("counters", "fix", "no frame came", "flash the board: serpenoid flash")
-    if bad:
-        return Finding("counters", "fix", bad, "use a shorter or better USB cable, and no hub")
-    return Finding("counters", "ok", f"clean, over {heard} frames")
-
-
-def _timing(status: Status) -> Finding:
-    measured = (
+    counts |= {name: getattr(robot.losses, name) for name in HOST_COUNTS}
+    losses = ", ".join(f"{name} {count}" for name, count in counts.items() if count)
+    cure = "use a shorter or better USB cable, and no hub; without any frame, serpenoid flash"
+    seen = losses or f"clean, over {frames} frames"
+    yield Finding.judged("counters", seen, bool(frames) and not losses, cure)
+    seen = (
         f"{status.overruns} frames missed, latest frame {status.late_us} us late, "
         f"longest pass {status.longest_pass_us} us"
     )
-    if status.overruns or status.late_us > LATE_US:
-        fix = "flash the newest firmware: serpenoid flash; if it persists, report these numbers"
-        return Finding("timing", "fix", measured, fix)
-    return Finding("timing", "ok", measured)
-
-
-def _drift(robot: RobotBoard) -> Finding:
+    cure = "flash the newest firmware: serpenoid flash; if it persists, report these numbers"
+    in_time = not status.overruns and status.late_us <= LATE_US
+    yield Finding.judged("timing", seen, in_time, cure)
     drift = robot.clock
     if not drift.span_s:
-        return Finding("clock", "note", "not measured", "listen longer: --listen-s 5")
-    measured = f"{drift.ppm:+.0f} ± {drift.sd_ppm:.0f} ppm against this computer"
-    if not drift.believable:
-        return Finding(
-            "clock", "fix", measured, "beyond any resonator: is the right board flashed?"
-        )
-    return Finding("clock", "ok", measured)
+        yield Finding("clock", "note", "not measured", "listen longer: --listen-s 5")
+        return
+    seen = f"{drift.ppm:+.0f} ± {drift.sd_ppm:.0f} ppm against this computer"
+    cure = "beyond any resonator: is the right board flashed?"
+    yield Finding.judged("clock", seen, drift.believable, cure)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...base.errors import ClockWrong, FramesMissing
+from ...base.errors import FramesMissing
 from ..robot import RobotBoard
 from ..robot_match import RobotMatch
 from ..wire.protocol import Telemetry
@@ -80,42 +80,37 @@ class DrivenRun:
             robot.set("every", 1)  # until the board's next reset, as its silence: nothing is saved
             if not robot.settings()["silence"]:
                 robot.set("silence", SILENCE_S)  # the board stops if this program dies
-            self._follow(duration_s, watch)
+            robot.gait(self.gait)
+            for frame in robot.frames(duration_s):
+                self._count(frame)
+                watch(self)
         self._check_frames(duration_s or 0.0)
         self.robot.clock.check()
-
-    def _follow(self, duration_s: float | None, watch: Callable[[DrivenRun], None]) -> None:
-        self.robot.gait(self.gait)
-        for frame in self.robot.frames(duration_s):
-            self._count(frame)
-            watch(self)
 
     @property
     def elapsed_s(self) -> float:
         """Return the board's time from the first frame to the last."""
         if self.first is None or self.last is None:
             return 0.0
-        return (
-            1e-6 * self.robot.hello.frame_us * ((self.last.frame - self.first.frame) & 0xFFFFFFFF)
-        )
+        count = (self.last.frame - self.first.frame) & 0xFFFFFFFF
+        return 1e-6 * self.robot.hello.frame_us * count
 
     def frequency(self) -> tuple[float, float] | tuple[None, None]:
         """Return the settled gait's frequency in this computer's seconds, in Hz, and its s.d.
 
         (None, None) if the board's clock cannot be believed.
         """
-        try:
-            rate, sd = self.robot.true_rate_rad_s(self.gait.omega_rad_s)
-        except ClockWrong:
+        drift = self.robot.clock
+        if not drift.believable:
             return None, None
-        return rate / (2 * math.pi), sd / (2 * math.pi)
+        rate, sd = drift.true_rate(self.gait.omega_rad_s)
+        return rate / math.tau, sd / math.tau
 
     def summary(self) -> Summary | None:
         """Sum up what came so far; None if no frame came."""
         if self.last is None:
             return None
         hello, losses, drift = self.robot.hello, self.robot.losses, self.robot.clock
-        frequency_hz, frequency_sd_hz = self.frequency()
         return Summary(
             hello.board,
             hello.firmware,
@@ -129,9 +124,8 @@ class DrivenRun:
             self.clipped_frames,
             drift.ppm,
             drift.sd_ppm,
-            frequency_hz,
-            frequency_sd_hz,
-            None if self._record is None else str(self._record),
+            *self.frequency(),
+            self._record and str(self._record),
         )
 
     def _check_frames(self, duration_s: float) -> None:

@@ -20,63 +20,48 @@ class Trimming:
         self.robot = robot
         self.trims = list(robot.trims())
         self.unsaved = False
-        self._warned = False
         self._show = show
 
-    def go(self, lines: Iterable[str]) -> None:
+    def obey_all(self, lines: Iterable[str]) -> None:
         """Obey lines until one says to leave, or they end."""
         for trim in self.trims:
-            self._tell(trim)
+            self._show(centre_text(trim))
         self._show(HELP)
         for line in lines:
-            if not self.obey(line.split()):
+            if line.strip() == "quit":
                 break
+            self.obey(line.split())
+        if self.unsaved:
+            self._show("not saved: the board forgets the centres when its power goes")
 
-    def obey(self, words: list[str]) -> bool:
-        """Obey one line; return False to leave. Raises what RobotBoard raises, refusals apart."""
-        warned, self._warned = self._warned, False
+    def obey(self, words: list[str]) -> None:
+        """Obey one line. Raises what RobotBoard raises, refusals apart."""
         if words == ["save"]:
             self.robot.save()
             self.unsaved = False
             self._show("saved on the board")
-        elif words == ["quit"]:
-            if warned or not self.unsaved:
-                return False
-            self._warned = True
-            self._show("not saved: `save`, or `quit` once more")
-        elif (typed := self._typed(words)) is None:
-            self._show(HELP)
-        else:
-            self._centre(*typed)
-        return True
-
-    def _typed(self, words: list[str]) -> tuple[int, float] | None:
-        """Return the joint's place in the list and its new centre (us); None if it is no such."""
-        if len(words) != 2 or not words[0].isdecimal():
-            return None
-        joint = int(words[0]) - 1
+            return
         try:
-            pulse_us = float(words[1])
+            joint, centre = words
+            trim = self.trims[range(1, len(self.trims) + 1).index(int(joint))]
+            moved_us = trim.centre_us if centre[0] in "+-" else 0.0
+            centre_us = moved_us + float(centre)
         except ValueError:
-            return None
-        if not 0 <= joint < len(self.trims):
-            return None
-        relative = words[1][0] in "+-"
-        return joint, pulse_us + (self.trims[joint].centre_us if relative else 0.0)
-
-    def _centre(self, joint: int, centre_us: float) -> None:
-        trim = self.trims[joint]
+            self._show(HELP)
+            return
         try:
             self.robot.trim(trim.joint, "centre", centre_us)
         except CommandRefused as error:
             self._show(str(error))
             return
-        self.trims[joint] = replace(trim, centre_us=centre_us)
+        self.trims[trim.joint - 1] = replace(trim, centre_us=centre_us)
         self.unsaved = True
-        self._tell(self.trims[joint])
+        self._show(centre_text(self.trims[trim.joint - 1]))
 
-    def _tell(self, trim: Trim) -> None:
-        self._show(f"joint {trim.joint}  centre {trim.centre_us:g} us")
+
+def centre_text(trim: Trim) -> str:
+    """Return a servo's centre in words."""
+    return f"joint {trim.joint}  centre {trim.centre_us:g} us"
 
 
 def straighten(robot: RobotBoard) -> None:

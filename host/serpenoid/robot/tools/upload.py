@@ -8,6 +8,7 @@ import shutil
 import sys
 from collections.abc import Callable
 from importlib.metadata import version
+from itertools import product
 from pathlib import Path
 
 from ... import _core
@@ -19,33 +20,25 @@ from ..wire.ports import find_port, is_there, missing, serial_ports
 from ..wire.protocol import FEWEST_JOINTS, Hello
 
 # USB vendor and product ids of boards that say what they are; copies have their chip's ids.
-KNOWN = {
-    "uno": {(0x2A03, 0x43)} | {(0x2341, p) for p in (0x1, 0x43, 0x6A, 0x243)},
-    "mega": {(v, p) for v in (0x2341, 0x2A03) for p in (0x10, 0x42, 0x210, 0x242)},
+USB_IDS = {
+    "uno": {(0x2A03, 0x43)} | {(0x2341, code) for code in (0x1, 0x43, 0x6A, 0x243)},
+    "mega": set(product((0x2341, 0x2A03), (0x10, 0x42, 0x210, 0x242))),
 }
 OUTPUTS = {"servo": "", "pca9685": "-D SERPENOID_PCA9685"}  # build flags
 # The Servo library makes 12 pulses with one timer, and the memory of an Uno or Nano holds 8 joints.
-MOST_JOINTS = {"uno": 8, "nano": 8, "nano_old": 8, "mega": 12}
-BOARDS = tuple(MOST_JOINTS)  # the environments of platformio.ini
+MAX_JOINTS = {"uno": 8, "nano": 8, "nano_old": 8, "mega": 12}
+BOARDS = tuple(MAX_JOINTS)  # the environments of platformio.ini
 GREETING_S = 10.0
 GRACE_S = 5.0
 HALF_DONE = "\nthe board may hold half a program: flash it again before use\n"
 UPLOADING = "Uploading "  # how PlatformIO announces it, once everything is built
-# What PlatformIO said, what it means, what to do; the last row of each table is for all else.
-BUILD_CAUSES = (
+# What PlatformIO printed, what it means, what to do; the first row that fits counts.
+CAUSES = (
     (
         r"HTTPClientError|InternetConnection|Max retries|Could not resolve host",
         "PlatformIO could not download its compiler",
         "connect to the internet once and try again",
     ),
-    (
-        r"UnknownEnvNames|Unknown environment",
-        "platformio.ini has no such board",
-        "take the project's own platformio.ini",
-    ),
-    (r"", "the firmware did not compile", "see above; what was changed in {project}?"),
-)
-UPLOAD_CAUSES = (
     (
         r"not in sync|stk500|timeout communicating|protocol error",
         "the board's boot loader does not answer",
@@ -61,7 +54,8 @@ UPLOAD_CAUSES = (
         "the port could not be opened",
         "ask `serpenoid doctor`",
     ),
-    (r"", "the upload failed", "check --board, --port and the cable, then try again"),
+    (UPLOADING, "the upload failed", "check --board, --port and the cable, then try again"),
+    (r"", "the firmware did not compile", "see above; what was changed in {project}?"),
 )
 
 
@@ -91,9 +85,10 @@ def flash(
     if not is_there(port):
         raise missing(port)
     command = [pio, "run", "-d", str(folder), "-e", board, "-t", "upload", "--upload-port", port]
-    status, said = _run(command, show, build_flags(joints, output))
+    status, printed = _run(command, show, build_flags(joints, output))
     if status:
-        raise FlashFailed(_why(said, status).format(project=folder))
+        cause, cure = next(words for pattern, *words in CAUSES if re.search(pattern, printed))
+        raise FlashFailed(f"{cause} (pio exited {status}); {cure.format(project=folder)}")
     with RobotBoard(port, timeout_s=GREETING_S) as robot:
         hello = robot.hello
     if hello.joints != joints:
@@ -106,10 +101,9 @@ def flash(
 
 def check_joints(board: str, joints: int) -> None:
     """Raise BadInput if a board cannot have so many joints."""
-    most = MOST_JOINTS[board]
-    if not FEWEST_JOINTS <= joints <= most:
-        larger = "; its memory holds no more, take a Mega" if most < joints <= 12 else ""
-        raise BadInput(f"joints is {joints}; the {board} takes {FEWEST_JOINTS} to {most}{larger}")
+    if not FEWEST_JOINTS <= joints <= MAX_JOINTS[board]:
+        limits = f"the {board} takes {FEWEST_JOINTS} to {MAX_JOINTS[board]}, a mega up to 12"
+        raise BadInput(f"joints is {joints}; {limits}")
 
 
 def build_flags(joints: int, output: str) -> str:
@@ -125,32 +119,25 @@ def find_platformio() -> str | None:
 
 def find_project() -> Path:
     """Return the folder that holds platformio.ini and firmware/, from here up; raise BadInput."""
-    here = Path.cwd()
-    for place in (here, *here.parents, Path(__file__).resolve().parents[4]):
+    folder = Path.cwd()
+    for place in (folder, *folder.parents, Path(__file__).resolve().parents[4]):
         if (place / "platformio.ini").exists() and (place / "firmware" / "src").is_dir():
             return place
     if installed := installed_project():
         return installed
-    raise BadInput(f"no firmware in {here} or above it; run this in the folder of the source")
+    raise BadInput(f"no firmware in {folder} or above it; run this in the folder of the source")
 
 
 def installed_project() -> Path | None:
     """Return a copy of the firmware that came with the package, where PlatformIO may build it."""
-    brought = Path(_core.__file__).parent / "board"
-    if not (brought / "platformio.ini").exists():
+    installed = Path(_core.__file__).parent / "board"
+    if not (installed / "platformio.ini").exists():
         return None
-    cache = Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache")
+    cache = Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser()
     place = cache / "serpenoid" / f"board-{version('serpenoid')}"
-    try:
-        place = place.expanduser()
-        if (place / "firmware").exists():  # maybe of another day, with files that are gone now
-            shutil.rmtree(place / "firmware")
-        shutil.copytree(brought, place, dirs_exist_ok=True)
-    except (OSError, RuntimeError) as error:  # the latter for a user without a home
-        raise FlashFailed(
-            f"the firmware cannot be laid out in {place} ({error}); set XDG_CACHE_HOME to a folder "
-            "that you may write to"
-        ) from error
+    if (place / "firmware").exists():  # maybe of another day, with files that are gone now
+        shutil.rmtree(place / "firmware")
+    shutil.copytree(installed, place, dirs_exist_ok=True)
     return place
 
 
@@ -158,46 +145,32 @@ def board_at(port: str) -> str:
     """Identify the board by its USB id. Raises BadInput."""
     place = os.path.realpath(port)
     ids = {(p.vid, p.pid) for p in serial_ports() if os.path.realpath(p.device) == place}
-    for board, known in KNOWN.items():
-        if ids & known:
+    for board, of_board in USB_IDS.items():
+        if ids & of_board:
             return board
     raise BadInput(f"the USB id of {port} does not tell the board; give --board {'|'.join(BOARDS)}")
 
 
 def _run(command: list[str], show: Callable[[str], None], flags: str) -> tuple[int, str]:
-    """Run a program, showing what it says as it comes; return its exit status and all it said.
+    """Run a program, showing what it prints as it comes; return its exit status and all of that.
 
     It gets a process group of its own, so that Ctrl-C reaches it through here alone, once.
     """
-    said = bytearray()
+    printed = bytearray()
     guard = SignalGuard(lambda: None)  # SIGTERM and SIGHUP end it in order, too
-    try:
-        started = system.start_group(command, {**os.environ, "PLATFORMIO_BUILD_FLAGS": flags})
-    except OSError as error:
-        raise FlashFailed(
-            f"PlatformIO cannot be started ({error}): `pip install --force-reinstall platformio`"
-        ) from error
-    with started as process:
+    with system.start_group(command, {**os.environ, "PLATFORMIO_BUILD_FLAGS": flags}) as process:
         assert process.stdout is not None
         try:
             guard.install()
             while chunk := os.read(process.stdout.fileno(), 4096):
-                said += chunk
+                printed += chunk
                 show(chunk.decode("utf-8", "replace"))
-            return process.wait(), said.decode("utf-8", "replace")
+            return process.wait(), printed.decode("utf-8", "replace")
         except BaseException:
             guard.held = True
             system.end_group(process, GRACE_S)
-            if UPLOADING.encode() in said:
+            if UPLOADING.encode() in printed:
                 show(HALF_DONE)
             raise
         finally:
             guard.restore()
-
-
-def _why(said: str, status: int) -> str:
-    _, uploading, after = said.partition(UPLOADING)
-    for pattern, cause, cure in UPLOAD_CAUSES if uploading else BUILD_CAUSES:
-        if re.search(pattern, after if uploading else said):
-            return f"{cause} (pio exited {status}); {cure}"
-    raise AssertionError("the last row matches anything")

@@ -338,7 +338,9 @@ class Dialogue:
             self._failure_told |= threading.current_thread() not in self._threads
             raise self.failure
         if self._closing.is_set():
-            raise RobotClosed("the robot is closed; talk to it inside `with Robot(port) as robot:`")
+            raise RobotClosed(
+                "the robot is closed; talk to it inside `with RobotBoard(port) as robot:`"
+            )
 
     def _fail(self, error: RobotError) -> RobotError:
         """End the run with its first error: stop the robot if the wire still carries that."""

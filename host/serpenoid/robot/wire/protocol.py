@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from ..._core import firmware
 from ...base.errors import BadInput, CommandRefused, DamagedLine
-from .encoding import check_frame, said_count
+from .encoding import count_in
 
 PROTOCOL: int = firmware.PROTOCOL
 ERRORS = {word: tuple(row) for word, *row in firmware.ERRORS}  # number, what happened, what to do
@@ -39,7 +39,7 @@ def line_limit(joints: int) -> int:
     return 80 if joints <= 5 else 20 + 12 * joints
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Telemetry:
     """One frame: setpoints in rad (tail first), board time and pulses in µs, phase in rad.
 
@@ -168,17 +168,14 @@ def _telemetry(body: str) -> Telemetry:
     widths = tuple(int(x) for x in pulses.split(","))
     if labels != tuple(f"j{j}" for j in range(1, len(widths) + 1)) or int(clipped) > len(widths):
         raise DamagedLine(f"{body!r} does not count its joints from 1 to their number")
-    setpoints = tuple(math.radians(float(x)) for x in angles)
-    phase_rad = math.radians(float(phase))
-    check_frame(setpoints, widths, phase_rad)
     return Telemetry(
-        said_count("t", frame),
-        setpoints,
-        said_count("board_us", board_us),
-        phase_rad,
+        count_in("t", frame),
+        tuple(math.radians(float(x)) for x in angles),
+        count_in("board_us", board_us),
+        math.radians(float(phase)),
         widths,
-        said_count("exec_us", exec_us),
-        said_count("late_us", late_us),
+        count_in("exec_us", exec_us),
+        count_in("late_us", late_us),
         int(clipped),
         state,
         int(sensor) if sensor else None,
@@ -212,8 +209,8 @@ def _hello(body: str) -> Hello:
         version,
         int(protocol),
         board,
-        said_count("joints", joints, FEWEST_JOINTS, MOST_JOINTS),
-        said_count("frame_us", frame_us, LEAST_FRAME_US, MOST_FRAME_US),
+        count_in("joints", joints, FEWEST_JOINTS, MOST_JOINTS),
+        count_in("frame_us", frame_us, LEAST_FRAME_US, MOST_FRAME_US),
         int(boot),
         reset,
         settings,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from ..._core import firmware
 from ...base.errors import DamagedLine
-from .encoding import said_count, said_field
+from .encoding import count_in, number_in
 from .protocol import Data
 
 SETTINGS = tuple(firmware.SETTINGS)
@@ -54,7 +54,7 @@ class Trim:
 
 
 @contextmanager
-def _whole(what: str) -> Iterator[None]:
+def damage_named(what: str) -> Iterator[None]:
     """Raise DamagedLine for what a broken line lacks."""
     try:
         yield
@@ -64,27 +64,27 @@ def _whole(what: str) -> Iterator[None]:
 
 def status_of(data: list[Data]) -> Status:
     """Return the status in the three lines that answer `status`; raise DamagedLine."""
-    with _whole("the board's status"):
-        told = {name: value for line in data for name, value in _values(line.text).items()}
+    with damage_named("the board's status"):
+        values = _values(" ".join(line.text for line in data))
         return Status(
-            state=told["state"],
-            moving=told["moving"] == "1",
-            stack_bytes=said_count("stack", told["stack"]),
-            **{n: said_count(n, told[n]) for n in _COUNTS},
+            state=values["state"],
+            moving=values["moving"] == "1",
+            stack_bytes=count_in("stack", values["stack"]),
+            **{name: count_in(name, values[name]) for name in _COUNTS},
         )
 
 
 def settings_of(data: list[Data]) -> dict[str, float]:
     """Return name -> value from the lines that answer `set`; raise DamagedLine."""
-    with _whole("a setting of the board"):
-        said = [(line.text.split()[0], _values(line.text)["value"]) for line in data]
-        values = {name: said_field(firmware.SETTINGS, name, value) for name, value in said}
+    with damage_named("a setting of the board"):
+        texts = {line.text.split()[0]: _values(line.text)["value"] for line in data}
+        values = {name: number_in(name, text) for name, text in texts.items()}
         return {name: values[name] for name in SETTINGS} | values
 
 
 def trims_of(data: list[Data], joints: int) -> tuple[Trim, ...]:
     """Return all servos from the lines that answer `trim`; raise DamagedLine."""
-    with _whole("a trim of the board"):
+    with damage_named("a trim of the board"):
         trims = [_trim(d.text) for d in data]
     if [t.joint for t in trims] != list(range(1, joints + 1)):
         raise DamagedLine(f"the board listed the trims of joints {[t.joint for t in trims]}")
@@ -96,9 +96,9 @@ _COUNTS = [n for n in Status.__dataclass_fields__ if n not in ("state", "moving"
 
 def _trim(text: str) -> Trim:
     values = _values(text)
-    value = {name: said_field(firmware.TRIM, name, values[name]) for name in firmware.TRIM}
+    value = {name: number_in(name, values[name]) for name in firmware.TRIM}
     return Trim(
-        said_count("joint", text.split(maxsplit=1)[0].removeprefix("#"), 1, 99),
+        count_in("joint", text.split(maxsplit=1)[0].removeprefix("#"), 1, 99),
         value["centre"],
         value["scale"],
         int(value["dir"]),
