@@ -116,8 +116,11 @@ def fit_friction(
         raise NotConverged(f"{session.where}: {error}; {_suspect(session)}") from error
 
 
-def posterior_of(session: Session) -> Posterior:
-    """Return the posterior of a session's kept stations and pushes."""
+def posterior_of(session: Session, slipping: bool = True) -> Posterior:
+    """Return the posterior of a session's kept stations and pushes.
+
+    slipping: whether robots without a straight link slip sideways, or roll as if they were guided.
+    """
     kinds: list[Readings] = []
     rounding = RoundingErrors()
     if session.kept:
@@ -128,17 +131,21 @@ def posterior_of(session: Session) -> Posterior:
     if session.on_floor:
         from .pushes import Pushes
 
-        kinds.append(Pushes.of(session))
+        kinds.append(Pushes.of(session, slipping))
     return Posterior(tuple(kinds), rounding)
 
 
 def map_estimate(session: Session) -> MapEstimate:
     """Return the MAP estimate of a session's readings. Raises NotConverged.
 
-    It is sought from usual frictions.
+    It is sought from usual frictions; where robots slip, from the estimate without that.
     """
     posterior = posterior_of(session)
-    return posterior.estimate(_usual_point(session, posterior))
+    start = _usual_point(session, posterior)
+    guided = posterior_of(session, slipping=False) if session.on_floor else posterior
+    if len(guided.numbers) < len(posterior.numbers):
+        start = guided.estimate(start).x
+    return posterior.estimate(start)
 
 
 def covariance_after(session: Session, estimate: MapEstimate) -> Floats:

@@ -31,8 +31,8 @@ MIN_INDEPENDENT = 2000.0  # samples of equal weight that the weighted ones must 
 BLOCK_RESIDUALS = 2**15  # as many as a processor's own memory holds
 DIFFERENCE = 1e-5  # relative step of a parameter, for slopes
 MIN_SCALE = 0.1  # of a friction, whose step is relative to that at least
-MAX_ROUNDS = 60  # of linear films; most need 5, those of robots that slip 10 to 25
-WHOLE_ROUNDS = 6  # after these half of each step: those of robots that slip overshoot
+MAX_ROUNDS = 60  # of linear films; most need 5, those of robots that slip 10
+WHOLE_ROUNDS = 6  # after these half of each step: those of robots that slip are not smooth
 SETTLED_SIGMAS = 1e-2  # of a round's last step: the next one is the square of that
 NEGATIVE_SAMPLE_WEIGHT = 0.25  # Weight of a sample in which another friction is negative. With 0,
 # intervals were too narrow in sessions where that friction is 0, with 1 too wide.

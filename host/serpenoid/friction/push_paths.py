@@ -45,7 +45,7 @@ def push_paths(session: Session) -> list[PushPath]:
         kept = zip(session.kept_pushes, pushes.tracks, laws, strict=True)
         for k, (push, track, law) in enumerate(kept):
             if k in pushes.linear:
-                numbers = np.concatenate([pushes.linear[k].own, law])[None]
+                numbers = np.concatenate([pushes.linear[k].start, law])[None]
                 off = track.residuals(numbers)[0, : len(track.t_s)]
                 residual_m, t_s = -off * track.place_sigma_m, track.t_s
                 law_m = track.along_m - residual_m
@@ -55,7 +55,7 @@ def push_paths(session: Session) -> list[PushPath]:
                 stop_s, stop_m = rest(speed, c, f)
                 residual_m = track.along_m - stop_m
                 t_s = np.linspace(0.0, float(stop_s[0]) + RESTED_S, POINTS)
-                law_m = way_m(t_s, speed, c, f)[0]
+                law_m = way_m(t_s, speed, c, f)
             whose = push.number, push.lambda_rad, push.way
             paths.append(PushPath(*whose, track.t_s, track.along_m, residual_m, t_s, law_m))
     return paths

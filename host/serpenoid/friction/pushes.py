@@ -22,7 +22,7 @@ import numpy as np
 from ..session.push import Push
 from ..session.session import Session
 from ..session.station import slips
-from .arc import across, along, chord_of, directions_rad
+from .arc import chord_places, curved_path
 from .bends import Bends, projections, resistance
 from .drift import wheels_share
 from .parameters import FRICTION_PARAMETERS, Floats, Parameter, Values, Whole, frictions_in
@@ -57,21 +57,26 @@ class Pushes:
     linear: dict[int, LinearTrack]
 
     @classmethod
-    def of(cls, session: Session) -> Pushes:
-        """Take a session's kept pushes."""
+    def of(cls, session: Session, slipping: bool = True) -> Pushes:
+        """Take a session's kept pushes; slipping: as for `posterior_of`."""
         pushes, setup = session.kept_pushes, session.setup
-        places = tuple(sorted({push.place for push in pushes}))
-        lines = {place: _line_rad(pushes, place) for place in places}
+        places = sorted({push.place for push in pushes})
         links, given = setup.robot.links, setup.instruments
         tracks = [
-            _track(push, given.push_time_sigma_s, lines[push.place], links) for push in pushes
+            _track(p, given.push_time_sigma_s, slipping and slips(p.bend, p.lambda_rad, links))
+            for p in pushes
         ]
+        place = np.array([places.index(push.place) for push in pushes], dtype=np.intp)
+        direction_rad = np.array([float(track.heading_rad.mean()) for track in tracks])
+        is_film = np.array([track.by == "film" for track in tracks])
+        lines_rad = [_line_rad(direction_rad[is_film & (place == k)]) for k in range(len(places))]
+        tracks = [_turned(t, lines_rad[k]) for t, k in zip(tracks, place.tolist(), strict=True)]
         return cls(
             tuple(tracks),
             Bends.of(session, pushes, "_on_floor"),
             np.array([1.0 if push.way == "there" else -1.0 for push in pushes]),
-            np.array([places.index(push.place) for push in pushes], dtype=np.intp),
-            places,
+            place,
+            tuple(places),
             links * setup.robot.link_mass_kg,
             setup.laboratory.gravity_m_s2,
             wheels_share(session),
@@ -104,7 +109,7 @@ class Pushes:
     @property
     def numbers(self) -> Whole:
         """Return the push that each residual belongs to."""
-        rows = [1 if t.by == "rest" else 2 + t.slips for t in self.tracks]
+        rows = [1 if t.by == "rest" else len(t.told) for t in self.tracks]
         return np.repeat(np.array([t.number for t in self.tracks], dtype=np.intp), rows)
 
     def laws(self, values: Values) -> Floats:
@@ -162,41 +167,36 @@ class Pushes:
         return replace(self, linear=linear) if linear else self
 
 
-def _track(push: Push, time_sigma_s: float, line_rad: float, links: int) -> PushTrack:
-    """Return a push as the fit takes it; line_rad: direction of its floor's line in the picture."""
+def _track(push: Push, time_sigma_s: float, slipping: bool) -> PushTrack:
+    """Return a push as the fit takes it, its directions in the picture."""
     if push.track is None:
         sigma_s = time_sigma_s if push.time_sigma_s is None else push.time_sigma_s
         t, x = np.array([push.duration_s]), np.array([push.distance_m])
         sigma_m = push.distance_sigma_m or TAPE_SIGMA_M
-        return PushTrack(push.number, t, x, sigma_m, sigma_s, np.zeros(1), "rest")
+        return PushTrack(push.number, "rest", t, x, sigma_m, sigma_s, *np.zeros((2, 1)))
     t, x, y = push.counted
-    sigma_m = push.distance_sigma_m or FILM_SIGMA_M
-    way, directions, chord_rad = along(x, y, sigma_m), directions_rad(x, y, sigma_m), chord_of(x, y)
-    mean = float(directions.mean())
-    # a line has no sense: paths there and back along it are both at 0
-    off = (mean - line_rad + math.pi / 2) % math.pi - math.pi / 2
-    turned = mean - off if abs(off) < MAX_CROOKED_RAD else 0.0
-    heading = directions - turned if turned else np.zeros_like(t)
-    return PushTrack(
-        push.number,
-        t - t[0],
-        way - way[0],
-        sigma_m,
-        push.time_sigma_s or 0.0,
-        heading,
-        "film",
-        slips(push.bend, push.lambda_rad, links),
-        across(x, y),
-        chord_rad - turned if turned else 0.0,
-    )
+    sigma_m, sigma_s = push.distance_sigma_m or FILM_SIGMA_M, push.time_sigma_s or 0.0
+    along_m, left_m, chord_rad = chord_places(x, y)
+    path_m, direction_rad = curved_path(along_m, left_m, sigma_m)
+    way_m = along_m if slipping else path_m
+    places = t - t[0], way_m - way_m[0]
+    headings = chord_rad + direction_rad, left_m - left_m[0], chord_rad
+    return PushTrack(push.number, "film", *places, sigma_m, sigma_s, *headings, slipping)
 
 
-def _line_rad(pushes: tuple[Push, ...], place: str) -> float:
-    """Return the direction of the line that all films at one place follow, there or back."""
-    doubled = [
-        2.0 * float(directions_rad(x, y, push.distance_sigma_m or FILM_SIGMA_M).mean())
-        for push in pushes
-        if push.place == place and push.by == "film"
-        for _, x, y in (push.counted,)
-    ]
-    return 0.5 * math.atan2(np.sin(doubled).sum(), np.cos(doubled).sum())
+def _line_rad(direction_rad: Floats) -> float:
+    """Return the direction of the line that films at one place follow, there or back."""
+    return 0.5 * math.atan2(np.sin(2 * direction_rad).sum(), np.cos(2 * direction_rad).sum())
+
+
+def _turned(track: PushTrack, line_rad: float) -> PushTrack:
+    """Return a film with its directions to the line of its floor.
+
+    A line has no sense: paths there and back along it are both at 0.
+    """
+    mean = float(track.heading_rad.mean())
+    off_line = (mean - line_rad + math.pi / 2) % math.pi - math.pi / 2
+    if abs(off_line) >= MAX_CROOKED_RAD:
+        return replace(track, heading_rad=np.zeros_like(track.heading_rad), chord_rad=0.0)
+    turn = off_line - mean
+    return replace(track, heading_rad=track.heading_rad + turn, chord_rad=track.chord_rad + turn)

@@ -17,7 +17,9 @@ from numpy.polynomial.polynomial import polyval
 
 from .parameters import Floats
 
-_SMALL = 0.05  # below it the series are exact to 1e-10
+SERIES_LIMIT = 0.05  # of c t, below which the series are exact to 1e-10
+SERIES_OF_Q = (1 / 2, -1 / 6, 1 / 24, -1 / 120, 1 / 720, -1 / 5040, 1 / 40320)
+SERIES_OF_TIME, SERIES_OF_WAY = (1.0, -1 / 2, 1 / 3, -1 / 4, 1 / 5), (1 / 2, -1 / 3, 1 / 4, -1 / 5)
 
 
 def rest(v0: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats]:
@@ -31,42 +33,30 @@ def rest(v0: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats]:
     small = np.abs(w) < 1e-3
     far = np.where(small, 1.0, w)
     log = np.log1p(far) / far
-    time = v0 / safe * np.where(small, polyval(w, _TIME), log)
-    way = v0**2 / safe * np.where(small, polyval(w, _WAY), (1.0 - log) / far)
+    time = v0 / safe * np.where(small, polyval(w, SERIES_OF_TIME), log)
+    way = v0**2 / safe * np.where(small, polyval(w, SERIES_OF_WAY), (1.0 - log) / far)
     return np.where(stops, time, np.inf), np.where(stops, way, np.inf)
 
 
-def way_m(t: Floats, v0: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the way after t, m, its derivatives (3, K) by v0, c and f, and the speed then, m/s.
+def way_m(t_s: Floats, v0: Floats, c: Floats, f: Floats) -> Floats:
+    """Return the way after a time, m; before t = 0 it is taken to have rolled at v0.
 
-    All arguments (K,), v0, c and f also (1,). Before t = 0 it is taken to have rolled at v0.
+    All arguments (K,), v0, c and f also (1,).
     """
-    end = np.minimum(t, rest(v0, c, f)[0])
-    rolled = np.maximum(end, 0.0)
-    z = c * rolled
-    p, q, by_p, by_q = shapes(z)
-    way = v0 * rolled * p - f * rolled**2 * q + v0 * np.minimum(t, 0.0)
-    slopes = np.stack(
-        [
-            rolled * p + np.minimum(t, 0.0),
-            v0 * rolled**2 * by_p - f * rolled**3 * by_q,
-            -(rolled**2) * q,
-        ]
-    )
-    speed = np.where(t > end, 0.0, v0 * np.exp(-z) - f * rolled * p)
-    return way, slopes, speed
+    rolled = np.clip(t_s, 0.0, rest(v0, c, f)[0])
+    p, q = shapes(c * rolled)
+    return v0 * rolled * p - f * rolled**2 * q + v0 * np.minimum(t_s, 0.0)
 
 
-def shapes(z: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-    """Return p, q and their derivatives by z."""
-    small = np.abs(z) < _SMALL
+def shapes(z: Floats) -> tuple[Floats, Floats]:
+    """Return p and q."""
+    small = np.abs(z) < SERIES_LIMIT
     far = np.where(small, 1.0, z)
-    e = np.exp(-far)
-    q = np.where(small, polyval(z, _Q), (far - 1.0 + e) / far**2)
-    by_q = np.where(small, polyval(z, _BY_Q), (2.0 - far - (far + 2.0) * e) / far**3)
-    return 1.0 - z * q, q, -q - z * by_q, by_q
+    q = np.where(small, polyval(z, SERIES_OF_Q), (far - 1.0 + np.exp(-far)) / far**2)
+    return 1.0 - z * q, q
 
 
-_Q = (1 / 2, -1 / 6, 1 / 24, -1 / 120, 1 / 720, -1 / 5040, 1 / 40320)
-_BY_Q = (-1 / 6, 1 / 12, -1 / 40, 1 / 180, -1 / 1008, 1 / 6720, -1 / 51840)
-_TIME, _WAY = (1.0, -1 / 2, 1 / 3, -1 / 4, 1 / 5), (1 / 2, -1 / 3, 1 / 4, -1 / 5)
+def integral(rate: Floats, t_s: Floats) -> Floats:
+    """Return the integrals (K, T) of rates since the first time, by the trapezoidal rule."""
+    steps = 0.5 * np.diff(t_s) * (rate[:, 1:] + rate[:, :-1])
+    return np.concatenate([np.zeros((len(rate), 1)), np.cumsum(steps, axis=1)], axis=1)

@@ -15,87 +15,71 @@ rolls along these without turning, and is braked as one whose other half is bent
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
 
 import numpy as np
 
-from .parameters import Floats
-from .rolling_law import rest, way_m
+from .parameters import Floats, Whole
+from .rolling_law import integral, rest, way_m
 
 MOMENTS = 200  # of the motion, equally spaced: its integrals are then right to 1e-5 m
+# Standard deviations of how hands let go: of the axis to the push, and of its turning. With less,
+# sound sessions are called contradictory. A path too short to tell counts as a straight start.
+CROOKED_RAD, TURNING_RAD_S = math.radians(2.0), math.radians(4.0)
 
 
-@dataclass(frozen=True)
-class Start:
-    """How a push is let go: how fast across its axis and how fast turning, + to the left."""
+def slipped_places(t_s: Floats, chord_rad: float, start: Floats, law: Floats) -> Floats:
+    """Return places (K, 2, T) along a push's chord and to the left of it, m, at times (T,).
 
-    across_m_s: float = 0.0
-    turn_rad_s: float = 0.0
-
-
-@dataclass(frozen=True)
-class Slip:
-    """What a push slips by.
-
-    angle_rad: of all links to the axis. c_across: 1/s, of the slip. c_end, f_end: of the end, on
-    level ground.
+    chord_rad: of the chord to the line of the floor. start (K, 6): speed, place along and across,
+    the axis's angle to the chord, and slip and turning in standard deviations of how hands let go.
+    law (K, 8): c and f along the axis on level ground, the floor's pull along its line and to the
+    left, the links' angle to the axis, c of the slip, and c and f of the end.
     """
+    speed, x0, y0, axis_rad, crooked, turning = start.T[..., None]
+    c, f, pull_along, pull_left, angle_rad, c_across, c_end, f_end = law.T[..., None]
 
-    angle_rad: float
-    c_across: float
-    c_end: float
-    f_end: float
+    def pull(heading_rad: Floats) -> tuple[Floats, Floats]:
+        """Return the floor's pull ahead and to the left of a heading."""
+        cos, sin = np.cos(chord_rad + heading_rad), np.sin(chord_rad + heading_rad)
+        return pull_along * cos + pull_left * sin, pull_left * cos - pull_along * sin
 
-    def places(
-        self,
-        t_s: Floats,
-        law: tuple[Floats, ...],
-        pull: tuple[float, float] | Floats,
-        start: Start,
-        axis_rad: float = 0.0,
-    ) -> tuple[Floats, Floats, Floats]:
-        """Return places (T,) along the first axis and across it, m, and the turn since, rad.
+    def slowed(first: Floats, braking: Floats, push: Floats) -> Floats:
+        """Return a speed that viscous friction and an acceleration change."""
+        grown = np.exp(braking * t)
+        return (first + integral(grown * push, t)) / grown
 
-        t_s: from the start. law: speed at the start, c and f along the axis, (1,). pull: of the
-        floor, m/s^2, along its line and to the left. axis_rad: of the first axis to that line.
-        """
-        t = np.linspace(0.0, min(rest(*law)[0][0], t_s[-1]), MOMENTS)
+    level = f - pull(axis_rad)[0]
+    t = np.minimum(rest(speed, c, level)[0], t_s[-1]) * np.linspace(0.0, 1.0, MOMENTS)
+    turn = TURNING_RAD_S * turning * np.exp(-c_across * t)
+    heading = axis_rad + integral(turn, t)
+    v = slowed(speed, c, -level)
+    w = slowed(CROOKED_RAD * crooked * speed, c_across, pull(heading)[1] - turn * v)
+    v = slowed(speed, c, turn * w - level)
+    x = x0 + integral(v * np.cos(heading) - w * np.sin(heading), t)
+    y = y0 + integral(v * np.sin(heading) + w * np.cos(heading), t)
+    ended = _crossing(np.abs(w) - np.tan(angle_rad) * v)
+    end_s = _between(t, ended)
+    moment = np.minimum(t_s, end_s) / t[:, 1:2]
+    v, w, heading = (_between(part, ended) for part in (v, w, heading))
+    direction = heading + np.copysign(angle_rad, w)
+    braked = f_end - pull(direction)[0]
+    rolled = way_m(np.maximum(t_s - end_s, 0.0), np.hypot(v, w), c_end, braked)
+    x, y = _between(x, moment), _between(y, moment)
+    return np.stack([x + np.cos(direction) * rolled, y + np.sin(direction) * rolled], axis=1)
 
-        def integral(rate: Floats) -> Floats:
-            """Return the integral since the start, by the trapezoidal rule."""
-            steps = 0.5 * t[1] * (rate[1:] + rate[:-1])
-            return np.concatenate([[0.0], np.cumsum(steps)])
 
-        def slowed(speed: float, c: float, push: Floats) -> Floats:
-            """Return a speed that viscous friction c and an acceleration change."""
-            grown = np.exp(c * t)
-            return (speed + integral(grown * push)) / grown
+def _crossing(values: Floats) -> Floats:
+    """Return at which moment (K, 1) values (K, M) first pass 0, between two; the last if none."""
+    above = values[:, 1:] > 0.0
+    first = np.where(above.any(axis=1), above.argmax(axis=1), MOMENTS - 2)[:, None]
+    low, high = (np.take_along_axis(values, first + k, axis=1) for k in (0, 1))
+    share = np.where(high > 0.0, -low / np.where(high > low, high - low, 1.0), 1.0)
+    return first + np.clip(share, 0.0, 1.0)
 
-        speed, c, f = (float(part[0]) for part in law)
-        turn = start.turn_rad_s * np.exp(-self.c_across * t)
-        heading, v = integral(turn), slowed(speed, c, np.full_like(t, -f))
-        off_line = axis_rad + heading
-        across = pull[1] * np.cos(off_line) - pull[0] * np.sin(off_line)
-        w = slowed(start.across_m_s, self.c_across, across - turn * v)
-        v = slowed(speed, c, turn * w - f)
-        x = integral(v * np.cos(heading) - w * np.sin(heading))
-        y = integral(v * np.sin(heading) + w * np.cos(heading))
-        until_s = self._end_s(t, v, w)
-        before = np.minimum(t_s, until_s)
-        x_m, y_m, turned_rad = (np.interp(before, t, part) for part in (x, y, heading))
-        v, w, heading = (np.interp(until_s, t, part) for part in (v, w, heading))
-        side = np.copysign(1.0, w)
-        direction = heading + side * self.angle_rad
-        off_line = axis_rad + direction
-        f = self.f_end - pull[0] * np.cos(off_line) - pull[1] * np.sin(off_line)
-        rolled = way_m(np.maximum(t_s - until_s, 0.0), np.hypot(v, w), np.array([self.c_end]), f)[0]
-        return x_m + np.cos(direction) * rolled, y_m + np.sin(direction) * rolled, turned_rad
 
-    def _end_s(self, t: Floats, v: Floats, w: Floats) -> Floats:
-        """Return the time (1,) at which half of the wheels slip no longer; the last if none."""
-        slower = np.abs(w) - np.tan(self.angle_rad) * v
-        ended = np.flatnonzero(slower[1:] > 0.0)[:1]
-        if not len(ended):
-            return t[-1:]
-        about = slice(int(ended[0]), int(ended[0]) + 2)
-        return np.interp(np.zeros(1), slower[about], t[about])
+def _between(values: Floats, moment: Floats) -> Floats:
+    """Return values (K, M) at moments (K, T) between two of them."""
+    first: Whole = np.clip(moment, 0, MOMENTS - 2).astype(np.intp)
+    low, high = (np.take_along_axis(values, first + k, axis=1) for k in (0, 1))
+    return low + (moment - first) * (high - low)

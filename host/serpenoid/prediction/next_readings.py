@@ -164,7 +164,7 @@ def _pair_of_pushes(
         )
     known = [p.distance_sigma_m for p in session.kept_pushes if p.track and p.distance_sigma_m]
     t = np.arange(0.0, rest_s + RESTED_S, 1 / PICTURES_HZ)
-    x = way_m(t, *np.broadcast_to(start, (3, len(t))))[0]
+    x = way_m(t, *start)
     track = Track.of(("t_s", "x_m", "y_m"), np.stack([t, x, 0 * t], axis=1))
     sigma_m = float(np.median(known)) if known else PLACE_SIGMA_M
     return tuple(

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base.errors import BadInput
-from ..friction.arc import along, turn_rad
+from ..friction.arc import chord_places, curved_path
 from ..friction.parameters import Floats
 from ..friction.rolling_law import way_m
 
@@ -111,10 +111,11 @@ def look_at(t_s: Floats, x_m: Floats, y_m: Floats, slips: bool = False) -> Look:
             f"{FEWEST} at least: film until the robot rests, and push harder"
         )
     noise = _noise(t[part], x[part], y[part])
-    way = along(x[part], y[part], noise)
+    way = curved_path(*chord_places(x[part], y[part])[:2], noise)[0]
     way = way - way[0]
     fitted, sigma, speed_m_s = _own_path(t[part] - t[start], way)
-    turned = turn_rad(x[moving], y[moving]) if rest - start > 3 else 0.0
+    direction_rad = curved_path(*chord_places(x[moving], y[moving])[:2], 0.0)[1]
+    turned = float(direction_rad[-1] - direction_rad[0]) if rest - start > 3 else 0.0
     at, rough = (start, rest, end), sigma / max(noise, 1e-4)
     doubts = _doubts(t, at, float(way[-1]), speed_m_s, (turned, slips), rough)
     return Look(
@@ -202,7 +203,7 @@ def _own_path(t: Floats, way: Floats) -> tuple[Floats, float, float]:
     one = np.ones_like(t)
 
     def path(p: Floats) -> Floats:
-        return p[0] + way_m(t, p[1] * one, p[2] * one, p[3] * one)[0]
+        return p[0] + way_m(t, p[1] * one, p[2] * one, p[3] * one)
 
     starts = [np.array([0.0, 1.2 * v0, c, v0 / max(t[-1], 0.1)]) for c in (0.1, 1.0)]
     low = [-np.inf, 0.0, 0.0, 1e-4]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import click
@@ -88,14 +89,17 @@ def fit(
     """
     from ...show import report
 
-    loaded = sn.load_session(session)
-    for note in loaded.notes:
-        say(f"note: {note}", err=True)
-    say(f"session.toml: {loaded.setup.in_words()}", err=True)
-    fit = busy("fitting", lambda _: sn.fit_friction(loaded, method=method))
+    with warnings.catch_warnings(record=True) as doubts:
+        loaded = sn.load_session(session)
+        for note in loaded.notes:
+            say(f"note: {note}", err=True)
+        say(f"session.toml: {loaded.setup.in_words()}", err=True)
+        fit = busy("fitting", lambda _: sn.fit_friction(loaded, method=method))
     if figure is not None:
         fit.plot(figure, session=loaded)
         report.wrote(figure)
+    for doubt in dict.fromkeys(str(each.message) for each in doubts):
+        warnings.warn(doubt, stacklevel=1)  # beside the figures that a wrong setting spoils
     if as_json:
         show_json(fit.to_dict())
     else:

@@ -134,10 +134,9 @@ def verdict_text(measured: MeasuredServo, noise_rad: float) -> str:
     if verdict.describes:
         return f"The model of a servo describes the table ({p_value})."
     return (
-        f"The model of a servo does NOT describe the table ({p_value}): residuals are "
-        f"{math.sqrt(verdict.variance_ratio):.2g} times the noise of "
-        f"{math.degrees(noise_rad):.2g} deg, the largest at {verdict.worst_s:.3g} s, "
-        f"{math.degrees(verdict.worst_rad):+.2g} deg."
+        f"The model of a servo does NOT describe the table ({p_value}): residuals average "
+        f"{math.degrees(verdict.worst_rad):+.2g} deg near {verdict.worst_s:.3g} s, and the noise "
+        f"of one reading is {math.degrees(noise_rad):.2g} deg."
     )
 
 
