@@ -181,7 +181,7 @@ def measured(world: str, films: int, seed: int) -> Iterator[tuple[Errors, Errors
                 print(f"{world} {k}: refused: {str(error)[len(str(path)) :]}", flush=True)
                 continue
             size, z = errors(measurement, scene.world)
-            lost = 1 - measurement.watched.sightings.seen.mean()
+            lost = 1 - measurement.watched.sightings.visible.mean()
             print(
                 f"{world} {k}: {len(measurement.measured.track.t_s)} frames, "
                 f"{100 * lost:.0f} % of the tags lost, "

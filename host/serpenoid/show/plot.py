@@ -112,15 +112,15 @@ def draw_friction(
             if len(voided[0]):
                 ax.plot(*voided, "x", color=GREY, ms=7, label="voided")
             ax.legend(loc="lower right", fontsize=8)
-        slope, rest = (fit.parameters[name].value for name in names)
+        slope, dry_n = (fit.parameters[name].value for name in names)
         rows = [list(fit.whole_snake).index(name) for name in names]
         v = np.linspace(0, last_m_s, 60)
         terms = np.column_stack([v, np.ones_like(v)])
         sigma = np.sqrt(np.sum(terms @ fit.covariance[np.ix_(rows, rows)] * terms, axis=1))
-        law = slope * v + rest
+        law = slope * v + dry_n
         ax.fill_between(v, law - 1.96 * sigma, law + 1.96 * sigma, color=colour, alpha=0.18, lw=0)
         ax.plot(v, law, color=colour)
-        words = f"$F_{axis} = {slope:.3g}\\,v_{axis} + {rest:.3g}$ N"
+        words = f"$F_{axis} = {slope:.3g}\\,v_{axis} + {dry_n:.3g}$ N"
         ax.text(0.04, 0.95, words, transform=ax.transAxes, color=colour, va="top", fontsize=11)
         ax.set(title=title, xlim=(0, None), ylim=(0, None))
         ax.set_xlabel(f"speed $v_{axis}$ (m/s)")
@@ -141,17 +141,17 @@ def formulations_figure(
     f: np.ndarray, exact: np.ndarray, implicit: np.ndarray, title: str, path: Path
 ) -> None:
     """Draw speeds, m/s, over rates, Hz, by the paper's two models (Fig. 17), and the difference."""
-    with figure(8.4, 3.8, 2, path=path) as (fig, (left, right)):
+    with figure(8.4, 3.8, 2, path=path) as (fig, (speed_axis, right)):
         circles = {"mfc": "white", "color": ORANGE, "ms": 5.5, "mew": 1.5}
-        left.plot(f, exact, color=BLUE, label="explicit (exact)")
-        left.plot(f, implicit, "o", label="implicit, k = 1000 N/m, c = 1 N s/m", **circles)
-        left.set(title="speed, ideal joints (Fig. 17)", ylabel="speed (m/s)")
-        left.set(xlim=(0, None), ylim=(0, 1.4 * exact.max()))  # room for the legend
-        left.legend(loc="upper left", fontsize=9)
+        speed_axis.plot(f, exact, color=BLUE, label="explicit (exact)")
+        speed_axis.plot(f, implicit, "o", label="implicit, k = 1000 N/m, c = 1 N s/m", **circles)
+        speed_axis.set(title="speed, ideal joints (Fig. 17)", ylabel="speed (m/s)")
+        speed_axis.set(xlim=(0, None), ylim=(0, 1.4 * exact.max()))  # room for the legend
+        speed_axis.legend(loc="upper left", fontsize=9)
         right.axhline(0, color=BLUE)
         right.plot(f, 100 * (implicit / exact - 1), "o-", lw=1, **circles)
         right.set(title="implicit less explicit", ylabel="of the speed (%)", xlim=(0, None))
-        for ax in (left, right):
+        for ax in (speed_axis, right):
             ax.set_xlabel("gait frequency (Hz)")
         heading(fig, title)
 

@@ -85,29 +85,29 @@ def _other_numbers(w: Watched) -> list[int]:
 
 
 def _frames_with_two(w: Watched) -> int:
-    return int((w.sightings.seen.sum(axis=1) >= 2).sum())
+    return int((w.sightings.visible.sum(axis=1) >= 2).sum())
 
 
 def _camera_moved(w: Watched) -> float:
     """Return by how much the floor surely moved, in sides of a tag."""
     shifts = () if w.plain_floor else w.shifts
-    far = [math.hypot(x, y) - SURELY * sigma for _, x, y, sigma in shifts]
-    return max([0.0, *far]) / _side_px(w)
+    distances_px = [math.hypot(x, y) - SURELY * sigma for _, x, y, sigma in shifts]
+    return max([0.0, *distances_px]) / _side_px(w)
 
 
 def _camera_words(w: Watched, _: float) -> str:
     times, x, y, _sigma = np.array(w.shifts).T
-    far = np.hypot(x, y)
-    when = times[np.argmax(far > 0.5 * far.max())]
+    distances_px = np.hypot(x, y)
+    when = times[np.argmax(distances_px > 0.5 * distances_px.max())]
     return (
-        f"the camera moved by {far.max():.1f} px, from {when:.1f} s on; more than "
+        f"the camera moved by {distances_px.max():.1f} px, from {when:.1f} s on; more than "
         f"{MOVED_REFUSE * _side_px(w):.1f} px are refused. Put the phone on a tripod, switch "
         "stabilisation off, touch nothing while it films"
     )
 
 
 def _lost_words(w: Watched, lost_share: float) -> str:
-    lost = 1 - w.sightings.seen.mean(axis=0)
+    lost = 1 - w.sightings.visible.mean(axis=0)
     return (
         f"tag {lost.argmax() + 1} is missing in {100 * lost_share:.0f} % of the frames, all "
         f"tags in {100 * lost.mean():.0f} %: look for glare, shadow, dirt, a long exposure, or "
@@ -133,7 +133,7 @@ def _slow_motion(w: Watched) -> bool:
     return capture is not None and (capture.stated or capture.time_scale != 1.0)
 
 
-SEEN = (
+WATCHED = (
     Check(
         "short", lambda w: LEAST_FRAMES - len(w.sightings.t_s),
         lambda w, _: f"has {len(w.sightings.t_s)} of {LEAST_FRAMES} frames; film the robot for two "
@@ -169,7 +169,7 @@ SEEN = (
         "something printed beside the track, or add light",
     ),
     Check(
-        "tags lost", lambda w: 1 - w.sightings.seen.mean(axis=0).min(), _lost_words, warn=0.02
+        "tags lost", lambda w: 1 - w.sightings.visible.mean(axis=0).min(), _lost_words, warn=0.02
     ),
     Check(
         "small", lambda w: SMALL_TAG_PX - _side_px(w),
@@ -216,10 +216,10 @@ PLACED = (
 FITTED = (
     Check(
         "scale", lambda b: b.scale_off,
-        lambda b, off: f"beside links of {1e3 * b.camera.link_m:.1f} mm the tags are "
+        lambda b, excess: f"beside links of {1e3 * b.camera.link_m:.1f} mm the tags are "
         f"{1e3 * b.camera.side_m:.1f} mm wide, not {1e3 * b.side_m:.1f} mm: either the links have "
         "another length or the print another scale; measure both, and give --set link_length_m=... "
-        f"or --tag-mm. Until then σ of all lengths and speeds holds these {off:.1%}; more than "
+        f"or --tag-mm. Until then σ of all lengths and speeds holds these {excess:.1%}; more than "
         f"{SIDE_REFUSE:.0%} is refused",
         refuse=SIDE_REFUSE,
     ),
@@ -254,8 +254,8 @@ def _periods(m: Measured) -> float:
 
 def _rest_shares(m: Measured) -> Array:
     """Return what each joint's sine leaves, rms over its amplitude."""
-    rest = np.where(m.held, m.fitted.joints_rest_rad, 0.0)
-    rest_rad = np.sqrt((rest**2).sum(axis=0) / np.maximum(m.held.sum(axis=0), 1))
+    residual = np.where(m.joint_mask, m.fitted.joint_residual_rad, 0.0)
+    rest_rad = np.sqrt((residual**2).sum(axis=0) / np.maximum(m.joint_mask.sum(axis=0), 1))
     return np.asarray(rest_rad / m.fitted.motion.amplitude_rad)
 
 
@@ -323,20 +323,21 @@ def _centres_off(filmed: Filmed) -> Array:
     """Return by how much each joint's centre is off, rad; 0 where a trim is not worth it."""
     run, gait = filmed
     commanded = gait.offset_rad if gait else 0.0
-    off = np.array([joint.offset_rad - commanded for joint in run.joints])
+    excess = np.array([joint.offset_rad - commanded for joint in run.joints])
     sigma = np.array([joint.offset_sigma_rad for joint in run.joints])
-    return np.where(np.abs(off) > np.maximum(CENTRE_RAD, 2 * sigma), off, 0.0)
+    return np.where(np.abs(excess) > np.maximum(CENTRE_RAD, 2 * sigma), excess, 0.0)
 
 
 def _centre_words(filmed: Filmed, _: float) -> str:
     run, off_deg = filmed[0], np.degrees(_centres_off(filmed))
     ends = run.joints[0], run.joints[-1]
     return "; ".join(
-        f"joint {joint.joint} swings about {off:+.1f}° ± "
-        f"{math.degrees(joint.offset_sigma_rad):.1f}° off its centre: move its trim by {-off:+.1f}°"
+        f"joint {joint.joint} swings about {excess:+.1f}° ± "
+        f"{math.degrees(joint.offset_sigma_rad):.1f}° off its centre: move its trim by "
+        f"{-excess:+.1f}°"
         + (", unless the tag at that end is glued on askew" if joint in ends else "")
-        for joint, off in zip(run.joints, off_deg, strict=True)
-        if off
+        for joint, excess in zip(run.joints, off_deg, strict=True)
+        if excess
     )
 
 
@@ -345,8 +346,8 @@ def _rate_off(filmed: Filmed) -> float:
     run, gait = filmed
     if gait is None:
         return 0.0
-    off = abs(run.omega_rad_s / gait.omega_rad_s - 1)
-    return off if off > 4 * run.omega_sigma_rad_s / gait.omega_rad_s else 0.0
+    excess = abs(run.omega_rad_s / gait.omega_rad_s - 1)
+    return excess if excess > 4 * run.omega_sigma_rad_s / gait.omega_rad_s else 0.0
 
 
 SERVOS = (

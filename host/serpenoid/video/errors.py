@@ -22,7 +22,7 @@ from .seeing.sightings import Sightings
 # Below these no phone was ever held against a rule: the lens is not the two terms of the model.
 STEP = 0.3  # of a standard deviation: the differences by which the camera's doubt is carried on
 FLOOR_SPEED, FLOOR_ANGLE_RAD, FLOOR_TURN_RAD_S = 1.5e-4, np.radians(0.03), np.radians(0.003)
-LATE = 0.02  # share of the readout's phase that rows along the travel leave (rendered films)
+LATE_PHASE = 0.02  # share of the readout's phase that rows along the travel leave (rendered films)
 LATE_SPEED = 0.2  # and of what the readout does to the speed of a robot that goes along the rows
 LATE_RATE = 0.05  # and to its rate
 FLOOR_OFFSET_RAD = np.radians(0.01)  # a centre is a mean: it has no share of what moves
@@ -36,23 +36,23 @@ FLOOR_AMPLITUDE, FLOOR_AMPLITUDE_RAD, CODED_PX = 6e-4, np.radians(0.02), 28.0
 def number_sigmas(
     bundle: Bundle,
     fitted: Fitted,
-    seen: Sightings,
+    sightings: Sightings,
     sample: Track,
     picked: Places,
-    held: Array,
+    joint_shares: Array,
 ) -> Array:
     """Return the standard deviations of `Motion.numbers`, in their order.
 
-    sample: the track in the frames `picked`, with how it follows the camera's unknowns. held: share
-    of the frames that tell a joint.
+    sample: the track in the frames `picked`, with how it follows the camera's unknowns.
+    joint_shares: of the frames, in which each joint is known.
     """
     pixels = _of_pixels(fitted)
     amplitude = fitted.motion.amplitude_rad
     count = len(amplitude)
     # What a slow readout does, which to first order is allowed for: each joint's part of it, as a
     # phase; and the share of speed and rate that it takes off or adds.
-    readout_s, height = bundle.camera.shared[READOUT], seen.image_px[1]
-    rows = np.ma.masked_invalid(seen.corners_px[..., 1]).mean(axis=(0, 2)) / height - 0.5
+    readout_s, height = bundle.camera.shared[READOUT], sightings.image_px[1]
+    rows = np.ma.masked_invalid(sightings.corners_px[..., 1]).mean(axis=(0, 2)) / height - 0.5
     delay = readout_s * fitted.motion.omega_rad_s * 0.5 * (rows[1:] + rows[:-1])
     first, last = bundle.camera.plane_px(sample.states[[0, -1], :2])[:, 1] / height
     delay_rad, sweep = np.ma.filled(delay, 0.0), readout_s * (last - first) / np.ptp(sample.t_s)
@@ -62,15 +62,15 @@ def number_sigmas(
     floor[-1] = FLOOR_TURN_RAD_S
     floor[-2] = np.hypot(FLOOR_SPEED, LATE_SPEED * sweep) * fitted.motion.speed_m_s
     floor[2 * count : -3] = FLOOR_OFFSET_RAD
-    coded = max(1.0, (CODED_PX / float(np.nanmedian(seen.side_px))) ** 2)
+    coded = max(1.0, (CODED_PX / float(np.nanmedian(sightings.side_px))) ** 2)
     floor[amplitude_rows] = coded * np.hypot(FLOOR_AMPLITUDE_RAD, FLOOR_AMPLITUDE * amplitude)
     camera = _of_camera(bundle, sample, fitted, picked)
     sigmas = np.sqrt(pixels**2 + camera**2 + floor**2)
     # What a slow readout and missing tags leave.
     sigmas[amplitude_rows] = np.hypot(sigmas[amplitude_rows], 0.5 * delay_rad**2 * amplitude)
-    sigmas[phase_rows] = np.hypot(sigmas[phase_rows], LATE * (delay_rad[1:] - delay_rad[0]))
-    sigmas[amplitude_rows] /= np.maximum(held, 0.1)
-    sigmas[phase_rows] /= np.maximum(np.minimum(held[1:], held[0]), 0.1)
+    sigmas[phase_rows] = np.hypot(sigmas[phase_rows], LATE_PHASE * (delay_rad[1:] - delay_rad[0]))
+    sigmas[amplitude_rows] /= np.maximum(joint_shares, 0.1)
+    sigmas[phase_rows] /= np.maximum(np.minimum(joint_shares[1:], joint_shares[0]), 0.1)
     return sigmas
 
 
@@ -80,8 +80,8 @@ def _of_pixels(fitted: Fitted) -> Array:
     joints = len(m.phase_rad)
     amplitude, phase, offset, rate = np.zeros((4, joints))
     for i in range(joints):
-        sine, rest = fitted.coefficients[:, i], fitted.joints_rest_rad[:, i]
-        cov = sine_covariance(fitted.t_s, m.omega_rad_s, sine, rest, fitted.weight[:, i])
+        sine, residual = fitted.coefficients[:, i], fitted.joint_residual_rad[:, i]
+        cov = sine_covariance(fitted.t_s, m.omega_rad_s, sine, residual, fitted.weight[:, i])
         s, c = np.sin(m.phase_rad[i]), np.cos(m.phase_rad[i])
         rotated = np.array([[s, c], [c, -s]])
         amplitude[i], phase[i] = np.sqrt(np.diag(rotated @ cov[1:3, 1:3] @ rotated.T))
@@ -93,15 +93,15 @@ def _of_pixels(fitted: Fitted) -> Array:
     root = np.sqrt(weight)[:, None]
     a = path_basis(fitted.t_s, m.omega_rad_s, m.turn_rad_s) * root
     rotation = np.exp(-1j * np.arctan2(m.velocity_m_s[1], m.velocity_m_s[0]))
-    rest = fitted.path_rest_m * rotation
+    along_path = fitted.path_residual_m * rotation
     b = np.column_stack([basis(fitted.t_s, m.omega_rad_s), fitted.t_s]) * root
     spread = np.linalg.pinv((a.conj().T @ a).real)[1, 1]
     along, across, turn = (
-        np.sqrt(mean_variance(residual, weight, unknowns) * by)
-        for residual, unknowns, by in (
-            (rest.real, 5, spread),
-            (rest.imag, 5, spread),
-            (fitted.heading_rest_rad, 8, np.linalg.pinv(b.T @ b)[-1, -1]),
+        np.sqrt(mean_variance(residual, weight, unknowns) * factor)
+        for residual, unknowns, factor in (
+            (along_path.real, 5, spread),
+            (along_path.imag, 5, spread),
+            (fitted.heading_residual_rad, 8, np.linalg.pinv(b.T @ b)[-1, -1]),
         )
     )
     direction = across / max(m.speed_m_s, 1e-9)

@@ -28,22 +28,22 @@ class Measured:
     """What a film shows.
 
     bundle: camera and mountings. track: the chain over time. fitted: motion and residuals.
-    sigmas: of `Motion.numbers`. held: which joints tags hold in which frame, (frames, joints).
+    sigmas: of `Motion.numbers`. joint_mask: (frames, joints), which joints tags hold.
     """
 
     bundle: bundles.Bundle
     track: frames.Track
     fitted: motion.Fitted
     sigmas: Array
-    held: Mask
+    joint_mask: Mask
 
 
 def calibrate(
-    sightings: Sightings, side_m: float, starts: list[Camera], still: bool = False
+    sightings: Sightings, side_m: float, starts: list[Camera], rigid: bool = False
 ) -> bundles.Bundle:
     """Fit camera and mountings to well-spread frames.
 
-    still: the joints do not move. Errors of edges then repeat from frame to frame, so that lens and
+    rigid: the joints do not move. Errors of edges then repeat from frame to frame, so that lens and
     scale are held to what is known before (`rough`).
     """
     sample = sightings.picked(_spread(sightings, ROUGH_FRAMES))
@@ -57,37 +57,37 @@ def calibrate(
     best = min(rough, key=lambda fitted: fitted.cost)
     picked = sightings.picked(_spread(sightings, CALIBRATION_FRAMES))
     states = start.first_states(best.camera, picked, best.turns)
-    return bundles.fit(best.camera, states, picked, side_m, best.turns, rough=still)
+    return bundles.fit(best.camera, states, picked, side_m, best.turns, rough=rigid)
 
 
-def _spread(sightings: Sightings, most: int) -> Places:
+def _spread(sightings: Sightings, max_count: int) -> Places:
     """Return frames to calibrate with: those with most tags, spread evenly over the film."""
-    count = sightings.seen.sum(axis=1)
+    count = sightings.visible.sum(axis=1)
     frames_with_most = np.flatnonzero(count >= max(2, np.quantile(count, 0.7)))
-    order = np.linspace(0, len(frames_with_most) - 1, min(len(frames_with_most), most)).round()
+    order = np.linspace(0, len(frames_with_most) - 1, min(len(frames_with_most), max_count)).round()
     return frames_with_most[order.astype(int)]
 
 
 def follow(
-    sightings: Sightings, side_m: float, starts: list[Camera], still: bool = False
+    sightings: Sightings, side_m: float, starts: list[Camera], rigid: bool = False
 ) -> tuple[bundles.Bundle, Sightings, frames.Track]:
     """Follow the chain through a film; return camera, frames that show it, and the chain there.
 
-    starts: those of `start.first_cameras`. still: the joints do not move, and two tags tell where
+    starts: those of `start.first_cameras`. rigid: the joints do not move, and two tags tell where
     the robot is.
     """
-    fit = calibrate(sightings, side_m, starts, still)
-    seen = sightings.picked(sightings.seen.sum(axis=1) >= 1 + still)
-    expected = start.first_states(fit.camera, seen, fit.turns)
-    return fit, seen, frames.fit_states(fit, seen, expected, EXPECTED_SIGMA_RAD)
+    fit = calibrate(sightings, side_m, starts, rigid)
+    tagged = sightings.picked(sightings.visible.sum(axis=1) >= 1 + rigid)
+    expected = start.first_states(fit.camera, tagged, fit.turns)
+    return fit, tagged, frames.fit_states(fit, tagged, expected, EXPECTED_SIGMA_RAD)
 
 
 def fill_hidden(
-    fit: bundles.Bundle, seen: Sightings, track: frames.Track, phi: Array
+    fit: bundles.Bundle, tagged: Sightings, track: frames.Track, phi: Array
 ) -> frames.Track:
     """Return the chain with hidden links where the joints phi say that they point."""
-    expected = filled_headings(track.states, seen.seen, phi)
-    return frames.fit_states(fit, seen, expected, KNOWN_RAD)
+    expected = filled_headings(track.states, tagged.visible, phi)
+    return frames.fit_states(fit, tagged, expected, KNOWN_RAD)
 
 
 def held_joints(track: frames.Track) -> Mask:
@@ -95,19 +95,19 @@ def held_joints(track: frames.Track) -> Mask:
     return np.asarray(_weights(track)[0] > 0)
 
 
-def measure(fit: bundles.Bundle, seen: Sightings, track: frames.Track) -> Measured:
+def measure(fit: bundles.Bundle, tagged: Sightings, track: frames.Track) -> Measured:
     """Measure what the robot did whose chain was followed."""
     fitted, loose_rad = motion.fit_motion(track, *_weights(track)), EXPECTED_SIGMA_RAD
-    if not seen.seen.all():
-        phi, loose_rad = joint_angles(track.states) - fitted.joints_rest_rad, KNOWN_RAD
-        track = fill_hidden(fit, seen, track, phi)
+    if not tagged.visible.all():
+        phi, loose_rad = joint_angles(track.states) - fitted.joint_residual_rad, KNOWN_RAD
+        track = fill_hidden(fit, tagged, track, phi)
         fitted = motion.fit_motion(track, *_weights(track))
     picked = np.arange(0, len(track.t_s), 1 + len(track.t_s) // SENSITIVE_FRAMES)
-    sample = seen.picked(picked), track.states[picked], loose_rad
+    sample = tagged.picked(picked), track.states[picked], loose_rad
     sensitive = frames.fit_states(fit, *sample, sensitive=True)
-    held = held_joints(track)
-    sigmas = errors.number_sigmas(fit, fitted, seen, sensitive, picked, held.mean(axis=0))
-    return Measured(fit, track, fitted, sigmas, held)
+    joint_mask = held_joints(track)
+    sigmas = errors.number_sigmas(fit, fitted, tagged, sensitive, picked, joint_mask.mean(axis=0))
+    return Measured(fit, track, fitted, sigmas, joint_mask)
 
 
 def _weights(track: frames.Track) -> tuple[Array, Array]:
@@ -117,6 +117,6 @@ def _weights(track: frames.Track) -> tuple[Array, Array]:
     missing = np.isnan(track.rest_px)
     pair = np.pad(missing[:, 1:] & missing[:, :-1], ((0, 0), (1, 1)))
     ambiguous = pair[:, :-2] | pair[:, 1:-1] | pair[:, 2:]
-    held = (joints < HELD_RAD**2) & ~ambiguous
-    weight = np.where(held, np.median(joints) / joints, 0.0)
+    joint_mask = (joints < HELD_RAD**2) & ~ambiguous
+    weight = np.where(joint_mask, np.median(joints) / joints, 0.0)
     return np.minimum(weight, 2.0), np.minimum(np.median(place) / place, 2.0)

@@ -17,8 +17,8 @@ from .checks import (
     FOLLOWED,
     MOVED,
     PLACED,
-    SEEN,
     SERVOS,
+    WATCHED,
     run_checks,
     widened_sigmas,
 )
@@ -50,7 +50,9 @@ def measure_film(
     second that the camera took, of slow motion whose file does not tell. Raises BadInput: no
     film, or one that cannot be measured; the message says why and what to do.
     """
-    watched, side, starts, seen = seen_film(path, links, link_m, side_m, progress, capture_fps)
+    watched, side, starts, remarks_seen = seen_film(
+        path, links, link_m, side_m, progress, capture_fps
+    )
     scale = 1.0
     with refusals(path):
         followed = follow(watched.sightings, side, starts)
@@ -60,10 +62,14 @@ def measure_film(
             scale = measured.fitted.motion.omega_rad_s / gait.omega_rad_s
             s = watched.sightings
             t_s = s.t_s[0] + (s.t_s - s.t_s[0]) * scale
-            in_board_time = Sightings.of(t_s, s.corners_px, s.image_px)
+            in_board_time = Sightings.from_corners(t_s, s.corners_px, s.image_px)
             measured = measure(*follow(in_board_time, side, starts))
         measured = replace(measured, sigmas=widened_sigmas(watched, measured))
-        remarks = [*run_checks(MOVED, measured), *run_checks(FITTED, measured.bundle), *seen]
+        remarks = [
+            *run_checks(MOVED, measured),
+            *run_checks(FITTED, measured.bundle),
+            *remarks_seen,
+        ]
         run = filmed_run(watched, measured, scale)
         run = replace(run, remarks=(*remarks, *run_checks(SERVOS, (run, gait))))
         return FilmMeasurement(run, watched, measured, gait)
@@ -101,7 +107,7 @@ def seen_film(
     side = tag_side_m(link_m) if side_m is None else check_number("side_m", side_m, 0.003, link_m)
     watched = watch(Film.open(path, capture_fps), links, progress)
     with refusals(path):
-        remarks = run_checks(SEEN, watched)
+        remarks = run_checks(WATCHED, watched)
         starts = first_cameras(watched.sightings, link_m, side)
         run_checks(PLACED, tag_poses(starts[0], watched.sightings)[0])
     return watched, side, starts, remarks

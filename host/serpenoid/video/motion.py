@@ -91,7 +91,7 @@ def first_rate(t_s: Array, phi: Array, weight: Array) -> float:
     return float(rates[int(np.argmax(explained))]) if len(rates) else 0.0
 
 
-def sine_covariance(t_s: Array, omega: float, sine: Array, rest: Array, weight: Array) -> Array:
+def sine_covariance(t_s: Array, omega: float, sine: Array, residual: Array, weight: Array) -> Array:
     """Return the covariance of a joint's coefficients and its rate, (2 + 2 HARMONICS,) squared.
 
     sine: the coefficients; rest: what they leave, (frames,).
@@ -99,12 +99,12 @@ def sine_covariance(t_s: Array, omega: float, sine: Array, rest: Array, weight: 
     waves = basis(t_s, omega)
     columns = np.column_stack([waves, basis_by_rate(t_s, waves) @ sine])
     a = columns * np.sqrt(weight)[:, None]
-    return mean_variance(rest, weight, columns.shape[1]) * np.linalg.pinv(a.T @ a)
+    return mean_variance(residual, weight, columns.shape[1]) * np.linalg.pinv(a.T @ a)
 
 
-def mean_variance(rest: Array, weight: Array, unknowns: int) -> float:
+def mean_variance(residual: Array, weight: Array, unknowns: int) -> float:
     """Return the weighted residuals' variance, times the factor of their correlation."""
-    scaled = rest * np.sqrt(weight)
+    scaled = residual * np.sqrt(weight)
     mask = weight > 0
     free = max(1, int(mask.sum()) - unknowns)
     return float(np.sum(scaled**2) / free) * correlation_factor(scaled[mask])
@@ -130,9 +130,9 @@ class Fitted:
 
     motion: Motion
     t_s: Array
-    joints_rest_rad: Array
-    heading_rest_rad: Array
-    path_rest_m: Complex
+    joint_residual_rad: Array
+    heading_residual_rad: Array
+    path_residual_m: Complex
     weight: Array
     path_weight: Array
     coefficients: Array
@@ -177,12 +177,12 @@ def fit_motion(
     )
 
 
-def correlation_factor(rest: Array) -> float:
+def correlation_factor(residual: Array) -> float:
     """Return by how much the variance of a mean of such residuals exceeds that of independent ones.
 
     1 + 2 sum of autocorrelations, summed in pairs while these are above 0.
     """
-    r = rest - rest.mean()
+    r = residual - residual.mean()
     n = len(r)
     power = np.abs(np.fft.rfft(r, 2 * n)) ** 2
     rho = np.fft.irfft(power)[:n]

@@ -72,10 +72,10 @@ def track_pushes(
     film = seen_film(path, links, link_m, side_m, progress, capture_fps)
     watched, side, starts, remarks = film
     with refusals(path):
-        fit, seen, track = follow(watched.sightings, side, starts, still=True)
+        fit, tagged, track = follow(watched.sightings, side, starts, rigid=True)
         # A hidden link stands to its neighbours as it always does.
-        phi = still_joints(joint_angles(track.states), seen.seen)
-        track = fill_hidden(fit, seen, track, phi)
+        phi = still_joints(joint_angles(track.states), tagged.visible)
+        track = fill_hidden(fit, tagged, track, phi)
         clear = track.place_variance < PLACE_M**2
         rows = np.column_stack([track.t_s, track.states[:, :2]])[clear]
         if len(rows) < 2:
@@ -88,9 +88,9 @@ def track_pushes(
     return PushedRobot(rows, scale_sigma, tuple(remarks))
 
 
-def still_joints(phi: Array, seen: Mask) -> Array:
+def still_joints(phi: Array, visible: Mask) -> Array:
     """Return the angles at which joints are held, (joints,), rad. Raises BadInput: they move."""
-    angle = np.ma.array(phi, mask=~(seen[:, 1:] & seen[:, :-1]))
+    angle = np.ma.array(phi, mask=~(visible[:, 1:] & visible[:, :-1]))
     held_rad = np.ma.filled(np.ma.median(angle, axis=0), 0.0)
     moved_rad = 1.4826 * np.ma.filled(np.ma.median(abs(angle - held_rad), axis=0), 0.0)
     for i in np.flatnonzero(moved_rad > STILL_RAD):

@@ -23,7 +23,7 @@ from .seeing.watch import Watched
 class Joint:
     """One joint's sine: phi = offset + amplitude sin(w t + phase); joints count from the tail.
 
-    phase_rad: beside the tail joint's. seen: share of the frames whose tags hold the joint.
+    phase_rad: beside the tail joint's. share_seen: share of the frames whose tags hold the joint.
     """
 
     joint: int
@@ -33,7 +33,7 @@ class Joint:
     phase_sigma_rad: float
     offset_rad: float
     offset_sigma_rad: float
-    seen: float
+    share_seen: float
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ def filmed_run(watched: Watched, measured: Measured, time_scale: float) -> Filme
     span_s, t_s = float(np.ptp(measured.track.t_s)), watched.sightings.t_s
     camera, lens = bundle.camera, bundle.camera.shared.tolist()
     rms_px = float(np.sqrt(np.nanmean(measured.track.rest_px**2)))
-    seen = watched.sightings.seen
+    visible = watched.sightings.visible
     return FilmedRun(
         links=camera.links,
         link_length_m=camera.link_m,
@@ -139,8 +139,8 @@ def filmed_run(watched: Watched, measured: Measured, time_scale: float) -> Filme
         path_m=m.speed_m_s * span_s,
         periods=m.omega_rad_s * span_s / (2 * np.pi),
         joints=_joints(measured, joint_sigmas),
-        tags_seen=tuple(seen.mean(axis=0).tolist()),
-        frames_used=float(seen.any(axis=1).mean()),
+        tags_seen=tuple(visible.mean(axis=0).tolist()),
+        frames_used=float(visible.any(axis=1).mean()),
         residual_px=rms_px,
         residual_m=rms_px * (camera.side_m / float(np.nanmean(watched.sightings.side_px))),
         time_scale=time_scale * film.time_scale,
@@ -173,8 +173,8 @@ def filmed_run(watched: Watched, measured: Measured, time_scale: float) -> Filme
 
 def _joints(measured: Measured, sigmas: list[float]) -> tuple[Joint, ...]:
     """Return the joints' sines; sigmas: of amplitudes, phases but the first, and offsets."""
-    m, seen = measured.fitted.motion, measured.held.mean(axis=0)
-    count = len(seen)
+    m, share_seen = measured.fitted.motion, measured.joint_mask.mean(axis=0)
+    count = len(share_seen)
     columns = [
         m.amplitude_rad,
         sigmas[:count],
@@ -182,7 +182,7 @@ def _joints(measured: Measured, sigmas: list[float]) -> tuple[Joint, ...]:
         [0.0, *sigmas[count : 2 * count - 1]],
         m.offset_rad,
         sigmas[2 * count - 1 :],
-        seen,
+        share_seen,
     ]
     rows = np.array(columns).T.tolist()
     return tuple(Joint(number, *row) for number, row in enumerate(rows, 1))
@@ -192,8 +192,8 @@ def track_rows(measured: Measured) -> tuple[list[str], Array]:
     """Return the columns of a track and its rows: time, place, heading, joints."""
     track, phi = measured.track, joint_angles(measured.track.states)
     joints = [f"joint{i + 1}_rad" for i in range(phi.shape[1])]
-    held = np.where(measured.held, phi, np.nan)
-    rows = np.column_stack([track.t_s, track.states[:, :2], mean_heading(track.states), held])
+    angles = np.where(measured.joint_mask, phi, np.nan)
+    rows = np.column_stack([track.t_s, track.states[:, :2], mean_heading(track.states), angles])
     return ["t_s", "x_m", "y_m", "heading_rad", *joints], rows
 
 

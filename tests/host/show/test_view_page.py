@@ -58,7 +58,7 @@ def test_the_model_of_the_virtual_robot_ramps_with_it_and_then_keeps_its_speed(p
     began = [np.interp(t_s[-1] - 3 * GAIT.period_s, t_s, c) for c in centre]
     travelled = math.hypot(*(centre[:, -1] - began))
     wanted = sn.steady_gait(OF_2005, BINGHAM, GAIT).speed_m_s
-    assert travelled == pytest.approx(3 * GAIT.period_s * wanted, rel=2e-3)
+    assert travelled == pytest.approx(3 * GAIT.period_s * wanted, rel=4e-3)
 
 
 def test_a_robot_that_is_led_goes_as_the_simulator_says() -> None:

@@ -96,7 +96,7 @@ def sighted(world: World, t_s: np.ndarray, lens: Lens) -> Sightings:
     y = centre[..., 1:] + sin * SQUARE[:, 0] + cos * SQUARE[:, 1]
     pixels = lens.pixels(np.stack([x, y, np.full_like(x, 0.045)], axis=-1))
     noise = np.random.default_rng(1).normal(size=pixels.shape)
-    return Sightings.of(t_s, pixels + NOISE_PX * noise, (lens.width, lens.height))
+    return Sightings.from_corners(t_s, pixels + NOISE_PX * noise, (lens.width, lens.height))
 
 
 def test_a_long_film_is_measured_as_a_short_one() -> None:

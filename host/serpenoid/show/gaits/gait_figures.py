@@ -63,21 +63,21 @@ def optimum_figure(
 
 def errors_in_time(closed: Comparison, opened: Comparison, path: Path) -> None:
     """Draw how far the implicit model is off the exact one in time (Figs. 6 and 7)."""
-    with figure(9.6, 4.2, 2, path=path) as (fig, (left, right)):
+    with figure(9.6, 4.2, 2, path=path) as (fig, (angle_axis, right)):
         for errors, colour, style, name in (
             (closed, RED, "-", "all gaps closed at first (the paper)"),
             (opened, BLUE, "--", "gaps opened by the forces at first"),
         ):
             angle, (vx, vy) = errors.theta_error_rad, errors.velocity_error_m_s.T
-            left.plot(errors.t_s, 1e3 * angle, style, color=colour, lw=1.0, label=name)
+            angle_axis.plot(errors.t_s, 1e3 * angle, style, color=colour, lw=1.0, label=name)
             size = np.maximum(np.hypot(vx, vy), 1e-6)
             right.semilogy(errors.t_s, size, style, color=colour, lw=0.9)
-        left.axhspan(-1, 1, color="#eeeeee", zorder=0, label="1 mrad, the paper's order of it")
-        left.set(title="tail's angle (Fig. 6)", ylabel="error of the angle (mrad)")
+        angle_axis.axhspan(-1, 1, color="#eeeeee", zorder=0, label="1 mrad, the paper's order")
+        angle_axis.set(title="tail's angle (Fig. 6)", ylabel="error of the angle (mrad)")
         right.set(title="tail's velocity (Fig. 7)", ylabel="error of the velocity, its size (m/s)")
-        for ax, ends in ((left, (-1.5, 2.6)), (right, (3e-5, 5e-2))):
+        for ax, ends in ((angle_axis, (-1.5, 2.6)), (right, (3e-5, 5e-2))):
             ax.set(xlabel="time (s)", xlim=(0, closed.t_s[-1]), ylim=ends)
-        left.legend(loc="upper right", fontsize=8)
+        angle_axis.legend(loc="upper right", fontsize=8)
         heading(
             fig,
             "implicit less exact model: three links of 1 kg, 0.12 m; α = 30°, β = 90°, "

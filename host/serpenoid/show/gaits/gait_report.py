@@ -33,9 +33,9 @@ def beside_ideal(best: LeastPower, ideal: LeastPower, servo: Servo | ServoKind |
     """Return what limits a gait, and what the optimum without limits would cost and risk."""
     active = [name for name in best.active if name != LIMIT_NAMES["kept_speed_share"]]
     words = f"Limited by {', '.join(active)}. " if active else ""
-    kept = best.limits.kept_speed_share
-    if 1 - best.losses.worst < kept * (1 - REACHED):
-        words += f"No gait keeps {100 * kept:.0f} % of its speed; this one loses least. "
+    kept_share = best.limits.kept_speed_share
+    if 1 - best.losses.worst < kept_share * (1 - REACHED):
+        words += f"No gait keeps {100 * kept_share:.0f} % of its speed; this one loses least. "
     less = 1 - ideal.power_w / best.power_w
     if less < REACHED:
         return f"{words}Without these limits no gait takes noticeably less."

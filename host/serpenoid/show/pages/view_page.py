@@ -27,7 +27,7 @@ from ...video.fitting.chain import lever_matrix
 Array = NDArray[np.float64]
 FRAMES_A_SECOND, MOST_FRAMES = 50, 3000
 STUCK_M_S = 1e-4  # slower than this a wheel on dry ground is shown as one that sticks
-STEP_S = 0.002  # of the chain: 0.1 % of a gait's speed, far below what a page shows
+STEP_S = 0.002  # of the chain: 0.3 % of a gait's speed, far below what a page shows
 SHORTEST_S, LONGEST_S = 1e-3, 10.0  # between two set-points; beyond a longer gap nobody knows
 
 
@@ -85,19 +85,20 @@ def of_recording(stream: Stream, robot: Robot, ground: Ground) -> tuple[Gait, di
             f"links is {robot.links}; this is of a robot of {links}: give --set links={links}"
         )
     in_gait = np.flatnonzero(stream.state == "gait")
-    kept = slice(in_gait[0], in_gait[-1] + 1)
-    board_s, every = stream.board_s[kept], math.ceil((in_gait[-1] - in_gait[0] + 1) / MOST_FRAMES)
-    motion = follow(robot, ground, stream.setpoint_rad[kept], np.diff(board_s), every)
-    return gait, _shown(board_s[1::every] - board_s[0], robot, ground, gait, motion)
+    gait_rows = slice(in_gait[0], in_gait[-1] + 1)
+    board_s = stream.board_s[gait_rows]
+    stride = math.ceil(len(board_s) / MOST_FRAMES)
+    motion = follow(robot, ground, stream.setpoint_rad[gait_rows], np.diff(board_s), stride)
+    return gait, _shown(board_s[1::stride] - board_s[0], robot, ground, gait, motion)
 
 
 def follow(
-    robot: Robot, ground: Ground, setpoint_rad: Array, lasts_s: Array, every: int = 1
+    robot: Robot, ground: Ground, setpoint_rad: Array, lasts_s: Array, stride: int = 1
 ) -> Motion:
     """Return how a robot with ideal joints moves that is led through set-points, (N + 1, n - 1).
 
-    It is at rest at the first, and goes to each next one within a time, (N,). every: of so many
-    moments the first is kept. The way from start to end lies along x.
+    It is at rest at the first, and goes to each next one within a time, (N,). stride: of so many
+    moments the first counts. The way from start to end lies along x.
     """
     chain = LabRobot(robot, (ground,)).chain()
     rows = np.ascontiguousarray(setpoint_rad, dtype=np.float64)
@@ -109,10 +110,10 @@ def follow(
         state = chain.follow(rows[k + 1 : k + 2], duration_s, STEP_S)
         if len(state) == 0:
             raise NotConverged("the model came to no answer; are robot and friction sensible?")
-        if k % every == 0:
+        if k % stride == 0:
             states.append(state)
-    rate = (np.diff(rows, axis=0) / lasts_s[:, None])[::every]
-    return _motion(robot, np.concatenate(states), rows[1::every], rate)
+    rate = (np.diff(rows, axis=0) / lasts_s[:, None])[::stride]
+    return _motion(robot, np.concatenate(states), rows[1::stride], rate)
 
 
 def _motion(robot: Robot, states: Array, joint_rad: Array, joint_rad_s: Array) -> Motion:

@@ -82,7 +82,7 @@ def session_page(
     parts += [
         "<h2>Readings</h2>",
         _readings(session, fit),
-        *_told(session.events),
+        *_event_table(session.events),
         "<h2>Where this comes from</h2>",
         _provenance(session, fit),
     ]
@@ -133,10 +133,10 @@ def _story(session: Session) -> str:
     setup, robot = session.setup, session.setup.robot
     place = setup.laboratory
     where = ", ".join(x for x in (place.surface, place.place, place.people) if x != "not said")
-    kept = {"stations held": len(session.kept), "pushes": len(session.kept_pushes)}
-    parts = [f"{n} {name}" for name, n in kept.items() if n or not any(kept.values())]
-    taken = (*session.of("station"), *session.of("push"))
-    parts.append(f"{sum(r.voided for r in taken)} voided")
+    counts = {"stations held": len(session.kept), "pushes": len(session.kept_pushes)}
+    parts = [f"{n} {name}" for name, n in counts.items() if n or not any(counts.values())]
+    readings = (*session.of("station"), *session.of("push"))
+    parts.append(f"{sum(r.voided for r in readings)} voided")
     kind = escape(setup.provenance.kind)
     return (
         f'<p class="soft">A {kind} session: a robot of {robot.links} links, '
@@ -178,7 +178,7 @@ def _readings(session: Session, fit: FrictionFit) -> str:
     return _framed(["no.", "what", "shown", "off by, σ"], body, "words off")
 
 
-def _told(events: Sequence[Event]) -> list[str]:
+def _event_table(events: Sequence[Event]) -> list[str]:
     """Return remarks, corrections and steps left out, in the order they came."""
     names = {
         "note": "noted",
@@ -204,10 +204,10 @@ def _provenance(session: Session, fit: FrictionFit) -> str:
     setup = session.setup
     boards = list(dict.fromkeys(e.detail for e in session.events if e.event == "connect"))
     driven = f"<p>Robot: {escape('; '.join(boards))}.</p>" if boards else ""
-    from_ = setup.provenance
-    note = "" if from_.note == "none" else f'<p class="soft">{escape(from_.note)}</p>'
+    provenance = setup.provenance
+    note = "" if provenance.note == "none" else f'<p class="soft">{escape(provenance.note)}</p>'
     return (
-        f"<p>{escape(from_.source)}</p>{driven}{note}"
+        f"<p>{escape(provenance.source)}</p>{driven}{note}"
         f"<p>Fitted ({escape(fit.method)}) by serpenoid {escape(version('serpenoid'))}; readings' "
         f"SHA-256 <code>{escape(fit.session_sha256)}</code>. To cite: the session by its name and "
         "hash, the program by its CITATION.cff, and Nirakh, Brennan and Gandhi, IMECE2005-82742, "

@@ -41,7 +41,7 @@ def _picture(ax: Any, film: FilmMeasurement) -> None:
 def _joints(ax: Any, film: FilmMeasurement) -> None:
     """Draw each joint's angle as dots, over the commanded sine or else its own."""
     track = film.measured.track
-    phi = np.degrees(np.where(film.measured.held, joint_angles(track.states), np.nan))
+    phi = np.degrees(np.where(film.measured.joint_mask, joint_angles(track.states), np.nan))
     t = track.t_s - track.t_s[0]
     about = track.t_s - track.t_s.mean()
     m, count = film.measured.fitted.motion, phi.shape[1]
@@ -97,6 +97,6 @@ def _cells(film: FilmMeasurement) -> tuple[list[str], list[list[str]]]:
             gain = joint.amplitude_rad / max(film.gait.alpha_rad, 1e-9)
             late_deg = math.degrees(math.remainder(late_rad, math.tau))
             row += [f"{gain:.0%}", f"{late_deg:+.2f}"]
-        cells.append([*row, f"{joint.seen:.0%}"])
+        cells.append([*row, f"{joint.share_seen:.0%}"])
     commanded = ["gain", "late"] if film.gait else []
     return ["joint", "amplitude", "centre", "phase", *commanded, "seen"], cells

@@ -56,19 +56,19 @@ class Bundle:
 
         0 up to SIDE_ALIKE.
         """
-        off = abs(self.camera.side_m / self.side_m - 1.0) if self.camera.links > 2 else 0.0
-        return off if off > SIDE_ALIKE else 0.0
+        excess = abs(self.camera.side_m / self.side_m - 1.0) if self.camera.links > 2 else 0.0
+        return excess if excess > SIDE_ALIKE else 0.0
 
 
 def priors(camera: Camera, side_m: float, turns: Array) -> tuple[Array, Array]:
     """Return what the shared unknowns are held to, and their standard deviations."""
-    held = np.zeros_like(camera.shared)
-    held[0], held[8] = np.log(0.9), np.log(side_m)
-    held[5:8] = camera.shared[5:8]
-    held[READOUT] = 0.012
-    held[len(LENS) + 2 :: len(MOUNTING)] = turns
+    prior_mean = np.zeros_like(camera.shared)
+    prior_mean[0], prior_mean[8] = np.log(0.9), np.log(side_m)
+    prior_mean[5:8] = camera.shared[5:8]
+    prior_mean[READOUT] = 0.012
+    prior_mean[len(LENS) + 2 :: len(MOUNTING)] = turns
     sigma = np.concatenate([LENS_SIGMA, np.tile(MOUNTING_SIGMA, camera.links)])
-    return held, sigma
+    return prior_mean, sigma
 
 
 def fit(
@@ -84,10 +84,10 @@ def fit(
 
     rough: with a plain lens and a fixed noise, so that costs of several starts can be compared.
     """
-    held, sigma = priors(camera, side_m, turns)
+    prior_mean, sigma = priors(camera, side_m, turns)
     if rough:
         sigma[1:5] *= PLAIN
-    problem = _Problem(sightings, states, held, sigma, 1.0 / LOOSE_RAD)
+    problem = _Problem(sightings, states, prior_mean, sigma, 1.0 / LOOSE_RAD)
     damping, noise = 1e-3, NOISE_PX
     cost = problem.cost(camera, states, noise)
     for _ in range(steps):
@@ -113,7 +113,7 @@ def fit(
 def misses(camera: Camera, states: Array, s: Sightings) -> Array:
     """Return found less expected pixels (frames, links, 4, 2), 0 where nothing was found."""
     image = camera.image(camera.corners(states)) + camera.shared[READOUT] * s.skew
-    return np.where(s.seen[..., None, None], s.corners_px - image, 0.0)
+    return np.where(s.visible[..., None, None], s.corners_px - image, 0.0)
 
 
 def rms(misses_px: Array) -> Array:
@@ -129,10 +129,10 @@ def equations(
     Each (frames, 8 links, unknowns), the misses (frames, 8 links, 1); before them stand the
     derivatives by what is shared, if asked for. The weight is 1, less for outliers, 0 for none.
     """
-    rest = misses(camera, states, s)
-    share = np.minimum(1.0, OUTLIER / np.maximum(rms(rest) / noise_px, 1e-9))
-    root = (np.sqrt(s.seen * share) / noise_px)[..., None, None, None]
-    columns = rest[..., None]
+    residual = misses(camera, states, s)
+    share = np.minimum(1.0, OUTLIER / np.maximum(rms(residual) / noise_px, 1e-9))
+    root = (np.sqrt(s.visible * share) / noise_px)[..., None, None, None]
+    columns = residual[..., None]
     if shared:
         by_shared = camera.by_shared(states)
         by_shared[..., READOUT] = s.skew
@@ -149,20 +149,20 @@ class _Problem:
 
     sightings: Sightings
     start: Array
-    held: Array
+    prior_mean: Array
     sigma: Array
     loose: float
 
     def noise(self, camera: Camera, states: Array) -> float:
         """Return the standard deviation of a corner's coordinate, px, robustly."""
-        rest = misses(camera, states, self.sightings)[self.sightings.seen]
+        residual = misses(camera, states, self.sightings)[self.sightings.visible]
         # Of 8 numbers a tag, some 3 go into its frame's state.
-        return max(0.02, 1.4826 * float(np.median(np.abs(rest))) * np.sqrt(8 / 6.5))
+        return max(0.02, 1.4826 * float(np.median(np.abs(residual))) * np.sqrt(8 / 6.5))
 
     def _from_prior(self, camera: Camera, states: Array) -> tuple[Array, Array]:
         drift = (states - self.start) * self.loose
         drift[:, :2] = 0.0
-        return (camera.shared - self.held) / self.sigma, drift
+        return (camera.shared - self.prior_mean) / self.sigma, drift
 
     def cost(self, camera: Camera, states: Array, noise: float) -> float:
         """Return the sum of squares; an outlier's grows no faster than its distance."""
@@ -170,7 +170,7 @@ class _Problem:
         if not np.isfinite(distance).all():
             return np.inf
         squares = np.where(distance < OUTLIER, distance**2, OUTLIER * (2 * distance - OUTLIER))
-        priors = (np.sum(rest**2) for rest in self._from_prior(camera, states))
+        priors = (np.sum(residual**2) for residual in self._from_prior(camera, states))
         return 8 * float(squares.sum()) + float(sum(priors))
 
     def _normal(
@@ -180,16 +180,16 @@ class _Problem:
 
         The matrix has the priors, each frame's score has not. damping holds the frames' states.
         """
-        a, wanted = equations(camera, states, self.sightings, noise, shared=True)
+        a, targets = equations(camera, states, self.sightings, noise, shared=True)
         unit = np.eye(a.shape[-1])
         of_frames = a.transpose(0, 2, 1) @ a
         of_frames[:, 2:, 2:] += self.loose**2 * unit[2:, 2:]
         of_frames += (1e-9 + damping * np.einsum("fii->fi", of_frames)[:, None]) * unit
-        cross = a.transpose(0, 2, 1) @ wanted
+        cross = a.transpose(0, 2, 1) @ targets
         cross[..., -1] -= self.loose * self._from_prior(camera, states)[1]
         frame_steps = np.linalg.solve(of_frames, cross)
         reduced = (
-            wanted[..., :-1].transpose(0, 2, 1) @ wanted
+            targets[..., :-1].transpose(0, 2, 1) @ targets
             - cross[..., :-1].transpose(0, 2, 1) @ frame_steps
         )
         matrix = reduced[..., :-1].sum(axis=0) + np.diag(1 / self.sigma**2)

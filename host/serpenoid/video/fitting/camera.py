@@ -92,13 +92,13 @@ class Camera:
 
     def corners(self, states: Array) -> Array:
         """Return the corners in the world, (frames, links, 4, 3)."""
-        flat, up = self.on_link()
+        flat, heights = self.on_link()
         theta = states[:, 2:, None]
         cos, sin = np.cos(theta), np.sin(theta)
         x, y = flat[None, ..., 0], flat[None, ..., 1]
         rotated = np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
         flat_world = link_centres(states, self.link_m)[:, :, None] + rotated
-        heights = np.broadcast_to(up, flat_world.shape[:-1])
+        heights = np.broadcast_to(heights, flat_world.shape[:-1])
         return np.concatenate([flat_world, heights[..., None]], axis=-1)
 
     def image(self, world: Array) -> Array:

@@ -52,22 +52,22 @@ def mean_heading(states: Array) -> Array:
     return np.unwrap(states[..., 2] + bend)
 
 
-def filled_headings(states: Array, seen: Mask, phi: Array) -> Array:
+def filled_headings(states: Array, visible: Mask, phi: Array) -> Array:
     """Return states whose unseen links point as the joints phi (frames, joints) say.
 
     From the nearest links that are seen (frames, links), on both sides; the nearer one counts for
     more.
     """
-    out, links = states.copy(), np.arange(seen.shape[1])
-    bend = np.zeros(seen.shape)
-    bend[:, 1:] = np.cumsum(np.broadcast_to(phi, (len(seen), len(links) - 1)), axis=1)
-    for pattern in np.unique(seen, axis=0):
+    filled, links = states.copy(), np.arange(visible.shape[1])
+    bend = np.zeros(visible.shape)
+    bend[:, 1:] = np.cumsum(np.broadcast_to(phi, (len(visible), len(links) - 1)), axis=1)
+    for pattern in np.unique(visible, axis=0):
         if pattern.all() or not pattern.any():
             continue
-        rows = (seen == pattern).all(axis=1)
+        rows = (visible == pattern).all(axis=1)
         base = np.unwrap((states[rows, 2:] - bend[rows])[:, pattern], axis=1)
         shares = [
             np.interp(links[~pattern], links[pattern], unit) for unit in np.eye(pattern.sum())
         ]
-        out[np.ix_(rows, 2 + links[~pattern])] = base @ shares + bend[rows][:, ~pattern]
-    return out
+        filled[np.ix_(rows, 2 + links[~pattern])] = base @ shares + bend[rows][:, ~pattern]
+    return filled

@@ -52,14 +52,16 @@ def fit_states(
         prior_weight[:, :2] = 1e-6
         prior_matrix = prior_weight[:, None] * np.eye(prior_weight.shape[1])
         camera, states = fit.camera, expected_state
-        a, rest = equations(camera, states, s, fit.noise_px)
+        a, residual = equations(camera, states, s, fit.noise_px)
         for _ in range(STEPS):
-            pull = (a.transpose(0, 2, 1) @ rest)[..., 0] + prior_weight * (expected_state - states)
+            pull = (a.transpose(0, 2, 1) @ residual)[..., 0] + prior_weight * (
+                expected_state - states
+            )
             step = np.linalg.solve(a.transpose(0, 2, 1) @ a + prior_matrix, pull[..., None])
             states = states + step[..., 0]
-            a, rest = equations(camera, states, s, fit.noise_px)
+            a, residual = equations(camera, states, s, fit.noise_px)
         matrix = a.transpose(0, 2, 1) @ a + prior_matrix
-        rest_px = np.where(s.seen, rms(misses(camera, states, s)), np.nan)
+        rest_px = np.where(s.visible, rms(misses(camera, states, s)), np.nan)
         covariance = np.linalg.inv(matrix)
         variance = np.diagonal(covariance, axis1=1, axis2=2)
         neighbours = np.diagonal(covariance[:, 2:, 2:], offset=1, axis1=1, axis2=2)

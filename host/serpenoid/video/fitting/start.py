@@ -24,7 +24,7 @@ def first_cameras(sightings: Sightings, link_m: float, side_m: float) -> list[Ca
     The best plane of every focal length, and the best of all that leans the other way: small
     squares look nearly the same from both sides.
     """
-    frame, link = np.nonzero(sightings.seen)
+    frame, link = np.nonzero(sightings.visible)
     sample = slice(None, None, max(1, len(frame) // SAMPLE))
     corners = sightings.corners_px[frame[sample], link[sample]].astype(float)
     around = np.arange(DIRECTIONS) * 2 * np.pi / DIRECTIONS

@@ -32,12 +32,12 @@ class Background:
         self.looks = 0
         self._next_s = time_s + EVERY_S
         free = np.full(picture.shape, 255, np.uint8)
-        left, top, right, bottom = window
-        free[top:bottom, left:right] = 0
-        whole = np.ascontiguousarray(picture)
-        self._first = _even(whole)
+        left_px, top, right, bottom = window
+        free[top:bottom, left_px:right] = 0
+        pixels = np.ascontiguousarray(picture)
+        self._first = _even(pixels)
         self._points: Any = cv2.goodFeaturesToTrack(  # (points, 1, 2) float32
-            whole, MOST_POINTS, 0.02, PATCH_PX, mask=free, blockSize=7
+            pixels, MOST_POINTS, 0.02, PATCH_PX, mask=free, blockSize=7
         )
 
     @property
@@ -75,21 +75,21 @@ class Background:
             arm = place - middle
             inertia = np.sum(np.abs(arm) ** 2)
             growth = arm.conj() @ shift / inertia
-            left, top, right, bottom = self.window
-            lever = np.add.outer([left, right], [1j * top, 1j * bottom]).ravel() - middle
+            left_px, top, right, bottom = self.window
+            lever = np.add.outer([left_px, right], [1j * top, 1j * bottom]).ravel() - middle
             moved = mean + growth * lever
             worst = int(np.abs(moved).argmax())
-            rest = np.sum(np.abs(shift - mean - growth * arm) ** 2) / (2 * len(arm) - 4)
-            sigma = np.sqrt(rest * (1 / len(arm) + abs(lever[worst]) ** 2 / inertia))
+            residual = np.sum(np.abs(shift - mean - growth * arm) ** 2) / (2 * len(arm) - 4)
+            sigma = np.sqrt(residual * (1 / len(arm) + abs(lever[worst]) ** 2 / inertia))
             self.shifts.append((time_s, moved[worst].real, moved[worst].imag, float(sigma)))
 
     @staticmethod
-    def _follow(first: Any, other: Any, points: Any) -> tuple[Any, Any]:
+    def _follow(first: Any, later: Any, points: Any) -> tuple[Any, Any]:
         import cv2
 
         size = (PATCH_PX, PATCH_PX)
         found_points, status, _ = cv2.calcOpticalFlowPyrLK(
-            first, other, points, points.copy(), winSize=size, maxLevel=4
+            first, later, points, points.copy(), winSize=size, maxLevel=4
         )
         return found_points, status
 
@@ -98,5 +98,5 @@ def _even(picture: Grey) -> Grey:
     """Return a picture divided by its own brightness nearby: lamps flicker, phones adapt."""
     import cv2
 
-    near = cv2.blur(picture, (NEAR_PX, NEAR_PX))
-    return np.asarray(cv2.divide(picture, near, scale=128), np.uint8)
+    blurred = cv2.blur(picture, (NEAR_PX, NEAR_PX))
+    return np.asarray(cv2.divide(picture, blurred, scale=128), np.uint8)

@@ -23,10 +23,10 @@ def dictionary() -> Any:
     return cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
 
 
-def _apart(one: Array, other: Array) -> bool:
+def _apart(quad: Array, second: Array) -> bool:
     """Tell whether two quadrilaterals are two tags, not one found twice."""
-    side = float(np.linalg.norm(one[1] - one[0]))
-    return float(np.linalg.norm(one.mean(axis=0) - other.mean(axis=0))) > 0.5 * side
+    side = float(np.linalg.norm(quad[1] - quad[0]))
+    return float(np.linalg.norm(quad.mean(axis=0) - second.mean(axis=0))) > 0.5 * side
 
 
 class TagFinder:
@@ -57,15 +57,15 @@ class TagFinder:
         import cv2
 
         assert self.window is not None
-        left, top, right, bottom = self.window
-        part = np.ascontiguousarray(picture[top:bottom, left:right])
+        left_px, top, right, bottom = self.window
+        part = np.ascontiguousarray(picture[top:bottom, left_px:right])
         p = cv2.aruco.DetectorParameters()
         p.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_CONTOUR
         p.minMarkerPerimeterRate = 0.01
         if self.side_px:
-            near = int(np.clip(self.side_px * 0.8, 11, 101)) | 1
-            p.adaptiveThreshWinSizeMin = near
-            p.adaptiveThreshWinSizeMax = near
+            window_px = int(np.clip(self.side_px * 0.8, 11, 101)) | 1
+            p.adaptiveThreshWinSizeMin = window_px
+            p.adaptiveThreshWinSizeMax = window_px
         corners, ids, _ = cv2.aruco.ArucoDetector(dictionary(), p).detectMarkers(part)
         tags: dict[int, Tag] = {}
         double: set[int] = set()
@@ -76,7 +76,7 @@ class TagFinder:
             if number >= self.links:
                 self.strangers[number] += 1
                 continue
-            tag = np.add(quad, [left, top]), float(edge_px)
+            tag = np.add(quad, [left_px, top]), float(edge_px)
             if number in tags and _apart(tags[number][0], tag[0]):
                 double.add(number)
             tags[number] = tag
@@ -94,5 +94,5 @@ class TagFinder:
         # Links that were not seen may be on either side: room for all of them.
         room = self.side_px * (MARGIN_SIDES + 2.5 * (self.links - len(tags)))
         ends = quads.min(axis=(0, 1)) - room, quads.max(axis=(0, 1)) + room + 1
-        left, top, right, bottom = np.clip(ends, 0, shape[::-1]).astype(int).ravel().tolist()
-        self.window = left, top, right, bottom
+        left_px, top, right, bottom = np.clip(ends, 0, shape[::-1]).astype(int).ravel().tolist()
+        self.window = left_px, top, right, bottom

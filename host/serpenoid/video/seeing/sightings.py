@@ -30,7 +30,7 @@ class Sightings:
     skew: Single
 
     @staticmethod
-    def of(t_s: Array, corners_px: NDArray[Any], image_px: tuple[int, int]) -> Sightings:
+    def from_corners(t_s: Array, corners_px: NDArray[Any], image_px: tuple[int, int]) -> Sightings:
         """Return sightings; a row's time is off by its share of the readout, about the middle."""
         corners_px = corners_px.astype(np.float32, copy=False)
 
@@ -54,7 +54,7 @@ class Sightings:
         return Sightings(t_s, corners_px, image_px, in_chunks(skews, len(t_s))[0])
 
     @cached_property
-    def seen(self) -> Mask:
+    def visible(self) -> Mask:
         """Return which tags were found in which frame, (frames, links)."""
         return np.asarray(np.isfinite(self.corners_px).all(axis=(2, 3)))
 

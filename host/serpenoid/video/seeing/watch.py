@@ -40,7 +40,7 @@ class Watched:
     @property
     def only_strays(self) -> bool:
         """Tell whether what looks like a tag is so rare that it is none."""
-        return self.rare(int(self.sightings.seen.any(axis=1).sum()))
+        return self.rare(int(self.sightings.visible.any(axis=1).sum()))
 
     def rare(self, frames: int) -> bool:
         """Tell whether a number that was read in so many frames is a misreading."""
@@ -78,7 +78,7 @@ def watch(film: Film, links: int, progress: Callable[[float], object] = lambda _
         raise BadInput(f"{film.path}: not one frame can be read; copy it again")
     times_s, corners_px, edge_px = map(np.array, zip(*looks, strict=True))
     sharp_px = _sharp(corners_px, edge_px)
-    sightings = Sightings.of(times_s, sharp_px, (film.width, film.height))
+    sightings = Sightings.from_corners(times_s, sharp_px, (film.width, film.height))
     shifts, plain = (tuple(ground.shifts), ground.plain) if ground is not None else ((), True)
     return Watched(
         film,
@@ -93,8 +93,8 @@ def watch(film: Film, links: int, progress: Callable[[float], object] = lambda _
 
 def _sharp(corners_px: Single, edge_px: Single) -> Single:
     """Leave out, in place, tags whose edges could not be read, where nearly all could."""
-    seen = np.isfinite(corners_px[..., 0, 0])
-    coarse = seen & ~np.isfinite(edge_px)
-    if coarse.sum() <= COARSE_SHARE * seen.sum():
+    visible = np.isfinite(corners_px[..., 0, 0])
+    coarse = visible & ~np.isfinite(edge_px)
+    if coarse.sum() <= COARSE_SHARE * visible.sum():
         corners_px[coarse] = np.nan
     return corners_px
