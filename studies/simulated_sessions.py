@@ -36,7 +36,7 @@ class MemoryRecord(Journal):
         self._count += 1
         common: dict[str, Any] = {"number": self._count, "comment": comment}
         if samples is not None:
-            common["track"] = Track.of(kind_of(kind).columns, samples)
+            common["track"] = Track.from_samples(kind_of(kind).columns, samples)
         reading = make_reading(reading_row(kind, cells, self.session.setup.plan), common)
         if replaces:
             readings = (

@@ -165,7 +165,7 @@ def _pair_of_pushes(
     known = [p.distance_sigma_m for p in session.kept_pushes if p.track and p.distance_sigma_m]
     t = np.arange(0.0, rest_s + RESTED_S, 1 / PICTURES_HZ)
     x = way_m(t, *start)
-    track = Track.of(("t_s", "x_m", "y_m"), np.stack([t, x, 0 * t], axis=1))
+    track = Track.from_samples(("t_s", "x_m", "y_m"), np.stack([t, x, 0 * t], axis=1))
     sigma_m = float(np.median(known)) if known else PLACE_SIGMA_M
     return tuple(
         Push(0, way=way, by="film", track=track, distance_sigma_m=sigma_m, **common) for way in WAYS

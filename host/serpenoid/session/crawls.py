@@ -17,6 +17,8 @@ from .settings import Setup
 
 # Commands that differ by less are one command: a film shows its rate, and may show its angles.
 _SAME_RATE, _SAME_RAD = 0.01, 0.01
+# Of a filmed gait: what is one number, and what is one a joint.
+RATES, JOINTS = ("omega_rad_s", "offset_rad"), ("joint_gain", "joint_shift_rad")
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,12 @@ class Crawls:
     @property
     def gait(self) -> Gait:
         """Return the gait with the mean of the joints as filmed; without films the command."""
-        return mean_gait([film.gait for film in self.films]) if self.films else self.commanded
+        films = [film.gait for film in self.films]
+        if not films:
+            return self.commanded
+        rates = {name: np.mean([getattr(g, name) for g in films]) for name in RATES}
+        joints = {name: np.mean([getattr(g, name) for g in films], axis=0) for name in JOINTS}
+        return replace(films[0], **rates, **joints)
 
 
 def crawls_by_command(session: Session) -> list[Crawls]:
@@ -65,30 +72,16 @@ def mean_speed(runs: Sequence[Crawl]) -> tuple[float, float]:
 def as_run(session: Session, gaits: Sequence[Gait]) -> tuple[Gait, ...]:
     """Return the gaits, each with the rate at which it ran, if it ran."""
     ran = [crawl.commanded for crawl in crawls_by_command(session)]
-    return tuple(next((own for own in ran if same_command(own, gait)), gait) for gait in gaits)
+    return tuple(next((g for g in ran if same_command(g, gait)), gait) for gait in gaits)
 
 
-def same_command(one: Gait, other: Gait) -> bool:
+def same_command(first: Gait, second: Gait) -> bool:
     """Tell whether two commands differ by no more than a film may be off."""
-    angles = np.array([[g.alpha_rad, g.beta_rad, g.offset_rad] for g in (one, other)])
-    alike = (one.joint_gain, one.joint_shift_rad) == (other.joint_gain, other.joint_shift_rad)
-    near = np.abs(angles[0] - angles[1]).max() < _SAME_RAD
-    return alike and near and abs(other.omega_rad_s / one.omega_rad_s - 1.0) < _SAME_RATE
-
-
-def mean_gait(gaits: Sequence[Gait]) -> Gait:
-    """Return the gait of the mean joints."""
-    if len(gaits) == 1:
-        return gaits[0]
-    joints = max(len(gait.joint_gain) for gait in gaits)
-    gain, shift = np.mean([gait.joint_factors(joints) for gait in gaits], axis=0)
-    return replace(
-        gaits[0],
-        omega_rad_s=float(np.mean([g.omega_rad_s for g in gaits])),
-        offset_rad=float(np.mean([g.offset_rad for g in gaits])),
-        joint_gain=tuple(gain.tolist()),
-        joint_shift_rad=tuple(shift.tolist()),
-    )
+    angles = np.array([[g.alpha_rad, g.beta_rad, g.offset_rad] for g in (first, second)])
+    rates = abs(second.omega_rad_s / first.omega_rad_s - 1.0)
+    joints = [(g.joint_gain, g.joint_shift_rad) for g in (first, second)]
+    angle_rad = np.abs(angles[0] - angles[1]).max()
+    return joints[0] == joints[1] and angle_rad < _SAME_RAD and rates < _SAME_RATE
 
 
 def driving(setup: Setup, kind: ServoKind) -> ServoKind:

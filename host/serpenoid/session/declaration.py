@@ -224,7 +224,7 @@ class Declared:
 
 
 @dataclass(frozen=True)
-class Taken(Declared, ABC):
+class Observation(Declared, ABC):
     """A reading; each kind is a dataclass of this whose declared fields are its columns, in SI.
 
     kind: what readings.csv calls it. fitted: the friction fit rests on it, so that the session's
@@ -238,7 +238,7 @@ class Taken(Declared, ABC):
     track_may_miss: ClassVar[bool] = False
 
     @classmethod
-    def asked(cls, *columns: str) -> tuple[Field, ...]:
+    def questions(cls, *columns: str) -> tuple[Field, ...]:
         """Return the numbers of some columns, of all unless given."""
         numbers = cls.numbers()
         return tuple(numbers[column] for column in columns or numbers)
@@ -295,23 +295,12 @@ class SettingsTable(Declared):
 
 def toml_text(value: Any) -> str:
     """Return a value as TOML has it; None is an empty text, which a person fills in."""
-    text = str(value)
-    match value:
-        case None:
-            text = '""'
-        case bool():
-            text = str(value).lower()
-        case str():
-            text = json.dumps("".join(c for c in value if c != "\x7f"), ensure_ascii=False)
-        case float():
-            text = f"{value:.10g}"
-            text += ".0" * text.lstrip("-").isdecimal()
-        case Gait():
-            alpha, beta = (f"{math.degrees(x):.10g}" for x in (value.alpha_rad, value.beta_rad))
-            rate = f"{value.omega_rad_s:.10g}"
-            text = f"\n  {{ alpha_deg = {alpha}, beta_deg = {beta}, omega_rad_s = {rate} }},"
-        case tuple():
-            parts = [toml_text(part) for part in value]
-            lines = "".join(parts)
-            text = f"[{lines}\n]" if "\n" in lines else f"[{', '.join(parts)}]"
-    return text
+    if isinstance(value, Gait):
+        alpha, beta = (f"{math.degrees(x):.10g}" for x in (value.alpha_rad, value.beta_rad))
+        rate = f"{value.omega_rad_s:.10g}"
+        return f"\n  {{ alpha_deg = {alpha}, beta_deg = {beta}, omega_rad_s = {rate} }}"
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(toml_text, value))}]".replace(", \n", ",\n")
+    if isinstance(value, float):
+        value = float(f"{value:.10g}")
+    return json.dumps("" if value is None else value, ensure_ascii=False).replace("\x7f", "")

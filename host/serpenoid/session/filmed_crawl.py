@@ -17,9 +17,9 @@ from ..model.gait import Gait
 from .declaration import Cells
 
 Array = NDArray[np.float64]
-LEAST_CYCLES = 1.5
+LEAST_CYCLES, FEWEST_PICTURES = 1.5, 8
 SPEED_SIGMA, GAIN_SIGMA = 0.002, 0.002  # at least: the film's scale, and the chain's fit
-_FAR = 0.1  # of the rate commanded: how far the joints' own may be from it
+_RATE_ERROR = 0.1  # of the rate commanded: how far the joints' own may be from it
 _UNEVEN = 0.2  # of the angles' variance: what no sine of one rate explains
 
 
@@ -38,8 +38,8 @@ def crawl_cells(rows: Array, gait: Gait) -> Cells:
     omega, sines, sigma = _sines(t, angles, gait)
     amplitude, phase = np.hypot(*sines[1:]), np.arctan2(sines[1], sines[2])
     gains = amplitude / gait.alpha_rad
-    off = np.exp(1j * (phase - gait.beta_rad * np.arange(len(phase))))
-    shifts = np.angle(off / off.mean())
+    turns = np.exp(1j * (phase - gait.beta_rad * np.arange(len(phase))))
+    shifts = np.angle(turns / turns.mean())
     speed, scatter = _speed(rows, 2 * math.pi / omega)
     return {
         "alpha_deg": math.degrees(gait.alpha_rad),
@@ -57,13 +57,18 @@ def crawl_cells(rows: Array, gait: Gait) -> Cells:
 def _sines(t: Array, angles: Array, gait: Gait) -> tuple[float, Array, float]:
     """Return the rate, rad/s, centre, cosine and sine of every joint, and an amplitude's sigma."""
     filmed = ~np.isnan(angles)
-    if filmed.sum(axis=0).min() < 8:
-        raise BadInput("a joint was seen in less than 8 pictures; a session's reading needs all")
-    held = np.where(filmed, angles, 0.0)
-    omega, sines = fit_sines(t, held, filmed.astype(float), gait.omega_rad_s, harmonics=1)
-    off = (basis(t, omega, harmonics=1) @ sines - angles)[filmed]
-    mean_square = float(np.mean(off**2))
-    if abs(omega / gait.omega_rad_s - 1.0) > _FAR or mean_square > _UNEVEN * np.var(angles[filmed]):
+    if filmed.sum(axis=0).min() < FEWEST_PICTURES:
+        raise BadInput(
+            f"a joint was seen in less than {FEWEST_PICTURES} pictures; a session's reading needs "
+            "all joints"
+        )
+    weight = filmed.astype(float)
+    omega, sines = fit_sines(t, np.nan_to_num(angles), weight, gait.omega_rad_s, harmonics=1)
+    residuals = (basis(t, omega, harmonics=1) @ sines - angles)[filmed]
+    mean_square = float(np.mean(residuals**2))
+    if abs(omega / gait.omega_rad_s - 1.0) > _RATE_ERROR or mean_square > _UNEVEN * np.var(
+        angles[filmed]
+    ):
         raise BadInput(
             f"the joints do not swing at {gait.omega_rad_s / (2 * math.pi):.3g} Hz, as was "
             "commanded; is it a film of another gait?"
@@ -74,8 +79,8 @@ def _sines(t: Array, angles: Array, gait: Gait) -> tuple[float, Array, float]:
 def _speed(rows: Array, period_s: float) -> tuple[float, float]:
     """Return the mean chord of a cycle over its time, m/s, and its standard deviation."""
     t, x, y = rows[:, 0], rows[:, 1], rows[:, 2]
-    whole = t <= t[-1] - period_s
-    chords = [np.interp(t[whole] + period_s, t, way) - way[whole] for way in (x, y)]
+    starts = t <= t[-1] - period_s
+    chords = [np.interp(t[starts] + period_s, t, way) - way[starts] for way in (x, y)]
     speeds = np.hypot(*chords) / period_s
     cycles = max(np.ptp(t) / period_s - 1.0, 0.5)
     return float(speeds.mean()), float(speeds.std() / math.sqrt(cycles))

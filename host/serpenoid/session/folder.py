@@ -55,11 +55,9 @@ def load_session(folder: str | Path) -> Session:
 def read_session(folder: str | Path) -> Session:
     """Read a session's folder as load_session does, one that has no readings yet, too."""
     folder, notes = Path(folder), list[str]()
-    top = _load_toml(folder)
-    path = folder / "events.csv"
-    events = read_events(folder, notes)
+    top, events = _load_toml(folder), read_events(folder, notes)
     details = [event.detail for event in events if event.event == "amend"]
-    setup = Setup.read(amended(top, details, path))
+    setup = Setup.read(amended(top, details, folder / "events.csv"))
     return session_of(setup, events, folder, notes)
 
 
@@ -67,26 +65,31 @@ def write_setting(folder: Path, table: str, key: str, value: Any) -> None:
     """Put one value into session.toml, its other lines as they are; raises RecordingFailed."""
     path = folder / "session.toml"
     text, line = read_text(path), f"{key} = {toml_text(value)}"
-    there = re.compile(rf"^{key} *=[^#\n]*", re.MULTILINE)
+    value_there = re.compile(rf"^{key} *=[^#\n]*", re.MULTILINE)
     heading = re.compile(rf"^\[{table}\].*$", re.MULTILINE)
-    if there.search(text):
-        text = there.sub(lambda found: line + "  " * found[0].endswith(" "), text, count=1)
+    if value_there.search(text):
+        text = value_there.sub(lambda match: line + "  " * match[0].endswith(" "), text, count=1)
     else:
-        text = heading.sub(lambda found: f"{found[0]}\n{line}", text, count=1)
+        text = heading.sub(lambda match: f"{match[0]}\n{line}", text, count=1)
     try:
         write_text(path, text)
     except OSError as error:
         raise RecordingFailed(f"{path}: {error.strerror}: {line} was not written") from error
 
 
-def _load_toml(folder: str | Path) -> Table:
-    path = Path(folder) / "session.toml"
+def check_session(folder: Path) -> Path:
+    """Return the path of a session's settings; raises BadInput where there is no session."""
+    path = folder / "session.toml"
     if not path.exists():
         raise BadInput(
             f"{folder}: no session here (no session.toml); `serpenoid calibrate new {folder}` "
             "begins one"
         )
-    top = Table.load(path)
+    return path
+
+
+def _load_toml(folder: Path) -> Table:
+    top = Table.load(check_session(folder))
     top.check_format(FORMAT)
     if top.whole("format") < FORMAT:
         raise BadInput(

@@ -9,7 +9,7 @@ from typing import Any
 
 from ..base.errors import BadInput
 from ..model.gait import Gait, gait_name
-from .declaration import DERIVED, PLANNED, Taken, number_field, word_field
+from .declaration import DERIVED, PLANNED, Observation, number_field, word_field
 from .settings import MAX_SPEED_M_S, Instruments
 from .track import Track
 
@@ -18,7 +18,7 @@ TRACK = ("t_s", "x_m", "y_m", "heading_rad", "joint*_rad")
 
 
 @dataclass(frozen=True)
-class Crawl(Taken):
+class Crawl(Observation):
     """One measured speed of the crawling robot, on level ground of the session's surface.
 
     number: from 1, unique among all readings of the session. omega_rad_s: the true rate, by the
@@ -68,13 +68,13 @@ class GaitRun(Crawl):
     @classmethod
     def derived(cls, cells: dict[str, Any], watch: Instruments) -> dict[str, Any]:
         """Put in the speed that distance and time give, unless it is given itself."""
-        there = [name for name in ("distance_m", "duration_s") if name in cells]
-        if not there or "speed_m_s" in cells:
+        columns = "distance_m", "duration_s"
+        missing = [column for column in columns if column not in cells]
+        if len(missing) == len(columns) or "speed_m_s" in cells:
             return cells
-        if len(there) < 2:
-            missing = "duration_s" if there == ["distance_m"] else "distance_m"
-            raise BadInput(f"a gait run needs both distance_m and duration_s; {missing} is missing")
-        speed, sigma = watch.speed(*(float(cells[name]) for name in there))
+        if missing:
+            raise BadInput(f"a gait run needs {' and '.join(columns)}; {missing[0]} is missing")
+        speed, sigma = watch.speed(*(float(cells[column]) for column in columns))
         return {"speed_m_s": speed, "speed_sigma_m_s": sigma} | cells
 
     def in_words(self) -> tuple[str, str]:

@@ -21,7 +21,7 @@ from typing import Any
 from ..base import system
 from ..base.errors import BadInput, RecordingFailed
 from .declaration import Cells
-from .folder import read_session
+from .folder import check_session, read_session
 from .rows import (
     EVENT_COLUMNS,
     LISTED,
@@ -64,11 +64,7 @@ class Journal:
         self.rows: dict[int, Row]
 
     def __enter__(self) -> Journal:
-        if not (self.folder / "session.toml").exists():
-            raise BadInput(
-                f"{self.folder}: no session here (no session.toml); begin one with "
-                f"`serpenoid calibrate new {self.folder}`"
-            )
+        check_session(self.folder)
         try:
             self._take_lock()
             self._read()
@@ -102,11 +98,9 @@ class Journal:
         kind with a track, whose file is on the disk before the reading's line.
         """
         number = self.last + 1
-        if replaces and replaces not in self.rows:
-            raise BadInput(
-                f"there is no reading {replaces} to replace; see `serpenoid calibrate status`"
-            )
-        track = None if samples is None else Track.of(kind_of(kind).columns, samples)
+        if replaces:
+            self._check_number(replaces)
+        track = None if samples is None else Track.from_samples(kind_of(kind).columns, samples)
         self.check(kind, cells, track)
         if track is not None:
             name = track.write(self.folder, number)
@@ -121,13 +115,13 @@ class Journal:
         Each row holds a hash of the list up to it. So a list that was cut short by a kill is gone
         on with, one that has grown adds its new end, and nothing is there twice.
         """
-        there = {words_of(row).get(LISTED, "") for row in self.rows.values()}
+        marks = {words_of(row).get(LISTED, "") for row in self.rows.values()}
         digest, rows = hashlib.sha256(), list[Row]()
         for kind, cells, comment in listed:
             self.check(kind, cells)
             digest.update(repr((kind, sorted(cells.items()), comment)).encode())
             mark = digest.hexdigest()[:16]
-            if mark not in there:
+            if mark not in marks:
                 number = self.last + len(rows) + 1
                 rows.append(self._row(number, kind, {**cells, LISTED: mark}, comment))
         if rows:
@@ -151,22 +145,27 @@ class Journal:
                 "`serpenoid video FILE --session DIR` adds a film"
             )
         common: dict[str, Any] = {"number": 1} | ({"track": track} if track is not None else {})
-        if told := make_reading(reading_row(kind, cells), common).doubt():
-            raise BadInput(told)
+        if doubt := make_reading(reading_row(kind, cells), common).doubt():
+            raise BadInput(doubt)
+
+    def _check_number(self, reading: int) -> None:
+        """Raise BadInput unless there is a reading of this number."""
+        if reading not in self.rows:
+            numbers = f"1 to {self.last}" if self.rows else "none yet"
+            raise BadInput(f"there is no reading {reading}; there are {numbers}")
 
     def event(self, event: str, reading: int = 0, detail: str = "") -> None:
         """Write one event; void and undo need a reading that is there."""
-        if event in ON_READINGS and reading not in self.rows:
-            known = f"1 to {self.last}" if self.rows else "none yet"
-            raise BadInput(f"there is no reading {reading}; there are {known}")
+        if event in ON_READINGS:
+            self._check_number(reading)
         row = {"time_utc": utc_now(), "event": event, "reading": str(reading or "")}
         self._append("events.csv", EVENT_COLUMNS, [row | {"detail": detail}])
 
     def read_again(self) -> list[str]:
         """Read the files again; return what somebody changed in session.toml, a line a setting."""
-        before = self.session.setup
+        setup = self.session.setup
         self._read()
-        return changes(before, self.session.setup)
+        return changes(setup, self.session.setup)
 
     def _read(self) -> None:
         self.session = read_session(self.folder)
@@ -205,9 +204,9 @@ class Journal:
 
 def csv_line(cells: list[str]) -> str:
     """Return one line of CSV; a cell's own line ends become spaces, one line being one row."""
-    out = io.StringIO()
-    csv.writer(out, lineterminator="\n").writerow([" ".join(cell.split()) for cell in cells])
-    return out.getvalue()
+    line = io.StringIO()
+    csv.writer(line, lineterminator="\n").writerow([" ".join(cell.split()) for cell in cells])
+    return line.getvalue()
 
 
 def append_line(path: Path, line: str) -> None:

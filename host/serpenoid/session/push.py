@@ -9,7 +9,15 @@ import numpy as np
 
 from ..base.errors import BadInput
 from ..model.bends import BENDS
-from .declaration import DERIVED, LENGTH_UNITS, PLANNED, Range, Taken, number_field, word_field
+from .declaration import (
+    DERIVED,
+    LENGTH_UNITS,
+    PLANNED,
+    Observation,
+    Range,
+    number_field,
+    word_field,
+)
 from .settings import MAX_LAMBDA_DEG, MAX_PLACE_SIGMA_M
 from .station import bend_in_words
 from .track import Floats, Track
@@ -17,6 +25,7 @@ from .track import Floats, Track
 WAYS = ("there", "back")
 SOURCES = ("rest", "film")  # what a push is known by: tape and watch, or a table of places
 TRACK = ("t_s", "x_m", "y_m")
+FEWEST_SAMPLES = 3  # of a track, so that it tells a speed and how it falls
 MAX_PUSH_M_S = 3.0  # at the start; robots of this size are pushed at 0.3 to 1.5 m/s
 MAX_PUSH_M = 10.0  # until it rests
 LIKELY_M_S: Range = (0.2, MAX_PUSH_M_S)
@@ -24,7 +33,7 @@ LIKELY_M: Range = (0.1, MAX_PUSH_M)
 
 
 @dataclass(frozen=True)
-class Push(Taken):
+class Push(Observation):
     """One push: the robot let go at speed on a level floor, and followed until it rests.
 
     number: from 1, unique in a session. lambda_rad, bend: as of a station. way: "there" or "back"
@@ -96,10 +105,10 @@ class Push(Taken):
             )
         if self.track is not None and self.by == "rest":
             raise BadInput(f"push {self.number} has a track; say by=film")
-        if self.track is not None and len(self.counted[0]) < 3:
+        if self.track is not None and len(self.counted[0]) < FEWEST_SAMPLES:
             raise BadInput(
                 f"push {self.number} has {len(self.counted[0])} sample(s) between start_s and "
-                "end_s; three at least"
+                f"end_s; {FEWEST_SAMPLES} at least"
             )
 
     def doubt(self) -> str:
@@ -137,13 +146,14 @@ def likely_units(speed_m_s: float, way_m: float, unit: str = "") -> list[str]:
 
     unit: that one; if none is given, lengths were taken as m, but m itself counts, too.
     """
-    found = []
+    units = []
     for name, length_m in LENGTH_UNITS.items():
         factor = length_m / LENGTH_UNITS[unit or "m"]
-        speed_fits = LIKELY_M_S[0] <= factor * speed_m_s <= LIKELY_M_S[1]
-        if name != unit and speed_fits and LIKELY_M[0] <= factor * way_m <= LIKELY_M[1]:
-            found.append(f"{name} ({factor * way_m:.2g} m from {factor * speed_m_s:.2g} m/s)")
-    return found
+        speed, way = factor * speed_m_s, factor * way_m
+        likely = LIKELY_M_S[0] <= speed <= LIKELY_M_S[1] and LIKELY_M[0] <= way <= LIKELY_M[1]
+        if likely and name != unit:
+            units.append(f"{name} ({way:.2g} m from {speed:.2g} m/s)")
+    return units
 
 
 def unlikely_push(speed_m_s: float, way_m: float, unit: str = "m") -> str:

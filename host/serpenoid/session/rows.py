@@ -13,7 +13,6 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +20,7 @@ from ..base.checks import check_choice
 from ..base.errors import BadInput
 from ..base.files import csv_rows, read_text
 from ..base.toml_table import check_names, located
-from .declaration import Cells, Taken, Word
+from .declaration import Cells, Observation, Word
 from .gait_run import FilmReading, GaitRun
 from .push import Push
 from .session import Event, Session
@@ -30,7 +29,7 @@ from .station import BeltCheck, BendCheck, Reading, ZeroReading
 from .track import FOLDER, Track, read_track
 
 # All kinds by their names, in the order in which a session takes them.
-KINDS: dict[str, type[Taken]] = {
+KINDS: dict[str, type[Observation]] = {
     reading.kind: reading
     for reading in (Reading, BendCheck, ZeroReading, BeltCheck, GaitRun, FilmReading, Push)
 }
@@ -83,7 +82,7 @@ ON_READINGS = ("void", "restore", "undo")
 Numbered = dict[int, Row]  # rows by the numbers of their readings
 
 
-def kind_of(name: str) -> type[Taken]:
+def kind_of(name: str) -> type[Observation]:
     """Return a kind of reading by its name; raises BadInput."""
     name = OLD_KINDS.get(name, name)
     if name not in KINDS:
@@ -97,23 +96,20 @@ def reading_row(name: str, cells: Cells, plan: object = None) -> dict[str, str]:
     plan: the session's, which tells the words that it has and the cells have not.
     """
     kind = kind_of(name)
-    words = {w.column: w for w in kind.declared.values() if isinstance(w, Word)}
-    if plan is not None:
-        cells = {c: getattr(plan, c) for c, w in words.items() if w.of_plan} | dict(cells)
-    known = [f.column for f in kind.declared.values()]
+    fields = {field.column: field for field in kind.declared.values()}
+    planned = [c for c, f in fields.items() if plan is not None and getattr(f, "of_plan", False)]
     row, more = dict.fromkeys(READING_COLUMNS, "") | {"kind": kind.kind}, []
-    for column, value in cells.items():
-        text = value if isinstance(value, str) else f"{value:.10g}"
+    for column, value in ({c: getattr(plan, c) for c in planned} | dict(cells)).items():
+        if column not in (*fields, LISTED, DOUBTFUL, *(TRACK_WORDS if kind.columns else ())):
+            columns = ", ".join(fields)
+            raise BadInput(f"unknown column {column!r}; a reading of kind {name} has {columns}")
+        text, usual = value if isinstance(value, str) else f"{value:.10g}", ""
+        field = fields.get(column)
+        if isinstance(field, Word):
+            text, usual = field.read(text), field.usual
         if column in row:
             row[column] = text
-        elif column not in (LISTED, DOUBTFUL, *known, *(TRACK_WORDS if kind.columns else ())):
-            known_words = ", ".join(known)
-            raise BadInput(f"unknown column {column!r}; a reading of kind {name} has {known_words}")
-        elif text and column in words:
-            word = words[column]
-            text = word.tidy(text) if word.tidy else text
-            more += [f"{column}={text}"] * (text != word.usual)
-        elif text:
+        elif text != usual:
             more.append(f"{column}={text}")
     return row | {"more": " ".join(more)}
 
@@ -128,10 +124,9 @@ def make_reading(row: Row, common: Mapping[str, Any]) -> Any:
 
     common: number, and where known voided, comment, time_utc and track.
     """
-    kind, said = kind_of(row["kind"]), words_of(row)
+    kind, cells = kind_of(row["kind"]), words_of(row) | {c: text for c, text in row.items() if text}
     values = {
-        name: field.read(row.get(field.column, "") or said.get(field.column, ""))
-        for name, field in kind.declared.items()
+        name: field.read(cells.get(field.column, "")) for name, field in kind.declared.items()
     }
     return kind(**values, **common)
 
@@ -152,9 +147,12 @@ def session_of(setup: Setup, events: Sequence[Event], folder: Path, notes: list[
         if kind is None or words_of(row).get("by") == "marks":
             left_out[row["kind"] if kind is None else f"{row['kind']} by marks"] += 1
             continue
-        comment = "; ".join(filter(None, (voided.get(number), row["comment"])))
-        common = {"number": number, "voided": number in voided, "comment": comment}
-        common |= {"time_utc": row["time_utc"]}
+        common = {
+            "number": number,
+            "voided": number in voided,
+            "comment": "; ".join(filter(None, (voided.get(number), row["comment"]))),
+            "time_utc": row["time_utc"],
+        }
         with located(row["where"]):
             if number not in voided:
                 _check_facing(row)
@@ -172,7 +170,7 @@ def read_events(folder: Path, notes: list[str]) -> list[Event]:
         with located(row["where"]):
             event = check_choice("event", row["event"], EVENTS)
             number = whole_number("reading", row["reading"]) if row["reading"] else 0
-            events.append(Event(time_of(row["time_utc"]), event, number, row["detail"]))
+            events.append(Event(row["time_utc"], event, number, row["detail"]))
     return events
 
 
@@ -187,11 +185,9 @@ def rows_in(path: Path, columns: tuple[str, ...], notes: list[str]) -> Iterator[
     notes: takes what is told of lines that do not count.
     """
     backup = f"take it from a backup; if there is none, its first line is {','.join(columns)}"
-    if not path.exists():
-        raise BadInput(f"{path}: not there, but it belongs to the session; {backup}")
-    text = read_text(path)
+    text = read_text(path) if path.exists() else ""
     if not text.strip():
-        raise BadInput(f"{path}: the file is empty; {backup}")
+        raise BadInput(f"{path}: missing or empty, but it belongs to the session; {backup}")
     lines = text.split("\n")
     if lines[-1].strip():
         notes.append(
@@ -241,7 +237,6 @@ def _numbered(path: Path, notes: list[str]) -> Numbered:
                 raise BadInput(
                     f"replaces is {row['replaces']}, but there is no such reading before this one"
                 )
-            time_of(row["time_utc"])
         rows[number] = {**row, "kind": OLD_KINDS.get(row["kind"], row["kind"])}
     return rows
 
@@ -257,13 +252,12 @@ def _voided(rows: Numbered, events: Sequence[Event], path: Path) -> dict[int, st
     for event in (e for e in events if e.event in ON_READINGS):
         if event.reading not in rows:
             raise BadInput(f"{path}: {event.event} of reading {event.reading}, which is not there")
-        if event.event != "restore":
-            why[event.reading] = event.detail or "undone"
-            replaced = rows[event.reading]["replaces"]
-            if event.event == "undo" and replaced:
-                why.pop(int(replaced), None)
-        else:
+        if event.event == "restore":
             why.pop(event.reading, None)
+            continue
+        why[event.reading] = event.detail or "undone"
+        if event.event == "undo":
+            why.pop(int(rows[event.reading]["replaces"] or 0), None)
     return why
 
 
@@ -278,7 +272,7 @@ def _check_facing(row: Row) -> None:
         )
 
 
-def _track(row: Row, kind: type[Taken], folder: Path) -> dict[str, Track]:
+def _track(row: Row, kind: type[Observation], folder: Path) -> dict[str, Track]:
     """Return the track of a reading whose kind has one."""
     name, sha256 = (words_of(row).get(word, "") for word in TRACK_WORDS)
     if not kind.columns or (not name and kind.track_may_miss):
@@ -293,13 +287,3 @@ def whole_number(name: str, text: str) -> int:
     if not re.fullmatch("[1-9][0-9]{0,8}", text):
         raise BadInput(f"{name} is {text!r}; it must be a whole number from 1")
     return int(text)
-
-
-def time_of(text: str) -> str:
-    """Return a time as it stands if it is ISO 8601 or empty, else raise BadInput."""
-    try:
-        if text:
-            datetime.fromisoformat(text.removesuffix("Z"))
-    except ValueError:
-        raise BadInput(f"time_utc is {text!r}; it must be ISO 8601 or empty") from None
-    return text

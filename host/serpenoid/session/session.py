@@ -157,11 +157,11 @@ class Session:
         stated = self.setup.instruments.belt_scale_sigma
         if self.setup.provenance.kind != "regenerated":
             stated = max(stated, ANY_BELT)
-        known = [*([(1.0, stated)] if stated else []), *belt_checks(self)]
-        if not known:
+        scales = [*([(1.0, stated)] if stated else []), *belt_checks(self)]
+        if not scales:
             return 1.0, 0.0
-        weights = [max(sigma, 1e-6) ** -2 for _, sigma in known]
-        mean = sum(w * scale for w, (scale, _) in zip(weights, known, strict=True)) / sum(weights)
+        weights = [max(sigma, 1e-6) ** -2 for _, sigma in scales]
+        mean = sum(w * scale for w, (scale, _) in zip(weights, scales, strict=True)) / sum(weights)
         return mean, sum(weights) ** -0.5
 
     @property
@@ -171,20 +171,20 @@ class Session:
         Measured by reversal: the mean, with what two readings' errors leave and with half of what
         it moved between before and after. Not measured: 0, with what the set-up declares.
         """
-        kept = self.kept_of("zero")
-        if not kept:
+        zeros = self.kept_of("zero")
+        if not zeros:
             return Zero(0.0, self.setup.instruments.incline_zero_sigma_rad, 0)
         means = self._zero_sides
-        sigma_rad = self._zero_reading_sigma_rad / math.sqrt(len(kept))
+        sigma_rad = self._zero_reading_sigma_rad / math.sqrt(len(zeros))
         return Zero(
-            sum(means) / len(means), math.hypot(sigma_rad, (means[-1] - means[0]) / 2), len(kept)
+            sum(means) / len(means), math.hypot(sigma_rad, (means[-1] - means[0]) / 2), len(zeros)
         )
 
     @property
     def zero_moved_sigmas(self) -> float:
         """Return how far the zero moved from before to after, in that difference's own errors."""
         means = self._zero_sides
-        if len(means) < 2:
+        if len(means) <= 1:
             return 0.0
         counts = Counter(zero.before for zero in self.kept_of("zero"))
         sigma_rad = self._zero_reading_sigma_rad * math.sqrt(sum(1 / n for n in counts.values()))
@@ -193,8 +193,8 @@ class Session:
     @property
     def _zero_sides(self) -> list[float]:
         """Return the mean zero before and after the stations, those of them that were measured."""
-        kept = self.kept_of("zero")
-        sides = [[z.zero_rad for z in kept if z.before is side] for side in (True, False)]
+        zeros = self.kept_of("zero")
+        sides = [[z.zero_rad for z in zeros if z.before is side] for side in (True, False)]
         return [sum(side) / len(side) for side in sides if side]
 
     @property

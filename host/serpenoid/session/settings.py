@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import MISSING, dataclass, fields, replace
+from dataclasses import MISSING, dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -105,8 +105,8 @@ class RobotTable(SettingsTable):
             values["mass_kg"] = table.number("link_mass_kg") * table.whole("links")
         if not values.get("weighed", True):
             values["mass_kg"] = ""
-        kept = {k: v for k, v in values.items() if k not in ("link_mass_kg", "weighed")}
-        return super().read(replace(table, values=kept))
+        values = {k: v for k, v in values.items() if k not in ("link_mass_kg", "weighed")}
+        return super().read(replace(table, values=values))
 
     @property
     def weighs(self) -> bool:
@@ -378,16 +378,18 @@ created_utc = {}
 """
 
 
-def changes(before: Setup, now: Setup) -> list[str]:
+def changes(earlier: Setup, setup: Setup) -> list[str]:
     """Return what differs between two set-ups, a line a setting."""
     lines = list[str]()
-    for (name, old), new in zip(before.tables.items(), now.tables.values(), strict=True):
-        for part in fields(old):
-            was, is_ = getattr(old, part.name), getattr(new, part.name)
-            if was != is_:
-                text, was_text = toml_text(is_).strip(), toml_text(was).strip()
-                lines.append(f"{name}.{part.name} is {text} now; it was {was_text}")
+    for (name, old), new in zip(earlier.tables.items(), setup.tables.values(), strict=True):
+        for key in old.declared:
+            texts = [toml_text(getattr(table, key)) for table in (new, old)]
+            if texts[0] != texts[1]:
+                lines.append(f"{name}.{key} is {texts[0]} now; it was {texts[1]}")
     return lines
+
+
+AMENDED = ("robot", "laboratory", "plan", "provenance")  # tables, by older programs
 
 
 def amended(top: Table, details: Sequence[str], path: Path) -> Table:
@@ -405,13 +407,12 @@ def amended(top: Table, details: Sequence[str], path: Path) -> Table:
             except ValueError as error:
                 raise BadInput(f"the amendment {detail!r} is not TOML: {error}") from error
             for name, part in change.items():
-                if name not in TABLES or not isinstance(part, dict):
-                    raise BadInput(f"the amendment {detail!r} has no table {name!r}")
-                if name == "instruments":
+                if name not in AMENDED or not isinstance(part, dict):
                     raise BadInput(
-                        f"{', '.join(part)} was amended in mid-session, but a session has one set "
-                        "of instruments. Begin a new session for others; if session.toml was "
-                        "mistyped, correct it there, and take that line out of events.csv"
+                        f"the amendment {detail!r} is of {name!r}; a session has one set of "
+                        f"instruments, and only {', '.join(AMENDED)} were amended. If session.toml "
+                        "was mistyped, correct it there, and take that line out of events.csv; "
+                        "other instruments are another session"
                     )
                 values[name].update(part)
     return replace(top, values=values)

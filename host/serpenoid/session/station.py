@@ -11,18 +11,19 @@ from typing import Any
 
 from ..base.errors import BadInput
 from ..model.bends import BENDS, balanced_signs
-from .declaration import PLANNED, Taken, number_field, word_field
+from .declaration import PLANNED, Observation, number_field, word_field
 from .settings import MAX_INCLINE_DEG, MAX_LAMBDA_DEG, MAX_SPEED_M_S, Instruments
 from .track import drifts, tidy_places
 
 # Slower than this a robot that is steered goes by jerks: every touch of the steering shakes wheels
 # loose that would rest, so that dry friction across is less than that of wheels which slide.
 LEAST_SLIP_M_S = 0.12
+BELT_SCALES = (0.5, 2.0)  # true speed over the one shown: beyond them a unit is mistaken
 LIKELY_DEG = (-5.0, 5.0)  # of an inclinometer that is turned end for end
 
 
 @dataclass(frozen=True)
-class Reading(Taken):
+class Reading(Observation):
     """One station held: the belt speed at which the snake neither climbs nor slides.
 
     number: from 1, unique in a session. lambda_rad: angle of a bent link to the direction of the
@@ -122,7 +123,7 @@ class Reading(Taken):
 
 
 @dataclass(frozen=True)
-class ZeroReading(Taken):
+class ZeroReading(Observation):
     """The inclinometer read twice on one spot, the second time turned end for end.
 
     What stays of the sum is twice its zero. before: taken before the first station.
@@ -160,7 +161,7 @@ class ZeroReading(Taken):
 
 
 @dataclass(frozen=True)
-class BendCheck(Taken):
+class BendCheck(Observation):
     """The protractor held between the last two links at an end of a bent robot.
 
     There a joint stands at 2 lambda in either bend, zigzag or balanced.
@@ -189,7 +190,7 @@ class BendCheck(Taken):
 
 
 @dataclass(frozen=True)
-class BeltCheck(Taken):
+class BeltCheck(Observation):
     """A mark on the belt, timed over a way: the true speed over the one that was shown."""
 
     kind = "belt"
@@ -216,10 +217,11 @@ class BeltCheck(Taken):
     time_utc: str = ""
 
     def __post_init__(self) -> None:
-        if not self.voided and not 0.5 < self.scale < 2.0:
+        if not self.voided and not BELT_SCALES[0] < self.scale < BELT_SCALES[1]:
             raise BadInput(
                 f"the belt ran {self.scale:.3g} times as fast as it showed in reading "
-                f"{self.number}; it must be 0.5 to 2; check the units, and count all turns"
+                f"{self.number}; it must be {BELT_SCALES[0]:g} to {BELT_SCALES[1]:g}; check the "
+                "units, and count all turns"
             )
 
     @property

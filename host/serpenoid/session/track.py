@@ -22,7 +22,7 @@ FOLDER = "tracks"
 STAR = "*"  # in the last column's name: any number of such columns
 Floats = NDArray[np.float64]
 Samples = Sequence[Sequence[float]] | Floats
-LEAST_S, MOST_S = 1.0, 60.0
+LEAST_S, MOST_S, FEWEST_PLACES = 1.0, 60.0, 3
 EXAMPLE = "0:0 2:0.045 4:0.13"
 _PAIR = re.compile(r"(\d+(?:[.,]\d*)?):([+-]?\d*[.,]?\d+)")
 
@@ -40,20 +40,20 @@ class Track:
     sha256: str
 
     @classmethod
-    def of(cls, columns: tuple[str, ...], values: Samples) -> Track:
+    def from_samples(cls, columns: tuple[str, ...], values: Samples) -> Track:
         """Return a track of these samples; raises BadInput unless they are finite numbers.
 
         A last column with a star stands for any number of them; there NaN says "not seen".
         """
         samples = np.array(values, dtype=np.float64)
         names = _named(columns, samples.shape[-1] if samples.ndim else 0)
-        if samples.ndim != 2 or samples.shape[1] != len(names) or len(samples) < 2:
+        if samples.shape[1:] != (len(names),) or len(samples) <= 1:
             raise BadInput(
                 f"a track of {samples.shape} is none; it must be (samples, {len(columns)}) for "
                 f"{', '.join(columns)}, with two samples at least"
             )
-        whole = len(columns) - columns[-1].count(STAR)
-        if np.isinf(samples).any() or np.isnan(samples[:, :whole]).any():
+        always = len(columns) - columns[-1].count(STAR)
+        if np.isinf(samples).any() or np.isnan(samples[:, :always]).any():
             raise BadInput("a track has a sample that is no finite number; leave that sample out")
         text = _text(names, samples)
         samples.flags.writeable = False
@@ -89,15 +89,15 @@ def read_track(path: Path, columns: tuple[str, ...], sha256: str) -> Track:
     rows = csv_rows(text, path)
     if tuple(rows[0]) != _named(columns, len(rows[0])):
         raise BadInput(f"{path}:1: the columns are {', '.join(rows[0])}, not {', '.join(columns)}")
-    return Track.of(columns, [[float(cell) for cell in row] for row in rows[1:]])
+    return Track.from_samples(columns, [[float(cell) for cell in row] for row in rows[1:]])
 
 
 def _named(columns: tuple[str, ...], count: int) -> tuple[str, ...]:
     """Return the names of so many columns: 1, 2, ... for the star in the last one."""
-    if STAR not in columns[-1]:
+    *first, last = columns
+    if STAR not in last:
         return columns
-    numbers = range(1, count - len(columns) + 2)
-    return (*columns[:-1], *(columns[-1].replace(STAR, str(k)) for k in numbers))
+    return (*first, *(last.replace(STAR, str(k + 1)) for k in range(count - len(first))))
 
 
 def _text(columns: tuple[str, ...], values: Floats) -> str:
@@ -115,7 +115,7 @@ def tidy_places(text: str) -> str:
         return ""
     parts = re.split(r"[\s;/]+|,(?=\s)", line) if re.search(r"[\s;/]", line) else line.split(",")
     matches = [_PAIR.fullmatch(part) for part in parts if part]
-    if not all(matches) or len(matches) < 3:
+    if not all(matches) or len(matches) < FEWEST_PLACES:
         raise BadInput(
             f"{text!r} is no track; type three places or more as seconds:metres, uphill +, such "
             f"as {EXAMPLE}"

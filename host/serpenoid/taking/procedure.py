@@ -89,7 +89,7 @@ def _parts(session: Session) -> Iterator[tuple[str, str, Step | None]]:
     zeros = [zero.before for zero in session.kept_of("zero")]
     if not floor:
         open_ = not begun and ZERO_BEFORE not in skipped
-        zero = Step(ZERO_BEFORE, "zero", _ZERO, ZeroReading.asked())
+        zero = Step(ZERO_BEFORE, "zero", _ZERO, ZeroReading.questions())
         yield _check(zero, True in zeros, open_)
     for bend_deg in planned_bends(plan):
         key, count = pose_key(plan, bend_deg), len(taken_in(session, bend_deg))
@@ -99,9 +99,9 @@ def _parts(session: Session) -> Iterator[tuple[str, str, Step | None]]:
         state = ", more to come" if step else ", done" if count else ", left out"
         yield step_in_words(key), f"{count}{planned}{state}", step
     if not floor:
-        zero = Step(ZERO_AFTER, "zero", _ZERO, ZeroReading.asked())
+        zero = Step(ZERO_AFTER, "zero", _ZERO, ZeroReading.questions())
         yield _check(zero, False in zeros, begun and ZERO_AFTER not in skipped)
-        belt = Step(BELT_CHECK, "belt", _BELT, BeltCheck.asked())
+        belt = Step(BELT_CHECK, "belt", _BELT, BeltCheck.questions())
         yield _check(belt, bool(belt_checks(session)), begun and BELT_CHECK not in skipped)
     runs = f"{len(session.kept_crawls)} of {len(plan.gaits) * plan.gait_runs}"
     yield "gait runs", runs, _gait_run(session, skipped)
@@ -149,7 +149,7 @@ def _push(session: Session, bend_deg: float) -> Step | None:
         * (plan.pushes > 1)
     )
     cells: Values = {"way": way} | ({"bend": plan.bend} if bend_deg else {})
-    fields = Push.asked("distance_m", "duration_s", "turned_deg")
+    fields = Push.questions("distance_m", "duration_s", "turned_deg")
     return Step(key, "push", say, fields, bend_deg, cells=cells)
 
 
@@ -260,7 +260,7 @@ def _station(session: Session, bend_deg: float) -> Step | None:
     # A misread first station leads its whole bend astray: straight, a far one is asked about.
     far_deg = 2 * plan.incline_step_deg
     high_deg = MAX_INCLINE_DEG if first and bend_deg else incline_deg + far_deg
-    shown, belt, waited = Reading.asked("incline_deg", "belt_speed_m_s", "waited_s")
+    shown, belt, waited = Reading.questions("incline_deg", "belt_speed_m_s", "waited_s")
     return Step(
         f"{_station_key(bend_deg)}{incline_deg:.2f}",
         "station",
@@ -268,7 +268,7 @@ def _station(session: Session, bend_deg: float) -> Step | None:
         (
             replace(shown, likely=(incline_deg - far_deg, high_deg)),
             replace(belt, likely=likely),
-            *Reading.asked("drift_m_s", "turned_deg"),
+            *Reading.questions("drift_m_s", "turned_deg"),
             replace(waited, likely=(settle_s / 2, math.inf), why=f"let it settle {settle_s:.0f} s"),
         ),
         bend_deg,
@@ -309,7 +309,7 @@ def _gait_run(session: Session, skipped: Set[str]) -> Step | None:
             "omega_rad_s": gait.omega_rad_s,
         }
         cells |= {"way": way} if way else {}
-        time, marks = GaitRun.asked("duration_s", "distance_m")
+        time, marks = GaitRun.questions("duration_s", "distance_m")
         if session.kept_gait_runs:  # the marks are still there
             marks_m = session.kept_gait_runs[-1].distance_m
             words = f"{marks.words} (Enter: {marks_m:g} m)"

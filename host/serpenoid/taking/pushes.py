@@ -77,7 +77,7 @@ def _there(journal: Journal, pieces: Sequence[Floats], file_sha256: str) -> dict
     if not used:
         return {}
     known = {p.track.sha256: p for p in taken if p.track is not None}
-    hashes = [Track.of(TRACK, rows).sha256 for rows in pieces]
+    hashes = [Track.from_samples(TRACK, rows).sha256 for rows in pieces]
     other = any(p.track is None or p.track.sha256 not in hashes for p in used)
     if other or all(sha256 in known for sha256 in hashes):
         raise BadInput(f"reading {used[0].number} is of this file already; it is not taken twice")

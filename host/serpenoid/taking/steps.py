@@ -159,7 +159,7 @@ def bend_step(key: str, setup: Setup, bend_deg: float, hint: str) -> Step:
             f"{multiple * bend_deg:+g}" if multiple else "0" for multiple in multiples
         )
         how = f"balanced: joints from the tail at {joints} deg."
-    (shown,) = BendCheck.asked("between_links_deg")
+    (shown,) = BendCheck.questions("between_links_deg")
     likely = between_deg - 2 * NEAR_DEG, between_deg + 2 * NEAR_DEG
     return Step(
         key,

@@ -42,7 +42,7 @@ def test_corrections_of_what_is_not_there_are_refused(folder):
     with Journal(folder) as journal:
         with refused("there is no reading 3"):
             journal.event("void", 3)
-        with refused("there is no reading 3 to replace"):
+        with refused("there is no reading 3"):
             journal.add("station", STATION, replaces=3)
     assert len((folder / "events.csv").read_text().splitlines()) == 1
 

@@ -55,7 +55,6 @@ def test_regenerating_gives_the_committed_file():
         ),
         (",2.0,0.181468,", ",2,0,0.181468,", r":2: 21 cells where the header has 20"),
         (",0.181468,0.0,", ",0.181468,0.2,", r":2: belt_speed_m_s - drift_m_s is -0.018532 .*void"),
-        ("\n6,station,,1,", "\n6,station,yesterday,1,", r":7: time_utc is 'yesterday'; .*ISO 8601"),
         ("\n6,station,", "\n5,station,", r":7: reading 5 is there already"),
         (",drift_m_s", "", r":1: missing column drift_m_s"),
         (
@@ -119,11 +118,11 @@ def test_missing_and_empty_files_are_refused(folder, tmp_path):
         events.writelines(f",void,{number},slipped\n" for number in range(1, 12))
     assert "no reading to use among 11" in complaint(folder)
     path.write_text("")
-    assert "the file is empty; take it from a backup" in complaint(folder)
+    assert "missing or empty, but it belongs to the session; take it" in complaint(folder)
     path.write_bytes(b"\xff\xfe\x00")
     assert "not UTF-8" in complaint(folder)
     path.unlink()
-    assert "not there, but it belongs to the session" in complaint(folder)
+    assert "missing or empty, but it belongs to the session; take it" in complaint(folder)
     assert "no session here" in complaint(tmp_path / "nowhere")
 
 

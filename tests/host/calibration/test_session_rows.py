@@ -174,7 +174,7 @@ def test_what_older_programs_amended_holds_but_for_instruments_and_ratchet_wheel
     for change, says in (
         ("instruments.time_sigma_s = 0.5", "one set of instruments.*correct it there"),
         ("plan.ratchet = true", "ratchet is True"),
-        ("snake.links = 5", "has no table 'snake'"),
+        ("snake.links = 5", "is of 'snake'"),
         ("plan.lambda_deg = [90]", "lambda_deg is 90"),
         ("hm", "is not TOML"),
     ):

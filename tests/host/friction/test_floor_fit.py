@@ -125,7 +125,7 @@ def test_a_push_that_hit_something_is_named():
     session = floor_session(seed=2)
     first = session.readings[0]
     hit = first.track.values * [1.0, 0.85, 0.85]
-    wrong = replace(first, track=Track.of(first.track.columns, hit))
+    wrong = replace(first, track=Track.from_samples(first.track.columns, hit))
     session = replace(session, readings=(wrong, *session.readings[1:]))
     assert "Without reading 1 chi2" in fit_friction(session).alarms[0]
 
