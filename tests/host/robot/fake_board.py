@@ -11,6 +11,7 @@ import threading
 import time
 import tty
 from collections.abc import Callable
+from contextlib import suppress
 
 from avr.dialogue import sealed
 from robot.patience import LONG_S, clock, until
@@ -60,13 +61,14 @@ def eeprom_after(*commands: str) -> bytes:
 
 
 class FastBoard(VirtualLink):
-    """A virtual board in lockstep, which a Robot takes for its port: 2 s of patience pass at once.
+    """A virtual board in lockstep, which a RobotBoard takes for its port: patience passes at once.
 
-    Every line passes through to_host or to_board first, as in FakeBoard; opening resets nothing.
+    Every line passes through to_host or to_board first; both may be exchanged at any time, get one
+    line with its end and return any bytes. Opening resets nothing.
     """
 
-    def __init__(self, to_host: Tamper = honest, to_board: Tamper = honest):
-        super().__init__(fast=True)
+    def __init__(self, to_host: Tamper = honest, to_board: Tamper = honest, *, fast: bool = True):
+        super().__init__(fast=fast)
         self.to_host, self.to_board = to_host, to_board
         self.received, self._rest, self._unplugged = b"", b"", False
 
@@ -75,7 +77,8 @@ class FastBoard(VirtualLink):
         return self.board.state
 
     def reset(self, cause: str) -> None:
-        self.board.boot(cause)
+        with self._using:
+            self.board.boot(cause)
 
     def unplug(self) -> None:
         self._unplugged = True
@@ -96,10 +99,9 @@ class FastBoard(VirtualLink):
             raise RobotLost("the port went away")
 
 
-class FakeBoard:
-    """Run the controller in real time; every line passes through to_host or to_board first.
+class FakeBoard(FastBoard):
+    """The same board in real time, behind a pseudo-terminal.
 
-    Both may be exchanged at any time; they get one line with its end and return any bytes.
     Opening the port starts the board again, as the reset of a real one does. pace: the clock it
     goes by; a host in another process knows the wall's alone.
     """
@@ -112,18 +114,15 @@ class FakeBoard:
         eeprom: bytes | None = None,
         pace: Callable[[], float] = clock,
     ):
-        self.to_host, self.to_board = to_host, to_board
-        self._pace = pace
-        self.board = firmware.Board()
+        super().__init__(to_host, to_board, fast=False)
+        self._pace, self._run_s = pace, pace()
         self.board.eeprom = eeprom or self.board.eeprom
-        self.received = b""
+        self.board.boot("power")
         self._master, slave = pty.openpty()
         tty.setraw(slave)
         self.port = os.ttyname(slave)
         os.close(slave)  # so that POLLHUP tells whether a host has it open
-        self._open = self._unplugged = False
-        self._rest = {"host": b"", "board": b""}
-        self._using = threading.RLock()
+        self._typed = b""
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
 
@@ -133,17 +132,9 @@ class FakeBoard:
     def __exit__(self, *_: object) -> None:
         self.unplug()
 
-    @property
-    def state(self) -> str:
-        return self.board.state
-
-    def reset(self, cause: str) -> None:
-        with self._using:
-            self.board.boot(cause)
-
     def unplug(self) -> None:
         """Pull the cable; it is out on return, but where a tamper pulls it: then soon."""
-        self._unplugged = True
+        super().unplug()
         if threading.current_thread() is not self._thread:
             self._thread.join(LONG_S)
 
@@ -155,40 +146,30 @@ class FakeBoard:
         end_s = self.board.time_s + seconds
         assert until(lambda: self.board.time_s >= end_s)
 
+    def _catch_up(self) -> bytes:
+        step_s = min(self._pace() - self._run_s, MOST_AT_ONCE_S)
+        self._run_s += step_s
+        with self._using:
+            self.board.run(step_s)
+            return self.board.read()
+
     def _run(self) -> None:
-        self.board.boot("power")
         poll = select.poll()
         poll.register(self._master, select.POLLIN)
-        run_s = self._pace()
-        while not self._unplugged:
-            self._serve(poll.poll(0))
-            step_s = min(self._pace() - run_s, MOST_AT_ONCE_S)
-            run_s += step_s
-            with self._using:
-                self.board.run(step_s)
-                said = self.board.read()
-            if self._open:
-                self._pass_on("host", said, self.to_host, self._send)
-            time.sleep(0.002)
+        is_open = False
+        with suppress(RobotLost):
+            while True:
+                state = dict(poll.poll(0)).get(self._master, 0)
+                if not (state & select.POLLHUP or is_open):
+                    self.reset("external")
+                is_open = not state & select.POLLHUP
+                if state & select.POLLIN:
+                    lines, end, self._typed = (
+                        self._typed + os.read(self._master, 4096)
+                    ).rpartition(b"\n")
+                    self.write(lines + end)
+                said = self.read(0.0)
+                if is_open and said:
+                    os.write(self._master, said)
+                time.sleep(0.002)
         os.close(self._master)
-
-    def _serve(self, events: list[tuple[int, int]]) -> None:
-        state = events[0][1] if events else 0
-        if not state & select.POLLHUP and not self._open:
-            self.reset("external")
-        self._open = not state & select.POLLHUP
-        if state & select.POLLIN:
-            data = os.read(self._master, 4096)
-            self.received += data
-            self._pass_on("board", data, self.to_board, self.board.write)
-
-    def _pass_on(
-        self, end: str, data: bytes, tamper: Tamper, send: Callable[[bytes], None]
-    ) -> None:
-        *lines, self._rest[end] = (self._rest[end] + data).split(b"\n")
-        for line in lines:
-            if changed := tamper(line + b"\n"):
-                send(changed)
-
-    def _send(self, data: bytes) -> None:
-        os.write(self._master, data)

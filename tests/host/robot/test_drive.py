@@ -23,16 +23,12 @@ def test_a_run_on_every_board(any_port, tmp_path):
     assert found["gait"]["beta_deg"] == pytest.approx(80)
     assert found["missed_frames"] == found["damaged_lines"] == 0
     stream = load_stream(file)
-    host_s, board_s = np.ptp(stream.host_s), np.ptp(stream.board_s)
-    assert host_s == pytest.approx(2.0, abs=1.0)
-    assert found["frames"] == pytest.approx(100 * board_s / host_s, abs=20)
     pace = np.polyfit(stream.host_s, stream.board_s, 1)[0]
     assert pace == pytest.approx(1.0, abs=0.05)
     assert found["frequency_hz"] == pytest.approx(pace * 5 / (2 * math.pi), rel=0.03)
     assert found["frequency_sd_hz"] < 0.05
-    assert stream.end == "closed"
     assert stream.sent[-1][1].split()[1] == "bye"
-    assert len(stream.frame) >= found["frames"]
+    assert len(stream.frame) >= found["frames"] > 50
 
 
 def test_the_boards_own_clock_gives_the_gaits_own_frequency():

@@ -114,8 +114,7 @@ def test_the_usb_id_tells_an_uno_and_a_mega(monkeypatch, usb, board):
     found = SimpleNamespace(device="/dev/ttyA", description="", vid=usb[0], pid=usb[1])
     monkeypatch.setattr("serial.tools.list_ports.comports", lambda: [found])
     assert flash.board_at("/dev/ttyA") == board
-    ini = (ROOT / "platformio.ini").read_text()
-    assert all(f"[env:{name}]" in ini for name in flash.BOARDS)
+    assert f"[env:{board}]" in (ROOT / "platformio.ini").read_text()
 
 
 @pytest.mark.parametrize(

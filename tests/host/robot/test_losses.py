@@ -26,13 +26,11 @@ from robot.fake_board import (
     resealed,
     without,
 )
-from robot.patience import LONG_S, clock, until
+from robot.patience import LONG_S, clock
 from serpenoid.base.errors import (
     CommandRefused,
-    DamagedLine,
     NoAnswer,
     ProtocolMismatch,
-    RobotError,
     RobotLost,
     StateUnasked,
     StopUnconfirmed,
@@ -40,7 +38,6 @@ from serpenoid.base.errors import (
 from serpenoid.robot import RobotBoard
 from serpenoid.robot.recording.stream import load_stream
 from serpenoid.robot.wire.dialogue import MOST_STOPS
-from serpenoid.robot.wire.virtual import VirtualLink
 
 
 def after_gait_frames(count: int, tamper: Tamper) -> Tamper:
@@ -190,19 +187,6 @@ def test_a_board_that_is_none_of_ours_is_told_by_what_came(board):
     assert b"#0 hello" in link.received or error is ProtocolMismatch
 
 
-@pytest.mark.parametrize("protocol", ["4", "9" * 5000])
-def test_a_damaged_greeting_is_not_believed_but_asked_for_again(protocol):
-    damaged = itertools.chain([True] * 2, itertools.repeat(False))
-
-    def spoil(line: bytes) -> bytes:
-        if not line.startswith(b"hello") or not next(damaged):
-            return line
-        return re.sub(rb"protocol=\d+", b"protocol=" + protocol.encode(), line)
-
-    with RobotBoard(FastBoard(spoil)) as robot:
-        assert robot.hello.board == "virtual"
-
-
 @pytest.mark.parametrize("every", [0, 1])
 def test_a_stop_is_sure_though_the_line_on_its_state_was_lost_and_else_told(every):
     board = FastBoard(without("state:"))
@@ -231,17 +215,12 @@ def test_a_signal_does_not_hide_that_the_stop_is_not_sure(number):
     assert isinstance(told.value.__cause__, (KeyboardInterrupt, SystemExit))
 
 
-def test_a_loss_is_told_though_it_was_caught_or_met_by_no_call():
+def test_a_loss_that_was_caught_leaves_the_stop_unconfirmed():
     with FakeBoard() as fake, pytest.raises(StopUnconfirmed), RobotBoard(fake.port) as robot:
         robot.gait(GAIT)
         fake.unplug()
         with pytest.raises(RobotLost):
             list(robot.frames(5.0))
-    with FakeBoard() as fake, pytest.raises(RobotError, match="went away"):
-        with RobotBoard(fake.port) as robot:
-            robot.gait(GAIT)
-            fake.unplug()
-            assert until(lambda: robot._dialogue.failure)
 
 
 def test_an_error_of_the_program_is_not_masked_by_the_loss_of_the_board():
@@ -307,16 +286,7 @@ def test_lines_lost_on_the_way_to_the_board_are_sent_again_and_obeyed_once():
         assert board.board.counters["lost"] == 0
 
 
-def test_a_board_that_does_not_list_its_settings_can_be_driven():
-    board = FastBoard(without("set:"))
-    with RobotBoard(board) as robot:
-        robot.gait(GAIT)
-        assert board.state == "gait"
-        with pytest.raises(DamagedLine, match="cable"):
-            robot.settings()
-
-
-def test_half_and_doubled_frames_and_lines_without_end_are_counted_and_never_used():
+def test_half_and_doubled_frames_are_counted_and_never_used():
     which = itertools.count()
 
     def spoil(line: bytes) -> bytes:
@@ -335,15 +305,10 @@ def test_half_and_doubled_frames_and_lines_without_end_are_counted_and_never_use
         assert losses.damaged_lines == pytest.approx(tens, abs=1)
         assert losses.repeated_frames == pytest.approx(tens, abs=1)
         assert losses.missed_frames == pytest.approx(2 * tens, abs=2)
-        board.to_host = lambda _: b"x" * 1000
-        talk = robot._dialogue
-        assert talk.wait(lambda: robot.losses.damaged_lines > tens + 3, board.now_s() + 1.0)
         board.to_host = honest
 
 
-@pytest.mark.parametrize(
-    "moment", ["hello:", "hello", "set", "gait", "frames", "pose", "status", "save", "bye"]
-)
+@pytest.mark.parametrize("moment", ["hello", "set", "gait", "frames", "pose", "status", "save"])
 def test_unplugged_at_every_state_of_the_dialogue_is_lost_and_never_hangs(moment):
     def watch(line: bytes) -> bytes:
         if re.match(rf"(#\d+ )?{moment}\W".encode(), line):
@@ -351,41 +316,14 @@ def test_unplugged_at_every_state_of_the_dialogue_is_lost_and_never_hangs(moment
             return b""
         return line
 
-    def run() -> None:
+    begun_s = clock()
+    with FakeBoard(to_board=watch) as fake, pytest.raises(RobotLost, match=r"went away.*cable"):
         with RobotBoard(fake.port, timeout_s=2.0) as robot:
             robot.gait(GAIT)
             for _ in itertools.islice(robot.frames(LONG_S), 5):
                 if moment == "frames":
                     fake.unplug()
-            robot.pose([0.0, 0.1, 0.0, 0.1, 0.0])
+            robot.straight()
             robot.status()
-            robot.stop()
             robot.save()
-
-    begun_s = clock()
-    with FakeBoard() as fake:
-        fake.to_board = watch
-        fake.to_host = watch if moment == "hello:" else honest
-        if moment == "bye":  # the stop was confirmed: nothing is amiss
-            run()
-        else:
-            with pytest.raises(RobotLost, match=r"went away.*cable"):
-                run()
     assert clock() - begun_s < 10.0
-
-
-@pytest.mark.parametrize("word", [b" hello *", b" pose ", b" status *"])
-def test_a_process_that_slept_after_asking_still_hears_the_answer(word):
-    """As when a machine is suspended, or too busy: time went by in which nobody listened."""
-    link, slept = VirtualLink(fast=True), [b""]
-
-    def write(data: bytes) -> None:
-        slept.append(data) if word in data else None
-        VirtualLink.write(link, data)
-
-    link.write = write
-    link.now_s = lambda: link.board.time_s + 100.0 * len(slept)
-    with RobotBoard(link, unattended_s=1e4) as robot:
-        robot.straight()
-        robot.status()
-    assert len(slept) > 1

@@ -61,15 +61,6 @@ def test_two_programs_cannot_have_one_port_and_the_first_does_not_notice():
         os.close(played)
 
 
-def test_a_port_that_is_not_there_or_is_no_port(tmp_path, plugged):
-    plugged(("/dev/ttyACM3", 0x2341))
-    with pytest.raises(PortMissing, match=r"no port /dev/none; serial ports here: /dev/ttyACM3"):
-        opened("/dev/none")
-    (tmp_path / "file").touch()
-    with pytest.raises(PortMissing, match="cannot be used as a serial port"):
-        opened(str(tmp_path / "file"))
-
-
 @pytest.mark.parametrize("vendor", [0x2341, 0x2A03, 0x1A86, 0x0403])
 def test_the_one_board_is_found_by_its_usb_id(plugged, vendor):
     with FakeBoard() as fake:

@@ -9,12 +9,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from avr.dialogue import sealed
 from robot.fake_board import FastBoard
 from serpenoid import Gait, SerpenoidError
 from serpenoid.robot import RobotBoard
 from serpenoid.robot.recording.stream import load_stream
-from serpenoid.robot.tools.driven_run import DrivenRun
 
 STOP = b"\n!\n"
 MOST_S = 90.0  # of the board's time that a run may take
@@ -33,12 +31,6 @@ def noisy(rng: random.Random, line: bytes) -> bytes:
     return bytes(wrong)
 
 
-def refusing(_rng: random.Random, line: bytes) -> bytes:
-    if not line.startswith(b"ok: #"):
-        return line
-    return sealed(f"err: {line.split()[1].decode()} motion - not while the robot moves; stop it")
-
-
 TO_HOST = {
     "mute": lambda _rng, _line: b"",
     "no telemetry": losing(b"t:"),
@@ -47,7 +39,6 @@ TO_HOST = {
     "loses lines": lambda rng, line: line * rng.randrange(2),
     "says lines twice": lambda rng, line: line * rng.randint(1, 2),
     "noise": noisy,
-    "refuses": refusing,
     "garbage": lambda rng, line: rng.randbytes(rng.randrange(60)) + line,
 }
 TO_BOARD = {
@@ -58,7 +49,6 @@ TO_BOARD = {
 HAPPENS = {
     "reset": lambda board: board.boot("brownout"),
     "key": lambda board: board.write(STOP),
-    "another host": lambda board: board.write(b"\nbye\ngait 20 40 3\n"),
     "limp": lambda board: board.write(b"\nbye\nidle\n"),
     "hangs": lambda board: board.stall(3.0),
 }
@@ -125,14 +115,6 @@ def some_program(rng: random.Random, record: Path) -> None:
             )()
 
 
-def some_drive(rng: random.Random, record: Path) -> None:
-    """Drive a gait; a run that ends well has its frames."""
-    duration_s = rng.uniform(0.5, 5.0)
-    run = DrivenRun(some_gait(rng), "any", record)
-    run.run(duration_s, lambda _: None)
-    assert run.frames >= 0.85 * (duration_s - 0.3) * 50 - 3
-
-
 @pytest.mark.parametrize("seed", range(15))
 def test_any_program_with_any_board_ends_well_or_by_name(seed, monkeypatch, tmp_path):
     rng, record = random.Random(seed), tmp_path / "run.txt"
@@ -142,7 +124,7 @@ def test_any_program_with_any_board_ends_well_or_by_name(seed, monkeypatch, tmp_
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            rng.choice((some_program, some_drive))(rng, record)
+            some_program(rng, record)
     except SerpenoidError as error:
         ended = f"with {error!r}"
     told = f"{link.faults}, ended {ended}"
