@@ -125,17 +125,6 @@ def test_a_lost_driver_ends_all_pulses_and_is_found_again(start, fault):
     check_straight(talk)
 
 
-@pytest.mark.parametrize("fault", ["restart stays", "deaf once"])
-def test_a_restart_bit_that_stays_and_a_lost_acknowledge_lose_no_driver(start, fault):
-    board = start("uno", output="pca9685")
-    Dialogue(board).obey("hello", "set silence off", "gait 45 80 8")
-    board.run(1.0)
-    board.fault_pca9685(fault)
-    for _ in range(25):
-        board.run_until("t:", 0.05)
-        seen = telemetry(board.lines[-1:])
-        assert np.all(np.abs(outputs_us(board) - seen.pulse_us[-1]) < 3)
-        assert (enabled(board), seen.state[-1]) == (True, "gait")
 
 
 def test_a_hang_ends_all_pulses(start):

@@ -15,8 +15,6 @@ enum pca9685_fault {
     PCA9685_WELL,
     PCA9685_SILENT,
     PCA9685_DATA_LOW,
-    PCA9685_RESTART_STAYS,  // its bit in MODE1, as after a sleep with outputs on
-    PCA9685_DEAF_ONCE,      // to one byte of its registers
 };
 
 struct edge {

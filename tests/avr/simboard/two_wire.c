@@ -13,7 +13,7 @@ enum { TWINT = 0x80, TWSTA = 0x20, TWSTO = 0x10, TWEN = 0x04, NO_STATE = 0xf8 };
 enum { NOBODYS, ADDRESSING, CALLING, POINTING, WRITING, READING };  // stages of a job
 enum { ADDRESS = 0x80, GENERAL_CALL = 0x00, SOFTWARE_RESET = 0x06 };
 enum { MODE1 = 0x00, FIRST = 0x06, LAST = 0x45, ALL = 0xfa, LAST_ALL = 0xfd, PRESCALE = 0xfe };
-enum { RESTART = 0x80, COUNTS_UP = 0x20, SLEEP = 0x10, FULL_OFF = 0x10 };
+enum { COUNTS_UP = 0x20, SLEEP = 0x10, FULL_OFF = 0x10 };
 
 static uint8_t* unit(struct board* b) { return b->avr->data + FIRST_REGISTER; }
 
@@ -39,10 +39,6 @@ static void write_register(struct two_wire* w, uint8_t v) {
 // Take a byte from the master; return whether the chip acknowledges.
 static int take(struct two_wire* w, uint8_t byte) {
     if (w->fault == PCA9685_SILENT) return 0;
-    if (w->fault == PCA9685_DEAF_ONCE && w->stage == WRITING) {
-        w->fault = PCA9685_WELL;
-        return 0;
-    }
     if (w->stage == CALLING && byte == SOFTWARE_RESET) power_up(w);
     if (w->stage == WRITING) write_register(w, byte);
     if (w->stage == POINTING) {
@@ -79,8 +75,7 @@ static avr_cycle_count_t step_done(avr_t* avr, avr_cycle_count_t when, void* par
     } else if (w->stage == ADDRESSING) {
         status = address(w, u[DATA]);
     } else if (w->stage == READING) {
-        const int restart = w->fault == PCA9685_RESTART_STAYS && w->next == MODE1;
-        u[DATA] = w->fault == PCA9685_SILENT ? 0xff : w->chip[w->next] | (restart ? RESTART : 0);
+        u[DATA] = w->fault == PCA9685_SILENT ? 0xff : w->chip[w->next];
         status = 0x58;
     } else {
         status = take(w, u[DATA]) ? 0x28 : 0x30;
