@@ -107,13 +107,12 @@ def follow(
     lasts_s = np.clip(lasts_s, SHORTEST_S, LONGEST_S)
     states = []
     for k, duration_s in enumerate(lasts_s.tolist()):
-        state = chain.follow(rows[k + 1 : k + 2], duration_s, STEP_S)
-        if len(state) == 0:
+        if not len(chain.follow(rows[k + 1 : k + 2], duration_s, STEP_S)):
             raise NotConverged("the model came to no answer; are robot and friction sensible?")
         if k % stride == 0:
-            states.append(state)
+            states.append(chain.state[:6])
     rate = (np.diff(rows, axis=0) / lasts_s[:, None])[::stride]
-    return _motion(robot, np.concatenate(states), rows[1::stride], rate)
+    return _motion(robot, np.array(states), rows[1::stride], rate)
 
 
 def _motion(robot: Robot, states: Array, joint_rad: Array, joint_rad_s: Array) -> Motion:
