@@ -167,30 +167,28 @@ class StagePolynomial {
 // A polynomial on a stretch of [0, 1], by Bernstein's coefficients there.
 template <int s>
 struct Stretch {
-    double from, to;
+    double start, end;
     std::array<double, s + 1> b;
 
-    double least() const { return *std::min_element(b.begin(), b.end()); }
-
-    // Cut at the fraction x: keep the part after it, return the part before it.
+    // Cut at the fraction x: keep the second part, return the first one.
     Stretch cut(double x) {
-        Stretch before{from, from + (to - from) * x, {}};
-        from = before.to;
+        Stretch first{start, start + (end - start) * x, {}};
+        start = first.end;
         for (int k = 0; k <= s; ++k) {
-            before.b[k] = b[0];
+            first.b[k] = b[0];
             for (int i = 0; i + k < s; ++i) b[i] += x * (b[i + 1] - b[i]);
         }
-        return before;
+        return first;
     }
 
     // The first stretch at whose end it is below `limit`, by halving; `shortest` bounds the search.
-    bool first_below(double limit, double shortest, Stretch& found) const {
-        if (least() >= limit) return false;
-        found = *this;
-        if (to - from <= shortest) return b[s] < limit;
-        Stretch after = *this;
-        return after.cut(0.5).first_below(limit, shortest, found) ||
-               after.first_below(limit, shortest, found);
+    bool first_below(double limit, double shortest, Stretch& part) const {
+        if (*std::min_element(b.begin(), b.end()) >= limit) return false;
+        part = *this;
+        if (end - start <= shortest) return b[s] < limit;
+        Stretch second = *this;
+        return second.cut(0.5).first_below(limit, shortest, part) ||
+               second.first_below(limit, shortest, part);
     }
 };
 

@@ -53,7 +53,7 @@ SteadyState Refinement::report(const Orbit& orbit, double tolerance) const {
 }
 
 // Sums over the joints. Every joint's change from the level before counts as an error.
-void Refinement::add_positive(const JointWork& work, double rest, SteadyState& next) {
+void Refinement::add_positive(const JointWork& work, double remainder, SteadyState& next) {
     double change = work.error;
     positive_.resize(work.positive.size());
     for (std::size_t i = 0; i < positive_.size(); ++i) {
@@ -61,7 +61,7 @@ void Refinement::add_positive(const JointWork& work, double rest, SteadyState& n
         change += std::fabs(work.positive[i] - positive_[i]);
     }
     next.positive_power_error =
-        stated_error(change / map_.time() + rest, options_.rtol, next.positive_power);
+        stated_error(change / map_.time() + remainder, options_.rtol, next.positive_power);
     next.abs_power = 2 * next.positive_power - next.power;
     positive_ = work.positive;
 }
@@ -95,8 +95,9 @@ void Refinement::state_errors(const Orbit& orbit, double tolerance, SteadyState&
         std::fabs(next.turn - coarse_.turn),
         // logarithms, either of which may be that of zero
         next.slowest == coarse_.slowest ? 0 : std::fabs(next.slowest - coarse_.slowest)};
-    const auto error = [&](double Change::* field, double rest, double value) {
-        const double sum = by_change * change.*field + by_last_change * last_change_.*field + rest;
+    const auto error = [&](double Change::* field, double remainder, double value) {
+        const double sum =
+            by_change * change.*field + by_last_change * last_change_.*field + remainder;
         return stated_error(sum, options_.rtol, value);
     };
     next.speed_error = error(&Change::speed, state * scale[0] / map_.nm(), next.speed);

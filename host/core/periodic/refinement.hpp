@@ -24,7 +24,7 @@ class Refinement {
     FixedPoint::Ended level(double tolerance, SteadyState& next);
     SteadyState report(const Orbit& orbit, double tolerance) const;
     void state_errors(const Orbit& orbit, double tolerance, SteadyState& next);
-    void add_positive(const JointWork& work, double rest, SteadyState& next);
+    void add_positive(const JointWork& work, double remainder, SteadyState& next);
 
     CycleMap& map_;
     FixedPoint& point_;

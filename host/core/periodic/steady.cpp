@@ -67,13 +67,13 @@ SteadyState SteadyByPieces::at_rest(double omega, const SteadyOptions& options) 
     Gait small = gait_;
     small.alpha = 1e-3;
     const SteadyState waving = SteadyByPieces(robot_, ground_, small).solve(omega, options);
-    SteadyState rest;
-    rest.monodromy = waving.monodromy;
-    rest.slowest = waving.slowest;
-    rest.slowest_error = waving.slowest_error;
-    rest.iterations = waving.iterations;
-    rest.converged = true;
-    return rest;
+    SteadyState state;
+    state.monodromy = waving.monodromy;
+    state.slowest = waving.slowest;
+    state.slowest_error = waving.slowest_error;
+    state.iterations = waving.iterations;
+    state.converged = true;
+    return state;
 }
 
 // Newton's method mostly needs no settled start. A search that breaks off with one sequence of

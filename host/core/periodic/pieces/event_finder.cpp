@@ -16,7 +16,8 @@ using Polynomial = StagePolynomial<kStages>;
 
 // Margins that end a mode: at a stage, and between stages, where the polynomial is less accurate.
 // What lies between these and the aim is rounding.
-constexpr double kBeyond = -2, kFarBeyond = -40;
+constexpr double kBeyond = -2;
+constexpr double kFarBeyond = -40;
 
 }  // namespace
 
@@ -24,7 +25,7 @@ void EventFinder::set_margins(const SlidingMode& mode) {
     piece_.speeds(margin_.data());
     for (int wheel = 0; wheel < wheels_; ++wheel) {
         const double unit = mode.sign[wheel] / speed_eps_;
-        for (double& m : margin_[wheel].at) m *= unit;
+        for (double& m : margin_[wheel].value) m *= unit;
     }
     for (int a = 0; a < mode.count; ++a) {
         const int wheel = mode.stuck[a];
@@ -32,72 +33,76 @@ void EventFinder::set_margins(const SlidingMode& mode) {
         const double side = std::copysign(1 / bound, piece_.stage_force(kStages - 1, a));
         for (int j = 0; j <= kStages; ++j) {
             const double f = j == 0 ? piece_.stuck_force(a, 0) : piece_.stage_force(j - 1, a);
-            margin_[wheel].at[j] = unit * (1 - side * f);
+            margin_[wheel].value[j] = unit * (1 - side * f);
         }
     }
 }
 
-// The first end of a wheel's mode before `first`: between the first pair of points of which the
-// second is beyond it, or in a dip between them. A fraction of the piece, or `first`.
-double EventFinder::end_of_wheel(const double* m, double first) const {
+// The first end of a wheel's mode before `limit`: between the first pair of points of which the
+// second is beyond it, or in a dip between them. A fraction of the piece, or `limit`.
+double EventFinder::end_of_wheel(const double* m, double limit) const {
+    constexpr double kRootError = 0.1;      // of a margin
+    constexpr double kShortest = 1.0 / 64;  // of a piece: a dip's width
     const auto& c = Rule::get().c;
     const Polynomial p(m);
-    const auto between = [&](double z, double before, double end, double value) {
-        constexpr double kNear = 0.1;
-        if (before <= -1) return z;
-        return bracketed_root([&](double x) { return p(x) + 1; }, z, before + 1, end, value + 1,
-                              kNear);
+    const auto crossing = [&](double start, double margin, double end, double end_margin) {
+        if (margin <= -1) return start;
+        return bracketed_root([&](double x) { return p(x) + 1; }, start, margin + 1, end,
+                              end_margin + 1, kRootError);
     };
-    double found = first, z = 0;
-    for (int j = 0; j < kStages && z < found; z = c[j++])
-        if (m[j + 1] < kBeyond) found = std::min(found, between(z, m[j], c[j], m[j + 1]));
-    Stretch<kStages> whole{0, 1, p.bernstein()}, dip;
-    if (found < 1) whole = whole.cut(found);
-    if (whole.first_below(kFarBeyond, 1.0 / 64, dip))
-        found = std::min(found, between(dip.from, dip.b[0], dip.to, dip.b[kStages]));
-    return found;
+    double first = limit, z = 0;
+    for (int j = 0; j < kStages && z < first; z = c[j++])
+        if (m[j + 1] < kBeyond) first = std::min(first, crossing(z, m[j], c[j], m[j + 1]));
+    Stretch<kStages> stretch{0, 1, p.bernstein()}, dip;
+    if (first < 1) stretch = stretch.cut(first);
+    if (stretch.first_below(kFarBeyond, kShortest, dip))
+        first = std::min(first, crossing(dip.start, dip.b[0], dip.end, dip.b[kStages]));
+    return first;
 }
 
 // The first end of rest: at the bound on the side of the piece's end, or at the other one, which is
 // looked for only where the force changes its sign.
-double EventFinder::end_of_rest(int wheel, double first) const {
-    const double* m = margin_[wheel].at;
-    const double far = 2 * piece_.grip(wheel) / force_eps_;  // from one bound to the other
-    const double end = lowest_[wheel] < kBeyond ? end_of_wheel(m, first) : first;
-    if (*std::max_element(m, m + kStages + 1) <= far / 2) return end;
-    Lanes other{};
-    for (int j = 0; j <= kStages; ++j) other.at[j] = far - m[j];
-    return end_of_wheel(other.at, end);
+double EventFinder::end_of_rest(int wheel, double limit) const {
+    const double* m = margin_[wheel].value;
+    const double between_bounds = 2 * piece_.grip(wheel) / force_eps_;
+    const double end = lowest_[wheel] < kBeyond ? end_of_wheel(m, limit) : limit;
+    if (*std::max_element(m, m + kStages + 1) <= between_bounds / 2) return end;
+    Lanes mirrored{};
+    for (int j = 0; j <= kStages; ++j) mirrored.value[j] = between_bounds - m[j];
+    return end_of_wheel(mirrored.value, end);
 }
 
 // Where a sliding wheel really stops: over a long piece its speed is no polynomial.
 double EventFinder::sharpen(int wheel, double sign, double x) {
-    const Polynomial p(margin_[wheel].at);
+    constexpr double kCloseMargin = 0.5;  // from the one that is aimed at
+    constexpr double kMaxMove = 0.01;     // of a piece: beyond it the slope is not that of the root
+    const Polynomial p(margin_[wheel].value);
     for (int i = 0; i < 3; ++i) {
-        const double off = sign * piece_.speed(wheel, x) / speed_eps_ + 1;
-        const double moved = -off / p.slope(x);
-        if (std::fabs(off) < 0.5 || !(std::fabs(moved) < 0.01)) break;
-        x = std::clamp(x + moved, 0.0, 1.0);
+        const double miss = sign * piece_.speed(wheel, x) / speed_eps_ + 1;
+        const double move = -miss / p.slope(x);
+        if (std::fabs(miss) < kCloseMargin || !(std::fabs(move) < kMaxMove)) break;
+        x = std::clamp(x + move, 0.0, 1.0);
     }
     return x;
 }
 
-ModeEvent EventFinder::first(const SlidingMode& mode, double h) {
+ModeEvent EventFinder::first_event(const SlidingMode& mode, double h) {
     set_margins(mode);
     piece_.lowest(margin_.data(), lowest_.data());
-    ModeEvent first;
+    ModeEvent event;
     for (int wheel = 0; wheel < wheels_; ++wheel) {
         if (!piece_.law(wheel).has_modes()) continue;
         const bool rests = mode.sign[wheel] == 0;
         if (!rests && lowest_[wheel] >= kBeyond) continue;
-        const double at =
-            rests ? end_of_rest(wheel, first.at) : end_of_wheel(margin_[wheel].at, first.at);
-        if (at < first.at) first = {at, wheel, mode.sign[wheel] != 0};
+        const double end = rests ? end_of_rest(wheel, event.fraction)
+                                 : end_of_wheel(margin_[wheel].value, event.fraction);
+        if (end < event.fraction) event = {end, wheel, mode.sign[wheel] != 0};
     }
-    if (!first.sliding) return first;
-    if (first.at > 0) first.at = sharpen(first.wheel, mode.sign[first.wheel], first.at);
-    first.slope = Polynomial(margin_[first.wheel].at).slope(first.at) * speed_eps_ / h;
-    return first;
+    if (!event.sliding) return event;
+    if (event.fraction > 0)
+        event.fraction = sharpen(event.wheel, mode.sign[event.wheel], event.fraction);
+    event.slope = Polynomial(margin_[event.wheel].value).slope(event.fraction) * speed_eps_ / h;
+    return event;
 }
 
 }  // namespace serpenoid

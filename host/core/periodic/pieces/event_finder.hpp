@@ -13,8 +13,8 @@
 namespace serpenoid {
 
 struct ModeEvent {
-    double at = 1;   // fraction of the piece
-    int wheel = -1;  // none: the mode lasts
+    double fraction = 1;  // of the piece
+    int wheel = -1;       // none: the mode lasts
     bool sliding = false;
     double slope = 0;  // of the wheel's speed there, m/s a rad, where it slides
 };
@@ -24,19 +24,23 @@ class EventFinder {
     EventFinder(const Robot& robot, SlidingPiece& piece)
         : wheels_(2 * robot.n), piece_(piece), margin_(wheels_), lowest_(wheels_) {}
 
-    void aim(double speed_eps, double force_eps) { speed_eps_ = speed_eps, force_eps_ = force_eps; }
+    // Units of the margins: a speed, m/s, and a force over its bound.
+    void set_units(double speed_eps, double force_eps) {
+        speed_eps_ = speed_eps;
+        force_eps_ = force_eps;
+    }
 
     // The first event of the piece, which was solved with this mode over h of phase.
-    ModeEvent first(const SlidingMode& mode, double h);
+    ModeEvent first_event(const SlidingMode& mode, double h);
 
     // Of the last piece: a wheel's margins at the start and the stages, and a lower bound of them.
-    const double* margins(int wheel) const { return margin_[wheel].at; }
+    const double* margins(int wheel) const { return margin_[wheel].value; }
     double lowest(int wheel) const { return lowest_[wheel]; }
 
   private:
     void set_margins(const SlidingMode& mode);
-    double end_of_wheel(const double* margins, double first) const;
-    double end_of_rest(int wheel, double first) const;
+    double end_of_wheel(const double* margins, double limit) const;
+    double end_of_rest(int wheel, double limit) const;
     double sharpen(int wheel, double sign, double x);
 
     int wheels_;

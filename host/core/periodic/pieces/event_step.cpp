@@ -6,26 +6,32 @@
 
 namespace serpenoid {
 
+namespace {
+
+constexpr double kApart = 1e-13;  // of the speed scale: kinks of equal wheels are moved by less
+
+}  // namespace
+
 EventStep::EventStep(const CycleMap& map, SlidingPiece& piece)
     : omega_(map.gait().omega), nm_(map.nm()), scale_(map.scale()), piece_(piece) {
     for (int c = 1; c <= piece.wheels(); ++c) apart_.push_back(std::fmod(0.6180339887 * c, 1.0));
 }
 
 // Wheels of a straight chain have one and the same kink, where an active-set method could cycle:
-// each kink is moved by its own 1e-13 or less of the speed scale. The wheel that stopped is a
+// each kink is moved by an amount of its own. The wheel that stopped is a
 // little beyond rest, and those that stick drift a little between the stages. The step would take
 // that for a force, and a wheel that rests near its bound would slide on: their kinks are where
 // they are.
-void EventStep::set_kinks(double h, const SlidingMode& before, const ModeEvent& event) {
+void EventStep::set_kinks(double h, const SlidingMode& last_mode, const ModeEvent& event) {
     const double speed = scale_[0] / nm_;
     kinks_.clear(), wheel_of_kink_.clear();
     for (int wheel = 0; wheel < piece_.wheels(); ++wheel) {
         if (!piece_.law(wheel).has_modes()) continue;
         const WheelDirection g = piece_.row(wheel, 1);
-        const bool rests = event.wheel >= 0 && (before.sign[wheel] == 0 || wheel == event.wheel);
-        const double own = rests ? direction_[wheel] : 0;
+        const bool rests = event.wheel >= 0 && (last_mode.sign[wheel] == 0 || wheel == event.wheel);
+        const double drift = rests ? direction_[wheel] : 0;
         kinks_.push_back({{g.x, g.y, g.r},
-                          omega_ * g.e - own + 1e-13 * speed * apart_[kinks_.size()],
+                          omega_ * g.e - drift + kApart * speed * apart_[kinks_.size()],
                           h * piece_.law(wheel).bound});
         wheel_of_kink_.push_back(wheel);
     }
@@ -58,7 +64,7 @@ double EventStep::dissipation(const Vec3& u) const {
 }
 
 bool EventStep::take(CycleState& state, double tau, double dtau, double spin,
-                     const SlidingMode& before, const ModeEvent& event, SlidingMode& mode) {
+                     const SlidingMode& last_mode, const ModeEvent& event, SlidingMode& mode) {
     const double h = dtau / omega_;
     piece_.set_nodes(tau, tau + dtau);
     const Vec3 u0 = piece_.velocity(piece_.node(0), state.p);
@@ -66,7 +72,7 @@ bool EventStep::take(CycleState& state, double tau, double dtau, double spin,
     for (int wheel = 0; wheel < piece_.wheels(); ++wheel)
         direction_.push_back(piece_.row(wheel, 0).speed(u0.data(), omega_));
     piece_.sum_nodes(direction_);
-    set_kinks(h, before, event);
+    set_kinks(h, last_mode, event);
     if (!solve(state.p, u0, h)) return false;
     const Vec3& u = convex_.minimum();
     const SlidingPiece::Node& k = piece_.node(1);
@@ -97,28 +103,11 @@ void EventStep::set_mode(SlidingMode& mode) const {
 // force over a short piece. Wheels of a straight chain have one and the same row: those stay as
 // they are.
 void EventStep::put_at_rest(const SlidingMode& mode, CycleState& state) const {
-    const SlidingPiece::Node& k = piece_.node(1);
-    const double mass[3] = {nm_, nm_, k.J};
-    const Vec3 u = piece_.velocity(k, state.p);
-    Mat3 S = identity3();
-    Vec3 pull{}, row[3]{};
-    for (int a = 0; a < mode.count; ++a) {
-        const WheelDirection g = piece_.row(mode.stuck[a], 1);
-        row[a] = {g.x, g.y, g.r}, pull[a] = -g.speed(u.data(), omega_);
-    }
-    for (int a = 0; a < mode.count; ++a)
-        for (int b = 0; b < mode.count; ++b) {
-            S[3 * a + b] = 0;
-            for (int i = 0; i < 3; ++i) S[3 * a + b] += row[a][i] * row[b][i] / mass[i];
-        }
-    if (mode.count == 0 || !solve_dense<3, 1>(S.data(), pull.data())) return;
-    Vec3 p = state.p;
+    const Vec3 u = piece_.velocity(piece_.node(1), state.p);
+    const Vec3 change = piece_.correction(1, mode, u);
     double moved = 0;
-    for (int i = 0; i < 3; ++i) {
-        for (int a = 0; a < mode.count; ++a) p[i] += pull[a] * row[a][i];
-        moved = std::max(moved, std::fabs(p[i] - state.p[i]) / scale_[i]);
-    }
-    if (moved < farthest_) state.p = p;
+    for (int i = 0; i < 3; ++i) moved = std::max(moved, std::fabs(change[i]) / scale_[i]);
+    for (int i = 0; i < 3 && moved < max_correction_; ++i) state.p[i] += change[i];
 }
 
 }  // namespace serpenoid

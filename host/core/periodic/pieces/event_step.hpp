@@ -17,25 +17,25 @@ class EventStep {
   public:
     EventStep(const CycleMap& map, SlidingPiece& piece);
 
-    // How much of the scales wheels at rest may be off at an event.
-    void aim(double farthest) { farthest_ = farthest; }
+    // How much of the scales wheels at rest may be moved by at an event.
+    void limit_correction(double max_correction) { max_correction_ = max_correction; }
 
     // Step from tau over dtau and set the mode there, after an event in the mode before. spin: of
     // the axes of x and y. False where the convex problem cycles. Nodes 0 and 1 of the piece are
     // then those of both ends.
-    bool take(CycleState& state, double tau, double dtau, double spin, const SlidingMode& before,
+    bool take(CycleState& state, double tau, double dtau, double spin, const SlidingMode& last_mode,
               const ModeEvent& event, SlidingMode& mode);
 
     void forget() { convex_.forget(); }  // the modes of the last step
 
   private:
-    void set_kinks(double h, const SlidingMode& before, const ModeEvent& event);
+    void set_kinks(double h, const SlidingMode& last_mode, const ModeEvent& event);
     bool solve(const Vec3& p, const Vec3& u0, double h);
     double dissipation(const Vec3& u) const;
     void set_mode(SlidingMode& mode) const;
     void put_at_rest(const SlidingMode& mode, CycleState& state) const;
 
-    double omega_, nm_, farthest_ = 0;
+    double omega_, nm_, max_correction_ = 0;
     Vec3 scale_;
     SlidingPiece& piece_;
     Convex3 convex_;

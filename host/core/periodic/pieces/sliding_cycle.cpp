@@ -35,11 +35,11 @@ Nodes weights_to(double x) {
 }
 
 // By the first p, of what is known by a piece's p.
-Mat3 rows_by(const Mat3& T, const CycleState& from) {
+Mat3 rows_by(const Mat3& T, const CycleState& start) {
     Mat3 B{};
     for (int i = 0; i < 3; ++i)
         for (int k = 0; k < 3; ++k)
-            for (int c = 0; c < 3; ++c) B[3 * i + c] += T[3 * i + k] * from.by_start[k][c];
+            for (int c = 0; c < 3; ++c) B[3 * i + c] += T[3 * i + k] * start.by_start[k][c];
     return B;
 }
 
@@ -59,55 +59,74 @@ SlidingCycle::SlidingCycle(const Robot& robot, const Ground& ground, const Gait&
 }
 
 // Event steps are long enough for dry friction to undo a whole miss of the event; their error goes
-// with the square of their length.
-void SlidingCycle::aim(double tolerance) {
-    const double speed_eps = std::max(0.01 * tolerance, 1e-12) * scale_[0] / nm_;
-    events_.aim(speed_eps, std::max(0.1 * tolerance, 1e-7));
-    event_step_.aim(std::max(10 * tolerance, 1e-8));
-    // by the order of a piece's end: the same pieces at two tolerances would tell of no error
-    longest_piece_ = smooth() ? std::min(0.8, 0.57 * std::pow(tolerance / 6e-7, 1.0 / 9)) : 0.8;
-    longest_step_ = std::clamp(0.03 * std::sqrt(tolerance), 1e-6, 1e-3);
-    shortest_step_ = std::clamp(20 * speed_eps * nm_ * omega_ / least_dry_, 1e-7, longest_step_);
+// with the square of their length. The same pieces at two tolerances would tell of no error, so on
+// smooth ground the longest one goes with the tolerance, by the order of a piece's end.
+CycleTolerances SlidingCycle::tolerances_of(double tolerance) const {
+    CycleTolerances aim;
+    aim.speed = std::max(0.01 * tolerance, 1e-12) * scale_[0] / nm_;
+    aim.force = std::max(0.1 * tolerance, 1e-7);
+    aim.correction = std::max(10 * tolerance, 1e-8);
+    aim.longest_piece = 0.8;
+    if (smooth())
+        aim.longest_piece = std::min(0.8, 0.57 * std::pow(tolerance / 6e-7, 1.0 / (2 * s - 1)));
+    aim.longest_step = std::clamp(0.03 * std::sqrt(tolerance), 1e-6, 1e-3);
+    aim.shortest_step =
+        std::clamp(20 * aim.speed * nm_ * omega_ / least_dry_, 1e-7, aim.longest_step);
+    aim.newton_step = smooth() ? std::max(tolerance * tolerance, 1e-15) : 0.1 * tolerance;
+    return aim;
 }
 
 std::optional<CycleEnd> SlidingCycle::follow(const Vec3& p, const Following& how) {
-    now_ = {};
-    now_.p = p;
-    for (int i = 0; i < 3; ++i) now_.by_start[i][i] = 1;
-    tau_ = 0, tolerance_ = how.tolerance, spin_ = how.spin;
-    simultaneous_ = false, saltation_.waits = false, step_length_ = skipped_ = 0;
+    constexpr double kFirstPiece = 1e-3;  // rad, at least: the last cycle may have broken off
+    state_ = {};
+    state_.p = p;
+    for (int i = 0; i < 3; ++i) state_.by_start[i][i] = 1;
+    tau_ = step_length_ = skipped_ = 0;
+    tolerance_ = how.tolerance;
+    spin_ = how.spin;
+    simultaneous_ = saltation_.waits = false;
     meter_.start(how.work, how.tolerance);
-    aim(how.tolerance);
-    piece_length_ = std::max(piece_length_, 1e-3);  // it may have broken off at a very short one
+    tolerances_ = tolerances_of(how.tolerance);
+    events_.set_units(tolerances_.speed, tolerances_.force);
+    event_step_.limit_correction(tolerances_.correction);
+    piece_length_ = std::max(piece_length_, kFirstPiece);
     event_step_.forget();
     if (!advance()) return {};
-    return CycleEnd{now_, meter_.work(), simultaneous_};
+    return CycleEnd{state_, meter_.work(), simultaneous_};
 }
 
 bool SlidingCycle::advance() {
     const double end = span();
     if (piece_.has_modes() && !change_mode({})) return false;
+    constexpr double kRounding = 1e-9;  // rad: a last piece is not that short
+    constexpr double kAtOnce = 1e-12;   // rad: an event so early is one more of the last one
+    constexpr int kMaxAtOnce = 40;      // of those
+    constexpr double kQuickly = 100;    // event steps: pieces so short come in quick succession
     for (int stalled = 0; tau_ < end;) {
         if (++pieces_ > most_pieces_) return false;
         double h = std::min(piece_length_, end - tau_);
-        if (end - tau_ - h < 1e-9) h = end - tau_;
+        if (end - tau_ - h < kRounding) h = end - tau_;
         const Piece solved = solve_piece(h);
         if (solved == Piece::broken) return false;
         if (solved == Piece::shorter) continue;
-        if (saltation_.waits) saltate(piece_.rate(0));
-        const ModeEvent event = events_.first(mode_, h);
-        if (event.wheel >= 0 && h * event.at < 1e-12) {
-            if (++stalled > 40 || !change_mode(event)) return false;
+        if (saltation_.waits) apply_saltation(piece_.rate(0));
+        const ModeEvent event = events_.first_event(mode_, h);
+        if (event.wheel >= 0 && h * event.fraction < kAtOnce) {
+            if (++stalled > kMaxAtOnce || !change_mode(event)) return false;
             continue;
         }
         stalled = 0;
-        meter_.add(mode_, h, event.at, skipped_);
+        meter_.add(mode_, h, event.fraction, skipped_);
         skipped_ = 0;
-        accumulate(h, event.at);
-        piece_length_ = std::min(h * growth_, longest_piece_);
-        if (h * event.at > 100 * step_length_) step_length_ = 0;
-        if (event.sliding) await_saltation(event);
-        tau_ = event.wheel < 0 && h == end - tau_ ? end : tau_ + h * event.at;
+        accumulate(h, event.fraction);
+        piece_length_ = std::min(h * growth_, tolerances_.longest_piece);
+        if (h * event.fraction > kQuickly * step_length_) step_length_ = 0;
+        if (event.sliding) {
+            saltation_.waits = true;
+            saltation_.slope = event.slope;
+            saltation_.rate = piece_.rate(event.fraction);
+        }
+        tau_ = event.wheel < 0 && h == end - tau_ ? end : tau_ + h * event.fraction;
         if (event.wheel >= 0 && tau_ < end && !change_mode(event)) return false;
     }
     return true;
@@ -115,27 +134,28 @@ bool SlidingCycle::advance() {
 
 // Solve the next piece, or find how much shorter it must be.
 SlidingCycle::Piece SlidingCycle::solve_piece(double h) {
-    constexpr double kShortest = 1e-10;
+    constexpr double kShortest = 1e-10;  // rad
+    constexpr double kMaxError = 1.5;    // tolerances: the next pieces make up for it
+    constexpr double kDiverged = 1e30;
     const auto shorter = [&](double length) {
         piece_length_ = length;
         return length < kShortest ? Piece::broken : Piece::shorter;
     };
-    // on smooth ground derivatives are to be as good as the motion: they miss Newton's last step
-    const double close = smooth() ? std::max(tolerance_ * tolerance_, 1e-15) : 0.1 * tolerance_;
-    if (!piece_.solve(mode_, tau_, h, now_.p, scale_, close)) return shorter(h / 4);
+    if (!piece_.solve(mode_, tau_, h, state_.p, scale_, tolerances_.newton_step))
+        return shorter(h / 4);
     const double error = piece_.error(scale_) / tolerance_;
     growth_ = std::clamp(0.8 * std::pow(error + 1e-30, -1.0 / (s + 1)), 0.1, 3.0);
-    if (!(error < 1e30)) return Piece::broken;
-    return error > 1.5 ? shorter(h * std::min(growth_, 0.7)) : Piece::done;
+    if (!(error < kDiverged)) return Piece::broken;
+    return error > kMaxError ? shorter(h * std::min(growth_, 0.7)) : Piece::done;
 }
 
 // Find the mode that follows an event.
 bool SlidingCycle::change_mode(const ModeEvent& event) {
-    before_ = mode_;
+    last_mode_ = mode_;
     if (!event_step(event)) return false;
     if (saltation_.waits) {
         const WheelDirection g = piece_.row(event.wheel, 0);
-        const double sign = before_.sign[event.wheel];
+        const double sign = last_mode_.sign[event.wheel];
         saltation_.gradient = {sign * g.x / nm_, sign * g.y / nm_, sign * g.r * piece_.node(0).iJ};
     }
     if (event.wheel >= 0) note_changes();
@@ -146,60 +166,62 @@ bool SlidingCycle::change_mode(const ModeEvent& event) {
 // in quick succession: two wheels of an almost straight chain may take turns in stopping, for so
 // short a time as cannot stop both.
 bool SlidingCycle::event_step(const ModeEvent& event) {
-    const CycleState before = now_;
-    const double from = tau_, was = event.wheel < 0 ? 2 : mode_.sign[event.wheel];
-    double length = step_length_ = std::clamp(4 * step_length_, shortest_step_, 10 * longest_step_);
-    for (int attempt = 0; attempt < 6; ++attempt) {
-        now_ = before;
-        const double dtau = std::min(length, span() - from);
-        if (!event_step_.take(now_, from, dtau, spin_, before_, event, mode_)) return false;
-        tau_ = dtau == span() - from ? span() : from + dtau;
-        const bool changed = event.wheel < 0 || mode_.sign[event.wheel] != was;
-        if (changed || length >= longest_step_ || attempt == 5) {
+    constexpr int kAttempts = 6;
+    const double longest = tolerances_.longest_step;
+    const CycleState start = state_;
+    const double tau = tau_, sign = event.wheel < 0 ? 2 : mode_.sign[event.wheel];
+    step_length_ = std::clamp(4 * step_length_, tolerances_.shortest_step, 10 * longest);
+    double length = step_length_;
+    for (int attempt = 1;; ++attempt) {
+        state_ = start;
+        const double dtau = std::min(length, span() - tau);
+        if (!event_step_.take(state_, tau, dtau, spin_, last_mode_, event, mode_)) return false;
+        tau_ = dtau == span() - tau ? span() : tau + dtau;
+        const bool changed = event.wheel < 0 || mode_.sign[event.wheel] != sign;
+        if (changed || length >= longest || attempt == kAttempts) {
             skipped_ += dtau;
             return true;
         }
-        length = std::min(8 * length, std::max(step_length_, longest_step_));
+        length = std::min(8 * length, std::max(step_length_, longest));
     }
-    return true;
 }
 
 void SlidingCycle::note_changes() {
     int slid = 0;
     for (int wheel = 0; wheel < piece_.wheels(); ++wheel) {
-        if (mode_.sign[wheel] == before_.sign[wheel]) continue;
-        slid += before_.sign[wheel] != 0;
+        if (mode_.sign[wheel] == last_mode_.sign[wheel]) continue;
+        slid += last_mode_.sign[wheel] != 0;
         meter_.changed(wheel);
     }
     simultaneous_ = simultaneous_ || slid > 1;
 }
 
-void SlidingCycle::await_saltation(const ModeEvent& event) {
-    saltation_.waits = true;
-    saltation_.slope = event.slope, saltation_.rate = piece_.rate(event.at);
-}
-
-void SlidingCycle::saltate(const Vec3& after) {
+void SlidingCycle::apply_saltation(const Vec3& rate_after) {
+    constexpr double kTouch = 1e-6;  // of the speed scale, a rad: slower wheels only touch rest
     saltation_.waits = false;
-    if (!(std::fabs(saltation_.slope) > 1e-6 * scale_[0] / nm_)) return;
+    if (!(std::fabs(saltation_.slope) > kTouch * scale_[0] / nm_)) return;
     const Vec3& gradient = saltation_.gradient;
-    auto& by = now_.by_start;
-    Vec3 row;
+    auto& rows = state_.by_start;
+    Vec3 delay;  // of the event, by the start
     for (int c = 0; c < 3; ++c)
-        row[c] = (gradient[0] * by[0][c] + gradient[1] * by[1][c] + gradient[2] * by[2][c]) /
-                 saltation_.slope;
+        delay[c] =
+            (gradient[0] * rows[0][c] + gradient[1] * rows[1][c] + gradient[2] * rows[2][c]) /
+            saltation_.slope;
     for (int i = 0; i < 3; ++i)
-        for (int c = 0; c < 3; ++c) by[i][c] += (after[i] - saltation_.rate[i]) * row[c];
+        for (int c = 0; c < 3; ++c) rows[i][c] += (rate_after[i] - saltation_.rate[i]) * delay[c];
 }
 
 // What friction takes, W, and its derivative by u.
 std::pair<double, Vec3> SlidingCycle::dissipation(const SlidingPiece::Node& k,
                                                   const Vec3& u) const {
     const Vec3 drag = k.drag(u, omega_);
-    Vec3 by;
+    Vec3 slope;
     double watts = k.dissipation(u, omega_) + omega_ * k.dry_e;
-    for (int i = 0; i < 3; ++i) watts += k.dry[i] * u[i], by[i] = 2 * drag[i] + k.dry[i];
-    return {watts, by};
+    for (int i = 0; i < 3; ++i) {
+        watts += k.dry[i] * u[i];
+        slope[i] = 2 * drag[i] + k.dry[i];
+    }
+    return {watts, slope};
 }
 
 // Integrals over the first x of a piece of h, and the state there.
@@ -207,43 +229,45 @@ void SlidingCycle::accumulate(double h, double x) {
     const Rule& rule = Rule::get();
     const Nodes b = weights_to(x);
     const double dt = h / omega_;
-    const CycleState from = now_;
-    std::array<Mat3, s + 1> by;  // u at the start and the stages by the first p
+    const CycleState start = state_;
+    std::array<Mat3, s + 1> u_by;  // u at the start and the stages by the first p
     for (int j = 0; j <= s; ++j) {
         const double unit[3] = {1 / nm_, 1 / nm_, piece_.node(j).iJ};
-        by[j] = rows_by(j > 0 ? piece_.stage_tangent(j - 1) : identity3(), from);
-        for (int i = 0; i < 9; ++i) by[j][i] *= unit[i / 3];
+        u_by[j] = rows_by(j > 0 ? piece_.stage_tangent(j - 1) : identity3(), start);
+        for (int i = 0; i < 9; ++i) u_by[j][i] *= unit[i / 3];
     }
     for (int j = x == 1; j <= s; ++j) {
         const double w = dt * b[j];
         const Vec3& u = piece_.velocity_at(j);
-        double turn = from.theta;
-        Vec3 turn_by = from.by_start[3];
+        double turn = start.theta;
+        Vec3 turn_by = start.by_start[3];
         for (int k = 0; j > 0 && k < s; ++k) {
             const double a = dt * rule.a[(j - 1) * s + k];
             turn += a * piece_.velocity_at(k + 1)[2];
-            for (int c = 0; c < 3; ++c) turn_by[c] += a * by[k + 1][6 + c];
+            for (int c = 0; c < 3; ++c) turn_by[c] += a * u_by[k + 1][6 + c];
         }
         const double heading = turn - spin_ * (tau_ + (j > 0 ? h * rule.c[j - 1] : 0));
         const double cn = std::cos(heading), sn = std::sin(heading);
         const double vx = cn * u[0] - sn * u[1], vy = sn * u[0] + cn * u[1];
         const auto [watts, watts_by] = dissipation(piece_.node(j), u);
-        now_.theta += w * u[2], now_.x += w * vx, now_.y += w * vy;
-        now_.dissipated += w * watts;
+        state_.theta += w * u[2];
+        state_.x += w * vx;
+        state_.y += w * vy;
+        state_.dissipated += w * watts;
         for (int c = 0; c < 3; ++c) {
-            const double x_by = by[j][c], y_by = by[j][3 + c], w_by = by[j][6 + c];
-            now_.by_start[3][c] += w * w_by;
-            now_.by_start[4][c] += w * (cn * x_by - sn * y_by - vy * turn_by[c]);
-            now_.by_start[5][c] += w * (sn * x_by + cn * y_by + vx * turn_by[c]);
-            now_.by_start[6][c] +=
+            const double x_by = u_by[j][c], y_by = u_by[j][3 + c], w_by = u_by[j][6 + c];
+            state_.by_start[3][c] += w * w_by;
+            state_.by_start[4][c] += w * (cn * x_by - sn * y_by - vy * turn_by[c]);
+            state_.by_start[5][c] += w * (sn * x_by + cn * y_by + vx * turn_by[c]);
+            state_.by_start[6][c] +=
                 w * (watts_by[0] * x_by + watts_by[1] * y_by + watts_by[2] * w_by);
         }
     }
-    now_.p = x == 1 ? piece_.stage(s - 1) : piece_.at(x);
+    state_.p = x == 1 ? piece_.stage(s - 1) : piece_.momenta(x);
     Mat3 B{};  // three wheels at rest leave nothing of a disturbance
     if (mode_.count < 3)
-        B = rows_by(x == 1 ? piece_.stage_tangent(s - 1) : piece_.tangent(x), from);
-    for (int i = 0; i < 9; ++i) now_.by_start[i / 3][i % 3] = B[i];
+        B = rows_by(x == 1 ? piece_.stage_tangent(s - 1) : piece_.tangent(x), start);
+    for (int i = 0; i < 9; ++i) state_.by_start[i / 3][i % 3] = B[i];
 }
 
 }  // namespace serpenoid

@@ -8,8 +8,11 @@ namespace serpenoid {
 
 namespace {
 
-constexpr double kBend = 10;       // times the curvature that Newton's last two steps show
-constexpr double kBetween = 0.73;  // fraction of a piece that is farthest from its stages
+constexpr double kBend = 10;        // times the curvature that Newton's last two steps show
+constexpr double kBetween = 0.73;   // fraction of a piece that is farthest from its stages
+constexpr double kQuadratic = 0.1;  // of the scales: below it Newton's steps shrink as squares
+constexpr double kDiverged = 1e12;  // of the scales
+constexpr int kMaxIterations = 12;  // mostly two or three: the equations are almost linear
 
 double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -19,21 +22,13 @@ Vec3 cross(const Vec3& a, const Vec3& b) {
 
 // x of least |Q + sum_a x_a g_a| for up to three rows g.
 Vec3 least_squares(const Vec3* g, int count, const Vec3& Q) {
+    Mat3 S = identity3();
     Vec3 x{};
-    if (count == 1) x[0] = -dot(g[0], Q) / dot(g[0], g[0]);
-    if (count == 2) {
-        double S[4] = {dot(g[0], g[0]), dot(g[0], g[1]), dot(g[1], g[0]), dot(g[1], g[1])};
-        double b[2] = {-dot(g[0], Q), -dot(g[1], Q)};
-        if (solve_dense<2, 1>(S, b)) x = {b[0], b[1], 0};
+    for (int a = 0; a < count; ++a) {
+        x[a] = -dot(g[a], Q);
+        for (int b = 0; b < count; ++b) S[3 * a + b] = dot(g[a], g[b]);
     }
-    if (count == 3) {
-        Mat3 S;
-        for (int i = 0; i < 3; ++i)
-            for (int a = 0; a < 3; ++a) S[3 * i + a] = g[a][i];
-        Vec3 b = {-Q[0], -Q[1], -Q[2]};
-        if (solve_dense<3, 1>(S.data(), b.data())) x = b;
-    }
-    return x;
+    return solve_dense<3, 1>(S.data(), x.data()) ? x : Vec3{};
 }
 
 }  // namespace
@@ -127,20 +122,20 @@ bool SlidingPiece::step() {
         for (int i = 0; i < 3; ++i) Q[i] -= h_ * F[i];
         for (int r = 0; r < 3; ++r) {
             double *line = &matrix[(3 * j + r) * N], *right = &change[(3 * j + r) * 4];
-            Vec3 own;  // derivative by this stage beyond the polynomial's rate
+            Vec3 slope;  // derivative by this stage beyond the polynomial's rate
             if (r < 3 - constraints) {
                 for (int m = 0; m < s; ++m)
                     for (int i = 0; i < 3; ++i) line[3 * m + i] = diff[j * s + m] * d[r][i];
                 for (int i = 0; i < 3; ++i)
-                    own[i] = -h_ * (d[r][0] * A[i] + d[r][1] * A[3 + i] + d[r][2] * A[6 + i]);
+                    slope[i] = -h_ * (d[r][0] * A[i] + d[r][1] * A[3 + i] + d[r][2] * A[6 + i]);
                 right[0] = -dot(d[r], Q);
             } else {
                 const WheelDirection g = row(mode_->stuck[r - 3 + constraints], j + 1);
-                own = {g.x * inverse_nm_, g.y * inverse_nm_, g.r * k.iJ};
+                slope = {g.x * inverse_nm_, g.y * inverse_nm_, g.r * k.iJ};
                 right[0] = -g.speed(u.data(), omega_);
             }
-            for (int i = 0; i < 3; ++i) line[3 * j + i] += own[i];
-            for (int i = 0; i < 3; ++i) right[1 + i] = -own[i];
+            for (int i = 0; i < 3; ++i) line[3 * j + i] += slope[i];
+            for (int i = 0; i < 3; ++i) right[1 + i] = -slope[i];
         }
     }
     if (!solve_dense<N, 4>(matrix.data(), change.data())) return false;
@@ -158,61 +153,59 @@ bool SlidingPiece::step() {
 bool SlidingPiece::solve(const SlidingMode& mode, double tau, double h, const Vec3& p0,
                          const Vec3& scale, double close) {
     const Rule& rule = Rule::get();
-    mode_ = &mode, tau_ = tau, h_ = h, p0_ = p0;
+    mode_ = &mode;
+    tau_ = tau;
+    h_ = h;
+    p0_ = p0;
     Lanes phase{{tau}};
-    for (int j = 0; j < s; ++j) phase.at[j + 1] = tau + h * rule.c[j];
-    phase.at[s + 1] = tau + h * kBetween;
+    for (int j = 0; j < s; ++j) phase.value[j + 1] = tau + h * rule.c[j];
+    phase.value[s + 1] = tau + h * kBetween;
     shape(s + 2, phase);
     for (int c = 0; c < 2 * robot_.n; ++c) dry_[c] = law(c).bound * mode.sign[c] - law(c).thrust;
     sum(s + 1, mode.sign);
     Y_.fill(p0);
     double size = HUGE_VAL;
-    for (int i = 0; i < 12; ++i) {
-        const bool near = i > 0;  // the equations are almost linear: one step comes close
-        const double before = size;
+    for (int i = 0; i < kMaxIterations; ++i) {
+        const double last_size = size;
         if (!step()) return false;
         size = std::max({change_[0] / scale[0], change_[1] / scale[1], change_[2] / scale[2]});
-        if (!(size < 1e12)) return false;
-        // the next step would be this one squared, times the curvature
-        const double bend = std::min(kBend * size / (before * before), 1.0);
-        if (near && size < 0.1 && bend * size * size < close) {
-            velocities();
-            stuck_forces(mode);
+        if (!(size < kDiverged)) return false;
+        // The next step would be this one squared, times the curvature; the first one tells none.
+        const double bend = std::min(kBend * size / (last_size * last_size), 1.0);
+        if (i > 0 && size < kQuadratic && bend * size * size < close) {
+            u_[0] = velocity(node_[0], p0_);
+            for (int j = 0; j < s; ++j) u_[j + 1] = velocity(node_[j + 1], Y_[j]);
+            set_stuck_forces();
             return true;
         }
     }
     return false;
 }
 
-void SlidingPiece::velocities() {
-    u_[0] = velocity(node_[0], p0_);
-    for (int j = 0; j < s; ++j) u_[j + 1] = velocity(node_[j + 1], Y_[j]);
-}
-
-void SlidingPiece::speeds(Lanes* to) const {
+void SlidingPiece::speeds(Lanes* wheel_speeds) const {
     Lanes u[3]{};
     for (int j = 0; j <= s; ++j)
-        for (int i = 0; i < 3; ++i) u[i].at[j] = u_[j][i];
-    stages_.speeds(s + 1, u, to);
+        for (int i = 0; i < 3; ++i) u[i].value[j] = u_[j][i];
+    stages_.speeds(s + 1, u, wheel_speeds);
 }
 
 double SlidingPiece::speed(int wheel, double x) {
     const double tau = tau_ + h_ * x;
     aside_.set(robot_, table_, std::sin(tau), std::cos(tau), false);
     const LinkShape& link = aside_.link[wheel / 2];
-    const Vec3 p = at(x),
+    const Vec3 p = momenta(x),
                u{p[0] * inverse_nm_, p[1] * inverse_nm_, (p[2] - omega_ * aside_.K) / aside_.J};
     return (wheel % 2 ? link.n : link.t).speed(u.data(), omega_);
 }
 
-void SlidingPiece::lowest(const Lanes* values, double* to) const {
+void SlidingPiece::lowest(const Lanes* values, double* bounds) const {
     static const auto weights = [] {
         std::array<Lanes, s + 1> w{};
         for (int j = 0; j <= s; ++j) {
             double unit[s + 1]{};
             unit[j] = 1;
             const auto b = StagePolynomial<s>(unit).bernstein();
-            for (int i = 0; i < Lanes::kCount; ++i) w[j].at[i] = b[std::min(i, s)];
+            for (int i = 0; i < Lanes::kCount; ++i) w[j].value[i] = b[std::min(i, s)];
         }
         return w;
     }();
@@ -220,12 +213,13 @@ void SlidingPiece::lowest(const Lanes* values, double* to) const {
         std::array<double, Lanes::kCount> sum{};
         for (int j = 0; j <= s; ++j)
             for (int i = 0; i < Lanes::kCount; ++i)
-                sum[i] += weights[j].at[i] * values[wheel].at[j];
-        to[wheel] = *std::min_element(sum.begin(), sum.end());
+                sum[i] += weights[j].value[i] * values[wheel].value[j];
+        bounds[wheel] = *std::min_element(sum.begin(), sum.end());
     }
 }
 
-void SlidingPiece::stuck_forces(const SlidingMode& mode) {
+void SlidingPiece::set_stuck_forces() {
+    const SlidingMode& mode = *mode_;
     if (mode.count == 0) return;
     for (int j = 0; j < s; ++j) {
         Vec3 Q = stage_rate(j), g[3];
@@ -236,36 +230,28 @@ void SlidingPiece::stuck_forces(const SlidingMode& mode) {
     }
 }
 
-// The least change of p, measured by kinetic energy, that would put stuck wheels at rest between
-// the stages. The rate at the start does not show it, because the wheels' forces balance it.
-double SlidingPiece::drift(const Vec3& scale) const {
-    if (mode_->count == 0) return 0;
-    const Node& k = node_[s + 1];
-    const Vec3 u = velocity(k, at(kBetween));
-    const double weight[3] = {inverse_nm_, inverse_nm_, k.iJ};
+Vec3 SlidingPiece::correction(int node, const SlidingMode& mode, const Vec3& u) const {
+    const double weight[3] = {inverse_nm_, inverse_nm_, node_[node].iJ};
     Mat3 S = identity3();
-    Vec3 pull{};
-    for (int a = 0; a < mode_->count; ++a) {
-        pull[a] = row(mode_->stuck[a], s + 1).speed(u.data(), omega_);
-        for (int b = 0; b < mode_->count; ++b) {
-            const Vec3 g = direction(mode_->stuck[a], s + 1), f = direction(mode_->stuck[b], s + 1);
-            S[3 * a + b] =
-                g[0] * f[0] * weight[0] + g[1] * f[1] * weight[1] + g[2] * f[2] * weight[2];
+    Vec3 pull{}, change{}, g[3];
+    for (int a = 0; a < mode.count; ++a) {
+        g[a] = direction(mode.stuck[a], node);
+        pull[a] = -row(mode.stuck[a], node).speed(u.data(), omega_);
+    }
+    for (int a = 0; a < mode.count; ++a)
+        for (int b = 0; b < mode.count; ++b) {
+            S[3 * a + b] = 0;
+            for (int i = 0; i < 3; ++i) S[3 * a + b] += g[a][i] * g[b][i] * weight[i];
         }
-    }
-    if (!solve_dense<3, 1>(S.data(), pull.data())) return 0;
-    double most = 0;
-    for (int i = 0; i < 3; ++i) {
-        double moved = 0;
-        for (int a = 0; a < mode_->count; ++a)
-            moved += pull[a] * direction(mode_->stuck[a], s + 1)[i];
-        most = std::max(most, std::fabs(moved) / scale[i]);
-    }
-    return most;
+    if (mode.count == 0 || !solve_dense<3, 1>(S.data(), pull.data())) return change;
+    for (int a = 0; a < mode.count; ++a)
+        for (int i = 0; i < 3; ++i) change[i] += pull[a] * g[a][i];
+    return change;
 }
 
 // The error of the polynomial's rate at the start, without the part that the force of a stuck wheel
-// balances; and the difference between that force and the one extrapolated from the stages.
+// balances; the difference between that force and the one extrapolated from the stages; and the
+// drift of stuck wheels between the stages, which the rate does not show.
 double SlidingPiece::error(const Vec3& scale) const {
     constexpr double kForce = 0.02;  // an end of sticking shifts the motion by the square of it,
                                      // times how much that force outweighs inertia
@@ -279,7 +265,8 @@ double SlidingPiece::error(const Vec3& scale) const {
         for (int i = 0; i < 3; ++i) g[a][i] /= scale[i];
     }
     const Vec3 x = least_squares(g, mode_->count, Q);
-    double most = 0, force = 0, outweighs = 0;
+    const Vec3 drift = correction(s + 1, *mode_, velocity(node_[s + 1], momenta(kBetween)));
+    double unbalanced = 0, force = 0, outweighs = 0, drifted = 0;
     for (int a = 0; a < mode_->count; ++a) {
         const double bound = law(mode_->stuck[a]).bound / grip(mode_->stuck[a]);
         force = std::max(force, std::fabs(omega_ * x[a] - stuck_force(a, 0)) / bound);
@@ -287,13 +274,14 @@ double SlidingPiece::error(const Vec3& scale) const {
     }
     for (int i = 0; i < 3; ++i) {
         for (int a = 0; a < mode_->count; ++a) Q[i] += x[a] * g[a][i];
-        most = std::max(most, std::fabs(Q[i]));
+        unbalanced = std::max(unbalanced, std::fabs(Q[i]));
+        drifted = std::max(drifted, std::fabs(drift[i]) / scale[i]);
     }
-    return std::max({h_ * most * rule.bump_height, force * std::max(kForce, outweighs * force),
-                     kDrift * drift(scale)});
+    return std::max({h_ * unbalanced * rule.bump_height,
+                     force * std::max(kForce, outweighs * force), kDrift * drifted});
 }
 
-Vec3 SlidingPiece::at(double x) const {
+Vec3 SlidingPiece::momenta(double x) const {
     if (x == 0) return p0_;
     const auto w = Rule::get().dense(x);
     Vec3 p = p0_;
@@ -339,17 +327,16 @@ double SlidingPiece::stuck_force(int a, double x) const {
 }
 
 void SlidingPiece::torques(int count, const double* x, Lanes* torque, Lanes* rate) {
-    Lanes tau{}, momenta[3]{};
-    for (int c = 0; c < 2 * robot_.n; ++c)
-        force_[c] = {}, std::fill_n(force_[c].at, count, dry_[c]);
+    Lanes tau{}, lanes[3]{};
+    for (int c = 0; c < 2 * robot_.n; ++c) std::fill_n(force_[c].value, count, dry_[c]);
     for (int q = 0; q < count; ++q) {
-        tau.at[q] = tau_ + h_ * x[q];
+        tau.value[q] = tau_ + h_ * x[q];
         for (int a = 0; a < mode_->count; ++a)
-            force_[mode_->stuck[a]].at[q] += stuck_force(a, x[q]);
-        const Vec3 p = at(x[q]);
-        for (int i = 0; i < 3; ++i) momenta[i].at[q] = p[i];
+            force_[mode_->stuck[a]].value[q] += stuck_force(a, x[q]);
+        const Vec3 p = momenta(x[q]);
+        for (int i = 0; i < 3; ++i) lanes[i].value[q] = p[i];
     }
-    stages_.torques(count, tau, momenta, viscous_.data(), force_.data(), torque, rate);
+    stages_.torques(count, tau, lanes, viscous_.data(), force_.data(), torque, rate);
 }
 
 }  // namespace serpenoid

@@ -65,14 +65,17 @@ class SlidingPiece {
     // The bound over the force that counts as little or much for a wheel that is held.
     double grip(int wheel) const { return wheel % 2 ? 1 : grip_; }
 
+    // The least change of p, measured by kinetic energy, that puts the wheels that stick in a mode
+    // at rest at a node, where the velocity is u.
+    Vec3 correction(int node, const SlidingMode& mode, const Vec3& u) const;
+
     // Solve over h of phase from tau. False when Newton's method does not come to a step below
     // `close` (of the scales).
     bool solve(const SlidingMode& mode, double tau, double h, const Vec3& p0, const Vec3& scale,
                double close);
 
     double error(const Vec3& scale) const;      // of the polynomial, as a fraction of the scales
-    double drift(const Vec3& scale) const;      // of stuck wheels between the stages
-    Vec3 at(double x) const;                    // p at a fraction of the piece
+    Vec3 momenta(double x) const;               // p at a fraction of the piece
     Vec3 rate(double x) const;                  // and dp/dtau
     Mat3 tangent(double x) const;               // dp(x)/dp0
     double stuck_force(int a, double x) const;  // lambda of the a-th stuck wheel
@@ -82,11 +85,11 @@ class SlidingPiece {
     const Mat3& stage_tangent(int j) const { return T_[j]; }
     double stage_force(int j, int a) const { return lambda_[j][a]; }
     // Every wheel's speed at the start and the stages.
-    void speeds(Lanes* to) const;
+    void speeds(Lanes* wheel_speeds) const;
     // A wheel's speed at a fraction of the piece, by the shape there.
     double speed(int wheel, double x);
     // A lower bound of each wheel's polynomial through such values.
-    void lowest(const Lanes* values, double* to) const;
+    void lowest(const Lanes* values, double* bounds) const;
     // Every joint's torque and rate at some fractions of the piece.
     void torques(int count, const double* x, Lanes* torque, Lanes* rate);
 
@@ -94,11 +97,10 @@ class SlidingPiece {
     static constexpr int s = kStages, N = 3 * s;
     void shape(int lanes, const Lanes& tau);
     void sum(int lanes, const std::vector<double>& direction);
-    void velocities();
     Vec3 free_rate(const Node& node, const Vec3& p, const Vec3& u) const;
     Mat3 free_jacobian(const Node& node, const Vec3& p, const Vec3& u) const;
     bool step();
-    void stuck_forces(const SlidingMode& mode);
+    void set_stuck_forces();
     Vec3 stage_rate(int j) const;
     std::array<Vec3, 3> split(int j, int& constraints) const;
     Vec3 direction(int wheel, int j) const;

@@ -14,9 +14,9 @@ namespace serpenoid {
 
 struct alignas(8 * kPack) Lanes {
     static constexpr int kCount = 8;
-    double at[kCount];
-    Pack& pack(int p) { return pack_at(at + p); }
-    const Pack& pack(int p) const { return pack_at(at + p); }
+    double value[kCount];
+    Pack& pack(int p) { return pack_at(value + p); }
+    const Pack& pack(int p) const { return pack_at(value + p); }
 };
 
 // What is summed over the chain at one phase: viscous friction and the dry forces. The dry ones
@@ -45,7 +45,8 @@ class StageShape {
     }
 
     // The sums at a pack of phases, by every wheel's viscous coefficient and dry force.
-    void sums(int pack, const double* viscous, const double* dry, StageSums* const (&to)[kPack]) {
+    void sums(int pack, const double* viscous, const double* dry,
+              StageSums* const (&lanes)[kPack]) {
         ViscousSumsOf<Pack> sum;
         DirectionOf<Pack> f{};
         for (int i = 0; i < 2 * robot_.n; ++i) {
@@ -54,18 +55,20 @@ class StageShape {
             f.x += dry[i] * g.x, f.y += dry[i] * g.y, f.r += dry[i] * g.r, f.e += dry[i] * g.e;
         }
         for (int j = 0; j < kPack; ++j) {
-            for (int k = 0; k < 6; ++k) to[j]->D[k] = sum.D[k][j];
-            for (int k = 0; k < 3; ++k) to[j]->d[k] = sum.d[k][j];
-            to[j]->dd = sum.dd[j], to[j]->dry = {f.x[j], f.y[j], f.r[j]}, to[j]->dry_e = f.e[j];
+            for (int k = 0; k < 6; ++k) lanes[j]->D[k] = sum.D[k][j];
+            for (int k = 0; k < 3; ++k) lanes[j]->d[k] = sum.d[k][j];
+            lanes[j]->dd = sum.dd[j];
+            lanes[j]->dry = {f.x[j], f.y[j], f.r[j]};
+            lanes[j]->dry_e = f.e[j];
         }
     }
 
     // Every wheel's speed at u = (Vx, Vy, w).
-    void speeds(int lanes, const Lanes* u, Lanes* to) const {
+    void speeds(int lanes, const Lanes* u, Lanes* wheel_speeds) const {
         for (int p = 0; p < lanes; p += kPack) {
             const Pack v[3] = {u[0].pack(p), u[1].pack(p), u[2].pack(p)};
             for (int i = 0; i < 2 * robot_.n; ++i)
-                to[i].pack(p) = direction(shape_[p / kPack], i).speed(v, omega_);
+                wheel_speeds[i].pack(p) = direction(shape_[p / kPack], i).speed(v, omega_);
         }
     }
 
@@ -82,23 +85,18 @@ class StageShape {
             for (int i = 0; i < 2 * robot_.n; ++i) {
                 const auto& g = direction(aside_, i);
                 const Pack f = -dry[i].pack(p) - viscous[i] * g.speed(u, omega_);
-                friction_[i].force = f;
+                friction_[i] = f;
                 force[0] += f * g.x, force[1] += f * g.y, force[2] += f * g.r;
             }
             joint_powers(
                 robot_, aside_, omega_,
                 BodyMotionOf<Pack>::from_forces(robot_, aside_, omega_, u, force),
-                [&](int i) {
-                    return std::pair(friction_[2 * i].force, friction_[2 * i + 1].force);
-                },
+                [&](int i) { return std::pair(friction_[2 * i], friction_[2 * i + 1]); },
                 [&](int i, Pack T, Pack v) { torque[i].pack(p) = T, rate[i].pack(p) = v; });
         }
     }
 
   private:
-    struct Friction {
-        Pack force;
-    };
     void set(BodyShapeOf<Pack>& shape, Pack tau, bool second) {
         Pack sine, cosine;
         sincos(tau, sine, cosine);
@@ -114,7 +112,7 @@ class StageShape {
     GaitTable table_;
     std::array<BodyShapeOf<Pack>, Lanes::kCount / kPack> shape_;
     BodyShapeOf<Pack> aside_;
-    std::vector<Friction> friction_;
+    std::vector<Pack> friction_;
 };
 
 }  // namespace serpenoid

@@ -21,15 +21,15 @@ WorkMeter::WorkMeter(const Robot& robot, const Gait& gait, SlidingPiece& piece,
 
 // Errors go with the fourth power of a block: as the tolerance, until positive power is known to
 // 1e-6 on smooth ground. On dry ground 1e-4 will do: sticking forces are not known better.
-void WorkMeter::start(bool wanted, double tolerance) {
+void WorkMeter::start(bool active, double tolerance) {
     constexpr double kBlock = 4.5;       // rad, at a tolerance of 1
     constexpr double kMinSmooth = 0.08;  // rad
     constexpr double kMinDry = 0.2;      // rad
     constexpr double kMaxBlock = 0.5;    // rad: a joint's power changes its sign every pi / 2
-    wanted_ = wanted;
+    active_ = active;
     max_block_ = std::clamp(kBlock * std::pow(tolerance, 0.25),
                             piece_.has_modes() ? kMinDry : kMinSmooth, kMaxBlock);
-    work_ = {std::vector<double>(wanted ? rate_.size() - 1 : 0)};
+    work_ = {std::vector<double>(active ? rate_.size() - 1 : 0)};
     std::fill(fresh_.begin(), fresh_.end(), 0);
 }
 
@@ -37,7 +37,7 @@ void WorkMeter::start(bool wanted, double tolerance) {
 void WorkMeter::add(const SlidingMode& mode, double h, double x, double skipped) {
     constexpr int kSamples = 5;
     constexpr double kFarthest = 0.1;  // of the part that is used
-    if (!wanted_) return;
+    if (!active_) return;
     const double start = -skipped / h;
     const int blocks = static_cast<int>(std::ceil(h * (x - start) / max_block_));
     const double width = (x - start) / blocks;
@@ -49,7 +49,7 @@ void WorkMeter::add(const SlidingMode& mode, double h, double x, double skipped)
         piece_.torques(kSamples, place.data(), torque_.data(), rate_.data());
         for (std::size_t i = 0; i < work_.positive.size(); ++i) {
             std::array<double, kSamples> power;
-            for (int q = 0; q < kSamples; ++q) power[q] = -torque_[i].at[q] * rate_[i].at[q];
+            for (int q = 0; q < kSamples; ++q) power[q] = -torque_[i].value[q] * rate_[i].value[q];
             const PositiveMean mean(power.data());
             work_.positive[i] += seconds * mean.value;
             work_.error += seconds * mean.error;

@@ -13,7 +13,7 @@ class WorkMeter {
   public:
     WorkMeter(const Robot& robot, const Gait& gait, SlidingPiece& piece, const EventFinder& events);
 
-    void start(bool wanted, double tolerance);
+    void start(bool active, double tolerance);
 
     // Add the first x of the piece, which is h long. `skipped` of phase before it went by in event
     // steps.
@@ -36,7 +36,7 @@ class WorkMeter {
     std::vector<char> fresh_;  // wheels whose sliding has just begun
     JointWork work_;
     double max_block_ = 0;  // rad, of five samples
-    bool wanted_ = false;
+    bool active_ = false;
 };
 
 }  // namespace serpenoid
