@@ -51,7 +51,7 @@ test-slow: $(VENV)/built $(VENV)/dev
 
 build: $(VENV)/built
 
-lint: $(VENV)/dev
+lint: $(VENV)/built $(VENV)/dev
 	.ci/lint
 
 format: $(VENV)/dev
