@@ -41,12 +41,6 @@ class Difference:
         """Return the larger of position in body lengths and angle in radians."""
         return max(self.position_m / body_m, self.angle_rad)
 
-    def times(self, factor: float) -> Difference:
-        """Return all differences times a factor."""
-        place, angle, speed = self.position_m, self.angle_rad, self.mean_speed
-        energy = {name: factor * j for name, j in (self.energy_j or {}).items()} or None
-        return Difference(factor * place, factor * angle, factor * speed, energy)
-
 
 @dataclass(frozen=True, slots=True)
 class RunError(Result):
@@ -97,43 +91,43 @@ def finer_scene(scene: Scene, times: int = 1) -> Scene:
         parts = 2**times
         every = parts * scene.every
         return replace(scene, record=record, dt_s=scene.dt_s / parts, record_every=every)
-    many = scene.method == "nonsmooth"
-    least = MIN_TOLERANCE * max(1.0, (scene.robot.links / 3) ** 3) if many else MIN_TOLERANCE
-    apart = 100.0 if many else 10.0
-    finer = scene.tolerance / apart**times
+    events = scene.method == "nonsmooth"
+    finest = MIN_TOLERANCE * (max(1.0, (scene.robot.links / 3) ** 3) if events else 1.0)
+    finer = scene.tolerance / (100.0 if events else 10.0) ** times
     coarser = scene.tolerance * 10.0**times
-    return replace(scene, record=record, tolerance=finer if finer >= least else coarser)
+    return replace(scene, record=record, tolerance=finer if finer >= finest else coarser)
 
 
 def warnings_of(scene: Scene, error: RunError) -> tuple[str, ...]:
     """Return what somebody who uses a run of a scene with such an error must know."""
     finer = "take a smaller " + ("tolerance" if scene.adaptive else "dt_s")
-    off, said, body_m = error.integration, [], scene.robot.body_length_m
+    difference, body_m = error.integration, scene.robot.body_length_m
+    warnings: list[str] = []
     if not error.settled:
-        said.append(
+        warnings.append(
             "the error estimate is no bound: finer runs disagree as much among themselves as with "
             f"this one; believe it up to t = {error.believed_s:.3g} s, or {finer}"
         )
     if error.modelling is not None:
-        said += _springs_too_soft(scene, error.modelling.mean_speed)
-    if off.mean_speed == math.inf and math.isfinite(off.position_m):
-        said.append(f"the time steps move a robot that rests; {finer}")
-    elif WARNED_SPEED < abs(off.mean_speed) < math.inf:
-        percent = 100 * abs(off.mean_speed)
-        said.append(f"the time steps may change the mean speed by {percent:.2g} %; {finer}")
-    elif WARNED_SIZE < off.size(body_m) < math.inf:
-        said.append(
-            f"the time steps may put links off by {off.position_m:.2g} m and "
-            f"{off.angle_rad:.2g} rad; {finer}"
+        warnings += _springs_too_soft(scene, error.modelling.mean_speed)
+    if difference.mean_speed == math.inf and math.isfinite(difference.position_m):
+        warnings.append(f"the time steps move a robot that rests; {finer}")
+    elif WARNED_SPEED < abs(difference.mean_speed) < math.inf:
+        percent = 100 * abs(difference.mean_speed)
+        warnings.append(f"the time steps may change the mean speed by {percent:.2g} %; {finer}")
+    elif WARNED_SIZE < difference.size(body_m) < math.inf:
+        warnings.append(
+            f"the time steps may put links off by {difference.position_m:.2g} m and "
+            f"{difference.angle_rad:.2g} rad; {finer}"
         )
     if chatters(scene):
         soft = objection("nonsmooth", scene) is not None
-        said.append(
+        warnings.append(
             f"method {scene.method!r} knows nothing of sticking: at rest its wheels chatter, and "
             "joint torques may be wrong by a third at any step; take method 'nonsmooth'"
             + (" with formulation 'explicit'" if soft else "")
         )
-    return tuple(said)
+    return tuple(warnings)
 
 
 def chatters(scene: Scene) -> bool:

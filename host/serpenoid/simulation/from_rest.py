@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import islice
 from time import monotonic
 
 import numpy as np
@@ -44,12 +45,12 @@ def from_rest(state: Steady) -> FromRest | None:
     cycles = math.ceil(min(max(state.settling_time_s / gait.period_s, _CYCLES[0]), most))
     scene = Scene(state.robot, ground, gait, dt_s=gait.period_s, duration_s=cycles * gait.period_s)
     scene = exact_scene(scene, _TOLERANCE)
-    for k, start in enumerate(_starts(scene) if ground.smooth else [start_state(scene)]):
-        reached = _settled(replace(scene, start=start), state, until)
-        if k == 0 and reached is None:
+    for k, start in enumerate(islice(_starts(scene), None if ground.smooth else 1)):
+        motion = _settled(replace(scene, start=start), state, until)
+        if k == 0 and motion is None:
             return None
-        if reached is not None and not _same(reached, state):
-            return FromRest(k > 0, reached)
+        if motion is not None and not _same(motion, state):
+            return FromRest(k > 0, motion)
     return FromRest(True, None)
 
 
@@ -57,7 +58,7 @@ def two_motions_text(state: Steady) -> str:
     """Return the two stable motions of a gait and which one a start from rest reaches, or ""."""
     if state.from_rest is None or state.from_rest.other is None:
         return ""
-    other, reported = (
+    second, reported = (
         f"turns {math.degrees(motion.turn_rad_per_cycle):.3g} deg and goes "
         f"{motion.chord_m_s * state.gait.period_s:.3g} m a cycle"
         for motion in (state.from_rest.other, state)
@@ -65,10 +66,10 @@ def two_motions_text(state: Steady) -> str:
     if state.from_rest.reaches_reported:
         return (
             "this gait has two stable motions: from rest the robot ends in the reported one, which "
-            f"{reported}; the other {other}"
+            f"{reported}; the other {second}"
         )
     return (
-        f"this gait has two stable motions: from rest the robot ends in the one that {other}; the "
+        f"this gait has two stable motions: from rest the robot ends in the one that {second}; the "
         f"reported one {reported}"
     )
 
@@ -84,58 +85,44 @@ def _may_have_two_motions(state: Steady) -> bool:
 def _starts(scene: Scene) -> Iterator[LinkState]:
     """Yield the state at rest, then such that turn, or move along the tail, either way."""
     rest = start_state(scene)
-    yield rest
-    x_m, y_m = np.array(rest.x_m), np.array(rest.y_m)
-    rate = scene.gait.omega_rad_s
-    speed_m_s = _PUSH * scene.robot.body_length_m * rate
-    heading = rest.theta_rad[0]
-    for way in (1.0, -1.0):
-        spin = way * _SPIN * rate
+    rate, heading = scene.gait.omega_rad_s, rest.theta_rad[0]
+    for spin, push in ((0, 0), (_SPIN, 0), (-_SPIN, 0), (0, _PUSH), (0, -_PUSH)):
+        turn_rad_s, speed_m_s = spin * rate, push * scene.robot.body_length_m * rate
+        ahead = speed_m_s * math.cos(heading), speed_m_s * math.sin(heading)
         yield replace(
             rest,
-            vx_m_s=np.array(rest.vx_m_s) - spin * (y_m - y_m.mean()),
-            vy_m_s=np.array(rest.vy_m_s) + spin * (x_m - x_m.mean()),
-            omega_rad_s=np.array(rest.omega_rad_s) + spin,
-        )
-    for way in (1.0, -1.0):
-        yield replace(
-            rest,
-            vx_m_s=np.array(rest.vx_m_s) + way * speed_m_s * math.cos(heading),
-            vy_m_s=np.array(rest.vy_m_s) + way * speed_m_s * math.sin(heading),
+            vx_m_s=rest.vx_m_s - turn_rad_s * (rest.y_m - rest.y_m.mean()) + ahead[0],
+            vy_m_s=rest.vy_m_s + turn_rad_s * (rest.x_m - rest.x_m.mean()) + ahead[1],
+            omega_rad_s=rest.omega_rad_s + turn_rad_s,
         )
 
 
 def _settled(scene: Scene, state: Steady, until: float) -> Motion | None:
     """Return the motion to which a scene settles, or the first one like the reported state."""
-    before, change = None, math.inf  # over the distance to the reported motion
-    while monotonic() < until:
+    motion, previous, change = None, None, math.inf  # over the distance to the reported motion
+    while monotonic() < until and not change < _REPEATS:
         try:
             run = simulate(scene)
         except Diverged:
             return None
         travel_m = np.hypot(*np.diff(run.centre_m[-5:], axis=0).T).mean()
         turn_rad = (run.theta_rad[-1, 0] - run.theta_rad[-5, 0]) / 4
-        now = Motion(float(turn_rad), float(travel_m / state.gait.period_s))
-        if _same(now, state):
-            return now
-        if before is not None:
-            change = _distance(now, before, state) / _distance(now, state, state)
-        if change < _REPEATS:
-            return now
-        before, scene = now, replace(scene, start=run.state())
-    return before if change < _NEARLY_REPEATS else None
+        previous, motion = motion, Motion(float(turn_rad), float(travel_m / state.gait.period_s))
+        if _same(motion, state):
+            return motion
+        if previous is not None:
+            change = _distance(motion, previous, state) / _distance(motion, state, state)
+        scene = replace(scene, start=run.state())
+    return motion if change < _NEARLY_REPEATS else None
 
 
-def _cycle(motion: Motion | Steady, state: Steady) -> np.ndarray:
-    """Return what a cycle turns, rad, and how far it goes, body lengths: (2,)."""
-    travel_m = motion.chord_m_s * state.gait.period_s
-    return np.array([motion.turn_rad_per_cycle, travel_m / state.robot.body_length_m])
-
-
-def _distance(one: Motion | Steady, other: Motion | Steady, state: Steady) -> float:
-    return float(np.linalg.norm(_cycle(one, state) - _cycle(other, state)))
+def _distance(motion: Motion | Steady, target: Motion | Steady, state: Steady) -> float:
+    """Return how much a cycle of two motions differs, in rad and body lengths."""
+    turn_rad = motion.turn_rad_per_cycle - target.turn_rad_per_cycle
+    way_m = (motion.chord_m_s - target.chord_m_s) * state.gait.period_s
+    return math.hypot(turn_rad, way_m / state.robot.body_length_m)
 
 
 def _same(motion: Motion, state: Steady) -> bool:
-    limit = _SAME * (0.1 + np.linalg.norm(_cycle(state, state)))
+    limit = _SAME * (0.1 + _distance(Motion(0.0, 0.0), state, state))
     return _distance(motion, state, state) < limit

@@ -13,6 +13,7 @@ import re
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -145,19 +146,17 @@ class Run(Plottable):
         At the recorded times from one period after the start on, (times,); a time between two
         recorded ones is interpolated. Empty for a run shorter than a period.
         """
-        late = self.t_s[self.t_s >= self.t_s[0] + period_s * (1 - 1e-9)]
-        ways = [
-            np.interp(late, self.t_s, v) - np.interp(late - period_s, self.t_s, v)
-            for v in self.centre_m.T
-        ]
-        return np.hypot(*ways) / period_s
+        times = self.t_s[self.t_s >= self.t_s[0] + period_s * (1 - 1e-9)]
+        centre = self.centre_m @ [1, 1j]
+        ends, starts = (np.interp(t, self.t_s, centre) for t in (times, times - period_s))
+        return np.abs(ends - starts) / period_s
 
     @property
     def last_speed_m_s(self) -> float:
         """Return the mean speed over the last period, m/s; NaN where the records do not say."""
         period, t = self.scene.gait.period_s, self.t_s
-        near = np.abs(t - (t[-1] - period)).min()
-        rare = t.size > 1 and near > 1e-6 * period and np.diff(t).max() > period / 8
+        miss = np.abs(t - (t[-1] - period)).min()  # of the time one period before the end
+        rare = t.size > 1 and miss > 1e-6 * period and np.diff(t).max() > period / 8
         speeds = [] if rare else self.mean_speed_m_s(period)
         return float(speeds[-1]) if len(speeds) else np.nan
 
@@ -169,21 +168,17 @@ class Run(Plottable):
 
     def rows(self) -> list[Row]:
         """Return displacement, speed, and extremes of what was recorded."""
-        speed, words = self.last_speed_m_s, ""
-        if np.isnan(speed):
-            short = self.t_s[-1] < self.scene.gait.period_s
-            words = "the run is shorter" if short else "recorded too rarely"
         scene = self.scene
         step = f"tolerance {scene.tolerance:g}" if scene.adaptive else f"{scene.dt_s:g} s"
         how = f"{scene.formulation} model, {scene.method}, {step}"
         rows = [
             Row("method", "", words=f"{how}; {self.picked}" if self.picked else how),
             Row("displacement of the centre of mass", "m", self.travel_m),
-            Row("speed over the last period", "m/s", speed, words=words),
+            Row("speed over the last period", "m/s", self.last_speed_m_s),
         ]
         if self.joint_torque_nm.size:
-            most = float(np.abs(self.joint_torque_nm).max())
-            rows.append(Row("largest torque of a joint", "N m", most))
+            largest = float(np.abs(self.joint_torque_nm).max())
+            rows.append(Row("largest torque of a joint", "N m", largest))
         ends = self.energy_j[-1].tolist() if self.energy_j.size else []
         names = [name.removesuffix("_j").replace("_", " ") for name in ENERGY_COLUMNS]
         pairs = zip(names, ends, strict=False)
@@ -200,7 +195,8 @@ class Run(Plottable):
             arrays = [getattr(self, name) for name in names]
             if arrays[0].size:
                 columns.append(np.stack(arrays, axis=2).reshape(self.t_s.size, -1))
-                header += [_numbered(n, i + 1) for i in range(arrays[0].shape[1]) for n in names]
+                pairs = product(range(arrays[0].shape[1]), names)
+                header += [_numbered(name, i + 1) for i, name in pairs]
         if self.energy_j.size:
             columns.append(self.energy_j)
             header += ENERGY_COLUMNS
@@ -214,13 +210,10 @@ class Run(Plottable):
     @property
     def gap_m(self) -> Array:
         """Return Delta_i, how far each joint is open (Eqs. 53-56), m, (T, n-1, 2)."""
+        centre, along = self.x_m + 1j * self.y_m, np.exp(1j * self.theta_rad)
         half = self.scene.robot.link_length_m / 2
-
-        def open_by(centre: Array, along: Array) -> Array:
-            return np.diff(centre, axis=1) - half * (along[:, 1:] + along[:, :-1])
-
-        gap_x = open_by(self.x_m, np.cos(self.theta_rad))
-        return np.stack([gap_x, open_by(self.y_m, np.sin(self.theta_rad))], axis=2)
+        gap = np.diff(centre, axis=1) - half * (along[:, 1:] + along[:, :-1])
+        return np.stack([gap.real, gap.imag], axis=2)
 
 
 def _numbered(name: str, number: int) -> str:
@@ -228,36 +221,34 @@ def _numbered(name: str, number: int) -> str:
     return re.sub("_(m_s|rad_s|nm|rad|m|n)$", rf"{number}_\1", name)
 
 
-def difference(run: Run, other: Run) -> Difference:
-    """Return how far two runs are apart at the times that both recorded."""
-    _, a, b = np.intersect1d(run.t_s, other.t_s, return_indices=True)
-    position = np.hypot(run.x_m[a] - other.x_m[b], run.y_m[a] - other.y_m[b])
-    angle = np.abs(run.theta_rad[a] - other.theta_rad[b])
+def difference(run: Run, truth: Run, factor: float = 1.0) -> tuple[Difference, float]:
+    """Return how far a run is from another, times a factor, and up to when both agree, s.
+
+    At the times that both recorded; they agree where they are apart by no more than BELIEVED_SIZE.
+    """
+    t_s, a, b = np.intersect1d(run.t_s, truth.t_s, return_indices=True)
+    gap = run.x_m[a] - truth.x_m[b], run.y_m[a] - truth.y_m[b]
+    position = np.hypot(*gap).max(axis=1)
+    angle = np.abs(run.theta_rad[a] - truth.theta_rad[b]).max(axis=1)
     energy: dict[str, float] | None = None
-    if run.energy_j.size and other.energy_j.size:
-        largest = np.abs(run.energy_j[a] - other.energy_j[b]).max(axis=0)
-        energy = {n: float(j) for n, j in zip(ENERGY_COLUMNS, largest, strict=True)}
+    if run.energy_j.size and truth.energy_j.size:
+        largest = factor * np.abs(run.energy_j[a] - truth.energy_j[b]).max(axis=0)
+        energy = dict(zip(ENERGY_COLUMNS, largest.tolist(), strict=True))
     speed = math.inf
-    if not _rests(other):
-        speed = run.travel_m / other.travel_m - 1
+    if not _rests(truth):
+        speed = run.travel_m / truth.travel_m - 1
     elif _rests(run):
         speed = math.nan
-    return Difference(float(position.max()), float(angle.max()), speed, energy)
+    largest_m, largest_rad = factor * float(position.max()), factor * float(angle.max())
+    apart = np.maximum(position / run.scene.robot.body_length_m, angle)
+    beyond = np.flatnonzero(apart > BELIEVED_SIZE)
+    believed_s = t_s[max(beyond[0] - 1, 0)] if beyond.size else t_s[-1]
+    return Difference(largest_m, largest_rad, factor * speed, energy), float(believed_s)
 
 
 def _rests(run: Run) -> bool:
     periods = run.t_s[-1] / run.scene.gait.period_s
     return bool(run.travel_m <= REST_LENGTHS * periods * run.scene.robot.body_length_m)
-
-
-def _believed_s(run: Run, finer: Run) -> float:
-    """Return the time up to which two runs agree to BELIEVED_SIZE."""
-    t_s, a, b = np.intersect1d(run.t_s, finer.t_s, return_indices=True)
-    limit = BELIEVED_SIZE * np.array([run.scene.robot.body_length_m] * 2 + [1.0])
-    names = ("x_m", "y_m", "theta_rad")
-    off = [np.abs(getattr(run, n)[a] - getattr(finer, n)[b]).max(axis=1) for n in names]
-    beyond = np.flatnonzero((np.transpose(off) > limit).any(axis=1))
-    return float(t_s[max(beyond[0] - 1, 0)] if beyond.size else t_s[-1])
 
 
 def _estimate(run: Run) -> RunError:
@@ -269,16 +260,18 @@ def _estimate(run: Run) -> RunError:
     unknown = Difference(math.inf, math.inf, math.inf)
     error = RunError(unknown, None, "no finer run comes to its end", False)
     with suppress(Diverged, StepTooLarge):
-        beside = Run.of(finer, start)
-        off, settled = difference(run, beside), True
-        if off.size(body_m) > CHECKED_SIZE or chatters(scene):
-            rest = difference(beside, Run.of(finer_scene(scene, 2), start))
-            settled = rest.size(body_m) <= CONTRACTION * off.size(body_m)
-            off = max(off, rest, key=lambda one: one.size(body_m))
+        second = Run.of(finer, start)
+        (largest, believed_s), settled = difference(run, second, SAFETY), True
+        if largest.size(body_m) > SAFETY * CHECKED_SIZE or chatters(scene):
+            third = Run.of(finer_scene(scene, 2), start)
+            change, _ = difference(second, third, SAFETY)
+            settled = change.size(body_m) <= CONTRACTION * largest.size(body_m)
+            largest = max(largest, change, key=lambda part: part.size(body_m))
         how += f"{getattr(finer, setting):.3g}"
-        error = RunError(off.times(SAFETY), None, how, settled, _believed_s(run, beside))
+        error = RunError(largest, None, how, settled, believed_s)
     if scene.formulation == "explicit":
         return error
     exact = exact_scene(scene, min(scene.tolerance, 1e-6))
     how = f"{error.how}; modelling: difference to the explicit formulation by {exact.method}"
-    return replace(error, modelling=difference(run, Run.of(exact, start_state(exact))), how=how)
+    springs, _ = difference(run, Run.of(exact, start_state(exact)))
+    return replace(error, modelling=springs, how=how)

@@ -39,11 +39,6 @@ class _WholeRobot:
     link_length_m: float
     link_inertia_kg_m2: float | None = None
 
-    @classmethod
-    def of(cls, robot: Robot) -> _WholeRobot:
-        """Return the table of a robot."""
-        return cls(robot.links, robot.mass_kg, robot.link_length_m, robot.link_inertia_kg_m2)
-
 
 _PARTS = {"robot": _WholeRobot, "ground": Ground, "gait": Gait, "servo": Servo}
 # Where a file's key is not the field's name: its unit is spelt out.
@@ -103,7 +98,7 @@ def load_scene(path: str | Path) -> Scene:
             f"those of one link; write format = {FORMAT}, mass_kg of the whole robot in place of "
             "link_mass_kg, and in [ground] the whole snake's friction: each number times the links"
         )
-    return _made(top, "")
+    return _read_part(top, "")
 
 
 def save_scene(scene: Scene, path: str | Path) -> None:
@@ -147,8 +142,10 @@ def scene_values(scene: Scene) -> dict[str, Any]:
             "into a TorqueTable"
         )
     fields = {f.name: getattr(scene, f.name) for f in dataclasses.fields(scene)}
-    fields["robot"] = _WholeRobot.of(scene.robot)
-    fields["ground"] = scene.ground.scaled(*4 * [scene.robot.links])
+    robot = scene.robot
+    whole = robot.links, robot.mass_kg, robot.link_length_m, robot.link_inertia_kg_m2
+    fields["robot"] = _WholeRobot(*whole)
+    fields["ground"] = scene.ground.scaled(*4 * [robot.links])
     if fields["torque"] is not None and not isinstance(scene.torque, TorqueTable):
         fields["torque"] = {"torque_nm": scene.torque}
     plain = {_KEYS.get(name, name): _plain(value) for name, value in fields.items()}
@@ -164,7 +161,7 @@ def _plain(value: Any) -> Any:
         return {str(key): _plain(inner) for key, inner in value.items()}
     if hasattr(value, "tolist"):
         return value.tolist()
-    return [_plain(one) for one in value] if isinstance(value, (list, tuple)) else value
+    return [_plain(cell) for cell in value] if isinstance(value, (list, tuple)) else value
 
 
 def _in_degrees(key: str) -> str:
@@ -185,36 +182,25 @@ def _keys(kind: type) -> dict[str, str]:
 def _present(table: Table, section: str) -> dict[str, str]:
     """Return each field that a table has, with its key there; section: "" above all tables.
 
-    Raises BadInput for keys that are unknown, out of place, missing, or there in degrees, too.
+    Raises BadInput for keys that are unknown, missing, or there in degrees, too.
     """
     kind = _PARTS.get(section, Scene)
-    known, top = _keys(kind), ("format",) * (not section)
-    for key in table.values:
-        home = _home(key)
-        if key not in (*known, *top) and home is not None:
-            place = f"in [{home}]" if home else "above the first [table]"
-            raise BadInput(f"{table.where(key)}: {key} is out of place; it belongs {place}")
-    table.only(optional=(*top, *known))
+    keys = _keys(kind)
     present: dict[str, str] = {}
-    for key, name in known.items():
+    for key, name in keys.items():
         if key in table.values and present.setdefault(name, key) != key:
             raise BadInput(f"{table.where(key)}: {present[name]} is there too; keep one of the two")
-    for field in sorted(dataclasses.fields(kind), key=lambda field: field.name):
-        optional = (field.default, field.default_factory) != (dataclasses.MISSING,) * 2
-        if not optional and field.name not in present:
-            key = _KEYS.get(field.name, field.name)
-            what = f"key {key} in [{section}]" if section else f"table [{field.name}]"
-            raise BadInput(f"{table.heading}: there is no {what}; a scene needs it")
+    missing = [
+        _KEYS.get(field.name, field.name)
+        for field in dataclasses.fields(kind)
+        if (field.default, field.default_factory) == (dataclasses.MISSING,) * 2
+        and field.name not in present
+    ]
+    table.only(*missing, optional=(*("format",) * (not section), *keys))
     return present
 
 
-def _home(key: str) -> str | None:
-    """Return the table that a key belongs in, "" for none; None for a key that is unknown."""
-    homes = (section for section, kind in {"": Scene, **_PARTS}.items() if key in _keys(kind))
-    return next(homes, None)
-
-
-def _made(table: Table, section: str, links: int = 0) -> Any:
+def _read_part(table: Table, section: str, links: int = 0) -> Any:
     """Make Scene ("") or one of its parts of its table; links: those of the robot, for the ground.
 
     A BadInput begins with file and line: of the first field that its text names.
@@ -235,17 +221,18 @@ def _made(table: Table, section: str, links: int = 0) -> Any:
     try:
         return makers[section](**values)
     except BadInput as error:
-        named = [present[word] for word in re.findall(r"\w+", str(error)) if word in present]
-        where = table.where(named[0]) if named else table.heading
-        degrees = bool(named) and named[0].endswith("_deg")
-        typed = f" (rad; here {named[0]} = {table.values[named[0]]})" if degrees else ""
+        key = next(
+            (present[word] for word in re.findall(r"\w+", str(error)) if word in present), ""
+        )
+        typed = f" (rad; here {key} = {table.values[key]})" if key.endswith("_deg") else ""
+        where = table.where(key) if key else table.heading
         raise BadInput(f"{where}: {error}{typed}") from error
 
 
 def _value(top: Table, name: str, key: str, links: int) -> Any:
     """Read one field of Scene or of a part."""
     if name in _PARTS:
-        return _made(top.table(key), name, links)
+        return _read_part(top.table(key), name, links)
     if name == "torque":
         return _torque(top.table(key))
     if name == "start" and isinstance(top.values[key], dict):
