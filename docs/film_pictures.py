@@ -1,4 +1,4 @@
-"""Five pictures for filming.md: how to film the robot."""
+"""Two pictures for filming.md: tags on the robot, and the camera."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, FancyArrow, Polygon, Rectangle
+from matplotlib.patches import Polygon, Rectangle
 
-GREEN, RED, GREY, BODY = "#009E73", "#D55E00", "#777777", "#b9c3cc"
+GREEN, GREY, BODY = "#009E73", "#777777", "#b9c3cc"
 LETTERS_PT = 12.5  # legible on a phone
 # Inner cells of the first six tags, white where a bit is 1, row by row from the top.
 PATTERNS = (0xB532, 0x0F9A, 0x332D, 0x9946, 0x549E, 0x79CD)
@@ -18,17 +18,11 @@ ANGLES = np.radians([8, 30, 12, -28, -20, 14])
 
 
 def draw(path: Path) -> None:
-    """Draw the picture of a file's name: film-tags.png and so on."""
-    pictures = {
-        "film-tags": _tags,
-        "film-robot": _on_the_robot,
-        "film-tripod": _tripod,
-        "film-frame": _frame,
-        "film-light": _light,
-    }
+    """Draw the picture of a file's name: film-robot.png or film-tripod.png."""
+    pictures = {"film-robot": _on_the_robot, "film-tripod": _tripod}
     fig = Figure(figsize=(7.2, 3.0), dpi=110, constrained_layout=True)
     ax = fig.subplots()
-    ax.set_aspect("equal")
+    ax.set(xlim=(0, 12), ylim=(0, 5), aspect="equal")
     ax.axis("off")
     pictures[path.stem](ax)
     fig.savefig(path)
@@ -68,27 +62,11 @@ def _robot(ax: Axes, x: float, y: float, link: float) -> np.ndarray:
     return np.array(middles)
 
 
-def _say(ax: Axes, x: float, y: float, words: str, colour: str = "black", **more: Any) -> None:
-    ax.text(x, y, words, color=colour, fontsize=LETTERS_PT, ha="center", **more)
-
-
-def _tags(ax: Axes) -> None:
-    ax.set(xlim=(0, 12), ylim=(0, 5))
-    ax.add_patch(Rectangle((0.5, 0.3), 3.4, 4.4, fc="white", ec="black"))
-    for k in range(6):
-        _label(ax, 1.2 + 1.0 * (k % 3), 3.3 - 1.0 * (k // 3), 0.55, link=k)
-    ax.plot([0.9, 3.4], [0.8, 0.8], color="black")
-    ax.plot(np.linspace(0.9, 3.4, 11), np.full(11, 0.85), "|", color="black")
-    _say(ax, 2.15, 0.4, "100 mm?")
-    _say(ax, 7.8, 3.3, "Print at 100 %. Hold a rule against the ruler.")
-    _label(ax, 6.1, 1.6, 1.1)
-    _say(ax, 6.1, 0.4, "cut outside the white rim", GREEN)
-    ax.add_patch(Rectangle((9.65, 1.05), 1.1, 1.1, fc="black"))
-    _say(ax, 10.2, 0.4, "rim cut off: not found", RED)
+def _say(ax: Axes, x: float, y: float, words: str) -> None:
+    ax.text(x, y, words, fontsize=LETTERS_PT, ha="center")
 
 
 def _on_the_robot(ax: Axes) -> None:
-    ax.set(xlim=(0, 12), ylim=(0, 5))
     middles = _robot(ax, 0.8, 1.5, 1.75)
     for k, (x, y) in enumerate(middles):
         _say(ax, x, y + 0.85, str(k + 1))
@@ -98,7 +76,6 @@ def _on_the_robot(ax: Axes) -> None:
 
 
 def _tripod(ax: Axes) -> None:
-    ax.set(xlim=(0, 12), ylim=(0, 5))
     ax.plot([0.3, 11.7], [0.5, 0.5], color="black")
     camera = np.array([3.0, 4.2])
     for foot in (2.2, 3.0, 3.8):
@@ -114,34 +91,3 @@ def _tripod(ax: Axes) -> None:
         "On a tripod, the camera 0 to 45°\nfrom straight down. Stabilisation off.\n"
         "Start it with a timer; touch nothing.",
     )
-
-
-def _frame(ax: Axes) -> None:
-    ax.set(xlim=(0, 12), ylim=(0, 5))
-    ax.add_patch(Rectangle((0.6, 0.3), 7.4, 4.2, fc="#eeeeee", ec="black", lw=1.5))
-    _robot(ax, 1.2, 1.4, 0.75)
-    ax.add_patch(FancyArrow(5.9, 2.0, 1.2, 0.1, width=0.03, head_width=0.2, color=GREY))
-    _say(ax, 4.3, 3.9, "1080p, 30 frames/s or more")
-    _say(
-        ax,
-        10.0,
-        3.2,
-        "The whole robot, all\nthe time; two periods\nor more; tags 33 px\n"
-        "wide or more; a floor\nwith some pattern",
-        va="center",
-    )
-
-
-def _light(ax: Axes) -> None:
-    ax.set(xlim=(0, 12), ylim=(0, 5))
-    good = "light from the side, much of it:\nshort exposure"
-    bad = "a lamp that the floor or a tag\nmirrors into the camera"
-    for x, colour, words in ((3.0, GREEN, good), (9.0, RED, bad)):
-        ax.plot([x - 2.4, x + 2.4], [1.2, 1.2], color="black")
-        _label(ax, x, 1.75, 0.7)
-        ax.add_patch(Rectangle((x - 0.3, 3.7), 0.6, 0.45, fc="black"))
-        lamp = (x - 2.0, 2.6) if colour == GREEN else (x + 1.1, 3.9)
-        ax.add_patch(Circle(lamp, 0.3, fc="#F0E442", ec=GREY))
-        ax.plot([lamp[0], x], [lamp[1], 2.0], color=colour, lw=1, ls="--")
-        _say(ax, x, 0.2, words, colour)
-    ax.add_patch(Circle((9.0, 1.75), 0.45, fc="white", alpha=0.85))
