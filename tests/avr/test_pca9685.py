@@ -125,8 +125,6 @@ def test_a_lost_driver_ends_all_pulses_and_is_found_again(start, fault):
     check_straight(talk)
 
 
-
-
 def test_a_hang_ends_all_pulses(start):
     board = start("uno", output="pca9685")
     Dialogue(board).obey("hello", "pose straight")

@@ -57,7 +57,7 @@ def spoken(message: protocol.Message) -> str:
             )
         case protocol.Verdict():
             head = "ok" if message.accepted else "err"
-            words = [f"{head}: #{message.mark}", message.error, "again" * message.again]
+            words = [f"{head}: #{message.mark}", message.error, "again" * message.is_repeat]
             return " ".join(word for word in [*words, message.detail] if word)
         case protocol.Telemetry():
             joints = enumerate(map(math.degrees, message.setpoint_rad), 1)

@@ -13,7 +13,7 @@ import serpenoid as sn
 
 from ..base.checks import POSITIVE, Limits
 from ..show.screen import say
-from .declare import Given, OutFile, command, flag, number, option, settings
+from .declare import OutFile, Values, command, flag, number, option, settings
 from .options import (
     AS_JSON,
     OFFSET,
@@ -127,7 +127,7 @@ def doctor(port: str | None, listen_s: float, limp: bool, as_json: bool) -> None
     for finding in examine(port, listen_s):
         findings.append(finding)
         if not as_json:
-            say(f"{MARKS[finding.mark]}  {finding.name}: {finding.found}")
+            say(f"{MARKS[finding.mark]}  {finding.name}: {finding.result}")
             if finding.fix:
                 say(f"      -> {finding.fix}")
     well = all(finding.mark != "fix" for finding in findings)
@@ -136,8 +136,8 @@ def doctor(port: str | None, listen_s: float, limp: bool, as_json: bool) -> None
     if not well:
         raise SystemExit(1)
     if limp:
-        found = limp_test(port, lambda text: click.confirm(text, err=True))
-        say(f"kept on the board: {found}" if found else "not tried", err=True)
+        result = limp_test(port, lambda text: click.confirm(text, err=True))
+        say(f"kept on the board: {result}" if result else "not tried", err=True)
 
 
 @command()
@@ -190,7 +190,7 @@ def drive(
     duration_s: float | None,
     port: str | None,
     record: Path | None,
-    settings: Given,
+    settings: Values,
     as_json: bool,
     **typed_gait: Any,
 ) -> None:
@@ -248,7 +248,7 @@ def predicted(snake: Snake, gait: sn.Gait, servo: sn.ServoKind | None) -> Any:
     return busy("predicting", lambda _: expect(snake, state, servo, draws=DRIVE_SERVOS)).best
 
 
-def check_board_limits(typed_gait: Given) -> None:
+def check_board_limits(typed_gait: Values) -> None:
     """Raise BadInput, in the option's name and unit, for a gait that no board takes."""
     from .._core.firmware import GAIT
 

@@ -17,7 +17,7 @@ from ..base.toml_table import check_names
 from ..show.screen import say
 
 Option = Callable[[Any], Any]
-Given = dict[str, Any]  # values of options or settings by name, or an answer
+Values = dict[str, Any]  # values of options or settings by name, or an answer
 
 
 class ResearchOption(click.Option):
@@ -74,8 +74,8 @@ def together(*options: Option) -> Option:
     """Return options that several commands have, in this order, as one."""
 
     def add(command: Callable[..., Any]) -> Callable[..., Any]:
-        for one in reversed(options):
-            command = one(command)
+        for add_option in reversed(options):
+            command = add_option(command)
         return command
 
     return add
@@ -146,12 +146,12 @@ class Setting:
 
 
 class SettingType(click.ParamType):
-    """NAME=VALUE of one of the settings `known`; `help` lists them and ends the command."""
+    """NAME=VALUE of one of the settings of a table; `help` lists them and ends the command."""
 
     name = "setting"
 
-    def __init__(self, *known: Setting) -> None:
-        self.known = {setting.name: setting for setting in known}
+    def __init__(self, *table: Setting) -> None:
+        self.known = {setting.name: setting for setting in table}
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return name and value. Raises BadInput for what is unknown or out of limits."""
@@ -167,13 +167,13 @@ class SettingType(click.ParamType):
         return name, self.known[name].value(text)
 
 
-def settings(*known: Setting) -> Option:
+def settings(*table: Setting) -> Option:
     """Return the option `--set`, whose value has what was given by name."""
     return option(
         "--set",
         "settings",
         "A rarer number, one for each --set; `--set help` lists names, units, defaults and limits.",
-        type=SettingType(*known),
+        type=SettingType(*table),
         metavar="NAME=VALUE",
         multiple=True,
         callback=lambda _context, _option, pairs: dict(pairs),
@@ -181,7 +181,13 @@ def settings(*known: Setting) -> Option:
     )
 
 
-def refuse_unused(settings: Given, why: str, *names: str) -> None:
+def chosen(settings: Values, *table: Setting) -> Values:
+    """Return those of some settings that were typed."""
+    names = {setting.name for setting in table}
+    return {name: value for name, value in settings.items() if name in names}
+
+
+def refuse_unused(settings: Values, why: str, *names: str) -> None:
     """Raise BadInput for settings that would change nothing, and say why."""
     if unused := " and ".join(name for name in names if name in settings):
         raise BadInput(f"--set {unused} would change nothing: {why}")

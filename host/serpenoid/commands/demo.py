@@ -44,21 +44,21 @@ TRUTH = Truth(
 )
 
 
-def run_demo(out: Path) -> None:
+def run_demo(folder: Path) -> None:
     """Measure, fit, predict, compare and find a gait; all of it is written into the folder."""
-    session = take_session(out / "session")
+    session = take_session(folder / "session")
     _step(
         1,
         f"A session of a simulated robot on a treadmill: {len(session.kept)} readings at rest and "
         f"{len(session.kept_gait_runs)} gait runs, as `serpenoid calibrate` asks for them.",
     )
     fit = sn.fit_friction(session)
-    sn.save_fit(fit, out / "session")
+    sn.save_fit(fit, folder / "session")
     _step(2, f"Its friction: {_beside_truth(fit)}")
 
     with working("comparing") as show_share:
         compared = sn.compare(session, fit, servo=SERVOS, progress=show_share)
-    compared.plot(out / "comparison.png")
+    compared.plot(folder / "comparison.png")
     gait = compared.gaits[1]
     _step(
         3,
@@ -66,15 +66,15 @@ def run_demo(out: Path) -> None:
         f"{gait.high_all_m_s:#.2g} m/s predicted with hobby servos, {gait.measured_m_s:#.2g} run.",
         "Both agree." if compared.verdict == "agrees" else compared.verdict_text,
     )
-    floor = push_along_floor(out, fit.robot)
-    film = measure_film_of_demo(out)
+    floor = push_along_floor(folder, fit.robot)
+    film = measure_film_of_demo(folder)
     _step(4, f"Without a treadmill, pushed along a floor: {_beside_truth(floor)}", film)
     _drive_cheapest(fit, float(f"{gait.exact_m_s:.1g}"))
 
     with working("looking at each reading that could be next"):
         advised = sn.advise(session)
-    write_text(out / "report.html", session_page(session, fit, compared, advised))
-    say(f"Look at {out / 'report.html'}")
+    write_text(folder / "report.html", session_page(session, fit, compared, advised))
+    say(f"Look at {folder / 'report.html'}")
 
 
 def _step(number: int, *sentences: str) -> None:
@@ -130,29 +130,29 @@ def _begin_anew(folder: Path, setup: Setup) -> None:
     create_session(folder, setup)
 
 
-def push_along_floor(out: Path, robot: sn.Robot) -> sn.FrictionFit:
-    """Take pushes there and back in each bend into out/floor, fit and draw them."""
+def push_along_floor(folder: Path, robot: sn.Robot) -> sn.FrictionFit:
+    """Take pushes there and back in each bend into the folder, fit and draw them."""
     setup = default_setup("demo, floor")
     plan = replace(on_place(setup.plan, "floor"), gaits=(), pushes=2)
     setup = _simulated(setup, "a floor in the virtual lab").with_robot(robot)
     body = replace(setup.robot_table, wheels_kg=WHEELS_KG)
     setup = replace(setup, robot_table=body, plan=plan)
-    _begin_anew(out / "floor", setup)
+    _begin_anew(folder / "floor", setup)
     world = drawn_floor(setup, TRUTH.ground, np.random.default_rng(SEED))
-    with Journal(out / "floor") as journal, working("pushes"):
+    with Journal(folder / "floor") as journal, working("pushes"):
         session = take_all(journal, SimulatedPerson(setup, world, SEED))
     fit = sn.fit_friction(session)
-    sn.save_fit(fit, out / "floor")
-    fit.plot(out / "floor.png", session=session)
+    sn.save_fit(fit, folder / "floor")
+    fit.plot(folder / "floor.png", session=session)
     return fit
 
 
-def measure_film_of_demo(out: Path) -> str:
+def measure_film_of_demo(folder: Path) -> str:
     """Measure the rendered film that is installed with the package (studies/demo_film.py)."""
     from ..video.seeing.extra import need_extra
 
-    folder = Path(_core.__file__).parent / "calibration_data" / "demo-film"
-    truth = read_json(folder / "truth.json")
+    data = Path(_core.__file__).parent / "calibration_data" / "demo-film"
+    truth = read_json(data / "truth.json")
     try:
         need_extra()
     except sn.BadInput as error:
@@ -162,8 +162,8 @@ def measure_film_of_demo(out: Path) -> str:
 
     gait = sn.Gait(truth["alpha_rad"], truth["beta_rad"], truth["omega_rad_s"])
     with working("watching the film"):
-        film = measure_film(folder / "film.mp4", truth["links"], truth["link_length_m"], gait=gait)
-    film_figure(film, out / "film.png")
+        film = measure_film(data / "film.mp4", truth["links"], truth["link_length_m"], gait=gait)
+    film_figure(film, folder / "film.png")
     run = film.run
     return (
         f"On a film it crawls at {1000 * run.speed_m_s:.1f} ± {1000 * run.speed_sigma_m_s:.1f} "

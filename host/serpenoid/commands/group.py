@@ -48,21 +48,23 @@ class Commands(click.Group):
         Of the latter versions of click differ.
         """
         if self.usual and args and args[0] not in (*self.commands, "-h", "--help"):
-            meant = difflib.get_close_matches(args[0], self.commands, n=1)
-            if meant and not Path(args[0]).suffix and not Path(args[0]).exists():
-                raise click.UsageError(f"nothing is called {args[0]!r}; {meant[0]!r}?", ctx)
+            matches = difflib.get_close_matches(args[0], self.commands, n=1)
+            if matches and not Path(args[0]).suffix and not Path(args[0]).exists():
+                raise click.UsageError(f"nothing is called {args[0]!r}; {matches[0]!r}?", ctx)
             args = [self.usual, *args]
         return super().parse_args(ctx, args or ["--help"])
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the commands, each with its whole first paragraph."""
-        every = {"Commands": [self.commands[name] for name in self.list_commands(ctx)]}
-        for title, commands in (self.sections or every).items():
+        ungrouped = {"Commands": [self.commands[name] for name in self.list_commands(ctx)]}
+        for title, commands in (self.sections or ungrouped).items():
             with formatter.section(title):
-                formatter.write_dl([(command.name or "", _told(command)) for command in commands])
+                formatter.write_dl(
+                    [(command.name or "", first_paragraph(command)) for command in commands]
+                )
 
 
-def _told(command: click.Command) -> str:
+def first_paragraph(command: click.Command) -> str:
     """Return the first paragraph of a command's help, on one line and without its full stop."""
     first = inspect.cleandoc(command.help or "").split("\n\n")[0]
     return " ".join(first.split()).removesuffix(".")

@@ -30,16 +30,20 @@ from .video import VIDEO_GROUP
 
 @command()
 @option(
-    "--out", "Folder for figures and figures' numbers.", type=directory, default=Path("demo-out")
+    "--out",
+    "folder",
+    "Folder for figures and figures' numbers.",
+    type=directory,
+    default=Path("demo-out"),
 )
-def demo(out: Path) -> None:
+def demo(folder: Path) -> None:
     """Go through the whole loop without a robot: session, friction, speed, floor, film, gait.
 
     The simulated robot has a hobby servo drawn at random, and no prediction is told which.
     """
     from .demo import run_demo
 
-    run_demo(out)
+    run_demo(folder)
 
 
 SECTIONS = {

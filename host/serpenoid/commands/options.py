@@ -21,8 +21,9 @@ from ..base.files import write_text
 from ..model.capture_rate import HIGHEST_HZ, OPTION
 from ..show.screen import say, working
 from .declare import (
-    Given,
     Setting,
+    Values,
+    chosen,
     flag,
     number,
     option,
@@ -64,11 +65,13 @@ ROBOT = (
         "a uniform rod's",
     ),
 )
-_BACK = "ratchet wheels: forwards,backwards"
+RATCHET = "ratchet wheels: forwards,backwards"
 FRICTION = (
-    Setting("ct", f"viscous, along the snake; {_BACK}", "N s/m", NOT_NEGATIVE, "0.084", _both_ways),
+    Setting(
+        "ct", f"viscous, along the snake; {RATCHET}", "N s/m", NOT_NEGATIVE, "0.084", _both_ways
+    ),
     Setting("cn", "viscous friction across the whole snake", "N s/m", NOT_NEGATIVE, "1.2"),
-    Setting("ft0", f"dry, along the snake; {_BACK}", "N", NOT_NEGATIVE, "0.14", _both_ways),
+    Setting("ft0", f"dry, along the snake; {RATCHET}", "N", NOT_NEGATIVE, "0.14", _both_ways),
     Setting("fn0", "dry friction across the whole snake", "N", NOT_NEGATIVE, "0.27"),
 )
 OFFSET = Setting("offset_deg", "bend of every joint: steers", "deg", Limits(-180, 180), "0")
@@ -133,7 +136,7 @@ listed_gaits = number(
 )
 
 
-def servo_kind(name: str, settings: Given) -> sn.ServoKind:
+def servo_kind(name: str, settings: Values) -> sn.ServoKind:
     """Return servos of a name or file, at the plug's settings."""
     kind = sn.servo(name)
     if "volts" in settings:
@@ -150,26 +153,26 @@ GAIT_FIELDS = {  # of Gait, by the names that are typed
 }
 
 
-def make_gait(typed: Given, settings: Given, base: sn.Gait | None = None) -> sn.Gait:
+def make_gait(typed: Values, settings: Values, base: sn.Gait | None = None) -> sn.Gait:
     """Return the gait of `gait_options` and of offset_deg, over `base` if there is one.
 
     typed: the values of the options by name; those that are None were not given.
     """
-    given = {name: v for name, v in (settings | typed).items() if name in GAIT_FIELDS}
-    given = {name: value for name, value in given.items() if value is not None}
-    rates = given.keys() & {"frequency_hz", "omega_rad_s"}
-    complete = base or (rates and given.keys() >= {"alpha_deg", "beta_deg"})
+    values = {name: v for name, v in (settings | typed).items() if name in GAIT_FIELDS}
+    values = {name: value for name, value in values.items() if value is not None}
+    rates = values.keys() & {"frequency_hz", "omega_rad_s"}
+    complete = base or (rates and values.keys() >= {"alpha_deg", "beta_deg"})
     if len(rates) > 1 or not complete:
         raise BadInput("give --alpha-deg, --beta-deg, and one of --frequency-hz and --omega-rad-s")
-    angles = {name: given.get(name, 0.0) for name in ("alpha_deg", "beta_deg", "offset_deg")}
-    made = sn.Gait.degrees(**angles, hertz=given.get("frequency_hz", 1.0))
-    fields = {GAIT_FIELDS[name]: getattr(made, GAIT_FIELDS[name]) for name in given}
-    if "omega_rad_s" in given:
-        fields["omega_rad_s"] = given["omega_rad_s"]
-    return replace(base or made, **fields)
+    angles = {name: values.get(name, 0.0) for name in ("alpha_deg", "beta_deg", "offset_deg")}
+    shape = sn.Gait.degrees(**angles, hertz=values.get("frequency_hz", 1.0))
+    fields = {GAIT_FIELDS[name]: getattr(shape, GAIT_FIELDS[name]) for name in values}
+    if "omega_rad_s" in values:
+        fields["omega_rad_s"] = values["omega_rad_s"]
+    return replace(base or shape, **fields)
 
 
-def describe(gait: sn.Gait) -> Given:
+def describe(gait: sn.Gait) -> Values:
     """Return a gait as it is typed."""
     return {
         "alpha_deg": round(math.degrees(gait.alpha_rad), 10),  # 30, not 29.999999999999996
@@ -211,11 +214,11 @@ def busy(what: str, work: Callable[[Callable[[float], object]], T]) -> T:
         return interruptible(lambda: work(show_share))
 
 
-def tell(found: Any, as_json: bool, verbose: bool, notes: Given) -> None:
+def tell(result: Any, as_json: bool, verbose: bool, notes: Values) -> None:
     """Print a result: as JSON with the notes of its fit, or its first sentence and its table."""
     from ..show import report
 
-    show_json(found.to_dict() | notes) if as_json else report.show(found, verbose=verbose)
+    show_json(result.to_dict() | notes) if as_json else report.show(result, verbose=verbose)
 
 
 def finite(values: Any) -> Any:
@@ -227,7 +230,7 @@ def finite(values: Any) -> Any:
     return None if isinstance(values, float) and not math.isfinite(values) else values
 
 
-def show_json(values: Given, path: Path | None = None) -> None:
+def show_json(values: Values, path: Path | None = None) -> None:
     """Print strict JSON, or write it into a file; what is not finite becomes null."""
     text = json.dumps(finite(values), indent=2, allow_nan=False)
     say(text) if path is None else write_text(path, text + "\n")
@@ -255,7 +258,7 @@ class Snake:
     ground: sn.Ground
     fit: sn.FrictionFit | None = None
     session: sn.Session | None = None
-    notes: Given = field(default_factory=dict)
+    notes: Values = field(default_factory=dict)
 
 
 def preset(name: str) -> Snake:
@@ -290,7 +293,7 @@ def named_snake(name: str) -> Snake:
     return Snake(fit.robot, fit.ground, fit, session, alarms_of(fit))
 
 
-def make_snake(name: str | None, settings: Given, base: Snake | None = None) -> Snake:
+def make_snake(name: str | None, settings: Values, base: Snake | None = None) -> Snake:
     """Return the robot and ground of --robot, else `base`, else 2005, with the numbers of --set.
 
     Mass and friction are those of the whole robot. Where `links` alone is set, every link keeps
@@ -298,22 +301,22 @@ def make_snake(name: str | None, settings: Given, base: Snake | None = None) -> 
     """
     if name is not None or base is None:
         base = named_snake(name or "2005")
-    body = {one.name: settings[one.name] for one in ROBOT if one.name in settings}
-    friction = {one.name: settings[one.name] for one in FRICTION if one.name in settings}
+    body = chosen(settings, *ROBOT)
+    friction = chosen(settings, *FRICTION)
     if not body and not friction:
         return base
     old, ground = base.robot, base.ground
     links = body.pop("links", old.links)
     rod = old == sn.Robot(old.links, old.link_mass_kg, old.link_length_m)  # a rod stays one
-    kept = {
+    sizes = {
         "mass_kg": links * old.link_mass_kg,
         "link_length_m": old.link_length_m,
         "link_inertia_kg_m2": None if rod else old.link_inertia_kg_m2,
     }
-    robot = sn.Robot.whole_body(links, **(kept | body))
+    robot = sn.Robot.whole_body(links, **(sizes | body))
     if friction:
-        whole = asdict(ground.scaled(*4 * [links]))
-        ground = sn.Ground.whole_body(links, **(whole | friction))
+        frictions = asdict(ground.scaled(*4 * [links]))
+        ground = sn.Ground.whole_body(links, **(frictions | friction))
     return replace(base, robot=robot, ground=ground, fit=None)
 
 
@@ -324,15 +327,15 @@ def session_fit(session: sn.Session) -> sn.FrictionFit:
     folder = session.folder
     if folder and (folder / NAME).exists():
         try:
-            kept = sn.load_fit(folder)
-            if rests_on(kept, session):
-                return tell_alarms(kept)
+            fit = sn.load_fit(folder)
+            if rests_on(fit, session):
+                return tell_alarms(fit)
         except sn.BadInput as error:  # an older version's, or edited: the readings are there
             say(f"serpenoid: warning: {error}; fitted anew", err=True)
     return tell_alarms(sn.fit_friction(session))
 
 
-def take_servo(name: str, settings: Given, snake: Snake | None = None) -> sn.ServoKind | None:
+def take_servo(name: str, settings: Values, snake: Snake | None = None) -> sn.ServoKind | None:
     """Return the servos of a name; None for joints that are ideal.
 
     snake: of a session, which has their voltage and the frames of its board.
@@ -356,7 +359,7 @@ def tell_alarms(fit: sn.FrictionFit) -> sn.FrictionFit:
     return fit
 
 
-def alarms_of(fit: sn.FrictionFit) -> Given:
+def alarms_of(fit: sn.FrictionFit) -> Values:
     """Return what forbids to trust a fit and what was not measured, as JSON answers have it."""
     old = [note for note in fit.notes if "is older than the readings" in note]
     notes = {"fit_alarms": [*fit.alarms, *old], "fit_notes": fit.unmeasured}

@@ -18,9 +18,10 @@ from ..base.checks import NOT_NEGATIVE, POSITIVE, Limits
 from ..base.errors import BadInput
 from ..show.screen import say
 from .declare import (
-    Given,
     OutFile,
     Setting,
+    Values,
+    chosen,
     command,
     flag,
     number,
@@ -79,7 +80,7 @@ SERVO_DRAWS = 512  # servos of an uncertain kind, for the interval that they lea
 def steady(
     robot: str | None,
     servo: str | None,
-    settings: Given,
+    settings: Values,
     formulation: str,
     differentiated: bool,
     verbose: bool,
@@ -96,7 +97,7 @@ def steady(
 
     snake = make_snake(robot, settings)
     body = snake.robot, snake.ground, make_gait(typed_gait, settings)
-    springs = {one.name: settings[one.name] for one in SPRINGS if one.name in settings}
+    springs = chosen(settings, *SPRINGS)
     rtol = settings.get("rtol", 1e-6)
     typed = {"gait": describe(body[2])}
     if formulation == "implicit":
@@ -154,10 +155,10 @@ class Expected:
         words = self.best.in_words()
         return f"Predicted: {words}." if self.best is self.band else words
 
-    def to_dict(self) -> Given:
+    def to_dict(self) -> Values:
         """Return the speed with servos, and the band."""
-        both = {"servo": self.servo, "band": self.band}
-        return {name: part.to_dict() for name, part in both.items() if part is not None}
+        parts = {"servo": self.servo, "band": self.band}
+        return {name: part.to_dict() for name, part in parts.items() if part is not None}
 
 
 def expect(
@@ -222,6 +223,7 @@ THREADS = Setting("threads", "threads to solve in", usual="1 a core")
 @servo_option
 @option(
     "--out",
+    "path",
     "CSV (degrees, hertz) or npz (SI units) to write.",
     type=OutFile(*SUFFIXES),
 )
@@ -236,9 +238,9 @@ THREADS = Setting("threads", "threads to solve in", usual="1 a core")
 def sweep(
     robot: str | None,
     servo: str | None,
-    settings: Given,
+    settings: Values,
     as_json: bool,
-    out: Path | None,
+    path: Path | None,
     alpha_deg: str,
     beta_deg: str,
     omega_rad_s: str | None,
@@ -272,19 +274,19 @@ def sweep(
         )
     how = {name: settings[name] for name in ("rtol", "threads") if name in settings}
     how |= {"scheduler": scheduler, "servo": kind, **grid}
-    solved, whole = [], count * (1 if kind is None else 2)
+    solved, total = [], count * (1 if kind is None else 2)
 
     def solve(show_share: Callable[[float], object]) -> sn.Sweep:
         def advance(gaits: float) -> None:
             solved.append(gaits)
-            show_share(sum(solved) / whole)
+            show_share(sum(solved) / total)
 
         return sn.sweep(snake.robot, snake.ground, progress=advance, **how)
 
     states = busy("solving", solve)
-    if out is not None:
-        write_sweep(states, out)
-        say(f"wrote {count} gaits to {out}", err=True)
+    if path is not None:
+        write_sweep(states, path)
+        say(f"wrote {count} gaits to {path}", err=True)
     show_json(states.to_dict() | snake.notes) if as_json else say(states.in_words())
 
 
@@ -323,7 +325,7 @@ def optimize(
     robot: str | None,
     speed_m_s: float,
     servo: str | None,
-    settings: Given,
+    settings: Values,
     ideal: bool,
     formulation: str,
     verbose: bool,
@@ -343,13 +345,13 @@ def optimize(
     body = snake.robot, snake.ground
     usual = "hobby" if few_links(snake) or not ideal else IDEAL
     kind = take_servo(servo or usual, settings, snake)
-    wanted: Given = {"speed_m_s": speed_m_s, "formulation": formulation}
-    wanted["cost"] = settings.get("cost", "power")
+    request: Values = {"speed_m_s": speed_m_s, "formulation": formulation}
+    request["cost"] = settings.get("cost", "power")
 
     def searched(_: object) -> tuple[sn.LeastPower, sn.LeastPower | None]:
-        best = sn.least_power_gait(*body, limits=_limits(settings, ideal, kind), **wanted)
+        best = sn.least_power_gait(*body, limits=_limits(settings, ideal, kind), **request)
         with suppress(sn.NotConverged):
-            return best, None if ideal else sn.least_power_gait(*body, **wanted)
+            return best, None if ideal else sn.least_power_gait(*body, **request)
         return best, None
 
     best, paper = busy("searching", searched)
@@ -357,8 +359,8 @@ def optimize(
     shown = kind if servo or few_links(snake) else None
     expected = busy("servos", lambda share: expect(snake, best.steady, shown, share))
     if as_json:
-        kept = {"gait", "cost_w", "losses"}
-        ideal_values = paper and {k: v for k, v in _as_dict(paper).items() if k in kept}
+        names = {"gait", "cost_w", "losses"}
+        ideal_values = paper and {k: v for k, v in _as_dict(paper).items() if k in names}
         values = _as_dict(best) | best.steady.to_dict() | {"ideal": ideal_values}
         return show_json(values | expected.to_dict() | snake.notes)
     gait_report.warn_of_losses(best.losses)
@@ -374,7 +376,7 @@ def optimize(
     return None
 
 
-def _limits(settings: Given, ideal: bool, kind: sn.ServoKind | None) -> sn.GaitLimits:
+def _limits(settings: Values, ideal: bool, kind: sn.ServoKind | None) -> sn.GaitLimits:
     """Return the limits of a search: those set, else the robot's unless ideal.
 
     The robot's are those of a new board, of servos that are to follow, and of the speed that is to
@@ -382,20 +384,20 @@ def _limits(settings: Given, ideal: bool, kind: sn.ServoKind | None) -> sn.GaitL
     """
     from ..servos.speed_limit import MAX_NO_LOAD_SHARE, no_load_rad_s
 
-    limits: Given = {}
+    limits: Values = {}
     if not ideal:
         limits |= BOARD_LIMITS
         if kind is not None:
             followed_rad_s = (1 - _SPEED_ROUNDING) * MAX_NO_LOAD_SHARE * no_load_rad_s(kind)
             slowest = min(limits["servo_speed_deg_s"], math.degrees(followed_rad_s))
             limits["servo_speed_deg_s"] = slowest
-    limits |= {one.name: settings[one.name] for one in LIMITS if one.name in settings}
+    limits |= chosen(settings, *LIMITS)
     angles = [name for name in limits if "_deg" in name]
     limits |= {name.replace("_deg", "_rad"): math.radians(limits.pop(name)) for name in angles}
     return sn.GaitLimits(**limits)
 
 
-def _as_dict(best: sn.LeastPower) -> Given:
+def _as_dict(best: sn.LeastPower) -> Values:
     """Return a gait with its cost and what it loses."""
     return {
         "gait": describe(best.gait),

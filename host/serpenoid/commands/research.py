@@ -28,9 +28,11 @@ def _tell(text: str) -> None:
 
 
 @click.command(cls=Command)
-@option("--out", "Folder for figures and numbers.", type=directory, default=Path("bench-out"))
+@option(
+    "--out", "folder", "Folder for figures and numbers.", type=directory, default=Path("bench-out")
+)
 @flag("--quick", "Three scenes and a coarse map, in a quarter of a minute; else four minutes.")
-def bench(out: Path, quick: bool) -> None:
+def bench(folder: Path, quick: bool) -> None:
     """Measure every method beside SciPy: error against run time, stability, and costs.
 
     Exit status 1 where a run hangs, has a NaN or is silently wrong.
@@ -41,47 +43,47 @@ def bench(out: Path, quick: bool) -> None:
 
     def save(name: str, rows: Sequence[Any]) -> None:
         header = [field.name for field in dataclasses.fields(rows[0])]
-        write_csv(out / name, header, [list(dataclasses.astuple(row)) for row in rows])
+        write_csv(folder / name, header, [list(dataclasses.astuple(row)) for row in rows])
 
-    out.mkdir(parents=True, exist_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
     _tell("what each term of a scene costs ...")
     costs = list(scenes.measure(quick))
     save("costs.csv", costs)
     rows = list(work_precision.measure(quick, _tell))
-    work_precision.write_rows(out / "accuracy.csv", rows)
-    work_precision_figure(rows, out / "accuracy.png", work_precision.machine())
+    work_precision.write_rows(folder / "accuracy.csv", rows)
+    work_precision_figure(rows, folder / "accuracy.png", work_precision.machine())
     grid = stability_map.QUICK if quick else stability_map.FULL
     cells = list(stability_map.measure(grid, _tell))
     save("stability.csv", cells)
-    stability_map.stability_figure(cells, out / "stability.png")
+    stability_map.stability_figure(cells, folder / "stability.png")
     outcomes = list(extremes.measure(quick, _tell))
     save("extremes.csv", outcomes)
 
     say(f"Milliseconds a simulated second at an error of 1e-6:\n\n{work_precision.table(rows)}\n")
     say("Time of a Runge-Kutta step, 6 links, and its ratio to the plain scene:")
-    for one in costs:
-        say(f"{one.formulation:10}{one.scene:28}{one.step_us:7.2f} us{one.ratio:7.2f}")
+    for cost in costs:
+        say(f"{cost.formulation:10}{cost.scene:28}{cost.step_us:7.2f} us{cost.ratio:7.2f}")
     for method in dict.fromkeys(cell.method for cell in cells):
         words = Counter(stability_map.WORDS[cell.kind] for cell in cells if cell.method == method)
         say(f"\n{method}: " + ", ".join(f"{count} {word}" for word, count in words.items()))
     say("\nExtreme scenes: " + ", ".join(f"{n} {w}" for w, n in _outcomes(outcomes).items()))
     defects = count_defects(cells, outcomes)
     say("Defects: " + ", ".join(f"{word} {count}" for word, count in defects.items()))
-    say(f"Figures and numbers are in {out}")
+    say(f"Figures and numbers are in {folder}")
     if any(defects.values()):
         raise SystemExit(1)
 
 
 def _outcomes(outcomes: Sequence[Outcome]) -> Counter[str]:
-    return Counter(one.outcome for one in outcomes)
+    return Counter(outcome.outcome for outcome in outcomes)
 
 
 def count_defects(cells: Sequence[Cell], outcomes: Sequence[Outcome]) -> dict[str, int]:
     """Return how many cells and extreme scenes show each defect: all must be 0."""
     from ..bench.extremes import DEFECTS
 
-    found = _outcomes(outcomes)
-    counts = {word: found[word] for word in DEFECTS}
+    results = _outcomes(outcomes)
+    counts = {word: results[word] for word in DEFECTS}
     counts["SILENTLY WRONG"] += sum(cell.kind == 3 and not cell.note for cell in cells)
     counts["HANG"] += len({cell.note for cell in cells if cell.note})
     return counts
@@ -92,9 +94,11 @@ HERTZ = 0.2, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0
 
 
 @command()
-@option("--out", "Folder for figures and claims.", type=directory, default=Path("figures-out"))
+@option(
+    "--out", "folder", "Folder for figures and claims.", type=directory, default=Path("figures-out")
+)
 @AS_JSON
-def figures(out: Path, as_json: bool) -> None:
+def figures(folder: Path, as_json: bool) -> None:
     """Draw the figures of the 2005 paper anew, and set its claims beside what is found.
 
     Writes Figs. 6 to 13 and 15 to 17, the front of least power of the 2005 robot, and claims.json.
@@ -105,17 +109,17 @@ def figures(out: Path, as_json: bool) -> None:
     from ..paper.claims import as_dict
     from ..show.report import table
 
-    found = busy("drawing figures", lambda _: draw(out))
-    values = as_dict(found)
-    show_json(values, out / "claims.json")
+    results = busy("drawing figures", lambda _: draw(folder))
+    values = as_dict(results)
+    show_json(values, folder / "claims.json")
     if as_json:
         return show_json(values)
-    cells = [[c.where, c.paper, c.here, c.verdict] for c in found]
+    cells = [[c.where, c.paper, c.here, c.verdict] for c in results]
     table("the paper's claims", ["where", "the paper", "here", "verdict"], cells, 4)
-    return say(f"wrote {out / 'claims.json'} and the figures")
+    return say(f"wrote {folder / 'claims.json'} and the figures")
 
 
-def draw(out: Path) -> list[Claim]:
+def draw(folder: Path) -> list[Claim]:
     """Compute the study and draw its figures into a folder; return the claims."""
     import numpy as np
 
@@ -129,19 +133,19 @@ def draw(out: Path) -> list[Claim]:
 
     closed = study.compare_formulations("zero")
     opened = study.compare_formulations("slow_manifold")
-    gait_figures.errors_in_time(closed, opened, out / "fig6-7.png")
+    gait_figures.errors_in_time(closed, opened, folder / "fig6-7.png")
     front = study.papers_front()
     words = f"the paper's robot: {plot.robot_words(study.ROBOT, study.GROUND)}; net power"
-    gait_figures.power_of(study.papers_sweep(), front, words, out / "fig8.png")
+    gait_figures.power_of(study.papers_sweep(), front, words, folder / "fig8.png")
     papers = {"beta_deg": 80.0, "alpha_deg": 30.0}
-    gait_figures.optimum_figure(front, papers, words, out / "fig9-11.png")
+    gait_figures.optimum_figure(front, papers, words, folder / "fig9-11.png")
     run = study.path_run(study.PATH_GAIT, 3)
     title = "the paper's robot, α = 30°, β = 80°, ω = 5 rad/s"
-    plot.path_and_poses(run, title, out / "fig12-13.png")
+    plot.path_and_poses(run, title, folder / "fig12-13.png")
     session = sn.load_session(Path(_core.__file__).parent / "calibration_data" / "nirakh-2005")
     fit = sn.fit_friction(session)
     lost = "readings regenerated from the lines that the paper prints: its own are lost"
-    fit.plot(out / "fig15-16.png", session=session, note=lost)
+    fit.plot(folder / "fig15-16.png", session=session, note=lost)
     gaits = [sn.Gait.degrees(70, 75, hertz=hertz) for hertz in HERTZ]
     bands = in_threads(lambda gait: speed_band(fit, gait, servo=None), gaits)
     exact = np.array([band.speed_m_s for band in bands])
@@ -149,10 +153,10 @@ def draw(out: Path) -> list[Claim]:
     implicit = in_threads(on_springs, gaits)
     speeds = np.array([springs.speed_m_s for springs in implicit])
     title = "2005 robot, α = 70°, β = 75°"
-    plot.formulations_figure(np.array(HERTZ), exact, speeds, title, out / "fig17.png")
+    plot.formulations_figure(np.array(HERTZ), exact, speeds, title, folder / "fig17.png")
     body = study.OF_2005, study.BINGHAM
     optima = [best for best in sn.power_front(*body, speeds_m_s=study.FRONT_2005_M_S) if best]
     words = f"2005 robot: {plot.robot_words(*body)}"
-    gait_figures.power_of(study.cloud_2005(), optima, words, out / "front-2005.png")
+    gait_figures.power_of(study.cloud_2005(), optima, words, folder / "front-2005.png")
     ends = [(hz, b.low_m_s, b.high_m_s) for hz, b in zip(HERTZ, bands, strict=True)]
     return claims(closed, opened, front, ends)

@@ -22,9 +22,10 @@ from .declare import (
     EXISTING,
     FIGURES,
     FOLDER,
-    Given,
     OutFile,
     Setting,
+    Values,
+    chosen,
     command,
     flag,
     number,
@@ -100,7 +101,7 @@ SCENE = (
 @servo_option
 @number("--incline-deg", "Slope of the ground, uphill along the x axis.", limits=Limits(0, 90))
 @number("--duration-s", "Length of the run; 10.")
-@option("--out", "CSV of all links at all recorded times.", type=OutFile(".csv"))
+@option("--out", "csv", "CSV of all links at all recorded times.", type=OutFile(".csv"))
 @option(
     "--plot",
     "figure",
@@ -126,19 +127,19 @@ SCENE = (
 def simulate(
     scene_path: Path | None,
     saved_path: Path | None,
-    out: Path | None,
+    csv: Path | None,
     figure: Path | None,
     accuracy: float | None,
     no_error: bool,
     verbose: bool,
     as_json: bool,
-    **given: Any,
+    **typed: Any,
 ) -> None:
     """Follow one scene in time: a scene file, options, or a file with options over it."""
     from ..show import report, run_report
 
-    settings = given["settings"]
-    scene, notes = make_scene(scene_path and sn.load_scene(scene_path), **given)
+    settings = typed["settings"]
+    scene, notes = make_scene(scene_path and sn.load_scene(scene_path), **typed)
     if scene.formulation == "explicit":
         refuse_unused(settings, PINNED, "joint_stiffness_n_m", "joint_damping_n_s_m", "gap")
     if accuracy is not None or not scene.adaptive:
@@ -153,14 +154,14 @@ def simulate(
 
     try:
         run = busy("simulating", simulated)
-        if out is not None:
-            run.to_csv(out)
+        if csv is not None:
+            run.to_csv(csv)
     except KeyboardInterrupt:
         say("nothing of this run is kept", err=True)
         raise
     if figure is not None:
         run.plot(figure)
-    report.wrote(saved_path, out, figure)
+    report.wrote(saved_path, csv, figure)
     summary = busy("estimating the error", lambda _: run_report.run_summary(run, not no_error))
     if as_json:
         show_json({"gait": describe(scene.gait)} | summary | notes)
@@ -172,9 +173,9 @@ def make_scene(
     base: sn.Scene | None,
     robot: str | None,
     servo: str | None,
-    settings: Given,
+    settings: Values,
     **typed: Any,
-) -> tuple[sn.Scene, Given]:
+) -> tuple[sn.Scene, Values]:
     """Make a scene of the options, over a scene file's if there is one.
 
     typed: options of the gait, and those that are named as a scene's fields.
@@ -182,8 +183,7 @@ def make_scene(
     Returns the scene, and what JSON says of the fit that it rests on.
     """
     snake = make_snake(robot, settings, base and Snake(base.robot, base.ground))
-    names = {one.name for one in (*SCENE, *SPRINGS)}
-    fields: Given = {name: value for name, value in settings.items() if name in names}
+    fields = chosen(settings, *SCENE, *SPRINGS)
     fields |= {n: v for n, v in typed.items() if v is not None and n not in GAIT_FIELDS}
     for name in {"incline_deg", "incline_direction_deg"} & fields.keys():
         fields[name.replace("_deg", "_rad")] = math.radians(fields.pop(name))
@@ -202,6 +202,7 @@ def make_scene(
 @robot_option
 @option(
     "--out",
+    "page",
     "Page to write; it needs no other file. WHAT's name in this folder, unless given.",
     type=OutFile(".html"),
 )
@@ -209,7 +210,7 @@ def make_scene(
 @settings(*ROBOT, *FRICTION)
 @AS_JSON
 def view(
-    what: Path, robot: str | None, out: Path | None, open_it: bool, settings: Given, as_json: bool
+    what: Path, robot: str | None, page: Path | None, open_it: bool, settings: Values, as_json: bool
 ) -> None:
     """Write a page in which the snake crawls: play and scrub; slip and sticking of wheels.
 
@@ -221,7 +222,7 @@ def view(
     from ..show.plot import gait_title
     from ..show.run_figure import scene_words
 
-    out = out or Path(f"{what.stem}.html")
+    page = page or Path(f"{what.stem}.html")
     if what.suffix == ".toml":
         if robot is not None or settings:
             raise click.UsageError(
@@ -234,19 +235,22 @@ def view(
     else:
         snake = make_snake(robot, settings)
         whose = f"robot and ground of {robot or 2005}{', changed' if settings else ''}"
-        of = load_stream(what), snake.robot, snake.ground
-        title, (gait, shown) = what.name, busy("predicting", lambda _: view_page.of_recording(*of))
+        arguments = load_stream(what), snake.robot, snake.ground
+        title, (gait, shown) = (
+            what.name,
+            busy("predicting", lambda _: view_page.of_recording(*arguments)),
+        )
         about = (
             f"{gait_title(gait)}; the path is predicted for the {whose} "
             "from the set-points that the firmware reported"
         )
-    view_page.write_page(out, title, about, shown)
+    view_page.write_page(page, title, about, shown)
     if open_it:
-        webbrowser.open(out.resolve().as_uri())
+        webbrowser.open(page.resolve().as_uri())
     if as_json:
-        show_json({"page": str(out), "duration_s": shown["t_s"][-1], "gait": describe(gait)})
+        show_json({"page": str(page), "duration_s": shown["t_s"][-1], "gait": describe(gait)})
     else:
-        say(f"wrote {out}; open it in a browser")
+        say(f"wrote {page}; open it in a browser")
 
 
 BROUGHT = Path(_core.__file__).parent

@@ -16,8 +16,9 @@ from .declare import (
     EXISTING,
     FIGURES,
     FOLDER,
-    Given,
     OutFile,
+    Values,
+    chosen,
     number,
     option,
     settings,
@@ -48,7 +49,7 @@ def VIDEO_GROUP() -> None:
     """
 
 
-SIZES = tuple(one for one in ROBOT if one.name in ("links", "link_length_m"))
+SIZES = tuple(size for size in ROBOT if size.name in ("links", "link_length_m"))
 TAGS = together(
     option(
         "--session",
@@ -64,14 +65,14 @@ TAGS = together(
 
 
 def _robot(
-    session: Path | None, tag_mm: float | None, settings: Given
+    session: Path | None, tag_mm: float | None, settings: Values
 ) -> tuple[sn.Robot, float | None]:
     """Return the robot and its tags' side (m): of the options, else of the session."""
     from ..session.folder import read_session, write_setting
 
     setup = read_session(session).setup if session else None
     base = setup.robot if setup else named_snake("2005").robot
-    sizes = {one.name: settings[one.name] for one in SIZES if one.name in settings}
+    sizes = chosen(settings, *SIZES)
     kept_m = setup.robot_table.tag_side_m if setup else None
     side_m = kept_m if tag_mm is None else tag_mm / 1e3
     if session and side_m and side_m != kept_m:
@@ -82,10 +83,16 @@ def _robot(
 @VIDEO_GROUP.command()
 @TAGS
 @option("--paper", "Size of the paper.", choice=["a4", "letter"], default="a4")
-@option("--out", "File to write.", type=OutFile(".pdf", ".png", ".svg"), default=Path("tags.pdf"))
+@option(
+    "--out",
+    "path",
+    "File to write.",
+    type=OutFile(".pdf", ".png", ".svg"),
+    default=Path("tags.pdf"),
+)
 @settings(*SIZES)
 def tags(
-    session: Path | None, tag_mm: float | None, paper: str, out: Path, settings: Given
+    session: Path | None, tag_mm: float | None, paper: str, path: Path, settings: Values
 ) -> None:
     """Write a sheet of tags to print: one for each link, with cut lines and a ruler."""
     from ..show.video.tag_sheet import tag_sheet
@@ -95,8 +102,8 @@ def tags(
     need_extra()
     robot, side = _robot(session, tag_mm, settings)
     side = side or tag_side_m(robot.link_length_m)
-    tag_sheet(tag_cells(robot.links), side, robot.link_length_m, paper, out)
-    say(f"wrote {out}: {robot.links} tags of {1e3 * side:g} mm; print at 100 %")
+    tag_sheet(tag_cells(robot.links), side, robot.link_length_m, paper, path)
+    say(f"wrote {path}: {robot.links} tags of {1e3 * side:g} mm; print at 100 %")
 
 
 @VIDEO_GROUP.command()
@@ -120,7 +127,7 @@ def film(
     file: Path,
     session: Path | None,
     tag_mm: float | None,
-    settings: Given,
+    settings: Values,
     recording: Path | None,
     way: str | None,
     capture_fps: float | None,
@@ -152,9 +159,9 @@ def film(
         raise click.UsageError("--recording has the gait; leave the gait's options out")
     gait = recorded_gait(recording, robot.links - 1) if recording else None
     gait = make_gait(typed_gait, settings) if typed else gait
-    how: Given = {"board_rate": recording is not None, "capture_fps": capture_fps}
-    of = file, robot.links, robot.link_length_m, side, gait
-    film = busy("watching the film", lambda share: measure_film(*of, progress=share, **how))
+    how: Values = {"board_rate": recording is not None, "capture_fps": capture_fps}
+    arguments = file, robot.links, robot.link_length_m, side, gait
+    film = busy("watching the film", lambda share: measure_film(*arguments, progress=share, **how))
     if track is not None:
         write_track(film.measured, track)
     if picture is not None:

@@ -206,7 +206,7 @@ class RobotBoard:
 
     def settings(self) -> dict[str, float]:
         """Return the board's settings by name, in the units of PROTOCOL.md."""
-        settings = self._asked("set", settings_of)
+        settings = self._answer_of("set", settings_of)
         self._dialogue.inbox.expect(int(settings["every"]))
         self._dialogue.feed(settings["silence"])
         return settings
@@ -218,7 +218,7 @@ class RobotBoard:
     def trims(self) -> tuple[Trim, ...]:
         """Return all servos' trims, tail first."""
         joints = self.hello.joints
-        return self._asked("trim", lambda data: trims_of(data, joints))
+        return self._answer_of("trim", lambda data: trims_of(data, joints))
 
     def trim(self, joint: int, field: str, value: float) -> None:
         """Set a joint's centre, scale, dir, low or high to a value; units: PROTOCOL.md."""
@@ -242,7 +242,7 @@ class RobotBoard:
 
     def status(self) -> Status:
         """Return the board's state and counters."""
-        return self._asked("status", status_of)
+        return self._answer_of("status", status_of)
 
     def settle(self, most_s: float = SETTLED_S) -> None:
         """Wait until no joint is on its way to a pose, at most most_s, s; else raise RobotLost."""
@@ -286,7 +286,7 @@ class RobotBoard:
             self.settings()
         return answer
 
-    def _asked(self, text: str, read: Callable[[list[Data]], T]) -> T:
+    def _answer_of(self, text: str, read: Callable[[list[Data]], T]) -> T:
         """Ask until every line of the answer came whole; verdicts are repeated, data are not."""
         for _ in range(ATTEMPTS):
             answer = self._dialogue.ask(text)
@@ -330,16 +330,16 @@ class RobotBoard:
     def _leave(self, error: BaseException | None) -> None:
         self._signals.held = True
         talk, result = self._talk, CloseResult(None, None)
-        told: RobotError | None = None
+        raised: RobotError | None = None
         try:
             if talk is not None:
                 result = talk.leave()
                 talk.link.close()
-            told = _told(result, self._end_recording(error), error)
+            raised = _error_to_raise(result, self._end_recording(error), error)
         finally:
-            self._signals.restore(forget=told is not None)
-        if told:
-            raise told from error
+            self._signals.restore(forget=raised is not None)
+        if raised:
+            raise raised from error
 
     def _end_recording(self, error: BaseException | None) -> RecordingFailed | None:
         """Close the recording; return why it is not whole, if that is not told otherwise."""
@@ -358,7 +358,7 @@ class RobotBoard:
         return None if unwritten is failure else unwritten
 
 
-def _told(
+def _error_to_raise(
     result: CloseResult, unwritten: RecordingFailed | None, error: BaseException | None
 ) -> RobotError | None:
     """Return an error that no call has raised yet, if it may be raised in place of `error`.

@@ -39,31 +39,31 @@ class SignalGuard:
         if threading.current_thread() is not threading.main_thread():
             return
         for number in _WATCHED:
-            before = signal.getsignal(number)
-            if before in (signal.SIG_IGN, None):  # None: not Python's to give back
+            handler = signal.getsignal(number)
+            if handler in (signal.SIG_IGN, None):  # None: not Python's to give back
                 continue
-            self._before[number] = before
+            self._before[number] = handler
             signal.signal(number, self._on_signal)
 
     def restore(self, *, forget: bool = False) -> None:
         """Restore the handlers, and send the signal that was kept unless it is to be dropped."""
         try:
-            for number, before in reversed(self._before.items()):  # SIGINT last: it is kept so far
-                signal.signal(number, before)
+            for number, handler in reversed(self._before.items()):  # SIGINT last: it is kept so far
+                signal.signal(number, handler)
         finally:  # where the handler of another signal raised, those that are left act at once
             self.held = False
-        kept, self._kept = self._kept, None
-        if kept is not None and not forget:
-            signal.raise_signal(kept)
+        number, self._kept = self._kept, None
+        if number is not None and not forget:
+            signal.raise_signal(number)
 
     def _on_signal(self, number: int, frame: FrameType | None) -> None:
         self._stop()
         if self.held or (frame is not None and frame.f_code in self._leaving):
             self._kept = number
             return
-        before = self._before.get(number)
-        if callable(before):
-            before(number, frame)
+        handler = self._before.get(number)
+        if callable(handler):
+            handler(number, frame)
         elif number in system.SUSPENDING:
             system.suspend()
             self._resumed()

@@ -170,5 +170,6 @@ def test_what_is_printed() -> None:
 
 def test_a_long_run_tells_how_far_it_is_where_nobody_watches(monkeypatch) -> None:
     monkeypatch.setattr("serpenoid.show.screen.REPORT_S", 0.0)
-    told = serpenoid("simulate --alpha-deg 30 --beta-deg 80 --frequency-hz 1 --duration-s 2").stderr
+    line = "simulate --alpha-deg 30 --beta-deg 80 --frequency-hz 1 --duration-s 60 --no-error"
+    told = serpenoid(line).stderr
     assert "simulating, " in told

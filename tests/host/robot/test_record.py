@@ -46,7 +46,7 @@ def test_frames_read_back_as_they_came(recorded):
     np.testing.assert_allclose(np.diff(stream.host_s), 0.02, atol=0.003)
     assert (stream.damaged, stream.end) == (0, "closed")
     assert any(" gait 30 80 5 0 *" in text for _, text in stream.sent)
-    assert [t for _, t in stream.said if t.startswith("state: gait why=command")]
+    assert [t for _, t in stream.reports if t.startswith("state: gait why=command")]
 
 
 def test_any_cut_leaves_every_whole_line(recorded, tmp_path):

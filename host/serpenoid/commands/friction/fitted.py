@@ -14,9 +14,10 @@ from ...show.screen import say
 from ..declare import (
     FIGURES,
     FOLDER,
-    Given,
     OutFile,
     Setting,
+    Values,
+    chosen,
     command,
     flag,
     option,
@@ -48,7 +49,7 @@ of_session = together(click.argument("session", type=FOLDER), servo_option)
 
 
 def measured(
-    folder: Path, servo: str | None, settings: Given
+    folder: Path, servo: str | None, settings: Values
 ) -> tuple[sn.Session, sn.FrictionFit, sn.ServoKind | None]:
     """Return a session, the fit of its readings, and servos: any hobby servo unless named."""
     session = sn.load_session(folder)
@@ -98,7 +99,7 @@ def fit(
     if figure is not None:
         fit.plot(figure, session=loaded)
         report.wrote(figure)
-    for doubt in dict.fromkeys(str(each.message) for each in doubts):
+    for doubt in dict.fromkeys(str(doubt.message) for doubt in doubts):
         warnings.warn(doubt, stacklevel=1)  # beside the figures that a wrong setting spoils
     if as_json:
         show_json(fit.to_dict())
@@ -120,7 +121,7 @@ def advise(
     session: Path,
     gaits: list[sn.Gait],
     servo: str | None,
-    settings: Given,
+    settings: Values,
     verbose: bool,
     as_json: bool,
 ) -> None:
@@ -149,7 +150,7 @@ def compare(
     gaits: list[sn.Gait],
     servo: str | None,
     figure: Path | None,
-    settings: Given,
+    settings: Values,
     verbose: bool,
     as_json: bool,
 ) -> None:
@@ -162,7 +163,7 @@ def compare(
     from ...show import report
 
     loaded, fit, kind = measured(session, servo, settings)
-    how = {one.name: settings[one.name] for one in (SAMPLES, AMPLITUDE) if one.name in settings}
+    how = chosen(settings, SAMPLES, AMPLITUDE)
     compared = busy(
         "comparing",
         lambda share: sn.compare(loaded, fit, gaits=gaits, servo=kind, progress=share, **how),
@@ -175,11 +176,11 @@ def compare(
 
 @command()
 @of_session
-@option("--out", "Where to; report.html in the session's folder.", type=OutFile(".html"))
+@option("--out", "page", "Where to; report.html in the session's folder.", type=OutFile(".html"))
 @settings(*PLUG)
 @AS_JSON
 def report(
-    session: Path, servo: str | None, out: Path | None, settings: Given, as_json: bool
+    session: Path, servo: str | None, page: Path | None, settings: Values, as_json: bool
 ) -> None:
     """Write a session's report: one self-contained HTML file, the same bytes when made again.
 
@@ -189,7 +190,7 @@ def report(
     from ...prediction.comparison import compared_gaits
     from ...show.session.report_page import session_page
 
-    out = out or session / "report.html"
+    page = page or session / "report.html"
     loaded, fit, kind = measured(session, servo, settings)
     compared = None
     if compared_gaits(loaded):
@@ -197,8 +198,8 @@ def report(
             "comparing", lambda share: sn.compare(loaded, fit, servo=kind, progress=share)
         )
     advised = sn.advise(loaded, servo=kind) if loaded.setup.plan.gaits else None
-    write_text(out, session_page(loaded, fit, compared, advised))
+    write_text(page, session_page(loaded, fit, compared, advised))
     if as_json:
-        show_json({"report": str(out), "verdict": compared and compared.verdict} | alarms_of(fit))
+        show_json({"report": str(page), "verdict": compared and compared.verdict} | alarms_of(fit))
     else:
-        say(f"wrote {out}")
+        say(f"wrote {page}")

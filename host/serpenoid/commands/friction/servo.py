@@ -13,9 +13,9 @@ from ...base.checks import Limits, check_choice
 from ...show.screen import say
 from ..declare import (
     EXISTING,
-    Given,
     OutFile,
     Setting,
+    Values,
     command,
     number,
     option,
@@ -66,15 +66,15 @@ BENCH = (
     nargs=2,
     metavar="KG M",
 )
-@option("--out", "File for --servo of other commands.", type=OutFile(".toml"))
+@option("--out", "path", "File for --servo of other commands.", type=OutFile(".toml"))
 @settings(*PLUG, *BENCH)
 @AS_JSON
 def servo(
     table: Path,
     like: str,
     load: tuple[float, float] | None,
-    out: Path | None,
-    settings: Given,
+    path: Path | None,
+    settings: Values,
     as_json: bool,
 ) -> None:
     """Measure a servo: whether the model describes a bench test, and which servos would move so.
@@ -103,22 +103,22 @@ def servo(
             _load(load, settings),
             np.array(sent[0]) if sent else None,
         )
-        name = "measured" if out is None else out.stem
+        name = "measured" if path is None else path.stem
         measured = busy("trying servos", lambda _: servo_of_test(test, kind, name=name))
     show_json(answer(measured, test)) if as_json else show(measured, test)
-    if out is None:
+    if path is None:
         return
     if not measured.verdict.describes:
         raise sn.SerpenoidError(
-            f"{out} is not written: the model does not describe the table. Look at its columns "
+            f"{path} is not written: the model does not describe the table. Look at its columns "
             "and units, or give --load"
         )
-    sn.save_servo(measured.kind, out)
+    sn.save_servo(measured.kind, path)
     if not as_json:
-        say(f"Written: {out}; give it to other commands with --servo {out}.")
+        say(f"Written: {path}; give it to other commands with --servo {path}.")
 
 
-def _load(load: tuple[float, float] | None, settings: Given) -> Load | None:
+def _load(load: tuple[float, float] | None, settings: Values) -> Load | None:
     from ...servos.bench_test import Load
 
     if load is None:
@@ -147,10 +147,12 @@ def notes(measured: MeasuredServo) -> list[str]:
 
     lines = ["Open: " + ", ".join(measured.open) + "."] if measured.open else []
     if measured.outside:
-        far = ", ".join(f"{name} ({off:+.1f} sigma)" for name, off in measured.outside.items())
-        lines.append(f"Far from what is usual: {far}.")
-    pulls = [one for name, one in measured.determined.items() if name in UNSTATED_LOAD]
-    pull = max(pulls, key=lambda one: abs(one.value) / one.sigma, default=None)
+        unusual = ", ".join(
+            f"{name} ({sigmas:+.1f} sigma)" for name, sigmas in measured.outside.items()
+        )
+        lines.append(f"Far from what is usual: {unusual}.")
+    pulls = [value for name, value in measured.determined.items() if name in UNSTATED_LOAD]
+    pull = max(pulls, key=lambda value: abs(value.value) / value.sigma, default=None)
     if pull is not None and abs(pull.value) > FAR_SIGMAS * pull.sigma:
         lines.append(
             f"Something pulls the joint with {abs(pull.value):.2g} of the motor's torque: if a "
@@ -171,7 +173,7 @@ def answer(measured: MeasuredServo, test: BenchTest) -> dict[str, Any]:
         "name": measured.kind.name,
         "servo": asdict(measured.kind.servo),
         "readings": test.t_s.size,
-        "determined": {name: one._asdict() for name, one in measured.determined.items()},
+        "determined": {name: value._asdict() for name, value in measured.determined.items()},
         "open": measured.open,
         "outside": measured.outside,
         "notes": notes(measured),
@@ -190,7 +192,7 @@ def show(measured: MeasuredServo, test: BenchTest) -> None:
         f"{ranged(no_load.value, 'rad/s', no_load.low, no_load.high)}: "
         f"{two_digits(math.pi / 3 / no_load.value)} s for 60°."
     )
-    rows = [Row(name, "", *one[:3]).cells for name, one in measured.determined.items()]
+    rows = [Row(name, "", *value[:3]).cells for name, value in measured.determined.items()]
     report.table(measured.kind.source, ["measured", "typical", "95 %"], rows)
     for note in notes(measured):
         report.console.print(note)

@@ -16,7 +16,8 @@ from ...base.errors import BadInput, RecordingFailed
 
 TITLE = "# serpenoid wire 1"
 COLUMNS = "# seconds since the start, < from or > to the board, the line with its CRC"
-OPEN_S = CLOSE_S = 2.0  # for the disk to take the first row, and all that waits at the end
+OPEN_S = 2.0  # for the disk to take the first row
+CLOSE_S = 2.0  # for it to take all that waits at the end
 
 
 @dataclass

@@ -35,11 +35,11 @@ def recorded_gait(path: Path, joints: int) -> Gait:
 
 def longest_gait(stream: Stream) -> Gait:
     """Return the gait that ran for most frames, as it was sent to the board; raise BadInput."""
-    obeyed = {line.split(" ")[1] for _, line in stream.said if line.startswith("ok: ")}
+    obeyed = {line.split(" ")[1] for _, line in stream.reports if line.startswith("ok: ")}
     gaits = [
-        (sent_s, asked.groups("0"))
+        (sent_s, match.groups("0"))
         for sent_s, line in stream.sent
-        if (asked := _GAIT.fullmatch(line)) and asked[1] in obeyed
+        if (match := _GAIT.fullmatch(line)) and match[1] in obeyed
     ]
     running_s = stream.host_s[stream.state == "gait"]
     frames = np.histogram(running_s, [*(sent_s for sent_s, _ in gaits), math.inf])[0]

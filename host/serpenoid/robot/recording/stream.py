@@ -43,7 +43,7 @@ class Stream:
     begun: UTC, ISO 8601. host_s (N,): arrival since the start. frame (N,): the board's count.
     board_s (N,): the board's time, wraps undone. phase_rad (N,), setpoint_rad (N, joints), pulse_us
     (N, joints), exec_us (N,), late_us (N,), clipped (N,), state (N,): as in the telemetry of
-    PROTOCOL.md. sent, said: all lines to the board, and those from it that are not telemetry, as
+    PROTOCOL.md. sent, reports: all lines to the board, and those from it that are not telemetry, as
     (host_s, text).
     damaged: lines from the board that cannot be trusted: a wrong CRC, too many bytes, a clock that
     hops, another number of joints. end: how the run ended, None if it was cut off.
@@ -61,7 +61,7 @@ class Stream:
     clipped: NDArray[np.int64]
     state: NDArray[np.str_]
     sent: tuple[tuple[float, str], ...]
-    said: tuple[tuple[float, str], ...]
+    reports: tuple[tuple[float, str], ...]
     damaged: int
     end: str | None
 
@@ -94,7 +94,7 @@ class _Reading:
         self._path = path
         self._last_s = 0.0
         self._sent: list[tuple[float, str]] = []
-        self._said: list[tuple[float, str]] = []
+        self._reports: list[tuple[float, str]] = []
         self._damaged = 0
         self._greeted = False
         self._end: str | None = None
@@ -137,7 +137,7 @@ class _Reading:
             clipped=column("clipped"),
             state=column("state").astype(str),
             sent=tuple(self._sent),
-            said=tuple(self._said),
+            reports=tuple(self._reports),
             damaged=self._damaged,
             end=self._end,
         )
@@ -162,7 +162,7 @@ class _Reading:
             if isinstance(message, Telemetry):
                 self._keep(host_s, message)
             else:
-                self._said.append((host_s, text.decode("ascii")))
+                self._reports.append((host_s, text.decode("ascii")))
         except (ClockWrong, DamagedLine):
             self._damaged += 1
             return

@@ -43,13 +43,13 @@ class Finding:
 
     name: str
     mark: Mark
-    found: str
+    result: str
     fix: str = ""
 
     @classmethod
-    def judged(cls, name: str, seen: str, is_well: bool, fix: str) -> Finding:
+    def judged(cls, name: str, result: str, is_well: bool, fix: str) -> Finding:
         """Return what is "ok", or to be put right by a fix."""
-        return cls(name, "ok", seen) if is_well else cls(name, "fix", seen, fix)
+        return cls(name, "ok", result) if is_well else cls(name, "fix", result, fix)
 
 
 def examine(
@@ -127,19 +127,19 @@ def _running(robot: RobotBoard, listen_s: float) -> Iterator[Finding]:
     counts |= {name: getattr(robot.losses, name) for name in HOST_COUNTS}
     losses = ", ".join(f"{name} {count}" for name, count in counts.items() if count)
     cure = "use a shorter or better USB cable, and no hub; without any frame, serpenoid flash"
-    seen = losses or f"clean, over {frames} frames"
-    yield Finding.judged("counters", seen, bool(frames) and not losses, cure)
-    seen = (
+    result = losses or f"clean, over {frames} frames"
+    yield Finding.judged("counters", result, bool(frames) and not losses, cure)
+    result = (
         f"{status.overruns} frames missed, latest frame {status.late_us} us late, "
         f"longest pass {status.longest_pass_us} us"
     )
     cure = "flash the newest firmware: serpenoid flash; if it persists, report these numbers"
     in_time = not status.overruns and status.late_us <= LATE_US
-    yield Finding.judged("timing", seen, in_time, cure)
+    yield Finding.judged("timing", result, in_time, cure)
     drift = robot.clock
     if not drift.span_s:
         yield Finding("clock", "note", "not measured", "listen longer: --listen-s 5")
         return
-    seen = f"{drift.ppm:+.0f} ± {drift.sd_ppm:.0f} ppm against this computer"
+    result = f"{drift.ppm:+.0f} ± {drift.sd_ppm:.0f} ppm against this computer"
     cure = "beyond any resonator: is the right board flashed?"
-    yield Finding.judged("clock", seen, drift.believable, cure)
+    yield Finding.judged("clock", result, drift.believable, cure)

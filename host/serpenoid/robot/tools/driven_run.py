@@ -64,7 +64,9 @@ class DrivenRun:
         self.robot = RobotBoard(port, record=record, unattended_s=UNATTENDED_S)
         self.first: Telemetry | None = None
         self.last: Telemetry | None = None
-        self.frames = self.latest_us = self.clipped_frames = 0
+        self.frames = 0
+        self.latest_us = 0
+        self.clipped_frames = 0
         self._record = record
 
     def run(self, duration_s: float | None, watch: Callable[[DrivenRun], None]) -> None:

@@ -46,8 +46,8 @@ class Drift:
     def believable(self) -> bool:
         """Tell whether the drift is possible for a resonator, or for a host that got busier."""
         busy_ppm = BUSY_S / self.span_s * 1e6 if self.span_s else 0.0
-        known = self.sd_ppm <= MOST_SD_PPM
-        return known and abs(self.ppm) <= TOLERANCE_PPM + busy_ppm + 3 * self.sd_ppm
+        is_steady = self.sd_ppm <= MOST_SD_PPM
+        return is_steady and abs(self.ppm) <= TOLERANCE_PPM + busy_ppm + 3 * self.sd_ppm
 
     def check(self) -> None:
         """Raise ClockWrong if no resonator can be so far off."""
@@ -82,7 +82,8 @@ class BoardClock:
         self._best: _Arrival | None = None
         self._rate = 1.0  # board seconds in one of the host's, as far as known
         self._block_end_s = -math.inf
-        self._frame = self._us = 0
+        self._frame = 0
+        self._us = 0
         self._board_us: int | None = None
 
     def unwrap(self, frame: int, board_us: int) -> int:
@@ -92,30 +93,30 @@ class BoardClock:
         bridged; a frame's lateness is far below half the 71.6 minutes of a wrap. Raises ClockWrong
         if the time hops against the frames, and goes on from there by the frames.
         """
-        before, passed_us = self._frame, board_us - self._us
+        last_frame, passed_us = self._frame, board_us - self._us
         self._frame, self._us = frame, board_us
         if self._board_us is None:
             self._board_us = board_us
             return board_us
-        expected = (frame - before) * self.frame_us
-        rest = (passed_us - expected + 2**31) % 2**32 - 2**31
-        if abs(rest) > MOST_HOP_US:
+        expected = (frame - last_frame) * self.frame_us
+        hop_us = (passed_us - expected + 2**31) % 2**32 - 2**31
+        if abs(hop_us) > MOST_HOP_US:
             self._board_us += expected
             raise ClockWrong(
-                f"the board's clock hops by {rest / 1e6:.0f} s from frame {before} to "
+                f"the board's clock hops by {hop_us / 1e6:.0f} s from frame {last_frame} to "
                 f"{frame}; is the firmware built for this board?"
             )
-        self._board_us += expected + rest
+        self._board_us += expected + hop_us
         return self._board_us
 
     def add(self, host_s: float, frame: int, board_us: int) -> None:
         """Take in a frame that arrived at host_s on the host's clock."""
-        now = _Arrival(self.unwrap(frame, board_us) * 1e-6, host_s)
+        arrival = _Arrival(self.unwrap(frame, board_us) * 1e-6, host_s)
         if host_s >= self._block_end_s:
             self._close_block()
             self._block_end_s = host_s + self._block_s
-        if self._best is None or self._delay(now) < self._delay(self._best):
-            self._best = now
+        if self._best is None or self._delay(arrival) < self._delay(self._best):
+            self._best = arrival
 
     def drift(self) -> Drift:
         """Return the drift found so far."""

@@ -72,7 +72,8 @@ class Dialogue:
         self._record_line = record
         self._listen = listen  # is told each line, in the reader's thread
         self._unattended_s = unattended_s
-        self._attended_s = self._spoken_s = link.now_s()
+        self._attended_s = link.now_s()
+        self._spoken_s = self._attended_s
         self._ping_s = PING_S
         self._number = 0
         self._rest = b""
@@ -215,10 +216,10 @@ class Dialogue:
     def leave(self) -> CloseResult:
         """Stop the robot and close the session; what fails after the stop no longer matters."""
         self._leaving = True
-        before = self.failure
-        unseen = self.inbox.notice if self._failure_told else before or self.inbox.notice
+        failure = self.failure
+        unseen = self.inbox.notice if self._failure_told else failure or self.inbox.notice
         unstopped = self._stop_surely()
-        if not (unseen or before or unstopped):  # what came amid the stop, such as a reset
+        if not (unseen or failure or unstopped):  # what came amid the stop, such as a reset
             unseen = self.failure or self.inbox.notice
         with suppress(RobotError):
             if self.inbox.in_session:

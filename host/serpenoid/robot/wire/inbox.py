@@ -70,10 +70,10 @@ class Inbox:
         self._counted: int | None = None  # the frame from which to count
         self.every: int | None = None
 
-    def expect(self, every: int | None) -> None:
+    def expect(self, frames_a_line: int | None) -> None:
         """Count missed frames from now on by one telemetry line in so many frames."""
-        if every != self.every:
-            self.every, self._counted, self.quiet_s = every, None, 0.0
+        if frames_a_line != self.every:
+            self.every, self._counted, self.quiet_s = frames_a_line, None, 0.0
 
     @property
     def frame_us(self) -> int:
@@ -128,20 +128,20 @@ class Inbox:
         if not self.foreign or b"hello: " in line:
             self.foreign = line
         with suppress(DamagedLine):
-            said = re.match(r"hello: serpenoid.* protocol=(\d{1,5})\b", unseal(line), re.ASCII)
-            self.protocol = int(said[1]) if said else self.protocol
+            match = re.match(r"hello: serpenoid.* protocol=(\d{1,5})\b", unseal(line), re.ASCII)
+            self.protocol = int(match[1]) if match else self.protocol
 
     def _take_hello(self, hello: Hello, host_s: float) -> None:
         if not self.in_session:
             self.hello, self.protocol = hello, hello.protocol
-        elif hello != self.hello or not self._asked(host_s):
+        elif hello != self.hello or not self._was_asked_for(host_s):
             raise self._started_again(hello.boot, hello.reset)
 
     def _started_again(self, boot: int, cause: str) -> RobotReset:
-        before = self.hello.boot if self.hello else "none"
-        return _reset(f"the board started again (boot {before}, now {boot}; cause: {cause})")
+        last_boot = self.hello.boot if self.hello else "none"
+        return _reset(f"the board started again (boot {last_boot}, now {boot}; cause: {cause})")
 
-    def _asked(self, host_s: float) -> bool:
+    def _was_asked_for(self, host_s: float) -> bool:
         by_hand = self.pending is not None and self.pending.text.strip() == "hello"
         return by_hand or host_s <= self._session_s + LATE_GREETING_S
 

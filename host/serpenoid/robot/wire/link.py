@@ -113,12 +113,12 @@ def _open(port: str) -> serial.Serial:
 
 
 def _refused(port: str, error: OSError) -> PortBusy | PortMissing:
-    said = str(error) if system.WINDOWS else ""  # there pyserial keeps no number
-    if error.errno in (errno.EBUSY, errno.EAGAIN, errno.EWOULDBLOCK) or "PermissionError" in said:
+    text = str(error) if system.WINDOWS else ""  # there pyserial keeps no number
+    if error.errno in (errno.EBUSY, errno.EAGAIN, errno.EWOULDBLOCK) or "PermissionError" in text:
         return PortBusy(why_held(port, error))
     if error.errno in (errno.EACCES, errno.EPERM):
         return PortBusy(why_forbidden(port))
-    if error.errno in (errno.ENOENT, errno.ENODEV, errno.ENXIO) or "FileNotFoundError" in said:
+    if error.errno in (errno.ENOENT, errno.ENODEV, errno.ENXIO) or "FileNotFoundError" in text:
         return missing(port)
     return PortMissing(
         f"{port} cannot be used as a serial port ({error}); those here: {port_names()}"

@@ -87,7 +87,7 @@ class Verdict:
     mark: str
     error: str
     detail: str
-    again: bool
+    is_repeat: bool
 
 
 @dataclass(frozen=True)
@@ -118,8 +118,8 @@ def seal(command: str, number: int, joints: int = 5) -> bytes:
         )
     body = f"#{number} {command}"
     line = f"{body} *{crc(body):04X}"
-    if len(line) > (most := line_limit(joints)):
-        raise BadInput(f"the line has {len(line)} bytes; at most {most}: shorten {command[:60]!r}")
+    if len(line) > (limit := line_limit(joints)):
+        raise BadInput(f"the line has {len(line)} bytes; at most {limit}: shorten {command[:60]!r}")
     return line.encode("ascii") + b"\n"
 
 
@@ -183,14 +183,14 @@ def _telemetry(body: str) -> Telemetry:
 
 
 def _verdict(body: str) -> Verdict:
-    kind, mark, rest = _matched(_VERDICT, body)
-    words = rest.split()
+    kind, mark, text = _matched(_VERDICT, body)
+    words = text.split()
     error = words.pop(0) if kind == "err" and words else ""
     if (kind == "err") != bool(error):
         raise DamagedLine(f"{body!r} does not say why")
-    again = words[:1] == ["again"]
+    is_repeat = words[:1] == ["again"]
     number = int(mark) if mark.isdigit() else None
-    return Verdict(kind == "ok", number, mark, error, " ".join(words[again:]), again)
+    return Verdict(kind == "ok", number, mark, error, " ".join(words[is_repeat:]), is_repeat)
 
 
 def refused(text: str, error: str, detail: str = "") -> CommandRefused:

@@ -27,9 +27,9 @@ class StateTracker:
 
     def asking(self, text: str) -> None:
         """Note a command that goes out now."""
-        self._before, self._halted, self._asked = self._states, False, self._after(text)
+        self._before, self._halted, self._asked = self._states, False, self._states_of(text)
         if self._states is not None:
-            self._states |= self._after(text)
+            self._states |= self._states_of(text)
 
     def halting(self) -> None:
         """Note a stop key that goes out now, whatever else is under way."""
@@ -41,8 +41,8 @@ class StateTracker:
         """Note the verdict on the command that went out last."""
         if not accepted:
             self._states = self._before
-        elif after := self._after(text):
-            self._states = after
+        elif states := self._states_of(text):
+            self._states = states
         if self._halted and self._states is not None:
             self._states |= STOPPED
 
@@ -68,13 +68,13 @@ class StateTracker:
                 "safe pose; was the program or the computer asleep?"
             )
         self._states = frozenset({state})
-        asked = " or ".join(sorted(expected or ()))
+        names = " or ".join(sorted(expected or ()))
         return StateUnasked(
-            f"the board is in state {state!r}, asked for was {asked!r}: another program or its own "
+            f"the board is in state {state!r}, asked for was {names!r}: another program or its own "
             "firmware changed that; look who else has the port (`serpenoid doctor`), start again"
         )
 
-    def _after(self, text: str) -> frozenset[str]:
+    def _states_of(self, text: str) -> frozenset[str]:
         """Return the states that a command leads to; none if it leaves the state as it is."""
         word = (text.split() or [""])[0]
         if word in ("stop", "!"):

@@ -54,9 +54,9 @@ class VirtualLink:
                 self.board.run(max(LEAST_S, min(timeout_s, STEP_S)))
                 return self.board.read()
         end_s = time.monotonic() + timeout_s
-        while not (said := self._catch_up()) and time.monotonic() < end_s:
+        while not (data := self._catch_up()) and time.monotonic() < end_s:
             time.sleep(NAP_S)
-        return said
+        return data
 
     def write(self, data: bytes) -> None:
         """Put bytes on the wire to the board."""
