@@ -6,8 +6,8 @@ posterior's slopes say what friction's covariance is then.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,45 +17,20 @@ from ..base.errors import BadInput
 from ..base.rows import Result
 from ..base.vectors import Array
 from ..friction.fit import covariance_after, fit_friction, map_estimate
-from ..friction.result import FrictionFit
 from ..model.drives import ServoKind
 from ..model.gait import Gait, gait_name
-from ..periodic.servo_steady import band
 from ..servos.catalogue import HOBBY
 from ..servos.speed_limit import too_fast_text
 from ..session.crawls import as_run, crawls_by_command, driving, same_command
 from ..session.session import Session
-from .next_readings import MAX_TIMES, Candidate, can_film, candidates
-from .speeds import SAMPLES, Progress, draw_samples, draw_servos, speed, speeds
+from .band import predict
+from .next_readings import MAX_TIMES, Candidate, NextReading, can_film, candidates
+from .speeds import SAMPLES, Progress, Samples, draw_samples
 
-Z95 = 1.959964
 WORTH = 0.1  # of the band: a reading that saves less is not worth its time
 SERVO_LEFT = 0.5  # of the servos' share of the band, after a bench test of one joint
 SERVO_TEST_MIN, FILM_MIN = 30.0, 10.0
 SHOWN = 5  # readings of a table
-
-
-@dataclass(frozen=True, slots=True)
-class NextReading:
-    """A reading, and the relative half width of the speeds' 95 % band after it.
-
-    kind: station (lambda_rad, incline_rad, belt_speed_m_s expected), push (lambda_rad), film or
-    servo. words: what to do. times: how often it is worth taking. minutes: that it takes in all.
-    band: after it, mean over the gaits asked for.
-    """
-
-    kind: str
-    words: str
-    times: int
-    minutes: float
-    band: float
-    lambda_rad: float | None = None
-    incline_rad: float | None = None
-    belt_speed_m_s: float | None = None
-
-    def in_words(self) -> str:
-        """Return what to do, and how often."""
-        return self.words + (f", {self.times} times" if self.times > 1 else "")
 
 
 @dataclass(frozen=True)
@@ -136,35 +111,34 @@ class Advice(Result):
 
 @dataclass(frozen=True)
 class _Bands:
-    """Speeds of the gaits in question and halves of their 95 % bands, over the speed, (gaits,).
+    """Halves of the 95 % bands of the gaits in question, over the speed, (gaits,).
 
-    slope: (gaits, P), of the speed by the frictions, a regression of sampled speeds. friction, with
-    joints, whole: the bands of friction alone, with the amplitude, with the servos. filmed: with
+    slopes: (gaits, 4), of the speed by the frictions, a regression of sampled speeds. friction,
+    joints, complete: of friction alone, with the amplitude, with the servos. filmed: complete with
     joints as a film shows them.
     """
 
-    speed_m_s: Array
-    slope: Array
+    slopes: Array
     friction: Array
     joints: Array
-    whole: Array
+    complete: Array
     filmed: Array
 
-    def by_friction(self, covariance: Array) -> Array:
-        """Return the bands of friction alone, to first order, with such a covariance."""
-        variance = np.einsum("gi,ij,gj->g", self.slope, covariance, self.slope)
-        return np.asarray(Z95 * np.sqrt(variance) / self.speed_m_s)
+    def variance(self, covariance: Array) -> Array:
+        """Return the variances of the speeds by frictions with such a covariance."""
+        return np.einsum("gi,ij,gj->g", self.slopes, covariance, self.slopes)
 
     def after(self, ratio: Array) -> float:
-        """Return the mean band once friction's parts have shrunk by ratios."""
-        rest = np.maximum(self.whole**2 - self.friction**2, 0.0)
-        return float(np.mean(np.sqrt(rest + (ratio * self.friction) ** 2)))
+        """Return the mean band once the variances by friction have shrunk by ratios."""
+        others = np.maximum(self.complete**2 - self.friction**2, 0.0)
+        return float(np.mean(np.sqrt(others + ratio * self.friction**2)))
 
     @property
     def servo_tested(self) -> float:
         """Return the mean band after a bench test of one joint."""
-        servos = np.sqrt(np.maximum(self.whole**2 - self.joints**2, 0.0))
-        return float(np.mean(np.hypot(np.minimum(self.joints, self.whole), SERVO_LEFT * servos)))
+        joints = np.minimum(self.joints, self.complete)
+        servos = self.complete**2 - joints**2
+        return float(np.mean(np.sqrt(joints**2 + SERVO_LEFT**2 * servos)))
 
 
 def advise(
@@ -229,13 +203,13 @@ def advise(
             f"{session.where}: {' '.join(too_fast)} So no speed has a band to make narrower; name "
             "a slower gait"
         )
-    bands = _bands(session, fit, slow, servo, samples, progress)
-    now = float(np.mean(bands.whole))
-    before = bands.by_friction(covariance_after(session, estimate))
+    bands = _bands(session, draw_samples(fit, servo, count=samples), slow, progress)
+    now = float(np.mean(bands.complete))
+    before = bands.variance(covariance_after(session, estimate))
 
     def band_with(candidate: Candidate, times: int) -> float:
         grown = covariance_after(candidate.session_with(session, times), estimate)
-        return bands.after(bands.by_friction(grown) / before)
+        return bands.after(bands.variance(grown) / before)
 
     readings = [_repeated(each, band_with) for each in candidates(session, estimate)]
     if servo is not None and not servo.drawn and not servo.exact:
@@ -255,52 +229,39 @@ def advise(
     return Advice(slow, now, tuple(readings), " ".join(too_fast), servo and servo.name, fit.alarms)
 
 
-def _repeated(candidate: Candidate, band_with: Any) -> NextReading:
+def _repeated(candidate: Candidate, band_with: Callable[[Candidate, int], float]) -> NextReading:
     """Return a reading as often as once more saves a tenth of the band."""
-    times, found = 1, band_with(candidate, 1)
-    while times < MAX_TIMES and (more := band_with(candidate, times + 1)) < (1.0 - WORTH) * found:
-        times, found = times + 1, more
-    return NextReading(
-        candidate.kind,
-        candidate.words,
-        times,
-        candidate.minutes_for(times),
-        found,
-        candidate.lambda_rad,
-        candidate.incline_rad,
-        candidate.belt_speed_m_s,
-    )
+    times, band = 1, band_with(candidate, 1)
+    while times < MAX_TIMES and (more := band_with(candidate, times + 1)) < (1.0 - WORTH) * band:
+        times, band = times + 1, more
+    minutes = candidate.advised.minutes + (times - 1) * candidate.repeat_minutes
+    return replace(candidate.advised, times=times, minutes=minutes, band=band)
 
 
 def _bands(
-    session: Session,
-    fit: FrictionFit,
-    gaits: Sequence[Gait],
-    servo: ServoKind | None,
-    count: int,
-    progress: Progress | None,
+    session: Session, samples: Samples, gaits: Sequence[Gait], progress: Progress | None
 ) -> _Bands:
     """Return speeds and bands as `compare` has them; raises BadInput for one that stands still."""
-    samples, servos = draw_samples(fit, count=count), draw_servos(servo, count)
     centred = samples.whole - samples.whole.mean(axis=0)
     # a little of the fit's own covariance keeps frictions known all but exactly in their place
-    ridge = 1e-6 * count * np.diag(np.diag(fit.covariance))
+    ridge = 1e-6 * len(centred) * np.diag(np.diag(samples.fit.covariance))
     inverse = np.linalg.inv(centred.T @ centred + ridge)
     films = [crawl for crawl in crawls_by_command(session) if crawl.films]
     rows, slopes = [], []
     for gait in gaits:
         crawl = next((each for each in films if same_command(each.commanded, gait)), None)
-        made = crawl.gait if crawl else gait
-        drawn = speeds(samples, made, servos, crawl and crawl.commanded)
-        filmed = drawn if crawl else speeds(samples, gait, servos, gait)
-        mean = float(drawn.friction_m_s.mean())
-        if mean <= 0.0:
+        band = predict(samples, crawl.gait if crawl else gait, crawl and crawl.commanded)
+        filmed = band if crawl else predict(samples, gait, gait)
+        if band.exact_m_s <= 0.0:
             raise BadInput("one of the gaits does not move at all; choose a larger amplitude")
-        slopes.append(inverse @ centred.T @ (drawn.friction_m_s - mean))
-        best = speed(fit.robot, fit.ground, made)
-        parts = drawn.friction_m_s, drawn.joints_m_s, drawn.all_m_s, filmed.all_m_s
-        rows.append([mean, *(float(np.ptp(band(part))) / 2 / best for part in parts)])
+        slopes.append(inverse @ centred.T @ band.samples_m_s[0])
+        ends = [
+            (band.low_friction_m_s, band.high_friction_m_s),
+            (band.low_joints_m_s, band.high_joints_m_s),
+            (band.low_m_s, band.high_m_s),
+            (filmed.low_m_s, filmed.high_m_s),
+        ]
+        rows.append(np.diff(ends)[:, 0] / 2 / band.exact_m_s)
         if progress is not None:
             progress(len(rows) / len(gaits))
-    mean_m_s, *halves = np.array(rows).T
-    return _Bands(mean_m_s, np.array(slopes), *halves)
+    return _Bands(np.array(slopes), *np.array(rows).T)

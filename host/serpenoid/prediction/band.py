@@ -8,16 +8,17 @@ from typing import Any
 
 import numpy as np
 
+from ..base.vectors import Array
 from ..friction.result import FrictionFit
 from ..model.drives import ServoKind
 from ..model.gait import Gait
 from ..periodic.servo_steady import band
 from ..servos.catalogue import HOBBY
 from ..servos.speed_limit import too_fast_text
-from .speeds import SAMPLES, draw_samples, draw_servos, speed, speeds
+from .speeds import SAMPLES, Samples, draw_samples, speed, speeds
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SpeedBand:
     """Hold what a fit predicts of one gait: the speed, and the 95 % interval about it.
 
@@ -27,7 +28,8 @@ class SpeedBand:
     high_joints_m_s: that with the amplitude's doubt. servo: the kind of servo; None: joints that
     follow the gait. filmed: the joints are as a film showed them, so that their amplitude is
     certain. too_fast: the sentence that the gait is too fast for the servos, or ""; low_m_s and
-    high_m_s are then NaN.
+    high_m_s are then NaN. exact_m_s: the speed of ideal joints. samples_m_s: (3, N), as of
+    `speeds`.
     """
 
     speed_m_s: float
@@ -37,13 +39,17 @@ class SpeedBand:
     high_friction_m_s: float
     low_joints_m_s: float
     high_joints_m_s: float
-    servo: str | None = None
-    filmed: bool = False
-    too_fast: str = ""
+    servo: str | None
+    filmed: bool
+    too_fast: str
+    exact_m_s: float
+    samples_m_s: Array
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values; None for the ends of a band where the gait is too fast."""
         values = asdict(self)
+        for name in ("exact_m_s", "samples_m_s"):
+            del values[name]
         return values | ({"low_m_s": None, "high_m_s": None} if values.pop("too_fast") else {})
 
     def in_words(self) -> str:
@@ -56,6 +62,24 @@ class SpeedBand:
         return f"{self.speed_m_s:.4f} m/s, {ends} (95 %, friction{joints})"
 
 
+def predict(samples: Samples, gait: Gait, commanded: Gait | None = None) -> SpeedBand:
+    """Return a gait's speed by the exact model, with the band of samples; commanded: as there."""
+    fit, kind = samples.fit, samples.kind
+    too_fast = "" if commanded else too_fast_text(gait, kind)
+    samples_m_s = speeds(samples, gait, commanded)
+    friction, joints, ends = map(band, samples_m_s)
+    exact_m_s = speed(fit.robot, fit.ground, gait)
+    typical_m_s = exact_m_s
+    if commanded:
+        typical_m_s *= float(np.median(samples_m_s[2] / np.maximum(samples_m_s[1], 1e-9)))
+    elif kind:
+        typical_m_s = speed(fit.robot, fit.ground, gait, kind.servo)
+    if too_fast:
+        ends = math.nan, math.nan
+    servo = kind and kind.name, commanded is not None, too_fast
+    return SpeedBand(typical_m_s, *ends, *friction, *joints, *servo, exact_m_s, samples_m_s)
+
+
 def speed_band(
     fit: FrictionFit,
     gait: Gait,
@@ -63,21 +87,5 @@ def speed_band(
     servo: ServoKind | None = HOBBY,
     commanded: Gait | None = None,
 ) -> SpeedBand:
-    """Predict one gait's speed by the exact model, with the band that fit and joints leave it.
-
-    servo: the kind that moves the joints, any hobby servo unless given; None: they follow the gait.
-    commanded: what the robot is told, where a film showed that its joints do `gait`, as for
-    `speeds`.
-    """
-    too_fast = "" if commanded else too_fast_text(gait, servo)
-    servos = [] if too_fast else draw_servos(servo, count)
-    drawn = speeds(draw_samples(fit, count=count), gait, servos, commanded)
-    friction, joints, both = map(band, (drawn.friction_m_s, drawn.joints_m_s, drawn.all_m_s))
-    if commanded:
-        share = float(np.median(drawn.all_m_s / np.maximum(drawn.joints_m_s, 1e-9)))
-        best = share * speed(fit.robot, fit.ground, gait)
-    else:
-        best = speed(fit.robot, fit.ground, gait, servo and servo.servo)
-    ends = (math.nan, math.nan) if too_fast else both
-    kind = servo and servo.name
-    return SpeedBand(best, *ends, *friction, *joints, kind, commanded is not None, too_fast)
+    """Return the band of one gait; servo: any hobby servo unless given, None: ideal joints."""
+    return predict(draw_samples(fit, servo, count=count), gait, commanded)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -13,28 +13,19 @@ from ..base.checks import check_kind, check_number
 from ..base.errors import BadInput, NotConverged
 from ..base.rows import Plottable
 from ..friction.fit import fit_friction
-from ..friction.result import FrictionFit
+from ..friction.result import Estimate, FrictionFit
 from ..model.drives import ServoKind
 from ..model.gait import Gait, gait_name
-from ..periodic.servo_steady import band
 from ..servos.catalogue import HOBBY
 from ..servos.speed_limit import highest_hz, too_fast_text
 from ..session.crawls import Crawls, crawls_by_command, driving, mean_speed, same_command
 from ..session.gait_run import Crawl
 from ..session.session import Session
 from ..simulation.steady_springs import steady_springs
-from .level import level_session, unknown_slope
-from .speeds import (
-    AMPLITUDE_SIGMA,
-    SAMPLES,
-    GaitSpeeds,
-    Progress,
-    draw_samples,
-    draw_servos,
-    speed,
-    speeds,
-)
-from .verdict import SLOPES, Factor, Predicted, best_factors
+from .band import SpeedBand, predict
+from .level import SLOPES, level_session, slope_shares
+from .speeds import AMPLITUDE_SIGMA, SAMPLES, Progress, draw_samples
+from .verdict import Factor, Predicted, best_factors
 
 DOUBTFUL = 0.05  # p-value below which speeds differ from the prediction
 NORMAL_95 = 1.96  # standard deviations within which 95 % of normal errors lie
@@ -242,32 +233,29 @@ def compare(
     wanted = compared_gaits(session, gaits)
     if not wanted:
         raise BadInput(f"{session.where}: {NO_GAIT}")
-    level, levelled = level_session(session, fit)
+    level, levelled = level_session(session, fit, seed)
     crawls = {crawl.gait: crawl for crawl in crawls_by_command(level)}
     servo = servo and driving(session.setup, servo)
     commands = {gait: crawl.commanded for gait, crawl in crawls.items() if crawl.films}
     too_fast = {g: "" if g in commands else too_fast_text(g, servo, gait_name(g)) for g in wanted}
     wanted.sort(key=lambda gait: bool(too_fast[gait]))
-    drawn = draw_samples(fit, amplitude_sigma, samples, seed)
-    servos = draw_servos(servo, samples, seed)
-    found: dict[Gait, GaitSpeeds] = {}
+    drawn = draw_samples(fit, servo, amplitude_sigma, samples, seed)
+    bands: dict[Gait, SpeedBand] = {}
     for gait in wanted:
-        followed = [] if too_fast[gait] else servos
-        found[gait] = speeds(drawn, gait, followed, commands.get(gait))
+        bands[gait] = predict(drawn, gait, commands.get(gait))
         if progress is not None:
-            progress(len(found) / len(wanted))
-    shown = [_compared(fit, g, found[g], servo, crawls.get(g), bool(too_fast[g])) for g in wanted]
+            progress(len(bands) / len(wanted))
+    shown = [_compared(fit, gait, band, crawls.get(gait)) for gait, band in bands.items()]
     judged = [gait for gait, row in zip(wanted, shown, strict=True) if row.judged]
     p_value = friction = amplitude = None
     if judged:
-        predicted = _predicted(session, fit, [crawls[gait] for gait in judged], found, seed)
+        predicted = _predicted(session, fit, [crawls[gait] for gait in judged], bands, seed)
         p_value = predicted.p_value(seed)
         if p_value < DOUBTFUL:
             pairs = [(g, commands.get(g)) for g in judged]
             friction, amplitude = best_factors(predicted, fit, pairs, servo and servo.servo, seed)
     verdict, text = _verdict(shown, p_value, servo)
-    if friction and amplitude:
-        text += " " + _explained(friction, amplitude)
+    text += _explained(friction, amplitude)
     words = [text, *too_fast.values(), *map(_joints_as_filmed, crawls.values()), levelled]
     return Comparison(
         session.setup.name,
@@ -309,20 +297,8 @@ def _joints_as_filmed(crawl: Crawls) -> str:
     )
 
 
-def _compared(
-    fit: FrictionFit,
-    gait: Gait,
-    drawn: GaitSpeeds,
-    servo: ServoKind | None,
-    crawl: Crawls | None,
-    too_fast: bool,
-) -> ComparedGait:
-    exact = speed(fit.robot, fit.ground, gait)
-    typical = exact
-    if servo is not None and not (crawl and crawl.films):
-        typical = speed(fit.robot, fit.ground, gait, servo.servo)
-    elif crawl:
-        typical *= float(np.median(drawn.all_m_s / np.maximum(drawn.joints_m_s, 1e-9)))
+def _compared(fit: FrictionFit, gait: Gait, band: SpeedBand, crawl: Crawls | None) -> ComparedGait:
+    ends = (None, None) if band.too_fast else (band.low_m_s, band.high_m_s)
     measured: dict[str, Any] = {}
     if crawl:
         measured_m_s, sigma_m_s = mean_speed(crawl.runs)
@@ -330,16 +306,16 @@ def _compared(
             "runs": tuple(run.number for run in crawl.runs),
             "measured_m_s": measured_m_s,
             "sigma_m_s": sigma_m_s,
-            "residual_m_s": measured_m_s - exact,
+            "residual_m_s": measured_m_s - band.exact_m_s,
         } | _by_springs(fit, gait)
-    ends = (None, None) if too_fast else band(drawn.all_m_s)
     return ComparedGait(
         gait.alpha_rad,
         gait.beta_rad,
         gait.omega_rad_s / math.tau,
-        exact,
-        typical,
-        *band(drawn.friction_m_s),
+        band.exact_m_s,
+        band.speed_m_s,
+        band.low_friction_m_s,
+        band.high_friction_m_s,
         *ends,
         **measured,
     )
@@ -359,25 +335,22 @@ def _predicted(
     session: Session,
     fit: FrictionFit,
     crawls: Sequence[Crawls],
-    found: dict[Gait, GaitSpeeds],
+    bands: Mapping[Gait, SpeedBand],
     seed: int,
 ) -> Predicted:
     """Return the judged speeds; crawls: on level ground, those there and back brought to it.
 
     The ground of others, which the session calls level, has any usual slope.
     """
-    gaits = [crawl.gait for crawl in crawls]
-    joints = np.stack([found[gait].joints_m_s for gait in gaits], axis=1)
-    moved = np.stack([found[gait].all_m_s for gait in gaits], axis=1)
+    drawn = np.stack([bands[crawl.gait].samples_m_s for crawl in crawls], axis=2)
+    unknown = Estimate(0.0, session.setup.instruments.floor_slope_sigma_rad)
     doubtful = {run.number for run in session.kept_crawls if run.way == "level"}
-    known = [doubtful.isdisjoint(run.number for run in crawl.runs) for crawl in crawls]
-    slopes = np.ones_like(joints)
-    if not all(known):
-        sigma_rad = session.setup.instruments.floor_slope_sigma_rad
-        slopes = unknown_slope(fit.robot, fit.ground, gaits, sigma_rad, SLOPES, seed)
-        slopes = np.where(known, 1.0, slopes)
+    slopes = np.ones((SLOPES, len(crawls)))
+    for k, crawl in enumerate(crawls):
+        if not doubtful.isdisjoint(run.number for run in crawl.runs):
+            slopes[:, k] = slope_shares(fit, crawl.gait, (unknown, unknown), seed=seed)
     measured = np.array([mean_speed(crawl.runs) for crawl in crawls])
-    return Predicted(joints, moved / np.maximum(joints, 1e-9), slopes, *measured.T)
+    return Predicted(drawn[1], drawn[2] / np.maximum(drawn[1], 1e-9), slopes, *measured.T)
 
 
 def _verdict(
@@ -401,8 +374,7 @@ def _verdict(
     )
     chance = "p < 0.001" if p_value < 1e-3 else f"p = {p_value:.2g}"
     if p_value >= DOUBTFUL:
-        room = f"up to ±{width:.0%}" if width <= 1.0 else "which is wider than the speed itself"
-        text = f"Agrees: {count} within what friction, joints and servos allow, {room}"
+        text = f"Agrees: {count} within what friction, joints and servos allow, up to ±{width:.0%}"
         if outside := sum(gait.outside for gait in judged):
             text = (
                 f"Agrees: together the speeds of {count} are likely enough; {outside} of them "
@@ -412,16 +384,18 @@ def _verdict(
     return "differs", f"Differs: {largest} ({chance}, {count})."
 
 
-def _explained(friction: Factor, amplitude: Factor) -> str:
-    """Return which of the two factors would explain the speeds."""
+def _explained(friction: Factor | None, amplitude: Factor | None) -> str:
+    """Return which of the two factors would explain the speeds; "" without factors."""
+    if not friction or not amplitude:
+        return ""
     causes = {
         f"all friction times {friction.factor:.2g}": friction.p_value,
         f"joints that reach {amplitude.factor:.0%} of the amplitude": amplitude.p_value,
     }
     able = [f"{words} (p = {p:.2g})" for words, p in causes.items() if p >= DOUBTFUL]
-    if not able:
-        return (
-            "No one factor on friction or on amplitude explains it: look at the ground's slope, "
-            "the surface, tape and watch, the frequency, the gait itself."
-        )
-    return f"It would be explained by {' or by '.join(able)}. Measure that first."
+    if able:
+        return f" It would be explained by {' or by '.join(able)}. Measure that first."
+    return (
+        " No one factor on friction or on amplitude explains it: look at the ground's slope, "
+        "the surface, tape and watch, the frequency, the gait itself."
+    )

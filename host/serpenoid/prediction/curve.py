@@ -10,10 +10,10 @@ import numpy as np
 
 from ..base.vectors import Array
 from ..model.gait import Gait
-from ..periodic.servo_steady import band
 from ..servos.speed_limit import highest_hz
+from .band import predict
 from .comparison import Comparison
-from .speeds import draw_samples, draw_servos, speed, speeds
+from .speeds import draw_samples
 
 POINTS = 12  # of a curve; a band's ends scatter by more than chords between them are off
 MARGINS = 0.6, 1.3  # of the lowest and the highest frequency that was compared
@@ -47,7 +47,7 @@ def speed_curves(compared: Comparison) -> list[SpeedCurve]:
     fit, servo = compared.fit, compared.servo
     if fit is None:
         return []
-    samples, servos = draw_samples(fit, compared.amplitude_sigma), draw_servos(servo)
+    samples = draw_samples(fit, servo, compared.amplitude_sigma)
     rates_hz = [gait.frequency_hz for gait in compared.gaits]
     first_hz, most_hz = MARGINS[0] * min(rates_hz), MARGINS[1] * max(rates_hz)
     curves = []
@@ -56,8 +56,7 @@ def speed_curves(compared: Comparison) -> list[SpeedCurve]:
         last_hz = min(most_hz, limit_hz)
         frequency_hz = np.linspace(min(first_hz, 0.6 * last_hz), last_hz, POINTS)
         gaits = [Gait(*shape, math.tau * hz) for hz in frequency_hz.tolist()]
-        ends = np.array([band(speeds(samples, gait, servos).all_m_s) for gait in gaits])
-        typical = [speed(fit.robot, fit.ground, gait, servo and servo.servo) for gait in gaits]
-        low, high = ends.T
-        curves.append(SpeedCurve(*shape, frequency_hz, np.array(typical), low, high, limit_hz))
+        bands = [predict(samples, gait) for gait in gaits]
+        ends = np.array([[band.speed_m_s, band.low_m_s, band.high_m_s] for band in bands]).T
+        curves.append(SpeedCurve(*shape, frequency_hz, *ends, limit_hz))
     return curves

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -25,35 +25,32 @@ MODEL_SIGMA = 0.2  # relative error of the predicted effect of a slope: friction
 MIN_SHARE = 0.05  # of the level speed, that a slope leaves
 STEPS, ROWS = 160, 20  # of a period: time steps, and rows that are kept
 FROM_S, TO_S = 4.0, 16.0  # after the gait's start: then a crawl is measured
-NODES = np.array([-2.0, -1.0, 0.0, 1.0, 2.0])  # standard deviations of a slope along a crawl
-ACROSS_NODE = 1.5  # standard deviations of a slope across it, whose effect is taken as quadratic
+SLOPES = 256  # samples of a floor's slope
+NODES = 1.5 * np.eye(2)  # standard deviations of the slope along and across a crawl: between them,
+# and up to twice as far, its effect is taken as quadratic
 
 
-def level_session(session: Session, fit: FrictionFit) -> tuple[Session, str]:
+def level_session(session: Session, fit: FrictionFit, seed: int = 2005) -> tuple[Session, str]:
     """Return the session with crawls there and back as on level ground, and the sentence on it.
 
-    The slope is that which pushes told. Its error is added to the speeds' standard deviations.
+    The slope is that which pushes told. Its error is added to the speeds' standard deviations: of a
+    mean over readings there and back most of it cancels.
     """
     if all(crawl.way == "level" for crawl in session.kept_crawls):
         return session, ""
     slope = floor_slope(session, fit.nuisances)
     level: dict[int, Any] = {}
     for crawl in crawls_by_command(session):
-        readings = crawl.runs
-        for reading in readings:
-            if reading.way == "level":
-                continue
-            sign = 1.0 if reading.way == "back" else -1.0
-            rises = [Estimate(sign * falls.value, falls.sigma) for falls in slope]
-            share, along, across = _share(fit.robot, fit.ground, reading.gait, rises)
-            # readings of one way share the error along it, all readings that across it
-            same_way = sum(other.way == reading.way for other in readings)
-            doubt = math.hypot(math.sqrt(same_way) * along, math.sqrt(len(readings)) * across)
-            speed = reading.speed_m_s / share
-            sigma = math.hypot(reading.speed_sigma_m_s, doubt * speed) / share
-            level[reading.number] = replace(
-                reading, speed_m_s=speed, speed_sigma_m_s=sigma, way="level"
-            )
+        sloped = [run for run in crawl.runs if run.way != "level"]
+        shares = [slope_shares(fit, run.gait, slope, run.way, seed) for run in sloped]
+        means = [float(share.mean()) for share in shares]
+        relative = [share / mean for share, mean in zip(shares, means, strict=True)]
+        of_mean = float(np.std(np.mean(relative, axis=0))) if sloped else 0.0
+        for run, share in zip(sloped, means, strict=True):
+            doubt = math.hypot(math.sqrt(len(sloped)) * of_mean, MODEL_SIGMA * (1.0 - share))
+            speed = run.speed_m_s / share
+            sigma = math.hypot(run.speed_sigma_m_s / share, doubt * speed)
+            level[run.number] = replace(run, speed_m_s=speed, speed_sigma_m_s=sigma, way="level")
     made = replace(session, readings=tuple(level.get(r.number, r) for r in session.readings))
     return made, _in_words(slope)
 
@@ -68,47 +65,31 @@ def floor_slope(session: Session, nuisances: Mapping[str, Estimate]) -> Slope:
     return along, across
 
 
-def unknown_slope(
-    robot: Robot, ground: Ground, gaits: Sequence[Gait], sigma_rad: float, count: int, seed: int
+def slope_shares(
+    fit: FrictionFit, gait: Gait, slope: Slope, way: str = "level", seed: int = 2005
 ) -> Array:
-    """Return the speeds over those on level ground, (count, gaits), on floors of unknown slope.
+    """Return a gait's speeds over that on level ground, (SLOPES,), on samples of a floor's slope.
 
-    Along a crawl and across it the slope has this standard deviation, and all gaits have the same.
+    All gaits of a seed have the same samples. way: the floor rises ahead of one that goes "back".
     """
-    along, across = np.random.default_rng(seed).normal(size=(2, count))
-    columns = []
-    for gait in gaits:
-        level = max(_crawl_speed(robot, ground, gait, 0.0, 0.0), 1e-6)
-        rises = [_crawl_speed(robot, ground, gait, node * sigma_rad, 0.0) for node in NODES]
-        turned = _crawl_speed(robot, ground, gait, 0.0, ACROSS_NODE * sigma_rad) / level
-        by_along = np.interp(along, NODES, np.array(rises) / level)
-        columns.append(by_along * (1.0 + (turned - 1.0) * (across / ACROSS_NODE) ** 2))
-    return np.maximum(np.stack(columns, axis=1), MIN_SHARE)
+    along, across = slope
+    normal = np.random.default_rng(seed).normal(size=(2, SLOPES))
+    sign = -1.0 if way == "there" else 1.0
 
-
-def _share(
-    robot: Robot, ground: Ground, gait: Gait, rises: Sequence[Estimate]
-) -> tuple[float, float, float]:
-    """Return the speed on a slope over that on level ground, and its errors along and across.
-
-    rises: of the floor ahead of the robot, and to its left.
-    """
-    along, across = rises
-    level = max(_crawl_speed(robot, ground, gait, 0.0, 0.0), 1e-6)
-
-    def at(ahead: float, left: float) -> float:
+    def on_slope(ahead: float, left: float) -> float:
         rise = along.value + ahead * along.sigma, across.value + left * across.sigma
-        return _crawl_speed(robot, ground, gait, *rise) / level
+        return _crawl_speed(fit.robot, fit.ground, gait, sign * rise[0], sign * rise[1])
 
-    middle = at(0.0, 0.0)
-    errors, mean = [], middle
-    for ahead, left in ((1.0, 0.0), (0.0, 1.0)):
-        high, low = at(ahead, left), at(-ahead, -left)
-        curved = high + low - 2 * middle
-        mean += curved / 2
-        errors.append(math.hypot((high - low) / 2, curved / math.sqrt(2)))
-    mean = max(mean, MIN_SHARE)
-    return mean, math.hypot(errors[0], MODEL_SIGMA * (1.0 - mean)), errors[1]
+    level_m_s = max(_crawl_speed(fit.robot, fit.ground, gait, 0.0, 0.0), 1e-6)
+    middle_m_s = max(on_slope(0.0, 0.0), 1e-6)
+    shares = np.full(SLOPES, middle_m_s / level_m_s)
+    for node, sample in zip(NODES, normal, strict=True):
+        low_m_s, high_m_s = on_slope(*(-node).tolist()), on_slope(*node.tolist())
+        size = float(node.sum())
+        change = (high_m_s - low_m_s) / 2 * sample / size
+        curve = ((high_m_s + low_m_s) / 2 - middle_m_s) * (sample / size) ** 2
+        shares *= 1.0 + (change + curve) / middle_m_s
+    return np.maximum(shares, MIN_SHARE)
 
 
 def _crawl_speed(robot: Robot, ground: Ground, gait: Gait, ahead: float, left: float) -> float:

@@ -33,27 +33,39 @@ PUSH_M_S, PICTURES_HZ, RESTED_S = 0.9, 30.0, 0.4
 PLACE_SIGMA_M = 0.001  # of a film, where no film before it states one
 
 
-@dataclass(frozen=True)
-class Candidate:
-    """A reading that could be taken next.
+@dataclass(frozen=True, slots=True)
+class NextReading:
+    """A reading, and the relative half width of the speeds' 95 % band after it.
 
-    kind: station or push. words: what to do. minutes: that it takes, with the bend before it.
-    lambda_rad: of the bend. readings: what is read once; `session_with` repeats it. one_minutes: of
-    each further time. incline_rad, belt_speed_m_s: of a station, the slip expected.
+    kind: station (lambda_rad, incline_rad, belt_speed_m_s expected), push (lambda_rad), film or
+    servo. words: what to do. times: how often it is worth taking. minutes: that it takes in all.
+    band: after it, mean over the gaits asked for.
     """
 
     kind: str
     words: str
+    times: int
     minutes: float
-    one_minutes: float
-    lambda_rad: float
-    readings: tuple[Reading | Push, ...]
+    band: float
+    lambda_rad: float | None = None
     incline_rad: float | None = None
     belt_speed_m_s: float | None = None
 
-    def minutes_for(self, times: int) -> float:
-        """Return the minutes for so many times."""
-        return self.minutes + (times - 1) * self.one_minutes
+    def in_words(self) -> str:
+        """Return what to do, and how often."""
+        return self.words + (f", {self.times} times" if self.times > 1 else "")
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A reading that could be taken next: as it is advised, and as it would be seen.
+
+    advised: once, its band unknown. repeat_minutes: of each further time. readings: of one time.
+    """
+
+    advised: NextReading
+    repeat_minutes: float
+    readings: tuple[Reading | Push, ...]
 
     def session_with(self, session: Session, times: int) -> Session:
         """Return the session with the reading so many times."""
@@ -88,9 +100,8 @@ def _stations(session: Session, estimate: MapEstimate) -> Iterator[Candidate]:
                 f"{math.degrees(incline):.2f}°, belt near {slip:.2g} m/s"
             )
             reading = Reading(0, angle, incline, slip, bend=bend)
-            yield Candidate(
-                "station", words, minutes, STATION_MIN, angle, (reading,), incline, slip
-            )
+            station = NextReading("station", words, 1, minutes, math.nan, angle, incline, slip)
+            yield Candidate(station, STATION_MIN, (reading,))
 
 
 def _belt_places(
@@ -147,7 +158,8 @@ def _pushes(session: Session, estimate: MapEstimate) -> Iterator[Candidate]:
         minutes = len(WAYS) * PUSH_MIN
         first = minutes + (0.0 if near else BEND_MIN)
         pair = _pair_of_pushes(session, law, angle, filmed)
-        yield Candidate("push", words, first, minutes, angle, pair)
+        push = NextReading("push", words, 1, first, math.nan, angle)
+        yield Candidate(push, minutes, pair)
 
 
 def _pair_of_pushes(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,6 +17,7 @@ from ..model.robot import Robot
 from ..periodic.neighbours import drawn_states
 from ..periodic.servo_steady import drawn_servo_speeds, ripple_share, servo_speed
 from ..periodic.steady import steady_gait
+from ..servos.speed_limit import is_too_fast
 
 Progress = Callable[[float], object]
 AMPLITUDE_SIGMA = 0.03  # of the joints' true over commanded amplitude, common to all gaits
@@ -38,68 +39,54 @@ def scaled(gait: Gait, amplitude: float) -> Gait:
 class Samples:
     """N samples of what moves a robot, each as likely as any other.
 
-    ground: the fitted one, from whose periodic states those of the samples are sought. whole:
-    (N, P), frictions of the whole snake. amplitude: (N,), of the joints over the commanded one.
+    fit: the friction, whose ground every sample's state is sought from. kind: of servo, None where
+    joints follow the gait. whole: (N, 4), frictions of the whole snake. amplitude: (N,), of the
+    joints over the commanded one. servos: N of the kind, or none.
     """
 
-    robot: Robot
-    ground: Ground
+    fit: FrictionFit
+    kind: ServoKind | None
     whole: Array
     amplitude: Array
-
-
-@dataclass(frozen=True)
-class GaitSpeeds:
-    """Speeds of one gait, m/s, (N,): of sampled frictions, with the amplitudes, with the servos."""
-
-    friction_m_s: Array
-    joints_m_s: Array
-    all_m_s: Array
+    servos: tuple[Servo, ...]
 
 
 def draw_samples(
     fit: FrictionFit,
+    kind: ServoKind | None = None,
     amplitude_sigma: float = AMPLITUDE_SIGMA,
     count: int = SAMPLES,
     seed: int = 2005,
 ) -> Samples:
-    """Return samples of a fit's friction, and of an amplitude with this standard deviation."""
+    """Return samples of a fit's friction, of an amplitude with this sigma, and of the servos."""
     from scipy.special import ndtri
 
     evenly = np.random.default_rng(seed).permutation((np.arange(count) + 0.5) / count)
     amplitude = 1.0 + amplitude_sigma * ndtri(evenly)
-    return Samples(fit.robot, fit.ground, fit.sample_whole(count, seed), amplitude)
+    servos = tuple(kind.draws(count, seed)) if kind else ()
+    return Samples(fit, kind, fit.sample_whole(count, seed), amplitude, servos)
 
 
-def draw_servos(servo: ServoKind | None, count: int = SAMPLES, seed: int = 2005) -> list[Servo]:
-    """Return a servo of this kind for each sample; none where joints follow the gait."""
-    return [] if servo is None else list(servo.draws(count, seed))
+def speeds(samples: Samples, gait: Gait, commanded: Gait | None = None) -> Array:
+    """Return the speeds of one gait for each sample, m/s, (3, N).
 
-
-def speeds(
-    samples: Samples, gait: Gait, servos: Sequence[Servo] = (), commanded: Gait | None = None
-) -> GaitSpeeds:
-    """Return the speeds of one gait for each sample.
-
-    servos: one for each sample; none: the joints follow the gait. commanded: what the robot was
-    told, where a film showed that its joints do `gait`. Their amplitude is then certain, and of a
-    servo only the ripple counts.
+    Rows: of the frictions alone, with the joints' amplitude, and with the servos, where they can
+    follow. commanded: what the robot was told, where a film showed that its joints do `gait`. Their
+    amplitude is then certain, and of a servo only the ripple counts.
     """
-    grounds = [ground_of(samples.robot.links, row) for row in samples.whole.tolist()]
-    reached = [gait if commanded else scaled(gait, a) for a in samples.amplitude.tolist()]
-    asked = [commanded or made for made in reached]
-    count = len(grounds)
-    draws = list(zip(3 * grounds, [gait] * count + reached + asked, strict=True))
-    once = list(dict.fromkeys(draws))
-    found = drawn_states(samples.robot, (samples.ground, gait), once)
-    state_of = dict(zip(once, found, strict=True))
-    states = [state_of[draw] for draw in draws]
-    ideal = np.array([state.speed_m_s for state in states])
-    friction, joints = ideal[:count], ideal[count : 2 * count]
-    if not servos:
-        moved = joints
-    elif commanded:
-        moved = joints * drawn_servo_speeds(states[2 * count :], servos, value=ripple_share)
+    robot, count = samples.fit.robot, len(samples.whole)
+    grounds = [ground_of(robot.links, row) for row in samples.whole.tolist()]
+    asked = [commanded or scaled(gait, share) for share in samples.amplitude.tolist()]
+    draws = list(zip(2 * grounds, [gait] * count + asked, strict=True))
+    states = drawn_states(robot, (samples.fit.ground, gait), draws)
+    ideal_m_s = np.array([state.speed_m_s for state in states]).reshape(2, count)
+    friction_m_s, moved_m_s = ideal_m_s
+    joints_m_s = friction_m_s if commanded else moved_m_s
+    if samples.servos and commanded:
+        shares = drawn_servo_speeds(states[count:], samples.servos, value=ripple_share)
+        moved_m_s = joints_m_s * shares
+    elif samples.servos and not is_too_fast(gait, samples.kind):
+        moved_m_s = drawn_servo_speeds(states[count:], samples.servos, ends_only=True)
     else:
-        moved = drawn_servo_speeds(states[2 * count :], servos)
-    return GaitSpeeds(friction, joints, moved)
+        moved_m_s = joints_m_s
+    return np.array([friction_m_s, joints_m_s, moved_m_s])

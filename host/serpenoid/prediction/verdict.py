@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.vectors import Array
-from ..friction.result import FrictionFit, ground_of
+from ..friction.result import FrictionFit
 from ..model.drives import Servo
 from ..model.gait import Gait
 from ..periodic.neighbours import drawn_states
@@ -18,11 +18,9 @@ from ..periodic.steady import Steady
 from .speeds import scaled
 
 SPACING = 0.01  # relative speed difference between neighbouring servos, or slopes, of the samples
-SIMULATED = 2048  # speeds with measuring errors, among which the measured ones are ranked
-SLOPES = 512  # sampled, where a floor's slope is unknown
-FRICTION_FACTORS = np.geomspace(0.4, 2.5, 17)
-AMPLITUDE_FACTORS = np.linspace(0.5, 1.3, 17)
-SERVO_EVERY = 8  # of these points a servo's state is solved for; its share changes slowly between
+SIMULATED = 1024  # speeds with measuring errors, among which the measured ones are ranked
+FRICTION_FACTORS = np.geomspace(0.4, 2.5, 9)
+AMPLITUDE_FACTORS = np.linspace(0.5, 1.3, 9)
 TRIED = 97  # factors between, whose speeds are interpolated
 
 
@@ -48,10 +46,6 @@ class Predicted:
     slope_shares: Array
     measured_m_s: Array
     sigma_m_s: Array
-
-    def times(self, share: Array) -> Predicted:
-        """Return the predictions times shares (gaits,)."""
-        return replace(self, joints_m_s=self.joints_m_s * share)
 
     def p_value(self, seed: int) -> float:
         """Return how often a sample with measuring errors is as unlikely as what was measured.
@@ -116,52 +110,35 @@ def best_factors(
     gaits: each with its command where a film showed the joints, as for `speeds`. What a factor does
     to a speed is solved for with the fitted friction and the typical servo.
     """
-    whole = np.array(list(fit.whole_snake.values()))
-    by_friction = [(factor * whole, 1.0) for factor in FRICTION_FACTORS.tolist()]
-    by_amplitude = [(whole, factor) for factor in AMPLITUDE_FACTORS.tolist()]
-    friction = [_shares(fit, by_friction, pair, servo) for pair in gaits]
-    amplitude = [_shares(fit, by_amplitude, pair, servo) for pair in gaits]
+    friction, amplitude = [], []
+    for gait, commanded in gaits:
+        draws = [(fit.ground.scaled(*4 * [factor]), gait) for factor in FRICTION_FACTORS.tolist()]
+        draws += [(fit.ground, scaled(gait, factor)) for factor in AMPLITUDE_FACTORS.tolist()]
+        *states, fitted = drawn_states(fit.robot, (fit.ground, gait), [*draws, (fit.ground, gait)])
+        speeds_m_s = np.array([_moved(s, servo, commanded is not None) for s in (fitted, *states)])
+        shares = np.split(speeds_m_s[1:] / max(speeds_m_s[0], 1e-9), 2)
+        friction.append(shares[0])
+        amplitude.append(shares[1])
     return (
         _best(predicted, FRICTION_FACTORS, np.array(friction), seed),
         _best(predicted, AMPLITUDE_FACTORS, np.array(amplitude), seed),
     )
 
 
-def _shares(
-    fit: FrictionFit,
-    points: Sequence[tuple[Array, float]],
-    pair: tuple[Gait, Gait | None],
-    servo: Servo | None,
-) -> Array:
-    """Return the speeds of one gait at (frictions of the whole snake, amplitude), over the fitted.
-
-    A servo's share of the ideal speed is solved for at every SERVO_EVERY-th point alone.
-    """
-    gait, commanded = pair
-    links, whole = fit.robot.links, np.array(list(fit.whole_snake.values()))
-    points = [(whole, 1.0), *points]
-    draws = [(ground_of(links, of.tolist()), scaled(gait, a)) for of, a in points]
-    states = drawn_states(fit.robot, (fit.ground, gait), draws)
-    ideal = np.array([state.speed_m_s for state in states])
-    if servo is not None:
-        some = range(1, len(points), SERVO_EVERY)
-        moved = _servo_shares([states[k] for k in (0, *some)], servo, commanded is not None)
-        ideal[1:] *= np.interp(np.arange(1, len(points)), some, moved[1:])
-        ideal[0] *= moved[0]
-    return ideal[1:] / max(ideal[0], 1e-9)
-
-
-def _servo_shares(states: Sequence[Steady], servo: Servo, filmed: bool) -> Array:
-    """Return the shares of the ideal speeds that a servo leaves."""
+def _moved(state: Steady, servo: Servo | None, filmed: bool) -> float:
+    """Return the speed, m/s, that a servo leaves of an ideal one."""
+    if servo is None:
+        return state.speed_m_s
     if filmed:
-        return np.array([ripple_share(state, servo, rough=True) for state in states])
-    return np.array([servo_speed(s, servo, rough=True) / max(s.speed_m_s, 1e-9) for s in states])
+        return state.speed_m_s * ripple_share(state, servo, rough=True)
+    return servo_speed(state, servo, rough=True)
 
 
 def _best(predicted: Predicted, factors: Array, shares: Array, seed: int) -> Factor:
     """Return the likeliest factor; shares: (gaits, factors), of the speed without one."""
     tried = np.linspace(factors[0], factors[-1], TRIED)
-    by_factor = np.array([np.interp(tried, factors, row) for row in shares]).T
-    found = [predicted.times(share) for share in by_factor]
-    best = int(np.argmax([each.log_density for each in found]))
-    return Factor(float(tried[best]), found[best].p_value(seed))
+    by_factor = np.stack([np.interp(tried, factors, row) for row in shares], axis=1)
+    joints = predicted.joints_m_s
+    changed = [replace(predicted, joints_m_s=joints * share) for share in by_factor]
+    best = int(np.argmax([each.log_density for each in changed]))
+    return Factor(float(tried[best]), changed[best].p_value(seed))
