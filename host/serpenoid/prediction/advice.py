@@ -80,15 +80,16 @@ class Advice(Result):
 
     def in_words(self) -> str:
         """Return which reading to take, or that none is worth its time."""
-        now = f"{100 * self.band:.2g} %"
+        present = f"{100 * self.band:.2g} %"
         if not self.worth:
             return (
-                f"No further reading is worth its time: none makes the speed's band, ±{now}, a "
+                f"No further reading is worth its time: none makes the speed's band, ±{present}, a "
                 f"tenth narrower. {self.note}"
             ).strip()
-        after = f"{100 * self.best.band:.2g} %"
+        next_band = f"{100 * self.best.band:.2g} %"
         what = f"{self.best.in_words()} ({self.best.minutes:.0f} minutes)"
-        return f"Take next: {what}; the speed is then known to ±{after}, now ±{now}. {self.note}"
+        bands = f"±{next_band}, now ±{present}"
+        return f"Take next: {what}; the speed is then known to {bands}. {self.note}"
 
     def table(self, verbose: bool = True) -> tuple[list[str], list[list[str]]]:
         """Return the best readings and the speed's band after each; none where words do."""
@@ -128,10 +129,10 @@ class _Bands:
         """Return the variances of the speeds by frictions with such a covariance."""
         return np.einsum("gi,ij,gj->g", self.slopes, covariance, self.slopes)
 
-    def after(self, ratio: Array) -> float:
+    def band_after(self, ratio: Array) -> float:
         """Return the mean band once the variances by friction have shrunk by ratios."""
-        others = np.maximum(self.complete**2 - self.friction**2, 0.0)
-        return float(np.mean(np.sqrt(others + ratio * self.friction**2)))
+        other_variance = np.maximum(self.complete**2 - self.friction**2, 0.0)
+        return float(np.mean(np.sqrt(other_variance + ratio * self.friction**2)))
 
     @property
     def servo_tested(self) -> float:
@@ -189,29 +190,29 @@ def advise(
     'station'
     """
     check_kind("session", session, Session)
-    wanted = tuple(gaits) or as_run(session, session.setup.plan.gaits)
-    if not wanted:
+    asked_gaits = tuple(gaits) or as_run(session, session.setup.plan.gaits)
+    if not asked_gaits:
         raise BadInput(f"{session.where}: no gait to predict; name one with --gait")
     if not session.kept and not session.on_floor:
         raise BadInput(f"{session.where}: no station was held, and no push; take one first")
     fit, estimate = fit_friction(session), map_estimate(session)
     servo = servo and driving(session.setup, servo)
-    too_fast = [too_fast_text(gait, servo, gait_name(gait)) for gait in wanted]
-    slow = tuple(gait for gait, text in zip(wanted, too_fast, strict=True) if not text)
+    too_fast = [too_fast_text(gait, servo, gait_name(gait)) for gait in asked_gaits]
+    slow = tuple(gait for gait, text in zip(asked_gaits, too_fast, strict=True) if not text)
     if not slow:
         raise BadInput(
             f"{session.where}: {' '.join(too_fast)} So no speed has a band to make narrower; name "
             "a slower gait"
         )
     bands = _bands(session, draw_samples(fit, servo, count=samples), slow, progress)
-    now = float(np.mean(bands.complete))
-    before = bands.variance(covariance_after(session, estimate))
+    present_band = float(np.mean(bands.complete))
+    present_variance = bands.variance(covariance_after(session, estimate))
 
     def band_with(candidate: Candidate, times: int) -> float:
         grown = covariance_after(candidate.session_with(session, times), estimate)
-        return bands.after(bands.variance(grown) / before)
+        return bands.band_after(bands.variance(grown) / present_variance)
 
-    readings = [_repeated(each, band_with) for each in candidates(session, estimate)]
+    readings = [_repeated(candidate, band_with) for candidate in candidates(session, estimate)]
     if servo is not None and not servo.drawn and not servo.exact:
         words = "a bench test of one joint (`serpenoid servo --test`)"
         readings.append(NextReading("servo", words, 1, SERVO_TEST_MIN, bands.servo_tested))
@@ -225,8 +226,12 @@ def advise(
             "belt_speed_max_m_s in the plan"
         )
     # a reading that saves less than a tenth comes after those that are worth their time
-    readings.sort(key=lambda r: (r.band > (1.0 - WORTH) * now, (r.band - now) / r.minutes))
-    return Advice(slow, now, tuple(readings), " ".join(too_fast), servo and servo.name, fit.alarms)
+    readings.sort(
+        key=lambda r: (r.band > (1.0 - WORTH) * present_band, (r.band - present_band) / r.minutes)
+    )
+    return Advice(
+        slow, present_band, tuple(readings), " ".join(too_fast), servo and servo.name, fit.alarms
+    )
 
 
 def _repeated(candidate: Candidate, band_with: Callable[[Candidate, int], float]) -> NextReading:
@@ -242,14 +247,14 @@ def _bands(
     session: Session, samples: Samples, gaits: Sequence[Gait], progress: Progress | None
 ) -> _Bands:
     """Return speeds and bands as `compare` has them; raises BadInput for one that stands still."""
-    centred = samples.whole - samples.whole.mean(axis=0)
+    centred = samples.frictions - samples.frictions.mean(axis=0)
     # a little of the fit's own covariance keeps frictions known all but exactly in their place
     ridge = 1e-6 * len(centred) * np.diag(np.diag(samples.fit.covariance))
     inverse = np.linalg.inv(centred.T @ centred + ridge)
     films = [crawl for crawl in crawls_by_command(session) if crawl.films]
     rows, slopes = [], []
     for gait in gaits:
-        crawl = next((each for each in films if same_command(each.commanded, gait)), None)
+        crawl = next((film for film in films if same_command(film.commanded, gait)), None)
         band = predict(samples, crawl.gait if crawl else gait, crawl and crawl.commanded)
         filmed = band if crawl else predict(samples, gait, gait)
         if band.exact_m_s <= 0.0:

@@ -25,7 +25,7 @@ from ..simulation.steady_springs import steady_springs
 from .band import SpeedBand, predict
 from .level import SLOPES, level_session, slope_shares
 from .speeds import AMPLITUDE_SIGMA, SAMPLES, Progress, draw_samples
-from .verdict import Factor, Predicted, best_factors
+from .verdict import SIMULATED, Factor, Predicted, best_factors
 
 DOUBTFUL = 0.05  # p-value below which speeds differ from the prediction
 NORMAL_95 = 1.96  # standard deviations within which 95 % of normal errors lie
@@ -230,24 +230,26 @@ def compare(
     check_kind("session", session, Session)
     check_number("amplitude_sigma", amplitude_sigma, 0.0, 0.5)
     fit = fit or fit_friction(session)
-    wanted = compared_gaits(session, gaits)
-    if not wanted:
+    asked_gaits = compared_gaits(session, gaits)
+    if not asked_gaits:
         raise BadInput(f"{session.where}: {NO_GAIT}")
     level, levelled = level_session(session, fit, seed)
     crawls = {crawl.gait: crawl for crawl in crawls_by_command(level)}
     servo = servo and driving(session.setup, servo)
     commands = {gait: crawl.commanded for gait, crawl in crawls.items() if crawl.films}
-    too_fast = {g: "" if g in commands else too_fast_text(g, servo, gait_name(g)) for g in wanted}
-    wanted.sort(key=lambda gait: bool(too_fast[gait]))
+    too_fast = {
+        g: "" if g in commands else too_fast_text(g, servo, gait_name(g)) for g in asked_gaits
+    }
+    asked_gaits.sort(key=lambda gait: bool(too_fast[gait]))
     drawn = draw_samples(fit, servo, amplitude_sigma, samples, seed)
     bands: dict[Gait, SpeedBand] = {}
-    for gait in wanted:
+    for gait in asked_gaits:
         bands[gait] = predict(drawn, gait, commands.get(gait))
         if progress is not None:
-            progress(len(bands) / len(wanted))
+            progress(len(bands) / len(asked_gaits))
     shown = [_compared(fit, gait, band, crawls.get(gait)) for gait, band in bands.items()]
-    judged = [gait for gait, row in zip(wanted, shown, strict=True) if row.judged]
-    p_value = friction = amplitude = None
+    judged = [gait for gait, row in zip(asked_gaits, shown, strict=True) if row.judged]
+    p_value, friction, amplitude = None, None, None
     if judged:
         predicted = _predicted(session, fit, [crawls[gait] for gait in judged], bands, seed)
         p_value = predicted.p_value(seed)
@@ -269,7 +271,7 @@ def compare(
         " ".join(filter(None, words)),
         servo=servo,
         fit=fit,
-        highest_hz=servo and highest_hz(wanted[0], servo),
+        highest_hz=servo and highest_hz(asked_gaits[0], servo),
     )
 
 
@@ -278,7 +280,7 @@ def compared_gaits(session: Session, more: Sequence[Gait] = ()) -> list[Gait]:
     crawls = crawls_by_command(session)
     commands = [crawl.commanded for crawl in crawls] or list(session.setup.plan.gaits)
     gaits = [crawl.gait for crawl in crawls] or commands
-    return gaits + [g for g in more if not any(same_command(known, g) for known in commands)]
+    return gaits + [g for g in more if not any(same_command(command, g) for command in commands)]
 
 
 def _joints_as_filmed(crawl: Crawls) -> str:
@@ -324,11 +326,11 @@ def _compared(fit: FrictionFit, gait: Gait, band: SpeedBand, crawl: Crawls | Non
 def _by_springs(fit: FrictionFit, gait: Gait) -> dict[str, float]:
     """Return the implicit model's speed and its error; nothing where its springs never settle."""
     try:
-        found = steady_springs(fit.robot, fit.ground, gait, rtol=SPRINGS_RTOL)
+        springs = steady_springs(fit.robot, fit.ground, gait, rtol=SPRINGS_RTOL)
     except NotConverged:  # heavy links on the paper's springs
         return {}
-    error = found.error_estimate * found.speed_m_s
-    return {"implicit_m_s": found.speed_m_s, "implicit_error_m_s": error}
+    error = springs.error_estimate * springs.speed_m_s
+    return {"implicit_m_s": springs.speed_m_s, "implicit_error_m_s": error}
 
 
 def _predicted(
@@ -362,17 +364,17 @@ def _verdict(
     judged = [gait for gait in shown if gait.judged]
     if p_value is None or not judged:
         return "not judged", "Not judged: the servos cannot follow any gait that was run."
-    off = [(g.measured_m_s or 0.0) / max(g.typical_m_s, 1e-9) - 1.0 for g in judged]
-    worst = int(np.argmax(np.abs(off)))
+    differences = [(g.measured_m_s or 0.0) / max(g.typical_m_s, 1e-9) - 1.0 for g in judged]
+    worst = int(np.argmax(np.abs(differences)))
     widths = [((g.high_all_m_s or 0.0) - (g.low_all_m_s or 0.0)) / 2 for g in judged]
     width = max(w / max(g.typical_m_s, 1e-9) for w, g in zip(widths, judged, strict=True))
     joints = "ideal joints" if servo is None else f"servos ({servo.name})"
     count = f"{len(judged)} gait" + ("s" if len(judged) > 1 else "")
     largest = (
-        f"the largest difference from the prediction with {joints} is {off[worst]:+.1%}, at "
-        f"{judged[worst].frequency_hz:.3g} Hz"
+        f"the largest difference from the prediction with {joints} is {differences[worst]:+.1%}, "
+        f"at {judged[worst].frequency_hz:.3g} Hz"
     )
-    chance = "p < 0.001" if p_value < 1e-3 else f"p = {p_value:.2g}"
+    chance = f"p = {p_value:.2g}" if p_value else f"p < {1 / SIMULATED:.1g}"
     if p_value >= DOUBTFUL:
         text = f"Agrees: {count} within what friction, joints and servos allow, up to ±{width:.0%}"
         if outside := sum(gait.outside for gait in judged):

@@ -51,8 +51,8 @@ def level_session(session: Session, fit: FrictionFit, seed: int = 2005) -> tuple
             speed = run.speed_m_s / share
             sigma = math.hypot(run.speed_sigma_m_s / share, doubt * speed)
             level[run.number] = replace(run, speed_m_s=speed, speed_sigma_m_s=sigma, way="level")
-    made = replace(session, readings=tuple(level.get(r.number, r) for r in session.readings))
-    return made, _in_words(slope)
+    new_session = replace(session, readings=tuple(level.get(r.number, r) for r in session.readings))
+    return new_session, _in_words(slope)
 
 
 def floor_slope(session: Session, nuisances: Mapping[str, Estimate]) -> Slope:
@@ -76,8 +76,8 @@ def slope_shares(
     normal = np.random.default_rng(seed).normal(size=(2, SLOPES))
     sign = -1.0 if way == "there" else 1.0
 
-    def on_slope(ahead: float, left: float) -> float:
-        rise = along.value + ahead * along.sigma, across.value + left * across.sigma
+    def on_slope(along_node: float, left_node: float) -> float:
+        rise = along.value + along_node * along.sigma, across.value + left_node * across.sigma
         return _crawl_speed(fit.robot, fit.ground, gait, sign * rise[0], sign * rise[1])
 
     level_m_s = max(_crawl_speed(fit.robot, fit.ground, gait, 0.0, 0.0), 1e-6)
@@ -92,14 +92,16 @@ def slope_shares(
     return np.maximum(shares, MIN_SHARE)
 
 
-def _crawl_speed(robot: Robot, ground: Ground, gait: Gait, ahead: float, left: float) -> float:
+def _crawl_speed(
+    robot: Robot, ground: Ground, gait: Gait, along_rad: float, left_rad: float
+) -> float:
     """Return the mean speed, m/s, of a crawl over ground that rises ahead and to the left, rad.
 
     The robot turns downhill within some ten seconds, and nobody knows when a reading began.
     """
     _, direction = _crawl(robot, ground, gait, 0.0, 0.0)
-    uphill = math.remainder(direction + math.atan2(left, ahead), math.tau)
-    return _crawl(robot, ground, gait, math.hypot(ahead, left), uphill)[0]
+    uphill = math.remainder(direction + math.atan2(left_rad, along_rad), math.tau)
+    return _crawl(robot, ground, gait, math.hypot(along_rad, left_rad), uphill)[0]
 
 
 @lru_cache(maxsize=512)
@@ -108,7 +110,7 @@ def _crawl(
 ) -> tuple[float, float]:
     """Return the mean speed, m/s, and the direction of the first cycle's way, rad."""
     period_s = gait.period_s
-    before, last = (math.ceil(at_s / period_s) for at_s in (FROM_S, TO_S))
+    first_cycle, last = (math.ceil(at_s / period_s) for at_s in (FROM_S, TO_S))
     run = simulate(
         Scene(
             robot,
@@ -122,7 +124,7 @@ def _crawl(
             record_every=STEPS // ROWS,
         )
     )
-    t_s = period_s * np.arange(before, last + 2)
+    t_s = period_s * np.arange(first_cycle, last + 2)
     x, y = (np.interp(t_s, run.t_s, way.mean(axis=1)) for way in (run.x_m, run.y_m))
     speeds_m_s = np.hypot(np.diff(x), np.diff(y)) / period_s
     return float(speeds_m_s.mean()), math.atan2(y[1] - y[0], x[1] - x[0])

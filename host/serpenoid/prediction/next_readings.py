@@ -81,15 +81,18 @@ def candidates(session: Session, estimate: MapEstimate) -> Iterator[Candidate]:
 
 
 def _stations(session: Session, estimate: MapEstimate) -> Iterator[Candidate]:
-    setup, kept = session.setup, session.kept
+    setup, stations = session.setup, session.kept
     sigma_rad, bend = setup.instruments.lambda_sigma_rad, setup.plan.bend
-    now = kept[-1].lambda_rad if kept[-1].bend == bend else 0.0
-    near = SAME_BEND_SIGMAS * sigma_rad
-    angles = [now if now and abs(angle - now) < near else angle for angle in BELT_BENDS_RAD]
+    present_rad = stations[-1].lambda_rad if stations[-1].bend == bend else 0.0
+    near_rad = SAME_BEND_SIGMAS * sigma_rad
+    angles = [
+        present_rad if present_rad and abs(angle - present_rad) < near_rad else angle
+        for angle in BELT_BENDS_RAD
+    ]
     for angle in dict.fromkeys(angles):
         if angle and angle <= SAFE_BEND_SIGMAS * sigma_rad:
             continue  # a lesser bend would bias cn
-        minutes = STATION_MIN + (0.0 if angle == now else BEND_MIN)
+        minutes = STATION_MIN + (0.0 if angle == present_rad else BEND_MIN)
         for incline, slip in _belt_places(session, estimate, angle):
             degrees = math.degrees(angle)
             pose = "straight"
@@ -112,16 +115,16 @@ def _belt_places(
     shown = np.array([reading.incline_rad for reading in session.kept], dtype=float)
     steepest = max(MAX_INCLINE_RAD, float(shown.max()))
     drag, dry_n = _drag(setup, estimate, angle)
-    found: dict[float, float] = {}
+    places: dict[float, float] = {}
     for wanted_m_s in SLIPS_M_S:
         sine = min((drag * wanted_m_s + dry_n) / setup.weight_n, MAX_SINE)
         step, sigma = setup.instruments.incline_step_rad, setup.instruments.incline_sigma_rad
         incline = nearest_shown(math.asin(sine) + zero, shown, sigma, step)
         slip = (setup.weight_n * math.sin(incline - zero) - dry_n) / max(drag, 1e-12)
-        held = LEAST_SLIP_M_S < slip <= setup.plan.belt_speed_max_m_s
-        if held and 0.0 < incline <= steepest and not _failed(session, angle, incline):
-            found[round(incline, 6)] = slip
-    return list(found.items())
+        holds = LEAST_SLIP_M_S < slip <= setup.plan.belt_speed_max_m_s
+        if holds and 0.0 < incline <= steepest and not _failed(session, angle, incline):
+            places[round(incline, 6)] = slip
+    return list(places.items())
 
 
 def _drag(setup: Setup, estimate: MapEstimate, angle: float) -> tuple[float, float]:
@@ -134,21 +137,21 @@ def _drag(setup: Setup, estimate: MapEstimate, angle: float) -> tuple[float, flo
 def _failed(session: Session, angle: float, incline_rad: float) -> bool:
     """Tell whether all readings at this bend and incline were voided."""
     step = session.setup.instruments.incline_step_rad
-    there = [
+    same_place = [
         reading.voided
         for reading in session.of("station")
         if abs(reading.lambda_rad - angle) < SAME_RAD
         and abs(reading.incline_rad - incline_rad) < step / 2
     ]
-    return bool(there) and all(there)
+    return bool(same_place) and all(same_place)
 
 
 def _pushes(session: Session, estimate: MapEstimate) -> Iterator[Candidate]:
     setup, last = session.setup, session.kept_pushes[-1]
     filmed = any(push.track is not None for push in session.kept_pushes)
     for bend_rad in FLOOR_BENDS_RAD:
-        near = abs(last.lambda_rad - bend_rad) < SAME_BEND_SIGMAS * SAME_RAD
-        angle = last.lambda_rad if near else bend_rad
+        is_near = abs(last.lambda_rad - bend_rad) < SAME_BEND_SIGMAS * SAME_RAD
+        angle = last.lambda_rad if is_near else bend_rad
         drag, dry_n = _drag(setup, estimate, angle)
         law = np.array([drag, dry_n]) * setup.laboratory.gravity_m_s2 / setup.weight_n
         pose = f"bent {math.degrees(angle):.3g}°" if angle else "straight"
@@ -156,7 +159,7 @@ def _pushes(session: Session, estimate: MapEstimate) -> Iterator[Candidate]:
             "filmed" if filmed else "by tape and watch"
         )
         minutes = len(WAYS) * PUSH_MIN
-        first = minutes + (0.0 if near else BEND_MIN)
+        first = minutes + (0.0 if is_near else BEND_MIN)
         pair = _pair_of_pushes(session, law, angle, filmed)
         push = NextReading("push", words, 1, first, math.nan, angle)
         yield Candidate(push, minutes, pair)
@@ -174,11 +177,11 @@ def _pair_of_pushes(
         return tuple(
             Push(0, distance_m=rest_m, duration_s=rest_s, way=way, **common) for way in WAYS
         )
-    known = [p.distance_sigma_m for p in session.kept_pushes if p.track and p.distance_sigma_m]
+    sigmas_m = [p.distance_sigma_m for p in session.kept_pushes if p.track and p.distance_sigma_m]
     t = np.arange(0.0, rest_s + RESTED_S, 1 / PICTURES_HZ)
     x = way_m(t, *start)
     track = Track.from_samples(("t_s", "x_m", "y_m"), np.stack([t, x, 0 * t], axis=1))
-    sigma_m = float(np.median(known)) if known else PLACE_SIGMA_M
+    sigma_m = float(np.median(sigmas_m)) if sigmas_m else PLACE_SIGMA_M
     return tuple(
         Push(0, way=way, by="film", track=track, distance_sigma_m=sigma_m, **common) for way in WAYS
     )

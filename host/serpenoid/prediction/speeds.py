@@ -40,13 +40,13 @@ class Samples:
     """N samples of what moves a robot, each as likely as any other.
 
     fit: the friction, whose ground every sample's state is sought from. kind: of servo, None where
-    joints follow the gait. whole: (N, 4), frictions of the whole snake. amplitude: (N,), of the
+    joints follow the gait. frictions: (N, 4), of the whole snake. amplitude: (N,), of the
     joints over the commanded one. servos: N of the kind, or none.
     """
 
     fit: FrictionFit
     kind: ServoKind | None
-    whole: Array
+    frictions: Array
     amplitude: Array
     servos: tuple[Servo, ...]
 
@@ -74,10 +74,10 @@ def speeds(samples: Samples, gait: Gait, commanded: Gait | None = None) -> Array
     follow. commanded: what the robot was told, where a film showed that its joints do `gait`. Their
     amplitude is then certain, and of a servo only the ripple counts.
     """
-    robot, count = samples.fit.robot, len(samples.whole)
-    grounds = [ground_of(robot.links, row) for row in samples.whole.tolist()]
-    asked = [commanded or scaled(gait, share) for share in samples.amplitude.tolist()]
-    draws = list(zip(2 * grounds, [gait] * count + asked, strict=True))
+    robot, count = samples.fit.robot, len(samples.frictions)
+    grounds = [ground_of(robot.links, row) for row in samples.frictions.tolist()]
+    moving_gaits = [commanded or scaled(gait, share) for share in samples.amplitude.tolist()]
+    draws = list(zip(2 * grounds, [gait] * count + moving_gaits, strict=True))
     states = drawn_states(robot, (samples.fit.ground, gait), draws)
     ideal_m_s = np.array([state.speed_m_s for state in states]).reshape(2, count)
     friction_m_s, moved_m_s = ideal_m_s

@@ -72,7 +72,7 @@ class Predicted:
         """Return what servo and slope leave of the speeds, (slopes, gaits): each has a servo."""
         return self.slope_shares * np.resize(self.servo_shares, self.slope_shares.shape)
 
-    def _log_density(self, speeds: Array, own: NDArray[np.intp] | None = None) -> Array:
+    def _log_density(self, speeds: Array, own_slope: NDArray[np.intp] | None = None) -> Array:
         """Return it at speeds (K, gaits): a normal distribution about each servo and slope.
 
         It is the density of the speeds' logarithms, so that a speed which is a share too low is as
@@ -86,14 +86,14 @@ class Predicted:
         if not several:
             shares = shares[:1]
         noise = np.diag(self.sigma_m_s**2 + (several * SPACING * centre) ** 2)
-        each = shares[:, :, None] * spread * shares[:, None, :] + noise
-        root = np.linalg.cholesky(np.linalg.inv(each))
-        log_volume = np.linalg.slogdet(each)[1]
-        off = (speeds - (shares * centre)[:, None]) @ root  # (slopes, K, gaits)
-        log = -0.5 * (np.sum(off**2, axis=2).T + log_volume)
-        if own is not None and several:
+        covariance = shares[:, :, None] * spread * shares[:, None, :] + noise
+        root = np.linalg.cholesky(np.linalg.inv(covariance))
+        log_volume = np.linalg.slogdet(covariance)[1]
+        differences = (speeds - (shares * centre)[:, None]) @ root  # (slopes, K, gaits)
+        log = -0.5 * (np.sum(differences**2, axis=2).T + log_volume)
+        if own_slope is not None and several:
             servos = len(self.servo_shares)
-            same = np.arange(len(shares))[None] % servos == own[:, None] % servos
+            same = np.arange(len(shares))[None] % servos == own_slope[:, None] % servos
             log[same] = -np.inf
         return np.asarray(np.logaddexp.reduce(log, axis=1) - np.log(np.isfinite(log).sum(axis=1)))
 
@@ -140,5 +140,5 @@ def _best(predicted: Predicted, factors: Array, shares: Array, seed: int) -> Fac
     by_factor = np.stack([np.interp(tried, factors, row) for row in shares], axis=1)
     joints = predicted.joints_m_s
     changed = [replace(predicted, joints_m_s=joints * share) for share in by_factor]
-    best = int(np.argmax([each.log_density for each in changed]))
+    best = int(np.argmax([candidate.log_density for candidate in changed]))
     return Factor(float(tried[best]), changed[best].p_value(seed))
