@@ -31,7 +31,7 @@ SECONDS = 2.2 * GAIT.period_s
 def world() -> World:
     """Return the demo's robot on its ground; its servos lag and miss the commanded angle."""
     rng = np.random.default_rng(2005)
-    whole_robot = LabRobot.whole(sn.Robot(6, 0.0756, 0.076), sn.Ground(0.084, 1.2, 0.14, 0.27))
+    whole_robot = LabRobot.whole_body(sn.Robot(6, 0.0756, 0.076), sn.Ground(0.084, 1.2, 0.14, 0.27))
     robot = whole_robot.drawn(rng, math.radians(1.5), 0.1)
     servos = Servos(rng.uniform(0.02, 0.035, 5), rng.uniform(0.9, 0.97, 5))
     return crawled(robot, servos, GAIT, set_points(GAIT, 8.0))

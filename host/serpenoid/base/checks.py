@@ -12,7 +12,7 @@ from .errors import BadInput
 
 # What is made of numbers (squares, quotients, products of several) must be finite as well. No
 # robot is larger than the universe (1e27 m) or lighter than an electron (1e-30 kg).
-MOST, LEAST = 1e30, 1e-30
+LARGEST, SMALLEST = 1e30, 1e-30
 BLOCK_BYTES = 1 << 20  # of a file that is hashed
 
 # What a scene may choose from.
@@ -36,15 +36,15 @@ def check_number(
     Without limits of its own it is at most 1e30 in magnitude; open_low, at least 1e-30 above low.
     """
     number = value if type(value) is float else _as_float(value)
-    lowest, highest = max(low, -MOST), min(high, MOST)
-    least = lowest + LEAST if open_low else lowest
-    if number is not None and least <= number <= highest and (number > lowest or not open_low):
+    lowest, highest = max(low, -LARGEST), min(high, LARGEST)
+    first = lowest + SMALLEST if open_low else lowest
+    if number is not None and first <= number <= highest and (number > lowest or not open_low):
         return number
     rule = range_in_words(low, high, open_low)
     if number is None:
         raise BadInput(f"{name} is {value!r}; it must be {rule}")
-    beyond = math.isfinite(number) and (abs(number) > MOST or 0 < abs(number) < LEAST)
-    rule += f", and {LEAST:g} to {MOST:g} in magnitude" if beyond else ""
+    beyond = math.isfinite(number) and (abs(number) > LARGEST or 0 < abs(number) < SMALLEST)
+    rule += f", and {SMALLEST:g} to {LARGEST:g} in magnitude" if beyond else ""
     raise BadInput(f"{name} is {number!r}; it must be {rule}")
 
 
@@ -91,9 +91,9 @@ def check_kind(name: str, value: object, kind: type | tuple[type, ...], order: s
     """Raise BadInput unless value is of a kind; order: of the arguments, for swapped ones."""
     if not isinstance(value, kind):
         kinds = kind if isinstance(kind, tuple) else (kind,)
-        wanted = " or ".join(f"serpenoid.{one.__name__}" for one in kinds)
+        names = " or ".join(f"serpenoid.{k.__name__}" for k in kinds)
         order = f": the order is {order}" if order else ""
-        raise BadInput(f"{name} is a {type(value).__name__}; it must be a {wanted}{order}")
+        raise BadInput(f"{name} is a {type(value).__name__}; it must be a {names}{order}")
 
 
 def check_choice(name: str, value: object, choices: tuple[str, ...]) -> str:
@@ -105,8 +105,8 @@ def check_choice(name: str, value: object, choices: tuple[str, ...]) -> str:
 
 def check_whole(name: str, value: object, low: int, high: int | None = None) -> int:
     """Return a whole number, or raise BadInput naming it and the range it must be in."""
-    most = math.inf if high is None else high
-    if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= most:
+    highest = math.inf if high is None else high
+    if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= highest:
         ends = f", {low} or more" if high is None else f" from {low} to {high}"
         raise BadInput(f"{name} is {value!r}; it must be a whole number{ends}")
     return value

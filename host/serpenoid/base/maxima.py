@@ -67,11 +67,11 @@ def maxima(residuals: Residuals, starts: Floats) -> list[Maximum]:
         for start in starts
     ]
     reached.sort(key=lambda end: end.cost)
-    kept: list[Maximum] = []
+    distinct: list[Maximum] = []
     for end in reached:
         if end.cost > reached[0].cost + LOG_DENSITY_RANGE:
             break
-        if all(np.abs(end.x - other.x).max() > SAME_DISTANCE for other in kept):
+        if all(np.abs(end.x - maximum.x).max() > SAME_DISTANCE for maximum in distinct):
             root = np.linalg.cholesky(np.linalg.inv(end.jac.T @ end.jac))
-            kept.append(Maximum(end.x, root, -float(end.cost)))
-    return kept
+            distinct.append(Maximum(end.x, root, -float(end.cost)))
+    return distinct

@@ -22,7 +22,7 @@ MOVES = 6  # of every particle after a step, and twice as many after the last
 _LENGTHS = (0.2, 0.4, 0.6, 1.0)  # of the difference of two particles
 _JITTER = 0.02  # standard deviations of the particles
 _CROSSOVERS = (0.2, 0.5, 1.0)  # shares of the parameters that a move changes
-_WHOLE = 0.1  # share of moves by the whole difference, from one maximum to another
+_JUMP_SHARE = 0.1  # share of moves by the whole difference, from one maximum to another
 _SNAPSHOTS = 4  # Sets of all samples that are kept, a fixed number of moves apart
 
 
@@ -52,9 +52,9 @@ class Student:
         root, size = WIDER * self.root, len(self.centre) - self.normal
         square = np.linalg.solve(root, (x - self.centre).T) ** 2
         head = gammaln((FREEDOM + size) / 2) - gammaln(FREEDOM / 2) - np.linalg.slogdet(root)[1]
-        far = (FREEDOM + size) * np.log1p(np.sum(square[:size], axis=0) / FREEDOM)
-        far = far + np.sum(square[size:], axis=0) + self.normal * math.log(2 * math.pi)
-        return np.asarray(head - 0.5 * (size * math.log(FREEDOM * math.pi) + far))
+        tails = (FREEDOM + size) * np.log1p(np.sum(square[:size], axis=0) / FREEDOM)
+        tails = tails + np.sum(square[size:], axis=0) + self.normal * math.log(2 * math.pi)
+        return np.asarray(head - 0.5 * (size * math.log(FREEDOM * math.pi) + tails))
 
 
 def explored(x: Floats, log_density: LogDensity, moves: int, rng: np.random.Generator) -> Floats:
@@ -65,22 +65,22 @@ def explored(x: Floats, log_density: LogDensity, moves: int, rng: np.random.Gene
     first follows a narrow ridge, the second widens parameters that the density hardly limits.
     """
     count = len(x)
-    log, kept = log_density(x), []
+    log, snapshots = log_density(x), []
     for k in range(moves):
         pair = x[rng.permutation(count)] - x[rng.permutation(count)]
         pair += _JITTER * x.std(axis=0) * rng.normal(size=x.shape)
         moved = rng.random(x.shape) < rng.choice(_CROSSOVERS, size=(count, 1))
         length = rng.uniform(0.5, 1.7, (count, 1)) / np.sqrt(np.maximum(moved.sum(1), 1))[:, None]
-        tried = x + np.where(rng.random((count, 1)) < _WHOLE, 1.0, length) * moved * pair
+        tried = x + np.where(rng.random((count, 1)) < _JUMP_SHARE, 1.0, length) * moved * pair
         new = log_density(tried)
-        taken = np.log(rng.random(count)) < new - log
-        x, log = np.where(taken[:, None], tried, x), np.where(taken, new, log)
+        accepted = np.log(rng.random(count)) < new - log
+        x, log = np.where(accepted[:, None], tried, x), np.where(accepted, new, log)
         if k >= moves // 2 and (moves - 1 - k) % (moves // (2 * _SNAPSHOTS)) == 0:
-            kept.append(x)
-    return np.array(kept)
+            snapshots.append(x)
+    return np.array(snapshots)
 
 
-def alike(log: Floats) -> float:
+def effective_count(log: Floats) -> float:
     """Return how many points that are alike are worth as much as weights of such logarithms."""
     weight = np.exp(log - log.max())
     return float(weight.sum() ** 2 / np.sum(weight**2))
@@ -118,20 +118,21 @@ def tempered(
             tried = x + (rng.choice(_LENGTHS, size=(count, 1)) * pair + jitter)
             new_first, new_ratio = first(tried), ratio(tried)
             gain = new_first - log_first + power * (new_ratio - log_ratio)
-            taken = np.log(rng.uniform(size=count)) < gain
-            x = np.where(taken[:, None], tried, x)
-            log_first = np.where(taken, new_first, log_first)
-            log_ratio = np.where(taken, new_ratio, log_ratio)
+            accepted = np.log(rng.uniform(size=count)) < gain
+            x = np.where(accepted[:, None], tried, x)
+            log_first = np.where(accepted, new_first, log_first)
+            log_ratio = np.where(accepted, new_ratio, log_ratio)
     return x, integral
 
 
-def _step(rise: Floats, most: float) -> float:
+def _step(rise: Floats, limit: float) -> float:
     """Return how far the power may rise: half of the particles stay independent."""
-
-    if alike(most * rise) >= len(rise) / 2:
-        return most
-    low, high = 0.0, most
+    if effective_count(limit * rise) >= len(rise) / 2:
+        return limit
+    low, high = 0.0, limit
     for _ in range(40):
         middle = (low + high) / 2
-        low, high = (middle, high) if alike(middle * rise) > len(rise) / 2 else (low, middle)
+        low, high = (
+            (middle, high) if effective_count(middle * rise) > len(rise) / 2 else (low, middle)
+        )
     return max(low, 1e-6)

@@ -61,10 +61,10 @@ def fit_sines(
         columns = basis(t_s, omega, harmonics)
         sines = weighted(columns, phi, weight)
         slope = basis_by_rate(t_s, columns) @ sines
-        rest = phi - columns @ sines
+        residual = phi - columns @ sines
         # The rate's own share of the slope: less what the coefficients can take up.
         clean = slope - columns @ weighted(columns, slope, weight)
-        change = float(np.sum(weight * clean * rest) / np.sum(weight * clean * clean))
+        change = float(np.sum(weight * clean * residual) / np.sum(weight * clean * clean))
         omega += change
         if abs(change) < 1e-10 * omega:
             break

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 WINDOWS = sys.platform == "win32"
 USB = Path("/sys/bus/usb/devices")
-FAR = 1 << 30  # a lock there hides nothing that is written in the file
+LOCK_OFFSET = 1 << 30  # a lock there hides nothing that is written in the file
 NAP_S = 0.01  # between two looks for a key of Windows
 KEYS_OF_WINDOWS = {"H": "\x1b[A", "P": "\x1b[B", "M": "\x1b[C", "K": "\x1b[D"}
 
@@ -38,10 +38,10 @@ SUSPENDING = signals("SIGTSTP")  # Ctrl-Z
 
 
 class _Terminal(NamedTuple):
-    """A terminal that gives single keys: its attributes before, and those for keys."""
+    """A terminal that gives single keys: its original attributes, and those for keys."""
 
     fd: int
-    before: list[Any]
+    original: list[Any]
     keys: list[Any]
 
 
@@ -51,7 +51,7 @@ _single_keys: list[_Terminal] = []
 def suspend(*_: object) -> None:
     """Suspend this program until it is told to go on; its terminal is meanwhile as it was."""
     for terminal in _single_keys:
-        _set_terminal(terminal.fd, terminal.before)
+        _set_terminal(terminal.fd, terminal.original)
     signal.raise_signal(signal.SIGSTOP)  # SIGTSTP does nothing without a shell above
     for terminal in _single_keys:
         _set_terminal(terminal.fd, terminal.keys)
@@ -72,7 +72,7 @@ def lock(fd: int) -> bool:
                 import msvcrt
 
                 console: Any = msvcrt  # whose functions other systems do not have
-                os.lseek(fd, FAR, os.SEEK_SET)
+                os.lseek(fd, LOCK_OFFSET, os.SEEK_SET)
                 console.locking(fd, console.LK_NBLCK, 1)
             else:
                 import fcntl
@@ -92,9 +92,9 @@ def single_keys() -> Iterator[None]:
         yield
         return
     fd = sys.stdin.fileno()
-    before, keys = termios.tcgetattr(fd), termios.tcgetattr(fd)
+    original, keys = termios.tcgetattr(fd), termios.tcgetattr(fd)
     keys[3] &= ~(termios.ICANON | termios.ECHO)
-    _single_keys.append(_Terminal(fd, before, keys))
+    _single_keys.append(_Terminal(fd, original, keys))
     in_main = threading.current_thread() is threading.main_thread()
     suspends = in_main and signal.getsignal(signal.SIGTSTP) is signal.SIG_DFL
     if suspends:
@@ -103,7 +103,7 @@ def single_keys() -> Iterator[None]:
     try:
         yield
     finally:
-        _set_terminal(fd, before)
+        _set_terminal(fd, original)
         _single_keys.pop()
         if suspends:
             signal.signal(signal.SIGTSTP, signal.SIG_DFL)

@@ -26,7 +26,7 @@ NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
 # Of programs that hold a table but are none, by their names, and by how files begin.
 OTHER_PROGRAMS = (".trk", ".trz", ".kva", ".xlsx", ".xls", ".ods", ".numbers", ".json")
 BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"<?xml")  # workbooks, projects of Tracker, XML
-Found = TypeVar("Found")
+Columns = TypeVar("Columns")
 
 
 @dataclass(frozen=True)
@@ -55,8 +55,8 @@ class TextTable:
 
 
 def read_table(
-    path: Path, find: Callable[[list[str]], Found | None], needed: str
-) -> tuple[TextTable, Found]:
+    path: Path, find: Callable[[list[str]], Columns | None], needed: str
+) -> tuple[TextTable, Columns]:
     """Return a file's table, and what was found in the names of its columns.
 
     Parameters
@@ -79,10 +79,9 @@ def read_table(
     for number, line in enumerate(lines[:HEAD_LINES]):
         for separator in SEPARATORS:
             cells = _cells(line, separator)
-            found = find(cells) if cells else None
-            if found is not None:
-                table = _table(path, text, lines, number, separator)
-                return table, found
+            columns = find(cells) if cells else None
+            if columns is not None:
+                return _table(path, text, lines, number, separator), columns
     first = next((line.strip() for line in lines if line.strip()), "")
     says = f"its first line is {first[:SHOWN]!r}" if first else "the file is empty"
     raise BadInput(
@@ -95,10 +94,9 @@ def columns_named(*names: str) -> Callable[[list[str]], tuple[int, ...] | None]:
     """Return a `find` for read_table: where columns of exactly these names are, or None."""
 
     def find(head: list[str]) -> tuple[int, ...] | None:
-        known = [cell.casefold() for cell in head]
-        if all(name.casefold() in known for name in names):
-            return tuple(known.index(name.casefold()) for name in names)
-        return None
+        cells = [cell.casefold() for cell in head]
+        places = [cells.index(name.casefold()) for name in names if name.casefold() in cells]
+        return tuple(places) if len(places) == len(names) else None
 
     return find
 

@@ -53,7 +53,7 @@ class Table:
         if "format" not in self.values:
             lacks = "has no format" if self.values else "is empty"
             raise BadInput(f"{self.path}: the file {lacks}; it must begin with format = {newest}")
-        if self.whole("format") > newest:
+        if self.integer("format") > newest:
             raise BadInput(
                 f"{self.where('format')}: format is {self.values['format']}; this version of "
                 f"serpenoid reads formats up to {newest}; install a newer one"
@@ -92,8 +92,8 @@ class Table:
             value = self.values.get(key, 0)
             if any(value) if isinstance(value, list) else value != 0:
                 raise BadInput(f"{self.where(key)}: {key} is {value!r}; {what}")
-        kept = {key: value for key, value in self.values.items() if key not in removed}
-        return replace(self, values=kept)
+        values = {key: value for key, value in self.values.items() if key not in removed}
+        return replace(self, values=values)
 
     def table(self, name: str) -> Table:
         """Return the table of that name inside this one."""
@@ -108,7 +108,7 @@ class Table:
             raise BadInput(f"{self.where(name)}: {name} is {value!r}; it must be text in quotes")
         return value.strip()
 
-    def whole(self, name: str) -> int:
+    def integer(self, name: str) -> int:
         """Return a whole number of 1 or more."""
         value = self.values.get(name)
         if not isinstance(value, int) or isinstance(value, bool) or value < 1:
@@ -141,14 +141,14 @@ def located(where: str) -> Iterator[None]:
 
 
 def check_names(
-    found: Iterable[str],
+    names: Iterable[str],
     needed: tuple[str, ...],
     where: str,
     what: str,
     optional: tuple[str, ...] = (),
 ) -> None:
-    """Raise BadInput unless the names found are those needed or optional, each once, any order."""
-    names = list(found)
+    """Raise BadInput unless the names given are those needed or optional, each once, any order."""
+    names = list(names)
     for name in names:
         if name not in needed + optional:
             hint = _hint(name, needed + optional)
@@ -160,11 +160,11 @@ def check_names(
         raise BadInput(f"{where}: missing {what} {', '.join(missing)}, which has no default")
 
 
-def _hint(name: str, known: tuple[str, ...]) -> str:
+def _hint(name: str, names: tuple[str, ...]) -> str:
     """Tell other units of a known quantity from a slip of the pen."""
-    same = [k for k in known if _UNIT.sub("", k) == _UNIT.sub("", name)]
+    same = [k for k in names if _UNIT.sub("", k) == _UNIT.sub("", name)]
     if same:
         return f"the quantity is kept as {same[0]!r}, in those units alone; convert it"
-    close = [k for k in known if k.startswith(f"{name}_")]  # its unit was left out
-    close = close or difflib.get_close_matches(name, known, n=1)
-    return f"did you mean {close[0]!r}?" if close else f"known are {', '.join(known)}"
+    close = [k for k in names if k.startswith(f"{name}_")]  # its unit was left out
+    close = close or difflib.get_close_matches(name, names, n=1)
+    return f"did you mean {close[0]!r}?" if close else f"known are {', '.join(names)}"

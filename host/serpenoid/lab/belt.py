@@ -14,6 +14,7 @@ from .robot import LabRobot
 STEER_RATE_RAD_S = math.radians(2.0)  # of a board that steers in a session
 STEP_S = 0.004  # of the motion; ten times shorter ones turn the zigzag of 6 s 0.005 deg less
 SLEW_M_S2 = 0.25  # a belt's own haste
+ROUNDING_S = 1e-9  # of sums of times
 HALF_WIDTH_M, HALF_LENGTH_M = 0.22, 0.6  # of the belt that a robot's centre may be on
 
 
@@ -85,7 +86,7 @@ class Belt:
     def wait(self, duration_s: float) -> None:
         """Let time pass. Raises NotConverged."""
         remaining_s = duration_s
-        while remaining_s > 1e-9:
+        while remaining_s > ROUNDING_S:
             dt = min(remaining_s, 0.1) if self.speed_m_s != self._wanted_m_s else remaining_s
             change = SLEW_M_S2 * dt
             self.speed_m_s += min(max(self._wanted_m_s - self.speed_m_s, -change), change)
@@ -101,7 +102,7 @@ class Belt:
         return Sight(self.t_s, x, y, self._heading_rad())
 
     @property
-    def off(self) -> bool:
+    def lost(self) -> bool:
         """Tell whether the robot has left the belt."""
         sight = self.look()
         return abs(sight.along_m) > HALF_LENGTH_M or abs(sight.across_m) > HALF_WIDTH_M

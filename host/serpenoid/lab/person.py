@@ -26,6 +26,7 @@ CARRIED = 0.25  # of the belt's speed: its wheels hardly roll, the belt carries 
 CREEP_M_S = 0.12
 CREEP_MARGIN = 1.5  # times CREEP_M_S: below it the belt is set once more
 PLACE_S, FEWEST_PLACES = 1.0, 3  # of a short reading
+FEWEST_LOOKS = 5  # of a watch: a robot that leaves before is not read
 DRIFT_M_S = 0.15  # it is gone too soon where it drifts more
 TURNED_RAD = math.radians(5.0)  # beyond it a robot is no longer held as the law has it
 # Scatter of a robot that is let go: across, m; heading, rad; speed, m/s; turning, rad/s.
@@ -152,7 +153,7 @@ class Person:
         looks = self._watch(shown_m_s, LOOK_S + duration_s)[1:]  # by then the hands are gone
         straight = [abs(look.heading_rad) <= TURNED_RAD for look in looks]
         looks = looks[: straight.index(False)] if False in straight else looks
-        if len(looks) < 2:
+        if len(looks) <= 1:
             return None
         station = self._read(shown_m_s, looks, self._drift(looks), looks[0].t_s - start_s)
         looks = looks[:: round(PLACE_S / LOOK_S)]
@@ -180,7 +181,7 @@ class Person:
         if abs(drift_m_s) <= 1.2 * self.display.step_m_s:  # else it is no use to watch it longer
             looks = self._watch(shown_m_s, WATCH_S)
             drift_m_s = self._drift(looks)
-            if len(looks) < 5:
+            if len(looks) < FEWEST_LOOKS:
                 return None, drift_m_s
         return self._read(shown_m_s, looks, drift_m_s, waited_s), drift_m_s
 
@@ -211,7 +212,7 @@ class Person:
         return looks
 
     def _leaves(self, look: Sight) -> bool:
-        return abs(look.along_m) > LEAVE_M or self.belt.off
+        return abs(look.along_m) > LEAVE_M or self.belt.lost
 
     def _drift(self, looks: list[Sight]) -> float:
         """Return the drift, m/s, uphill, by ruler and clock between the ends of a watch."""

@@ -54,7 +54,7 @@ class LabRobot:
         return self.grounds * self.body.links if len(self.grounds) == 1 else self.grounds
 
     @classmethod
-    def whole(cls, body: Robot, ground: Ground, **more: Any) -> LabRobot:
+    def whole_body(cls, body: Robot, ground: Ground, **more: Any) -> LabRobot:
         """Return a robot whose links share the whole snake's friction alike."""
         link_ground = Ground.whole_body(body.links, ground.ct, ground.cn, ground.ft0, ground.fn0)
         return cls(body, (link_ground,), **more)

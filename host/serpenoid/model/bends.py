@@ -50,4 +50,4 @@ def bend_signs(bend: str, links: int) -> tuple[int, ...]:
 
 def joint_multiples(signs: tuple[int, ...]) -> tuple[int, ...]:
     """Return what each joint does, from the tail, as multiples of the links' angle."""
-    return tuple(ahead - behind for behind, ahead in pairwise(signs))
+    return tuple(head - tail for tail, head in pairwise(signs))

@@ -16,7 +16,7 @@ from typing import Any
 from ..base.errors import BadInput
 
 PLAYED_HZ = (24.0, 25.0, 30.0, 50.0, 60.0, 90.0, 120.0, 240.0, 480.0, 960.0)
-NEAR = 0.04  # of a rate, relative: 29.97 and 30.04 are 30
+RATE_ERROR = 0.04  # of a rate, relative: 29.97 and 30.04 are 30
 # Below it nothing is played. Cameras drop pictures in dim light, and people mark each fourth one.
 SLOWEST_PLAYED_HZ, USUAL_HZ = 23.0, 30.0
 REAL_TIME = 1.5  # a rate up to so much above the one played: dropped pictures, not slow motion
@@ -43,8 +43,8 @@ class CaptureRate:
         ratio = self.taken_hz / self.played_hz
         if ratio < REAL_TIME:
             return 1.0
-        whole = round(ratio)
-        return 1.0 / (whole if abs(ratio / whole - 1.0) < NEAR else ratio)
+        integer = round(ratio)
+        return 1.0 / (integer if abs(ratio / integer - 1.0) < RATE_ERROR else ratio)
 
     def in_words(self) -> str:
         """Return what was made of them, and what to do if that is wrong."""
@@ -102,6 +102,6 @@ def played_hz(t_s: Any) -> float:
     """Return how many pictures a second a player is told to show, from their times (K,), s."""
     rate_hz = _rate_hz(t_s)
     nearest = min(PLAYED_HZ, key=lambda known_hz: abs(known_hz - rate_hz))
-    if abs(rate_hz / nearest - 1.0) < NEAR:
+    if abs(rate_hz / nearest - 1.0) < RATE_ERROR:
         return nearest
     return USUAL_HZ if rate_hz < SLOWEST_PLAYED_HZ else rate_hz

@@ -84,7 +84,7 @@ class TorqueTable:
 
     def __post_init__(self) -> None:
         t, T = number_array("t_s", self.t_s), number_array("torque_nm", self.torque_nm)
-        if t.ndim != 1 or T.ndim != 2 or t.size == 0 or T.shape[0] != t.size:
+        if t.size == 0 or T.shape[:-1] != t.shape or t.shape != (t.size,):
             raise BadInput(
                 f"a torque table needs t_s (K,) and torque_nm (K, n-1); got {t.shape}, {T.shape}"
             )
@@ -218,8 +218,9 @@ class Servo:
     @property
     def simple(self) -> bool:
         """Tell whether it is a spring and a damper within limits, each joint by itself."""
-        held = self.update_hz or self.supply_sag
-        return not (held or self.armature_kg_m2 or self.gear_friction_nm)
+        return not (
+            self.update_hz or self.supply_sag or self.armature_kg_m2 or self.gear_friction_nm
+        )
 
 
 def core_servo(servo: Servo) -> Any:
@@ -299,7 +300,7 @@ class ServoKind:
     def exact(self) -> bool:
         """Tell whether nothing is in doubt."""
         doubt = any(self.sigma.values()) or len(self.updates_hz) > 1
-        return not doubt and len(self.drawn) < 2
+        return not doubt and len(self.drawn) <= 1
 
     @property
     def volts_in_words(self) -> str:
@@ -328,7 +329,7 @@ class ServoKind:
             As `Servo.at_volts`.
         """
         sigma = {name: value for name, value in self.sigma.items() if name != "supply_v"}
-        drawn = tuple(one.at_volts(supply_v) for one in self.drawn)
+        drawn = tuple(servo.at_volts(supply_v) for servo in self.drawn)
         return replace(self, servo=self.servo.at_volts(supply_v), sigma=sigma, drawn=drawn)
 
     def at_frames(self, frame_s: float) -> ServoKind:
@@ -349,7 +350,7 @@ class ServoKind:
         BadInput
             For a time outside of 0 to 0.1 s.
         """
-        drawn = tuple(replace(one, frame_s=frame_s) for one in self.drawn)
+        drawn = tuple(replace(servo, frame_s=frame_s) for servo in self.drawn)
         return replace(self, servo=replace(self.servo, frame_s=frame_s), drawn=drawn)
 
     def draws(self, count: int, seed: int = 0) -> list[Servo]:
@@ -375,8 +376,8 @@ class ServoKind:
         rng = np.random.default_rng(seed)
         if self.drawn:
             times = -(-count // len(self.drawn))
-            order = [int(k) for _ in range(times) for k in rng.permutation(len(self.drawn))]
-            return [self.drawn[k] for k in order[:count]]
+            order = np.concatenate([rng.permutation(len(self.drawn)) for _ in range(times)])
+            return [self.drawn[k] for k in order[:count].tolist()]
         if self.exact:
             rates = (*self.updates_hz, self.servo.update_hz)
             return [replace(self.servo, update_hz=rates[0])] * count
@@ -395,7 +396,8 @@ class ServoKind:
         normal, sold = NormalDist(), []
         for k in range(_TRIES * count):
             *even, rate = np.clip((shift + k * step) % 1.0, 1e-12, 1 - 1e-12).tolist()
-            servo = self.at([normal.inv_cdf(x) for x in even], rates[int(rate * len(rates))])
+            units = [normal.inv_cdf(x) for x in even]
+            servo = self._servo_of(units, rates[int(rate * len(rates))])
             if servo is not None:
                 sold.append(servo)
             if len(sold) == count:
@@ -405,7 +407,7 @@ class ServoKind:
             "loops hunt, or their gears take too much; look at stiffness_nm_rad and sigma"
         )
 
-    def at(self, units: Sequence[float], update_hz: float | None = None) -> Servo | None:
+    def _servo_of(self, units: Sequence[float], update_hz: float) -> Servo | None:
         """Return the servo whose UNCERTAIN values lie off the typical ones by units, in sigma.
 
         None if no such servo is sold: its loop hunts, its gear's friction is above 0.15 S, or its
@@ -434,8 +436,7 @@ class ServoKind:
         values |= {name: values[name] * torque / speed for name in _WITH_LINE}
         values["supply_sag"] = min(values["supply_sag"], 1.0)
         supply_v = values.pop("supply_v")
-        rate = self.servo.update_hz if update_hz is None else update_hz
-        servo = replace(self.servo, **values, update_hz=rate)
+        servo = replace(self.servo, **values, update_hz=update_hz)
         if self.sigma.get("supply_v"):
             servo = servo.at_volts(supply_v)
         return None if loop_radius(servo) >= _HUNTS else servo
@@ -447,7 +448,7 @@ def _loss(ratios: Mapping[str, float]) -> float:
 
 
 def _ratios(servo: Servo) -> dict[str, float]:
-    """Return what is drawn of a servo, by the names of UNCERTAIN: `ServoKind.at` says which."""
+    """Return what is drawn of a servo, by the names of UNCERTAIN: see `ServoKind`."""
     torque, line = servo.torque_limit_nm, servo.torque_limit_nm / servo.speed_limit_rad_s
     return (
         {name: getattr(servo, name) for name in UNCERTAIN}

@@ -19,6 +19,7 @@ from .ground import Ground
 from .link_state import LinkState
 from .robot import Robot
 
+PARTS = 2  # of a state: q and qdot
 # Of the fields of Acceleration, in the core.
 _CORE_NAMES = ("ax", "ay", "alpha", "fx", "fy", "joint_fx", "joint_fy", "joint_torque")
 
@@ -122,21 +123,21 @@ def acceleration(
     request = _core.RunRequest(core_model(robot, ground, Gait(0.0, 0.0, 1.0)))
     request.formulation = getattr(_core.Formulation, formulation)
     joints = {"torque_nm": torque_nm, "joint_acceleration_rad_s2": joint_acceleration_rad_s2}
-    given = [(name, values) for name, values in joints.items() if values is not None]
-    if len(given) != 1:
-        raise BadInput(f"{len(given)} of {' and '.join(joints)} are given; give one of them")
+    imposed = [(name, values) for name, values in joints.items() if values is not None]
+    if len(imposed) != 1:
+        raise BadInput(f"{len(imposed)} of {' and '.join(joints)} are given; give one of them")
     request.drive = _core.Drive.angle if torque_nm is None else _core.Drive.torque
     request.joint_stiffness_n_m = check_number("joint_stiffness_n_m", joint_stiffness_n_m, 0.0)
     request.joint_damping_n_s_m = check_number("joint_damping_n_s_m", joint_damping_n_s_m, 0.0)
-    by_joint = finite_vector(*given[0], robot.links - 1)
-    out = _core.evaluate(request, links.packed(), by_joint)
-    return Acceleration(*(out[name] for name in _CORE_NAMES))
+    by_joint = finite_vector(*imposed[0], robot.links - 1)
+    values = _core.evaluate(request, links.packed(), by_joint)
+    return Acceleration(*(values[name] for name in _CORE_NAMES))
 
 
 def _link_state(robot: Robot, state: Any) -> LinkState:
     """Return a state as positions and rates of all links."""
     if not isinstance(state, LinkState):
-        if not isinstance(state, (tuple, list)) or len(state) != 2:
+        if not isinstance(state, (tuple, list)) or len(state) != PARTS:
             raise BadInput(f"state is a {type(state).__name__}; give a LinkState or (q, qdot)")
         state = LinkState.joined(robot, *state)
     if state.links != robot.links:

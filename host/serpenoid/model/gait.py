@@ -110,10 +110,12 @@ class Gait:
     def __post_init__(self) -> None:
         check_fields(self, _NUMBERS)
         for name, limits in _BY_JOINT.items():
-            given = getattr(self, name)
-            if not isinstance(given, Iterable):
-                raise BadInput(f"{name} is {given!r}; it must be one value a joint, or () for none")
-            object.__setattr__(self, name, tuple(limits.check(name, value) for value in given))
+            values = getattr(self, name)
+            if not isinstance(values, Iterable):
+                raise BadInput(
+                    f"{name} is {values!r}; it must be one value a joint, or () for none"
+                )
+            object.__setattr__(self, name, tuple(limits.check(name, value) for value in values))
 
     def __repr__(self) -> str:
         """Return what was given; joints of their own only where there are any."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -12,7 +11,7 @@ from ..base.checks import NOT_NEGATIVE, check_fields, check_number
 from ..base.errors import BadInput
 from .robot import check_links
 
-Both = float | tuple[float, float]  # one value, or (forwards, backwards)
+Friction = float | tuple[float, float]  # one value, or (forwards, backwards)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,19 +51,19 @@ class Ground:
     0.014
     """
 
-    ct: Both
+    ct: Friction
     cn: float
-    ft0: Both = 0.0
+    ft0: Friction = 0.0
     fn0: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("ct", "ft0"):
-            object.__setattr__(self, name, _check_both(name, getattr(self, name)))
+            object.__setattr__(self, name, _check_friction(name, getattr(self, name)))
         check_fields(self, {"cn": NOT_NEGATIVE, "fn0": NOT_NEGATIVE})
 
     @classmethod
     def whole_body(
-        cls, links: int, ct: Both, cn: float, ft0: Both = 0.0, fn0: float = 0.0
+        cls, links: int, ct: Friction, cn: float, ft0: Friction = 0.0, fn0: float = 0.0
     ) -> Ground:
         """Divide the whole snake's ct, cn (N s/m), ft0, fn0 (N) evenly among its links."""
         n = check_links(links)
@@ -117,23 +116,19 @@ class Ground:
         return not self.dry and not self.ratchet
 
 
-def _check_both(name: str, value: object) -> Both:
+def _check_friction(name: str, value: object) -> Friction:
     """Return one number, or two that differ, or raise BadInput."""
     if not isinstance(value, (Sequence, np.ndarray)) or np.ndim(value) == 0:
         return check_number(name, value, 0.0)
-    if len(value) != 2:
+    ways = "forwards", "backwards"
+    if len(value) != len(ways):
         raise BadInput(f"{name} is {value!r}; it must be one number, or two: forwards, backwards")
-    both = []
-    for way, one in zip(("forwards", "backwards"), value, strict=True):
-        if isinstance(one, float) and math.isinf(one):
-            raise BadInput(
-                f"{name} {way} is {one}; it must be finite: for wheels that cannot roll that way "
-                "take some thousand times the other value"
-            )
-        both.append(check_number(f"{name} {way}", one, 0.0))
-    return both[0] if both[0] == both[1] else (both[0], both[1])
+    forward, backward = (
+        check_number(f"{name} {way}", number, 0.0) for way, number in zip(ways, value, strict=True)
+    )
+    return forward if forward == backward else (forward, backward)
 
 
-def _ways(both: Both) -> tuple[float, float]:
+def _ways(friction: Friction) -> tuple[float, float]:
     """Return a friction forwards and backwards."""
-    return both if isinstance(both, tuple) else (both, both)
+    return friction if isinstance(friction, tuple) else (friction, friction)

@@ -24,7 +24,7 @@ def check_links(links: object) -> int:
 
 def frame_us(joints: int) -> int:
     """Return the time from setpoint to setpoint of a board with so many joints, µs."""
-    return 20_000 if joints <= 7 else 2_500 * (joints + 1)
+    return max(20_000, 2_500 * (joints + 1))
 
 
 @dataclass(frozen=True, slots=True)

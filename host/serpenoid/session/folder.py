@@ -91,9 +91,9 @@ def check_session(folder: Path) -> Path:
 def _load_toml(folder: Path) -> Table:
     top = Table.load(check_session(folder))
     top.check_format(FORMAT)
-    if top.whole("format") < FORMAT:
+    if top.integer("format") < FORMAT:
         raise BadInput(
-            f"{top.where('format')}: format is {top.whole('format')}, which held stations alone, "
+            f"{top.where('format')}: format is {top.integer('format')}, which held stations alone, "
             f"and is not read; calibration_data/README.md says what format {FORMAT} has"
         )
     return top

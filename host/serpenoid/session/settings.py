@@ -102,7 +102,7 @@ class RobotTable(SettingsTable):
         """Return a file's table; an older file has the mass of one link, or says it was assumed."""
         values = dict(table.values)
         if "link_mass_kg" in values:
-            values["mass_kg"] = table.number("link_mass_kg") * table.whole("links")
+            values["mass_kg"] = table.number("link_mass_kg") * table.integer("links")
         if not values.get("weighed", True):
             values["mass_kg"] = ""
         values = {k: v for k, v in values.items() if k not in ("link_mass_kg", "weighed")}

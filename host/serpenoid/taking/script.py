@@ -53,7 +53,7 @@ def simulated_person(top: Table, setup: Setup) -> SimulatedPerson:
     """
     table = top.table("simulated")
     table.only("seed", *_FRICTIONS, optional=_TRUTH)
-    seed, floor = table.whole("seed"), setup.plan.on == "floor"
+    seed, floor = table.integer("seed"), setup.plan.on == "floor"
     values = {"rolling_kg": wheel_inertia_kg(setup)} if floor else {}
     for name in _TRUTH:
         if name in table.values:

@@ -85,7 +85,9 @@ class Truth:
         mass_kg = body.link_mass_kg * self.mass_scale
         inertia = body.inertia_kg_m2 * self.mass_scale
         heavy = replace(body, link_mass_kg=mass_kg, link_inertia_kg_m2=inertia)
-        robot = LabRobot.whole(heavy, self.ground, rolling_kg=self.rolling_kg, servo=self.servo)
+        robot = LabRobot.whole_body(
+            heavy, self.ground, rolling_kg=self.rolling_kg, servo=self.servo
+        )
         return robot.drawn(rng, self.joint_sigma_rad)
 
 

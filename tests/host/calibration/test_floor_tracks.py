@@ -23,7 +23,7 @@ STRAIGHT = [0.0] * 5
 def filmed(seed, speed=0.9, camera=None, **push):
     """A push in the lab, hand and all, as a film shows it; and when the hand let go."""
     rng = np.random.default_rng(seed)
-    robot = LabRobot.whole(floor_setup().robot, WHOLE).drawn(rng, math.radians(0.5))
+    robot = LabRobot.whole_body(floor_setup().robot, WHOLE).drawn(rng, math.radians(0.5))
     track = Floor(robot).push(STRAIGHT, Push(speed, **push))
     return film(track, camera or Camera(), rng)[:, :3], track.released_s
 

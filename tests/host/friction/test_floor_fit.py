@@ -61,7 +61,7 @@ def test_pushes_tell_all_four_and_the_floor():
 def test_a_robot_without_a_straight_link_slips_down_a_floor_that_falls_across(links):
     """The lab's robot is a rigid body on wheels, let go crooked and turning."""
     body, whole, across = Robot(links, MASS / 6, 0.076), np.array(TRUTH) * links / 6, 0.0105
-    floor = Floor(LabRobot.whole(body, Ground(*whole)), across_rad=across)
+    floor = Floor(LabRobot.whole_body(body, Ground(*whole)), across_rad=across)
     record = MemoryRecord(floor_setup(wheels_kg=0.0).with_robot(body))
     rng, camera = np.random.default_rng(3), Camera(sigma_m=5e-4)
     for bend in (0.0, 20.0, 45.0):

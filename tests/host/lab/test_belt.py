@@ -39,14 +39,14 @@ def test_a_robot_is_off_the_belt_beyond_either_edge() -> None:
     belt = Belt(VISCOUS)
     for across in (0.99 * HALF_WIDTH_M, -0.99 * HALF_WIDTH_M):
         belt.put(across_m=across)
-        assert not belt.off
+        assert not belt.lost
         belt.put(across_m=1.01 * across / 0.99)
-        assert belt.off
+        assert belt.lost
     belt.put()
     belt.run(0.5)
     belt.wait(6.0)  # nobody holds it: the belt takes it along
     assert belt.look().along_m < -HALF_LENGTH_M
-    assert belt.off
+    assert belt.lost
 
 
 def test_a_crawl_is_measured_once_the_start_is_forgotten() -> None:

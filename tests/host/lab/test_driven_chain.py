@@ -121,7 +121,7 @@ def test_wheels_that_rest_hold_up_to_the_break_away() -> None:
     slope = math.asin(1.15 * WHOLE.ft0 / (6 * OF_2005.link_mass_kg * 9.81))
     gone = []
     for breakaway in (1.1, 1.3):
-        robot = LabRobot.whole(OF_2005, WHOLE, servo=SERVO, breakaway=breakaway)
+        robot = LabRobot.whole_body(OF_2005, WHOLE, servo=SERVO, breakaway=breakaway)
         track, _ = Floor(robot, slope).follow(np.zeros((50, 5)), SERVO.frame_s)
         gone.append(float(track.x_m[-1]))
     assert gone[0] > 0.01
@@ -130,6 +130,6 @@ def test_wheels_that_rest_hold_up_to_the_break_away() -> None:
 
 def test_a_stiff_servo_on_quick_frames_is_a_robot_whose_joints_follow() -> None:
     stiff = Servo(30.0, 0.6, 1e3, 1e3, 0.0, frame_s=2e-3, armature_kg_m2=1e-3)
-    ideal = crawl_speed(LabRobot.whole(OF_2005, WHOLE), GAIT)
-    driven = crawl_speed(LabRobot.whole(OF_2005, WHOLE, servo=stiff), GAIT)
+    ideal = crawl_speed(LabRobot.whole_body(OF_2005, WHOLE), GAIT)
+    driven = crawl_speed(LabRobot.whole_body(OF_2005, WHOLE, servo=stiff), GAIT)
     assert driven == pytest.approx(ideal, rel=0.01)

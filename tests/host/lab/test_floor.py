@@ -14,7 +14,7 @@ from serpenoid.lab.robot import LabRobot, pose_of
 
 WHOLE = Ground(0.084, 1.2, 0.14, 0.27)
 MASS, G = 6 * 0.0756, 9.81
-ROBOT = LabRobot.whole(OF_2005, WHOLE)
+ROBOT = LabRobot.whole_body(OF_2005, WHOLE)
 STRAIGHT, BALANCED = [0.0] * 5, (1, -1, 0, 0, -1, 1)
 
 
@@ -72,5 +72,5 @@ def test_links_that_stand_off_drag_unless_two_alone_are_straight(bend_deg, bent)
 
 def test_wheels_that_turn_roll_farther():
     a, b = drag(0.0)
-    track = Floor(LabRobot.whole(OF_2005, WHOLE, rolling_kg=0.02)).push(STRAIGHT, Push(0.8))
+    track = Floor(LabRobot.whole_body(OF_2005, WHOLE, rolling_kg=0.02)).push(STRAIGHT, Push(0.8))
     assert track.x_m[-1] == pytest.approx(coast(0.8, a, b, MASS + 0.02)[1], rel=2e-3)

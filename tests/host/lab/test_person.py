@@ -18,7 +18,7 @@ STRAIGHT, BALANCED = (0,) * 6, (1, -1, 0, 0, -1, 1)
 
 def person(seed, signs, bend_deg, incline_deg):
     rng = np.random.default_rng(seed)
-    robot = LabRobot.whole(OF_2005, WHOLE).drawn(rng, math.radians(1.0))
+    robot = LabRobot.whole_body(OF_2005, WHOLE).drawn(rng, math.radians(1.0))
     belt = Belt(robot)
     belt.tilt(math.radians(incline_deg))
     belt.pose(pose_of(signs, math.radians(bend_deg)))
@@ -36,7 +36,7 @@ def test_whoever_steers_holds_straight_and_balanced(signs, bend_deg, incline_deg
         station = someone.hold(0.4, 16.0)
         assert station is not None
         assert abs(station.drift_m_s) < 0.03
-        assert not someone.belt.off
+        assert not someone.belt.lost
         turned.append(math.degrees(someone.belt.look().heading_rad))
     assert np.sqrt(np.mean(np.square(turned))) < 3.0
 

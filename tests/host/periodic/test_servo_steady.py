@@ -224,7 +224,7 @@ def test_the_speed_with_servos_is_that_of_the_lab() -> None:
     typical = replace(sn.servo("MG996R").servo, update_hz=0.0, dead_band_rad=0.0)
     found = sn.steady_gait(OF_2005, BINGHAM, GAIT, rtol=1e-3, servo=typical)
     whole = sn.Ground(0.084, 1.2, 0.14, 0.27)
-    lab = crawl_speed(LabRobot.whole(OF_2005, whole, servo=typical), GAIT)
+    lab = crawl_speed(LabRobot.whole_body(OF_2005, whole, servo=typical), GAIT)
     assert found.speed_m_s == pytest.approx(lab, rel=0.02)
 
 

@@ -24,7 +24,7 @@ LENS = Lens((0.05, -0.5, 1.1), (0.05, 0.0, 0.045), 1100, 240, 820, k1=0.03)
 
 def lab_pushes(speeds_m_s) -> tuple[Pose, float]:
     """Return a pose over pushes there and back with rests between, and the end, s."""
-    robot = LabRobot.whole(Robot(6, 0.0756, LINK_M), Ground(0.084, 1.2, 0.14, 0.27))
+    robot = LabRobot.whole_body(Robot(6, 0.0756, LINK_M), Ground(0.084, 1.2, 0.14, 0.27))
     rows, at_m, begins = [], -0.35, 0.3
     for k, speed in enumerate(speeds_m_s):
         direction = math.pi * (k % 2)
