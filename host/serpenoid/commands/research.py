@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,10 +23,6 @@ if TYPE_CHECKING:
     from ..paper.claims import Claim
 
 
-def _tell(text: str) -> None:
-    say(text, err=True)
-
-
 @click.command(cls=Command)
 @option(
     "--out", "folder", "Folder for figures and numbers.", type=directory, default=Path("bench-out")
@@ -41,23 +37,23 @@ def bench(folder: Path, quick: bool) -> None:
     from ..bench import extremes, scenes, stability_map, work_precision
     from ..bench.work_precision_figure import work_precision_figure
 
-    def save(name: str, rows: Sequence[Any]) -> None:
+    def saved(name: str, measured: Iterable[Any]) -> list[Any]:
+        rows = list(measured)
         header = [field.name for field in dataclasses.fields(rows[0])]
         write_csv(folder / name, header, [list(dataclasses.astuple(row)) for row in rows])
+        return rows
 
+    tell = partial(say, err=True)
     folder.mkdir(parents=True, exist_ok=True)
-    _tell("what each term of a scene costs ...")
-    costs = list(scenes.measure(quick))
-    save("costs.csv", costs)
-    rows = list(work_precision.measure(quick, _tell))
+    tell("what each term of a scene costs ...")
+    costs = saved("costs.csv", scenes.measure(quick))
+    rows = list(work_precision.measure(quick, tell))
     work_precision.write_rows(folder / "accuracy.csv", rows)
     work_precision_figure(rows, folder / "accuracy.png", work_precision.machine())
     grid = stability_map.QUICK if quick else stability_map.FULL
-    cells = list(stability_map.measure(grid, _tell))
-    save("stability.csv", cells)
+    cells = saved("stability.csv", stability_map.measure(grid, tell))
     stability_map.stability_figure(cells, folder / "stability.png")
-    outcomes = list(extremes.measure(quick, _tell))
-    save("extremes.csv", outcomes)
+    outcomes = saved("extremes.csv", extremes.measure(quick, tell))
 
     say(f"Milliseconds a simulated second at an error of 1e-6:\n\n{work_precision.table(rows)}\n")
     say("Time of a Runge-Kutta step, 6 links, and its ratio to the plain scene:")
@@ -65,28 +61,28 @@ def bench(folder: Path, quick: bool) -> None:
         say(f"{cost.formulation:10}{cost.scene:28}{cost.step_us:7.2f} us{cost.ratio:7.2f}")
     for method in dict.fromkeys(cell.method for cell in cells):
         words = Counter(stability_map.WORDS[cell.kind] for cell in cells if cell.method == method)
-        say(f"\n{method}: " + ", ".join(f"{count} {word}" for word, count in words.items()))
-    say("\nExtreme scenes: " + ", ".join(f"{n} {w}" for w, n in _outcomes(outcomes).items()))
+        say(f"\n{method}: {counts_text(words)}")
     defects = count_defects(cells, outcomes)
-    say("Defects: " + ", ".join(f"{word} {count}" for word, count in defects.items()))
+    say(f"\nDefects, extreme scenes included: {counts_text(defects)}")
     say(f"Figures and numbers are in {folder}")
     if any(defects.values()):
         raise SystemExit(1)
 
 
-def _outcomes(outcomes: Sequence[Outcome]) -> Counter[str]:
-    return Counter(outcome.outcome for outcome in outcomes)
+def counts_text(counts: Mapping[str, int]) -> str:
+    """Return words with how often each came."""
+    return ", ".join(f"{count} {word}" for word, count in counts.items())
 
 
 def count_defects(cells: Sequence[Cell], outcomes: Sequence[Outcome]) -> dict[str, int]:
     """Return how many cells and extreme scenes show each defect: all must be 0."""
     from ..bench.extremes import DEFECTS
+    from ..bench.stability_map import WORDS
 
-    results = _outcomes(outcomes)
-    counts = {word: results[word] for word in DEFECTS}
-    counts["SILENTLY WRONG"] += sum(cell.kind == 3 and not cell.note for cell in cells)
-    counts["HANG"] += len({cell.note for cell in cells if cell.note})
-    return counts
+    words = [outcome.outcome for outcome in outcomes]
+    words += [WORDS[cell.kind] for cell in cells if not cell.note]
+    words += ["HANG" for _ in {cell.note for cell in cells if cell.note}]
+    return {word: words.count(word) for word in DEFECTS}
 
 
 SPRINGS_RTOL = 1e-3  # of the implicit model's speed

@@ -36,7 +36,7 @@ _HELLO = re.compile(
 
 def line_limit(joints: int) -> int:
     """Return the longest line to a board, in bytes before the line end."""
-    return 80 if joints <= 5 else 20 + 12 * joints
+    return max(80, 20 + 12 * joints)
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,9 +108,9 @@ def crc(text: str) -> int:
 
 def seal(command: str, number: int, joints: int = 5) -> bytes:
     """Return the bytes of a numbered command; raise BadInput if the board could not read it."""
-    if not 0 <= number <= 0xFFFF:
+    if number not in range(1 << 16):
         raise BadInput(f"sequence number is {number}; it must be from 0 to 65535")
-    if not command or not all(" " <= c <= "~" for c in command):
+    if not (command and command.isascii() and command.isprintable()):
         raise BadInput(f"command is {command[:60]!r}; it must be printable ASCII and not empty")
     if "!" in command:
         raise BadInput(
@@ -128,7 +128,7 @@ def unseal(line: bytes) -> str:
     text = line.rstrip(b"\r\n")
     if len(text) > LONGEST_LINE:
         raise DamagedLine(f"{text[:40]!r}... has {len(text)} bytes; at most {LONGEST_LINE}")
-    if not all(0x20 <= b <= 0x7E for b in text):
+    if not (text.isascii() and text.decode("ascii").isprintable()):
         raise DamagedLine(f"{line!r} has bytes that are not printable ASCII; check the baud rate")
     body, mark, digits = text.decode("ascii").rpartition(" *")
     if not mark or not re.fullmatch(r"[0-9A-F]{4}", digits):

@@ -7,6 +7,7 @@ import threading
 import time
 
 from ...base.errors import BadInput
+from .protocol import FEWEST_JOINTS, MOST_JOINTS
 
 STEP_S = 0.002  # of the board's time, within which a fast board answers
 LEAST_S = 40e-6  # a byte on the wire, the board's own step: less would not pass at all
@@ -17,7 +18,7 @@ def virtual_link(port: str) -> VirtualLink:
     """Open `virtual`, with any of `:fast` and `:joints=N` behind it; raise BadInput."""
     named = re.fullmatch(r"virtual(?::fast|:joints=(\d{1,2}))*", port, re.ASCII)
     joints = int((named and named[1]) or 5)
-    if not named or not 2 <= joints <= 12:
+    if not named or not FEWEST_JOINTS <= joints <= MOST_JOINTS:
         raise BadInput(
             f"port is {port!r}; a virtual board is `virtual`, `virtual:fast`, `virtual:joints=9` "
             "or `virtual:fast:joints=9`, with 2 to 12 joints"
