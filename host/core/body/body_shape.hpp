@@ -65,18 +65,37 @@ INLINED void BodyShapeOf<Real>::chain(double l, const GaitTable& gait, Real sin_
     link.resize(n);
     Real angle{}, s1{}, s2{}, c = Real{} + 1.0, s{}, x{}, y{}, x1{}, y1{}, x2{}, y2{};
     const auto half = [&] {
-        x += l * c, y += l * s, x1 -= l * s1 * s, y1 += l * s1 * c;
-        if (second) x2 -= l * (s2 * s + s1 * s1 * c), y2 += l * (s2 * c - s1 * s1 * s);
+        x += l * c;
+        y += l * s;
+        x1 -= l * s1 * s;
+        y1 += l * s1 * c;
+        if (second) {
+            x2 -= l * (s2 * s + s1 * s1 * c);
+            y2 += l * (s2 * c - s1 * s1 * s);
+        }
     };
     for (int i = 0;; ++i) {
         LinkShapeOf<Real>& k = link[i];
-        k.t.x = c, k.t.y = s, k.n.x = -s, k.n.y = c;
-        k.rx = x, k.ry = y, k.rx1 = x1, k.ry1 = y1, k.s1 = s1;
-        if (second) k.rx2 = x2, k.ry2 = y2, k.s2 = s2;
+        k.t.x = c;
+        k.t.y = s;
+        k.n.x = -s;
+        k.n.y = c;
+        k.rx = x;
+        k.ry = y;
+        k.rx1 = x1;
+        k.ry1 = y1;
+        k.s1 = s1;
+        if (second) {
+            k.rx2 = x2;
+            k.ry2 = y2;
+            k.s2 = s2;
+        }
         if (i + 1 == n) return;
         half();  // to the joint with the old angle, from the joint on with the new one
         const auto j = gait.at(i, sin_tau, cos_tau);
-        angle += j.angle, s1 += j.slope, s2 += j.curvature;
+        angle += j.angle;
+        s1 += j.slope;
+        s2 += j.curvature;
         sincos(angle, s, c);
         half();
     }
@@ -86,15 +105,29 @@ template <class Real>
 INLINED void BodyShapeOf<Real>::centre(bool second) {
     Real x{}, y{}, x1{}, y1{}, x2{}, y2{};
     for (const auto& k : link) {
-        x += k.rx, y += k.ry, x1 += k.rx1, y1 += k.ry1;
-        if (second) x2 += k.rx2, y2 += k.ry2;
+        x += k.rx;
+        y += k.ry;
+        x1 += k.rx1;
+        y1 += k.ry1;
+        if (second) {
+            x2 += k.rx2;
+            y2 += k.ry2;
+        }
     }
     const double f = 1.0 / static_cast<double>(link.size());
     for (auto& k : link) {
-        k.rx -= f * x, k.ry -= f * y, k.rx1 -= f * x1, k.ry1 -= f * y1;
-        if (second) k.rx2 -= f * x2, k.ry2 -= f * y2;
-        k.t.r = k.rx * k.t.y - k.ry * k.t.x, k.t.e = k.t.x * k.rx1 + k.t.y * k.ry1;
-        k.n.r = k.rx * k.n.y - k.ry * k.n.x, k.n.e = k.n.x * k.rx1 + k.n.y * k.ry1;
+        k.rx -= f * x;
+        k.ry -= f * y;
+        k.rx1 -= f * x1;
+        k.ry1 -= f * y1;
+        if (second) {
+            k.rx2 -= f * x2;
+            k.ry2 -= f * y2;
+        }
+        k.t.r = k.rx * k.t.y - k.ry * k.t.x;
+        k.t.e = k.t.x * k.rx1 + k.t.y * k.ry1;
+        k.n.r = k.rx * k.n.y - k.ry * k.n.x;
+        k.n.e = k.n.x * k.rx1 + k.n.y * k.ry1;
     }
 }
 

@@ -25,12 +25,12 @@ struct BodyMotionOf {
 };
 using BodyMotion = BodyMotionOf<double>;
 
-// Call each(i, T_i, phi_i') for joints i = 0..n-2, N m and rad/s; P_i = -T_i phi_i'. Given is the
+// Call visit(i, T_i, phi_i') for joints i = 0..n-2, N m and rad/s; P_i = -T_i phi_i'. Given is the
 // friction on every link along and across it: friction(i) returns {f_t, f_n}. The shape needs
 // second derivatives.
-template <class Real, class Friction, class Each>
+template <class Real, class Friction, class Visit>
 void joint_powers(const Robot& r, const BodyShapeOf<Real>& s, double omega,
-                  const BodyMotionOf<Real>& b, Friction friction, Each each) {
+                  const BodyMotionOf<Real>& b, Friction friction, Visit visit) {
     const double oo = omega * omega;
     const Real w = b.u[2], wdot = b.udot[2], ww = w * w, cross = 2.0 * omega * w;
     const Real Ax = b.udot[0] - w * b.u[1], Ay = b.udot[1] + w * b.u[0];
@@ -42,7 +42,7 @@ void joint_powers(const Robot& r, const BodyShapeOf<Real>& s, double omega,
         const auto [ft, fn] = friction(i);
         sums.add(r, k.n.x, k.n.y, ax, ay, wdot + oo * k.s2, ft * k.t.x + fn * k.n.x,
                  ft * k.t.y + fn * k.n.y);
-        each(i, sums.T, omega * (s.link[i + 1].s1 - k.s1));
+        visit(i, sums.T, omega * (s.link[i + 1].s1 - k.s1));
     }
 }
 

@@ -16,13 +16,22 @@ struct ViscousSumsOf {
 
     ViscousSumsOf() = default;
     ViscousSumsOf(const BodyShapeOf<Real>& shape, const Ground& ground) {
-        for (const auto& k : shape.link) add(k.t, ground.ct), add(k.n, ground.cn);
+        for (const auto& k : shape.link) {
+            add(k.t, ground.ct);
+            add(k.n, ground.cn);
+        }
     }
 
     void add(const DirectionOf<Real>& g, double c) {
-        D[0] += c * g.x * g.x, D[1] += c * g.x * g.y, D[2] += c * g.x * g.r;
-        D[3] += c * g.y * g.y, D[4] += c * g.y * g.r, D[5] += c * g.r * g.r;
-        d[0] += c * g.x * g.e, d[1] += c * g.y * g.e, d[2] += c * g.r * g.e;
+        D[0] += c * g.x * g.x;
+        D[1] += c * g.x * g.y;
+        D[2] += c * g.x * g.r;
+        D[3] += c * g.y * g.y;
+        D[4] += c * g.y * g.r;
+        D[5] += c * g.r * g.r;
+        d[0] += c * g.x * g.e;
+        d[1] += c * g.y * g.e;
+        d[2] += c * g.r * g.e;
         dd += c * g.e * g.e;
     }
 

@@ -14,19 +14,19 @@ namespace serpenoid {
 
 namespace {
 
-constexpr double kMany = 60;         // frames in a cycle: fewer, and a cut one shows in it
-constexpr double kMostSteps = 1e6;   // in a cycle
-constexpr double kLeast = 2e-3;      // of the speed: an error below it is not claimed
-constexpr double kSwing = 0.7;       // of a loop's quickest swing, rad: a step
-constexpr double kNearFixed = 2e-3;  // of the speed: how far from the fixed point it may be
-constexpr double kRough = 1e-2;      // the same in a search
-constexpr int kFinest = 8;           // parts of a step, where the speed hangs on it
-constexpr double kByStep = 1e-2;     // of the speed: by how much it may
-constexpr double kHunts = 0.01;      // of the speed: half its range over the phases of the frames
-constexpr int kForgets = 8;          // cycles in which a loop that hunts leaves its start behind
-constexpr int kFollowed = 12;        // cycles whose mean speed is compared with others'
-constexpr double kOneSpeed = 0.25;   // of the speed: half the range that such means may have
-constexpr double kSettles = 5;       // cycles to the fixed point: the mean of 40 random gaits
+// Parts of the speed.
+constexpr double kLeastError = 2e-3;    // an error below it is not claimed
+constexpr double kFixedPoint = 2e-3;    // how far from the fixed point it may be
+constexpr double kRoughPoint = 1e-2;    // the same in a search
+constexpr double kMaxStepError = 1e-2;  // by how much it may change with the steps' length
+constexpr double kHunts = 0.01;         // half its range over the phases of the frames
+constexpr double kOneSpeed = 0.25;      // half the range of the means of a loop that hunts
+
+constexpr double kManyFrames = 60;  // in a cycle: with fewer a cut one shows in its speed
+constexpr double kMaxSteps = 1e6;   // in a cycle: more would take minutes
+constexpr double kSwing = 0.7;      // rad of a loop's quickest swing, in a step
+constexpr int kFinestSplit = 8;     // parts of a step
+constexpr double kSettling = 5;     // cycles to the fixed point: the mean of 40 random gaits
 
 // A cycle of the servos' steps as a map of the body's state. Its derivative is learned from one
 // cycle to the next (Broyden's update).
@@ -35,7 +35,10 @@ class ServoCycle final : public CycleMap {
     // `monodromy`: the derivative to begin with.
     ServoCycle(ServoSteps& steps, const Robot& robot, const Gait& gait, const Mat3& monodromy)
         : CycleMap(robot, gait, false), steps_(steps), learned_(monodromy) {
-        for (int i = 0; i < 2; ++i) learned_[3 * i + 2] *= nm_, learned_[6 + i] /= nm_;
+        for (int i = 0; i < 2; ++i) {
+            learned_[3 * i + 2] *= nm_;
+            learned_[6 + i] /= nm_;
+        }
     }
 
     Vec3 state() const {
@@ -52,13 +55,13 @@ class ServoCycle final : public CycleMap {
         set_state(p);
         steps_.shift_frames(0.5);
         steps_.cycle();
-        CycleEnd to;
-        to.state.p = state();
-        if (!std::isfinite(to.state.p[0] + to.state.p[1] + to.state.p[2])) return {};
-        if (last_) learn(p, to.state.p);
-        last_ = {p, to.state.p};
-        for (int i = 0; i < 9; ++i) to.state.by_start[i / 3][i % 3] = learned_[i];
-        return to;
+        CycleEnd end;
+        end.state.p = state();
+        if (!std::isfinite(end.state.p[0] + end.state.p[1] + end.state.p[2])) return {};
+        if (last_) learn(p, end.state.p);
+        last_ = {p, end.state.p};
+        for (int i = 0; i < 9; ++i) end.state.by_start[i / 3][i % 3] = learned_[i];
+        return end;
     }
 
   private:
@@ -80,52 +83,37 @@ class ServoCycle final : public CycleMap {
     std::optional<std::pair<Vec3, Vec3>> last_;  // start and end of the cycle before
 };
 
-// Cycles until the fixed point is known to a part of the speed; the steps then go on from it.
-// Returns what Newton's method would still change, m/s; infinite where it finds none.
-double settle(ServoSteps& steps, ServoCycle& map, double part, double least) {
+// Cycles until the fixed point is known to a part of the speed, or of a floor of it; the steps then
+// continue from it. Returns what Newton's method would still change, m/s; infinite where it finds
+// none.
+double settle(ServoSteps& steps, ServoCycle& map, double part, double floor) {
+    constexpr int kSearches = 3;
     steps.cycle();  // the joints forget their start
     FixedPoint point(map, false);
     const Vec3 &scale = map.scale(), start = map.state();
     for (int i = 0; i < 3; ++i) point.start[i] = start[i] / scale[i];
     const double unit = scale[0] / map.nm();  // m/s
-    for (int again = 0; again < 3; ++again) {
+    for (int search = 0; search < kSearches; ++search) {
         Orbit orbit;
-        const double goal = part * std::max(steps.path().speed, least) / unit;
-        if (point.solve(0, goal, false, orbit) != FixedPoint::Ended::converged) break;
-        const double left = unit * std::hypot(orbit.step[0], orbit.step[1], orbit.step[2]);
-        if (left > 2 * part * std::max(steps.path().speed, least)) continue;  // it was faster
+        const double goal = part * std::max(steps.path().speed, floor);
+        if (point.solve(0, goal / unit, false, orbit) != FixedPoint::Ended::converged) break;
+        const double change = unit * std::hypot(orbit.step[0], orbit.step[1], orbit.step[2]);
+        if (change > 2 * part * std::max(steps.path().speed, floor)) continue;  // it was faster
         const Vec3& z = point.start;
         map.set_state({z[0] * scale[0], z[1] * scale[1], z[2] * scale[2]});
-        return left;
+        return change;
     }
     return HUGE_VAL;
 }
 
-// Mean and range of the speeds of cycles; gains and shifts are those of the last one.
-class Mean {
-  public:
-    using Path = ServoSteps::Path;
-    void add(const Path& p) {
-        low = std::min(low, p.speed), high = std::max(high, p.speed);
-        ++count_;
-        for (double Path::* value : kValues) sum_.*value += p.*value;
-        sum_.gain = p.gain, sum_.shift = p.shift;
-    }
-    Path path() const {
-        Path mean = sum_;
-        for (double Path::* value : kValues) mean.*value /= count_;
-        return mean;
-    }
-    void report(ServoGaitState& to) const {
-        static_cast<Path&>(to) = path(), to.spread = 0.5 * (high - low);
-    }
+struct Range {
     double low = INFINITY, high = 0;
 
-  private:
-    static constexpr double Path::* kValues[] = {&Path::speed,     &Path::turn, &Path::power,
-                                                 &Path::amplitude, &Path::lag,  &Path::ripple};
-    Path sum_;
-    int count_ = 0;
+    void add(double value) {
+        low = std::min(low, value);
+        high = std::max(high, value);
+    }
+    double half() const { return 0.5 * (high - low); }
 };
 
 // The cycles to take from one phase of the frames after another.
@@ -133,42 +121,62 @@ struct Plan {
     int phases, forget, keep;
     int cycles() const { return phases * (forget + keep); }
 };
-constexpr Plan kFollow{4, kForgets, kFollowed};
+// A loop that hunts forgets its start in eight cycles; the mean speed of twelve is compared.
+constexpr Plan kHunting{4, 8, 12};
+
+// The mean of all cycles, their speeds, and the mean speeds of the phases. Gains and shifts are
+// those of the last cycle.
 struct Measured {
-    Mean cycles, phases;
+    ServoSteps::Path mean;
+    Range cycles, phases;
 };
+
 Measured measure(ServoSteps& steps, const Plan& plan) {
-    Measured to;
-    for (int j = 0; j < plan.phases; ++j) {
-        Mean phase;
-        steps.shift_frames(0.5 + static_cast<double>(j) / plan.phases);
+    using Path = ServoSteps::Path;
+    constexpr double Path::* kMeans[] = {&Path::speed,     &Path::turn, &Path::power,
+                                         &Path::amplitude, &Path::lag,  &Path::ripple};
+    Measured result;
+    for (int phase = 0; phase < plan.phases; ++phase) {
+        double speeds = 0;
+        steps.shift_frames(0.5 + static_cast<double>(phase) / plan.phases);
         for (int k = 0; k < plan.forget; ++k) steps.cycle();
         for (int k = 0; k < plan.keep; ++k) {
             steps.cycle();
-            phase.add(steps.path()), to.cycles.add(steps.path());
+            const Path& path = steps.path();
+            for (double Path::* value : kMeans)
+                result.mean.*value += path.*value / (plan.phases * plan.keep);
+            speeds += path.speed;
+            result.cycles.add(path.speed);
         }
-        to.phases.add(phase.path());
+        result.phases.add(speeds / plan.keep);
     }
-    return to;
+    result.mean.gain = steps.path().gain;
+    result.mean.shift = steps.path().shift;
+    return result;
 }
 
-// A loop that hunts remembers more than a cycle, so frames and gait go on as they would from each
-// of four phases. Where their mean speeds, or those by longer steps or of single cycles, are far
-// apart, there is no one speed, but a range. `at`: measures and reports.
-template <class At>
-void follow(const At& at, double least, ServoGaitState& out) {
-    double low = out.speed, high = out.speed, apart = 0;
+// A loop that hunts remembers more than a cycle, so frames and gait continue as they would from
+// each of four phases. Where their mean speeds, or those by longer steps or of single cycles, are
+// far apart, there is no one speed, but a range. `report`: measures and reports.
+template <class Report>
+void follow_hunting(const Report& report, double floor, ServoGaitState& state) {
+    Range range;
+    range.add(state.speed);
+    double difference = 0;
     for (int split : {1, 2}) {
-        const double before = out.speed;
-        const Mean phases = at(split, kFollow);
-        low = std::min(low, phases.low), high = std::max(high, phases.high);
-        apart = std::hypot(out.speed - before, phases.high - phases.low);
+        const double last_speed = state.speed;
+        const Range phases = report(split, kHunting);
+        range.add(phases.low);
+        range.add(phases.high);
+        difference = std::hypot(state.speed - last_speed, phases.high - phases.low);
     }
-    out.error = 2 * apart + kHunts * out.speed;
-    out.hunts = 0.5 * (high - low) > kOneSpeed * std::max(out.speed, least);
-    if (!out.hunts) return;
-    out.converged = false;
-    out.speed = 0.5 * (low + high), out.spread = out.error = 0.5 * (high - low);
+    state.error = 2 * difference + kHunts * state.speed;
+    state.hunts = range.half() > kOneSpeed * std::max(state.speed, floor);
+    if (!state.hunts) return;
+    state.converged = false;
+    state.speed = 0.5 * (range.low + range.high);
+    state.spread = range.half();
+    state.error = range.half();
 }
 
 }  // namespace
@@ -176,52 +184,55 @@ void follow(const At& at, double least, ServoGaitState& out) {
 ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& gait,
                           const Servo& servo, const Vec3& start, const Mat3& monodromy,
                           double longest, bool rough, double slow, const ServoProgress& progress) {
-    const double least = slow * gait.omega * robot.n * 2 * robot.l;
+    const double floor = slow * gait.omega * robot.n * 2 * robot.l;
     const double T = 2 * std::numbers::pi / gait.omega;
     // the loop's spring is explicit in a step: its quickest swing bends the lightest joint alone
     const double swing = std::sqrt(servo.stiffness / (servo.armature + robot.I / 8));
     longest = std::min(longest, kSwing / swing);
-    ServoGaitState out;
-    out.speed = NAN;
-    if (T > kMostSteps * longest) return out;
+    ServoGaitState state;
+    state.speed = NAN;
+    if (T > kMaxSteps * longest) return state;
     ServoSteps steps(robot, ground, gait, servo, longest);
-    const bool few = T < kMany * servo.frame;
-    const int phases = (few ? 4 : 2) / (rough ? 2 : 1);  // of the frames in the gait
-    const Plan plan{phases, few, 1};
-    double done_cycles = 0, all_cycles = kSettles + plan.cycles() * (rough ? 1 : 3);
+    const bool few_frames = T < kManyFrames * servo.frame;
+    const Plan plan{(few_frames ? 4 : 2) / (rough ? 2 : 1), few_frames, 1};
+    double done_cycles = 0;
+    double all_cycles = kSettling + plan.cycles() * (rough ? 1 : 3);
     if (progress)
         steps.report_steps([&](double share) { progress(done_cycles += share, all_cycles); });
     steps.start(start[0], start[1], start[2]);
     ServoCycle map(steps, robot, gait, monodromy);
-    const double left = settle(steps, map, rough ? kRough : kNearFixed, least);
-    out.converged = left < HUGE_VAL;
-    // Steps end at frames and looks of the loop, so a shorter limit alone may change little: each
+    const double change = settle(steps, map, rough ? kRoughPoint : kFixedPoint, floor);
+    state.converged = change < HUGE_VAL;
+    // Steps end at frames and updates of the loop, so a shorter limit alone may change little: each
     // step is cut in two.
-    const auto at = [&](int split, const Plan& plan) {
-        ServoSteps again = steps;
-        again.take_steps(2 * longest, split);
-        const Measured found = measure(again, plan);
-        found.cycles.report(out);
-        return found.phases;
+    const auto report = [&](int split, const Plan& cycles) {
+        ServoSteps branch = steps;
+        branch.take_steps(2 * longest, split);
+        const Measured measured = measure(branch, cycles);
+        static_cast<ServoSteps::Path&>(state) = measured.mean;
+        state.spread = measured.cycles.half();
+        return measured.phases;
     };
-    at(1, plan), out.error = NAN;
-    if (rough) return out;
-    if (!out.converged || out.spread > kHunts * std::max(out.speed, least)) {
-        all_cycles = done_cycles + 3 * kFollow.cycles();
-        return follow(at, least, out), out;
+    report(1, plan);
+    state.error = NAN;
+    if (rough) return state;
+    if (!state.converged || state.spread > kHunts * std::max(state.speed, floor)) {
+        all_cycles = done_cycles + 3 * kHunting.cycles();
+        follow_hunting(report, floor, state);
+        return state;
     }
     double by_step = HUGE_VAL;
-    for (int split = 2; split <= kFinest; split *= 2) {
-        if (std::fabs(by_step) <= kByStep * std::max(out.speed, least)) break;
-        const double coarse = out.speed;
+    for (int split = 2; split <= kFinestSplit; split *= 2) {
+        if (std::fabs(by_step) <= kMaxStepError * std::max(state.speed, floor)) break;
+        const double coarse = state.speed;
         all_cycles = std::max(all_cycles, done_cycles + split * plan.cycles());
-        at(split, plan), by_step = out.speed - coarse;
+        report(split, plan);
+        by_step = state.speed - coarse;
     }
-    const double by_phase = out.spread / std::sqrt(3.0 * phases);
-    // twice their sum of squares, and two thousandths: holds 95 % of 300 random cases
-    const double apart = std::hypot(by_step, by_phase, left);
-    out.error = 2 * apart + kLeast * out.speed;
-    return out;
+    const double by_phase = state.spread / std::sqrt(3.0 * plan.phases);
+    // Twice their sum of squares, and two thousandths: this holds 95 % of 300 random cases.
+    state.error = 2 * std::hypot(by_step, by_phase, change) + kLeastError * state.speed;
+    return state;
 }
 
 }  // namespace serpenoid

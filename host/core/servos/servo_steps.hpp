@@ -35,7 +35,10 @@ class ServoSteps {
     // Follow the gait for a cycle from phase 0; the frames of the cycle before go on.
     void cycle();
     // Take steps of at most `longest`, each cut into so many equal ones.
-    void take_steps(double longest, int split) { longest_ = longest, split_ = split; }
+    void take_steps(double longest, int split) {
+        longest_ = longest;
+        split_ = split;
+    }
     // Call `after_step(share)` after every step: the share of a cycle of the longest steps that the
     // work of this one is. It may throw to end the work.
     void report_steps(std::function<void(double)> after_step) {
@@ -60,13 +63,13 @@ class ServoSteps {
 
   private:
     struct Contact {
-        std::vector<double> row, reach;  // g, and L^-1 g for masses L L^T
-        double ahead = 0, back = 0;      // N or N m, against either way
-        int mode = 0;                    // 1 or -1: the way it slides; 0 rests
-        double before = 0;               // speed at the start of the step
+        std::vector<double> row, reach;    // g, and L^-1 g for masses L L^T
+        double forward = 0, backward = 0;  // N or N m, against either way
+        int mode = 0;                      // 1 or -1: the way it slides; 0 rests
+        double speed = 0;                  // at the start of the step
         double impulse = 0;
         bool reached = false;  // in this step
-        bool dry() const { return ahead > 0 || back > 0; }
+        bool dry() const { return forward > 0 || backward > 0; }
     };
     void step(double h);
     void masses(double h);
@@ -98,9 +101,10 @@ class ServoSteps {
     int size_;
     std::vector<double> lever_, inertia_;  // B and m l^2 B^T B, n x n
     std::vector<double> theta_, c_, s_;
-    std::vector<double> u_, before_, ahead_;  // velocities: now, a step ago, half a step ahead
+    std::vector<double> u_, last_u_,
+        extrapolated_u_;  // velocities: now, a step ago, half a step ahead
     std::vector<double> mass_, right_, free_, gram_, pull_;
-    std::vector<double> goal_, duty_, still_, slope_;  // of the joints
+    std::vector<double> goal_, duty_, stall_torque_, torque_per_rate_;  // of the joints
     std::vector<Contact> contact_;
     std::vector<Contact*> resting_;
     double t_ = 0, frame_ = 0, update_ = 0;  // the next ones, from the cycle's start

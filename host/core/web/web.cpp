@@ -96,7 +96,8 @@ int serpenoid_servos(const double* scene, const double* servos, int count, doubl
 
 // The last of `cycles` cycles that begin at rest, with servos, frames + 1 times: for each link x,
 // y, theta, and its speed across.
-int serpenoid_motion(const double* scene, const double* servo, int cycles, int frames, double* to) {
+int serpenoid_motion(const double* scene, const double* servo, int cycles, int frames,
+                     double* rows) {
     try {
         const SweepShape shape = shape_of(scene);
         RunRequest request;
@@ -118,7 +119,7 @@ int serpenoid_motion(const double* scene, const double* servo, int cycles, int f
         for (std::size_t j = run.x.size() - last; j < run.x.size(); ++j) {
             const double across =
                 std::cos(run.theta[j]) * run.vy[j] - std::sin(run.theta[j]) * run.vx[j];
-            for (const double value : {run.x[j], run.y[j], run.theta[j], across}) *to++ = value;
+            for (const double value : {run.x[j], run.y[j], run.theta[j], across}) *rows++ = value;
         }
         return 1;
     } catch (const std::exception&) {

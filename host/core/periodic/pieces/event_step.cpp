@@ -24,7 +24,8 @@ EventStep::EventStep(const CycleMap& map, SlidingPiece& piece)
 // they are.
 void EventStep::set_kinks(double h, const SlidingMode& last_mode, const ModeEvent& event) {
     const double speed = scale_[0] / nm_;
-    kinks_.clear(), wheel_of_kink_.clear();
+    kinks_.clear();
+    wheel_of_kink_.clear();
     for (int wheel = 0; wheel < piece_.wheels(); ++wheel) {
         if (!piece_.law(wheel).has_modes()) continue;
         const WheelDirection g = piece_.row(wheel, 1);
@@ -92,7 +93,8 @@ void EventStep::set_mode(SlidingMode& mode) const {
     for (std::size_t c = 0; c < kinks_.size(); ++c) {
         const int wheel = wheel_of_kink_[c], kink = static_cast<int>(c);
         if (convex_.held(kink) && mode.count < 3) {
-            mode.sign[wheel] = 0, mode.stuck[mode.count++] = wheel;
+            mode.sign[wheel] = 0;
+            mode.stuck[mode.count++] = wheel;
         } else {
             mode.sign[wheel] = convex_.sign(kink) < 0 ? -1 : 1;
         }

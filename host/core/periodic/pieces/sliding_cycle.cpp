@@ -28,7 +28,8 @@ Nodes weights_to(double x) {
         const auto w = rule.dense(x * gauss.c[q]);
         for (int k = 0; k < s; ++k) {
             const double part = x * gauss.b[q] * w[k];
-            b[k + 1] += part, b[0] -= part;
+            b[k + 1] += part;
+            b[0] -= part;
         }
     }
     return b;

@@ -48,8 +48,11 @@ SlidingPiece::SlidingPiece(const Robot& robot, const Ground& ground, const Gait&
 
 void SlidingPiece::shape(int lanes, const Lanes& tau) {
     stages_.set(lanes, tau);
-    for (int j = 0; j < lanes; ++j)
-        node_[j].J = stages_.J(j), node_[j].K = stages_.K(j), node_[j].iJ = 1 / node_[j].J;
+    for (int j = 0; j < lanes; ++j) {
+        node_[j].J = stages_.J(j);
+        node_[j].K = stages_.K(j);
+        node_[j].iJ = 1 / node_[j].J;
+    }
 }
 
 void SlidingPiece::sum(int lanes, const std::vector<double>& direction) {

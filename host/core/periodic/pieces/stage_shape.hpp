@@ -52,7 +52,10 @@ class StageShape {
         for (int i = 0; i < 2 * robot_.n; ++i) {
             const auto& g = direction(shape_[pack], i);
             sum.add(g, viscous[i]);
-            f.x += dry[i] * g.x, f.y += dry[i] * g.y, f.r += dry[i] * g.r, f.e += dry[i] * g.e;
+            f.x += dry[i] * g.x;
+            f.y += dry[i] * g.y;
+            f.r += dry[i] * g.r;
+            f.e += dry[i] * g.e;
         }
         for (int j = 0; j < kPack; ++j) {
             for (int k = 0; k < 6; ++k) lanes[j]->D[k] = sum.D[k][j];
@@ -86,13 +89,18 @@ class StageShape {
                 const auto& g = direction(aside_, i);
                 const Pack f = -dry[i].pack(p) - viscous[i] * g.speed(u, omega_);
                 friction_[i] = f;
-                force[0] += f * g.x, force[1] += f * g.y, force[2] += f * g.r;
+                force[0] += f * g.x;
+                force[1] += f * g.y;
+                force[2] += f * g.r;
             }
             joint_powers(
                 robot_, aside_, omega_,
                 BodyMotionOf<Pack>::from_forces(robot_, aside_, omega_, u, force),
                 [&](int i) { return std::pair(friction_[2 * i], friction_[2 * i + 1]); },
-                [&](int i, Pack T, Pack v) { torque[i].pack(p) = T, rate[i].pack(p) = v; });
+                [&](int i, Pack T, Pack v) {
+                    torque[i].pack(p) = T;
+                    rate[i].pack(p) = v;
+                });
         }
     }
 

@@ -19,14 +19,16 @@ std::vector<CycleNode> cycle_nodes(const Robot& robot, const Ground& ground, con
                                    const SpectralMesh& mesh) {
     std::vector<CycleNode> nodes(mesh.nodes);
     for (int k = 0; k < mesh.nodes; ++k) {
-        CycleNode& to = nodes[k];
+        CycleNode& node = nodes[k];
         const double tau = k * mesh.step;
-        to.shape.set(robot, gait, all(std::sin(tau)), all(std::cos(tau)), true);
-        to.drag = {to.shape, ground};
-        const Pack im = all(1 / (robot.n * robot.m)), iJ = 1.0 / to.shape.J, *D = to.drag.D;
-        for (int i = 0; i < 5; ++i) to.field[i] = D[i] * im;
-        to.field[5] = D[2] * iJ, to.field[6] = D[4] * iJ, to.field[7] = D[5] * iJ;
-        to.field[8] = to.shape.J1 * iJ;
+        node.shape.set(robot, gait, all(std::sin(tau)), all(std::cos(tau)), true);
+        node.drag = {node.shape, ground};
+        const Pack im = all(1 / (robot.n * robot.m)), iJ = 1.0 / node.shape.J, *D = node.drag.D;
+        for (int i = 0; i < 5; ++i) node.field[i] = D[i] * im;
+        node.field[5] = D[2] * iJ;
+        node.field[6] = D[4] * iJ;
+        node.field[7] = D[5] * iJ;
+        node.field[8] = node.shape.J1 * iJ;
     }
     for (int k = 0; k < mesh.nodes; ++k)
         for (int j = 0; j < mesh.nodes; ++j)
@@ -36,8 +38,12 @@ std::vector<CycleNode> cycle_nodes(const Robot& robot, const Ground& ground, con
 }
 
 void CycleNewton::set(const SpectralMesh& mesh, const std::vector<CycleNode>& nodes, Pack inverse) {
-    mesh_ = &mesh, nodes_ = &nodes, g_ = inverse;
-    f_.resize(mesh.nodes), r_.resize(mesh.nodes), miss_.resize(mesh.nodes);
+    mesh_ = &mesh;
+    nodes_ = &nodes;
+    g_ = inverse;
+    f_.resize(mesh.nodes);
+    r_.resize(mesh.nodes);
+    miss_.resize(mesh.nodes);
     cell_.resize(mesh.nodes + 1);
 }
 
@@ -105,10 +111,12 @@ void CycleNewton::linearise(int k) {
     PackMat minus;
     for (int i = 0; i < 9; ++i) {
         const Pack half = h / 2 * A[i];
-        const Pack both = h * h / 12 * (square[i] + slope[i]) + (i % 4 ? 0.0 : 1.0);
-        cell_[k].plus[i] = both + half, minus[i] = both - half;
+        const Pack even = h * h / 12 * (square[i] + slope[i]) + (i % 4 ? 0.0 : 1.0);
+        cell_[k].plus[i] = even + half;
+        minus[i] = even - half;
     }
-    cell_[k].inverse = inverse3(minus), cell_[k].part = multiply(A, r_[k]);
+    cell_[k].inverse = inverse3(minus);
+    cell_[k].part = multiply(A, r_[k]);
 }
 
 // Changes of all nodes as functions of the first one's, which the symmetry of the cycle gives.
@@ -122,8 +130,10 @@ PackVec CycleNewton::chain() {
         PackVec right;
         for (int c = 0; c < 3; ++c)
             right[c] = h * h / 12 * (cell.part[c] - next.part[c]) + miss_[k][c];
-        cell.plus = multiply(next.inverse, cell.plus), cell.part = multiply(next.inverse, right);
-        P = multiply(cell.plus, P), p = multiply(cell.plus, p);
+        cell.plus = multiply(next.inverse, cell.plus);
+        cell.part = multiply(next.inverse, right);
+        P = multiply(cell.plus, P);
+        p = multiply(cell.plus, p);
         for (int c = 0; c < 3; ++c) p[c] += cell.part[c];
     }
     PackMat C;

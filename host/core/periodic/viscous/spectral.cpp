@@ -10,20 +10,22 @@ namespace serpenoid {
 // Newton's steps until the residual error is below `enough` in every gait. It is estimated as the
 // last change times the factor by which changes shrink.
 bool SpectralViscous::iterate(double enough, Batch& batch) {
-    constexpr int kMost = 15;
-    constexpr double kLeast = 0.01, kFirst = 0.1;
-    for (int i = 0; i < kMost; ++i) {
+    constexpr int kMaxIterations = 15;
+    constexpr double kBestFactor = 0.01;  // by which a change shrinks: fewer may be luck
+    constexpr double kFirstFactor = 0.1;
+    for (int i = 0; i < kMaxIterations; ++i) {
         const Pack relative = newton_.step();
         ++iterations_;
         bool done = true;
         for (int j = 0; j < kPack; ++j) {
-            Solution& to = batch[j];
+            Solution& gait = batch[j];
             const double change = relative[j];
             if (!std::isfinite(change)) return false;
-            if (i == 0) to.first_change = change;
-            const double shrinks = i == 0 ? kFirst : change / (to.change + 1e-300);
-            to.residual = change * std::clamp(shrinks, kLeast, 1.0), to.change = change;
-            done = done && to.residual <= enough;
+            if (i == 0) gait.first_change = change;
+            const double shrinks = i == 0 ? kFirstFactor : change / (gait.change + 1e-300);
+            gait.residual = change * std::clamp(shrinks, kBestFactor, 1.0);
+            gait.change = change;
+            done = done && gait.residual <= enough;
         }
         if (done) return true;
     }
@@ -35,23 +37,27 @@ void SpectralViscous::evaluate(bool powers, Batch& batch) {
     const SpectralMesh& mesh = SpectralMesh::level(level_);
     const std::vector<CycleNode>& nodes = nodes_[level_];
     const int N = mesh.nodes;
-    Pack loss{}, still{}, ahead{}, aside{}, heading{}, s, c;
+    Pack loss{}, fixed_loss{}, forward{}, sideways{}, heading{}, s, c;
     for (int k = 0; k < N; ++k) {
         const PackVec& u = newton_.y[k];
-        loss += nodes[k].drag.dissipation(u, 1.0), still += nodes[k].drag.dd;
+        loss += nodes[k].drag.dissipation(u, 1.0);
+        fixed_loss += nodes[k].drag.dd;
         sincos(heading, s, c);
-        ahead += c * u[0] - s * u[1], aside += s * u[0] + c * u[1];
+        forward += c * u[0] - s * u[1];
+        sideways += s * u[0] + c * u[1];
         for (int j = 0; j < N; ++j) heading += mesh.row(k, j).integral[1] * newton_.y[j][2];
     }
     const Pack middle = 0.5 * heading;  // the path's direction: half way between both ends'
     sincos(middle, s, c);
     for (int j = 0; j < kPack; ++j) {
-        Solution& to = batch[j];
+        Solution& gait = batch[j];
         const double w = omega_[j];
-        to.speed = w * (c[j] * ahead[j] + s[j] * aside[j]) / N, to.heading = -middle[j];
-        to.power = w * w * loss[j] / N, to.still_power = w * w * still[j] / N;
-        for (int i = 0; i < 9; ++i) to.transfer[i] = newton_.transfer[i][j];
-        to.abs_power = to.abs_error = 0;
+        gait.speed = w * (c[j] * forward[j] + s[j] * sideways[j]) / N;
+        gait.heading = -middle[j];
+        gait.power = w * w * loss[j] / N;
+        gait.still_power = w * w * fixed_loss[j] / N;
+        for (int i = 0; i < 9; ++i) gait.transfer[i] = newton_.transfer[i][j];
+        gait.abs_power = gait.abs_error = 0;
     }
     if (powers) add_powers(batch);
 }
@@ -97,54 +103,63 @@ SteadyState SpectralViscous::state_of(const SteadyOptions& options, const Soluti
     constexpr double kPositive = 1e-6;    // most error of positive power; pieces have no limit
     constexpr double kSquared = 3;        // of the coarse error's square, what the fine one may be
     const double omega = omega_[lane];
-    SteadyState to;
-    to.speed = to.chord = std::fabs(fine.speed);
-    to.direction = fine.speed < 0 ? std::numbers::pi - fine.heading : -fine.heading;
-    to.power = fine.power;
-    to.elements = SpectralMesh::level(level_).nodes, to.iterations = iterations_;
-    for (int c = 0; c < 3; ++c) to.start[c] = omega * newton_.y[0][c][lane];
+    SteadyState state;
+    state.speed = state.chord = std::fabs(fine.speed);
+    state.direction = fine.speed < 0 ? std::numbers::pi - fine.heading : -fine.heading;
+    state.power = fine.power;
+    state.elements = SpectralMesh::level(level_).nodes;
+    state.iterations = iterations_;
+    for (int c = 0; c < 3; ++c) state.start[c] = omega * newton_.y[0][c][lane];
     // by Cauchy and Schwarz: a relative change of the motion by `residual` changes power by no more
     // than this, with the power of the chain held still
     const double shrinks = std::clamp(kSquared * fine.first_change, 1e-3, 1.0);
-    const double speed_rest = fine.residual * to.speed + kRounding * omega * robot_.l * robot_.n;
-    to.speed_error = stated_error(shrinks * std::fabs(fine.speed - coarse.speed) + speed_rest,
-                                  options.rtol, to.speed);
-    const double power_rest = 2 * fine.residual * std::sqrt(fine.still_power * to.power);
+    const double speed_rest = fine.residual * state.speed + kRounding * omega * robot_.l * robot_.n;
+    state.speed_error = stated_error(shrinks * std::fabs(fine.speed - coarse.speed) + speed_rest,
+                                     options.rtol, state.speed);
+    const double power_rest = 2 * fine.residual * std::sqrt(fine.still_power * state.power);
     const double power_change = shrinks * std::fabs(fine.power - coarse.power);
-    to.power_error = stated_error(power_change + power_rest, options.rtol, to.power);
-    to.turn_error = kLeastTurn;
+    state.power_error = stated_error(power_change + power_rest, options.rtol, state.power);
+    state.turn_error = kLeastTurn;
     if (options.powers) {
-        to.abs_power = fine.abs_power, to.positive_power = (fine.abs_power + fine.power) / 2;
+        state.abs_power = fine.abs_power;
+        state.positive_power = (fine.abs_power + fine.power) / 2;
         const double error =
             fine.abs_error + 2 * fine.residual * fine.still_power + power_change + power_rest;
-        to.positive_power_error = stated_error(error / 2, options.rtol, to.positive_power);
+        state.positive_power_error = stated_error(error / 2, options.rtol, state.positive_power);
     }
     // the transfer's order is four
     Mat3 half;
     double moved = 0;  // of the transfer: that of one number may be small by luck
     for (int i = 0; i < 9; ++i) {
         const double step = fine.transfer[i] - coarse.transfer[i];
-        half[i] = fine.transfer[i] + step / 15, moved = std::max(moved, std::fabs(step));
+        half[i] = fine.transfer[i] + step / 15;
+        moved = std::max(moved, std::fabs(step));
     }
     const double large = largest(fine.transfer), J = nodes_[level_][0].shape.J[0];
-    to.slowest = 2 * log_spectral_radius(half);
-    const double error = std::fabs(to.slowest - 2 * log_spectral_radius(fine.transfer)) +
-                         fine.residual * std::fabs(to.slowest);
-    for (int i = 0; i < 2; ++i) half[3 * i + 2] /= J, half[6 + i] *= J;
-    to.monodromy = multiply(half, half);
-    to.slowest_error = 4 * error + (large > 0 ? moved / large / 4 : 0);
-    to.converged =
-        (options.rough || to.slowest_error <= kSlowest * std::fabs(to.slowest)) &&
-        to.positive_power_error <= to.positive_power * std::max(options.rtol, kPositive) &&
-        Acceptance(options, robot_, ground_, omega)(to);
-    return to;
+    state.slowest = 2 * log_spectral_radius(half);
+    const double error = std::fabs(state.slowest - 2 * log_spectral_radius(fine.transfer)) +
+                         fine.residual * std::fabs(state.slowest);
+    for (int i = 0; i < 2; ++i) {
+        half[3 * i + 2] /= J;
+        half[6 + i] *= J;
+    }
+    state.monodromy = multiply(half, half);
+    state.slowest_error = 4 * error + (large > 0 ? moved / large / 4 : 0);
+    state.converged =
+        (options.rough || state.slowest_error <= kSlowest * std::fabs(state.slowest)) &&
+        state.positive_power_error <= state.positive_power * std::max(options.rtol, kPositive) &&
+        Acceptance(options, robot_, ground_, omega)(state);
+    return state;
 }
 
 void SpectralViscous::solve(const double* omega, int count, const SteadyOptions& options,
-                            SteadyState* to) {
+                            SteadyState* states) {
+    constexpr double kPart = 0.02;      // of an error may be left by Newton's steps
+    constexpr double kRounded = 1e-11;  // no step is known better
+    constexpr double kResolved = 1e-4;  // else the first change of the next mesh tells nothing
     for (int j = 0; j < kPack; ++j) {
         omega_[j] = omega[std::min(j, count - 1)];
-        if (j < count) to[j] = {};
+        if (j < count) states[j] = {};
     }
     newton_.y = last_;  // at first from rest
     Batch batch{}, coarse{};
@@ -155,16 +170,17 @@ void SpectralViscous::solve(const double* omega, int count, const SteadyOptions&
         if (nodes.empty()) nodes = cycle_nodes(robot_, ground_, table_, mesh);
         if (level_ > 0) newton_.refine();
         newton_.set(mesh, nodes, 1.0 / omega_);
-        double least = 1;  // a small power is known less well than the motion; 0/0 counts nothing
-        for (const Solution& k : coarse) least = std::min(least, k.power / k.still_power);
-        const double enough = 0.02 * std::clamp(least * options.rtol, 1e-11, 1e-4);
+        double smallest =
+            1;  // a small power is known less well than the motion; 0/0 counts nothing
+        for (const Solution& k : coarse) smallest = std::min(smallest, k.power / k.still_power);
+        const double enough = kPart * std::clamp(smallest * options.rtol, kRounded, kResolved);
         if (!iterate(enough, batch)) return;
         if (level_ == 0) last_ = newton_.y;
         evaluate(options.powers && level_ > 0, batch);
         int accepted = 0;
         for (int j = 0; j < count && level_ > 0; ++j) {
-            if (!to[j].converged) to[j] = state_of(options, coarse[j], batch[j], j);
-            accepted += to[j].converged;
+            if (!states[j].converged) states[j] = state_of(options, coarse[j], batch[j], j);
+            accepted += states[j].converged;
         }
         if (accepted == count) return;
         coarse = batch;

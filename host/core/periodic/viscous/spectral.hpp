@@ -38,7 +38,7 @@ class SpectralViscous {
 
     // States at up to kPack rates. Where `converged` is false the state has no meaning: no mesh
     // resolved the motion, or its multiplier.
-    void solve(const double* omega, int count, const SteadyOptions& options, SteadyState* to);
+    void solve(const double* omega, int count, const SteadyOptions& options, SteadyState* states);
 
   private:
     // The result of a mesh for one gait. Of the motion, relative: change by Newton's first step on

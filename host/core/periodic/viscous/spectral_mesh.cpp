@@ -15,13 +15,14 @@ const SpectralMesh& SpectralMesh::level(int k) {
 SpectralMesh::SpectralMesh(int count) : nodes(count), step(std::numbers::pi / count) {
     const double part = 2.0 / nodes;
     for (int d = 1 - nodes; d < nodes; ++d) {
-        const double at = d * step;
+        const double phase = d * step;
         Row row{{0, 0}, {part * step / 2, 0}, {part / 2, 0}};
         for (int mode = 1; mode < nodes; ++mode) {
             const int odd = mode % 2;
-            row.slope[odd] -= part * mode * std::sin(mode * at);
-            row.integral[odd] += part * (std::sin(mode * (at + step)) - std::sin(mode * at)) / mode;
-            row.middle[odd] += part * std::cos(mode * (at + step / 2));
+            row.slope[odd] -= part * mode * std::sin(mode * phase);
+            row.integral[odd] +=
+                part * (std::sin(mode * (phase + step)) - std::sin(mode * phase)) / mode;
+            row.middle[odd] += part * std::cos(mode * (phase + step / 2));
         }
         rows.push_back(row);
     }

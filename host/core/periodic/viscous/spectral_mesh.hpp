@@ -19,10 +19,10 @@ struct SpectralMesh {
     };
     int nodes;
     double step;                              // of phase
-    std::vector<Row> rows;                    // by node wanted minus node, from 1 - nodes on
+    std::vector<Row> rows;                    // by target node minus node, from 1 - nodes on
     std::vector<std::complex<double>> modes;  // [mode][node]: coefficients of 1, 3, ... by values
 
-    const Row& row(int wanted, int node) const { return rows[wanted - node + nodes - 1]; }
+    const Row& row(int target, int node) const { return rows[target - node + nodes - 1]; }
 
     // Meshes of 12, 24, 48 and 96 nodes, which all threads share.
     static constexpr int kLevels = 4, kCoarsest = 12;

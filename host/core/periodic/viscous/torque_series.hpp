@@ -35,11 +35,12 @@ class TorqueSeries {
         changes_[0] -= std::numbers::pi * std::floor(changes_[0] / std::numbers::pi);
         find_changes();
         std::sort(changes_.begin(), changes_.end());
-        double before = work(changes_.back()) - std::numbers::pi * mean_, sum = 0;
+        double last = work(changes_.back()) - std::numbers::pi * mean_;
+        double sum = 0;
         for (const double change : changes_) {
-            const double now = work(change);
-            sum += std::fabs(now - before);
-            before = now;
+            const double value = work(change);
+            sum += std::fabs(value - last);
+            last = value;
         }
         return sum / std::numbers::pi;
     }
@@ -71,41 +72,45 @@ class TorqueSeries {
     // Where the torque changes its sign. A cubic has no more roots between two nodes than its
     // Bezier points, of the nodes' values and slopes, have changes of sign.
     void find_changes() {
+        constexpr double kCloseRoot = 1e-4;  // of the torque
+        constexpr int kParts = 16;           // of a step, where a pair of roots may be
         for (int k = 0; k < mesh_.nodes; ++k) {
-            const double values[] = {at(k), at(k) + third_of_slope(k),
-                                     at(k + 1) - third_of_slope(k + 1), at(k + 1)};
+            const double values[] = {value(k), value(k) + third_of_slope(k),
+                                     value(k + 1) - third_of_slope(k + 1), value(k + 1)};
             int changes = 0;
             for (int i = 0; i < 3; ++i) changes += (values[i] > 0) != (values[i + 1] > 0);
             // at a node that is next to a root another one may be beside it
-            const double least = std::min(std::fabs(values[0]), std::fabs(values[3]));
-            const bool close = changes > 1 || least < 1e-4 * std::abs(mode_[0]);
-            if (changes > 0) search(k * mesh_.step, values[0], values[3], close ? 16 : 1);
+            const double smallest = std::min(std::fabs(values[0]), std::fabs(values[3]));
+            const bool close = changes > 1 || smallest < kCloseRoot * std::abs(mode_[0]);
+            if (changes > 0) search(k * mesh_.step, values[0], values[3], close ? kParts : 1);
         }
     }
     // A third of the slope at a node, per step: centred, of fourth order.
     double third_of_slope(int k) const {
-        return (at(k + 1) - at(k - 1)) * 2 / 9 - (at(k + 2) - at(k - 2)) / 36;
+        return (value(k + 1) - value(k - 1)) * 2 / 9 - (value(k + 2) - value(k - 2)) / 36;
     }
     // Roots after a node, also close pairs, by the signs at so many places, denser at both ends.
-    void search(double tau, double before, double end, int parts) {
-        constexpr double kNear = 1e-6;  // of the torque: the work misses its square
-        const auto value = [this](double at) { return torque(at); };
-        double from = tau;
+    void search(double tau, double start, double end, int parts) {
+        constexpr double kRootError = 1e-6;  // of the torque: the work misses its square
+        const auto at_phase = [this](double phase) { return torque(phase); };
+        double last_phase = tau, last_torque = start;
         for (int i = 1; i <= parts; ++i) {
-            const double to = tau + mesh_.step * (1 - std::cos(std::numbers::pi * i / parts)) / 2,
-                         now = i < parts ? torque(to) : end;
-            if ((before > 0) != (now > 0))
-                changes_.push_back(
-                    bracketed_root(value, from, before, to, now, kNear * std::abs(mode_[0])));
-            from = to, before = now;
+            const double phase =
+                tau + mesh_.step * (1 - std::cos(std::numbers::pi * i / parts)) / 2;
+            const double next_torque = i < parts ? torque(phase) : end;
+            if ((last_torque > 0) != (next_torque > 0))
+                changes_.push_back(bracketed_root(at_phase, last_phase, last_torque, phase,
+                                                  next_torque, kRootError * std::abs(mode_[0])));
+            last_phase = phase;
+            last_torque = next_torque;
         }
     }
     // The torque at a node, also beyond the half cycle: there it has changed its sign. Zero has
     // one.
-    double at(int k) const {
-        const int here = (k + mesh_.nodes) % mesh_.nodes;
-        const double value = torque_[here] == 0 ? 1e-300 : torque_[here];
-        return here == k ? value : -value;
+    double value(int k) const {
+        const int node = (k + mesh_.nodes) % mesh_.nodes;
+        const double torque = torque_[node] == 0 ? 1e-300 : torque_[node];
+        return node == k ? torque : -torque;
     }
 
     const SpectralMesh& mesh_;
