@@ -32,7 +32,7 @@ TEST_CASE("three links after ten seconds, by every method for smooth motion") {
         request.tolerance = 1e-10;
         request.dt = 1e-3;
         request.steps = 10000;
-        request.every = 10000;
+        request.record_steps = 10000;
         const RunResult run = simulate(request);
         REQUIRE(run.failed_at < 0);
         CHECK(run.x[3] == Approx(0.6944674004).epsilon(1e-8));
@@ -133,7 +133,7 @@ TEST_CASE("on springs nothing but the ground changes the momentum") {
         request.formulation = Formulation::implicit;
         request.dt = 1e-3;
         request.steps = 1000;
-        request.every = 1000;
+        request.record_steps = 1000;
         const std::size_t n = kPaperRobot.n;
         const double before =
             std::accumulate(request.start.begin() + 4 * n, request.start.begin() + 5 * n, 0.0);
@@ -150,11 +150,11 @@ TEST_CASE("an end does not depend on what is recorded") {
         request.formulation = Formulation::implicit;
         request.dt = 1e-3;
         request.steps = 500;
-        request.every = 500;
+        request.record_steps = 500;
         const RunResult plain = simulate(request);
         request.record_energy = true;
         request.record_joints = true;
-        request.every = 100;
+        request.record_steps = 100;
         const RunResult full = simulate(request);
         CHECK(full.theta.back() == plain.theta.back());
         CHECK(full.x.back() == plain.x.back());

@@ -156,7 +156,7 @@ void check_run(const RunRequest& q, std::size_t start) {
     check_sizes(q);
     if (start != 6 * static_cast<std::size_t>(q.robot.n))
         throw nb::value_error("start must have x, y, theta, vx, vy, omega: 6 values a link");
-    if (q.every < 1) throw nb::value_error("every must be 1 or more");
+    if (q.record_steps < 1) throw nb::value_error("record_steps must be 1 or more");
     if (!(q.dt > 0) || !std::isfinite(q.dt)) throw nb::value_error("dt_s must be more than 0");
     if (!(q.duration >= 0) || !std::isfinite(q.duration))
         throw nb::value_error("duration_s must be 0 or more");

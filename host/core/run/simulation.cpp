@@ -89,7 +89,7 @@ class Run {
 
     // The k-th recorded time: the end comes last.
     double recorded(long k) const {
-        const long long step = k * q_.every;
+        const long long step = k * q_.record_steps;
         return step >= q_.steps ? q_.duration : static_cast<double>(step) * q_.dt;
     }
     bool note_until(double t) {

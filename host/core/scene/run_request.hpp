@@ -32,12 +32,12 @@ struct RunRequest {
     std::vector<Fault> faults;       // one a joint; empty: all sound
     std::vector<double> locked_rad;  // angles of the locked joints
     MethodKind method = kMethods[0];
-    double dt = 1e-3;          // s; fixed step, and grid of the recorded times
-    double tolerance = 1e-6;   // of adaptive methods
-    double duration = 0;       // s; the last step is shorter where dt does not divide it
-    long long steps = 0;       // of dt in the duration
-    long long most_steps = 0;  // of any length, after which the run gives up
-    long long every = 1;       // record each of so many steps
+    double dt = 1e-3;            // s; fixed step, and grid of the recorded times
+    double tolerance = 1e-6;     // of adaptive methods
+    double duration = 0;         // s; the last step is shorter where dt does not divide it
+    long long steps = 0;         // of dt in the duration
+    long long most_steps = 0;    // of any length, after which the run gives up
+    long long record_steps = 1;  // record each of so many steps
     bool record_joints = false, record_friction = false, record_energy = false;
     std::vector<double> start;            // x, y, theta, vx, vy, omega: n values each
     std::function<bool(double t)> go_on;  // asked now and then; false stops the run
@@ -75,7 +75,7 @@ void each_scene_field(const Visit& field) {
     field("tolerance", [](Q q) -> double& { return q.tolerance; });
     field("duration_s", [](Q q) -> double& { return q.duration; });
     field("steps", [](Q q) -> long long& { return q.steps; });
-    field("every", [](Q q) -> long long& { return q.every; });
+    field("record_steps", [](Q q) -> long long& { return q.record_steps; });
 }
 
 // Rows of n (or n-1, or 6) values, one row a recorded time; SI units, ground frame.

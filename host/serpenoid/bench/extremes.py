@@ -44,7 +44,7 @@ class Outcome:
     outcome: str
     stated: float = math.nan
     error: float = math.nan
-    said: str = ""
+    text: str = ""
 
 
 def extremes() -> tuple[Problem, ...]:
@@ -128,4 +128,4 @@ def measure(quick: bool, tell: Callable[[str], None]) -> Iterator[Outcome]:
                     outcome, note = child(LIMIT_S, outcome_of, problem, method, exact)
                     word, _, text = note.partition(": ")
                     word = STOPPED.get(word, "CRASH")
-                    yield outcome or Outcome(problem.name, method, word, said=text)
+                    yield outcome or Outcome(problem.name, method, word, text=text)

@@ -91,14 +91,14 @@ def springs(k: float, c: float) -> dict[str, Any]:
 
 def problems() -> tuple[Problem, ...]:
     """Return every problem, in the order of the figure."""
-    usual = {"start": "link1_at_rest"}
+    usual: dict[str, Any] = {"start": "link1_at_rest"}
     three = Scene(paper_robot(3), PAPER_GROUND, gait_deg(30, 90, 3), **usual)
     six = Scene(paper_robot(), PAPER_GROUND, gait_deg(30, 80, 5), **usual)
     robot = Scene(ROBOT_2005, GROUND_2005, gait_deg(70, 75, 5), duration_s=5.0, **usual)
     two_waves = Gait(math.radians(30), 4 * math.pi / 49, 5.0)
     fifty = Scene(paper_robot(50), PAPER_GROUND, two_waves, duration_s=5.0, **usual)
-    soft, stiff = springs(1e3, 1.0), {"duration_s": 1.0, **springs(1e7, 1.0)}
-    rows = (
+    soft, stiff = springs(1e3, 1.0), springs(1e7, 1.0) | {"duration_s": 1.0}
+    rows: tuple[tuple[str, str, Scene, dict[str, Any]], ...] = (
         ("paper3", "3 links, exact model", three, {}),
         ("paper3_k1e3", "3 links, springs k = 1e3, c = 1", three, soft),
         ("paper6", "6 links, exact model", six, {}),
@@ -116,6 +116,7 @@ def problems() -> tuple[Problem, ...]:
     )
 
 
+START_ROUNDING = 1e-10  # scaled difference of two starts that are the same
 FILE = Path(__file__).with_name("references.json")
 
 
@@ -133,7 +134,7 @@ def reference(problem: Problem) -> Reference:
     moved = problem.error(
         problem.vector(problem.start), np.array(stored["first"])
     )  # springs start rounded
-    if moved > 1e-10:
+    if moved > START_ROUNDING:
         raise BadInput(
             f"the reference kept for {problem.name} has another start; solve it again with "
             "`studies/references.py`"

@@ -89,7 +89,7 @@ def solve(problem: Problem, method: str, tolerance: float, width_m_s: float = 0.
     """Return the end state by a method of solve_ivp; raises ArithmeticError where it fails."""
     from scipy.integrate import solve_ivp
 
-    out = solve_ivp(
+    solution = solve_ivp(
         equations(problem, width_m_s),
         (0, problem.scene.duration_s),
         problem.vector(problem.start),
@@ -97,6 +97,6 @@ def solve(problem: Problem, method: str, tolerance: float, width_m_s: float = 0.
         rtol=max(tolerance, 1e-13),
         atol=tolerance / 10,
     )
-    if not out.success:
-        raise ArithmeticError(out.message)
-    return out.y[:, -1]
+    if not solution.success:
+        raise ArithmeticError(solution.message)
+    return solution.y[:, -1]

@@ -38,6 +38,7 @@ TORN_LENGTHS = 0.1  # Link lengths: a joint opens so far, and 30 times its start
 FAR_M = 1e-4  # a difference that has come this far from NUDGE_M has grown, however it goes on
 WORDS = ("stable, runs", "unstable, refused", "refused, no growth seen", "SILENTLY WRONG")
 COLOURS = ("#9ecae1", "#f4a582", "#fde0b8", "#b2182b")  # One for each of WORDS
+FIGURE_LINKS = 6  # links of the robot whose cells are drawn
 LIMIT_S = 30.0  # Processor time of a line of cells over dt
 Line = tuple[str, int, float, float, float]
 
@@ -126,11 +127,11 @@ def growth(scene: Scene, steps: int) -> float:
     nudged = start.packed()
     nudged[: 2 * scene.robot.links] += NUDGE_M * rng.normal(size=2 * scene.robot.links)
     starts = start, LinkState(*nudged.reshape(6, -1))
-    try:  # past the check of the step, which Run.of makes
-        plain, other = (Run(scene=scene, **run_core(scene, each)).gap_m for each in starts)
+    try:  # past the check of the step, which Run.solve makes
+        plain, moved = (Run(scene=scene, **run_core(scene, state)).gap_m for state in starts)
     except Diverged:
         return math.inf
-    apart, open_m = np.abs(other - plain).max(axis=(1, 2)), np.abs(plain).max(axis=(1, 2))
+    apart, open_m = np.abs(moved - plain).max(axis=(1, 2)), np.abs(plain).max(axis=(1, 2))
     torn = open_m.max() > max(TORN_LENGTHS * scene.robot.link_length_m, 30 * open_m[0])
     if torn or not apart.max() < FAR_M:
         return math.inf
@@ -171,7 +172,7 @@ def stability_figure(cells: Sequence[Cell], path: Path) -> None:
 
     panels: dict[tuple[str, float, float], list[Cell]] = {}
     for cell in cells:
-        if cell.links == 6 and cell.damping_n_s_m in (0.0, 1e3):
+        if cell.links == FIGURE_LINKS and cell.damping_n_s_m in (0.0, 1e3):
             row = cell.method, cell.friction_n_s_m, cell.damping_n_s_m
             panels.setdefault(row, []).append(cell)
     methods = list(dict.fromkeys(method for method, *_ in panels))

@@ -137,7 +137,8 @@ def measure(quick: bool, tell: Callable[[str], None]) -> Iterator[Row]:
                         answer, note = child(limit_s, _timed, problem, work, rounds)
                         if note.startswith(("HANG", "CRASH")):
                             overran = f"not tried: {note} at the setting before"
-                    yield Row(problem.name, name, kind, setting, *(answer or FAILED), note)
+                    error, time_s = answer or FAILED
+                    yield Row(problem.name, name, kind, setting, error, time_s, note)
 
 
 def time_at(error: float, points: Sequence[tuple[float, float]]) -> float | None:
@@ -176,7 +177,9 @@ def table(rows: Sequence[Row]) -> str:
     ]
 
     def cell(time_s: float | None) -> str:
-        return "–" if time_s is None else f"{1e3 * time_s:{'.2g' if time_s < 0.1 else '.0f'}}"
+        return (
+            "–" if time_s is None else f"{1e3 * time_s:{'.2g' if time_s < MAX_TIMED_S else '.0f'}}"
+        )
 
     methods = dict.fromkeys(row.method for row in sorted(rows, key=lambda r: PEER in r.method))
     lines = [["ms", *scenes], ["---", *("---:" for _ in scenes)]]

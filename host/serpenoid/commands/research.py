@@ -110,7 +110,7 @@ def figures(folder: Path, as_json: bool) -> None:
     show_json(values, folder / "claims.json")
     if as_json:
         return show_json(values)
-    cells = [[c.where, c.paper, c.here, c.verdict] for c in results]
+    cells = [[c.where, c.paper, c.result, c.verdict] for c in results]
     table("the paper's claims", ["where", "the paper", "here", "verdict"], cells, 4)
     return say(f"wrote {folder / 'claims.json'} and the figures")
 

@@ -19,7 +19,7 @@ from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.steady import Steady, check_ground, steady_gait
 from .limits import GaitLimits, SpeedLosses, speed_losses
-from .search import COSTS, FINE_RTOL, ON_LIMIT, SMOOTH_RTOL, Point, Search
+from .search import COSTS, FINE_RTOL, ON_LIMIT, SMOOTH_RTOL, Point, Search, log_rate_step
 
 PAPER_LIMITS, NO_LOSSES = GaitLimits(), SpeedLosses(math.nan, math.nan)
 MAX_LENGTHS_A_SECOND = 100.0  # body lengths: no snake robot comes near
@@ -30,6 +30,7 @@ SPEED_EXPONENT = 3  # power rises at most as speed cubed, or about
 MAX_SPEED_MISS = 1e-2  # relative: a precise state that is farther off shows rough ones to be wrong
 POWER_RTOL = 10  # times the accuracy of a state's speed: that of its power
 MAX_SECANTS = 6  # states of the answer, until its speed is the wanted one
+MIN_LINKS = 3  # of two links' one joint a stroke undoes the one before it
 NO_TRAVEL = 1e-9  # body lengths a radian of the gait: less is rounding
 
 
@@ -173,13 +174,13 @@ def least_power_gait(
         exact = EXACT_RTOL if cost == "power" else SMOOTH_RTOL
         rtol = SPRINGS_RTOL if springs else exact if ground.smooth else FINE_RTOL
     check_ground(ground, rtol)
-    if robot.links == 2:
+    if robot.links < MIN_LINKS:
         raise NotConverged(
             "no gait travels at all: of two links' one joint a stroke undoes the one before it; "
             "take three links or more"
         )
-    found = search.best()
-    answer = None if found is None else _finished(search, *found, rtol)
+    cheapest = search.best()
+    answer = None if cheapest is None else _finished(search, *cheapest, rtol)
     if answer is None:
         raise NotConverged(_unreachable(search))
     return answer
@@ -305,20 +306,20 @@ def _at_speed(search: Search, best: Point, rtol: float) -> tuple[Gait, Any]:
     """Return the best shape at the rate of the wanted speed, and its state, by a secant method."""
     assert best.gait is not None
     gait, x, slope = best.gait, math.log(best.gait.omega_rad_s), 1.0
-    state, known = None, None
+    state, previous = None, None
     for _ in range(MAX_SECANTS):
         tried = replace(gait, omega_rad_s=math.exp(x))
-        found = search.state(tried, rtol)
-        if found is None or found.speed_m_s <= 0:
+        solved = search.state(tried, rtol)
+        if solved is None or solved.speed_m_s <= 0:
             break
-        gait, state = tried, found
-        miss = math.log(found.speed_m_s / search.speed_m_s)
+        gait, state = tried, solved
+        miss = math.log(solved.speed_m_s / search.speed_m_s)
         if abs(miss) < rtol / 2:
             break
-        if known is not None and x != known[0]:
-            slope = (miss - known[1]) / (x - known[0])
-        known = x, miss
-        x -= miss / (slope if 0.1 < slope < 10 else 1.0)
+        if previous is not None and x != previous[0]:
+            slope = (miss - previous[1]) / (x - previous[0])
+        previous = x, miss
+        x += log_rate_step(miss, slope)
     return gait, state
 
 

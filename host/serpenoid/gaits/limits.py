@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -89,9 +89,9 @@ class GaitLimits:
         check_number("joint_angle_rad", self.joint_angle_rad, 0.0, math.pi, open_low=True)
         rates = dict.fromkeys(("servo_speed_rad_s", "omega_high_rad_s"), LEAST_RATE_RAD_S)
         for name, low in (rates | {"servo_torque_nm": 0.0}).items():
-            most = getattr(self, name)
-            if not (isinstance(most, float) and most == math.inf):
-                check_number(name, most, low, open_low=low == 0.0)
+            limit = getattr(self, name)
+            if not (isinstance(limit, float) and limit == math.inf):
+                check_number(name, limit, low, open_low=low == 0.0)
         check_number("kept_speed_share", self.kept_speed_share, 0.0, 0.99)
         check_number("omega_low_rad_s", self.omega_low_rad_s, 0.0, self.omega_high_rad_s)
 
@@ -106,9 +106,9 @@ class GaitLimits:
             "omega_low_rad_s": (self.omega_low_rad_s, rate),
         }
         return {
-            name: math.log(most / value) if value > 0 else math.inf
-            for name, (value, most) in used.items()
-            if most < math.inf and value < math.inf
+            name: math.log(limit / value) if value > 0 else math.inf
+            for name, (value, limit) in used.items()
+            if limit < math.inf and value < math.inf
         }
 
     def active(
@@ -127,11 +127,9 @@ class GaitLimits:
     def in_words(self) -> str:
         """Return the limits there are, with their units; angles in degrees."""
         return ", ".join(
-            f"{LIMIT_NAMES[f.name]} {getattr(self, f.name) * scale:.4g} {unit}"
-            for f in fields(self)
-            if f.name in _UNITS
-            for scale, unit in (_UNITS[f.name],)
-            if 0 < getattr(self, f.name) < math.inf
+            f"{LIMIT_NAMES[name]} {getattr(self, name) * scale:.4g} {unit}"
+            for name, (scale, unit) in _UNITS.items()
+            if 0 < getattr(self, name) < math.inf
         )
 
 
@@ -248,16 +246,16 @@ def speed_losses(robot: Robot, ground: Ground, gait: Gait) -> SpeedLosses:
 
 
 def speed_shares(
-    robot: Robot, ground: Ground, gait: Gait, *, rtol: float = 1e-5, near: Steady | None = None
+    robot: Robot, ground: Ground, gait: Gait, *, rtol: float = 1e-5, state: Steady | None = None
 ) -> tuple[float, float]:
     """Return the shares of speed left with 10 % less amplitude, and 20 % less friction across.
 
     NaN for a gait that does not travel. near: its own state, if that is known.
     """
     weak = replace(gait, alpha_rad=(1 - LESS_AMPLITUDE) * gait.alpha_rad)
-    left = 1 - LESS_FRICTION
-    slippery = replace(ground, cn=left * ground.cn, fn0=left * ground.fn0)
-    full = near or state_near(robot, ground, gait, rtol=rtol, powers=False, start=None)
+    share = 1 - LESS_FRICTION
+    slippery = replace(ground, cn=share * ground.cn, fn0=share * ground.fn0)
+    full = state or state_near(robot, ground, gait, rtol=rtol, powers=False, start=None)
     start = None if ground.smooth else full
     speeds = [
         state_near(robot, on, how, rtol=rtol, powers=False, start=start).speed_m_s

@@ -36,7 +36,8 @@ MAX_STATE_ERROR = 10  # times the accuracy asked for: a state this good still ra
 
 # The table.
 ALPHAS_RAD = np.radians(np.geomspace(6.0, 150.0, 15))  # gaits outside hardly travel
-LAG_COUNTS = 14, 20  # up to 8 links, and for longer robots, which have several narrow valleys
+MANY_LINKS = 8  # links: longer robots have several narrow valleys
+LAG_COUNTS = 14, 20  # of robots up to MANY_LINKS, and of longer ones
 MAX_LAG_RAD = math.radians(175.0)  # a standing wave, of 180 degrees, goes nowhere
 MIN_RATE = 1.05  # over the rate at which the wave itself travels at the wanted speed
 RATE_STEP = 1.45  # factor between rates: lines between them err by a few per cent
@@ -67,6 +68,8 @@ ONTO_LIMIT_STEPS = 4  # along the normal
 # The rate of a shape.
 MAX_RATE_STEPS = 12  # of the safeguarded secant method
 MAX_LOG_STEP = 0.5  # of one step of it
+MIN_SLOPE, MAX_SLOPE = 0.1, 10.0  # of ln speed over ln rate: beyond, 1 is as good a guess
+RATE_ROUNDING = 1e-12  # e-folds: two rates this near are one
 UNSOLVED = 1e3  # price of a shape without a periodic state
 
 
@@ -99,6 +102,12 @@ class Point:
 def log_shape(alpha_rad: float, beta_rad: float) -> Array:
     """Return the coordinates of a shape, (2,)."""
     return np.log([alpha_rad, math.tan(beta_rad / 2)])
+
+
+def log_rate_step(miss: float, slope: float) -> float:
+    """Return the secant step in ln rate for a miss of ln speed."""
+    step = -miss / (slope if MIN_SLOPE < slope < MAX_SLOPE else 1.0)
+    return min(max(step, -MAX_LOG_STEP), MAX_LOG_STEP)
 
 
 def angles_of(shape: Array) -> tuple[float, float]:
@@ -141,10 +150,10 @@ class Search:
 
     def grid(self) -> tuple[Array, Array]:
         """Return the amplitudes and phase lags of the table, rad."""
-        most, n = math.exp(self.bounds[1][0]), self.robot.links
-        alphas = np.append(ALPHAS_RAD[most > ALPHAS_RAD], most)
+        widest, n = math.exp(self.bounds[1][0]), self.robot.links
+        alphas = np.append(ALPHAS_RAD[widest > ALPHAS_RAD], widest)
         lowest = min(math.radians(22), 2.2 / n)
-        return alphas, np.geomspace(lowest, MAX_LAG_RAD, LAG_COUNTS[n > 8])
+        return alphas, np.geomspace(lowest, MAX_LAG_RAD, LAG_COUNTS[n > MANY_LINKS])
 
     # States of gaits.
 
@@ -154,11 +163,11 @@ class Search:
         start: a state near it, from which the first state found on dry ground will do.
         """
         if self.springs is None:
-            near = start if not self.ground.smooth else None
+            begin = start if not self.ground.smooth else None
             powers = self.cost != "power"
-            state = state_near(self.robot, self.ground, gait, rtol=rtol, powers=powers, start=near)
-            known = near is not None or state.error_estimate < MAX_STATE_ERROR * rtol
-            return state if known else None
+            state = state_near(self.robot, self.ground, gait, rtol=rtol, powers=powers, start=begin)
+            accepted = begin is not None or state.error_estimate < MAX_STATE_ERROR * rtol
+            return state if accepted else None
         stiffness, damping = self.springs
         with suppress(SerpenoidError):
             return steady_springs(
@@ -193,40 +202,39 @@ class Search:
         """Return ln of the share of speed that a gait keeps, over the share that it is to keep."""
         if self.limits.kept_speed_share == 0:
             return math.inf
-        near = state if self.springs is None else None
-        shares = speed_shares(self.robot, self.ground, gait, rtol=rtol, near=near)
+        start_state = state if self.springs is None else None
+        shares = speed_shares(self.robot, self.ground, gait, rtol=rtol, state=start_state)
         share = max(min(shares), MIN_SHARE) if math.isfinite(sum(shares)) else MIN_SHARE
         return math.log(share / self.limits.kept_speed_share)
 
-    def point(self, shape: Array, near: Point, rtol: float) -> Point:
+    def point(self, shape: Array, neighbour: Point, rtol: float) -> Point:
         """Return a shape at the rate that gives the speed, found from another's.
 
         A secant method in logarithms, kept between rates that are too slow and too fast where both
         are known. Its last small miss is put right by a straight line.
         """
-        assert near.gait is not None
+        assert neighbour.gait is not None
         alpha, beta = angles_of(shape)
         target = rtol / 10
-        x, slope, state = math.log(near.gait.omega_rad_s), 1.0, near.state
+        x, slope, state = math.log(neighbour.gait.omega_rad_s), 1.0, neighbour.state
         tried: list[tuple[float, float, float]] = []  # ln rate, ln speed ratio, ln cost
         slow, fast = -math.inf, math.inf
         for _ in range(MAX_RATE_STEPS):
-            found = self.state(Gait(alpha, beta, math.exp(x)), rtol, state)
-            if found is None:
+            solved = self.state(Gait(alpha, beta, math.exp(x)), rtol, state)
+            if solved is None:
                 break
-            state = found
-            miss = math.log(max(found.speed_m_s / self.speed_m_s, 1e-300))
-            tried.append((x, max(miss, -9.0), math.log(max(self.watts(found), 1e-300))))
+            state = solved
+            miss = math.log(max(solved.speed_m_s / self.speed_m_s, 1e-300))
+            tried.append((x, max(miss, -9.0), math.log(max(self.watts(solved), 1e-300))))
             if abs(miss) < target:
                 break
             slow, fast = (max(slow, x), fast) if miss < 0 else (slow, min(fast, x))
             if len(tried) > 1 and tried[-1][0] != tried[-2][0]:
                 slope = (tried[-1][1] - tried[-2][1]) / (tried[-1][0] - tried[-2][0])
-            step = -tried[-1][1] / (slope if 0.1 < slope < 10 else 1.0)
-            x += min(max(step, -MAX_LOG_STEP), MAX_LOG_STEP)
+            x += log_rate_step(tried[-1][1], slope)
             if slow < fast and not slow < x < fast:
                 x = (slow + fast) / 2
-            if fast - slow < 1e-12:
+            if fast - slow < RATE_ROUNDING:
                 break
         if not tried:
             return Point(shape)
@@ -236,7 +244,7 @@ class Search:
         self, shape: Array, tried: list[tuple[float, float, float]], state: Any, rtol: float
     ) -> Point:
         """Return the point of a shape, from rates that were tried around the wanted speed."""
-        tried = sorted(tried, key=lambda one: abs(one[1]))
+        tried = sorted(tried, key=lambda trial: abs(trial[1]))
         x, miss, cost = tried[0]
         if len(tried) > 1 and abs(miss) < rtol and tried[1][1] != miss:
             part = -miss / (tried[1][1] - miss)
@@ -257,13 +265,13 @@ class Search:
         points = sorted(self._table(), key=lambda point: point.log_cost)[:MAX_RANKED]
         points = [self._with_share(point) for point in points]
         points.sort(key=lambda point: point.log_cost)
-        kept: list[Point] = []
+        starts: list[Point] = []
         for point in points:
-            near = (math.dist(point.log_shape, other.log_shape) for other in kept)
-            cheap = not kept or point.log_cost < kept[0].log_cost + math.log(MAX_START_COST)
-            if cheap and min(near, default=math.inf) > START_DISTANCE:
-                kept.append(point)
-        return kept[:START_COUNT]
+            distances = (math.dist(point.log_shape, start.log_shape) for start in starts)
+            cheap = not starts or point.log_cost < starts[0].log_cost + math.log(MAX_START_COST)
+            if cheap and min(distances, default=math.inf) > START_DISTANCE:
+                starts.append(point)
+        return starts[:START_COUNT]
 
     def _with_share(self, point: Point) -> Point:
         """Return a start made dearer by what it lacks of the share of speed that is to be kept."""
@@ -302,7 +310,7 @@ class Search:
                 break
             rates = lowest * RATE_STEP ** np.arange(first, first + RATES_AT_ONCE)
             rows = self._solved([shapes[k] for k in active], rates)
-            still = []
+            unreached = []
             for k, row in zip(active, rows, strict=True):
                 for rate, (miss, cost) in zip(rates.tolist(), row.tolist(), strict=True):
                     if math.isnan(miss):
@@ -316,8 +324,8 @@ class Search:
                     below = last[k]
                     dear = below is not None and below[2] > cheapest
                     if not dear and rates[-1] < RATE_STEP * highest:
-                        still.append(k)
-            active = still
+                        unreached.append(k)
+            active = unreached
             cheapest = min([cheapest, *(point.log_cost for point in points)])
         return points
 
@@ -331,10 +339,10 @@ class Search:
         noise = ROUGH_RTOL * rates * speed_floor_m_s(self.robot, 1.0)
         speed = np.where(rows[..., 0] > noise, rows[..., 0], 1e-300)
         cost = rows[..., 1 + COSTS.index(self.cost)]
-        solved = (rows[..., 10] > 0.5) & (cost > 0)
+        solved = (rows[..., 10] > 0) & (cost > 0)
         with np.errstate(all="ignore"):
-            both = np.log(np.stack([speed / self.speed_m_s, cost], axis=-1))
-        return np.where(solved[..., None], both, np.nan)
+            logs = np.log(np.stack([speed / self.speed_m_s, cost], axis=-1))
+        return np.where(solved[..., None], logs, np.nan)
 
     def _crossing(
         self,
@@ -371,11 +379,11 @@ class Search:
             points[0] = replace(points[0], gait=start.gait, state=start.state)
 
         def price(shape: Array) -> float:
-            near = min(
+            neighbour = min(
                 (point for point in points if point.gait is not None),
                 key=lambda point: math.dist(point.log_shape, shape),
             )
-            points.append(self.point(shape, near, rtol))
+            points.append(self.point(shape, neighbour, rtol))
             return points[-1].price
 
         steps = np.full(2, size)
@@ -406,14 +414,14 @@ class Search:
         points = [start]
 
         def point(shape: Array) -> Point:
-            near = min(points, key=lambda known: math.dist(known.log_shape, shape))
-            found = self.point(np.clip(shape, *self.bounds), near, rtol)
-            if found.gait is not None:
-                points.append(found)
-            return found
+            neighbour = min(points, key=lambda end: math.dist(end.log_shape, shape))
+            end = self.point(np.clip(shape, *self.bounds), neighbour, rtol)
+            if end.gait is not None:
+                points.append(end)
+            return end
 
-        ahead = [getattr(point(start.log_shape + PROBE * axis), margin) for axis in np.eye(2)]
-        gradient = (np.array(ahead) - getattr(start, margin)) / PROBE
+        margins = [getattr(point(start.log_shape + PROBE * axis), margin) for axis in np.eye(2)]
+        gradient = (np.array(margins) - getattr(start, margin)) / PROBE
         steepness = float(np.hypot(*gradient))
         if not 0 < steepness < math.inf:
             return start
@@ -424,18 +432,18 @@ class Search:
             shape = start.log_shape + along * tangent
             best = math.inf
             for _ in range(ONTO_LIMIT_STEPS):
-                found = point(shape)
-                best = min(best, found.price)
-                if abs(getattr(found, margin)) < ON_LIMIT:
+                end = point(shape)
+                best = min(best, end.price)
+                if abs(getattr(end, margin)) < ON_LIMIT:
                     break
-                across = getattr(found, margin) / steepness
+                across = getattr(end, margin) / steepness
                 shape = shape - np.clip(across, -abs(size), abs(size)) * normal
             return best
 
         minimize_scalar(
             price, bracket=(0.0, size), method="brent", options={"xtol": 1e-3, "maxiter": 14}
         )
-        return min(points, key=lambda found: found.price)
+        return min(points, key=lambda end: end.price)
 
     def best(self) -> tuple[Point, float] | None:
         """Return the cheapest point and what the last two restarts gained, e-folds of cost.

@@ -32,6 +32,7 @@ from .study import (
 _NEAR_DEG = 4.0  # an angle of the paper, read to a step of its grid or so
 _NEAR_WAVES = 0.05 + 6 * _NEAR_DEG / 360  # 1.3 may be rounded, and so read
 _FLAT = 0.05  # of the power
+RINGING_S, SETTLED_S = 0.2, 8.0  # until and from when the springs of Figs. 6 and 7 ring, and rest
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +44,7 @@ class Claim:
 
     where: str
     paper: str
-    here: str
+    result: str
     verdict: str
     command: str
 
@@ -66,9 +67,10 @@ def _formulations(c: Comparison, opened: Comparison) -> list[Claim]:
     theta, smooth = (float(np.abs(run.theta_error_rad).max()) for run in (c, opened))
     when = float(c.t_s[np.abs(c.theta_error_rad).argmax()])
     size = np.hypot(*c.velocity_error_m_s.T)
-    early, late = float(size[c.t_s < 0.2].max()), float(size[c.t_s > 8].max())
+    early = float(size[c.t_s < RINGING_S].max())
+    settled = float(size[c.t_s > SETTLED_S].max())
     torque, finer = compare_torque_driven(), finer_step()
-    off = [
+    errors = [
         steady_springs(ROBOT, GROUND, replace(PATH_GAIT, omega_rad_s=w)).modelling_error
         for w in (5.0, 10.0, 20.0)
     ]
@@ -85,9 +87,9 @@ def _formulations(c: Comparison, opened: Comparison) -> list[Claim]:
         Claim(
             "Fig. 7",
             "errors of the velocities as small",
-            f"{late:.1e} m/s once settled, but {early:.1e} m/s in the first 0.2 s: from closed "
+            f"{settled:.1e} m/s once settled, but {early:.1e} m/s in the first 0.2 s: from closed "
             "gaps the joints' springs ring",
-            _verdict([late / 1e-3, early / 1e-3], 3.0),
+            _verdict([settled / 1e-3, early / 1e-3], 3.0),
             "figures (fig6-7.png)",
         ),
         Claim(
@@ -109,9 +111,9 @@ def _formulations(c: Comparison, opened: Comparison) -> list[Claim]:
             "the search",
             "k = 1000 N/m stands for a pinned joint",
             "speed off by "
-            + ", ".join(f"{100 * e:+.0f} %" for e in off)
+            + ", ".join(f"{100 * e:+.0f} %" for e in errors)
             + " at 5, 10, 20 rad/s: the joints' resonances lie inside the grid",
-            _verdict([abs(e) for e in off], 0.01),
+            _verdict([abs(e) for e in errors], 0.01),
             f"{steady} --formulation implicit",
         ),
     ]
@@ -133,7 +135,7 @@ def _optima(front: Sequence[LeastPower]) -> list[Claim]:
             "Fig. 8",
             "for each speed one gait costs least",
             f"so it does, its shape inside the grid at {sum(inside)} of {len(inside)} speeds",
-            _held(inside),
+            _joint_verdict(inside),
             command,
         ),
         Claim(
@@ -168,20 +170,20 @@ def _optima(front: Sequence[LeastPower]) -> list[Claim]:
     ]
 
 
-def _verdict(off: Sequence[float], allowed: float) -> str:
-    """Return the verdict on a claim by how far off it is, here and there."""
-    return _held([part < allowed for part in off])
+def _verdict(errors: Sequence[float], allowed: float) -> str:
+    """Return the verdict on a claim by its errors in several places."""
+    return _joint_verdict([part < allowed for part in errors])
 
 
-def _held(parts: Sequence[bool]) -> str:
+def _joint_verdict(parts: Sequence[bool]) -> str:
     """Return the verdict on a claim by which parts of it hold."""
     return "agrees" if all(parts) else "in part" if any(parts) else "differs"
 
 
 def _inside_grid(gait: Gait) -> bool:
     """Tell whether a shape lies between the ends of the paper's grid."""
-    (low, high), (least, most) = GRID_ALPHA, GRID_BETA
-    return low < gait.alpha_rad < high and least < gait.beta_rad < most
+    (low, high), (short, long) = GRID_ALPHA, GRID_BETA
+    return low < gait.alpha_rad < high and short < gait.beta_rad < long
 
 
 def _experiment(bands: Sequence[tuple[float, float, float]]) -> list[Claim]:
@@ -213,7 +215,7 @@ def _experiment(bands: Sequence[tuple[float, float, float]]) -> list[Claim]:
             f"the band of speeds is {wide[0]:.3f} m/s wide at {slow:g} Hz, {wide[1]:.3f} at "
             f"{fast:g}; of the speed that is ±{part[0]:.0f} % and ±{part[1]:.0f} %: "
             f"{'high' if grows[1] else 'low'} frequencies suffer most",
-            _held(grows),
+            _joint_verdict(grows),
             "demo",
         ),
         Claim(

@@ -141,8 +141,8 @@ def finer_step(dt_s: float = 2.5e-4) -> float:
         fine = simulate(replace(scene, dt_s=dt_s, record_every=round(1e-2 / dt_s)))
         for x, y in (("x_m", "y_m"), ("vx_m_s", "vy_m_s")):
             full = np.hypot(getattr(run, x), getattr(run, y)).max()
-            off = np.hypot(getattr(run, x) - getattr(fine, x), getattr(run, y) - getattr(fine, y))
-            worst = max(worst, float(off.max() / full))
+            gap = [getattr(run, name) - getattr(fine, name) for name in (x, y)]
+            worst = max(worst, float(np.hypot(*gap).max() / full))
     return worst
 
 

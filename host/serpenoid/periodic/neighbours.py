@@ -16,18 +16,18 @@ Draw = tuple[Ground, Gait]
 _RTOL = 1e-3
 
 
-def drawn_states(robot: Robot, near: Draw, draws: Sequence[Draw]) -> list[Steady]:
+def drawn_states(robot: Robot, middle_draw: Draw, draws: Sequence[Draw]) -> list[Steady]:
     """Return the periodic state of each draw to 1e-3 of its speed, begun from one that is near.
 
     Raises BadInput and NotConverged as `steady_gait` does.
     """
-    parts = [(robot, *draw) for draw in (near, *draws)]
+    parts = [(robot, *draw) for draw in (middle_draw, *draws)]
     for _, ground, _ in parts:
         check_ground(ground, _RTOL)
-    middle, *models = (core_model(*each) for each in parts)
+    middle, *models = (core_model(*part) for part in parts)
     threads = min(threads_to_use(), max(len(models), 1))
     states = _core.neighbours(middle, models, _RTOL, False, threads)
     return [
-        from_core(*each, state) if state.converged else steady_gait(*each, rtol=_RTOL, powers=False)
-        for each, state in zip(parts[1:], states, strict=True)
+        from_core(*part, state) if state.converged else steady_gait(*part, rtol=_RTOL, powers=False)
+        for part, state in zip(parts[1:], states, strict=True)
     ]

@@ -23,7 +23,7 @@ MIN_SIDE_RATIO = 0.1  # of the larger side: by more, the two sides differ
 MIN_SIDE_PERCENT = 0.02  # for 1 %: a smaller difference of the sides is of no use to anybody
 STATE_RTOL = 1e-7
 
-Parts = tuple[Any, ...]  # Robot, Ground, Gait
+Parts = tuple[Any, Any, Any]  # Robot, Ground, Gait
 
 
 # Which of robot, ground and gait each number is of, and what grows with which power of it.
@@ -47,7 +47,9 @@ def changed_parts(parts: Parts, number: str, factor: float) -> Parts:
         part = part.scaled(**factors)
     else:
         part = replace(part, **{name: getattr(part, name) * f for name, f in factors.items()})
-    return (*parts[:place], part, *parts[place + 1 :])
+    changed = list(parts)
+    changed[place] = part
+    return tuple(changed)  # type: ignore[return-value]
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,10 +107,11 @@ def speed_sensitivities(
     no solution, or after 20 s.
     """
     limit = TimeLimit("the sensitivities of this state", "ask for the state without sensitivities")
-    parts = replace(robot, link_inertia_kg_m2=robot.inertia_kg_m2), ground, gait
-    factors = (1 + np.outer(STEPS, (-1, 1))).ravel().tolist()
-    near = [changed_parts(parts, *change) for change in product(NUMBERS, factors)]
-    models = [core_model(*each) for each in (parts, *near)]
+    solid = replace(robot, link_inertia_kg_m2=robot.inertia_kg_m2)
+    parts: Parts = solid, ground, gait
+    factors: list[float] = (1 + np.outer(STEPS, (-1, 1))).ravel().tolist()
+    changed = [changed_parts(parts, number, factor) for number, factor in product(NUMBERS, factors)]
+    models = [core_model(*part) for part in (parts, *changed)]
     states = _core.neighbours(models[0], models, STATE_RTOL, False, 1, progress=limit)
     speeds = np.array([state.speed for state in states])
     claims = np.array([state.speed_error for state in states])

@@ -34,7 +34,7 @@ _STEP_S, _LONG_STEP_S, _ROUGH_STEP_S, _LONG_PERIOD_S = 1e-3, 2e-3, 4e-3, 2.0
 _LEVEL = 0.95
 _LEAST_TAIL = 1e-6  # of few draws: then the outermost one is the end
 _INSIDE = 4  # draws of a band solved finely between two at either end
-_FEW = 16  # draws, of which none is solved roughly
+_FINE_COUNT = 16  # draws, of which none is solved roughly
 _SLOW = 5e-3  # of body length times rate: a draw of a slower gait is known no better
 _MOST_OFF = 0.15  # of the draws' scatter: what a rough one may be off by, once put right
 
@@ -208,8 +208,8 @@ class ServoSteady(Result):
             "highest_hz",
         )
         values = {"name": self.name} | {name: getattr(self, name) for name in names}
-        known = not math.isnan(self.low_m_s)
-        return values if known else values | {"low_m_s": None, "high_m_s": None}
+        has_band = not math.isnan(self.low_m_s)
+        return values if has_band else values | {"low_m_s": None, "high_m_s": None}
 
 
 def servo_state(
@@ -254,8 +254,8 @@ def ripple_share(ideal: Steady, servo: Servo, rough: bool = False) -> float:
     compared with that of ideal joints which make the same ones.
     """
     moved = servo_state(ideal, servo, rough)
-    made = as_made(ideal.gait, moved)
-    filmed = steady_gait(ideal.robot, ideal.ground, made, rtol=1e-3, powers=False)
+    sines = as_made(ideal.gait, moved)
+    filmed = steady_gait(ideal.robot, ideal.ground, sines, rtol=1e-3, powers=False)
     return moved.speed / max(filmed.speed_m_s, 1e-9)
 
 
@@ -265,9 +265,9 @@ def as_made(gait: Gait, moved: Any) -> Gait:
     The joints' mean lag is left out: it shifts the whole motion in time.
     """
     shift = np.array(moved.shift)
-    gain, own = gait.joint_factors(len(shift))
+    gain, gait_shift = gait.joint_factors(len(shift))
     gain = np.clip(gain * np.array(moved.gain), 0.0, 2.0)
-    turned = np.exp(1j * (own + shift))
+    turned = np.exp(1j * (gait_shift + shift))
     mean = np.angle(turned @ gain) if gain.any() else 0.0
     shifts = np.angle(turned * np.exp(-1j * mean))
     return replace(gait, joint_gain=tuple(gain.tolist()), joint_shift_rad=tuple(shifts.tolist()))
@@ -300,10 +300,10 @@ def drawn_servo_speeds(
     def solved(places: Sequence[int], rough: bool, progress: Progress | None = None) -> Array:
         return np.array(in_threads(lambda k: drawn(k, rough), places, progress, threads))
 
-    every = range(len(servos))
-    if len(servos) <= _FEW:
-        return solved(every, False)
-    values = solved(every, True, progress)
+    indices = range(len(servos))
+    if len(servos) <= _FINE_COUNT:
+        return solved(indices, False)
+    values = solved(indices, True, progress)
     inside = np.linspace(1, len(servos) - 2, _INSIDE + 2).round().astype(int)
     order = np.argsort(values)
     picked = order[[0, *inside, -1]]
@@ -334,10 +334,10 @@ def with_servo(
     state that is done, and of the draws. Raises BadInput, and NotConverged with the best state.
     """
 
-    def tell(done: float, every: float) -> None:
+    def tell(done: float, total: float) -> None:
         keep_running()
         if progress is not None:
-            progress(min(done / every, 1.0))
+            progress(min(done / total, 1.0))
 
     check_kind("servo", servo, (Servo, ServoKind))
     typical = servo.servo if isinstance(servo, ServoKind) else servo

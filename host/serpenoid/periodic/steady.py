@@ -36,10 +36,10 @@ class FromRest:
     """Hold whether a start from rest ends in the reported state, and another stable motion."""
 
     reaches_reported: bool
-    other: Motion | None
+    second_motion: Motion | None
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain values, for JSON; other is None where no other motion was found."""
+        """Return plain values, for JSON; second_motion is None where no other motion was found."""
         return asdict(self)
 
 
@@ -91,7 +91,7 @@ class Steady(Plottable):
     sensitivities
         Per cents of speed for 1 % of seven numbers, where they were asked for.
     from_rest
-        Whether a start from rest ends in this state (`reaches_reported`), and the `other` stable
+        Whether a start from rest ends in this state (`reaches_reported`), and the `second_motion`
         motion if the gait has two; None where that was not asked for, or not known.
 
     Notes
@@ -290,8 +290,8 @@ def relative_error(error: float, speed: float, robot: Robot, gait: Gait) -> floa
 
 def check_ground(ground: Ground, rtol: float) -> None:
     """Refuse ground without any friction, and an accuracy that its solver does not give."""
-    least = 1e-12 if ground.smooth else 1e-7
-    check_number("rtol", rtol, least, 0.1)
+    finest = 1e-12 if ground.smooth else 1e-7
+    check_number("rtol", rtol, finest, 0.1)
     if ground.cn == 0 and max(ground.ct_forward, ground.ct_backward) == 0 and not ground.dry:
         raise BadInput(
             "there is no friction at all (ct, cn, ft0 and fn0 are 0): nothing damps the start, so "
@@ -303,8 +303,8 @@ def _settling(s: _core.SteadyState, gait: Gait) -> tuple[float, float]:
     """Return the settling time, s, and its relative error."""
     if not s.slowest < 0:
         return math.inf, 0.0
-    alike = 3e-8  # multipliers that nearly coincide are known to the root of rounding alone
-    return gait.period_s / -s.slowest, (s.slowest_error + alike) / -s.slowest
+    double_root_error = 3e-8  # root of rounding: the error of two multipliers that nearly coincide
+    return gait.period_s / -s.slowest, (s.slowest_error + double_root_error) / -s.slowest
 
 
 def steady_gait(

@@ -220,8 +220,10 @@ def sweep(
             raise BadInput("servo wants one robot on one ground; sweep them one by one")
     check_kind("powers", powers, bool)
     names = "alpha_rad", "beta_rad", "omega_rad_s"
-    given = alpha_rad, beta_rad, omega_rad_s
-    axes = [grid_axis(name, values) for name, values in zip(names, given, strict=True)]
+    ranges = alpha_rad, beta_rad, omega_rad_s
+    axes: list[NDArray[Any]] = [
+        grid_axis(name, values) for name, values in zip(names, ranges, strict=True)
+    ]
     robots, grounds = several(Robot, robot), several(Ground, ground)
     shapes, rates = grid_shapes(robots, grounds, axes, rtol), axes[2].tolist()
     count = threads_to_use(threads)
@@ -242,11 +244,11 @@ def _with_servo(
     servo: Servo | ServoKind,
     threads: int,
     progress: Progress | None,
-) -> list[Array]:
+) -> list[NDArray[Any]]:
     """Return speed of the typical servo, and ends of the band of drawn ones, m/s; NaN as Sweep."""
 
-    def solved(one: tuple[Shape, float]) -> tuple[float, float, float]:
-        (robot, ground, bend), rate = one
+    def solved(pair: tuple[Shape, float]) -> tuple[float, float, float]:
+        (robot, ground, bend), rate = pair
         try:
             gait = replace(bend, omega_rad_s=rate)
             ideal = steady_gait(robot, ground, gait, rtol=_RTOL, powers=False)
@@ -255,6 +257,7 @@ def _with_servo(
             return np.nan, np.nan, np.nan
         return moved.speed_m_s, moved.low_m_s, moved.high_m_s
 
-    speeds = in_threads(solved, product(shapes, axes[2].tolist()), progress, threads)
+    rates: list[float] = axes[2].tolist()
+    speeds = in_threads(solved, product(shapes, rates), progress, threads)
     size = [axis.size for axis in axes]
     return [np.reshape(column, size) for column in zip(*speeds, strict=True)]

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import partial
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +23,7 @@ from .bench_test import UNREPORTED, Array, BenchModel, BenchTest, Prior, Values
 
 # With half the moves the tails of friction and dead band are too short.
 POPULATION, MOVES = 96, 400  # samples that move together, at each rate of the loop
-SAMPLES, KEPT = 384, 128  # that intervals are made of, and servos in a file
+SAMPLES, SERVO_COUNT = 384, 128  # that intervals are made of, and servos in a file
 DRAWN_STARTS, BEST_STARTS = 1024, 8  # servos drawn; least squares start from the best of them
 START_SIGMAS = 1.5  # width of what starts are drawn from, in standard deviations of the priors
 MIN_P_VALUE = 0.01  # below it the model does not describe the table
@@ -82,7 +83,7 @@ class MeasuredServo:
     @property
     def determined(self) -> dict[str, Measured]:
         """Return what the test determines."""
-        return {name: one for name, one in self.values.items() if one.is_determined}
+        return {name: value for name, value in self.values.items() if value.is_determined}
 
     @property
     def open(self) -> list[str]:
@@ -99,7 +100,7 @@ class _Fit(NamedTuple):
     @property
     def log_mass(self) -> float:
         """Return the logarithm of the mass about the maximum that has most."""
-        return max(one.log_mass for one in self.maxima)
+        return max(peak.log_mass for peak in self.maxima)
 
 
 def _searched(model: BenchModel, continuous: _Fit | None, rng: np.random.Generator) -> _Fit:
@@ -173,7 +174,7 @@ def servo_of_test(
     if not verdict.describes:
         for fit in fits:
             fit.model.noise_rad *= math.sqrt(verdict.variance_ratio)
-            starts = np.array([one.x for one in fit.maxima])
+            starts = np.array([peak.x for peak in fit.maxima])
             fit.maxima[:] = maxima(fit.model.residuals, starts)
     parts = _sampled(fits, rng)
     samples = [model.samples(x, rng) for model, x in parts]
@@ -183,20 +184,20 @@ def servo_of_test(
         np.median(x, axis=0).tolist(),
         strict=True,
     )
-    servos = [model.servos(values, rng) for (model, _), values in zip(parts, samples, strict=True)]
-    kept = [servo for one in servos for servo in one]
-    kept = tuple(kept[k] for k in rng.permutation(len(kept))[:KEPT])
+    pairs = zip(parts, samples, strict=True)
+    servos = list(chain.from_iterable(model.servos(x, rng) for (model, _), x in pairs))
+    drawn = tuple(servos[k] for k in rng.permutation(len(servos))[:SERVO_COUNT])
     typical = best.model.servos(best.model.values(best.maxima[0].x[None]), rng)[0]
     source = f"a bench test of one joint, from {like.name}"
     return MeasuredServo(
-        ServoKind(name, typical, {}, (), source, kept),
+        ServoKind(name, typical, {}, (), source, drawn),
         {
             key: _measured(key, model.priors[key], samples)
             for key in model.names
             if key not in UNREPORTED
         },
         verdict,
-        {key: off for key, off in named if abs(off) > FAR_SIGMAS},
+        {key: sigmas for key, sigmas in named if abs(sigmas) > FAR_SIGMAS},
     )
 
 
@@ -208,10 +209,10 @@ def _sampled(fits: list[_Fit], rng: np.random.Generator) -> list[tuple[BenchMode
     parts = []
     for (model, peaks), count in zip(fits, counts, strict=True):
         if count:
-            weights = np.exp([one.log_mass - masses.max() for one in peaks])
+            weights = np.exp([peak.log_mass - masses.max() for peak in peaks])
             chosen = rng.choice(len(peaks), POPULATION, p=weights / weights.sum())
             normal = rng.normal(size=(POPULATION, model.size))
-            offsets = [peaks[k].root @ one for k, one in zip(chosen, normal, strict=True)]
+            offsets = [peaks[k].root @ row for k, row in zip(chosen, normal, strict=True)]
             x = np.array([peaks[k].x for k in chosen]) + offsets
             x = np.concatenate(explored(x, partial(log_density, model.residuals), MOVES, rng))
             parts.append((model, x[rng.permutation(len(x))[:count]]))

@@ -23,6 +23,8 @@ Values = dict[str, Array]
 GRAVITY_M_S2 = 9.81
 MIN_ROWS, MAX_TEST_S = 10, 20.0
 MAX_LOAD_KG, MAX_LOAD_M = 5.0, 1.0  # their torque, 49 N m, is ten times that of a large hobby servo
+MIN_GAIN, MAX_GAIN = 0.1, 1.7  # degrees of the angle for one of the setpoint, of a sound table
+MIN_SPAN_RAD = math.radians(4.0)  # of setpoints: less is within dead bands and teeth
 MAX_STEPS = 40  # with a delay of their own; a gait has more setpoints, which share one delay
 
 
@@ -68,8 +70,13 @@ class BenchTest:
         lasts_s = float(np.ptp(self.t_s))
         if lasts_s > MAX_TEST_S:
             raise BadInput(f"the test lasts {lasts_s:.3g} s; give {MAX_TEST_S:.0f} s at most")
-        if np.ptp(self.setpoint_rad) == 0:
-            raise BadInput("the setpoint never changes; send a step, or a gait")
+        span_rad = float(np.ptp(self.setpoint_rad))
+        if span_rad < MIN_SPAN_RAD:
+            raise BadInput(
+                f"the setpoints span {math.degrees(span_rad):.2g} degrees, which shows nothing; "
+                f"send steps of {math.degrees(MIN_SPAN_RAD):.0f} or more, or a gait. If these are "
+                "radians, write degrees"
+            )
 
     @property
     def resolution_rad(self) -> float:
@@ -226,7 +233,7 @@ class BenchModel:
         values, test, load = self.values(x), self.test, self.test.load
         gain, zero = values["gain"], values["zero_rad"]
         fields = self.fields(values)
-        moment_nm = down_rad = np.zeros(len(x))
+        moment_nm, down_rad = np.zeros((2, len(x)))
         inertia = 0.0 if load is None else load.mass_kg * load.distance_m**2
         if load is None:
             at_0, at_90 = (values[name] for name in UNSTATED_LOAD)
@@ -266,7 +273,7 @@ class BenchModel:
         for all steps where these are sent at multiples of the loop's period.
         """
         values = self.values(x)
-        gain = np.where(rng.random(len(x)) < 0.5, np.abs(values["gain"]), 1.0)
+        gain = np.where(rng.random(len(x)).round() < 1, np.abs(values["gain"]), 1.0)
         values["no_load_rad_s"] *= gain
         values["dead_band_rad"] *= gain
         values["stiffness_over_torque"] /= gain
@@ -289,14 +296,14 @@ class BenchModel:
 
 def _sign_of_angles(test: BenchTest) -> float:
     """Return 1, or -1 where the angle turns the other way. Raises BadInput for another unit."""
-    seen, slope = test.angle_rad - test.angle_rad.mean(), 0.0
+    moved, slope = test.angle_rad - test.angle_rad.mean(), 0.0
     for late_s in np.arange(0.0, 0.31, 0.02):
         sent = np.interp(test.t_s - late_s, test.t_s, test.setpoint_rad)
         sent -= sent.mean()
-        slope = max(slope, float(sent @ seen / max(sent @ sent, 1e-12)), key=abs)
-    if not 0.1 < abs(slope) < 1.7:
+        slope = max(slope, float(sent @ moved / max(sent @ sent, 1e-12)), key=abs)
+    if not MIN_GAIN < abs(slope) < MAX_GAIN:
         raise BadInput(
             f"the angle moves by {slope:.2g} degrees for a degree of the setpoint; both must be "
-            "the joint's, in degrees"
+            "the joint's, in degrees (57 or 0.017: one of them is in radians)"
         )
     return math.copysign(1.0, slope)

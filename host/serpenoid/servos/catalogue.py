@@ -170,9 +170,9 @@ def servo(name: str | Path = "hobby") -> ServoKind:
     >>> sn.servo("MG996R").name
     'MG996R'
     """
-    wanted = str(name).lower().replace("-", "").replace(" ", "")
-    for known, kind in SERVOS.items():
-        if wanted == known.lower().replace("-", ""):
+    letters = str(name).lower().replace("-", "").replace(" ", "")
+    for title, kind in SERVOS.items():
+        if letters == title.lower().replace("-", ""):
             return kind
     if Path(name).suffix == ".toml":
         return load_servo(name)

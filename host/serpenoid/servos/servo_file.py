@@ -59,9 +59,9 @@ def load_servo(path: str | Path) -> ServoKind:
     table = top.table("servo").without_removed(REMOVED)
     with located(table.heading):
         servo = Servo(**_numbers(table, _FIELDS))
-    given: dict[str, Any] = {"name": Path(path).stem, "source": str(path)}
-    given |= {key: read(key) for key, read in readers.items() if key in top.values}
-    return ServoKind(servo=servo, **given)
+    values: dict[str, Any] = {"name": Path(path).stem, "source": str(path)}
+    values |= {key: read(key) for key, read in readers.items() if key in top.values}
+    return ServoKind(servo=servo, **values)
 
 
 def _numbers(table: Table, names: tuple[str, ...], *limits: float) -> dict[str, float]:
@@ -114,8 +114,8 @@ def save_servo(kind: ServoKind, path: str | Path) -> None:
         values["sigma"] = dict(kind.sigma)
     if kind.drawn:
         values["drawn"] = {
-            name: [float(f"{getattr(one, name):.6g}") for one in kind.drawn]
+            name: [float(f"{getattr(servo, name):.6g}") for servo in kind.drawn]
             for name in _FIELDS
-            if len({getattr(one, name) for one in (*kind.drawn, kind.servo)}) > 1
+            if len({getattr(servo, name) for servo in (*kind.drawn, kind.servo)}) > 1
         }
     write_named(path, tomli_w.dumps(values))

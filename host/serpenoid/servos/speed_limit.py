@@ -25,7 +25,7 @@ def no_load_rad_s(servo: Servo | ServoKind) -> float:
     The typical one of a kind that was measured is the median of its samples.
     """
     servos = (servo,) if isinstance(servo, Servo) else servo.drawn or (servo.servo,)
-    return float(median(one.no_load_rad_s for one in servos))
+    return float(median(each_servo.no_load_rad_s for each_servo in servos))
 
 
 def highest_hz(gait: Gait, servo: Servo | ServoKind) -> float:

@@ -69,11 +69,11 @@ def core_request(scene: Scene) -> Any:
 
 def run_core(scene: Scene, start: LinkState, progress: Progress | None = None) -> dict[str, Any]:
     """Run a scene from a start and return Run's arrays by name (module.cpp); or raise Diverged."""
-    out = _core.run(core_request(scene), start.packed(), progress)
-    failed_at, why = out.pop("failed_at"), out.pop("why")
+    columns = _core.run(core_request(scene), start.packed(), progress)
+    failed_at, why = columns.pop("failed_at"), columns.pop("why")
     if failed_at >= 0:
         raise Diverged(_what_failed(scene, failed_at, why))
-    return out
+    return columns
 
 
 def _what_failed(scene: Scene, t_s: float, why: str) -> str:

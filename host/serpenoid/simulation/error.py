@@ -89,8 +89,8 @@ def finer_scene(scene: Scene, times: int = 1) -> Scene:
     record = tuple(name for name in scene.record if name == "energy")
     if not scene.adaptive:
         parts = 2**times
-        every = parts * scene.every
-        return replace(scene, record=record, dt_s=scene.dt_s / parts, record_every=every)
+        interval = parts * scene.record_steps
+        return replace(scene, record=record, dt_s=scene.dt_s / parts, record_every=interval)
     events = scene.method == "nonsmooth"
     finest = MIN_TOLERANCE * (max(1.0, (scene.robot.links / 3) ** 3) if events else 1.0)
     finer = scene.tolerance / (100.0 if events else 10.0) ** times

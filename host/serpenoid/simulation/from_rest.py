@@ -41,8 +41,8 @@ def from_rest(state: Steady) -> FromRest | None:
     gait, ground, until = state.gait, state.ground, monotonic() + _LONGEST_S
     if ground.smooth and not _may_have_two_motions(state):
         return FromRest(True, None)
-    most = _CYCLES[2] if ground.smooth else _CYCLES[1]
-    cycles = math.ceil(min(max(state.settling_time_s / gait.period_s, _CYCLES[0]), most))
+    cycles_limit = _CYCLES[2] if ground.smooth else _CYCLES[1]
+    cycles = math.ceil(min(max(state.settling_time_s / gait.period_s, _CYCLES[0]), cycles_limit))
     scene = Scene(state.robot, ground, gait, dt_s=gait.period_s, duration_s=cycles * gait.period_s)
     scene = exact_scene(scene, _TOLERANCE)
     for k, start in enumerate(islice(_starts(scene), None if ground.smooth else 1)):
@@ -56,12 +56,12 @@ def from_rest(state: Steady) -> FromRest | None:
 
 def two_motions_text(state: Steady) -> str:
     """Return the two stable motions of a gait and which one a start from rest reaches, or ""."""
-    if state.from_rest is None or state.from_rest.other is None:
+    if state.from_rest is None or state.from_rest.second_motion is None:
         return ""
     second, reported = (
         f"turns {math.degrees(motion.turn_rad_per_cycle):.3g} deg and goes "
         f"{motion.chord_m_s * state.gait.period_s:.3g} m a cycle"
-        for motion in (state.from_rest.other, state)
+        for motion in (state.from_rest.second_motion, state)
     )
     if state.from_rest.reaches_reported:
         return (
@@ -84,16 +84,16 @@ def _may_have_two_motions(state: Steady) -> bool:
 
 def _starts(scene: Scene) -> Iterator[LinkState]:
     """Yield the state at rest, then such that turn, or move along the tail, either way."""
-    rest = start_state(scene)
-    rate, heading = scene.gait.omega_rad_s, rest.theta_rad[0]
+    rest_state = start_state(scene)
+    rate, heading = scene.gait.omega_rad_s, rest_state.theta_rad[0]
+    x_m, y_m = (v - v.mean() for v in (rest_state.x_m, rest_state.y_m))
     for spin, push in ((0, 0), (_SPIN, 0), (-_SPIN, 0), (0, _PUSH), (0, -_PUSH)):
         turn_rad_s, speed_m_s = spin * rate, push * scene.robot.body_length_m * rate
-        ahead = speed_m_s * math.cos(heading), speed_m_s * math.sin(heading)
         yield replace(
-            rest,
-            vx_m_s=rest.vx_m_s - turn_rad_s * (rest.y_m - rest.y_m.mean()) + ahead[0],
-            vy_m_s=rest.vy_m_s + turn_rad_s * (rest.x_m - rest.x_m.mean()) + ahead[1],
-            omega_rad_s=rest.omega_rad_s + turn_rad_s,
+            rest_state,
+            vx_m_s=rest_state.vx_m_s - turn_rad_s * y_m + speed_m_s * math.cos(heading),
+            vy_m_s=rest_state.vy_m_s + turn_rad_s * x_m + speed_m_s * math.sin(heading),
+            omega_rad_s=rest_state.omega_rad_s + turn_rad_s,
         )
 
 

@@ -104,7 +104,7 @@ class Run(Plottable):
     picked: str = ""
 
     @classmethod
-    def of(
+    def solve(
         cls, scene: Scene, start: LinkState, progress: Progress | None = None, picked: str = ""
     ) -> Run:
         """Run a scene from a start; raises StepTooLarge and Diverged."""
@@ -260,10 +260,10 @@ def _estimate(run: Run) -> RunError:
     unknown = Difference(math.inf, math.inf, math.inf)
     error = RunError(unknown, None, "no finer run comes to its end", False)
     with suppress(Diverged, StepTooLarge):
-        second = Run.of(finer, start)
+        second = Run.solve(finer, start)
         (largest, believed_s), settled = difference(run, second, SAFETY), True
         if largest.size(body_m) > SAFETY * CHECKED_SIZE or chatters(scene):
-            third = Run.of(finer_scene(scene, 2), start)
+            third = Run.solve(finer_scene(scene, 2), start)
             change, _ = difference(second, third, SAFETY)
             settled = change.size(body_m) <= CONTRACTION * largest.size(body_m)
             largest = max(largest, change, key=lambda part: part.size(body_m))
@@ -273,5 +273,5 @@ def _estimate(run: Run) -> RunError:
         return error
     exact = exact_scene(scene, min(scene.tolerance, 1e-6))
     how = f"{error.how}; modelling: difference to the explicit formulation by {exact.method}"
-    springs, _ = difference(run, Run.of(exact, start_state(exact)))
+    springs, _ = difference(run, Run.solve(exact, start_state(exact)))
     return replace(error, modelling=springs, how=how)

@@ -36,6 +36,7 @@ MAX_LINK_STEPS = 10**11
 MIN_TOLERANCE = 1e-13
 MAX_RECORDED_BYTES = 4_000_000_000
 DEFAULT_ROWS = 20_000
+MAX_FIRMWARE_JOINTS = 255  # of the gait in fixed point: a byte counts them
 _FIRST_ADVISED = ("dop853", "rk4", "radau")  # behind the one that suits a scene
 _MOST_ACCURATE = ("dop853", "nonsmooth", "rk4")  # of the explicit formulation
 _ANY_WAY = "formulation 'explicit', and leave the method to the scene"
@@ -179,19 +180,19 @@ class Scene:
                 "shorter run"
             )
         values = 6 + 3 * ("joints" in self.record) + 2 * ("friction" in self.record)
-        size = 8 * values * links * (self.steps / self.every + 2)
+        size = 8 * values * links * (self.steps / self.record_steps + 2)
         if size > MAX_RECORDED_BYTES:
             raise BadInput(
                 f"recording would take {size / 1e9:.3g} GB, more than "
                 f"{MAX_RECORDED_BYTES / 1e9:g} GB; take record_every "
-                f"{math.ceil(self.every * size / MAX_RECORDED_BYTES)} or more"
+                f"{math.ceil(self.record_steps * size / MAX_RECORDED_BYTES)} or more"
             )
 
     def _check_drive(self) -> None:
-        for drive, given in (("torque", self.torque), ("servo", self.servo)):
-            if (self.drive == drive) != (given is not None):
+        for drive, value in (("torque", self.torque), ("servo", self.servo)):
+            if (self.drive == drive) != (value is not None):
                 raise BadInput(
-                    f"drive is {self.drive!r} and {drive} is {given!r}; give {drive} with drive "
+                    f"drive is {self.drive!r} and {drive} is {value!r}; give {drive} with drive "
                     f"{drive!r} and only then"
                 )
         joints = self.robot.links - 1
@@ -208,10 +209,14 @@ class Scene:
 
     def _check_firmware(self) -> None:
         joints = self.robot.links - 1
-        if joints > 255:
-            raise BadInput(f"robot has {joints} joints; the firmware's gait serves at most 255")
-        for name, most in _FIRMWARE_LIMITS.items():
-            check_number(f"with drive 'servo', gait.{name}", getattr(self.gait, name), -most, most)
+        if joints > MAX_FIRMWARE_JOINTS:
+            raise BadInput(
+                f"robot has {joints} joints; the firmware's gait serves at most "
+                f"{MAX_FIRMWARE_JOINTS}"
+            )
+        for name, limit in _FIRMWARE_LIMITS.items():
+            value = getattr(self.gait, name)
+            check_number(f"with drive 'servo', gait.{name}", value, -limit, limit)
         if self.gait.joint_gain or self.gait.joint_shift_rad:
             raise BadInput("the firmware's gait has no joint_gain or joint_shift_rad; leave them")
 
@@ -228,9 +233,9 @@ class Scene:
                         f"{name} names joint {joint!r}; joints are whole numbers from 1 (at the "
                         f"tail) to {joints}"
                     )
-        both = set(self.limp) & set(self.locked)
-        if both:
-            raise BadInput(f"joint {min(both)} is both limp and locked; choose one")
+        doubly = set(self.limp) & set(self.locked)
+        if doubly:
+            raise BadInput(f"joint {min(doubly)} is both limp and locked; choose one")
         locked = {
             j: check_number(f"locked[{j}]", a, -math.pi, math.pi) for j, a in self.locked.items()
         }
@@ -264,7 +269,7 @@ class Scene:
         return math.ceil(self.duration_s / self.dt_s - 1e-9)
 
     @property
-    def every(self) -> int:
+    def record_steps(self) -> int:
         """Return the number of dt_s between recorded times."""
         return self.record_every or max(1, math.ceil(self.steps / DEFAULT_ROWS))
 
@@ -326,8 +331,8 @@ def ways_out(name: str, scene: Scene) -> str:
     runs = [repr(m) for m in methods if objection(m, scene) is None][:2]
     ways = [f"method {' or '.join(runs)}"] if runs else []
     ways += [
-        f"formulation {one!r}"
-        for one in ("explicit", "implicit")
-        if objection(name, scene, formulation=one) is None
+        f"formulation {formulation!r}"
+        for formulation in ("explicit", "implicit")
+        if objection(name, scene, formulation=formulation) is None
     ]
     return ", or ".join(ways) or _ANY_WAY

@@ -143,8 +143,8 @@ def scene_values(scene: Scene) -> dict[str, Any]:
         )
     fields = {f.name: getattr(scene, f.name) for f in dataclasses.fields(scene)}
     robot = scene.robot
-    whole = robot.links, robot.mass_kg, robot.link_length_m, robot.link_inertia_kg_m2
-    fields["robot"] = _WholeRobot(*whole)
+    body = robot.links, robot.mass_kg, robot.link_length_m, robot.link_inertia_kg_m2
+    fields["robot"] = _WholeRobot(*body)
     fields["ground"] = scene.ground.scaled(*4 * [robot.links])
     if fields["torque"] is not None and not isinstance(scene.torque, TorqueTable):
         fields["torque"] = {"torque_nm": scene.torque}

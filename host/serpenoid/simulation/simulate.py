@@ -66,7 +66,7 @@ def simulate(
     """
     check_kind("scene", scene, Scene)
     if accuracy is None:
-        return Run.of(scene, start_state(scene), progress)
+        return Run.solve(scene, start_state(scene), progress)
     check_number("accuracy", accuracy, 1e-10, 0.1)
     return _accurate_run(scene, accuracy, progress)
 
@@ -78,17 +78,17 @@ def _accurate_run(scene: Scene, accuracy: float, progress: Progress | None) -> R
     for _ in range(MAX_TRIES):
         setting = f"tolerance {tried.tolerance:g}" if tried.adaptive else f"dt_s {tried.dt_s:g}"
         picked = f"formulation {tried.formulation!r}, method {tried.method!r}, {setting}: {why}"
-        run = Run.of(tried, start, progress, picked)
+        run = Run.solve(tried, start, progress, picked)
         error, body_m = run.error_estimate, scene.robot.body_length_m
         worst = error.worst(body_m)
         if worst <= accuracy and error.settled:
             return run
         springs = error.modelling.size(body_m) if error.modelling else 0.0
         if springs > max(accuracy, error.integration.size(body_m)):
-            wanted = 1.5 * scene.joint_stiffness_n_m * springs / accuracy
+            stiffness_n_m = 1.5 * scene.joint_stiffness_n_m * springs / accuracy
             reason = (
                 f"the springs alone (k = {scene.joint_stiffness_n_m:g} N/m) are as far off; take "
-                f"formulation 'explicit', or joint_stiffness_n_m {wanted:.1g}"
+                f"formulation 'explicit', or joint_stiffness_n_m {stiffness_n_m:.1g}"
             )
             break
         if not error.settled:
@@ -137,5 +137,5 @@ def _finer(scene: Scene, factor: float) -> Scene:
 
 def _split(scene: Scene, parts: float) -> Scene:
     """Return a scene whose steps are shorter by at least a factor, its recorded times the same."""
-    whole = max(math.ceil(parts), 1)
-    return replace(scene, dt_s=scene.dt_s / whole, record_every=whole * scene.every)
+    count = max(math.ceil(parts), 1)
+    return replace(scene, dt_s=scene.dt_s / count, record_every=count * scene.record_steps)

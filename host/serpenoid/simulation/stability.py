@@ -32,6 +32,7 @@ from ..model.robot import Robot
 from .scene import Scene, objection
 
 _PHASES, _MOST_LINKS = 8, 60
+_PAPER_SIZE = 3  # of the state of the paper's step: x, h v, and the h v before
 _SHORTEST_S, _LONGEST_S = 1e-60, 1e9  # between which the limit is searched for
 _HALVINGS = 45  # of the logarithm of that range: to 5e-12 of the limit
 _SHORTER = np.geomspace(0.03, 1.0, 40)  # parts of a stable step, which must be stable, too
@@ -47,11 +48,11 @@ def _joint_modes(robot: Robot, gait: Gait, imposed: bool) -> tuple[float, float]
     """
     if robot.links > _MOST_LINKS:
         return 0.0, 4 / robot.link_mass_kg + robot.link_length_m**2 / robot.inertia_kg_m2
-    every = [
+    moduli = [
         np.linalg.eigvalsh(_compliance(robot, state.theta_rad, imposed))
         for state in _shapes(robot, gait)
     ]
-    return float(np.min(every)), float(np.max(every))
+    return float(np.min(moduli)), float(np.max(moduli))
 
 
 def _shapes(robot: Robot, gait: Gait) -> Iterator[LinkState]:
@@ -85,8 +86,8 @@ def _mobility(scene: Scene) -> Array:
     ground, inverse_inertias = Ground(0.0, 0.0), []
     for state in _shapes(robot, scene.gait):
         bends = [
-            np.diff(acceleration(robot, ground, state, torque_nm=-one).alpha_rad_s2)
-            for one in np.eye(joints)
+            np.diff(acceleration(robot, ground, state, torque_nm=-torque_nm).alpha_rad_s2)
+            for torque_nm in np.eye(joints)
         ]
         inverse_inertias.append(np.linalg.eigvalsh(np.array(bends)))
     return np.array([np.max(inverse_inertias), max(np.min(inverse_inertias), 0.0)])
@@ -97,8 +98,8 @@ def _motor_line(servo: Servo, gait: Gait) -> float:
 
     It may when an error of half a turn asks for more than is left at ten times the gait's rate.
     """
-    left = 1 - 10 * gait.alpha_rad * gait.omega_rad_s / servo.speed_limit_rad_s
-    if servo.torque_limit_nm * left > servo.stiffness_nm_rad * math.pi:
+    torque_share = 1 - 10 * gait.alpha_rad * gait.omega_rad_s / servo.speed_limit_rad_s
+    if servo.torque_limit_nm * torque_share > servo.stiffness_nm_rad * math.pi:
         return 0.0
     return servo.torque_limit_nm / servo.speed_limit_rad_s
 
@@ -109,7 +110,7 @@ def _step(method: str, stiff: Array, damped: Array, braked: Array) -> Array:
     stiff, damped, braked: of each mode, times h^2, h and h. The dampers of "paper" act on the v of
     the step before; else the last of y is v.
     """
-    size = 3 if method == "paper" else 2
+    size = _PAPER_SIZE if method == "paper" else 2
     unit = np.broadcast_to(np.eye(size)[:, None], (size, stiff.size, size))
 
     def force(y: Array) -> Array:
@@ -150,8 +151,8 @@ def _modes(scene: Scene) -> tuple[Array, Array, Array]:
         stiff.append(scene.joint_stiffness_n_m * mu)
         damped.append(scene.joint_damping_n_s_m * mu)
     if scene.servo is not None:
-        most, least = _mobility(scene)
-        nu = np.linspace(least, most, 64)
+        largest, smallest = _mobility(scene)
+        nu = np.linspace(smallest, largest, 64)
         nu = nu / (1 + scene.servo.armature_kg_m2 * nu)  # rotors turn with their joints
         gear = scene.servo.gear_damping_nms_rad
         stiff += [scene.servo.stiffness_nm_rad * nu, 0 * nu]
@@ -173,7 +174,7 @@ def _inside_unit_circle(matrices: Array) -> bool:
     scaled = matrices / (1 + _SLACK)
     trace = np.trace(scaled, axis1=-2, axis2=-1)
     minors = (trace**2 - np.trace(scaled @ scaled, axis1=-2, axis2=-1)) / 2
-    det = np.linalg.det(scaled) if scaled.shape[-1] == 3 else np.zeros_like(trace)
+    det = np.linalg.det(scaled) if scaled.shape[-1] == _PAPER_SIZE else np.zeros_like(trace)
     inside = (1 + minors - np.abs(trace + det) >= -_ROUNDING) & (np.abs(det) <= 1)
     return bool((inside & (np.abs(minors - trace * det) <= 1 - det**2)).all())
 

@@ -35,8 +35,8 @@ def _check_imposed(scene: Scene, start: LinkState) -> None:
     bent = np.diff(start.theta_rad), np.diff(start.omega_rad_s)
     names = "angle {:.6g} rad", "rate {:.6g} rad/s"
     for name, has, wants in zip(names, bent, _joints_at_start(scene), strict=True):
-        off = imposed & (np.abs(has - wants) > 1e-6 * (1 + np.abs(wants)))
-        for i in np.nonzero(off)[0]:
+        wrong = imposed & (np.abs(has - wants) > 1e-6 * (1 + np.abs(wants)))
+        for i in np.nonzero(wrong)[0]:
             raise BadInput(
                 f"start has joint {i + 1} at {name.format(has[i])}, where it is imposed to "
                 f"be {wants[i]:.6g}; take the state from LinkState.in_gait, or another drive"
@@ -49,25 +49,25 @@ def _explicit_start(scene: Scene) -> LinkState:
         _check_imposed(scene, scene.start)
         return scene.start
     robot, (phi, rate) = scene.robot, _joints_at_start(scene)
-    still = LinkState.joined(robot, from_tail(np.zeros(3), phi), from_tail(np.zeros(3), rate))
+    bent = LinkState.joined(robot, from_tail(np.zeros(3), phi), from_tail(np.zeros(3), rate))
     if scene.start == "link1_at_rest":
-        return still
+        return bent
     x_m, y_m, vx_m_s, vy_m_s = (
-        v - v.mean() for v in (still.x_m, still.y_m, still.vx_m_s, still.vy_m_s)
+        v - v.mean() for v in (bent.x_m, bent.y_m, bent.vx_m_s, bent.vy_m_s)
     )
     if scene.start == "steady":  # link 1 turns as the body velocity says
         state = steady_gait(robot, scene.ground, scene.gait, powers=False)
         ahead_m_s, left_m_s, turn_rad_s = state.body_velocity
     else:  # neither does the centre of mass move nor the whole chain turn
         mass_kg, inertia_kg_m2 = robot.link_mass_kg, robot.inertia_kg_m2
-        spin = mass_kg * (x_m @ vy_m_s - y_m @ vx_m_s) + inertia_kg_m2 * still.omega_rad_s.sum()
+        spin = mass_kg * (x_m @ vy_m_s - y_m @ vx_m_s) + inertia_kg_m2 * bent.omega_rad_s.sum()
         whole_kg_m2 = robot.links * inertia_kg_m2 + mass_kg * (x_m @ x_m + y_m @ y_m)
         ahead_m_s, left_m_s, turn_rad_s = 0.0, 0.0, -spin / whole_kg_m2
     return replace(
-        still,
+        bent,
         vx_m_s=vx_m_s + ahead_m_s - turn_rad_s * y_m,
         vy_m_s=vy_m_s + left_m_s + turn_rad_s * x_m,
-        omega_rad_s=still.omega_rad_s + turn_rad_s,
+        omega_rad_s=bent.omega_rad_s + turn_rad_s,
     )
 
 
@@ -86,8 +86,8 @@ def _on_slow_manifold(scene: Scene, start: LinkState) -> LinkState:
         h = min(h, 1e-5)
     short = replace(scene, start=start, dt_s=h, duration_s=4 * h, record_every=1)
     exact = replace(exact_scene(short, 1e-9), record=("joints",))
-    out = run_core(exact, start)
-    force = np.stack([out["joint_force_x_n"], out["joint_force_y_n"]], axis=2)  # (5, n-1, 2)
+    record = run_core(exact, start)
+    force = np.stack([record["joint_force_x_n"], record["joint_force_y_n"]], axis=2)  # (5, n-1, 2)
     rate = np.tensordot(_FORWARD, force, axes=1) / h
     lag = c / k + math.sqrt(m / k)
     mode_ends = scene.law == "dry" and np.abs(rate).max() * lag > np.abs(force[0]).max()

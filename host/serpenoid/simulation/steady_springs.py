@@ -92,15 +92,15 @@ def _cycles(
     """Return a scene whose step divides a cycle: stable, and short enough for rtol."""
     period, method = gait.period_s, "rk4" if ground.smooth else "nonsmooth"
     scene = Scene(robot, ground, gait, "implicit", *springs, method=method, start="steady")
-    wanted = _STEPS_A_CYCLE * min(max(1e-4 / rtol, 0.1), 1.0)
-    wanted = max(wanted, 2 * period / largest_stable_step_s(scene))
-    if wanted > _MOST_STEPS:
+    step_count = _STEPS_A_CYCLE * min(max(1e-4 / rtol, 0.1), 1.0)
+    step_count = max(step_count, 2 * period / largest_stable_step_s(scene))
+    if step_count > _MOST_STEPS:
         raise BadInput(
             f"joint_stiffness_n_m {springs[0]:g} and joint_damping_n_s_m {springs[1]:g} ask for "
-            f"{wanted:.1g} time steps a cycle; at most {_MOST_STEPS:.0e} are taken: make joints "
-            "softer or less damped, or take the exact model, to which stiff joints come near"
+            f"{step_count:.1g} time steps a cycle; at most {_MOST_STEPS:.0e} are taken: make "
+            "joints softer or less damped, or take the exact model, to which stiff joints come near"
         )
-    steps = 2 * math.ceil(wanted / 2)
+    steps = 2 * math.ceil(step_count / 2)
     return replace(scene, dt_s=period / steps, record_every=steps)
 
 
@@ -116,9 +116,9 @@ def _settled(scene: Scene, rtol: float) -> tuple[Run, float, float, int]:
         run = simulate(replace(scene, duration_s=count * scene.gait.period_s))
         cycles += count
         speeds = run.mean_speed_m_s(scene.gait.period_s)
-        before, late = (float(np.ptp(part)) for part in np.split(speeds[-(count // 4 * 2) :], 2))
-        shrunk = min(max(late / before, 0.1), 0.99) if before > 0 else 0.1
-        change = 2 * late / (1 - shrunk)  # as geometric series go, twice for those that beat
+        earlier, later = (float(np.ptp(part)) for part in np.split(speeds[-(count // 4 * 2) :], 2))
+        shrunk = min(max(later / earlier, 0.1), 0.99) if earlier > 0 else 0.1
+        change = 2 * later / (1 - shrunk)  # as geometric series go, twice for those that beat
         if change <= rtol * max(float(speeds[-1]), floor_m_s):
             return run, change, 1 / (1 - shrunk ** (1 / (count // 4))), cycles
         scene, count = replace(scene, start=run.state()), min(2 * count, 256)
@@ -137,9 +137,9 @@ def _last_cycle(run: Run, parts: int = 1, cycles: int = 1) -> tuple[Run, Array]:
     scene, period = run.scene, run.scene.gait.period_s
     finer = replace(scene, dt_s=scene.dt_s / parts, duration_s=period)
     if cycles > 1:
-        whole = round(period / finer.dt_s)
-        before = replace(finer, duration_s=(cycles - 1) * period, record_every=whole)
-        run = simulate(replace(before, start=run.state()))
+        step_count = round(period / finer.dt_s)
+        settling = replace(finer, duration_s=(cycles - 1) * period, record_every=step_count)
+        run = simulate(replace(settling, start=run.state()))
     on = simulate(replace(finer, start=run.state(), record=("joints",), record_every=1))
     power = on.joint_power_w[-round(period / on.scene.dt_s) :]
     return on, np.stack([power, np.abs(power), np.maximum(power, 0)]).mean(axis=1)
@@ -197,16 +197,17 @@ def steady_springs(
     check_number("rtol", rtol, 1e-9, 0.1)
     exact = steady_gait(robot, ground, gait, powers=False)
     springs = joint_stiffness_n_m, joint_damping_n_s_m
-    run, change_m_s, ahead, cycles = _settled(_cycles(robot, ground, gait, springs, rtol), rtol)
+    scene = _cycles(robot, ground, gait, springs, rtol)
+    run, change_m_s, cycles_left, cycles = _settled(scene, rtol)
     floor = speed_floor_m_s(robot, gait.omega_rad_s)
     last, power = _last_cycle(run)
     _, later = _last_cycle(last)
     steps, finer = _last_cycle(run, parts=2, cycles=8)
     # twice what half as long steps change: kinks between samples are of order two
-    errors = np.abs((later - power).sum(axis=1)) * (1 + ahead)
+    errors = np.abs((later - power).sum(axis=1)) * (1 + cycles_left)
     errors += 2 * np.abs(finer - power).sum(axis=1)
     net, absolute, positive = power.sum(axis=1).tolist()
-    speed, fine = (float(one.mean_speed_m_s(gait.period_s)[-1]) for one in (run, steps))
+    speed, fine = (float(result.mean_speed_m_s(gait.period_s)[-1]) for result in (run, steps))
     return SteadySprings(
         speed,
         net,

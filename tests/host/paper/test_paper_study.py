@@ -65,7 +65,7 @@ def test_a_claim_follows_from_its_numbers(monkeypatch) -> None:
     ):
         said = {c.paper: c for c in claims._experiment([slow, fast])}
         assert said[doubt].verdict == verdict
-        assert f"{most} frequencies suffer most" in said[doubt].here
+        assert f"{most} frequencies suffer most" in said[doubt].result
         assert said[little].verdict == "differs"
     for power, verdict in ((-0.01, "agrees"), (-0.2, "in part")):
         found = [(0.2, 0.01, -0.01), (1.0, 0.01, power)]

@@ -157,7 +157,7 @@ def test_the_command_writes_a_file_that_others_take(tmp_path: Path, table) -> No
     assert "Without load the servo turns at about " in told
     assert "Open: " in told
     kind = sn.servo(out)
-    assert len(kind.drawn) == bench_fit.KEPT
+    assert len(kind.drawn) == bench_fit.SERVO_COUNT
 
 
 def test_a_test_that_the_model_does_not_describe_gives_no_file(
@@ -182,7 +182,10 @@ def test_a_test_that_the_model_does_not_describe_gives_no_file(
         ("t_s,angle_deg\n0,1\n", "t_s,setpoint_deg,angle_deg"),
         ("t_s,setpoint_deg,angle_deg\n" + "0,1,0\n" * 12, "rising times"),
         ("t_s,setpoint_deg,angle_deg\n", "needs 10 rows"),
-        ("t_s,setpoint_deg,angle_deg\n" + "".join(f"{k},1,0\n" for k in range(12)), "never chang"),
+        (
+            "t_s,setpoint_deg,angle_deg\n" + "".join(f"{k},1,0\n" for k in range(12)),
+            "span 0 deg",
+        ),
         ("t_s,setpoint_deg,angle_deg\n" + "".join(f"{9 * k},{k},0\n" for k in range(12)), "20 s"),
         (
             "t_s;setpoint_deg;angle_deg\n" + "".join(f"{k};{k};nan\n" for k in range(12)),

@@ -73,7 +73,9 @@ def exact(scene: sn.Scene) -> sn.Run:
     if scene.formulation == "explicit":
         return sn.simulate(replace(scene, method="nonsmooth", tolerance=1e-11))
     method = "paper" if scene.method == "paper" else "nonsmooth"
-    short = replace(scene, method=method, dt_s=scene.dt_s / 32, record_every=32 * scene.every)
+    short = replace(
+        scene, method=method, dt_s=scene.dt_s / 32, record_every=32 * scene.record_steps
+    )
     return sn.simulate(short)
 
 
