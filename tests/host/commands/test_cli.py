@@ -34,33 +34,6 @@ def test_steady() -> None:
     assert same["speed_m_s"] == pytest.approx(got["speed_m_s"], rel=1e-6)
 
 
-def test_simulate_settles_to_steady() -> None:
-    got = answer(f"simulate {GAIT} --duration-s 12")
-    assert got["speed_over_last_period_m_s"] == pytest.approx(0.133205, rel=1e-3)
-    assert got["method"] == "nonsmooth"
-
-
-def test_the_springs_error_is_told() -> None:
-    got = answer(f"simulate {PAPER} --omega-rad-s 10 --formulation implicit --duration-s 60")
-    # 8.04 % in the periodic state; over all of 60 s the start counts too
-    assert got["error_estimate"]["modelling"]["mean_speed"] == pytest.approx(0.0804, abs=0.008)
-    assert "change the mean speed by +" in got["warnings"][0]
-
-
-def test_sweep_writes_every_gait(tmp_path) -> None:
-    out = tmp_path / "sweep.csv"
-    grid = "--alpha-deg 30:40:10 --beta-deg 80 --omega-rad-s 1:3:1"
-    serpenoid(f"sweep --robot paper {grid} --out {out}", check=True)
-    assert len(out.read_text().splitlines()) == 1 + 2 * 3
-
-
-def test_sweep_answers_with_json() -> None:
-    got = answer(f"sweep {PAPER} --omega-rad-s 5:10:5")
-    assert got["alpha_deg"] == [30.0]
-    assert got["speed_m_s"][0][0][0] == pytest.approx(0.292060796024, rel=1e-6)
-    assert got["converged"] == [[[True, True]]]
-
-
 TELLING = """
 from serpenoid import _core
 from serpenoid.commands.main import main
@@ -114,6 +87,8 @@ def test_ctrl_c_stops_a_long_run_at_once() -> None:
         ("video tags --tag-mm nan", 2, "--tag-mm is nan"),
         (f"drive {SHAPE} --omega-rad-s 60", 2, "--omega-rad-s is 60.0; it must be a finite"),
         (f"drive {SHAPE} --frequency-hz 5", 2, "at least 0.00159155 and at most 4.77465"),
+        (f"steady {GAIT} --robot nowhere.json", 2, "no such file"),
+        (f"steady {GAIT} --robot nowhere", 2, "it must be 2005, paper, a session's folder"),
         ("nonsense", 2, "No such command"),
     ],
 )

@@ -7,7 +7,6 @@ from pathlib import Path
 import click
 import pytest
 from click.testing import CliRunner
-from command_line import answer, serpenoid
 from robots import NIRAKH_2005
 from serpenoid import BadInput
 from serpenoid.commands.main import cli
@@ -21,11 +20,6 @@ def refusal(line: str) -> str:
     error = CliRunner().invoke(cli, line, standalone_mode=False).exception
     assert isinstance(error, (click.UsageError, BadInput)), repr(error)
     return str(error)
-
-
-def warned(line: str) -> str:
-    """Run a command that must answer; return its warnings."""
-    return serpenoid(line, check=True).stderr
 
 
 @pytest.mark.parametrize(
@@ -52,16 +46,6 @@ def test_a_scheduler_without_port(tmp_path: Path) -> None:
     pytest.importorskip("distributed")
     told = refusal(f"sweep --scheduler foo --out {tmp_path / 'a.csv'}")
     assert "must be an address with a port" in told
-
-
-def test_an_accuracy_that_springs_do_not_reach_is_told() -> None:
-    """Dry ground by time steps: its error is that of the steps, whatever was asked for."""
-    assert "not to the rtol of 1e-06" in warned(f"steady {GAIT} --formulation implicit")
-
-
-def test_degrees_come_back_as_typed() -> None:
-    got = answer(f"steady --robot paper {GAIT} --servo ideal")
-    assert got["gait"]["alpha_deg"] == 30.0
 
 
 @pytest.mark.parametrize("command", ["compare", "advise"])

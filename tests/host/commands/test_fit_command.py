@@ -54,16 +54,6 @@ def test_a_session_or_its_fit_gives_friction_to_other_commands(folder):
     assert answer(f"simulate {GAIT} --duration-s 0.1 --robot {folder}")
 
 
-@pytest.mark.parametrize(
-    ("robot", "said"),
-    [("nowhere.json", "no such file"), ("nowhere", "it must be 2005, paper, a session's folder")],
-)
-def test_a_robot_that_is_nowhere_is_refused(robot, said):
-    failed = serpenoid(f"steady {GAIT} --robot {robot}")
-    assert failed.returncode == 2
-    assert said in failed.stderr
-
-
 def test_compare_predicts_and_draws_what_is_not_measured_yet(folder, tmp_path):
     picture = tmp_path / "compare.svg"
     told = answer(f"compare {folder} --gait 70 75 1.0 --set samples=16 --plot {picture}")
@@ -71,10 +61,6 @@ def test_compare_predicts_and_draws_what_is_not_measured_yet(folder, tmp_path):
     assert told["gaits"][0]["exact_m_s"] == pytest.approx(0.152, rel=0.01)
     assert picture.read_text().startswith("<?xml")
     assert serpenoid(f"compare {folder}").returncode == 2
-
-
-def test_advise_names_the_next_reading(folder):
-    assert "Take next: " in run(f"advise {folder} --gait 70 75 0.5 --set samples=16").stdout
 
 
 def test_drive_tells_the_speed_that_the_friction_predicts(folder):

@@ -10,7 +10,6 @@ import time
 
 import pytest
 from robot.patience import LONG_S
-from serpenoid.simulation.error import Difference
 
 # Python's own start, before any of this package runs, prints what it likes.
 STARTED = """
@@ -61,7 +60,3 @@ def test_ctrl_c_while_python_leaves_ends_it_without_a_traceback():
     _, errors = child.communicate(timeout=LONG_S)
     assert child.returncode == -signal.SIGINT
     assert errors == ""
-
-
-def test_the_mean_speed_of_a_snake_at_rest_is_no_nan():
-    assert Difference(0.0, 0.0, float("nan")).in_words().endswith("of nothing: at rest")

@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 import serpenoid as sn
 from command_line import answer, serpenoid
-from serpenoid.paper import study as paper_study
 from serpenoid.periodic.steady import FromRest, Motion
 
 OPTIMIZE = "optimize --robot paper --speed"
@@ -113,12 +112,6 @@ def test_a_speed_without_sense_is_refused_at_once(speed: str) -> None:
 )
 def test_why_there_is_no_gait(limits: str, told: str) -> None:
     assert told in serpenoid(f"{OPTIMIZE} 0.1 {limits}").stderr
-
-
-def test_springs_errors_are_the_papers_for_angles_and_not_for_torques() -> None:
-    found = paper_study.compare_formulations()
-    assert 5e-4 < abs(found.theta_error_rad).max() < 2e-3
-    assert paper_study.compare_torque_driven() > 0.1
 
 
 @pytest.mark.slow

@@ -111,20 +111,6 @@ def test_the_answer_is_complete_and_the_files_too(tmp_path: Path) -> None:
     assert figure.read_bytes()[:4] == b"\x89PNG"
 
 
-def test_a_run_of_two_instants_can_be_drawn(tmp_path: Path) -> None:
-    for duration in ("0", "0.001"):
-        figure = tmp_path / f"{duration}.png"
-        answer(f"{SHORT} --duration-s {duration} --plot {figure}")
-        assert figure.read_bytes()[:4] == b"\x89PNG"
-
-
-def test_dry_ground_takes_the_method_that_runs_the_scene() -> None:
-    dry = f"{GAIT} --duration-s 0.01"
-    for options in ("", "--set record=energy", "--servo hobby"):
-        assert answer(f"{dry} {options}")["method"] == "nonsmooth"
-    assert answer(SHORT)["method"] == "rk4"
-
-
 @pytest.mark.parametrize(
     ("line", "said"),
     [
@@ -159,13 +145,6 @@ def test_an_accuracy_chooses_the_step_or_says_why_not() -> None:
     assert (got["formulation"], got["method"]) == ("implicit", "rk4")
     assert "the springs alone (k = 1000 N/m)" in serpenoid(f"{springs} 1e-6").stderr
     assert "--accuracy chooses it" in serpenoid(f"{springs} 0.05 --set tolerance=1e-6").stderr
-
-
-def test_what_is_printed() -> None:
-    done = serpenoid(f"{SHORT} --duration-s 2 --set record=joints,energy", check=True)
-    for words in ("largest torque of a joint", "friction heat at the end", "rk4, 0.001 s"):
-        assert words in done.stdout
-    assert done.stderr == ""
 
 
 def test_a_long_run_tells_how_far_it_is_where_nobody_watches(monkeypatch) -> None:

@@ -12,10 +12,10 @@ import time
 
 import pytest
 from command_line import program
-from robot.fake_board import GAIT, GAIT_TYPED, FakeBoard, nothing
+from robot.fake_board import GAIT, GAIT_TYPED, FakeBoard
 from robot.patience import LONG_S, clock, until
 from robot.terminal import Person
-from serpenoid.base.errors import NoAnswer, RobotClosed, RobotHeld, RobotReset, RobotUnattended
+from serpenoid.base.errors import RobotClosed, RobotHeld, RobotUnattended
 from serpenoid.robot import RobotBoard
 from serpenoid.robot.recording.stream import load_stream
 from serpenoid.robot.wire import dialogue
@@ -220,19 +220,6 @@ def test_a_loop_slower_than_the_frames_ends_in_time_and_counts_what_it_left(craw
     robot.straight()  # the board is as well as before
 
 
-def test_a_reset_is_told_before_the_frames_that_wait(crawling):
-    fake, robot = crawling
-    given_after = 0
-    with pytest.raises(RobotReset, match="brownout"):
-        for number, _ in enumerate(robot.frames(LONG_S)):
-            time.sleep(0.03)
-            if number == 20:
-                fake.reset("brownout")
-                assert until(lambda: robot._dialogue.failure)
-            given_after = max(number - 20, 0)
-    assert given_after == 0
-
-
 def test_a_stop_goes_out_at_once_though_another_thread_waits_for_a_verdict(monkeypatch, crawling):
     monkeypatch.setattr(dialogue, "PATIENCE_S", LONG_S)
     fake, robot = crawling
@@ -281,18 +268,11 @@ def test_a_stop_that_is_to_stay_refuses_motion_until_it_is_released(monkeypatch,
 
 
 def test_a_robot_is_used_inside_its_block_only_and_once():
-    with FakeBoard() as fake:
-        robot = RobotBoard(fake.port)
-        with pytest.raises(RobotClosed, match="with RobotBoard"):
-            robot.straight()
-        with robot:
-            robot.straight()
-        for use in (robot.straight, robot.stop, lambda: next(robot.frames(1.0)), robot.__enter__):
-            with pytest.raises(RobotClosed):
-                use()
-        fake.to_host = nothing
-        robot = RobotBoard(fake.port, timeout_s=0.2)
-        with pytest.raises(NoAnswer), robot:
-            pass
-        with pytest.raises(RobotClosed, match="failed before"):
-            robot.hello  # noqa: B018
+    robot = RobotBoard("virtual:fast")
+    with pytest.raises(RobotClosed, match="with RobotBoard"):
+        robot.straight()
+    with robot:
+        robot.straight()
+    for use in (robot.straight, robot.stop, lambda: next(robot.frames(1.0)), robot.__enter__):
+        with pytest.raises(RobotClosed):
+            use()

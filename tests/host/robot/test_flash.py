@@ -109,14 +109,6 @@ def test_what_cannot_be_flashed_is_told_before_anything_is_built(
     assert not arguments.exists()
 
 
-@pytest.mark.parametrize(("usb", "board"), [((0x2341, 0x43), "uno"), ((0x2A03, 0x42), "mega")])
-def test_the_usb_id_tells_an_uno_and_a_mega(monkeypatch, usb, board):
-    found = SimpleNamespace(device="/dev/ttyA", description="", vid=usb[0], pid=usb[1])
-    monkeypatch.setattr("serial.tools.list_ports.comports", lambda: [found])
-    assert flash.board_at("/dev/ttyA") == board
-    assert f"[env:{board}]" in (ROOT / "platformio.ini").read_text()
-
-
 @pytest.mark.parametrize(
     ("reached", "number", "status"),
     [("Building", signal.SIGINT, 130), ("Uploading", signal.SIGTERM, 143)],

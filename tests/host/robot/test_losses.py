@@ -10,6 +10,7 @@ import re
 import signal
 import time
 from collections.abc import Callable
+from functools import partial
 
 import pytest
 from avr.dialogue import sealed
@@ -235,19 +236,8 @@ def test_an_error_of_the_program_is_not_masked_by_the_loss_of_the_board():
 def test_a_state_that_nobody_asked_for_is_told_once_and_one_asked_for_never():
     board = FastBoard()
     with RobotBoard(board) as robot:
-        for ask in (
-            robot.stop,
-            lambda: robot.gait(GAIT),
-            robot.straight,
-            robot.stop,
-            lambda: robot.command("  gait  20 30 5"),
-            robot.idle,
-            robot.stop,
-            lambda: robot.bent(0.1),
-            robot._dialogue.halt,
-            robot.idle,
-            lambda: robot.gait(GAIT),
-        ):
+        start = partial(robot.gait, GAIT)
+        for ask in (robot.stop, start, robot.straight, robot.stop, robot.idle, robot.stop, start):
             ask()
             assert list(robot.frames(0.2))
         board.board.write(b"\n!\n")

@@ -3,17 +3,12 @@
 import contextlib
 import math
 
-import numpy as np
 import pytest
 from avr.dialogue import sealed
 from hypothesis import given, seed
 from hypothesis import strategies as st
-from refusals import refused
-from robot.fake_board import FastBoard, honest, resealed
 from serpenoid.base.errors import DamagedLine
-from serpenoid.robot import RobotBoard
 from serpenoid.robot.wire import protocol
-from serpenoid.robot.wire.encoding import digits
 
 FRAME = (
     "t:1234 j1:10.00 j2:-3.25 j3:0.00 j4:7.50 j5:-10.00 board_us=24680124 ph=123.456"
@@ -85,31 +80,6 @@ def test_values_that_no_board_can_have_are_damage_though_the_crc_is_right(field,
 
 
 @pytest.mark.parametrize("joints", [2, 8, 12])
-def test_a_board_may_have_other_numbers_of_joints(joints):
-    angles = " ".join(f"j{j}:{-j}.00" for j in range(1, joints + 1))
-    pulses = ",".join(str(1500 - j) for j in range(joints))
-    body = f"t:1 {angles} board_us=2 ph=0.000 p={pulses} exec_us=3 late_us=4 clipped=0 st=pose"
-    frame = protocol.parse(sealed(body))
-    assert len(frame.setpoint_rad) == len(frame.pulse_us) == joints
+def test_the_longest_pose_fits_a_line(joints):
     pose = "pose" + " -114.000000" * joints
     assert len(protocol.seal(pose, 65535, joints)) <= protocol.line_limit(joints) + 1
-
-
-@pytest.mark.parametrize("value", ["3", None, [3], "9" * 5000, 3j])
-def test_what_is_no_number_is_refused_in_words_and_numbers_of_numpy_are_sent(value):
-    with refused("it must be a number") as error:
-        digits(value)
-    assert len(str(error.value)) < 200
-    assert [digits(v) for v in (np.float32(0.5), np.int64(3), np.float64(-2))] == ["0.5", "3", "-2"]
-
-
-@pytest.mark.parametrize("value", ["1_0", "nan", "inf", "1e2", "", "9" * 5000])
-def test_settings_that_no_board_can_have_are_damage(value):
-    board = FastBoard(
-        lambda line: resealed(line, b"silence value=2", f"silence value={value}".encode())
-    )
-    with RobotBoard(board) as robot:
-        with pytest.raises(DamagedLine):
-            robot.settings()
-        board.to_host = honest
-        assert robot.settings()["silence"] == 2.0

@@ -6,6 +6,7 @@ import math
 import random
 import warnings
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -61,14 +62,12 @@ class FaultyBoard(FastBoard):
     """
 
     def __init__(self, rng: random.Random):
-        super().__init__(self._heard, self._sent)
+        super().__init__(partial(self._spoilt, TO_HOST), partial(self._spoilt, TO_BOARD))
         self._rng = rng
-        kinds = rng.choices([*TO_HOST, *TO_BOARD, *HAPPENS], k=rng.randrange(4))
-        self.faults = {kind: self._when() for kind in kinds}
-
-    def _when(self) -> tuple[float, float]:
-        begun_s = self._rng.uniform(0.0, 3.0)
-        return begun_s, begun_s + self._rng.choice((0.2, 3.0, math.inf))
+        self.faults = {}
+        for kind in rng.choices([*TO_HOST, *TO_BOARD, *HAPPENS], k=rng.randrange(4)):
+            begun_s = rng.uniform(0.0, 3.0)
+            self.faults[kind] = begun_s, begun_s + rng.choice((0.2, 3.0, math.inf))
 
     def _active(self, kinds: dict) -> list[str]:
         now_s = self.board.time_s
@@ -80,14 +79,9 @@ class FaultyBoard(FastBoard):
             HAPPENS[kind](self.board)
         return super().read(timeout_s)
 
-    def _heard(self, line: bytes) -> bytes:
-        return self._spoilt(line, TO_HOST)
-
-    def _sent(self, line: bytes) -> bytes:
-        key = line in (b"\n", b"!\n") and "deaf" not in self._active(TO_BOARD)
-        return line if key else self._spoilt(line, TO_BOARD)
-
-    def _spoilt(self, line: bytes, kinds: dict) -> bytes:
+    def _spoilt(self, kinds: dict, line: bytes) -> bytes:
+        if line in (b"\n", b"!\n") and not self._active({"deaf": None}):
+            return line
         for kind in self._active(kinds):
             line = kinds[kind](self._rng, line) if line else line
         return line

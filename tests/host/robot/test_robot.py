@@ -13,7 +13,6 @@ from robot.patience import LONG_S
 from serpenoid import Gait
 from serpenoid.base.errors import CommandRefused
 from serpenoid.robot import RobotBoard
-from serpenoid.robot.wire import inbox
 from serpenoid.robot.wire.protocol import PROTOCOL
 
 
@@ -104,17 +103,3 @@ def test_settings_and_trims_are_kept_when_saved(board, request):
             robot.set("silence 1\n#9 gait", 3)
     if board == "simulated":
         assert request.getfixturevalue("simulated").counts.eeprom_ignored == 0
-
-
-def test_telemetry_thinned_out_is_not_counted_as_missed_and_unread_frames_are(monkeypatch):
-    monkeypatch.setattr(inbox, "MOST_UNREAD", 10)
-    with RobotBoard("virtual:fast") as robot:
-        for every, most in ((100, 3), (10, 26), (0, 0), (3, 85)):
-            robot.set("every", every)
-            assert most - 2 <= len(list(robot.frames(5.0))) <= most
-        robot.command("set every 1")
-        robot._dialogue.wait(lambda: False, robot._dialogue.link.now_s() + 1.0)
-        assert robot.losses.unread_frames == pytest.approx(40, abs=3)
-        number = robot.latest.frame
-        assert next(robot.frames(1.0)).frame > number  # those that come from now on
-        assert robot.losses.missed_frames == 0
