@@ -133,8 +133,7 @@ def draw(folder: Path) -> list[Claim]:
     front = study.papers_front()
     words = f"the paper's robot: {plot.robot_words(study.ROBOT, study.GROUND)}; net power"
     gait_figures.power_of(study.papers_sweep(), front, words, folder / "fig8.png")
-    papers = {"beta_deg": 80.0, "alpha_deg": 30.0}
-    gait_figures.optimum_figure(front, papers, words, folder / "fig9-11.png")
+    gait_figures.optimum_figure(front, words, folder / "fig9-11.png")
     run = study.path_run(study.PATH_GAIT, 3)
     title = "the paper's robot, α = 30°, β = 80°, ω = 5 rad/s"
     plot.path_and_poses(run, title, folder / "fig12-13.png")

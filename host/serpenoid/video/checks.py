@@ -85,7 +85,7 @@ def _other_numbers(w: Watched) -> list[int]:
 
 
 def _frames_with_two(w: Watched) -> int:
-    return int((w.sightings.visible.sum(axis=1) >= 2).sum())
+    return int((w.sightings.visible.sum(axis=1) > 1).sum())
 
 
 def _camera_moved(w: Watched) -> float:
@@ -249,19 +249,19 @@ FOLLOWED = (
 
 
 def _periods(m: Measured) -> float:
-    return m.fitted.motion.omega_rad_s * float(np.ptp(m.track.t_s)) / math.tau
+    return m.motion.omega_rad_s * float(np.ptp(m.track.t_s)) / math.tau
 
 
 def _rest_shares(m: Measured) -> Array:
     """Return what each joint's sine leaves, rms over its amplitude."""
-    residual = np.where(m.joint_mask, m.fitted.joint_residual_rad, 0.0)
+    residual = np.where(m.joint_mask, m.motion.joint_residual_rad, 0.0)
     rest_rad = np.sqrt((residual**2).sum(axis=0) / np.maximum(m.joint_mask.sum(axis=0), 1))
-    return np.asarray(rest_rad / m.fitted.motion.amplitude_rad)
+    return np.asarray(rest_rad / m.motion.amplitude_rad)
 
 
 MOVED = (
     Check(
-        "still", lambda m: math.radians(1) - m.fitted.motion.amplitude_rad.max(),
+        "still", lambda m: math.radians(1) - m.motion.amplitude_rad.max(),
         lambda m, _: "no joint moves by more than 1°: the robot does not crawl, or its servos have "
         "no power",
         refuse=0,
@@ -269,7 +269,7 @@ MOVED = (
     Check(
         "periods", lambda m: LEAST_PERIODS - _periods(m),
         lambda m, _: f"shows {_periods(m):.2f} periods of "
-        f"{math.tau / m.fitted.motion.omega_rad_s:.2g} s; at least {LEAST_PERIODS:g} are needed, "
+        f"{math.tau / m.motion.omega_rad_s:.2g} s; at least {LEAST_PERIODS:g} are needed, "
         "two or more are better: film longer",
         refuse=0,
     ),
@@ -291,7 +291,7 @@ def widened_sigmas(w: Watched, m: Measured) -> Array:
     """
     camera, span_s = m.bundle.camera, float(np.ptp(m.track.t_s))
     drift_m_s = 1.5 * _camera_moved(w) * camera.side_m / span_s
-    speed_m_s = max(m.fitted.motion.speed_m_s, 1e-9)
+    speed_m_s = max(m.motion.speed_m_s, 1e-9)
     sigmas = blur_factor(w) * m.sigmas
     drifts = drift_m_s / np.array([speed_m_s, 1.0, camera.links * camera.link_m])
     sigmas[-3:] = np.hypot(sigmas[-3:], drifts)  # direction, speed, turn

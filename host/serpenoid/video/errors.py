@@ -16,7 +16,7 @@ from .arrays import Array, Places
 from .fitting.bundle import READOUT, Bundle
 from .fitting.chain import wrapped
 from .fitting.frames import Track
-from .motion import Fitted, fit_motion, mean_variance, path_basis, sine_covariance
+from .motion import Motion, fit_motion, mean_variance, path_basis, sine_covariance
 from .seeing.sightings import Sightings
 
 # Below these no phone was ever held against a rule: the lens is not the two terms of the model.
@@ -35,7 +35,7 @@ FLOOR_AMPLITUDE, FLOOR_AMPLITUDE_RAD, CODED_PX = 6e-4, np.radians(0.02), 28.0
 
 def number_sigmas(
     bundle: Bundle,
-    fitted: Fitted,
+    motion: Motion,
     sightings: Sightings,
     sample: Track,
     picked: Places,
@@ -46,25 +46,25 @@ def number_sigmas(
     sample: the track in the frames `picked`, with how it follows the camera's unknowns.
     joint_shares: of the frames, in which each joint is known.
     """
-    pixels = _of_pixels(fitted)
-    amplitude = fitted.motion.amplitude_rad
+    pixels = _of_pixels(motion)
+    amplitude = motion.amplitude_rad
     count = len(amplitude)
     # What a slow readout does, which to first order is allowed for: each joint's part of it, as a
     # phase; and the share of speed and rate that it takes off or adds.
     readout_s, height = bundle.camera.shared[READOUT], sightings.image_px[1]
     rows = np.ma.masked_invalid(sightings.corners_px[..., 1]).mean(axis=(0, 2)) / height - 0.5
-    delay = readout_s * fitted.motion.omega_rad_s * 0.5 * (rows[1:] + rows[:-1])
+    delay = readout_s * motion.omega_rad_s * 0.5 * (rows[1:] + rows[:-1])
     first, last = bundle.camera.plane_px(sample.states[[0, -1], :2])[:, 1] / height
     delay_rad, sweep = np.ma.filled(delay, 0.0), readout_s * (last - first) / np.ptp(sample.t_s)
     amplitude_rows, phase_rows = slice(1, count + 1), slice(count + 1, 2 * count)
     floor = np.full(len(pixels), FLOOR_ANGLE_RAD)
-    floor[0] = LATE_RATE * sweep * fitted.motion.omega_rad_s
+    floor[0] = LATE_RATE * sweep * motion.omega_rad_s
     floor[-1] = FLOOR_TURN_RAD_S
-    floor[-2] = np.hypot(FLOOR_SPEED, LATE_SPEED * sweep) * fitted.motion.speed_m_s
+    floor[-2] = np.hypot(FLOOR_SPEED, LATE_SPEED * sweep) * motion.speed_m_s
     floor[2 * count : -3] = FLOOR_OFFSET_RAD
     coded = max(1.0, (CODED_PX / float(np.nanmedian(sightings.side_px))) ** 2)
     floor[amplitude_rows] = coded * np.hypot(FLOOR_AMPLITUDE_RAD, FLOOR_AMPLITUDE * amplitude)
-    camera = _of_camera(bundle, sample, fitted, picked)
+    camera = _of_camera(bundle, sample, motion, picked)
     sigmas = np.sqrt(pixels**2 + camera**2 + floor**2)
     # What a slow readout and missing tags leave.
     sigmas[amplitude_rows] = np.hypot(sigmas[amplitude_rows], 0.5 * delay_rad**2 * amplitude)
@@ -74,14 +74,14 @@ def number_sigmas(
     return sigmas
 
 
-def _of_pixels(fitted: Fitted) -> Array:
+def _of_pixels(motion: Motion) -> Array:
     """Return what the residuals of joints and path leave open."""
-    m = fitted.motion
+    m = motion
     joints = len(m.phase_rad)
     amplitude, phase, offset, rate = np.zeros((4, joints))
     for i in range(joints):
-        sine, residual = fitted.coefficients[:, i], fitted.joint_residual_rad[:, i]
-        cov = sine_covariance(fitted.t_s, m.omega_rad_s, sine, residual, fitted.weight[:, i])
+        sine, residual = motion.coefficients[:, i], motion.joint_residual_rad[:, i]
+        cov = sine_covariance(motion.t_s, m.omega_rad_s, sine, residual, motion.weight[:, i])
         s, c = np.sin(m.phase_rad[i]), np.cos(m.phase_rad[i])
         rotated = np.array([[s, c], [c, -s]])
         amplitude[i], phase[i] = np.sqrt(np.diag(rotated @ cov[1:3, 1:3] @ rotated.T))
@@ -89,37 +89,37 @@ def _of_pixels(fitted: Fitted) -> Array:
     phase /= np.maximum(m.amplitude_rad, 1e-9)
     phase_steps = np.hypot(phase[1:], phase[0])
     omega = 1 / np.sqrt(np.sum(1 / np.maximum(rate, 1e-12) ** 2))
-    weight = fitted.path_weight
+    weight = motion.path_weight
     root = np.sqrt(weight)[:, None]
-    a = path_basis(fitted.t_s, m.omega_rad_s, m.turn_rad_s) * root
+    a = path_basis(motion.t_s, m.omega_rad_s, m.turn_rad_s) * root
     rotation = np.exp(-1j * np.arctan2(m.velocity_m_s[1], m.velocity_m_s[0]))
-    along_path = fitted.path_residual_m * rotation
-    b = np.column_stack([basis(fitted.t_s, m.omega_rad_s), fitted.t_s]) * root
+    along_path = motion.path_residual_m * rotation
+    b = np.column_stack([basis(motion.t_s, m.omega_rad_s), motion.t_s]) * root
     spread = np.linalg.pinv((a.conj().T @ a).real)[1, 1]
     along, across, turn = (
         np.sqrt(mean_variance(residual, weight, unknowns) * factor)
         for residual, unknowns, factor in (
             (along_path.real, 5, spread),
             (along_path.imag, 5, spread),
-            (fitted.heading_residual_rad, 8, np.linalg.pinv(b.T @ b)[-1, -1]),
+            (motion.heading_residual_rad, 8, np.linalg.pinv(b.T @ b)[-1, -1]),
         )
     )
     direction = across / max(m.speed_m_s, 1e-9)
     return np.concatenate([[omega], amplitude, phase_steps, offset, [direction, along, turn]])
 
 
-def _of_camera(bundle: Bundle, track: Track, fitted: Fitted, picked: Places) -> Array:
+def _of_camera(bundle: Bundle, track: Track, motion: Motion, picked: Places) -> Array:
     """Return what the camera's covariance leaves open.
 
     Along the covariance's own directions: focal length and distance alone bend the track by many
     degrees, together by hundredths.
     """
     assert track.by_shared is not None
-    weights = fitted.weight[picked], fitted.path_weight[picked]
+    weights = motion.weight[picked], motion.path_weight[picked]
 
     def numbers(states: Array) -> Array:
         moved_track = replace(track, states=states)
-        return fit_motion(moved_track, *weights, fitted.motion.omega_rad_s).motion.numbers()
+        return fit_motion(moved_track, *weights, motion.omega_rad_s).numbers()
 
     scale = np.sqrt(np.diag(bundle.covariance))
     values, vectors = np.linalg.eigh(bundle.covariance / np.outer(scale, scale))

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import errors, motion
+from . import errors
 from .arrays import Array, Mask, Places
 from .fitting import bundle as bundles
 from .fitting import frames, start
 from .fitting.camera import Camera
 from .fitting.chain import filled_headings, joint_angles
+from .motion import Motion, fit_motion
 from .seeing.sightings import Sightings
 
 CALIBRATION_FRAMES = 120
@@ -27,13 +28,13 @@ HELD_RAD = np.radians(1.5)  # a joint known worse than this in a frame says noth
 class Measured:
     """What a film shows.
 
-    bundle: camera and mountings. track: the chain over time. fitted: motion and residuals.
+    bundle: camera and mountings. track: the chain over time. motion: with its residuals.
     sigmas: of `Motion.numbers`. joint_mask: (frames, joints), which joints tags hold.
     """
 
     bundle: bundles.Bundle
     track: frames.Track
-    fitted: motion.Fitted
+    motion: Motion
     sigmas: Array
     joint_mask: Mask
 
@@ -52,9 +53,8 @@ def calibrate(
         turns = start.quarter_turns(*start.tag_poses(plane, sample))
         camera = plane.with_turns(turns)
         states = start.first_states(camera, sample, turns)
-        fitted = bundles.fit(camera, states, sample, side_m, turns, ROUGH_STEPS, rough=True)
-        rough.append(fitted)
-    best = min(rough, key=lambda fitted: fitted.cost)
+        rough.append(bundles.fit(camera, states, sample, side_m, turns, ROUGH_STEPS, rough=True))
+    best = min(rough, key=lambda trial: trial.cost)
     picked = sightings.picked(_spread(sightings, CALIBRATION_FRAMES))
     states = start.first_states(best.camera, picked, best.turns)
     return bundles.fit(best.camera, states, picked, side_m, best.turns, rough=rigid)
@@ -97,17 +97,17 @@ def held_joints(track: frames.Track) -> Mask:
 
 def measure(fit: bundles.Bundle, tagged: Sightings, track: frames.Track) -> Measured:
     """Measure what the robot did whose chain was followed."""
-    fitted, loose_rad = motion.fit_motion(track, *_weights(track)), EXPECTED_SIGMA_RAD
+    motion, loose_rad = fit_motion(track, *_weights(track)), EXPECTED_SIGMA_RAD
     if not tagged.visible.all():
-        phi, loose_rad = joint_angles(track.states) - fitted.joint_residual_rad, KNOWN_RAD
+        phi, loose_rad = joint_angles(track.states) - motion.joint_residual_rad, KNOWN_RAD
         track = fill_hidden(fit, tagged, track, phi)
-        fitted = motion.fit_motion(track, *_weights(track))
+        motion = fit_motion(track, *_weights(track))
     picked = np.arange(0, len(track.t_s), 1 + len(track.t_s) // SENSITIVE_FRAMES)
     sample = tagged.picked(picked), track.states[picked], loose_rad
     sensitive = frames.fit_states(fit, *sample, sensitive=True)
     joint_mask = held_joints(track)
-    sigmas = errors.number_sigmas(fit, fitted, tagged, sensitive, picked, joint_mask.mean(axis=0))
-    return Measured(fit, track, fitted, sigmas, joint_mask)
+    sigmas = errors.number_sigmas(fit, motion, tagged, sensitive, picked, joint_mask.mean(axis=0))
+    return Measured(fit, track, motion, sigmas, joint_mask)
 
 
 def _weights(track: frames.Track) -> tuple[Array, Array]:

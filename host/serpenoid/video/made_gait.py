@@ -15,6 +15,7 @@ from .arrays import Array
 from .result import FilmedRun, FilmMeasurement, Joint, track_rows
 
 RATE_FLAG = 0.02  # relative difference from the commanded rate that is worth a remark
+LEAST_GAIN = 0.5  # of amplitudes: no servo loses more
 ALIKE_SHARE = 0.15  # of two gaits: amplitudes, relative, and half of it in phase lags, rad
 SLOW_MOTION = 1.5  # commanded rate over the filmed one; no robot lags behind its gait so much
 WHOLE_TOLERANCE = 0.03  # relative distance from a whole number of a phone's slow motion
@@ -72,7 +73,7 @@ def reading_doubt(run: FilmedRun, stated: Gait | None, planned: Sequence[Gait]) 
     filmed = measured_gait(run, None)
     for gait in [stated] if stated else planned:
         ratio = gait.omega_rad_s / run.omega_rad_s
-        same_bend = 0.5 <= filmed.alpha_rad / max(gait.alpha_rad, 1e-9) <= 1.0 + ALIKE_SHARE
+        same_bend = LEAST_GAIN <= filmed.alpha_rad / max(gait.alpha_rad, 1e-9) <= 1.0 + ALIKE_SHARE
         same_lag = abs(math.remainder(filmed.beta_rad - gait.beta_rad, math.tau)) <= 2 * ALIKE_SHARE
         same_rate = abs(ratio - 1.0) <= max(RATE_FLAG, 4 * run.omega_sigma_rad_s / run.omega_rad_s)
         slow = ratio > SLOW_MOTION and abs(ratio / round(ratio) - 1.0) < WHOLE_TOLERANCE

@@ -59,7 +59,7 @@ def measure_film(
         run_checks(FOLLOWED, followed[-1])
         measured = measure(*followed)
         if board_rate and gait is not None:
-            scale = measured.fitted.motion.omega_rad_s / gait.omega_rad_s
+            scale = measured.motion.omega_rad_s / gait.omega_rad_s
             s = watched.sightings
             t_s = s.t_s[0] + (s.t_s - s.t_s[0]) * scale
             in_board_time = Sightings.from_corners(t_s, s.corners_px, s.image_px)
@@ -101,8 +101,7 @@ def seen_film(
 
     Arguments as of `measure_film`. Raises BadInput: it shows no robot.
     """
-    if not 2 <= links <= MOST_LINKS:
-        raise BadInput(f"links is {links}; a film can be measured of 2 to {MOST_LINKS}")
+    check_number("links", links, 2, MOST_LINKS)
     check_number("link_m", link_m, 0.005, 3.0)
     side = tag_side_m(link_m) if side_m is None else check_number("side_m", side_m, 0.003, link_m)
     watched = watch(Film.open(path, capture_fps), links, progress)

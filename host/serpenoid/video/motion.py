@@ -17,16 +17,20 @@ from .fitting.chain import joint_angles, mean_heading, wrapped
 from .fitting.frames import Track
 
 LEAST_PERIODS = 1.5
+STRAIGHT_RAD = 1e-9  # a turn over the film that is none: its formula divides by it
+KNOWN_SHARE = 0.5  # of two samples between which a value is interpolated
 SEARCHED_FRAMES = 600  # a longer film has many periods, and a clear peak in its spectrum
 
 
 @dataclass(frozen=True)
 class Motion:
-    """What the robot did, steady over the film.
+    """What the robot did, steady over the film, with what is left over.
 
     omega_rad_s; amplitude_rad, phase_rad, offset_rad (joints,), phase of the sine at time 0;
     velocity_m_s (2,): mean at time 0, in the plane; turn_rad_s; heading_rad: mean of the links' at
-    time 0. Time 0 is the middle of the film.
+    time 0. Time 0 is the middle of the film, as in t_s (frames,). Residuals of joints (frames,
+    joints), mean heading (frames,) rad, and path (frames,) m; the weights of joints and of the
+    path; the joints' coefficients (1 + 2 HARMONICS, joints).
     """
 
     omega_rad_s: float
@@ -36,6 +40,13 @@ class Motion:
     velocity_m_s: Array
     turn_rad_s: float
     heading_rad: float
+    t_s: Array
+    joint_residual_rad: Array
+    heading_residual_rad: Array
+    path_residual_m: Complex
+    weight: Array
+    path_weight: Array
+    coefficients: Array
 
     @property
     def speed_m_s(self) -> float:
@@ -78,7 +89,7 @@ def first_rate(t_s: Array, phi: Array, weight: Array) -> float:
         power = np.zeros(len(even) // 2 + 1)
         for values, mask in zip(phi.T, weight.T > 0, strict=True):
             if mask.sum() > 1:
-                valid = np.interp(even, t_s, mask.astype(float)) > 0.5
+                valid = np.interp(even, t_s, mask.astype(float)) > KNOWN_SHARE
                 waves = np.interp(even, t_s[mask], values[mask])
                 power += np.abs(np.fft.rfft(np.where(valid, waves - waves[valid].mean(), 0.0))) ** 2
         peak = 2 * np.pi * float(power.argmax()) / (len(even) * step)
@@ -113,34 +124,15 @@ def mean_variance(residual: Array, weight: Array, unknowns: int) -> float:
 def path_basis(t_s: Array, omega: float, turn: float) -> Complex:
     """Return the columns of the path's formula: 1, V's, then e^{i (W + k w) t}."""
     rotation = np.exp(1j * turn * t_s)
-    travel = t_s + 0j if abs(turn) * np.ptp(t_s) < 1e-9 else (rotation - 1) / (1j * turn)
+    travel = t_s + 0j if abs(turn) * np.ptp(t_s) < STRAIGHT_RAD else (rotation - 1) / (1j * turn)
     orders = [k for k in range(-HARMONICS, HARMONICS + 1) if k]
     waves = [rotation * np.exp(1j * k * omega * t_s) for k in orders]
     return np.stack([np.ones_like(travel), travel, *waves], axis=1)
 
 
-@dataclass(frozen=True)
-class Fitted:
-    """The motion with what is left over.
-
-    t_s (frames,): about its middle. Residuals of joints (frames, joints), mean heading (frames,)
-    rad, and path (frames,) m; the weights of joints and of the path; the joints' coefficients
-    (1 + 2 HARMONICS, joints).
-    """
-
-    motion: Motion
-    t_s: Array
-    joint_residual_rad: Array
-    heading_residual_rad: Array
-    path_residual_m: Complex
-    weight: Array
-    path_weight: Array
-    coefficients: Array
-
-
 def fit_motion(
     track: Track, weight: Array, path_weight: Array, omega: float | None = None
-) -> Fitted:
+) -> Motion:
     """Fit rate, sines, path and turn to a track.
 
     weight (frames, joints) of the joints, path_weight (frames,). omega: the rate to start from.
@@ -156,7 +148,7 @@ def fit_motion(
     z, curve = states[:, 0] + 1j * states[:, 1], path_basis(t_s, omega, turn)
     root = np.sqrt(path_weight)
     path = np.linalg.lstsq(curve * root[:, None], z * root, rcond=None)[0]
-    motion = Motion(
+    return Motion(
         omega,
         np.hypot(sines[1], sines[2]),
         np.arctan2(sines[1], sines[2]),
@@ -164,9 +156,6 @@ def fit_motion(
         np.array([path[1].real, path[1].imag]),
         turn,
         float(headings[0]),
-    )
-    return Fitted(
-        motion,
         t_s,
         phi - basis(t_s, omega) @ sines,
         heading - columns @ headings,
@@ -191,4 +180,4 @@ def correlation_factor(residual: Array) -> float:
     rho = rho / rho[0]
     pairs = rho[1 : n // 2 - 1 : 2] + rho[2 : n // 2 : 2]
     is_positive = np.logical_and.accumulate(pairs > 0)
-    return 1.0 + 2 * max(float(pairs[is_positive].sum()), rho[1] if n > 2 else 0.0, 0.0)
+    return 1.0 + 2 * max(float(pairs[is_positive].sum()), float(rho[1:2].sum()), 0.0)

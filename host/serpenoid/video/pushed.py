@@ -78,7 +78,7 @@ def track_pushes(
         track = fill_hidden(fit, tagged, track, phi)
         clear = track.place_variance < PLACE_M**2
         rows = np.column_stack([track.t_s, track.states[:, :2]])[clear]
-        if len(rows) < 2:
+        if len(rows) <= 1:
             raise BadInput("no frame shows where the robot is; are the tags hidden?")
         remarks = [*run_checks(FITTED, fit), *remarks]
     # Joints that do not move tell the link length only as well as tags lie on the links: all

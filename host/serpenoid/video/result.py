@@ -119,7 +119,7 @@ class FilmMeasurement:
 
 def filmed_run(watched: Watched, measured: Measured, time_scale: float) -> FilmedRun:
     """Gather the numbers of a measured film, without remarks."""
-    m, bundle, film = measured.fitted.motion, measured.bundle, watched.film
+    m, bundle, film = measured.motion, measured.bundle, watched.film
     rate_sigma, *joint_sigmas, direction_sigma, speed_sigma, turn_sigma = measured.sigmas.tolist()
     span_s, t_s = float(np.ptp(measured.track.t_s)), watched.sightings.t_s
     camera, lens = bundle.camera, bundle.camera.shared.tolist()
@@ -173,7 +173,7 @@ def filmed_run(watched: Watched, measured: Measured, time_scale: float) -> Filme
 
 def _joints(measured: Measured, sigmas: list[float]) -> tuple[Joint, ...]:
     """Return the joints' sines; sigmas: of amplitudes, phases but the first, and offsets."""
-    m, share_seen = measured.fitted.motion, measured.joint_mask.mean(axis=0)
+    m, share_seen = measured.motion, measured.joint_mask.mean(axis=0)
     count = len(share_seen)
     columns = [
         m.amplitude_rad,

@@ -104,7 +104,7 @@ def test_a_long_film_is_measured_as_a_short_one() -> None:
     world = crawling(omega_rad_s=4.0, speed_m_s=0.2 / seconds, start_m=-0.1)
     s = sighted(world, np.arange(0, seconds, 1 / 30), Lens())
     found = measure(*follow(s, SIDE_M, first_cameras(s, LINK_M, SIDE_M)))
-    m = found.fitted.motion
+    m = found.motion
     assert m.omega_rad_s == pytest.approx(world.omega_rad_s, abs=5 * found.sigmas[0])
     assert found.sigmas[0] < 1e-3 * world.omega_rad_s / seconds
     assert m.amplitude_rad == pytest.approx(world.amplitude_rad, abs=np.radians(0.1))

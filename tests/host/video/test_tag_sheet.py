@@ -32,5 +32,5 @@ def test_tags_that_do_not_fit_are_refused(tmp_path) -> None:
     with refused("13 tags of 34 mm do not fit on a4; give a smaller --tag-mm"):
         tag_sheet(tag_cells(13), 0.034, 0.076, "a4", tmp_path / "tags.pdf")
     tag_sheet(tag_cells(13), 0.028, 0.076, "a4", tmp_path / "tags.pdf")
-    with refused("2 to 13"):
+    with refused("links is 14"):
         tag_cells(14)

@@ -26,7 +26,6 @@ from ...video.fitting.chain import lever_matrix
 
 Array = NDArray[np.float64]
 FRAMES_A_SECOND, MOST_FRAMES = 50, 3000
-STUCK_M_S = 1e-4  # slower than this a wheel on dry ground is shown as one that sticks
 STEP_S = 0.002  # of the chain: 0.3 % of a gait's speed, far below what a page shows
 SHORTEST_S, LONGEST_S = 1e-3, 10.0  # between two set-points; beyond a longer gap nobody knows
 
@@ -131,19 +130,16 @@ def _motion(robot: Robot, states: Array, joint_rad: Array, joint_rad_s: Array) -
 
 def _shown(t_s: Array, robot: Robot, ground: Ground, gait: Gait, motion: Motion) -> dict[str, Any]:
     """Return what the page draws: sizes, and at each moment the links, their wheels, the joints."""
-    slip = motion.slip_m_s
-    stuck = (ground.fn0 > 0) & (np.abs(slip) < STUCK_M_S)
     return {
         "t_s": _rounded(t_s),
-        "most_slip_m_s": float(np.abs(slip).max()),
+        "most_slip_m_s": float(np.abs(motion.slip_m_s).max()),
         "link_length_m": robot.link_length_m,
         "period_s": gait.period_s,
         "dry": bool(ground.fn0 > 0),
         "x_m": _rounded(motion.x_m),
         "y_m": _rounded(motion.y_m),
         "theta_rad": _rounded(motion.theta_rad),
-        "slip_m_s": _rounded(slip),
-        "stuck": stuck.astype(int).tolist(),
+        "slip_m_s": _rounded(motion.slip_m_s),
         "joint_deg": _rounded(np.degrees(np.diff(motion.theta_rad, axis=1))),
     }
 

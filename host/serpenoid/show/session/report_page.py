@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+import base64
 import io
 import re
 from collections.abc import Callable, Iterable, Sequence
 from html import escape
 from typing import Any
 
-from ...friction.result import FrictionFit
+from ...friction.result import DOUBTFUL, FrictionFit
 from ...prediction.advice import Advice
 from ...prediction.comparison import Comparison
-from ...session.session import Event, Session
-from ...taking.steps import step_in_words
+from ...session.session import Session
 from ..comparison_figure import draw_comparison, panels
 from ..plot import draw_friction, figure
 from .floor_figure import draw_pushes
@@ -31,18 +31,18 @@ h3{font-size:1rem;margin:1.2rem 0 .3rem}
 th,td{padding:.25rem .7rem;border-bottom:1px solid var(--line);text-align:right;white-space:nowrap}
 th{white-space:normal}th:first-child,td:first-child{text-align:left}
 figure{margin:0 0 .5rem;background:#fff;border-radius:6px;overflow-x:auto}
-figure svg{display:block;width:100%;max-width:28rem;height:auto}
+figure img{display:block;width:100%;max-width:28rem;height:auto}
 .void{color:var(--soft)}.void td{text-decoration:line-through}
 .words th,.words td{text-align:left;white-space:normal}.words td:last-child{overflow-wrap:anywhere}
 .off td:nth-child(4){white-space:nowrap}
 .said td{color:var(--soft);white-space:normal}tr:has(+.said) td{border:0}
 code{overflow-wrap:anywhere}
 @media screen and (prefers-color-scheme:dark){figure{background:none}
-figure svg{filter:invert(.9) hue-rotate(180deg)}}
+figure img{filter:invert(.9) hue-rotate(180deg)}}
 @media screen and (max-width:500px){body{padding:1rem .7rem}table{font-size:.85rem}
 th,td{padding:.25rem .3rem;white-space:normal}}
 @media print{@page{size:A4;margin:14mm}body{font-size:9.5pt;max-width:none;padding:0}
-h2{break-after:avoid}figure,tr{break-inside:avoid}figure svg{min-width:0;max-height:110mm}
+h2{break-after:avoid}figure,tr{break-inside:avoid}figure img{min-width:0;max-height:110mm}
 .wide{overflow:visible}table{font-size:8.5pt}th,td{padding:.1rem .35rem}}
 """
 
@@ -82,7 +82,6 @@ def session_page(
     parts += [
         "<h2>Readings</h2>",
         _readings(session, fit),
-        *_event_table(session.events),
         "<h2>Where this comes from</h2>",
         _provenance(session, fit),
     ]
@@ -97,20 +96,16 @@ def session_page(
 def _svg(
     what: str, draw: Callable[..., None], *shown: Any, size: tuple[float, float], **panels: Any
 ) -> str:
-    """Return a drawing as inline SVG; ids are salted, so that the same drawing gives the same."""
+    """Return a drawing as a picture in the page; salted ids make it the same again."""
     import matplotlib as mpl
 
-    text = io.StringIO()
+    file = io.BytesIO()
     with mpl.rc_context({"svg.hashsalt": "serpenoid"}), figure(*size, **panels) as (fig, axes):
         draw(fig, axes, *shown)
-        fig.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
-    drawn = text.getvalue()
-    drawn = drawn[drawn.index("<svg") :]
-    # Two drawings in one page must not share ids.
-    salt = what.partition(" ")[0]
-    drawn = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{salt}-", drawn)
-    drawn = drawn.replace("<svg", f'<svg role="img" aria-label="{escape(what)}"', 1)
-    return f'<figure tabindex="0">{drawn}</figure>'
+        fig.savefig(file, format="svg", metadata={"Date": None, "Creator": None})
+    data = base64.b64encode(file.getvalue()).decode()
+    picture = f'<img alt="{escape(what)}" src="data:image/svg+xml;base64,{data}">'
+    return f'<figure tabindex="0">{picture}</figure>'
 
 
 def _table(head: Sequence[str], rows: Iterable[Sequence[str]], kind: str = "") -> str:
@@ -149,7 +144,7 @@ def _story(session: Session) -> str:
 def _summary(fit: FrictionFit, compared: Comparison | None) -> str:
     text = (
         "The readings agree with one another."
-        if fit.p_value is None or fit.p_value >= 0.01
+        if fit.p_value is None or fit.p_value >= DOUBTFUL
         else "The readings disagree by more than their stated errors allow."
     )
     more = "" if compared is None else f" {compared.verdict_text}"
@@ -176,26 +171,6 @@ def _readings(session: Session, fit: FrictionFit) -> str:
         if remark:
             body += f'<tr class="said"><td colspan="4">{escape(remark)}</td></tr>'
     return _framed(["no.", "what", "shown", "off by, σ"], body, "words off")
-
-
-def _event_table(events: Sequence[Event]) -> list[str]:
-    """Return remarks, corrections and steps left out, in the order they came."""
-    names = {
-        "note": "noted",
-        "amend": "amended",
-        "skip": "left out",
-        "void": "voided",
-        "undo": "undone",
-    }
-    rows = []
-    for e in events:
-        if e.event in names:
-            skipped = e.event == "skip"
-            number = "" if skipped else str(e.reading or "")
-            why = step_in_words(e.detail) if skipped else e.detail
-            rows.append([e.time_utc[:16].replace("T", " "), names[e.event], number, why])
-    head = ["time (UTC)", "what", "reading", "why"]
-    return ["<h2>What happened</h2>", _table(head, rows, "words")] if rows else []
 
 
 def _provenance(session: Session, fit: FrictionFit) -> str:

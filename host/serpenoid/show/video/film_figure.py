@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from pathlib import Path
 from typing import Any
@@ -39,26 +40,16 @@ def _picture(ax: Any, film: FilmMeasurement) -> None:
 
 
 def _joints(ax: Any, film: FilmMeasurement) -> None:
-    """Draw each joint's angle as dots, over the commanded sine or else its own."""
-    track = film.measured.track
+    """Draw each joint's angle as dots, over its sine."""
+    track, m = film.measured.track, film.measured.motion
     phi = np.degrees(np.where(film.measured.joint_mask, joint_angles(track.states), np.nan))
     t = track.t_s - track.t_s[0]
-    about = track.t_s - track.t_s.mean()
-    m, count = film.measured.fitted.motion, phi.shape[1]
-    offset, amplitude, phase = m.offset_rad, m.amplitude_rad, m.phase_rad
-    if film.gait is not None:
-        offset, amplitude = (
-            np.full(count, film.gait.offset_rad),
-            np.full(count, film.gait.alpha_rad),
-        )
-        phase = m.phase_rad[0] + np.arange(count) * film.gait.beta_rad
-    sines = offset + amplitude * np.sin(m.omega_rad_s * about[:, None] + phase)
-    for i in range(count):
-        colour = COLOURS[i % len(COLOURS)]
+    waves = np.sin(m.omega_rad_s * m.t_s[:, None] + m.phase_rad)
+    sines = np.degrees(m.offset_rad + m.amplitude_rad * waves)
+    for i, colour in zip(range(phi.shape[1]), itertools.cycle(COLOURS)):
         ax.plot(t, phi[:, i], ".", ms=2.5, color=colour)
-        ax.plot(t, np.degrees(sines[:, i]), lw=0.9, color=colour, label=f"joint {i + 1}")
-    label = "commanded sine, in step with joint 1" if film.gait else "fitted sine"
-    ax.set(title=f"joints: dots seen, lines the {label}", ylabel="angle (°)", xlabel="time (s)")
+        ax.plot(t, sines[:, i], lw=0.9, color=colour, label=f"joint {i + 1}")
+    ax.set(title="joints: dots seen, lines the fitted sines", ylabel="angle (°)", xlabel="time (s)")
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
     ax.set_xlim(0, t[-1])
 

@@ -16,6 +16,8 @@ from ..seeing.sightings import Sightings
 from .camera import LENS, MOUNTING, Camera
 
 STEPS = 40
+SETTLED_DAMPING, LOST_DAMPING = 1e-6, 1e6  # of a step: the fit is found, or lost
+SCALED_LINKS = 3  # with two joints a link tells its length
 OUTLIER = 3.0  # in sigmas: a tag's residual from which its weight falls
 NOISE_PX = 0.3  # of a corner, until the residuals tell
 PLAIN = 0.05  # a rough fit holds distortion and principal point by so much of their sigmas
@@ -56,7 +58,11 @@ class Bundle:
 
         0 up to SIDE_ALIKE.
         """
-        excess = abs(self.camera.side_m / self.side_m - 1.0) if self.camera.links > 2 else 0.0
+        excess = (
+            abs(self.camera.side_m / self.side_m - 1.0)
+            if self.camera.links >= SCALED_LINKS
+            else 0.0
+        )
         return excess if excess > SIDE_ALIKE else 0.0
 
 
@@ -100,11 +106,11 @@ def fit(
             camera, states, damping = new_camera, new_states, max(damping / 5, 1e-9)
             noise = noise if rough else problem.noise(camera, states)
             cost = problem.cost(camera, states, noise)
-            if gained < 1e-5 * new_cost and damping < 1e-6:
+            if gained < 1e-5 * new_cost and damping < SETTLED_DAMPING:
                 break
         else:
             damping *= 8
-            if damping > 1e6:
+            if damping > LOST_DAMPING:
                 break
     covariance = problem.covariance(camera, states, noise)
     return Bundle(camera, covariance, noise, side_m, turns, cost)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...base.errors import BadInput
+from ...base.checks import check_number
 from ..arrays import Mask
 from .detect import dictionary
 from .edges import CELLS
@@ -21,7 +21,6 @@ def tag_side_m(link_m: float) -> float:
 
 def tag_cells(links: int) -> list[Mask]:
     """Return which cells of each link's tag are white, (6, 6) each, row by row from the top."""
-    if not 2 <= links <= MOST_LINKS:
-        raise BadInput(f"links is {links}; the sheet has tags for 2 to {MOST_LINKS}")
+    check_number("links", links, 2, MOST_LINKS)
     family = dictionary()
-    return [family.generateImageMarker(k, CELLS) > 127 for k in range(links)]
+    return [family.generateImageMarker(k, CELLS).astype(bool) for k in range(links)]
