@@ -15,14 +15,11 @@ these small ways. Its error is that of places and times.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..session.session import Session
-from ..session.settings import Instruments
-from ..session.station import Reading
 from ..session.track import track_of
 from .parameters import Floats
 from .rolling_law import shapes
@@ -38,42 +35,51 @@ MIN_PLACE_SIGMA_M = 1e-4  # nobody reads a place on a belt better
 class Drift:
     """Places of one short reading: t_s (J,), and off_m (J,), downhill, from the mean slip.
 
-    sigma_m: of a place, the error of its time in it.
+    sigma_m: of a place, the error of its time in it. effective_kg: m_e, and its relative sigma.
     """
 
     t_s: Floats
     off_m: Floats
     sigma_m: float
+    effective_kg: float
+    effective_sigma: float
 
-    def braking(self, c: Floats) -> Floats:
-        """Return f, m/s^2, at each c (K,)."""
-        column = self._own_column(c)
-        return np.asarray(column @ self.off_m / np.sum(column**2, axis=1))
+    def force_n(self, viscous: Floats) -> Floats:
+        """Return m_e f, N, at each A (K,), N s/m."""
+        column = self._own_column(viscous / self.effective_kg)
+        return self.effective_kg * (column @ self.off_m) / np.sum(column**2, axis=1)
 
     @property
-    def braking_sigma(self) -> float:
-        """Return the standard deviation of f."""
-        return self.sigma_m / float(np.linalg.norm(self._own_column(np.zeros(1))))
+    def force_sigma_n(self) -> float:
+        """Return the standard deviation of m_e f."""
+        level = np.zeros(1)
+        by_places_n = self.effective_kg * self.sigma_m / np.linalg.norm(self._own_column(level))
+        return float(np.hypot(by_places_n, self.force_n(level)[0] * self.effective_sigma))
 
     def _own_column(self, c: Floats) -> Floats:
         """Return the column of f (K, J), orthogonal to those of x0 and v0."""
-        p, q = shapes(c[:, None] * self.t_s)[:2]
-        rolled, braked = self.t_s * p, -(self.t_s**2) * q
+        p, q = shapes(c[:, None] * self.t_s)
+        rolled = self.t_s * p
+        braked = -(self.t_s**2) * q
         rolled = rolled - rolled.mean(axis=1, keepdims=True)
         braked = braked - braked.mean(axis=1, keepdims=True)
         share = np.sum(braked * rolled, axis=1) / np.sum(rolled**2, axis=1)
         return np.asarray(braked - share[:, None] * rolled)
 
 
-def drifts_of(readings: Sequence[Reading], tools: Instruments) -> dict[int, Drift]:
-    """Return the short readings among some, by their index."""
+def drifts_of(session: Session) -> dict[int, Drift]:
+    """Return the short readings among a session's kept stations, by their index."""
+    tools, robot = session.setup.instruments, session.setup.robot
+    rolling, rolling_sigma = wheels_share(session)
+    mass = robot.links * robot.link_mass_kg * (1.0 + rolling), rolling_sigma / (1.0 + rolling)
     drifts = {}
-    for k, reading in enumerate(readings):
+    for k, reading in enumerate(session.kept):
         t, y = track_of(reading.places)
         if t.size:
             speed = float(np.abs(np.diff(y) / np.diff(t)).max())
             sigma_m = math.hypot(tools.distance_sigma_m, speed * tools.time_sigma_s)
-            drifts[k] = Drift(t, y[-1] / t[-1] * t - y, max(sigma_m, MIN_PLACE_SIGMA_M))
+            off_m = y[-1] / t[-1] * t - y
+            drifts[k] = Drift(t, off_m, max(sigma_m, MIN_PLACE_SIGMA_M), *mass)
     return drifts
 
 

@@ -30,11 +30,9 @@ from ..base.checks import check_choice, check_kind
 from ..base.errors import BadInput, NotConverged
 from ..session.session import Session
 from .bends import COMMON_ERROR, STRAIGHTNESS
-from .identifiability import check_floor, check_readings
-from .notes import alarms_of, notes_on
-from .paper_fit import errors, points, two_lines
-from .parameters import FRICTIONS, Floats
-from .posterior import COUNT, MapEstimate, Posterior, Readings, RoundingErrors, Samples
+from .notes import READING, alarms_of, check_floor, check_readings, notes_on, suspects
+from .parameters import FRICTIONS, ROUNDING, Floats, Rows
+from .posterior import COUNT, MapEstimate, Posterior, Readings, Samples
 from .result import (
     KEPT_SAMPLES,
     LEVEL,
@@ -46,11 +44,9 @@ from .result import (
     narrowest,
     spread_samples,
 )
-from .stations import BELT, ROUNDING, Stations
+from .stations import BELT, Stations
 
 USUAL, USUAL_N = (0.084, 1.2, 0.14, 0.27), 4.4484  # of the 2005 robot, and its weight
-CHORD_STEPS = 12  # of all refits together, each with the slopes of the estimate of all readings
-SETTLED_SIGMAS = 1e-4  # of the last of them; else the solver finds the fit without a reading
 VISCOUS = np.array([1.0, 1.0, 0.0, 0.0])  # frictions that a belt's scale changes
 
 
@@ -107,13 +103,13 @@ def fit_friction(
         if session.on_floor:
             check_floor(session, estimate)
         fit = _naive(session) if naive else _joint(session, estimate, seed)
-        refits = refitted(estimate)
-        if not naive:
-            fit = replace(fit, influence=_influences(fit, refits))
-        alarms = alarms_of(fit, session, estimate, refits)
-        return replace(fit, alarms=alarms, notes=(*alarms, *notes_on(fit, session)))
     except NotConverged as error:
-        raise NotConverged(f"{session.where}: {error}; {_suspect(session)}") from error
+        raise NotConverged(f"{session.where}: {error}; look for a misread value") from error
+    refits = {words: _refit(estimate, rows) for words, rows in suspects(session, estimate).items()}
+    if not naive:
+        fit = replace(fit, influence=_influences(fit, refits))
+    alarms = alarms_of(fit, estimate, refits)
+    return replace(fit, alarms=alarms, notes=(*alarms, *notes_on(fit, session)))
 
 
 def posterior_of(session: Session, slipping: bool = True) -> Posterior:
@@ -122,17 +118,16 @@ def posterior_of(session: Session, slipping: bool = True) -> Posterior:
     slipping: whether robots without a straight link slip sideways, or roll as if they were guided.
     """
     kinds: list[Readings] = []
-    rounding = RoundingErrors()
+    roundings_rad = np.empty((1, 0))
     if session.kept:
         stations = Stations.of(session)
         kinds.append(stations)
-        names = [p.name for p in stations.parameters if p.name.startswith(ROUNDING)]
-        rounding = RoundingErrors(tuple(names), stations.rounding_samples)
+        roundings_rad = stations.rounding_samples
     if session.on_floor:
         from .pushes import Pushes
 
         kinds.append(Pushes.of(session, slipping))
-    return Posterior(tuple(kinds), rounding)
+    return Posterior(tuple(kinds), roundings_rad)
 
 
 def map_estimate(session: Session) -> MapEstimate:
@@ -141,7 +136,7 @@ def map_estimate(session: Session) -> MapEstimate:
     It is sought from usual frictions; where robots slip, from the estimate without that.
     """
     posterior = posterior_of(session)
-    start = _usual_point(session, posterior)
+    start = posterior.start(np.array(USUAL) * session.setup.weight_n / USUAL_N)
     guided = posterior_of(session, slipping=False) if session.on_floor else posterior
     if len(guided.numbers) < len(posterior.numbers):
         start = guided.estimate(start).x
@@ -164,68 +159,11 @@ def covariance_after(session: Session, estimate: MapEstimate) -> Floats:
     return np.asarray(covariance + scales)
 
 
-def friction_points(session: Session, fit: FrictionFit) -> dict[str, tuple[Floats, Floats]]:
-    """Return part -> (speeds, forces) of the kept readings, the points of Figs. 15 and 16.
-
-    "straight": v_t and F_t by Eq. 58. "bent": v_n and F_n by Eq. 61, which takes the tangential
-    friction as known, here from the fit. m/s and N, whole snake.
-    """
-    return points(Stations.of(session), fit.values)
-
-
-def voided_points(session: Session, fit: FrictionFit) -> dict[str, tuple[Floats, Floats]]:
-    """Return part -> (speeds, forces) of the voided readings, as friction_points does."""
-    voided = [
-        replace(r, voided=False) for r in session.of("station") if r.voided and r.slip_speed_m_s > 0
-    ]
-    return friction_points(replace(session, readings=tuple(voided)), fit)
-
-
-def point_errors(session: Session) -> dict[str, tuple[Floats, Floats]]:
-    """Return part -> standard deviations of friction_points' speeds and forces, each alone."""
-    return errors(Stations.of(session))
-
-
-def refitted(estimate: MapEstimate) -> dict[int, tuple[float, Floats] | None]:
-    """Return chi2 and the point (D,) of the fit without each reading, by its number.
-
-    None where the others leave a parameter open. Films stay linear about the estimate of all. All
-    are sought together by the slopes there; each that does not settle so, by the solver.
-    """
-    posterior, slopes = estimate.posterior, estimate.slopes
-    numbers = readings_of(posterior)
-    omitted = np.array([posterior.numbers == number for number in numbers])
-    inverse = np.zeros((len(numbers), *slopes.shape[1:] * 2))
-    told = np.zeros(len(numbers), dtype=bool)
-    for k, rows in enumerate(omitted):
-        with suppress(NotConverged):
-            inverse[k] = posterior.at(estimate.x, rows).covariance
-            told[k] = True
-    x = np.tile(estimate.x, (len(numbers), 1))
-    step = np.zeros_like(x)
-    for _ in range(CHORD_STEPS):
-        pull = (~omitted * posterior.residuals(x)) @ slopes
-        step = np.einsum("kij,kj->ki", inverse, pull)
-        x = np.maximum(x - step, posterior.low)
-    off = np.abs(step) * np.linalg.norm(slopes, axis=0)
-    settled = (off < SETTLED_SIGMAS).all(axis=1) & (x > posterior.low).all(axis=1)
-    refits = dict[int, tuple[float, Floats] | None]()
-    for k, number in enumerate(numbers):
-        refits[number] = None
-        with suppress(NotConverged):
-            point = x[k] if settled[k] else posterior.minimum(estimate.x, omitted[k])
-            if told[k]:
-                refits[number] = posterior.at(point, omitted[k]).chi2, point
-    return refits
-
-
-def readings_of(posterior: Posterior) -> list[int]:
-    """Return the numbers of the readings, in their order."""
-    return list(dict.fromkeys(posterior.numbers[posterior.numbers >= 0].tolist()))
-
-
-def _usual_point(session: Session, posterior: Posterior) -> Floats:
-    return posterior.start(np.array(USUAL) * session.setup.weight_n / USUAL_N)
+def _refit(estimate: MapEstimate, omitted: Rows) -> MapEstimate | None:
+    """Return the estimate without some residuals; None where the others leave a parameter open."""
+    with suppress(NotConverged):
+        return estimate.without(omitted)
+    return None
 
 
 def _scale_sigmas(session: Session, posterior: Posterior) -> tuple[float, float]:
@@ -294,35 +232,39 @@ def _nuisances(estimate: MapEstimate, samples: Samples) -> MappingProxyType[str,
 
 def _shown_residuals(estimate: MapEstimate, rows: Floats) -> tuple[float, ...]:
     """Return one residual for each reading; of more than one row the root mean square."""
-    shown = dict[int, float]()
-    for number in readings_of(estimate.posterior):
-        own = rows[estimate.posterior.numbers == number]
-        shown[number] = float(own[0] if len(own) == 1 else np.sqrt(np.mean(own**2)))
-    for kind in estimate.posterior.kinds:
+    posterior, shown = estimate.posterior, dict[int, float]()
+    for number in posterior.readings:
+        residuals = rows[posterior.numbers == number]
+        size = float(np.sqrt(np.mean(residuals**2)))
+        shown[number] = size if len(residuals) > 1 else float(residuals[0])
+    for kind in posterior.kinds:
         if isinstance(kind, Stations):
-            whole = kind.whole_residuals(estimate.values)[0].tolist()
-            shown |= dict(zip(kind.numbers.tolist(), whole, strict=True))
+            total = kind.whole_residuals(estimate.values)[0].tolist()
+            shown |= dict(zip(kind.numbers.tolist(), total, strict=True))
     return tuple(shown.values())
 
 
 def _influences(
-    fit: FrictionFit, refits: Mapping[int, tuple[float, Floats] | None]
+    fit: FrictionFit, refits: Mapping[str, MapEstimate | None]
 ) -> tuple[Influence, ...]:
+    """Return what each reading does to a fit."""
     sigma = np.maximum(np.sqrt(np.diag(fit.covariance)), 1e-12)
-    found = []
-    for number, without in refits.items():
-        if without is None:
-            found.append(Influence(number, None, None))
-            continue
-        chi2, x = without
-        shift = ((x[:COUNT] - fit.values) / sigma).tolist()
-        found.append(Influence(number, chi2, dict(zip(FRICTIONS, shift, strict=True))))
-    return tuple(found)
+    influences = []
+    for words, refit in refits.items():
+        if words.startswith(READING):
+            number, chi2, shift = int(words.removeprefix(READING)), None, None
+            if refit:
+                moved = ((refit.x[:COUNT] - fit.values) / sigma).tolist()
+                chi2, shift = refit.chi2, dict(zip(FRICTIONS, moved, strict=True))
+            influences.append(Influence(number, chi2, shift))
+    return tuple(influences)
 
 
 def _naive(session: Session) -> FrictionFit:
     """Return the paper's fit, without notes."""
     from scipy.special import stdtrit
+
+    from .paper_fit import two_lines
 
     stations = Stations.of(session)
     values, covariance = two_lines(stations)
@@ -353,16 +295,3 @@ def _naive(session: Session) -> FrictionFit:
         session_name=session.setup.name,
         session_sha256=session.sha256,
     )
-
-
-def _suspect(session: Session) -> str:
-    """Name the reading without which the others agree best, where all together have no fit."""
-    posterior, chi2 = posterior_of(session), dict[int, float]()
-    start = _usual_point(session, posterior)
-    for number in readings_of(posterior):
-        with suppress(NotConverged):
-            chi2[number] = posterior.estimate(start, posterior.numbers == number).chi2
-    if not chi2:
-        return "look for a misread value"
-    best = min(chi2, key=lambda number: chi2[number])
-    return f"without reading {best} chi2 would be {chi2[best]:.1f}: look at that one first"

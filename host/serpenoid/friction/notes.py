@@ -1,4 +1,4 @@
-"""What a reader of a fit should know, in words: alarms, suspects, and what nobody measured."""
+"""What readings leave open, and what a reader of a fit should know: refusals, alarms, notes."""
 
 from __future__ import annotations
 
@@ -8,12 +8,10 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from ..base.errors import NotConverged
+from ..base.errors import BadInput
 from ..session.session import Session, belt_note
 from .bends import BEND_ERROR
-from .drift import wheels_share
-from .identifiability import bend_note
-from .parameters import Floats
+from .parameters import Floats, Rows
 from .posterior import MapEstimate
 from .result import DOUBTFUL, NO_ZERO, NOT_WEIGHED, FrictionFit
 from .stations import ZERO, ZERO_SIGMA_RAD, Stations
@@ -22,25 +20,122 @@ APART_CHI2 = 2 * math.log(10.0)  # one suspect is then ten times as likely as an
 MOVED_SIGMAS = 2.0  # of its difference, beyond which a zero that moved is told
 NEGATIVE_SIGMAS = 3.0  # below 0, from which a friction is an alarm
 WEAK = 0.25  # relative standard deviation of a friction that is known only roughly
-Rows = NDArray[np.bool_]
+ADVISED_LAMBDA_DEG = 15.0
+# Below the first a bend is refused: sin^2 of it is no longer a number with an error but a guess.
+# Below the second, cn is biased by 3 (sigma / lambda)^2 or more, 3 %, and the fit says so.
+MIN_BEND_SIGMAS, SAFE_BEND_SIGMAS = 5.0, 10.0
+# Between the slowest and the fastest reading. With less the noise of the speeds alone could draw
+# the line, and no interval from a linearised fit would be honest.
+MIN_SPAN_SIGMAS = 4.0
+OPEN = 0.5  # relative error of all the force there is, above which a friction is not told
+WEAK_PRIOR = 1e-6  # information that leaves an open friction a vast error
+READING = "reading "  # begins the names of suspects that are readings
+
+
+def check_readings(session: Session, stations: Stations, least: int) -> None:
+    """Raise BadInput if stations leave a friction open; least: readings that a part needs."""
+    bent, sigma = stations.bent, stations.speed_sigma_m_s
+    _check_part(session, stations.slip_m_s[~bent], least, "straight", (sigma, 1.0))
+    slip_m_s, posture = stations.slip_m_s[bent], stations.bends.posture[bent]
+    by_bend = [slip_m_s[posture == k] for k in range(len(stations.bends.angle_rad))]
+    span = MIN_SPAN_SIGMAS * sigma
+    if not any(len(slips) >= least and np.ptp(slips) >= span for slips in by_bend):
+        across = np.sin(stations.lambda_rad[bent])
+        share = float(across.max(initial=0.0))
+        _check_part(session, slip_m_s * across, least, "bent", (sigma * share, share))
+    sigma_rad = session.setup.instruments.lambda_sigma_rad
+    largest = max(stations.bends.angle_rad)
+    if largest <= MIN_BEND_SIGMAS * sigma_rad:
+        raise BadInput(
+            f"{session.where}: cn and fn0 cannot be told: lambda_deg is "
+            f"{math.degrees(largest):g} with a standard deviation of {math.degrees(sigma_rad):g}; "
+            f"a bend must be more than {MIN_BEND_SIGMAS:g} of these from straight; two readings "
+            f"with lambda_deg = {_advised_deg(session):g} would do it"
+        )
+
+
+def bend_note(session: Session) -> str:
+    """Return how far the bend's own error biases cn; "" where it does not."""
+    sigma_rad = session.setup.instruments.lambda_sigma_rad
+    largest = max((reading.lambda_rad for reading in session.kept), default=0.0)
+    if not 0.0 < largest < SAFE_BEND_SIGMAS * sigma_rad:
+        return ""
+    ratio = largest / sigma_rad
+    return (
+        f"The bend is only {ratio:.1f} of its standard deviations: cn comes out too large by about "
+        f"{3 / ratio**2:.0%} on average, until a bend of {_advised_deg(session):g} degrees is held."
+    )
+
+
+def check_floor(session: Session, estimate: MapEstimate) -> None:
+    """Raise BadInput if a friction's error is as large as all the force there is on a floor."""
+    from .pushes import Pushes
+
+    pushes = session.kept_pushes
+    fast = max(track.pushed_m_s for track in Pushes.of(session).tracks)
+    pairs = [
+        ("ct and ft0", 0, 2, "pushes of the straight robot at 0.9 m/s, both ways, filmed"),
+        ("cn and fn0", 1, 3, "pushes in the balanced bend of 42 degrees, both ways, filmed"),
+    ]
+    if not any(reading.lambda_rad for reading in session.fitted):
+        pairs.reverse()  # fn0 is then boundless, and ft0 with it where links stand off a little
+    information = estimate.slopes.T @ estimate.slopes
+    covariance = np.linalg.inv(information + WEAK_PRIOR * np.eye(len(information)))
+    sigma = np.sqrt(np.diag(covariance))
+    for names, viscous, dry, cure in pairs:
+        force = max(estimate.x[viscous] * fast + estimate.x[dry], 1e-9)
+        off = max(sigma[viscous] * fast, sigma[dry]) / force
+        if not off <= OPEN:
+            by = f"are open by {off:.0%} of the force" if off < 1.0 else "stay wholly open"
+            raise BadInput(
+                f"{session.where}: {names} cannot be told from {len(pushes)} push(es): they {by}; "
+                f"take {cure}"
+            )
+
+
+def _advised_deg(session: Session) -> float:
+    sigma_deg = math.degrees(session.setup.instruments.lambda_sigma_rad)
+    return max(ADVISED_LAMBDA_DEG, math.ceil(sigma_deg * SAFE_BEND_SIGMAS))
+
+
+def _check_part(
+    session: Session, speed_m_s: Floats, least: int, part: str, unit: tuple[float, float]
+) -> None:
+    """Check readings and their speeds' span; unit: a speed's sigma and the belt's share in it."""
+    names, pose = "ct and ft0", "straight (lambda_deg = 0)"
+    if part == "bent":
+        names, pose = "cn and fn0", f"with lambda_deg = {_advised_deg(session):g}"
+    if len(speed_m_s) < least:
+        raise BadInput(
+            f"{session.where}: {names} cannot be told from {len(speed_m_s)} {part} reading(s); "
+            f"they need at least {least}, {pose}, at belt speeds far apart (0.2 and 0.8 m/s, say); "
+            "take more"
+        )
+    sigma_m_s, share = unit
+    spread_m_s, needed = float(np.ptp(speed_m_s)), MIN_SPAN_SIGMAS * sigma_m_s
+    if spread_m_s < needed:
+        belt = (float(speed_m_s.min()) + 2.0 * needed) / (share or 1.0)
+        raise BadInput(
+            f"{session.where}: {names} cannot be told apart: the {part} readings' speeds along "
+            f"their line span {spread_m_s:.3g} m/s, and must span at least four standard "
+            f"deviations, {needed:.3g} m/s; a reading {pose} at another incline, with the belt "
+            f"near {belt:.2g} m/s, would do it"
+        )
 
 
 def alarms_of(
-    fit: FrictionFit,
-    session: Session,
-    estimate: MapEstimate,
-    refits: Mapping[int, tuple[float, Floats] | None],
+    fit: FrictionFit, estimate: MapEstimate, refits: Mapping[str, MapEstimate | None]
 ) -> tuple[str, ...]:
     """Return what makes a fit no ground for any prediction.
 
-    estimate: MAP of all readings. refits: without each reading.
+    estimate: MAP of all readings. refits: without each suspect.
     """
     alarms = []
     if fit.p_value is not None and fit.p_value <= DOUBTFUL:
         alarms.append(
             f"chi2 is {fit.chi2:.1f} for {fit.dof} degrees of freedom (p = {fit.p_value:.1g}): the "
             "readings disagree by more than the stated uncertainties allow, so do not trust the "
-            f"intervals. {_suspects_in_words(session, estimate, refits)}"
+            f"intervals. {_suspects_in_words(estimate, refits)}"
         )
     for kind in estimate.posterior.kinds:
         if isinstance(kind, Stations):
@@ -126,6 +221,8 @@ def _floor_notes(session: Session) -> list[str]:
             "again with the right way; a wrong one spoils ft0 unseen."
         )
     if session.setup.robot_table.wheels_kg is None:
+        from .drift import wheels_share
+
         mean, sigma = wheels_share(session)
         notes.append(
             f"Nobody said what the wheels weigh: their turning is taken for {mean:.1%} ± "
@@ -194,54 +291,45 @@ def _against_the_law(stations: Stations, estimate: MapEstimate) -> list[str]:
     return alarms
 
 
-def _suspects_in_words(
-    session: Session, estimate: MapEstimate, refits: Mapping[int, tuple[float, Floats] | None]
-) -> str:
-    """Name what to look at first: without it the readings disagree least.
-
-    Residuals would mislead, for a line follows its outlier. A suspect is one without which the
-    others still tell every friction.
-    """
+def suspects(session: Session, estimate: MapEstimate) -> dict[str, Rows]:
+    """Return residuals that may be wrong together: of readings, then files, bends, the zero."""
     posterior = estimate.posterior
-    left = {f"reading {number}": one[0] for number, one in refits.items() if one is not None}
-    rows = {words: int(np.sum(posterior.numbers == int(words.split()[1]))) for words in left}
-    for words, omitted in _shared_suspects(session, estimate).items():
-        try:
-            one = posterior.estimate(estimate.x, omitted)
-        except NotConverged:
-            continue
-        if one.determined:
-            left[words], rows[words] = one.chi2, int(omitted.sum())
-    if not left:
-        size = np.where(posterior.numbers >= 0, np.abs(estimate.residuals), 0.0)
-        worst = posterior.numbers[int(np.argmax(size))]
-        return f"Look at reading {worst} first: it is furthest off."
-    score = {words: chi2 + 2.0 * rows[words] for words, chi2 in left.items()}
-    least = min(score.values())
-    return _named({w: chi2 for w, chi2 in left.items() if score[w] < least + APART_CHI2})
-
-
-def _shared_suspects(session: Session, estimate: MapEstimate) -> dict[str, Rows]:
-    """Return residuals that may be wrong together, by what they are: files, bends, zero."""
-    posterior, suspects = estimate.posterior, dict[str, Rows]()
+    rows = {f"{READING}{number}": posterior.numbers == number for number in posterior.readings}
     files: dict[str, list[int]] = {}
     for push in session.kept_pushes:
         files.setdefault(push.file_sha256, []).append(push.number)
     for sha256, numbers in files.items():
         if sha256 and len(numbers) > 1:
-            named = ", ".join(map(str, numbers))
-            suspects[f"the file of readings {named}"] = np.isin(posterior.numbers, numbers)
+            listed = ", ".join(map(str, numbers))
+            rows[f"the file of readings {listed}"] = np.isin(posterior.numbers, numbers)
     first = len(posterior.numbers) - len(posterior.names)  # of priors, less the frictions' names
-    for k, name in enumerate(posterior.names[4:], first + 4):
+    for k, name in enumerate(posterior.names):
         words = "the inclinometer's zero as it was read" if name == ZERO else ""
         if name.startswith(BEND_ERROR):
             degrees, _, where = name.removeprefix(BEND_ERROR).partition("_deg")
             place = " on the floor" if where.startswith("_on_floor") else ""
             words = f"the bend of {degrees}°{place} as it was set"
         if words:
-            own = np.arange(len(posterior.numbers)) == k
-            suspects[words] = suspects.get(words, False) | own
-    return suspects
+            is_prior = np.arange(len(posterior.numbers)) == first + k
+            rows[words] = rows.get(words, False) | is_prior
+    return rows
+
+
+def _suspects_in_words(estimate: MapEstimate, refits: Mapping[str, MapEstimate | None]) -> str:
+    """Name what to look at first: without it the readings disagree least.
+
+    Residuals would mislead, for a line follows its outlier. A suspect is one without which the
+    others still tell every friction.
+    """
+    sound = {words: refit for words, refit in refits.items() if refit}
+    if not sound:
+        size = np.where(estimate.posterior.numbers >= 0, np.abs(estimate.residuals), 0.0)
+        worst = estimate.posterior.numbers[int(np.argmax(size))]
+        return f"Look at reading {worst} first: it is furthest off."
+    rows = len(estimate.residuals)
+    score = {w: fit.chi2 + 2.0 * (rows - np.count_nonzero(fit.counts)) for w, fit in sound.items()}
+    limit = min(score.values()) + APART_CHI2
+    return _named({words: fit.chi2 for words, fit in sound.items() if score[words] < limit})
 
 
 def _named(left: Mapping[str, float]) -> str:
@@ -252,8 +340,8 @@ def _named(left: Mapping[str, float]) -> str:
             f"Without {words} chi2 would be {chi2:.1f}: look at that one first. Void it if it was "
             "misread."
         )
-    numbers = sorted(int(w.removeprefix("reading ")) for w in left if w.startswith("reading "))
-    others = [words for words in left if not words.startswith("reading ")]
+    numbers = sorted(int(w.removeprefix(READING)) for w in left if w.startswith(READING))
+    others = [words for words in left if not words.startswith(READING)]
     parts = [f"reading {_listed(list(map(str, numbers)))}"] if numbers else []
     return (
         f"Without {_listed([*parts, *others])} chi2 would be {max(left.values()):.1f} or less: "

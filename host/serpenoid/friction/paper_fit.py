@@ -2,14 +2,48 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from ..session.session import Session
 from .bends import projections, resistance
 from .parameters import FRICTIONS, Floats
+from .result import FrictionFit
 from .stations import Stations
 
+Lines = dict[str, tuple[Floats, Floats]]
 
-def points(data: Stations, values: Floats) -> dict[str, tuple[Floats, Floats]]:
+
+def friction_points(session: Session, fit: FrictionFit) -> Lines:
+    """Return part -> (speeds, forces) of the kept readings, the points of Figs. 15 and 16.
+
+    "straight": v_t and F_t by Eq. 58. "bent": v_n and F_n by Eq. 61, which takes the tangential
+    friction as known, here from the fit. m/s and N, whole snake.
+    """
+    return points(Stations.of(session), fit.values)
+
+
+def voided_points(session: Session, fit: FrictionFit) -> Lines:
+    """Return part -> (speeds, forces) of the voided readings, as friction_points does."""
+    voided = [
+        replace(r, voided=False) for r in session.of("station") if r.voided and r.slip_speed_m_s > 0
+    ]
+    return friction_points(replace(session, readings=tuple(voided)), fit)
+
+
+def point_errors(session: Session) -> Lines:
+    """Return part -> standard deviations of friction_points' speeds and forces, each alone."""
+    data = Stations.of(session)
+    by_speed, by_fn0 = _across(data)
+    incline_sigma_rad = np.hypot(data.incline_sigma_rad, data.shared_sigma_rad)
+    pull_n = data.weight_n * np.cos(data.incline_rad) * incline_sigma_rad
+    force_n = np.hypot(pull_n, data.inertia_sigma_n) / by_fn0
+    speed_m_s = data.speed_sigma_m_s * by_speed
+    return {part: (speed_m_s[which], force_n[which]) for part, which in data.parts.items()}
+
+
+def points(data: Stations, values: Floats) -> Lines:
     """Return part -> (speeds, forces): Eq. 58 straight, Eq. 61 bent; m/s and N, whole snake.
 
     Eq. 61 with a share of the links bent: what the straight ones and the tangential friction of
@@ -23,16 +57,6 @@ def points(data: Stations, values: Floats) -> dict[str, tuple[Floats, Floats]]:
     by_speed, by_fn0 = _across(data)
     force_n = np.where(data.bent, pull_n - viscous * data.slip_m_s - dry, pull_n) / by_fn0
     speed_m_s = data.slip_m_s * by_speed
-    return {part: (speed_m_s[which], force_n[which]) for part, which in data.parts.items()}
-
-
-def errors(data: Stations) -> dict[str, tuple[Floats, Floats]]:
-    """Return part -> standard deviations of the points' speeds and forces, each alone."""
-    by_speed, by_fn0 = _across(data)
-    incline_sigma_rad = np.hypot(data.incline_sigma_rad, data.shared_sigma_rad)
-    pull_n = data.weight_n * np.cos(data.incline_rad) * incline_sigma_rad
-    force_n = np.hypot(pull_n, data.inertia_sigma_n) / by_fn0
-    speed_m_s = data.speed_sigma_m_s * by_speed
     return {part: (speed_m_s[which], force_n[which]) for part, which in data.parts.items()}
 
 

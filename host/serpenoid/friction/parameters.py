@@ -11,9 +11,11 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.intp]
+Rows = NDArray[np.bool_]  # which residuals
 Values = Mapping[str, Floats]  # of each parameter, (K,)
 
 FRICTIONS: tuple[str, ...] = ("ct", "cn", "ft0", "fn0")  # the whole snake's, in their order
+ROUNDING = "rounding "  # begins the names of shared rounding errors
 
 
 @dataclass(frozen=True)

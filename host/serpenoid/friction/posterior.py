@@ -8,6 +8,7 @@ standard deviation 1: those of readings, then those of priors.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -15,12 +16,11 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..base.errors import NotConverged
 from ..base.particles import Student, tempered
 from .bends import BEND_ERROR, COMMON_ERROR, CORRELATION
-from .parameters import FRICTIONS, Floats, Parameter, Values, Whole
+from .parameters import FRICTIONS, ROUNDING, Floats, Parameter, Rows, Values, Whole
 
 COUNT = len(FRICTIONS)
 SAMPLES = 32768  # about the MAP estimate: an interval's end then errs by 1 % of a half width
@@ -37,6 +37,8 @@ SETTLED_SIGMAS = 1e-2  # of a round's last step: the next one is the square of t
 NEGATIVE_SAMPLE_WEIGHT = 0.25  # Weight of a sample in which another friction is negative. With 0,
 # intervals were too narrow in sessions where that friction is 0, with 1 too wide.
 ZERO_SIGMAS = 1e-6  # a friction of less of its standard deviation is 0
+CHORD_STEPS = 12  # of a refit, each with the slopes of the estimate of all readings
+SETTLED_CHORD_SIGMAS = 1e-4  # of the last of them
 MAX_EVALUATIONS = 200  # of the residuals, until the solver gives up
 
 
@@ -63,32 +65,15 @@ class Readings(Protocol):
 
 
 @dataclass(frozen=True)
-class RoundingErrors:
-    """Errors that are not normal before the readings: their names, and samples (N, errors)."""
-
-    names: tuple[str, ...] = ()
-    samples: Floats = field(default_factory=lambda: np.empty((1, 0)))
-
-    @cached_property
-    def root(self) -> Floats:
-        """Return the root of their correlation, (errors, errors)."""
-        unit = self.samples / self.samples.std(axis=0)
-        together = unit.T @ unit / max(len(unit), 1)
-        # less than a ten thousandth of it is a set point's alone, or many points had no inverse
-        return np.linalg.cholesky(together + 1e-4 * np.eye(len(together)))
-
-    @property
-    def standard(self) -> Floats:
-        """Return the samples as uncorrelated errors of standard deviation 1."""
-        return np.linalg.solve(self.root, (self.samples / self.samples.std(axis=0)).T).T
-
-
-@dataclass(frozen=True)
 class MapEstimate:
-    """The point x (D,) of highest density, with residuals and slopes there; 0 of omitted rows."""
+    """The point x (D,) of highest density, with residuals and slopes there; 0 of omitted rows.
+
+    counts: which rows are not omitted.
+    """
 
     posterior: Posterior
     x: Floats
+    counts: Rows
     residuals: Floats
     slopes: Floats
 
@@ -113,13 +98,21 @@ class MapEstimate:
                 return np.asarray((vectors / values) @ vectors.T / np.outer(scale, scale))
         raise NotConverged("the readings contradict each other so far that no friction is told")
 
-    @property
-    def determined(self) -> bool:
-        """Tell whether no parameter is open."""
-        try:
-            return bool(self.covariance.size)
-        except NotConverged:
-            return False
+    def without(self, omitted: Rows) -> MapEstimate:
+        """Return the estimate without some residuals; raises NotConverged where the rest is open.
+
+        Films stay linear. It is sought by the slopes here; where that does not settle, by the
+        solver.
+        """
+        posterior, x = self.posterior, self.x
+        gain = posterior.at(x, omitted).covariance @ self.slopes.T
+        size = np.linalg.norm(self.slopes, axis=0)
+        for _ in range(CHORD_STEPS):
+            step = gain @ (~omitted * posterior.residuals(x[None])[0])
+            x = np.maximum(x - step, posterior.low)
+            if (np.abs(step) * size < SETTLED_CHORD_SIGMAS).all() and (x > posterior.low).all():
+                return posterior.at(x, omitted)
+        return posterior.at(posterior.minimum(self.x, omitted), omitted)
 
     @property
     def values(self) -> dict[str, Floats]:
@@ -149,16 +142,21 @@ class Samples:
 
 @dataclass(frozen=True)
 class Posterior:
-    """What readings and priors say together."""
+    """What readings and priors say together.
+
+    roundings_rad: samples (N, errors) of the shared roundings, which are not normal before the
+    readings.
+    """
 
     kinds: tuple[Readings, ...]
-    rounding: RoundingErrors = field(default_factory=RoundingErrors)
+    roundings_rad: Floats = field(default_factory=lambda: np.empty((1, 0)))
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
         """Return every parameter once, the frictions first, roundings last."""
-        named = {p.name: p for kind in self.kinds for p in kind.parameters}
-        return tuple(sorted(named.values(), key=lambda p: p.name in self.rounding.names))
+        parameters = itertools.chain.from_iterable(kind.parameters for kind in self.kinds)
+        named = {parameter.name: parameter for parameter in parameters}
+        return tuple(sorted(named.values(), key=lambda p: p.name.startswith(ROUNDING)))
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -177,6 +175,11 @@ class Posterior:
         priors = np.full(len(self.names) - COUNT, -1)
         return np.concatenate([*(kind.numbers for kind in self.kinds), priors])
 
+    @property
+    def readings(self) -> list[int]:
+        """Return the numbers of the readings, in their order."""
+        return list(dict.fromkeys(self.numbers[self.numbers >= 0].tolist()))
+
     @cached_property
     def _by_coordinate(self) -> Floats:
         """Return the parameters' errors but frictions by the coordinates, (D - 4, D - 4)."""
@@ -185,9 +188,17 @@ class Posterior:
             bends = [k for k, name in enumerate(names) if name.startswith(BEND_ERROR)]
             root[bends, bends] = math.sqrt(1.0 - CORRELATION)
             root[bends, names.index(COMMON_ERROR)] = math.sqrt(CORRELATION)
-        first = len(root) - len(self.rounding.names)
-        root[first:, first:] = self.rounding.root
+        first = len(root) - self.roundings_rad.shape[1]
+        root[first:, first:] = self._rounding_root
         return np.array([p.sigma for p in self.parameters[COUNT:]])[:, None] * root
+
+    @cached_property
+    def _rounding_root(self) -> Floats:
+        """Return the root of the roundings' correlation, (errors, errors)."""
+        unit = self.roundings_rad / self.roundings_rad.std(axis=0)
+        correlation = unit.T @ unit / len(unit)
+        # less than a ten thousandth of it is a set point's alone, or many points had no inverse
+        return np.linalg.cholesky(correlation + 1e-4 * np.eye(len(correlation)))
 
     def by_name(self, x: Floats) -> dict[str, Floats]:
         """Return the parameters' values at points (K, D), by their names."""
@@ -217,25 +228,22 @@ class Posterior:
         """Return a point (D,) with these frictions and all else as it was before the readings."""
         return np.append(frictions, np.zeros(len(self.names) - COUNT))
 
-    def estimate(self, start: Floats, omitted: NDArray[np.bool_] | None = None) -> MapEstimate:
-        """Return the MAP estimate, from a start (D,); raises NotConverged.
-
-        omitted: which residuals do not count. Films are linear about the answer.
-        """
+    def estimate(self, start: Floats) -> MapEstimate:
+        """Return the MAP estimate from a start (D,), films linear about it. Or NotConverged."""
         posterior, x = self.linear_about(start), start
         for done in range(MAX_ROUNDS):
             latest, kinds = x, posterior.kinds
-            x = posterior.minimum(x, omitted)
+            x = posterior.minimum(x)
             if done >= WHOLE_ROUNDS:
                 x = (x + latest) / 2
             posterior = posterior.linear_about(x)
             moved = np.abs(x - latest) * np.linalg.norm(posterior.slopes(x), axis=0)
             if posterior.kinds == kinds or moved.max() < SETTLED_SIGMAS:
-                return posterior.at(x, omitted)
+                return posterior.at(x)
         raise NotConverged("the fit came to no end")
 
-    def minimum(self, start: Floats, omitted: NDArray[np.bool_] | None = None) -> Floats:
-        """Return where the sum of squares is least (D,), from a start; raises NotConverged."""
+    def minimum(self, start: Floats, omitted: Rows | None = None) -> Floats:
+        """Return where the sum of squares is least (D,), from a start; omitted: as in `at`."""
         from scipy.optimize import least_squares
 
         counts = np.ones((len(self.numbers), 1)) if omitted is None else ~omitted[:, None]
@@ -255,17 +263,17 @@ class Posterior:
         zero = (np.arange(len(size)) < COUNT) & (solved.x * size < ZERO_SIGMAS)
         return np.where(zero, 0.0, solved.x)
 
-    def at(self, x: Floats, omitted: NDArray[np.bool_] | None = None) -> MapEstimate:
-        """Return residuals and slopes at a point (D,); omitted: as in `estimate`."""
-        counts = np.ones(len(self.numbers)) if omitted is None else ~omitted
+    def at(self, x: Floats, omitted: Rows | None = None) -> MapEstimate:
+        """Return residuals and slopes at a point (D,); omitted: residuals that do not count."""
+        counts = np.ones(len(self.numbers), bool) if omitted is None else ~omitted
         residuals = counts * self.residuals(x[None])[0]
-        return MapEstimate(self, x, residuals, counts[:, None] * self.slopes(x))
+        return MapEstimate(self, x, counts, residuals, counts[:, None] * self.slopes(x))
 
     def samples(self, estimate: MapEstimate, seed: int) -> Samples:
         """Return weighted samples about an estimate; particles where those are worth too few."""
         count = min(SAMPLES, max(MAX_RESIDUALS // len(self.numbers), MIN_SAMPLES))
         root = np.asarray(np.linalg.cholesky(estimate.covariance), dtype=np.float64)
-        about = Student(estimate.x, root, len(self.rounding.names))
+        about = Student(estimate.x, root, self.roundings_rad.shape[1])
         x = about.points(count, seed)
         log = self.log_density(x) - about.log_density(x)
         x = self._with_roundings(estimate, x, seed)
@@ -284,14 +292,15 @@ class Posterior:
         covariance with them, and by a part that is independent of e. A point d off the estimate has
         e = d_e + n, n of covariance 1 - C_ee: that part of it is replaced.
         """
-        count = len(self.rounding.names)
+        samples, count = self.roundings_rad, self.roundings_rad.shape[1]
         if not count:
             return x
         rng, gain = np.random.default_rng([seed, 1]), estimate.covariance[:, -count:]
         values, vectors = np.linalg.eigh(np.eye(count) - gain[-count:])
         noise = rng.normal(size=(len(x), count)) * np.sqrt(np.maximum(values, 0.0))
         normal = x[:, -count:] - estimate.x[-count:] + noise @ vectors.T
-        sawtooth = self.rounding.standard[rng.integers(len(self.rounding.samples), size=len(x))]
+        standard = np.linalg.solve(self._rounding_root, (samples / samples.std(axis=0)).T).T
+        sawtooth = standard[rng.integers(len(samples), size=len(x))]
         return np.asarray(x + (sawtooth - normal) @ gain.T)
 
     def _tempered(self, about: Student, seed: int) -> Floats:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
@@ -55,27 +55,22 @@ class Influence:
     shift_in_sigmas: Mapping[str, float] | None
 
 
-class WholeSnake(Mapping[str, T]):
+class WholeSnake(dict[str, T]):
     """Map ct_whole, cn_whole, ft0_whole, fn0_whole to what is known of them, whole snake.
 
-    Iterates under these names, so that none is mistaken for `ground`'s per-link values; the short
-    ones (ct, cn, ft0, fn0), whole snake too, still find their value.
+    It has these names, so that none is mistaken for `ground`'s per-link values; the short ones (ct,
+    cn, ft0, fn0), whole snake too, still find their value.
     """
 
-    def __init__(self, values: Sequence[T]) -> None:
-        self._values = dict(zip(FRICTIONS, values, strict=True))
+    @classmethod
+    def of(cls, values: Iterable[T]) -> Mapping[str, T]:
+        """Return a map of values in the order of FRICTIONS, which nobody changes."""
+        return MappingProxyType(cls(zip((n + WHOLE for n in FRICTIONS), values, strict=True)))
 
-    def __getitem__(self, name: str) -> T:
-        return self._values[name.removesuffix(WHOLE)]
-
-    def __iter__(self) -> Iterator[str]:
-        return (name + WHOLE for name in self._values)
-
-    def __len__(self) -> int:
-        return len(self._values)
-
-    def __repr__(self) -> str:
-        return f"WholeSnake({dict(self)})"
+    def __missing__(self, name: str) -> T:
+        if name not in FRICTIONS:
+            raise KeyError(name)
+        return self[name + WHOLE]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -156,14 +151,12 @@ class FrictionFit(Plottable):
     def parameters(self) -> Mapping[str, Estimate]:
         """Return name -> (value, sigma): ct_whole, cn_whole, N s/m, ft0_whole, fn0_whole, N."""
         sigmas = np.sqrt(np.maximum(np.diag(self.covariance), 0.0)).tolist()
-        return WholeSnake(
-            [Estimate(*pair) for pair in zip(self.values.tolist(), sigmas, strict=True)]
-        )
+        return WholeSnake.of(map(Estimate, self.values.tolist(), sigmas))
 
     @property
     def intervals(self) -> Mapping[str, tuple[float, float]]:
         """Return name -> (low, high) at 95 %."""
-        return WholeSnake([(low, high) for low, high in self.ends.tolist()])
+        return WholeSnake.of((low, high) for low, high in self.ends.tolist())
 
     @property
     def ground(self) -> Ground:

@@ -15,20 +15,31 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..session.session import Session
 from .bends import Bends, resistance
-from .drift import Drift, drifts_of, wheels_share
-from .parameters import FRICTION_PARAMETERS, Floats, Parameter, Values, Whole, frictions_in
+from .parameters import (
+    FRICTION_PARAMETERS,
+    ROUNDING,
+    Floats,
+    Parameter,
+    Values,
+    Whole,
+    frictions_in,
+)
 from .rounding import shared_rounding
+
+if TYPE_CHECKING:
+    from .drift import Drift
 
 # Taken where a set-up claims a zero without error: an undeclared 0.1 degrees would leave ft0's 95 %
 # interval with 17 % coverage, so that the prior is never absent.
 ZERO_SIGMA_RAD = math.radians(0.1)
-ZERO, BELT, ROUNDING = "incline_zero_rad", "belt_scale", "rounding "
+ZERO, BELT = "incline_zero_rad", "belt_scale"
 MIN_SIGMA_N = 1e-12  # of a reading, where frictions are 0 and nothing else errs
 
 
@@ -55,7 +66,6 @@ class Stations:
     weight_n: float
     zero_sigma_rad: float
     drifts: dict[int, Drift]
-    effective_kg: float
     inertia_n: Floats
     inertia_sigma_n: Floats
     belt_sigma: float
@@ -69,15 +79,15 @@ class Stations:
         rounding, samples = shared_rounding(
             shown_rad, given.incline_sigma_rad, given.incline_step_rad
         )
-        rolling, rolling_sigma = wheels_share(session)
-        robot = session.setup.robot
-        effective_kg = robot.links * robot.link_mass_kg * (1.0 + rolling)
-        drifts = drifts_of(kept, given)
+        drifts: dict[int, Drift] = {}
+        if any(reading.places for reading in kept):
+            from .drift import drifts_of
+
+            drifts = drifts_of(session)
         inertia_n, sigma_n = np.zeros((2, len(kept)))
         for k, drift in drifts.items():
-            inertia_n[k] = -effective_kg * drift.braking(np.zeros(1))[0]
-            own_n = effective_kg * drift.braking_sigma
-            sigma_n[k] = math.hypot(own_n, inertia_n[k] * rolling_sigma / (1.0 + rolling))
+            inertia_n[k] = -drift.force_n(np.zeros(1))[0]
+            sigma_n[k] = drift.force_sigma_n
         return cls(
             numbers=np.array([r.number for r in kept], dtype=np.intp),
             bends=Bends.of(session, kept),
@@ -90,7 +100,6 @@ class Stations:
             weight_n=session.setup.weight_n,
             zero_sigma_rad=zero.sigma_rad or ZERO_SIGMA_RAD,
             drifts=drifts,
-            effective_kg=effective_kg,
             inertia_n=inertia_n,
             inertia_sigma_n=sigma_n,
             belt_sigma=belt_sigma if session.on_floor else 0.0,
@@ -159,8 +168,7 @@ class Stations:
         belt = values[BELT][:, None] if self.belt_sigma else 1.0
         drag_n = viscous * belt * self.slip_m_s
         for k, drift in self.drifts.items():
-            braking = drift.braking(viscous[:, k] / self.effective_kg)
-            drag_n[:, k] -= self.effective_kg * braking
+            drag_n[:, k] -= drift.force_n(viscous[:, k])
         per_incline_n = self.weight_n * np.cos(incline)
         excess_n = self.weight_n * np.sin(incline) - drag_n - dry
         spread_n = np.hypot(per_incline_n * self.incline_sigma_rad, self.inertia_sigma_n)

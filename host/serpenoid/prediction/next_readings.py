@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..friction.bends import resistance
-from ..friction.identifiability import SAFE_BEND_SIGMAS
+from ..friction.notes import SAFE_BEND_SIGMAS
 from ..friction.posterior import MapEstimate
 from ..friction.rolling_law import rest, way_m
 from ..friction.rounding import nearest_shown

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from ..base.files import whole_file
-from ..friction.fit import friction_points, point_errors, voided_points
+from ..friction.paper_fit import friction_points, point_errors, voided_points
 from ..friction.result import FrictionFit
 from ..model.gait import Gait
 from ..model.ground import Ground

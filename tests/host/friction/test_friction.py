@@ -1,5 +1,7 @@
 """Fits of friction: known answers, honest intervals, and an independent solver to agree with."""
 
+import subprocess
+import sys
 from dataclasses import FrozenInstanceError, replace
 
 import numpy as np
@@ -129,6 +131,20 @@ def test_too_little_to_fit_is_refused(spoil, says):
     made = session(setup(7.5), WHOLE_BODY_2005)
     with refused(says):
         fit_friction(replace(made, readings=tuple(spoil(made))))
+
+
+def test_a_fit_imports_few_modules_and_no_statistics():
+    code = f"""if True:
+        import sys
+        import serpenoid as sn
+        sn.fit_friction(sn.load_session({str(NIRAKH_2005)!r}))
+        ours = [name for name in sys.modules if name.startswith("serpenoid")]
+        print(len(ours), "scipy.stats" in sys.modules)
+    """
+    told = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    modules, statistics = told.stdout.split()
+    assert int(modules) <= 35
+    assert statistics == "False"
 
 
 def test_result_is_frozen_and_goes_to_a_table():
