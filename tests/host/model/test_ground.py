@@ -40,13 +40,9 @@ def test_whole_body_and_factors_take_both_ways() -> None:
     ("given", "said"),
     [
         ({"ct": (0.1, 0.2, 0.3)}, "two: forwards, backwards"),
-        ({"ct": ()}, "two: forwards, backwards"),
         ({"ct": (0.1, -0.2)}, "ct backwards is -0.2"),
         ({"ft0": (math.inf, 0.2)}, "ft0 forwards is inf"),
-        ({"ft0": (0.1, math.nan)}, "ft0 backwards is nan"),
-        ({"ct": "ab"}, "ct is 'ab'"),
         ({"ct": ("a", 1.0)}, "ct forwards is 'a'"),
-        ({"ct": True}, "ct is True"),
         ({"cn": (0.1, 0.2)}, r"cn is \(0.1, 0.2\)"),
     ],
 )
