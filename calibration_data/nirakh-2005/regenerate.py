@@ -37,7 +37,7 @@ def rows(setup: Setup) -> list[dict[str, str]]:
     for lambda_rad in how.lambda_rad:
         law = "Eqs. 59 and 62 through Eq. 60" if lambda_rad else "Eq. 59 through Eq. 58"
         for step in count():
-            incline_deg = math.degrees(how.incline_start_rad + step * how.incline_step_rad)
+            incline_deg = how.incline_start_deg + step * how.incline_step_deg
             # The incline as it is written down is the one that the speed must belong to.
             incline_deg = round(incline_deg, 3)
             speed_m_s = belt_speed_m_s(setup.weight_n, math.radians(incline_deg), lambda_rad)

@@ -49,7 +49,6 @@ QUANTITIES: dict[str, tuple[Units, str]] = {
     "": ({"": 1.0}, "6"),
 }
 PER_SI = {"percent": 100.0, "ms": 1e3, "mm": 1e3, "h": 3.6}  # of units that names end in
-READ, PLANNED, DERIVED = "read", "planned", "derived"
 
 
 def in_si(name: str, value: float) -> float:
@@ -65,11 +64,11 @@ def in_si(name: str, value: float) -> float:
 class Field:
     """One number of a table or of a reading.
 
-    column: its key or column, unit included. words: what a person is asked for. low, high: limits,
-    low itself excluded if open_low. likely: the range that is expected, or None; why: what it means
-    to be beyond it. usual: what an empty answer means, or None. source: READ off by a person,
-    PLANNED (the plan or the board tells it) or DERIVED from the others. note: what stands behind it
-    in a new session.toml. By its type it may be empty (optional), is an integer or is several.
+    column: its key or column, unit included. words: what it is, as a person is asked for it.
+    automatic: the program itself measures it. low, high: limits, low itself excluded if open_low.
+    likely: the range that is expected, or None; why: what it means to be beyond it. usual: what an
+    empty answer means, or None. note: what stands behind it in a new session.toml. By its type it
+    may be empty (optional), is an integer or is several.
     """
 
     column: str = ""
@@ -80,7 +79,7 @@ class Field:
     why: str = ""
     usual: float | None = None
     open_low: bool = False
-    source: str = READ
+    automatic: bool = False
     note: str = ""
     optional: bool = False
     integer: bool = False

@@ -9,7 +9,7 @@ from typing import Any
 
 from ..base.errors import BadInput
 from ..model.gait import Gait, gait_name
-from .declaration import DERIVED, PLANNED, Observation, number_field, word_field
+from .declaration import Observation, number_field, word_field
 from .settings import MAX_SPEED_M_S, Instruments
 from .track import Track
 
@@ -27,11 +27,11 @@ class Crawl(Observation):
     """
 
     number: int
-    alpha_rad: float = number_field(0.0, 180.0, source=PLANNED)
-    beta_rad: float = number_field(-360.0, 360.0, source=PLANNED)
-    omega_rad_s: float = number_field(0.0, 1000.0, open_low=True, source=PLANNED)
-    speed_m_s: float = number_field(0.0, MAX_SPEED_M_S, source=DERIVED)
-    speed_sigma_m_s: float = number_field(0.0, MAX_SPEED_M_S, open_low=True, source=DERIVED)
+    alpha_rad: float = number_field(0.0, 180.0)
+    beta_rad: float = number_field(-360.0, 360.0)
+    omega_rad_s: float = number_field(0.0, 1000.0, open_low=True)
+    speed_m_s: float = number_field(0.0, MAX_SPEED_M_S)
+    speed_sigma_m_s: float = number_field(0.0, MAX_SPEED_M_S, open_low=True)
     voided: bool = False
     comment: str = ""
     time_utc: str = ""
@@ -96,8 +96,8 @@ class FilmReading(Crawl):
     kind = "video"
     columns = TRACK
 
-    offset_rad: float = number_field(-180.0, 180.0, source=DERIVED, default=0.0)
-    gain_sigma: float = number_field(0.0, 2.0, source=DERIVED, default=0.0)
+    offset_rad: float = number_field(-180.0, 180.0, default=0.0)
+    gain_sigma: float = number_field(0.0, 2.0, default=0.0)
     gains: str = word_field()
     shifts_deg: str = word_field()
     film_sha256: str = word_field()

@@ -10,9 +10,7 @@ import numpy as np
 from ..base.errors import BadInput
 from ..model.bends import BENDS
 from .declaration import (
-    DERIVED,
     LENGTH_UNITS,
-    PLANNED,
     Observation,
     Range,
     number_field,
@@ -52,7 +50,7 @@ class Push(Observation):
     columns = TRACK
 
     number: int
-    lambda_rad: float = number_field(0.0, MAX_LAMBDA_DEG, source=PLANNED)
+    lambda_rad: float = number_field(0.0, MAX_LAMBDA_DEG)
     distance_m: float | None = number_field(
         0.0,
         100.0,
@@ -79,13 +77,13 @@ class Push(Observation):
         usual=0.0,
         why="a robot that turns by more slips sideways: push it again",
     )
-    start_s: float | None = number_field(-1e6, 1e6, default=None, source=DERIVED)
-    end_s: float | None = number_field(-1e6, 1e6, default=None, source=DERIVED)
-    scale_sigma: float | None = number_field(0.0, 0.2, default=None, source=DERIVED)
+    start_s: float | None = number_field(-1e6, 1e6, default=None)
+    end_s: float | None = number_field(-1e6, 1e6, default=None)
+    scale_sigma: float | None = number_field(0.0, 0.2, default=None)
     distance_sigma_m: float | None = number_field(
-        0.0, MAX_PLACE_SIGMA_M, default=None, open_low=True, source=DERIVED
+        0.0, MAX_PLACE_SIGMA_M, default=None, open_low=True
     )
-    time_sigma_s: float | None = number_field(0.0, 10.0, default=None, source=DERIVED)
+    time_sigma_s: float | None = number_field(0.0, 10.0, default=None)
     way: str = word_field(*WAYS)
     by: str = word_field(*SOURCES)
     bend: str = word_field(*BENDS, of_plan=True)
@@ -95,7 +93,7 @@ class Push(Observation):
     voided: bool = False
     comment: str = ""
     time_utc: str = ""
-    offset_rad: float | None = number_field(-45.0, 45.0, default=None, source=PLANNED, shown=False)
+    offset_rad: float | None = number_field(-45.0, 45.0, default=None, shown=False)
 
     def __post_init__(self) -> None:
         if self.track is None and (self.by != "rest" or None in (self.distance_m, self.duration_s)):

@@ -266,7 +266,6 @@ class Plan(SettingsTable):
     )
     gaits: tuple[Gait, ...] = word_field(default=(), tidy=_planned_gaits)
 
-    incline_start_rad = in_si_units("incline_start_deg")
     incline_step_rad = in_si_units("incline_step_deg")
 
     @classmethod
@@ -279,16 +278,6 @@ class Plan(SettingsTable):
     def lambda_rad(self) -> tuple[float, ...]:
         """Return the bends of stations, rad."""
         return tuple(map(math.radians, self.lambda_deg))
-
-    @property
-    def push_lambda_rad(self) -> tuple[float, ...]:
-        """Return the bends of pushes, rad."""
-        return tuple(map(math.radians, self.push_lambda_deg))
-
-    @property
-    def bends_rad(self) -> tuple[float, ...]:
-        """Return the bends that the robot is to lie in where the plan is carried out."""
-        return self.push_lambda_rad if self.on == "floor" else self.lambda_rad
 
 
 TABLES: dict[str, type[SettingsTable]] = {

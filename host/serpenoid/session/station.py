@@ -11,7 +11,7 @@ from typing import Any
 
 from ..base.errors import BadInput
 from ..model.bends import BENDS, balanced_signs
-from .declaration import PLANNED, Observation, number_field, word_field
+from .declaration import Observation, number_field, word_field
 from .settings import MAX_INCLINE_DEG, MAX_LAMBDA_DEG, MAX_SPEED_M_S, Instruments
 from .track import drifts, tidy_places
 
@@ -42,7 +42,7 @@ class Reading(Observation):
     fitted = True
 
     number: int
-    lambda_rad: float = number_field(0.0, MAX_LAMBDA_DEG, words="the bend", source=PLANNED)
+    lambda_rad: float = number_field(0.0, MAX_LAMBDA_DEG, words="the bend")
     incline_rad: float = number_field(
         0.0, MAX_INCLINE_DEG, words="the inclinometer shows", open_low=True
     )
@@ -68,9 +68,9 @@ class Reading(Observation):
         usual=0.0,
         why="a robot that has turned by more is not held by this law: hold it again",
     )
-    offset_rad: float | None = number_field(-45.0, 45.0, default=None, source=PLANNED)
+    offset_rad: float | None = number_field(-45.0, 45.0, default=None)
     waited_s: float | None = number_field(
-        0.0, 1e5, words="time since the belt was set", default=None, source=PLANNED
+        0.0, 1e5, words="time since the belt was set", default=None, automatic=True
     )
     places: str = word_field(tidy=tidy_places)
 
@@ -170,7 +170,7 @@ class BendCheck(Observation):
     kind = "bend"
 
     number: int
-    lambda_rad: float = number_field(0.0, MAX_LAMBDA_DEG, source=PLANNED)
+    lambda_rad: float = number_field(0.0, MAX_LAMBDA_DEG)
     between_links_rad: float = number_field(0.0, 180.0, words="the protractor shows")
     voided: bool = False
     comment: str = ""

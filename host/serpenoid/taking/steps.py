@@ -10,7 +10,7 @@ import numpy as np
 
 from ..model.bends import balanced_signs, joint_multiples
 from ..model.gait import Gait
-from ..session.declaration import READ, Cells, Field, Range, Values
+from ..session.declaration import Cells, Field, Range, Values
 from ..session.session import Session
 from ..session.settings import Plan, Setup
 from ..session.station import BendCheck
@@ -51,7 +51,7 @@ class Step:
     @property
     def questions(self) -> tuple[Field, ...]:
         """Return the fields that a person is asked for."""
-        return tuple(field for field in self.fields if field.source == READ)
+        return tuple(field for field in self.fields if not field.automatic)
 
 
 def planned_bends(plan: Plan) -> tuple[float, ...]:

@@ -71,7 +71,7 @@ def _stations(
 ):
     """Yield true inclines and the true speeds that hold the snake there (Eq. 60)."""
     c, s = math.cos(bend), math.sin(bend)
-    incline = setup.plan.incline_start_rad
+    incline = math.radians(setup.plan.incline_start_deg)
     while True:
         # A treadmill without grades stops anywhere within a step of the inclinometer.
         true = incline + (0.0 if rng is None else rng.uniform(-0.5, 0.5) * STEP_RAD)

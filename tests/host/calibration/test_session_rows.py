@@ -2,16 +2,17 @@
 
 import math
 import re
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from refusals import refused
 from robots import NIRAKH_2005
 from serpenoid import fit_friction, load_session
-from serpenoid.session.folder import read_session
-from serpenoid.session.rows import EVENT_COLUMNS, READING_COLUMNS
-from serpenoid.session.station import ZeroReading
+
+READING_COLUMNS, EVENT_COLUMNS = (
+    (NIRAKH_2005 / name).read_text().split("\n")[0].split(",")
+    for name in ("readings.csv", "events.csv")
+)
 
 SETUP = """
 format = 2
@@ -70,6 +71,12 @@ def reading(number, **cells):
     return line(READING_COLUMNS, reading=number, **STATION | cells)
 
 
+STATIONS = [
+    reading(k, lambda_deg=bend, incline_deg=2.0 + 0.3 * k, belt_speed_m_s=speed)
+    for k, bend, speed in ((2, 0, 0.3), (3, 0, 0.6), (4, 15, 0.2), (5, 15, 0.5))
+]
+
+
 def event(what, number="", detail=""):
     return line(EVENT_COLUMNS, event=what, reading=number, detail=detail)
 
@@ -114,18 +121,14 @@ def test_every_kind_of_reading_lands_in_its_place(folder):
 
 def test_readings_of_ways_that_are_gone_are_left_out_by_name_and_the_fit_stays(folder):
     """A slide, a check of break-away and a push by marks in an older file."""
-    stations = [
-        reading(k, lambda_deg=bend, incline_deg=2.3 + 0.3 * k, belt_speed_m_s=speed, more="")
-        for k, bend, speed in ((1, 0, 0.3), (2, 0, 0.6), (3, 15, 0.2), (4, 15, 0.5))
-    ]
-    append(folder, *stations)
+    append(folder, *STATIONS)
     before = fit_friction(load_session(folder))
     marks = {"kind": "coast", "more": "by=marks track=tracks/0007.csv track_sha256=0"}
     append(
         folder,
-        reading(5, kind="slide", distance_m=1, duration_s=2.1),
-        reading(6, kind="breakaway"),
-        reading(7, **marks),
+        reading(6, kind="slide", distance_m=1, duration_s=2.1),
+        reading(7, kind="breakaway"),
+        reading(8, **marks),
     )
     session = load_session(folder)
     assert (
@@ -136,16 +139,18 @@ def test_readings_of_ways_that_are_gone_are_left_out_by_name_and_the_fit_stays(f
 
 
 def test_a_zero_that_moved_by_more_than_its_errors_is_in_the_uncertainty_and_told(folder):
-    before = ZeroReading(1, math.radians(0.3), math.radians(-0.1))
-    after = ZeroReading(5, math.radians(0.5), math.radians(0.1), before=False)
-    zero = replace(read_session(folder), readings=(before, after)).zero
-    assert math.degrees(zero.value_rad) == pytest.approx(0.2)
-    assert math.degrees(zero.sigma_rad) == pytest.approx(math.hypot(0.015, 0.1))
-    stations = load_session(NIRAKH_2005)
-    moved, stood = (
-        fit_friction(replace(stations, readings=(*stations.readings, before, last)))
-        for last in (after, replace(before, number=5, before=False))
-    )
+    zero = {"kind": "zero", "incline_deg": "0.3", "reversed_deg": "-0.1"}
+    append(folder, reading(1, **zero), *STATIONS)
+    fits = []
+    for after in (zero, zero | {"incline_deg": "0.5", "reversed_deg": "0.1"}):
+        append(folder, reading(6, **after))
+        session = load_session(folder)
+        fits.append(fit_friction(session))
+        text = (folder / "readings.csv").read_text()
+        (folder / "readings.csv").write_text(text[: text.rindex("6,zero")])
+    stood, moved = fits
+    assert math.degrees(session.zero.value_rad) == pytest.approx(0.2)
+    assert math.degrees(session.zero.sigma_rad) == pytest.approx(math.hypot(0.015, 0.1))
     assert "zero moved" in " ".join(moved.notes)
     assert "zero moved" not in " ".join(stood.notes)
     assert moved.parameters["ft0"].sigma > 1.5 * stood.parameters["ft0"].sigma
@@ -213,6 +218,6 @@ def test_the_hash_tells_what_a_fit_rests_on(folder):
 
 def test_zero_bytes_after_a_power_cut_are_told(folder):
     append(folder, reading(1), "2,station\0\0\0\0\n", reading(3))
-    session = read_session(folder)
+    session = load_session(folder)
     assert [r.number for r in session.kept] == [1, 3]
     assert any(":3: damaged (zero bytes" in note for note in session.notes)
