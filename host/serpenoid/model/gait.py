@@ -6,14 +6,16 @@ import math
 import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import POSITIVE, Limits, check_fields, check_number
 from ..base.errors import BadInput
-from ..base.vectors import Array
+
+if TYPE_CHECKING:
+    from ..base.vectors import Array
 
 _NUMBERS = {
     "alpha_rad": Limits(0.0, math.pi),
