@@ -17,13 +17,6 @@ def test_an_offset_takes_its_share_of_the_joint_angle() -> None:
     assert left == pytest.approx(math.log(1.0 / 0.9))
 
 
-def test_a_limit_counts_as_reached_from_a_thousandth_below_it_on() -> None:
-    limits = sn.GaitLimits(joint_angle_rad=1.0, servo_speed_rad_s=5.0)
-    assert limits.active(sn.Gait(0.999, 1.2, 5.0)) == ("joint angle", "servo speed")
-    assert limits.active(sn.Gait(0.999, 1.2, 4.0)) == ("joint angle",)
-    assert limits.active(sn.Gait(0.9, 1.2, 4.0)) == ()
-
-
 def test_the_error_of_the_speed_is_part_of_the_powers() -> None:
     best = sn.least_power_gait(PAPER, VISCOUS, speed_m_s=0.1, cost="positive_power", rtol=1e-3)
     steady = best.steady

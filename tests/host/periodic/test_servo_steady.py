@@ -103,17 +103,6 @@ def test_what_a_servo_makes_of_each_joint_is_what_the_full_simulation_shows() ->
     assert servo_state(ideal, weak).speed < 0.95 * ideal.speed_m_s
 
 
-def test_the_default_servo_shakes_wheels_loose_and_a_rotor_holds_them() -> None:
-    """The two columns of the question: quick servos .64 of the ideal speed, heavy ones most."""
-    quick = sn.steady_gait(OF_2005, BINGHAM, GAIT, servo=sn.Servo())
-    assert quick.speed_m_s / quick.ideal.speed_m_s == pytest.approx(0.642, abs=0.006)
-    heavy = sn.steady_gait(OF_2005, BINGHAM, GAIT, servo=replace(sn.Servo(), armature_kg_m2=1e-3))
-    assert heavy.speed_m_s / heavy.ideal.speed_m_s > 0.9
-    assert heavy.ripple_rad_s < 0.5 * quick.ripple_rad_s
-    faster = sn.steady_gait(OF_2005, BINGHAM, GAIT, servo=replace(sn.Servo(), frame_s=0.005))
-    assert faster.speed_m_s / faster.ideal.speed_m_s > 0.92
-
-
 @pytest.mark.parametrize("ground", [BINGHAM, VISCOUS], ids=["dry", "viscous"])
 def test_a_perfect_servo_has_the_ideal_speed(ground: sn.Ground) -> None:
     """Slow, strong, on frames of .5 ms: joints follow the gait, 20 ms late."""
@@ -185,23 +174,6 @@ def test_the_power_is_what_the_full_simulation_gives_the_joints() -> None:
     work, late = run.energy_j[:, 3], np.searchsorted(run.t_s, 2.0 - 1e-9)
     full = (work[-1] - work[late]) / (run.t_s[-1] - run.t_s[late])
     assert found.power_w == pytest.approx(full, rel=0.01)
-
-
-def test_the_spread_is_that_of_a_full_simulations_cycles() -> None:
-    """Half their range: frames begin elsewhere in each cycle."""
-    found = sn.steady_gait(
-        OF_2005, BINGHAM, replace(GAIT, omega_rad_s=math.tau * 1.3), rtol=1e-3, servo=sn.Servo()
-    )
-    speeds, _ = full_speeds(found.ideal, sn.Servo(), keep=16, seconds=4)
-    assert 0.6 < found.spread_m_s / (0.5 * np.ptp(speeds)) < 1.2
-
-
-def test_an_exact_servos_band_is_its_spread_over_the_frames() -> None:
-    found = sn.steady_gait(OF_2005, BINGHAM, GAIT, servo=sn.Servo(armature_kg_m2=1e-3))
-    wide = replace(found, spread_m_s=0.1 * found.speed_m_s)
-    assert wide.low_m_s == pytest.approx(0.9 * found.speed_m_s)
-    assert wide.high_m_s == pytest.approx(1.1 * found.speed_m_s)
-    assert replace(found, spread_m_s=2 * found.speed_m_s).low_m_s == 0.0
 
 
 def test_the_bands_ends_leave_as_many_servos_as_they_say() -> None:

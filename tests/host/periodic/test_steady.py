@@ -14,13 +14,8 @@ from robots import BINGHAM, OF_2005, PAPER, VISCOUS, gait_in_deg
 REFERENCE = Path(__file__).parents[2] / "oracle"
 
 
-def gait_deg(alpha: float, beta: float, omega: float) -> sn.Gait:
-    """Return a gait from degrees."""
-    return gait_in_deg(alpha, beta, omega)
-
-
 def test_the_papers_gait() -> None:
-    s = sn.steady_gait(PAPER, VISCOUS, gait_deg(30, 80, 5), rtol=1e-9)
+    s = sn.steady_gait(PAPER, VISCOUS, gait_in_deg(30, 80, 5), rtol=1e-9)
     assert s.speed_m_s == pytest.approx(0.292060796024, rel=2e-12)
     assert s.power_w == pytest.approx(0.073312554830, rel=2e-11)
     # seven digits are published
@@ -29,27 +24,16 @@ def test_the_papers_gait() -> None:
 
 
 def test_the_robot_of_2005() -> None:
-    s = sn.steady_gait(OF_2005, BINGHAM, gait_deg(70, 75, 5))
+    s = sn.steady_gait(OF_2005, BINGHAM, gait_in_deg(70, 75, 5))
     assert s.speed_m_s == pytest.approx(0.133205, rel=4e-6)
-    slow = sn.steady_gait(OF_2005, BINGHAM, gait_deg(70, 75, 1))
+    slow = sn.steady_gait(OF_2005, BINGHAM, gait_in_deg(70, 75, 1))
     assert slow.speed_m_s == pytest.approx(0.03317, rel=2e-4)
-
-
-@pytest.mark.parametrize("ground", [VISCOUS, BINGHAM], ids=["viscous", "dry"])
-def test_steering_left_and_right_are_mirror_images(ground: sn.Ground) -> None:
-    left, right = (
-        sn.steady_gait(OF_2005, ground, sn.Gait(0.6, 1.2, 4.0, offset_rad=o), rtol=1e-7)
-        for o in (0.1, -0.1)
-    )
-    assert left.turn_rad_per_cycle == pytest.approx(-right.turn_rad_per_cycle, rel=1e-5)
-    assert abs(left.turn_rad_per_cycle) > 0.01
-    assert left.power_w == pytest.approx(right.power_w, rel=1e-6)
 
 
 @pytest.mark.parametrize("ground", [VISCOUS, BINGHAM], ids=["viscous", "dry"])
 def test_a_run_in_time_settles_to_it(ground: sn.Ground) -> None:
     """From another start the motion converges to it, as fast as the multipliers say."""
-    gait = gait_deg(60, 75, 6)
+    gait = gait_in_deg(60, 75, 6)
     s = sn.steady_gait(OF_2005, ground, gait, rtol=1e-7)
     cycles = math.ceil(12 * s.settling_time_s / gait.period_s) + 2
     run = sn.simulate(
@@ -71,25 +55,13 @@ def test_a_run_in_time_settles_to_it(ground: sn.Ground) -> None:
     assert abs(speeds[0] / s.speed_m_s - 1) > 1e-2
 
 
-def test_the_papers_grid_settles_in_the_published_times() -> None:
-    """Slowest decay times of the 4500 gaits: 0.22 to 9.3 s (a corner sample of them)."""
-    times = [
-        sn.steady_gait(PAPER, VISCOUS, gait_deg(a, b, w), powers=False, rtol=1e-4).settling_time_s
-        for a in (5, 40, 75)
-        for b in (20, 55, 90)
-        for w in (1, 10, 20)
-    ]
-    assert 0.2 < min(times) < 1.0
-    assert 2.0 < max(times) < 9.4
-
-
 def test_kinked_powers_are_as_right_as_they_claim() -> None:
     """Roots of a joint's torque and rate in one gap of nodes used to go unseen, on every mesh."""
-    s = sn.steady_gait(PAPER, VISCOUS, gait_deg(25, 65, 1))
+    s = sn.steady_gait(PAPER, VISCOUS, gait_in_deg(25, 65, 1))
     assert s.positive_power_w == pytest.approx(0.00616628114, abs=s.positive_power_error_w + 1e-11)
     rng = np.random.default_rng(1)
     for _ in range(60):
-        gait = gait_deg(rng.integers(1, 16) * 5, rng.integers(4, 19) * 5, rng.integers(1, 21))
+        gait = gait_in_deg(rng.integers(1, 16) * 5, rng.integers(4, 19) * 5, rng.integers(1, 21))
         s = sn.steady_gait(PAPER, VISCOUS, gait)
         fine = sn.steady_gait(PAPER, VISCOUS, gait, rtol=1e-10)
         # the finer one's own error is below 1e-9
@@ -97,25 +69,6 @@ def test_kinked_powers_are_as_right_as_they_claim() -> None:
         assert abs(s.positive_power_w - fine.positive_power_w) <= s.positive_power_error_w + slack
         assert abs(s.abs_power_w - fine.abs_power_w) <= s.abs_power_error_w + 2 * slack
         assert s.positive_power_error_w <= 1e-6 * s.positive_power_w
-
-
-def test_viscous_estimates_hold_for_wild_robots() -> None:
-    """A change from a level to the next is trusted twice over, and no more."""
-    rng = np.random.default_rng(3)
-    ratios = []
-    for _ in range(150):
-        links, cn = int(rng.integers(2, 20)), 10 ** rng.uniform(-3, 2)
-        robot = sn.Robot(links, 10 ** rng.uniform(-2, 1), 10 ** rng.uniform(-2, 0))
-        ground = sn.Ground(cn * 10 ** rng.uniform(-4, 0.5), cn)
-        gait = sn.Gait(rng.uniform(0.05, 1.8), rng.uniform(0.05, 2.8), 10 ** rng.uniform(-2, 2))
-        fine = sn.steady_gait(robot, ground, gait, rtol=1e-8, powers=False)
-        scale = max(fine.speed_m_s, 1e-4 * gait.omega_rad_s * robot.body_length_m)
-        for rtol in (1e-2, 1e-4, 1e-6):
-            s = sn.steady_gait(robot, ground, gait, rtol=rtol, powers=False)
-            error = abs(s.speed_m_s - fine.speed_m_s) / scale
-            ratios.append(error / (s.error_estimate + 1e-8))
-            assert error <= rtol
-    assert np.mean(np.array(ratios) > 3) < 0.01
 
 
 def test_an_answer_that_is_not_good_enough_is_not_thrown_away() -> None:
@@ -185,25 +138,6 @@ def test_no_motion_costs_no_power() -> None:
         assert s.power_w > 0
 
 
-@pytest.mark.parametrize(
-    ("make", "said"),
-    [
-        (lambda: sn.Robot(6, 0.0, 0.1), "link_mass_kg is 0.0; it must be a finite number, more"),
-        (lambda: sn.Robot(6, 1.0, math.nan), "link_length_m is nan"),
-        (lambda: sn.Robot(6, 1.0, "0.1"), "link_length_m is '0.1'"),
-        (lambda: sn.Ground(-0.1, 10.0), "ct is -0.1; it must be a finite number, at least 0"),
-        (lambda: sn.Gait(0.5, 1.0, 0.0), "omega_rad_s is 0.0; it must be a finite number, more"),
-        (lambda: sn.Gait(4.0, 1.0, 1.0), "alpha_rad is 4.0"),
-        (lambda: sn.steady_gait(PAPER, sn.Ground(0, 0), gait_deg(30, 80, 5)), "no friction"),
-        (lambda: sn.steady_gait(PAPER, VISCOUS, gait_deg(30, 80, 5), rtol=0), "rtol is 0.0"),
-    ],
-)
-def test_bad_input_is_named(make, said: str) -> None:
-    with pytest.raises(sn.BadInput) as error:
-        make()
-    assert said in str(error.value)
-
-
 @pytest.mark.parametrize("row", rows("periodic_viscous.csv"), ids=lambda r: r["links"])
 def test_viscous_reference_table(row: dict[str, str]) -> None:
     """Shooting on the full period in velocities, and adaptive quadrature of |P|: other code."""
@@ -221,16 +155,6 @@ def test_viscous_reference_table(row: dict[str, str]) -> None:
     assert s.positive_power_error_w <= 1e-6 * s.positive_power_w
     slowest = abs(complex(v["multiplier1_re"], v["multiplier1_im"]))
     assert abs(s.floquet_multipliers[0]) == pytest.approx(slowest, rel=1e-6, abs=1e-9)
-
-
-def test_multipliers_and_settling_time_tell_the_same() -> None:
-    """On heavily damped ground multipliers underflow; once they came out as .055."""
-    mud = sn.steady_gait(OF_2005, sn.Ground(0.5, 5.0), sn.Gait(0.5236, 1.3963, 0.05))
-    assert abs(mud.floquet_multipliers).max() < 1e-30
-    for ct in (1e-3, 0.03, 0.3):
-        s = sn.steady_gait(OF_2005, sn.Ground(ct, 10 * ct), sn.Gait(0.5, 1.4, 1.0))
-        largest = math.exp(-s.gait.period_s / s.settling_time_s)
-        assert abs(s.floquet_multipliers[0]) == pytest.approx(largest, rel=1e-2, abs=1e-13)
 
 
 def test_errors_of_a_motion_with_a_long_memory_are_what_they_claim() -> None:

@@ -26,43 +26,10 @@ FREE = gait_in_deg(60, 100, 4.0)
 ENDS = ("start", "end")
 
 
-def along(run: sn.Run) -> np.ndarray:
-    """Return the speed of every link along itself, (T, n)."""
-    return np.cos(run.theta_rad) * run.vx_m_s + np.sin(run.theta_rad) * run.vy_m_s
-
-
 def travel_m_s(run: sn.Run) -> float:
     """Return the centre of mass's way from the first to the last row over the time, m/s."""
     way = [(v[-1] - v[0]).mean() for v in (run.x_m, run.y_m)]
     return math.hypot(*way) / run.t_s[-1]
-
-
-@pytest.mark.parametrize("formulation", ["explicit", "implicit"])
-@pytest.mark.parametrize("heading", [0.0, math.pi])
-def test_on_a_slope_it_rolls_forwards_and_holds_backwards(formulation: str, heading: float) -> None:
-    """All links alike: m v' = -m g sin +- (ft0 + ct v), from rest; ft0 backwards holds it."""
-    straight, incline = sn.Gait(0.0, 0.0, 2.0), 0.05  # 0.037 N a link
-    start = sn.LinkState.joined(OF_2005, [0.0, 0.0, *[heading] * 6], [0.0] * 8)
-    run = sn.simulate(
-        sn.Scene(
-            OF_2005,
-            RATCHET,
-            straight,
-            formulation=formulation,
-            method="nonsmooth",
-            start=start,
-            incline_rad=incline,
-            incline_direction_rad=0.0,
-            duration_s=1.0,
-            dt_s=1e-3,
-            tolerance=1e-9,
-        )
-    )
-    m, pull = OF_2005.link_mass_kg, 9.80665 * math.sin(incline)
-    kappa = RATCHET.ct_forward / m
-    slides = (pull - RATCHET.ft0_forward / m) / kappa * -math.expm1(-kappa)
-    wanted = 0.0 if heading == 0.0 else slides  # facing uphill it would have to roll backwards
-    assert along(run)[-1] == pytest.approx([wanted] * 6, abs=1e-8)
 
 
 @pytest.mark.parametrize("name", GROUNDS)

@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
-from refusals import refused
 from robots import BINGHAM, OF_2005, PAPER, VISCOUS, gait_in_deg
 from serpenoid.simulation.methods import METHODS
 from serpenoid.simulation.run import difference
@@ -133,11 +132,6 @@ def test_the_springs_error_is_the_difference_to_the_exact_model() -> None:
 def test_a_method_that_knows_nothing_of_sticking_is_warned_of() -> None:
     run = sn.simulate(replace(DRY, method="rk4", duration_s=0.3))
     assert any("nothing of sticking" in w for w in run.warnings)
-
-
-def test_an_accuracy_out_of_reach_is_refused() -> None:
-    with refused("accuracy is 1e-20"):
-        sn.simulate(PLAIN, accuracy=1e-20)
 
 
 @pytest.mark.parametrize("asked", [{"incline_rad": 0.017}, {"method": "rk4"}])

@@ -32,13 +32,6 @@ def test_stiff_springs_give_the_exact_model() -> None:
     assert soft.positive_power_w == pytest.approx(exact.positive_power_w, rel=2e-3)
 
 
-def test_dry_ground_too() -> None:
-    robot, ground = OF_2005, BINGHAM
-    fast = gait_in_deg(70, 75, 5.0)
-    soft = sn.steady_springs(robot, ground, fast, joint_stiffness_n_m=1e4)
-    assert soft.speed_m_s == pytest.approx(0.133205, rel=3e-3)
-
-
 def test_bad_input_is_named() -> None:
     with refused("rtol is 0"):
         sn.steady_springs(PAPER, VISCOUS, gait(5.0), rtol=0)
