@@ -1,13 +1,12 @@
 """`fit` and the friction that it hands to other commands."""
 
 import json
-import shutil
 from functools import partial
 
 import pytest
 import serpenoid as sn
 from command_line import answer, serpenoid
-from robots import NIRAKH_2005
+from robots import copy_of_2005
 
 run = partial(serpenoid, check=True)
 GAIT = "--alpha-deg 70 --beta-deg 75 --omega-rad-s 5"
@@ -15,11 +14,7 @@ GAIT = "--alpha-deg 70 --beta-deg 75 --omega-rad-s 5"
 
 @pytest.fixture
 def folder(tmp_path):
-    copy = tmp_path / "session"
-    copy.mkdir()
-    for name in ("session.toml", "readings.csv", "events.csv"):
-        shutil.copy(NIRAKH_2005 / name, copy)
-    return copy
+    return copy_of_2005(tmp_path / "session")
 
 
 def test_fit_shows_whole_and_per_link_values_and_keeps_them(folder):

@@ -94,8 +94,7 @@ def odrpack_fit(made):
     return found.beta[:4], found.cov_beta[:4, :4], found.sum_square
 
 
-@pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize("lambdas_deg", [(7.5,), (7.5, 15.0, 30.0)])
+@pytest.mark.parametrize(("seed", "lambdas_deg"), [(0, (7.5,)), (1, (7.5, 15.0, 30.0))])
 def test_joint_fit_solves_the_whole_problem(seed, lambdas_deg):
     """ODRPACK differentiates numerically: its covariance is right to 1 %, its values are exact."""
     made = session(setup(*lambdas_deg), WHOLE_BODY_2005, np.random.default_rng(seed))

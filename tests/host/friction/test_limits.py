@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from calibration.synthetic_session import setup
-from robots import gait_in_deg
 from serpenoid import Session
 from serpenoid.session.station import Reading
 
@@ -27,7 +26,7 @@ def held(ct, seed, cn=1.2):
 
 @pytest.fixture(scope="module")
 def fits():
-    return [sn.fit_friction(held(0.0, seed)) for seed in range(12)]
+    return [sn.fit_friction(held(0.0, seed)) for seed in range(8)]
 
 
 def test_ball_bearings_are_an_answer(fits):
@@ -47,10 +46,3 @@ def test_sigma_interval_and_draws_tell_the_same_beside_the_limit(fits):
         assert drawn.min() >= 0.0
         # a normal distribution that is cut at 0 has a little more above
         assert 0.015 < np.mean(drawn > high) < 0.08
-
-
-def test_a_fit_at_its_limit_predicts_and_is_printed(fits):
-    fit = next(f for f in fits if f.parameters["ct"].value == 0.0)
-    gait = gait_in_deg(70, 75, math.pi)
-    assert sn.steady_gait(fit.robot, fit.ground, gait).speed_m_s > 0.05
-    assert "below 0.0" in str(fit)
