@@ -195,13 +195,6 @@ class RobotClosed(RobotError):
     """
 
 
-class RobotHeld(RobotError):
-    """A motion was asked for after stop(stay=True) and before release().
-
-    Way out: call release() once nobody is in its way.
-    """
-
-
 class RobotUnattended(RobotError):
     """The motion was ended because the program gave no sign of life for too long.
 

@@ -187,18 +187,13 @@ class RobotBoard:
         multiples = joint_multiples(bend_signs(bend, self.hello.joints + 1))
         self.pose([offset_rad + k * lambda_rad for k in multiples])
 
-    def stop(self, *, stay: bool = False) -> None:
+    def stop(self) -> None:
         """Freeze all joints now; return when the board has confirmed it. Safe from any thread.
 
         The key goes out at once, before whatever other threads are waiting for; the confirmation
-        comes after their commands. stay: a gait or pose that another thread asks for, now or
-        later, raises RobotHeld there until release(): what a Stop button wants.
+        comes after their commands. A motion that another thread is asking for is given up.
         """
-        _obey("stop", self._dialogue.stop(stay=stay))
-
-    def release(self) -> None:
-        """Allow motion again after stop(stay=True); nothing moves by this itself."""
-        self._dialogue.release()
+        _obey("stop", self._dialogue.stop())
 
     def idle(self) -> None:
         """Stop and let the servos go limp."""

@@ -15,7 +15,7 @@ from command_line import program
 from robot.fake_board import GAIT, GAIT_TYPED, FakeBoard
 from robot.patience import LONG_S, clock, until
 from robot.terminal import Person
-from serpenoid.base.errors import RobotClosed, RobotHeld, RobotUnattended
+from serpenoid.base.errors import CommandRefused, RobotClosed, RobotUnattended
 from serpenoid.robot import RobotBoard
 from serpenoid.robot.recording.stream import load_stream
 from serpenoid.robot.wire import dialogue
@@ -237,8 +237,7 @@ def test_a_stop_goes_out_at_once_though_another_thread_waits_for_a_verdict(monke
     assert fake.received.index(b"\n!\n") < fake.received.index(b" stop *")
 
 
-def test_a_stop_that_is_to_stay_refuses_motion_until_it_is_released(monkeypatch, crawling):
-    """Also a motion whose verdict was lost: it is not sent again after such a stop."""
+def test_a_motion_whose_verdict_was_lost_is_not_sent_again_after_a_stop(monkeypatch, crawling):
     monkeypatch.setattr(dialogue, "RETRY_S", 0.3)  # in which the stop has come
     fake, robot = crawling
     stops: list[threading.Thread] = []
@@ -246,23 +245,17 @@ def test_a_stop_that_is_to_stay_refuses_motion_until_it_is_released(monkeypatch,
     def lose(line: bytes) -> bytes:
         if b" pose " not in line:
             return line
-        if not stops:
-            stops.append(threading.Thread(target=lambda: robot.stop(stay=True)))
-            stops[0].start()
+        stops.append(threading.Thread(target=robot.stop))
+        stops[0].start()
         return b""
 
     fake.to_board = lose
-    with pytest.raises(RobotHeld, match="release"):
+    with pytest.raises(CommandRefused, match="stopped"):
         robot.straight()
     stops[0].join()
-    before, _, after = fake.received.partition(b"\n!\n")
-    assert b"pose straight" in before
-    assert b"pose straight" not in after
-    fake.to_board = lambda line: line
-    with pytest.raises(RobotHeld):
-        robot.gait(GAIT)
+    assert len(stops) == 1
     assert robot.status().state == "hold"
-    robot.release()
+    fake.to_board = lambda line: line
     robot.straight()
     assert fake.await_state("pose")
 

@@ -19,7 +19,6 @@ from ...base.errors import (
     FramesMissing,
     RobotClosed,
     RobotError,
-    RobotHeld,
     RobotLost,
     RobotUnattended,
     StopUnconfirmed,
@@ -38,6 +37,11 @@ LONGEST_LINE = 4096
 STOP = b"\n!\n"
 MOTIONS = ("gait", "pose")
 MOST_STOPS = 10  # that other threads may send while one asks for something that moves nothing
+
+
+def is_motion(text: str) -> bool:
+    """Tell whether a command sets the robot in motion."""
+    return text.split(maxsplit=1)[0] in MOTIONS
 
 
 class Answer(NamedTuple):
@@ -83,8 +87,7 @@ class Dialogue:
         self._closing = threading.Event()
         self._changed = threading.Condition()  # guards the inbox
         self._talking = threading.RLock()  # one command at a time
-        self._sending = threading.RLock()  # no motion slips out behind a stop that is to stay
-        self._held = False
+        self._halts = 0
         self._threads: list[threading.Thread] = []
 
     def start(self) -> None:
@@ -110,24 +113,20 @@ class Dialogue:
         self._attend()
         return self._ask_within(text, PATIENCE_S)
 
-    def halt(self, *, stay: bool = False) -> None:
-        """Stop the robot at once, whatever else is under way; the verdict is not waited for.
+    def halt(self) -> None:
+        """Stop the robot at once, whatever else is under way; the verdict is not waited for."""
+        with self._changed:
+            self._halts += 1
+            self.inbox.states.halting()
+        self._write(STOP)
 
-        stay: until release(), whoever asks for a motion gets RobotHeld; one under way is given up.
-        """
-        with self._sending:
-            self._held = self._held or stay
-            with self._changed:
-                self.inbox.states.halting()
-            self._write(STOP)
-
-    def stop(self, *, stay: bool = False) -> Answer:
+    def stop(self) -> Answer:
         """Halt, from any thread, and return once the board has confirmed it and rests.
 
         Raises StopUnconfirmed if it goes on moving.
         """
         if not self._closing.is_set():  # what is closed is not lost
-            self.halt(stay=stay)
+            self.halt()
         answer = self._ask_within("stop", PATIENCE_S)
         if answer.verdict.accepted:
             self._await_rest()
@@ -143,10 +142,6 @@ class Dialogue:
                     f"{PATIENCE_S:g} s later; if the robot moves, cut its power"
                 )
             self._ask_within("status", PATIENCE_S)
-
-    def release(self) -> None:
-        """Allow motion again after stop(stay=True)."""
-        self._held = False
 
     def feed(self, silence_s: float) -> None:
         """Ping often enough for a board whose silence time is this; 0 is none."""
@@ -278,8 +273,7 @@ class Dialogue:
                 answer = self._exchange(text, patience_s)
                 if answer is None or answer.verdict.error != "stopped":
                     break
-                self._check_held(text)
-                if text.split(maxsplit=1)[0] in MOTIONS:  # the stop was meant for it
+                if is_motion(text):  # the stop was meant for it
                     break
         if answer is None:
             raise self._fail(
@@ -296,15 +290,15 @@ class Dialogue:
 
         patience_s: of listening; a process that slept meanwhile did not listen.
         """
-        hello, left_s = self.inbox.hello, patience_s
+        hello, left_s, halts = self.inbox.hello, patience_s, self._halts
         line = seal(text, self._number, hello.joints if hello else 5)
         with self._changed:
             pending = self.inbox.ask(self._number, text)
         while True:
             pending.damaged = False
-            with self._sending:
-                self._check_held(text)
-                self._write(line)
+            if self._halts != halts and is_motion(text):
+                raise refused(text, "stopped")
+            self._write(line)
             self._spoken_s = self.link.now_s()
             retry_s = min(RETRY_S, left_s)
             self.wait(
@@ -319,12 +313,6 @@ class Dialogue:
                 return None
             with self._changed:
                 self.inbox.losses.resent += 1
-
-    def _check_held(self, text: str) -> None:
-        if self._held and text.split(maxsplit=1)[0] in MOTIONS:
-            raise RobotHeld(
-                f"{text!r} is not sent: the robot was told to stop and stay; call release() first"
-            )
 
     def _attend(self) -> None:
         self._attended_s = self.link.now_s()
