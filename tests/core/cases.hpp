@@ -27,7 +27,7 @@ inline Chain first_pose(const Robot& robot, const Gait& gait) {
     Chain chain(robot.n);
     const GaitTable table(robot.n, gait);
     for (int i = 0; i + 1 < robot.n; ++i) {
-        const GaitTable::Joint joint = table.at(i, 0.0, 1.0);
+        const GaitTable::Joint joint = table.joint(i, 0.0, 1.0);
         chain.theta[i + 1] = chain.theta[i] + joint.angle;
         chain.omega[i + 1] = chain.omega[i] + gait.omega * joint.slope;
     }

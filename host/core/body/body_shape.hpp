@@ -92,7 +92,7 @@ INLINED void BodyShapeOf<Real>::chain(double l, const GaitTable& gait, Real sin_
         }
         if (i + 1 == n) return;
         half();  // to the joint with the old angle, from the joint on with the new one
-        const auto j = gait.at(i, sin_tau, cos_tau);
+        const auto j = gait.joint(i, sin_tau, cos_tau);
         angle += j.angle;
         s1 += j.slope;
         s2 += j.curvature;

@@ -30,8 +30,10 @@ class GaitDrive {
         const double c = cosines[0], s = sines[0];
         if (t != shape_t_) set_shape(t, sines[1], cosines[1]);
         for (int i = 0; i < k.n(); ++i) {
-            k.theta[i] = theta1 + turn_[i], k.omega[i] = omega1 + rate_[i];
-            k.c[i] = c * cos_[i] - s * sin_[i], k.s[i] = s * cos_[i] + c * sin_[i];
+            k.theta[i] = theta1 + turn_[i];
+            k.omega[i] = omega1 + rate_[i];
+            k.c[i] = c * cos_[i] - s * sin_[i];
+            k.s[i] = s * cos_[i] + c * sin_[i];
         }
     }
     const double* joint_accel() const { return accel_.data(); }
@@ -41,10 +43,10 @@ class GaitDrive {
     // The links' angles from link 1, their cosines and sines, and the rates of these angles.
     void set_shape(double t, double sine, double cosine) {
         shape_t_ = t;
-        const GaitWave now = table_.wave(omega_, sine, cosine);
+        const GaitWave wave = table_.wave(omega_, sine, cosine);
         double turn = 0, rate = 0;
         for (int i = 0; i < table_.joints(); ++i) {
-            const GaitWave::Joint joint = now.at(i);
+            const GaitWave::Joint joint = wave.joint(i);
             turn += joint.angle;
             rate += joint.rate;
             turn_[i + 1] = turn;
@@ -75,7 +77,8 @@ class MixedDrive {
           locked_(locked_rad),
           imposed_(links - 1),
           rotor_(links - 1) {
-        fault_.resize(links - 1, Fault::none), locked_.resize(links - 1);
+        fault_.resize(links - 1, Fault::none);
+        locked_.resize(links - 1);
         for (int i = 0; i + 1 < links; ++i) {
             imposed_[i] = fault_[i] == Fault::locked || (by_angle && fault_[i] == Fault::none);
             if (!imposed_[i]) free_.push_back(i);
@@ -91,16 +94,21 @@ class MixedDrive {
     // Angles and rates of all links from those of link 1 and of the free joints; keeps phi''.
     void place(double t, double theta1, double omega1, const double* angle, const double* rate,
                Chain& k) {
-        const GaitWave now = table_.wave(omega_, t);
-        k.theta[0] = theta1, k.omega[0] = omega1;
+        const GaitWave wave = table_.wave(omega_, t);
+        k.theta[0] = theta1;
+        k.omega[0] = omega1;
         for (int i = 0, f = 0; i + 1 < k.n(); ++i) {
             double phi = locked_[i], speed = 0;
             accel_[i] = 0;
             if (!imposed_[i]) {
-                phi = angle[f], speed = rate[f], ++f;
+                phi = angle[f];
+                speed = rate[f];
+                ++f;
             } else if (fault_[i] == Fault::none) {
-                const GaitWave::Joint j = now.at(i);
-                phi = j.angle, speed = j.rate, accel_[i] = j.acceleration;
+                const GaitWave::Joint j = wave.joint(i);
+                phi = j.angle;
+                speed = j.rate;
+                accel_[i] = j.acceleration;
             }
             k.theta[i + 1] = k.theta[i] + phi;
             k.omega[i + 1] = k.omega[i] + speed;

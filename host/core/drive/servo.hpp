@@ -30,8 +30,8 @@ struct Servo {
 
     double beyond(double error) const { return error - std::clamp(error, -dead_band, dead_band); }
     double duty(double error, double rate) const {
-        const double wanted = (stiffness * beyond(error) - damping * rate) / torque_limit;
-        return std::clamp(wanted + rate / speed_limit, -1.0, 1.0);
+        const double loop_duty = (stiffness * beyond(error) - damping * rate) / torque_limit;
+        return std::clamp(loop_duty + rate / speed_limit, -1.0, 1.0);
     }
     // All but the gear's dry friction.
     double torque(double supply, double duty, double rate) const {
@@ -59,14 +59,15 @@ void each_servo_field(const Visit& field) {
 class Supply {
   public:
     void add(const Servo& s, double duty, double rate) {
-        squares_ += duty * duty, back_ += duty * rate / s.speed_limit;
+        squares_ += duty * duty;
+        back_emf_ += duty * rate / s.speed_limit;
     }
     double voltage(double sag) const {
-        return std::clamp((1 + sag * back_) / (1 + sag * squares_), 0.0, 1.0);
+        return std::clamp((1 + sag * back_emf_) / (1 + sag * squares_), 0.0, 1.0);
     }
 
   private:
-    double squares_ = 0, back_ = 0;
+    double squares_ = 0, back_emf_ = 0;
 };
 
 }  // namespace serpenoid

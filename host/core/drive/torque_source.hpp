@@ -54,17 +54,17 @@ class TableTorque final : public TorqueSource {
 
     // The kinks of the table end a step: between them everything is smooth.
     double next_jump(double t) const override {
-        const auto after = std::upper_bound(rows_.t_s.begin(), rows_.t_s.end(), t);
-        return after == rows_.t_s.end() ? std::numeric_limits<double>::infinity() : *after;
+        const auto next_row = std::upper_bound(rows_.t_s.begin(), rows_.t_s.end(), t);
+        return next_row == rows_.t_s.end() ? std::numeric_limits<double>::infinity() : *next_row;
     }
     void torques(double t, const Chain& k, double* T) override {
         const std::size_t joints = k.n() - 1, last = rows_.t_s.size() - 1;
-        const std::size_t to =
+        const std::size_t row =
             std::lower_bound(rows_.t_s.begin(), rows_.t_s.end(), t) - rows_.t_s.begin();
-        const double* b = &rows_.torque_nm[std::min(to, last) * joints];
-        if (to == 0 || to > last) return static_cast<void>(std::copy_n(b, joints, T));
+        const double* b = &rows_.torque_nm[std::min(row, last) * joints];
+        if (row == 0 || row > last) return static_cast<void>(std::copy_n(b, joints, T));
         const double* a = b - joints;
-        const double f = (t - rows_.t_s[to - 1]) / (rows_.t_s[to] - rows_.t_s[to - 1]);
+        const double f = (t - rows_.t_s[row - 1]) / (rows_.t_s[row] - rows_.t_s[row - 1]);
         for (std::size_t i = 0; i < joints; ++i) T[i] = (1 - f) * a[i] + f * b[i];
     }
 
@@ -82,18 +82,19 @@ class ServoTorque final : public TorqueSource {
           duty_(links - 1),
           update_(servo.update_hz > 0 ? 1 / servo.update_hz : 0) {}
     double next_jump(double t) const override {
-        const double frame = after(t, servo_.frame);
-        return held() ? std::min(frame, after(t, update_)) : frame;
+        const double frame = next_start(t, servo_.frame);
+        return holds_duty() ? std::min(frame, next_start(t, update_)) : frame;
     }
     void enter(double t, const Chain& k) override {
         gait_.setpoints(index(t, servo_.frame), setpoint_.data(), setpoint_.size());
         // a frame between two updates changes nothing yet
-        if (held() && t >= static_cast<double>(index(t, update_)) * update_ - kGrain * update_ &&
+        if (holds_duty() &&
+            t >= static_cast<double>(index(t, update_)) * update_ - kGrain * update_ &&
             t <= (static_cast<double>(index(t, update_)) + kGrain) * update_)
             control(k);
     }
     void torques(double, const Chain& k, double* T) override {
-        if (!held()) control(k);
+        if (!holds_duty()) control(k);
         Supply supply;
         for (std::size_t i = 0; i < duty_.size(); ++i) supply.add(servo_, duty_[i], rate(k, i));
         const double voltage = supply.voltage(servo_.supply_sag);
@@ -105,14 +106,14 @@ class ServoTorque final : public TorqueSource {
 
   private:
     static constexpr double kGrain = 1e-9;  // a time within rounding of a start is in it
-    static std::uint64_t index(double t, double every) {
-        return static_cast<std::uint64_t>(std::floor(t / every + kGrain));
+    static std::uint64_t index(double t, double period) {
+        return static_cast<std::uint64_t>(std::floor(t / period + kGrain));
     }
-    static double after(double t, double every) {
-        return (std::floor(t / every + kGrain) + 1) * every;
+    static double next_start(double t, double period) {
+        return (std::floor(t / period + kGrain) + 1) * period;
     }
     static double rate(const Chain& k, std::size_t i) { return k.omega[i + 1] - k.omega[i]; }
-    bool held() const { return update_ > 0; }
+    bool holds_duty() const { return update_ > 0; }
     void control(const Chain& k) {
         for (std::size_t i = 0; i < duty_.size(); ++i)
             duty_[i] = servo_.duty(setpoint_[i] - (k.theta[i + 1] - k.theta[i]), rate(k, i));

@@ -15,18 +15,25 @@ class FixedStep : public Method {
     FixedStep(System& system, double dt) : system_(system), dt_(dt), y_(system.dim()) {}
 
     void restart(double t, const double* y) override {
-        origin_ = t_ = t, steps_ = 0;
+        origin_ = t;
+        t_ = t;
+        steps_ = 0;
         std::copy_n(y, y_.size(), y_.begin());
     }
     StepOutcome step(double t_limit) override {
-        const double whole = origin_ + static_cast<double>(steps_ + 1) * dt_;
+        const double step_end = origin_ + static_cast<double>(steps_ + 1) * dt_;
         // a limit within rounding of the step's end is its end
-        const double rounding = 1e-9 * dt_, to = whole > t_limit - rounding ? t_limit : whole;
-        advance(t_, to - t_, y_.data());
-        t_ = to, ++steps_;
+        const double rounding = 1e-9 * dt_,
+                     target = step_end > t_limit - rounding ? t_limit : step_end;
+        advance(t_, target - t_, y_.data());
+        t_ = target;
+        ++steps_;
         // count anew behind a shortened step, or the next would be longer than dt; behind a whole
         // one go on, or what is recorded would change the times of the steps
-        if (whole > t_limit + rounding) origin_ = to, steps_ = 0;
+        if (step_end > t_limit + rounding) {
+            origin_ = target;
+            steps_ = 0;
+        }
         return {};
     }
     double time() const override { return t_; }

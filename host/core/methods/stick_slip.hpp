@@ -35,39 +35,39 @@ class Slide {
     };
 
     Slide(const WheelLaw& law, double m, double h)
-        : h_(h), ahead_(friction_of(law, 1, m)), back_(friction_of(law, -1, m)) {}
+        : h_(h), forward_(friction_of(law, 1, m)), backward_(friction_of(law, -1, m)) {}
 
     // Speed at the end from that at the start.
     double operator()(double v, double g) const {
-        double left = h_;
+        double time = h_;
         if (v != 0) {
             const Friction& w = going(v);
             const double speed = std::fabs(v), brake = w.mu - std::copysign(1.0, v) * g;
             const double end = speed - (w.kappa * speed + brake) * w.reach;
             if (end >= 0) return std::copysign(end, v);
-            left -= w.kappa > 0 ? std::log1p(w.kappa * speed / brake) / w.kappa : speed / brake;
+            time -= w.kappa > 0 ? std::log1p(w.kappa * speed / brake) / w.kappa : speed / brake;
         }
         const Friction& w = going(g);
         if (std::fabs(g) <= w.mu) return 0;
-        return (g - std::copysign(w.mu, g)) * reach(w.kappa, left);
+        return (g - std::copysign(w.mu, g)) * reach(w.kappa, time);
     }
 
     // A step from its two halves' result and the whole one's.
-    double extrapolate(double halves, double whole) const {
-        const double both = 2 * halves - whole;
-        const bool same = halves * whole > 0 && halves * both > 0;
-        return (ahead_.mu == 0 && back_.mu == 0) || same ? both : halves;
+    double extrapolate(double halves, double single) const {
+        const double extrapolated = 2 * halves - single;
+        const bool same = halves * single > 0 && halves * extrapolated > 0;
+        return (forward_.mu == 0 && backward_.mu == 0) || same ? extrapolated : halves;
     }
 
     // Acceleration by friction at a speed; a wheel at rest takes g up as far as it can.
     double friction(double v, double g, bool rests) const {
-        if (rests) return -std::clamp(g, -back_.mu, ahead_.mu);
+        if (rests) return -std::clamp(g, -backward_.mu, forward_.mu);
         const Friction& w = going(v);
         return -(w.kappa * v + std::copysign(w.mu, v));
     }
 
   private:
-    const Friction& going(double v) const { return v < 0 ? back_ : ahead_; }
+    const Friction& going(double v) const { return v < 0 ? backward_ : forward_; }
     Friction friction_of(const WheelLaw& law, double direction, double m) const {
         const double kappa = law.viscous(direction) / m;
         return {kappa, law.dry(direction) / m, reach(kappa, h_)};
@@ -76,7 +76,7 @@ class Slide {
         return kappa > 0 ? -std::expm1(-kappa * t) / kappa : t;
     }
     double h_;
-    Friction ahead_, back_;
+    Friction forward_, backward_;
 };
 
 // The system is an implicit one without friction; its state starts with the centres.
@@ -87,9 +87,9 @@ class StickSlip : public FixedStep {
           robot_(robot),
           ground_(ground),
           dy_(frictionless.dim()),
-          whole_(frictionless.dim()),
-          of_whole_(2 * robot.n),
-          of_halves_(2 * robot.n),
+          single_(frictionless.dim()),
+          single_speed_(2 * robot.n),
+          halves_speed_(2 * robot.n),
           centre_(robot.n) {}
 
     void give_forces(System& system) override {
@@ -105,24 +105,26 @@ class StickSlip : public FixedStep {
             const double gn = -s * k.ax[i] + c * k.ay[i] - w * vt;
             const double ft = m * along(0).friction(vt, gt, std::fabs(vt) <= rounding);
             const double fn = m * across(0).friction(vn, gn, std::fabs(vn) <= rounding);
-            k.fx[i] += c * ft - s * fn, k.fy[i] += s * ft + c * fn;
+            k.fx[i] += c * ft - s * fn;
+            k.fy[i] += s * ft + c * fn;
         }
     }
 
   protected:
     void advance(double t, double dt, double* y) override {
-        whole_.assign(y, y + whole_.size());
-        plain(t, dt, whole_.data(), of_whole_);
-        plain(t, dt / 2, y, of_halves_);
-        plain(t + dt / 2, dt / 2, y, of_halves_);
-        for (std::size_t i = 0; i < whole_.size(); ++i) y[i] = 2 * y[i] - whole_[i];
+        single_.assign(y, y + single_.size());
+        plain(t, dt, single_.data(), single_speed_);
+        plain(t, dt / 2, y, halves_speed_);
+        plain(t + dt / 2, dt / 2, y, halves_speed_);
+        for (std::size_t i = 0; i < single_.size(); ++i) y[i] = 2 * y[i] - single_[i];
         if (!ground_.dry()) return;  // nothing rests, and momentum is kept as the frame keeps it
         system_.fill(t + dt, y);
         Chain& k = system_.chain();
         const Slide along_slide = along(dt), across_slide = across(dt);
         for (int i = 0; i < robot_.n; ++i)
-            set_velocity(k, i, along_slide.extrapolate(of_halves_[2 * i], of_whole_[2 * i]),
-                         across_slide.extrapolate(of_halves_[2 * i + 1], of_whole_[2 * i + 1]));
+            set_velocity(
+                k, i, along_slide.extrapolate(halves_speed_[2 * i], single_speed_[2 * i]),
+                across_slide.extrapolate(halves_speed_[2 * i + 1], single_speed_[2 * i + 1]));
         set_centres(y);
     }
 
@@ -159,10 +161,10 @@ class StickSlip : public FixedStep {
         centre_ = k;
         system_.fill(t + h, y);  // the directions at the end of the step
         double heat = 0;
-        const auto slide = [&](const Slide& over, double& v, double kicked) {
-            const double before = v;
-            v = over(before, (kicked - before) / h);
-            heat += robot_.m * (kicked - v) * (before + v) / 2;
+        const auto slide = [&](const Slide& slide_by, double& v, double kicked) {
+            const double old_speed = v;
+            v = slide_by(old_speed, (kicked - old_speed) / h);
+            heat += robot_.m * (kicked - v) * (old_speed + v) / 2;
         };
         for (int i = 0; i < n; ++i) {
             double &vt = speed[2 * i], &vn = speed[2 * i + 1];
@@ -180,7 +182,7 @@ class StickSlip : public FixedStep {
 
     Robot robot_;
     Ground ground_;
-    std::vector<double> dy_, whole_, of_whole_, of_halves_;
+    std::vector<double> dy_, single_, single_speed_, halves_speed_;
     Chain centre_;  // at the start of a plain step
 };
 

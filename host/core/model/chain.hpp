@@ -34,7 +34,8 @@ struct Chain {
     void directions() {
         for (int i = 0; i < n(); ++i) {
             const double angle = theta[i];  // a copy: the pair is one call then
-            c[i] = std::cos(angle), s[i] = std::sin(angle);
+            c[i] = std::cos(angle);
+            s[i] = std::sin(angle);
         }
     }
 

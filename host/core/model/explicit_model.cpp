@@ -8,16 +8,20 @@ namespace serpenoid {
 
 TailMotion tail_motion(const Robot& robot, const double* joint_accel, Chain& k) {
     TailSums sums{k.fx[0], k.fy[0]};
-    Along at{};
-    HalfLink before = HalfLink::of(robot.l, k.c[0], k.s[0], k.omega[0]);
-    k.ax[0] = k.ay[0] = k.alpha[0] = 0;
+    LinkPath path{};
+    HalfLink previous = half_link(robot.l, k.c[0], k.s[0], k.omega[0], 0);
+    k.ax[0] = 0;
+    k.ay[0] = 0;
+    k.alpha[0] = 0;
     for (int i = 1; i < k.n(); ++i) {
-        at.turn += joint_accel[i - 1];
-        const HalfLink now = HalfLink::of(robot.l, k.c[i], k.s[i], k.omega[i], at.turn);
-        at.pass(before, now);
-        before = now;
-        k.ax[i] = at.bx, k.ay[i] = at.by, k.alpha[i] = at.turn;
-        sums.add(robot.m, at, k.fx[i], k.fy[i]);
+        path.turn += joint_accel[i - 1];
+        const HalfLink next = half_link(robot.l, k.c[i], k.s[i], k.omega[i], path.turn);
+        path.pass(previous, next);
+        previous = next;
+        k.ax[i] = path.b_x;
+        k.ay[i] = path.b_y;
+        k.alpha[i] = path.turn;
+        sums.add(robot.m, path, k.fx[i], k.fy[i]);
     }
     return sums.solve(robot);
 }
@@ -26,7 +30,8 @@ void explicit_angle(const Robot& robot, const double* joint_accel, Chain& k) {
     const TailMotion tail = tail_motion(robot, joint_accel, k);
     for (int i = 0; i < k.n(); ++i) {
         const double rx = k.x[i] - k.x[0], ry = k.y[i] - k.y[0];
-        k.ax[i] += tail.ax - tail.alpha * ry, k.ay[i] += tail.ay + tail.alpha * rx;
+        k.ax[i] += tail.ax - tail.alpha * ry;
+        k.ay[i] += tail.ay + tail.alpha * rx;
         k.alpha[i] += tail.alpha;
     }
 }
@@ -35,7 +40,9 @@ void joint_forces(const Robot& robot, const Chain& k, Joints& joints) {
     JointSums behind;
     for (int i = 0; i + 1 < k.n(); ++i) {
         behind.add(robot, -k.s[i], k.c[i], k.ax[i], k.ay[i], k.alpha[i], k.fx[i], k.fy[i]);
-        joints.Fx[i] = behind.Fx, joints.Fy[i] = behind.Fy, joints.T[i] = behind.T;
+        joints.Fx[i] = behind.Fx;
+        joints.Fy[i] = behind.Fy;
+        joints.T[i] = behind.T;
     }
 }
 
@@ -49,7 +56,9 @@ static void accelerate(const Robot& r, Chain& k, const Joints& joints) {
         k.ax[i] = (k.fx[i] + qx - px) / r.m;
         k.ay[i] = (k.fy[i] + qy - py) / r.m;
         k.alpha[i] = (qT - pT + r.l * (-k.s[i] * (px + qx) + k.c[i] * (py + qy))) / r.I;
-        px = qx, py = qy, pT = qT;
+        px = qx;
+        py = qy;
+        pT = qT;
     }
 }
 
@@ -57,12 +66,12 @@ namespace {
 
 // The three rows of joint i, each over (F_x, F_y, T) of joints i - 1, i, i + 1, and the right side.
 struct JointRows {
-    double before[9], here[9], after[9], right[3];
+    double previous[9], diagonal[9], next[9], right[3];
 };
 
 // A free joint with a rotor: its phi'' = (T - known) / rotor, known the torque on the rotor.
 JointRows joint_rows(const Robot& r, const Chain& k, int i, bool imposed, double rotor,
-                     double known) {
+                     double given_torque) {
     const double im = 1 / r.m, lI = r.l / r.I, ll = r.l * lI, iI = 1 / r.I;
     const double a[2] = {-k.s[i], k.c[i]}, b[2] = {-k.s[i + 1], k.c[i + 1]};  // n_i, n_{i+1}
     const double wi = r.l * k.omega[i] * k.omega[i];
@@ -70,25 +79,30 @@ JointRows joint_rows(const Robot& r, const Chain& k, int i, bool imposed, double
     JointRows rows{};
     for (int p = 0; p < 2; ++p) {
         for (int q = 0; q < 2; ++q) {
-            const double one = p == q ? im : 0;
-            rows.before[3 * p + q] = ll * a[p] * a[q] - one;
-            rows.here[3 * p + q] = ll * (a[p] * a[q] + b[p] * b[q]) + 2 * one;
-            rows.after[3 * p + q] = ll * b[p] * b[q] - one;
+            const double inverse_mass = p == q ? im : 0;
+            rows.previous[3 * p + q] = ll * a[p] * a[q] - inverse_mass;
+            rows.diagonal[3 * p + q] = ll * (a[p] * a[q] + b[p] * b[q]) + 2 * inverse_mass;
+            rows.next[3 * p + q] = ll * b[p] * b[q] - inverse_mass;
         }
-        rows.before[3 * p + 2] = -lI * a[p];
-        rows.here[3 * p + 2] = lI * (a[p] - b[p]);
-        rows.after[3 * p + 2] = lI * b[p];
+        rows.previous[3 * p + 2] = -lI * a[p];
+        rows.diagonal[3 * p + 2] = lI * (a[p] - b[p]);
+        rows.next[3 * p + 2] = lI * b[p];
     }
     rows.right[0] = (k.fx[i + 1] - k.fx[i]) * im + k.c[i] * wi + k.c[i + 1] * wj;
     rows.right[1] = (k.fy[i + 1] - k.fy[i]) * im + k.s[i] * wi + k.s[i + 1] * wj;
-    rows.right[2] = imposed ? -known : rotor > 0 ? known / rotor : known;
-    if (!imposed && rotor == 0) return rows.here[8] = 1, rows;
-    for (int q = 0; q < 2; ++q) {
-        rows.before[6 + q] = lI * a[q];
-        rows.here[6 + q] = lI * (a[q] - b[q]);
-        rows.after[6 + q] = -lI * b[q];
+    rows.right[2] = imposed ? -given_torque : rotor > 0 ? given_torque / rotor : given_torque;
+    if (!imposed && rotor == 0) {
+        rows.diagonal[8] = 1;
+        return rows;
     }
-    rows.before[8] = rows.after[8] = -iI, rows.here[8] = 2 * iI + (imposed ? 0 : 1 / rotor);
+    for (int q = 0; q < 2; ++q) {
+        rows.previous[6 + q] = lI * a[q];
+        rows.diagonal[6 + q] = lI * (a[q] - b[q]);
+        rows.next[6 + q] = -lI * b[q];
+    }
+    rows.previous[8] = -iI;
+    rows.next[8] = -iI;
+    rows.diagonal[8] = 2 * iI + (imposed ? 0 : 1 / rotor);
     return rows;
 }
 
@@ -99,31 +113,34 @@ void explicit_mixed(const Robot& robot, const std::vector<char>& imposed,
                     Joints& joints) {
     const int last = k.n() - 2;
     std::vector<double> upper(9 * (last + 1));
-    std::vector<Vec3> found(last + 1);
+    std::vector<Vec3> solution(last + 1);
     for (int i = 0; i <= last; ++i) {
         JointRows rows = joint_rows(robot, k, i, imposed[i], rotor[i],
                                     imposed[i] ? joint_accel[i] : joints.T[i]);
         double rhs[12];  // (block to the next joint, right side)
         for (int p = 0; p < 3; ++p) {
-            for (int q = 0; q < 3; ++q) rhs[4 * p + q] = i < last ? rows.after[3 * p + q] : 0;
+            for (int q = 0; q < 3; ++q) rhs[4 * p + q] = i < last ? rows.next[3 * p + q] : 0;
             rhs[4 * p + 3] = rows.right[p];
             for (int j = 0; j < 3 && i > 0; ++j) {  // eliminate the joint before
-                const double f = rows.before[3 * p + j];
+                const double f = rows.previous[3 * p + j];
                 for (int q = 0; q < 3; ++q)
-                    rows.here[3 * p + q] -= f * upper[9 * (i - 1) + 3 * j + q];
-                rhs[4 * p + 3] -= f * found[i - 1][j];
+                    rows.diagonal[3 * p + q] -= f * upper[9 * (i - 1) + 3 * j + q];
+                rhs[4 * p + 3] -= f * solution[i - 1][j];
             }
         }
-        solve_dense<3, 4>(rows.here, rhs);
+        solve_dense<3, 4>(rows.diagonal, rhs);
         for (int p = 0; p < 3; ++p) {
             for (int q = 0; q < 3; ++q) upper[9 * i + 3 * p + q] = rhs[4 * p + q];
-            found[i][p] = rhs[4 * p + 3];
+            solution[i][p] = rhs[4 * p + 3];
         }
     }
     for (int i = last; i >= 0; --i) {
         for (int p = 0; p < 3 && i < last; ++p)
-            for (int q = 0; q < 3; ++q) found[i][p] -= upper[9 * i + 3 * p + q] * found[i + 1][q];
-        joints.Fx[i] = found[i][0], joints.Fy[i] = found[i][1], joints.T[i] = found[i][2];
+            for (int q = 0; q < 3; ++q)
+                solution[i][p] -= upper[9 * i + 3 * p + q] * solution[i + 1][q];
+        joints.Fx[i] = solution[i][0];
+        joints.Fy[i] = solution[i][1];
+        joints.T[i] = solution[i][2];
     }
     accelerate(robot, k, joints);
 }

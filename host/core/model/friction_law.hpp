@@ -44,22 +44,21 @@ class WheelLaw {
 
     // F0 by the direction in which the wheel goes or would go, N.
     double dry(double direction) const { return direction < 0 ? f0_back_ : f0_; }
-    double most_dry() const { return std::max(f0_, f0_back_); }
 
     // Whether something changes when the wheel stops.
     bool has_modes() const { return bound > 0 || !one_viscous(); }
 
     // The bound over the scale of forces on a wheel at rest: its weaker end, or the force that
-    // `moves` the links if that is larger, but at most the stronger end.
-    double grip(double moves) const {
+    // would move the links if that is larger, but at most the stronger end.
+    double breakaway_ratio(double force_scale) const {
         if (f0_ == f0_back_) return 1;
         const double weak = std::min(f0_, f0_back_), strong = std::max(f0_, f0_back_);
-        return bound / std::min(strong, std::max(weak, moves));
+        return bound / std::min(strong, std::max(weak, force_scale));
     }
 
     // The least force at which a wheel that rests gives way; 0 without dry friction.
-    double least() const {
-        if (f0_ == 0 || f0_back_ == 0) return most_dry();
+    double breakaway_force() const {
+        if (f0_ == 0 || f0_back_ == 0) return std::max(f0_, f0_back_);
         return std::min(f0_, f0_back_);
     }
 
@@ -69,7 +68,8 @@ class WheelLaw {
 
 // The least force at which any wheel gives way; 0 without dry friction.
 inline double least_dry(const Ground& g) {
-    const double t = WheelLaw::along(g).least(), n = WheelLaw::across(g).least();
+    const double t = WheelLaw::along(g).breakaway_force(),
+                 n = WheelLaw::across(g).breakaway_force();
     return t == 0 || n == 0 ? std::max(t, n) : std::min(t, n);
 }
 

@@ -17,7 +17,7 @@ struct GaitWave {
     struct Joint {
         double angle, rate, acceleration;  // phi, phi', phi'' by time
     };
-    INLINED Joint at(int i) const {
+    INLINED Joint joint(int i) const {
         const double swing = sin_a * cos[i] + cos_a * sin[i];
         return {offset + swing, cos_w * cos[i] - sin_w * sin[i], minus_ww * swing};
     }
@@ -45,7 +45,7 @@ class GaitTable {
 
     // At one phase, or a pack of them.
     template <class Real>
-    JointOf<Real> at(int i, Real sin_tau, Real cos_tau) const {
+    JointOf<Real> joint(int i, Real sin_tau, Real cos_tau) const {
         const Real s = alpha_ * (sin_tau * cos_[i] + cos_tau * sin_[i]);
         const Real c = alpha_ * (cos_tau * cos_[i] - sin_tau * sin_[i]);
         return {offset_ + s, c, -s};

@@ -27,14 +27,14 @@ inline Gap gap(const Chain& k, double l, int i) {
 // The rates of the gaps on which the dampers act: as they are or, in the paper's scheme, as they
 // were at the last latch.
 struct Damper {
-    Damper(int links, bool held) : held(held), vx(links - 1), vy(links - 1) {}
+    Damper(int links, bool latched) : latched(latched), vx(links - 1), vy(links - 1) {}
     void latch(const std::vector<Gap>& gaps) {
         for (std::size_t i = 0; i < gaps.size(); ++i) {
             vx[i] = gaps[i].vx;
             vy[i] = gaps[i].vy;
         }
     }
-    bool held;
+    bool latched;
     std::vector<double> vx, vy;
 };
 
@@ -43,8 +43,8 @@ inline void spring_forces(const JointSpring& spring, const Damper& damper,
                           const std::vector<Gap>& gaps, Joints& joints) {
     for (std::size_t i = 0; i < gaps.size(); ++i) {
         const Gap& g = gaps[i];
-        joints.Fx[i] = spring.k * g.x + spring.c * (damper.held ? damper.vx[i] : g.vx);
-        joints.Fy[i] = spring.k * g.y + spring.c * (damper.held ? damper.vy[i] : g.vy);
+        joints.Fx[i] = spring.k * g.x + spring.c * (damper.latched ? damper.vx[i] : g.vx);
+        joints.Fy[i] = spring.k * g.y + spring.c * (damper.latched ? damper.vy[i] : g.vy);
     }
 }
 
@@ -70,14 +70,16 @@ inline void implicit_mixed(const Robot& r, const std::vector<char>& imposed,
     for (int i = 0; i + 1 < n; ++i) {
         const double ease = imposed[i] || rotor[i] == 0 ? 0 : r.I / rotor[i];
         if (!imposed[i] && ease == 0) {
-            scratch[i] = ratio = 0;
+            ratio = 0;
+            scratch[i] = 0;
             continue;
         }
-        const double known = imposed[i] ? -r.I * joint_accel[i] : ease * joints.T[i];
-        const double right = k.alpha[i + 1] - k.alpha[i] + known;
+        const double given_torque = imposed[i] ? -r.I * joint_accel[i] : ease * joints.T[i];
+        const double right = k.alpha[i + 1] - k.alpha[i] + given_torque;
         const double diagonal = 2 + ease - ratio;
         joints.T[i] = (right + (i > 0 ? joints.T[i - 1] : 0)) / diagonal;
-        scratch[i] = ratio = 1 / diagonal;
+        ratio = 1 / diagonal;
+        scratch[i] = ratio;
     }
     for (int i = n - 3; i >= 0; --i) joints.T[i] += scratch[i] * joints.T[i + 1];
     for (int i = 0; i < n; ++i) {

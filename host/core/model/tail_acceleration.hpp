@@ -13,26 +13,24 @@
 
 namespace serpenoid {
 
-// The head joint relative to the centre of its link: place, velocity and the known part of the
-// acceleration.
+// The head joint relative to the centre of its link: place, and the known part of the acceleration.
 struct HalfLink {
-    double x, y, vx, vy, ax, ay;
-    INLINED static HalfLink of(double l, double c, double s, double rate) {  // of the tail
-        const double x = l * c, y = l * s, square = rate * rate;
-        return {x, y, -rate * y, rate * x, -square * x, -square * y};
-    }
-    INLINED static HalfLink of(double l, double c, double s, double rate, double accel) {
-        const double x = l * c, y = l * s, square = rate * rate;
-        return {x, y, -rate * y, rate * x, -accel * y - square * x, accel * x - square * y};
-    }
+    double x, y, ax, ay;
 };
 
-// r_i, the velocity of the centre, b_i and s_i'' on the way from link to link.
-struct Along {
-    double x, y, vx, vy, bx, by, turn;
+INLINED HalfLink half_link(double l, double c, double s, double rate, double accel) {
+    const double x = l * c, y = l * s, square = rate * rate;
+    return {x, y, -accel * y - square * x, accel * x - square * y};
+}
+
+// r_i, b_i and s_i'' on the way from link to link.
+struct LinkPath {
+    double x, y, b_x, b_y, turn;
     INLINED void pass(const HalfLink& a, const HalfLink& b) {
-        x += a.x + b.x, y += a.y + b.y, vx += a.vx + b.vx, vy += a.vy + b.vy;
-        bx += a.ax + b.ax, by += a.ay + b.ay;
+        x += a.x + b.x;
+        y += a.y + b.y;
+        b_x += a.ax + b.ax;
+        b_y += a.ay + b.ay;
     }
 };
 
@@ -45,15 +43,17 @@ struct TailSums {
     double moment = 0, Rx = 0, Ry = 0, square = 0, turns = 0;
 
     // Add a link with the force of the ground on it.
-    INLINED void add(double m, const Along& k, double force_x, double force_y) {
-        const double gx = force_x - m * k.bx, gy = force_y - m * k.by;
-        fx += gx, fy += gy, moment += k.x * gy - k.y * gx;
+    INLINED void add(double m, const LinkPath& k, double force_x, double force_y) {
+        const double gx = force_x - m * k.b_x, gy = force_y - m * k.b_y;
+        fx += gx;
+        fy += gy;
+        moment += k.x * gy - k.y * gx;
         Rx += k.x, Ry += k.y, square += k.x * k.x + k.y * k.y, turns += k.turn;
     }
     INLINED TailMotion solve(const Robot& r) const {
-        const double one = 1.0 / r.n;  // eliminate x'' and y'': the inertia about the centre
-        const double J = r.n * r.I + r.m * (square - one * (Rx * Rx + Ry * Ry));
-        const double alpha = (moment - r.I * turns + one * (Ry * fx - Rx * fy)) / J;
+        const double share = 1.0 / r.n;  // eliminate x'' and y'': the inertia about the centre
+        const double J = r.n * r.I + r.m * (square - share * (Rx * Rx + Ry * Ry));
+        const double alpha = (moment - r.I * turns + share * (Ry * fx - Rx * fy)) / J;
         const double mass = r.n * r.m;
         return {(fx + r.m * Ry * alpha) / mass, (fy - r.m * Rx * alpha) / mass, alpha};
     }

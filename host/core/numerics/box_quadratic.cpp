@@ -33,20 +33,22 @@ void BoxQuadratic::solve(double little) {
     }
     x_.assign(size, 0.0);
     const auto residual = [&] {
-        rest_ = right_;
+        residual_ = right_;
         for (std::size_t i = 0; i < size; ++i)
-            for (std::size_t j = 0; j < size; ++j) rest_[i] -= matrix_[i * size + j] * x_[j];
+            for (std::size_t j = 0; j < size; ++j) residual_[i] -= matrix_[i * size + j] * x_[j];
     };
-    for (int again = 0; again < 3; ++again) {
+    for (int refinement = 0; refinement < 3; ++refinement) {
         residual();
-        forward(factor_.data(), rows, rest_.data()), backward(factor_.data(), rows, rest_.data());
-        for (std::size_t i = 0; i < size; ++i) x_[i] += rest_[i];
+        forward(factor_.data(), rows, residual_.data());
+        backward(factor_.data(), rows, residual_.data());
+        for (std::size_t i = 0; i < size; ++i) x_[i] += residual_[i];
     }
     residual();
 }
 
 void BoxQuadratic::minimise_free(const Vector& A, const Vector& b, Vector& z) {
-    matrix_ = A, right_ = b;
+    matrix_ = A;
+    right_ = b;
     for (double& r : right_) r = -r;
     solve(kLittle);
     z = x_;
@@ -76,7 +78,8 @@ bool BoxQuadratic::descend(const Vector& A, const Vector& b, Vector& z, double l
     }
     for (std::size_t moves = 0; moves < 100 + 20 * n; ++moves) {
         const std::size_t size = free_.size();
-        matrix_.resize(size * size), right_.resize(size);
+        matrix_.resize(size * size);
+        right_.resize(size);
         for (std::size_t i = 0; i < size; ++i) {
             right_[i] = -b[free_[i]];
             for (std::size_t j = 0; j < n; ++j)
@@ -85,26 +88,31 @@ bool BoxQuadratic::descend(const Vector& A, const Vector& b, Vector& z, double l
                 matrix_[i * size + j] = A[free_[i] * n + free_[j]];
         }
         solve(little);
-        double out = 0;  // where no solution exists, the value falls along the residual for ever
+        double inconsistency =
+            0;  // where no solution exists, the value falls along the residual for ever
         for (std::size_t i = 0; i < size; ++i) {
-            out = std::max(out, std::fabs(rest_[i]) / rounding(free_[i]));
-            rest_[i] /= matrix_[i * size + i];
+            inconsistency = std::max(inconsistency, std::fabs(residual_[i]) / rounding(free_[i]));
+            residual_[i] /= matrix_[i * size + i];
         }
-        if (out > 1) {
-            const double far = 4 / std::fabs(*std::max_element(rest_.begin(), rest_.end(), larger));
-            for (std::size_t i = 0; i < size; ++i) x_[i] = z[free_[i]] + far * rest_[i];
+        if (inconsistency > 1) {
+            const double distance =
+                4 / std::fabs(*std::max_element(residual_.begin(), residual_.end(), larger));
+            for (std::size_t i = 0; i < size; ++i) x_[i] = z[free_[i]] + distance * residual_[i];
         }
         double part = 1;
         int stop = -1;
         for (std::size_t i = 0; i < size; ++i) {
-            const double from = z[free_[i]], to = x_[i];
-            if (std::fabs(to) <= 1) continue;
-            const double here = (std::copysign(1.0, to) - from) / (to - from);
-            if (here < part || stop < 0) part = std::min(part, here), stop = static_cast<int>(i);
+            const double start = z[free_[i]], goal = x_[i];
+            if (std::fabs(goal) <= 1) continue;
+            const double fraction = (std::copysign(1.0, goal) - start) / (goal - start);
+            if (fraction < part || stop < 0) {
+                part = std::min(part, fraction);
+                stop = static_cast<int>(i);
+            }
         }
         for (std::size_t i = 0; i < size; ++i) {
-            double& to = z[free_[i]];
-            to = std::clamp(to + part * (x_[i] - to), -kInside, kInside);
+            double& goal = z[free_[i]];
+            goal = std::clamp(goal + part * (x_[i] - goal), -kInside, kInside);
         }
         if (stop >= 0) {
             z[free_[stop]] = std::copysign(1.0, x_[stop]);
@@ -112,11 +120,14 @@ bool BoxQuadratic::descend(const Vector& A, const Vector& b, Vector& z, double l
             continue;
         }
         int worst = -1;
-        double most = 1;
+        double largest_pull = 1;
         for (std::size_t i = 0; i < n; ++i) {
             if (std::fabs(z[i]) != 1) continue;
             const double pull = z[i] * slope(i) / rounding(i);
-            if (pull > most) most = pull, worst = static_cast<int>(i);
+            if (pull > largest_pull) {
+                largest_pull = pull;
+                worst = static_cast<int>(i);
+            }
         }
         if (worst < 0) return true;
         free_.push_back(worst);

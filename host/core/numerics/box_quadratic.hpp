@@ -27,7 +27,7 @@ class BoxQuadratic {
                  double little);
     void solve(double little);
     std::vector<int> free_;
-    std::vector<double> matrix_, factor_, right_, x_, rest_;
+    std::vector<double> matrix_, factor_, right_, x_, residual_;
 };
 
 }  // namespace serpenoid

@@ -10,10 +10,10 @@ namespace serpenoid {
 inline Pack pair(const double* x) { return *reinterpret_cast<const Pair*>(x); }
 
 // to += a from
-[[gnu::always_inline]] inline void add(double* to, int size, double a, const double* from) {
+[[gnu::always_inline]] inline void add(double* sum, int size, double a, const double* term) {
     int i = 0;
-    for (; i + 1 < size; i += 2) *reinterpret_cast<Pair*>(to + i) += a * pair(from + i);
-    if (i < size) to[i] += a * from[i];
+    for (; i + 1 < size; i += 2) *reinterpret_cast<Pair*>(sum + i) += a * pair(term + i);
+    if (i < size) sum[i] += a * term[i];
 }
 
 [[gnu::always_inline]] inline double dot(const double* a, const double* b, int size) {

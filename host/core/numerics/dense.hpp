@@ -27,11 +27,11 @@ bool solve_dense(double* A, double* b) {
         const double inverse = 1.0 / A[k * n + k];
         const double* __restrict above = A + k * n, * __restrict right = b + k * columns;
         for (int i = k + 1; i < n; ++i) {
-            double* __restrict row = A + i * n, * __restrict to = b + i * columns;
+            double* __restrict row = A + i * n, * __restrict right_row = b + i * columns;
             const double f = row[k] * inverse;
             if (f == 0) continue;
             for (int j = k + 1; j < n; ++j) row[j] -= f * above[j];
-            for (int j = 0; j < columns; ++j) to[j] -= f * right[j];
+            for (int j = 0; j < columns; ++j) right_row[j] -= f * right[j];
         }
     }
     for (int k = n - 1; k >= 0; --k) {

@@ -60,7 +60,8 @@ struct Gauss {
             double p0 = 1, p1 = x;
             for (int k = 2; k <= s; ++k) {
                 const double p2 = ((2 * k - 1) * x * p1 - (k - 1) * p0) / k;
-                p0 = p1, p1 = p2;
+                p0 = p1;
+                p1 = p2;
             }
             slope = s * (x * p1 - p0) / (x * x - 1);
             const double step = p1 / slope;

@@ -27,18 +27,18 @@ Vec3 Convex3::apply_inverse(const Vec3& r) const {
 bool Convex3::target(const Vec3& b, const std::vector<Kink>& kinks, Vec3& w) {
     Vec3 r = b;
     for (std::size_t c = 0; c < kinks.size(); ++c)
-        if (!held(static_cast<int>(c)))
+        if (!holds(static_cast<int>(c)))
             for (int i = 0; i < 3; ++i) r[i] -= kinks[c].mu * sign_[c] * kinks[c].g[i];
     w = apply_inverse(r);
     if (count_ == 0) return true;
     Vec3 column[3];
     double S[9]{}, nu[3]{};
-    for (int a = 0; a < count_; ++a) column[a] = apply_inverse(kinks[held_[a]].g);
+    for (int a = 0; a < count_; ++a) column[a] = apply_inverse(kinks[set_[a]].g);
     for (int a = 0; a < count_; ++a) {
-        const Vec3& g = kinks[held_[a]].g;
+        const Vec3& g = kinks[set_[a]].g;
         for (int k = 0; k < count_; ++k)
             S[a * count_ + k] = g[0] * column[k][0] + g[1] * column[k][1] + g[2] * column[k][2];
-        nu[a] = kinks[held_[a]].at(w);
+        nu[a] = kinks[set_[a]].value(w);
     }
     // independent rows only: compare the determinant with the product of the diagonal
     double scale = 1, det = S[0];
@@ -68,11 +68,11 @@ int Convex3::line_search(const Mat3& H, const Vec3& p, const std::vector<Kink>& 
     turned = false;
     breaks_.clear();
     for (std::size_t c = 0; c < kinks.size(); ++c) {
-        if (held(static_cast<int>(c))) continue;
+        if (holds(static_cast<int>(c))) continue;
         const Kink& k = kinks[c];
         const double rate = k.g[0] * p[0] + k.g[1] * p[1] + k.g[2] * p[2];
         if (rate * sign_[c] >= 0) continue;  // moving away from its kink
-        const double t = std::max(0.0, -k.at(w_) / rate);
+        const double t = std::max(0.0, -k.value(w_) / rate);
         if (t < 1) breaks_.push_back({t, 2 * k.mu * std::fabs(rate), static_cast<int>(c)});
     }
     std::sort(breaks_.begin(), breaks_.end(), [](const Break& a, const Break& b) {
@@ -81,10 +81,11 @@ int Convex3::line_search(const Mat3& H, const Vec3& p, const std::vector<Kink>& 
     double slope0 = -curvature, t = 1;  // slope at t is slope0 + t curvature, zero at t = 1
     int stop = -1;
     for (const Break& k : breaks_) {
-        const double here = slope0 + k.t * curvature;
-        if (here >= 0) break;
-        if (here + k.jump >= 0) {
-            t = k.t, stop = k.kink;
+        const double slope = slope0 + k.t * curvature;
+        if (slope >= 0) break;
+        if (slope + k.jump >= 0) {
+            t = k.t;
+            stop = k.kink;
             break;
         }
         sign_[k.kink] = -sign_[k.kink];
@@ -99,20 +100,26 @@ int Convex3::line_search(const Mat3& H, const Vec3& p, const std::vector<Kink>& 
 // Release the held kink whose multiplier exceeds its bound most; false when none does.
 bool Convex3::release(const std::vector<Kink>& kinks) {
     int worst = -1;
-    double most = 1 + 1e-12;
+    double limit = 1 + 1e-12;
     for (int a = 0; a < count_; ++a) {
-        const double pull = std::fabs(multiplier_[a]) / kinks[held_[a]].mu;
-        if (pull > most) most = pull, worst = a;
+        const double pull = std::fabs(multiplier_[a]) / kinks[set_[a]].mu;
+        if (pull > limit) {
+            limit = pull;
+            worst = a;
+        }
     }
     if (worst < 0) return false;
-    sign_[held_[worst]] = multiplier_[worst] > 0 ? 1 : -1;
-    held_[worst] = held_[--count_];
+    sign_[set_[worst]] = multiplier_[worst] > 0 ? 1 : -1;
+    set_[worst] = set_[--count_];
     return true;
 }
 
 // The minimum with the sets of the last call; true when it solves the whole problem.
 bool Convex3::warm_start(const Vec3& b, const std::vector<Kink>& kinks) {
-    if (sign_.size() != kinks.size()) sign_.assign(kinks.size(), 1.0), count_ = 0;
+    if (sign_.size() != kinks.size()) {
+        sign_.assign(kinks.size(), 1.0);
+        count_ = 0;
+    }
     for (double& s : sign_) s = s < 0 ? -1 : 1;
     if (!target(b, kinks, w_)) {
         count_ = 0;
@@ -120,39 +127,42 @@ bool Convex3::warm_start(const Vec3& b, const std::vector<Kink>& kinks) {
     }
     bool right = true;
     for (std::size_t c = 0; c < kinks.size(); ++c) {
-        if (held(static_cast<int>(c))) continue;
-        if (kinks[c].at(w_) * sign_[c] < 0) sign_[c] = -sign_[c], right = false;
+        if (holds(static_cast<int>(c))) continue;
+        if (kinks[c].value(w_) * sign_[c] < 0) {
+            sign_[c] = -sign_[c];
+            right = false;
+        }
     }
     for (int a = 0; a < count_; ++a)
-        right = right && std::fabs(multiplier_[a]) <= kinks[held_[a]].mu * (1 + 1e-12);
+        right = right && std::fabs(multiplier_[a]) <= kinks[set_[a]].mu * (1 + 1e-12);
     return right;
 }
 
 bool Convex3::solve(const Mat3& H, const Vec3& b, const std::vector<Kink>& kinks) {
     if (!factor(H)) return false;
     bool done = warm_start(b, kinks);
-    const int most = 50 + 20 * static_cast<int>(kinks.size());
-    for (int i = 0; !done && i < most; ++i) {
-        Vec3 to, p;
-        if (!target(b, kinks, to)) {  // a dependent row joined by rounding: let the newest go
+    const int limit = 50 + 20 * static_cast<int>(kinks.size());
+    for (int i = 0; !done && i < limit; ++i) {
+        Vec3 goal, p;
+        if (!target(b, kinks, goal)) {  // a dependent row joined by rounding: let the newest go
             --count_;
             continue;
         }
         bool turned = false;
         int stop = -1;
         if (count_ < 3) {
-            for (int k = 0; k < 3; ++k) p[k] = to[k] - w_[k];
+            for (int k = 0; k < 3; ++k) p[k] = goal[k] - w_[k];
             stop = line_search(H, p, kinks, turned);
         } else {
-            w_ = to;
+            w_ = goal;
         }
         if (stop >= 0)
-            held_[count_++] = stop;
+            set_[count_++] = stop;
         else if (!turned)
             done = !release(kinks);
     }
     for (int a = 0; a < count_; ++a)
-        sign_[held_[a]] = std::clamp(multiplier_[a] / kinks[held_[a]].mu, -1.0, 1.0);
+        sign_[set_[a]] = std::clamp(multiplier_[a] / kinks[set_[a]].mu, -1.0, 1.0);
     return done;
 }
 

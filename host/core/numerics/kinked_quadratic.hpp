@@ -23,7 +23,7 @@ namespace serpenoid {
 struct Kink {
     Vec3 g;
     double e, mu;
-    double at(const Vec3& w) const { return g[0] * w[0] + g[1] * w[1] + g[2] * w[2] + e; }
+    double value(const Vec3& w) const { return g[0] * w[0] + g[1] * w[1] + g[2] * w[2] + e; }
 };
 
 class Convex3 {
@@ -35,8 +35,11 @@ class Convex3 {
     // Multiplier over mu, in [-1, 1]: minus the dry force in units of its bound; sign where
     // sliding.
     double sign(int c) const { return sign_[c]; }
-    bool held(int c) const { return std::find(held_, held_ + count_, c) != held_ + count_; }
-    void forget() { sign_.clear(), count_ = 0; }
+    bool holds(int c) const { return std::find(set_, set_ + count_, c) != set_ + count_; }
+    void forget() {
+        sign_.clear();
+        count_ = 0;
+    }
 
   private:
     struct Break {
@@ -52,7 +55,7 @@ class Convex3 {
 
     Vec3 w_{};
     std::vector<double> sign_;
-    int held_[3] = {0, 0, 0}, count_ = 0;
+    int set_[3] = {0, 0, 0}, count_ = 0;
     double multiplier_[3] = {0, 0, 0};
     double chol_[6] = {0, 0, 0, 0, 0, 0};  // lower triangle of the factor of H, by rows
     std::vector<Break> breaks_;

@@ -32,7 +32,8 @@ inline Pack& pack_at(double* p) { return *reinterpret_cast<Pack*>(p); }
 inline const Pack& pack_at(const double* p) { return *reinterpret_cast<const Pack*>(p); }
 
 inline void sincos(double x, double& sine, double& cosine) {
-    sine = std::sin(x), cosine = std::cos(x);
+    sine = std::sin(x);
+    cosine = std::cos(x);
 }
 
 // Sine and cosine, to 2.5 units in the last place (1.7 for |x| <= 100).
@@ -66,7 +67,10 @@ inline void sincos(Pack x, Pack& sine, Pack& cosine) {
     cosine = (Pack)((PackBits)choose(odd, s, c) ^ (((quadrant + 1) & 2) << 62));
     if (any((x > kFar) | (-x > kFar))) [[unlikely]]
         for (int j = 0; j < kPack; ++j)
-            if (std::fabs(x[j]) > kFar) sine[j] = std::sin(x[j]), cosine[j] = std::cos(x[j]);
+            if (std::fabs(x[j]) > kFar) {
+                sine[j] = std::sin(x[j]);
+                cosine[j] = std::cos(x[j]);
+            }
 }
 
 }  // namespace serpenoid

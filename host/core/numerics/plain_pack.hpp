@@ -10,10 +10,11 @@ struct PlainPack {
     T lane[2] = {};
 
     PlainPack() = default;
-    PlainPack(T both) : lane{both, both} {}
+    PlainPack(T value) : lane{value, value} {}
     PlainPack(T first, T second) : lane{first, second} {}
     template <class Bits>
-    explicit PlainPack(const PlainPack<Bits>& of) : PlainPack(std::bit_cast<PlainPack>(of)) {}
+    explicit PlainPack(const PlainPack<Bits>& source)
+        : PlainPack(std::bit_cast<PlainPack>(source)) {}
 
     T& operator[](int i) { return lane[i]; }
     T operator[](int i) const { return lane[i]; }

@@ -20,9 +20,9 @@ inline double positive_integral(double start, double middle, double end, double 
     if (discriminant > 0) {
         const double half = -(slope + std::copysign(std::sqrt(discriminant), slope)) / 2;
         const double root = std::clamp(half / curvature, 0.0, x);
-        const double other = std::clamp(start / half, 0.0, x);
-        first = primitive(std::min(root, other));
-        second = primitive(std::max(root, other));
+        const double second_root = std::clamp(start / half, 0.0, x);
+        first = primitive(std::min(root, second_root));
+        second = primitive(std::max(root, second_root));
     }
     return std::max(first, 0.0) + std::max(second - first, 0.0) +
            std::max(primitive(x) - second, 0.0);
@@ -35,11 +35,11 @@ struct PositiveMean {
     explicit PositiveMean(const double* p)
         : value((positive_integral(p[0], p[1], p[2]) + positive_integral(p[2], p[3], p[4])) / 2),
           error(std::fabs(value - positive_integral(p[0], p[2], p[4])) / kGain),
-          whole((7 * (p[0] + p[4]) + 32 * (p[1] + p[3]) + 12 * p[2]) / 90) {}
+          net((7 * (p[0] + p[4]) + 32 * (p[1] + p[3]) + 12 * p[2]) / 90) {}
 
     double value;
     double error;
-    double whole;  // mean of both signs, by Boole's rule
+    double net;  // mean of both signs, by Boole's rule
 
   private:
     static constexpr double kGain = 8;  // 16 in the limit of short panels

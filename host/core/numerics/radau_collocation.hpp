@@ -62,7 +62,8 @@ struct RadauRule {
             double product = c[k];
             for (int j = 0; j < s; ++j) product *= j == k ? 1 : c[k] - c[j];
             dense_scale[k] = 1 / product;
-            at0[k] = lagrange(k, 0), slope0[k] = at0[k] / c[k];
+            at0[k] = lagrange(k, 0);
+            slope0[k] = at0[k] / c[k];
             for (int j = 0; j < s; ++j) {
                 a[j * s + k] = 0;
                 for (int q = 0; q < s; ++q)
@@ -93,7 +94,10 @@ struct RadauRule {
             for (int k = 2; k <= s; ++k) {
                 const double p2 = ((2 * k - 1) * x * p1 - (k - 1) * p0) / k,
                              d2 = d0 + (2 * k - 1) * p1;
-                p0 = p1, p1 = p2, d0 = d1, d1 = d2;
+                p0 = p1;
+                p1 = p2;
+                d0 = d1;
+                d1 = d2;
             }
             const double step = (p1 - p0) / (d1 - d0);
             x -= step;
@@ -139,9 +143,9 @@ class StagePolynomial {
         for (int k = s - 1, degree = 1; k >= 0; --k, ++degree) {  // times (x - z_k), and d_k more
             const double z = k > 0 ? c[k - 1] : 0;
             for (int i = degree; i >= 0; --i) {
-                const double up = i > 0 ? b[i - 1] * i : 0;
+                const double raised = i > 0 ? b[i - 1] * i : 0;
                 const double keep = i < degree ? b[i] * (degree - i) : 0;
-                b[i] = (up * (1 - z) - keep * z) / degree + d_[k];
+                b[i] = (raised * (1 - z) - keep * z) / degree + d_[k];
             }
         }
         return b;

@@ -27,19 +27,19 @@ class SymmetricFactors {
 
     bool factor() {
         for (int row = 0; row < rows(); ++row) {
-            Scalar* left = &entries_[begin_[row]];
+            Scalar* entries = &entries_[begin_[row]];
             for (int column = first_[row]; column < row; ++column) {
                 const Scalar* above = &entries_[begin_[column]];
                 for (int k = std::max(first_[row], first_[column]); k < column; ++k)
-                    left[column] -= left[k] * above[k];
+                    entries[column] -= entries[k] * above[k];
             }
             for (int column = first_[row]; column < row; ++column) {
-                const Scalar scaled = left[column];
-                left[column] *= entry(column, column);
-                left[row] -= scaled * left[column];
+                const Scalar scaled = entries[column];
+                entries[column] *= entry(column, column);
+                entries[row] -= scaled * entries[column];
             }
-            if (!(std::norm(left[row]) > 0)) return false;
-            left[row] = Scalar{1} / left[row];
+            if (!(std::norm(entries[row]) > 0)) return false;
+            entries[row] = Scalar{1} / entries[row];
         }
         return true;
     }

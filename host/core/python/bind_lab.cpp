@@ -16,10 +16,9 @@ using namespace serpenoid;
 
 namespace {
 
-using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 constexpr std::size_t kColumns = 8;  // ct cn ft0 fn0, ct and ft0 backwards, rolling, breakaway
 
-std::vector<LabLink> listed(Rows links) {
+std::vector<LabLink> listed(Table links) {
     if (links.shape(0) < 2 || links.shape(1) != kColumns)
         throw nb::value_error("links must be (n, 8), two or more of them");
     std::vector<LabLink> list;
@@ -43,25 +42,24 @@ void check_time(double duration, double h) {
 
 // Let the joints follow rows of angles (K, n - 1), one each `frame` s. States (K, n + 2) at their
 // ends: x, y of the centre, angles of all links; fewer rows where a step had no solution.
-nb::ndarray<nb::numpy, double> follow(LabChain& c, Rows rows, double frame, double h) {
+Array follow(LabChain& c, Table rows, double frame, double h) {
     const std::size_t joints = rows.shape(1), count = rows.shape(0), width = joints + 3;
     check_joints(c, joints);
     check_time(frame, h);
-    auto out = std::make_unique<double[]>(width * count + 1);
+    std::vector<double> states;
     std::size_t done = 0;
     {
         nb::gil_scoped_release release;
         for (; done < count; ++done) {
             const double* const row = rows.data() + done * joints;
             if (!c.follow({row, row + joints}, frame, h)) break;
-            double* const state = &out[width * done];
-            std::copy_n(c.state().begin(), 2, state);
-            std::copy(c.angles().begin(), c.angles().end(), state + 2);
+            const auto place = c.state();
+            const auto angles = c.angles();
+            states.insert(states.end(), place.begin(), place.begin() + 2);
+            states.insert(states.end(), angles.begin(), angles.end());
         }
     }
-    double* data = out.release();
-    nb::capsule free(data, [](void* p) noexcept { delete[] static_cast<double*>(p); });
-    return {data, {done, width}, free};
+    return to_numpy(std::move(states), {done, width});
 }
 
 }  // namespace
@@ -70,7 +68,7 @@ void bind_lab(nb::module_& m) {
     nb::class_<LabChain>(m, "LabChain")
         .def(
             "__init__",
-            [](LabChain* self, double mass, double length, double inertia, Rows links,
+            [](LabChain* self, double mass, double length, double inertia, Table links,
                std::optional<Servo> servo) {
                 const int n = static_cast<int>(links.shape(0));
                 new (self) LabChain({n, mass, length / 2, inertia}, listed(links), servo);

@@ -22,11 +22,11 @@ namespace {
 // What a joint on a bench has, under the names that Python has for it.
 template <class Visit>
 void each_bench_field(const Visit& field) {
-    each_servo_field([&](const char* name, double Servo::* of) {
-        field(name, [of](BenchJoint& joint) -> double& { return joint.servo.*of; });
+    each_servo_field([&](const char* name, double Servo::* get) {
+        field(name, [get](BenchJoint& joint) -> double& { return joint.servo.*get; });
     });
-    const auto bench = [&](const char* name, double BenchJoint::* of) {
-        field(name, [of](BenchJoint& joint) -> double& { return joint.*of; });
+    const auto bench = [&](const char* name, double BenchJoint::* get) {
+        field(name, [get](BenchJoint& joint) -> double& { return joint.*get; });
     };
     bench("load_inertia_kg_m2", &BenchJoint::load_inertia);
     bench("gravity_nm", &BenchJoint::gravity);
@@ -59,21 +59,18 @@ ServoGaitState servo_gait_of(const Model& m, const Servo& servo, const Vec3& sta
                       report);
 }
 
-using Table = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-using Column = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 // s, a tenth of the time in which a quick rotor comes to speed
 constexpr double kMaxBenchStep = 1e-3;
 
 // Angles (K, T) of joints: rows of the fields that BENCH_FIELDS names, and the times at which each
 // setpoint takes effect on each of them.
-nb::ndarray<nb::numpy, double> angles_on_bench(Table joints, Column setpoints, Table effect_times,
-                                               Column times) {
+Array angles_on_bench(Table joints, Vector setpoints, Table effect_times, Vector times) {
     const std::size_t count = joints.shape(0), rows = times.shape(0), steps = setpoints.shape(0);
     const std::size_t fields = count_of_bench_fields();
     if (joints.shape(1) != fields || effect_times.shape(0) != count ||
         effect_times.shape(1) != steps || rows == 0 || steps == 0)
         throw nb::value_error("one row of fields and one of times for each joint");
-    auto out = std::make_unique<double[]>(count * rows + 1);
+    std::vector<double> angles(count * rows);
     {
         nb::gil_scoped_release release;
         for (std::size_t k = 0; k < count; ++k) {
@@ -81,12 +78,10 @@ nb::ndarray<nb::numpy, double> angles_on_bench(Table joints, Column setpoints, T
             const double* value = joints.data() + k * fields;
             each_bench_field([&](const char*, auto field) { field(joint) = *value++; });
             bench_angles(joint, {setpoints.data(), steps}, {effect_times.data() + k * steps, steps},
-                         {times.data(), rows}, kMaxBenchStep, {&out[k * rows], rows});
+                         {times.data(), rows}, kMaxBenchStep, {&angles[k * rows], rows});
         }
     }
-    double* data = out.release();
-    nb::capsule free(data, [](void* p) noexcept { delete[] static_cast<double*>(p); });
-    return {data, {count, rows}, free};
+    return to_numpy(std::move(angles), {count, rows});
 }
 
 }  // namespace

@@ -31,18 +31,6 @@ void bind_lab(nb::module_& m);       // bind_lab.cpp
 
 namespace {
 
-using Vector = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Array = nb::ndarray<nb::numpy, double>;
-
-// Hand a vector's memory to NumPy.
-Array to_numpy(std::vector<double>&& values, std::initializer_list<std::size_t> shape) {
-    auto owner = std::make_unique<std::vector<double>>(std::move(values));
-    double* data = owner->data();
-    nb::capsule free(owner.release(),
-                     [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
-    return Array(data, shape, free);
-}
-
 SteadyState steady(const Model& m, double rtol, bool powers) {
     return steady_state({m.robot, m.ground, m.gait}, {rtol, powers});
 }
@@ -80,12 +68,12 @@ std::vector<SweepShape> shapes_of(const std::vector<Model>& models) {
 Array sweep(const std::vector<Model>& models, std::vector<double> omegas, double rtol, bool powers,
             int threads, nb::object progress, bool rough) {
     const std::vector<SweepShape> shapes = shapes_of(models);
-    std::vector<double> out(shapes.size() * omegas.size() * kSweepColumns);
+    std::vector<double> result(shapes.size() * omegas.size() * kSweepColumns);
     with_progress(progress, [&](const auto& go_on) {
         const SteadyOptions options{rtol, powers, rough};
-        sweep_shapes(shapes, omegas, options, threads, go_on, out.data());
+        sweep_shapes(shapes, omegas, options, threads, go_on, result.data());
     });
-    return to_numpy(std::move(out), {shapes.size(), omegas.size(), kSweepColumns});
+    return to_numpy(std::move(result), {shapes.size(), omegas.size(), kSweepColumns});
 }
 
 // Periodic states of models that are all like `middle`.
@@ -93,54 +81,38 @@ std::vector<SteadyState> solve_neighbours(const Model& middle, const std::vector
                                           double rtol, bool powers, int threads, bool rough,
                                           const std::vector<Vec3>& starts, nb::object progress) {
     if (!starts.empty() && starts.size() != models.size()) throw nb::value_error("starts");
-    std::vector<SteadyState> found;
+    std::vector<SteadyState> states;
     with_progress(progress, [&](const auto& go_on) {
-        found = neighbours({middle.robot, middle.ground, middle.gait}, shapes_of(models),
-                           {rtol, powers, rough}, threads, go_on, starts);
+        states = neighbours({middle.robot, middle.ground, middle.gait}, shapes_of(models),
+                            {rtol, powers, rough}, threads, go_on, starts);
     });
-    return found;
+    return states;
 }
 
-// A request that would read or write beyond its arrays, or never end, is refused here; what makes
-// sense as a scene is Python's to say.
-void check_sizes(const RunRequest& q) {
-    const std::size_t joints = q.robot.n - 1;
-    if (!(q.faults.empty() || q.faults.size() == joints) ||
-        !(q.locked_rad.empty() || q.locked_rad.size() == joints))
-        throw nb::value_error("faults and locked_rad must have one value a joint, or none");
-}
-
-nb::dict evaluate_links(const RunRequest& q, Vector links, Vector per_joint) {
-    const std::size_t n = q.robot.n;
-    check_sizes(q);
-    if (links.shape(0) != 6 * n) throw nb::value_error("links must have 6 values a link");
-    if (per_joint.shape(0) != n - 1) throw nb::value_error("an evaluation needs one value a joint");
-    Chain chain(q.robot.n);
+nb::dict evaluate_links(RunRequest& q, Vector links, Vector per_joint) {
+    q.start.assign(links.data(), links.data() + links.size());
+    Chain chain = start_chain(q);
     Joints joints(q.robot.n);
-    std::vector<double>* part[6] = {&chain.x,  &chain.y,  &chain.theta,
-                                    &chain.vx, &chain.vy, &chain.omega};
-    for (int p = 0; p < 6; ++p) std::copy_n(links.data() + p * n, n, part[p]->begin());
-    if (q.drive == Drive::torque) std::copy_n(per_joint.data(), n - 1, joints.T.begin());
+    if (q.drive == Drive::torque)
+        joints.T.assign(per_joint.data(), per_joint.data() + per_joint.size());
     evaluate(q, per_joint.data(), chain, joints);
-    nb::dict out;
-    out["ax"] = to_numpy(std::move(chain.ax), {n});
-    out["ay"] = to_numpy(std::move(chain.ay), {n});
-    out["alpha"] = to_numpy(std::move(chain.alpha), {n});
-    out["fx"] = to_numpy(std::move(chain.fx), {n});
-    out["fy"] = to_numpy(std::move(chain.fy), {n});
-    out["joint_fx"] = to_numpy(std::move(joints.Fx), {n - 1});
-    out["joint_fy"] = to_numpy(std::move(joints.Fy), {n - 1});
-    out["joint_torque"] = to_numpy(std::move(joints.T), {n - 1});
-    return out;
+    nb::dict result;
+    const std::pair<const char*, std::vector<double>*> parts[] = {
+        {"ax", &chain.ax},        {"ay", &chain.ay},           {"alpha", &chain.alpha},
+        {"fx", &chain.fx},        {"fy", &chain.fy},           {"joint_fx", &joints.Fx},
+        {"joint_fy", &joints.Fy}, {"joint_torque", &joints.T},
+    };
+    for (const auto& [name, values] : parts) {
+        const std::size_t size = values->size();
+        result[name] = to_numpy(std::move(*values), {size});
+    }
+    return result;
 }
 
 void set_torque_function(RunRequest& q, nb::callable f) {
-    q.torque = [f, n = q.robot.n](double t, double* to) {
+    q.torque = [f, n = q.robot.n](double t, double* torque) {
         nb::gil_scoped_acquire acquire;
-        const Vector values = nb::cast<Vector>(f(t));
-        if (values.shape(0) != static_cast<std::size_t>(n - 1))
-            throw nb::value_error("the torque function must return one value a joint");
-        std::copy_n(values.data(), n - 1, to);
+        std::copy_n(nb::cast<Vector>(f(t)).data(), n - 1, torque);
     };
 }
 
@@ -152,20 +124,8 @@ bool go_on(const nb::object& progress, double t) {
     return true;
 }
 
-void check_run(const RunRequest& q, std::size_t start) {
-    check_sizes(q);
-    if (start != 6 * static_cast<std::size_t>(q.robot.n))
-        throw nb::value_error("start must have x, y, theta, vx, vy, omega: 6 values a link");
-    if (q.record_steps < 1) throw nb::value_error("record_steps must be 1 or more");
-    if (!(q.dt > 0) || !std::isfinite(q.dt)) throw nb::value_error("dt_s must be more than 0");
-    if (!(q.duration >= 0) || !std::isfinite(q.duration))
-        throw nb::value_error("duration_s must be 0 or more");
-    if (q.steps < 0 || q.most_steps < 0) throw nb::value_error("steps must be 0 or more");
-}
-
 nb::dict run_scene(RunRequest& q, Vector start, nb::object progress) {
-    check_run(q, start.shape(0));
-    q.start.assign(start.data(), start.data() + start.shape(0));
+    q.start.assign(start.data(), start.data() + start.size());
     q.go_on = [&](double t) { return go_on(progress, t); };
     RunResult r;
     {
@@ -173,21 +133,31 @@ nb::dict run_scene(RunRequest& q, Vector start, nb::object progress) {
         r = simulate(q);
     }
     const std::size_t T = r.t.size(), n = q.robot.n;
-    nb::dict out;
-    const auto rows = [&](const char* name, std::vector<double>& values, std::size_t columns) {
-        const std::size_t count = values.empty() ? 0 : T;
-        out[name] = to_numpy(std::move(values), {count, columns});
+    nb::dict result;
+    const std::pair<const char*, std::vector<double>*> parts[] = {
+        {"x_m", &r.x},
+        {"y_m", &r.y},
+        {"theta_rad", &r.theta},
+        {"vx_m_s", &r.vx},
+        {"vy_m_s", &r.vy},
+        {"omega_rad_s", &r.omega},
+        {"joint_force_x_n", &r.joint_fx},
+        {"joint_force_y_n", &r.joint_fy},
+        {"joint_torque_nm", &r.joint_torque},
+        {"friction_x_n", &r.friction_x},
+        {"friction_y_n", &r.friction_y},
+        {"energy_j", &r.energy},
     };
-    rows("x_m", r.x, n), rows("y_m", r.y, n), rows("theta_rad", r.theta, n);
-    rows("vx_m_s", r.vx, n), rows("vy_m_s", r.vy, n), rows("omega_rad_s", r.omega, n);
-    rows("joint_force_x_n", r.joint_fx, n - 1), rows("joint_force_y_n", r.joint_fy, n - 1);
-    rows("joint_torque_nm", r.joint_torque, n - 1);
-    rows("friction_x_n", r.friction_x, n), rows("friction_y_n", r.friction_y, n);
-    rows("energy_j", r.energy, EnergyLedger::kColumns);
-    out["t_s"] = to_numpy(std::move(r.t), {T});
-    out["failed_at"] = r.failed_at, out["why"] = r.why;
-    out["steps"] = r.steps, out["local_error"] = r.error;
-    return out;
+    for (const auto& [name, values] : parts) {
+        const std::size_t columns = values->size() / T;
+        result[name] = to_numpy(std::move(*values), {values->empty() ? 0 : T, columns});
+    }
+    result["t_s"] = to_numpy(std::move(r.t), {T});
+    result["failed_at"] = r.failed_at;
+    result["why"] = r.why;
+    result["steps"] = r.steps;
+    result["local_error"] = r.error;
+    return result;
 }
 
 void set_method(RunRequest& q, const std::string& name) { q.method = method_kind(name); }
@@ -196,9 +166,12 @@ nb::list method_table() {
     nb::list rows;
     for (const MethodKind& k : kMethods) {
         nb::dict row;
-        row["name"] = k.name, row["order"] = k.order;
-        row["formulations"] = k.formulations, row["adaptive"] = k.adaptive;
-        row["laws"] = k.laws, row["faults"] = k.faults;
+        row["name"] = k.name;
+        row["order"] = k.order;
+        row["formulations"] = k.formulations;
+        row["adaptive"] = k.adaptive;
+        row["laws"] = k.laws;
+        row["faults"] = k.faults;
         rows.append(row);
     }
     return rows;
@@ -221,7 +194,9 @@ void bind_run(nb::module_& m) {
         .def("__init__",
              [](RunRequest* self, const Model& model) {
                  new (self) RunRequest;
-                 self->robot = model.robot, self->ground = model.ground, self->gait = model.gait;
+                 self->robot = model.robot;
+                 self->ground = model.ground;
+                 self->gait = model.gait;
              })
         .def_rw("formulation", &RunRequest::formulation)
         .def_rw("drive", &RunRequest::drive)
@@ -240,12 +215,12 @@ void bind_run(nb::module_& m) {
             q.table = {std::move(t), std::move(T)};
         });
     std::vector<std::string> names;
-    each_scene_field([&](const char* name, auto of) {
-        using Value = std::remove_reference_t<decltype(of(std::declval<RunRequest&>()))>;
+    each_scene_field([&](const char* name, auto get) {
+        using Value = std::remove_reference_t<decltype(get(std::declval<RunRequest&>()))>;
         names.push_back(name);
         request.def_prop_rw(
-            name, [of](RunRequest& q) { return of(q); },
-            [of](RunRequest& q, Value value) { of(q) = value; });
+            name, [get](RunRequest& q) { return get(q); },
+            [get](RunRequest& q, Value value) { get(q) = value; });
     });
     m.attr("SCENE_FIELDS") = nb::tuple(nb::cast(names));
     m.def("run", &run_scene, nb::arg(), nb::arg(), nb::arg().none());
@@ -285,9 +260,10 @@ NB_MODULE(_core, m) {
              })
         .def("bent",
              [](const Model& model, double alpha, double beta) {
-                 Model other = model;
-                 other.gait.alpha = alpha, other.gait.beta = beta;
-                 return other;
+                 Model bent_model = model;
+                 bent_model.gait.alpha = alpha;
+                 bent_model.gait.beta = beta;
+                 return bent_model;
              })
         .def("set_joints", [](Model& model, Vector gain, Vector shift) {
             model.gait.gain.assign(gain.data(), gain.data() + gain.shape(0));

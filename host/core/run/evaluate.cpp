@@ -7,7 +7,6 @@
 namespace serpenoid {
 
 void evaluate(const RunRequest& q, const double* joint_acceleration, Chain& chain, Joints& joints) {
-    chain.directions();
     GroundForce(q.ground, {}, 0)(chain);
     const std::vector<char> imposed(q.robot.n - 1, q.drive == Drive::angle);
     std::vector<double> rotor(q.robot.n - 1), scratch(q.robot.n);

@@ -16,36 +16,41 @@ class Recorder {
     Recorder(const RunRequest& q, System& system, Method& method, const PositiveWork* positive)
         : q_(q), system_(system), method_(method), positive_(positive) {}
 
-    void note(double t, const double* y, RunResult& out) {
+    void note(double t, const double* y, RunResult& result) {
         const bool forces = q_.record_joints || q_.record_friction;
         forces ? system_.forces(t, y) : system_.fill(t, y);
         if (forces) method_.give_forces(system_);
         const Chain& c = system_.chain();
-        out.t.push_back(t);
-        append(out.x, c.x), append(out.y, c.y), append(out.theta, c.theta);
-        append(out.vx, c.vx), append(out.vy, c.vy), append(out.omega, c.omega);
-        if (q_.record_joints) joints(out);
-        if (q_.record_friction) friction(out);
+        result.t.push_back(t);
+        append(result.x, c.x);
+        append(result.y, c.y);
+        append(result.theta, c.theta);
+        append(result.vx, c.vx);
+        append(result.vy, c.vy);
+        append(result.omega, c.omega);
+        if (q_.record_joints) joints(result);
+        if (q_.record_friction) friction(result);
         if (q_.record_energy) {
             double row[EnergyLedger::kColumns];
             system_.ledger_row(y, row);
             if (positive_) row[EnergyLedger::kColumns - 1] = positive_->until(t);
-            out.energy.insert(out.energy.end(), row, row + EnergyLedger::kColumns);
+            result.energy.insert(result.energy.end(), row, row + EnergyLedger::kColumns);
         }
     }
 
   private:
-    static void append(std::vector<double>& to, const std::vector<double>& row) {
-        to.insert(to.end(), row.begin(), row.end());
+    static void append(std::vector<double>& column, const std::vector<double>& row) {
+        column.insert(column.end(), row.begin(), row.end());
     }
-    void joints(RunResult& out) const {
-        append(out.joint_fx, system_.joints().Fx), append(out.joint_fy, system_.joints().Fy);
-        append(out.joint_torque, system_.joints().T);
+    void joints(RunResult& result) const {
+        append(result.joint_fx, system_.joints().Fx);
+        append(result.joint_fy, system_.joints().Fy);
+        append(result.joint_torque, system_.joints().T);
     }
-    void friction(RunResult& out) const {
+    void friction(RunResult& result) const {
         for (int i = 0; i < q_.robot.n; ++i) {
-            out.friction_x.push_back(system_.chain().fx[i] - q_.robot.m * q_.slope.gx);
-            out.friction_y.push_back(system_.chain().fy[i] - q_.robot.m * q_.slope.gy);
+            result.friction_x.push_back(system_.chain().fx[i] - q_.robot.m * q_.slope.gx);
+            result.friction_y.push_back(system_.chain().fy[i] - q_.robot.m * q_.slope.gy);
         }
     }
     const RunRequest& q_;

@@ -15,15 +15,6 @@
 namespace serpenoid {
 namespace {
 
-Chain start_chain(const RunRequest& q) {
-    const int n = q.robot.n;
-    Chain c(n);
-    std::vector<double>* part[6] = {&c.x, &c.y, &c.theta, &c.vx, &c.vy, &c.omega};
-    for (int p = 0; p < 6; ++p) std::copy_n(q.start.begin() + p * n, n, part[p]->begin());
-    c.directions();
-    return c;
-}
-
 // SI units: no robot goes so far or so fast. Forces and powers, squares and cubes of states, are
 // finite below it.
 constexpr double kLargestState = 1e30;
@@ -54,15 +45,15 @@ class Run {
         system_.fill(0, y_.data());
         system_.latch();
         begin(0);
-        recorder_.note(0, y_.data(), out_);
+        recorder_.note(0, y_.data(), result_);
         double t = 0;
-        while (t < q_.duration && out_.why.empty() && out_.failed_at < 0) {
+        while (t < q_.duration && result_.why.empty() && result_.failed_at < 0) {
             const double stop = std::min(system_.next_jump(t), q_.duration);
             if (t > 0) begin(t);
             smooth_part(stop);
             t = stop;
         }
-        return std::move(out_);
+        return std::move(result_);
     }
 
   private:
@@ -78,8 +69,8 @@ class Run {
             const double t = method_.time();
             more = t < stop;
             if (!step.ok) return give_up(t, step.why);
-            if (const double e = method_.local_error(); e == e) out_.error += e;
-            ++out_.steps;
+            if (const double e = method_.local_error(); e == e) result_.error += e;
+            ++result_.steps;
             if (positive_) positive_->step();
             if (--unchecked_ == 0 && !checked(t)) return;
             if (due_ <= t && !note_until(t)) return;
@@ -95,32 +86,38 @@ class Run {
     bool note_until(double t) {
         if (!checked(t)) return false;
         for (; !done_ && due_ <= t; due_ = recorded(++next_)) {
-            const double at = due_;
-            if (at == t)
+            const double row_time = due_;
+            if (row_time == t)
                 std::copy_n(method_.state(), y_.size(), y_.begin());
             else
-                method_.dense(at, y_.data());
-            recorder_.note(at, y_.data(), out_);
-            done_ = at >= q_.duration;
+                method_.dense(row_time, y_.data());
+            recorder_.note(row_time, y_.data(), result_);
+            done_ = row_time >= q_.duration;
         }
         return true;
     }
     bool checked(double t) {
         unchecked_ = steps_unchecked_;
-        if (!bounded(method_.state(), system_.dim())) return out_.failed_at = t, false;
+        if (!bounded(method_.state(), system_.dim())) {
+            result_.failed_at = t;
+            return false;
+        }
         if (!ask(t)) return give_up(t, "it was interrupted"), false;
-        if (out_.steps > q_.most_steps) return give_up(t, "it took too many steps"), false;
+        if (result_.steps > q_.most_steps) return give_up(t, "it took too many steps"), false;
         return true;
     }
     // Ask whether to go on, 50 times a second at most: the answer may be an exception.
     bool ask(double t) {
         if (!q_.go_on) return true;
-        const auto now = std::chrono::steady_clock::now();
-        if (now < asked_ + std::chrono::milliseconds(20)) return true;
-        asked_ = now;
+        const auto clock_time = std::chrono::steady_clock::now();
+        if (clock_time < question_time_ + std::chrono::milliseconds(20)) return true;
+        question_time_ = clock_time;
         return q_.go_on(t);
     }
-    void give_up(double t, const char* why) { out_.failed_at = t, out_.why = why; }
+    void give_up(double t, const char* why) {
+        result_.failed_at = t;
+        result_.why = why;
+    }
 
     const RunRequest& q_;
     System& system_;
@@ -128,8 +125,8 @@ class Run {
     Recorder& recorder_;
     PositiveWork* positive_;
     std::vector<double> y_;
-    RunResult out_;
-    std::chrono::steady_clock::time_point asked_ = std::chrono::steady_clock::now();
+    RunResult result_;
+    std::chrono::steady_clock::time_point question_time_ = std::chrono::steady_clock::now();
     bool dense_, done_ = false;
     long steps_unchecked_, unchecked_, next_ = 1;
     double due_;

@@ -29,7 +29,7 @@ class Mechanics {
     virtual ~Mechanics() = default;
 
     // The state of a chain, and the chain (places, angles, velocities, directions) of a state.
-    virtual void set(const Chain& from, double* y) const = 0;
+    virtual void set(const Chain& source, double* y) const = 0;
     virtual void fill(double t, const double* y) = 0;
 
     // The forces of a state in three parts. load: fill the chain, the ground's forces and the

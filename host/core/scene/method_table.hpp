@@ -20,7 +20,7 @@ struct MethodKind {
     bool holds_dampers = false;   // dampers take the rates of the step before
     bool makes_friction = false;  // implicit: applies the friction itself, to a system without
 
-    constexpr bool is(std::string_view other) const { return other == name; }
+    constexpr bool is(std::string_view text) const { return text == name; }
 };
 
 inline constexpr MethodKind kMethods[] = {

@@ -78,6 +78,16 @@ void each_scene_field(const Visit& field) {
     field("record_steps", [](Q q) -> long long& { return q.record_steps; });
 }
 
+// The chain at the start of a run, with its directions.
+inline Chain start_chain(const RunRequest& q) {
+    const int n = q.robot.n;
+    Chain c(n);
+    std::vector<double>* parts[6] = {&c.x, &c.y, &c.theta, &c.vx, &c.vy, &c.omega};
+    for (int p = 0; p < 6; ++p) std::copy_n(q.start.begin() + p * n, n, parts[p]->begin());
+    c.directions();
+    return c;
+}
+
 // Rows of n (or n-1, or 6) values, one row a recorded time; SI units, ground frame.
 struct RunResult {
     std::vector<double> t, x, y, theta, vx, vy, omega;

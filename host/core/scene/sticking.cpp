@@ -27,11 +27,13 @@ Sticking::Sticking(Mechanics& mechanics, const RunRequest& q)
       length_(2 * q.robot.l),
       at_rest_(kAtRest * std::max(mode_tolerance(q), kLeastTolerance) * q.robot.n * length_ *
                rate_unit(q)) {
-    const double moves = q.robot.n * q.robot.m * q.robot.n * length_ * rate_unit(q) * rate_unit(q);
+    const double force_scale =
+        q.robot.n * q.robot.m * q.robot.n * length_ * rate_unit(q) * rate_unit(q);
     const WheelLaw across = WheelLaw::across(q.ground);
     for (int i = 0; i < chain_.n(); ++i) {
         if (along_.has_modes())
-            contacts_.push_back({i, Kind::along, along_.bound, along_.grip(moves)});
+            contacts_.push_back(
+                {i, Kind::along, along_.bound, along_.breakaway_ratio(force_scale)});
         if (across.has_modes()) contacts_.push_back({i, Kind::across, across.bound, 1});
     }
     for (int i = 0; i + 1 < chain_.n() && gear_friction(q) > 0; ++i)
@@ -71,14 +73,19 @@ void Sticking::push(const Contact& w, double part) {
 }
 
 // The forces without those of what rests.
-void Sticking::release() { chain_.fx = free_x_, chain_.fy = free_y_, mechanics_.driven = free_T_; }
+void Sticking::release() {
+    chain_.fx = free_x_;
+    chain_.fy = free_y_;
+    mechanics_.driven = free_T_;
+}
 
 // Add a ratchet's friction that differs from the mean of both directions.
 void Sticking::add_ratchet(const Contact& w) {
     const int i = w.link;
     const double more = along_.viscous(w.sign) - along_.mean_viscous();
     const double f = along_.thrust - more * speed(w);
-    chain_.fx[i] += f * chain_.c[i], chain_.fy[i] += f * chain_.s[i];
+    chain_.fx[i] += f * chain_.c[i];
+    chain_.fy[i] += f * chain_.s[i];
 }
 
 // All forces but those of what rests, and the accelerations by them.
@@ -89,25 +96,29 @@ void Sticking::slide(double t, const double* y) {
         if (w.sign != 0) push(w, -w.sign);
     }
     mechanics_.accelerate();
-    free_x_ = chain_.fx, free_y_ = chain_.fy, free_T_ = mechanics_.driven;
+    free_x_ = chain_.fx;
+    free_y_ = chain_.fy;
+    free_T_ = mechanics_.driven;
 }
 
 // W by columns and rows, each times its bound, and a times the bound; slide() has been called.
 void Sticking::respond(const std::vector<int>& which) {
     const std::size_t k = which.size();
-    response_.resize(k * k), pull_.resize(k), still_.resize(k);
-    for (std::size_t i = 0; i < k; ++i) still_[i] = acceleration(contacts_[which[i]]);
+    response_.resize(k * k);
+    pull_.resize(k);
+    free_acceleration_.resize(k);
+    for (std::size_t i = 0; i < k; ++i) free_acceleration_[i] = acceleration(contacts_[which[i]]);
     for (std::size_t j = 0; j < k; ++j) {
         release();
         push(contacts_[which[j]], 1);
         mechanics_.accelerate();
         for (std::size_t i = 0; i < k; ++i) {
             const Contact& w = contacts_[which[i]];
-            response_[i * k + j] = w.dry * (acceleration(w) - still_[i]);
+            response_[i * k + j] = w.dry * (acceleration(w) - free_acceleration_[i]);
         }
     }
     for (std::size_t i = 0; i < k; ++i) {
-        pull_[i] = contacts_[which[i]].dry * still_[i];
+        pull_[i] = contacts_[which[i]].dry * free_acceleration_[i];
         for (std::size_t j = 0; j < i; ++j)
             response_[i * k + j] = response_[j * k + i] =
                 0.5 * (response_[i * k + j] + response_[j * k + i]);
@@ -147,7 +158,8 @@ void Sticking::put_to_rest(const std::vector<int>& which, double* y) {
     box_.minimise_free(response_, moving, share_);
     hold(which);
     for (int i = 0; i < chain_.n(); ++i) {
-        chain_.vx[i] += chain_.ax[i] - ax[i], chain_.vy[i] += chain_.ay[i] - ay[i];
+        chain_.vx[i] += chain_.ax[i] - ax[i];
+        chain_.vy[i] += chain_.ay[i] - ay[i];
         chain_.omega[i] += chain_.alpha[i] - alpha[i];
     }
     mechanics_.set(chain_, y);
@@ -160,21 +172,21 @@ void Sticking::find(double t, double* y) {
     std::vector<int> went;  // which way before
     for (std::size_t w = 0; w < contacts_.size(); ++w) {
         const double v = speed(contacts_[w]);
-        const bool rested = contacts_[w].sign == 0 && known_;
+        const bool rested = contacts_[w].sign == 0 && has_modes_;
         // time has a resolution: under strong forces the speed passes at_rest within it
-        const bool turned = known_ && contacts_[w].sign * v < 0;
+        const bool turned = has_modes_ && contacts_[w].sign * v < 0;
         const double slowly = (turned ? kOvershot : 1) * at_rest_;
         if (contacts_[w].dry > 0 && (rested || std::fabs(v) <= slowly)) {
             slow.push_back(static_cast<int>(w));
             share.push_back(rested ? contacts_[w].share : -contacts_[w].sign);
-            went.push_back(known_ ? contacts_[w].sign : 0);
+            went.push_back(has_modes_ ? contacts_[w].sign : 0);
             contacts_[w].sign = 0;
         } else {
             contacts_[w].sign = v > 0 || (v == 0 && contacts_[w].sign >= 0) ? 1 : -1;
         }
         contacts_[w].wrong = 0;
     }
-    known_ = true;
+    has_modes_ = true;
     resting_.clear();
     if (slow.empty()) return;
     slide(t, y);
@@ -213,13 +225,13 @@ void Sticking::margins(double t, const double* y, std::vector<double>& margin) {
         if (contacts_[w].sign != 0)
             margin[w] = 1 + (contacts_[w].sign * speed(contacts_[w]) + contacts_[w].wrong) /
                                 (kBackwards * at_rest_);
-    const std::vector<int>& rest = resting_;
-    if (rest.empty()) return;
-    const bool held = others_hold();
-    for (std::size_t i = 0; i < rest.size(); ++i) {
-        Contact& w = contacts_[rest[i]];
+    const std::vector<int>& resting = resting_;
+    if (resting.empty()) return;
+    const bool all_hold = others_hold();
+    for (std::size_t i = 0; i < resting.size(); ++i) {
+        Contact& w = contacts_[resting[i]];
         w.share = share_[i];
-        margin[rest[i]] = 1 + (held ? 0 : w.grip * (1 - std::fabs(share_[i])) / kOverBound);
+        margin[resting[i]] = 1 + (all_hold ? 0 : w.grip * (1 - std::fabs(share_[i])) / kOverBound);
     }
 }
 

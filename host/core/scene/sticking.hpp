@@ -70,13 +70,13 @@ class Sticking {
     Chain& chain_;
     WheelLaw along_;
     bool ratchet_;
-    double length_;       // of a link, m
-    double at_rest_;      // m/s: slower than this, a wheel may rest
-    bool known_ = false;  // modes have been found before
+    double length_;           // of a link, m
+    double at_rest_;          // m/s: slower than this, a wheel may rest
+    bool has_modes_ = false;  // modes have been found before
     std::vector<Contact> contacts_;
     std::vector<int> resting_;
     BoxQuadratic box_;
-    std::vector<double> response_, pull_, share_, free_x_, free_y_, free_T_, still_;
+    std::vector<double> response_, pull_, share_, free_x_, free_y_, free_T_, free_acceleration_;
 };
 
 }  // namespace serpenoid

@@ -32,8 +32,8 @@ System::System(const RunRequest& q) {
     }
 }
 
-void System::set(const Chain& from, double* y) const {
-    mechanics_->set(from, y);
+void System::set(const Chain& source, double* y) const {
+    mechanics_->set(source, y);
     std::fill(y + 2 * coordinates(), y + dim(), 0.0);
 }
 

@@ -22,7 +22,7 @@ class System {
     int lengths() const { return mechanics_->lengths; }  // of the coordinates, the first ones
     int dim() const { return 2 * coordinates() + (ledger_ ? EnergyLedger::kIntegrals : 0); }
 
-    void set(const Chain& from, double* y) const;
+    void set(const Chain& source, double* y) const;
     void fill(double t, const double* y) { mechanics_->fill(t, y); }
 
     // dy/dt, and no more than that takes.

@@ -75,7 +75,7 @@ ServoSteps::ServoSteps(const Robot& robot, const Ground& ground, const Gait& gai
 void ServoSteps::start(double vx, double vy, double rate) {
     u_[2] = rate;
     for (int i = 0; i + 1 < n_; ++i) {
-        const GaitTable::Joint j = table_.at(i, 0.0, 1.0);
+        const GaitTable::Joint j = table_.joint(i, 0.0, 1.0);
         theta_[i + 1] = theta_[i] + j.angle;
         u_[i + 3] = u_[i + 2] + gait_.omega * j.slope;
     }
@@ -127,7 +127,7 @@ void ServoSteps::enter() {
     if (frame_ <= time) {
         while (frame_ + servo_.frame <= time) frame_ += servo_.frame;
         const double phase = gait_.omega * frame_, s = std::sin(phase), c = std::cos(phase);
-        for (int i = 0; i + 1 < n_; ++i) goal_[i] = table_.at(i, s, c).angle;
+        for (int i = 0; i + 1 < n_; ++i) goal_[i] = table_.joint(i, s, c).angle;
         frame_ += servo_.frame;
         last_u_ = u_;  // forces jump
     }

@@ -43,7 +43,7 @@ std::vector<double> resting_start(const SweepShape& shape) {
     Chain chain(n);
     const GaitTable table(n, shape.gait);
     for (int i = 0; i + 1 < n; ++i)
-        chain.theta[i + 1] = chain.theta[i] + table.at(i, 0.0, 1.0).angle;
+        chain.theta[i + 1] = chain.theta[i] + table.joint(i, 0.0, 1.0).angle;
     chain.directions();
     chain.follow(shape.robot.l);
     std::vector<double> start;

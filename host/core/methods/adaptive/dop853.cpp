@@ -24,7 +24,12 @@ Dop853::Dop853(System& system, const std::vector<double>& scale, double toleranc
 }
 
 void Dop853::restart(double t, const double* y) {
-    t_ = t_old_ = t, h_ = 0, error_ = 0, error_old_ = 1e-4, stiff_steps_ = 0;
+    t_ = t;
+    t_old_ = t;
+    h_ = 0;
+    error_ = 0;
+    error_old_ = 1e-4;
+    stiff_steps_ = 0;
     std::copy_n(y, dim_, y_.begin());
     system_.rate(t, y, k(kStages));
     h_next_ = 0;
@@ -38,12 +43,12 @@ void Dop853::restart_with_step(double t, const double* y) {
 
 // y_old + h (the row's sum of rates); zeros of the table are gone at compile time.
 template <int stage>
-void Dop853::combine(double h, double* to) const {
+void Dop853::combine(double h, double* state) const {
     const auto sum = [this]<int... j>(int i, std::integer_sequence<int, j...>) {
         return ((kA[stage][j] == 0 ? 0.0 : kA[stage][j] * k_[j * dim_ + i]) + ...);
     };
     for (int i = 0; i < dim_; ++i)
-        to[i] = y_old_[i] + h * sum(i, std::make_integer_sequence<int, stage>{});
+        state[i] = y_old_[i] + h * sum(i, std::make_integer_sequence<int, stage>{});
 }
 
 template <int stage>
@@ -60,10 +65,12 @@ void Dop853::stages(double h) {
 }
 
 double Dop853::norm(const double* v) const {
-    double most = 0, check = 0;
-    for (int i = 0; i < dim_; ++i)
-        most = std::max(most, std::fabs(v[i]) * weight_[i]), check += v[i] * 0;
-    return most + check;  // the maximum alone would pass over NaN
+    double largest = 0, check = 0;
+    for (int i = 0; i < dim_; ++i) {
+        largest = std::max(largest, std::fabs(v[i]) * weight_[i]);
+        check += v[i] * 0;
+    }
+    return largest + check;  // the maximum alone would pass over NaN
 }
 
 // Over the tolerance: 1 is just acceptable.
@@ -71,8 +78,10 @@ double Dop853::error(double h) const {
     double e3 = 0, e5 = 0, check = 0;
     for (int i = 0; i < dim_; ++i) {
         double d3 = 0, d5 = 0;
-        for (int j = 0; j < kStages; ++j)
-            d3 += kE3[j] * k_[j * dim_ + i], d5 += kE5[j] * k_[j * dim_ + i];
+        for (int j = 0; j < kStages; ++j) {
+            d3 += kE3[j] * k_[j * dim_ + i];
+            d5 += kE5[j] * k_[j * dim_ + i];
+        }
         e3 = std::max(e3, std::fabs(d3) * weight_[i]);
         e5 = std::max(e5, std::fabs(d5) * weight_[i]);
         check += d5 * 0;
@@ -89,8 +98,8 @@ double Dop853::first_step(double t_limit) {
     for (int i = 0; i < dim_; ++i) z_[i] = y_[i] + h0 * k(kStages)[i];
     system_.rate(t_ + h0, z_.data(), k(0));
     for (int i = 0; i < dim_; ++i) z_[i] = k(0)[i] - k(kStages)[i];
-    const double d2 = norm(z_.data()) * tolerance_ / h0, most = std::max(d1, d2);
-    const double h1 = most > 1e-15 ? std::pow(0.01 * tolerance_ / most, 1.0 / 8) : 1e3 * h0;
+    const double d2 = norm(z_.data()) * tolerance_ / h0, largest = std::max(d1, d2);
+    const double h1 = largest > 1e-15 ? std::pow(0.01 * tolerance_ / largest, 1.0 / 8) : 1e3 * h0;
     return std::min({100 * h0, h1, t_limit - t_});
 }
 
@@ -100,7 +109,8 @@ bool Dop853::stiff(double h) {
     double rates = 0, states = 0;
     for (int i = 0; i < dim_; ++i) {
         const double dk = k(kStages)[i] - k(kStages - 1)[i], dy = y_[i] - z_[i];
-        rates += dk * dk * weight_[i] * weight_[i], states += dy * dy * weight_[i] * weight_[i];
+        rates += dk * dk * weight_[i] * weight_[i];
+        states += dy * dy * weight_[i] * weight_[i];
     }
     decay_ = states > 0 ? h * std::sqrt(rates / states) : 0;
     stiff_steps_ = decay_ > 6.1 ? stiff_steps_ + 1 : 0;
@@ -113,12 +123,15 @@ StepOutcome Dop853::step(double t_limit) {
     if (h_next_ == 0) h_next_ = first_step(t_limit);
     std::copy_n(k(kStages), dim_, k(0));
     std::swap(y_old_, y_);
-    t_old_ = t_, dense_ready_ = false;
+    t_old_ = t_;
+    dense_ready_ = false;
     for (double h = h_next_;;) {
         const bool last = t_old_ + 1.01 * h >= t_limit;
         if (last) h = t_limit - t_old_;
-        if (!(h > 4e-16 * std::fabs(t_old_)))
-            return y_ = y_old_, StepOutcome{false, "its step fell below the resolution of time"};
+        if (!(h > 4e-16 * std::fabs(t_old_))) {
+            y_ = y_old_;
+            return {false, "its step fell below the resolution of time"};
+        }
         stages(h);
         error_ = error(h);
         const double grow = std::pow(std::max(error_, 1e-14), -(1.0 / 8 - 0.2 * 0.04));
@@ -127,7 +140,8 @@ StepOutcome Dop853::step(double t_limit) {
             h_next_ = h;
             continue;
         }
-        t_ = last ? t_limit : t_old_ + h, h_ = h;
+        t_ = last ? t_limit : t_old_ + h;
+        h_ = h;
         system_.rate(t_, y_.data(), k(kStages));
         const double factor = 0.9 * grow * std::pow(error_old_, 0.04);
         h_next_ = std::max(h * std::clamp(factor, 0.3, 6.0), last ? h_next_ : 0);
@@ -140,10 +154,13 @@ StepOutcome Dop853::step(double t_limit) {
 
 // Hermite's cubic from both ends, and four more coefficients from all stages.
 void Dop853::finish_dense() const {
-    evaluate<13>(h_), evaluate<14>(h_), evaluate<15>(h_);
+    evaluate<13>(h_);
+    evaluate<14>(h_);
+    evaluate<15>(h_);
     for (int i = 0; i < dim_; ++i) {
         const double rise = y_[i] - y_old_[i], start = h_ * k(0)[i], end = h_ * k(kStages)[i];
-        dense_[i] = rise, dense_[dim_ + i] = start - rise;
+        dense_[i] = rise;
+        dense_[dim_ + i] = start - rise;
         dense_[2 * dim_ + i] = 2 * rise - start - end;
         for (int c = 0; c < 4; ++c) {
             double sum = 0;

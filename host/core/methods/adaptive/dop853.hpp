@@ -40,7 +40,7 @@ class Dop853 final : public Method {
   private:
     static constexpr double kMostStiff = 2e6;
     template <int stage>
-    void combine(double h, double* to) const;
+    void combine(double h, double* state) const;
     template <int stage>
     void evaluate(double h) const;
     void stages(double h);

@@ -16,51 +16,54 @@ ModeSteps::ModeSteps(System& system, Sticking& modes, const std::vector<double>&
       pays_(std::min(6.0, 0.07 * stiff_.unknowns() * stiff_.unknowns())),
       shortest_(shortest),
       y_(system.dim()),
-      look_(system.dim()) {}
+      sampled_state_(system.dim()) {}
 
 void ModeSteps::restart(double t, const double* y) {
     std::copy_n(y, y_.size(), y_.begin());
     modes_.find(t, y_.data());
     smooth_->restart(t, y_.data());
-    t_ = t, ends_ = false, last_.reset();
+    t_ = t;
+    ends_ = false;
+    last_.reset();
 }
 
-ModeSteps::Look ModeSteps::look(double t) {
-    Look at{t, {}};
-    smooth_->dense(t, look_.data());
-    modes_.margins(t, look_.data(), at.margin);
-    return at;
+ModeSteps::Sample ModeSteps::sample_at(double t) {
+    Sample sample{t, {}};
+    smooth_->dense(t, sampled_state_.data());
+    modes_.margins(t, sampled_state_.data(), sample.margin);
+    return sample;
 }
 
-bool ModeSteps::Look::ended(double depth) const {
+bool ModeSteps::Sample::ended(double depth) const {
     return std::any_of(margin.begin(), margin.end(), [=](double m) { return m < -depth; });
 }
 
 // The first instant after an end: false position for the first part to end, halving in between.
-double ModeSteps::end_of_mode(Look from, Look to) {
-    for (int looks = 0; looks < 100; ++looks) {
+double ModeSteps::end_of_mode(Sample start, Sample end) {
+    for (int samples = 0; samples < 100; ++samples) {
         double first = 1, deepest = 0;
-        for (std::size_t i = 0; i < to.margin.size(); ++i) {
-            if (!(to.margin[i] < 0)) continue;
-            deepest = std::min(deepest, to.margin[i]);
-            const double above = std::max(from.margin[i], 0.0);
-            first = std::min(first, (above + 0.5) / (above - to.margin[i]));
+        for (std::size_t i = 0; i < end.margin.size(); ++i) {
+            if (!(end.margin[i] < 0)) continue;
+            deepest = std::min(deepest, end.margin[i]);
+            const double above = std::max(start.margin[i], 0.0);
+            first = std::min(first, (above + 0.5) / (above - end.margin[i]));
         }
-        if (deepest >= -1 || to.t - from.t <= shortest_) break;
-        const double part = looks % 3 == 2 ? 0.5 : std::clamp(first, 1e-9, 1 - 1e-9);
-        const double t = from.t + part * (to.t - from.t);
-        if (!(t > from.t && t < to.t)) break;
-        Look at = look(t);
-        (at.ended() ? to : from) = std::move(at);
+        if (deepest >= -1 || end.t - start.t <= shortest_) break;
+        const double part = samples % 3 == 2 ? 0.5 : std::clamp(first, 1e-9, 1 - 1e-9);
+        const double t = start.t + part * (end.t - start.t);
+        if (!(t > start.t && t < end.t)) break;
+        Sample sample = sample_at(t);
+        (sample.ended() ? end : start) = std::move(sample);
     }
-    return to.t;
+    return end.t;
 }
 
 // Look between b and c for a mode that ends and begins again: a margin falls before them and rises
 // after them, and the lines through a, b and c, d meet below 0. If there is one, t_ is set to its
 // end. What dips no deeper than the ends of modes are known, 1, is none: it would begin again at
 // once.
-bool ModeSteps::dips(const Look& a, const Look& b, const Look& c, const Look& d, int halvings) {
+bool ModeSteps::dips(const Sample& a, const Sample& b, const Sample& c, const Sample& d,
+                     int halvings) {
     bool low = false;
     for (std::size_t i = 0; i < b.margin.size() && halvings > 0; ++i) {
         const double falls = (b.margin[i] - a.margin[i]) / (b.t - a.t);
@@ -69,7 +72,7 @@ bool ModeSteps::dips(const Look& a, const Look& b, const Look& c, const Look& d,
         low |= falls < 0 && rises > 0 && b.margin[i] * (rises - falls) + falls * above < 0;
     }
     if (!low) return false;
-    const Look middle = look(0.5 * (b.t + c.t));
+    const Sample middle = sample_at(0.5 * (b.t + c.t));
     if (!middle.ended(1))
         return dips(a, b, middle, c, halvings - 1) || dips(b, middle, c, d, halvings - 1);
     t_ = end_of_mode(b, middle);
@@ -77,18 +80,18 @@ bool ModeSteps::dips(const Look& a, const Look& b, const Look& c, const Look& d,
 }
 
 // Look at a step for the first end of a mode; if there is one, t_ is set to it.
-bool ModeSteps::ends_between(double from, double to) {
-    std::vector<Look> looks{last_ ? *std::exchange(last_, {}) : look(from)};
-    for (int k = 1; k <= kLooks; ++k) {
-        looks.push_back(look(k == kLooks ? to : from + (to - from) * k / kLooks));
-        if (k > 2 && dips(looks[k - 3], looks[k - 2], looks[k - 1], looks[k], kHalvings))
+bool ModeSteps::ends_between(double start, double end) {
+    std::vector<Sample> samples{last_ ? *std::exchange(last_, {}) : sample_at(start)};
+    for (int k = 1; k <= kSamples; ++k) {
+        samples.push_back(sample_at(k == kSamples ? end : start + (end - start) * k / kSamples));
+        if (k > 2 && dips(samples[k - 3], samples[k - 2], samples[k - 1], samples[k], kHalvings))
             return true;
-        if (looks[k].ended()) {
-            t_ = end_of_mode(looks[k - 1], looks[k]);
+        if (samples[k].ended()) {
+            t_ = end_of_mode(samples[k - 1], samples[k]);
             return true;
         }
     }
-    last_ = std::move(looks.back());
+    last_ = std::move(samples.back());
     return false;
 }
 
@@ -117,14 +120,14 @@ StepOutcome ModeSteps::step(double t_limit) {
         else
             explicit_.restart_with_step(t_, y_.data());
     }
-    const double from = t_;
-    const StepOutcome out = smooth_->step(t_limit);
-    if (!out.ok) return out;
-    ends_ = ends_between(from, smooth_->time());
+    const double start = t_;
+    const StepOutcome outcome = smooth_->step(t_limit);
+    if (!outcome.ok) return outcome;
+    ends_ = ends_between(start, smooth_->time());
     if (!ends_) t_ = smooth_->time();
     dense(t_, y_.data());
     if (!ends_) ends_ = modes_.creeps(t_, y_.data());
-    return out;
+    return outcome;
 }
 
 void ModeSteps::dense(double t, double* y) const {

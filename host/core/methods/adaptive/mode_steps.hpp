@@ -31,21 +31,21 @@ class ModeSteps final : public Method {
     double local_error() const override { return smooth_->local_error(); }
 
   private:
-    static constexpr int kLooks = 8;      // at a step, for the end of a mode in it
+    static constexpr int kSamples = 8;    // at a step, for the end of a mode in it
     static constexpr int kHalvings = 10;  // between two looks, for a margin's least value
     static constexpr int kMostAtOnce = 300;
     static constexpr int kStiffSteps = 12;
     static constexpr double kNothing = 1e3;  // times shortest: between two ends at once
-    struct Look {
+    struct Sample {
         double t;
         std::vector<double> margin;
         bool ended(double depth = 0) const;
     };
     void look_for_stiffness();
-    bool ends_between(double from, double to);
-    bool dips(const Look& a, const Look& b, const Look& c, const Look& d, int halvings);
-    double end_of_mode(Look from, Look to);
-    Look look(double t);
+    bool ends_between(double start, double end);
+    bool dips(const Sample& a, const Sample& b, const Sample& c, const Sample& d, int halvings);
+    double end_of_mode(Sample start, Sample end);
+    Sample sample_at(double t);
 
     Sticking& modes_;
     Dop853 explicit_;
@@ -55,9 +55,9 @@ class ModeSteps final : public Method {
     int stiff_steps_ = 0;
     double shortest_, t_ = 0, ended_ = 0;
     int at_once_ = 0;
-    bool ends_ = false;         // the mode, at t_
-    std::optional<Look> last_;  // of the step before, in the same mode
-    std::vector<double> y_, look_;
+    bool ends_ = false;           // the mode, at t_
+    std::optional<Sample> last_;  // of the step before, in the same mode
+    std::vector<double> y_, sampled_state_;
 };
 
 }  // namespace serpenoid

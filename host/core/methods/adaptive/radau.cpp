@@ -53,13 +53,13 @@ class DenseEquations final : public StepEquations {
 
     bool linearise(double t, const double* y, double real_s, Complex complex_s) override {
         system_.rate(t, y, rate_.data());
-        std::vector<double> near(y, y + system_.dim());
+        std::vector<double> shifted(y, y + system_.dim());
         for (int entry = kUniform; entry < 2 * m_; ++entry) {
             double* slopes = &(entry < m_ ? by_place_ : by_rate_)[entry % m_ * m_];
             const double difference = kDifference * scale_[entry];
-            near[entry] += difference;
-            system_.rate(t, near.data(), moved_.data());
-            near[entry] = y[entry];
+            shifted[entry] += difference;
+            system_.rate(t, shifted.data(), moved_.data());
+            shifted[entry] = y[entry];
             for (int row = 0; row < m_; ++row)
                 slopes[row] = (moved_[m_ + row] - rate_[m_ + row]) / difference;
         }
@@ -92,7 +92,7 @@ Radau::Radau(System& system, const Vector& scale, double tolerance)
       tolerance_(tolerance),
       unit_s_(scale[0] / scale[m_]),
       equations_(system.step_equations()) {
-    for (const double one : scale) weight_.push_back(1 / (one * tolerance));
+    for (const double entry_scale : scale) weight_.push_back(1 / (entry_scale * tolerance));
     for (Vector* v : {&y_, &y_old_, &scratch_, &moved_}) v->resize(dim_);
     for (Stages* stages : {&stage_, &stage_rate_, &past_})
         for (Vector& v : *stages) v.resize(dim_);
@@ -253,9 +253,9 @@ double Radau::filtered(double h, const Vector& y) {
 double Radau::swallowed_ringing(double h) const {
     double worst = 0;
     for (int gap = kUniform; gap < system_.lengths(); ++gap) {
-        double off = y_[gap];
-        for (int i = 0; i < kStages; ++i) off -= Rule::get().at0[i] * stage_[i][gap];
-        worst = std::max(worst, std::fabs(off));
+        double stand_off = y_[gap];
+        for (int i = 0; i < kStages; ++i) stand_off -= Rule::get().at0[i] * stage_[i][gap];
+        worst = std::max(worst, std::fabs(stand_off));
     }
     return worst > 0 ? worst * ringing_ * std::min(1 / frequency_, h) : 0;
 }
@@ -264,9 +264,9 @@ double Radau::swallowed_ringing(double h) const {
 double Radau::error(double h, bool first) {
     double size = filtered(h, y_);
     if (first && size > 1) {
-        Vector near = y_;
-        for (int i = 0; i < 2 * m_; ++i) near[i] += scratch_[i];
-        size = filtered(h, near);
+        Vector shifted = y_;
+        for (int i = 0; i < 2 * m_; ++i) shifted[i] += scratch_[i];
+        size = filtered(h, shifted);
     }
     size = std::max(size, swallowed_ringing(h));
     return std::isfinite(size) ? std::max(size, kMinError) : HUGE_VAL;

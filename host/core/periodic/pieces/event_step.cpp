@@ -58,7 +58,7 @@ double EventStep::dissipation(const Vec3& u) const {
     double watts = piece_.node(1).dissipation(u, omega_);
     for (std::size_t c = 0; c < kinks_.size(); ++c) {
         const WheelLaw& law = piece_.law(wheel_of_kink_[c]);
-        const double v = kinks_[c].at(u);
+        const double v = kinks_[c].value(u);
         watts += law.bound * std::fabs(v) - law.thrust * v;
     }
     return watts;
@@ -92,7 +92,7 @@ void EventStep::set_mode(SlidingMode& mode) const {
     mode.count = 0;
     for (std::size_t c = 0; c < kinks_.size(); ++c) {
         const int wheel = wheel_of_kink_[c], kink = static_cast<int>(c);
-        if (convex_.held(kink) && mode.count < 3) {
+        if (convex_.holds(kink) && mode.count < 3) {
             mode.sign[wheel] = 0;
             mode.stuck[mode.count++] = wheel;
         } else {

@@ -39,7 +39,8 @@ SlidingPiece::SlidingPiece(const Robot& robot, const Ground& ground, const Gait&
       nm_(robot.n * robot.m),
       inverse_nm_(1 / nm_),
       law_{WheelLaw::along(ground), WheelLaw::across(ground)},
-      grip_(law_[0].grip(nm_ * gait.omega * gait.omega * robot.l * std::max(gait.alpha, 1e-9))),
+      grip_(law_[0].breakaway_ratio(nm_ * gait.omega * gait.omega * robot.l *
+                                    std::max(gait.alpha, 1e-9))),
       table_(robot.n, gait),
       stages_(robot, gait),
       viscous_(2 * robot.n),

@@ -53,7 +53,7 @@ void WorkMeter::add(const SlidingMode& mode, double h, double x, double skipped)
             const PositiveMean mean(power.data());
             work_.positive[i] += seconds * mean.value;
             work_.error += seconds * mean.error;
-            work_.net += seconds * mean.whole;
+            work_.net += seconds * mean.net;
         }
     }
     add_doubt(mode, h, x);
