@@ -18,6 +18,7 @@ from ..session.track import EXAMPLE, tidy_places
 from .asking import PATIENCE_S, WORDS, Asker, Quit, Restart, Skip, Undo
 from .films import FilmReader, named_file, no_films, read_crawl, take_track
 from .procedure import ZERO_BEFORE, doubts, next_step
+from .pushes import push_in_words
 from .session_robot import SessionRobot
 from .steps import Step, Tracked, step_in_words
 from .terminal import Terminal
@@ -260,7 +261,7 @@ class Dialogue:
         """Keep all pushes of a file, however many, and raise Restart: the plan has moved on."""
         tell = lambda text: self._say(f"  {text}")  # noqa: E731
         for push in take_track(self.journal, path, unit, cells, self._film, tell):
-            tell(push.in_words())
+            tell(push_in_words(push))
         self._show_fit(self.journal.session)
         raise Restart
 

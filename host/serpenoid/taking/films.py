@@ -1,8 +1,7 @@
-"""What the dialogue asks after a push: a file of its track, or way and time by tape and watch."""
+"""Files that answer a step: films, and tracks of pushes or crawls as tables."""
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable
 from os.path import isfile  # False, too, for what cannot be a name
@@ -12,16 +11,19 @@ import numpy as np
 
 from ..base.checks import sha256_of
 from ..base.errors import BadInput
-from ..base.tables import EMPTY_CELLS, OTHER_PROGRAMS, columns_named, read_table
+from ..base.files import csv_rows, read_text
+from ..base.tables import OTHER_PROGRAMS
 from ..base.toml_table import located
 from ..model.capture_rate import OPTION, capture_rate, slow_motion_doubt
 from ..model.gait import Gait
 from ..model.robot import Robot
 from ..session.declaration import LENGTH_UNITS, Cells
 from ..session.filmed_crawl import crawl_cells
+from ..session.gait_run import TRACK
 from ..session.journal import Journal
-from ..session.track import Floats
-from .pushes import Kept, keep_pushes
+from ..session.push import Push
+from ..session.track import Track
+from .pushes import keep_pushes
 from .steps import Tracked
 from .track_files import read_track_file
 
@@ -29,7 +31,6 @@ from .track_files import read_track_file
 FilmReader = Callable[[Path, Robot, Gait | None], Tracked]
 TEXTS = (".csv", ".txt", ".tsv", ".dat")
 FILMS = (".mp4", ".mov", ".mkv", ".avi", ".m4v", ".webm")
-CRAWL_COLUMNS = ("t_s", "x_m", "y_m", "heading_rad")  # of `video --track`; then the joints
 
 
 def named_file(text: str) -> tuple[Path, str | None] | None:
@@ -37,15 +38,11 @@ def named_file(text: str) -> tuple[Path, str | None] | None:
     name, _, last = text.strip().rpartition(" ")
     unit = last if name and last in LENGTH_UNITS else None
     path = Path(os.path.expanduser((name if unit else text).strip().strip("'\"")))
-    known = (*TEXTS, *FILMS, *OTHER_PROGRAMS)
-    return (path, unit) if isfile(path) or path.suffix.lower() in known else None
+    suffixes = (*TEXTS, *FILMS, *OTHER_PROGRAMS)
+    return (path, unit) if isfile(path) or path.suffix.lower() in suffixes else None
 
 
-def no_words(text: str) -> None:
-    """Tell nobody."""
-
-
-def no_films(path: Path, *given: object) -> Tracked:
+def no_films(path: Path, robot: Robot, gait: Gait | None) -> Tracked:
     """Refuse a film, where nothing is there to measure it."""
     raise BadInput(
         f"{path}: a film itself is not taken here; give the track of the robot's middle link that "
@@ -60,9 +57,9 @@ def take_track(
     unit: str | None,
     cells: Cells,
     film: FilmReader = no_films,
-    tell: Callable[[str], object] = no_words,
+    tell: Callable[[str], object] = lambda text: None,
     capture_fps: float | None = None,
-) -> list[Kept]:
+) -> list[Push]:
     """Keep the pushes of a file; raises BadInput where there is none, or it was taken in before.
 
     unit: of its lengths, where the file names none. film: what reads a film of the robot with tags,
@@ -70,9 +67,9 @@ def take_track(
     capture_fps: pictures a second that the camera took, where a track was made of slow motion.
     """
     if path.suffix.lower() in (*TEXTS, *OTHER_PROGRAMS) or not isfile(path):
-        found = read_track_file(path, unit)
-        track, sha256 = found.values, found.sha256
-        for note in found.notes:
+        table = read_track_file(path, unit)
+        track, sha256 = table.values, table.sha256
+        for note in table.notes:
             tell(note)
         if capture_fps is not None:
             rate = capture_rate(track[:, 0], capture_fps, OPTION)
@@ -95,35 +92,23 @@ def read_crawl(journal: Journal, path: Path, gait: Gait, film: FilmReader = no_f
     """
     if not isfile(path):
         raise BadInput(f"{path}: no such file")
-    sha256 = sha256_of(path)
-    for taken in journal.session.kept_films:
-        if taken.film_sha256 == sha256:
-            raise BadInput(f"{path}: reading {taken.number} is of this film already")
+    robot, sha256 = journal.session.setup.robot, sha256_of(path)
+    for reading in journal.session.kept_films:
+        if reading.film_sha256 == sha256:
+            raise BadInput(f"{path}: reading {reading.number} is of this film already")
     if path.suffix.lower() not in TEXTS:
-        return film(path, journal.session.setup.robot, gait)
-    rows = _crawl_rows(path, journal.session.setup.robot.links - 1)
-    return Tracked({**crawl_cells(rows, gait), "film_sha256": sha256}, rows, "video")
-
-
-def joint_columns(joints: int) -> list[str]:
-    """Return the names of the joints' columns."""
-    return [f"joint{k + 1}_rad" for k in range(joints)]
-
-
-def _crawl_rows(path: Path, joints: int) -> Floats:
-    names = [*CRAWL_COLUMNS, *joint_columns(joints)]
-    table, places = read_table(
-        path, columns_named(*names), f"{','.join(names)}, as `serpenoid video --track` writes them"
-    )
-    rows: list[list[float]] = []
-    for line, cells in table.rows:
-        if not any(cells):
-            continue
-        texts = [cells[place] if place < len(cells) else "" for place in places]
+        return film(path, robot, gait)
+    head, *lines = csv_rows(read_text(path), path)
+    with located(str(path)):
+        joints = len(head) - len(TRACK) + 1
+        if tuple(head[:4]) != TRACK[:4] or joints != robot.links - 1:
+            raise BadInput(
+                f"its columns are {', '.join(head)}; give a track of {robot.links} links as "
+                "`serpenoid video --track` writes it"
+            )
         try:
-            rows.append([math.nan if text in EMPTY_CELLS else table.number(text) for text in texts])
+            values = [[float(cell or "nan") for cell in line] for line in lines]
         except ValueError as error:
-            raise BadInput(f"{table.where(line)}: {error}; every cell must be a number") from None
-        if not all(map(math.isfinite, rows[-1][: len(CRAWL_COLUMNS)])):
-            raise BadInput(f"{table.where(line)}: a cell is empty; joints alone may be empty")
-    return np.array(rows, dtype=float).reshape(len(rows), len(names))
+            raise BadInput(f"{error}; every cell must be a number") from None
+        rows = Track.from_samples(TRACK, values).values
+        return Tracked({**crawl_cells(rows, gait), "film_sha256": sha256}, rows, "video")

@@ -148,7 +148,8 @@ def _push(session: Session, bend_deg: float) -> Step | None:
         + " One film may hold all of them, the robot turned round after each."
         * (plan.pushes > 1)
     )
-    cells: Values = {"way": way} | ({"bend": plan.bend} if bend_deg else {})
+    cells: Values = {"way": way}
+    cells |= {"bend": plan.bend} if bend_deg else {}
     fields = Push.questions("distance_m", "duration_s", "turned_deg")
     return Step(key, "push", say, fields, bend_deg, cells=cells)
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from ..base.errors import BadInput
 from ..base.toml_table import Table, located
@@ -54,7 +55,7 @@ def simulated_person(top: Table, setup: Setup) -> SimulatedPerson:
     table = top.table("simulated")
     table.only("seed", *_FRICTIONS, optional=_TRUTH)
     seed, floor = table.integer("seed"), setup.plan.on == "floor"
-    values = {"rolling_kg": wheel_inertia_kg(setup)} if floor else {}
+    values: dict[str, Any] = {"rolling_kg": wheel_inertia_kg(setup)} if floor else {}
     for name in _TRUTH:
         if name in table.values:
             values[name.replace("_deg", "_rad")] = in_si(name, table.number(name))

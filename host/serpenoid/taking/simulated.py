@@ -41,7 +41,9 @@ PUSH_M_S, PUSH_SPREAD = 0.9, 0.12  # speed of a push, and its relative scatter
 CROOKED_RAD, SPIN_RAD_S = 0.015, 0.06  # scatter of a push's direction and turning
 FILM_ERROR = 0.002  # relative, of a crawl's scale and of each joint's amplitude
 MAX_PUSHES = 6  # until somebody gives up
-PROTRACTOR_ENDS = 2 * math.sqrt(2)  # error at an end over that of a bend: half the mean of two ends
+# Error at each end under a protractor, over what is stated of the bend: half the mean of both errs
+# by that at a treadmill, by half of it on a floor, where there is room and light.
+PROTRACTOR_ENDS = {"treadmill": 2 * math.sqrt(2), "floor": math.sqrt(2)}
 
 
 PHONE = Camera()
@@ -189,7 +191,7 @@ class SimulatedPerson:
     def _bend(self, step: Step) -> Cells:
         """Bend as planned; lay the protractor on the joints at both ends."""
         self._straight(step)
-        sigma_rad = PROTRACTOR_ENDS * self.setup.instruments.lambda_sigma_rad
+        sigma_rad = PROTRACTOR_ENDS[self.setup.plan.on] * self.setup.instruments.lambda_sigma_rad
         shown_deg = self.robot.protractor_deg(self._pose_rad, sigma_rad, self.rng)
         return {"between_links_deg": round(sum(shown_deg) / 2, 1)}
 
@@ -243,9 +245,9 @@ class SimulatedPerson:
                 turned_deg = round(math.degrees(track.turned_rad))
                 return {"distance_m": way_m, "duration_s": time_s, "turned_deg": turned_deg}
             rows = film(track, replace(camera, scale=self.truth.film_scale), self.rng)[:, :3]
-            look = look_at(*rows.T, slips=slipping)
+            look = look_at(rows, slips=slipping)
             if not look.doubts:
-                return Tracked({**look.cells(), "by": "film"}, rows)
+                return Tracked({**look.cells, "by": "film"}, rows)
         return None
 
     def _gait(self, step: Step) -> Cells:

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import hashlib
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,47 +22,54 @@ from ..base.tables import EMPTY_CELLS, TextTable, read_table
 from ..base.toml_table import located
 from ..session.declaration import LENGTH_UNITS
 from ..session.push import likely_units, unlikely_push
-from .track_look import MOVES_M_S, speeds
+from .track_look import speeds
 
 Floats = NDArray[np.float64]
 NEEDED = "t_s,x_m,y_m, or as in Time (ms);Trajectory 1/X (cm);Trajectory 1/Y (cm)"
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "μs": 1e-6, "min": 60.0, "min/100": 0.6, "hour/10000": 0.36}
-# What a column is -> words for it; those of a time in Kinovea's languages.
-MEANINGS = {
+# What a column is -> words in its name; those of a time in Kinovea's languages.
+WORDS = {
     "t": "t time timestamp temps zeit tiempo tempo tid tijd czas čas vreme vrijeme време время "
     "час χρόνος aika zaman waktu masa timp laikas idő 時間 时间 시간 เวลา زمان الزمن thời",
     "frame": "n frame frames step image picture bild",
     "rate": "v vel velocity speed acc accel acceleration",
 }
+_WORDS = {meaning: frozenset(words.casefold().split()) for meaning, words in WORDS.items()}
 SPELLINGS = {
-    "m": "meter meters metre metres м",
-    "cm": "centimeter centimeters centimetre centimetres см",
-    "mm": "millimeter millimeters millimetre millimetres мм",
-    "in": 'inch inches "',
-    "ft": "foot feet",
-    "yd": "yard yards",
-    "s": "sec secs second seconds с сек",
-    "ms": "msec millisecond milliseconds мс 毫秒",
-    "μs": "us microsecond microseconds",
-    "min": "minute minutes",
+    "m": "m meter meters metre metres м",
+    "cm": "cm centimeter centimeters centimetre centimetres см",
+    "mm": "mm millimeter millimeters millimetre millimetres мм",
+    "in": 'in inch inches "',
+    "ft": "ft foot feet",
+    "yd": "yd yard yards",
+    "s": "s sec secs second seconds с сек",
+    "ms": "ms msec millisecond milliseconds мс 毫秒",
+    "μs": "μs us microsecond microseconds",
+    "min": "min minute minutes",
+    "min/100": "min/100",
+    "hour/10000": "hour/10000",
 }
-_MEANING = {
-    word.casefold(): meaning for meaning, words in MEANINGS.items() for word in words.split()
-}
-_UNIT = {word: unit for unit, words in SPELLINGS.items() for word in (unit, *words.split())}
-_UNIT |= {unit: unit for unit in TIME_UNITS}
+_UNITS = dict[str, str]()  # spelling -> unit
+for _unit, _words in SPELLINGS.items():
+    _UNITS |= dict.fromkeys(_words.split(), _unit)
 _IN_BRACKETS = re.compile(r"[(\[{]\s*([^()\[\]{}]*?)\s*[)\]}]\s*$")
-_BEHIND = re.compile(r"[\s_/]+(?:in\s+)?([^\s_/]+(?:/\d+)?)$")
+_AT_END = re.compile(r"[\s_/]+(?:in\s+)?([^\s_/]+(?:/\d+)?)$")
 _AXIS = re.compile(r"(?:pos|position|coord)?([xy])(?:pos|position|coord)?\d*")
+LENGTH_ADVICE = (
+    "which is no length; set the scale and export again (Tracker: Track > New > Calibration Tools; "
+    "Kinovea: draw a line of known length, right-click it, Calibrate); units that are read: "
+    f"{', '.join(LENGTH_UNITS)}"
+)
 TIME_ADVICE = (
     "export the time in s or ms (Tracker: take t as the first column; Kinovea: milliseconds as "
     "the time format in its preferences, and no normalized time), or, if it is in s, name the "
     "column Time (s)"
 )
-LEAST_STEP_S = 1 / 2000  # between two pictures: no camera of a phone is faster
-MOST_STEP_S = 0.5  # between two pictures of a push, where the time has no unit
-FAST_S = 0.1  # a push is at its fastest for longer than this
-FEWEST_PLACES = 3
+MIN_STEP_S = 1 / 2000  # between two pictures: no camera of a phone is faster
+MAX_STEP_S = 0.5  # between two pictures of a push, where the time has no unit
+FAST_S = 0.2  # a push is at its fastest for longer than this
+MIN_PLACES = 3
+EXTENT_QUANTILES = 0.02, 0.98  # of places: one that was mistaken for another does not count
 
 
 @dataclass(frozen=True)
@@ -72,8 +81,7 @@ class TrackFile:
     notes: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True)
-class Column:
+class Column(NamedTuple):
     """Hold where a column is, its name as written, what it is ("t", "frame", "x", "y" or "").
 
     unit: as written, None where none is.
@@ -84,59 +92,47 @@ class Column:
     meaning: str
     unit: str | None
 
-    @classmethod
-    def of(cls, place: int, cell: str) -> Column:
-        """Return what the name of a column says."""
-        found = _IN_BRACKETS.search(cell)
-        if found is None:
-            found = _BEHIND.search(cell)
-            found = found if found and found[1].casefold() in _UNIT else None
-        name = cell[: found.start()] if found else cell
-        words = [word for word in re.split(r"[\s/_.,:;#|()-]+", name.casefold()) if word] or [""]
-        meanings = [_MEANING.get(word, "") for word in words]
-        axis = _AXIS.fullmatch(words[-1]) or _AXIS.fullmatch(words[0])
-        rate = "rate" in meanings or re.match("[vapl]_", name.casefold())  # Tracker's v_x, a_x
-        meaning = axis[1] if axis and not rate else ""
-        if "t" in (meanings[0], meanings[-1]):
-            meaning = "t"
-        elif meanings == ["frame"]:
-            meaning = "frame"
-        return cls(place, cell, meaning, found[1] if found else None)
+    def factor(self, units: Mapping[str, float], advice: str) -> float | None:
+        """Return what its numbers are multiplied with, None if it names no unit; raises BadInput.
 
-    @property
-    def length_unit(self) -> str | None:
-        """Return its unit, a key of LENGTH_UNITS; None if it names none. Raises BadInput."""
-        unit = None if self.unit is None else _UNIT.get(self.unit.casefold(), "")
-        if unit is None or unit in LENGTH_UNITS:
-            return unit
-        raise BadInput(
-            f"{self.name} is in {self.unit or 'an empty unit'!r}, which is no length; set the "
-            "scale and export again (Tracker: Track > New > Calibration Tools; Kinovea: "
-            "draw a line of known length, right-click it, Calibrate); units that are read: "
-            f"{', '.join(LENGTH_UNITS)}"
-        )
+        units: that it may be in. advice: what to do about another.
+        """
+        if self.unit is None:
+            return None
+        unit = _UNITS.get(self.unit.casefold(), "")
+        if unit not in units:
+            raise BadInput(f"{self.name} is in {self.unit or 'an empty unit'!r}, {advice}")
+        return units[unit]
 
-    @property
-    def time_s(self) -> float:
-        """Return the duration of its unit, s; of s if it names none. Raises BadInput."""
-        if self.unit is None and self.meaning == "t":
-            return 1.0
-        unit = _UNIT.get((self.unit or "frames").casefold(), "")
-        if unit in TIME_UNITS:
-            return TIME_UNITS[unit]
-        raise BadInput(
-            f"{self.name} is no time in seconds but in {self.unit or 'frames'}; {TIME_ADVICE}"
-        )
+
+def _column(place: int, cell: str) -> Column:
+    """Return what the name of a column says."""
+    match = _IN_BRACKETS.search(cell)
+    if match is None:
+        match = _AT_END.search(cell)
+        match = match if match and match[1].casefold() in _UNITS else None
+    name = cell[: match.start()] if match else cell
+    words = re.findall(r"[^\s/_.,:;#|()-]+", name.casefold()) or [""]
+    axis = _AXIS.fullmatch(words[-1]) or _AXIS.fullmatch(words[0])
+    rate = _WORDS["rate"].intersection(words) or re.match("[vapl]_", name.casefold())
+    meaning = axis[1] if axis and not rate else ""  # v_x and a_x are Tracker's
+    if _WORDS["t"].intersection((words[0], words[-1])):
+        meaning = "t"
+    elif len(words) == 1 and words[0] in _WORDS["frame"]:
+        meaning = "frame"
+    return Column(place, cell, meaning, match[1] if match else None)
 
 
 def _columns(head: list[str]) -> list[Column] | None:
     """Return time, x and, if it is there, y of the first point; None without time and x."""
-    columns = [Column.of(place, cell) for place, cell in enumerate(head)]
-    by = {name: [c for c in columns if c.meaning == name] for name in ("t", "frame", "x", "y")}
-    times = by["t"] or by["frame"]
-    if not times or not by["x"]:
-        return None
-    return [times[0], by["x"][0], *by["y"][:1]]
+    columns = [_column(place, cell) for place, cell in enumerate(head)]
+    by_meaning = {
+        name: [c for c in columns if c.meaning == name] for name in ("t", "frame", "x", "y")
+    }
+    times = by_meaning["t"] or by_meaning["frame"]
+    return (
+        [times[0], by_meaning["x"][0], *by_meaning["y"][:1]] if times and by_meaning["x"] else None
+    )
 
 
 def read_track_file(path: Path, unit: str | None = None, *, pushed: bool = True) -> TrackFile:
@@ -163,80 +159,62 @@ def read_track_file(path: Path, unit: str | None = None, *, pushed: bool = True)
         check_choice("unit", unit, tuple(LENGTH_UNITS))
     table, columns = read_table(path, _columns, NEEDED)
     time, x = columns[:2]
-    rows = _seen(table, columns)
     with located(str(path)):
-        units = [column.length_unit or unit for column in columns[1:]]
-        scale = time.time_s
+        if time.meaning == "frame":
+            raise BadInput(f"{time.name} is no time in seconds but in frames; {TIME_ADVICE}")
+        factors = [time.factor(TIME_UNITS, TIME_ADVICE) or 1.0]
+        lengths = [column.factor(LENGTH_UNITS, LENGTH_ADVICE) for column in columns[1:]]
+        factors += [length or LENGTH_UNITS[unit or "m"] for length in lengths]
+    rows = []
+    width = 1 + max(column.place for column in columns)
+    for line, cells in table.rows:
+        texts = [cells[column.place] for column in columns] if len(cells) >= width else [""]
+        if EMPTY_CELLS.isdisjoint(texts):
+            numbers = [_number(table, line, *cell) for cell in zip(texts, columns, strict=True)]
+            rows.append(numbers)
     track = np.zeros((len(rows), 3))
-    factors = [scale, *(LENGTH_UNITS[each or "m"] for each in units)]
-    for row, (line, texts) in zip(track, rows, strict=True):
-        for k, (text, column) in enumerate(zip(texts, columns, strict=True)):
-            row[k] = factors[k] * _value(table, line, text, column.name)
+    track[:, : len(columns)] = np.reshape(rows, (-1, len(columns))) * factors
     with located(str(path)):
-        if len(track) < FEWEST_PLACES:
+        if len(track) < MIN_PLACES:
             raise BadInput(f"{len(track)} place(s) in it; is it a track of time, x and y?")
         _check_times(track[:, 0], time)
         track = track[np.concatenate([[True], np.diff(track[:, 0]) != 0.0])]
-        if None in units:
-            likely = likely_units(*speed_and_way(track)) if pushed else []
+        speed_m_s, way_m = speed_and_way(track)
+        if unit is None and None in lengths:
+            likely = likely_units(speed_m_s, way_m) if pushed else []
             some = f"; likely: {', '.join(likely)}" if likely else ""
             raise BadInput(
                 f"its lengths have no unit ({x.name}); say it, by --unit or behind the file's name "
                 f"at the prompt: one of {', '.join(LENGTH_UNITS)}{some}"
             )
-        if pushed:
-            _check_size(track, units[0] or "m", x)
+        named = unit if x.unit is None else _UNITS[x.unit.casefold()]
+        if pushed and (objection := unlikely_push(speed_m_s, way_m, named or "m")):
+            cure = "give another --unit" if x.unit is None else f"correct the name {x.name}"
+            raise BadInput(f"{objection}; {cure}, or the scale")
     notes = []
-    if sum(Column.of(0, cell).meaning == "x" for cell in table.head) > 1:
+    if sum(_column(0, cell).meaning == "x" for cell in table.head) > 1:
         notes.append(f"{path.name}: the first point, {x.name}, is taken; the others are left out")
-    if len(columns) < 3:
+    if columns[2:] == []:
         notes.append(f"{path.name}: no column y; the track is taken as straight along x")
     return TrackFile(track, hashlib.sha256(table.text.encode()).hexdigest(), tuple(notes))
 
 
-def _seen(table: TextTable, columns: list[Column]) -> list[tuple[int, list[str]]]:
-    """Return lines and cells of the rows in which no column of the track is empty."""
-    width = 1 + max(column.place for column in columns)
-    rows = [
-        (line, [cells[c.place] for c in columns])
-        for line, cells in table.rows
-        if len(cells) >= width
-    ]
-    return [(line, texts) for line, texts in rows if EMPTY_CELLS.isdisjoint(texts)]
-
-
 def speed_and_way(track: Floats) -> tuple[float, float]:
-    """Return the speed that a track exceeds for FAST_S in all, m/s, and its extent, m.
-
-    So a place that was mistaken for another does not count.
-    """
-    order = np.argsort(-(rates := speeds(*track.T)))
-    shares = np.gradient(track[:, 0])[order]
-    fast = min(int(np.searchsorted(np.cumsum(shares), FAST_S)), len(rates) - 1)
-    ends = np.quantile(track[:, 1:], (0.02, 0.98), axis=0)
-    return float(rates[order][fast]), float(np.hypot(*(ends[1] - ends[0])))
+    """Return the speed that a track exceeds for FAST_S in all, m/s, and its extent, m."""
+    rates = np.sort(speeds(track))
+    fast = min(int(FAST_S / np.median(np.diff(track[:, 0]))), len(rates) - 1)
+    ends = np.quantile(track[:, 1:], EXTENT_QUANTILES, axis=0)
+    return float(rates[-1 - fast]), float(np.hypot(*(ends[1] - ends[0])))
 
 
-def _check_size(track: Floats, unit: str, column: Column) -> None:
-    """Raise BadInput for a track that is too fast, too long or too slow for a push."""
-    speed_m_s, way_m = speed_and_way(track)
-    told = unlikely_push(speed_m_s, way_m, unit)
-    if not told and speed_m_s < MOVES_M_S and (units := likely_units(speed_m_s, way_m, unit)):
-        told = (
-            f"{way_m:.2g} m at {speed_m_s:.2g} m/s at most is no push; likely instead of {unit}: "
-            f"{', '.join(units)}"
-        )
-    if told:
-        where = "give another --unit" if column.unit is None else f"correct the name {column.name}"
-        raise BadInput(f"{told}; {where}, or the scale")
-
-
-def _value(table: TextTable, line: int, text: str, name: str) -> float:
+def _number(table: TextTable, line: int, text: str, column: Column) -> float:
     try:
         return table.number(text)
     except ValueError:
         clock = f"; {TIME_ADVICE}" if ":" in text else ""
-        raise BadInput(f"{table.where(line)}: {name} is {text!r}, not a number{clock}") from None
+        raise BadInput(
+            f"{table.where(line)}: {column.name} is {text!r}, not a number{clock}"
+        ) from None
 
 
 def _check_times(t: Floats, column: Column) -> None:
@@ -244,13 +222,12 @@ def _check_times(t: Floats, column: Column) -> None:
     steps = np.diff(t)
     if not (steps > 0.0).any() or (steps < 0.0).any():
         raise BadInput(f"the times in {column.name} do not rise; {TIME_ADVICE}")
-    step, doubt = float(np.median(steps[steps > 0.0])), ""
-    if column.unit is None and step > MOST_STEP_S:
-        what = "pictures" if np.all(steps == np.round(steps)) else "ms"
-        doubt = f"has no unit and rises by {step:.4g} from one place to the next, like {what}"
-    elif column.unit is None and t[0] == 0.0 and abs(t[-1] - 1.0) < 1e-6:
+    step_s, doubt = float(np.median(steps[steps > 0.0])), ""
+    if step_s < MIN_STEP_S:
+        doubt = f"says {1 / step_s:.3g} pictures a second: its unit is wrong"
+    elif column.unit is None and step_s > MAX_STEP_S:
+        doubt = f"has no unit and rises by {step_s:.4g} from one place to the next, like ms"
+    elif column.unit is None and t[0] == 0.0 and t[-1] == 1.0:
         doubt = "has no unit and runs from 0 to 1, like a normalized time"
-    elif step < LEAST_STEP_S:
-        doubt = f"says {1 / step:.3g} pictures a second: its unit is wrong"
     if doubt:
         raise BadInput(f"{column.name} {doubt}; {TIME_ADVICE}")

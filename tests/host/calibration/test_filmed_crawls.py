@@ -92,7 +92,7 @@ def test_a_step_takes_a_crawl_from_its_track_once(tmp_path) -> None:
     film = tmp_path / "a.mp4"
     film.write_bytes(b"0")
     heard, _ = talk(folder, str(wrong), str(film), first, first, *others)
-    assert "`serpenoid video --track` writes them" in heard
+    assert "`serpenoid video --track` writes it" in heard
     assert "a film itself is not taken here" in heard
     assert "reading 1 is of this film already" in heard
     assert "along the line of the pushes, BACK" in heard

@@ -104,14 +104,18 @@ def test_places_that_were_not_seen_are_left_out(tmp_path):
     [
         (kinovea_table(ROWS, "px"), None, "in 'px', which is no length; set the scale .*Kinovea"),
         (kinovea_table(ROWS, "px"), "cm", "in 'px', which is no length"),
-        (kinovea_table(ROWS, time="Time (normalized)"), None, "no time in seconds but in normal"),
+        (
+            kinovea_table(ROWS, time="Time (normalized)"),
+            None,
+            "in 'normalized', .*export the time in s or ms",
+        ),
         (
             kinovea_table(ROWS, time="Time", seconds=ROWS[-1, 0]),
             None,
             "from 0 to 1, like a normalized",
         ),
         (kinovea_table(ROWS, time="Time"), None, "rises by 33.3.* like ms"),
-        (kinovea_table(ROWS, time="Time", seconds=1 / 30), None, "rises by 1 .* like pictures"),
+        (kinovea_table(ROWS, time="Time", seconds=1 / 30), None, "rises by 1 from one place"),
         (kinovea_table(ROWS, time="Time (ms)", seconds=1.0), None, r"3e\+04 pictures a second"),
         (tracker(ROWS, first="frame"), "m", "but in frames; .*Tracker: take t"),
         ("t,x,y\n0:00:01:05,1,2\n", "mm", "t is '0:00:01:05', not a number; export the time"),

@@ -45,7 +45,7 @@ def test_a_session_is_begun_pushed_and_gone_on_with(tmp_path, tracks):
     first = run(f"calibrate {folder}", typed=f"\n{tracks[0]}\n{tracks[0]} cm\nquit\n")
     assert "behind the file's name at the prompt: one of m, cm, mm, in, ft, yd; likely: cm" in first
     assert "Push 1 of 8, straight, THERE" in first
-    assert "reading 1, there: " in first
+    assert "reading 1, push there" in first
     # a second process finds all of it, and what a kill left half written does not count
     with (folder / "readings.csv").open("a") as file:
         file.write("2,push,2026-")

@@ -54,7 +54,7 @@ def push(
     """
     from ...session.journal import Journal
     from ...taking.films import take_track
-    from ...taking.pushes import way_after
+    from ...taking.pushes import push_in_words, way_after
     from .calibrate_person import film_reader
 
     with Journal(folder) as journal:
@@ -66,7 +66,7 @@ def push(
             cells: dict[str, float | str] = {"lambda_deg": lambda_deg, "way": way}
             cells |= {"place": place} if place else {}
             cells |= {"bend": plan.bend} if lambda_deg else {}
-            kept = take_track(journal, path, unit, cells, film, say, capture_fps)
-            for one in kept:
-                say(one.in_words())
-            way = way_after(kept, way)
+            pushes = take_track(journal, path, unit, cells, film, say, capture_fps)
+            for reading in pushes:
+                say(push_in_words(reading))
+            way = way_after(pushes, way)
