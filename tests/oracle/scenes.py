@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import serpenoid as sn
-from scipy.integrate import solve_ivp
 from serpenoid import _core
 
 from . import dense
@@ -226,17 +225,6 @@ class SlowScene:
         height = -p.mass_kg * np.sum(pose[:, :2] @ np.asarray(p.gravity_m_s2))
         return np.array([moving / 2, springs, height])
 
-    def step(self, t_s: float, y: Array, dt_s: float) -> Array:
-        """Return y after one step of the scene's method."""
-        return rk4_step(self.rate, t_s, y, dt_s)
-
-    def run(self, start: sn.LinkState, t_s: Array, method: str = "DOP853", rtol: float = 1e-12):
-        """Return pose and rates (n, 3) at rising times; SciPy integrates a smooth motion."""
-        span = (0.0, float(t_s[-1]))
-        out = solve_ivp(self.rate, span, self.pack(start), method, t_s, rtol=rtol, atol=rtol / 100)
-        assert out.success, out.message
-        return [self.links(t, y)[:2] for t, y in zip(t_s, out.y.T, strict=True)]
-
     def gap_rate(self, t_s: float, y: Array) -> Array:
         """Return the rates of the gaps (n-1, 2)."""
         pose, rates, _ = self.links(t_s, y)
@@ -284,7 +272,7 @@ def slow_run(scene: sn.Scene, start: sn.LinkState) -> dict[str, Array]:
     note(0.0, y)
     for t in np.arange(scene.steps) * dt:
         slow.enter(t, y)
-        before, y = y, slow.step(t, y, dt)
+        before, y = y, rk4_step(slow.rate, t, y, dt)
         if scene.method == "paper":
             slow.held_gap_rate = slow.gap_rate(t, before)
         note(t + dt, y)

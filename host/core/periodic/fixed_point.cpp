@@ -106,7 +106,6 @@ FixedPoint::Ended FixedPoint::solve(double tolerance, double goal, bool work, Or
     for (int i = 0; i < kMaxIterations; ++i) {
         const bool with_work = work && (i > 0 || start_solved || promising_);
         if (!evaluate({tolerance, with_work}, orbit)) return Ended::broken;
-        ++iterations;
         const double residual = size(orbit.residual);
         const double progress = inner(orbit.residual, last_step);
         if (residual > last_size && residual > kBelowGoal * goal && !(progress > 0)) {

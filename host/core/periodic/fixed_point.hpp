@@ -38,7 +38,6 @@ class FixedPoint {
 
     Vec3 start{};
     bool start_solved = false;  // to a tolerance
-    int iterations = 0;         // evaluations of the map by solve
     bool promising() const { return promising_; }
 
   private:

@@ -42,8 +42,6 @@ struct SteadyState {
     Mat3 monodromy{};    // d(state after a period)/d(state) in (Vx, Vy, L)
     double slowest = 0;  // logarithm of the largest Floquet multiplier's size
     double slowest_error = 0;
-    int elements = 0;    // nodes of the mesh that gave the result (0: by pieces)
-    int iterations = 0;  // Newton iterations or map evaluations, all meshes
     bool converged = false;
 
     // A state of which nothing is known: every error is infinite.

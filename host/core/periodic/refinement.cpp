@@ -130,7 +130,6 @@ FixedPoint::Ended Refinement::level(double tolerance, SteadyState& next) {
     const auto ended = point_.solve(tolerance, goal, options_.powers, orbit);
     if (ended != FixedPoint::Ended::converged) return ended;
     next = report(orbit, tolerance);
-    next.iterations = point_.iterations;
     point_.start_solved = true;
     state_errors(orbit, tolerance, next);
     return ended;

@@ -31,33 +31,23 @@ double first_tolerance(double rtol) { return std::clamp(0.12 * rtol, 1e-7, 3e-4)
 
 }  // namespace
 
-// The parabola through the last three rates' states, over the period, or the line through two,
-// unless that is far out.
+// The line through the last two rates' states, over the period, unless that is far from both.
 Vec3 SteadyByPieces::guess(double omega) const {
-    constexpr double kMaxWeights = 8;  // their sum; beyond it an extrapolation is too far
-    for (std::size_t count = solutions_.size(); count > 1; --count) {
-        const Solution* const last = solutions_.data() + solutions_.size() - count;
-        Vec3 z{};
-        double weights = 0;
-        for (std::size_t k = 0; k < count; ++k) {
-            double weight = 1;
-            for (std::size_t j = 0; j < count; ++j)
-                if (j != k)
-                    weight *=
-                        (1 / omega - 1 / last[j].omega) / (1 / last[k].omega - 1 / last[j].omega);
-            weights += std::fabs(weight);
-            for (int i = 0; i < 3; ++i) z[i] += weight * last[k].start[i];
-        }
-        if (weights <= kMaxWeights) return z;
-    }
-    return solutions_.back().start;
+    constexpr double kMaxSteps = 3.5;  // beyond the last state, in steps between the two
+    if (solutions_.size() < 2) return solutions_.back().start;
+    const Solution &first = solutions_[0], &last = solutions_[1];
+    const double steps = (1 / omega - 1 / last.omega) / (1 / last.omega - 1 / first.omega);
+    Vec3 start = last.start;
+    for (int i = 0; i < 3 && std::fabs(steps) <= kMaxSteps; ++i)
+        start[i] += steps * (last.start[i] - first.start[i]);
+    return start;
 }
 
 // Keep a state for the rates to come; after one that failed they begin anew.
 void SteadyByPieces::remember(double omega, const Vec3& start, bool converged) {
     if (!converged) solutions_.clear();
     std::erase_if(solutions_, [&](const Solution& k) { return k.omega == omega; });
-    if (solutions_.size() == 3) solutions_.erase(solutions_.begin());
+    if (solutions_.size() == 2) solutions_.erase(solutions_.begin());
     if (converged) solutions_.push_back({omega, start});
 }
 
@@ -71,7 +61,6 @@ SteadyState SteadyByPieces::at_rest(double omega, const SteadyOptions& options) 
     state.monodromy = waving.monodromy;
     state.slowest = waving.slowest;
     state.slowest_error = waving.slowest_error;
-    state.iterations = waving.iterations;
     state.converged = true;
     return state;
 }

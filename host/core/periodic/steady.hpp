@@ -44,7 +44,7 @@ class SteadyByPieces {
     Gait gait_;
     bool promising_ = false;  // guesses are so good that the first map may do
     std::optional<Vec3> start_;
-    std::vector<Solution> solutions_;  // up to three rates, the last one last
+    std::vector<Solution> solutions_;  // of up to two rates, the last one last
 };
 
 }  // namespace serpenoid

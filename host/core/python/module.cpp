@@ -283,8 +283,6 @@ NB_MODULE(_core, m) {
         .def_ro("turn_error", &SteadyState::turn_error)
         .def_ro("slowest", &SteadyState::slowest)
         .def_ro("slowest_error", &SteadyState::slowest_error)
-        .def_ro("elements", &SteadyState::elements)
-        .def_ro("iterations", &SteadyState::iterations)
         .def_ro("converged", &SteadyState::converged)
         .def_prop_ro("start", [](const SteadyState& s) { return in_tuple(s.start); })
         .def_prop_ro("monodromy", [](const SteadyState& s) { return in_tuple(s.monodromy); });

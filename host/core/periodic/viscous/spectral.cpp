@@ -15,7 +15,6 @@ bool SpectralViscous::iterate(double enough, Batch& batch) {
     constexpr double kFirstFactor = 0.1;
     for (int i = 0; i < kMaxIterations; ++i) {
         const Pack relative = newton_.step();
-        ++iterations_;
         bool done = true;
         for (int j = 0; j < kPack; ++j) {
             Solution& gait = batch[j];
@@ -107,8 +106,6 @@ SteadyState SpectralViscous::state_of(const SteadyOptions& options, const Soluti
     state.speed = state.chord = std::fabs(fine.speed);
     state.direction = fine.speed < 0 ? std::numbers::pi - fine.heading : -fine.heading;
     state.power = fine.power;
-    state.elements = SpectralMesh::level(level_).nodes;
-    state.iterations = iterations_;
     for (int c = 0; c < 3; ++c) state.start[c] = omega * newton_.y[0][c][lane];
     // by Cauchy and Schwarz: a relative change of the motion by `residual` changes power by no more
     // than this, with the power of the chain held still
@@ -163,7 +160,6 @@ void SpectralViscous::solve(const double* omega, int count, const SteadyOptions&
     }
     newton_.y = last_;  // at first from rest
     Batch batch{}, coarse{};
-    iterations_ = 0;
     for (level_ = 0; level_ < SpectralMesh::kLevels; ++level_) {
         const SpectralMesh& mesh = SpectralMesh::level(level_);
         std::vector<CycleNode>& nodes = nodes_[level_];

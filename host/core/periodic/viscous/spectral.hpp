@@ -62,7 +62,7 @@ class SpectralViscous {
     GaitTable table_;
     std::array<std::vector<CycleNode>, SpectralMesh::kLevels> nodes_;
     CycleNewton newton_;
-    int level_ = 0, iterations_ = 0;
+    int level_ = 0;
     Pack omega_{};
     // the motions of the last rates on the coarsest mesh
     std::vector<PackVec> last_ = std::vector<PackVec>(SpectralMesh::kCoarsest);
