@@ -58,5 +58,5 @@ def speed_curves(compared: Comparison) -> list[SpeedCurve]:
         gaits = [Gait(*shape, math.tau * hz) for hz in frequency_hz.tolist()]
         bands = [predict(samples, gait) for gait in gaits]
         ends = np.array([[band.speed_m_s, band.low_m_s, band.high_m_s] for band in bands]).T
-        curves.append(SpeedCurve(*shape, frequency_hz, *ends, limit_hz))
+        curves.append(SpeedCurve(*shape, frequency_hz, ends[0], ends[1], ends[2], limit_hz))
     return curves

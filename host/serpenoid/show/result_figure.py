@@ -92,15 +92,15 @@ def sweep_figure(grid: Sweep, path: Path | None) -> Figure:
         for k, color in enumerate(COLORS[: len(speed)]):
             shape = shapes[k % len(shapes)]
             _over_frequency(axes, hertz, speed[k], power[k], f"{shape}, ideal joints", color)
-        if grid.servo_speed_m_s is not None and grid.servo_low_m_s is not None:
-            ends = grid.servo_speed_m_s, grid.servo_low_m_s, grid.servo_high_m_s
-            rows = (np.reshape(end, speed.shape) for end in ends)
+        ends = grid.servo_speed_m_s, grid.servo_low_m_s, grid.servo_high_m_s
+        rows = [end.reshape(speed.shape) for end in ends if end is not None]
+        if rows:
             for servo, low, high, color in zip(*rows, COLORS, strict=False):
                 followed = np.where(np.isnan(low), np.nan, servo)
                 axes[0].plot(hertz, followed, "--", color=color, label="with the servo; 95 % band")
                 axes[0].fill_between(hertz, low, high, color=color, alpha=0.18, lw=0)
             if len(speed) == 1:
-                follows = hertz[~np.isnan(grid.servo_low_m_s.ravel())]
+                follows = hertz[~np.isnan(rows[1][0])]
                 hatch_beyond(axes[0], max(follows, default=0.0), hertz[-1], "the servo")
         axes[0].set_ylim(0, 1.3 * axes[0].get_ylim()[1])  # room for the legend
         axes[0].legend(loc="upper left", fontsize=8)

@@ -1,97 +1,82 @@
 """The report of a session: self-contained, the same bytes again, voided readings shown as such."""
 
-import re
-from dataclasses import replace
-from html.parser import HTMLParser
+from __future__ import annotations
 
-import numpy as np
+import re
+import shutil
+from html.parser import HTMLParser
+from pathlib import Path
+
 import pytest
 import serpenoid as sn
-from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup
-from serpenoid import Comparison
-from serpenoid.prediction.comparison import ComparedGait
-from serpenoid.session.gait_run import GaitRun
-from serpenoid.session.push import Push
-from serpenoid.session.session import Event
-from serpenoid.session.station import BendCheck, ZeroReading
-from serpenoid.show.session.report_page import session_page
+from command_line import serpenoid
+from robots import NIRAKH_2005
 from webdriver import Browser
 
-
-@pytest.fixture(scope="module")
-def made():
-    named = replace(setup(15.0), name="lab <one> & two")
-    taken = session(named, WHOLE_BODY_2005, np.random.default_rng(41))
-    return changed(taken, 2, voided=True, comment="slipped & fell")
-
-
-@pytest.fixture(scope="module")
-def fit(made):
-    return sn.fit_friction(made)
-
-
-def compared() -> Comparison:
-    gaits = tuple(
-        ComparedGait(1.2, 1.3, f, 0.1 * f, 0.1 * f, 0.09 * f, 0.11 * f, 0.08 * f, 0.12 * f)
-        for f in (0.5, 1.0)
-    )
-    ran = replace(gaits[0], runs=(9,), measured_m_s=0.06, sigma_m_s=0.001, residual_m_s=0.01)
-    return Comparison(
-        "x", 0.03, (ran, gaits[1]), (), 0.5, None, None, "agrees", "Agrees: as it should."
-    )
+REMARK = "the hand was on the belt & it was taken once more, as long words say"
+ADDED = (
+    "zero incline_deg=0.2 reversed_deg=0.1",
+    "bend lambda_deg=15 between_links_deg=149",
+    "gait alpha_deg=70 beta_deg=75 distance_m=2 duration_s=20 omega_rad_s=3.1",
+    "gait alpha_deg=70 beta_deg=75 distance_m=0.5 duration_s=20 omega_rad_s=3.1",
+)
 
 
 @pytest.fixture(scope="module")
-def page(made, fit):
-    return session_page(made, fit, compared(), None)
+def folder(tmp_path_factory) -> Path:
+    """The session of 2005 with crawls that nobody made, two readings voided."""
+    folder = tmp_path_factory.mktemp("report") / "session"
+    shutil.copytree(NIRAKH_2005, folder)
+    toml = folder / "session.toml"
+    toml.write_text(toml.read_text().replace('name = "nirakh-2005"', 'name = "lab <one> & two"'))
+    for words in ADDED:
+        serpenoid(f"calibrate add {folder} {words}", check=True)
+    serpenoid(f"calibrate void {folder} 2 --reason", REMARK, check=True)
+    serpenoid(f"calibrate void {folder} 15 --reason 'hit the wall'", check=True)
+    return folder
 
 
-def test_the_page_needs_nothing_else_and_is_the_same_again(made, fit, page):
-    assert page == session_page(made, fit, compared(), None)
-    fetched = re.findall(r'(?:src|href)="([^"]+)"|url[(]([^)]+)[)]|@import', page)
+@pytest.fixture(scope="module")
+def page(folder) -> Path:
+    path = folder / "report.html"
+    serpenoid(f"report {folder} --servo ideal --out {path}", check=True)
+    return path
+
+
+def test_the_page_needs_nothing_else_and_is_the_same_again(folder, page, tmp_path) -> None:
+    again = tmp_path / "again.html"
+    serpenoid(f"report {folder} --servo ideal --out {again}", check=True)
+    text = page.read_text()
+    assert text == again.read_text()
+    fetched = re.findall(r'(?:src|href)="([^"]+)"|url[(]([^)]+)[)]|@import', text)
+    assert len(fetched) == 2
     assert all((a or b).startswith("data:image/svg+xml;base64,") for a, b in fetched)
-    assert "<script" not in page
-    HTMLParser().feed(page)
-    ids = re.findall(r'id="([^"]+)"', page)
-    assert len(ids) == len(set(ids))
+    assert "<script" not in text
+    HTMLParser().feed(text)
 
 
-def test_the_page_says_what_it_must(made, page):
-    assert "lab &lt;one&gt; &amp; two" in page
-    assert "ct_whole" in page
-    assert "each of 6 links" in page
-    assert "Agrees: as it should." in page
-    row = re.search(r'<tr class="void">.*?</tr><tr class="said">.*?</tr>', page)
-    assert row
-    assert "slipped &amp; fell" in row.group()
-    assert "prefers-color-scheme:dark" in page
-    assert made.sha256 in page
-
-
-def test_the_summary_and_the_counts_say_what_the_session_is(made, fit):
-    assert "readings agree" in session_page(made, fit, None, None)
-    assert "disagree by more than" in session_page(made, replace(fit, chi2=1e3), None, None)
-    push = Push(90, 0.0, 1.0, 1.5, voided=True)
-    page = session_page(made.with_reading(push), fit, None, None)
-    assert "2 voided" in page
+def test_the_page_says_what_it_must(folder, page) -> None:
+    text = page.read_text()
+    session = sn.load_session(folder)
+    fit = sn.fit_friction(session)
     for row in fit.rows():
-        assert f"{row.value / made.setup.robot.links:.4g} {row.unit}" in page
-
-
-def test_voided_readings_remarks_and_every_kind_of_reading_are_told(made, fit):
-    run = GaitRun(40, 1.2, 1.3, 3.1, 0.1, 0.002, voided=True, comment="hit the wall")
-    more = replace(
-        made,
-        readings=(*made.readings, run, ZeroReading(41, 0.002, -0.001), BendCheck(42, 0.26, 2.6)),
-    )
-    events = [Event("2026-01-02T03:04:06.678Z", "connect", 0, "uno, firmware 0.2.0, protocol 2")]
-    page = session_page(replace(more, events=events), fit, None, None)
-    assert '<tr class="void"><td>40</td>' in page
-    assert '<td colspan="4">voided: hit the wall</td>' in page
-    assert "voided: hit the wall" in page
-    assert "zero +0.029°" in page
-    assert "<td>149° between links: λ = 15.52°</td>" in page
-    assert "Robot: uno, firmware 0.2.0, protocol 2." in page
+        assert f"{row.value / fit.robot.links:.4g} {row.unit}" in text
+    for words in (
+        "lab &lt;one&gt; &amp; two",
+        "ct_whole",
+        "each of 6 links",
+        "readings agree",
+        "1 voided",
+        "Agrees: 1 gait within",
+        REMARK.replace("&", "&amp;"),
+        '<tr class="void"><td>15</td>',
+        '<td colspan="4">voided: hit the wall</td>',
+        "zero +0.150°",
+        "149° between links: λ = 15.5°",
+        "prefers-color-scheme:dark",
+        session.sha256,
+    ):
+        assert words in text, words
 
 
 SHOWN = """
@@ -116,21 +101,10 @@ return {broken: words.filter(e => lines(e) > 1).length, words: words.length,
     ("width", "dark", "paper"),
     [(1100, False, False), (390, True, False), (688, False, True)],
 )
-def test_it_is_right_in_a_browser(made, fit, tmp_path, width, dark, paper):
+def test_it_is_right_in_a_browser(page, width, dark, paper) -> None:
     """On a screen, in the dark, on a phone, and on A4 (688 px between its margins)."""
-    file = tmp_path / "report.html"
-    long = replace(made.readings[2], comment="the hand was on the belt, it was taken once more")
-    more = replace(
-        made,
-        readings=(
-            *(*made.readings[:2], long, *made.readings[3:]),
-            BendCheck(42, 0.26, 2.6, voided=True, comment="a remark of many words on this"),
-        ),
-    )
-    page = session_page(more, fit, compared(), None)
-    file.write_text(page, encoding="utf-8")
     with Browser(width, 900, dark, paper) as browser:
-        browser.opens(file.as_uri())
+        browser.opens(page.as_uri())
         seen = browser.runs(SHOWN)
     assert seen["window"] == width
     assert seen["page"] <= width  # what is wider scrolls in its own box ...
