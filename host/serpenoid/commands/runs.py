@@ -269,6 +269,5 @@ def examples(folder: Path, as_json: bool) -> None:
     files = sorted(str(path) for path in folder.rglob("*") if path.is_file())
     if as_json:
         return show_json({"files": files})
-    for name in files:
-        say(name)
-    say(f"try: serpenoid simulate --scene {folder}/limping_on_a_slope.toml --plot run.png")
+    scene = folder / "limping_on_a_slope.toml"
+    say(f"{len(files)} files; try: serpenoid simulate --scene {scene} --plot run.png")

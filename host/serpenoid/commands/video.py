@@ -197,11 +197,4 @@ def _record(measured: FilmMeasurement, session: Path, name: str, way: str | None
             return
         cells |= {} if way is None else {"way": way}
         number = journal.add("video", cells, comment=name, samples=samples)
-        level = way is None and journal.session.has_line
     say(f"{session}: reading {number}", err=True)
-    if level:
-        say(
-            "it counts as on level ground; if it went along the line of the pushes: serpenoid "
-            f"calibrate void {session} {number}, then this again with --way there (or back)",
-            err=True,
-        )

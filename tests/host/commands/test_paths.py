@@ -34,14 +34,3 @@ def test_refused_before_any_work(line, said, tmp_path, monkeypatch) -> None:
     done = serpenoid(line)
     assert done.returncode in (1, 2)
     assert said in done.stderr
-
-
-@pytest.mark.parametrize(
-    ("suffix", "head"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?x")]
-)
-def test_a_figure_is_what_its_name_says(suffix, head, tmp_path) -> None:
-    path = tmp_path / f"run.{suffix}"
-    serpenoid(
-        f"simulate --robot paper {GAIT} --duration-s 0.1 --no-error --plot {path}", check=True
-    )
-    assert path.read_bytes().startswith(head)

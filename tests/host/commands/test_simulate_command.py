@@ -132,13 +132,6 @@ def test_a_refusal_names_what_was_typed(line: str, said: str) -> None:
     assert said in done.stderr
 
 
-def test_a_speed_between_rare_records_is_not_guessed() -> None:
-    line = f"{GAIT} --robot paper --duration-s 3"
-    rare = answer(f"{line} --set record_every=100000")
-    assert rare["speed_over_last_period_m_s"] is None
-    assert answer(line)["speed_over_last_period_m_s"] > 0.1
-
-
 def test_an_accuracy_chooses_the_step_or_says_why_not() -> None:
     springs = f"{SHORT} --formulation implicit --method rk4 --accuracy"
     got = answer(f"{springs} 0.05")

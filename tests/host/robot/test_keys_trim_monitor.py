@@ -87,19 +87,6 @@ def test_monitor_from_a_pipe(any_live_port, typed):
     assert "\x1b" not in run.stdout
 
 
-def test_damage_is_shown_and_pings_are_not():
-    with FakeBoard(lambda line: line.replace(b"state: gait", b"state: gail")) as fake:
-        with Person(f"monitor --port {fake.port}") as person:
-            person.answers("Ctrl-D stops it and leaves", "gait 30 80 5\r")
-            person.sees("damaged: b'state: gail")
-            fake.goes_on(2.5)
-            assert fake.state == "gait"  # pings keep it going
-            person.presses("\x04")
-            assert person.leaves() == 0
-        assert fake.state == "hold"
-        assert person.screen.count("ok: #") == 4  # gait, the key, stop, bye
-
-
 @pytest.mark.parametrize("key", ["\x03", "\x04"], ids=["ctrl-c", "ctrl-d"])
 def test_monitor_at_a_terminal(key):
     with FakeBoard() as fake, Person(f"monitor --port {fake.port}") as person:

@@ -259,23 +259,6 @@ def test_a_motion_that_a_stop_overtook_is_not_sent_again_and_a_question_is():
         board.to_host = honest
 
 
-def test_lines_lost_on_the_way_to_the_board_are_sent_again_and_obeyed_once():
-    lost: set[bytes] = set()
-
-    def lose_the_first(line: bytes) -> bytes:
-        if line in lost or not line.startswith(b"#") or line.startswith(b"#0 "):
-            return line
-        lost.add(line)
-        return b""
-
-    board = FastBoard(to_board=lose_the_first)
-    with RobotBoard(board) as robot:
-        robot.gait(GAIT)
-        robot.trims()
-        assert robot.losses.resent == len(lost) >= 3
-        assert board.board.counters["lost"] == 0
-
-
 def test_half_and_doubled_frames_are_counted_and_never_used():
     which = itertools.count()
 

@@ -20,19 +20,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MAX_BYTES = 1 << 28  # eight hours of telemetry, which take a gigabyte of memory
-_ROW = 4096  # bytes; a whole line takes a tenth of it, and what is longer is damaged
-_COLUMNS = {  # what is kept of each frame, with the type codes of array.array
-    "host_s": "d",
-    "board_us": "q",
-    "state": "B",
-    "frame": "q",
-    "phase_rad": "d",
-    "exec_us": "q",
-    "late_us": "q",
-    "clipped": "q",
-    "setpoint_rad": "d",
-    "pulse_us": "q",
-}
 _ROW = re.compile(rb"(\d{1,12}(?:\.\d{1,9})?) ([<>]) (.*)", re.DOTALL)
 
 
