@@ -202,9 +202,7 @@ def _span(text: str, name: str) -> list[float]:
     numbers = [parsed_number(name, part) for part in text.split(":")]
     if len(numbers) == 1:
         return numbers
-    step = 0.0
-    with suppress(ValueError):  # fewer or more of them
-        first, last, step = numbers
+    first, last, step = numbers if len(numbers) == 3 else (0.0, 0.0, 0.0)
     if not (step > 0 and last >= first and (last - first) / step < MAX_VALUES):
         raise BadInput(
             f"{name} is {text!r}; it must be one number, or FIRST:LAST:STEP that goes upwards in "

@@ -173,7 +173,7 @@ def _track(push: Push, time_sigma_s: float, slipping: bool) -> PushTrack:
         sigma_s = time_sigma_s if push.time_sigma_s is None else push.time_sigma_s
         t, x = np.array([push.duration_s]), np.array([push.distance_m])
         sigma_m = push.distance_sigma_m or TAPE_SIGMA_M
-        return PushTrack(push.number, "rest", t, x, sigma_m, sigma_s, *np.zeros((2, 1)))
+        return PushTrack(push.number, "rest", t, x, sigma_m, sigma_s, np.zeros(1), np.zeros(1))
     t, x, y = push.counted
     sigma_m, sigma_s = push.distance_sigma_m or FILM_SIGMA_M, push.time_sigma_s or 0.0
     along_m, left_m, chord_rad = chord_places(x, y)
