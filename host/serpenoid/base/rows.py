@@ -6,12 +6,9 @@ import html
 import importlib
 import io
 import math
-import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
-
-import numpy as np
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -69,7 +66,7 @@ class Result:
     def rows(self) -> list[Row]:
         """Return the numbers, most wanted first; unless a result says which, all of its fields."""
         names: tuple[str, ...] = getattr(self, "__match_args__", ())
-        return [Row(name, "", words=_shown(getattr(self, name))) for name in names]
+        return [Row(name, "", getattr(self, name)) for name in names]
 
     def table(self, verbose: bool = True) -> tuple[list[str], list[list[str]]]:
         """Return heads and cells of the rows, those of details only if verbose."""
@@ -129,12 +126,6 @@ class Plottable(Result):
         """
         figures = importlib.import_module("serpenoid.show.result_figure")
         return figures.figure_of(self, path and Path(path), **details)
-
-
-def _shown(value: object) -> str:
-    """Return a number or an array in four digits, a long one without its middle."""
-    text = np.array2string(np.asarray(value), precision=4, threshold=12)
-    return textwrap.shorten(text, _WIDTH // 2)
 
 
 def columns(rows: Sequence[Row]) -> tuple[list[str], list[list[str]]]:

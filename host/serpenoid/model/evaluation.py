@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 from .. import _core
 from ..base.checks import FORMULATIONS, check_choice, check_number
 from ..base.errors import BadInput
-from ..base.rows import Result
 from ..base.vectors import Array, finite_vector
 from .core_model import check_parts, core_model
 from .gait import Gait
@@ -25,7 +24,7 @@ _CORE_NAMES = ("ax", "ay", "alpha", "fx", "fy", "joint_fx", "joint_fy", "joint_t
 
 
 @dataclass(frozen=True, slots=True)
-class Acceleration(Result):
+class Acceleration:
     """Hold what one evaluation of a model gives, in the ground's frame, from the tail.
 
     Attributes
