@@ -48,16 +48,16 @@ class Table:
         """Read a text that stands in the file `path`; raises ValueError where it is no TOML."""
         return cls(tomllib.loads(text), path, text)
 
-    def check_format(self, newest: int) -> None:
-        """Raise BadInput unless the file's format is one that this version reads."""
+    def check_format(self, newest: int, older: str = "") -> None:
+        """Raise BadInput unless the file's format is the newest. older: what others had or need."""
         if "format" not in self.values:
             lacks = "has no format" if self.values else "is empty"
             raise BadInput(f"{self.path}: the file {lacks}; it must begin with format = {newest}")
-        if self.integer("format") > newest:
-            raise BadInput(
-                f"{self.where('format')}: format is {self.values['format']}; this version of "
-                f"serpenoid reads formats up to {newest}; install a newer one"
-            )
+        number = self.integer("format")
+        newer = f"; this version of serpenoid reads formats up to {newest}; install a newer one"
+        if number != newest:
+            what = newer if number > newest else f", {older}"
+            raise BadInput(f"{self.where('format')}: format is {number}{what}")
 
     def where(self, key: str) -> str:
         """Return file and line of a key or of a table's heading."""

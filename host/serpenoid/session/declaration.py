@@ -141,15 +141,13 @@ class Field:
 class Word:
     """One word or text of a table or of a reading: one of the choices, if there are any.
 
-    blank: it may be empty. of_plan: what is not said when it is typed is as the plan's attribute of
-    this name has it. tidy: returns what is given as it is kept; raises BadInput. note: as of a
-    Field.
+    blank: it may be empty. tidy: returns what is given as it is kept; raises BadInput. note: as
+    of a Field.
     """
 
     column: str = ""
     choices: tuple[str, ...] = ()
     blank: bool = True
-    of_plan: bool = False
     tidy: Callable[[Any], Any] | None = None
     note: str = ""
 

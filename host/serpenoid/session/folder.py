@@ -55,7 +55,13 @@ def load_session(folder: str | Path) -> Session:
 def read_session(folder: str | Path) -> Session:
     """Read a session's folder as load_session does, one that has no readings yet, too."""
     folder, notes = Path(folder), list[str]()
-    top, events = _load_toml(folder), read_events(folder, notes)
+    top = Table.load(check_session(folder))
+    top.check_format(
+        FORMAT,
+        "which held stations alone, and is not read; calibration_data/README.md says what format "
+        f"{FORMAT} has",
+    )
+    events = read_events(folder, notes)
     details = [event.detail for event in events if event.event == "amend"]
     setup = Setup.read(amended(top, details, folder / "events.csv"))
     return session_of(setup, events, folder, notes)
@@ -86,14 +92,3 @@ def check_session(folder: Path) -> Path:
             "begins one"
         )
     return path
-
-
-def _load_toml(folder: Path) -> Table:
-    top = Table.load(check_session(folder))
-    top.check_format(FORMAT)
-    if top.integer("format") < FORMAT:
-        raise BadInput(
-            f"{top.where('format')}: format is {top.integer('format')}, which held stations alone, "
-            f"and is not read; calibration_data/README.md says what format {FORMAT} has"
-        )
-    return top

@@ -86,7 +86,7 @@ class Push(Observation):
     time_sigma_s: float | None = number_field(0.0, 10.0, default=None)
     way: str = word_field(*WAYS)
     by: str = word_field(*SOURCES)
-    bend: str = word_field(*BENDS, of_plan=True)
+    bend: str = word_field(*BENDS)
     place: str = word_field()
     file_sha256: str = word_field()
     track: Track | None = None

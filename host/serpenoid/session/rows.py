@@ -24,7 +24,7 @@ from .declaration import Cells, Observation, Word
 from .gait_run import FilmReading, GaitRun
 from .push import Push
 from .session import Event, Session
-from .settings import Setup
+from .settings import Plan, Setup
 from .station import BeltCheck, BendCheck, Reading, ZeroReading
 from .track import FOLDER, Track, read_track
 
@@ -90,16 +90,16 @@ def kind_of(name: str) -> type[Observation]:
     return KINDS[name]
 
 
-def reading_row(name: str, cells: Cells, plan: object = None) -> dict[str, str]:
+def reading_row(name: str, cells: Cells, plan: Plan | None = None) -> dict[str, str]:
     """Return a row of all columns; raises BadInput for a kind or a column that is not known.
 
-    plan: the session's, which tells the words that it has and the cells have not.
+    plan: the session's, which tells how the robot is bent where the cells do not.
     """
     kind = kind_of(name)
     fields = {field.column: field for field in kind.declared.values()}
-    planned = [c for c, f in fields.items() if plan is not None and getattr(f, "of_plan", False)]
+    planned = {"bend": plan.bend} if plan is not None and "bend" in fields else {}
     row, more = dict.fromkeys(READING_COLUMNS, "") | {"kind": kind.kind}, []
-    for column, value in ({c: getattr(plan, c) for c in planned} | dict(cells)).items():
+    for column, value in (planned | dict(cells)).items():
         if column not in (*fields, LISTED, DOUBTFUL, *(TRACK_WORDS if kind.columns else ())):
             columns = ", ".join(fields)
             raise BadInput(f"unknown column {column!r}; a reading of kind {name} has {columns}")

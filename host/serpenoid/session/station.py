@@ -58,7 +58,7 @@ class Reading(Observation):
     voided: bool = False
     comment: str = ""
     time_utc: str = ""
-    bend: str = word_field(*BENDS, of_plan=True)
+    bend: str = word_field(*BENDS)
     turned_rad: float | None = number_field(
         -180.0,
         180.0,
@@ -175,7 +175,7 @@ class BendCheck(Observation):
     voided: bool = False
     comment: str = ""
     time_utc: str = ""
-    bend: str = word_field(*BENDS, of_plan=True)
+    bend: str = word_field(*BENDS)
 
     @property
     def found_rad(self) -> float:

@@ -91,13 +91,12 @@ def load_scene(path: str | Path) -> Scene:
     0.5
     """
     top = Table.load(Path(path))
-    top.check_format(FORMAT)
-    if top.values["format"] < FORMAT:
-        raise BadInput(
-            f"{top.where('format')}: format is {top.values['format']}, whose mass and friction are "
-            f"those of one link; write format = {FORMAT}, mass_kg of the whole robot in place of "
-            "link_mass_kg, and in [ground] the whole snake's friction: each number times the links"
-        )
+    top.check_format(
+        FORMAT,
+        "whose mass and friction are those of one link; write "
+        f"format = {FORMAT}, mass_kg of the whole robot in place of link_mass_kg, and in [ground] "
+        "the whole snake's friction: each number times the links",
+    )
     return _read_part(top, "")
 
 
