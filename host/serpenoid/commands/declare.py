@@ -27,14 +27,6 @@ class ResearchOption(click.Option):
 class Command(click.Command):
     """A command whose help lists the options for researchers apart."""
 
-    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Refuse a word that is empty, as of a shell's variable that is not set."""
-        for word in args:
-            if not word or (word.startswith("--") and word.endswith("=")):
-                where = f" behind {word}" if word else ""
-                raise click.UsageError(f"a name is empty{where}; '.' is the current folder", ctx)
-        return super().parse_args(ctx, args)
-
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the options of builders, then those of researchers."""
         for title, for_research in (("Options", False), ("For researchers", True)):

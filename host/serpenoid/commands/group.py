@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import errno
 import inspect
 import itertools
 import os
@@ -16,12 +15,6 @@ import click
 from ..base.errors import shortened
 from .declare import Command
 
-_CURES = {
-    errno.ENOSPC: "make room and try again",
-    errno.EACCES: "choose a place that is yours",
-    errno.EROFS: "choose a place that is yours",
-    errno.ENAMETOOLONG: "take a shorter name",
-}
 Sections = Mapping[str, Sequence[click.Command]]
 
 
@@ -80,9 +73,8 @@ def of_arguments(error: click.ClickException) -> str:
 
 def of_system(error: OSError) -> str:
     """Return what the system has against a file, as one line."""
-    if error.strerror is None or error.errno is None:
+    if error.strerror is None:
         return str(error)
     name = error.filename if error.filename is not None else ""
     name = os.fsdecode(name) if isinstance(name, (str, bytes)) else str(name)
-    cure = f"; {_CURES[error.errno]}" if error.errno in _CURES else ""
-    return f"{shortened(name)}{': ' if name else ''}{error.strerror.lower()}{cure}"
+    return f"{shortened(name)}{': ' if name else ''}{error.strerror.lower()}"

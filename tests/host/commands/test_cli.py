@@ -83,7 +83,7 @@ def test_ctrl_c_stops_a_long_run_at_once() -> None:
         (f"steady {SHAPE} --frequency-hz -1", 2, "--frequency-hz is -1.0"),
         ("steady --alpha-deg 1,5", 2, "with a decimal point"),
         ("steady --set links=2.5", 2, "links is 2.5; it must be a whole number"),
-        (f"steady {GAIT} --robot {300 * 'x'}.json", 1, "take a shorter name"),
+        (f"steady {GAIT} --robot {300 * 'x'}.json", 1, "file name too long"),
         ("video tags --tag-mm nan", 2, "--tag-mm is nan"),
         (f"drive {SHAPE} --omega-rad-s 60", 2, "--omega-rad-s is 60.0; it must be a finite"),
         (f"drive {SHAPE} --frequency-hz 5", 2, "at least 0.00159155 and at most 4.77465"),

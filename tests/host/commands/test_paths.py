@@ -21,9 +21,8 @@ LONG = f"simulate --robot paper {GAIT} --duration-s 1e6 --no-error"  # would tak
         ("sweep --out absent/sweep.csv", "is no folder"),
         ("bench --out file", "file exists"),
         ("demo --out file/deeper", "not a directory"),
-        ("demo --out ''", "a name is empty"),
-        ("sweep --out=", "a name is empty behind --out="),
-        ("fit ''", "a name is empty"),
+        ("sweep --out=", "must end in .csv or .npz"),
+        ("fit ''", "session.toml"),
         (f"drive --port virtual {GAIT} --record absent/run.wire", "is no folder"),
     ],
 )
