@@ -61,6 +61,10 @@ def crawling(
     return World(pose, links, omega_rad_s, amplitude, phase, offset, speed_m_s, turn)
 
 
+# Two periods of a small robot: quick to draw, and to measure.
+QUICK = crawling(2, 4, omega_rad_s=8.0, alpha_deg=40, speed_m_s=0.08, start_m=-0.06)
+
+
 def shoot(
     world: World,
     path,
