@@ -32,7 +32,6 @@ struct Ground {
 // Acceleration of gravity along the plane of the ground, m/s^2, ground frame; 0 on the level.
 struct Slope {
     double gx = 0, gy = 0;
-    bool tilted() const { return gx != 0 || gy != 0; }
 };
 
 // Joint angles phi_i = offset + gain_i alpha sin(omega t + (i - 1) beta + shift_i), i = 1..n-1;

@@ -1,4 +1,4 @@
-// Gauss-Legendre collocation on [0, 1]: nodes, weights, integration matrix, interpolation.
+// Gauss-Legendre quadrature on [0, 1]: nodes and weights.
 #pragma once
 
 #include <array>
@@ -7,50 +7,19 @@
 
 namespace serpenoid {
 
-// s stages: order 2s at the ends of an element, A-stable, symmetric.
+// s nodes: exact to degree 2s - 1.
 template <int s>
 struct Gauss {
-    std::array<double, s> c, b, barycentric;
-    std::array<double, s * s> a;  // a[j*s + k] = integral of the k-th Lagrange polynomial, 0..c_j
+    std::array<double, s> c, b;
 
     static const Gauss& get() {
         static const Gauss instance;
         return instance;
     }
 
-    // Values of the s Lagrange polynomials at x.
-    std::array<double, s> lagrange(double x) const {
-        std::array<double, s> w;
-        double sum = 0;
-        for (int k = 0; k < s; ++k) {
-            if (x == c[k]) {
-                w.fill(0);
-                w[k] = 1;
-                return w;
-            }
-            w[k] = barycentric[k] / (x - c[k]);
-            sum += w[k];
-        }
-        for (double& v : w) v /= sum;
-        return w;
-    }
-
   private:
     Gauss() {
         for (int i = 0; i < s; ++i) node(i);
-        for (int k = 0; k < s; ++k) {
-            double product = 1;
-            for (int j = 0; j < s; ++j)
-                if (j != k) product *= c[k] - c[j];
-            barycentric[k] = 1 / product;
-        }
-        for (int j = 0; j < s; ++j) {  // the rule itself integrates degree s - 1 exactly
-            for (int k = 0; k < s; ++k) a[j * s + k] = 0;
-            for (int q = 0; q < s; ++q) {
-                const auto value = lagrange(c[j] * c[q]);
-                for (int k = 0; k < s; ++k) a[j * s + k] += c[j] * b[q] * value[k];
-            }
-        }
     }
 
     // The i-th root of the Legendre polynomial P_s by Newton's method, and its weight.

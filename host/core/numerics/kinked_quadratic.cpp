@@ -1,25 +1,20 @@
 // The active-set method of kinked_quadratic.hpp.
 #include "numerics/kinked_quadratic.hpp"
 
+#include "numerics/cholesky.hpp"
+
 namespace serpenoid {
 
 bool Convex3::factor(const Mat3& H) {
-    double* L = chol_;
-    L[0] = std::sqrt(H[0]);
-    L[1] = H[3] / L[0];
-    L[2] = std::sqrt(H[4] - L[1] * L[1]);
-    L[3] = H[6] / L[0];
-    L[4] = (H[7] - L[3] * L[1]) / L[2];
-    L[5] = std::sqrt(H[8] - L[3] * L[3] - L[4] * L[4]);
-    return L[0] > 0 && L[2] > 0 && L[5] > 0 && std::isfinite(L[5]);
+    factor_ = H;
+    cholesky(factor_.data(), 3);
+    return std::isfinite(factor_[8]);
 }
 
-Vec3 Convex3::apply_inverse(const Vec3& r) const {
-    const double* L = chol_;
-    const double y0 = r[0] / L[0], y1 = (r[1] - L[1] * y0) / L[2];
-    const double y2 = (r[2] - L[3] * y0 - L[4] * y1) / L[5];
-    const double z2 = y2 / L[5], z1 = (y1 - L[4] * z2) / L[2];
-    return {(y0 - L[1] * z1 - L[3] * z2) / L[0], z1, z2};
+Vec3 Convex3::apply_inverse(Vec3 x) const {
+    forward(factor_.data(), 3, x.data());
+    backward(factor_.data(), 3, x.data());
+    return x;
 }
 
 // Minimum over the subspace of held kinks with the present signs, and the held kinks' multipliers:
@@ -40,18 +35,14 @@ bool Convex3::target(const Vec3& b, const std::vector<Kink>& kinks, Vec3& w) {
             S[a * count_ + k] = g[0] * column[k][0] + g[1] * column[k][1] + g[2] * column[k][2];
         nu[a] = kinks[set_[a]].value(w);
     }
-    // independent rows only: compare the determinant with the product of the diagonal
-    double scale = 1, det = S[0];
-    for (int a = 0; a < count_; ++a) scale *= S[a * count_ + a];
-    if (count_ == 2) det = S[0] * S[3] - S[1] * S[2];
-    if (count_ == 3)
-        det = S[0] * (S[4] * S[8] - S[5] * S[7]) - S[1] * (S[3] * S[8] - S[5] * S[6]) +
-              S[2] * (S[3] * S[7] - S[4] * S[6]);
-    if (!(det > 1e-13 * scale)) return false;
-    const bool solved = count_ == 1   ? solve_dense<1, 1>(S, nu)
-                        : count_ == 2 ? solve_dense<2, 1>(S, nu)
-                                      : solve_dense<3, 1>(S, nu);
-    if (!solved) return false;
+    // Independent rows only: compare the determinant with the product of the diagonal.
+    double ratio = 1;
+    for (int a = 0; a < count_; ++a) ratio *= S[a * count_ + a];
+    cholesky(S, count_);
+    for (int a = 0; a < count_; ++a) ratio *= S[a * count_ + a] * S[a * count_ + a];
+    if (!(ratio < 1e13)) return false;
+    forward(S, count_, nu);
+    backward(S, count_, nu);
     for (int a = 0; a < count_; ++a) {
         multiplier_[a] = nu[a];
         for (int i = 0; i < 3; ++i) w[i] -= nu[a] * column[a][i];

@@ -47,7 +47,7 @@ class Convex3 {
         int kink;
     };
     bool factor(const Mat3& H);
-    Vec3 apply_inverse(const Vec3& r) const;
+    Vec3 apply_inverse(Vec3 x) const;
     bool target(const Vec3& b, const std::vector<Kink>& kinks, Vec3& w);
     int line_search(const Mat3& H, const Vec3& p, const std::vector<Kink>& kinks, bool& turned);
     bool release(const std::vector<Kink>& kinks);
@@ -57,7 +57,7 @@ class Convex3 {
     std::vector<double> sign_;
     int set_[3] = {0, 0, 0}, count_ = 0;
     double multiplier_[3] = {0, 0, 0};
-    double chol_[6] = {0, 0, 0, 0, 0, 0};  // lower triangle of the factor of H, by rows
+    Mat3 factor_{};  // of H
     std::vector<Break> breaks_;
 };
 

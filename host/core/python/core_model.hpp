@@ -9,13 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "model/params.hpp"
+#include "periodic/sweep.hpp"
 
-struct Model {
-    serpenoid::Robot robot;
-    serpenoid::Ground ground;
-    serpenoid::Gait gait;
-};
+using Model = serpenoid::SweepShape;
 
 using Vector =
     nanobind::ndarray<const double, nanobind::ndim<1>, nanobind::c_contig, nanobind::device::cpu>;

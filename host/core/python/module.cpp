@@ -32,7 +32,7 @@ void bind_lab(nb::module_& m);       // bind_lab.cpp
 namespace {
 
 SteadyState steady(const Model& m, double rtol, bool powers) {
-    return steady_state({m.robot, m.ground, m.gait}, {rtol, powers});
+    return steady_state(m, {rtol, powers});
 }
 
 // Solve with Ctrl-C and progress coming through; solve(go_on) fills the table.
@@ -58,22 +58,15 @@ void with_progress(const nb::object& progress, Solve&& solve) {
     if (stopped) throw nb::python_error();
 }
 
-std::vector<SweepShape> shapes_of(const std::vector<Model>& models) {
-    std::vector<SweepShape> shapes;
-    for (const Model& m : models) shapes.push_back({m.robot, m.ground, m.gait});
-    return shapes;
-}
-
 // Periodic states of all models at all rates, (models, rates, kSweepColumns).
 Array sweep(const std::vector<Model>& models, std::vector<double> omegas, double rtol, bool powers,
             int threads, nb::object progress, bool rough) {
-    const std::vector<SweepShape> shapes = shapes_of(models);
-    std::vector<double> result(shapes.size() * omegas.size() * kSweepColumns);
+    std::vector<double> result(models.size() * omegas.size() * kSweepColumns);
     with_progress(progress, [&](const auto& go_on) {
         const SteadyOptions options{rtol, powers, rough};
-        sweep_shapes(shapes, omegas, options, threads, go_on, result.data());
+        sweep_shapes(models, omegas, options, threads, go_on, result.data());
     });
-    return to_numpy(std::move(result), {shapes.size(), omegas.size(), kSweepColumns});
+    return to_numpy(std::move(result), {models.size(), omegas.size(), kSweepColumns});
 }
 
 // Periodic states of models that are all like `middle`.
@@ -83,8 +76,7 @@ std::vector<SteadyState> solve_neighbours(const Model& middle, const std::vector
     if (!starts.empty() && starts.size() != models.size()) throw nb::value_error("starts");
     std::vector<SteadyState> states;
     with_progress(progress, [&](const auto& go_on) {
-        states = neighbours({middle.robot, middle.ground, middle.gait}, shapes_of(models),
-                            {rtol, powers, rough}, threads, go_on, starts);
+        states = neighbours(middle, models, {rtol, powers, rough}, threads, go_on, starts);
     });
     return states;
 }

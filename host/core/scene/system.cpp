@@ -60,12 +60,13 @@ void System::powers(double t, const double* y, std::vector<double>& power) {
     for (std::size_t i = 0; i < power.size(); ++i) power[i] = joint_power(*mechanics_, i);
 }
 
-std::vector<double> error_scale(const System& system, double body, double rate) {
+std::vector<double> error_scale(const System& system, const RunRequest& q) {
     const int m = system.coordinates();
+    const double body = 2 * q.robot.l * q.robot.n;
     std::vector<double> scale(system.dim(), HUGE_VAL);
     for (int i = 0; i < m; ++i) {
         scale[i] = i < system.lengths() ? body : 1;
-        scale[m + i] = scale[i] * rate;
+        scale[m + i] = scale[i] * rate_unit(q);
     }
     return scale;
 }

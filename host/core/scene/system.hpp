@@ -61,8 +61,8 @@ class System {
 };
 
 // What counts as 1 in each entry of a state, for error norms: a body length (m) or a radian, and
-// these times `rate` (1/s). The ledger's entries choose no steps, or the motion would depend on
-// what is recorded.
-std::vector<double> error_scale(const System& system, double body, double rate);
+// these times the unit of the motion's rates. The ledger's entries choose no steps, or the motion
+// would depend on what is recorded.
+std::vector<double> error_scale(const System& system, const RunRequest& request);
 
 }  // namespace serpenoid
