@@ -193,6 +193,7 @@ def few_links(snake: Snake) -> bool:
 
 
 SUFFIXES = (".csv", ".npz")
+SPAN = "FIRST:LAST:STEP"
 MAX_VALUES = 100_000  # of a range
 MAX_GAITS = 1_000_000  # of an answer: its text takes a gigabyte
 
@@ -202,10 +203,11 @@ def _span(text: str, name: str) -> list[float]:
     numbers = [parsed_number(name, part) for part in text.split(":")]
     if len(numbers) == 1:
         return numbers
-    first, last, step = numbers if len(numbers) == 3 else (0.0, 0.0, 0.0)
+    is_span = len(numbers) == len(SPAN.split(":"))
+    first, last, step = numbers if is_span else (0.0, 0.0, 0.0)
     if not (step > 0 and last >= first and (last - first) / step < MAX_VALUES):
         raise BadInput(
-            f"{name} is {text!r}; it must be one number, or FIRST:LAST:STEP that goes upwards in "
+            f"{name} is {text!r}; it must be one number, or {SPAN} that goes upwards in "
             f"at most {MAX_VALUES} steps, such as 5:75:5"
         )
     return [first + i * step for i in range(int((last - first) / step + 1 + 1e-9))]
@@ -216,10 +218,10 @@ THREADS = Setting("threads", "threads to solve in", usual="1 a core")
 
 @command()
 @robot_option
-@option("--alpha-deg", "FIRST:LAST:STEP.", default="5:75:5")
-@option("--beta-deg", "FIRST:LAST:STEP.", default="20:90:5")
-@option("--frequency-hz", "FIRST:LAST:STEP.")
-@option("--omega-rad-s", "FIRST:LAST:STEP, in place of the frequency; 1:20:1 unless given.")
+@option("--alpha-deg", f"{SPAN}.", default="5:75:5")
+@option("--beta-deg", f"{SPAN}.", default="20:90:5")
+@option("--frequency-hz", f"{SPAN}.")
+@option("--omega-rad-s", f"{SPAN}, in place of the frequency; 1:20:1 unless given.")
 @servo_option
 @option(
     "--out",

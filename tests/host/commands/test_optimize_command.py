@@ -29,23 +29,20 @@ def test_the_papers_optimum_with_its_error_and_losses() -> None:
 
 def test_a_gait_that_can_be_driven_stands_beside_the_papers_optimum() -> None:
     """Its servos follow it, its joints stay within 90 degrees, and it keeps 80 % of its speed."""
-    line = "optimize --speed 0.1"
-    found = answer(line)
+    found = answer("optimize --speed 0.1")
     assert found["servo"]["follows"] is True
     assert found["gait"]["alpha_deg"] <= 90
     assert max(found["losses"].values()) == pytest.approx(0.2, abs=2e-3)
     paper = found["ideal"]
     assert paper["cost_w"] < found["cost_w"]
     assert max(paper["losses"].values()) > 0.3
-    words = " ".join(serpenoid(line, check=True).stdout.split())
-    assert "The paper's optimum, 69.9°/80.1°, 0.526 Hz, takes 11 % less power; it loses 4" in words
 
 
 def test_the_servo_that_is_named_limits_the_rate() -> None:
     """At 0.15 m/s the joints of the best gait would turn faster than hobby servos can."""
-    found = answer("optimize --speed 0.15")
-    assert found["active"][0] == "servo speed"
-    assert found["servo"]["joint_rate_over_no_load"] == pytest.approx(0.9, abs=1e-3)
+    words = " ".join(serpenoid("optimize --speed 0.15", check=True).stdout.split())
+    assert "Limited by servo speed" in words
+    assert "The paper's optimum, " in words
 
 
 def test_limits_in_degrees_are_kept_and_told() -> None:
@@ -55,7 +52,9 @@ def test_limits_in_degrees_are_kept_and_told() -> None:
     assert "makes 0.4" in refused
 
 
-@pytest.mark.parametrize("asked", [IDEAL, "steady --alpha-deg 60 --beta-deg 75 --omega-rad-s 4"])
+@pytest.mark.parametrize(
+    "asked", [IDEAL, "steady --alpha-deg 60 --beta-deg 75 --omega-rad-s 4 --servo ideal"]
+)
 def test_two_motions_are_named_with_that_from_rest(asked: str, monkeypatch) -> None:
     circle = FromRest(False, Motion(0.2, 0.1))
     monkeypatch.setattr("serpenoid.simulation.from_rest.from_rest", lambda state: circle)
