@@ -86,16 +86,20 @@ def finer_scene(scene: Scene, times: int = 1) -> Scene:
     (a run by nonsmooth takes ten times as long at 1e-11 with 40 links): there it is ten times the
     tolerance, whose difference is the larger.
     """
-    record = tuple(name for name in scene.record if name == "energy")
+    scene = replace(scene, record=tuple(name for name in scene.record if name == "energy"))
     if not scene.adaptive:
-        parts = 2**times
-        interval = parts * scene.record_steps
-        return replace(scene, record=record, dt_s=scene.dt_s / parts, record_every=interval)
+        return with_shorter_steps(scene, 2**times)
     events = scene.method == "nonsmooth"
     finest = MIN_TOLERANCE * (max(1.0, (scene.robot.links / 3) ** 3) if events else 1.0)
     finer = scene.tolerance / (100.0 if events else 10.0) ** times
     coarser = scene.tolerance * 10.0**times
-    return replace(scene, record=record, tolerance=finer if finer >= finest else coarser)
+    return replace(scene, tolerance=finer if finer >= finest else coarser)
+
+
+def with_shorter_steps(scene: Scene, parts: float) -> Scene:
+    """Return a scene whose steps are shorter by at least a factor, its recorded times the same."""
+    count = max(math.ceil(parts), 1)
+    return replace(scene, dt_s=scene.dt_s / count, record_every=count * scene.record_steps)
 
 
 def warnings_of(scene: Scene, error: RunError) -> tuple[str, ...]:

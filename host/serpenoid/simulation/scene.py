@@ -281,28 +281,18 @@ class Scene:
 
 def objection(name: str, scene: Scene, formulation: str | None = None) -> str | None:
     """Return why a method does not run a scene, or None if it does; what is given replaces."""
-    kind = METHODS[name]
+    kind, servo = METHODS[name], scene.servo
     formulation = formulation or scene.formulation
-    for what, value, runs in (
-        ("formulation", formulation, kind.formulations),
-        ("law", scene.law, kind.laws),
-    ):
-        if value not in runs:
-            return f"does not run with {what} {value!r}"
-    if (why := _servo_objection(name, formulation, scene.servo)) is not None:
-        return why
+    if formulation not in kind.formulations:
+        return f"does not run with formulation {formulation!r}"
+    if scene.law not in kind.laws:
+        return f"does not run with law {scene.law!r}"
+    if name == "radau" and servo is not None and not servo.simple:
+        return "does not run with rotors, gear friction, a loop that holds or a supply that sags"
+    if name == "dop853" and servo is not None and servo.gear_friction_nm > 0:
+        return "does not run with gear friction"
     if (scene.limp or scene.locked) and not kind.faults:
         return "does not run with limp or locked joints"
-    return None
-
-
-def _servo_objection(name: str, formulation: str, servo: Servo | None) -> str | None:
-    if servo is None:
-        return None
-    if name == "radau" and not servo.simple:
-        return "does not run with rotors, gear friction, a loop that holds or a supply that sags"
-    if name == "dop853" and servo.gear_friction_nm > 0:
-        return "does not run with gear friction"
     return None
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 from ..base.checks import check_kind, check_number
 from ..base.errors import BadInput, NotConverged
 from .core_run import Progress
+from .error import with_shorter_steps
 from .methods import METHODS, OwnChoice
 from .run import Run
 from .scene import MIN_TOLERANCE, Scene, default_method, exact_scene, objection
@@ -115,7 +116,7 @@ def _first_try(scene: Scene, accuracy: float) -> tuple[Scene, str]:
     if chosen.adaptive:
         return chosen, why
     longest_s = min(chosen.gait.period_s / 40, largest_stable_step_s(chosen) / 2)
-    return _split(chosen, chosen.dt_s / longest_s), why
+    return with_shorter_steps(chosen, chosen.dt_s / longest_s), why
 
 
 def _accurate_method(scene: Scene) -> str:
@@ -132,10 +133,4 @@ def _finer(scene: Scene, factor: float) -> Scene:
     if scene.adaptive:
         return replace(scene, tolerance=max(scene.tolerance / factor / 3, MIN_TOLERANCE))
     order = 1 if scene.law == "dry" or scene.servo else METHODS[scene.method].order
-    return _split(scene, max(2.0, 1.2 * factor ** (1 / order)))
-
-
-def _split(scene: Scene, parts: float) -> Scene:
-    """Return a scene whose steps are shorter by at least a factor, its recorded times the same."""
-    count = max(math.ceil(parts), 1)
-    return replace(scene, dt_s=scene.dt_s / count, record_every=count * scene.record_steps)
+    return with_shorter_steps(scene, max(2.0, 1.2 * factor ** (1 / order)))
