@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import matplotlib.image
 import numpy as np
 import pytest
 import serpenoid as sn
@@ -11,6 +12,7 @@ from robots import BINGHAM, NIRAKH_2005, OF_2005, gait_in_deg
 
 GAIT = gait_in_deg(70, 75, 4.0)
 SESSION = sn.load_session(NIRAKH_2005)
+UNITS = "(m/s)", "(N)", "(Hz)", "(W)", "(m)", "(s)", "(J)"
 RATES = np.linspace(2.0, 6.0, 5)
 
 
@@ -32,12 +34,18 @@ def grid(betas: int) -> sn.Sweep:
     ids=["Run", "Sweep over frequency", "Sweep of shapes", "Steady", "FrictionFit", "Comparison"],
 )
 def test_each_result_has_its_figure(result, drawn: str, tmp_path: Path) -> None:
-    path = tmp_path / "figure.svg"
-    figure = result().plot(path)
-    words = [ax.get_title("left") + ax.get_ylabel() for ax in figure.axes]
-    assert any(drawn in text for text in words), words
-    assert all(ax.lines or ax.collections for ax in figure.axes)
-    assert path.read_text().startswith("<?xml")
+    """Every axis has its unit; the picture is sharp, and shows something."""
+    path = tmp_path / "figure.png"
+    axes = result().plot(path).axes
+    assert any(drawn in ax.get_title("left") + ax.get_ylabel() for ax in axes)
+    for ax in axes:
+        labels = [*filter(None, (ax.get_xlabel(), ax.get_ylabel()))]
+        assert labels
+        assert all(text.endswith(UNITS) for text in labels), labels
+        assert ax.lines or ax.collections
+    pixels = matplotlib.image.imread(path)[:, :, :3]
+    assert min(pixels.shape[:2]) >= 600
+    assert 0.01 < (pixels.min(axis=2) < 0.9).mean() < 0.5
 
 
 def test_a_states_curve_over_frequency_passes_through_the_state() -> None:

@@ -101,7 +101,7 @@ def sighted(world: World, t_s: np.ndarray, lens: Lens) -> Sightings:
 
 def test_a_long_film_is_measured_as_a_short_one() -> None:
     seconds = 21
-    world = crawling(omega_rad_s=4.0, speed_m_s=0.2 / seconds, start_m=-0.1)
+    world = crawling(links=3, omega_rad_s=4.0, speed_m_s=0.2 / seconds, start_m=-0.1)
     s = sighted(world, np.arange(0, seconds, 1 / 30), Lens())
     found = measure(*follow(s, SIDE_M, first_cameras(s, LINK_M, SIDE_M)))
     m = found.motion
