@@ -65,7 +65,9 @@ _HOMES = {
     "simulation.run": ("Run",),
     "simulation.simulate": ("simulate",),
 }
-_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
+_HOME_OF: dict[str, str] = {}
+for _home, _names in _HOMES.items():
+    _HOME_OF.update(dict.fromkeys(_names, _home))
 
 __all__ = [
     "Acceleration",

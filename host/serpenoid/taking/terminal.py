@@ -11,7 +11,7 @@ from typing import Protocol
 
 from ..base import system
 from ..base.files import visible
-from ..robot.tools.keys import KeyReader, keyboard
+from ..robot.tools.keys import KeyReader
 
 TICK_S = 0.5
 
@@ -81,9 +81,9 @@ class Console:
         """Return a line as ask does, each key heard at once: some do something by themselves."""
         self._reader = self._reader or KeyReader()
         line, end_s = "", time.monotonic() + patience_s
-        with keyboard(self._reader) as next_key:
+        with system.single_keys():
             while True:
-                key = next_key(min(TICK_S, patience_s))
+                key = self._reader(min(TICK_S, patience_s))
                 if key == "enter" or (key == "end" and line):
                     print(flush=True)
                     return line.strip()

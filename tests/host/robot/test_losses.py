@@ -164,7 +164,7 @@ OPENINGS = {
     "greetings always damaged": (
         lambda line: line.replace(b" *", b" *0"),
         NoAnswer,
-        "greetings came damaged.*cable",
+        "not of this firmware.*cable",
     ),
     "another protocol": (
         lambda line: OLD if line.startswith(b"hello") else b"",

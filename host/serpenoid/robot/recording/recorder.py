@@ -140,14 +140,10 @@ class Recorder:
         )
 
 
-def check_free(path: Path) -> None:
-    """Raise BadInput if a recording there would write over something."""
+def _open(path: Path) -> FileIO:
+    """Open a new file. Raises BadInput where a recording would write over something."""
     if path.is_file() and path.stat().st_size:
         raise BadInput(f"{path} holds something already; give the recording another name")
-
-
-def _open(path: Path) -> FileIO:
-    check_free(path)
     try:
         return FileIO(path, "w")
     except OSError as error:

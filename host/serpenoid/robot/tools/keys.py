@@ -5,8 +5,6 @@ from __future__ import annotations
 import codecs
 import re
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
 
 from ...base import system
 from ...base.errors import BadInput
@@ -24,8 +22,6 @@ KEY = re.compile(r"\x1b(\[[\d;]*[A-Za-z~]|O[A-Z])|.", re.DOTALL)
 UNFINISHED = re.compile(r"\x1b(\[[\d;]*|O)?$")
 REST_S = 0.05  # in which the rest of a key's code comes
 
-Keyboard = Callable[[float], str]
-
 
 def need_terminal() -> None:
     """Raise BadInput unless standard input is a terminal."""
@@ -33,23 +29,11 @@ def need_terminal() -> None:
         raise BadInput("standard input is no terminal; this command is for a person's keys")
 
 
-@contextmanager
-def keyboard(reader: KeyReader | None = None) -> Iterator[Keyboard]:
-    """Give a function that returns the next key within so many seconds, or nothing.
+class KeyReader:
+    """Bytes of standard input to keys; several may come at once, one may come in pieces.
 
     A key is one character, a name of ARROWS or NAMES, or "other"; "end" is the end of the input.
-    Where standard input is no terminal, its characters count as keys. Ctrl-C stays a signal; Ctrl-Z
-    is off. reader: one that is used again, so that keys typed ahead are not lost.
     """
-    if sys.stdin is None:
-        yield lambda _: "end"
-        return
-    with system.single_keys() if sys.stdin.isatty() else nullcontext():
-        yield reader or KeyReader()
-
-
-class KeyReader:
-    """Bytes of standard input to keys; several may come at once, one may come in pieces."""
 
     def __init__(self) -> None:
         self._text = ""

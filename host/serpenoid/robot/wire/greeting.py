@@ -46,12 +46,10 @@ def _no_answer(talk: Dialogue, timeout_s: float) -> NoAnswer:
     foreign = talk.inbox.foreign
     if talk.inbox.heard:
         what = "lines came, but no greeting for ours: another program may write to it too"
-    elif b"hello: serpenoid" in foreign:
-        what = f"greetings came damaged, such as {foreign[:80]!r}: check cable and ground"
     elif foreign:
         what = (
             f"what came is not of this firmware at {BAUD} baud, such as {foreign[:40]!r}; if this "
-            f"is the robot, flash it: {flash}"
+            f"is the robot, check cable and ground, then flash it: {flash}"
         )
     else:
         what = f"nothing came; is this the robot's port, and is it flashed? {flash}"

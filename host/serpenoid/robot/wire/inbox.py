@@ -55,7 +55,7 @@ class Inbox:
     def __init__(self) -> None:
         self.hello: Hello | None = None
         self.heard = False  # a line of this protocol came
-        self.foreign = b""  # one that made no sense, a greeting rather than any other
+        self.foreign = b""  # the last one that made no sense
         self.protocol: int | None = None  # that of a greeting with a right CRC, of any form
         self.pending: Pending | None = None
         self.notice: RobotError | None = None
@@ -125,8 +125,7 @@ class Inbox:
 
     def _take_damaged(self, line: bytes) -> None:
         self.losses.damaged_lines += 1
-        if not self.foreign or b"hello: " in line:
-            self.foreign = line
+        self.foreign = line
         with suppress(DamagedLine):
             match = re.match(r"hello: serpenoid.* protocol=(\d{1,5})\b", unseal(line), re.ASCII)
             self.protocol = int(match[1]) if match else self.protocol

@@ -48,7 +48,7 @@ class Trim:
     joint: int
     centre_us: float
     scale_us_rad: float
-    direction: int
+    direction: float
     low_deg: float
     high_deg: float
 
@@ -96,15 +96,9 @@ _COUNTS = [n for n in Status.__dataclass_fields__ if n not in ("state", "moving"
 
 def _trim(text: str) -> Trim:
     values = _values(text)
-    value = {name: number_in(name, values[name]) for name in firmware.TRIM}
-    return Trim(
-        count_in("joint", text.split(maxsplit=1)[0].removeprefix("#"), 1, 99),
-        value["centre"],
-        value["scale"],
-        int(value["dir"]),
-        value["low"],
-        value["high"],
-    )
+    joint = count_in("joint", text.split(maxsplit=1)[0].removeprefix("#"), 1, 99)
+    names = ("centre", "scale", "dir", "low", "high")
+    return Trim(joint, *(number_in(name, values[name]) for name in names))
 
 
 def _values(text: str) -> dict[str, str]:
