@@ -76,5 +76,5 @@ TEST_CASE("neither threads nor other shapes change a bit of a sweep") {
     sweep_shapes(shapes, omegas, {1e-4, true}, 2, keep_running, parallel.data());
     CHECK(serial == parallel);
     const std::size_t shape = omegas.size() * kSweepColumns;
-    CHECK(serial[kSpeed] == serial[2 * shape + kSpeed]);
+    CHECK(serial[0] == serial[2 * shape]);
 }

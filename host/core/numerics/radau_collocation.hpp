@@ -23,7 +23,6 @@ struct RadauRule {
     std::array<double, s * s> a;  // a[j*s + k] = integral of the k-th Lagrange polynomial, 0..c_j
     std::array<double, s * s> rate;     // u'(c_j) = sum rate_jk (Y_k - y_0): the inverse of a
     std::array<double, s> at0;          // those polynomials at 0
-    std::array<double, s> slope0;       // u'(0) = sum slope0_k (Y_k - y_0)
     double bump_height;                 // largest |bump|
     std::array<double, s> dense_scale;  // 1 / (c_k prod_j (c_k - c_j))
 
@@ -63,7 +62,6 @@ struct RadauRule {
             for (int j = 0; j < s; ++j) product *= j == k ? 1 : c[k] - c[j];
             dense_scale[k] = 1 / product;
             at0[k] = lagrange(k, 0);
-            slope0[k] = at0[k] / c[k];
             for (int j = 0; j < s; ++j) {
                 a[j * s + k] = 0;
                 for (int q = 0; q < s; ++q)

@@ -31,20 +31,6 @@ std::vector<SteadyState> states_of(const SweepShape& shape, const std::vector<do
     return states;
 }
 
-void write_columns(const SteadyState& s, double* column) {
-    column[kSpeed] = s.speed;
-    column[kPower] = s.power;
-    column[kAbsPower] = s.abs_power;
-    column[kPositivePower] = s.positive_power;
-    column[kTurn] = s.turn;
-    column[kSpeedError] = s.speed_error;
-    column[kPowerError] = s.power_error;
-    column[kPositivePowerError] = s.positive_power_error;
-    column[kSlowest] = s.slowest;
-    column[kSlowestError] = s.slowest_error;
-    column[kConverged] = s.converged ? 1 : 0;
-}
-
 // Share `count` tasks among threads; a task returns the number of gaits it solved.
 void run_parallel(std::size_t count, int threads, const KeepRunning& keep_running,
                   const std::function<long(std::size_t)>& task) {
@@ -77,8 +63,8 @@ void sweep_shapes(const std::vector<SweepShape>& shapes, const std::vector<doubl
     run_parallel(shapes.size(), threads, keep_running, [&](std::size_t k) {
         double* column = columns + k * omegas.size() * kSweepColumns;
         for (const SteadyState& state : states_of(shapes[k], omegas, options)) {
-            write_columns(state, column);
-            column += kSweepColumns;
+            for (double SteadyState::* field : kSweepFields) *column++ = state.*field;
+            *column++ = state.converged ? 1 : 0;
         }
         return static_cast<long>(omegas.size());
     });

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <iterator>
 #include <vector>
 
 #include "model/params.hpp"
@@ -21,20 +22,15 @@ struct SweepShape {
 // The periodic state of one, at the gait's own rate.
 SteadyState steady_state(const SweepShape& shape, const SteadyOptions& options);
 
-enum SweepColumn {
-    kSpeed,
-    kPower,
-    kAbsPower,
-    kPositivePower,
-    kTurn,
-    kSpeedError,
-    kPowerError,
-    kPositivePowerError,
-    kSlowest,
-    kSlowestError,
-    kConverged,  // 1 or 0
-    kSweepColumns
+// The columns of a sweep; one more is 1 where the state has converged, else 0.
+constexpr double SteadyState::* kSweepFields[] = {
+    &SteadyState::speed,       &SteadyState::power,
+    &SteadyState::abs_power,   &SteadyState::positive_power,
+    &SteadyState::turn,        &SteadyState::speed_error,
+    &SteadyState::power_error, &SteadyState::positive_power_error,
+    &SteadyState::slowest,     &SteadyState::slowest_error,
 };
+constexpr std::size_t kSweepColumns = std::size(kSweepFields) + 1;
 
 // Called now and then, in the caller's thread, with the number of gaits done since its last call;
 // false ends the work after the shapes in hand.

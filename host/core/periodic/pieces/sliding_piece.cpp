@@ -20,15 +20,23 @@ Vec3 cross(const Vec3& a, const Vec3& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
+// Solve S x = x, S the Gram matrix of up to three rows with these weights; zero where it has none.
+void solve_gram(const Vec3* g, int count, const Vec3& weight, Vec3& x) {
+    Mat3 S = identity3();
+    for (int a = 0; a < count; ++a)
+        for (int b = 0; b < count; ++b) {
+            S[3 * a + b] = 0;
+            for (int i = 0; i < 3; ++i) S[3 * a + b] += g[a][i] * g[b][i] * weight[i];
+        }
+    if (!solve_dense<3, 1>(S.data(), x.data())) x = {};
+}
+
 // x of least |Q + sum_a x_a g_a| for up to three rows g.
 Vec3 least_squares(const Vec3* g, int count, const Vec3& Q) {
-    Mat3 S = identity3();
     Vec3 x{};
-    for (int a = 0; a < count; ++a) {
-        x[a] = -dot(g[a], Q);
-        for (int b = 0; b < count; ++b) S[3 * a + b] = dot(g[a], g[b]);
-    }
-    return solve_dense<3, 1>(S.data(), x.data()) ? x : Vec3{};
+    for (int a = 0; a < count; ++a) x[a] = -dot(g[a], Q);
+    solve_gram(g, count, {1, 1, 1}, x);
+    return x;
 }
 
 }  // namespace
@@ -226,7 +234,7 @@ void SlidingPiece::set_stuck_forces() {
     const SlidingMode& mode = *mode_;
     if (mode.count == 0) return;
     for (int j = 0; j < s; ++j) {
-        Vec3 Q = stage_rate(j), g[3];
+        Vec3 Q = stage_rate(j), g[3]{};
         const Vec3 F = free_rate(node_[j + 1], Y_[j], u_[j + 1]);
         for (int i = 0; i < 3; ++i) Q[i] = omega_ * (Q[i] / h_ - F[i]);
         for (int a = 0; a < mode.count; ++a) g[a] = direction(mode.stuck[a], j + 1);
@@ -235,19 +243,12 @@ void SlidingPiece::set_stuck_forces() {
 }
 
 Vec3 SlidingPiece::correction(int node, const SlidingMode& mode, const Vec3& u) const {
-    const double weight[3] = {inverse_nm_, inverse_nm_, node_[node].iJ};
-    Mat3 S = identity3();
-    Vec3 pull{}, change{}, g[3];
+    Vec3 pull{}, change{}, g[3]{};
     for (int a = 0; a < mode.count; ++a) {
         g[a] = direction(mode.stuck[a], node);
         pull[a] = -row(mode.stuck[a], node).speed(u.data(), omega_);
     }
-    for (int a = 0; a < mode.count; ++a)
-        for (int b = 0; b < mode.count; ++b) {
-            S[3 * a + b] = 0;
-            for (int i = 0; i < 3; ++i) S[3 * a + b] += g[a][i] * g[b][i] * weight[i];
-        }
-    if (mode.count == 0 || !solve_dense<3, 1>(S.data(), pull.data())) return change;
+    solve_gram(g, mode.count, {inverse_nm_, inverse_nm_, node_[node].iJ}, pull);
     for (int a = 0; a < mode.count; ++a)
         for (int i = 0; i < 3; ++i) change[i] += pull[a] * g[a][i];
     return change;
@@ -294,18 +295,21 @@ Vec3 SlidingPiece::momenta(double x) const {
     return p;
 }
 
-// The rates at the stages, interpolated.
-Vec3 SlidingPiece::rate(double x) const {
+// Weights of the stages in what is of one degree less: rates and forces.
+std::array<double, SlidingPiece::s> SlidingPiece::rate_weights(double x) const {
     const Rule& rule = Rule::get();
-    const auto w = rule.dense(x);
+    if (x == 0) return rule.at0;
+    auto w = rule.dense(x);
+    for (int j = 0; j < s; ++j) w[j] *= rule.c[j] / x;
+    return w;
+}
+
+Vec3 SlidingPiece::rate(double x) const {
+    const auto w = rate_weights(x);
     Vec3 r{};
     for (int j = 0; j < s; ++j) {
-        if (x == 0) {
-            for (int i = 0; i < 3; ++i) r[i] += rule.slope0[j] / h_ * (Y_[j][i] - p0_[i]);
-            continue;
-        }
         const Vec3 v = stage_rate(j);
-        for (int i = 0; i < 3; ++i) r[i] += w[j] * rule.c[j] / (x * h_) * v[i];
+        for (int i = 0; i < 3; ++i) r[i] += w[j] / h_ * v[i];
     }
     return r;
 }
@@ -319,14 +323,9 @@ Mat3 SlidingPiece::tangent(double x) const {
 }
 
 double SlidingPiece::stuck_force(int a, double x) const {
-    const Rule& rule = Rule::get();
+    const auto w = rate_weights(x);
     double sum = 0;
-    if (x == 0) {
-        for (int j = 0; j < s; ++j) sum += rule.at0[j] * lambda_[j][a];
-        return sum;
-    }
-    const auto w = rule.dense(x);
-    for (int j = 0; j < s; ++j) sum += w[j] * rule.c[j] / x * lambda_[j][a];
+    for (int j = 0; j < s; ++j) sum += w[j] * lambda_[j][a];
     return sum;
 }
 
