@@ -29,7 +29,6 @@ from ..simulation.scene import Scene
 from ..simulation.stability import largest_stable_step_s
 from ..simulation.starts import start_state
 from .child_process import Limited
-from .problems import Array
 
 NUDGE_M = 1e-9
 UNSTABLE_GROWTH = 10.0  # over the second half of the steps: 0.4 % a step of 1200
@@ -38,7 +37,7 @@ TORN_LENGTHS = 0.1  # Link lengths: a joint opens so far, and 30 times its start
 FAR_M = 1e-4  # a difference that has come this far from NUDGE_M has grown, however it goes on
 WORDS = ("stable, runs", "unstable, refused", "refused, no growth seen", "SILENTLY WRONG")
 COLOURS = ("#9ecae1", "#f4a582", "#fde0b8", "#b2182b")  # One for each of WORDS
-FIGURE_LINKS = 6  # links of the robot whose cells are drawn
+FIGURE_LINKS, FIGURE_DAMPING_N_S_M = 6, (0.0, 1e3)  # of the cells that are drawn
 LIMIT_S = 30.0  # Processor time of a line of cells over dt
 Line = tuple[str, int, float, float, float]
 
@@ -159,43 +158,34 @@ def measure(grid: Grid, tell: Callable[[str], None]) -> Iterator[Cell]:
                 yield Cell(*line, dt_s, value, limit_s, note)
 
 
-def _edges(values: Sequence[float]) -> Array:
-    logs = np.log10(values)
-    step = logs[1] - logs[0]
-    return 10 ** np.concatenate([[logs[0] - step / 2], logs + step / 2])
-
-
 def stability_figure(cells: Sequence[Cell], path: Path) -> None:
     """Draw all methods downwards, low and high friction and damping to the right, of 6 links."""
-    from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
     panels: dict[tuple[str, float, float], list[Cell]] = {}
     for cell in cells:
-        if cell.links == FIGURE_LINKS and cell.damping_n_s_m in (0.0, 1e3):
-            row = cell.method, cell.friction_n_s_m, cell.damping_n_s_m
-            panels.setdefault(row, []).append(cell)
+        if cell.links == FIGURE_LINKS and cell.damping_n_s_m in FIGURE_DAMPING_N_S_M:
+            panel = cell.method, cell.friction_n_s_m, cell.damping_n_s_m
+            panels.setdefault(panel, []).append(cell)
     methods = list(dict.fromkeys(method for method, *_ in panels))
     columns = len(panels) // len(methods)
     size = 2.9 * columns + 0.8, 2.0 * len(methods) + 1.3
     grid = {"rows": len(methods), "squeeze": False, "sharex": True, "sharey": True}
     with figure(*size, columns, path=path, **grid) as (fig, axes):
         for ax, ((_, friction, damping), inside) in zip(axes.flat, panels.items(), strict=True):
-            limits = {cell.stiffness_n_m: cell.limit_s for cell in inside}
-            kinds = np.reshape([cell.kind for cell in inside], (len(limits), -1))
-            k, dt = _edges([*limits]), _edges([cell.dt_s for cell in inside[: kinds.shape[1]]])
-            look = {"vmin": -0.5, "vmax": 3.5, "edgecolors": "white", "linewidth": 0.4}
-            ax.pcolormesh(k, dt, kinds.T, cmap=ListedColormap(COLOURS), **look)
-            line = {"color": "black", "lw": 1.4, "label": "limit by the rule"}
-            ax.plot(*zip(*limits.items(), strict=True), **line)
-            ax.set(xscale="log", yscale="log", xlim=k[[0, -1]], ylim=dt[[0, -1]])
+            stiffness = [cell.stiffness_n_m for cell in inside]
+            colours = [COLOURS[cell.kind] for cell in inside]
+            ax.scatter(stiffness, [cell.dt_s for cell in inside], c=colours, marker="s", s=45)
+            limits = [cell.limit_s for cell in inside]
+            ax.plot(stiffness, limits, color="black", lw=1.4, label="limit by the rule")
+            ax.set(xscale="log", yscale="log", ylim=(5e-6, 0.2))
             ax.grid(visible=False)
             ax.set_title(f"$c_n$ = {friction:g}, c = {damping:g} N s/m", fontsize=9)
         for ax, method in zip(axes[:, 0], methods, strict=True):
             ax.set_ylabel(f"{method}\nstep dt (s)")
         for ax in axes[-1]:
             ax.set_xlabel("stiffness k (N/m)")
-        handles = [Patch(color=COLOURS[i], label=WORDS[i]) for i in range(len(WORDS))]
-        handles += axes[0, 0].lines
+        kinds = zip(COLOURS, WORDS, strict=True)
+        handles = [Patch(color=colour, label=word) for colour, word in kinds] + axes[0, 0].lines
         fig.legend(handles=handles, loc="outside lower center", ncols=columns, fontsize=9)
         heading(fig, "Joints as springs k and dampers c, 6 links: does a disturbance grow?", 11)
