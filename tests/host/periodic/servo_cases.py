@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import serpenoid as sn
-from serpenoid.simulation.starts import start_state
 
 
 def drawn_case(seed: int) -> tuple[sn.Robot, sn.Ground, sn.Gait, sn.Servo]:
@@ -60,7 +59,7 @@ def full_speeds(
 ) -> tuple[np.ndarray, float]:
     """Return the speeds of the last cycles of a full simulation, and how they still drift."""
     robot, ground, gait = ideal.robot, ideal.ground, ideal.gait
-    start = start_state(sn.Scene(robot, ground, gait, start="steady"))
+    start = sn.simulate(sn.Scene(robot, ground, gait, start="steady", duration_s=0.0)).state(0)
     settle = max(2, math.ceil(min(5 * ideal.settling_time_s + 6, seconds) / gait.period_s))
     rough = not ground.smooth or servo.gear_friction_nm > 0
     run = sn.simulate(

@@ -84,15 +84,6 @@ def test_what_is_no_cluster_is_told(monkeypatch) -> None:
         sn.sweep(PAPER, VISCOUS, **AXES, scheduler="tcp://127.0.0.1:9")
 
 
-def test_a_cluster_without_workers_is_told(monkeypatch) -> None:
-    monkeypatch.setattr(cluster_module, "FIRST_WORKER_S", 0.5)
-    with (
-        distributed.LocalCluster(n_workers=0, dashboard_address=":0") as empty,
-        pytest.raises(ClusterFailed, match="gives no answer"),
-    ):
-        sn.sweep(PAPER, VISCOUS, **AXES, scheduler=empty.scheduler_address)
-
-
 def test_a_worker_of_another_version_is_refused(local: Any, monkeypatch) -> None:
     there = cluster_module.version("serpenoid")
     monkeypatch.setattr(cluster_module, "version", lambda name: "9.9")

@@ -26,7 +26,6 @@ from serpenoid.periodic.servo_steady import (
     servo_state,
     with_servo,
 )
-from serpenoid.simulation.starts import start_state
 
 GAIT = gait_in_deg(70, 75, math.tau * 0.5)
 VISCOUS = sn.Ground(0.1, 1.0)
@@ -156,7 +155,7 @@ def test_the_power_is_what_the_full_simulation_gives_the_joints() -> None:
     """The gears' dry friction takes more of the motors' than the ground does."""
     servo = replace(sn.servo().servo, gear_friction_nm=0.04)
     found = sn.steady_gait(OF_2005, BINGHAM, GAIT, rtol=1e-3, servo=servo)
-    scene = sn.Scene(OF_2005, BINGHAM, GAIT, start="steady")
+    scene = sn.Scene(OF_2005, BINGHAM, GAIT, start="steady", duration_s=0.0)
     run = sn.simulate(
         sn.Scene(
             OF_2005,
@@ -164,7 +163,7 @@ def test_the_power_is_what_the_full_simulation_gives_the_joints() -> None:
             GAIT,
             drive="servo",
             servo=servo,
-            start=start_state(scene),
+            start=sn.simulate(scene).state(0),
             duration_s=6.0,
             method="nonsmooth",
             dt_s=0.02,

@@ -12,11 +12,10 @@ from dataclasses import replace
 import pytest
 import serpenoid as sn
 from robots import PAPER, VISCOUS
-from serpenoid.simulation.core_run import ENERGY_COLUMNS
 
 from . import truth_cases as tc
 
-POSITIVE = ENERGY_COLUMNS.index("positive_work_j")
+POSITIVE = 6  # column of positive work
 PAPER = sn.Scene(
     PAPER,
     VISCOUS,
