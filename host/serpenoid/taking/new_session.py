@@ -15,14 +15,12 @@ from ..base.errors import BadInput, RecordingFailed
 from ..base.files import write_text
 from ..model.bends import FEWEST_LINKS
 from ..model.gait import Gait
-from ..model.robot import check_links
 from ..session.declaration import BELT_UNITS, Field, Values
 from ..session.folder import read_session
 from ..session.journal import csv_line, utc_now
 from ..session.rows import EVENT_COLUMNS, READING_COLUMNS
 from ..session.settings import (
     ASSUMED_LINK_KG,
-    TABLES,
     Instruments,
     Laboratory,
     Plan,
@@ -33,14 +31,29 @@ from ..session.settings import (
 from .asking import Asker, Skip, Undo
 from .steps import Doubts
 
-LATER = "later"  # answers for what nobody has measured yet
-NOT_SAID = "not said"
-# What `calibrate new` asks in words.
-WORDS = {
+NOT_SAID, LATER = "not said", "later"  # answers of people; what is measured later stays empty
+# What `calibrate new` asks, by keys of session.toml, in words where the key's table has none.
+QUESTIONS = {
     "surface": "what the wheels roll on (the belt's or the floor's surface)",
     "place": "where",
     "people": "who measures",
+    "links": "number of links",
+    "joints": "what sets the joints: servos, straightedge, or hand (by eye they are 1.5 deg off)",
+    "belt_speed_unit": f"unit of the belt's speed ({', '.join(BELT_UNITS)})",
+    "mass_kg": "",
+    "link_length_m": "",
+    "supply_v": "",
+    "wheels_kg": "",
+    "incline_sigma_deg": "",
+    "incline_step_percent": "",
+    "belt_speed_step_m_s": "",
+    "belt_speed_least_m_s": "",
 }
+ELSEWHERE = {  # questions that have no meaning at a place
+    "treadmill": ("wheels_kg",),
+    "floor": tuple(key for key in QUESTIONS if key.startswith(("belt", "incline"))),
+}
+SIGMAS_OF_STEP = math.sqrt(12)  # the smallest step of an instrument over its standard deviation
 # Zeros of phones and cheap inclinometers are 0.3 to 0.5 deg off. With 0.1 deg assumed, the interval
 # of ft0 missed the truth in 40 of 40 sessions of the virtual lab, with 0.5 deg in none.
 ASSUMED_ZERO_SIGMA_DEG = 0.5
@@ -58,21 +71,6 @@ CRAWLS = tuple(
     Gait(math.radians(alpha), math.radians(beta), 2 * math.pi * hz)
     for alpha, beta, hz in ((70, 60, 0.6), (80, 75, 0.45))
 )
-
-
-# Numbers that `calibrate new` asks for, by their tables: key -> place where it is asked, "" if
-# anywhere. Those of LATER_KEYS may be left open.
-QUESTIONS = {
-    "robot": {"mass_kg": "", "link_length_m": "", "supply_v": "", "wheels_kg": "floor"},
-    "instruments": {
-        "incline_sigma_deg": "treadmill",
-        "incline_step_percent": "treadmill",
-        "belt_speed_step_m_s": "treadmill",
-        "belt_speed_least_m_s": "treadmill",
-    },
-}
-LATER_KEYS = ("mass_kg", "supply_v", "wheels_kg")
-STEP_KEY = "incline_sigma_deg"  # asked as the inclinometer's smallest step, sqrt(12) times this
 
 
 def default_setup(name: str) -> Setup:
@@ -110,59 +108,50 @@ def default_setup(name: str) -> Setup:
 
 def ask_answers(asker: Asker, setup: Setup, given: Mapping[str, Any], on: str) -> dict[str, Any]:
     """Return given answers of `calibrate new` with those that a person types; raises Quit."""
+
+    def fill() -> dict[str, Any]:
+        answers = dict(given)
+        for key, words in QUESTIONS.items():
+            if key not in ELSEWHERE[on] and answers.get(key) is None:
+                answers[key] = _answer(asker, setup, key, words)
+        return answers
+
     while True:
         try:
-            return asker.form(lambda: _answers(asker, setup, given, on))
+            return asker.form(fill)
         except Undo:
             asker.say("  ! nothing was asked before this")
 
 
-def _answers(asker: Asker, setup: Setup, given: Mapping[str, Any], on: str) -> dict[str, Any]:
-    answers = dict(given)
-    for key, words in WORDS.items():
-        if answers.get(key) is None:
-            answers[key] = _asked(asker, words, getattr(setup.laboratory, key))
-    links = _asked(asker, "number of links", str(setup.robot.links))
-    if not links.isdecimal():
-        raise BadInput(f"{links!r} is no number of links")
-    answers["links"] = check_links(int(links))
-    if answers.get("joints") is None:
-        joints = _asked(
-            asker,
-            "what sets the joints: servos, straightedge, or hand (by eye they are 1.5 deg off)",
-            "servos",
-        )
-        answers["joints"] = check_choice("joints", joints, tuple(JOINT_SIGMA_DEG))
-    if on == "treadmill":
-        unit = _asked(asker, f"unit of the belt's speed ({', '.join(BELT_UNITS)})", "km/h")
-        answers["belt_speed_unit"] = asker.belt_unit = check_choice("unit", unit, BELT_UNITS)
-    for table, keys in QUESTIONS.items():
-        for key, place in keys.items():
-            if answers.get(key) is None and place in ("", on):
-                usual = getattr(setup.tables[table], key)
-                usual = math.sqrt(12) * usual if key == STEP_KEY else usual
-                answers[key] = _number(asker, TABLES[table].numbers()[key], usual)
-    return answers
-
-
-def _asked(asker: Asker, words: str, usual: str) -> str:
-    return asker.ask(f"{words} [{usual}]: ", usual)
-
-
-def _number(asker: Asker, field: Field, usual: float) -> float | str:
-    later = field.column in LATER_KEYS
-    text = _asked(asker, field.words, LATER if later else f"{usual:.2g} {field.unit}")
-    if later and text.lower() == LATER:
-        return LATER
+def _answer(asker: Asker, setup: Setup, key: str, words: str) -> Any:
+    """Ask for one key; return its value, "" where it is to be measured later."""
+    if key == "joints":
+        return check_choice(key, asker.ask(f"{words} [servos]: ", "servos"), (*JOINT_SIGMA_DEG,))
+    table = next(table for table in setup.tables.values() if key in table.declared)
+    field, usual = table.declared[key], getattr(table, key)
+    if key == "belt_speed_unit":
+        asker.belt_unit = field.check(asker.ask(f"{words} [km/h]: ", "km/h"))
+        return asker.belt_unit
+    if not isinstance(field, Field):
+        return field.check(asker.ask(f"{words} [{usual}]: ", usual))
+    if key == "incline_sigma_deg":
+        usual *= SIGMAS_OF_STEP
+    shown = LATER if field.optional else f"{usual:.2g} {field.unit}".rstrip()
+    text = asker.ask(f"{field.words or words} [{shown}]: ", shown)
+    if field.optional and text.lower() == LATER:
+        return ""
+    likely = field.likely or (field.low, field.high)
 
     def doubts(values: Values) -> Doubts:
-        low, high = field.likely or (field.low, field.high)
-        return [] if low <= float(values[field.column]) <= high else [(field, (low, high))]
+        return [] if likely[0] <= float(values[key]) <= likely[1] else [(field, likely)]
 
     try:
-        return asker.sure(asker.numbers([field], text), doubts)[field.column]
+        value = float(asker.sure(asker.numbers([field], text), doubts)[key])
     except Skip as error:
         raise BadInput("a number in doubt cannot be left out; type it anew, or keep it") from error
+    if key == "incline_sigma_deg":
+        value /= SIGMAS_OF_STEP
+    return field.check(int(value) if value.is_integer() else value)
 
 
 def on_place(plan: Plan, place: str) -> Plan:
@@ -175,36 +164,21 @@ def on_place(plan: Plan, place: str) -> Plan:
 def answered(setup: Setup, answers: Mapping[str, Any]) -> Setup:
     """Return a set-up with the answers of `calibrate new` put in; raises BadInput.
 
-    An answer of LATER leaves its setting empty.
+    An answer of "" leaves its setting empty.
     """
-    given = {key: value for key, value in answers.items() if value is not None}
-    changes: dict[str, dict[str, Any]] = {name: {} for name in TABLES}
-    changes["laboratory"] = {key: given[key] for key in WORDS if key in given}
-    if "links" in given:
-        links = int(given["links"])
-        changes["robot"]["links"] = links
-        if links < FEWEST_LINKS:  # they have no balanced bend
-            changes["plan"]["bend"] = "zigzag"
-    if "belt_speed_unit" in given:
-        changes["instruments"]["belt_speed_unit"] = given["belt_speed_unit"]
-    if "joints" in given:
-        changes["instruments"]["joint_sigma_deg"] = JOINT_SIGMA_DEG[given["joints"]]
-    for table, keys in QUESTIONS.items():
-        found = {key: given[key] for key in keys if key in given}
-        changes[table] |= {k: None if value == LATER else value for k, value in found.items()}
-    if STEP_KEY in given:
-        changes["instruments"][STEP_KEY] = given[STEP_KEY] / math.sqrt(12)
-    if "belt_speed_step_m_s" in given:
-        rounding_m_s = given["belt_speed_step_m_s"] / math.sqrt(12)
-        sigma_m_s = math.hypot(rounding_m_s, DRIFT_SIGMA_M_S)
-        changes["instruments"]["belt_speed_sigma_m_s"] = sigma_m_s
-    return replace(
-        setup,
-        robot_table=replace(setup.robot_table, **changes["robot"]),
-        laboratory=replace(setup.laboratory, **changes["laboratory"]),
-        instruments=replace(setup.instruments, **changes["instruments"]),
-        plan=replace(setup.plan, **changes["plan"]),
-    )
+    values = {key: value for key, value in answers.items() if value is not None}
+    if "joints" in values:
+        values["joint_sigma_deg"] = JOINT_SIGMA_DEG[values["joints"]]
+    if "belt_speed_step_m_s" in values:
+        rounding_m_s = values["belt_speed_step_m_s"] / SIGMAS_OF_STEP
+        values["belt_speed_sigma_m_s"] = math.hypot(rounding_m_s, DRIFT_SIGMA_M_S)
+    if values.get("links", FEWEST_LINKS) < FEWEST_LINKS:  # they have no balanced bend
+        values["bend"] = "zigzag"
+    tables = [
+        replace(table, **{key: values[key] for key in table.declared if key in values})
+        for table in setup.tables.values()
+    ]
+    return Setup(setup.name, *tables)  # type: ignore[arg-type]
 
 
 def template_setup(path: str | Path | None, name: str) -> Setup:
@@ -212,16 +186,16 @@ def template_setup(path: str | Path | None, name: str) -> Setup:
     proposed = default_setup(name)
     if path is None:
         return proposed
-    other = read_session(path).setup
-    kind, tools, plan = other.provenance.kind, other.instruments, other.plan
+    template = read_session(path).setup
+    kind, tools, plan = template.provenance.kind, template.instruments, template.plan
     if kind == "regenerated":  # its zero is that of no instrument that the new session has
         kind = "measured"
         tools = replace(tools, incline_zero_sigma_deg=ASSUMED_ZERO_SIGMA_DEG)
     plan = replace(plan, gaits=plan.gaits or proposed.plan.gaits)
-    if other.robot.links >= FEWEST_LINKS:
+    if template.robot.links >= FEWEST_LINKS:
         plan = replace(plan, bend="balanced")
     provenance = replace(proposed.provenance, kind=kind)
-    return Setup(name, provenance, other.robot_table, other.laboratory, tools, plan)
+    return Setup(name, provenance, template.robot_table, template.laboratory, tools, plan)
 
 
 def create_session(folder: str | Path, setup: Setup) -> Path:

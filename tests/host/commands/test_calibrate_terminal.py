@@ -47,7 +47,7 @@ def test_taken_killed_and_resumed_at_a_terminal(folder):
 
 def test_the_end_of_the_input_leaves_the_session_whole(folder):
     with Person(f"calibrate {folder}") as person:
-        person.answers("it shows", "\x04")
+        person.answers("turned, it shows (deg): ", "\x04")
         person.sees("Left.")
         assert person.leaves() == 0
     assert read_session(folder).notes == ()

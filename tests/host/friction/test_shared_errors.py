@@ -101,9 +101,7 @@ def test_friction_that_falls_with_speed_and_slippery_bends_are_alarms():
 
 
 def test_every_prediction_notes_what_was_not_measured(tmp_path):
-    folder = create_session(
-        tmp_path / "asked", answered(default_setup("asked"), {"mass_kg": "later"})
-    )
+    folder = create_session(tmp_path / "asked", answered(default_setup("asked"), {"mass_kg": ""}))
     with Journal(folder) as journal:
         for bend, incline, belt in ((0, 2, 0.3), (0, 3, 1.0), (15, 3.0, 0.1), (15, 4.0, 0.5)):
             cells = {"lambda_deg": bend, "incline_deg": incline, "belt_speed_m_s": belt}

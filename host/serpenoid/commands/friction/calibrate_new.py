@@ -23,7 +23,7 @@ def quantity_of(name: str) -> Callable[[Any], float | str]:
         from ...taking.parse_number import read_number
 
         if str(value).strip().lower() == LATER:
-            return LATER
+            return ""
         try:
             return read_number(str(value), RobotTable.numbers()[name])
         except BadInput as error:
@@ -83,7 +83,6 @@ def new(
 
     from ...taking.asking import WORDS, Asker, Quit
     from ...taking.new_session import (
-        LATER,
         answered,
         ask_answers,
         create_session,
@@ -107,7 +106,7 @@ def new(
         except (Quit, EOFError):
             return say("Left; nothing was written.")
     elif template is None and answers["mass_kg"] is None and not simulated:
-        answers["mass_kg"] = LATER
+        answers["mass_kg"] = ""
     given = answered(replace(setup, plan=on_place(setup.plan, on)), answers)
     if simulated:
         source = replace(given.provenance, kind="simulated", source=f"simulated {on}")
