@@ -16,7 +16,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from _typeshed import HasFileno
@@ -35,33 +35,6 @@ def signals(*names: str) -> tuple[signal.Signals, ...]:
 
 ENDING = signals("SIGTERM", "SIGHUP", "SIGQUIT", "SIGBREAK")  # they would kill without a word
 SUSPENDING = signals("SIGTSTP")  # Ctrl-Z
-
-
-class _Terminal(NamedTuple):
-    """A terminal that gives single keys: its original attributes, and those for keys."""
-
-    fd: int
-    original: list[Any]
-    keys: list[Any]
-
-
-_single_keys: list[_Terminal] = []
-
-
-def suspend(*_: object) -> None:
-    """Suspend this program until it is told to go on; its terminal is meanwhile as it was."""
-    for terminal in _single_keys:
-        _set_terminal(terminal.fd, terminal.original)
-    signal.raise_signal(signal.SIGSTOP)  # SIGTSTP does nothing without a shell above
-    for terminal in _single_keys:
-        _set_terminal(terminal.fd, terminal.keys)
-
-
-def _set_terminal(fd: int, attributes: list[Any]) -> None:
-    import termios
-
-    with suppress(termios.error):  # it may be gone
-        termios.tcsetattr(fd, termios.TCSANOW, attributes)
 
 
 def lock(fd: int) -> bool:
@@ -85,7 +58,7 @@ def lock(fd: int) -> bool:
 
 @contextmanager
 def single_keys() -> Iterator[None]:
-    """Let the terminal at standard input give each key at once, unseen, but while suspended."""
+    """Let the terminal at standard input give each key at once, unseen; Ctrl-Z is a key, too."""
     try:
         import termios
     except ImportError:  # Windows gives single keys anyway
@@ -94,19 +67,13 @@ def single_keys() -> Iterator[None]:
     fd = sys.stdin.fileno()
     original, keys = termios.tcgetattr(fd), termios.tcgetattr(fd)
     keys[3] &= ~(termios.ICANON | termios.ECHO)
-    _single_keys.append(_Terminal(fd, original, keys))
-    in_main = threading.current_thread() is threading.main_thread()
-    suspends = in_main and signal.getsignal(signal.SIGTSTP) is signal.SIG_DFL
-    if suspends:
-        signal.signal(signal.SIGTSTP, suspend)
-    _set_terminal(fd, keys)
+    keys[6][termios.VSUSP] = bytes([os.fpathconf(fd, "PC_VDISABLE")])
+    termios.tcsetattr(fd, termios.TCSANOW, keys)
     try:
         yield
     finally:
-        _set_terminal(fd, original)
-        _single_keys.pop()
-        if suspends:
-            signal.signal(signal.SIGTSTP, signal.SIG_DFL)
+        with suppress(termios.error):  # it may be gone
+            termios.tcsetattr(fd, termios.TCSANOW, original)
 
 
 def read_input(timeout_s: float) -> bytes | None:

@@ -65,7 +65,7 @@ class SignalGuard:
         if callable(handler):
             handler(number, frame)
         elif number in system.SUSPENDING:
-            system.suspend()
+            signal.raise_signal(signal.SIGSTOP)  # SIGTSTP does nothing without a shell above
             self._resumed()
         else:
             raise SystemExit(128 + number)
