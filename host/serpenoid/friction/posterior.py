@@ -32,7 +32,7 @@ BLOCK_RESIDUALS = 2**15  # as many as a processor's own memory holds
 DIFFERENCE = 1e-5  # relative step of a parameter, for slopes
 MIN_SCALE = 0.1  # of a friction, whose step is relative to that at least
 MAX_ROUNDS = 60  # of linear films; most need 5, those of robots that slip 10
-WHOLE_ROUNDS = 6  # after these half of each step: those of robots that slip are not smooth
+WHOLE_ROUNDS = 6  # then a half, a third ... of each step: those that slip are not quite smooth
 SETTLED_SIGMAS = 1e-2  # of a round's last step: the next one is the square of that
 NEGATIVE_SAMPLE_WEIGHT = 0.25  # Weight of a sample in which another friction is negative. With 0,
 # intervals were too narrow in sessions where that friction is 0, with 1 too wide.
@@ -232,12 +232,10 @@ class Posterior:
         """Return the MAP estimate from a start (D,), films linear about it. Or NotConverged."""
         posterior, x = self.linear_about(start), start
         for done in range(MAX_ROUNDS):
-            latest, kinds = x, posterior.kinds
-            x = posterior.minimum(x)
-            if done >= WHOLE_ROUNDS:
-                x = (x + latest) / 2
-            posterior = posterior.linear_about(x)
-            moved = np.abs(x - latest) * np.linalg.norm(posterior.slopes(x), axis=0)
+            step = (posterior.minimum(x) - x) / max(done - WHOLE_ROUNDS, 1)
+            x = x + step
+            kinds, posterior = posterior.kinds, posterior.linear_about(x)
+            moved = np.abs(step) * np.linalg.norm(posterior.slopes(x), axis=0)
             if posterior.kinds == kinds or moved.max() < SETTLED_SIGMAS:
                 return posterior.at(x)
         raise NotConverged("the fit came to no end")
