@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -13,7 +13,7 @@ from ..base.checks import check_kind, check_number
 from ..base.errors import BadInput, NotConverged
 from ..base.rows import Plottable
 from ..friction.fit import fit_friction
-from ..friction.result import Estimate, FrictionFit
+from ..friction.result import FrictionFit
 from ..model.drives import ServoKind
 from ..model.gait import Gait, gait_name
 from ..servos.catalogue import HOBBY
@@ -23,7 +23,7 @@ from ..session.gait_run import Crawl
 from ..session.session import Session
 from ..simulation.steady_springs import steady_springs
 from .band import SpeedBand, predict
-from .level import SLOPES, level_session, slope_shares
+from .level import level_session
 from .speeds import AMPLITUDE_SIGMA, SAMPLES, Progress, draw_samples
 from .verdict import SIMULATED, Factor, Predicted, best_factors
 
@@ -233,7 +233,7 @@ def compare(
     asked_gaits = compared_gaits(session, gaits)
     if not asked_gaits:
         raise BadInput(f"{session.where}: {NO_GAIT}")
-    level, levelled = level_session(session, fit, seed)
+    level, slope_doubts, slope_text = level_session(session, fit, seed)
     crawls = {crawl.gait: crawl for crawl in crawls_by_command(level)}
     servo = servo and driving(session.setup, servo)
     commands = {gait: crawl.commanded for gait, crawl in crawls.items() if crawl.films}
@@ -247,18 +247,30 @@ def compare(
         bands[gait] = predict(drawn, gait, commands.get(gait))
         if progress is not None:
             progress(len(bands) / len(asked_gaits))
-    shown = [_compared(fit, gait, band, crawls.get(gait)) for gait, band in bands.items()]
+    slope_shares = {
+        gait: np.mean([slope_doubts[run.number] for run in crawl.runs], axis=0)
+        for gait, crawl in crawls.items()
+    }
+    told = {gait: float(share.std()) for gait, share in slope_shares.items() if slope_text}
+    shown = [
+        _compared(fit, gait, band, crawls.get(gait), told.get(gait, 0.0))
+        for gait, band in bands.items()
+    ]
     judged = [gait for gait, row in zip(asked_gaits, shown, strict=True) if row.judged]
     p_value, friction, amplitude = None, None, None
     if judged:
-        predicted = _predicted(session, fit, [crawls[gait] for gait in judged], bands, seed)
+        drawn_m_s = np.stack([bands[gait].samples_m_s for gait in judged], axis=2)
+        servo_shares = drawn_m_s[2] / np.maximum(drawn_m_s[1], 1e-9)
+        measured = np.array([mean_speed(crawls[gait].runs) for gait in judged])
+        slopes = np.stack([slope_shares[gait] for gait in judged], axis=1)
+        predicted = Predicted(drawn_m_s[1], servo_shares, slopes, *measured.T)
         p_value = predicted.p_value(seed)
         if p_value < DOUBTFUL:
             pairs = [(g, commands.get(g)) for g in judged]
             friction, amplitude = best_factors(predicted, fit, pairs, servo and servo.servo, seed)
     verdict, text = _verdict(shown, p_value, servo)
     text += _explained(friction, amplitude)
-    words = [text, *too_fast.values(), *map(_joints_as_filmed, crawls.values()), levelled]
+    words = [text, *too_fast.values(), *map(_joints_as_filmed, crawls.values()), slope_text]
     return Comparison(
         session.setup.name,
         amplitude_sigma,
@@ -299,7 +311,10 @@ def _joints_as_filmed(crawl: Crawls) -> str:
     )
 
 
-def _compared(fit: FrictionFit, gait: Gait, band: SpeedBand, crawl: Crawls | None) -> ComparedGait:
+def _compared(
+    fit: FrictionFit, gait: Gait, band: SpeedBand, crawl: Crawls | None, slope_sigma: float
+) -> ComparedGait:
+    """Return a row; slope_sigma: relative error of the measured speed by a slope that was told."""
     ends = (None, None) if band.too_fast else (band.low_m_s, band.high_m_s)
     measured: dict[str, Any] = {}
     if crawl:
@@ -307,7 +322,7 @@ def _compared(fit: FrictionFit, gait: Gait, band: SpeedBand, crawl: Crawls | Non
         measured = {
             "runs": tuple(run.number for run in crawl.runs),
             "measured_m_s": measured_m_s,
-            "sigma_m_s": sigma_m_s,
+            "sigma_m_s": math.hypot(sigma_m_s, slope_sigma * measured_m_s),
             "residual_m_s": measured_m_s - band.exact_m_s,
         } | _by_springs(fit, gait)
     return ComparedGait(
@@ -331,28 +346,6 @@ def _by_springs(fit: FrictionFit, gait: Gait) -> dict[str, float]:
         return {}
     error = springs.error_estimate * springs.speed_m_s
     return {"implicit_m_s": springs.speed_m_s, "implicit_error_m_s": error}
-
-
-def _predicted(
-    session: Session,
-    fit: FrictionFit,
-    crawls: Sequence[Crawls],
-    bands: Mapping[Gait, SpeedBand],
-    seed: int,
-) -> Predicted:
-    """Return the judged speeds; crawls: on level ground, those there and back brought to it.
-
-    The ground of others, which the session calls level, has any usual slope.
-    """
-    drawn = np.stack([bands[crawl.gait].samples_m_s for crawl in crawls], axis=2)
-    unknown = Estimate(0.0, session.setup.instruments.floor_slope_sigma_rad)
-    doubtful = {run.number for run in session.kept_crawls if run.way == "level"}
-    slopes = np.ones((SLOPES, len(crawls)))
-    for k, crawl in enumerate(crawls):
-        if not doubtful.isdisjoint(run.number for run in crawl.runs):
-            slopes[:, k] = slope_shares(fit, crawl.gait, (unknown, unknown), seed=seed)
-    measured = np.array([mean_speed(crawl.runs) for crawl in crawls])
-    return Predicted(drawn[1], drawn[2] / np.maximum(drawn[1], 1e-9), slopes, *measured.T)
 
 
 def _verdict(

@@ -15,7 +15,6 @@ from ..friction.result import Estimate, FrictionFit
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..session.crawls import crawls_by_command
 from ..session.session import Session
 from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
@@ -30,29 +29,28 @@ NODES = 1.5 * np.eye(2)  # standard deviations of the slope along and across a c
 # and up to twice as far, its effect is taken as quadratic
 
 
-def level_session(session: Session, fit: FrictionFit, seed: int = 2005) -> tuple[Session, str]:
-    """Return the session with crawls there and back as on level ground, and the sentence on it.
+def level_session(
+    session: Session, fit: FrictionFit, seed: int = 2005
+) -> tuple[Session, dict[int, Array], str]:
+    """Return the session with crawls there and back as on level ground, and what is left in doubt.
 
-    The slope is that which pushes told. Its error is added to the speeds' standard deviations: of a
-    mean over readings there and back most of it cancels.
+    That is for each crawl, by its number, the speeds over these on samples of the slope, (SLOPES,);
+    and a sentence on the slope, where pushes told it.
     """
-    if all(crawl.way == "level" for crawl in session.kept_crawls):
-        return session, ""
-    slope = floor_slope(session, fit.nuisances)
-    level: dict[int, Any] = {}
-    for crawl in crawls_by_command(session):
-        sloped = [run for run in crawl.runs if run.way != "level"]
-        shares = [slope_shares(fit, run.gait, slope, run.way, seed) for run in sloped]
-        means = [float(share.mean()) for share in shares]
-        relative = [share / mean for share, mean in zip(shares, means, strict=True)]
-        of_mean = float(np.std(np.mean(relative, axis=0))) if sloped else 0.0
-        for run, share in zip(sloped, means, strict=True):
-            doubt = math.hypot(math.sqrt(len(sloped)) * of_mean, MODEL_SIGMA * (1.0 - share))
-            speed = run.speed_m_s / share
-            sigma = math.hypot(run.speed_sigma_m_s / share, doubt * speed)
-            level[run.number] = replace(run, speed_m_s=speed, speed_sigma_m_s=sigma, way="level")
+    slope, unknown = floor_slope(session, fit.nuisances), floor_slope(session, {})
+    level, shares = dict[int, Any](), dict[int, Array]()
+    for run in session.kept_crawls:
+        if run.way == "level":
+            shares[run.number] = slope_shares(fit, run.gait, unknown, seed=seed)
+            continue
+        share = slope_shares(fit, run.gait, slope, run.way, seed)
+        mean = float(share.mean())
+        shares[run.number] = share / mean
+        speed = run.speed_m_s / mean
+        sigma = math.hypot(run.speed_sigma_m_s / mean, MODEL_SIGMA * (1.0 - mean) * speed)
+        level[run.number] = replace(run, speed_m_s=speed, speed_sigma_m_s=sigma, way="level")
     new_session = replace(session, readings=tuple(level.get(r.number, r) for r in session.readings))
-    return new_session, _in_words(slope)
+    return new_session, shares, _in_words(slope) if level else ""
 
 
 def floor_slope(session: Session, nuisances: Mapping[str, Estimate]) -> Slope:
