@@ -209,13 +209,12 @@ def write(
     path: Path,
     frames: list[np.ndarray],
     times_s: np.ndarray,
-    codec: str = "libx264",
     crf: int = 20,
     gop: int = 250,
 ) -> Path:
     """Encode frames at their times as a phone would; gop: frames to the next that stands alone."""
     with av.open(str(path), "w") as box:
-        stream = box.add_stream(codec, rate=30)
+        stream = box.add_stream("libx264", rate=30)
         stream.height, stream.width = frames[0].shape
         stream.pix_fmt = "yuv420p"
         stream.options = {"crf": str(crf), "preset": "veryfast", "g": str(gop)}

@@ -1,4 +1,4 @@
-"""Chain, camera and edges beside slow obvious versions."""
+"""Edges, overtones and long films without the film: what pictures would take long to show."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import cv2
 import numpy as np
 import pytest
 from serpenoid.base.sines import basis, weighted
-from serpenoid.video.fitting.camera import MOUNTING, Camera
 from serpenoid.video.fitting.start import first_cameras
 from serpenoid.video.instrument import follow, measure
 from serpenoid.video.seeing.edges import refine
@@ -16,33 +15,6 @@ from video.worlds import LINK_M, SIDE_M, World, crawling
 
 SQUARE = 0.5 * SIDE_M * np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
 NOISE_PX = 0.15
-
-
-def camera(links: int = 4) -> Camera:
-    rng = np.random.default_rng(1)
-    lens = [np.log(0.9), 0.1, -0.03, 0.01, -0.005, 0.4, 0.2, 0.0, np.log(0.034), 0.01]
-    mounting = rng.normal(size=(links, len(MOUNTING))) * [0.003, 0.003, 0.1, 0.002, 0.03, 0.03]
-    return Camera(links, LINK_M, (1920, 1080), np.concatenate([lens, mounting.ravel()]))
-
-
-def states(links: int = 4, frames: int = 3) -> np.ndarray:
-    rng = np.random.default_rng(2)
-    return np.concatenate(
-        [0.1 * rng.normal(size=(frames, 2)), 0.5 * rng.normal(size=(frames, links))], axis=1
-    )
-
-
-def test_the_picture_is_opencvs() -> None:
-    c = camera()
-    turn, distance = c.pose
-    lens = np.diag([c.focal_px, c.focal_px, 1.0])
-    lens[:2, 2] = 0.5 * (np.array(c.image_px) - 1) + c.scale_px * c.shared[3:5]
-    world = c.corners(states()).reshape(-1, 3)
-    bent = np.array([*c.shared[1:3], 0.0, 0.0])
-    seen, _ = cv2.projectPoints(
-        world, cv2.Rodrigues(turn)[0], np.array([0, 0, distance]), lens, bent
-    )
-    assert c.image(world) == pytest.approx(seen[:, 0], abs=1e-8)
 
 
 def drawn_square(quad: np.ndarray, blur_px: float, fine: int = 16) -> np.ndarray:

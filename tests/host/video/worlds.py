@@ -72,19 +72,17 @@ def shoot(
     body: Body | None = None,
     seconds: float = 3.6,
     rate_hz: float = 30.0,
-    seed: int = 1,
-    codec: str = "libx264",
     times_s: np.ndarray | None = None,
     crf: int = 20,
     **film,
 ):
     """Render a film of a world into a file, at a phone's varying times; return the path."""
-    rng = np.random.default_rng(seed)
     if times_s is None:
+        rng = np.random.default_rng(1)
         times_s = np.arange(0, seconds, 1 / rate_hz)
         times_s = times_s + 0.03 / rate_hz * rng.normal(size=len(times_s))
-    camera = Film(lens or Lens(), body or Body(world.links), world.pose, seed=seed, **film)
-    return write(path, [camera.frame(t) for t in times_s], times_s - times_s[0], codec, crf)
+    camera = Film(lens or Lens(), body or Body(world.links), world.pose, **film)
+    return write(path, [camera.frame(t) for t in times_s], times_s - times_s[0], crf)
 
 
 def errors(run, world: World) -> dict[str, np.ndarray]:
