@@ -94,18 +94,6 @@ def test_wheels_on_rails_cost_less_the_less_they_bend() -> None:
         sn.least_power_gait(OF_2005, rails, speed_m_s=0.05)
 
 
-def test_out_of_reach_of_the_servos_names_the_fastest_there_is() -> None:
-    """However far the wish: the fastest gait within servo speed is looked for at its own rates."""
-    limits = sn.GaitLimits(servo_speed_rad_s=6.0)
-    told = []
-    for wish in (10.0, 50.0):
-        with pytest.raises(sn.NotConverged) as caught:
-            sn.least_power_gait(PAPER, VISCOUS, speed_m_s=wish, limits=limits)
-        told.append(float(str(caught.value).split("makes ")[1].split(" m/s")[0]))
-    assert told[0] == pytest.approx(told[1], rel=0.02)
-    assert 1.1 < told[0] < 3.0
-
-
 LONG = sn.Robot(8, 0.20014022388818312, 0.07228480910928739)
 LONG_GROUND = sn.Ground(0.061499887826187066, 0.8105096797486241)
 

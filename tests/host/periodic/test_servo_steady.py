@@ -17,8 +17,6 @@ from periodic.servo_cases import drawn_case, full_speeds
 from refusals import refused
 from robots import BINGHAM, OF_2005, gait_in_deg
 from serpenoid import Servo
-from serpenoid.lab.crawl import crawl_speed
-from serpenoid.lab.robot import LabRobot
 from serpenoid.periodic.servo_steady import (
     as_made,
     band,
@@ -188,15 +186,6 @@ def test_the_bands_ends_leave_as_many_servos_as_they_say() -> None:
 def test_what_is_no_servo_is_refused() -> None:
     with refused(r"servo is a str; it must be a serpenoid\.Servo or"):
         sn.steady_gait(OF_2005, BINGHAM, GAIT, servo="SG90")  # type: ignore[call-overload]
-
-
-def test_the_speed_with_servos_is_that_of_the_lab() -> None:
-    """The lab has other unknowns, steps and contacts."""
-    typical = replace(sn.servo("MG996R").servo, update_hz=0.0, dead_band_rad=0.0)
-    found = sn.steady_gait(OF_2005, BINGHAM, GAIT, rtol=1e-3, servo=typical)
-    whole = sn.Ground(0.084, 1.2, 0.14, 0.27)
-    lab = crawl_speed(LabRobot.whole_body(OF_2005, whole, servo=typical), GAIT)
-    assert found.speed_m_s == pytest.approx(lab, rel=0.02)
 
 
 def interrupted_after(seconds: float, work: Callable[[], object]) -> float:

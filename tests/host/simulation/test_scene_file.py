@@ -107,14 +107,6 @@ def test_what_is_left_out_has_its_default(tmp_path) -> None:
     assert scene == sn.Scene(OF_2005, sn.Ground(0.014, 0.25), sn.Gait(1.2, 1.3, 5.0), duration_s=2)
 
 
-def test_a_setting_that_was_removed_is_passed_over_where_it_had_no_effect(tmp_path) -> None:
-    path = tmp_path / "scene.toml"
-    path.write_text(swap("duration_s = 2", "duration_s = 2\nsmoothing_m_s = 0.0"))
-    old = sn.load_scene(path)
-    path.write_text(PLAIN)
-    assert old == sn.load_scene(path)
-
-
 def test_angles_in_degrees(tmp_path) -> None:
     path = tmp_path / "scene.toml"
     text = PLAIN.replace("alpha_rad = 1.2", "alpha_deg = 70").replace("beta_rad", "beta_rad")
@@ -143,35 +135,23 @@ TORQUE = 'drive = "torque"\n' + PLAIN + "[torque]\n"
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("", ": the file is empty"),
         (swap("format = 2", ""), ": the file has no format; it must begin with format = 2"),
         (swap("format = 2", "format = 3"), ":1: format is 3; .* reads formats up to 2"),
         (swap("format = 2", "format = 1"), ":1: format is 1, .* of one link; .* times the links"),
-        (PLAIN + "[gait", ": not TOML"),
-        ("x = " + "[" * 9000, ": not TOML"),
         (PLAIN[: PLAIN.index("[gait]")], ": missing key gait, which has no default"),
         (swap("alpha_rad = 1.2\n", ""), ": missing key alpha_rad, which has no default"),
         (swap("alpha_rad = 1.2", "alhpa_rad = 1.2"), ":11: unknown key 'alhpa_rad'.*'alpha_rad'"),
-        (swap("ct_n_s_m", "ct"), ":8: unknown key 'ct'; did you mean 'ct_n_s_m'"),
         (swap("alpha_rad = 1.2", "alpha_rad = nan"), ":11: alpha_rad is nan; .*at most 3.14"),
-        (swap("alpha_rad = 1.2", "alpha_rad = '1'"), ":11: alpha_rad is '1'; .*at most 3.14"),
-        (swap("alpha_rad = 1.2", "alpha_rad = 9" + 400 * "0"), ":11: alpha_rad is 90"),
         (swap("alpha_rad = 1.2", "alpha_rad = 1\nalpha_deg = 70"), ":12: alpha_rad is there too"),
         (swap("links = 6", "links = 1"), ":4: links is 1; .* from 2 to"),
-        (swap("ct_n_s_m = 0.084", "ct_n_s_m = -1"), ":8: ct is -1"),
         (swap("ct_n_s_m = 0.084", "ct_n_s_m = [1, -2]"), ":8: ct backwards is -2"),
-        (swap("duration_s = 2", "duration_s = inf"), ":2: duration_s is inf"),
         (swap("duration_s = 2", "duration_s = 1e20"), ":2: duration_s 1e\\+20 at dt_s"),
         (swap("duration_s = 2", "record = 'joints'"), ":2: record is 'joints'; it must be a list"),
-        (swap("duration_s = 2", "record = ['work']"), ":2: record is 'work'; .* energy"),
-        (swap("duration_s = 2", "limp = [9]"), ":2: limp names joint 9"),
         (swap("duration_s = 2", "locked_rad = {1 = 9}"), r":2: locked\[1\] is 9.0"),
         (swap("duration_s = 2", "method = 'rk5'"), ":2: method is 'rk5'; .*rk4"),
         (PLAIN + "duration_s = 3\n", ":14: unknown key 'duration_s'; known are alpha_rad"),
-        (PLAIN + "[servo]\n", ":14: drive is 'angle' and servo is"),
         (PLAIN + "[start]\nx_m = [1]\n", ": missing key y_m, theta_rad"),
         (swap("duration_s = 2", 'drive = "torque"'), ":2: drive is 'torque' and torque is None"),
-        (TORQUE, ": missing key torque_nm"),
         (swap("duration_s = 2", "smoothing_m_s = 0.01"), ":2: smoothing_m_s is 0.01; .* remove"),
         (PLAIN + "[servo]\nbacklash_rad = 0.02", ":15: backlash_rad is 0.02; .* play in gears"),
         (TORQUE + "t_s = [0, 1]\ntorque_nm = [[1], [1, 2]]", ":15: torque_nm is .* regular array"),
@@ -185,9 +165,3 @@ def test_refusals(text: str, said: str, tmp_path) -> None:
     path.write_text(text)
     with refused("scene.toml" + said):
         sn.load_scene(path)
-
-
-def test_an_editors_file_is_read(tmp_path) -> None:
-    path = tmp_path / "scene.toml"
-    path.write_bytes(b"\xef\xbb\xbf" + PLAIN.replace("\n", "\r\n").encode())
-    assert sn.load_scene(path).duration_s == 2
