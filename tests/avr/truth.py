@@ -32,7 +32,7 @@ class Wave:
         return CENTRE_US + SCALE_US_RAD * angle
 
 
-def frame_grid(seen: Telemetry, offset_us: float, frame_us: int = FRAME_US) -> tuple[float, float]:
+def frame_grid(seen: Telemetry, offset_us: float) -> tuple[float, float]:
     """Return when frame 0 was due, and for how long after its due time a frame's write may come.
 
     Both in microseconds of the cycle stamps; offset_us is where micros() was 0 on that scale. As
@@ -40,25 +40,23 @@ def frame_grid(seen: Telemetry, offset_us: float, frame_us: int = FRAME_US) -> t
     """
     sent_us = seen.cycle * (1e6 / F_CPU_HZ)
     start_us = sent_us - np.mod(sent_us - seen.time_us - offset_us, 2.0**32)
-    due_us = start_us - seen.late_us - seen.frame.astype(np.int64) * frame_us
+    due_us = start_us - seen.late_us - seen.frame.astype(np.int64) * FRAME_US
     spread = float(np.max(due_us) - np.min(due_us))
     assert spread <= 8.1, f"frames are not on a grid: their due times scatter by {spread} us"
     window_us = float(np.max(seen.late_us + seen.exec_us)) + CLOCK_SLACK_US
     return float(np.min(due_us)) - CLOCK_SLACK_US / 2, window_us
 
 
-def carried(
-    board: Board, pulses: Pulses, seen: Telemetry, offset_us: float, frame_us: int = FRAME_US
-) -> np.ndarray:
+def carried(board: Board, pulses: Pulses, seen: Telemetry, offset_us: float) -> np.ndarray:
     """Return the frame number that each pulse must carry, (N,).
 
     All pulses of a refresh carry the setpoints of one frame: the last one due before the refresh
     began, which is when the first servo's pin rose.
     """
-    zero_us, _ = frame_grid(seen, offset_us, frame_us)
+    zero_us, _ = frame_grid(seen, offset_us)
     refreshes = board.pulses(0).rise_cycle
     begun = refreshes[np.searchsorted(refreshes, pulses.rise_cycle, side="right") - 1]
-    return np.floor((begun * (1e6 / F_CPU_HZ) - zero_us) / frame_us).astype(np.int64)
+    return np.floor((begun * (1e6 / F_CPU_HZ) - zero_us) / FRAME_US).astype(np.int64)
 
 
 def pulse_errors_us(board: Board, seen: Telemetry, wave: Wave) -> np.ndarray:
@@ -71,13 +69,13 @@ def pulse_errors_us(board: Board, seen: Telemetry, wave: Wave) -> np.ndarray:
     return np.concatenate(errors)
 
 
-def line_errors_us(board: Board, seen: Telemetry, frame_us: int = FRAME_US) -> np.ndarray:
+def line_errors_us(board: Board, seen: Telemetry) -> np.ndarray:
     """Return measured width minus the width that the telemetry line of its frame announced."""
     errors, offset_us = [], board.clock_offset_us()
     rows = {int(f): i for i, f in enumerate(seen.frame)}
     for joint in range(seen.pulse_us.shape[1]):
         pulses = between(board.pulses(joint), seen)
-        frames = carried(board, pulses, seen, offset_us, frame_us)
+        frames = carried(board, pulses, seen, offset_us)
         errors += [
             width - seen.pulse_us[rows[frame], joint]
             for width, frame in zip(pulses.width_us, frames, strict=True)
