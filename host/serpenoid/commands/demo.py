@@ -10,7 +10,7 @@ import shutil
 import textwrap
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from ..model.gait import gait_name
 from ..prediction.band import speed_band
 from ..robot.robot import RobotBoard
 from ..session.journal import Journal
+from ..session.settings import Provenance, Setup
 from ..show.report import console
 from ..show.screen import say, working
 from ..show.session.report_page import session_page
@@ -31,10 +32,7 @@ from ..taking.new_session import create_session, default_setup, on_place
 from ..taking.simulated import SimulatedPerson, Truth, drawn_floor
 from ..taking.treadmill import take_all
 
-if TYPE_CHECKING:
-    from ..session.settings import Setup
-
-STEPS, WIDTH, NAME = 5, 96, "demo, simulated"
+STEPS, WIDTH = 5, 96
 SEED, WHEELS_KG, SERVOS = 2005, 0.036, sn.servo("hobby")
 FRICTIONS = {"ct": 0.084, "cn": 1.2, "ft0": 0.14, "fn0": 0.27}  # the whole 2005 robot's
 TRUTH = Truth(
@@ -96,30 +94,8 @@ def _beside_truth(fit: sn.FrictionFit) -> str:
     )
 
 
-def take_session(folder: Path) -> sn.Session:
-    """Take the demo's session anew; raises BadInput where another one is in its place."""
-    _begin_anew(folder, _simulated(default_setup(NAME), "a simulated treadmill"))
-    with RobotBoard("virtual:fast") as robot, Journal(folder) as journal:
-        setup = journal.session.setup
-        person = SimulatedPerson(setup, TRUTH, SEED, run_gait=lambda gait: board_gait(robot, gait))
-        journal.event("start", detail="demo")
-        with working("stations, bends and gait runs"):
-            session = take_all(journal, person)
-        journal.event("end")
-        return session
-
-
-def _simulated(setup: Setup, source: str) -> Setup:
-    """Return a set-up that says that it is the demo's."""
-    source, note = f"{source}, seed {SEED}", "the demo's: no measurement"
-    provenance = replace(setup.provenance, kind="simulated", source=source, note=note)
-    return replace(
-        setup, provenance=provenance, laboratory=replace(setup.laboratory, surface="simulated")
-    )
-
-
-def _begin_anew(folder: Path, setup: Setup) -> None:
-    """Begin a session of the demo's in place of an earlier one; raises BadInput for another's."""
+def take(folder: Path, setup: Setup, world: Truth, **how: Any) -> sn.Session:
+    """Take a session of the demo's in place of an earlier one; raises BadInput for another's."""
     file = folder / "session.toml"
     if file.exists():
         if f'name = "{setup.name}"' not in file.read_text(encoding="utf-8"):
@@ -127,20 +103,29 @@ def _begin_anew(folder: Path, setup: Setup) -> None:
                 f"{folder} holds a session that is not the demo's; give another --out"
             )
         shutil.rmtree(folder)
-    create_session(folder, setup)
+    source, note = f"the virtual lab, seed {SEED}", "the demo's: no measurement"
+    provenance = Provenance(kind="simulated", source=source, note=note)
+    laboratory = replace(setup.laboratory, surface="simulated")
+    create_session(folder, replace(setup, provenance=provenance, laboratory=laboratory))
+    with Journal(folder) as journal, working("measuring"):
+        return take_all(journal, SimulatedPerson(journal.session.setup, world, SEED, **how))
+
+
+def take_session(folder: Path) -> sn.Session:
+    """Take the session on a treadmill, with gaits of a virtual board."""
+    with RobotBoard("virtual:fast") as robot:
+        how = {"run_gait": lambda gait: board_gait(robot, gait)}
+        return take(folder, default_setup("demo, simulated"), TRUTH, **how)
 
 
 def push_along_floor(folder: Path, robot: sn.Robot) -> sn.FrictionFit:
     """Take pushes there and back in each bend into the folder, fit and draw them."""
-    setup = default_setup("demo, floor")
+    setup = default_setup("demo, floor").with_robot(robot)
     plan = replace(on_place(setup.plan, "floor"), gaits=(), pushes=2)
-    setup = _simulated(setup, "a floor in the virtual lab").with_robot(robot)
     body = replace(setup.robot_table, wheels_kg=WHEELS_KG)
     setup = replace(setup, robot_table=body, plan=plan)
-    _begin_anew(folder / "floor", setup)
     world = drawn_floor(setup, TRUTH.ground, np.random.default_rng(SEED))
-    with Journal(folder / "floor") as journal, working("pushes"):
-        session = take_all(journal, SimulatedPerson(setup, world, SEED))
+    session = take(folder / "floor", setup, world)
     fit = sn.fit_friction(session)
     sn.save_fit(fit, folder / "floor")
     fit.plot(folder / "floor.png", session=session)
