@@ -204,5 +204,4 @@ def test_a_table_that_is_no_test_is_refused(tmp_path: Path, text: str, says: str
 def test_options_that_would_do_nothing_are_refused(tmp_path: Path, table) -> None:
     file = written(table("sampled", 1), tmp_path / "joint.csv")
     assert "sigma_deg is -1" in serpenoid(f"servo --set sigma_deg=-1 --test {file}").stderr
-    assert "give --load KG M" in serpenoid(f"servo --test {file} --set down_deg=90").stderr
     assert serpenoid("servo").returncode == 2

@@ -19,14 +19,13 @@ from ..declare import (
     command,
     number,
     option,
-    refuse_unused,
     settings,
 )
 from ..options import AS_JSON, PLUG, busy, servo_kind, show_json
 
 if TYPE_CHECKING:
     from ...servos.bench_fit import MeasuredServo
-    from ...servos.bench_test import BenchTest, Load
+    from ...servos.bench_test import BenchTest
 
 COLUMNS = ("t_s", "setpoint_deg", "angle_deg")
 SENT = "sent_s"  # a column that a table may have, too
@@ -87,10 +86,10 @@ def servo(
     from ...base.tables import columns_named, number_columns, read_table
     from ...base.toml_table import located
     from ...servos.bench_fit import servo_of_test
-    from ...servos.bench_test import BenchTest
+    from ...servos.bench_test import BenchTest, Load
 
     kind = servo_kind(like, settings)
-    sigma_deg = settings.get("sigma_deg")
+    sigma_deg, level = settings.get("sigma_deg"), settings.get("axis") != "upright"
     head = read_table(table, columns_named(*COLUMNS), ",".join(COLUMNS))[0].head
     sent_s = [SENT] if columns_named(SENT)(head) else []
     t, setpoint, angle, *sent = number_columns(table, *COLUMNS, *sent_s)
@@ -100,7 +99,7 @@ def servo(
             np.radians(setpoint),
             np.radians(angle),
             None if sigma_deg is None else math.radians(sigma_deg),
-            _load(load, settings),
+            Load(*load, level, math.radians(settings.get("down_deg", 0.0))) if load else None,
             np.array(sent[0]) if sent else None,
         )
         name = "measured" if path is None else path.stem
@@ -116,15 +115,6 @@ def servo(
     sn.save_servo(measured.kind, path)
     if not as_json:
         say(f"Written: {path}; give it to other commands with --servo {path}.")
-
-
-def _load(load: tuple[float, float] | None, settings: Values) -> Load | None:
-    from ...servos.bench_test import Load
-
-    if load is None:
-        return refuse_unused(settings, "there is no load; give --load KG M", "axis", "down_deg")
-    level = settings.get("axis") != "upright"
-    return Load(*load, level, math.radians(settings.get("down_deg", 0.0)))
 
 
 def verdict_text(measured: MeasuredServo, noise_rad: float) -> str:
