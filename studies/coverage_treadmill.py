@@ -154,7 +154,7 @@ def run_session(
     )
     true = np.append(WHOLE_SNAKE, [float(table(WHOLE_SNAKE[None, :])[0]), crawls])
     inside_flags = (ends[:, 0] <= true) & (true <= ends[:, 1])
-    return [*inside_flags, *(ends[:, 1] - ends[:, 0]) / true / 2, len(session.kept)]
+    return [*inside_flags, *(ends[:, 1] - ends[:, 0]) / true / 2, len(session.kept_stations)]
 
 
 def judged(case: Case, rows: list[list[float] | None]) -> Coverage:

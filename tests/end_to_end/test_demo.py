@@ -34,7 +34,7 @@ def test_demo(tmp_path) -> None:
             slack = 0.5 * (row.high - row.low)
             assert row.low - slack < truth < row.high + slack
     assert len(load_session(demo_folder / "floor").kept_pushes) == 6
-    assert len(load_session(demo_folder / "session").kept) > 12
+    assert len(load_session(demo_folder / "session").kept_stations) > 12
     text = " ".join(done.stdout.split())
     assert "Both agree." in text
     film = re.search(r"crawls at (\S+) ± (\S+) mm/s \(truth (\S+)\)", text)

@@ -47,8 +47,8 @@ def run_demo(folder: Path) -> None:
     session = take_session(folder / "session")
     _step(
         1,
-        f"A session of a simulated robot on a treadmill: {len(session.kept)} readings at rest and "
-        f"{len(session.kept_gait_runs)} gait runs, as `serpenoid calibrate` asks for them.",
+        f"A session of a simulated robot on a treadmill: {len(session.kept_stations)} readings at "
+        f"rest and {len(session.kept_gait_runs)} gait runs, as `serpenoid calibrate` asks for.",
     )
     fit = sn.fit_friction(session)
     sn.save_fit(fit, folder / "session")

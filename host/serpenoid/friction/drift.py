@@ -73,7 +73,7 @@ def drifts_of(session: Session) -> dict[int, Drift]:
     rolling, rolling_sigma = wheels_share(session)
     mass = robot.links * robot.link_mass_kg * (1.0 + rolling), rolling_sigma / (1.0 + rolling)
     drifts = {}
-    for k, reading in enumerate(session.kept):
+    for k, reading in enumerate(session.kept_stations):
         t, y = track_of(reading.places)
         if t.size:
             speed = float(np.abs(np.diff(y) / np.diff(t)).max())

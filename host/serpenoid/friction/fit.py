@@ -119,7 +119,7 @@ def posterior_of(session: Session, slipping: bool = True) -> Posterior:
     """
     kinds: list[Readings] = []
     roundings_rad = np.empty((1, 0))
-    if session.kept:
+    if session.kept_stations:
         stations = Stations.of(session)
         kinds.append(stations)
         roundings_rad = stations.rounding_samples
@@ -168,7 +168,7 @@ def _refit(estimate: MapEstimate, omitted: Rows) -> MapEstimate | None:
 
 def _scale_sigmas(session: Session, posterior: Posterior) -> tuple[float, float]:
     """Return the relative errors of belt and mass that are no parameters."""
-    belt = session.belt_scale[1] if session.kept and BELT not in posterior.names else 0.0
+    belt = session.belt_scale[1] if session.kept_stations and BELT not in posterior.names else 0.0
     return belt, session.setup.mass_sigma
 
 

@@ -57,7 +57,7 @@ def check_readings(session: Session, stations: Stations, least: int) -> None:
 def bend_note(session: Session) -> str:
     """Return how far the bend's own error biases cn; "" where it does not."""
     sigma_rad = session.setup.instruments.lambda_sigma_rad
-    largest = max((reading.lambda_rad for reading in session.kept), default=0.0)
+    largest = max((reading.lambda_rad for reading in session.kept_stations), default=0.0)
     if not 0.0 < largest < SAFE_BEND_SIGMAS * sigma_rad:
         return ""
     ratio = largest / sigma_rad
@@ -164,7 +164,7 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
             f"{NOT_WEIGHED}, and one per cent of mass is one per cent of friction: "
             f"weigh it, and write mass_kg = 0.48, say, into session.toml."
         )
-    if session.kept and not session.zero.readings and not regenerated:
+    if session.kept_stations and not session.zero.readings and not regenerated:
         sigma_rad = session.zero.sigma_rad or ZERO_SIGMA_RAD
         notes.append(
             f"{NO_ZERO}: 0 ± {math.degrees(sigma_rad):.2g} degrees are assumed, which is "
@@ -176,14 +176,14 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
             "The inclinometer's zero moved between before and after by more than its readings' "
             "errors: half of that is in the zero's uncertainty. Let it warm up, and measure again."
         )
-    if any(r.lambda_rad and r.bend == "zigzag" for r in session.kept):
+    if any(r.lambda_rad and r.bend == "zigzag" for r in session.kept_stations):
         notes.append(
             "The bent readings are of zigzags, every link at lambda (Eq. 60). A robot let go in "
             "one turns within a second, and is then not held by this law. Was it guided? If not, "
             "take them again in the balanced bend."
         )
     for kind, name in (("station", "reading"), ("push", "push")):
-        voided = sum(reading.voided for reading in session.of(kind))
+        voided = sum(reading.voided for reading in session.readings_of(kind))
         if voided:
             notes.append(f"{voided} voided {name}(s) left out.")
     if fit.method == "naive":
@@ -248,7 +248,7 @@ def _turned_round(session: Session) -> list[int]:
     """
     ways: dict[str, dict[int, NDArray[np.float64]]] = {}
     for push in session.kept_pushes:
-        if push.by == "film":
+        if push.source == "film":
             _, x, y = push.counted
             sign = 1.0 if push.way == "there" else -1.0
             way = sign * np.array([x[-1] - x[0], y[-1] - y[0]])

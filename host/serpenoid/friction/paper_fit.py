@@ -27,7 +27,9 @@ def friction_points(session: Session, fit: FrictionFit) -> Lines:
 def voided_points(session: Session, fit: FrictionFit) -> Lines:
     """Return part -> (speeds, forces) of the voided readings, as friction_points does."""
     voided = [
-        replace(r, voided=False) for r in session.of("station") if r.voided and r.slip_speed_m_s > 0
+        replace(r, voided=False)
+        for r in session.readings_of("station")
+        if r.voided and r.slip_speed_m_s > 0
     ]
     return friction_points(replace(session, readings=tuple(voided)), fit)
 

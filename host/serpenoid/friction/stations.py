@@ -73,7 +73,7 @@ class Stations:
     @classmethod
     def of(cls, session: Session) -> Stations:
         """Take a session's kept stations."""
-        kept, given, zero = session.kept, session.setup.instruments, session.zero
+        kept, given, zero = session.kept_stations, session.setup.instruments, session.zero
         belt, belt_sigma = session.belt_scale
         shown_rad = np.array([r.incline_rad for r in kept], dtype=float)
         rounding, samples = shared_rounding(

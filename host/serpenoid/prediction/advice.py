@@ -193,7 +193,7 @@ def advise(
     asked_gaits = tuple(gaits) or as_run(session, session.setup.plan.gaits)
     if not asked_gaits:
         raise BadInput(f"{session.where}: no gait to predict; name one with --gait")
-    if not session.kept and not session.on_floor:
+    if not session.kept_stations and not session.on_floor:
         raise BadInput(f"{session.where}: no station was held, and no push; take one first")
     fit, estimate = fit_friction(session), map_estimate(session)
     servo = servo and driving(session.setup, servo)

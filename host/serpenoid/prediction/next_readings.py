@@ -81,7 +81,7 @@ def candidates(session: Session, estimate: MapEstimate) -> Iterator[Candidate]:
 
 
 def _stations(session: Session, estimate: MapEstimate) -> Iterator[Candidate]:
-    setup, stations = session.setup, session.kept
+    setup, stations = session.setup, session.kept_stations
     sigma_rad, bend = setup.instruments.lambda_sigma_rad, setup.plan.bend
     present_rad = stations[-1].lambda_rad if stations[-1].bend == bend else 0.0
     near_rad = SAME_BEND_SIGMAS * sigma_rad
@@ -112,7 +112,7 @@ def _belt_places(
 ) -> list[tuple[float, float]]:
     """Return inclines as the inclinometer shows them, and the slips at which the robot holds."""
     setup, zero = session.setup, session.zero.value_rad
-    shown = np.array([reading.incline_rad for reading in session.kept], dtype=float)
+    shown = np.array([reading.incline_rad for reading in session.kept_stations], dtype=float)
     steepest = max(MAX_INCLINE_RAD, float(shown.max()))
     drag, dry_n = _drag(setup, estimate, angle)
     places: dict[float, float] = {}
@@ -139,7 +139,7 @@ def _failed(session: Session, angle: float, incline_rad: float) -> bool:
     step = session.setup.instruments.incline_step_rad
     same_place = [
         reading.voided
-        for reading in session.of("station")
+        for reading in session.readings_of("station")
         if abs(reading.lambda_rad - angle) < SAME_RAD
         and abs(reading.incline_rad - incline_rad) < step / 2
     ]
@@ -183,11 +183,12 @@ def _pair_of_pushes(
     track = Track.from_samples(("t_s", "x_m", "y_m"), np.stack([t, x, 0 * t], axis=1))
     sigma_m = float(np.median(sigmas_m)) if sigmas_m else PLACE_SIGMA_M
     return tuple(
-        Push(0, way=way, by="film", track=track, distance_sigma_m=sigma_m, **common) for way in WAYS
+        Push(0, way=way, source="film", track=track, distance_sigma_m=sigma_m, **common)
+        for way in WAYS
     )
 
 
 def can_film(session: Session) -> bool:
     """Return whether the session has films, or tags printed for them."""
-    by_film: Sequence[Push] = [push for push in session.kept_pushes if push.by == "film"]
+    by_film: Sequence[Push] = [push for push in session.kept_pushes if push.source == "film"]
     return bool(session.kept_films or by_film or session.setup.robot_table.tag_side_m)

@@ -200,8 +200,8 @@ def word_field(*choices: str, default: Any = None, **more: Any) -> Any:
 class Declared:
     """A dataclass whose fields are keys or columns of a file.
 
-    declared: attribute -> its Field or Word, whose column is the attribute's name, but lambda_deg
-    of lambda_rad.
+    declared: attribute -> its Field or Word, whose column, if it states none, is the attribute's
+    name, but lambda_deg of lambda_rad.
     """
 
     declared: ClassVar[dict[str, Field | Word]] = {}
@@ -210,9 +210,9 @@ class Declared:
         cls.declared = dict(cls.declared)  # of the class above
         for name, value in vars(cls).items():
             if "limits" in getattr(value, "metadata", {}):
-                column = name.removesuffix("_rad") + "_deg" * name.endswith("_rad")
                 limits, kind = value.metadata["limits"], cls.__annotations__[name]
-                cls.declared[name] = limits.named(column, kind)
+                column = name.removesuffix("_rad") + "_deg" * name.endswith("_rad")
+                cls.declared[name] = limits.named(limits.column or column, kind)
 
     @classmethod
     def numbers(cls) -> dict[str, Field]:

@@ -41,11 +41,11 @@ def load_session(folder: str | Path) -> Session:
     Examples
     --------
     >>> session = sn.load_session("calibration_data/nirakh-2005")
-    >>> len(session.kept)
+    >>> len(session.kept_stations)
     11
     """
     session = read_session(folder)
-    if not (session.kept or session.on_floor or session.kept_crawls):
+    if not (session.kept_stations or session.on_floor or session.kept_crawls):
         raise BadInput(
             f"{session.where}: no reading to use among {len(session.readings)}; take some"
         )

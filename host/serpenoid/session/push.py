@@ -36,7 +36,7 @@ class Push(Observation):
 
     number: from 1, unique in a session. lambda_rad, bend: as of a station. way: "there" or "back"
     along one line of the floor, so that its slope cancels. place: of the line, where there are more
-    than one. by: "film" (track: where the robot was in every picture) or "rest" (distance_m and
+    than one. source: "film" (track: where the robot was in every picture) or "rest" (distance_m and
     duration_s alone). start_s, end_s: what part of the track counts. scale_sigma: of all lengths of
     a film, relative, where its tags tell it; one scale for all films, as of one sheet of tags.
     distance_sigma_m, time_sigma_s: of one place and one time; None: those of the set-up.
@@ -85,7 +85,7 @@ class Push(Observation):
     )
     time_sigma_s: float | None = number_field(0.0, 10.0, default=None)
     way: str = word_field(*WAYS)
-    by: str = word_field(*SOURCES)
+    source: str = word_field(*SOURCES, column="by")
     bend: str = word_field(*BENDS)
     place: str = word_field()
     file_sha256: str = word_field()
@@ -96,12 +96,14 @@ class Push(Observation):
     offset_rad: float | None = number_field(-45.0, 45.0, default=None, shown=False)
 
     def __post_init__(self) -> None:
-        if self.track is None and (self.by != "rest" or None in (self.distance_m, self.duration_s)):
+        if self.track is None and (
+            self.source != "rest" or None in (self.distance_m, self.duration_s)
+        ):
             raise BadInput(
                 f"push {self.number} has neither a track nor distance_m and duration_s; give a "
                 "film, or the way and the time to rest"
             )
-        if self.track is not None and self.by == "rest":
+        if self.track is not None and self.source == "rest":
             raise BadInput(f"push {self.number} has a track; say by=film")
         if self.track is not None and len(self.counted[0]) < FEWEST_SAMPLES:
             raise BadInput(
@@ -136,7 +138,7 @@ class Push(Observation):
         t, x, y = self.counted
         way = math.hypot(x[-1] - x[0], y[-1] - y[0])
         turned = f", turned {math.degrees(self.turned_rad):+.2g}°" if self.turned_rad else ""
-        return what, f"{self.by}: {len(t)} places, {way:.3f} m in {t[-1] - t[0]:.2f} s{turned}"
+        return what, f"{self.source}: {len(t)} places, {way:.3f} m in {t[-1] - t[0]:.2f} s{turned}"
 
 
 def likely_units(speed_m_s: float, way_m: float, unit: str = "") -> list[str]:

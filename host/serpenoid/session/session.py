@@ -82,7 +82,7 @@ class Session:
         return f"{self.setup.name}: " + ", ".join(f"{n} {name}" for name, n in counts.items())
 
     @property
-    def kept(self) -> tuple[Reading, ...]:
+    def kept_stations(self) -> tuple[Reading, ...]:
         """Return the stations that were not voided."""
         return self.kept_of("station")
 
@@ -109,7 +109,7 @@ class Session:
     @property
     def fitted(self) -> tuple[Reading | Push, ...]:
         """Return what a friction fit rests on, in the order of its residuals."""
-        return (*self.kept, *self.kept_pushes)
+        return (*self.kept_stations, *self.kept_pushes)
 
     @property
     def on_floor(self) -> bool:
@@ -132,18 +132,18 @@ class Session:
         """Tell whether the floor has a line of pushes, planned or taken, to crawl along."""
         return bool(self.kept_pushes) or self.setup.plan.on == "floor"
 
-    def of(self, kind: str) -> tuple[Any, ...]:
+    def readings_of(self, kind: str) -> tuple[Any, ...]:
         """Return all readings of a kind, by its name."""
         return tuple(r for r in self.readings if r.kind == kind)
 
     def kept_of(self, kind: str) -> tuple[Any, ...]:
         """Return the readings of a kind that were not voided."""
-        return tuple(r for r in self.of(kind) if not r.voided)
+        return tuple(r for r in self.readings_of(kind) if not r.voided)
 
     def with_reading(self, reading: Any) -> Session:
         """Return the session with one more reading; a zero knows of stations before it."""
         if isinstance(reading, ZeroReading):
-            reading = replace(reading, before=not self.of("station"))
+            reading = replace(reading, at_start=not self.readings_of("station"))
         return replace(self, readings=(*self.readings, reading))
 
     @property
@@ -186,7 +186,7 @@ class Session:
         means = self._zero_sides
         if len(means) <= 1:
             return 0.0
-        counts = Counter(zero.before for zero in self.kept_of("zero"))
+        counts = Counter(zero.at_start for zero in self.kept_of("zero"))
         sigma_rad = self._zero_reading_sigma_rad * math.sqrt(sum(1 / n for n in counts.values()))
         return abs(means[1] - means[0]) / sigma_rad
 
@@ -194,7 +194,7 @@ class Session:
     def _zero_sides(self) -> list[float]:
         """Return the mean zero before and after the stations, those of them that were measured."""
         zeros = self.kept_of("zero")
-        sides = [[z.zero_rad for z in zeros if z.before is side] for side in (True, False)]
+        sides = [[z.zero_rad for z in zeros if z.at_start is side] for side in (True, False)]
         return [sum(side) / len(side) for side in sides if side]
 
     @property
@@ -232,7 +232,11 @@ def belt_checks(session: Session) -> list[tuple[float, float]]:
 
 def belt_note(session: Session) -> str:
     """Return in words that a session's belt was never checked; "" where it was, or none ran."""
-    if not session.kept or belt_checks(session) or session.setup.provenance.kind == "regenerated":
+    if (
+        not session.kept_stations
+        or belt_checks(session)
+        or session.setup.provenance.kind == "regenerated"
+    ):
         return ""
     return (
         f"{NO_BELT}: it is taken to run as it shows, within {session.belt_scale[1]:.0%}, and "

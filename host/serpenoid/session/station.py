@@ -126,7 +126,7 @@ class Reading(Observation):
 class ZeroReading(Observation):
     """The inclinometer read twice on one spot, the second time turned end for end.
 
-    What stays of the sum is twice its zero. before: taken before the first station.
+    What stays of the sum is twice its zero. at_start: taken before the first station.
     """
 
     kind = "zero"
@@ -143,7 +143,7 @@ class ZeroReading(Observation):
         likely=LIKELY_DEG,
         why="the zero would be beyond 0.5 deg: was a sign forgotten?",
     )
-    before: bool = True
+    at_start: bool = True
     voided: bool = False
     comment: str = ""
     time_utc: str = ""
@@ -157,7 +157,7 @@ class ZeroReading(Observation):
         """Return what it is, and its values."""
         shown, turned = math.degrees(self.incline_rad), math.degrees(self.reversed_rad)
         values = f"{shown:+.2f}°, turned {turned:+.2f}°: zero {math.degrees(self.zero_rad):+.3f}°"
-        return f"inclinometer, {'before' if self.before else 'after'}", values
+        return f"inclinometer, {'before' if self.at_start else 'after'}", values
 
 
 @dataclass(frozen=True)

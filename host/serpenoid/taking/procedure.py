@@ -85,8 +85,8 @@ def progress(session: Session) -> list[tuple[str, str]]:
 def _parts(session: Session) -> Iterator[tuple[str, str, Step | None]]:
     """Yield the parts of the plan: name, how far it is, and its next step, None where none is."""
     plan, skipped = session.setup.plan, session.skipped
-    floor, begun = plan.on == "floor", bool(session.kept)
-    zeros = [zero.before for zero in session.kept_of("zero")]
+    floor, begun = plan.on == "floor", bool(session.kept_stations)
+    zeros = [zero.at_start for zero in session.kept_of("zero")]
     if not floor:
         open_ = not begun and ZERO_BEFORE not in skipped
         zero = Step(ZERO_BEFORE, "zero", _ZERO, ZeroReading.questions())

@@ -44,7 +44,7 @@ def keep_pushes(
         values |= {"way": way if same else other_way(way), "by": "film", "file_sha256": file}
         values |= {DOUBTFUL: "yes"} if look.doubts else {}
         journal.add("push", values, comment="; ".join(look.doubts), samples=rows)
-        pushes.append(journal.session.of("push")[-1])
+        pushes.append(journal.session.readings_of("push")[-1])
     return pushes
 
 
@@ -74,7 +74,9 @@ def _pushes_of_file(journal: Journal, hashes: Sequence[str], file: str) -> dict[
 
     None where no push of it is in use. Raises BadInput unless a piece is left to take.
     """
-    pushes = [push for push in journal.session.of("push") if file and push.file_sha256 == file]
+    pushes = [
+        push for push in journal.session.readings_of("push") if file and push.file_sha256 == file
+    ]
     used = {push.track.sha256: push for push in pushes if not push.voided}
     if not used:
         return {}

@@ -87,7 +87,7 @@ def taken_in(session: Session, bend_deg: float) -> list[Any]:
     plan = session.setup.plan
     return [
         reading
-        for reading in (session.kept_pushes if plan.on == "floor" else session.kept)
+        for reading in (session.kept_pushes if plan.on == "floor" else session.kept_stations)
         if (reading.bend == plan.bend or not reading.lambda_rad)
         and _nearest_bend(plan, reading.lambda_rad) == bend_deg
     ]

@@ -42,7 +42,7 @@ def test_a_table_of_places_is_a_short_reading_at_the_prompt(folder, tmp_path):
     table = tmp_path / "belt.csv"
     table.write_text("t_s,x_m\n0,0\n2,0.04\n4,0.12\n")
     _, session = talk(folder, "0.1 -0.1", "", "2.0 0.3", str(table))
-    (station,) = session.kept
+    (station,) = session.kept_stations
     assert station.places == "0:0,2:0.04,4:0.12"
     assert station.waited_s is None
 
@@ -114,7 +114,7 @@ def test_a_treadmill_takes_at_most_ninety_answers(folder, tmp_path):
     with SessionRobot("virtual:fast") as robot:
         heard, again = talk(folder, *lines, robot=robot)
     assert heard.endswith("all of the plan is done\n"), heard
-    assert len(again.kept) == len(session.kept)
+    assert len(again.kept_stations) == len(session.kept_stations)
     assert len(lines) <= 90
 
 
@@ -141,7 +141,7 @@ def test_a_full_disk_keeps_what_was_typed_and_tries_again(folder, monkeypatch):
     heard, session = talk(folder, ZERO, "", "")
     assert heard.count("! no room") == 2
     assert "kept as reading 1" in heard
-    assert len(session.of("zero")) == 1
+    assert len(session.readings_of("zero")) == 1
 
 
 def test_the_offset_that_runs_straight_is_found_kept_and_resumed(folder):
@@ -166,7 +166,7 @@ def test_the_offset_that_runs_straight_is_found_kept_and_resumed(folder):
         heard, session = talk(folder, ZERO, "", left(robot, 3), *STATION, look, robot=robot)
     assert lies == [pytest.approx([0.75] * 5, abs=0.02)]
     assert "every joint has +0.75 deg from now on" in heard
-    assert math.degrees(session.kept[0].offset_rad) == pytest.approx(0.75)
+    assert math.degrees(session.kept_stations[0].offset_rad) == pytest.approx(0.75)
     leave_out(folder, "straight")
     with SessionRobot("virtual:fast") as robot:
         heard, _ = talk(folder, "", left(robot, -1), look, robot=robot)
@@ -203,7 +203,7 @@ def test_a_robot_that_is_lost_loses_no_reading(folder):
 
         heard, session = talk(folder, ZERO, "", "", *STATION, lost, robot=seat)
     assert "! the robot: unplugged" in heard
-    assert len(session.kept) == 1
+    assert len(session.kept_stations) == 1
 
 
 @pytest.fixture

@@ -146,7 +146,7 @@ def test_crawls_on_a_floor_that_tilts_across_are_put_right() -> None:
         session, replace(fit, values=np.array(TRUTH), nuisances=known)
     )
     assert f"by {math.degrees(across_rad):.2f} ± 0.00 deg to the left of the way there" in words
-    for run in brought.of("gait"):
+    for run in brought.readings_of("gait"):
         assert run.speed_m_s == pytest.approx(level, rel=0.03)
 
 

@@ -30,12 +30,12 @@ def child(folder, body):
 def test_what_is_added_is_on_disk_at_once(folder):
     with Journal(folder) as journal:
         assert journal.add("station", STATION, comment="two\nlines, with a comma") == 1
-        assert read_session(folder).kept[0].comment == "two lines, with a comma"
+        assert read_session(folder).kept_stations[0].comment == "two lines, with a comma"
         journal.add("station", STATION | {"belt_speed_m_s": 0.5}, replaces=1)
-        assert [r.number for r in journal.session.kept] == [2]
+        assert [r.number for r in journal.session.kept_stations] == [2]
         journal.event("undo", 2)
-        assert [r.number for r in journal.session.kept] == [1]
-    assert [r.number for r in read_session(folder).kept] == [1]
+        assert [r.number for r in journal.session.kept_stations] == [1]
+    assert [r.number for r in read_session(folder).kept_stations] == [1]
 
 
 def test_corrections_of_what_is_not_there_are_refused(folder):
@@ -72,7 +72,7 @@ def test_killed_at_any_moment_at_most_the_one_being_written_is_lost(folder, seed
         if line.endswith("\n"):
             told = int(line)
     process.wait()
-    kept = [r.number for r in read_session(folder).kept]
+    kept = [r.number for r in read_session(folder).kept_stations]
     assert kept == list(range(1, len(kept) + 1))
     assert len(kept) in (told, told + 1)
     with Journal(folder) as journal:
@@ -87,9 +87,9 @@ def test_a_line_that_was_cut_short_is_closed_and_the_next_one_whole(folder, cut)
     path = folder / "readings.csv"
     os.truncate(path, path.stat().st_size - cut)
     with Journal(folder) as journal:
-        assert len(journal.session.kept) == 1
+        assert len(journal.session.kept_stations) == 1
         assert journal.add("station", STATION) == 2
-        assert len(journal.session.kept) == 2
+        assert len(journal.session.kept_stations) == 2
         assert not journal.session.notes
 
 

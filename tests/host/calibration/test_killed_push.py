@@ -74,7 +74,10 @@ def take(folder, path, kill_at=None):
 
 
 def told(folder):
-    return [(p.way, p.voided, p.comment, p.track.sha256) for p in read_session(folder).of("push")]
+    return [
+        (p.way, p.voided, p.comment, p.track.sha256)
+        for p in read_session(folder).readings_of("push")
+    ]
 
 
 def test_a_kill_at_any_write_loses_nothing_and_counts_no_doubtful_push(tmp_path, track):

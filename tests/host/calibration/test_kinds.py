@@ -31,7 +31,7 @@ def test_a_reading_is_kept_shown_voided_and_hashed(folder):
     assert "push back, bend 20°" in shown
     serpenoid(f"calibrate void {folder} 2 --reason 'hit a chair'", check=True)
     session = load_session(folder)
-    assert session.of("push")[1].voided
+    assert session.readings_of("push")[1].voided
     assert session.sha256 == first
     header = (folder / "readings.csv").read_text().splitlines()[0]
     assert "turned_deg" not in header  # old programs still read the file

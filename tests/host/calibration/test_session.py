@@ -154,7 +154,7 @@ def test_whatever_is_typed_loads_or_is_refused_clearly(folder, name, start, leng
     (folder / name).write_bytes(bad.encode("utf-8", "surrogatepass"))
     refused = ""
     try:
-        assert load_session(folder).kept
+        assert load_session(folder).kept_stations
     except BadInput as error:
         refused = str(error)
     (folder / name).write_text(good, encoding="utf-8")

@@ -106,11 +106,11 @@ def test_every_kind_of_reading_lands_in_its_place(folder):
         reading(7, kind="zero", incline_deg="0.1", reversed_deg="0.3"),
     )
     session = load_session(folder)
-    assert [r.number for r in session.kept] == [2, 4]
-    assert [b.number for b in session.of("bend")] == [3]
-    assert math.degrees(session.of("bend")[0].found_rad) == pytest.approx(15.5)
-    assert [z.before for z in session.of("zero")] == [True, False]
-    run = session.of("gait")[0]
+    assert [r.number for r in session.kept_stations] == [2, 4]
+    assert [b.number for b in session.readings_of("bend")] == [3]
+    assert math.degrees(session.readings_of("bend")[0].found_rad) == pytest.approx(15.5)
+    assert [z.at_start for z in session.readings_of("zero")] == [True, False]
+    run = session.readings_of("gait")[0]
     assert (run.omega_rad_s, run.speed_m_s, run.speed_sigma_m_s) == (3.0, 0.1, 0.002)
     assert math.degrees(run.gait.beta_rad) == pytest.approx(75)
     assert re.search(r"1 reading\(s\) of kinds not used here \(coastdown\)", session.notes[0])
@@ -203,7 +203,7 @@ def test_void_and_what_older_versions_restored_and_redid(folder):
         (1, "slipped"),
         (2, "redone as 4"),
     ]
-    assert [r.number for r in session.kept] == [3, 4]
+    assert [r.number for r in session.kept_stations] == [3, 4]
 
 
 def test_the_hash_tells_what_a_fit_rests_on(folder):
@@ -219,5 +219,5 @@ def test_the_hash_tells_what_a_fit_rests_on(folder):
 def test_zero_bytes_after_a_power_cut_are_told(folder):
     append(folder, reading(1), "2,station\0\0\0\0\n", reading(3))
     session = load_session(folder)
-    assert [r.number for r in session.kept] == [1, 3]
+    assert [r.number for r in session.kept_stations] == [1, 3]
     assert any(":3: damaged (zero bytes" in note for note in session.notes)

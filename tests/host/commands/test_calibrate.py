@@ -36,7 +36,7 @@ def test_a_script_takes_the_session_and_ends(folder, plan):
     status, out, _ = calibrate(f"{folder} --script {plan}")
     assert (status, "stations" in out) == (0, True)
     before = (folder / "readings.csv").read_bytes()
-    assert len(load_session(folder).kept) > 12
+    assert len(load_session(folder).kept_stations) > 12
     assert load_session(folder).setup.provenance.kind == "simulated"
     assert calibrate(f"{folder} --script {plan}")[1].startswith("0 reading(s)")
     assert (folder / "readings.csv").read_bytes() == before
@@ -50,7 +50,7 @@ def test_a_session_cut_anywhere_is_resumed_from_its_rows(folder, plan):
     for kept in (1, 9):
         path.write_text("".join(lines[:kept]) + lines[kept][:11])
         assert calibrate(f"{folder} --script {plan}")[0] == 0
-        assert len(load_session(folder).kept) > 12
+        assert len(load_session(folder).kept_stations) > 12
         assert path.read_text().startswith("".join(lines[:kept]))
 
 
@@ -64,31 +64,31 @@ def test_listed_readings_are_added_once(folder, tmp_path):
     path.write_text(text)
     assert calibrate(f"{folder} --script {path}")[1].startswith("2 reading(s)")
     assert calibrate(f"{folder} --script {path}")[1].startswith("0 reading(s)")
-    kept = load_session(folder).kept
+    kept = load_session(folder).kept_stations
     assert [(r.belt_speed_m_s, r.drift_m_s) for r in kept] == [(0.2, 0.0), (0.5, 0.0)]
     # One of them voided, a reading by hand, the list grown: only what is new is added.
     calibrate(f"void {folder} 1")
     calibrate(f"add {folder} station lambda_deg=0 incline_deg=2.2 belt_speed_m_s=0.4")
     path.write_text(text + text.split("[[reading]]")[2].join(["[[reading]]", ""]))
     assert calibrate(f"{folder} --script {path}")[1].startswith("1 reading(s)")
-    assert [r.belt_speed_m_s for r in load_session(folder).kept] == [0.5, 0.4, 0.5]
+    assert [r.belt_speed_m_s for r in load_session(folder).kept_stations] == [0.5, 0.4, 0.5]
 
 
 def test_readings_are_added_replaced_and_voided(folder):
     cells = "lambda_deg=0 incline_deg=4% belt_speed_m_s=1,8km/h"
     assert calibrate(f"add {folder} station {cells}")[0] == 0
     assert "belt's speed was not checked" in calibrate(f"status {folder}")[1]
-    reading = load_session(folder).kept[0]
+    reading = load_session(folder).kept_stations[0]
     assert reading.belt_speed_m_s == pytest.approx(0.5)
     assert reading.incline_rad == pytest.approx(0.0399787, abs=1e-6)  # atan 0.04
     status, out, _ = calibrate(f"add {folder} station {cells} drift_m_s=0.02 --replaces 1")
     assert (status, out) == (0, "reading 2 is kept; reading 1 is not\n")
-    kept = load_session(folder).kept
+    kept = load_session(folder).kept_stations
     assert [(r.number, r.drift_m_s, r.belt_speed_m_s) for r in kept] == [(2, 0.02, 0.5)]
     calibrate(f"void {folder} 2 --reason slipped")
     assert read_session(folder).readings[1].comment == "slipped"
     assert calibrate(f"add {folder} gait {GAIT} omega_rad_s=3.14")[0] == 0
-    assert load_session(folder).of("gait")[0].speed_m_s == pytest.approx(0.1)
+    assert load_session(folder).readings_of("gait")[0].speed_m_s == pytest.approx(0.1)
 
 
 GAIT = "alpha_deg=70 beta_deg=75 distance_m=1 duration_s=10"
@@ -113,7 +113,7 @@ def test_a_plan_and_a_script_take_hz(folder, tmp_path):
         script.write_text(text)
         status, _, err = calibrate(f"{folder} --script {script}")
         assert (status, says in err) == (2 if says else 0, True), err
-    assert load_session(folder).of("gait")[0].omega_rad_s == pytest.approx(math.pi)
+    assert load_session(folder).readings_of("gait")[0].omega_rad_s == pytest.approx(math.pi)
 
 
 @pytest.mark.parametrize(

@@ -33,7 +33,7 @@ def test_taken_killed_and_resumed_at_a_terminal(folder):
         person.sees("kept as reading 2")
         person.sends(signal.SIGKILL)
         person.leaves()
-    (reading,) = load_session(folder).kept
+    (reading,) = load_session(folder).kept_stations
     assert math.degrees(reading.offset_rad) == pytest.approx(0.5)
     assert (math.degrees(reading.incline_rad), reading.belt_speed_m_s) == (pytest.approx(2.0), 0.2)
     with Person(f"calibrate {folder}") as person:

@@ -106,7 +106,7 @@ def test_one_way_only_is_as_sure_as_the_floor_is_level():
 def test_stations_and_pushes_are_one_fit():
     session = mixed_session()
     together = fit_friction(session)
-    alone = fit_friction(replace(session, readings=session.kept))
+    alone = fit_friction(replace(session, readings=session.kept_stations))
     for name in together.parameters:
         assert together.parameters[name].sigma < 1.001 * alone.parameters[name].sigma
     assert together.parameters["ct"].sigma < 0.8 * alone.parameters["ct"].sigma
@@ -114,7 +114,7 @@ def test_stations_and_pushes_are_one_fit():
 
 def test_each_reading_has_its_own_residual_among_pushes_of_all_kinds():
     session = mixed_session()
-    misread = next(push for push in session.kept_pushes if push.by == "rest")
+    misread = next(push for push in session.kept_pushes if push.source == "rest")
     wrong = replace(misread, distance_m=1.3 * misread.distance_m)
     readings = tuple(wrong if push == misread else push for push in session.readings)
     fit = fit_friction(replace(session, readings=readings))

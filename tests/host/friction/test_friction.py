@@ -49,7 +49,7 @@ def whole_problem(made):
 
     parameters: ct, cn, ft0, fn0, the inclinometer's zero, then every bend's offset in sigmas.
     """
-    unit, kept = made.setup.instruments, made.kept
+    unit, kept = made.setup.instruments, made.kept_stations
     bend = np.array([r.lambda_rad for r in kept])
     shown = np.array([r.incline_rad for r in kept])
     speed = np.array([r.slip_speed_m_s for r in kept])

@@ -41,7 +41,7 @@ def test_a_measured_zero_is_taken_off_and_known_better():
     exact = session(setup(7.5), WHOLE_BODY_2005)
     off = math.radians(0.3)
     shown = tuple(replace(r, incline_rad=r.incline_rad + off) for r in exact.readings)
-    zeros = tuple(ZeroReading(100 + k, 0.02 + off, off - 0.02, before=k == 0) for k in range(2))
+    zeros = tuple(ZeroReading(100 + k, 0.02 + off, off - 0.02, at_start=k == 0) for k in range(2))
     fit = fit_friction(replace(exact, readings=(*shown, *zeros)))
     np.testing.assert_allclose(list(fit.whole_snake.values()), TRUTH, rtol=1e-6)
     assert fit.parameters["ft0"].sigma < 0.7 * fit_friction(exact).parameters["ft0"].sigma

@@ -96,7 +96,7 @@ def test_a_floor_whose_slope_nobody_measured_is_no_fault_of_the_robot(fitted):
     """At 0.25 Hz a slope of 0.3 degrees takes a third of the speed."""
     made, fit = fitted
     slow = measured(made)
-    runs = slow.of("gait")
+    runs = slow.readings_of("gait")
     slow = made.with_reading(replace(runs[0], speed_m_s=0.036))
     level = comparison.compare(slow, fit, samples=24, servo=None)
     tools = replace(slow.setup.instruments, floor_slope_sigma_deg=0.3)
@@ -125,7 +125,7 @@ def test_p_values_of_what_was_drawn_are_even():
 
 def test_repeated_runs_are_one_mean(fitted):
     made, fit = fitted
-    runs = measured(made).of("gait")
+    runs = measured(made).readings_of("gait")
     rate = runs[0].omega_rad_s * (1 + 2e-5)  # the board's clock, warmer
     twice = (
         *runs,

@@ -61,7 +61,7 @@ def test_a_session_is_taken(hidden, tmp_path):
     hidden("calibrate new s --defaults --simulated --surface belt")
     (tmp_path / "plan.toml").write_text(PLAN)
     assert "stations" in hidden("calibrate s --script plan.toml")
-    assert len(sn.load_session(tmp_path / "s").kept) > 12
+    assert len(sn.load_session(tmp_path / "s").kept_stations) > 12
 
 
 def test_every_module_is_there(hidden):

@@ -113,7 +113,7 @@ def program() -> str:
 def count(session: Session) -> str:
     """Return how much a session holds, in words."""
     counts = {
-        "stations": len(session.kept),
+        "stations": len(session.kept_stations),
         "pushes": len(session.kept_pushes),
         "gait runs": len(session.kept_crawls),
         "void": sum(reading.voided for reading in session.readings),

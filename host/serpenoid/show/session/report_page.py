@@ -56,7 +56,7 @@ def session_page(
     """Return the whole page; what is None is left out."""
     setup, drawings = session.setup, []
     notes = [fit.remarks[0], *fit.notes, *session.notes]
-    if session.kept and not session.on_floor:
+    if session.kept_stations and not session.on_floor:
         what = "friction against speed, readings and lines"
         drawings.append(_svg(what, draw_friction, fit, session, size=(4.2, 6.4), rows=2))
     if session.kept_pushes:
@@ -128,9 +128,9 @@ def _story(session: Session) -> str:
     setup, robot = session.setup, session.setup.robot
     place = setup.laboratory
     where = ", ".join(x for x in (place.surface, place.place, place.people) if x != "not said")
-    counts = {"stations held": len(session.kept), "pushes": len(session.kept_pushes)}
+    counts = {"stations held": len(session.kept_stations), "pushes": len(session.kept_pushes)}
     parts = [f"{n} {name}" for name, n in counts.items() if n or not any(counts.values())]
-    readings = (*session.of("station"), *session.of("push"))
+    readings = (*session.readings_of("station"), *session.readings_of("push"))
     parts.append(f"{sum(r.voided for r in readings)} voided")
     kind = escape(setup.provenance.kind)
     return (

@@ -45,7 +45,7 @@ def as_dict(session: Session, parts: list[tuple[str, str]], say: str) -> dict[st
         "name": session.setup.name,
         "parts": dict(parts),
         "next": say,
-        "kept_stations": len(session.kept),
+        "kept_stations": len(session.kept_stations),
         "kept_gait_runs": len(session.kept_gait_runs),
         "zero_deg": math.degrees(zero.value_rad),
         "zero_sigma_deg": math.degrees(zero.sigma_rad),
