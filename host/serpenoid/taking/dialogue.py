@@ -17,7 +17,7 @@ from ..session.settings import Setup
 from ..session.track import EXAMPLE, tidy_places
 from .asking import PATIENCE_S, WORDS, Asker, Quit, Restart, Skip, Undo
 from .films import FilmReader, named_file, no_films, read_crawl, take_track
-from .procedure import ZERO_BEFORE, doubts, next_step
+from .procedure import doubts, next_step
 from .pushes import push_in_words
 from .session_robot import SessionRobot
 from .steps import Step, Tracked, step_in_words
@@ -131,14 +131,6 @@ class Dialogue:
     def _leave_out(self, step: Step) -> None:
         self.journal.event("skip", self.journal.last, step.key)
         self._say(f"  left out: {step_in_words(step.key)}; undo takes it up again")
-        if step.key == ZERO_BEFORE:
-            zero_deg = self.journal.session.setup.instruments.incline_zero_sigma_deg
-            self._say(
-                f"  ! {zero_deg:.2g} deg are then assumed of the inclinometer's zero; 0.3 deg are "
-                "17 % of the 2005 robot's ft0"
-            )
-        elif step.kind == "straight":
-            self._say("  ! without straight readings nothing can be fitted")
 
     def _undo(self) -> None:
         """Take up again what was left out since the last reading; else void that reading."""

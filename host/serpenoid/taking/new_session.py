@@ -106,11 +106,11 @@ def default_setup(name: str) -> Setup:
     )
 
 
-def ask_answers(asker: Asker, setup: Setup, given: Mapping[str, Any], on: str) -> dict[str, Any]:
-    """Return given answers of `calibrate new` with those that a person types; raises Quit."""
+def ask_answers(asker: Asker, setup: Setup, options: Mapping[str, Any], on: str) -> dict[str, Any]:
+    """Return the options of `calibrate new` with those that a person types; raises Quit."""
 
     def fill() -> dict[str, Any]:
-        answers = dict(given)
+        answers = dict(options)
         for key, words in QUESTIONS.items():
             if key not in ELSEWHERE[on] and answers.get(key) is None:
                 answers[key] = _answer(asker, setup, key, words)

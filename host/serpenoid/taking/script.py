@@ -33,7 +33,6 @@ _TRUTH = (
     "mass_scale",
     "joint_sigma_deg",
     "rolling_kg",
-    "misreads",
     "amplitude",
 )
 

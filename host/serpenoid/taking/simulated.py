@@ -3,7 +3,7 @@
 The robot obeys the lab's equations of motion, not a law of the fit: on a belt it yaws and leaves it
 unless it is steered, and below its least pull the belt carries it away; on a floor who pushes it
 lets go a little crooked. Everything that is read goes through instruments that err as the set-up
-says they may, and now and then the person misreads.
+says they may.
 """
 
 from __future__ import annotations
@@ -63,8 +63,6 @@ class Truth:
 
     Of a floor: slope_rad, across_rad: by what it falls towards "there" and to the left of it.
     film_scale: lengths in films over true. camera: what films; None: tape and watch.
-
-    misreads: share of stations that are typed wrong.
     """
 
     ground: Ground
@@ -80,7 +78,6 @@ class Truth:
     across_rad: float = 0.0
     film_scale: float = 1.0
     camera: Camera | None = PHONE
-    misreads: float = 0.0
 
     def robot(self, body: Robot, rng: np.random.Generator) -> LabRobot:
         """Return the robot as it truly is, its joint errors drawn."""
@@ -155,21 +152,10 @@ class SimulatedPerson:
         self._run_gait = lru_cache(run_gait)
         self._crawl_speed = lru_cache(crawl_speed)
 
-    def answer(self, step: Step) -> tuple[Cells, Cells] | None:
-        """Return what is typed after a step, and what a second look shows; None if it failed.
-
-        They differ where a station is misread.
-        """
-        read: Cells | None = getattr(self, f"_{step.kind}")(step)
-        if read is None:
-            return None
-        if step.kind != "station" or self.rng.uniform() >= self.truth.misreads:
-            return read, read
-        if self.rng.uniform() < 1 / 2:
-            typed = {"incline_deg": round(float(read["incline_deg"]) + 1.0, 4)}
-        else:  # in km/h
-            typed = {"belt_speed_m_s": round(float(read["belt_speed_m_s"]) * 3.6, 5)}
-        return {**read, **typed}, read
+    def answer(self, step: Step) -> Cells | None:
+        """Do a step as a person would; return what is read, None if it cannot be done."""
+        cells: Cells | None = getattr(self, f"_{step.kind}")(step)
+        return cells
 
     def _shown_deg(self, incline_rad: float) -> float:
         step_rad = self.setup.instruments.incline_sigma_rad * math.sqrt(12)

@@ -10,7 +10,7 @@ from ..session.declaration import Cells
 from ..session.journal import Journal
 from ..session.rows import KINDS
 from ..session.session import Session
-from .procedure import doubts, next_step
+from .procedure import next_step
 from .steps import Step, Tracked
 
 if TYPE_CHECKING:
@@ -40,13 +40,11 @@ def take_all(
         step = next_step(record.session, posed_deg)
         if step.kind == "done":
             return record.session
-        answers = person.answer(step)
-        if answers is None:
+        cells = person.answer(step)
+        if cells is None:
             record.event("skip", detail=step.key)
         else:
-            typed, correct = answers
-            doubtful = doubts(record.session, step, typed)
-            record_step(record, step, correct if doubtful else typed)
+            record_step(record, step, cells)
             posed_deg = posed_after(step, posed_deg)
         show_step(step)
     raise NotConverged(

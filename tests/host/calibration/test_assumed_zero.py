@@ -3,12 +3,10 @@
 import math
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from serpenoid import Ground, fit_friction
 from serpenoid.session.folder import read_session
 from serpenoid.taking.new_session import (
-    answered,
     create_session,
     default_setup,
     template_setup,
@@ -60,9 +58,3 @@ def test_new_sessions_assume_half_a_degree_and_stated_numbers_stay(tmp_path):
         text.replace("zero_sigma_deg = 0.5", "zero_sigma_deg = 0.2")
     )
     assert template_setup(folder, "next").instruments.incline_zero_sigma_deg == 0.2
-
-
-@pytest.mark.parametrize(("joints", "sigma_deg"), [("servos", 0.5), ("hand", 1.5)])
-def test_what_sets_the_joints_tells_how_far_they_are_off(joints, sigma_deg):
-    setup = answered(default_setup("mine"), {"joints": joints})
-    np.testing.assert_allclose(setup.instruments.joint_sigma_rad, math.radians(sigma_deg))
