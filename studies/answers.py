@@ -480,7 +480,8 @@ def plain(value: Any) -> Any:
     """Return a value and its claim as JSON has them; in words where either is not finite."""
     if isinstance(value, str) or value[0] is None:
         return str(value)
-    return [float(v) for v in value] if all(map(math.isfinite, value)) else str(value[0])
+    # A value whose error is not known counts by six digits, as sums in another order keep them.
+    return [float(v) for v in value] if all(map(math.isfinite, value)) else f"{value[0]:.6g}"
 
 
 def changes(name: str, before: Answer, now: Answer) -> Iterator[tuple[str, ...]]:

@@ -15,7 +15,8 @@ constexpr double kAtRest = 1e-5;     // m/s: a wheel that rests has less
 constexpr double kNoChange = 1e-20;  // J: of an impulse times the speed that it changes
 constexpr double kUnmoved = 1e-24;   // 1/kg: an impulse that moves nothing
 constexpr int kMaxSweeps = 3000;
-constexpr double kNever = 1e30;  // s
+constexpr double kNever = 1e30;         // s
+constexpr double kStepRounding = 1e-9;  // of a step: so much more time takes no step more
 
 // The friction of a wheel in one direction: c |v| + F0 against the motion, with other numbers
 // backwards on a ratchet. At rest it is what holds the wheel, up to F0 times the breakaway.
@@ -97,7 +98,7 @@ void LabChain::restart() {
 }
 
 bool LabChain::advance(double duration, double h) {
-    const int steps = std::max(1, static_cast<int>(std::ceil(duration / h - 1e-9)));
+    const int steps = std::max(1, static_cast<int>(std::ceil(duration / h - kStepRounding)));
     for (int k = 0; k < steps; ++k)
         if (!step(duration / steps)) return false;
     return true;

@@ -47,7 +47,10 @@ class LabChain {
     // Rails at both sides, without friction: neither across (y) nor turning. Led joints alone.
     void guide(bool guided) { guided_ = guided; }
     void set_slope(double gx, double gy) { slope_ = {gx, gy}; }
-    void set_ground_velocity(double x, double y) { ground_x_ = x, ground_y_ = y; }
+    void set_ground_velocity(double x, double y) {
+        ground_x_ = x;
+        ground_y_ = y;
+    }
 
     // Let time pass in steps of at most h, s. False where a step has no solution (not a number).
     bool advance(double duration, double h);

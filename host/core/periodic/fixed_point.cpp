@@ -69,7 +69,9 @@ bool FixedPoint::shorten(const Orbit& orbit, double max_size, Vec3& d) const {
     const Vec3& r = orbit.residual;
     const auto fits = [&] { return size(d) <= max_size && inner(r, d) >= 0; };
     if (fits()) return false;
-    for (double damping = 1e-6 * size(r) / max_size; damping < 1; damping *= 4)
+    constexpr double kFirstDamping = 1e-6;  // of the one that alone would make it so short
+    constexpr double kStronger = 4;         // a damping over the one before
+    for (double damping = kFirstDamping * size(r) / max_size; damping < 1; damping *= kStronger)
         if (step(orbit, damping, d) && fits()) return true;
     for (int k = 0; k < 3; ++k) d[k] = r[k] * std::min(1.0, max_size / size(r));
     return true;
@@ -99,7 +101,9 @@ FixedPoint::Ended FixedPoint::solve(double tolerance, double goal, bool work, Or
     constexpr double kFirstStep = 2;    // longest one, in units of the scales
     constexpr double kShortest = 0.01;  // part of a step: a shorter one does not help
     constexpr double kBelowGoal = 0.1;  // of the goal: a residual there is rounding
-    constexpr int kCycles = 4;          // are followed
+    constexpr double kLeastPart = 0.1;  // of a step, to which the secant cuts it at once
+    constexpr double kMostPart = 0.5;
+    constexpr int kCycles = 4;  // are followed
     Vec3 last_start = start, last_step{};
     double last_size = HUGE_VAL, part = 1, max_size = kFirstStep, progress_begin = 0;
     bool limited = false;
@@ -109,7 +113,7 @@ FixedPoint::Ended FixedPoint::solve(double tolerance, double goal, bool work, Or
         const double residual = size(orbit.residual);
         const double progress = inner(orbit.residual, last_step);
         if (residual > last_size && residual > kBelowGoal * goal && !(progress > 0)) {
-            part *= std::clamp(progress_begin / (progress_begin - progress), 0.1, 0.5);
+            part *= std::clamp(progress_begin / (progress_begin - progress), kLeastPart, kMostPart);
             start = last_start;
             if (part > kShortest) {
                 for (int k = 0; k < 3; ++k) start[k] += part * last_step[k];

@@ -74,6 +74,7 @@ void Refinement::state_errors(const Orbit& orbit, double tolerance, SteadyState&
     constexpr double kLuck = 0.15;        // a power seldom changes by less than this of a tolerance
     constexpr double kRounding = 1e-15;   // of a map on smooth ground, over the scales
     constexpr double kLeastTurn = 1e-14;  // rad
+    constexpr double kSlowest = 5;        // of a change of the multiplier's logarithm
     constexpr double kLeastSettling = 4;  // of what is asked: levels may agree by luck
     const bool smooth = map_.smooth();
     const double by_change = smooth ? 2 : 1;            // smooth: a change may be half of the error
@@ -106,7 +107,8 @@ void Refinement::state_errors(const Orbit& orbit, double tolerance, SteadyState&
     const double radians = kLuck * by_map + state * orbit.sensitivity(CycleState::kTheta, scale);
     next.turn_error = std::max(error(&Change::turn, radians, next.turn), kLeastTurn);
     // derivatives jump where the sequence of modes does: one change tells little of the next
-    next.slowest_error = std::max(5 * change.slowest + (smooth ? 1 : 0.3) * last_change_.slowest,
+    const double by_last = smooth ? 1 : 0.3;
+    next.slowest_error = std::max(kSlowest * change.slowest + by_last * last_change_.slowest,
                                   kLeastSettling * options_.rtol * std::fabs(next.slowest));
     if (orbit.end.simultaneous_events)
         next.slowest_error = std::max(next.slowest_error, std::fabs(next.slowest));

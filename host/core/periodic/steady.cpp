@@ -27,7 +27,12 @@ constexpr double kSettled = 0.02;  // a cycle's change, over the scales
 constexpr double kWidest = 1e-4;  // rtol below which a lost state is searched with ten times it
 
 // The first tolerance: the second level is then mostly enough.
-double first_tolerance(double rtol) { return std::clamp(0.12 * rtol, 1e-7, 3e-4); }
+double first_tolerance(double rtol) {
+    constexpr double kPart = 0.12;      // of what is asked
+    constexpr double kTightest = 1e-7;  // a loose level before it costs little
+    constexpr double kLoosest = 3e-4;   // Newton's method seldom converges beyond it
+    return std::clamp(kPart * rtol, kTightest, kLoosest);
+}
 
 }  // namespace
 
@@ -54,8 +59,9 @@ void SteadyByPieces::remember(double omega, const Vec3& start, bool converged) {
 // Joints at rest give no scales. Disturbances decay as in the smallest waves; speed and power are
 // zero.
 SteadyState SteadyByPieces::at_rest(double omega, const SteadyOptions& options) const {
+    constexpr double kSmallWave = 1e-3;  // rad
     Gait small = gait_;
-    small.alpha = 1e-3;
+    small.alpha = kSmallWave;
     const SteadyState waving = SteadyByPieces(robot_, ground_, small).solve(omega, options);
     SteadyState state;
     state.monodromy = waving.monodromy;

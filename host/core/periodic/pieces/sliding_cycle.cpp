@@ -63,17 +63,24 @@ SlidingCycle::SlidingCycle(const Robot& robot, const Ground& ground, const Gait&
 // with the square of their length. The same pieces at two tolerances would tell of no error, so on
 // smooth ground the longest one goes with the tolerance, by the order of a piece's end.
 CycleTolerances SlidingCycle::tolerances_of(double tolerance) const {
+    constexpr double kLongest = 0.8;       // rad
+    constexpr double kSmoothPiece = 0.57;  // rad, at the tolerance below
+    constexpr double kSmoothTolerance = 6e-7;
+    constexpr double kMargins = 20;  // of speed, which friction undoes in an event step
     CycleTolerances aim;
+    // each a part of the tolerance, but more than rounding
     aim.speed = std::max(0.01 * tolerance, 1e-12) * scale_[0] / nm_;
     aim.force = std::max(0.1 * tolerance, 1e-7);
     aim.correction = std::max(10 * tolerance, 1e-8);
-    aim.longest_piece = 0.8;
-    if (smooth())
-        aim.longest_piece = std::min(0.8, 0.57 * std::pow(tolerance / 6e-7, 1.0 / (2 * s - 1)));
+    aim.newton_step = smooth() ? std::max(tolerance * tolerance, 1e-15) : 0.1 * tolerance;
+    aim.longest_piece = kLongest;
+    if (smooth()) {
+        const double parts = std::pow(tolerance / kSmoothTolerance, 1.0 / (2 * s - 1));
+        aim.longest_piece = std::min(kLongest, kSmoothPiece * parts);
+    }
     aim.longest_step = std::clamp(0.03 * std::sqrt(tolerance), 1e-6, 1e-3);
     aim.shortest_step =
-        std::clamp(20 * aim.speed * nm_ * omega_ / least_dry_, 1e-7, aim.longest_step);
-    aim.newton_step = smooth() ? std::max(tolerance * tolerance, 1e-15) : 0.1 * tolerance;
+        std::clamp(kMargins * aim.speed * nm_ * omega_ / least_dry_, 1e-7, aim.longest_step);
     return aim;
 }
 
@@ -137,7 +144,9 @@ bool SlidingCycle::advance() {
 SlidingCycle::Piece SlidingCycle::solve_piece(double h) {
     constexpr double kShortest = 1e-10;  // rad
     constexpr double kMaxError = 1.5;    // tolerances: the next pieces make up for it
-    constexpr double kDiverged = 1e30;
+    constexpr double kDiverged = 1e30;   // tolerances
+    constexpr double kShorter = 0.7;     // of a piece that failed, at most
+    constexpr double kSafety = 0.8;      // of the length that the error allows
     const auto shorter = [&](double length) {
         piece_length_ = length;
         return length < kShortest ? Piece::broken : Piece::shorter;
@@ -145,9 +154,9 @@ SlidingCycle::Piece SlidingCycle::solve_piece(double h) {
     if (!piece_.solve(mode_, tau_, h, state_.p, scale_, tolerances_.newton_step))
         return shorter(h / 4);
     const double error = piece_.error(scale_) / tolerance_;
-    growth_ = std::clamp(0.8 * std::pow(error + 1e-30, -1.0 / (s + 1)), 0.1, 3.0);
+    growth_ = std::clamp(kSafety * std::pow(error + 1e-30, -1.0 / (s + 1)), 0.1, 3.0);
     if (!(error < kDiverged)) return Piece::broken;
-    return error > kMaxError ? shorter(h * std::min(growth_, 0.7)) : Piece::done;
+    return error > kMaxError ? shorter(h * std::min(growth_, kShorter)) : Piece::done;
 }
 
 // Find the mode that follows an event.

@@ -47,8 +47,9 @@ class TorqueSeries {
 
     // How much of that the modes may hide that no node resolves, by the last two.
     double hidden() const {
+        constexpr double kHidden = 0.6;  // of the last two modes: modes fall off geometrically
         const auto last = mode_.end();
-        return 0.6 * std::abs(rate_) * std::sqrt(std::norm(last[-1]) + std::norm(last[-2]));
+        return kHidden * std::abs(rate_) * std::sqrt(std::norm(last[-1]) + std::norm(last[-2]));
     }
 
   private:
