@@ -217,9 +217,9 @@ def view(
     WHAT is a scene file or a recording of `serpenoid drive --record`. Of a recording it shows how
     the robot and ground of the options move while the joints follow the recorded set-points.
     """
+    from ..model.gait import gait_name
     from ..robot.recording.stream import load_stream
     from ..show.pages import view_page
-    from ..show.plot import gait_title
     from ..show.run_figure import scene_words
 
     page = page or Path(f"{what.stem}.html")
@@ -241,7 +241,7 @@ def view(
             busy("predicting", lambda _: view_page.of_recording(*arguments)),
         )
         about = (
-            f"{gait_title(gait)}; the path is predicted for the {whose} "
+            f"{gait_name(gait)}; the path is predicted for the {whose} "
             "from the set-points that the firmware reported"
         )
     view_page.write_page(page, title, about, shown)

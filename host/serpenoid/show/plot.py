@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -14,7 +13,6 @@ import numpy as np
 from ..base.files import whole_file
 from ..friction.paper_fit import friction_points, point_errors, voided_points
 from ..friction.result import FrictionFit
-from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..session.session import Session
@@ -227,15 +225,6 @@ def path_and_poses(run: Run, title: str, path: Path) -> None:
             "the dot is the head (Fig. 13)"
         )
         heading(fig, f"{title}: {robot_words(run.scene.robot, run.scene.ground)}", 10)
-
-
-def gait_title(gait: Gait) -> str:
-    """Return a gait for a title."""
-    bent = f", bent by {math.degrees(gait.offset_rad):.3g}°" if gait.offset_rad else ""
-    return (
-        f"α = {math.degrees(gait.alpha_rad):.3g}°, β = {math.degrees(gait.beta_rad):.3g}°, "
-        f"ω = {gait.omega_rad_s:.3g} rad/s{bent}"
-    )
 
 
 def robot_words(robot: Robot, ground: Ground) -> str:

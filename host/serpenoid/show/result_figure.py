@@ -13,6 +13,7 @@ import numpy as np
 
 from ..base.errors import NotConverged
 from ..friction.result import FrictionFit
+from ..model.gait import gait_name
 from ..periodic.steady import Steady, steady_gait
 from ..periodic.sweep import Sweep
 from ..prediction.comparison import Comparison
@@ -20,7 +21,7 @@ from ..session.session import Session
 from ..simulation.run import Run
 from .comparison_figure import COLORS, draw_comparison, panels
 from .gaits.gait_figures import power_of
-from .plot import BLUE, draw_friction, figure, gait_title, hatch_beyond, heading
+from .plot import BLUE, draw_friction, figure, hatch_beyond, heading
 from .run_figure import run_figure
 from .session.floor_figure import draw_pushes
 
@@ -76,7 +77,7 @@ def steady_figure(state: Steady, path: Path | None) -> Figure:
         for ax, value in zip(axes, (state.speed_m_s, state.power_w), strict=True):
             ax.plot(own_hz, value, "o", color=BLUE, mec="black")
             ax.set_ylim(0, None)
-        heading(fig, f"{gait_title(gait)}; ideal joints")
+        heading(fig, f"{gait_name(gait)}; ideal joints")
         return fig
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..model.gait import gait_name
 from ..simulation.core_run import ENERGY_COLUMNS
 from ..simulation.run import Run
 from .plot import (
@@ -20,7 +21,6 @@ from .plot import (
     draw_links,
     draw_path,
     figure,
-    gait_title,
     heading,
 )
 
@@ -63,7 +63,7 @@ def scene_words(scene: Scene) -> str:
     start = scene.start if isinstance(scene.start, str) else "a given state"
     parts = [
         f"{robot.links} links of {robot.link_length_m:g} m, {robot.mass_kg:.4g} kg",
-        gait_title(scene.gait),
+        gait_name(scene.gait),
     ]
     if scene.incline_rad:
         parts.append(f"slope of {math.degrees(scene.incline_rad):.3g}°")

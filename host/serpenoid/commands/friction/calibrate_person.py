@@ -16,7 +16,6 @@ from ...robot.wire.link import Link
 from ...session.journal import Journal
 from ...session.session import Session
 from ...show.screen import say
-from ...show.session.agreement import agreement
 from ...taking.asking import Quit
 from ...taking.dialogue import Dialogue, ask_identity, robot_in_words
 from ...taking.films import FilmReader
@@ -102,7 +101,7 @@ def _so_far(session: Session) -> str:
     values = ", ".join(
         f"{row.name} {row.value:.3g} ± {row.sigma:.1g} {row.unit}" for row in fit.rows()
     )
-    return f"so far, whole snake: {values}\n{agreement(fit)}"
+    return "\n".join([f"so far, whole snake: {values}", fit.chi2_in_words, *fit.alarms])
 
 
 def program() -> str:
