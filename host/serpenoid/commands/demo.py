@@ -10,7 +10,6 @@ import shutil
 import textwrap
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -21,13 +20,11 @@ from ..base.files import read_json, write_text
 from ..lab.crawl import crawl_speed
 from ..model.gait import gait_name
 from ..prediction.band import speed_band
-from ..robot.robot import RobotBoard
 from ..session.journal import Journal
 from ..session.settings import Provenance, Setup
 from ..show.report import console
 from ..show.screen import say, working
 from ..show.session.report_page import session_page
-from ..taking.board_run import board_gait
 from ..taking.new_session import create_session, default_setup, on_place
 from ..taking.simulated import SimulatedPerson, Truth, drawn_floor
 from ..taking.treadmill import take_all
@@ -94,7 +91,7 @@ def _beside_truth(fit: sn.FrictionFit) -> str:
     )
 
 
-def take(folder: Path, setup: Setup, world: Truth, **how: Any) -> sn.Session:
+def take(folder: Path, setup: Setup, world: Truth) -> sn.Session:
     """Take a session of the demo's in place of an earlier one; raises BadInput for another's."""
     file = folder / "session.toml"
     if file.exists():
@@ -108,14 +105,12 @@ def take(folder: Path, setup: Setup, world: Truth, **how: Any) -> sn.Session:
     laboratory = replace(setup.laboratory, surface="simulated")
     create_session(folder, replace(setup, provenance=provenance, laboratory=laboratory))
     with Journal(folder) as journal, working("measuring"):
-        return take_all(journal, SimulatedPerson(journal.session.setup, world, SEED, **how))
+        return take_all(journal, SimulatedPerson(journal.session.setup, world, SEED))
 
 
 def take_session(folder: Path) -> sn.Session:
-    """Take the session on a treadmill, with gaits of a virtual board."""
-    with RobotBoard("virtual:fast") as robot:
-        how = {"run_gait": lambda gait: board_gait(robot, gait)}
-        return take(folder, default_setup("demo, simulated"), TRUTH, **how)
+    """Take the session on a treadmill."""
+    return take(folder, default_setup("demo, simulated"), TRUTH)
 
 
 def push_along_floor(folder: Path, robot: sn.Robot) -> sn.FrictionFit:
@@ -157,17 +152,15 @@ def measure_film_of_demo(folder: Path) -> str:
 
 
 def _drive_cheapest(fit: sn.FrictionFit, speed_m_s: float) -> None:
-    """Find the cheapest gait for a speed, drive it in the lab, and tell both speeds."""
+    """Find the cheapest gait for a speed, run it in the lab, and tell both speeds."""
     with working("searching"):
         best = sn.least_power_gait(fit.robot, fit.ground, speed_m_s=speed_m_s)
-    with RobotBoard("virtual:fast") as robot:
-        driven = board_gait(robot, best.gait)
-    band = speed_band(fit, driven, servo=SERVOS)
+    band = speed_band(fit, best.gait, servo=SERVOS)
     with working("the lab's robot crawls"):
-        crawls = crawl_speed(TRUTH.robot(fit.robot, np.random.default_rng(SEED)), driven)
+        crawls = crawl_speed(TRUTH.robot(fit.robot, np.random.default_rng(SEED)), best.gait)
     _step(
         5,
-        f"The cheapest gait for {speed_m_s:g} m/s with ideal joints: {gait_name(driven)}, "
+        f"The cheapest gait for {speed_m_s:g} m/s with ideal joints: {gait_name(best.gait)}, "
         f"{1000 * best.power_w:.0f} mW. Predicted: {band.in_words()}; the lab's robot crawls at "
         f"{crawls:#.2g}.",
     )

@@ -9,7 +9,6 @@ says they may.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -24,7 +23,6 @@ from ..lab.recording import Camera, film, to_rest
 from ..lab.robot import LabRobot, pose_of
 from ..model.bends import bend_signs
 from ..model.drives import Servo, ServoKind
-from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..session.declaration import Cells
@@ -123,17 +121,10 @@ def drawn_floor(
 class SimulatedPerson:
     """Do each step of the procedure against a known truth; the same seed does the same.
 
-    It answers with what a person could read, never with a truth. run_gait: runs a gait on a board
-    and returns the one that the board made of it, in true seconds.
+    It answers with what a person could read, never with a truth.
     """
 
-    def __init__(
-        self,
-        setup: Setup,
-        truth: Truth,
-        seed: int = 0,
-        run_gait: Callable[[Gait], Gait] = lambda gait: gait,
-    ):
+    def __init__(self, setup: Setup, truth: Truth, seed: int = 0):
         self.setup, self.truth, self.rng = setup, truth, np.random.default_rng(seed)
         self.robot = truth.robot(setup.robot, self.rng)
         self._floor = Floor(self.robot, truth.slope_rad, truth.across_rad)
@@ -149,7 +140,6 @@ class SimulatedPerson:
         # The deck does not lie level when the treadmill says 0.
         self._deck_rad = math.radians(float(self.rng.uniform(-0.15, 0.15)))
         self._shown_m_s = FIRST_BELT_M_S
-        self._run_gait = lru_cache(run_gait)
         self._crawl_speed = lru_cache(crawl_speed)
 
     def answer(self, step: Step) -> Cells | None:
@@ -239,7 +229,7 @@ class SimulatedPerson:
     def _gait(self, step: Step) -> Cells:
         """Run a gait, and film it on a floor; else time it between two marks."""
         assert step.gait is not None  # a gait's step has one
-        gait = self._run_gait(step.gait)
+        gait = step.gait
         swinging = replace(gait, alpha_rad=gait.alpha_rad * self.truth.amplitude)
         side = {"there": 1.0, "back": -1.0}.get(str(step.cells.get("way", "")), 0.0)
         slopes = -side * self.truth.slope_rad, side * self.truth.across_rad

@@ -12,7 +12,6 @@ from refusals import refused
 from robots import gait_in_deg
 from serpenoid.robot import RobotBoard
 from serpenoid.robot.recording.stream import load_stream
-from serpenoid.taking.board_run import board_gait
 
 FRAME_US = {6: 20_000, 8: 22_500}
 GAIT = gait_in_deg(30, 40, 5.0)
@@ -29,8 +28,10 @@ def test_gait_pose_and_recording_have_so_many_joints(joints, tmp_path):
         assert frame.setpoint_rad == pytest.approx([2 * lam, -2 * lam] * (joints // 2), abs=2e-4)
         with refused(f"a pose has {joints} angles"):
             robot.pose([0.0] * (joints - 1))
-        driven = board_gait(robot, GAIT)
-        assert driven.beta_rad == pytest.approx(GAIT.beta_rad, abs=1e-3)
+        robot.gait(GAIT)
+        *_, frame = robot.frames(6.0)
+        phases_rad = frame.phase_rad + GAIT.beta_rad * np.arange(joints)
+        assert frame.setpoint_rad == pytest.approx(GAIT.alpha_rad * np.sin(phases_rad), abs=2e-3)
         assert not robot.losses.missed_frames
     stream = load_stream(tmp_path / "run.txt")
     assert stream.setpoint_rad.shape == (len(stream.frame), joints)
