@@ -30,7 +30,7 @@ constexpr int kMaxIterations = 8;
 constexpr double kIterationError = 0.03;  // of the tolerance: what the iteration may miss
 constexpr double kRemembered = 0.8;       // power of the remaining share, from step to step
 constexpr double kMinRemaining = 1e-6;    // of a change, which later ones may add to it
-constexpr double kRounding = 1e-14;       // of a rate: least change that an iteration can make
+constexpr double kRateRounding = 1e-14;       // of a rate: least change that an iteration can make
 constexpr double kKeptGrowth = 1.2;       // a step that may grow by less keeps its matrices
 constexpr double kLongestStep = 1.5;      // of the motion's unit of time: it may not miss a beat
 constexpr double kFirstStep = 1e-3;       // of that unit
@@ -204,7 +204,7 @@ double Radau::iterate(double h) {
 // Before a second iteration tells the contraction, that of steps before stands for it, a little
 // less from step to step.
 bool Radau::solve(double h) {
-    const double enough = std::max(kIterationError, kRounding / tolerance_);
+    const double enough = std::max(kIterationError, kRateRounding / tolerance_);
     double last_change = 0;
     contraction_ = 0;
     remaining_ = std::pow(remaining_, kRemembered);
