@@ -16,13 +16,17 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.steady import speed_floor_m_s, steady_gait
-from .run import Run
+from .core_run import ENERGY_COLUMNS
+from .error import with_shorter_steps
+from .run import SAFETY, Run
 from .scene import Scene
 from .simulate import simulate
 from .stability import largest_stable_step_s
 
 _MOST_CYCLES = 4096
 _MOST_STEPS = 1e6  # a cycle, of which a state takes 20 at least: minutes
+_FINE_CYCLES = 8  # with half the step, after which its own periodic state is there
+WORK_COLUMNS = [ENERGY_COLUMNS.index(name) for name in ("joint_work_j", "positive_work_j")]
 _STEPS_A_CYCLE = 1000  # for powers to 1e-4 or closer; a tenth of them for speeds to 1e-3
 
 
@@ -101,7 +105,7 @@ def _cycles(
             "joints softer or less damped, or take the exact model, to which stiff joints come near"
         )
     steps = 2 * math.ceil(step_count / 2)
-    return replace(scene, dt_s=period / steps, record_every=steps)
+    return replace(scene, dt_s=period / steps, record_every=steps, record=("energy",))
 
 
 def _settled(scene: Scene, rtol: float) -> tuple[Run, float, float, int]:
@@ -129,20 +133,9 @@ def _settled(scene: Scene, rtol: float) -> tuple[Run, float, float, int]:
     )
 
 
-def _last_cycle(run: Run, parts: int = 1, cycles: int = 1) -> tuple[Run, Array]:
-    """Go on for some cycles by shorter steps, and return the powers of the last one, W.
-
-    Net, absolute and positive, of each joint, (3, n - 1): means of a period's samples.
-    """
-    scene, period = run.scene, run.scene.gait.period_s
-    finer = replace(scene, dt_s=scene.dt_s / parts, duration_s=period)
-    if cycles > 1:
-        step_count = round(period / finer.dt_s)
-        settling = replace(finer, duration_s=(cycles - 1) * period, record_every=step_count)
-        run = simulate(replace(settling, start=run.state()))
-    on = simulate(replace(finer, start=run.state(), record=("joints",), record_every=1))
-    power = on.joint_power_w[-round(period / on.scene.dt_s) :]
-    return on, np.stack([power, np.abs(power), np.maximum(power, 0)]).mean(axis=1)
+def _powers_w(run: Run) -> Array:
+    """Return net and positive power of every cycle of a run that recorded each, W, (cycles, 2)."""
+    return np.diff(run.energy_j[:, WORK_COLUMNS], axis=0) / run.scene.gait.period_s
 
 
 def steady_springs(
@@ -200,22 +193,20 @@ def steady_springs(
     scene = _cycles(robot, ground, gait, springs, rtol)
     run, change_m_s, cycles_left, cycles = _settled(scene, rtol)
     floor = speed_floor_m_s(robot, gait.omega_rad_s)
-    last, power = _last_cycle(run)
-    _, later = _last_cycle(last)
-    steps, finer = _last_cycle(run, parts=2, cycles=8)
-    # twice what half as long steps change: kinks between samples are of order two
-    errors = np.abs((later - power).sum(axis=1)) * (1 + cycles_left)
-    errors += 2 * np.abs(finer - power).sum(axis=1)
-    net, absolute, positive = power.sum(axis=1).tolist()
-    speed, fine = (float(result.mean_speed_m_s(gait.period_s)[-1]) for result in (run, steps))
+    half = with_shorter_steps(replace(run.scene, duration_s=_FINE_CYCLES * gait.period_s), 2)
+    fine = simulate(replace(half, start=run.state()))
+    power_w, fine_power_w = _powers_w(run), _powers_w(fine)
+    errors_w = np.abs(power_w[-1] - power_w[-2]) * (1 + cycles_left)
+    errors_w += SAFETY * np.abs(fine_power_w[-1] - power_w[-1])
+    net_w, positive_w = power_w[-1].tolist()
+    speed, fine_speed = (float(r.mean_speed_m_s(gait.period_s)[-1]) for r in (run, fine))
     return SteadySprings(
         speed,
-        net,
-        absolute,
-        positive,
-        (change_m_s + 2 * abs(fine - speed)) / max(speed, floor),
-        float(errors[0]),
-        float(errors[2]),
+        net_w,
+        2 * positive_w - net_w,
+        positive_w,
+        (change_m_s + 2 * abs(fine_speed - speed)) / max(speed, floor),
+        *errors_w.tolist(),
         speed / max(exact.speed_m_s, floor) - 1,
         cycles,
     )
