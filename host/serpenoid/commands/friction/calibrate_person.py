@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from importlib.metadata import version
 from pathlib import Path
@@ -27,7 +26,6 @@ from ...video.measure_film import measure_film
 from ...video.pushed import track_pushes
 from ..options import busy
 
-BY_HAND = "by hand"
 CURE = "take the board of that robot, or begin a session of this one: `serpenoid calibrate new`"
 
 
@@ -50,11 +48,19 @@ def with_a_person(
         if port is not None:
             match = RobotMatch(journal.session.setup.robot.links, "the session", CURE)
             robot = stack.enter_context(SessionRobot(port, match))
-            console.keys = keys_of(robot)
-        board = BY_HAND if robot is None else robot.greeting
-        for line in begin(journal, board):
-            console.say(line)
-        film = film_reader(journal.session.setup.robot_table.tag_side_m)
+            console.keys = {
+                "left": lambda: robot.steer(1),
+                "right": lambda: robot.steer(-1),
+                "\x1b": robot.stop,
+                " ": robot.stop,
+            }
+        journal.event("start", detail=program())
+        if robot is not None:
+            journal.event("connect", detail=robot.greeting)
+        setup, board = journal.session.setup, "by hand" if robot is None else robot.greeting
+        words = f"{setup.name}: {robot_in_words(setup)}; robot {board}"
+        console.say(f"{words}. {count(journal.session)}.")
+        film = film_reader(setup.robot_table.tag_side_m)
         show_fit = lambda session: console.say(_so_far(session))  # noqa: E731
         dialogue = Dialogue(journal, console, robot, show_fit, patience_s, film=film)
         try:
@@ -65,31 +71,6 @@ def with_a_person(
     if not well:
         raise SystemExit(1)
     return None
-
-
-def begin(journal: Journal, robot: str) -> list[str]:
-    """Keep that a session goes on; return what to say, of another board than before, too."""
-    before = next(
-        (e.detail for e in reversed(journal.session.events) if e.event == "connect"), robot
-    )
-    journal.event("start", detail=program())
-    if robot != BY_HAND:
-        journal.event("connect", detail=robot)
-    setup = journal.session.setup
-    lines = [f"{setup.name}: {robot_in_words(setup)}; robot {robot}. {count(journal.session)}."]
-    if robot not in (BY_HAND, before):
-        lines.append(f"note: this board is {robot}; the one before was {before}")
-    return lines
-
-
-def keys_of(robot: SessionRobot) -> dict[str, Callable[[], str]]:
-    """Return what keys do: left and right a step on every joint, Esc and space stop the robot."""
-    return {
-        "left": lambda: robot.steer(1),
-        "right": lambda: robot.steer(-1),
-        "\x1b": robot.stop,
-        " ": robot.stop,
-    }
 
 
 def _so_far(session: Session) -> str:

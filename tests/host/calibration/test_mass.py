@@ -1,4 +1,4 @@
-"""Whose session it is: the same robot goes on, another one is refused, what was open is asked."""
+"""The robot of a session: a mass that is corrected, and one that nobody has weighed."""
 
 import math
 from dataclasses import replace
@@ -6,10 +6,8 @@ from dataclasses import replace
 import pytest
 from robots import NIRAKH_2005
 from serpenoid import fit_friction, load_session
-from serpenoid.commands.friction.calibrate_person import begin
 from serpenoid.session.folder import write_setting
 from serpenoid.session.journal import Journal
-from serpenoid.session.rows import read_events
 from serpenoid.taking.new_session import answered, create_session, default_setup
 
 ZERO = {"incline_deg": 0.1, "reversed_deg": -0.1}
@@ -59,16 +57,3 @@ def test_an_unweighed_robot_has_frictions_as_doubtful_as_its_mass():
         more = math.sqrt(unweighed.parameters[name].sigma ** 2 - sigma**2)
         assert more > 0.045 * value
     assert any("was not weighed" in note for note in unweighed.notes)
-
-
-def test_another_board_than_before_is_told(folder):
-    with Journal(folder) as journal:
-        assert len(begin(journal, "uno, firmware 0.2.0, protocol 2")) == 1
-        assert len(begin(journal, "by hand")) == 1
-        assert len(begin(journal, "uno, firmware 0.2.0, protocol 2")) == 1
-        told = begin(journal, "mega, firmware 0.3.0, protocol 2")
-    assert told[1] == (
-        "note: this board is mega, firmware 0.3.0, protocol 2; the one before was uno, firmware "
-        "0.2.0, protocol 2"
-    )
-    assert read_events(folder, [])[-2].event == "start"
