@@ -198,7 +198,7 @@ def steady_springs(
     power_w, fine_power_w = _powers_w(run), _powers_w(fine)
     errors_w = np.abs(power_w[-1] - power_w[-2]) * (1 + cycles_left)
     errors_w += SAFETY * np.abs(fine_power_w[-1] - power_w[-1])
-    net_w, positive_w = power_w[-1].tolist()
+    (net_w, positive_w), (net_error_w, positive_error_w) = power_w[-1].tolist(), errors_w.tolist()
     speed, fine_speed = (float(r.mean_speed_m_s(gait.period_s)[-1]) for r in (run, fine))
     return SteadySprings(
         speed,
@@ -206,7 +206,8 @@ def steady_springs(
         2 * positive_w - net_w,
         positive_w,
         (change_m_s + 2 * abs(fine_speed - speed)) / max(speed, floor),
-        *errors_w.tolist(),
+        net_error_w,
+        positive_error_w,
         speed / max(exact.speed_m_s, floor) - 1,
         cycles,
     )
