@@ -16,7 +16,7 @@ namespace serpenoid {
 class WheelLaw {
   public:
     WheelLaw(double c, double c_back, double f0, double f0_back)
-        : bound(f0 == f0_back ? f0 : 0.5 * (f0 + f0_back)),
+        : bound(0.5 * (f0 + f0_back)),
           thrust(0.5 * (f0_back - f0)),
           c_(c),
           c_back_(c_back),
@@ -39,14 +39,13 @@ class WheelLaw {
     double viscous(double direction) const {
         return direction > 0 ? c_ : direction < 0 ? c_back_ : mean_viscous();
     }
-    double mean_viscous() const { return c_ == c_back_ ? c_ : 0.5 * (c_ + c_back_); }
-    bool one_viscous() const { return c_ == c_back_; }  // the same both ways
+    double mean_viscous() const { return 0.5 * (c_ + c_back_); }
 
     // F0 by the direction in which the wheel goes or would go, N.
     double dry(double direction) const { return direction < 0 ? f0_back_ : f0_; }
 
     // Whether something changes when the wheel stops.
-    bool has_modes() const { return bound > 0 || !one_viscous(); }
+    bool has_modes() const { return bound > 0 || c_ != c_back_; }
 
     // The bound over the scale of forces on a wheel at rest: its weaker end, or the force that
     // would move the links if that is larger, but at most the stronger end.

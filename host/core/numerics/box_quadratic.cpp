@@ -13,21 +13,22 @@ namespace serpenoid {
 namespace {
 
 using Vector = std::vector<double>;
-constexpr double kInside = 1 - 1e-15;  // what is not at its bound
-constexpr double kRounding = 1e-13;    // of the largest number
-constexpr double kLittle = 1e-9;       // added to a diagonal, of its size
+constexpr double kInside = 1 - 1e-15;     // what is not at its bound
+constexpr double kRounding = 1e-13;       // of the largest number
+constexpr double kRegularisation = 1e-9;  // added to a diagonal, of its size
 
 }  // namespace
 
 // Solve matrix_ x_ = right_ with a diagonal that is a little larger, and refine three times by the
 // residual. From zero this converges to the smallest solution, exact to rounding where one exists;
 // rest_ is the residual.
-void BoxQuadratic::solve(double little) {
+void BoxQuadratic::solve(double regularisation) {
     const std::size_t size = right_.size();
     const int rows = static_cast<int>(size);
-    for (double more : {little, 1e-6, 1e-3}) {  // where rounding makes the matrix indefinite
+    for (double addition :
+         {regularisation, 1e-6, 1e-3}) {  // where rounding makes the matrix indefinite
         factor_ = matrix_;
-        for (std::size_t i = 0; i < size; ++i) factor_[i * size + i] *= 1 + more;
+        for (std::size_t i = 0; i < size; ++i) factor_[i * size + i] *= 1 + addition;
         cholesky(factor_.data(), rows);
         if (size == 0 || std::isfinite(factor_.back())) break;
     }
@@ -50,17 +51,17 @@ void BoxQuadratic::minimise_free(const Vector& A, const Vector& b, Vector& z) {
     matrix_ = A;
     right_ = b;
     for (double& r : right_) r = -r;
-    solve(kLittle);
+    solve(kRegularisation);
     z = x_;
 }
 
 // An almost singular matrix may have a minimum inside that `solve` does not reach: its bounds are
 // then freed and fixed again without end, and a smaller addition finds it.
 bool BoxQuadratic::minimise(const Vector& A, const Vector& b, Vector& z) {
-    return descend(A, b, z, kLittle) || descend(A, b, z, 1e-4 * kLittle);
+    return descend(A, b, z, kRegularisation) || descend(A, b, z, 1e-4 * kRegularisation);
 }
 
-bool BoxQuadratic::descend(const Vector& A, const Vector& b, Vector& z, double little) {
+bool BoxQuadratic::descend(const Vector& A, const Vector& b, Vector& z, double regularisation) {
     const std::size_t n = b.size();
     double scale = 1e-300;
     for (std::size_t i = 0; i < n; ++i) scale = std::max({scale, A[i * n + i], std::fabs(b[i])});
@@ -87,7 +88,7 @@ bool BoxQuadratic::descend(const Vector& A, const Vector& b, Vector& z, double l
             for (std::size_t j = 0; j < size; ++j)
                 matrix_[i * size + j] = A[free_[i] * n + free_[j]];
         }
-        solve(little);
+        solve(regularisation);
         double inconsistency =
             0;  // where no solution exists, the value falls along the residual for ever
         for (std::size_t i = 0; i < size; ++i) {

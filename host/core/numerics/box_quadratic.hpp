@@ -24,8 +24,8 @@ class BoxQuadratic {
 
   private:
     bool descend(const std::vector<double>& A, const std::vector<double>& b, std::vector<double>& z,
-                 double little);
-    void solve(double little);
+                 double regularisation);
+    void solve(double regularisation);
     std::vector<int> free_;
     std::vector<double> matrix_, factor_, right_, x_, residual_;
 };

@@ -35,11 +35,11 @@ SteadyState steady(const Model& m, double rtol, bool powers) {
     return steady_state(m, {rtol, powers});
 }
 
-// Solve with Ctrl-C and progress coming through; solve(go_on) fills the table.
+// Solve with Ctrl-C and progress coming through; solve(keep_running) fills the table.
 template <class Solve>
 void with_progress(const nb::object& progress, Solve&& solve) {
     bool stopped = false;  // with the Python error set
-    const auto go_on = [&](long gaits) {
+    const auto keep_running = [&](long gaits) {
         nb::gil_scoped_acquire acquire;
         stopped = PyErr_CheckSignals() != 0;
         if (stopped || progress.is_none() || gaits == 0) return !stopped;
@@ -53,7 +53,7 @@ void with_progress(const nb::object& progress, Solve&& solve) {
     };
     {
         nb::gil_scoped_release release;
-        solve(go_on);
+        solve(keep_running);
     }
     if (stopped) throw nb::python_error();
 }
@@ -62,9 +62,9 @@ void with_progress(const nb::object& progress, Solve&& solve) {
 Array sweep(const std::vector<Model>& models, std::vector<double> omegas, double rtol, bool powers,
             int threads, nb::object progress, bool rough) {
     std::vector<double> result(models.size() * omegas.size() * kSweepColumns);
-    with_progress(progress, [&](const auto& go_on) {
+    with_progress(progress, [&](const auto& keep_running) {
         const SteadyOptions options{rtol, powers, rough};
-        sweep_shapes(models, omegas, options, threads, go_on, result.data());
+        sweep_shapes(models, omegas, options, threads, keep_running, result.data());
     });
     return to_numpy(std::move(result), {models.size(), omegas.size(), kSweepColumns});
 }
@@ -75,8 +75,8 @@ std::vector<SteadyState> solve_neighbours(const Model& middle, const std::vector
                                           const std::vector<Vec3>& starts, nb::object progress) {
     if (!starts.empty() && starts.size() != models.size()) throw nb::value_error("starts");
     std::vector<SteadyState> states;
-    with_progress(progress, [&](const auto& go_on) {
-        states = neighbours(middle, models, {rtol, powers, rough}, threads, go_on, starts);
+    with_progress(progress, [&](const auto& keep_running) {
+        states = neighbours(middle, models, {rtol, powers, rough}, threads, keep_running, starts);
     });
     return states;
 }
@@ -109,7 +109,7 @@ void set_torque_function(RunRequest& q, nb::callable f) {
 }
 
 // Let Ctrl-C through, and tell how far the run is.
-bool go_on(const nb::object& progress, double t) {
+bool keep_running(const nb::object& progress, double t) {
     nb::gil_scoped_acquire acquire;
     if (PyErr_CheckSignals() != 0) throw nb::python_error();
     if (!progress.is_none()) progress(t);
@@ -118,7 +118,7 @@ bool go_on(const nb::object& progress, double t) {
 
 nb::dict run_scene(RunRequest& q, Vector start, nb::object progress) {
     q.start.assign(start.data(), start.data() + start.size());
-    q.go_on = [&](double t) { return go_on(progress, t); };
+    q.keep_running = [&](double t) { return keep_running(progress, t); };
     RunResult r;
     {
         nb::gil_scoped_release release;

@@ -40,7 +40,7 @@ class Run {
           unchecked_(steps_unchecked_),
           due_(recorded(1)) {}
 
-    RunResult go() {
+    RunResult run() {
         system_.set(start_chain(q_), y_.data());
         system_.fill(0, y_.data());
         system_.latch();
@@ -108,11 +108,11 @@ class Run {
     }
     // Ask whether to go on, 50 times a second at most: the answer may be an exception.
     bool ask(double t) {
-        if (!q_.go_on) return true;
+        if (!q_.keep_running) return true;
         const auto clock_time = std::chrono::steady_clock::now();
         if (clock_time < question_time_ + std::chrono::milliseconds(20)) return true;
         question_time_ = clock_time;
-        return q_.go_on(t);
+        return q_.keep_running(t);
     }
     void give_up(double t, const char* why) {
         result_.failed_at = t;
@@ -141,7 +141,7 @@ RunResult simulate(const RunRequest& q) {
     if (q.record_energy && method->dense_order() > 0) positive.emplace(system, *method);
     PositiveWork* const work = positive ? &*positive : nullptr;
     Recorder recorder(q, system, *method, work);
-    return Run(q, system, *method, recorder, work).go();
+    return Run(q, system, *method, recorder, work).run();
 }
 
 }  // namespace serpenoid

@@ -39,8 +39,8 @@ struct RunRequest {
     long long most_steps = 0;    // of any length, after which the run gives up
     long long record_steps = 1;  // record each of so many steps
     bool record_joints = false, record_friction = false, record_energy = false;
-    std::vector<double> start;            // x, y, theta, vx, vy, omega: n values each
-    std::function<bool(double t)> go_on;  // asked now and then; false stops the run
+    std::vector<double> start;                   // x, y, theta, vx, vy, omega: n values each
+    std::function<bool(double t)> keep_running;  // asked now and then; false stops the run
 };
 
 // The rotors of its servos, kg m^2; 0 for other drives.
