@@ -98,7 +98,7 @@ void SteadyByPieces::search_from_rest(CycleMap& map, FixedPoint& point, const Ac
     }
 }
 
-SteadyState SteadyByPieces::solve(double omega, const SteadyOptions& options) {
+SteadyState SteadyByPieces::solve(double omega, const SteadyOptions& options, const Vec3* start) {
     constexpr int kMaxPieces = 600'000;  // of a whole search, over the links: some seconds
     if (gait_.alpha == 0) return at_rest(omega, options);
     gait_.omega = omega;
@@ -106,9 +106,8 @@ SteadyState SteadyByPieces::solve(double omega, const SteadyOptions& options) {
     SlidingCycle map(robot_, ground_, gait_, kMaxPieces / robot_.n);
     FixedPoint point(map, promising_ && solutions_.size() > 1);
     SteadyState best = SteadyState::unknown();
-    if (start_ || !solutions_.empty()) {
-        point.start = start_ ? map.scaled(*start_) : guess(omega);
-        start_.reset();
+    if (start || !solutions_.empty()) {
+        point.start = start ? map.scaled(*start) : guess(omega);
         best = Refinement(map, point, options).refine(first_tolerance(options.rtol), accepted);
     }
     if (!best.converged) search_from_rest(map, point, accepted, options, best);

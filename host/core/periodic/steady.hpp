@@ -6,7 +6,6 @@
 // state found is the answer, with its errors.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "periodic/fixed_point.hpp"
@@ -24,9 +23,8 @@ class SteadyByPieces {
                    const SteadyByPieces& neighbour)
         : robot_(robot), ground_(ground), gait_(gait), solutions_(neighbour.solutions_) {}
 
-    // The first solution is looked for from these velocities in the body frame at phase 0.
-    void start_from(const Vec3& u) { start_ = u; }
-    SteadyState solve(double omega, const SteadyOptions& options);
+    // `start`: velocities in the body frame at phase 0 from which the search begins.
+    SteadyState solve(double omega, const SteadyOptions& options, const Vec3* start = nullptr);
 
   private:
     struct Solution {  // of an earlier rate
@@ -42,8 +40,7 @@ class SteadyByPieces {
     Robot robot_;
     Ground ground_;
     Gait gait_;
-    bool promising_ = false;  // guesses are so good that the first map may do
-    std::optional<Vec3> start_;
+    bool promising_ = false;           // guesses are so good that the first map may do
     std::vector<Solution> solutions_;  // of up to two rates, the last one last
 };
 

@@ -80,13 +80,10 @@ std::vector<SteadyState> neighbours(const SweepShape& middle, const std::vector<
     std::vector<SteadyState> states(shapes.size());
     run_parallel(shapes.size(), threads, keep_running, [&](std::size_t k) {
         const auto& [robot, ground, gait] = shapes[k];
-        if (ground.smooth()) {
-            states[k] = steady_state(shapes[k], options);
-            return 1L;
-        }
         SteadyByPieces dry(robot, ground, gait, begin);
-        if (!starts.empty()) dry.start_from(starts[k]);
-        states[k] = dry.solve(gait.omega, options);
+        const Vec3* start = starts.empty() ? nullptr : &starts[k];
+        states[k] = ground.smooth() ? steady_state(shapes[k], options)
+                                    : dry.solve(gait.omega, options, start);
         return 1L;
     });
     return states;
