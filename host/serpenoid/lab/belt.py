@@ -59,10 +59,6 @@ class Belt:
         self.pose_rad, self._offset = list(set_rad), 0.0
         self._chain.set_joints(self._joints())
 
-    def guide(self, guided: bool) -> None:
-        """Put rails at both sides of the robot, which keep its heading and place, or take them."""
-        self._chain.guide(guided)
-
     def steer(self, offset_rad: float) -> None:
         """Add an offset to every joint, while the robot is where it is."""
         self._offset = offset_rad

@@ -27,6 +27,5 @@ class Instrument:
 
 RULER_M = Instrument(step=0.005, scatter=0.002)  # laid beside the belt, read by eye
 CLOCK_S = Instrument(step=0.01, scatter=0.1)  # a stopwatch in a hand
-FILM_S = Instrument(scatter=0.015)  # of a picture in a phone's film
 EYE_RAD = Instrument(scatter=0.017)  # how far it has turned, by eye: a degree
 EYE_M = Instrument(scatter=0.005)  # how far it is off the middle

@@ -7,12 +7,12 @@ one degree on every joint turns a robot by its speed over the length of a link. 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from .belt import HALF_LENGTH_M, Belt, Sight
-from .instruments import CLOCK_S, EYE_M, EYE_RAD, FILM_S, RULER_M
+from .instruments import CLOCK_S, EYE_M, EYE_RAD, RULER_M
 
 LOOK_S, WATCH_S = 0.5, 6.0  # between looks; that a drift is watched
 STEER_STEP_RAD = math.radians(0.25)
@@ -25,10 +25,7 @@ CARRIED = 0.25  # of the belt's speed: its wheels hardly roll, the belt carries 
 # rest, and it creeps where it should stand. No reading is taken there.
 CREEP_M_S = 0.12
 CREEP_MARGIN = 1.5  # times CREEP_M_S: below it the belt is set once more
-PLACE_S, FEWEST_PLACES = 1.0, 3  # of a short reading
 FEWEST_LOOKS = 5  # of a watch: a robot that leaves before is not read
-DRIFT_M_S = 0.15  # it is gone too soon where it drifts more
-TURNED_RAD = math.radians(5.0)  # beyond it a robot is no longer held as the law has it
 # Scatter of a robot that is let go: across, m; heading, rad; speed, m/s; turning, rad/s.
 LET_GO = np.array([0.01, math.radians(2.0), 0.03, math.radians(3.0)])
 
@@ -38,7 +35,7 @@ class Station:
     """A station as it was read: belt_shown_m_s, and drift_m_s, positive uphill with the belt.
 
     turned_rad: heading at the end of the watch, by eye. offset_rad: the steering then. waited_s:
-    since the belt was set. places: (t_s, m uphill) of a short reading.
+    since the belt was set.
     """
 
     belt_shown_m_s: float
@@ -46,7 +43,6 @@ class Station:
     turned_rad: float
     offset_rad: float
     waited_s: float
-    places: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -124,44 +120,6 @@ class Person:
                 return None
             shown_m_s = nearest_m_s
         return None
-
-    def film(self, guess_m_s: float, duration_s: float) -> Station | None:
-        """Film the robot for some seconds after it was let go; None where it always runs away.
-
-        The belt need not be right: it is set anew only where the robot is carried off quickly.
-        """
-        shown_m_s = self.display.nearest(guess_m_s)
-        for _ in range(TRIES):
-            station = self._filmed(shown_m_s, duration_s)
-            if station is None:
-                return None
-            drift_m_s = station.drift_m_s
-            if abs(drift_m_s) < DRIFT_M_S and station.places:
-                return station if shown_m_s - drift_m_s > CREEP_M_S else None
-            nearest_m_s = self.display.nearest(shown_m_s - 2 * drift_m_s)
-            step_m_s = self.display.step_m_s if nearest_m_s == shown_m_s else 0.0
-            shown_m_s = nearest_m_s + step_m_s
-        return None
-
-    def _filmed(self, shown_m_s: float, duration_s: float) -> Station | None:
-        """Return a short reading, without places where the robot turned or left too soon.
-
-        The places are read off the film, every PLACE_S or so.
-        """
-        self._let_go(shown_m_s)
-        start_s = self.belt.t_s
-        looks = self._watch(shown_m_s, LOOK_S + duration_s)[1:]  # by then the hands are gone
-        straight = [abs(look.heading_rad) <= TURNED_RAD for look in looks]
-        looks = looks[: straight.index(False)] if False in straight else looks
-        if len(looks) <= 1:
-            return None
-        station = self._read(shown_m_s, looks, self._drift(looks), looks[0].t_s - start_s)
-        looks = looks[:: round(PLACE_S / LOOK_S)]
-        if len(looks) < FEWEST_PLACES:
-            return station
-        rng = self.rng
-        places = [(FILM_S.shows(s.t_s, rng), -RULER_M.shows(s.along_m, rng)) for s in looks]
-        return replace(station, places=tuple((t - places[0][0], y) for t, y in places))
 
     def _rolls(self, station: Station, slip_m_s: float) -> bool:
         """Tell whether wheels roll that fast at least, and the belt does not carry the robot."""
