@@ -25,7 +25,7 @@ import numpy as np
 from ..session.push import Push
 from ..session.session import Session
 from ..session.station import Reading
-from .parameters import Floats, Parameter, Values, Whole
+from .parameters import Floats, Integers, Parameter, Values
 
 # Assumed correlation between the setting errors of two bends. They are set one by one, but by the
 # same protractor and servos. Taken for independent (0), cn's interval covers 90 % if they are all
@@ -48,26 +48,28 @@ class Bends:
 
     lambda_rad: Floats
     share: Floats
-    posture: Whole
+    posture: Integers
     off_rad: Floats
     angle_rad: tuple[float, ...]
     errors: tuple[Parameter, ...]
 
     @classmethod
-    def of(cls, session: Session, readings: Sequence[Reading | Push], where: str = "") -> Bends:
+    def from_session(
+        cls, session: Session, readings: Sequence[Reading | Push], where: str = ""
+    ) -> Bends:
         """Take the bends of some of a session's readings; where: ends the names of their errors."""
-        given, links = session.setup.instruments, session.setup.robot.links
+        instruments, links = session.setup.instruments, session.setup.robot.links
         share = np.array([session.bent_share(r) for r in readings], dtype=float)
         bent = np.round(share * links).astype(int).tolist()
         factors = np.array([straightness_factors(links, b) for b in bent]).reshape(-1, 2).T
-        off_rad = given.joint_sigma_rad * (1.0 - share) * factors
-        posture, angles = _postures(session, readings, given.lambda_sigma_rad)
+        off_rad = instruments.joint_sigma_rad * (1.0 - share) * factors
+        posture, angles = _postures(session, readings, instruments.lambda_sigma_rad)
         errors: dict[str, Parameter] = {}
         for angle in angles:
             name = f"{BEND_ERROR}{math.degrees(angle):.4g}_deg{where}"
-            again = sum(known == name or known.startswith(name + "_again") for known in errors)
-            name += f"_again_{again}" if again else ""
-            errors[name] = Parameter(name, sigma=given.lambda_sigma_rad)
+            while name in errors:
+                name += "_again"
+            errors[name] = Parameter(name, sigma=instruments.lambda_sigma_rad)
         lambda_rad = np.array([r.lambda_rad for r in readings], dtype=float)
         return cls(lambda_rad, share, posture, off_rad, angles, tuple(errors.values()))
 
@@ -111,7 +113,7 @@ def projections(
 
 
 def resistance(
-    whole: Floats,
+    frictions: Floats,
     bent_share: Floats | float,
     angle_rad: Floats | float,
     astray_rad: Floats | float = 0.0,
@@ -121,7 +123,7 @@ def resistance(
     whole: (..., 4) frictions in the order of FRICTIONS. astray_rad: the straight links' mean
     |angle| to the way, times their share.
     """
-    ct, cn, ft0, fn0 = np.moveaxis(whole, -1, 0)[..., None]
+    ct, cn, ft0, fn0 = np.moveaxis(frictions, -1, 0)[..., None]
     by_ct, by_cn, by_ft0, by_fn0 = projections(bent_share, angle_rad)
     return ct * by_ct + cn * by_cn, ft0 * by_ft0 + fn0 * (by_fn0 + astray_rad)
 
@@ -138,8 +140,8 @@ def straightness_factors(links: int, bent: int = 0) -> tuple[float, float]:
     place = bent / 2 + np.arange(straight, dtype=float)
     joints_before = np.minimum.outer(place, place)
     steered = np.column_stack([np.ones(straight), place])
-    off = np.eye(straight) - steered @ np.linalg.pinv(steered)
-    covariance = off @ joints_before @ off.T
+    residual_maker = np.eye(straight) - steered @ np.linalg.pinv(steered)
+    covariance = residual_maker @ joints_before @ residual_maker.T
     s = np.sqrt(np.diag(covariance))
     rho = np.clip(covariance / np.outer(s, s), -1.0, 1.0)
     shape = np.sqrt(1.0 - rho**2) + rho * np.arcsin(rho) - 1.0
@@ -149,7 +151,7 @@ def straightness_factors(links: int, bent: int = 0) -> tuple[float, float]:
 
 def _postures(
     session: Session, readings: Sequence[Reading | Push], sigma_rad: float
-) -> tuple[Whole, tuple[float, ...]]:
+) -> tuple[Integers, tuple[float, ...]]:
     """Return which posture each reading was taken in (-1: straight), and the postures' angles.
 
     Bends set by one protractor check are one posture. So are bends without a check that differ by
@@ -159,20 +161,20 @@ def _postures(
 
     def check_of(reading: Reading | Push) -> int:
         """Return the last check of this bend before the reading; -1 where there is none."""
-        found = [
+        matching = [
             k
             for k, check in enumerate(checks)
             if check.number < reading.number
             and abs(check.found_rad - reading.lambda_rad) < SAME_BEND_RAD
         ]
-        return found[-1] if found else -1
+        return matching[-1] if matching else -1
 
     index = np.full(len(readings), -1, dtype=np.intp)
-    known: list[tuple[int, float]] = []
+    postures: list[tuple[int, float]] = []
     bent = [(check_of(r), r.lambda_rad, k) for k, r in enumerate(readings) if r.lambda_rad > 0.0]
     for check, angle, k in sorted(bent):
-        latest = known[-1] if known else (check, -math.inf)
+        latest = postures[-1] if postures else (check, -math.inf)
         if latest[0] != check or angle - latest[1] > max(sigma_rad, 1e-9):
-            known.append((check, angle))
-        index[k] = len(known) - 1
-    return index, tuple(angle for _, angle in known)
+            postures.append((check, angle))
+        index[k] = len(postures) - 1
+    return index, tuple(angle for _, angle in postures)

@@ -90,12 +90,12 @@ def load_fit(path: str | Path) -> FrictionFit:
     if not path.exists():
         raise BadInput(f"{path}: no such file; `serpenoid fit DIR` writes one")
     try:
-        given = read_json(path)
+        content = read_json(path)
     except BadInput as error:
         raise BadInput(f"{error}; `serpenoid fit DIR` writes it anew") from None
     try:
-        _check(given)
-        fit = FrictionFit.from_dict(given)
+        _check(content)
+        fit = FrictionFit.from_dict(content)
     except (LookupError, TypeError, ValueError, AttributeError) as error:
         what = f"{error} is missing" if isinstance(error, KeyError) else str(error)[:MAX_LETTERS]
         raise BadInput(
@@ -115,17 +115,19 @@ def hash_of(values: Mapping[str, Any]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _check(given: Mapping[str, Any]) -> None:
+def _check(content: Mapping[str, Any]) -> None:
     """Raise BadInput where the file is of another format, or not as a fit wrote it."""
-    written = check_number("format", given["format"], 1)
+    written = check_number("format", content["format"], 1)
     if not OLDEST <= written <= FORMAT:
         cure = "an older version wrote it" if written < OLDEST else "install a newer one"
         raise BadInput(
-            f"format is {given['format']}; this version reads formats {OLDEST} to {FORMAT}; {cure}"
+            f"format is {written}; this version reads formats {OLDEST} to {FORMAT}; {cure}"
         )
-    if given["method"] not in METHODS:
-        raise BadInput(f"method is {given['method']}; this version fits by {' or '.join(METHODS)}")
-    if given.get("sha256") != hash_of({k: v for k, v in given.items() if k != "sha256"}):
+    if content["method"] not in METHODS:
+        raise BadInput(
+            f"method is {content['method']}; this version fits by {' or '.join(METHODS)}"
+        )
+    if content.get("sha256") != hash_of({k: v for k, v in content.items() if k != "sha256"}):
         raise BadInput(
             "sha256 is not that of its numbers: an older version wrote it, or it was edited"
         )

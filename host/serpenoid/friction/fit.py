@@ -23,6 +23,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -32,7 +33,7 @@ from ..session.session import Session
 from .bends import COMMON_ERROR, STRAIGHTNESS
 from .notes import READING, alarms_of, check_floor, check_readings, notes_on, suspects
 from .parameters import FRICTIONS, ROUNDING, Floats, Rows
-from .posterior import COUNT, MapEstimate, Posterior, Readings, Samples
+from .posterior import COUNT, MapEstimate, Posterior, Samples
 from .result import (
     KEPT_SAMPLES,
     LEVEL,
@@ -97,7 +98,7 @@ def fit_friction(
             "are fitted by 'joint'"
         )
     if not session.on_floor:
-        check_readings(session, Stations.of(session), 3 if naive else 2)
+        check_readings(session, Stations.from_session(session), 3 if naive else 2)
     try:
         estimate = map_estimate(session)
         if session.on_floor:
@@ -117,16 +118,16 @@ def posterior_of(session: Session, slipping: bool = True) -> Posterior:
 
     slipping: whether robots without a straight link slip sideways, or roll as if they were guided.
     """
-    kinds: list[Readings] = []
+    kinds: list[Any] = []
     roundings_rad = np.empty((1, 0))
     if session.kept_stations:
-        stations = Stations.of(session)
+        stations = Stations.from_session(session)
         kinds.append(stations)
         roundings_rad = stations.rounding_samples
     if session.on_floor:
         from .pushes import Pushes
 
-        kinds.append(Pushes.of(session, slipping))
+        kinds.append(Pushes.from_session(session, slipping))
     return Posterior(tuple(kinds), roundings_rad)
 
 
@@ -150,12 +151,12 @@ def covariance_after(session: Session, estimate: MapEstimate) -> Floats:
     does not have are as before them.
     """
     posterior = posterior_of(session)
-    known = dict(zip(estimate.posterior.names, estimate.x.tolist(), strict=True))
-    x = np.array([known.get(name, 0.0) for name in posterior.names])
-    covariance = posterior.linear_about(x).at(x).covariance[:COUNT, :COUNT]
+    coordinates = dict(zip(estimate.posterior.names, estimate.x.tolist(), strict=True))
+    x = np.array([coordinates.get(name, 0.0) for name in posterior.names])
+    covariance = posterior.linear_about(x).estimate_at(x).covariance[:COUNT, :COUNT]
     belt, mass = _scale_sigmas(session, posterior)
-    whole, viscous = x[:COUNT], x[:COUNT] * VISCOUS
-    scales = mass**2 * np.outer(whole, whole) + belt**2 * np.outer(viscous, viscous)
+    frictions, viscous = x[:COUNT], x[:COUNT] * VISCOUS
+    scales = mass**2 * np.outer(frictions, frictions) + belt**2 * np.outer(viscous, viscous)
     return np.asarray(covariance + scales)
 
 
@@ -266,7 +267,7 @@ def _naive(session: Session) -> FrictionFit:
 
     from .paper_fit import two_lines
 
-    stations = Stations.of(session)
+    stations = Stations.from_session(session)
     values, covariance = two_lines(stations)
     if values.min() < 0.0:
         name = FRICTIONS[int(values.argmin())]

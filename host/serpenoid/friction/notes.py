@@ -32,17 +32,17 @@ WEAK_PRIOR = 1e-6  # information that leaves an open friction a vast error
 READING = "reading "  # begins the names of suspects that are readings
 
 
-def check_readings(session: Session, stations: Stations, least: int) -> None:
+def check_readings(session: Session, stations: Stations, min_count: int) -> None:
     """Raise BadInput if stations leave a friction open; least: readings that a part needs."""
     bent, sigma = stations.bent, stations.speed_sigma_m_s
-    _check_part(session, stations.slip_m_s[~bent], least, "straight", (sigma, 1.0))
+    _check_part(session, stations.slip_m_s[~bent], min_count, "straight", (sigma, 1.0))
     slip_m_s, posture = stations.slip_m_s[bent], stations.bends.posture[bent]
     by_bend = [slip_m_s[posture == k] for k in range(len(stations.bends.angle_rad))]
     span = MIN_SPAN_SIGMAS * sigma
-    if not any(len(slips) >= least and np.ptp(slips) >= span for slips in by_bend):
+    if not any(len(slips) >= min_count and np.ptp(slips) >= span for slips in by_bend):
         across = np.sin(stations.lambda_rad[bent])
         share = float(across.max(initial=0.0))
-        _check_part(session, slip_m_s * across, least, "bent", (sigma * share, share))
+        _check_part(session, slip_m_s * across, min_count, "bent", (sigma * share, share))
     sigma_rad = session.setup.instruments.lambda_sigma_rad
     largest = max(stations.bends.angle_rad)
     if largest <= MIN_BEND_SIGMAS * sigma_rad:
@@ -72,7 +72,7 @@ def check_floor(session: Session, estimate: MapEstimate) -> None:
     from .pushes import Pushes
 
     pushes = session.kept_pushes
-    fast = max(track.pushed_m_s for track in Pushes.of(session).tracks)
+    fast = max(track.pushed_m_s for track in Pushes.from_session(session).tracks)
     pairs = [
         ("ct and ft0", 0, 2, "pushes of the straight robot at 0.9 m/s, both ways, filmed"),
         ("cn and fn0", 1, 3, "pushes in the balanced bend of 42 degrees, both ways, filmed"),
@@ -84,12 +84,16 @@ def check_floor(session: Session, estimate: MapEstimate) -> None:
     sigma = np.sqrt(np.diag(covariance))
     for names, viscous, dry, cure in pairs:
         force = max(estimate.x[viscous] * fast + estimate.x[dry], 1e-9)
-        off = max(sigma[viscous] * fast, sigma[dry]) / force
-        if not off <= OPEN:
-            by = f"are open by {off:.0%} of the force" if off < 1.0 else "stay wholly open"
+        relative_error = max(sigma[viscous] * fast, sigma[dry]) / force
+        if not relative_error <= OPEN:
+            openness = (
+                f"are open by {relative_error:.0%} of the force"
+                if relative_error < 1.0
+                else "stay wholly open"
+            )
             raise BadInput(
-                f"{session.where}: {names} cannot be told from {len(pushes)} push(es): they {by}; "
-                f"take {cure}"
+                f"{session.where}: {names} cannot be told from {len(pushes)} push(es): they "
+                f"{openness}; take {cure}"
             )
 
 
@@ -99,17 +103,17 @@ def _advised_deg(session: Session) -> float:
 
 
 def _check_part(
-    session: Session, speed_m_s: Floats, least: int, part: str, unit: tuple[float, float]
+    session: Session, speed_m_s: Floats, min_count: int, part: str, unit: tuple[float, float]
 ) -> None:
     """Check readings and their speeds' span; unit: a speed's sigma and the belt's share in it."""
     names, pose = "ct and ft0", "straight (lambda_deg = 0)"
     if part == "bent":
         names, pose = "cn and fn0", f"with lambda_deg = {_advised_deg(session):g}"
-    if len(speed_m_s) < least:
+    if len(speed_m_s) < min_count:
         raise BadInput(
             f"{session.where}: {names} cannot be told from {len(speed_m_s)} {part} reading(s); "
-            f"they need at least {least}, {pose}, at belt speeds far apart (0.2 and 0.8 m/s, say); "
-            "take more"
+            f"they need at least {min_count}, {pose}, at belt speeds far apart (0.2 and 0.8 m/s, "
+            "say); take more"
         )
     sigma_m_s, share = unit
     spread_m_s, needed = float(np.ptp(speed_m_s)), MIN_SPAN_SIGMAS * sigma_m_s
@@ -235,8 +239,8 @@ def _floor_notes(session: Session) -> list[str]:
     notes += [
         f"All pushes{' at ' + place if place else ''} went one way: the floor may slope by "
         f"{slope_deg:.2g} degrees, and ft0 is only as sure as that. Push as often the other way."
-        for place, both in ways.items()
-        if len(both) == 1
+        for place, directions in ways.items()
+        if len(directions) == 1
     ]
     return notes
 
@@ -332,20 +336,20 @@ def _suspects_in_words(estimate: MapEstimate, refits: Mapping[str, MapEstimate |
     return _named({words: fit.chi2 for words, fit in sound.items() if score[words] < limit})
 
 
-def _named(left: Mapping[str, float]) -> str:
-    """Say what to look at; left: chi2 without each."""
-    if len(left) == 1:
-        ((words, chi2),) = left.items()
+def _named(chi2_without: Mapping[str, float]) -> str:
+    """Say what to look at; chi2_without: chi2 without each suspect."""
+    if len(chi2_without) == 1:
+        ((words, chi2),) = chi2_without.items()
         return (
             f"Without {words} chi2 would be {chi2:.1f}: look at that one first. Void it if it was "
             "misread."
         )
-    numbers = sorted(int(w.removeprefix(READING)) for w in left if w.startswith(READING))
-    others = [words for words in left if not words.startswith(READING)]
-    parts = [f"reading {_listed(list(map(str, numbers)))}"] if numbers else []
+    numbers = sorted(int(w.removeprefix(READING)) for w in chi2_without if w.startswith(READING))
+    parts = [READING + _listed(list(map(str, numbers)))] if numbers else []
+    parts += [words for words in chi2_without if not words.startswith(READING)]
     return (
-        f"Without {_listed([*parts, *others])} chi2 would be {max(left.values()):.1f} or less: "
-        "look at those first. Another reading of their series tells which one is wrong."
+        f"Without {_listed(parts)} chi2 would be {max(chi2_without.values()):.1f} or less: look at "
+        "those first. Another reading of their series tells which one is wrong."
     )
 
 

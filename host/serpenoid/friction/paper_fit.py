@@ -21,7 +21,7 @@ def friction_points(session: Session, fit: FrictionFit) -> Lines:
     "straight": v_t and F_t by Eq. 58. "bent": v_n and F_n by Eq. 61, which takes the tangential
     friction as known, here from the fit. m/s and N, whole snake.
     """
-    return points(Stations.of(session), fit.values)
+    return points(Stations.from_session(session), fit.values)
 
 
 def voided_points(session: Session, fit: FrictionFit) -> Lines:
@@ -36,7 +36,7 @@ def voided_points(session: Session, fit: FrictionFit) -> Lines:
 
 def point_errors(session: Session) -> Lines:
     """Return part -> standard deviations of friction_points' speeds and forces, each alone."""
-    data = Stations.of(session)
+    data = Stations.from_session(session)
     by_speed, by_fn0 = _across(data)
     incline_sigma_rad = np.hypot(data.incline_sigma_rad, data.shared_sigma_rad)
     pull_n = data.weight_n * np.cos(data.incline_rad) * incline_sigma_rad

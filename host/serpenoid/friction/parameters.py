@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
-Whole = NDArray[np.intp]
+Integers = NDArray[np.intp]
 Rows = NDArray[np.bool_]  # which residuals
 Values = Mapping[str, Floats]  # of each parameter, (K,)
 

@@ -13,14 +13,18 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..base.errors import NotConverged
 from ..base.particles import Student, tempered
 from .bends import BEND_ERROR, COMMON_ERROR, CORRELATION
-from .parameters import FRICTIONS, ROUNDING, Floats, Parameter, Rows, Values, Whole
+from .parameters import FRICTIONS, ROUNDING, Floats, Integers, Parameter, Rows
+
+if TYPE_CHECKING:
+    from .pushes import Pushes
+    from .stations import Stations
 
 COUNT = len(FRICTIONS)
 SAMPLES = 32768  # about the MAP estimate: an interval's end then errs by 1 % of a half width
@@ -40,28 +44,6 @@ ZERO_SIGMAS = 1e-6  # a friction of less of its standard deviation is 0
 CHORD_STEPS = 12  # of a refit, each with the slopes of the estimate of all readings
 SETTLED_CHORD_SIGMAS = 1e-4  # of the last of them
 MAX_EVALUATIONS = 200  # of the residuals, until the solver gives up
-
-
-class Readings(Protocol):
-    """The readings of one kind."""
-
-    @property
-    def parameters(self) -> tuple[Parameter, ...]:
-        """Return the parameters that these readings depend on."""
-        ...
-
-    @property
-    def numbers(self) -> Whole:
-        """Return the number of the reading that each residual belongs to."""
-        ...
-
-    def residuals(self, values: Values) -> Floats:
-        """Return the residuals (K, rows) at K values of each parameter."""
-        ...
-
-    def linear_about(self, values: Values) -> Readings:
-        """Return the readings made linear about values (1,), where they are; else themselves."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -105,14 +87,14 @@ class MapEstimate:
         solver.
         """
         posterior, x = self.posterior, self.x
-        gain = posterior.at(x, omitted).covariance @ self.slopes.T
+        gain = posterior.estimate_at(x, omitted).covariance @ self.slopes.T
         size = np.linalg.norm(self.slopes, axis=0)
         for _ in range(CHORD_STEPS):
             step = gain @ (~omitted * posterior.residuals(x[None])[0])
             x = np.maximum(x - step, posterior.low)
             if (np.abs(step) * size < SETTLED_CHORD_SIGMAS).all() and (x > posterior.low).all():
-                return posterior.at(x, omitted)
-        return posterior.at(posterior.minimum(self.x, omitted), omitted)
+                return posterior.estimate_at(x, omitted)
+        return posterior.estimate_at(posterior.minimum(self.x, omitted), omitted)
 
     @property
     def values(self) -> dict[str, Floats]:
@@ -134,8 +116,8 @@ class Samples:
     def weight_for(self, friction: int) -> Floats:
         """Return the weights (N,) by which an interval of one friction counts the samples."""
         negative = self.x[:, :COUNT] < 0.0
-        others = np.delete(negative, friction, axis=1).any(axis=1)
-        weight = self.unlimited * np.where(others, NEGATIVE_SAMPLE_WEIGHT, 1.0)
+        other_errors = np.delete(negative, friction, axis=1).any(axis=1)
+        weight = self.unlimited * np.where(other_errors, NEGATIVE_SAMPLE_WEIGHT, 1.0)
         weight = weight * ~negative[:, friction]
         return np.asarray(weight / weight.sum())
 
@@ -144,11 +126,14 @@ class Samples:
 class Posterior:
     """What readings and priors say together.
 
+    kinds: of readings, each with its parameters, the numbers of its readings, its residuals by the
+    parameters' values, and itself made linear about some, where it is.
+
     roundings_rad: samples (N, errors) of the shared roundings, which are not normal before the
     readings.
     """
 
-    kinds: tuple[Readings, ...]
+    kinds: tuple[Stations | Pushes, ...]
     roundings_rad: Floats = field(default_factory=lambda: np.empty((1, 0)))
 
     @cached_property
@@ -170,7 +155,7 @@ class Posterior:
         return np.concatenate([np.zeros(COUNT), parts])
 
     @cached_property
-    def numbers(self) -> Whole:
+    def numbers(self) -> Integers:
         """Return the reading that each residual belongs to; -1 for a prior."""
         priors = np.full(len(self.names) - COUNT, -1)
         return np.concatenate([*(kind.numbers for kind in self.kinds), priors])
@@ -203,8 +188,8 @@ class Posterior:
     def by_name(self, x: Floats) -> dict[str, Floats]:
         """Return the parameters' values at points (K, D), by their names."""
         means = [p.mean for p in self.parameters[COUNT:]]
-        others = means + x[:, COUNT:] @ self._by_coordinate.T
-        return dict(zip(self.names, (*x.T[:COUNT], *others.T), strict=True))
+        other_values = means + x[:, COUNT:] @ self._by_coordinate.T
+        return dict(zip(self.names, (*x.T[:COUNT], *other_values.T), strict=True))
 
     def residuals(self, x: Floats) -> Floats:
         """Return the residuals (K, rows) at points (K, D): of readings, then of priors."""
@@ -237,11 +222,11 @@ class Posterior:
             kinds, posterior = posterior.kinds, posterior.linear_about(x)
             moved = np.abs(step) * np.linalg.norm(posterior.slopes(x), axis=0)
             if posterior.kinds == kinds or moved.max() < SETTLED_SIGMAS:
-                return posterior.at(x)
+                return posterior.estimate_at(x)
         raise NotConverged("the fit came to no end")
 
     def minimum(self, start: Floats, omitted: Rows | None = None) -> Floats:
-        """Return where the sum of squares is least (D,), from a start; omitted: as in `at`."""
+        """Return where the sum of squares is least (D,); omitted: as for `estimate_at`."""
         from scipy.optimize import least_squares
 
         counts = np.ones((len(self.numbers), 1)) if omitted is None else ~omitted[:, None]
@@ -261,7 +246,7 @@ class Posterior:
         zero = (np.arange(len(size)) < COUNT) & (solved.x * size < ZERO_SIGMAS)
         return np.where(zero, 0.0, solved.x)
 
-    def at(self, x: Floats, omitted: Rows | None = None) -> MapEstimate:
+    def estimate_at(self, x: Floats, omitted: Rows | None = None) -> MapEstimate:
         """Return residuals and slopes at a point (D,); omitted: residuals that do not count."""
         counts = np.ones(len(self.numbers), bool) if omitted is None else ~omitted
         residuals = counts * self.residuals(x[None])[0]

@@ -10,7 +10,7 @@ from ..session.session import Session
 from .fit import map_estimate
 from .parameters import Floats
 from .pushes import Pushes
-from .rolling_law import rest, way_m
+from .rolling_law import rest_point, way_m
 
 POINTS, RESTED_S = 80, 0.2  # of a drawn law, which ends so long after its rest
 
@@ -42,17 +42,17 @@ def push_paths(session: Session) -> list[PushPath]:
         if not isinstance(pushes, Pushes):
             continue
         laws = pushes.laws(estimate.values)[0]
-        kept = zip(session.kept_pushes, pushes.tracks, laws, strict=True)
-        for k, (push, track, law) in enumerate(kept):
+        pushes_and_tracks = zip(session.kept_pushes, pushes.tracks, laws, strict=True)
+        for k, (push, track, law) in enumerate(pushes_and_tracks):
             if k in pushes.linear:
                 numbers = np.concatenate([pushes.linear[k].start, law])[None]
-                off = track.residuals(numbers)[0, : len(track.t_s)]
-                residual_m, t_s = -off * track.place_sigma_m, track.t_s
+                residuals = track.residuals(numbers)[0, : len(track.t_s)]
+                residual_m, t_s = -residuals * track.place_sigma_m, track.t_s
                 law_m = track.along_m - residual_m
             else:
                 c, f = law[:1], law[1:2] - law[2]
                 speed = track.rest_speed(c, f)
-                stop_s, stop_m = rest(speed, c, f)
+                stop_s, stop_m = rest_point(speed, c, f)
                 residual_m = track.along_m - stop_m
                 t_s = np.linspace(0.0, float(stop_s[0]) + RESTED_S, POINTS)
                 law_m = way_m(t_s, speed, c, f)

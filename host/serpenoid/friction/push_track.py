@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from .parameters import Floats
-from .rolling_law import integral, rest, way_m
+from .rolling_law import integral, rest_point, way_m
 from .slip import slipped_places
 
 MIN_SPEED_M_S = 1e-3
@@ -29,13 +29,14 @@ class PushTrack:
     """One push: the way along_m at times t_s, both from its first place.
 
     Of a push that is known by its rest alone that one way and time. sigma_m, sigma_s: of a place
-    and a time. heading_rad: of the path to the line of its floor, at each time. by: as Push's.
+    and a time. heading_rad: of the path to the line of its floor, at each time. source: film or
+    rest.
     slips: it has no straight link, and nothing guides it: then along_m is along its chord, whose
     angle to the floor's line is chord_rad, and left_m to the left of it.
     """
 
     number: int
-    by: str
+    source: str
     t_s: Floats
     along_m: Floats
     sigma_m: float
@@ -48,14 +49,14 @@ class PushTrack:
     @property
     def pushed_m_s(self) -> float:
         """Return the speed at the start, m/s, roughly."""
-        if self.by == "rest":
+        if self.source == "rest":
             return 2.0 * float(self.along_m[0] / self.t_s[0])
         far_m = 0.98 * float(self.along_m[-1])
         moving = max(int(np.searchsorted(self.along_m, far_m)) + 1, 3)
         return max(float(np.polyfit(self.t_s[:moving], self.along_m[:moving], 2)[1]), 0.05)
 
     @property
-    def told(self) -> list[int]:
+    def law_columns(self) -> list[int]:
         """Return which numbers of the law a film tells of, a residual each."""
         return [0, 1, 3] if self.slips else [0, 1]
 
@@ -74,8 +75,8 @@ class PushTrack:
         start, law = numbers[:, :-8], numbers[:, -8:]
         if self.slips:
             places_m = slipped_places(self.t_s, self.chord_rad, start, law)
-            off = (places_m - [self.along_m, self.left_m]) / self.place_sigma_m
-            return np.concatenate([off[:, 0], off[:, 1], start[:, 4:]], axis=1)
+            residuals = (places_m - [self.along_m, self.left_m]) / self.place_sigma_m
+            return np.concatenate([residuals[:, 0], residuals[:, 1], start[:, 4:]], axis=1)
         speed, place = start.T[..., None]
         c, f = law.T[:2, :, None]
         pull = law[:, 2:4]
@@ -83,30 +84,30 @@ class PushTrack:
         mean = headings.mean(axis=1, keepdims=True)
         level = f - pull @ mean
         # what a turning path feels of the slope but for that of its mean heading
-        moving = np.minimum(self.t_s, rest(speed, c, level)[0])
+        moving = np.minimum(self.t_s, rest_point(speed, c, level)[0])
         grown = np.exp(c * moving)
         faster = integral(grown * (pull @ (headings - mean)), moving) / grown
         way = place + way_m(self.t_s, speed, c, level) + integral(faster, moving)
         return np.asarray((way - self.along_m) / self.place_sigma_m)
 
-    def linear_about(self, law: Floats, near: LinearTrack | None = None) -> LinearTrack:
+    def linear_about(self, law: Floats, nearby: LinearTrack | None = None) -> LinearTrack:
         """Return what a film tells of the law near one (8,); near: what it told at another one."""
-        if near is None:
+        if nearby is None:
             start = np.append(self.pushed_m_s, np.zeros(5 if self.slips else 1))
-            near = LinearTrack(law, start, np.zeros((len(start), 8)), law[:0], law[:0])
+            nearby = LinearTrack(law, start, np.zeros((len(start), 8)), law[:0], law[:0])
             for _ in range(ROUNDS):
-                near = self.linear_about(law, near)
-        start = near.start + near.start_slopes @ (law - near.law)
+                nearby = self.linear_about(law, nearby)
+        start = nearby.start + nearby.start_slopes @ (law - nearby.law)
         start[0] = max(start[0], 0.3 * self.pushed_m_s, MIN_SPEED_M_S)
         count = len(start)
         steps = np.append(START_STEPS[:count], LAW_STEPS)
         changes = np.vstack([np.zeros_like(steps), np.diag(steps)])
         rows = self.residuals(np.concatenate([start, law]) + changes)
         slopes = (rows[1:] - rows[0]).T / steps
-        by_start, others = slopes[:, :count], np.column_stack([slopes[:, count:], rows[0]])
-        follows = -np.linalg.lstsq(by_start, others, rcond=None)[0]
-        others = others + by_start @ follows
-        told_rows = np.linalg.qr(others[:, self.told])[0].T @ others
+        by_start, columns = slopes[:, :count], np.column_stack([slopes[:, count:], rows[0]])
+        follows = -np.linalg.lstsq(by_start, columns, rcond=None)[0]
+        columns = columns + by_start @ follows
+        told_rows = np.linalg.qr(columns[:, self.law_columns])[0].T @ columns
         start = start + follows[:, -1]
         return LinearTrack(law, start, follows[:, :-1], told_rows[:, -1], told_rows[:, :-1])
 
@@ -116,31 +117,31 @@ class PushTrack:
         One of time and way is free, for the speed fits it: the part across what the speed may do
         remains.
         """
-        off, slope = self._rest(self.rest_speed(c, f), c, f)
+        residuals, slope = self._stop_errors(self.rest_speed(c, f), c, f)
         size = np.maximum(np.linalg.norm(slope, axis=0), 1e-12)
-        return np.asarray((off[1] * slope[0] - off[0] * slope[1]) / size)[:, None]
+        return np.asarray((residuals[1] * slope[0] - residuals[0] * slope[1]) / size)[:, None]
 
     def rest_speed(self, c: Floats, f: Floats) -> Floats:
         """Return the likeliest speed at the start (K,) of a push by its rest."""
         speed = np.full_like(c, self.pushed_m_s)
         for _ in range(ROUNDS):
-            off, slope = self._rest(speed, c, f)
-            step = np.sum(slope * off, axis=0) / np.maximum(np.sum(slope**2, axis=0), 1e-12)
+            residuals, slope = self._stop_errors(speed, c, f)
+            step = np.sum(slope * residuals, axis=0) / np.maximum(np.sum(slope**2, axis=0), 1e-12)
             speed = np.maximum(speed - step, np.maximum(0.3 * speed, MIN_SPEED_M_S))
         return speed
 
-    def _rest(self, speed: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats]:
+    def _stop_errors(self, speed: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats]:
         """Return way and time to rest less those measured, in sigmas, and slopes by the speed."""
         sigmas, f = np.array([[self.sigma_m], [self.sigma_s]]), np.maximum(f, MIN_DRY_M_S2)
-        time, way = rest(speed, c, f)
-        off = np.stack([way - self.along_m[0], time - self.t_s[0]])
+        time, way = rest_point(speed, c, f)
+        residuals = np.stack([way - self.along_m[0], time - self.t_s[0]])
         slopes = np.stack([speed, np.ones_like(speed)]) / (c * speed + f)
-        return off / sigmas, slopes / sigmas
+        return residuals / sigmas, slopes / sigmas
 
 
 @dataclass(frozen=True, eq=False)
 class LinearTrack:
-    """Residuals of a film near a law (8,): off (rows,) at it, and their slopes (rows, 8).
+    """Residuals of a film near a law (8,): offsets (rows,) at it, and their slopes (rows, 8).
 
     start: the push's own numbers there, and start_slopes (start, 8): how they follow the law.
     """
@@ -148,9 +149,9 @@ class LinearTrack:
     law: Floats
     start: Floats
     start_slopes: Floats
-    off: Floats
+    offsets: Floats
     slopes: Floats
 
     def residuals(self, law: Floats) -> Floats:
         """Return the residuals (K, rows) at laws (K, 8)."""
-        return np.asarray(self.off + (law - self.law) @ self.slopes.T)
+        return np.asarray(self.offsets + (law - self.law) @ self.slopes.T)

@@ -25,7 +25,7 @@ from ..session.station import slips
 from .arc import chord_places, curved_path
 from .bends import Bends, projections, resistance
 from .drift import wheels_share
-from .parameters import FRICTION_PARAMETERS, Floats, Parameter, Values, Whole, frictions_in
+from .parameters import FRICTION_PARAMETERS, Floats, Integers, Parameter, Values, frictions_in
 from .push_track import LinearTrack, PushTrack
 
 WHEELS, SCALE = "wheels_turning_over_mass", "film_scale"
@@ -47,7 +47,7 @@ class Pushes:
     tracks: tuple[PushTrack, ...]
     bends: Bends
     sign: Floats
-    place: Whole
+    place: Integers
     places: tuple[str, ...]
     mass_kg: float
     gravity_m_s2: float
@@ -57,38 +57,40 @@ class Pushes:
     linear: dict[int, LinearTrack]
 
     @classmethod
-    def of(cls, session: Session, slipping: bool = True) -> Pushes:
+    def from_session(cls, session: Session, slipping: bool = True) -> Pushes:
         """Take a session's kept pushes; slipping: as for `posterior_of`."""
         pushes, setup = session.kept_pushes, session.setup
         places = sorted({push.place for push in pushes})
-        links, given = setup.robot.links, setup.instruments
+        links, instruments = setup.robot.links, setup.instruments
         tracks = [
-            _track(p, given.push_time_sigma_s, slipping and slips(p.bend, p.lambda_rad, links))
+            _track(
+                p, instruments.push_time_sigma_s, slipping and slips(p.bend, p.lambda_rad, links)
+            )
             for p in pushes
         ]
         place = np.array([places.index(push.place) for push in pushes], dtype=np.intp)
         direction_rad = np.array([float(track.heading_rad.mean()) for track in tracks])
-        is_film = np.array([track.by == "film" for track in tracks])
+        is_film = np.array([track.source == "film" for track in tracks])
         lines_rad = [_line_rad(direction_rad[is_film & (place == k)]) for k in range(len(places))]
         tracks = [_turned(t, lines_rad[k]) for t, k in zip(tracks, place.tolist(), strict=True)]
         return cls(
             tuple(tracks),
-            Bends.of(session, pushes, "_on_floor"),
+            Bends.from_session(session, pushes, "_on_floor"),
             np.array([1.0 if push.way == "there" else -1.0 for push in pushes]),
             place,
             tuple(places),
             links * setup.robot.link_mass_kg,
             setup.laboratory.gravity_m_s2,
             wheels_share(session),
-            given.floor_slope_sigma_rad,
-            max([given.film_scale_sigma, *(push.scale_sigma or 0.0 for push in pushes)]),
+            instruments.floor_slope_sigma_rad,
+            max([instruments.film_scale_sigma, *(push.scale_sigma or 0.0 for push in pushes)]),
             {},
         )
 
     @property
     def filmed(self) -> list[int]:
         """Return the indices of films."""
-        return [k for k, track in enumerate(self.tracks) if track.by == "film"]
+        return [k for k, track in enumerate(self.tracks) if track.source == "film"]
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -107,9 +109,9 @@ class Pushes:
         return [tuple(name + end for name in SLOPES) for end in ends]
 
     @property
-    def numbers(self) -> Whole:
+    def numbers(self) -> Integers:
         """Return the push that each residual belongs to."""
-        rows = [1 if t.by == "rest" else len(t.told) for t in self.tracks]
+        rows = [1 if t.source == "rest" else len(t.law_columns) for t in self.tracks]
         return np.repeat(np.array([t.number for t in self.tracks], dtype=np.intp), rows)
 
     def laws(self, values: Values) -> Floats:
@@ -138,13 +140,13 @@ class Pushes:
 
         share: of the links that stand at these angles to the way.
         """
-        whole, astray = frictions_in(values), self.bends.astray_rad(values)
-        viscous, dry = resistance(whole, share, angles, astray)
+        frictions, astray = frictions_in(values), self.bends.astray_rad(values)
+        viscous, dry = resistance(frictions, share, angles, astray)
         wheels = values[WHEELS][:, None] if WHEELS in values else self.wheels[0]
         inert = 1.0 + wheels * projections(share, angles)[0]
         mass, scale = self.mass_kg * inert, np.ones(len(self.tracks))
         if SCALE in values:
-            is_film = [track.by == "film" for track in self.tracks]
+            is_film = [track.source == "film" for track in self.tracks]
             scale = np.where(is_film, values[SCALE][:, None], 1.0)
         return viscous / mass, dry / mass * scale, scale / inert * np.ones_like(viscous)
 
@@ -154,7 +156,7 @@ class Pushes:
         parts = []
         for k, track in enumerate(self.tracks):
             law = laws[:, k]
-            if track.by == "film":
+            if track.source == "film":
                 parts.append(self.linear[k].residuals(law))
             else:
                 parts.append(track.rest_residuals(law[:, 0], law[:, 1] - law[:, 2]))

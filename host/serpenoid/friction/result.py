@@ -21,7 +21,7 @@ T = TypeVar("T")
 UNITS = MappingProxyType({name: "N s/m" if name[0] == "c" else "N" for name in FRICTIONS})
 LEVEL = 0.95
 METHODS = "joint", "naive"
-WHOLE = "_whole"
+WHOLE_SUFFIX = "_whole"
 NOT_WEIGHED = "The robot was not weighed"
 NO_ZERO = "The inclinometer's zero was not measured"
 DOUBTFUL = 0.01  # below this p-value the stated uncertainties and the readings do not agree
@@ -30,9 +30,9 @@ KEPT_SAMPLES = 256
 SIX_DIGITS = "{:.6g}"  # of a sample, as files keep them
 
 
-def ground_of(links: int, whole: Sequence[float]) -> Ground:
+def ground_of(links: int, frictions: Sequence[float]) -> Ground:
     """Return ground per link from the whole snake's frictions, in the order of FRICTIONS."""
-    return Ground.whole_body(links, *whole)
+    return Ground.whole_body(links, *frictions)
 
 
 class Estimate(NamedTuple):
@@ -63,14 +63,16 @@ class WholeSnake(dict[str, T]):
     """
 
     @classmethod
-    def of(cls, values: Iterable[T]) -> Mapping[str, T]:
+    def from_values(cls, values: Iterable[T]) -> Mapping[str, T]:
         """Return a map of values in the order of FRICTIONS, which nobody changes."""
-        return MappingProxyType(cls(zip((n + WHOLE for n in FRICTIONS), values, strict=True)))
+        return MappingProxyType(
+            cls(zip((n + WHOLE_SUFFIX for n in FRICTIONS), values, strict=True))
+        )
 
     def __missing__(self, name: str) -> T:
         if name not in FRICTIONS:
             raise KeyError(name)
-        return self[name + WHOLE]
+        return self[name + WHOLE_SUFFIX]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -151,12 +153,12 @@ class FrictionFit(Plottable):
     def parameters(self) -> Mapping[str, Estimate]:
         """Return name -> (value, sigma): ct_whole, cn_whole, N s/m, ft0_whole, fn0_whole, N."""
         sigmas = np.sqrt(np.maximum(np.diag(self.covariance), 0.0)).tolist()
-        return WholeSnake.of(map(Estimate, self.values.tolist(), sigmas))
+        return WholeSnake.from_values(map(Estimate, self.values.tolist(), sigmas))
 
     @property
     def intervals(self) -> Mapping[str, tuple[float, float]]:
         """Return name -> (low, high) at 95 %."""
-        return WholeSnake.of((low, high) for low, high in self.ends.tolist())
+        return WholeSnake.from_values((low, high) for low, high in self.ends.tolist())
 
     @property
     def ground(self) -> Ground:
@@ -221,7 +223,7 @@ class FrictionFit(Plottable):
         """Return friction of one link, whether the readings agree, and the notes."""
         links = self.robot.links
         parts = [f"{r.name} {r.value / links:.4g} {r.unit}" for r in self.rows()]
-        text = ", ".join(parts).replace(WHOLE, "")
+        text = ", ".join(parts).replace(WHOLE_SUFFIX, "")
         notes = [f"note: {note}" for note in self.notes]
         agree = f"{self.session_name}, {self.method} fit: {self.chi2_in_words}"
         return [f"each of {links} links: {text}", agree, *notes]
@@ -245,7 +247,7 @@ class FrictionFit(Plottable):
     def rows(self) -> list[Row]:
         """Return a table's lines, one a parameter of the whole snake."""
         return [
-            Row(name, UNITS[name.removesuffix(WHOLE)], value, *self.intervals[name], sigma)
+            Row(name, UNITS[name.removesuffix(WHOLE_SUFFIX)], value, *self.intervals[name], sigma)
             for name, (value, sigma) in self.parameters.items()
         ]
 
@@ -283,26 +285,26 @@ class FrictionFit(Plottable):
         }
 
     @classmethod
-    def from_dict(cls, given: Mapping[str, Any]) -> FrictionFit:
+    def from_dict(cls, content: Mapping[str, Any]) -> FrictionFit:
         """Return the fit that `to_dict` gave; files of format 2 have more draws."""
-        parts = list(given["parameters"].values())
-        nuisances = {name: Estimate(**part) for name, part in given["nuisances"].items()}
+        parts = list(content["parameters"].values())
+        nuisances = {name: Estimate(**part) for name, part in content["nuisances"].items()}
         without = ("reading", "chi2_without", "shift_in_sigmas")
         return cls(
-            given["method"],
-            Robot(**given["robot"]),
+            content["method"],
+            Robot(**content["robot"]),
             np.array([part["value"] for part in parts]),
-            np.array(given["covariance"]["values"]),
+            np.array(content["covariance"]["values"]),
             np.array([part["interval"] for part in parts]),
-            np.array([row[:4] for row in given["draws"]["values"]]),
-            given["chi2"],
-            given["dof"],
+            np.array([row[:4] for row in content["draws"]["values"]]),
+            content["chi2"],
+            content["dof"],
             MappingProxyType(nuisances),
-            tuple(given["residuals"]),
-            tuple(Influence(*(each[key] for key in without)) for each in given["influence"]),
-            tuple(given["notes"]),
-            tuple(given["alarms"]),
-            **{"session_" + key: text for key, text in given["session"].items()},
+            tuple(content["residuals"]),
+            tuple(Influence(*(entry[key] for key in without)) for entry in content["influence"]),
+            tuple(content["notes"]),
+            tuple(content["alarms"]),
+            **{"session_" + key: text for key, text in content["session"].items()},
         )
 
 

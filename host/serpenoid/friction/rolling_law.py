@@ -22,7 +22,7 @@ SERIES_OF_Q = (1 / 2, -1 / 6, 1 / 24, -1 / 120, 1 / 720, -1 / 5040, 1 / 40320)
 SERIES_OF_TIME, SERIES_OF_WAY = (1.0, -1 / 2, 1 / 3, -1 / 4, 1 / 5), (1 / 2, -1 / 3, 1 / 4, -1 / 5)
 
 
-def rest(v0: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats]:
+def rest_point(v0: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats]:
     """Return when a body rests, s, and after what way, m.
 
     Infinite where f is not above 0; 0, where v0 is not: a fit may try that.
@@ -31,10 +31,10 @@ def rest(v0: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats]:
     safe = np.where(stops, f, 1.0)
     w = np.where(stops, c * v0 / safe, 0.0)
     small = np.abs(w) < 1e-3
-    far = np.where(small, 1.0, w)
-    log = np.log1p(far) / far
+    large = np.where(small, 1.0, w)
+    log = np.log1p(large) / large
     time = v0 / safe * np.where(small, polyval(w, SERIES_OF_TIME), log)
-    way = v0**2 / safe * np.where(small, polyval(w, SERIES_OF_WAY), (1.0 - log) / far)
+    way = v0**2 / safe * np.where(small, polyval(w, SERIES_OF_WAY), (1.0 - log) / large)
     return np.where(stops, time, np.inf), np.where(stops, way, np.inf)
 
 
@@ -43,7 +43,7 @@ def way_m(t_s: Floats, v0: Floats, c: Floats, f: Floats) -> Floats:
 
     All arguments (K,), v0, c and f also (1,).
     """
-    rolled = np.clip(t_s, 0.0, rest(v0, c, f)[0])
+    rolled = np.clip(t_s, 0.0, rest_point(v0, c, f)[0])
     p, q = shapes(c * rolled)
     return v0 * rolled * p - f * rolled**2 * q + v0 * np.minimum(t_s, 0.0)
 
@@ -51,8 +51,8 @@ def way_m(t_s: Floats, v0: Floats, c: Floats, f: Floats) -> Floats:
 def shapes(z: Floats) -> tuple[Floats, Floats]:
     """Return p and q."""
     small = np.abs(z) < SERIES_LIMIT
-    far = np.where(small, 1.0, z)
-    q = np.where(small, polyval(z, SERIES_OF_Q), (far - 1.0 + np.exp(-far)) / far**2)
+    large = np.where(small, 1.0, z)
+    q = np.where(small, polyval(z, SERIES_OF_Q), (large - 1.0 + np.exp(-large)) / large**2)
     return 1.0 - z * q, q
 
 

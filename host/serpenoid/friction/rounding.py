@@ -15,14 +15,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from .parameters import Floats, Whole
+from .parameters import Floats, Integers
 
 STEP_SIGMA = 0.01  # of a treadmill's step, relative
 SAMPLES = 1024
 _TRIALS = 256
 _LEAST_STEP = 1.5  # of the treadmill in the inclinometer's; below, set points cannot be told apart
 _ON_GRID, _SLACK = 0.02, 0.1  # in steps of the inclinometer
-_GOLDEN = (5**0.5 - 1) / 2
+GOLDEN_RATIO = (5**0.5 - 1) / 2  # whose multiples are spread evenly
 
 
 def shown_step_rad(shown_rad: Floats, sigma_rad: float) -> float | None:
@@ -39,35 +39,32 @@ def shown_step_rad(shown_rad: Floats, sigma_rad: float) -> float | None:
     return None
 
 
-def set_points(shown_rad: Floats, step_rad: float, grade_step: float) -> Whole | None:
+def set_points(shown_rad: Floats, step_rad: float, grade_step: float) -> Integers | None:
     """Return which of its steps the treadmill stood at, from any one; None where it had none."""
     if grade_step < _LEAST_STEP * step_rad:
         return None
     grade = np.tan(shown_rad)[:, None] - grade_step * np.arange(_TRIALS) / _TRIALS
     nearest = np.round(grade / grade_step)
-    off = np.abs(grade - nearest * grade_step).max(axis=0)
-    best = int(off.argmin())
-    if off[best] > (0.5 + _SLACK) * step_rad + grade_step / _TRIALS:
+    distance = np.abs(grade - nearest * grade_step).max(axis=0)
+    best = int(distance.argmin())
+    if distance[best] > (0.5 + _SLACK) * step_rad + grade_step / _TRIALS:
         return None
     return nearest[:, best].astype(np.intp)
 
 
-def _phases(set_point: Whole, step_rad: float, grade_step: float) -> tuple[Floats, Floats]:
+def _phases(set_point: Integers, step_rad: float, grade_step: float) -> tuple[Floats, Floats]:
     """Return the first point's (SAMPLES,) phases, and those of all, (SAMPLES, points), in steps."""
+    from scipy.special import ndtri
+
     even = (np.arange(SAMPLES) + 0.5) / SAMPLES
-    scale = 1.0 + STEP_SIGMA * _normal(_GOLDEN)
+    scale = 1.0 + STEP_SIGMA * ndtri((np.arange(SAMPLES) * GOLDEN_RATIO + 0.5) % 1.0)
     true = scale[:, None] * np.arctan(grade_step * set_point) / step_rad
     return even, even[:, None] + true - true[:, :1]
 
 
-def _normal(irrational: float) -> Floats:
-    """Return SAMPLES samples of a normal distribution, evenly spread."""
-    from scipy.special import ndtri
-
-    return np.asarray(ndtri((np.arange(SAMPLES) * irrational + 0.5) % 1.0), dtype=np.float64)
-
-
-def shared_rounding(shown_rad: Floats, sigma_rad: float, grade_step: float) -> tuple[Whole, Floats]:
+def shared_rounding(
+    shown_rad: Floats, sigma_rad: float, grade_step: float
+) -> tuple[Integers, Floats]:
     """Return which shared rounding error each reading has (-1: none), and samples of them, rad.
 
     The samples are (SAMPLES, errors). Readings of one set point that showed the same share an
@@ -75,11 +72,11 @@ def shared_rounding(shown_rad: Floats, sigma_rad: float, grade_step: float) -> t
     is shared where the readings do not lie on the inclinometer's steps, or not on the treadmill's:
     then nothing tells that their errors go together.
     """
-    alone = np.full(len(shown_rad), -1, dtype=np.intp), np.empty((SAMPLES, 0))
+    none_shared = np.full(len(shown_rad), -1, dtype=np.intp), np.empty((SAMPLES, 0))
     step_rad = shown_step_rad(shown_rad, sigma_rad) if len(shown_rad) else None
     points = None if step_rad is None else set_points(shown_rad, step_rad, grade_step)
     if step_rad is None or points is None:
-        return alone
+        return none_shared
     shown = np.round(shown_rad / step_rad).astype(np.intp)
     groups, index = np.unique(np.column_stack([points, shown]), axis=0, return_inverse=True)
     even, phase = _phases(groups[:, 0], step_rad, grade_step)
@@ -101,8 +98,8 @@ def nearest_shown(
     points = None if step_rad is None else set_points(shown_rad, step_rad, grade_step)
     if step_rad is None or points is None:
         return wanted_rad
-    off = np.tan(shown_rad) - grade_step * points
-    middle = float(off.max() + off.min()) / 2
+    offsets = np.tan(shown_rad) - grade_step * points
+    middle = float(offsets.max() + offsets.min()) / 2
     grade = grade_step * np.round((np.tan(wanted_rad) - middle) / grade_step)
     same = np.flatnonzero(points == np.round(grade / grade_step))
     if len(same):

@@ -19,8 +19,8 @@ import math
 
 import numpy as np
 
-from .parameters import Floats, Whole
-from .rolling_law import integral, rest, way_m
+from .parameters import Floats, Integers
+from .rolling_law import integral, rest_point, way_m
 
 MOMENTS = 200  # of the motion, equally spaced: its integrals are then right to 1e-5 m
 # Standard deviations of how hands let go: of the axis to the push, and of its turning. With less,
@@ -50,7 +50,7 @@ def slipped_places(t_s: Floats, chord_rad: float, start: Floats, law: Floats) ->
         return (first + integral(grown * push, t)) / grown
 
     level = f - pull(axis_rad)[0]
-    t = np.minimum(rest(speed, c, level)[0], t_s[-1]) * np.linspace(0.0, 1.0, MOMENTS)
+    t = np.minimum(rest_point(speed, c, level)[0], t_s[-1]) * np.linspace(0.0, 1.0, MOMENTS)
     turn = TURNING_RAD_S * turning * np.exp(-c_across * t)
     heading = axis_rad + integral(turn, t)
     v = slowed(speed, c, -level)
@@ -80,6 +80,6 @@ def _crossing(values: Floats) -> Floats:
 
 def _between(values: Floats, moment: Floats) -> Floats:
     """Return values (K, M) at moments (K, T) between two of them."""
-    first: Whole = np.clip(moment, 0, MOMENTS - 2).astype(np.intp)
+    first: Integers = np.clip(moment, 0, MOMENTS - 2).astype(np.intp)
     low, high = (np.take_along_axis(values, first + k, axis=1) for k in (0, 1))
     return low + (moment - first) * (high - low)

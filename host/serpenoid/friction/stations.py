@@ -26,9 +26,9 @@ from .parameters import (
     FRICTION_PARAMETERS,
     ROUNDING,
     Floats,
+    Integers,
     Parameter,
     Values,
-    Whole,
     frictions_in,
 )
 from .rounding import shared_rounding
@@ -55,13 +55,13 @@ class Stations:
     where pushes beside the stations tell it; else 0.
     """
 
-    numbers: Whole
+    numbers: Integers
     bends: Bends
     incline_rad: Floats
     slip_m_s: Floats
     incline_sigma_rad: Floats
     speed_sigma_m_s: float
-    rounding: Whole
+    rounding: Integers
     rounding_samples: Floats
     weight_n: float
     zero_sigma_rad: float
@@ -71,30 +71,33 @@ class Stations:
     belt_sigma: float
 
     @classmethod
-    def of(cls, session: Session) -> Stations:
+    def from_session(cls, session: Session) -> Stations:
         """Take a session's kept stations."""
-        kept, given, zero = session.kept_stations, session.setup.instruments, session.zero
+        instruments, zero = session.setup.instruments, session.zero
+        kept_stations = session.kept_stations
         belt, belt_sigma = session.belt_scale
-        shown_rad = np.array([r.incline_rad for r in kept], dtype=float)
+        shown_rad = np.array([r.incline_rad for r in kept_stations], dtype=float)
         rounding, samples = shared_rounding(
-            shown_rad, given.incline_sigma_rad, given.incline_step_rad
+            shown_rad, instruments.incline_sigma_rad, instruments.incline_step_rad
         )
         drifts: dict[int, Drift] = {}
-        if any(reading.places for reading in kept):
+        if any(reading.places for reading in kept_stations):
             from .drift import drifts_of
 
             drifts = drifts_of(session)
-        inertia_n, sigma_n = np.zeros((2, len(kept)))
+        inertia_n, sigma_n = np.zeros((2, len(kept_stations)))
         for k, drift in drifts.items():
             inertia_n[k] = -drift.force_n(np.zeros(1))[0]
             sigma_n[k] = drift.force_sigma_n
         return cls(
-            numbers=np.array([r.number for r in kept], dtype=np.intp),
-            bends=Bends.of(session, kept),
+            numbers=np.array([r.number for r in kept_stations], dtype=np.intp),
+            bends=Bends.from_session(session, kept_stations),
             incline_rad=shown_rad - zero.value_rad,
-            slip_m_s=np.array([belt * r.belt_speed_m_s - r.drift_m_s for r in kept], dtype=float),
-            incline_sigma_rad=np.where(rounding < 0, given.incline_sigma_rad, 0.0),
-            speed_sigma_m_s=given.belt_speed_sigma_m_s,
+            slip_m_s=np.array(
+                [belt * r.belt_speed_m_s - r.drift_m_s for r in kept_stations], dtype=float
+            ),
+            incline_sigma_rad=np.where(rounding < 0, instruments.incline_sigma_rad, 0.0),
+            speed_sigma_m_s=instruments.belt_speed_sigma_m_s,
             rounding=rounding,
             rounding_samples=samples,
             weight_n=session.setup.weight_n,

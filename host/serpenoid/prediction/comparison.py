@@ -251,9 +251,9 @@ def compare(
         gait: np.mean([slope_doubts[run.number] for run in crawl.runs], axis=0)
         for gait, crawl in crawls.items()
     }
-    told = {gait: float(share.std()) for gait, share in slope_shares.items() if slope_text}
+    slope_sigmas = {gait: float(share.std()) for gait, share in slope_shares.items() if slope_text}
     shown = [
-        _compared(fit, gait, band, crawls.get(gait), told.get(gait, 0.0))
+        _compared(fit, gait, band, crawls.get(gait), slope_sigmas.get(gait, 0.0))
         for gait, band in bands.items()
     ]
     judged = [gait for gait, row in zip(asked_gaits, shown, strict=True) if row.judged]

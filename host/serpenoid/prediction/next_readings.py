@@ -11,7 +11,7 @@ import numpy as np
 from ..friction.bends import resistance
 from ..friction.notes import SAFE_BEND_SIGMAS
 from ..friction.posterior import MapEstimate
-from ..friction.rolling_law import rest, way_m
+from ..friction.rolling_law import rest_point, way_m
 from ..friction.rounding import nearest_shown
 from ..session.push import WAYS, Push
 from ..session.session import Session
@@ -170,7 +170,7 @@ def _pair_of_pushes(
 ) -> tuple[Push, ...]:
     """Return a push each way, as they would be seen; law: c and f of v' = -(c v + f)."""
     start = np.array([[PUSH_M_S], [law[0]], [law[1]]])
-    rest_s, rest_m = (float(part[0]) for part in rest(*start))
+    rest_s, rest_m = (float(part[0]) for part in rest_point(*start))
     place, bend = session.kept_pushes[-1].place, session.setup.plan.bend
     common = {"lambda_rad": angle, "bend": bend, "place": place}
     if not filmed:
