@@ -106,13 +106,15 @@ def default_setup(name: str) -> Setup:
     )
 
 
-def ask_answers(asker: Asker, setup: Setup, options: Mapping[str, Any], on: str) -> dict[str, Any]:
+def ask_answers(
+    asker: Asker, setup: Setup, options: Mapping[str, Any], place: str
+) -> dict[str, Any]:
     """Return the options of `calibrate new` with those that a person types; raises Quit."""
 
     def fill() -> dict[str, Any]:
         answers = dict(options)
         for key, words in QUESTIONS.items():
-            if key not in ELSEWHERE[on] and answers.get(key) is None:
+            if key not in ELSEWHERE[place] and answers.get(key) is None:
                 answers[key] = _answer(asker, setup, key, words)
         return answers
 

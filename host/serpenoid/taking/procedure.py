@@ -286,9 +286,9 @@ def _gait_run(session: Session, skipped: Set[str]) -> Step | None:
         runs = [
             run
             for run in session.kept_crawls
-            if abs(run.alpha_rad - gait.alpha_rad) < 1e-3
-            and abs(run.beta_rad - gait.beta_rad) < 1e-3
-            and abs(run.omega_rad_s / gait.omega_rad_s - 1) < 0.05
+            if math.isclose(run.alpha_rad, gait.alpha_rad, abs_tol=1e-3)
+            and math.isclose(run.beta_rad, gait.beta_rad, abs_tol=1e-3)
+            and math.isclose(run.omega_rad_s, gait.omega_rad_s, rel_tol=0.05)
         ]
         key = f"gait {number}.{len(runs) + 1}"
         if len(runs) >= plan.gait_runs or skipped & {key, f"gait {number}"}:

@@ -18,6 +18,7 @@ from ..session.track import Samples
 
 Doubts = list[tuple[Field, Range]]  # numbers that are outside the range that was expected
 STEEPER_PER_RAD = 1.4  # a bend of the 2005 robot multiplies its friction by some 1 + 1.4 lambda
+SAME_SINE = 1e-4  # of inclines: no line goes through stations at one incline
 NEAR_DEG = 2.5  # of a planned bend; twice as much at the protractor raises no doubt
 
 
@@ -135,7 +136,7 @@ def line_of(session: Session, bend_deg: float) -> Line | None:
     stations = taken_in(session, bend_deg)
     gravity = session.setup.laboratory.gravity_m_s2
     sines = np.array([station.balance_sine(gravity) for station in stations])
-    if len(sines) < 2 or np.ptp(sines) < 1e-4:
+    if not len(sines) or np.ptp(sines) < SAME_SINE:
         return None
     speeds = np.array([station.slip_speed_m_s for station in stations])
     slope = float(np.polyfit(sines, speeds, 1)[0])

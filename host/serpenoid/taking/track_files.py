@@ -182,10 +182,10 @@ def read_track_file(path: Path, unit: str | None = None, *, pushed: bool = True)
         speed_m_s, way_m = speed_and_way(track)
         if unit is None and None in lengths:
             likely = likely_units(speed_m_s, way_m) if pushed else []
-            some = f"; likely: {', '.join(likely)}" if likely else ""
+            likely_words = f"; likely: {', '.join(likely)}" if likely else ""
             raise BadInput(
                 f"its lengths have no unit ({x.name}); say it, by --unit or behind the file's name "
-                f"at the prompt: one of {', '.join(LENGTH_UNITS)}{some}"
+                f"at the prompt: one of {', '.join(LENGTH_UNITS)}{likely_words}"
             )
         named = unit if x.unit is None else _UNITS[x.unit.casefold()]
         if pushed and (objection := unlikely_push(speed_m_s, way_m, named or "m")):

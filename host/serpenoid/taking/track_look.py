@@ -145,7 +145,7 @@ def speeds(track: Floats) -> Floats:
     t = track[:, 0]
     low = np.searchsorted(t, t - PIECE_S / 2)
     high = np.searchsorted(t, t + PIECE_S / 2, side="right") - 1
-    sparse = high - low < 2  # where pictures are missing
+    sparse = high - low <= 1  # where pictures are missing
     low, high = np.maximum(low - sparse, 0), np.minimum(high + sparse, len(t) - 1)
     t_s, x_m, y_m = (track[high] - track[low]).T
     return np.asarray(np.hypot(x_m, y_m) / t_s)
