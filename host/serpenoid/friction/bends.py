@@ -33,6 +33,7 @@ from .parameters import Floats, Integers, Parameter, Values
 CORRELATION = 0.25
 BEND_ERROR, COMMON_ERROR = "lambda_offset_rad_at_", "common error of bends"
 STRAIGHTNESS = "straight links' mean angle"
+STEERED_LINKS = 2  # straight ones lie along any path that is steered
 SAME_BEND_RAD = math.radians(1e-3)  # between two bends written down with four decimals
 
 
@@ -135,7 +136,7 @@ def straightness_factors(links: int, bent: int = 0) -> tuple[float, float]:
     links lie along any path that is steered: 0 and 0.
     """
     straight = links - bent
-    if straight < 3:
+    if straight <= STEERED_LINKS:
         return 0.0, 0.0
     place = bent / 2 + np.arange(straight, dtype=float)
     joints_before = np.minimum.outer(place, place)

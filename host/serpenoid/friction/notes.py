@@ -18,6 +18,7 @@ from .stations import ZERO, ZERO_SIGMA_RAD, Stations
 
 APART_CHI2 = 2 * math.log(10.0)  # one suspect is then ten times as likely as another
 MOVED_SIGMAS = 2.0  # of its difference, beyond which a zero that moved is told
+MIN_FILMS = 3  # of one place, that tell which of them went the other way
 NEGATIVE_SIGMAS = 3.0  # below 0, from which a friction is an alarm
 WEAK = 0.25  # relative standard deviation of a friction that is known only roughly
 ADVISED_LAMBDA_DEG = 15.0
@@ -260,7 +261,7 @@ def _turned_round(session: Session) -> list[int]:
     turned = []
     for numbered in ways.values():
         usual = np.median(list(numbered.values()), axis=0)
-        if len(numbered) > 2:
+        if len(numbered) >= MIN_FILMS:
             turned += [number for number, way in numbered.items() if way @ usual < 0.0]
     return sorted(turned)
 

@@ -18,6 +18,7 @@ from numpy.polynomial.polynomial import polyval
 from .parameters import Floats
 
 SERIES_LIMIT = 0.05  # of c t, below which the series are exact to 1e-10
+REST_SERIES_LIMIT = 1e-3  # of w, the same
 SERIES_OF_Q = (1 / 2, -1 / 6, 1 / 24, -1 / 120, 1 / 720, -1 / 5040, 1 / 40320)
 SERIES_OF_TIME, SERIES_OF_WAY = (1.0, -1 / 2, 1 / 3, -1 / 4, 1 / 5), (1 / 2, -1 / 3, 1 / 4, -1 / 5)
 
@@ -30,7 +31,7 @@ def rest_point(v0: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats]:
     stops, v0 = f > 0.0, np.maximum(v0, 0.0)
     safe = np.where(stops, f, 1.0)
     w = np.where(stops, c * v0 / safe, 0.0)
-    small = np.abs(w) < 1e-3
+    small = np.abs(w) < REST_SERIES_LIMIT
     large = np.where(small, 1.0, w)
     log = np.log1p(large) / large
     time = v0 / safe * np.where(small, polyval(w, SERIES_OF_TIME), log)

@@ -299,14 +299,11 @@ def _joints_as_filmed(crawl: Crawls) -> str:
     """Return how far the joints of a filmed gait moved, which its prediction takes."""
     if not crawl.films:
         return ""
-    numbers = [str(film.number) for film in crawl.films]
-    films = (
-        f"Films {' and '.join(numbers)} show" if len(numbers) > 1 else f"Film {numbers[0]} shows"
-    )
+    numbers = " and ".join(str(film.number) for film in crawl.films)
     gain = float(np.mean([film.mean_gain for film in crawl.films]))
-    sigma = math.sqrt(sum(film.gain_sigma**2 for film in crawl.films)) / len(crawl.films)
+    sigma = math.hypot(*(film.gain_sigma for film in crawl.films)) / len(crawl.films)
     return (
-        f"{films} joints at {100 * gain:.1f} ± {100 * sigma:.1f} % of the commanded amplitude; the "
+        f"Joints in film {numbers} reach {gain:.1%} ± {sigma:.1%} of the commanded amplitude; the "
         "prediction takes them as filmed."
     )
 

@@ -48,7 +48,7 @@ def test_a_filmed_gait_is_predicted_with_its_joints_as_filmed(folder) -> None:
     fit = sn.fit_friction(session)
     found = sn.compare(session, fit, samples=16, servo=None)
     (film,), (gait,) = session.kept_films, found.gaits
-    assert "Film 12 shows joints at 92.9 ± 0.1 % of the commanded amplitude" in found.verdict_text
+    assert "Joints in film 12 reach 92.9% ± 0.1% of the commanded amplitude" in found.verdict_text
     filmed = sn.steady_gait(fit.robot, fit.ground, film.gait)
     assert gait.exact_m_s == pytest.approx(filmed.speed_m_s, rel=1e-5)
     assert gait.low_all_m_s == pytest.approx(gait.low_m_s)  # the amplitude is known
