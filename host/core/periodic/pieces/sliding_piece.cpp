@@ -22,6 +22,7 @@ Vec3 cross(const Vec3& a, const Vec3& b) {
 
 // Solve S x = x, S the Gram matrix of up to three rows with these weights; zero where it has none.
 void solve_gram(const Vec3* g, int count, const Vec3& weight, Vec3& x) {
+    if (count == 0) return;
     Mat3 S = identity3();
     for (int a = 0; a < count; ++a)
         for (int b = 0; b < count; ++b) {
@@ -270,7 +271,9 @@ double SlidingPiece::error(const Vec3& scale) const {
         for (int i = 0; i < 3; ++i) g[a][i] /= scale[i];
     }
     const Vec3 x = least_squares(g, mode_->count, Q);
-    const Vec3 drift = correction(s + 1, *mode_, velocity(node_[s + 1], momenta(kBetween)));
+    const Vec3 drift = mode_->count == 0
+                           ? Vec3{}
+                           : correction(s + 1, *mode_, velocity(node_[s + 1], momenta(kBetween)));
     double unbalanced = 0, force = 0, outweighs = 0, drifted = 0;
     for (int a = 0; a < mode_->count; ++a) {
         const double bound = law(mode_->stuck[a]).bound / grip(mode_->stuck[a]);
@@ -305,11 +308,13 @@ std::array<double, SlidingPiece::s> SlidingPiece::rate_weights(double x) const {
 }
 
 Vec3 SlidingPiece::rate(double x) const {
+    const auto& D = Rule::get().rate;
     const auto w = rate_weights(x);
     Vec3 r{};
-    for (int j = 0; j < s; ++j) {
-        const Vec3 v = stage_rate(j);
-        for (int i = 0; i < 3; ++i) r[i] += w[j] / h_ * v[i];
+    for (int k = 0; k < s; ++k) {
+        double weight = 0;
+        for (int j = 0; j < s; ++j) weight += w[j] * D[j * s + k] / h_;
+        for (int i = 0; i < 3; ++i) r[i] += weight * (Y_[k][i] - p0_[i]);
     }
     return r;
 }

@@ -24,7 +24,7 @@ WorkMeter::WorkMeter(const Robot& robot, const Gait& gait, SlidingPiece& piece,
 void WorkMeter::start(bool active, double tolerance) {
     constexpr double kBlock = 4.5;       // rad, at a tolerance of 1
     constexpr double kMinSmooth = 0.08;  // rad
-    constexpr double kMinDry = 0.2;      // rad
+    constexpr double kMinDry = 0.25;     // rad
     constexpr double kMaxBlock = 0.5;    // rad: a joint's power changes its sign every pi / 2
     active_ = active;
     max_block_ = std::clamp(kBlock * std::pow(tolerance, 0.25),
