@@ -27,23 +27,52 @@ if TYPE_CHECKING:
     from .stations import Stations
 
 COUNT = len(FRICTIONS)
-SAMPLES = 32768  # about the MAP estimate: an interval's end then errs by 1 % of a half width
-MAX_RESIDUALS = 2**21  # of all these samples; with more of a sample there are fewer of them
-MIN_SAMPLES = 4096
-PARTICLES = 4096  # of sequential Monte Carlo, where samples about the estimate are worth too few
-MIN_INDEPENDENT = 2000.0  # samples of equal weight that the weighted ones must be worth
-BLOCK_RESIDUALS = 2**15  # as many as a processor's own memory holds
-DIFFERENCE = 1e-5  # relative step of a parameter, for slopes
-MIN_SCALE = 0.1  # of a friction, whose step is relative to that at least
-MAX_ROUNDS = 60  # of linear films; most need 5, those of robots that slip 10
-WHOLE_ROUNDS = 6  # then a half, a third ... of each step: those that slip are not quite smooth
-SETTLED_SIGMAS = 1e-2  # of a round's last step: the next one is the square of that
 NEGATIVE_SAMPLE_WEIGHT = 0.25  # Weight of a sample in which another friction is negative. With 0,
 # intervals were too narrow in sessions where that friction is 0, with 1 too wide.
-ZERO_SIGMAS = 1e-6  # a friction of less of its standard deviation is 0
-CHORD_STEPS = 12  # of a refit, each with the slopes of the estimate of all readings
-SETTLED_CHORD_SIGMAS = 1e-4  # of the last of them
-MAX_EVALUATIONS = 200  # of the residuals, until the solver gives up
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """How many samples a posterior has.
+
+    count: about the estimate, where an interval's end errs by 1 % of a half width; with more than
+    max_residuals in all there are fewer, but min_count. min_independent: of equal weight, that the
+    weighted ones must be worth; else there are so many particles of sequential Monte Carlo.
+    block_residuals: at a time, as many as a processor's own memory holds.
+    """
+
+    count: int = 32768
+    max_residuals: int = 2**21
+    min_count: int = 4096
+    particles: int = 4096
+    min_independent: float = 2000.0
+    block_residuals: int = 2**15
+
+
+@dataclass(frozen=True)
+class Solving:
+    """How the estimate is sought.
+
+    difference: relative step of a parameter for slopes, of a friction relative to min_friction at
+    least. max_rounds: of linear films; most need 5, those of robots that slip 10. whole_rounds:
+    then a half, a third ... of each step, for those that slip are not quite smooth. settled_sigmas:
+    of a round's last step; the next one is the square of that. zero_sigmas: a friction of less of
+    its standard deviation is 0. refit_steps: each with the slopes of the estimate of all readings,
+    the last of refit_sigmas at most. max_evaluations: of residuals, until the solver gives up.
+    """
+
+    difference: float = 1e-5
+    min_friction: float = 0.1
+    max_rounds: int = 60
+    whole_rounds: int = 6
+    settled_sigmas: float = 1e-2
+    zero_sigmas: float = 1e-6
+    refit_steps: int = 12
+    refit_sigmas: float = 1e-4
+    max_evaluations: int = 200
+
+
+SAMPLING, SOLVING = Sampling(), Solving()
 
 
 @dataclass(frozen=True)
@@ -89,10 +118,10 @@ class MapEstimate:
         posterior, x = self.posterior, self.x
         gain = posterior.estimate_at(x, omitted).covariance @ self.slopes.T
         size = np.linalg.norm(self.slopes, axis=0)
-        for _ in range(CHORD_STEPS):
+        for _ in range(SOLVING.refit_steps):
             step = gain @ (~omitted * posterior.residuals(x[None])[0])
             x = np.maximum(x - step, posterior.low)
-            if (np.abs(step) * size < SETTLED_CHORD_SIGMAS).all() and (x > posterior.low).all():
+            if (np.abs(step) * size < SOLVING.refit_sigmas).all() and (x > posterior.low).all():
                 return posterior.estimate_at(x, omitted)
         return posterior.estimate_at(posterior.minimum(self.x, omitted), omitted)
 
@@ -199,8 +228,8 @@ class Posterior:
 
     def slopes(self, x: Floats) -> Floats:
         """Return the residuals' slopes (rows, D) at a point (D,), by central differences."""
-        scale = np.where(np.arange(len(x)) < COUNT, MIN_SCALE, 1.0)
-        step = DIFFERENCE * np.maximum(np.abs(x), scale)
+        scale = np.where(np.arange(len(x)) < COUNT, SOLVING.min_friction, 1.0)
+        step = SOLVING.difference * np.maximum(np.abs(x), scale)
         ends = self.residuals(np.concatenate([x + np.diag(step), x - np.diag(step)]))
         return np.asarray((ends[: len(x)] - ends[len(x) :]).T / (2 * step))
 
@@ -216,12 +245,12 @@ class Posterior:
     def estimate(self, start: Floats) -> MapEstimate:
         """Return the MAP estimate from a start (D,), films linear about it. Or NotConverged."""
         posterior, x = self.linear_about(start), start
-        for done in range(MAX_ROUNDS):
-            step = (posterior.minimum(x) - x) / max(done - WHOLE_ROUNDS, 1)
+        for done in range(SOLVING.max_rounds):
+            step = (posterior.minimum(x) - x) / max(done - SOLVING.whole_rounds, 1)
             x = x + step
             kinds, posterior = posterior.kinds, posterior.linear_about(x)
             moved = np.abs(step) * np.linalg.norm(posterior.slopes(x), axis=0)
-            if posterior.kinds == kinds or moved.max() < SETTLED_SIGMAS:
+            if posterior.kinds == kinds or moved.max() < SOLVING.settled_sigmas:
                 return posterior.estimate_at(x)
         raise NotConverged("the fit came to no end")
 
@@ -237,13 +266,13 @@ class Posterior:
             bounds=(self.low, np.inf),
             x_scale="jac",
             **dict.fromkeys(("xtol", "ftol", "gtol"), 1e-12),
-            max_nfev=MAX_EVALUATIONS,
+            max_nfev=SOLVING.max_evaluations,
         )
         if not solved.success:
             raise NotConverged("the readings contradict each other")
         # the solver stops just inside a limit of 0
         size = np.linalg.norm(self.slopes(solved.x), axis=0)
-        zero = (np.arange(len(size)) < COUNT) & (solved.x * size < ZERO_SIGMAS)
+        zero = (np.arange(len(size)) < COUNT) & (solved.x * size < SOLVING.zero_sigmas)
         return np.where(zero, 0.0, solved.x)
 
     def estimate_at(self, x: Floats, omitted: Rows | None = None) -> MapEstimate:
@@ -254,7 +283,9 @@ class Posterior:
 
     def samples(self, estimate: MapEstimate, seed: int) -> Samples:
         """Return weighted samples about an estimate; particles where those are worth too few."""
-        count = min(SAMPLES, max(MAX_RESIDUALS // len(self.numbers), MIN_SAMPLES))
+        count = min(
+            SAMPLING.count, max(SAMPLING.max_residuals // len(self.numbers), SAMPLING.min_count)
+        )
         root = np.asarray(np.linalg.cholesky(estimate.covariance), dtype=np.float64)
         about = Student(estimate.x, root, self.roundings_rad.shape[1])
         x = about.points(count, seed)
@@ -262,8 +293,8 @@ class Posterior:
         x = self._with_roundings(estimate, x, seed)
         weight = _shares(np.where((x >= self.low).all(axis=1), log, -np.inf))
         unlimited = _shares(log)
-        if _independent(weight) >= MIN_INDEPENDENT:
-            enough = _independent(unlimited) >= MIN_INDEPENDENT
+        if _independent(weight) >= SAMPLING.min_independent:
+            enough = _independent(unlimited) >= SAMPLING.min_independent
             return Samples(x, weight, unlimited if enough else weight)
         x = self._tempered(about, seed)
         return Samples(x, *np.full((2, len(x)), 1.0 / len(x)))
@@ -288,10 +319,10 @@ class Posterior:
 
     def _tempered(self, about: Student, seed: int) -> Floats:
         """Return particles (N, D), which begin about the estimate within the limits."""
-        x = about.points(4 * PARTICLES, seed)
+        x = about.points(4 * SAMPLING.particles, seed)
         inside = (x >= self.low).all(axis=1)
         x = x[inside] if inside.any() else np.maximum(x, self.low)
-        x = np.resize(x, (PARTICLES, x.shape[1]))
+        x = np.resize(x, (SAMPLING.particles, x.shape[1]))
 
         def ratio(x: Floats) -> Floats:
             inside = (x >= self.low).all(axis=1)
@@ -305,7 +336,7 @@ class Posterior:
 
         It is no number where a law has no value, beyond the limits.
         """
-        pieces = max(len(x) * len(self.numbers) // BLOCK_RESIDUALS, 1)
+        pieces = max(len(x) * len(self.numbers) // SAMPLING.block_residuals, 1)
         with np.errstate(invalid="ignore", over="ignore"):
             parts = [np.sum(self.residuals(x) ** 2, axis=1) for x in np.array_split(x, pieces)]
         return -0.5 * np.concatenate(parts)
