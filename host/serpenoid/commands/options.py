@@ -346,6 +346,10 @@ def take_servo(name: str, settings: Values, snake: Snake | None = None) -> sn.Se
         refuse_unused(settings, "joints are ideal; give --servo NAME", "volts", "frame_ms")
         return None
     kind = servo_kind(name, settings)
+    if kind.remark:
+        say(f"serpenoid: warning: servo {kind.name}: {kind.remark}", err=True)
+        if snake:
+            snake.notes["servo_remark"] = kind.remark
     return driving(snake.session.setup, kind) if snake and snake.session else kind
 
 

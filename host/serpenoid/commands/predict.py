@@ -254,8 +254,8 @@ def sweep(
     Joints follow the gaits exactly. --servo adds the speed with servos and its 95 % band, at half
     a second a gait; powers stay those of ideal joints.
     """
-    kind = take_servo(servo or IDEAL, settings)
     snake = make_snake(robot, settings)
+    kind = take_servo(servo or IDEAL, settings, snake)
     if frequency_hz is not None and omega_rad_s is not None:
         raise click.UsageError("--omega-rad-s and --frequency-hz say the same; give one")
     alphas_deg, betas_deg = _span(alpha_deg, "--alpha-deg"), _span(beta_deg, "--beta-deg")

@@ -254,6 +254,8 @@ class ServoKind:
         Where the values come from.
     drawn
         Servos that a measurement leaves possible, each as likely; if any, no others are drawn.
+    remark
+        Why it is not to be trusted: the model of a servo does not describe what was measured.
 
     Raises
     ------
@@ -273,6 +275,7 @@ class ServoKind:
     updates_hz: tuple[float, ...] = ()
     source: str = ""
     drawn: tuple[Servo, ...] = ()
+    remark: str = ""
 
     def __post_init__(self) -> None:
         if not isinstance(self.sigma, Mapping):

@@ -167,7 +167,8 @@ class ServoSteady(Result):
         speed, ideal = two_digits(self.speed_m_s), two_digits(self.ideal.speed_m_s)
         ends = f" ({two_digits(self.low_m_s)} to {two_digits(self.high_m_s)})"
         ends = "" if math.isnan(self.low_m_s) else ends
-        return f"About {speed} m/s with typical servos{ends}; ideal joints {ideal}."
+        text = f"About {speed} m/s with typical servos{ends}; ideal joints {ideal}."
+        return f"{text} {self.servo.remark}".rstrip() if isinstance(self.servo, ServoKind) else text
 
     def rows(self) -> list[Row]:
         """Return speed with its band, what becomes of the joints, voltage, source and error."""

@@ -229,9 +229,8 @@ def advise(
     readings.sort(
         key=lambda r: (r.band > (1.0 - WORTH) * present_band, (r.band - present_band) / r.minutes)
     )
-    return Advice(
-        slow, present_band, tuple(readings), " ".join(too_fast), servo and servo.name, fit.alarms
-    )
+    note = " ".join(filter(None, [servo.remark if servo else "", *too_fast]))
+    return Advice(slow, present_band, tuple(readings), note, servo and servo.name, fit.alarms)
 
 
 def _repeated(candidate: Candidate, band_with: Callable[[Candidate, int], float]) -> NextReading:

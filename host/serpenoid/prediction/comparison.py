@@ -270,7 +270,8 @@ def compare(
             friction, amplitude = best_factors(predicted, fit, pairs, servo and servo.servo, seed)
     verdict, text = _verdict(shown, p_value, servo)
     text += _explained(friction, amplitude)
-    words = [text, *too_fast.values(), *map(_joints_as_filmed, crawls.values()), slope_text]
+    remark = servo.remark if servo else ""
+    words = [text, remark, *too_fast.values(), *map(_joints_as_filmed, crawls.values()), slope_text]
     return Comparison(
         session.setup.name,
         amplitude_sigma,

@@ -20,10 +20,10 @@ _FIELDS = tuple(f.name for f in dataclasses.fields(Servo))
 def load_servo(path: str | Path) -> ServoKind:
     """Read a kind of servo from a TOML file.
 
-    The file has `format = 1` and may have `name` and `source`. [servo] has Servo's fields; those
-    that are missing have its defaults. [sigma] has standard deviations of the logarithm of some of
-    them; the others are exact. [drawn] holds servos that a measurement leaves possible: a list for
-    each field that differs.
+    The file has `format = 1` and may have `name`, `source` and a `remark` that warns of it. [servo]
+    has Servo's fields; those that are missing have its defaults. [sigma] has standard deviations of
+    the logarithm of some of them; the others are exact. [drawn] holds servos that a measurement
+    leaves possible: a list for each field that differs.
 
     Parameters
     ----------
@@ -51,6 +51,7 @@ def load_servo(path: str | Path) -> ServoKind:
     readers: dict[str, Callable[[str], Any]] = {
         "name": top.string,
         "source": top.string,
+        "remark": top.string,
         "updates_hz": lambda key: top.numbers(key, 0.0, 1e4),
         "sigma": lambda key: _numbers(top.table(key), UNCERTAIN, 0.0, 3.0),
         "drawn": lambda key: _drawn(top.table(key).without_removed(REMOVED), servo),
@@ -106,7 +107,7 @@ def save_servo(kind: ServoKind, path: str | Path) -> None:
     import tomli_w
 
     values: dict[str, Any] = {"format": FORMAT, "name": kind.name}
-    for key in ("source", "updates_hz"):
+    for key in ("source", "remark", "updates_hz"):
         if getattr(kind, key):
             values[key] = getattr(kind, key)
     values["servo"] = asdict(kind.servo)

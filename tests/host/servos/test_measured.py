@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -10,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import serpenoid as sn
-from command_line import serpenoid
+from command_line import answer, serpenoid
 from lab.one_joint import SENT, Hidden, drawn, moved, tables_of
 from refusals import refused
 from serpenoid.commands.friction.servo import notes
@@ -160,20 +161,33 @@ def test_the_command_writes_a_file_that_others_take(tmp_path: Path, table) -> No
     assert len(kind.drawn) == bench_fit.SERVO_COUNT
 
 
-def test_a_test_that_the_model_does_not_describe_gives_no_file(
-    tmp_path: Path, table, monkeypatch
-) -> None:
-    """A few moves of the samples will do: their intervals are not looked at."""
+def test_a_remark_goes_with_every_band(tmp_path: Path, table, monkeypatch) -> None:
+    """No file of a test that the model does not describe; with --anyway it says so everywhere.
+
+    A few moves of the samples will do: their intervals are not looked at.
+    """
     monkeypatch.setattr(bench_fit, "MOVES", 10)
     monkeypatch.setattr(bench_fit, "BEST_STARTS", 2)
     test = table("continuous", 9)
     wall = replace(test, angle_rad=np.minimum(test.angle_rad, 0.35))
     file, out = written(wall, tmp_path / "wall.csv"), tmp_path / "wall.toml"
-    failed = serpenoid(f"servo --test {file} --set sigma_deg=0.4 --out {out}")
+    typed = f"servo --test {file} --set sigma_deg=0.4 --out {out}"
+    failed = serpenoid(typed)
     assert failed.returncode == 1
     assert failed.stdout.startswith("The model of a servo does NOT describe the table")
-    assert "or give --load" in failed.stderr
+    assert "--anyway" in failed.stderr
     assert not out.exists()
+    test = answer(f"{typed} --anyway")
+    assert test["describes"] is False
+    assert test["p_value"] < 0.01
+    kind = sn.servo(out)
+    assert kind.remark == test["verdict"]
+    assert kind.at_volts(5.0).remark == kind.remark
+    gait = "--alpha-deg 70 --beta-deg 75 --frequency-hz 0.25"
+    state = serpenoid(f"steady {gait} --servo {out} --json", check=True)
+    assert json.loads(state.stdout)["servo_remark"] == kind.remark
+    assert "does NOT describe" in " ".join(state.stderr.split())
+    assert "does NOT describe" in " ".join(serpenoid(f"steady {gait} --servo {out}").stdout.split())
 
 
 @pytest.mark.parametrize(

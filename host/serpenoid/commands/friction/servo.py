@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +17,7 @@ from ..declare import (
     Setting,
     Values,
     command,
+    flag,
     number,
     option,
     settings,
@@ -65,6 +66,7 @@ BENCH = (
     nargs=2,
     metavar="KG M",
 )
+@flag("--anyway", "Write the file of a test that the model does not describe, with a remark.")
 @option("--out", "path", "File for --servo of other commands.", type=OutFile(".toml"))
 @settings(*PLUG, *BENCH)
 @AS_JSON
@@ -72,6 +74,7 @@ def servo(
     table: Path,
     like: str,
     load: tuple[float, float] | None,
+    anyway: bool,
     path: Path | None,
     settings: Values,
     as_json: bool,
@@ -107,12 +110,13 @@ def servo(
     show_json(answer(measured, test)) if as_json else show(measured, test)
     if path is None:
         return
-    if not measured.verdict.describes:
+    remark = "" if measured.verdict.describes else verdict_text(measured, test.noise_rad)
+    if remark and not anyway:
         raise sn.SerpenoidError(
             f"{path} is not written: the model does not describe the table. Look at its columns "
-            "and units, or give --load"
+            "and units, or give --load; --anyway writes the file with a remark"
         )
-    sn.save_servo(measured.kind, path)
+    sn.save_servo(replace(measured.kind, remark=remark), path)
     if not as_json:
         say(f"Written: {path}; give it to other commands with --servo {path}.")
 
