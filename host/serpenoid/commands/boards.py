@@ -127,7 +127,7 @@ def doctor(port: str | None, listen_s: float, limp: bool, as_json: bool) -> None
     for finding in examine(port, listen_s):
         findings.append(finding)
         if not as_json:
-            say(f"{MARKS[finding.mark]}  {finding.name}: {finding.result}")
+            say(f"{MARKS[finding.mark]}  {finding.name}: {finding.found}")
             if finding.fix:
                 say(f"      -> {finding.fix}")
     well = all(finding.mark != "fix" for finding in findings)

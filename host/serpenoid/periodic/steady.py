@@ -36,10 +36,10 @@ class FromRest:
     """Hold whether a start from rest ends in the reported state, and another stable motion."""
 
     reaches_reported: bool
-    second_motion: Motion | None
+    other: Motion | None
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain values, for JSON; second_motion is None where no other motion was found."""
+        """Return plain values, for JSON; other is None where no other motion was found."""
         return asdict(self)
 
 
@@ -91,7 +91,7 @@ class Steady(Plottable):
     sensitivities
         Per cents of speed for 1 % of seven numbers, where they were asked for.
     from_rest
-        Whether a start from rest ends in this state (`reaches_reported`), and the `second_motion`
+        Whether a start from rest ends in this state (`reaches_reported`), and the `other`
         motion if the gait has two; None where that was not asked for, or not known.
 
     Notes

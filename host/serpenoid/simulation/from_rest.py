@@ -56,12 +56,12 @@ def from_rest(state: Steady) -> FromRest | None:
 
 def two_motions_text(state: Steady) -> str:
     """Return the two stable motions of a gait and which one a start from rest reaches, or ""."""
-    if state.from_rest is None or state.from_rest.second_motion is None:
+    if state.from_rest is None or state.from_rest.other is None:
         return ""
     second, reported = (
         f"turns {math.degrees(motion.turn_rad_per_cycle):.3g} deg and goes "
         f"{motion.chord_m_s * state.gait.period_s:.3g} m a cycle"
-        for motion in (state.from_rest.second_motion, state)
+        for motion in (state.from_rest.other, state)
     )
     if state.from_rest.reaches_reported:
         return (

@@ -23,7 +23,7 @@ from .seeing.watch import Watched
 class Joint:
     """One joint's sine: phi = offset + amplitude sin(w t + phase); joints count from the tail.
 
-    phase_rad: beside the tail joint's. share_seen: share of the frames whose tags hold the joint.
+    phase_rad: beside the tail joint's. seen: share of the frames whose tags hold the joint.
     """
 
     joint: int
@@ -33,7 +33,7 @@ class Joint:
     phase_sigma_rad: float
     offset_rad: float
     offset_sigma_rad: float
-    share_seen: float
+    seen: float
 
 
 @dataclass(frozen=True)

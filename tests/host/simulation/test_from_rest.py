@@ -22,9 +22,9 @@ def test_a_gait_that_goes_straight_or_in_a_circle_says_so() -> None:
     )
     assert state.turn_rad_per_cycle == 0
     assert state.from_rest
-    assert state.from_rest.second_motion
+    assert state.from_rest.other
     assert not state.from_rest.reaches_reported
-    assert state.from_rest.second_motion.turn_rad_per_cycle == pytest.approx(-0.1974, rel=0.02)
+    assert state.from_rest.other.turn_rad_per_cycle == pytest.approx(-0.1974, rel=0.02)
 
 
 # robot, ground, gait of viscous ground that brakes and grips little; then whether a start from
@@ -64,13 +64,13 @@ def test_low_viscous_friction_leaves_two_motions(case: tuple) -> None:
     state = sn.steady_gait(robot, friction, gait, from_rest=True)
     assert state.turn_rad_per_cycle == pytest.approx(reported_rad, rel=0.01)
     assert state.from_rest
-    assert state.from_rest.second_motion
+    assert state.from_rest.other
     assert state.from_rest.reaches_reported == reaches_reported
     apart_rad = abs(other_rad - reported_rad)
-    other = state.from_rest.second_motion
+    other = state.from_rest.other
     assert other.turn_rad_per_cycle == pytest.approx(other_rad, abs=0.01 * apart_rad)
     assert other.chord_m_s * gait.period_s == pytest.approx(other_m, rel=0.03)
-    assert state.to_dict()["from_rest"]["second_motion"]["chord_m_s"] == other.chord_m_s
+    assert state.to_dict()["from_rest"]["other"]["chord_m_s"] == other.chord_m_s
 
 
 @pytest.mark.parametrize("ground", [sn.Ground(0.02, 0.3, 0.02, 0.05), sn.Ground((0.02, 0.2), 0.3)])
@@ -78,4 +78,4 @@ def test_a_gait_with_one_state_says_nothing(ground: sn.Ground) -> None:
     state = sn.steady_gait(OF_2005, ground, sn.Gait(1.2, 1.3, 5.0, 0.1), from_rest=True)
     assert state.from_rest
     assert state.from_rest.reaches_reported
-    assert state.from_rest.second_motion is None
+    assert state.from_rest.other is None

@@ -43,7 +43,7 @@ class Finding:
 
     name: str
     mark: Mark
-    result: str
+    found: str
     fix: str = ""
 
     @classmethod

@@ -88,6 +88,6 @@ def _cells(film: FilmMeasurement) -> tuple[list[str], list[list[str]]]:
             gain = joint.amplitude_rad / max(film.gait.alpha_rad, 1e-9)
             late_deg = math.degrees(math.remainder(late_rad, math.tau))
             row += [f"{gain:.0%}", f"{late_deg:+.2f}"]
-        cells.append([*row, f"{joint.share_seen:.0%}"])
+        cells.append([*row, f"{joint.seen:.0%}"])
     commanded = ["gain", "late"] if film.gait else []
     return ["joint", "amplitude", "centre", "phase", *commanded, "seen"], cells
