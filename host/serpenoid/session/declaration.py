@@ -274,7 +274,7 @@ class SettingsTable(Declared):
     def read(cls: type[T], table: Table) -> T:
         """Return a file's table; raises BadInput, naming file and line, too."""
         needed = [part.name for part in fields(cls) if part.default is MISSING]
-        table.only(*needed, optional=tuple(cls.declared))
+        table.only(*needed, optional=tuple(name for name in cls.declared if name not in needed))
         for name, value in table.values.items():
             with located(table.where(name)):
                 cls.declared[name].check(value)
