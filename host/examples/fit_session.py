@@ -4,8 +4,8 @@ from pathlib import Path
 
 import serpenoid as sn
 
-here = Path(__file__).resolve().parent
-places = [here / "calibration_data", here.parents[1] / "calibration_data"]
+folder = Path(__file__).resolve().parent
+places = [folder / "calibration_data", folder.parents[1] / "calibration_data"]
 session = sn.load_session(next(p for p in places if p.exists()) / "nirakh-2005")
 fit = sn.fit_friction(session)
 print(fit)

@@ -6,10 +6,10 @@ from matplotlib.figure import Figure
 
 robot, ground = sn.Robot(6, 1.0, 0.12), sn.Ground(ct=0.1, cn=10.0)
 alpha_deg, beta_deg = np.arange(5.0, 76.0, 2.5), np.arange(20.0, 131.0, 2.5)
-found = sn.sweep(
+grid = sn.sweep(
     robot, ground, alpha_rad=np.radians(alpha_deg), beta_rad=np.radians(beta_deg), omega_rad_s=3.0
 )
-speed = np.where(found.converged, found.speed_m_s, np.nan)[:, :, 0]
+speed = np.where(grid.converged, grid.speed_m_s, np.nan)[:, :, 0]
 i, j = np.unravel_index(np.nanargmax(speed), speed.shape)
 print(
     f"fastest at 5 rad/s: {speed[i, j]:.3f} m/s, "

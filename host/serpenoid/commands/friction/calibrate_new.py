@@ -107,17 +107,17 @@ def new(
             return say("Left; nothing was written.")
     elif template is None and answers["mass_kg"] is None and not simulated:
         answers["mass_kg"] = ""
-    given = answered(replace(setup, plan=on_place(setup.plan, on)), answers)
+    setup_answered = answered(replace(setup, plan=on_place(setup.plan, on)), answers)
     if simulated:
-        source = replace(given.provenance, kind="simulated", source=f"simulated {on}")
-        given = replace(given, provenance=source)
-    create_session(folder, given)
+        source = replace(setup_answered.provenance, kind="simulated", source=f"simulated {on}")
+        setup_answered = replace(setup_answered, provenance=source)
+    create_session(folder, setup_answered)
     from ...model.gait import gait_name
     from ...servos.catalogue import HOBBY
     from ...servos.speed_limit import too_fast_text
     from ...session.crawls import driving
 
-    for gait in given.plan.gaits:
-        if too_fast := too_fast_text(gait, driving(given, HOBBY), gait_name(gait)):
+    for gait in setup_answered.plan.gaits:
+        if too_fast := too_fast_text(gait, driving(setup_answered, HOBBY), gait_name(gait)):
             say(f"serpenoid: warning: {too_fast}", err=True)
     return say(f"begun: {folder / 'session.toml'}; go on with `serpenoid calibrate {folder}`")

@@ -98,8 +98,8 @@ def count(session: Session) -> str:
         "gait runs": len(session.kept_crawls),
         "void": sum(reading.voided for reading in session.readings),
     }
-    told = ", ".join(f"{name} {number}" for name, number in counts.items() if number)
-    return told or "no reading yet"
+    counted = ", ".join(f"{name} {number}" for name, number in counts.items() if number)
+    return counted or "no reading yet"
 
 
 def film_reader(side_m: float | None = None, capture_fps: float | None = None) -> FilmReader:
@@ -111,13 +111,15 @@ def film_reader(side_m: float | None = None, capture_fps: float | None = None) -
     """
 
     def read(path: Path, robot: Robot, gait: Gait | None) -> Tracked:
-        of = path, robot.links, robot.link_length_m, side_m
+        arguments = path, robot.links, robot.link_length_m, side_m
         what = f"watching {path.name}"
         if gait is not None:
-            crawl = busy(what, lambda share: measure_film(*of, gait, False, share, capture_fps))
+            crawl = busy(
+                what, lambda share: measure_film(*arguments, gait, False, share, capture_fps)
+            )
             remarks, (cells, samples), closing = crawl.run.remarks, film_cells(crawl), ""
         else:
-            pushed = busy(what, lambda share: track_pushes(*of, share, capture_fps))
+            pushed = busy(what, lambda share: track_pushes(*arguments, share, capture_fps))
             remarks, samples = pushed.remarks, pushed.rows
             cells = {"scale_sigma": round(pushed.scale_sigma, 6)}
             closing = (
