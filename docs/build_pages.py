@@ -26,6 +26,7 @@ DOCS = Path(__file__).resolve().parent
 GENERATED = DOCS / "generated"
 LIMPING = DOCS.parent / "host" / "examples" / "limping_on_a_slope.toml"
 GAIT = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "5"]
+EXAMPLE_LENGTH = 60  # characters of a value in a table of keys
 MEANINGS = tomllib.loads((DOCS / "json_keys.toml").read_text(encoding="utf-8"))
 SESSION = str(DOCS.parent / "calibration_data" / "nirakh-2005")
 ANSWERS = {  # commands whose --json is shown key by key
@@ -78,7 +79,7 @@ def keys(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
         yield from keys(value[0], f"{path}[]")
     else:
         text = json.dumps(value, ensure_ascii=False)
-        yield path, text if len(text) < 60 else f"{text[:56]} …"
+        yield path, text if len(text) < EXAMPLE_LENGTH else f"{text[: EXAMPLE_LENGTH - 4]} …"
 
 
 JSON_HEAD = """# JSON keys

@@ -59,8 +59,8 @@ def draw(path: Path) -> None:
         text(x + 70, y + outer + 4, f"wheels {TRACK_MM:g} mm apart, axle at the middle", "start"),
     ]
     small = SIX_LINKS_PX_MM
-    for k in range(6):
-        parts.append(link(80 + k * LINK_MM * small, 335, small, has_servo=k < 5))
+    for k, has_servo in enumerate((True,) * 5 + (False,)):
+        parts.append(link(80 + k * LINK_MM * small, 335, small, has_servo=has_servo))
     parts += [text(40, 390, "tail: link 1", "start"), text(600, 390, "head: link 6", "end")]
     path.write_text(
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '

@@ -26,6 +26,8 @@ from video.worlds import LINK_M, World, crawling
 NORMAL_95 = 1.96
 Errors = dict[str, np.ndarray]
 
+WIDE_PX = 2000  # a film as wide as this is drawn with fewer samples a pixel, for its time
+
 
 @dataclass(frozen=True)
 class Scene:
@@ -134,7 +136,7 @@ def shot(scene: Scene, path: Path, seed: int) -> Path:
         seed,
         scene.glare,
         steps=scene.steps,
-        up=3 if scene.lens.width < 2000 else 2,
+        up=3 if scene.lens.width < WIDE_PX else 2,
     )
     return write(path, [camera.frame(t) for t in t_s], t_s - t_s[0])
 
