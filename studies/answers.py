@@ -23,6 +23,7 @@ from collections.abc import Callable, Iterator
 from contextlib import redirect_stderr
 from dataclasses import dataclass
 from io import StringIO
+from itertools import chain
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -113,9 +114,9 @@ def springs(r: Random) -> Answer:
 def robot_of_2005(r: Random) -> tuple[sn.Robot, sn.Ground, sn.Gait]:
     """Return a robot that a servo can move, on ground like that of 2005."""
     friction = {"ct": 0.084, "cn": 1.2, "ft0": 0.14, "fn0": 0.27}
-    whole = {name: value * between(r, 0.7, 1.4) for name, value in friction.items()}
+    frictions = {name: value * between(r, 0.7, 1.4) for name, value in friction.items()}
     gait = sn.Gait(r.uniform(0.7, 1.3), r.uniform(0.8, 1.5), r.uniform(2.0, 6.0))
-    return sn.Robot(6, 0.0756, 0.076), sn.Ground.whole_body(6, **whole), gait
+    return sn.Robot(6, 0.0756, 0.076), sn.Ground.whole_body(6, **frictions), gait
 
 
 def servo(r: Random) -> Answer:
@@ -168,7 +169,7 @@ def grid(r: Random) -> Answer:
     return speeds | {f"power_w {k}": [float(v), float(e)] for k, (v, e) in enumerate(powers)}
 
 
-def wanted(r: Random, kind: str) -> tuple[sn.Robot, sn.Ground, float]:
+def wanted_case(r: Random, kind: str) -> tuple[sn.Robot, sn.Ground, float]:
     """Return a robot, its ground and a speed that it can crawl at: that of some gait."""
     robot = a_robot(r, (3, 4, 6, 6, 6, 8))
     ground = a_ground(r, robot, kind)
@@ -180,17 +181,17 @@ def optimum(kind: str) -> Callable[[Random], Answer]:
     """Return the case of the least power for a speed; "limits" sets bounds to the gait."""
 
     def case(r: Random) -> Answer:
-        robot, ground, speed_m_s = wanted(r, "dry" if kind == "limits" else kind)
+        robot, ground, speed_m_s = wanted_case(r, "dry" if kind == "limits" else kind)
         bounds = sn.GaitLimits(joint_angle_rad=r.uniform(0.6, 1.0), servo_speed_rad_s=8.0)
         more: dict[str, Any] = {"limits": bounds} if kind == "limits" else {}
         cost = r.choice(("power", "positive_power"))
         best = sn.least_power_gait(robot, ground, speed_m_s=speed_m_s, cost=cost, **more)
-        return {"speed_m_s": [best.speed_m_s, 1e-5 * speed_m_s]} | least(best)
+        return {"speed_m_s": [best.speed_m_s, 1e-5 * speed_m_s]} | power_of(best)
 
     return case
 
 
-def least(best: Any) -> Answer:
+def power_of(best: Any) -> Answer:
     """Return a least power, and that its gait does take it."""
     state = best.steady
     shown = state.positive_power_w if best.cost == "positive_power" else state.power_w
@@ -200,16 +201,16 @@ def least(best: Any) -> Answer:
 
 def front(r: Random) -> Answer:
     """Return least powers over three speeds."""
-    robot, ground, speed_m_s = wanted(r, r.choice(("viscous", "dry")))
+    robot, ground, speed_m_s = wanted_case(r, r.choice(("viscous", "dry")))
     speeds = [0.5 * speed_m_s, 0.75 * speed_m_s, speed_m_s]
-    found = sn.power_front(robot, ground, speeds_m_s=speeds)
-    return {f"least power_w {k}": [b.power_w, b.power_error_w] for k, b in enumerate(found)}
+    front = sn.power_front(robot, ground, speeds_m_s=speeds)
+    return {f"least power_w {k}": [b.power_w, b.power_error_w] for k, b in enumerate(front)}
 
 
 def losses(r: Random) -> Answer:
     """Return the shares of speed that a gait loses; its states are good to 1e-5."""
-    found = sn.speed_losses(*robot_of_2005(r)).to_dict()
-    return {name: [value, 1e-4] for name, value in found.items()}
+    losses = sn.speed_losses(*robot_of_2005(r)).to_dict()
+    return {name: [value, 1e-4] for name, value in losses.items()}
 
 
 def acceleration(r: Random) -> Answer:
@@ -220,9 +221,12 @@ def acceleration(r: Random) -> Answer:
     turn = joint_motion(gait, robot.links - 1, 0.2).acceleration_rad_s2
     joints = r.choice((torque, {"joint_acceleration_rad_s2": turn}))
     how = r.choice(("explicit", "implicit")) if joints is torque else "explicit"
-    found = sn.acceleration(robot, ground, state, **joints, formulation=how)
-    size = max(abs(v) for v in found.alpha_rad_s2)
-    return {f"alpha_rad_s2 {k}": [float(v), 1e-10 * size] for k, v in enumerate(found.alpha_rad_s2)}
+    accelerations = sn.acceleration(robot, ground, state, **joints, formulation=how)
+    size = max(abs(v) for v in accelerations.alpha_rad_s2)
+    return {
+        f"alpha_rad_s2 {k}": [float(v), 1e-10 * size]
+        for k, v in enumerate(accelerations.alpha_rad_s2)
+    }
 
 
 RUNS: tuple[dict[str, Any], ...] = (
@@ -348,7 +352,7 @@ def fitted(fit: sn.FrictionFit) -> Answer:
 def predict(_r: Random, number: int) -> Answer:
     """Return the bands and the verdict of a session's crawls."""
     session = sn.load_session(folder_of(CRAWLS[number % 2]))
-    more = {} if number < 2 else {"servo": None}
+    more = {"servo": None} if number // len(CRAWLS) else {}
     compared = sn.compare(session, samples=64, **more)
     answer: Answer = {"verdict": compared.verdict}
     for k, g in enumerate(compared.gaits):
@@ -360,7 +364,7 @@ def predict(_r: Random, number: int) -> Answer:
     return answer
 
 
-def asked(*words: object) -> dict[str, Any]:
+def command_answer(*words: object) -> dict[str, Any]:
     """Return what a command answers."""
     done = CliRunner().invoke(cli, [*map(str, words), "--json"], catch_exceptions=False)
     return json.loads(done.stdout)
@@ -369,20 +373,20 @@ def asked(*words: object) -> dict[str, Any]:
 def advice(_r: Random, number: int) -> Answer:
     """Return the band today and after the best reading, which draws tell to a tenth."""
     folder = folder_of(("paper", "belt-one-bend", "floor-0")[number])
-    answer = asked("advise", folder, "--gait", 70, 75, 0.5, "--servo", "ideal")
+    answer = command_answer("advise", folder, "--gait", 70, 75, 0.5, "--servo", "ideal")
     bands = {"band": answer["band"], "best": answer["readings"][0]["band"]}
     return {name: [value, 0.05 * value] for name, value in bands.items()}
 
 
 def film(_r: Random) -> Answer:
     """Return what the demo's film tells."""
-    answer = asked("video", PAPER.with_name("demo-film") / "film.mp4")
+    answer = command_answer("video", PAPER.with_name("demo-film") / "film.mp4")
     names = ("speed", "turn", "omega")
     units = {"speed": "m_s", "turn": "rad_s", "omega": "rad_s"}
-    found = {
+    figures = {
         n: [answer[f"{n}_{units[n]}"], FITTED * answer[f"{n}_sigma_{units[n]}"]] for n in names
     }
-    return found | {
+    return figures | {
         f"joint {j['joint']}": [j["amplitude_rad"], FITTED * j["amplitude_sigma_rad"]]
         for j in answer["joints"]
     }
@@ -390,16 +394,19 @@ def film(_r: Random) -> Answer:
 
 def bench_test(r: Random) -> Answer:
     """Return a servo measured by its steps: its speed without load, where the test tells it."""
-    speed, lag_s, angle, rows = r.uniform(4.0, 10.0), r.uniform(0.02, 0.06), 0.0, []
+    no_load, lag_s, angle, rows = r.uniform(4.0, 10.0), r.uniform(0.02, 0.06), 0.0, []
     for k in range(200):
         goal = 40.0 * (k // 50 % 2)
         step = (goal - angle) * (1 - math.exp(-0.02 / lag_s))
-        angle += math.copysign(min(abs(step), math.degrees(speed) * 0.02), step)
+        angle += math.copysign(min(abs(step), math.degrees(no_load) * 0.02), step)
         rows.append(f"{k / 50},{goal},{angle + r.gauss(0, 0.5)}\n")
     Path("bench.csv").write_text("t_s,setpoint_deg,angle_deg\n" + "".join(rows))
-    told = asked("servo", "--test", "bench.csv")["determined"].get("no_load_rad_s")
+    determined = command_answer("servo", "--test", "bench.csv")["determined"]
+    measured = determined.get("no_load_rad_s")
     return (
-        {"no_load_rad_s": [told["value"], FITTED * told["sigma"] * told["value"]]} if told else {}
+        {"no_load_rad_s": [measured["value"], FITTED * measured["sigma"] * measured["value"]]}
+        if measured
+        else {}
     )
 
 
@@ -462,7 +469,8 @@ KINDS = {
 
 def names(kinds: list[str]) -> list[str]:
     """Return the cases of these kinds, or of all: `fit 3` is the fourth fit."""
-    return [f"{kind} {k}" for kind in kinds or KINDS for k in range(KINDS[kind].count)]
+    cases = ([f"{kind} {k}" for k in range(KINDS[kind].count)] for kind in kinds or KINDS)
+    return list(chain.from_iterable(cases))
 
 
 def answer_of(name: str) -> Answer:
@@ -484,20 +492,20 @@ def plain(value: Any) -> Any:
     return [float(v) for v in value] if all(map(math.isfinite, value)) else f"{value[0]:.6g}"
 
 
-def changes(name: str, before: Answer, now: Answer) -> Iterator[tuple[str, ...]]:
+def changes(name: str, old_answer: Answer, new_answer: Answer) -> Iterator[tuple[str, ...]]:
     """Yield what changed beyond the claims: case, quantity, before, now, what is wrong."""
     accuracy = KINDS[name.rsplit(" ", 1)[0]].accuracy
-    for quantity in {**before, **now}:
-        old, new = before.get(quantity, "absent"), now.get(quantity, "absent")
+    for quantity in {**old_answer, **new_answer}:
+        old, new = old_answer.get(quantity, "absent"), new_answer.get(quantity, "absent")
         if isinstance(old, str) or isinstance(new, str):
             if old != new:
                 yield name, quantity, str(old), str(new), "another answer"
             continue
-        least = AT_REST_M_S if quantity.startswith("speed_m_s") else 0.0
-        off, allowed = new[0] - old[0], old[1] + new[1] + ROUNDING * abs(old[0]) + least
+        tolerance = AT_REST_M_S if quantity.startswith("speed_m_s") else 0.0
+        difference, allowed = new[0] - old[0], old[1] + new[1] + ROUNDING * abs(old[0]) + tolerance
         row = name, quantity, f"{old[0]:.9g} ± {old[1]:.1e}", f"{new[0]:.9g} ± {new[1]:.1e}"
-        if (off if quantity.startswith("least ") else abs(off)) > allowed:
-            yield *row, f"off by {abs(off) / allowed:.3g} times what is allowed"
+        if (difference if quantity.startswith("least ") else abs(difference)) > allowed:
+            yield *row, f"off by {abs(difference) / allowed:.3g} times what is allowed"
         elif new[1] > WIDER * old[1] + accuracy * size(quantity, new[0]):
             yield *row, f"a claim {new[1] / max(old[1], 1e-300):.3g} times as wide"
 
@@ -512,26 +520,28 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("kinds", nargs="*", choices=[*KINDS, []])
     parser.add_argument("--write", action="store_true")
-    given = parser.parse_args()
-    kept: dict[str, Answer] = json.loads(ANSWERS.read_text()) if ANSWERS.exists() else {}
-    now, rows, spent = {}, [], {}
+    arguments = parser.parse_args()
+    stored: dict[str, Answer] = json.loads(ANSWERS.read_text()) if ANSWERS.exists() else {}
+    answers, rows, spent = {}, [], {}
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
-        for name in names(given.kinds):
+        for name in names(arguments.kinds):
             begin = time.process_time()
             with redirect_stderr(StringIO()):
-                now[name] = answer_of(name)
+                answers[name] = answer_of(name)
             kind = name.rsplit(" ", 1)[0]
             spent[kind] = spent.get(kind, 0.0) + time.process_time() - begin
-            rows += list(changes(name, kept.get(name, {}), now[name]))
-    if given.write:
-        text = ",\n".join(f"{json.dumps(n)}: {json.dumps(a)}" for n, a in (kept | now).items())
+            rows += list(changes(name, stored.get(name, {}), answers[name]))
+    if arguments.write:
+        text = ",\n".join(
+            f"{json.dumps(n)}: {json.dumps(a)}" for n, a in (stored | answers).items()
+        )
         ANSWERS.write_text(f"{{\n{text}\n}}\n")
     for row in rows:
         print(" | ".join(row))
     times = ", ".join(f"{kind} {seconds:.1f}" for kind, seconds in spent.items())
-    print(f"{len(now)} cases, {len(rows)} changes beyond claims; processor time (s): {times}")
-    return int(bool(rows) and not given.write)
+    print(f"{len(answers)} cases, {len(rows)} changes beyond claims; processor time (s): {times}")
+    return int(bool(rows) and not arguments.write)
 
 
 if __name__ == "__main__":

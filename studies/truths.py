@@ -24,6 +24,7 @@ from simulation import truth_cases as tc
 
 METHODS = ("radau", "dop853", "rk4", "nonsmooth", "paper")
 MOST_STEPS = 4e6
+SMALL_ERROR = 1e-8  # relative: counted as exact
 
 
 def size(run: sn.Run) -> float:
@@ -51,13 +52,13 @@ def springs(rounds: int) -> None:
             truth, _ = tc.end_of(scene, start_state(scene))
             cells, soft = [], math.nan
             for method in METHODS:
-                one = stable(replace(scene, method=method))
-                if one is None:
+                case = stable(replace(scene, method=method))
+                if case is None:
                     cells.append("too many steps")
                     continue
                 begin = time.process_time()
                 for _ in range(rounds):
-                    run = sn.simulate(one)
+                    run = sn.simulate(case)
                 took = (time.process_time() - begin) / rounds
                 true, claim = tc.off(tc.places(run)[-1], truth, scene.robot), size(run)
                 if method == "dop853":
@@ -77,20 +78,21 @@ def free() -> None:
     """Print how far runs with torques and servos are off at three tolerances."""
     cases = 10
     for kind in ("torque", "table", "servo", "full"):
-        far: dict[float, list[float]] = {1e-6: [], 1e-9: [], 1e-12: []}
+        distance: dict[float, list[float]] = {1e-6: [], 1e-9: [], 1e-12: []}
         ratios = []
         for seed in range(cases):
             scene = tc.free_case(kind, seed, duration_s=0.2)
-            runs = [sn.simulate(replace(scene, tolerance=t)) for t in far]
+            runs = [sn.simulate(replace(scene, tolerance=t)) for t in distance]
             truth = np.array(tc.DRY_RUNS[f"{kind} {seed}"]["places"])
-            for t, run in zip(far, runs, strict=True):
+            for t, run in zip(distance, runs, strict=True):
                 error = tc.off(tc.places(run)[10::10], truth, scene.robot)
-                far[t].append(error)
+                distance[t].append(error)
                 if run.error_estimate.settled:
                     ratios.append(max(error, 1e-9) / max(size(run), 1e-9))
         line = "; ".join(
-            f"{t:g}: median {np.median(e):.0e}, within 1e-8 {np.mean(np.array(e) < 1e-8):.0%}"
-            for t, e in far.items()
+            f"{t:g}: median {np.median(e):.0e}, "
+            f"within 1e-8 {np.mean(np.array(e) < SMALL_ERROR):.0%}"
+            for t, e in distance.items()
         )
         print(
             f"{kind}: {cases} cases, {line}; largest true over claimed {max(ratios):.2f}",
@@ -103,9 +105,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("what", choices=("springs", "free"))
     parser.add_argument("--rounds", type=int, default=1, help="runs that a time is the mean of")
-    given = parser.parse_args()
-    if given.what == "springs":
-        springs(given.rounds)
+    arguments = parser.parse_args()
+    if arguments.what == "springs":
+        springs(arguments.rounds)
     else:
         free()
 
