@@ -1,6 +1,7 @@
 """Make up calibration sessions with known friction and instruments that err as stated."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -84,6 +85,12 @@ def _stations(
         if speed > 0.0:
             yield true, speed
         incline += setup.plan.incline_step_rad
+
+
+def stations(setup: Setup, rows: Iterable[tuple[float, ...]], **more: object) -> Session:
+    """Return a session of stations: bend, rad, incline, rad, and the belt's speed, m/s."""
+    readings = (Reading(number, *row, **more) for number, row in enumerate(rows, 1))
+    return Session(setup, tuple(readings))
 
 
 def changed(session: Session, index: int, **changes: object) -> Session:

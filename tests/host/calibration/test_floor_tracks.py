@@ -66,17 +66,9 @@ def test_a_push_that_is_none_is_void_and_says_why(take, rows, doubt):
     assert (status, doubt in said.partition("VOID: ")[2]) == (0, True), said
 
 
-@pytest.mark.parametrize(
-    ("rows", "objection"),
-    [
-        (ROWS * [1.0, 0.001, 0.001], "no place moves"),
-        (ROWS[::-1], "do not rise"),
-        (ROWS * [1.0, 10.0, 10.0], "is no push: at most 10 m and 3 m/s"),
-    ],
-)
-def test_what_is_no_push_at_all_is_refused(take, rows, objection):
-    status, said, folder = take(rows)
-    assert (status, objection in said) == (2, True), said
+def test_what_is_no_push_at_all_is_refused(take):
+    status, said, folder = take(ROWS * [1.0, 0.001, 0.001])
+    assert (status, "no place moves" in said) == (2, True), said
     assert not (folder / "tracks").exists()
 
 

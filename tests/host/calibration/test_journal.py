@@ -11,7 +11,7 @@ import time
 import pytest
 from refusals import refused
 from serpenoid.base.errors import RecordingFailed
-from serpenoid.session.folder import read_session
+from serpenoid.session.folder import read_session, write_setting
 from serpenoid.session.journal import Journal, append_line
 
 STATION = {"lambda_deg": 0.0, "incline_deg": 2.5, "belt_speed_m_s": 0.4, "drift_m_s": 0.0}
@@ -107,6 +107,13 @@ def test_a_full_disk_leaves_every_earlier_reading_and_nothing_half_written(folde
             resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
         assert path.read_bytes() == before
         assert journal.add("station", STATION) == 2
+
+
+def test_a_setting_that_is_corrected_meanwhile_is_told(folder):
+    with Journal(folder) as journal:
+        write_setting(folder, "robot", "mass_kg", 0.49896)
+        assert journal.read_again() == ["robot.mass_kg is 0.49896 now; it was 0.4536"]
+        assert journal.session.setup.robot.mass_kg == pytest.approx(0.49896)
 
 
 def test_no_file_at_all_is_told(tmp_path):

@@ -6,9 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
-from calibration.synthetic_session import setup
-from serpenoid import Session
-from serpenoid.session.station import Reading
+from calibration.synthetic_session import setup, stations
 
 TRUTH = np.array([0.084, 1.2, 0.14, 0.27])
 # Written down by hand: which links are bent, and to which side.
@@ -36,21 +34,13 @@ def session_of(bend, links=6):
     """Take straight and bent stations where the sum over links balances the pull."""
     made = setup(15.0, 30.0)
     made = made.with_robot(sn.Robot(links, 0.4536 / links, 0.076))
-    readings = []
+    rows = []
     for lambda_rad in made.plan.lambda_rad:
         shape = angles(links, lambda_rad, bend)
         for speed in np.linspace(0.1, 0.9, 6).tolist():
             pull_n = along_n(TRUTH, shape, speed)
-            readings.append(
-                Reading(
-                    len(readings) + 1,
-                    lambda_rad,
-                    math.asin(pull_n / made.weight_n),
-                    speed,
-                    bend=bend,
-                )
-            )
-    return Session(made, tuple(readings))
+            rows.append((lambda_rad, math.asin(pull_n / made.weight_n), speed))
+    return stations(made, rows, bend=bend)
 
 
 @pytest.mark.parametrize(

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup
-from serpenoid import BadInput, NotConverged, Session, fit_friction
-from serpenoid.friction.parameters import FRICTIONS
-from serpenoid.session.station import Reading, ZeroReading
+from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup, stations
+from serpenoid import BadInput, NotConverged, fit_friction
+from serpenoid.session.station import ZeroReading
 
+FRICTIONS = ("ct", "cn", "ft0", "fn0")
 TRUTH = [getattr(WHOLE_BODY_2005, name) for name in FRICTIONS]
 
 
@@ -58,9 +58,8 @@ def test_readings_made_up_at_random_end_in_numbers_or_in_words(seed):
     inclines, speeds = rng.uniform(0.01, 0.78, 16), rng.uniform(0.05, 1.0, 16)
     at = np.radians(np.repeat([0.0, *bends], 4))
     rows = zip(at.tolist(), inclines.tolist(), speeds.tolist(), strict=False)
-    taken = tuple(Reading(k, *row) for k, row in enumerate(rows, 1))
     try:
-        fit = fit_friction(Session(replace(made, instruments=sure), taken))
+        fit = fit_friction(stations(replace(made, instruments=sure), rows))
     except (BadInput, NotConverged):
         return
     assert np.isfinite([fit.intervals[name] for name in FRICTIONS]).all()

@@ -5,9 +5,7 @@ import math
 import numpy as np
 import pytest
 import serpenoid as sn
-from calibration.synthetic_session import setup
-from serpenoid import Session
-from serpenoid.session.station import Reading
+from calibration.synthetic_session import setup, stations
 
 SETUP = setup(15.0)
 
@@ -20,8 +18,8 @@ def held(ct, seed, cn=1.2):
         for v in (0.2, 0.4, 0.6, 0.8):
             pull = (ct * c * c + cn * s * s) * v + 0.14 * c + 0.27 * s
             incline = math.asin(pull / SETUP.weight_n) + math.radians(rng.uniform(-0.05, 0.05))
-            rows.append(Reading(len(rows) + 1, bend, incline, v + 0.02 * rng.normal()))
-    return Session(SETUP, tuple(rows))
+            rows.append((bend, incline, v + 0.02 * rng.normal()))
+    return stations(SETUP, rows)
 
 
 @pytest.fixture(scope="module")

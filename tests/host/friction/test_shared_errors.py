@@ -4,11 +4,11 @@ import json
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 import serpenoid as sn
 from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
 from command_line import serpenoid
-from serpenoid.friction.bends import straightness_factors
 from serpenoid.friction.result import NO_BELT
 from serpenoid.session.journal import Journal
 from serpenoid.session.station import BeltCheck
@@ -65,7 +65,10 @@ def test_a_belt_that_nobody_checked_is_as_unsure_as_any_belt():
 def test_links_off_their_path_cost_dry_friction_and_the_fit_knows():
     """What straight links drag by their mean angle is taken off ft0, and adds to its error."""
     made, sigma = session(setup(15.0, 30.0), WHOLE_BODY_2005), math.radians(1.5)
-    more = WHOLE_BODY_2005.fn0 * sigma * straightness_factors(6)[0] / made.setup.weight_n
+    angles = np.cumsum(np.random.default_rng(1).normal(0.0, sigma, (6, 20_000)), axis=0)
+    steered = np.polynomial.polynomial.polyfit(np.arange(6), angles, 1)  # heading and curvature
+    off = angles.T - np.polynomial.polynomial.polyval(np.arange(6), steered)
+    more = WHOLE_BODY_2005.fn0 * np.abs(off).mean() / made.setup.weight_n
     dragged = replace(
         made,
         readings=tuple(

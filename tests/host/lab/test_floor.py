@@ -8,14 +8,12 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from robots import OF_2005
-from serpenoid.friction.bends import straightness_factors
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.floor import Floor, Push
 from serpenoid.lab.robot import LabRobot, pose_of
 
 WHOLE = sn.Ground(0.084, 1.2, 0.14, 0.27)
 MASS, G = 6 * 0.0756, 9.81
-ROBOT = LabRobot.whole_body(OF_2005, WHOLE)
 BALANCED = (1, -1, 0, 0, -1, 1)
 
 
@@ -51,28 +49,6 @@ def test_a_push_rolls_out_as_the_closed_form(bend_deg, slope_deg, way, wheels_kg
     assert way * (track.x_m[-1] - track.x_m[0]) - 0.15 == pytest.approx(far, rel=3e-3)
     assert track.t_s[-1] - track.released_s == pytest.approx(stop, abs=0.02)
     assert abs(track.turned_rad) < 1e-6
-
-
-@pytest.mark.parametrize(("bend_deg", "bent"), [(0.0, 0), (20.0, 4)])
-def test_links_that_stand_off_drag_unless_two_alone_are_straight(bend_deg, bent):
-    """Robots with joints off, over sound ones in the bend that a protractor shows of them."""
-    off_rad, rng = math.radians(0.5), np.random.default_rng(5)
-    straight = (1 - bent / 6) * off_rad * WHOLE.fn0
-
-    def way_m(robot, bend_deg):
-        pose = pose_of(BALANCED, math.radians(bend_deg))
-        track = Floor(robot).push(pose, Push(0.9))
-        return float(np.hypot(np.diff(track.x_m), np.diff(track.y_m)).sum()) - 0.15
-
-    shares, factor = [], straightness_factors(6, bent)[0]
-    for _ in range(30):
-        robot = ROBOT.drawn(rng, off_rad)
-        pose = pose_of(BALANCED, math.radians(bend_deg))
-        shown = 180.0 - np.mean(robot.protractor_deg(pose, 0.0, rng)) if bend_deg else 0.0
-        shares.append(way_m(robot, bend_deg) / way_m(ROBOT, shown / 2))
-    a, b = drag(bend_deg)
-    sound, dragged, near = (coast(0.9, a, b + k * straight, MASS)[1] for k in (0.0, factor, 0.2))
-    assert np.mean(shares) == pytest.approx(dragged / sound, abs=1.0 - near / sound)
 
 
 def test_a_crawl_is_measured_once_the_start_is_forgotten() -> None:
