@@ -15,9 +15,7 @@ from serpenoid.base.checks import FORMULATIONS
 from serpenoid.bench import extremes, scenes
 from serpenoid.bench.child_process import Limited
 from serpenoid.bench.problems import problems, reference
-from serpenoid.bench.stability_map import Cell
-from serpenoid.bench.work_precision import Row, read_rows, table, write_rows
-from serpenoid.commands.research import count_defects
+from serpenoid.bench.work_precision import read_rows, table
 
 ROOT = Path(__file__).parents[3]
 PROBLEMS = {p.name: p for p in problems()}
@@ -34,32 +32,6 @@ def test_a_child_answers_fails_hangs_dies_and_leaves_ctrl_c_to_who_started_it() 
         assert child(0.01, time.sleep, 60) == (None, "HANG: stopped after 0.01 s")
         assert child(5.0, os._exit, 7) == (None, "CRASH: the process ended with status 7")
         assert child(5.0, abs, -3) == (3, "")
-
-
-def test_the_table_has_times_at_equal_error_and_the_ratio_of_the_best() -> None:
-    def row(method: str, time_s: float) -> Row:
-        return Row("paper6", method, "dt_s", 1.0, 1e-7, time_s)
-
-    times = {"rk4": 3.0, "dop853": 1.0, "SciPy A": 4.0, "SciPy B": 2.0}
-    rows = [row(method, time_s) for method, time_s in times.items()]
-    rows.append(Row("paper6", "radau", "dt_s", 1.0, note="no"))
-    lines = table(rows).splitlines()
-    assert "| dop853 | 1000 |" in lines
-    assert "| radau | – |" in lines
-    assert lines[-1].endswith("| **2** |")
-
-
-def test_rows_come_back_from_their_file(tmp_path: Path) -> None:
-    rows = [
-        Row("paper3", "rk4", "dt_s", 1e-2, 1e-5, 1e-4),
-        Row("n50", "rk4", "dt_s", 1.0, note="x"),
-    ]
-    write_rows(tmp_path / "a.csv", rows)
-    again, machine = read_rows(tmp_path / "a.csv")
-    assert again[0] == rows[0]
-    assert again[1].note == "x"
-    assert math.isnan(again[1].error)
-    assert "one core" in machine
 
 
 def test_the_table_of_the_documentation_is_that_of_the_kept_measurement() -> None:
@@ -96,14 +68,6 @@ def test_extreme_scenes_meet_their_error_or_say_no() -> None:
     assert words["mass 1e-6 kg", "rk4"] == "StepTooLarge"
     assert words["hard stick", "nonsmooth"] == "met"
     assert words["cn/ct = 1e6", "rk4"] == "no reference"
-
-
-def test_what_must_not_be_is_counted() -> None:
-    usual = ("rk4", 6, 10.0, 1.0, 1e3, 1e-3)
-    cells = [Cell(*usual, 1.0, 1.0), Cell(*usual, math.inf, 1.0), Cell(*usual, math.nan, 1.0, "x")]
-    outcomes = [extremes.Outcome("a", "rk4", word) for word in ("met", "NaN", "HANG")]
-    counts = count_defects(cells, outcomes)
-    assert counts == {"HANG": 2, "NaN": 1, "SILENTLY WRONG": 1, "CRASH": 0}
 
 
 @pytest.mark.parametrize("formulation", FORMULATIONS)

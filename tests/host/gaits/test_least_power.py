@@ -33,19 +33,6 @@ def power_at_speed(state: Callable[[float], sn.Steady], cost: str, speed: float)
     return getattr(state(log_rate), f"{cost}_w")
 
 
-@pytest.mark.parametrize("cost", ["power", "abs_power", "positive_power"])
-def test_no_neighbour_at_the_same_speed_is_cheaper(cost: str) -> None:
-    best = sn.least_power_gait(PAPER, VISCOUS, speed_m_s=0.2, cost=cost)
-    for da, db in ((1, 0), (-1, 0), (0, 1), (0, -1)):
-        alpha = best.gait.alpha_rad + math.radians(da)
-        beta = best.gait.beta_rad + math.radians(db)
-
-        def state(x: float, alpha: float = alpha, beta: float = beta) -> sn.Steady:
-            return sn.steady_gait(PAPER, VISCOUS, sn.Gait(alpha, beta, math.exp(x)), rtol=1e-8)
-
-        assert power_at_speed(state, cost, 0.2) > best.power_w
-
-
 @pytest.mark.slow
 def test_an_optimum_on_soft_springs_is_theirs() -> None:
     """Springs so soft that the exact model's optimum is far from it."""

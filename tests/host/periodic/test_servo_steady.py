@@ -16,14 +16,7 @@ import serpenoid as sn
 from periodic.servo_cases import drawn_case, full_speeds
 from refusals import refused
 from robots import BINGHAM, OF_2005, gait_in_deg
-from serpenoid import Servo
-from serpenoid.periodic.servo_steady import (
-    as_made,
-    band,
-    ripple_share,
-    servo_state,
-    with_servo,
-)
+from serpenoid.periodic.servo_steady import band, ripple_share, servo_speed, with_servo
 
 GAIT = gait_in_deg(70, 75, math.tau * 0.5)
 VISCOUS = sn.Ground(0.1, 1.0)
@@ -58,9 +51,9 @@ def test_a_speed_that_hangs_on_the_start_is_none() -> None:
         solved(4269)
 
 
-def test_what_a_servo_makes_of_each_joint_is_what_the_full_simulation_shows() -> None:
-    """A motor near its limits: the middle joint lags 12 degrees more than the mean one."""
-    weak = Servo(
+def test_a_motor_near_its_limits_is_as_slow_as_the_sines_that_it_makes() -> None:
+    """Its middle joint lags 12 degrees more than the mean one; a ripple takes little beside."""
+    weak = sn.Servo(
         stiffness_nm_rad=0.346,
         damping_nms_rad=0.0161,
         torque_limit_nm=0.0997,
@@ -71,33 +64,9 @@ def test_what_a_servo_makes_of_each_joint_is_what_the_full_simulation_shows() ->
         gear_damping_nms_rad=4.8e-4,
         supply_sag=0.04,
     )
-    gait = gait_in_deg(70, 60, math.tau * 0.8)
-    ideal = sn.steady_gait(OF_2005, BINGHAM, gait, rtol=1e-4)
-    made = as_made(gait, servo_state(ideal, weak))
-    period = gait.period_s
-    run = sn.simulate(
-        sn.Scene(
-            OF_2005,
-            BINGHAM,
-            gait,
-            drive="servo",
-            servo=weak,
-            duration_s=12 * period,
-            dt_s=period / 50,
-            tolerance=1e-5,
-        )
-    )
-    late = run.t_s > 4 * period - 1e-9
-    joints = np.diff(run.theta_rad, axis=1)[late][:-1]
-    wave = 2 * np.exp(-1j * gait.omega_rad_s * run.t_s[late][:-1]) @ joints / len(joints)
-    wave *= 1j * np.exp(-1j * gait.beta_rad * np.arange(5)) / gait.alpha_rad
-    shifts = np.angle(wave / wave.mean())
-    assert made.joint_gain == pytest.approx(np.abs(wave), abs=0.005)
-    assert made.joint_shift_rad == pytest.approx(shifts, abs=math.radians(0.5))
-    assert np.ptp(shifts) > math.radians(10)
-    share = ripple_share(ideal, weak)  # of joints as they are: little is left for a ripple to take
-    assert share == pytest.approx(1.0, abs=0.02)
-    assert servo_state(ideal, weak).speed < 0.95 * ideal.speed_m_s
+    ideal = sn.steady_gait(OF_2005, BINGHAM, gait_in_deg(70, 60, math.tau * 0.8), rtol=1e-4)
+    assert servo_speed(ideal, weak) < 0.95 * ideal.speed_m_s
+    assert ripple_share(ideal, weak) == pytest.approx(1.0, abs=0.02)
 
 
 @pytest.mark.parametrize("ground", [BINGHAM, VISCOUS], ids=["dry", "viscous"])

@@ -61,26 +61,6 @@ def test_it_meets_its_tolerance(scene: sn.Scene, solver: str, rtol: float) -> No
         assert run.local_error > 0
 
 
-@pytest.mark.parametrize("method", ["radau", "dop853"])
-@pytest.mark.parametrize(
-    "more",
-    [
-        {"drive": "servo", "servo": sn.Servo(2.0, 0.05, 1.0, 6.0)},
-        {"drive": "torque", "torque": lambda t: 0.02 * np.sin(3 * t + np.arange(2))},
-        {"incline_rad": 0.2, "incline_direction_rad": 0.7},
-        {"gait": sn.Gait(0.5, 1.0, 4.0, 0.1)},
-    ],
-    ids=["servo", "torque", "incline", "offset"],
-)
-def test_what_a_scene_may_have(more: dict, method: str) -> None:
-    """Compared with RK4 at small steps on springs that it can bear."""
-    scene = replace(on_springs(0.1, 1e4, 30.0), tolerance=1e-8, method=method, dt_s=0.01, **more)
-    plain = replace(scene, method="rk4", dt_s=2e-5)
-    ends = [sn.simulate(one).state().packed() for one in (scene, plain)]
-    # the kinks of a servo's limits inside a step cost order, not truth
-    assert np.abs(ends[0] - ends[1]).max() < (1e-5 if "servo" in more else 1e-7)
-
-
 @pytest.mark.parametrize("c", [0.0, 1.0])
 def test_ringing_is_followed_not_quietly_damped(c: float) -> None:
     """From a zero gap the joints ring; above the tolerance the ringing must be in the result."""

@@ -28,17 +28,6 @@ def drawn_square(quad: np.ndarray, blur_px: float, fine: int = 16) -> np.ndarray
     return cv2.GaussianBlur(small, (0, 0), blur_px)
 
 
-@pytest.mark.parametrize("angle", [0.0, 0.5, 1.1])
-def test_edges_give_corners_to_a_fraction_of_a_pixel(angle: float) -> None:
-    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    square = 17 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) @ turn.T + [60.3, 58.8]
-    picture = drawn_square(square, 0.8)
-    found, width = refine(picture, (np.round(square) + 0.3)[None])
-    assert np.abs(found[0] - square).max() < 0.1
-    assert np.abs((found[0] - square).mean(axis=0)).max() < 0.05
-    assert 0.5 < width[0] < 2.0
-
-
 @pytest.mark.parametrize("off_px", [-2.0, 2.0])
 def test_a_tag_that_moves_keeps_its_size(off_px: float) -> None:
     """Blur over three pixels, half a cell of the tag: corners to start from are off across it."""
