@@ -1,4 +1,4 @@
-"""The three-link snake derived with SymPy, by Lagrange and by Newton-Euler, in exact arithmetic.
+"""The three-link snake derived with SymPy, by Lagrange, in exact arithmetic.
 
 States are rational: every angle comes with a rational sine and cosine, so that an equation either
 holds exactly or does not; no tolerance and no simplification rule stands in between.
@@ -49,7 +49,6 @@ def centre(i: int) -> sp.Matrix:
 
 CENTRES = [centre(i) for i in range(N)]
 VELOCITIES = [rate(place) for place in CENTRES]
-ACCELERATIONS = [rate(velocity) for velocity in VELOCITIES]
 
 
 def dissipative_friction(i: int) -> sp.Matrix:
@@ -77,26 +76,6 @@ def lagrange_equations() -> list[Expr]:
         - work_rate.diff(q[j])
         for j in range(N + 2)
     ]
-
-
-def joint_forces() -> list[sp.Matrix]:
-    """Return F_1, F_2 on links 1, 2 from the next link, by Newton's law from the head inwards."""
-    second = f[2] - m * ACCELERATIONS[2]
-    return [f[1] + second - m * ACCELERATIONS[1], second]
-
-
-def newton_euler_equations() -> list[Expr]:
-    """Return the nine residuals of the free bodies with the joint forces put in."""
-    forces = [sp.zeros(2, 1), *joint_forces(), sp.zeros(2, 1)]
-    torques = [0, *T, 0]
-    residuals = []
-    for i in range(N):
-        pull = f[i] + forces[i + 1] - forces[i]
-        residuals += list(pull - m * ACCELERATIONS[i])
-        # F_i acts at +l t_i and -F_{i-1} at -l t_i; both turn the link by l n_i . F
-        moment = torques[i + 1] - torques[i] + ell * normal(i).dot(forces[i + 1] + forces[i])
-        residuals.append(moment - I_c * theta_dd[i])
-    return residuals
 
 
 def rational_state(seed: int) -> dict[sp.Expr, sp.Rational]:

@@ -27,11 +27,6 @@ def disagreeing(equations: printed.Residuals, states: list) -> set[str]:
     }
 
 
-def test_newton_euler_agrees_with_lagrange(states: list) -> None:
-    for residual in sy.newton_euler_equations():
-        assert [sy.evaluate(residual, values) for values in states] == [0, 0]
-
-
 def test_dense_model_agrees_with_lagrange(states: list) -> None:
     """Hold dense.py to the symbolic derivation where friction is an ordinary viscous one."""
     for values in states:

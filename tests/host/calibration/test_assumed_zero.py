@@ -5,12 +5,7 @@ from dataclasses import replace
 
 import pytest
 from serpenoid import Ground, fit_friction
-from serpenoid.session.folder import read_session
-from serpenoid.taking.new_session import (
-    create_session,
-    default_setup,
-    template_setup,
-)
+from serpenoid.taking.new_session import default_setup
 from serpenoid.taking.simulated import SimulatedPerson, Truth
 from serpenoid.taking.treadmill import take_all
 from simulated_sessions import MemoryRecord
@@ -44,17 +39,3 @@ def test_the_interval_of_ft0_holds_where_nobody_measured_the_zero(seed, zero_deg
     assert any("was not measured: 0 ± 0.5 degrees are assumed" in note for note in fit.notes)
     low, high = fit_friction(assuming(session, 0.1)).intervals["ft0"]
     assert not low < FT0_N < high
-
-
-def test_new_sessions_assume_half_a_degree_and_stated_numbers_stay(tmp_path):
-    old = read_session("calibration_data/nirakh-2005").setup.instruments
-    assert old.incline_zero_sigma_deg == 0.1
-    new = template_setup("calibration_data/nirakh-2005", "mine")
-    assert new.instruments == replace(old, incline_zero_sigma_deg=0.5)
-    folder = create_session(tmp_path / "new", default_setup("new"))
-    assert "incline_zero_sigma_deg = 0.5 " in (folder / "session.toml").read_text()
-    text = (folder / "session.toml").read_text()
-    (folder / "session.toml").write_text(
-        text.replace("zero_sigma_deg = 0.5", "zero_sigma_deg = 0.2")
-    )
-    assert template_setup(folder, "next").instruments.incline_zero_sigma_deg == 0.2

@@ -38,15 +38,6 @@ ZERO = "0,1 -0.1"
 STATION = "2.0 0.2", "(30 s) "  # incline and belt speed, then no drift
 
 
-def test_a_table_of_places_is_a_short_reading_at_the_prompt(folder, tmp_path):
-    table = tmp_path / "belt.csv"
-    table.write_text("t_s,x_m\n0,0\n2,0.04\n4,0.12\n")
-    _, session = talk(folder, "0.1 -0.1", "", "2.0 0.3", str(table))
-    (station,) = session.kept_stations
-    assert station.places == "0:0,2:0.04,4:0.12"
-    assert station.waited_s is None
-
-
 def test_a_floor_with_films_takes_twenty_answers(tmp_path):
     """One film holds all pushes of a pose; what each of its crawls shows is in one, too."""
     setup = default_setup("made up")

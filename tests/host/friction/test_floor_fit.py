@@ -23,7 +23,6 @@ from serpenoid.lab.floor import Floor, Push
 from serpenoid.lab.recording import Camera, film
 from serpenoid.lab.robot import LabRobot, pose_of
 from serpenoid.model.bends import balanced_signs
-from serpenoid.session.track import Track
 from simulated_sessions import MemoryRecord
 
 
@@ -119,15 +118,6 @@ def test_each_reading_has_its_own_residual_among_pushes_of_all_kinds():
     readings = tuple(wrong if push == misread else push for push in session.readings)
     fit = fit_friction(replace(session, readings=readings))
     assert session.fitted[int(np.argmax(np.abs(fit.residuals)))] == misread
-
-
-def test_a_push_that_hit_something_is_named():
-    session = floor_session(seed=2)
-    first = session.readings[0]
-    hit = first.track.values * [1.0, 0.85, 0.85]
-    wrong = replace(first, track=Track.from_samples(first.track.columns, hit))
-    session = replace(session, readings=(wrong, *session.readings[1:]))
-    assert "Without reading 1 chi2" in fit_friction(session).alarms[0]
 
 
 def test_what_is_left_open_is_said_with_the_push_that_closes_it():

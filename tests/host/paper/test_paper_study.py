@@ -10,11 +10,6 @@ from serpenoid import Scene, simulate
 from serpenoid.paper import claims, study
 
 
-def test_a_finer_step_changes_next_to_nothing() -> None:
-    assert 0 < study.finer_step() < 1e-6
-    assert study.finer_step(5e-4) == pytest.approx(study.finer_step(), rel=0.2)  # RK4: by 1/16
-
-
 def test_claims_of_optima_follow_from_the_front() -> None:
     """A front at the paper's own optimum agrees; one that leaves it does so in part or differs."""
     front = study.papers_front()
@@ -51,23 +46,3 @@ def test_dry_friction_along_the_links_is_no_small_matter():
     ratio = math.dist(free[-1], free[-2]) / math.dist(full[-1], full[-2])
     assert at[1.0] == pytest.approx(ratio - 1, abs=0.01)
     assert at[1.0] > 0.3
-
-
-def test_a_claim_follows_from_its_numbers(monkeypatch) -> None:
-    """The band in m/s and its part of the speed may grow with the frequency, or shrink."""
-    doubt = "doubt about the normal friction is amplified at higher frequencies"
-    little = "static friction along the links matters little"
-    slow = (0.2, 0.01, 0.04)
-    for fast, verdict, most in (
-        ((2.0, 0.2, 0.3), "in part", "low"),
-        ((2.0, 0.2, 0.21), "differs", "low"),
-        ((2.0, 0.02, 0.3), "agrees", "high"),
-    ):
-        said = {c.paper: c for c in claims._experiment([slow, fast])}
-        assert said[doubt].verdict == verdict
-        assert f"{most} frequencies suffer most" in said[doubt].result
-        assert said[little].verdict == "differs"
-    for power, verdict in ((-0.01, "agrees"), (-0.2, "in part")):
-        found = [(0.2, 0.01, -0.01), (1.0, 0.01, power)]
-        monkeypatch.setattr(claims, "without_dry_friction_along", lambda found=found: found)
-        assert {c.paper: c.verdict for c in claims._experiment([slow, slow])}[little] == verdict

@@ -1,30 +1,16 @@
-"""Speeds predicted from a fit: known values, known errors of the springs, an honest band."""
+"""Draws of a fit: they follow its values, intervals and correlations, and stay physical."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 import serpenoid as sn
-from robots import NIRAKH_2005, gait_in_deg
-from serpenoid.prediction.band import speed_band
+from robots import NIRAKH_2005
 
 
 @pytest.fixture(scope="module")
 def fit() -> sn.FrictionFit:
     return sn.fit_friction(sn.load_session(NIRAKH_2005))
-
-
-def test_a_band_of_the_2005_robot(fit) -> None:
-    too_fast = speed_band(fit, gait_in_deg(70, 75, 5.0))
-    assert too_fast.speed_m_s < 0.133205  # of ideal joints
-    assert np.isnan([too_fast.low_m_s, too_fast.high_m_s]).all()
-    gait = gait_in_deg(70, 75, 4.0)
-    moved, ideal = speed_band(fit, gait), speed_band(fit, gait, servo=None)
-    assert (ideal.low_m_s, ideal.high_m_s) == (moved.low_joints_m_s, moved.high_joints_m_s)
-    assert ideal.low_m_s < ideal.speed_m_s < ideal.high_m_s
-    # servos take some of the speed, and add to the doubt
-    assert moved.low_m_s < ideal.low_m_s
-    assert moved.high_m_s < 1.01 * ideal.high_m_s
 
 
 def test_samples_follow_the_fit_and_stay_physical(fit) -> None:

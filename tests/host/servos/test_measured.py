@@ -29,7 +29,6 @@ HIDDEN_SERVOS = {
     "sampled": Hidden(HIDDEN),
     "continuous": Hidden(CONTINUOUS),
     "loaded": Hidden(CONTINUOUS, load=Load(3 * LOAD.mass_kg, LOAD.distance_m)),
-    "late": Hidden(CONTINUOUS, math.radians(5.0), delays_s=(0.08,) * 7),
     "model 0": Hidden(CONTINUOUS, load=LOAD),
     "model 50": Hidden(replace(HIDDEN, update_hz=50.0), load=LOAD, look_s=0.013),
 }
@@ -99,15 +98,6 @@ def test_intervals_hold_hidden_servos() -> None:
     assert len(inside) > 60
     assert np.mean(inside) > 0.88
     assert alarms <= 1
-
-
-@pytest.mark.slow
-def test_an_offset_and_a_late_log_are_found(table) -> None:
-    quick = servo_of_test(table("late", 3), sn.servo())
-    assert quick.verdict.describes
-    assert quick.values["zero_rad"].value == pytest.approx(math.radians(5.0), abs=math.radians(0.3))
-    assert quick.values["delay_s"].value == pytest.approx(0.08, abs=0.004)
-    assert "stall_torque_nm" in quick.open
 
 
 @pytest.mark.slow
