@@ -111,15 +111,6 @@ def test_stations_and_pushes_are_one_fit():
     assert together.parameters["ct"].sigma < 0.8 * alone.parameters["ct"].sigma
 
 
-def test_each_reading_has_its_own_residual_among_pushes_of_all_kinds():
-    session = mixed_session()
-    misread = next(push for push in session.kept_pushes if push.source == "rest")
-    wrong = replace(misread, distance_m=1.3 * misread.distance_m)
-    readings = tuple(wrong if push == misread else push for push in session.readings)
-    fit = fit_friction(replace(session, readings=readings))
-    assert session.fitted[int(np.argmax(np.abs(fit.residuals)))] == misread
-
-
 def test_what_is_left_open_is_said_with_the_push_that_closes_it():
     with refused(r"cn and fn0 cannot be told.*bend of 42 degrees, both ways"):
         fit_friction(floor_session(bends_deg=(0.0,)))

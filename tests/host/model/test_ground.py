@@ -44,6 +44,7 @@ def test_whole_body_and_factors_take_both_ways() -> None:
         ({"ft0": (math.inf, 0.2)}, "ft0 forwards is inf"),
         ({"ct": ("a", 1.0)}, "ct forwards is 'a'"),
         ({"cn": (0.1, 0.2)}, r"cn is \(0.1, 0.2\)"),
+        ({"cn": True}, "cn is True"),
     ],
 )
 def test_bad_pairs_are_named(given: dict, said: str) -> None:

@@ -12,7 +12,6 @@ from refusals import refused
 from robots import BINGHAM
 from serpenoid.prediction import comparison
 from serpenoid.prediction.band import speed_band
-from serpenoid.prediction.curve import speed_curves
 from serpenoid.prediction.verdict import Predicted
 from serpenoid.session.gait_run import GaitRun
 
@@ -162,15 +161,3 @@ def test_a_gait_that_servos_cannot_follow_is_listed_and_not_judged(fitted):
     assert (alone.verdict, alone.p_value) == ("not judged", None)
     with refused("no gait run and no gait planned"):
         comparison.compare(made, fit)
-
-
-def test_the_picture_has_a_curve_for_each_amplitude_and_lag(fitted):
-    made, fit = fitted
-    gaits = [gait(3.0), gait(3.0, 0.5)]
-    found = comparison.compare(made, fit, gaits=gaits, samples=16, servo=None)
-    curves = speed_curves(found)
-    assert [curve.shape for curve in curves] == [(g.alpha_rad, g.beta_rad) for g in gaits]
-    for curve, shown in zip(curves, found.gaits, strict=True):
-        at = np.interp(shown.frequency_hz, curve.frequency_hz, curve.typical_m_s)
-        assert at == pytest.approx(shown.exact_m_s, rel=0.02)
-        assert (curve.low_m_s < curve.typical_m_s).all()

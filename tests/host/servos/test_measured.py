@@ -14,7 +14,6 @@ import serpenoid as sn
 from command_line import answer, serpenoid
 from lab.one_joint import SENT, Hidden, drawn, moved, tables_of
 from refusals import refused
-from serpenoid.commands.friction.servo import notes
 from serpenoid.servos import bench_fit
 from serpenoid.servos.bench_fit import servo_of_test
 from serpenoid.servos.bench_test import BenchModel, BenchTest, Load
@@ -28,7 +27,6 @@ LOAD = Load(0.1 * HIDDEN.torque_limit_nm / 9.81 / 0.1, 0.1)
 HIDDEN_SERVOS = {
     "sampled": Hidden(HIDDEN),
     "continuous": Hidden(CONTINUOUS),
-    "loaded": Hidden(CONTINUOUS, load=Load(3 * LOAD.mass_kg, LOAD.distance_m)),
     "model 0": Hidden(CONTINUOUS, load=LOAD),
     "model 50": Hidden(replace(HIDDEN, update_hz=50.0), load=LOAD, look_s=0.013),
 }
@@ -98,29 +96,6 @@ def test_intervals_hold_hidden_servos() -> None:
     assert len(inside) > 60
     assert np.mean(inside) > 0.88
     assert alarms <= 1
-
-
-@pytest.mark.slow
-def test_a_load_that_hangs_shows_the_torque(table) -> None:
-    """Stated, it gives the torque; unstated, it is named."""
-    servo, test = CONTINUOUS, table("loaded", 3)
-    stated, unstated = (servo_of_test(replace(test, load=x), sn.servo()) for x in (test.load, None))
-    torque = stated.values["stall_torque_nm"]
-    assert torque.is_determined
-    assert torque.low <= servo.stall_torque_nm <= torque.high
-    assert torque.value == pytest.approx(servo.stall_torque_nm, rel=0.25)
-    assert "Something pulls the joint with" in " ".join(notes(unstated))
-
-
-@pytest.mark.slow
-def test_what_the_model_has_not_is_no_servo(table) -> None:
-    """A joint that stops at 20 degrees, as against a wall."""
-    test = table("sampled", 5)
-    fit = servo_of_test(replace(test, angle_rad=np.minimum(test.angle_rad, 0.35)), sn.servo())
-    assert not fit.verdict.describes
-    assert fit.verdict.variance_ratio > 2
-    speed = fit.values["no_load_rad_s"]
-    assert speed.sigma > 0.02  # wider than the 0.8 % of a sound test
 
 
 @pytest.mark.slow
