@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup
 from serpenoid import fit_friction
-from serpenoid.session.station import ZeroReading
+from simulated_sessions import MemoryRecord
 
 FRICTIONS = ("ct", "cn", "ft0", "fn0")
 TRUTH = [getattr(WHOLE_BODY_2005, name) for name in FRICTIONS]
@@ -41,7 +41,9 @@ def test_a_measured_zero_is_taken_off_and_known_better():
     exact = session(setup(7.5), WHOLE_BODY_2005)
     off = math.radians(0.3)
     shown = tuple(replace(r, incline_rad=r.incline_rad + off) for r in exact.readings)
-    zeros = tuple(ZeroReading(100 + k, 0.02 + off, off - 0.02, at_start=k == 0) for k in range(2))
-    fit = fit_friction(replace(exact, readings=(*shown, *zeros)))
+    record = MemoryRecord(exact.setup, replace(exact, readings=shown))
+    for _ in range(2):
+        record.add("zero", {"incline_deg": 1.0 + 0.3, "reversed_deg": 0.3 - 1.0})
+    fit = fit_friction(record.session)
     np.testing.assert_allclose(list(fit.whole_snake.values()), TRUTH, rtol=1e-6)
     assert fit.parameters["ft0"].sigma < 0.7 * fit_friction(exact).parameters["ft0"].sigma

@@ -9,17 +9,23 @@ import pytest
 import serpenoid as sn
 from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
 from command_line import serpenoid
-from serpenoid.friction.result import NO_BELT
-from serpenoid.session.journal import Journal
-from serpenoid.session.station import BeltCheck
-from serpenoid.taking.new_session import answered, create_session, default_setup
+from simulated_sessions import MemoryRecord
 
 NAMES = ("ct", "cn", "ft0", "fn0")
+NO_BELT = "The belt's speed was not checked"
 
 
 def stating(made, **sigmas):
     unsure = replace(made.setup.instruments, **sigmas)
     return replace(made, setup=replace(made.setup, instruments=unsure))
+
+
+def checked(made, distance_m, duration_s):
+    """Return a session with a mark on its belt timed while it shows 0.5 m/s."""
+    record = MemoryRecord(made.setup, made)
+    cells = {"belt_speed_m_s": 0.5, "distance_m": distance_m, "duration_s": duration_s}
+    record.add("belt", cells)
+    return record.session
 
 
 def belt_as_stated(made):
@@ -40,8 +46,8 @@ def test_scales_add_in_quadrature_and_a_mark_on_the_belt_tells():
             rel=0.1,  # of draws, twice
         )
         assert shared.intervals[name][1] > plain.intervals[name][1]
-    check = BeltCheck(90, 0.5, 11.0, 20.0)  # it runs 10 % faster than it shows
-    told = stating(made, belt_scale_sigma_percent=10.0).with_reading(check)
+    # it runs 10 % faster than it shows
+    told = checked(stating(made, belt_scale_sigma_percent=10.0), 11.0, 20.0)
     scale, sigma = told.belt_scale
     assert (scale, sigma) == (pytest.approx(1.1, abs=0.003), pytest.approx(0.011, rel=0.1))
     fit = sn.fit_friction(told)
@@ -57,9 +63,9 @@ def test_a_belt_that_nobody_checked_is_as_unsure_as_any_belt():
     ct, ft0 = fit.parameters["ct"], fit.parameters["ft0"]
     assert ct.sigma / ct.value > 0.07 > ft0.sigma / ft0.value
     assert NO_BELT in " ".join(fit.unmeasured)
-    checked = made.with_reading(BeltCheck(90, 0.5, 28.0, 56.0))
-    assert checked.belt_scale[1] < 0.01
-    assert NO_BELT not in " ".join(sn.fit_friction(checked).unmeasured)
+    told = checked(made, 28.0, 56.0)
+    assert told.belt_scale[1] < 0.01
+    assert NO_BELT not in " ".join(sn.fit_friction(told).unmeasured)
 
 
 def test_links_off_their_path_cost_dry_friction_and_the_fit_knows():
@@ -104,11 +110,11 @@ def test_friction_that_falls_with_speed_and_slippery_bends_are_alarms():
 
 
 def test_every_prediction_notes_what_was_not_measured(tmp_path):
-    folder = create_session(tmp_path / "asked", answered(default_setup("asked"), {"mass_kg": ""}))
-    with Journal(folder) as journal:
-        for bend, incline, belt in ((0, 2, 0.3), (0, 3, 1.0), (15, 3.0, 0.1), (15, 4.0, 0.5)):
-            cells = {"lambda_deg": bend, "incline_deg": incline, "belt_speed_m_s": belt}
-            journal.add("station", cells | {"drift_m_s": 0.0})
+    folder = tmp_path / "asked"
+    serpenoid(f"calibrate new {folder} --defaults --surface belt", check=True)
+    for bend, incline, belt in ((0, 2, 0.3), (0, 3, 1.0), (15, 3.0, 0.1), (15, 4.0, 0.5)):
+        cells = f"lambda_deg={bend} incline_deg={incline} belt_speed_m_s={belt}"
+        serpenoid(f"calibrate add {folder} station {cells}", check=True)
     gait = "--alpha-deg 70 --beta-deg 75 --frequency-hz 0.5"
     done = serpenoid(f"steady {gait} --servo ideal --robot {folder} --json")
     weight, zero, belt = json.loads(done.stdout)["fit_notes"]
