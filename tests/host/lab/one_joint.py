@@ -89,9 +89,8 @@ def moved(hidden: list[Hidden]) -> tuple[np.ndarray, np.ndarray]:
     loads = [h.load for h in hidden]
     inertia = _column("armature_kg_m2", hidden)
     inertia = inertia + [0.0 if w is None else w.mass_kg * w.distance_m**2 for w in loads]
-    pulls = np.array([0 if w is None or not w.level else w.mass_kg * w.distance_m for w in loads])
+    pulls = np.array([0.0 if w is None else w.mass_kg * w.distance_m for w in loads])
     pulls = 9.81 * pulls + [h.moment_nm for h in hidden]
-    down = np.array([0.0 if w is None else w.down_rad for w in loads])
     hz = _column("update_hz", hidden)
     period = np.where(hz > 0, 1 / np.maximum(hz, 1.0), STEP_S)
     next_look = np.array([h.look_s for h in hidden])
@@ -118,7 +117,7 @@ def moved(hidden: list[Hidden]) -> tuple[np.ndarray, np.ndarray]:
         ampere = (VOLT * duty - constant * rate) / (ohm + wires * duty**2)
         fed = (VOLT * duty - constant * rate) / ohm  # a motor that is driven feeds no supply
         ampere = np.where(duty * ampere < 0, fed, ampere)
-        pull = pulls * np.sin(gain * angle + zero - down)
+        pull = pulls * np.sin(gain * angle + zero)
         rate = rate + STEP_S / inertia * (constant * ampere - viscous * rate - pull)
         rate = np.sign(rate) * np.maximum(np.abs(rate) - STEP_S / inertia * dry, 0.0)
         angle = angle + STEP_S * rate
