@@ -131,8 +131,9 @@ def test_a_remark_goes_with_every_band(tmp_path: Path, table, monkeypatch) -> No
 
     A few moves of the samples will do: their intervals are not looked at.
     """
-    monkeypatch.setattr(bench_fit, "MOVES", 10)
-    monkeypatch.setattr(bench_fit, "BEST_STARTS", 2)
+    few = {"MOVES": 10, "BEST_STARTS": 2, "DRAWN_STARTS": 128, "SAMPLES": 64, "SERVO_COUNT": 16}
+    for name, count in few.items():
+        monkeypatch.setattr(bench_fit, name, count)
     test = table("continuous", 9)
     wall = replace(test, angle_rad=np.minimum(test.angle_rad, 0.35))
     file, out = written(wall, tmp_path / "wall.csv"), tmp_path / "wall.toml"
