@@ -34,12 +34,13 @@ def mixed_session():
     )
     stations = stations_session(stations_setup(7.5, 30.0), WHOLE_BODY_2005)
     numbered = tuple(replace(r, number=100 + r.number) for r in stations.readings)
-    both = replace(stations, setup=setup, readings=(*numbered, *filmed.readings))
-    record = MemoryRecord(setup, both)
+    record = MemoryRecord(
+        setup, replace(stations, setup=setup, readings=(*numbered, *filmed.readings))
+    )
+    t, x = rolled_out(0.8, TRUTH)
+    rest = {"lambda_deg": 0.0, "distance_m": x[-1], "duration_s": t[-4001]}
     for way in ("there", "back"):
-        t, x = rolled_out(0.8, TRUTH)
-        cells = {"lambda_deg": 0.0, "way": way}
-        record.add("push", cells | {"distance_m": x[-1], "duration_s": t[-4001]})
+        record.add("push", rest | {"way": way})
     return record.session
 
 

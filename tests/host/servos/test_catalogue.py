@@ -44,26 +44,6 @@ def test_drawn_servos_turn_and_pull_as_the_sheet_says(name: str) -> None:
     assert [s.stall_torque_nm for s in known.draws(40, 4)] == pytest.approx(pulls, rel=1e-3)
 
 
-@pytest.mark.parametrize("name", ["XL-320", "XL-330", "STS3215", "MX-64"])
-def test_identified_servos_lie_inside_the_prior(name: str) -> None:
-    """What no sheet says of them lies between the 2.5 and 97.5 % of drawn servos."""
-
-    def unsaid(servo: sn.Servo) -> list[float]:
-        line = servo.torque_limit_nm / servo.speed_limit_rad_s
-        return [
-            servo.armature_kg_m2 / line,
-            servo.gear_friction_nm / servo.torque_limit_nm,
-            servo.gear_damping_nms_rad / line,
-            servo.speed_limit_rad_s / servo.no_load_rad_s,
-        ]
-
-    drawn = np.array([unsaid(one) for one in sn.servo().at_volts(6.0).draws(2048)])
-    low, high = np.quantile(drawn, [0.025, 0.975], axis=0)
-    found = unsaid(sn.servo(name).servo)
-    assert (low < found).all()
-    assert (found < high).all()
-
-
 def test_voltage_moves_torque_and_speed_and_leaves_the_gear() -> None:
     servo = sn.servo("MG996R").servo.at_volts(6.0)
     less = servo.at_volts(5.0)
