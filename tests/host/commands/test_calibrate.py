@@ -43,17 +43,6 @@ def test_a_script_takes_the_session_and_ends(folder, plan):
     assert serpenoid(f"fit {folder}")[0] == 0
 
 
-def test_a_session_cut_anywhere_is_resumed_from_its_rows(folder, plan):
-    assert calibrate(f"{folder} --script {plan}")[0] == 0
-    path = folder / "readings.csv"
-    lines = path.read_text().splitlines(keepends=True)
-    for kept in (1, 9):
-        path.write_text("".join(lines[:kept]) + lines[kept][:11])
-        assert calibrate(f"{folder} --script {plan}")[0] == 0
-        assert len(load_session(folder).kept_stations) > 12
-        assert path.read_text().startswith("".join(lines[:kept]))
-
-
 def test_listed_readings_are_added_once(folder, tmp_path):
     rows = [(0.0, 2.0, 0.2), (0.0, 2.3, 0.5)]
     text = "".join(

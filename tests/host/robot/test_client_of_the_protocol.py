@@ -7,7 +7,9 @@ import subprocess
 import sys
 import textwrap
 from pathlib import Path
+from subprocess import PIPE
 
+import pytest
 from robot.fake_board import FakeBoard
 from robot.patience import LONG_S
 
@@ -21,34 +23,26 @@ def client() -> str:
     return textwrap.dedent(section[section.index("\n    ") :]).strip()
 
 
-def run(board: FakeBoard, tmp_path: Path) -> subprocess.Popen[str]:
-    program = tmp_path / "client.py"
-    assert ROUNDS in client()
-    program.write_text(client().replace(ROUNDS, "range(3)"))
-    command = [sys.executable, str(program), board.port]
-    return subprocess.Popen(command, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-
-
 def test_it_has_forty_lines():
     assert len(client().splitlines()) <= 40
 
 
-def test_it_drives_the_robot_and_stops_it(tmp_path):
+@pytest.mark.parametrize("interrupted", [False, True])
+def test_it_drives_the_robot_and_stops_it_however_it_ends(tmp_path, interrupted):
+    program = tmp_path / "client.py"
+    assert ROUNDS in client()
+    program.write_text(client().replace(ROUNDS, "range(3)"))
     with FakeBoard() as board:
-        out, err = run(board, tmp_path).communicate(timeout=LONG_S)
-        assert board.await_state("hold"), err
-    assert not err
-    frames = [ast.literal_eval(line) for line in out.splitlines()]
-    assert frames[-1]["st"] == "gait"
-    assert abs(float(frames[-1]["j1"])) <= 30
-    assert len({frame["t"] for frame in frames}) == len(frames) > 20
-
-
-def test_it_stops_the_robot_however_it_ends(tmp_path):
-    with FakeBoard() as board:
-        child = run(board, tmp_path)
+        command = [sys.executable, str(program), board.port]
+        child = subprocess.Popen(command, text=True, stdout=PIPE, stderr=PIPE)
         assert board.await_state("gait")
-        child.send_signal(2)
-        _, err = child.communicate(timeout=LONG_S)
+        if interrupted:
+            child.send_signal(2)
+        out, err = child.communicate(timeout=LONG_S)
         assert board.await_state("hold")
-    assert "KeyboardInterrupt" in err
+    assert ("KeyboardInterrupt" in err) == interrupted == bool(err)
+    if not interrupted:
+        frames = [ast.literal_eval(line) for line in out.splitlines()]
+        assert frames[-1]["st"] == "gait"
+        assert abs(float(frames[-1]["j1"])) <= 30
+        assert len({frame["t"] for frame in frames}) == len(frames) > 20

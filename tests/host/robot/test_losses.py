@@ -37,8 +37,6 @@ from serpenoid.base.errors import (
     StopUnconfirmed,
 )
 from serpenoid.robot import RobotBoard
-from serpenoid.robot.recording.stream import load_stream
-from serpenoid.robot.wire.dialogue import MOST_STOPS
 
 
 def after_gait_frames(count: int, tamper: Tamper) -> Tamper:
@@ -147,7 +145,7 @@ def test_drive_tells_a_loss_once_and_keeps_the_recording(tmp_path, monkeypatch, 
     assert status == 1, errors
     assert len(re.findall(said, errors)) == 1, errors
     assert "Traceback" not in errors
-    assert load_stream(file).end is not None
+    assert b"\n# end: " in file.read_bytes()
     if loss == "a clock at double pace":
         assert json.loads(out)["frequency_hz"] is None
 
@@ -251,11 +249,11 @@ def test_a_motion_that_a_stop_overtook_is_not_sent_again_and_a_question_is():
     board = FastBoard()
     with RobotBoard(board) as robot:
         board.to_host = lambda line: resealed(line, rb"^ok: (#\d+)$", rb"err: \1 stopped - by !")
-        for ask, times in ((robot.straight, 1), (robot.status, MOST_STOPS)):
+        for ask, asked_again in ((robot.straight, False), (robot.status, True)):
             sent = len(board.received)
             with pytest.raises(CommandRefused, match="stopped"):
                 ask()
-            assert board.received[sent:].count(b"\n") == times
+            assert (board.received[sent:].count(b"\n") > 1) == asked_again
         board.to_host = honest
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
+from refusals import refused
 from robots import gait_in_deg
 
 ROBOT, GROUND = sn.Robot(4, 0.08, 0.09, 2.5e-4), sn.Ground(0.3, 3.0)
@@ -66,3 +67,5 @@ def test_a_scene_that_names_no_method_chooses_anew_when_changed() -> None:
     assert smooth.method == "rk4"
     assert replace(smooth, ground=dry).method == "nonsmooth"
     assert replace(replace(smooth, method="rk4"), ground=dry).method == "rk4"
+    with refused("nonsmooth"):
+        replace(smooth, ground=sn.Ground((0.014, 0.14), 0.2), method="dop853")

@@ -95,6 +95,16 @@ def test_thrown_uphill_it_stops_and_stays_or_slides_back(scene: sn.Scene, inclin
     assert grip.sum() == pytest.approx(6 * holds, abs=1e-6)
 
 
+def test_ratchets_on_springs_are_braked_backwards_by_their_backward_friction() -> None:
+    start = sn.LinkState.joined(OF_2005, [0.0] * 8, [-0.5, 0.0, *[0.0] * 6])
+    back = sn.Ground(RATCHET.ct_backward, RATCHET.cn, RATCHET.ft0_backward, RATCHET.fn0)
+    ends = [
+        sn.simulate(replace(SOFT, ground=g, gait=sn.Gait(0.0, 0.0, 2.0), start=start)).x_m[-1]
+        for g in (RATCHET, back)
+    ]
+    assert ends[0] == pytest.approx(ends[1], abs=1e-9)
+
+
 @pytest.mark.parametrize("incline", [0.0, 0.1])
 def test_order_two_through_sticking_and_slipping(incline: float) -> None:
     """Events fall anywhere in a step, so single halvings scatter: the mean of five counts."""
