@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "cases.hpp"
+#include "periodic/pieces/sliding_cycle.hpp"
+#include "periodic/refinement.hpp"
 #include "periodic/sweep.hpp"
 
 using namespace serpenoid;
@@ -19,6 +21,14 @@ const SweepShape kPaper{
 const SweepShape kDry{uniform_rod(6, 0.0756, 0.076),
                       {0.0132, 0.37, 0.0325, 0.12},
                       {70 * kDegree, 75 * kDegree, 5.0, 0.0}};
+
+// Its cycles break off in axes that turn.
+struct Unturned : SlidingCycle {
+    using SlidingCycle::SlidingCycle;
+    std::optional<CycleEnd> follow(const Vec3& p, const Following& how) override {
+        return how.spin == 0 ? SlidingCycle::follow(p, how) : std::nullopt;
+    }
+};
 
 }  // namespace
 
@@ -77,4 +87,19 @@ TEST_CASE("neither threads nor other shapes change a bit of a sweep") {
     CHECK(serial == parallel);
     const std::size_t shape = omegas.size() * kSweepColumns;
     CHECK(serial[0] == serial[2 * shape]);
+}
+
+TEST_CASE("a gait that turns has no state where the cycle that tells its speed breaks off") {
+    const Gait gait{70 * kDegree, 75 * kDegree, 5.0, 0.1};
+    const SteadyOptions options{1e-4, false};
+    const auto refined = [&](CycleMap& map) {
+        FixedPoint point(map, false);
+        REQUIRE(point.follow_cycles(10, 1e-3, 1e-4));
+        const Acceptance accepted(options, kDry.robot, kDry.ground, gait.omega);
+        return Refinement(map, point, options).refine(1e-4, accepted);
+    };
+    SlidingCycle whole(kDry.robot, kDry.ground, gait, 10'000);
+    Unturned broken(kDry.robot, kDry.ground, gait, 10'000);
+    CHECK(refined(whole).converged);
+    CHECK_FALSE(refined(broken).converged);
 }

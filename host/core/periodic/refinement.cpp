@@ -25,8 +25,9 @@ Vec3 times(const Vec3& a, const Vec3& b) { return {a[0] * b[0], a[1] * b[1], a[2
 }  // namespace
 
 // Speed, turn and power of the orbit's next start: those of the motion that was followed, and what
-// Newton's last step changes by derivatives.
-SteadyState Refinement::report(const Orbit& orbit, double tolerance) const {
+// Newton's last step changes by derivatives. Nothing where the cycle that tells the speed of a gait
+// that turns breaks off.
+std::optional<SteadyState> Refinement::report(const Orbit& orbit, double tolerance) const {
     const Vec3 &scale = map_.scale(), p = times(orbit.next_start(), scale);
     const CycleState& end = orbit.end.state;
     const auto value = [&](double v, int row) { return orbit.extrapolate(v, row, scale); };
@@ -43,7 +44,8 @@ SteadyState Refinement::report(const Orbit& orbit, double tolerance) const {
     state.turn = path.turn;
     if (!map_.mirrored()) {
         const auto arc = map_.follow(p, {tolerance, false, path.turn / (2 * std::numbers::pi)});
-        if (arc) path = {arc->state.x, arc->state.y, path.turn};
+        if (!arc) return {};
+        path = {arc->state.x, arc->state.y, path.turn};
     }
     state.speed = path.length() / period;
     state.direction = path.direction();
@@ -131,7 +133,9 @@ FixedPoint::Ended Refinement::level(double tolerance, SteadyState& next) {
     Orbit orbit;
     const auto ended = point_.solve(tolerance, goal, options_.powers, orbit);
     if (ended != FixedPoint::Ended::converged) return ended;
-    next = report(orbit, tolerance);
+    const auto reported = report(orbit, tolerance);
+    if (!reported) return FixedPoint::Ended::broken;
+    next = *reported;
     point_.start_solved = true;
     state_errors(orbit, tolerance, next);
     return ended;

@@ -1,6 +1,7 @@
 // The periodic state of a map at ever tighter tolerances, with the errors that the levels show.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "periodic/fixed_point.hpp"
@@ -22,7 +23,7 @@ class Refinement {
         double speed = 0, power = 0, turn = 0, slowest = 0;
     };
     FixedPoint::Ended level(double tolerance, SteadyState& next);
-    SteadyState report(const Orbit& orbit, double tolerance) const;
+    std::optional<SteadyState> report(const Orbit& orbit, double tolerance) const;
     void state_errors(const Orbit& orbit, double tolerance, SteadyState& next);
     void add_positive(const JointWork& work, double remainder, SteadyState& next);
 
