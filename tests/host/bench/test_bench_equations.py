@@ -9,7 +9,7 @@ import pytest
 import serpenoid as sn
 from oracle.scenes import SlowScene
 from serpenoid.bench.problems import Array, Problem, problems
-from serpenoid.bench.scipy_peer import equations, solve
+from serpenoid.bench.scipy_peer import equations
 
 GROUNDS = {
     "viscous": sn.Ground(ct=(0.1, 2.0), cn=10.0),
@@ -51,12 +51,3 @@ def test_plain_and_dense_rates_agree(problem: Problem) -> None:
     plain, dense = equations(problem)(0.4, y), dense_rates(problem, 0.4, y)
     # the dense system of 50 links loses some digits
     assert np.abs(plain - dense).max() < 1e-10 * np.abs(dense).max()
-
-
-def test_scipy_solves_dry_ground_the_better_the_narrower_the_sign() -> None:
-    problem = problem_of("robot2005", duration_s=0.4)
-    exact = problem.vector(sn.simulate(problem.scene).state())
-    wide, narrow = (
-        problem.error(solve(problem, "LSODA", 1e-7, width), exact) for width in (1e-2, 1e-3)
-    )
-    assert narrow < wide / 3 < 0.05

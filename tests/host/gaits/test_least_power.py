@@ -1,9 +1,8 @@
-"""Least-power gaits: the published ones, no neighbour cheaper, refusals."""
+"""Least-power gaits: the published ones, those at a limit, refusals."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import pytest
 import serpenoid as sn
@@ -25,12 +24,6 @@ def test_published_gaits(speed, omega, alpha_deg, beta_deg, watts) -> None:
     assert best.gait.omega_rad_s == pytest.approx(omega, rel=1e-3)
     assert math.degrees(best.gait.alpha_rad) == pytest.approx(alpha_deg, abs=0.05)
     assert math.degrees(best.gait.beta_rad) == pytest.approx(beta_deg, abs=0.05)
-
-
-def power_at_speed(state: Callable[[float], sn.Steady], cost: str, speed: float) -> float:
-    """Return what a shape costs at a speed, W, its state a function of the rate's logarithm."""
-    log_rate = brentq(lambda x: state(x).speed_m_s / speed - 1, -3, 5, xtol=1e-12)
-    return getattr(state(log_rate), f"{cost}_w")
 
 
 @pytest.mark.slow
@@ -103,7 +96,8 @@ def test_at_a_limit_the_power_is_that_of_the_best_lag(
         def state(x: float) -> sn.Steady:
             return sn.steady_gait(robot, ground, sn.Gait(most_rad, lag, math.exp(x)), rtol=1e-10)
 
-        return power_at_speed(state, cost, speed)
+        log_rate = brentq(lambda x: state(x).speed_m_s / speed - 1, -3, 5, xtol=1e-12)
+        return getattr(state(log_rate), f"{cost}_w")
 
     limits = sn.GaitLimits(joint_angle_rad=most_rad)
     best = sn.least_power_gait(robot, ground, speed_m_s=speed, cost=cost, limits=limits)

@@ -13,12 +13,10 @@ from robot.patience import LONG_S
 from serpenoid import Gait
 from serpenoid.base.errors import CommandRefused
 from serpenoid.robot import RobotBoard
-from serpenoid.robot.wire.protocol import PROTOCOL
 
 
 def test_a_run_from_opening_to_stop(any_port):
     with RobotBoard(any_port) as robot:
-        assert robot.hello.protocol == PROTOCOL
         assert robot.settings()["silence"] == 2.0
         robot.gait(GAIT)
         frames = list(itertools.islice(robot.frames(LONG_S), 25))
