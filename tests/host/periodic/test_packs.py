@@ -42,24 +42,3 @@ def test_packs_agree_with_pieces_for_wild_robots() -> None:
             assert abs(m.speed_m_s[0, 0, k] - s.speed_m_s) < 1e-7 * max(s.speed_m_s, floor)
             assert m.power_w[0, 0, k] == pytest.approx(s.power_w, rel=1e-6)
             assert m.abs_power_w[0, 0, k] == pytest.approx(s.abs_power_w, rel=3e-6)
-
-
-FEW_MODES = [  # few nodes for the torque's last modes: robot, ground, shape, rtol
-    ((17, 1.92, 0.0756), (0.303, 0.0238), (1.329, 0.3403, 0.03085), 1e-6),
-    ((14, 0.006425, 0.03773), (0.01112, 1.572e-4), (1.083, 0.10557, 0.8856), 1e-2),
-    ((15, 1.754, 0.07265), (0.001846, 8.994), (1.492, 0.24528, 3.0801), 1e-4),
-    ((8, 0.05814, 0.17766), (0.01306, 21.47), (1.157, 0.5165, 15.64), 1e-4),
-]
-
-
-def test_positive_power_claims_what_its_last_modes_may_hide() -> None:
-    """The work is off by the torque's modes above those that the nodes resolve."""
-    hidden = 0
-    for links, friction, shape, rtol in FEW_MODES:
-        robot, ground, gait = sn.Robot(*links), sn.Ground(*friction), sn.Gait(*shape)
-        s = sn.steady_gait(robot, ground, gait, rtol=rtol)
-        truth = sn.steady_gait(robot, ground, gait, rtol=1e-12).positive_power_w
-        error = abs(s.positive_power_w - truth)
-        assert error <= s.positive_power_error_w, links
-        hidden += error > 1e-11 * truth
-    assert hidden > 1
