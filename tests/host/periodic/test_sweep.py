@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import serpenoid as sn
+from command_line import answer
 from refusals import refused
 from robots import BINGHAM, OF_2005, PAPER, VISCOUS
-from serpenoid.show.sweep_files import write_sweep
 
 GRID = {"alpha_rad": [0.4, 0.9, 1.2], "beta_rad": [0.5, 1.3], "omega_rad_s": [1.0, 5.0, 9.0]}
 NAMES = sn.Sweep.__match_args__[3:13]  # figures of a gait
@@ -66,22 +66,20 @@ def test_progress_counts_every_gait_and_may_end_the_sweep() -> None:
 
 
 def test_files_hold_the_sweep(tmp_path: Path) -> None:
-    grid = sn.sweep(PAPER, VISCOUS, **GRID)
+    typed = "sweep --robot paper --alpha-deg 20:60:20 --beta-deg 30:75:45 --omega-rad-s 1:9:4"
     for suffix in ("csv", "npz"):
-        write_sweep(grid, tmp_path / f"s.{suffix}")
+        values = answer(f"{typed} --out {tmp_path}/s.{suffix}")
     with np.load(tmp_path / "s.npz") as file:
-        assert np.array_equal(file["settling_time_s"], grid.settling_time_s)
-        assert np.array_equal(file["omega_rad_s"], grid.omega_rad_s)
-    values = grid.to_dict()
-    assert values["speed_m_s"] == grid.speed_m_s.tolist()
-    assert values["alpha_deg"] == pytest.approx(np.degrees(GRID["alpha_rad"]))
+        assert file["settling_time_s"].tolist() == values["settling_time_s"]
+        assert file["omega_rad_s"].tolist() == values["omega_rad_s"] == [1.0, 5.0, 9.0]
+    assert values["alpha_deg"] == pytest.approx([20, 40, 60])
     with (tmp_path / "s.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 18
     last = rows[-1]
     assert float(last["frequency_hz"]) == pytest.approx(9.0 / math.tau)
-    assert float(last["alpha_deg"]) == pytest.approx(math.degrees(1.2))
-    assert float(last["abs_power_w"]) == grid.abs_power_w[-1, -1, -1]
+    assert float(last["alpha_deg"]) == pytest.approx(60.0)
+    assert float(last["abs_power_w"]) == values["abs_power_w"][-1][-1][-1]
     assert last["converged"] == "1"
 
 
