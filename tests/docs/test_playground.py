@@ -130,7 +130,7 @@ slider.value = 60, slider.dispatchEvent(new Event('input', {bubbles: true}));"""
     script = tmp_path / "same.py"
     script.write_text(browser.text("#python"))
     printed = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True)
-    assert printed.stdout.startswith(f"About {speed:.2g} m/s with typical servos")
+    assert printed.stdout.startswith(f"About {speed:.2g} m/s ")
 
 
 def test_too_fast_a_gait_and_no_friction_are_said(browser) -> None:

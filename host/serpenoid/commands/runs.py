@@ -203,7 +203,7 @@ def make_scene(
 @option(
     "--out",
     "page",
-    "Page to write; it needs no other file. WHAT's name in this folder, unless given.",
+    "Page to write; it needs no other file. The scene's or recording's name, unless given.",
     type=OutFile(".html"),
 )
 @flag("--open", "open_it", "Open the page in the browser.")
@@ -214,8 +214,8 @@ def view(
 ) -> None:
     """Write a page in which the snake crawls: play and scrub; slip and sticking of wheels.
 
-    WHAT is a scene file or a recording of `serpenoid drive --record`. Of a recording it shows how
-    the robot and ground of the options move while the joints follow the recorded set-points.
+    It takes a scene file, or a recording of `serpenoid drive --record`. Of a recording it shows
+    how the robot and ground of the options move while the joints follow the recorded set-points.
     """
     from ..model.gait import gait_name
     from ..robot.recording.stream import load_stream

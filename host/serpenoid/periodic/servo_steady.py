@@ -14,7 +14,7 @@ from .. import _core
 from ..base.checks import check_kind
 from ..base.errors import NotConverged
 from ..base.long_calls import Progress, in_threads, keep_running
-from ..base.rows import Result, Row, detail, two_digits
+from ..base.rows import Result, Row, detail, ranged, two_digits
 from ..base.vectors import Array
 from ..model.core_model import core_model
 from ..model.drives import Servo, ServoKind, core_servo
@@ -164,10 +164,11 @@ class ServoSteady(Result):
             )
         if too_fast := too_fast_text(self.ideal.gait, self.servo):
             return too_fast
-        speed, ideal = two_digits(self.speed_m_s), two_digits(self.ideal.speed_m_s)
-        ends = f" ({two_digits(self.low_m_s)} to {two_digits(self.high_m_s)})"
-        ends = "" if math.isnan(self.low_m_s) else ends
-        text = f"About {speed} m/s with typical servos{ends}; ideal joints {ideal}."
+        speed = ranged(self.speed_m_s, "m/s", *self._ends)
+        if math.isnan(self.low_m_s):
+            speed = f"{two_digits(self.speed_m_s)} m/s"
+        text = f"About {speed} with typical servos; "
+        text += f"ideal joints {two_digits(self.ideal.speed_m_s)}."
         return f"{text} {self.servo.remark}".rstrip() if isinstance(self.servo, ServoKind) else text
 
     def rows(self) -> list[Row]:

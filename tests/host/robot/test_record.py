@@ -95,7 +95,7 @@ def test_a_disk_that_fills_up_stops_the_robot_and_keeps_the_data(tmp_path):
         assert fake.await_state("hold")
         said = child.communicate("", timeout=LONG_S)[1]
         assert child.returncode == 1
-        assert "RecordingFailed: recording to" in said
+        assert f"RecordingFailed: recording to {path} ended: File too large; " in said
         assert b"pose straight" not in fake.received
     assert len(load_stream(path).frame) > 30
 

@@ -131,7 +131,7 @@ class Recorder:
             while text:
                 text = text[self._file.write(text) :]
         except OSError as error:
-            self._failure = self._failed(str(error))
+            self._failure = self._failed(f"{error.strerror}")
 
     def _failed(self, why: str) -> RecordingFailed:
         return RecordingFailed(
@@ -147,4 +147,6 @@ def _open(path: Path) -> FileIO:
     try:
         return FileIO(path, "w")
     except OSError as error:
-        raise RecordingFailed(f"cannot record to {path}: {error}; choose another") from error
+        raise RecordingFailed(
+            f"cannot record to {path}: {error.strerror}; choose another"
+        ) from error
