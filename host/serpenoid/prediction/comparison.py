@@ -160,19 +160,19 @@ class Comparison(Plottable):
         heads = ["gait", "measured, m/s", f"95 % with joints{servos}, m/s", "implicit\nmodel"]
         heads += ["ideal\njoints", "95 % friction"]
         lines = [heads, *(gait.cells() for gait in self.gaits)]
-        first = 1 if any(gait.runs for gait in self.gaits) else 2
+        first = 1 if self.measured else 2
         last = None if verbose else 5
-        lines = [[line[0], *line[first:last]] for line in lines]
-        return lines[0], lines[1:]
+        heads, *cells = [[line[0], *line[first:last]] for line in lines]
+        return heads, cells
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures by name; fit_alarms only where there are any."""
-        values = asdict(replace(self, servo=None, fit=None)) | {
-            "servo": self.servo and self.servo.name
-        }
+        numbers = [run.number for run in self.measured]
+        values = asdict(replace(self, servo=None, fit=None, measured=numbers))
+        values["servo"] = self.servo and self.servo.name
         del values["fit"]
-        alarms = self.fit.alarms if self.fit else ()
-        return values | ({"fit_alarms": alarms} if alarms else {})
+        alarms = self.fit and self.fit.alarms
+        return values | {"fit_alarms": alarms} if alarms else values
 
 
 def compare(
