@@ -24,7 +24,7 @@ MOST_TOKENS = {
     ("host/serpenoid/base", "host/serpenoid/model"): 14058,
     ("host/serpenoid/simulation",): 12292,
     ("host/serpenoid/periodic",): 7297,
-    ("host/serpenoid/gaits",): 6413,
+    ("host/serpenoid/gaits",): 6431,
     ("host/serpenoid/servos",): 5759,
     ("host/serpenoid/robot",): 17348,
     ("host/serpenoid/session", "host/serpenoid/friction", "host/serpenoid/taking"): 50732,

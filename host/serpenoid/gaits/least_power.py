@@ -303,18 +303,22 @@ def _finished(search: Search, best: Point, gain: float, rtol: float) -> LeastPow
 
 
 def _at_speed(search: Search, best: Point, rtol: float) -> tuple[Gait, Any]:
-    """Return the best shape at the rate of the wanted speed, and its state, by a secant method."""
+    """Return the best shape at the rate of the wanted speed, and its state, by a secant method.
+
+    Where speed falls as the rate rises steps lead away: the nearest of the states is the answer.
+    """
     assert best.gait is not None
     gait, x, slope = best.gait, math.log(best.gait.omega_rad_s), 1.0
-    state, previous = None, None
+    state, previous, nearest = None, None, math.inf
     for _ in range(MAX_SECANTS):
         tried = replace(gait, omega_rad_s=math.exp(x))
         solved = search.state(tried, rtol)
         if solved is None or solved.speed_m_s <= 0:
             break
-        gait, state = tried, solved
         miss = math.log(solved.speed_m_s / search.speed_m_s)
-        if abs(miss) < rtol / 2:
+        if abs(miss) < nearest:
+            gait, state, nearest = tried, solved, abs(miss)
+        if nearest < rtol / 2:
             break
         if previous is not None and x != previous[0]:
             slope = (miss - previous[1]) / (x - previous[0])
