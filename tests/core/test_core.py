@@ -1,4 +1,4 @@
-"""The core's own tests by ctest: as it is shipped, under sanitizers, by other compilers."""
+"""The core's own tests by ctest: as shipped, under sanitizers, by other compilers; clang-tidy."""
 
 from __future__ import annotations
 
@@ -58,3 +58,22 @@ def test_the_core_passes_its_own_tests(build: str, tmp_path: Path) -> None:
         )
         assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
         assert "warning:" not in done.stderr
+
+
+# Left out: what says nothing of a fault, branches alike but for their object, the width of a pack.
+RULES = (
+    "-*,bugprone-*,-bugprone-easily-swappable-parameters,-bugprone-narrowing-conversions,"
+    "-bugprone-implicit-widening-of-multiplication-result,-bugprone-branch-clone,"
+    "-bugprone-sizeof-expression"
+)
+
+
+@pytest.mark.skipif(not shutil.which("clang-tidy"), reason="needs clang-tidy")
+def test_clang_tidy_finds_nothing() -> None:
+    sources = [
+        str(p) for p in CORE.rglob("*.cpp") if p.parent.name not in ("python", "web", "board")
+    ]
+    folders = ["-I", str(CORE), "-I", str(CORE.parents[1] / "firmware/lib/gait")]
+    command = ["clang-tidy", "--quiet", f"--checks={RULES}", *sources, "--", "-std=c++20", *folders]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (0, "")
