@@ -134,11 +134,8 @@ def inside_rooms(graph: Graph) -> Graph:
     return {name: {o for o in graph[name] if not o.startswith("_core")} for name in keep}
 
 
-def test_python_arrows_run_down() -> None:
+def test_arrows_run_down() -> None:
     assert uphill(inside_rooms(python_graph()), ROOMS, ".") == []
-
-
-def test_core_arrows_run_down() -> None:
     assert uphill(core_graph(), CORE_ROOMS, "/") == []
 
 

@@ -19,6 +19,7 @@ NO_NOUN = re.compile(
     "|whole|with",
     re.IGNORECASE,
 )
+NAMED = {ast.Name: "id", ast.arg: "arg", ast.FunctionDef: "name", ast.ClassDef: "name"}
 COMPREHENSIONS = (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
 # Of C++ what is no code, and a name that is no member of another one's.
 SKIPPED = re.compile(r'//[^\n]*|/\*.*?\*/|#include[^\n]*|"(?:\\.|[^"\\\n])*"', re.DOTALL)
@@ -35,16 +36,9 @@ def python_faults(text: str) -> Iterator[tuple[int, str]]:
     parts = chain.from_iterable(node.body for node in classes)
     fields = {id(part.target) for part in parts if isinstance(part, ast.AnnAssign)}
     for node in ast.walk(tree):
-        name = getattr(node, "name", getattr(node, "arg", ""))
-        if (
-            isinstance(node, ast.Name)
-            and isinstance(node.ctx, ast.Store)
-            and id(node) not in fields
-        ):
-            name = node.id
-        if isinstance(node, (ast.keyword, ast.alias)):
-            name = ""
-        if isinstance(name, str) and NO_NOUN.fullmatch(name.strip("_")):
+        name = getattr(node, NAMED.get(type(node), ""), "")
+        is_bound = not isinstance(node, ast.Name) or isinstance(node.ctx, ast.Store)
+        if is_bound and id(node) not in fields and NO_NOUN.fullmatch(name.strip("_")):
             yield node.lineno, name
         if isinstance(node, ast.Assign) and len(node.targets) > 1:
             yield node.lineno, "two assignments"

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 from .checks import check_whole
 from .errors import NotConverged
 
-LIMIT_S = 20.0  # of calls whose cost is not known before
+LIMIT_S = 20.0  # longest call whose cost is not known before
 Progress = Callable[[int], object]
 Item = TypeVar("Item")
 Value = TypeVar("Value")

@@ -15,7 +15,7 @@ Residuals = Callable[[Floats], Floats]
 # are one and the same.
 DIFFERENCE_STEP, SAME_DISTANCE = 1e-3, 0.05
 LOG_DENSITY_RANGE = 8.0  # maxima that are lower than the highest by more are left out
-MAX_EVALUATIONS = 60  # by least squares from a start
+MAX_EVALUATIONS = 60  # evaluations of least squares from a start
 
 
 class Maximum(NamedTuple):

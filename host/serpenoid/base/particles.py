@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 LogDensity = Callable[[Floats], Floats]
 
-FREEDOM, WIDER = 6.0, 1.15  # of Student's distribution about a mode: tails, and width
-MOVES = 6  # of every particle after a step, and twice as many after the last
-_LENGTHS = (0.2, 0.4, 0.6, 1.0)  # of the difference of two particles
+FREEDOM, WIDER = 6.0, 1.15  # Student's distribution about a mode: freedom, and width
+MOVES = 6  # moves of a particle after a step; twice as many after the last
+_LENGTHS = (0.2, 0.4, 0.6, 1.0)  # lengths of a move, as shares of the difference of two particles
 _JITTER = 0.02  # standard deviations of the particles
 _CROSSOVERS = (0.2, 0.5, 1.0)  # shares of the parameters that a move changes
 _JUMP_SHARE = 0.1  # share of moves by the whole difference, from one maximum to another

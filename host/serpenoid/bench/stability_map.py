@@ -37,7 +37,7 @@ TORN_LENGTHS = 0.1  # Link lengths: a joint opens so far, and 30 times its start
 FAR_M = 1e-4  # a difference that has come this far from NUDGE_M has grown, however it goes on
 WORDS = ("stable, runs", "unstable, refused", "refused, no growth seen", "SILENTLY WRONG")
 COLOURS = ("#9ecae1", "#f4a582", "#fde0b8", "#b2182b")  # One for each of WORDS
-FIGURE_LINKS, FIGURE_DAMPING_N_S_M = 6, (0.0, 1e3)  # of the cells that are drawn
+FIGURE_LINKS, FIGURE_DAMPING_N_S_M = 6, (0.0, 1e3)  # cells that the figure shows
 LIMIT_S = 30.0  # Processor time of a line of cells over dt
 Line = tuple[str, int, float, float, float]
 

@@ -87,7 +87,7 @@ def work_of(problem: Problem, method: str, kind: str, setting: float) -> Work:
         how = (DRY_TOLERANCE, setting) if kind == "width_m_s" else (setting,)
         return partial(scipy_peer.solve, problem, method.removeprefix(PEER), *how)
     scene = problem.scene
-    if kind == "dt_s":  # of which the duration is a whole number
+    if kind == "dt_s":  # the duration is a whole number of steps
         setting = scene.duration_s / max(1, round(scene.duration_s / setting))
     changes: dict[str, Any] = {"method": method, "start": problem.start, kind: setting}
     scene = replace(scene, record_every=10**9, **changes)

@@ -144,7 +144,7 @@ def servo_kind(name: str, settings: Values) -> sn.ServoKind:
     return kind.at_frames(settings["frame_ms"] / 1e3) if "frame_ms" in settings else kind
 
 
-GAIT_FIELDS = {  # of Gait, by the names that are typed
+GAIT_FIELDS = {  # name that is typed -> field of Gait
     "alpha_deg": "alpha_rad",
     "beta_deg": "beta_rad",
     "offset_deg": "offset_rad",

@@ -194,8 +194,8 @@ def few_links(snake: Snake) -> bool:
 
 SUFFIXES = (".csv", ".npz")
 SPAN = "FIRST:LAST:STEP"
-MAX_VALUES = 100_000  # of a range
-MAX_GAITS = 1_000_000  # of an answer: its text takes a gigabyte
+MAX_VALUES = 100_000  # largest count of values in a range
+MAX_GAITS = 1_000_000  # largest grid of an answer, whose text takes a gigabyte
 
 
 def _span(text: str, name: str) -> list[float]:

@@ -85,7 +85,7 @@ def count_defects(cells: Sequence[Cell], outcomes: Sequence[Outcome]) -> dict[st
     return {word: words.count(word) for word in DEFECTS}
 
 
-SPRINGS_RTOL = 1e-3  # of the implicit model's speed
+SPRINGS_RTOL = 1e-3  # accuracy of the implicit model's speed
 HERTZ = 0.2, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0
 
 

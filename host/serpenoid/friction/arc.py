@@ -6,7 +6,7 @@ import numpy as np
 
 from .parameters import Floats
 
-MIN_SCATTERS = 20.0  # of a place: a shorter way has no direction to speak of
+MIN_SCATTERS = 20.0  # shortest way, in the scatter of a place, that has a direction
 
 
 def chord_places(x_m: Floats, y_m: Floats) -> tuple[Floats, Floats, float]:

@@ -18,7 +18,7 @@ from .result import METHODS, FrictionFit
 FORMAT = 3  # 2 had more draws, of what readings share, too
 OLDEST = 2  # 1 had no draws
 NAME = "fit.json"
-MAX_LETTERS = 200  # of a reason in a message
+MAX_LETTERS = 200  # longest reason in a message
 
 
 def save_fit(fit: FrictionFit, path: str | Path) -> Path:

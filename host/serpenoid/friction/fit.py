@@ -47,7 +47,7 @@ from .result import (
 )
 from .stations import BELT, Stations
 
-USUAL, USUAL_N = (0.084, 1.2, 0.14, 0.27), 4.4484  # of the 2005 robot, and its weight
+USUAL, USUAL_N = (0.084, 1.2, 0.14, 0.27), 4.4484  # friction of the 2005 robot, and its weight
 VISCOUS = np.array([1.0, 1.0, 0.0, 0.0])  # frictions that a belt's scale changes
 
 

@@ -17,9 +17,9 @@ from .result import DOUBTFUL, NO_ZERO, NOT_WEIGHED, FrictionFit
 from .stations import ZERO, ZERO_SIGMA_RAD, Stations
 
 APART_CHI2 = 2 * math.log(10.0)  # one suspect is then ten times as likely as another
-MOVED_SIGMAS = 2.0  # of its difference, beyond which a zero that moved is told
-MIN_FILMS = 3  # of one place, that tell which of them went the other way
-NEGATIVE_SIGMAS = 3.0  # below 0, from which a friction is an alarm
+MOVED_SIGMAS = 2.0  # difference of two zeros, in its sigma, beyond which a note says so
+MIN_FILMS = 3  # fewest films of one place that tell which of them went the other way
+NEGATIVE_SIGMAS = 3.0  # distance below 0 that makes a friction an alarm
 WEAK = 0.25  # relative standard deviation of a friction that is known only roughly
 ADVISED_LAMBDA_DEG = 15.0
 # Below the first a bend is refused: sin^2 of it is no longer a number with an error but a guess.

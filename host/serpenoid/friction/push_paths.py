@@ -12,7 +12,7 @@ from .parameters import Floats
 from .pushes import Pushes
 from .rolling_law import rest_point, way_m
 
-POINTS, RESTED_S = 80, 0.2  # of a drawn law, which ends so long after its rest
+POINTS, RESTED_S = 80, 0.2  # points of a drawn law, and how long after its rest it ends
 
 
 @dataclass(frozen=True)

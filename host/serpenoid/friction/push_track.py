@@ -19,8 +19,8 @@ from .slip import slipped_places
 
 MIN_SPEED_M_S = 1e-3
 MIN_DRY_M_S2 = 1e-6  # of a push that would not come to rest: it then takes long, not for ever
-ROUNDS = 4  # of Gauss-Newton for a push's own numbers: its last step is below 1e-3 sigma
-LAW_STEPS = np.full(8, 1e-3)  # of differences by the law's numbers
+ROUNDS = 4  # steps of Gauss-Newton for a push's own numbers; the last one is below 1e-3 sigma
+LAW_STEPS = np.full(8, 1e-3)  # steps of the differences by the law's numbers
 START_STEPS = np.array([1e-3, 1e-3, 1e-3, 1e-3, 0.03, 0.03])  # and by those of the start
 
 

@@ -30,8 +30,8 @@ from .push_track import LinearTrack, PushTrack
 
 WHEELS, SCALE = "wheels_turning_over_mass", "film_scale"
 SLOPES = ("floor_slope_rad", "floor_slope_across_rad")
-TAPE_SIGMA_M = 0.005  # of a way measured from where a hand let go
-FILM_SIGMA_M = 0.001  # of a place, where nothing states it
+TAPE_SIGMA_M = 0.005  # error of a way measured from where a hand let go
+FILM_SIGMA_M = 0.001  # error of a place in a film, where nothing states it
 # A path further off the line of its floor was filmed by a camera that somebody turned.
 MAX_CROOKED_RAD = math.radians(25.0)
 

@@ -24,10 +24,10 @@ METHODS = "joint", "naive"
 WHOLE_SUFFIX = "_whole"
 NOT_WEIGHED = "The robot was not weighed"
 NO_ZERO = "The inclinometer's zero was not measured"
-DOUBTFUL = 0.01  # below this p-value the stated uncertainties and the readings do not agree
+DOUBTFUL = 0.01  # p-value below which the stated uncertainties and the readings do not agree
 TAILS = np.linspace(0.1, 0.9, 33) * (1.0 - LEVEL)  # shares below an interval that are tried
 KEPT_SAMPLES = 256
-SIX_DIGITS = "{:.6g}"  # of a sample, as files keep them
+SIX_DIGITS = "{:.6g}"  # how files keep a sample
 
 
 def ground_of(links: int, frictions: Sequence[float]) -> Ground:

@@ -17,8 +17,8 @@ from numpy.polynomial.polynomial import polyval
 
 from .parameters import Floats
 
-SERIES_LIMIT = 0.05  # of c t, below which the series are exact to 1e-10
-REST_SERIES_LIMIT = 1e-3  # of w, the same
+SERIES_LIMIT = 0.05  # largest c t whose series are exact to 1e-10
+REST_SERIES_LIMIT = 1e-3  # largest w whose series are exact to 1e-10
 SERIES_OF_Q = (1 / 2, -1 / 6, 1 / 24, -1 / 120, 1 / 720, -1 / 5040, 1 / 40320)
 SERIES_OF_TIME, SERIES_OF_WAY = (1.0, -1 / 2, 1 / 3, -1 / 4, 1 / 5), (1 / 2, -1 / 3, 1 / 4, -1 / 5)
 

@@ -22,7 +22,7 @@ import numpy as np
 from .parameters import Floats, Integers
 from .rolling_law import integral, rest_point, way_m
 
-MOMENTS = 200  # of the motion, equally spaced: its integrals are then right to 1e-5 m
+MOMENTS = 200  # equally spaced moments of the motion: its integrals are then right to 1e-5 m
 # Standard deviations of how hands let go: of the axis to the push, and of its turning. With less,
 # sound sessions are called contradictory. A path too short to tell counts as a straight start.
 CROOKED_RAD, TURNING_RAD_S = math.radians(2.0), math.radians(4.0)

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 # interval with 17 % coverage, so that the prior is never absent.
 ZERO_SIGMA_RAD = math.radians(0.1)
 ZERO, BELT = "incline_zero_rad", "belt_scale"
-MIN_SIGMA_N = 1e-12  # of a reading, where frictions are 0 and nothing else errs
+MIN_SIGMA_N = 1e-12  # least sigma of a reading, where frictions are 0 and nothing else errs
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,13 +24,13 @@ from .search import COSTS, FINE_RTOL, ON_LIMIT, SMOOTH_RTOL, Point, Search, log_
 PAPER_LIMITS, NO_LOSSES = GaitLimits(), SpeedLosses(math.nan, math.nan)
 MAX_LENGTHS_A_SECOND = 100.0  # body lengths: no snake robot comes near
 MIN_LENGTHS_A_SECOND = 1e-6  # on dry ground states of slower gaits drown in rounding
-EXACT_RTOL = 1e-10  # of the answer on viscous ground, net power
-SPRINGS_RTOL = 1e-4  # of the answer by springs and dampers
+EXACT_RTOL = 1e-10  # accuracy of the answer on viscous ground, net power
+SPRINGS_RTOL = 1e-4  # accuracy of the answer by springs and dampers
 SPEED_EXPONENT = 3  # power rises at most as speed cubed, or about
 MAX_SPEED_MISS = 1e-2  # relative: a precise state that is farther off shows rough ones to be wrong
 POWER_RTOL = 10  # times the accuracy of a state's speed: that of its power
 MAX_SECANTS = 6  # states of the answer, until its speed is the wanted one
-MIN_LINKS = 3  # of two links' one joint a stroke undoes the one before it
+MIN_LINKS = 3  # with two links a stroke of the one joint undoes the one before it
 NO_TRAVEL = 1e-9  # body lengths a radian of the gait: less is rounding
 
 

@@ -30,8 +30,8 @@ LIMIT_NAMES = {
 REACHED = 2e-3  # relative: a limit this near counts as reached
 LESS_AMPLITUDE, LESS_FRICTION = 0.10, 0.20  # losses that a gait which is to be driven must bear
 SHARP_DROP = 0.25  # share of the speed: a gait that loses more is warned of
-MIN_SHARE = 1e-3  # of the speed: with less left a gait counts as one that stops
-LEAST_RATE_RAD_S = 1e-5  # of servos and gaits: a period of a week; slower states take minutes
+MIN_SHARE = 1e-3  # share of the speed: a gait that keeps less counts as one that stops
+LEAST_RATE_RAD_S = 1e-5  # lowest rate with servos: a period of a week; slower states take minutes
 _DEG = math.degrees(1.0)
 _UNITS = {
     "joint_angle_rad": (_DEG, "deg"),

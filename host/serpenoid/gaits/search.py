@@ -37,7 +37,7 @@ MAX_STATE_ERROR = 10  # times the accuracy asked for: a state this good still ra
 # The table.
 ALPHAS_RAD = np.radians(np.geomspace(6.0, 150.0, 15))  # gaits outside hardly travel
 MANY_LINKS = 8  # links: longer robots have several narrow valleys
-LAG_COUNTS = 14, 20  # of robots up to MANY_LINKS, and of longer ones
+LAG_COUNTS = 14, 20  # phase lags tried: robots up to MANY_LINKS, longer ones
 MAX_LAG_RAD = math.radians(175.0)  # a standing wave, of 180 degrees, goes nowhere
 MIN_RATE = 1.05  # over the rate at which the wave itself travels at the wanted speed
 RATE_STEP = 1.45  # factor between rates: lines between them err by a few per cent
@@ -55,8 +55,8 @@ LIMIT_PENALTY = 300.0  # slope of ln cost over ln excess: cost never falls so fa
 SHARE_PENALTY = 30.0  # the same of a share of speed: smaller, as that limit gives way to the others
 FIRST_SIZE = 0.15  # e-folds, of the simplex: half a step of the table
 FIRST_END = 0.02  # e-folds, where the first descents end
-MAX_EVALUATIONS = 90  # of one descent
-RESTARTS = 8  # at most
+MAX_EVALUATIONS = 90  # longest descent
+RESTARTS = 8  # largest count
 MIN_SETTLED = 1e-7  # e-folds of cost: two restarts that gain less end a search of exact states
 
 # A search along a limit.
@@ -66,8 +66,8 @@ ON_LIMIT = 1e-6  # e-folds from a limit that count as on it
 ONTO_LIMIT_STEPS = 4  # along the normal
 
 # The rate of a shape.
-MAX_RATE_STEPS = 12  # of the safeguarded secant method
-MAX_LOG_STEP = 0.5  # of one step of it
+MAX_RATE_STEPS = 12  # longest search by the safeguarded secant method
+MAX_LOG_STEP = 0.5  # largest step of that method
 MIN_SLOPE, MAX_SLOPE = 0.1, 10.0  # of ln speed over ln rate: beyond, 1 is as good a guess
 RATE_ROUNDING = 1e-12  # e-folds: two rates this near are one
 UNSOLVED = 1e3  # price of a shape without a periodic state

@@ -11,11 +11,11 @@ import numpy as np
 from ..base.errors import NotConverged
 from .robot import LabRobot
 
-STEER_RATE_RAD_S = math.radians(2.0)  # of a board that steers in a session
-STEP_S = 0.004  # of the motion; ten times shorter ones turn the zigzag of 6 s 0.005 deg less
+STEER_RATE_RAD_S = math.radians(2.0)  # rate of a board that steers in a session
+STEP_S = 0.004  # step of the motion; ten times shorter ones turn the zigzag of 6 s 0.005 deg less
 SLEW_M_S2 = 0.25  # a belt's own haste
-ROUNDING_S = 1e-9  # of sums of times
-HALF_WIDTH_M, HALF_LENGTH_M = 0.22, 0.6  # of the belt that a robot's centre may be on
+ROUNDING_S = 1e-9  # rounding of sums of times
+HALF_WIDTH_M, HALF_LENGTH_M = 0.22, 0.6  # part of the belt that a robot's centre may be on
 
 
 @dataclass(frozen=True, slots=True)

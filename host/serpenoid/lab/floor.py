@@ -15,7 +15,7 @@ from ..model.gait import Gait
 from .robot import LabRobot
 
 STEP_S, GRAVITY_M_S2 = 0.001, 9.81
-REACH_M = 0.15  # of a hand that pushes
+REACH_M = 0.15  # reach of a hand that pushes
 FRAME_S = 0.01  # between the rows of a track
 REST_M_S, REST_RAD_S = 1e-6, 1e-5
 LONGEST_S = 60.0

@@ -18,14 +18,14 @@ LOOK_S, WATCH_S = 0.5, 6.0  # between looks; that a drift is watched
 STEER_STEP_RAD = math.radians(0.25)
 STEER_LIMIT_RAD, TRIM_LIMIT_RAD = math.radians(3.0), math.radians(2.5)
 AIM_LIMIT_RAD = 0.2
-TRIES = 25  # of belt speeds, until somebody gives up
+TRIES = 25  # belt speeds tried until somebody gives up
 LEAVE_M = 0.75 * HALF_LENGTH_M  # along: time to take the robot back to the middle
-CARRIED = 0.25  # of the belt's speed: its wheels hardly roll, the belt carries it off
+CARRIED = 0.25  # share of the belt's speed: its wheels hardly roll, the belt carries it off
 # Slower than this a robot goes by jerks: every touch of the steering shakes wheels loose that would
 # rest, and it creeps where it should stand. No reading is taken there.
 CREEP_M_S = 0.12
 CREEP_MARGIN = 1.5  # times CREEP_M_S: below it the belt is set once more
-FEWEST_LOOKS = 5  # of a watch: a robot that leaves before is not read
+FEWEST_LOOKS = 5  # looks of a watch: a robot that leaves before is not read
 # Scatter of a robot that is let go: across, m; heading, rad; speed, m/s; turning, rad/s.
 LET_GO = np.array([0.01, math.radians(2.0), 0.03, math.radians(3.0)])
 

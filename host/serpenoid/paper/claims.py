@@ -31,7 +31,7 @@ from .study import (
 
 _NEAR_DEG = 4.0  # an angle of the paper, read to a step of its grid or so
 _NEAR_WAVES = 0.05 + 6 * _NEAR_DEG / 360  # 1.3 may be rounded, and so read
-_FLAT = 0.05  # of the power
+_FLAT = 0.05  # largest share of the power that counts as flat
 RINGING_S, SETTLED_S = 0.2, 8.0  # until and from when the springs of Figs. 6 and 7 ring, and rest
 
 

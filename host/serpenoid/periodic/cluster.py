@@ -15,10 +15,10 @@ from ..base.long_calls import Progress
 from ..base.vectors import Array
 from .grid import Shape, solve_shapes
 
-CONNECT_S = 10.0  # for the scheduler to answer
-FIRST_WORKER_S = 60.0  # for the first worker to come
-CHUNKS_PER_THREAD = 4  # at least, so that all of the cluster's threads end at about the same time
-GAITS_PER_CHUNK, DRY_GAITS_PER_CHUNK = 20_000, 2_000  # at most: about a second of work
+CONNECT_S = 10.0  # longest wait for the scheduler
+FIRST_WORKER_S = 60.0  # longest wait for the first worker
+CHUNKS_PER_THREAD = 4  # fewest, so that all of the cluster's threads end at about the same time
+GAITS_PER_CHUNK, DRY_GAITS_PER_CHUNK = 20_000, 2_000  # largest chunks: about a second of work
 
 
 def solve_chunk(required: str, shapes: Sequence[Shape], *how: Any) -> Array:

@@ -18,9 +18,12 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 
-STEPS = 0.005, 0.01  # of the number; what the longer one changes is the error of the shorter
-MIN_SIDE_RATIO = 0.1  # of the larger side: by more, the two sides differ
-MIN_SIDE_PERCENT = 0.02  # for 1 %: a smaller difference of the sides is of no use to anybody
+STEPS = (
+    0.005,
+    0.01,
+)  # changes of the number; the longer one shows the error of the shorter
+MIN_SIDE_RATIO = 0.1  # share of the larger side: by more, the two sides differ
+MIN_SIDE_PERCENT = 0.02  # per cent of speed for 1 %: smaller differences do not matter
 STATE_RTOL = 1e-7
 
 Parts = tuple[Any, Any, Any]  # Robot, Ground, Gait

@@ -24,7 +24,7 @@ from .grid import Shape, gait_figures, grid_axis, grid_shapes, several, solve_sh
 from .servo_steady import with_servo
 from .steady import steady_gait
 
-_RTOL, _DRAWS = 1e-3, 64  # of gaits with servos: a grid has many
+_RTOL, _DRAWS = 1e-3, 64  # accuracy and drawn servos of a gait: a grid has many
 
 
 class BestGait(NamedTuple):

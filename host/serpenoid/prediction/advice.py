@@ -27,8 +27,8 @@ from .band import predict
 from .next_readings import MAX_TIMES, Candidate, NextReading, can_film, candidates
 from .speeds import SAMPLES, Progress, Samples, draw_samples
 
-WORTH = 0.1  # of the band: a reading that saves less is not worth its time
-SERVO_LEFT = 0.5  # of the servos' share of the band, after a bench test of one joint
+WORTH = 0.1  # share of the band: a reading that saves less is not worth its time
+SERVO_LEFT = 0.5  # part of the servos' share of the band that a bench test of one joint leaves
 SERVO_TEST_MIN, FILM_MIN = 30.0, 10.0
 SHOWN = 5  # readings of a table
 

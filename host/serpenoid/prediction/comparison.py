@@ -12,6 +12,7 @@ import numpy as np
 from ..base.checks import check_kind, check_number
 from ..base.errors import BadInput, NotConverged
 from ..base.rows import Plottable
+from ..base.vectors import Array
 from ..friction.fit import fit_friction
 from ..friction.result import FrictionFit
 from ..model.drives import ServoKind
@@ -237,10 +238,9 @@ def compare(
     crawls = {crawl.gait: crawl for crawl in crawls_by_command(level)}
     servo = servo and driving(session.setup, servo)
     commands = {gait: crawl.commanded for gait, crawl in crawls.items() if crawl.films}
-    too_fast = {
-        g: "" if g in commands else too_fast_text(g, servo, gait_name(g)) for g in asked_gaits
-    }
-    asked_gaits.sort(key=lambda gait: bool(too_fast[gait]))
+    unfilmed = [gait for gait in asked_gaits if gait not in commands]
+    too_fast = {gait: too_fast_text(gait, servo, gait_name(gait)) for gait in unfilmed}
+    asked_gaits.sort(key=lambda gait: bool(too_fast.get(gait)))
     drawn = draw_samples(fit, servo, amplitude_sigma, samples, seed)
     bands: dict[Gait, SpeedBand] = {}
     for gait in asked_gaits:
@@ -248,30 +248,20 @@ def compare(
         if progress is not None:
             progress(len(bands) / len(asked_gaits))
     slope_shares = {
-        gait: np.mean([slope_doubts[run.number] for run in crawl.runs], axis=0)
-        for gait, crawl in crawls.items()
+        g: np.mean([slope_doubts[r.number] for r in c.runs], axis=0) for g, c in crawls.items()
     }
-    slope_sigmas = {gait: float(share.std()) for gait, share in slope_shares.items() if slope_text}
-    shown = [
-        _compared(fit, gait, band, crawls.get(gait), slope_sigmas.get(gait, 0.0))
-        for gait, band in bands.items()
-    ]
+    sigmas = {gait: float(share.std()) for gait, share in slope_shares.items() if slope_text}
+    shown = [_compared(fit, g, bands[g], crawls.get(g), sigmas.get(g, 0.0)) for g in asked_gaits]
     judged = [gait for gait, row in zip(asked_gaits, shown, strict=True) if row.judged]
     p_value, friction, amplitude = None, None, None
     if judged:
-        drawn_m_s = np.stack([bands[gait].samples_m_s for gait in judged], axis=2)
-        servo_shares = drawn_m_s[2] / np.maximum(drawn_m_s[1], 1e-9)
-        measured = np.array([mean_speed(crawls[gait].runs) for gait in judged])
-        slopes = np.stack([slope_shares[gait] for gait in judged], axis=1)
-        predicted = Predicted(drawn_m_s[1], servo_shares, slopes, *measured.T)
-        p_value = predicted.p_value(seed)
-        if p_value < DOUBTFUL:
-            pairs = [(g, commands.get(g)) for g in judged]
-            friction, amplitude = best_factors(predicted, fit, pairs, servo and servo.servo, seed)
+        pairs = [(gait, commands.get(gait)) for gait in judged]
+        predicted = _predicted(judged, bands, crawls, slope_shares)
+        p_value, friction, amplitude = _tested(predicted, pairs, fit, servo, seed)
     verdict, text = _verdict(shown, p_value, servo)
     text += _explained(friction, amplitude)
-    remark = servo.remark if servo else ""
-    words = [text, remark, *too_fast.values(), *map(_joints_as_filmed, crawls.values()), slope_text]
+    text = f"{text} {servo.remark}".rstrip() if servo else text
+    words = [text, *too_fast.values(), *map(_joints_as_filmed, crawls.values()), slope_text]
     return Comparison(
         session.setup.name,
         amplitude_sigma,
@@ -286,6 +276,34 @@ def compare(
         fit=fit,
         highest_hz=servo and highest_hz(asked_gaits[0], servo),
     )
+
+
+def _predicted(
+    judged: list[Gait],
+    bands: dict[Gait, SpeedBand],
+    crawls: dict[Gait, Crawls],
+    slope_shares: dict[Gait, Array],
+) -> Predicted:
+    """Return the samples of the judged gaits' speeds beside what was measured of them."""
+    drawn_m_s = np.stack([bands[gait].samples_m_s for gait in judged], axis=2)
+    servo_shares = drawn_m_s[2] / np.maximum(drawn_m_s[1], 1e-9)
+    measured = np.array([mean_speed(crawls[gait].runs) for gait in judged])
+    slopes = np.stack([slope_shares[gait] for gait in judged], axis=1)
+    return Predicted(drawn_m_s[1], servo_shares, slopes, *measured.T)
+
+
+def _tested(
+    predicted: Predicted,
+    pairs: list[tuple[Gait, Gait | None]],
+    fit: FrictionFit,
+    servo: ServoKind | None,
+    seed: int,
+) -> tuple[float, Factor | None, Factor | None]:
+    """Return the p-value of the judged gaits, and the factors that explain a small one."""
+    p_value = predicted.p_value(seed)
+    if p_value >= DOUBTFUL:
+        return p_value, None, None
+    return p_value, *best_factors(predicted, fit, pairs, servo and servo.servo, seed)
 
 
 def compared_gaits(session: Session, more: Sequence[Gait] = ()) -> list[Gait]:

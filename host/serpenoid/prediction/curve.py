@@ -15,8 +15,8 @@ from .band import predict
 from .comparison import Comparison
 from .speeds import draw_samples
 
-POINTS = 12  # of a curve; a band's ends scatter by more than chords between them are off
-MARGINS = 0.6, 1.3  # of the lowest and the highest frequency that was compared
+POINTS = 12  # points of a curve; a band's ends scatter by more than chords between them are off
+MARGINS = 0.6, 1.3  # factors of the lowest and highest frequency that was compared
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,8 @@ from ..simulation.simulate import simulate
 
 Slope = tuple[Estimate, Estimate]  # rad, by which a floor falls towards "there", and to its left
 MODEL_SIGMA = 0.2  # relative error of the predicted effect of a slope: friction is a fitted one
-MIN_SHARE = 0.05  # of the level speed, that a slope leaves
-STEPS, ROWS = 160, 20  # of a period: time steps, and rows that are kept
+MIN_SHARE = 0.05  # least share of the level speed that a slope leaves
+STEPS, ROWS = 160, 20  # time steps of a period, and rows that are kept
 FROM_S, TO_S = 4.0, 16.0  # after the gait's start: then a crawl is measured
 SLOPES = 256  # samples of a floor's slope
 NODES = 1.5 * np.eye(2)  # standard deviations of the slope along and across a crawl: between them,

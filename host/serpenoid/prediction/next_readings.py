@@ -21,16 +21,16 @@ from ..session.track import Track
 
 # Minutes that a person takes: `docs/afternoon.md` and `docs/floor.md` plan with as many.
 STATION_MIN, PUSH_MIN, BEND_MIN = 4.0, 0.7, 3.0
-MAX_TIMES = 5  # of one reading
+MAX_TIMES = 5  # most repetitions of one reading
 BELT_BENDS_RAD = tuple(map(math.radians, (0.0, 7.5, 15.0, 20.0, 30.0)))
 SLIPS_M_S = (0.15, 0.3, 0.6, 1.0)
-MAX_INCLINE_RAD = math.atan(0.15)  # of home treadmills, unless this one stood steeper already
-MAX_SINE = 0.7  # of an incline that is tried, where no treadmill is as steep
-SAME_BEND_SIGMAS = 4.0  # of a bend: nearer than this the robot stays in the one that it lies in
+MAX_INCLINE_RAD = math.atan(0.15)  # steepest home treadmill, unless this one stood steeper already
+MAX_SINE = 0.7  # steepest incline that is tried; no treadmill is as steep
+SAME_BEND_SIGMAS = 4.0  # distance of two bends, in sigma, below which the robot stays as it lies
 SAME_RAD = math.radians(0.5)  # bends and inclines of a voided station that are not tried again
 FLOOR_BENDS_RAD = tuple(map(math.radians, (0.0, 20.0, 42.0)))
 PUSH_M_S, PICTURES_HZ, RESTED_S = 0.9, 30.0, 0.4
-PLACE_SIGMA_M = 0.001  # of a film, where no film before it states one
+PLACE_SIGMA_M = 0.001  # error of a place in a film, where no film before it states one
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,6 @@ from serpenoid.servos import bench_fit
 from serpenoid.servos.bench_fit import servo_of_test
 from serpenoid.servos.bench_test import BenchModel, BenchTest, Load
 
-LEVEL = 0.95
 HIDDEN = sn.servo().draws(1, 104)[0]
 
 

@@ -11,7 +11,6 @@ import serpenoid as sn
 from oracle.scenes import NAMES, slow_run
 from robots import gait_in_deg
 
-G = 9.80665
 GAIT = gait_in_deg(40, 70, 4.0, 0.1)
 VISCOUS, NONE = sn.Ground(0.3, 3.0), sn.Ground(0.0, 0.0)
 GROUNDS = {

@@ -13,9 +13,6 @@ from serpenoid.simulation.stability import largest_stable_step_s
 GAIT = gait_in_deg(30, 80, 5.0)
 
 
-SLOW = sn.Scene(PAPER, sn.Ground(1.0, 1.0), sn.Gait(0.5, 1.4, 0.3), method="rk4", dt_s=4.0)
-
-
 def test_the_quiet_failure_of_rk4_is_refused() -> None:
     """The limit at 1 ms is 0.78e6 N/m for m = 1 kg; above it a run may stay finite and be wrong."""
     springs = {"formulation": "implicit", "duration_s": 0.02, "start": "link1_at_rest"}
