@@ -19,7 +19,7 @@ ERRORS = {
     for word, cause, cure in re.findall(r"^\| `(\w+)` \| \d+ \| (.*?) \| (.*?) \|$", PAGE, re.M)
 }
 HELLO = (
-    "hello: serpenoid fw=0.2.0 protocol=5 board=virtual joints=5 frame_us=20000 boot=0 "
+    "hello: serpenoid fw=0.3.0 protocol=5 board=virtual joints=5 frame_us=20000 boot=0 "
     "reset=power settings=new silence=2"
 )
 

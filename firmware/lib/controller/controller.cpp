@@ -6,7 +6,7 @@
 
 namespace firmware {
 
-const char kVersion[] FLASH = "0.2.0";
+const char kVersion[] FLASH = "0.3.0";
 
 namespace {
 

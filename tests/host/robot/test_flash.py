@@ -43,7 +43,7 @@ def test_success_ends_with_the_greeting_of_what_was_built(pio, monkeypatch):
         options = f"flash --board mega --port {board.port} --output pca9685"
         status, said, shown = serpenoid(f"{options} --json")
         assert (status, "avrdude done" in shown) == (0, True)
-        assert json.loads(said)["firmware"] == "0.2.0"
+        assert json.loads(said)["firmware"] == "0.3.0"
         upload = f"run -d {ROOT} -e mega -t upload --upload-port {board.port}\n"
         assert arguments.read_text() == upload
         flags = arguments.with_name("flags").read_text()

@@ -16,7 +16,7 @@ FRAME = (
 )
 BODIES = [
     FRAME,
-    "hello: serpenoid fw=0.2.0 protocol=5 board=uno joints=5 frame_us=20000 boot=37 reset=power"
+    "hello: serpenoid fw=0.3.0 protocol=5 board=uno joints=5 frame_us=20000 boot=37 reset=power"
     " settings=ok silence=2",
     "ok: #12",
     "err: #12 range alpha=95 low=0 high=90 - CAUSE; CURE",
