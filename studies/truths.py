@@ -18,8 +18,8 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "host"))
 import serpenoid as sn
+from serpenoid.simulation.core_run import start_state
 from serpenoid.simulation.stability import largest_stable_step_s
-from serpenoid.simulation.starts import start_state
 from simulation import truth_cases as tc
 
 METHODS = ("radau", "dop853", "rk4", "nonsmooth", "paper")

@@ -16,8 +16,7 @@ import numpy as np
 
 from ..model.gait import Gait
 from ..model.ground import Ground
-from ..simulation.methods import METHODS
-from ..simulation.scene import Scene, objection
+from ..simulation.scene import METHODS, Scene, objection
 from ..simulation.simulate import simulate
 from .child_process import Limited
 from .problems import PAPER_GROUND, Array, Problem, gait_deg, paper_robot, reference, springs

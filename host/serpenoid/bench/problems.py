@@ -24,8 +24,8 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.link_state import LinkState
 from ..model.robot import Robot
+from ..simulation.core_run import start_state
 from ..simulation.scene import Scene
-from ..simulation.starts import start_state
 
 Array = NDArray[np.float64]
 

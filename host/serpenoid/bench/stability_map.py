@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -22,13 +23,11 @@ from ..model.ground import Ground
 from ..model.link_state import LinkState
 from ..model.robot import Robot
 from ..show.plot import figure, heading
-from ..simulation.core_run import run_core
-from ..simulation.methods import METHODS
-from ..simulation.run import Run
-from ..simulation.scene import Scene
+from ..simulation.core_run import run_core, start_state
+from ..simulation.scene import METHODS, Scene
 from ..simulation.stability import largest_stable_step_s
-from ..simulation.starts import start_state
 from .child_process import Limited
+from .problems import Array
 
 NUDGE_M = 1e-9
 UNSTABLE_GROWTH = 10.0  # over the second half of the steps: 0.4 % a step of 1200
@@ -115,6 +114,13 @@ def scene_of(method: str, links: int, friction: float, damping: float, stiffness
     )
 
 
+def gap_m(robot: Robot, run: dict[str, Any]) -> Array:
+    """Return Delta_i, how far each joint is open (Eqs. 53-56), m, (T, n-1, 2)."""
+    centre, along = run["x_m"] + 1j * run["y_m"], np.exp(1j * run["theta_rad"])
+    gap = np.diff(centre, axis=1) - robot.link_length_m / 2 * (along[:, 1:] + along[:, :-1])
+    return np.stack([gap.real, gap.imag], axis=2)
+
+
 def growth(scene: Scene, steps: int) -> float:
     """Return by what a difference of two runs grows from the second quarter to the last.
 
@@ -126,8 +132,8 @@ def growth(scene: Scene, steps: int) -> float:
     nudged = start.packed()
     nudged[: 2 * scene.robot.links] += NUDGE_M * rng.normal(size=2 * scene.robot.links)
     starts = start, LinkState(*nudged.reshape(6, -1))
-    try:  # past the check of the step, which Run.solve makes
-        plain, moved = (Run(scene=scene, **run_core(scene, state)).gap_m for state in starts)
+    try:  # past the check of the step, which simulate makes
+        plain, moved = (gap_m(scene.robot, run_core(scene, state)) for state in starts)
     except Diverged:
         return math.inf
     apart, open_m = np.abs(moved - plain).max(axis=(1, 2)), np.abs(plain).max(axis=(1, 2))

@@ -24,8 +24,7 @@ import numpy as np
 
 from .. import _core
 from ..base.files import csv_rows, read_text, write_csv
-from ..simulation.methods import METHODS
-from ..simulation.scene import objection
+from ..simulation.scene import METHODS, objection
 from ..simulation.simulate import simulate
 from . import scipy_peer
 from .child_process import Limited

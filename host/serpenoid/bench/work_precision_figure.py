@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..show.plot import figure, heading
-from ..simulation.methods import METHODS
+from ..simulation.scene import METHODS
 from .problems import problems, reference
 from .work_precision import Points, Row, points_of
 

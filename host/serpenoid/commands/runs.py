@@ -17,7 +17,7 @@ import serpenoid as sn
 from .. import _core
 from ..base.checks import FORMULATIONS, GAPS, STARTS, Limits
 from ..show.screen import say
-from ..simulation.methods import METHODS
+from ..simulation.scene import METHODS
 from .declare import (
     EXISTING,
     FIGURES,

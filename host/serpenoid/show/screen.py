@@ -6,7 +6,9 @@ Long work is shown to who watches a terminal; elsewhere not even the library for
 from __future__ import annotations
 
 import sys
+import threading
 import time
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -38,29 +40,30 @@ def screen(**options: Any) -> Console:
     return Screen(markup=False, emoji=False, **options)
 
 
-REPORT_S = 10.0  # between two lines on long work where nobody watches
+REPORT_S = 5.0  # between two lines on long work where nobody watches
 
 
 @contextmanager
 def working(what: str) -> Iterator[Callable[[float], object]]:
     """Show on standard error that work goes on; gives a function that takes the share done of it.
 
-    Where standard error is no terminal, a line tells the share, 0 to 1, every ten seconds.
+    Where standard error is no terminal, a line tells the share, or the time, every five seconds.
     """
     if sys.stderr.isatty():
         with screen(stderr=True).status(what) as status:
-            yield lambda share: status.update(_share_text(what, share))
+            yield lambda share: status.update(f"{what}, {100 * share:.0f} %")
         return
-    reported_s = time.monotonic()
+    began_s, shares, ended = time.monotonic(), deque([0.0], 1), threading.Event()
 
-    def report(share: float) -> None:
-        nonlocal reported_s
-        if time.monotonic() > reported_s + REPORT_S:
-            reported_s = time.monotonic()
-            say(_share_text(what, share), err=True)
+    def report() -> None:
+        while not ended.wait(REPORT_S):
+            done = (
+                f"{100 * shares[-1]:.0f} %" if shares[-1] else f"{time.monotonic() - began_s:.0f} s"
+            )
+            say(f"{what}, {done}", err=True)
 
-    yield report
-
-
-def _share_text(what: str, share: float) -> str:
-    return f"{what}, {100 * share:.0f} %"
+    threading.Thread(target=report, daemon=True).start()
+    try:
+        yield shares.append
+    finally:
+        ended.set()

@@ -1,19 +1,25 @@
-"""One call of the compiled core: a scene as the core takes it, and what comes back."""
+"""One call of the compiled core: a scene's start, its numbers for the core, and what comes back."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
+
+import numpy as np
 
 from .. import _core
 from ..base.checks import RECORDS
-from ..base.errors import Diverged
-from ..base.vectors import finite_vector
+from ..base.errors import BadInput, Diverged
+from ..base.vectors import Array, finite_vector
 from ..model.core_model import core_model
 from ..model.drives import TorqueTable, core_servo
-from ..model.link_state import LinkState
-from .scene import MAX_LINK_STEPS, Scene, objection
+from ..model.gait import joint_motion
+from ..model.link_state import LinkState, from_tail
+from ..periodic.steady import steady_gait
+from .scene import MAX_LINK_STEPS, Scene, exact_scene, objection
+from .stability import friction_rate
 
 Progress = Callable[[float], object]
 STANDARD_GRAVITY_M_S2 = 9.80665
@@ -28,16 +34,109 @@ ENERGY_COLUMNS = (
 )
 
 
-def _torque(request: Any, scene: Scene) -> None:
-    torque, joints = scene.torque, scene.robot.links - 1
-    if isinstance(torque, TorqueTable):
-        request.set_torque_table(torque.t_s.tolist(), torque.torque_nm.ravel().tolist())
-    elif callable(torque):
-        request.set_torque_function(
-            lambda t: finite_vector(f"torque at {t:g} s", torque(t), joints)
+_FORWARD = np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12.0  # derivative from five points, order 4
+
+
+def _joints_at_start(scene: Scene) -> tuple[Array, Array]:
+    """Return angles and rates of the joints at t = 0: the gait's, locked ones where they stay."""
+    phi, rate, _ = joint_motion(scene.gait, scene.robot.links - 1)
+    for joint, angle in scene.locked.items():
+        phi[joint - 1], rate[joint - 1] = angle, 0.0
+    return phi, rate
+
+
+def _check_imposed(scene: Scene, start: LinkState) -> None:
+    """Raise BadInput unless a start has the angles and rates of the joints that are imposed."""
+    joints = np.arange(1, scene.robot.links)
+    by_angle = scene.drive == "angle"
+    imposed = ~np.isin(joints, scene.limp) if by_angle else np.isin(joints, list(scene.locked))
+    bent = np.diff(start.theta_rad), np.diff(start.omega_rad_s)
+    names = "angle {:.6g} rad", "rate {:.6g} rad/s"
+    for name, has, wants in zip(names, bent, _joints_at_start(scene), strict=True):
+        wrong = imposed & (np.abs(has - wants) > 1e-6 * (1 + np.abs(wants)))
+        for i in np.nonzero(wrong)[0]:
+            raise BadInput(
+                f"start has joint {i + 1} at {name.format(has[i])}, where it is imposed to "
+                f"be {wants[i]:.6g}; take the state from LinkState.in_gait, or another drive"
+            )
+
+
+def _explicit_start(scene: Scene) -> LinkState:
+    """Return the start with pinned joints, link 1 at the origin along x."""
+    if isinstance(scene.start, LinkState):
+        _check_imposed(scene, scene.start)
+        return scene.start
+    robot, (phi, rate) = scene.robot, _joints_at_start(scene)
+    bent = LinkState.joined(robot, from_tail(np.zeros(3), phi), from_tail(np.zeros(3), rate))
+    if scene.start == "link1_at_rest":
+        return bent
+    x_m, y_m, vx_m_s, vy_m_s = (
+        v - v.mean() for v in (bent.x_m, bent.y_m, bent.vx_m_s, bent.vy_m_s)
+    )
+    if scene.start == "steady":  # link 1 turns as the body velocity says
+        state = steady_gait(robot, scene.ground, scene.gait, powers=False)
+        ahead_m_s, left_m_s, turn_rad_s = state.body_velocity
+    else:  # neither does the centre of mass move nor the whole chain turn
+        mass_kg, inertia_kg_m2 = robot.link_mass_kg, robot.inertia_kg_m2
+        spin = mass_kg * (x_m @ vy_m_s - y_m @ vx_m_s) + inertia_kg_m2 * bent.omega_rad_s.sum()
+        whole_kg_m2 = robot.links * inertia_kg_m2 + mass_kg * (x_m @ x_m + y_m @ y_m)
+        ahead_m_s, left_m_s, turn_rad_s = 0.0, 0.0, -spin / whole_kg_m2
+    return replace(
+        bent,
+        vx_m_s=vx_m_s + ahead_m_s - turn_rad_s * y_m,
+        vy_m_s=vy_m_s + left_m_s + turn_rad_s * x_m,
+        omega_rad_s=bent.omega_rad_s + turn_rad_s,
+    )
+
+
+def _on_slow_manifold(scene: Scene, start: LinkState) -> LinkState:
+    """Open the joints by what their springs need to carry the explicit model's forces.
+
+    Gap (F - c F'/k)/k and gap rate F'/k: the motion then has no ringing part to order 1/k^2. The
+    centre of mass stays where it is. F' comes from five evaluations along the explicit motion.
+    Where friction brakes faster than the springs swing, or wheels stop at once, F is not slow: the
+    gap is F/k.
+    """
+    k, c = scene.joint_stiffness_n_m, scene.joint_damping_n_s_m
+    m, braking = scene.robot.link_mass_kg, friction_rate(scene)
+    h = min(1e-3 / scene.gait.omega_rad_s, max(1e-2 / braking, 1e-12) if braking else math.inf)
+    if scene.drive != "angle":
+        h = min(h, 1e-5)
+    short = replace(scene, start=start, dt_s=h, duration_s=4 * h, record_every=1)
+    exact = replace(exact_scene(short, 1e-9), record=("joints",))
+    record = run_core(exact, start)
+    force = np.stack([record["joint_force_x_n"], record["joint_force_y_n"]], axis=2)  # (5, n-1, 2)
+    rate = np.tensordot(_FORWARD, force, axes=1) / h
+    lag = c / k + math.sqrt(m / k)
+    mode_ends = scene.law == "dry" and np.abs(rate).max() * lag > np.abs(force[0]).max()
+    if braking * lag > 1 or mode_ends:
+        rate *= 0
+    gap, gap_rate = (force[0] - c * rate / k) / k, rate / k
+    widest = float(np.abs(gap).max())
+    if not widest < scene.robot.link_length_m:
+        raise BadInput(
+            f"the springs ({k:g} N/m) would begin {widest:.3g} m apart, more than a link "
+            f"({scene.robot.link_length_m:g} m); take gap 'zero', or a larger joint_stiffness_n_m"
         )
-    elif torque is not None:
-        request.set_torque_table([0.0], finite_vector("torque", torque, joints).tolist())
+
+    shifts = np.vstack([np.zeros(4), np.hstack([gap, gap_rate]).cumsum(axis=0)])
+    x_m, y_m, vx_m_s, vy_m_s = (shifts - shifts.mean(axis=0)).T
+    return replace(
+        start,
+        x_m=start.x_m + x_m,
+        y_m=start.y_m + y_m,
+        vx_m_s=start.vx_m_s + vx_m_s,
+        vy_m_s=start.vy_m_s + vy_m_s,
+    )
+
+
+def start_state(scene: Scene) -> LinkState:
+    """Return the state that a scene starts from, all links, ground frame."""
+    start = _explicit_start(scene)
+    soft = scene.formulation == "implicit" and scene.joint_stiffness_n_m > 0
+    if soft and scene.gap == "slow_manifold" and not isinstance(scene.start, LinkState):
+        return _on_slow_manifold(scene, start)
+    return start
 
 
 def core_request(scene: Scene) -> Any:
@@ -51,7 +150,11 @@ def core_request(scene: Scene) -> Any:
         downhill = -STANDARD_GRAVITY_M_S2 * math.sin(scene.incline_rad)
         direction = scene.incline_direction_rad
         q.set_slope(downhill * math.cos(direction), downhill * math.sin(direction))
-    _torque(q, scene)
+    if isinstance(scene.torque, TorqueTable):
+        q.set_torque_table(scene.torque.t_s.tolist(), scene.torque.torque_nm.ravel().tolist())
+    elif callable(torque := scene.torque):
+        size = scene.robot.links - 1
+        q.set_torque_function(lambda t: finite_vector(f"torque at {t:g} s", torque(t), size))
     if scene.servo is not None:
         q.servo = core_servo(scene.servo)
     faults = dict.fromkeys(scene.limp, _core.Fault.limp)

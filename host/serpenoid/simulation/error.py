@@ -30,12 +30,8 @@ class Difference:
 
     def in_words(self) -> str:
         """Return places, angles and mean speed in one line."""
-        speed = f"{self.mean_speed:+.2g}"
-        if math.isinf(self.mean_speed):
-            speed = "of what should rest"
-        elif math.isnan(self.mean_speed):
-            speed = "of nothing: at rest"
-        return f"{self.position_m:.2g} m, {self.angle_rad:.2g} rad, mean speed {speed}"
+        speed = f", mean speed {self.mean_speed:+.2g}" if math.isfinite(self.mean_speed) else ""
+        return f"{self.position_m:.2g} m, {self.angle_rad:.2g} rad{speed}"
 
     def size(self, body_m: float) -> float:
         """Return the larger of position in body lengths and angle in radians."""

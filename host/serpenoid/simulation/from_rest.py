@@ -13,9 +13,9 @@ import numpy as np
 from ..base.errors import Diverged
 from ..model.link_state import LinkState
 from ..periodic.steady import FromRest, Motion, Steady
+from .core_run import start_state
 from .scene import Scene, exact_scene
 from .simulate import simulate
-from .starts import start_state
 
 _SAME = 0.01  # of what a cycle turns and travels, rad and body lengths, and of 0.1 more
 # Of the distance to the reported motion: what a settled motion may still change from run to run,

@@ -1,41 +1,27 @@
-"""A run: everything that was recorded, and its error, estimated by a finer run.
-
-The finer run has half the step, or a tenth of the tolerance (nonsmooth: a hundredth). Four times
-the difference is the estimate. Of a method of order 1 the error is twice the difference, of higher
-orders less. Where dry friction is not resolved, or over many cycles, it varies: 4 keeps 99 % of
-random scenes within it.
-"""
+"""A run: everything that was recorded, and how far it is from another."""
 
 from __future__ import annotations
 
 import math
 import re
-from contextlib import suppress
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
 from pathlib import Path
 
 import numpy as np
 
-from ..base.errors import Diverged, StepTooLarge
 from ..base.files import write_csv
 from ..base.rows import Plottable, Row, two_digits
 from ..base.vectors import Array
 from ..model.link_state import LinkState
-from .core_run import ENERGY_COLUMNS, Progress, run_core
-from .error import Difference, RunError, chatters, finer_scene, warnings_of
-from .scene import Scene, exact_scene
-from .stability import check_step
-from .starts import start_state
+from .core_run import ENERGY_COLUMNS
+from .error import Difference, RunError, warnings_of
+from .scene import Scene
 
-SAFETY = 4.0  # estimated error over the difference from the finer run
-CONTRACTION = 0.75  # largest next difference over this one, where runs of order 1 still converge
 BELIEVED_SIZE = 0.01  # body lengths and radians up to which a run is called believable
 REST_LENGTHS = 1e-4  # body lengths a period: a robot that goes less has no speed to compare with
-# A larger difference, in body lengths and radians, is checked by a third run; so is any difference
-# of a method that does not know sticking, because its error does not fall evenly with the step.
-CHECKED_SIZE = 1e-3
 _CSV_GROUPS = (
     ("x_m", "y_m", "theta_rad"),
     ("vx_m_s", "vy_m_s", "omega_rad_s"),
@@ -102,14 +88,7 @@ class Run(Plottable):
     steps: int
     local_error: float
     picked: str = ""
-
-    @classmethod
-    def solve(
-        cls, scene: Scene, start: LinkState, progress: Progress | None = None, picked: str = ""
-    ) -> Run:
-        """Run a scene from a start; raises StepTooLarge and Diverged."""
-        check_step(scene)
-        return cls(scene=scene, picked=picked, **run_core(scene, start, progress))
+    _estimator: Callable[[Run], RunError] = field(kw_only=True, repr=False, compare=False)
 
     def state(self, index: int = -1) -> LinkState:
         """Return the state of all links at one recorded time."""
@@ -118,7 +97,7 @@ class Run(Plottable):
     @cached_property
     def error_estimate(self) -> RunError:
         """Return the estimated error of this run; the first use costs one to three more runs."""
-        return _estimate(self)
+        return self._estimator(self)
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
@@ -207,14 +186,6 @@ class Run(Plottable):
         """Return -T_i phi_i', the mechanical power of each joint, W, (T, n-1)."""
         return -self.joint_torque_nm * np.diff(self.omega_rad_s, axis=1)
 
-    @property
-    def gap_m(self) -> Array:
-        """Return Delta_i, how far each joint is open (Eqs. 53-56), m, (T, n-1, 2)."""
-        centre, along = self.x_m + 1j * self.y_m, np.exp(1j * self.theta_rad)
-        half = self.scene.robot.link_length_m / 2
-        gap = np.diff(centre, axis=1) - half * (along[:, 1:] + along[:, :-1])
-        return np.stack([gap.real, gap.imag], axis=2)
-
 
 def _numbered(name: str, number: int) -> str:
     """Put the number of a link or joint before the unit: vx_m_s of link 2 is vx2_m_s."""
@@ -249,29 +220,3 @@ def difference(run: Run, truth: Run, factor: float = 1.0) -> tuple[Difference, f
 def _rests(run: Run) -> bool:
     periods = run.t_s[-1] / run.scene.gait.period_s
     return bool(run.travel_m <= REST_LENGTHS * periods * run.scene.robot.body_length_m)
-
-
-def _estimate(run: Run) -> RunError:
-    """Return the error of a run by one finer run, or two."""
-    start, scene, body_m = run.state(0), run.scene, run.scene.robot.body_length_m
-    finer = finer_scene(scene)
-    setting = "tolerance" if scene.adaptive else "dt_s"
-    how = f"integration: {SAFETY:g} times the difference to a run at {setting} "
-    unknown = Difference(math.inf, math.inf, math.inf)
-    error = RunError(unknown, None, "no finer run comes to its end", False)
-    with suppress(Diverged, StepTooLarge):
-        second = Run.solve(finer, start)
-        (largest, believed_s), settled = difference(run, second, SAFETY), True
-        if largest.size(body_m) > SAFETY * CHECKED_SIZE or chatters(scene):
-            third = Run.solve(finer_scene(scene, 2), start)
-            change, _ = difference(second, third, SAFETY)
-            settled = change.size(body_m) <= CONTRACTION * largest.size(body_m)
-            largest = max(largest, change, key=lambda part: part.size(body_m))
-        how += f"{getattr(finer, setting):.3g}"
-        error = RunError(largest, None, how, settled, believed_s)
-    if scene.formulation == "explicit":
-        return error
-    exact = exact_scene(scene, min(scene.tolerance, 1e-6))
-    how = f"{error.how}; modelling: difference to the explicit formulation by {exact.method}"
-    springs, _ = difference(run, Run.solve(exact, start_state(exact)))
-    return replace(error, modelling=springs, how=how)

@@ -6,8 +6,10 @@ import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 
+import numpy as np
 from numpy.typing import ArrayLike
 
+from .. import _core
 from ..base.checks import (
     DRIVES,
     FORMULATIONS,
@@ -30,16 +32,13 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.link_state import LinkState
 from ..model.robot import Robot
-from .methods import METHODS, OwnChoice
 
 MAX_LINK_STEPS = 10**11
 MIN_TOLERANCE = 1e-13
 MAX_RECORDED_BYTES = 4_000_000_000
 DEFAULT_ROWS = 20_000
 MAX_FIRMWARE_JOINTS = 255  # of the gait in fixed point: a byte counts them
-_FIRST_ADVISED = ("dop853", "rk4", "radau")  # behind the one that suits a scene
 _MOST_ACCURATE = ("dop853", "nonsmooth", "rk4")  # of the explicit formulation
-_ANY_WAY = "formulation 'explicit', and leave the method to the scene"
 _LIMITS = {
     "joint_stiffness_n_m": NOT_NEGATIVE,
     "joint_damping_n_s_m": NOT_NEGATIVE,
@@ -55,6 +54,31 @@ _FIRMWARE_LIMITS = {
     "offset_rad": math.pi / 2,
     "omega_rad_s": 50.0,
 }
+
+
+@dataclass(frozen=True, slots=True)
+class MethodKind:
+    """Say which scenes a method runs; a row of host/core/scene/method_table.hpp.
+
+    order: of convergence at recorded times, for smooth motion. adaptive: formulations in which it
+    takes steps of its own to scene.tolerance; in the others steps of dt_s. faults: whether it runs
+    with limp or locked joints. Several words have blanks between them.
+    """
+
+    order: int
+    formulations: str
+    adaptive: str
+    laws: str
+    faults: bool
+
+
+METHODS = {row.pop("name"): MethodKind(**row) for row in _core.method_table()}
+
+
+class OwnChoice(str):
+    """Hold a method's name that a scene chose by itself: changed, the scene chooses anew."""
+
+    __slots__ = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +103,8 @@ class Scene:
         "angle": the gait's joint angles are imposed. "torque": `torque` acts. "servo": `servo`
         follows the gait as the firmware sends it.
     torque
-        N m: a TorqueTable, an (n-1,) list of constants, or a function of time.
+        N m: a TorqueTable, an (n-1,) list of constants (which becomes a table), or a function of
+        time.
     servo
         The servos of all joints.
     limp
@@ -91,7 +116,7 @@ class Scene:
     incline_direction_rad
         Direction in which the ground rises, rad, in its own frame (0: along x).
     method
-        One of methods.METHODS, or "auto": "nonsmooth" on dry ground, else "rk4". With "auto" the
+        One of METHODS, or "auto": "nonsmooth" on dry ground, else "rk4". With "auto" the
         scene has the method's name, and chooses again when `replace` changes it. On dry ground all
         methods but "nonsmooth" use sgn 0 = 0. Wheels that should hold then chatter, the order is 1
         (the 2005 robot at 1 rad/s: rk4 is 3 % slow at 10 ms, 0.1 % at 1 ms), and recorded joint
@@ -156,9 +181,10 @@ class Scene:
             check_choice("method", self.method, ("auto", *METHODS))
         check_choice("gap", self.gap, GAPS)
         if isinstance(self.record, str) or not isinstance(self.record, Collection):
-            raise BadInput(f"record is {self.record!r}; give a tuple, ('joints',) for one")
+            raise BadInput(f"record is {self.record!r}; it must be a list of names")
         for name in self.record:
             check_choice("record", name, RECORDS)
+        object.__setattr__(self, "record", tuple(self.record))
         check_fields(self, _LIMITS)
         self._check_counts()
         self.gait.joint_factors(self.robot.links - 1)
@@ -166,7 +192,8 @@ class Scene:
         self._check_faults()
         if self.method == "auto" or isinstance(self.method, OwnChoice):
             object.__setattr__(self, "method", OwnChoice(default_method(self)))
-        self._check_method()
+        if (why := objection(self.method, self)) is not None:
+            raise BadInput(f"method {self.method!r} {why}; take {_ways_out(self)}")
         self._check_start()
 
     def _check_counts(self) -> None:
@@ -195,15 +222,12 @@ class Scene:
                     f"drive is {self.drive!r} and {drive} is {value!r}; give {drive} with drive "
                     f"{drive!r} and only then"
                 )
-        joints = self.robot.links - 1
-        if isinstance(self.torque, TorqueTable):
-            columns = self.torque.torque_nm.shape[1]
-            if columns != joints:
-                raise BadInput(
-                    f"the torque table has {columns} columns; the robot has {joints} joints"
-                )
-        elif self.torque is not None and not callable(self.torque):
-            finite_vector("torque", self.torque, joints)
+        joints, torque = self.robot.links - 1, self.torque
+        if torque is not None and not callable(torque) and not isinstance(torque, TorqueTable):
+            constants = finite_vector("torque", torque, joints)
+            object.__setattr__(self, "torque", TorqueTable(np.zeros(1), constants[None]))
+        if isinstance(torque, TorqueTable) and (columns := torque.torque_nm.shape[1]) != joints:
+            raise BadInput(f"the torque table has {columns} columns; the robot has {joints} joints")
         if self.drive == "servo":
             self._check_firmware()
 
@@ -221,31 +245,22 @@ class Scene:
             raise BadInput("the firmware's gait has no joint_gain or joint_shift_rad; leave them")
 
     def _check_faults(self) -> None:
-        joints = self.robot.links - 1
-        if not isinstance(self.limp, Collection):
-            raise BadInput(f"limp is {self.limp!r}; give a tuple of joints, (2,) for one")
-        if not isinstance(self.locked, Mapping):
-            raise BadInput(f"locked is {self.locked!r}; give angles by joint, {{2: 0.0}} for one")
-        for name in ("limp", "locked"):
-            for joint in getattr(self, name):
-                if isinstance(joint, bool) or not isinstance(joint, int) or not 0 < joint <= joints:
-                    raise BadInput(
-                        f"{name} names joint {joint!r}; joints are whole numbers from 1 (at the "
-                        f"tail) to {joints}"
-                    )
-        doubly = set(self.limp) & set(self.locked)
-        if doubly:
+        for name, kind in (("limp", Collection), ("locked", Mapping)):
+            numbers = getattr(self, name)
+            if not isinstance(numbers, kind):
+                raise BadInput(
+                    f"{name} is {numbers!r}; it must list joints, from 1 at the tail: limp (2,), "
+                    "or locked {2: 0.0} with the angle"
+                )
+            for number in numbers:
+                check_whole(f"a joint of {name}", number, 1, self.robot.links - 1)
+        if doubly := set(self.limp) & set(self.locked):
             raise BadInput(f"joint {min(doubly)} is both limp and locked; choose one")
         locked = {
             j: check_number(f"locked[{j}]", a, -math.pi, math.pi) for j, a in self.locked.items()
         }
         object.__setattr__(self, "limp", tuple(sorted(set(self.limp))))
         object.__setattr__(self, "locked", locked)
-
-    def _check_method(self) -> None:
-        why = objection(self.method, self)
-        if why is not None:
-            raise BadInput(f"method {self.method!r} {why}; take {ways_out(self.method, self)}")
 
     def _check_start(self) -> None:
         if not isinstance(self.start, LinkState):
@@ -315,14 +330,12 @@ def exact_scene(scene: Scene, tolerance: float) -> Scene:
     return replace(bare, tolerance=tolerance, method=method)
 
 
-def ways_out(name: str, scene: Scene) -> str:
-    """Return what to take where a method does not run a scene: each has been found to run."""
-    methods = dict.fromkeys((default_method(scene), *_FIRST_ADVISED))
-    runs = [repr(m) for m in methods if objection(m, scene) is None][:2]
-    ways = [f"method {' or '.join(runs)}"] if runs else []
+def _ways_out(scene: Scene) -> str:
+    """Return what to take where a scene's method does not run it."""
+    ways = [f"method {name!r}" for name in METHODS if objection(name, scene) is None]
     ways += [
         f"formulation {formulation!r}"
-        for formulation in ("explicit", "implicit")
-        if objection(name, scene, formulation=formulation) is None
+        for formulation in FORMULATIONS
+        if objection(scene.method, scene, formulation) is None
     ]
-    return ", or ".join(ways) or _ANY_WAY
+    return ", or ".join(ways)

@@ -9,9 +9,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
-from ..base.checks import check_number
+import numpy as np
+
 from ..base.errors import BadInput
 from ..base.files import write_named
 from ..base.toml_table import Table, located
@@ -22,7 +23,6 @@ from ..model.link_state import LinkState
 from ..model.robot import Robot
 from .scene import Scene
 
-T = TypeVar("T")
 FORMAT = 2
 _HEAD = """\
 # A scene of serpenoid: SI units and radians (an angle may be typed in degrees, alpha_deg = 70);
@@ -145,8 +145,6 @@ def scene_values(scene: Scene) -> dict[str, Any]:
     body = robot.links, robot.mass_kg, robot.link_length_m, robot.link_inertia_kg_m2
     fields["robot"] = _WholeRobot(*body)
     fields["ground"] = scene.ground.scaled(*4 * [robot.links])
-    if fields["torque"] is not None and not isinstance(scene.torque, TorqueTable):
-        fields["torque"] = {"torque_nm": scene.torque}
     plain = {_KEYS.get(name, name): _plain(value) for name, value in fields.items()}
     return {key: value for key, value in plain.items() if value is not None and value != {}}
 
@@ -163,47 +161,31 @@ def _plain(value: Any) -> Any:
     return [_plain(cell) for cell in value] if isinstance(value, (list, tuple)) else value
 
 
-def _in_degrees(key: str) -> str:
-    """Return the key of an angle in degrees; any other key unchanged."""
-    angle = key.endswith("_rad") and "_nm" not in key
-    return key.removesuffix("_rad") + "_deg" if angle else key
-
-
-def _keys(kind: type) -> dict[str, str]:
-    """Return the keys that a file may have for Scene or one of its parts, each with its field."""
-    keys: dict[str, str] = {}
-    for field in dataclasses.fields(kind):
-        key = _KEYS.get(field.name, field.name)
-        keys |= {key: field.name, _in_degrees(key): field.name}
-    return keys
-
-
 def _present(table: Table, section: str) -> dict[str, str]:
     """Return each field that a table has, with its key there; section: "" above all tables.
 
     Raises BadInput for keys that are unknown, missing, or there in degrees, too.
     """
-    kind = _PARTS.get(section, Scene)
-    keys = _keys(kind)
     present: dict[str, str] = {}
-    for key, name in keys.items():
-        if key in table.values and present.setdefault(name, key) != key:
-            raise BadInput(f"{table.where(key)}: {present[name]} is there too; keep one of the two")
-    missing = [
-        _KEYS.get(field.name, field.name)
-        for field in dataclasses.fields(kind)
-        if (field.default, field.default_factory) == (dataclasses.MISSING,) * 2
-        and field.name not in present
-    ]
-    table.only(*missing, optional=(*("format",) * (not section), *keys))
+    missing, optional = [], [] if section else ["format"]
+    for field in dataclasses.fields(_PARTS.get(section, Scene)):
+        key = _KEYS.get(field.name, field.name)
+        is_angle = key.endswith("_rad") and "_nm" not in key
+        keys = [key, key.removesuffix("_rad") + "_deg"] if is_angle else [key]
+        optional += keys
+        typed = [name for name in keys if name in table.values]
+        if len(typed) > 1:
+            raise BadInput(f"{table.where(typed[1])}: {key} is there too; keep one of the two")
+        if typed:
+            present[field.name] = typed[0]
+        elif (field.default, field.default_factory) == (dataclasses.MISSING,) * 2:
+            missing.append(key)
+    table.only(*missing, optional=tuple(optional))
     return present
 
 
 def _read_part(table: Table, section: str, links: int = 0) -> Any:
-    """Make Scene ("") or one of its parts of its table; links: those of the robot, for the ground.
-
-    A BadInput begins with file and line: of the first field that its text names.
-    """
+    """Make Scene or one of its parts of a table, located at the key that an error names."""
     table = table.without_removed(_REMOVED.get(section, {}))
     present = _present(table, section)
     values: dict[str, Any] = {}
@@ -220,51 +202,34 @@ def _read_part(table: Table, section: str, links: int = 0) -> Any:
     try:
         return makers[section](**values)
     except BadInput as error:
-        key = next(
-            (present[word] for word in re.findall(r"\w+", str(error)) if word in present), ""
-        )
-        typed = f" (rad; here {key} = {table.values[key]})" if key.endswith("_deg") else ""
+        words = re.findall(r"\w+", str(error))
+        key = next((present[word] for word in words if word in present), "")
         where = table.where(key) if key else table.heading
-        raise BadInput(f"{where}: {error}{typed}") from error
+        raise BadInput(f"{where}: {error}") from error
 
 
 def _value(top: Table, name: str, key: str, links: int) -> Any:
-    """Read one field of Scene or of a part."""
+    """Read one field of Scene or of a part; whom it goes to checks it."""
+    value, degrees = top.values[key], key.endswith("_deg")
     if name in _PARTS:
         return _read_part(top.table(key), name, links)
     if name == "torque":
         return _torque(top.table(key))
-    if name == "start" and isinstance(top.values[key], dict):
+    if name == "start" and isinstance(value, dict):
         return _start(top.table(key))
     if name == "locked":
-        return _locked(top.table(key), key)
-    if name in ("limp", "record"):
-        return _listed(top, key)
-    return _angle(top, key)
+        table = top.table(key)
+        return {_joint(text): _angle(table, text, degrees) for text in table.values}
+    return _angle(top, key, True) if degrees else value
 
 
-def _angle(table: Table, key: str) -> Any:
-    """Return a value as it stands, degrees as radians: whom it goes to checks it."""
-    return math.radians(table.number(key)) if key.endswith("_deg") else table.values[key]
+def _angle(table: Table, key: str, degrees: bool) -> float:
+    return math.radians(table.number(key)) if degrees else table.number(key)
 
 
-def _listed(table: Table, key: str) -> tuple[Any, ...]:
-    if not isinstance(table.values[key], list):
-        raise BadInput(f"{table.where(key)}: {key} is {table.values[key]!r}; it must be a list")
-    return tuple(table.values[key])
-
-
-def _locked(table: Table, key: str) -> dict[int, Any]:
-    locked = {}
-    for joint in table.values:
-        if not re.fullmatch("[1-9][0-9]{0,8}", joint):
-            raise BadInput(
-                f"{table.heading}: {key} names joint {joint!r}; joints are whole numbers "
-                "from 1 at the tail"
-            )
-        angle = table.number(joint)
-        locked[int(joint)] = math.radians(angle) if key.endswith("_deg") else angle
-    return locked
+def _joint(text: str) -> Any:
+    """Return the number of a joint; Scene refuses any other text."""
+    return int(text) if re.fullmatch("[0-9]{1,8}", text) else text
 
 
 def _torque(table: Table) -> Any:
@@ -272,17 +237,12 @@ def _torque(table: Table) -> Any:
     table.only("torque_nm", optional=("t_s",))
     if "t_s" not in table.values:
         return table.numbers("torque_nm")
-    times, rows = table.numbers("t_s"), []
-    for row in _listed(table, "torque_nm"):
-        with located(table.where("torque_nm")):
-            cells = row if isinstance(row, list) else [row]
-            rows.append([check_number("torque_nm", cell) for cell in cells])
     with located(table.heading):
-        return TorqueTable(times, rows)  # pyright: ignore[reportArgumentType]
+        return TorqueTable(np.array(table.numbers("t_s")), table.values["torque_nm"])
 
 
 def _start(table: Table) -> LinkState:
     names = LinkState.__slots__
     table.only(*names)
     with located(table.heading):
-        return LinkState(*(table.numbers(name) for name in names))  # pyright: ignore[reportArgumentType]
+        return LinkState(*(np.array(table.numbers(name)) for name in names))

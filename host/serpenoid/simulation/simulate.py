@@ -1,20 +1,31 @@
-"""A run in time: of a scene as it is, or with the step or tolerance that an accuracy needs."""
+"""A run in time, of a scene as it is, or with the step or tolerance that an accuracy needs.
+
+Its error is estimated by a finer run, with half the step, or a tenth of the tolerance (nonsmooth: a
+hundredth). Four times the difference is the estimate. Of a method of order 1 the error is twice the
+difference, of higher orders less. Where dry friction is not resolved, or over many cycles, it
+varies: 4 keeps 99 % of random scenes within it.
+"""
 
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import replace
 
 from ..base.checks import check_kind, check_number
-from ..base.errors import BadInput, NotConverged
-from .core_run import Progress
-from .error import with_shorter_steps
-from .methods import METHODS, OwnChoice
-from .run import Run
-from .scene import MIN_TOLERANCE, Scene, default_method, exact_scene, objection
-from .stability import largest_stable_step_s
-from .starts import start_state
+from ..base.errors import BadInput, Diverged, NotConverged, StepTooLarge
+from ..model.link_state import LinkState
+from .core_run import Progress, run_core, start_state
+from .error import Difference, RunError, chatters, finer_scene, with_shorter_steps
+from .run import Run, difference
+from .scene import METHODS, MIN_TOLERANCE, OwnChoice, Scene, default_method, exact_scene, objection
+from .stability import check_step, largest_stable_step_s
 
+SAFETY = 4.0  # estimated error over the difference from the finer run
+CONTRACTION = 0.75  # largest next difference over this one, where runs of order 1 still converge
+# Difference in body lengths and radians beyond which a third run checks it; so it does any
+# difference of a method that does not know sticking, because its error falls unevenly.
+CHECKED_SIZE = 1e-3
 MAX_TRIES = 6
 MAX_LINK_STEPS = 10**8  # of a run that an accuracy asks for: some ten seconds
 REASONS = {
@@ -67,9 +78,43 @@ def simulate(
     """
     check_kind("scene", scene, Scene)
     if accuracy is None:
-        return Run.solve(scene, start_state(scene), progress)
+        return _solved(scene, start_state(scene), progress)
     check_number("accuracy", accuracy, 1e-10, 0.1)
     return _accurate_run(scene, accuracy, progress)
+
+
+def _solved(
+    scene: Scene, start: LinkState, progress: Progress | None = None, picked: str = ""
+) -> Run:
+    """Run a scene from a start; raises StepTooLarge and Diverged."""
+    check_step(scene)
+    columns = run_core(scene, start, progress)
+    return Run(scene=scene, picked=picked, _estimator=_estimate, **columns)
+
+
+def _estimate(run: Run) -> RunError:
+    """Return the error of a run by one finer run, or two."""
+    start, scene, body_m = run.state(0), run.scene, run.scene.robot.body_length_m
+    finer = finer_scene(scene)
+    setting = "tolerance" if scene.adaptive else "dt_s"
+    unknown = Difference(math.inf, math.inf, math.inf)
+    error = RunError(unknown, None, "no finer run comes to its end", False)
+    with suppress(Diverged, StepTooLarge):
+        second = _solved(finer, start)
+        (largest, believed_s), settled = difference(run, second, SAFETY), True
+        if largest.size(body_m) > SAFETY * CHECKED_SIZE or chatters(scene):
+            third = _solved(finer_scene(scene, 2), start)
+            change, _ = difference(second, third, SAFETY)
+            settled = change.size(body_m) <= CONTRACTION * largest.size(body_m)
+            largest = max(largest, change, key=lambda part: part.size(body_m))
+        how = f"{SAFETY:g} times the difference to a run at {setting} {getattr(finer, setting):.3g}"
+        error = RunError(largest, None, f"integration: {how}", settled, believed_s)
+    if scene.formulation == "explicit":
+        return error
+    exact = exact_scene(scene, min(scene.tolerance, 1e-6))
+    how = f"{error.how}; modelling: difference to the explicit formulation by {exact.method}"
+    springs, _ = difference(run, _solved(exact, start_state(exact)))
+    return replace(error, modelling=springs, how=how)
 
 
 def _accurate_run(scene: Scene, accuracy: float, progress: Progress | None) -> Run:
@@ -79,7 +124,7 @@ def _accurate_run(scene: Scene, accuracy: float, progress: Progress | None) -> R
     for _ in range(MAX_TRIES):
         setting = f"tolerance {tried.tolerance:g}" if tried.adaptive else f"dt_s {tried.dt_s:g}"
         picked = f"formulation {tried.formulation!r}, method {tried.method!r}, {setting}: {why}"
-        run = Run.solve(tried, start, progress, picked)
+        run = _solved(tried, start, progress, picked)
         error, body_m = run.error_estimate, scene.robot.body_length_m
         worst = error.worst(body_m)
         if worst <= accuracy and error.settled:

@@ -16,7 +16,7 @@ too long may stay finite and be a metre wrong, without any NaN.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
@@ -24,10 +24,7 @@ import numpy as np
 from ..base.errors import StepTooLarge
 from ..base.vectors import Array
 from ..model.drives import Servo
-from ..model.evaluation import acceleration
 from ..model.gait import Gait, joint_motion
-from ..model.ground import Ground
-from ..model.link_state import LinkState
 from ..model.robot import Robot
 from .scene import Scene, objection
 
@@ -40,6 +37,13 @@ _ROUNDING = 1e-12  # of Jury's first two sums, which vanish with the step
 _SLACK = 1e-9  # rounding on the edge, where undamped modes live
 
 
+def _shapes(robot: Robot, gait: Gait) -> Array:
+    """Return the links' angles of a robot in the shapes of a gait at eight phases, (8, n)."""
+    phases = np.arange(_PHASES) * math.pi / _PHASES
+    bends = joint_motion(gait, robot.links - 1, phases / gait.omega_rad_s).angle_rad
+    return np.pad(bends.cumsum(axis=1), ((0, 0), (1, 0)))
+
+
 @lru_cache
 def _joint_modes(robot: Robot, gait: Gait, imposed: bool) -> tuple[float, float]:
     """Return the smallest and the largest mu of the chain's joints over a cycle, 1/kg.
@@ -48,18 +52,9 @@ def _joint_modes(robot: Robot, gait: Gait, imposed: bool) -> tuple[float, float]
     """
     if robot.links > _MOST_LINKS:
         return 0.0, 4 / robot.link_mass_kg + robot.link_length_m**2 / robot.inertia_kg_m2
-    moduli = [
-        np.linalg.eigvalsh(_compliance(robot, state.theta_rad, imposed))
-        for state in _shapes(robot, gait)
-    ]
-    return float(np.min(moduli)), float(np.max(moduli))
-
-
-def _shapes(robot: Robot, gait: Gait) -> Iterator[LinkState]:
-    """Yield a robot at rest in the shapes of a gait at eight phases."""
-    for phase in np.arange(_PHASES) * math.pi / _PHASES:
-        phi = joint_motion(gait, robot.links - 1, phase / gait.omega_rad_s)[0]
-        yield LinkState.joined(robot, [0, 0, 0, *phi.cumsum()], np.zeros(robot.links + 2))
+    compliances = [_compliance(robot, theta, imposed) for theta in _shapes(robot, gait)]
+    moduli = np.linalg.eigvalsh(compliances)
+    return float(moduli.min()), float(moduli.max())
 
 
 def _compliance(robot: Robot, theta_rad: Array, imposed: bool) -> Array:
@@ -70,27 +65,28 @@ def _compliance(robot: Robot, theta_rad: Array, imposed: bool) -> Array:
     arm = np.einsum("il,ld->idl", meets, normal).reshape(-1, n)  # of each gap by each link's angle
     if imposed:
         arm = arm.sum(axis=1, keepdims=True) / math.sqrt(n)
-    apart = np.eye(n - 1, n, k=1) - np.eye(n - 1, n)
+    apart = np.diff(np.eye(n), axis=0)
     shifts = np.kron(apart @ apart.T / robot.link_mass_kg, np.eye(2))
     return shifts + arm @ arm.T / robot.inertia_kg_m2
 
 
-def _mobility(scene: Scene) -> Array:
-    """Return eigenvalues nu of d phi''/d(servo torque), 1/(kg m^2): most and least, (2,).
+@lru_cache
+def _mobility(robot: Robot, gait: Gait) -> tuple[float, float]:
+    """Return the least and greatest eigenvalue nu of d phi''/d(servo torque), 1/(kg m^2).
 
-    Exact for the explicit formulation up to 60 links at eight phases, else the bound of free links.
+    Of pinned joints: exact up to 60 links at eight phases, else the bound of free links.
     """
-    robot, joints = scene.robot, scene.robot.links - 1
-    if scene.formulation == "implicit" or robot.links > _MOST_LINKS:
-        return np.array([4 / robot.inertia_kg_m2, 0.0])
-    ground, inverse_inertias = Ground(0.0, 0.0), []
-    for state in _shapes(robot, scene.gait):
-        bends = [
-            np.diff(acceleration(robot, ground, state, torque_nm=-torque_nm).alpha_rad_s2)
-            for torque_nm in np.eye(joints)
-        ]
-        inverse_inertias.append(np.linalg.eigvalsh(np.array(bends)))
-    return np.array([np.max(inverse_inertias), max(np.min(inverse_inertias), 0.0)])
+    n = robot.links
+    if n > _MOST_LINKS:
+        return 0.0, 4 / robot.inertia_kg_m2
+    arms = robot.link_length_m / 2 * (np.tri(n) + np.tri(n, k=-1))  # of centres by links' angles
+    arms -= arms.mean(axis=0)
+    theta_rad = _shapes(robot, gait)
+    along = np.cos(theta_rad[:, :, None] - theta_rad[:, None])
+    masses = robot.inertia_kg_m2 * np.eye(n) + robot.link_mass_kg * (arms.T @ arms) * along
+    apart = np.diff(np.eye(n), axis=0)
+    mobilities = np.linalg.eigvalsh(apart @ np.linalg.solve(masses, apart.T))
+    return float(mobilities.min()), float(mobilities.max())
 
 
 def _motor_line(servo: Servo, gait: Gait) -> float:
@@ -151,8 +147,10 @@ def _modes(scene: Scene) -> tuple[Array, Array, Array]:
         stiff.append(scene.joint_stiffness_n_m * mu)
         damped.append(scene.joint_damping_n_s_m * mu)
     if scene.servo is not None:
-        largest, smallest = _mobility(scene)
-        nu = np.linspace(smallest, largest, 64)
+        ends = 0.0, 4 / scene.robot.inertia_kg_m2  # of free links
+        if scene.formulation == "explicit":
+            ends = _mobility(scene.robot, scene.gait)
+        nu = np.linspace(*ends, 64)
         nu = nu / (1 + scene.servo.armature_kg_m2 * nu)  # rotors turn with their joints
         gear = scene.servo.gear_damping_nms_rad
         stiff += [scene.servo.stiffness_nm_rad * nu, 0 * nu]
@@ -217,23 +215,10 @@ def check_step(scene: Scene) -> None:
     if stable is None or stable(scene.dt_s):
         return
     limit = largest_stable_step_s(scene)
-    springs = (
-        f" with k = {scene.joint_stiffness_n_m:g} N/m, c = {scene.joint_damping_n_s_m:g} N s/m"
-        if scene.formulation == "implicit"
-        else ""
-    )
+    cure = f"take dt_s {0.5 * limit:.1g} or less"
+    if objection("radau", scene) is None:
+        cure += ", or method 'radau', which has no such limit"
     raise StepTooLarge(
         f"dt_s is {scene.dt_s:g}; method {scene.method} is stable up to {limit:.3g} s for this "
-        f"scene{springs}. A longer step may look sound and be metres off: take dt_s "
-        f"{0.5 * limit:.1g} or less" + (_without_limit(scene) if springs else "")
+        f"scene. A longer step may look sound and be metres off: {cure}"
     )
-
-
-def _without_limit(scene: Scene) -> str:
-    """Return what to take instead of small steps on hard springs, as the end of a sentence."""
-    ways = []
-    if objection("radau", scene) is None:
-        ways.append("method 'radau', which has no such limit")
-    if objection(scene.method, scene, formulation="explicit") is None:
-        ways.append("formulation 'explicit', which has no springs")
-    return "".join(f", or {way}" for way in ways)

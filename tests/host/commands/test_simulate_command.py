@@ -116,7 +116,7 @@ def test_the_answer_is_complete_and_the_files_too(tmp_path: Path) -> None:
     [
         ("simulate --omega-rad-s 5", "give --alpha-deg"),
         (f"{SHORT} --set 'limp=2;3'", "type a number without its unit"),
-        (f"{SHORT} --set limp=7", "limp names joint 7"),
+        (f"{SHORT} --set limp=7", "a joint of limp is 7"),
         (f"{SHORT} --set record=work", "record is 'work'"),
         (f"{SHORT} --scene nowhere.toml", "nowhere.toml: No such file"),
         (f"{SHORT} --set joint_stiffness_n_m=5", "joint_stiffness_n_m would change nothing"),
@@ -141,7 +141,7 @@ def test_an_accuracy_chooses_the_step_or_says_why_not() -> None:
 
 
 def test_a_long_run_tells_how_far_it_is_where_nobody_watches(monkeypatch) -> None:
-    monkeypatch.setattr("serpenoid.show.screen.REPORT_S", 0.0)
+    monkeypatch.setattr("serpenoid.show.screen.REPORT_S", 1e-3)
     line = "simulate --alpha-deg 30 --beta-deg 80 --frequency-hz 1 --duration-s 60 --no-error"
     told = serpenoid(line).stderr
     assert "simulating, " in told

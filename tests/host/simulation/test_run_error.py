@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from robots import BINGHAM, OF_2005, PAPER, VISCOUS, gait_in_deg
-from serpenoid.simulation.methods import METHODS
 from serpenoid.simulation.run import difference
-from serpenoid.simulation.scene import objection
+from serpenoid.simulation.scene import METHODS, objection
 from serpenoid.simulation.stability import largest_stable_step_s
 
 GAIT = gait_in_deg(30, 80, 5.0)

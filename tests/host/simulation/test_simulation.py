@@ -48,7 +48,7 @@ def test_a_run_ends_when_it_should(method: str) -> None:
         ({"formulation": "both"}, "formulation is 'both'"),
         ({"drive": "torque"}, "give torque with drive"),
         ({"method": "collocation"}, "method is 'collocation'"),
-        ({"record": "joints"}, "give a tuple"),
+        ({"record": "joints"}, "must be a list"),
         ({"record": 1.0}, "record is 1.0"),
         ({"limp": 2}, "limp is 2"),
         ({"locked": [2]}, "locked is [2]"),
