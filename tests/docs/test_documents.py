@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fnmatch
 import os
 import re
 import shlex
@@ -15,6 +16,7 @@ import numpy as np
 import pytest
 from coverage_floor import CASES, drawn_person, floor_setup
 from docs.documents import PAGES, ROOT, blocks, mentioned, typed, unknown
+from serpenoid.base.toml_table import tomllib
 from serpenoid.commands.demo import take_session
 from serpenoid.session.journal import Journal
 from serpenoid.taking.new_session import create_session, default_setup
@@ -54,6 +56,18 @@ def test_make_targets_that_are_named_exist() -> None:
         text = page.read_text()
         named = re.findall(r"`make ([\w-]+)`", text) + re.findall(r"^ {4}make ([\w-]+)", text, re.M)
         assert set(named) <= targets, page.name
+
+
+def test_every_key_of_json_has_a_meaning() -> None:
+    """The keys as they stand in the list of promises, table by table."""
+    meanings = tomllib.loads((ROOT / "docs" / "json_keys.toml").read_text())
+    promised = (ROOT / "tests" / "golden" / "public.txt").read_text()
+    answers = "".join(re.findall(r"^# JSON: .*\n((?:.+\n)+)", promised, re.M))
+    keys = re.findall(r"^(?:top|(.+)): (.+)$", answers.replace("[]", ""), re.M)
+    known = re.compile("|".join(fnmatch.translate(key.replace("[]", "")) for key in meanings))
+    names = {f"{table}.{name}".lstrip(".") for table, row in keys for name in row.split()}
+    assert len(names) > 200
+    assert [name for name in sorted(names) if not known.match(name)] == []
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)

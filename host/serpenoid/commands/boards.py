@@ -215,12 +215,12 @@ def drive(
         kind = kind.at_frames(1e-6 * frame_us(snake.robot.links - 1))
     if not (snake and snake.fit) and (too_fast := too_fast_text(gait, kind)):
         say(f"serpenoid: warning: {too_fast}", err=True)
-    best = predicted(snake, gait, kind) if snake else None
-    if best and not as_json:
-        say(f"predicted: {best.in_words()}")
     cure = "give the --robot of this board, or none"
     match = RobotMatch(snake.robot.links, "the gait", cure) if snake else None
     run = DrivenRun(gait, port, record, match)
+    best = predicted(snake, gait, kind) if snake else None
+    if best and not as_json:
+        say(f"predicted: {best.in_words()}")
     try:
         with nullcontext(lambda _: None) if as_json else view(best) as show:
             run.run(duration_s, show)

@@ -24,7 +24,7 @@ from ..base.errors import (
     RobotUnattended,
 )
 from ..model.bends import bend_signs, joint_multiples
-from .recording.recorder import Recorder
+from .recording.recorder import Recorder, refuse_existing
 from .signals import SignalGuard
 from .wire.clock import Drift
 from .wire.dialogue import Answer, CloseResult, Dialogue
@@ -76,6 +76,8 @@ class RobotBoard:
     ):
         self._port = port
         self._record = None if record is None else Path(record)
+        if self._record is not None:
+            refuse_existing(self._record)
         self._timeout_s = check_number("timeout_s", timeout_s, 0.0, open_low=True)
         self._unattended_s = check_number("unattended_s", unattended_s, 0.0, open_low=True)
         self._talk: Dialogue | None = None

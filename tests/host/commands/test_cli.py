@@ -89,7 +89,6 @@ def test_ctrl_c_stops_a_long_run_at_once() -> None:
         (f"drive {SHAPE} --frequency-hz 5", 2, "at least 0.00159155 and at most 4.77465"),
         (f"steady {GAIT} --robot nowhere.json", 2, "no such file"),
         (f"steady {GAIT} --robot nowhere", 2, "it must be 2005, paper, a session's folder"),
-        ("nonsense", 2, "No such command"),
     ],
 )
 def test_refusals(line: str, status: int, said: str) -> None:
@@ -154,17 +153,6 @@ def test_help_tells_every_command_in_full() -> None:
     assert set(re.findall(r"^  ([a-z]+)  ", told, re.MULTILINE)) == set(cli.commands)
     assert "..." not in told.partition("See it work")[2]
     assert "(Eqs. 58-62)" in " ".join(told.split())
-
-
-def test_examples_are_copied_without_what_python_compiled(tmp_path, monkeypatch) -> None:
-    brought = tmp_path / "brought"
-    for folder in ("examples", "calibration_data"):
-        (brought / folder / "__pycache__").mkdir(parents=True)
-        (brought / folder / "__pycache__" / "a.pyc").touch()
-        (brought / folder / "a.py").touch()
-    monkeypatch.setattr("serpenoid.commands.runs.BROUGHT", brought)
-    files = answer("examples", tmp_path / "got")["files"]
-    assert [Path(name).name for name in files] == ["a.py", "a.py"]
 
 
 def test_help_imports_nothing_slow() -> None:

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -59,21 +56,6 @@ def test_two_motions_are_named_with_that_from_rest() -> None:
     typed = " ".join(f"--set {one}" for one in f"{body} {ground}".split())
     told = serpenoid(f"steady {gait} {typed}", check=True).stderr
     assert "from rest the robot ends in the one that turns -1.36 deg and goes 0.0403 m" in told
-
-
-def test_what_shows_a_search_belongs_to_the_thread_that_ctrl_c_ends(monkeypatch) -> None:
-    # Otherwise nobody takes it away, and the terminal is left without a cursor.
-    shown: list[str] = []
-
-    @contextmanager
-    def busy(what: str) -> Iterator[None]:
-        assert threading.current_thread() is threading.main_thread()
-        shown.append(what)
-        yield
-
-    monkeypatch.setattr("serpenoid.commands.options.working", busy)
-    serpenoid(IDEAL, check=True)
-    assert shown == ["searching", "servos"]
 
 
 def test_steady_warns_at_a_sharp_drop_of_speed() -> None:
@@ -131,17 +113,6 @@ def test_the_whole_study(tmp_path: Path) -> None:
     commands = {c["command"] for c in found["claims"]}
     for command in sorted(c for c in commands if not c.startswith(("figures", "demo"))):
         answer(command)
-
-
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        ("--set joint_angle_deg=300", "joint_angle_deg is 300.0; it must be"),
-        ("--set servo_speed_deg_s=-3", "servo_speed_rad_s is -0.05"),
-    ],
-)
-def test_options_that_would_do_nothing_or_make_no_sense(words: str, told: str) -> None:
-    assert told in serpenoid(f"optimize --speed 0.1 {words}").stderr
 
 
 def test_an_ideal_gait_that_no_servo_follows_is_warned_of() -> None:

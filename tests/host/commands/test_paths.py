@@ -13,7 +13,6 @@ LONG = f"simulate --robot paper {GAIT} --duration-s 1e6 --no-error"  # would tak
     ("line", "said"),
     [
         (f"{LONG} --out run.txt", "must end in .csv"),
-        (f"{LONG} --plot run.gif", "must end in .png or .pdf or .svg"),
         (f"{LONG} --plot absent/run.png", "'absent' is no folder"),
         (f"{LONG} --out folder.csv", "is a directory"),
         (f"{LONG} --out file/run.csv", "'file' is no folder"),

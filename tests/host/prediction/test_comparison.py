@@ -13,7 +13,8 @@ from robots import BINGHAM
 from serpenoid.prediction import comparison
 from serpenoid.prediction.band import speed_band
 from serpenoid.prediction.verdict import Predicted
-from serpenoid.session.gait_run import GaitRun
+from serpenoid.session.gait_run import FilmReading, GaitRun
+from serpenoid.session.track import Track
 
 RATES = [2 * math.pi * hz for hz in (0.25, 0.5, 1.0)]
 
@@ -51,7 +52,10 @@ def test_speeds_as_predicted_agree(fitted):
     assert [p.runs for p in found.gaits] == [(100,), (101,), (102,)]
     for shown in found.gaits:  # the paper's own comparison
         assert 0.0 < shown.implicit_error_m_s < 0.01 * shown.implicit_m_s
-    json.dumps(found.to_dict(), allow_nan=False)
+    track = Track.from_samples(("t_s",), [[0.0], [1.0]])
+    film = FilmReading(7, 1.2, 1.3, 3.0, 0.1, 0.01, gains="1", shifts_deg="0", track=track)
+    told = json.dumps(replace(found, measured=(film,)).to_dict(), allow_nan=False)
+    assert json.loads(told)["measured"] == [7]
 
 
 def test_a_chance_of_one_in_fifty_is_a_difference(fitted):

@@ -140,10 +140,15 @@ class Recorder:
         )
 
 
-def _open(path: Path) -> FileIO:
-    """Open a new file. Raises BadInput where a recording would write over something."""
+def refuse_existing(path: Path) -> None:
+    """Raise BadInput where a recording would write over something."""
     if path.is_file() and path.stat().st_size:
         raise BadInput(f"{path} holds something already; give the recording another name")
+
+
+def _open(path: Path) -> FileIO:
+    """Open a new file. Raises BadInput where a recording would write over something."""
+    refuse_existing(path)
     try:
         return FileIO(path, "w")
     except OSError as error:
