@@ -203,7 +203,6 @@ def drive(
     Ctrl-C.
     """
     from ..model.robot import frame_us
-    from ..robot.robot_match import RobotMatch
     from ..robot.tools.driven_run import DrivenRun
     from ..servos.speed_limit import too_fast_text
     from ..show.live import show_summary, view
@@ -215,9 +214,7 @@ def drive(
         kind = kind.at_frames(1e-6 * frame_us(snake.robot.links - 1))
     if not (snake and snake.fit) and (too_fast := too_fast_text(gait, kind)):
         say(f"serpenoid: warning: {too_fast}", err=True)
-    cure = "give the --robot of this board, or none"
-    match = RobotMatch(snake.robot.links, "the gait", cure) if snake else None
-    run = DrivenRun(gait, port, record, match)
+    run = DrivenRun(gait, port, record, snake.robot.links - 1 if snake else None)
     best = predicted(snake, gait, kind) if snake else None
     if best and not as_json:
         say(f"predicted: {best.in_words()}")

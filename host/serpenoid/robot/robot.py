@@ -48,7 +48,8 @@ class RobotBoard:
 
     port: such as "/dev/ttyACM0"; None finds the board by its USB id; "virtual" is the firmware's
     own controller in this process, "virtual:fast" the same as fast as it goes, and
-    "virtual:joints=9" one with so many joints; a Link is taken as it is. record: a file that takes
+    "virtual:joints=9" one with so many joints; a Link is taken as it is. joints: how many the robot
+    must have, else BadInput before anything moves; None: any number. record: a new file that takes
     every line of the run as it comes. timeout_s: how long to wait for the board's greeting.
     unattended_s: if the program calls nothing for so long (iterating frames() counts as calling),
     it is taken to hang: the robot is stopped and the next call raises.
@@ -70,11 +71,12 @@ class RobotBoard:
         self,
         port: str | Link | None = None,
         *,
+        joints: int | None = None,
         record: Path | None = None,
         timeout_s: float = 5.0,
         unattended_s: float = 60.0,
     ):
-        self._port = port
+        self._port, self._joints = port, joints
         self._record = None if record is None else Path(record)
         if self._record is not None:
             refuse_existing(self._record)
@@ -316,6 +318,12 @@ class RobotBoard:
         self._talk = Dialogue(link, record, self._unattended_s, self._take_line)
         self._talk.start()
         greet(self._talk, self._timeout_s)
+        if self._joints not in (None, self.hello.joints):
+            raise BadInput(
+                f"this is for a robot of {self._joints + 1} links, but this board moves "
+                f"{self.hello.joints + 1} links; take the board of that robot (or --port "
+                f"virtual:joints={self._joints}), or choose the robot of this board"
+            )
         try:
             self.settings()
         except (DamagedLine, CommandRefused):  # missed frames are counted by the default then

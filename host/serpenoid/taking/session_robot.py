@@ -9,7 +9,6 @@ from ..base.errors import CommandRefused, RobotError
 from ..model.bends import bend_signs, joint_multiples
 from ..model.gait import Gait
 from ..robot.robot import RobotBoard
-from ..robot.robot_match import RobotMatch
 from ..robot.tools.limp_test import RELEASED
 from ..robot.wire.link import Link
 
@@ -26,13 +25,12 @@ STEER_DEG_S, POSE_DEG_S = 2.0, 45.0
 class SessionRobot:
     """Hold one open robot. Joints move only in pose() and go(); `powered` tells whether they hold.
 
-    Inside `with SessionRobot(port) as robot:` only. match: the robot of the session, None if any
-    will do. Raises what RobotBoard raises, BadInput if this is another.
+    Inside `with SessionRobot(port) as robot:` only. joints: how many the robot must have, None if
+    any number will do. Raises what RobotBoard raises.
     """
 
-    def __init__(self, port: str | Link | None, match: RobotMatch | None = None):
-        self._match = match
-        self._robot = RobotBoard(port, unattended_s=HOURS_S)
+    def __init__(self, port: str | Link | None, joints: int | None = None):
+        self._robot = RobotBoard(port, joints=joints, unattended_s=HOURS_S)
         self.powered = False
         self.stopped = False  # by a key, and no prompt has seen it yet
         self.offset_rad = 0.0  # on every joint, to steer
@@ -43,8 +41,6 @@ class SessionRobot:
     def __enter__(self) -> SessionRobot:
         with ExitStack() as opened:
             robot = opened.enter_context(self._robot)
-            if self._match is not None:
-                self._match.check(robot)
             settings = robot.settings()
             self._released = settings["released"]
             if not settings["limp"]:  # after a kill nothing else would let go of the bend

@@ -10,7 +10,6 @@ from ...base.errors import RecordingFailed, SerpenoidError
 from ...friction.fit import fit_friction
 from ...model.gait import Gait
 from ...model.robot import Robot
-from ...robot.robot_match import RobotMatch
 from ...robot.wire.link import Link
 from ...session.journal import Journal
 from ...session.session import Session
@@ -25,8 +24,6 @@ from ...video.made_gait import film_cells
 from ...video.measure_film import measure_film
 from ...video.pushed import track_pushes
 from ..options import busy
-
-CURE = "take the board of that robot, or begin a session of this one: `serpenoid calibrate new`"
 
 
 def with_a_person(
@@ -46,8 +43,8 @@ def with_a_person(
             return console.say("Left; nothing was changed.")
         robot = None
         if port is not None:
-            match = RobotMatch(journal.session.setup.robot.links, "the session", CURE)
-            robot = stack.enter_context(SessionRobot(port, match))
+            joints = journal.session.setup.robot.links - 1
+            robot = stack.enter_context(SessionRobot(port, joints))
             console.keys = {
                 "left": lambda: robot.steer(1),
                 "right": lambda: robot.steer(-1),

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 from ...base.errors import FramesMissing
 from ..robot import RobotBoard
-from ..robot_match import RobotMatch
 from ..wire.protocol import Telemetry
 
 if TYPE_CHECKING:
@@ -53,15 +52,14 @@ class Summary:
 class DrivenRun:
     """One gait on one robot: `run` drives it, `summary` may be asked for even if that raised.
 
-    match: the robot that the gait is for, None if any will do.
+    joints: how many the robot must have, None if any will do.
     """
 
     def __init__(
-        self, gait: Gait, port: str | None, record: Path | None, match: RobotMatch | None = None
+        self, gait: Gait, port: str | None, record: Path | None, joints: int | None = None
     ):
         self.gait = gait
-        self.match = match
-        self.robot = RobotBoard(port, record=record, unattended_s=UNATTENDED_S)
+        self.robot = RobotBoard(port, joints=joints, record=record, unattended_s=UNATTENDED_S)
         self.first: Telemetry | None = None
         self.last: Telemetry | None = None
         self.frames = 0
@@ -72,13 +70,10 @@ class DrivenRun:
     def run(self, duration_s: float | None, watch: Callable[[DrivenRun], None]) -> None:
         """Drive for a time or without end, calling watch after every frame.
 
-        Raises what RobotBoard raises, BadInput if it is another robot, FramesMissing if
-        too few frames came, ClockWrong if the board's clock cannot be believed; whatever happens
-        the robot is stopped first.
+        Raises what RobotBoard raises, FramesMissing if too few frames came, ClockWrong if the
+        board's clock cannot be believed; whatever happens the robot is stopped first.
         """
         with self.robot as robot:
-            if self.match is not None:
-                self.match.check(robot)
             robot.set("every", 1)  # until the board's next reset, as its silence: nothing is saved
             if not robot.settings()["silence"]:
                 robot.set("silence", SILENCE_S)  # the board stops if this program dies
