@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..base.errors import NotConverged
-from ..base.particles import Student, tempered
+from ..base.particles import explored, points_about
 from .bends import BEND_ERROR, COMMON_ERROR, CORRELATION
 from .parameters import FRICTIONS, ROUNDING, Floats, Integers, Parameter, Rows
 
@@ -37,14 +37,17 @@ class Sampling:
 
     count: about the estimate, where an interval's end errs by 1 % of a half width; with more than
     max_residuals in all there are fewer, but min_count. min_independent: of equal weight, that the
-    weighted ones must be worth; else there are so many particles of sequential Monte Carlo.
+    weighted ones must be worth; else so many particles make so many moves. spread: share of them
+    that begins at points of any weight, so that never all begin at one.
     block_residuals: at a time, as many as a processor's own memory holds.
     """
 
     count: int = 32768
     max_residuals: int = 2**21
     min_count: int = 4096
-    particles: int = 4096
+    particles: int = 1024
+    moves: int = 200
+    spread: float = 0.1
     min_independent: float = 2000.0
     block_residuals: int = 2**15
 
@@ -287,16 +290,16 @@ class Posterior:
             SAMPLING.count, max(SAMPLING.max_residuals // len(self.numbers), SAMPLING.min_count)
         )
         root = np.asarray(np.linalg.cholesky(estimate.covariance), dtype=np.float64)
-        about = Student(estimate.x, root, self.roundings_rad.shape[1])
-        x = about.points(count, seed)
-        log = self.log_density(x) - about.log_density(x)
-        x = self._with_roundings(estimate, x, seed)
+        rng, normal = np.random.default_rng(seed), self.roundings_rad.shape[1]
+        points, log_about = points_about(estimate.x, root, normal, count, rng)
+        log = self.log_density(points) - log_about
+        x = self._with_roundings(estimate, points, seed)
         weight = _shares(np.where((x >= self.low).all(axis=1), log, -np.inf))
         unlimited = _shares(log)
         if _independent(weight) >= SAMPLING.min_independent:
             enough = _independent(unlimited) >= SAMPLING.min_independent
             return Samples(x, weight, unlimited if enough else weight)
-        x = self._tempered(about, seed)
+        x = self._explored(points, unlimited, rng)
         return Samples(x, *np.full((2, len(x)), 1.0 / len(x)))
 
     def _with_roundings(self, estimate: MapEstimate, x: Floats, seed: int) -> Floats:
@@ -317,19 +320,17 @@ class Posterior:
         sawtooth = standard[rng.integers(len(samples), size=len(x))]
         return np.asarray(x + (sawtooth - normal) @ gain.T)
 
-    def _tempered(self, about: Student, seed: int) -> Floats:
-        """Return particles (N, D), which begin about the estimate within the limits."""
-        x = about.points(4 * SAMPLING.particles, seed)
-        inside = (x >= self.low).all(axis=1)
-        x = x[inside] if inside.any() else np.maximum(x, self.low)
-        x = np.resize(x, (SAMPLING.particles, x.shape[1]))
+    def _explored(self, points: Floats, weight: Floats, rng: np.random.Generator) -> Floats:
+        """Return samples (N, D) of particles that begin at points with weights (K,)."""
+        shares = (1.0 - SAMPLING.spread) * weight + SAMPLING.spread / len(weight)
+        start = rng.choice(len(points), SAMPLING.particles, p=shares)
 
-        def ratio(x: Floats) -> Floats:
-            inside = (x >= self.low).all(axis=1)
-            log = self.log_density(np.maximum(x, self.low)) - about.log_density(x)
-            return np.where(inside, log, -np.inf)
+        def log_density(x: Floats) -> Floats:
+            log = self.log_density(np.maximum(x, self.low))
+            return np.where((x >= self.low).all(axis=1), log, -np.inf)
 
-        return tempered(x, about.log_density, ratio, np.random.default_rng(seed))[0]
+        x = np.maximum(points[start], self.low)
+        return np.concatenate(explored(x, log_density, SAMPLING.moves, rng))
 
     def log_density(self, x: Floats) -> Floats:
         """Return its logarithm at points (K, D), but for a constant and limits.
