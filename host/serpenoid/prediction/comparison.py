@@ -234,9 +234,9 @@ def compare(
     asked_gaits = compared_gaits(session, gaits)
     if not asked_gaits:
         raise BadInput(f"{session.where}: {NO_GAIT}")
-    level, slope_doubts, slope_text = level_session(session, fit, seed)
-    crawls = {crawl.gait: crawl for crawl in crawls_by_command(level)}
     servo = servo and driving(session.setup, servo)
+    level, slope_doubts, slope_text = level_session(session, fit, servo and servo.servo, seed)
+    crawls = {crawl.gait: crawl for crawl in crawls_by_command(level)}
     commands = {gait: crawl.commanded for gait, crawl in crawls.items() if crawl.films}
     unfilmed = [gait for gait in asked_gaits if gait not in commands]
     too_fast = {gait: too_fast_text(gait, servo, gait_name(gait)) for gait in unfilmed}

@@ -5,16 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
 
 from ..base.vectors import Array
 from ..friction.result import Estimate, FrictionFit
+from ..model.drives import Servo
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..session.gait_run import Crawl
 from ..session.session import Session
 from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
@@ -30,20 +32,21 @@ NODES = 1.5 * np.eye(2)  # standard deviations of the slope along and across a c
 
 
 def level_session(
-    session: Session, fit: FrictionFit, seed: int = 2005
+    session: Session, fit: FrictionFit, servo: Servo | None = None, seed: int = 2005
 ) -> tuple[Session, dict[int, Array], str]:
     """Return the session with crawls there and back as on level ground, and what is left in doubt.
 
-    That is for each crawl, by its number, the speeds over these on samples of the slope, (SLOPES,);
-    and a sentence on the slope, where pushes told it.
+    servo: what moves the joints; None: they follow the gait. In doubt are for each crawl, by its
+    number, the speeds over these on samples of the slope, (SLOPES,). Last comes a sentence on the
+    slope, where pushes told it.
     """
     slope, unknown = floor_slope(session, fit.nuisances), floor_slope(session, {})
     level, shares = dict[int, Any](), dict[int, Array]()
     for run in session.kept_crawls:
         if run.way == "level":
-            shares[run.number] = slope_shares(fit, run.gait, unknown, seed=seed)
+            shares[run.number] = slope_shares(fit, run, servo, unknown, seed)
             continue
-        share = slope_shares(fit, run.gait, slope, run.way, seed)
+        share = slope_shares(fit, run, servo, slope, seed)
         mean = float(share.mean())
         shares[run.number] = share / mean
         speed = run.speed_m_s / mean
@@ -64,47 +67,51 @@ def floor_slope(session: Session, nuisances: Mapping[str, Estimate]) -> Slope:
 
 
 def slope_shares(
-    fit: FrictionFit, gait: Gait, slope: Slope, way: str = "level", seed: int = 2005
+    fit: FrictionFit, run: Crawl, servo: Servo | None, slope: Slope, seed: int = 2005
 ) -> Array:
-    """Return a gait's speeds over that on level ground, (SLOPES,), on samples of a floor's slope.
+    """Return a crawl's speeds over that on level ground, (SLOPES,), on samples of a floor's slope.
 
-    All gaits of a seed have the same samples. way: the floor rises ahead of one that goes "back".
+    All crawls of a seed have the same samples. The floor rises ahead of one that goes "back". What
+    the mean slope does is found with the servo, whose ripple moves wheels that would stick; how the
+    samples differ from it, which costs more runs, with joints that follow.
     """
-    along, across = slope
-    normal = np.random.default_rng(seed).normal(size=(2, SLOPES))
-    sign = -1.0 if way == "there" else 1.0
-
-    def on_slope(along_node: float, left_node: float) -> float:
-        rise = along.value + along_node * along.sigma, across.value + left_node * across.sigma
-        return _crawl_speed(fit.robot, fit.ground, gait, sign * rise[0], sign * rise[1])
-
-    level_m_s = max(_crawl_speed(fit.robot, fit.ground, gait, 0.0, 0.0), 1e-6)
-    middle_m_s = max(on_slope(0.0, 0.0), 1e-6)
-    shares = np.full(SLOPES, middle_m_s / level_m_s)
-    for node, sample in zip(NODES, normal, strict=True):
-        low_m_s, high_m_s = on_slope(*(-node).tolist()), on_slope(*node.tolist())
-        size = float(node.sum())
-        change = (high_m_s - low_m_s) / 2 * sample / size
-        curve = ((high_m_s + low_m_s) / 2 - middle_m_s) * (sample / size) ** 2
-        shares *= 1.0 + (change + curve) / middle_m_s
+    ahead = -1.0 if run.way == "there" else 1.0
+    mean_rad, sigma_rad = ahead * np.array(slope).T
+    speed_on = partial(_crawl_speed, fit, run.gait, None)
+    middle_m_s = max(speed_on(mean_rad), 1e-6)
+    shares = np.ones(SLOPES)
+    for node, sample in zip(
+        NODES, np.random.default_rng(seed).normal(size=(2, SLOPES)), strict=True
+    ):
+        low, high = (speed_on(mean_rad + k * node * sigma_rad) / middle_m_s for k in (-1.0, 1.0))
+        nodes = sample / node.sum()
+        shares *= 1.0 + (high - low) / 2 * nodes + ((high + low) / 2 - 1.0) * nodes**2
+    if mean_rad.any():
+        driven = replace(run.commanded, offset_rad=run.gait.offset_rad) if servo else run.gait
+        level_m_s = max(_crawl_speed(fit, driven, servo, np.zeros(2)), 1e-6)
+        shares *= _crawl_speed(fit, driven, servo, mean_rad) / level_m_s
     return np.maximum(shares, MIN_SHARE)
 
 
-def _crawl_speed(
-    robot: Robot, ground: Ground, gait: Gait, along_rad: float, left_rad: float
-) -> float:
+def _crawl_speed(fit: FrictionFit, gait: Gait, servo: Servo | None, rise_rad: Array) -> float:
     """Return the mean speed, m/s, of a crawl over ground that rises ahead and to the left, rad.
 
     The robot turns downhill within some ten seconds, and nobody knows when a reading began.
     """
-    _, direction = _crawl(robot, ground, gait, 0.0, 0.0)
-    uphill = math.remainder(direction + math.atan2(left_rad, along_rad), math.tau)
-    return _crawl(robot, ground, gait, math.hypot(along_rad, left_rad), uphill)[0]
+    crawl = partial(_crawl, fit.robot, fit.ground, gait, servo)
+    ahead_rad, left_rad = rise_rad.tolist()
+    uphill_rad = math.remainder(crawl(0.0, 0.0)[1] + math.atan2(left_rad, ahead_rad), math.tau)
+    return crawl(math.hypot(ahead_rad, left_rad), uphill_rad if rise_rad.any() else 0.0)[0]
 
 
 @lru_cache(maxsize=512)
 def _crawl(
-    robot: Robot, ground: Ground, gait: Gait, incline_rad: float, uphill_rad: float
+    robot: Robot,
+    ground: Ground,
+    gait: Gait,
+    servo: Servo | None,
+    incline_rad: float,
+    uphill_rad: float,
 ) -> tuple[float, float]:
     """Return the mean speed, m/s, and the direction of the first cycle's way, rad."""
     period_s = gait.period_s
@@ -114,7 +121,9 @@ def _crawl(
             robot,
             ground,
             gait,
-            start="steady",
+            drive="servo" if servo else "angle",
+            servo=servo,
+            start="zero_momentum" if servo else "steady",
             duration_s=(last + 1) * period_s,
             incline_rad=incline_rad,
             incline_direction_rad=uphill_rad,

@@ -16,12 +16,12 @@ from serpenoid import (
     compare,
     fit_friction,
     load_session,
+    servo,
 )
 from serpenoid.friction.result import Estimate
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
 from serpenoid.prediction.level import level_session
-from serpenoid.prediction.speeds import speed
 from serpenoid.session.filmed_crawl import crawl_cells
 from serpenoid.session.gait_run import GaitRun
 from serpenoid.taking.new_session import create_session, default_setup, on_place
@@ -103,7 +103,7 @@ def test_a_step_takes_a_crawl_from_its_track_once(tmp_path) -> None:
     assert session.kept_films[0].mean_gain == pytest.approx(np.mean(GAINS), abs=2e-3)
 
 
-SLOPE_RAD, LEVEL = 0.0045, Estimate(0.0, 1e-6)
+SLOPE_RAD = 0.0045
 
 
 @pytest.fixture(scope="module")
@@ -124,27 +124,35 @@ def sloped():
     )
 
 
-def test_crawls_on_a_floor_that_tilts_across_are_put_right() -> None:
-    """The robot turns downhill and goes faster there and back alike: a mean of both is too fast."""
-    body, ground, across_rad = OF_2005, Ground.whole_body(6, *TRUTH), 0.007
-    lab, level = LabRobot(body, (ground,)), speed(body, ground, GAIT)
+@pytest.mark.parametrize(
+    ("gait", "along_rad", "across_rad", "moved_by"),
+    [
+        (GAIT, 0.0, 0.007, None),  # it turns downhill and goes faster there and back alike
+        (gait_in_deg(80, 75, 2 * math.pi * 0.45), 0.005, 0.0, servo().servo),  # ripple helps uphill
+    ],
+)
+def test_crawls_on_a_floor_that_slopes_are_put_right(gait, along_rad, across_rad, moved_by) -> None:
+    lab = LabRobot(OF_2005, (Ground.whole_body(6, *TRUTH),), servo=moved_by)
+    level = crawl_speed(lab, gait)
     runs = tuple(
         GaitRun(
-            *(900, GAIT.alpha_rad, GAIT.beta_rad, GAIT.omega_rad_s),
-            crawl_speed(lab, GAIT, across_rad=sign * across_rad),
+            *(900, gait.alpha_rad, gait.beta_rad, gait.omega_rad_s),
+            crawl_speed(lab, gait, slope_rad=-sign * along_rad, across_rad=sign * across_rad),
             0.0005,
             way=way,
         )
         for way, sign in (("there", 1.0), ("back", -1.0))
     )
-    assert min(run.speed_m_s for run in runs) > 1.05 * level
+    assert max(abs(run.speed_m_s / level - 1.0) for run in runs) > 0.05
     session = floor_session()
     session = replace(session, readings=(*session.readings, *runs))
-    fit = fit_friction(session)
-    known = {"floor_slope_rad": LEVEL, "floor_slope_across_rad": Estimate(across_rad, 1e-5)}
-    brought, _, words = level_session(
-        session, replace(fit, values=np.array(TRUTH), nuisances=known)
+    known = Estimate(along_rad, 1e-5), Estimate(across_rad, 1e-5)
+    fit = replace(
+        fit_friction(session),
+        values=np.array(TRUTH),
+        nuisances=dict(zip(("floor_slope_rad", "floor_slope_across_rad"), known, strict=True)),
     )
+    brought, _, words = level_session(session, fit, moved_by)
     assert f"by {math.degrees(across_rad):.2f} ± 0.00 deg to the left of the way there" in words
     for run in brought.readings_of("gait"):
         assert run.speed_m_s == pytest.approx(level, rel=0.03)
