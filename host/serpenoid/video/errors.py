@@ -46,9 +46,7 @@ def number_sigmas(
     sample: the track in the frames `picked`, with how it follows the camera's unknowns.
     joint_shares: of the frames, in which each joint is known.
     """
-    pixels = _of_pixels(motion)
-    amplitude = motion.amplitude_rad
-    count = len(amplitude)
+    amplitude, count = motion.amplitude_rad, len(motion.amplitude_rad)
     # What a slow readout does, which to first order is allowed for: each joint's part of it, as a
     # phase; and the share of speed and rate that it takes off or adds.
     readout_s, height = bundle.camera.shared[READOUT], sightings.image_px[1]
@@ -56,38 +54,38 @@ def number_sigmas(
     delay = readout_s * motion.omega_rad_s * 0.5 * (rows[1:] + rows[:-1])
     first, last = bundle.camera.plane_px(sample.states[[0, -1], :2])[:, 1] / height
     delay_rad, sweep = np.ma.filled(delay, 0.0), readout_s * (last - first) / np.ptp(sample.t_s)
-    amplitude_rows, phase_rows = slice(1, count + 1), slice(count + 1, 2 * count)
-    floor = np.full(len(pixels), FLOOR_ANGLE_RAD)
-    floor[0] = LATE_RATE * sweep * motion.omega_rad_s
-    floor[-1] = FLOOR_TURN_RAD_S
-    floor[-2] = np.hypot(FLOOR_SPEED, LATE_SPEED * sweep) * motion.speed_m_s
-    floor[2 * count : -3] = FLOOR_OFFSET_RAD
     coded = max(1.0, (CODED_PX / float(np.nanmedian(sightings.side_px))) ** 2)
-    floor[amplitude_rows] = coded * np.hypot(FLOOR_AMPLITUDE_RAD, FLOOR_AMPLITUDE * amplitude)
+    floor = [
+        [LATE_RATE * sweep * motion.omega_rad_s],
+        coded * np.hypot(FLOOR_AMPLITUDE_RAD, FLOOR_AMPLITUDE * amplitude),
+        np.full(count - 1, FLOOR_ANGLE_RAD),
+        np.full(count, FLOOR_OFFSET_RAD),
+        [FLOOR_ANGLE_RAD, np.hypot(FLOOR_SPEED, LATE_SPEED * sweep) * motion.speed_m_s],
+        [FLOOR_TURN_RAD_S],
+    ]
     camera = _of_camera(bundle, sample, motion, picked)
-    sigmas = np.sqrt(pixels**2 + camera**2 + floor**2)
-    # What a slow readout and missing tags leave.
-    sigmas[amplitude_rows] = np.hypot(sigmas[amplitude_rows], 0.5 * delay_rad**2 * amplitude)
-    sigmas[phase_rows] = np.hypot(sigmas[phase_rows], LATE_PHASE * (delay_rad[1:] - delay_rad[0]))
-    sigmas[amplitude_rows] /= np.maximum(joint_shares, 0.1)
-    sigmas[phase_rows] /= np.maximum(np.minimum(joint_shares[1:], joint_shares[0]), 0.1)
+    sigmas = np.sqrt(_of_pixels(motion) ** 2 + camera**2 + np.concatenate(floor) ** 2)
+    # What a slow readout and missing tags leave, of amplitudes and phases.
+    phase_shares = np.minimum(joint_shares[1:], joint_shares[0])
+    lags = [0.5 * delay_rad**2 * amplitude, LATE_PHASE * (delay_rad[1:] - delay_rad[0])]
+    joints = slice(1, 2 * count)
+    sigmas[joints] = np.hypot(sigmas[joints], np.concatenate(lags))
+    sigmas[joints] /= np.maximum(np.concatenate([joint_shares, phase_shares]), 0.1)
     return sigmas
 
 
 def _of_pixels(motion: Motion) -> Array:
     """Return what the residuals of joints and path leave open."""
     m = motion
-    joints = len(m.phase_rad)
-    amplitude, phase, offset, rate = np.zeros((4, joints))
-    for i in range(joints):
-        sine, residual = motion.coefficients[:, i], motion.joint_residual_rad[:, i]
-        cov = sine_covariance(motion.t_s, m.omega_rad_s, sine, residual, motion.weight[:, i])
-        s, c = np.sin(m.phase_rad[i]), np.cos(m.phase_rad[i])
+    amplitude, phase, offset, rate = np.zeros((4, len(m.phase_rad)))
+    columns = m.coefficients.T, m.joint_residual_rad.T, m.weight.T, m.phase_rad
+    for i, (sine, residual, weight, phase_rad) in enumerate(zip(*columns, strict=True)):
+        cov = sine_covariance(m.t_s, m.omega_rad_s, sine, residual, weight)
+        s, c = np.sin(phase_rad), np.cos(phase_rad)
         rotated = np.array([[s, c], [c, -s]])
         amplitude[i], phase[i] = np.sqrt(np.diag(rotated @ cov[1:3, 1:3] @ rotated.T))
         offset[i], rate[i] = np.sqrt(np.diag(cov)[[0, -1]])
     phase /= np.maximum(m.amplitude_rad, 1e-9)
-    phase_steps = np.hypot(phase[1:], phase[0])
     omega = 1 / np.sqrt(np.sum(1 / np.maximum(rate, 1e-12) ** 2))
     weight = motion.path_weight
     root = np.sqrt(weight)[:, None]
@@ -105,7 +103,8 @@ def _of_pixels(motion: Motion) -> Array:
         )
     )
     direction = across / max(m.speed_m_s, 1e-9)
-    return np.concatenate([[omega], amplitude, phase_steps, offset, [direction, along, turn]])
+    lags = np.hypot(phase[1:], phase[0])
+    return np.concatenate([[omega], amplitude, lags, offset, [direction, along, turn]])
 
 
 def _of_camera(bundle: Bundle, track: Track, motion: Motion, picked: Places) -> Array:

@@ -22,7 +22,7 @@ WHOLE_TOLERANCE = 0.03  # relative distance from a whole number of a phone's slo
 STEPS_RAD = np.radians(np.arange(-180.0, 180.0, 0.5))  # phase lags that are tried
 
 
-def _columns(joints: Sequence[Joint], *names: str) -> Array:
+def joint_columns(joints: Sequence[Joint], *names: str) -> Array:
     """Return an array for each attribute of the joints."""
     return np.array([[getattr(joint, name) for joint in joints] for name in names])
 
@@ -32,7 +32,7 @@ def measured_gait(run: FilmedRun, gait: Gait | None) -> Gait:
 
     Without a commanded gait: beside the mean amplitude and the even steps that fit best.
     """
-    amplitude, phase, offset = _columns(run.joints, "amplitude_rad", "phase_rad", "offset_rad")
+    amplitude, phase, offset = joint_columns(run.joints, "amplitude_rad", "phase_rad", "offset_rad")
     alpha = gait.alpha_rad if gait else float(amplitude.mean())
     steps = np.array([gait.beta_rad]) if gait else STEPS_RAD
     phasors = np.exp(1j * (phase - steps[:, None] * np.arange(len(phase))))
@@ -48,25 +48,8 @@ def measured_gait(run: FilmedRun, gait: Gait | None) -> Gait:
     )
 
 
-def rate_words(run: FilmedRun, gait: Gait) -> str:
-    """Return what may be wrong where a film does not show the commanded rate."""
-    text = (
-        f"the film shows {run.omega_rad_s / math.tau:.4g} Hz, commanded were "
-        f"{gait.omega_rad_s / math.tau:.4g} Hz"
-    )
-    ratio, scale = gait.omega_rad_s / run.omega_rad_s, run.time_scale
-    if ratio < SLOW_MOTION:
-        return f"{text}: the robot did not run that gait, or the file's times are wrong"
-    taken_hz = ratio / scale * played_hz([0.0, 1.0 / (scale * run.film["frame_rate_hz"])])
-    return (
-        f"{text}: is it slow motion, {ratio:.2g} times? Then give the camera's pictures a second, "
-        f"some {taken_hz:.0f}, with {OPTION}, or the run's recording with --recording; speeds are "
-        "those of the file"
-    )
-
-
-def reading_doubt(run: FilmedRun, stated: Gait | None, planned: Sequence[Gait]) -> str:
-    """Return why a film is no reading of the gait that was stated, or of those planned; else "".
+def gait_doubt(run: FilmedRun, stated: Gait | None, planned: Sequence[Gait] = ()) -> str:
+    """Return why a film does not show the gait that was stated, or is in slow motion; else "".
 
     Servos lose amplitude, so less of it is no other gait; more is, and so is less than half.
     """
@@ -77,12 +60,19 @@ def reading_doubt(run: FilmedRun, stated: Gait | None, planned: Sequence[Gait]) 
         same_lag = abs(math.remainder(filmed.beta_rad - gait.beta_rad, math.tau)) <= 2 * ALIKE_SHARE
         same_rate = abs(ratio - 1.0) <= max(RATE_FLAG, 4 * run.omega_sigma_rad_s / run.omega_rad_s)
         slow = ratio > SLOW_MOTION and abs(ratio / round(ratio) - 1.0) < WHOLE_TOLERANCE
+        words = f"the film shows the gait {gait_name(filmed)}"
         if same_bend and same_lag and slow:
-            return rate_words(run, gait)
+            played = played_hz([0.0, 1.0 / (run.time_scale * run.film["frame_rate_hz"])])
+            return (
+                f"{words}, and {gait_name(gait)} was meant: is it slow motion, {ratio:.2g} times? "
+                f"Then give the camera's pictures a second, some "
+                f"{ratio / run.time_scale * played:.0f}, with {OPTION}, or the run's recording "
+                "with --recording; speeds are those of the file"
+            )
         if stated and not (same_bend and same_lag and same_rate):
             return (
-                f"the film shows the gait {gait_name(filmed)}; stated was {gait_name(gait)}. Leave "
-                "the gait's options out to keep it as a reading of the gait that it shows"
+                f"{words}; stated was {gait_name(gait)}. Leave the gait's options out to keep it "
+                "as a reading of the gait that it shows"
             )
     return ""
 
@@ -94,10 +84,10 @@ def film_cells(film: FilmMeasurement, planned: Sequence[Gait] = ()) -> tuple[dic
     was stated.
     """
     run = film.run
-    if words := reading_doubt(run, film.gait, planned):
+    if words := gait_doubt(run, film.gait, planned):
         raise BadInput(f"{run.film['name']}: {words}")
     gait = measured_gait(run, film.gait)
-    (sigma,) = _columns(run.joints, "amplitude_sigma_rad")
+    (sigma,) = joint_columns(run.joints, "amplitude_sigma_rad")
     cells = {
         "alpha_deg": math.degrees(gait.alpha_rad),
         "beta_deg": math.degrees(gait.beta_rad),

@@ -12,16 +12,7 @@ import numpy as np
 from ..base.checks import check_number
 from ..base.errors import BadInput
 from ..model.gait import Gait
-from .checks import (
-    FITTED,
-    FOLLOWED,
-    MOVED,
-    PLACED,
-    SERVOS,
-    WATCHED,
-    run_checks,
-    widened_sigmas,
-)
+from .checks import run_checks, widened_sigmas
 from .fitting.camera import Camera
 from .fitting.start import first_cameras, tag_poses
 from .instrument import follow, measure
@@ -56,7 +47,7 @@ def measure_film(
     scale = 1.0
     with refusals(path):
         followed = follow(watched.sightings, side, starts)
-        run_checks(FOLLOWED, followed[-1])
+        run_checks("followed", followed[-1])
         measured = measure(*followed)
         if board_rate and gait is not None:
             scale = measured.motion.omega_rad_s / gait.omega_rad_s
@@ -66,12 +57,12 @@ def measure_film(
             measured = measure(*follow(in_board_time, side, starts))
         measured = replace(measured, sigmas=widened_sigmas(watched, measured))
         remarks = [
-            *run_checks(MOVED, measured),
-            *run_checks(FITTED, measured.bundle),
+            *run_checks("moved", measured),
+            *run_checks("fitted", measured.bundle),
             *remarks_seen,
         ]
         run = filmed_run(watched, measured, scale)
-        run = replace(run, remarks=(*remarks, *run_checks(SERVOS, (run, gait))))
+        run = replace(run, remarks=(*remarks, *run_checks("servos", (run, gait))))
         return FilmMeasurement(run, watched, measured, gait)
 
 
@@ -106,7 +97,7 @@ def seen_film(
     side = tag_side_m(link_m) if side_m is None else check_number("side_m", side_m, 0.003, link_m)
     watched = watch(Film.open(path, capture_fps), links, progress)
     with refusals(path):
-        remarks = run_checks(WATCHED, watched)
+        remarks = run_checks("seen", watched)
         starts = first_cameras(watched.sightings, link_m, side)
-        run_checks(PLACED, tag_poses(starts[0], watched.sightings)[0])
+        run_checks("placed", tag_poses(starts[0], watched.sightings)[0])
     return watched, side, starts, remarks

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..base.errors import BadInput
 from .arrays import Array, Mask
-from .checks import FITTED, run_checks
+from .checks import run_checks
 from .fitting.camera import LENS
 from .fitting.chain import joint_angles
 from .instrument import fill_hidden, follow
@@ -80,7 +80,7 @@ def track_pushes(
         rows = np.column_stack([track.t_s, track.states[:, :2]])[clear]
         if len(rows) <= 1:
             raise BadInput("no frame shows where the robot is; are the tags hidden?")
-        remarks = [*run_checks(FITTED, fit), *remarks]
+        remarks = [*run_checks("fitted", fit), *remarks]
     # Joints that do not move tell the link length only as well as tags lie on the links: all
     # lengths are known as the tags' printed side is.
     row = LENS.index("log_side")

@@ -14,6 +14,7 @@ from ..base.files import write_csv
 from ..base.rows import Result, Row
 from ..model.gait import Gait
 from .arrays import Array
+from .fitting.bundle import READOUT
 from .fitting.chain import joint_angles, mean_heading, wrapped
 from .instrument import Measured
 from .seeing.watch import Watched
@@ -49,7 +50,7 @@ class FilmedRun(Result):
     """What `serpenoid video` tells.
 
     Speed, along the mean path; direction of travel from the links' mean heading (0: head first);
-    turn; rate; path_m: length of the mean path. joints: from the tail. residual_px, residual_m:
+    turn; rate; path_m: length of the mean path. joints: from the tail. residual_px:
     root mean square of the corners beside the fitted chain. time_scale: what the file's times were
     multiplied with, for slow motion and the board's time. film, camera: what JSON holds of them.
     scale_sigma: relative, of all lengths, and part of the speed's: how far links and tags disagree.
@@ -69,9 +70,7 @@ class FilmedRun(Result):
     periods: float
     joints: tuple[Joint, ...]
     tags_seen: tuple[float, ...]
-    frames_used: float
     residual_px: float
-    residual_m: float
     time_scale: float
     camera: dict[str, Any]
     film: dict[str, Any]
@@ -122,9 +121,8 @@ def filmed_run(watched: Watched, measured: Measured, time_scale: float) -> Filme
     m, bundle, film = measured.motion, measured.bundle, watched.film
     rate_sigma, *joint_sigmas, direction_sigma, speed_sigma, turn_sigma = measured.sigmas.tolist()
     span_s, t_s = float(np.ptp(measured.track.t_s)), watched.sightings.t_s
-    camera, lens = bundle.camera, bundle.camera.shared.tolist()
+    camera = bundle.camera
     rms_px = float(np.sqrt(np.nanmean(measured.track.rest_px**2)))
-    visible = watched.sightings.visible
     return FilmedRun(
         links=camera.links,
         link_length_m=camera.link_m,
@@ -139,33 +137,24 @@ def filmed_run(watched: Watched, measured: Measured, time_scale: float) -> Filme
         path_m=m.speed_m_s * span_s,
         periods=m.omega_rad_s * span_s / (2 * np.pi),
         joints=_joints(measured, joint_sigmas),
-        tags_seen=tuple(visible.mean(axis=0).tolist()),
-        frames_used=float(visible.any(axis=1).mean()),
+        tags_seen=tuple(watched.sightings.visible.mean(axis=0).tolist()),
         residual_px=rms_px,
-        residual_m=rms_px * (camera.side_m / float(np.nanmean(watched.sightings.side_px))),
         time_scale=time_scale * film.time_scale,
         camera={
             "focal_px": camera.focal_px,
-            "k1": lens[1],
-            "k2": lens[2],
-            "tilt_rad": math.hypot(lens[5], lens[6]),
-            "distance_m": math.exp(lens[7]),
-            "readout_s": lens[9],
+            "readout_s": float(camera.shared[READOUT]),
             "tag_side_m": camera.side_m,
             "printed_side_m": bundle.side_m,
-            "noise_px": bundle.noise_px,
         },
         film={
             "name": film.path.name,
             "sha256": sha256_of(film.path),
-            "codec": film.codec,
             "width_px": film.width,
             "height_px": film.height,
             "frames": len(t_s),
             "duration_s": float(np.ptp(t_s)),
             "frame_rate_hz": float(1 / np.median(np.diff(t_s))),
             "capture_fps": film.capture and film.capture.taken_hz,
-            "played_fps": film.capture and film.capture.played_hz,
         },
         scale_sigma=bundle.scale_off,
     )

@@ -63,7 +63,7 @@ def test_a_phones_slow_motion_is_measured_in_real_time_and_says_so(
     told = measured(slow)
     assert told.speed_m_s == pytest.approx(true_m_s, rel=1e-9)
     assert told.time_scale == 1 / 8
-    assert (told.film.capture_fps, told.film.played_fps) == (240.0, 30.0)
+    assert told.film.capture_fps == 240.0
     words = remarks_of(told)["slow motion"]
     assert "com.android.capture.fps says that the camera took 240 pictures a second" in words
     assert "divided by 8" in words
@@ -93,7 +93,7 @@ def test_a_rate_that_cannot_be_is_refused(film, tmp_path, fps, words) -> None:
 
 def test_the_film_is_the_first_stream_that_moves(film, tmp_path, true_m_s) -> None:
     run = measured(copied(film, tmp_path / "cover.mkv", cover=True))
-    assert run.film.codec == "h264"
+    assert run.film.width_px == 640
     assert run.speed_m_s == pytest.approx(true_m_s, rel=2e-3)  # times to a whole millisecond
 
 

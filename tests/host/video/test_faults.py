@@ -93,11 +93,11 @@ def test_a_picture_that_moves_all_the_time_is_refused(frames, told, moved) -> No
             r"tags are \d\d\.\d mm wide, not 34.0 mm",
             f"--set links=4 --set link_length_m=0.09 --tag-mm {1e3 * SIDE_M}",
         ),
-        (lambda f: f[:12], 1, "shows tags 3, 4, but the robot has 2 links", "--set links=2"),
+        (lambda f: f[:12], 1, "shows tag [34], but the robot has 2 links", "--set links=2"),
         (lambda f: [np.ascontiguousarray(one[:, ::-1]) for one in f[:12]], 1, "selfie cameras", ""),
         (lambda _: [np.full((540, 960), 120, np.uint8)] * 12, 1, "no tag is seen in 12 frames", ""),
         (lambda f: f[:1] * 12, 1, "no joint moves|periods", ""),
-        (lambda f: f[:1], 1, "has 1 of 10 frames", ""),
+        (lambda f: f[:1], 1, "only 1 of 1 frames show two tags", ""),
         (
             lambda f: [f[0], *(np.where(LEFT, one, 200) for one in f[1:15])],
             2,
@@ -133,7 +133,7 @@ def test_one_stray_hit_in_fifty_frames_starts_no_advice(told) -> None:
     with refused("no tag is seen in 50 frames; print ours"):
         told(frames)
     frames[20:32] = [grey_with([42])] * 12
-    with refused("tags 43, but the robot has 4 links"):
+    with refused("tag 43, but the robot has 4 links"):
         told(frames)
 
 

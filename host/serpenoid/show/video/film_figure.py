@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...video.fitting.chain import joint_angles
+from ...video.fitting.chain import joint_angles, link_centres
 from ...video.result import FilmMeasurement
 from ..plot import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, figure, heading
 from ..report import console, show, table
@@ -31,11 +31,12 @@ def _picture(ax: Any, film: FilmMeasurement) -> None:
     states = film.measured.track.states
     ax.imshow(film.watched.picture, cmap="gray", vmin=0, vmax=255)
     ax.plot(*camera.plane_px(states[:, :2]).T, color=BLUE, lw=2, label="middle of the robot")
-    for k, style, words in ((0, "o-", "links and joints at the start"), (-1, "o:", "at the end")):
-        ax.plot(*camera.joints_px(states[k]).T, style, color=RED, lw=1.5, ms=3, label=words)
-    ax.set(title="path over the first frame", xticks=[], yticks=[])
-    ax.set(xlim=(0, film.watched.picture.shape[1]), ylim=(film.watched.picture.shape[0], 0))
-    ax.grid(False)
+    for k, style, words in ((0, "o-", "links' middles at the start"), (-1, "o:", "at the end")):
+        chain = camera.plane_px(link_centres(states[k], camera.link_m))
+        ax.plot(*chain.T, style, color=RED, lw=1.5, ms=3, label=words)
+    height_px, width_px = film.watched.picture.shape
+    ax.set(title="path over the first frame", xlim=(0, width_px), ylim=(height_px, 0))
+    ax.axis("off")
     ax.legend(loc="lower right", fontsize=7, frameon=True)
 
 
@@ -63,7 +64,7 @@ def show_film(measured: FilmMeasurement) -> None:
     console.print(
         f"{film['frames']} frames of {film['width_px']} x {film['height_px']} px, "
         f"{film['duration_s']:.2f} s; tags seen in {min(run.tags_seen):.1%} of them or more; "
-        f"residuals {run.residual_px:.2f} px, {1e3 * run.residual_m:.2f} mm; "
+        f"residuals {run.residual_px:.2f} px; "
         f"links of {1e3 * run.link_length_m:.1f} mm give tags of "
         f"{1e3 * camera['tag_side_m']:.1f} mm, printed {1e3 * camera['printed_side_m']:.1f} mm",
         soft_wrap=True,

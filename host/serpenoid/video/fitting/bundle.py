@@ -33,7 +33,7 @@ MOUNTING_SIGMA = np.array([0.005, 0.005, np.radians(2.0), 0.002, 0.03, 0.03])
 # their scatter is too small (found by films of known truth).
 SLOW = 2.0
 READOUT = LENS.index("readout_s")
-LOOSE_RAD = np.radians(30.0)
+LOOSE_PER_RAD = 1.0 / np.radians(30.0)
 
 
 @dataclass(frozen=True)
@@ -58,23 +58,8 @@ class Bundle:
 
         0 up to SIDE_ALIKE.
         """
-        excess = (
-            abs(self.camera.side_m / self.side_m - 1.0)
-            if self.camera.links >= SCALED_LINKS
-            else 0.0
-        )
-        return excess if excess > SIDE_ALIKE else 0.0
-
-
-def priors(camera: Camera, side_m: float, turns: Array) -> tuple[Array, Array]:
-    """Return what the shared unknowns are held to, and their standard deviations."""
-    prior_mean = np.zeros_like(camera.shared)
-    prior_mean[0], prior_mean[8] = np.log(0.9), np.log(side_m)
-    prior_mean[5:8] = camera.shared[5:8]
-    prior_mean[READOUT] = 0.012
-    prior_mean[len(LENS) + 2 :: len(MOUNTING)] = turns
-    sigma = np.concatenate([LENS_SIGMA, np.tile(MOUNTING_SIGMA, camera.links)])
-    return prior_mean, sigma
+        excess = abs(self.camera.side_m / self.side_m - 1.0)
+        return excess if excess > SIDE_ALIKE and self.camera.links >= SCALED_LINKS else 0.0
 
 
 def fit(
@@ -90,30 +75,31 @@ def fit(
 
     rough: with a plain lens and a fixed noise, so that costs of several starts can be compared.
     """
-    prior_mean, sigma = priors(camera, side_m, turns)
+    prior_mean = np.zeros_like(camera.shared)
+    prior_mean[0], prior_mean[8] = np.log(0.9), np.log(side_m)
+    prior_mean[5:8] = camera.shared[5:8]
+    prior_mean[READOUT] = 0.012
+    prior_mean[len(LENS) + 2 :: len(MOUNTING)] = turns
+    sigma = np.concatenate([LENS_SIGMA, np.tile(MOUNTING_SIGMA, camera.links)])
     if rough:
         sigma[1:5] *= PLAIN
-    problem = _Problem(sightings, states, prior_mean, sigma, 1.0 / LOOSE_RAD)
-    damping, noise = 1e-3, NOISE_PX
-    cost = problem.cost(camera, states, noise)
+    point = _Point(sightings, states, prior_mean, sigma, camera, states, NOISE_PX)
+    damping, cost = 1e-3, point.cost()
     for _ in range(steps):
-        step, step_states = problem.step(camera, states, noise, damping)
-        new_camera = replace(camera, shared=camera.shared + step)
-        new_states = states + step_states
-        new_cost = problem.cost(new_camera, new_states, noise)
+        trial = point.moved(damping)
+        new_cost = trial.cost()
         if new_cost < cost:
             gained = cost - new_cost
-            camera, states, damping = new_camera, new_states, max(damping / 5, 1e-9)
-            noise = noise if rough else problem.noise(camera, states)
-            cost = problem.cost(camera, states, noise)
+            damping = max(damping / 5, 1e-9)
+            point = trial if rough else replace(trial, noise_px=trial.noise())
+            cost = point.cost()
             if gained < 1e-5 * new_cost and damping < SETTLED_DAMPING:
                 break
         else:
             damping *= 8
             if damping > LOST_DAMPING:
                 break
-    covariance = problem.covariance(camera, states, noise)
-    return Bundle(camera, covariance, noise, side_m, turns, cost)
+    return Bundle(point.camera, point.covariance(), point.noise_px, side_m, turns, cost)
 
 
 def misses(camera: Camera, states: Array, s: Sightings) -> Array:
@@ -150,49 +136,55 @@ def equations(
 
 
 @dataclass(frozen=True)
-class _Problem:
-    """Hold sightings and priors; take one step."""
+class _Point:
+    """Hold sightings, priors, and the unknowns of a moment of the fit.
+
+    start: states that the fit began with, to which frames are loosely held.
+    """
 
     sightings: Sightings
     start: Array
     prior_mean: Array
     sigma: Array
-    loose: float
+    camera: Camera
+    states: Array
+    noise_px: float
 
-    def noise(self, camera: Camera, states: Array) -> float:
+    def _misses(self) -> Array:
+        return misses(self.camera, self.states, self.sightings)
+
+    def noise(self) -> float:
         """Return the standard deviation of a corner's coordinate, px, robustly."""
-        residual = misses(camera, states, self.sightings)[self.sightings.visible]
+        residual = self._misses()[self.sightings.visible]
         # Of 8 numbers a tag, some 3 go into its frame's state.
         return max(0.02, 1.4826 * float(np.median(np.abs(residual))) * np.sqrt(8 / 6.5))
 
-    def _from_prior(self, camera: Camera, states: Array) -> tuple[Array, Array]:
-        drift = (states - self.start) * self.loose
+    def _from_prior(self) -> tuple[Array, Array]:
+        drift = (self.states - self.start) * LOOSE_PER_RAD
         drift[:, :2] = 0.0
-        return (camera.shared - self.prior_mean) / self.sigma, drift
+        return (self.camera.shared - self.prior_mean) / self.sigma, drift
 
-    def cost(self, camera: Camera, states: Array, noise: float) -> float:
+    def cost(self) -> float:
         """Return the sum of squares; an outlier's grows no faster than its distance."""
-        distance = rms(misses(camera, states, self.sightings)) / noise
+        distance = rms(self._misses()) / self.noise_px
         if not np.isfinite(distance).all():
             return np.inf
         squares = np.where(distance < OUTLIER, distance**2, OUTLIER * (2 * distance - OUTLIER))
-        priors = (np.sum(residual**2) for residual in self._from_prior(camera, states))
+        priors = (np.sum(residual**2) for residual in self._from_prior())
         return 8 * float(squares.sum()) + float(sum(priors))
 
-    def _normal(
-        self, camera: Camera, states: Array, noise: float, damping: float = 0.0
-    ) -> tuple[Array, Array, Array]:
+    def _normal(self, damping: float = 0.0) -> tuple[Array, Array, Array]:
         """Return the normal equations of the shared unknowns: matrix, scores, the frames' part.
 
         The matrix has the priors, each frame's score has not. damping holds the frames' states.
         """
-        a, targets = equations(camera, states, self.sightings, noise, shared=True)
+        a, targets = equations(self.camera, self.states, self.sightings, self.noise_px, shared=True)
         unit = np.eye(a.shape[-1])
         of_frames = a.transpose(0, 2, 1) @ a
-        of_frames[:, 2:, 2:] += self.loose**2 * unit[2:, 2:]
+        of_frames[:, 2:, 2:] += LOOSE_PER_RAD**2 * unit[2:, 2:]
         of_frames += (1e-9 + damping * np.einsum("fii->fi", of_frames)[:, None]) * unit
         cross = a.transpose(0, 2, 1) @ targets
-        cross[..., -1] -= self.loose * self._from_prior(camera, states)[1]
+        cross[..., -1] -= LOOSE_PER_RAD * self._from_prior()[1]
         frame_steps = np.linalg.solve(of_frames, cross)
         reduced = (
             targets[..., :-1].transpose(0, 2, 1) @ targets
@@ -201,19 +193,20 @@ class _Problem:
         matrix = reduced[..., :-1].sum(axis=0) + np.diag(1 / self.sigma**2)
         return matrix, reduced[..., -1], frame_steps
 
-    def step(
-        self, camera: Camera, states: Array, noise: float, damping: float
-    ) -> tuple[Array, Array]:
-        """Return how far the shared unknowns and the states go."""
-        matrix, score, frame_steps = self._normal(camera, states, noise, damping)
-        prior_rest, _ = self._from_prior(camera, states)
+    def moved(self, damping: float) -> _Point:
+        """Return the point after one damped step."""
+        matrix, score, frame_steps = self._normal(damping)
         damped = matrix + damping * np.diag(np.diag(matrix))
-        step = np.linalg.solve(damped, score.sum(axis=0) - prior_rest / self.sigma)
-        return step, frame_steps[..., -1] - frame_steps[..., :-1] @ step
+        step = np.linalg.solve(damped, score.sum(axis=0) - self._from_prior()[0] / self.sigma)
+        return replace(
+            self,
+            camera=replace(self.camera, shared=self.camera.shared + step),
+            states=self.states + (frame_steps[..., -1] - frame_steps[..., :-1] @ step),
+        )
 
-    def covariance(self, camera: Camera, states: Array, noise: float) -> Array:
+    def covariance(self) -> Array:
         """Return the covariance from how the frames' scores scatter, and from the priors."""
-        matrix, score, _ = self._normal(camera, states, noise)
+        matrix, score, _ = self._normal()
         inverse = np.linalg.inv(matrix)
         frames = len(score)
         centred = score - score.mean(axis=0)

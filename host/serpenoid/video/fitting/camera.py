@@ -51,25 +51,15 @@ class Camera:
     shared: Array
 
     @property
-    def scale_px(self) -> float:
-        """Return the image's longer side, px."""
-        return float(max(self.image_px))
-
-    @property
     def focal_px(self) -> float:
         """Return the focal length, px."""
-        return self.scale_px * float(np.exp(self.shared[0]))
+        return float(max(self.image_px) * np.exp(self.shared[0]))
 
     def with_turns(self, turns: Array) -> Camera:
         """Return the camera with every tag turned on its link, (links,) rad."""
         shared = self.shared.copy()
         shared[len(LENS) + MOUNTING.index("turn_rad") :: len(MOUNTING)] = turns
         return replace(self, shared=shared)
-
-    @cached_property
-    def mounting(self) -> Array:
-        """Return dx, dy, turn, height and slopes of every tag, (links, 6)."""
-        return self.shared[len(LENS) :].reshape(self.links, len(MOUNTING))
 
     @cached_property
     def pose(self) -> tuple[Array, float]:
@@ -84,7 +74,8 @@ class Camera:
 
     def on_link(self) -> tuple[Array, Array]:
         """Return the corners in their link's frame, (links, 4, 2), and their heights (links, 4)."""
-        dx, dy, turn, height, slope_x, slope_y = self.mounting.T[:, :, None]
+        mounting = self.shared[len(LENS) :].reshape(self.links, len(MOUNTING), 1)
+        dx, dy, turn, height, slope_x, slope_y = mounting.transpose(1, 0, 2)
         x, y = self.side_m * CORNERS.T
         cos, sin = np.cos(turn), np.sin(turn)
         flat = np.stack([dx + cos * x - sin * y, dy + sin * x + cos * y], axis=-1)
@@ -115,12 +106,6 @@ class Camera:
         r2 = np.sum(flat**2, axis=-1, keepdims=True)
         return 1 + r2 * (k1 + k2 * r2)
 
-    def joints_px(self, state: Array) -> Array:
-        """Return tail end, joints and head end of one state in the picture, (links + 1, 2) px."""
-        centres = link_centres(state, self.link_m)
-        half = 0.5 * self.link_m * np.stack([np.cos(state[2:]), np.sin(state[2:])], axis=-1)
-        return self.plane_px(np.concatenate([centres[:1] - half[:1], centres + half]))
-
     def plane_px(self, places: Array) -> Array:
         """Return the pixels of places (..., 2), m, in the plane of the tags."""
         return self.image(np.insert(places, 2, 0.0, axis=-1))
@@ -128,7 +113,7 @@ class Camera:
     @property
     def _middle_px(self) -> Array:
         half = 0.5 * (np.array(self.image_px) - 1.0)
-        return half + self.scale_px * self.shared[3:5]
+        return half + max(self.image_px) * self.shared[3:5]
 
     def on_plane(self, pixels: Array) -> Array:
         """Return where pixels (..., 2) meet the plane of the tags, (..., 2), m."""

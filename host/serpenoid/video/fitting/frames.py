@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array
-from ..seeing.sightings import Sightings, in_chunks
+from ..seeing.sightings import Sightings
 from .bundle import Bundle, equations, misses, rms
 
 STEPS = 6
+CHUNK = 400  # Frames that are fitted at once: memory stays small for long films.
 
 
 @dataclass(frozen=True)
@@ -44,32 +45,29 @@ def fit_states(
     expected: (frames, links + 2) where the headings are expected; expected_sigma_rad: how
     well that is known; it decides only about links that no tag holds.
     """
-
-    def of_frames(cut: slice) -> tuple[Array, ...]:
-        s, expected_state = sightings.picked(cut), expected[cut]
-        prior_weight = np.zeros_like(expected_state)
-        prior_weight[:, 2:] = 1 / expected_sigma_rad**2
-        prior_weight[:, :2] = 1e-6
-        prior_matrix = prior_weight[:, None] * np.eye(prior_weight.shape[1])
-        camera, states = fit.camera, expected_state
-        a, residual = equations(camera, states, s, fit.noise_px)
-        for _ in range(STEPS):
-            pull = (a.transpose(0, 2, 1) @ residual)[..., 0] + prior_weight * (
-                expected_state - states
-            )
-            step = np.linalg.solve(a.transpose(0, 2, 1) @ a + prior_matrix, pull[..., None])
-            states = states + step[..., 0]
+    camera, parts = fit.camera, []
+    prior_weight = np.full(expected.shape[1], 1 / expected_sigma_rad**2)
+    prior_weight[:2] = 1e-6
+    for first in range(0, len(expected), CHUNK):
+        cut = slice(first, first + CHUNK)
+        s, states = sightings.picked(cut), expected[cut]
+        step = np.zeros_like(states)
+        for _ in range(1 + STEPS):
+            states = states + step
             a, residual = equations(camera, states, s, fit.noise_px)
-        matrix = a.transpose(0, 2, 1) @ a + prior_matrix
-        rest_px = np.where(s.visible, rms(misses(camera, states, s)), np.nan)
+            matrix = a.transpose(0, 2, 1) @ a + np.diag(prior_weight)
+            pull = (a.transpose(0, 2, 1) @ residual)[..., 0] + prior_weight * (
+                expected[cut] - states
+            )
+            step = np.linalg.solve(matrix, pull[..., None])[..., 0]
         covariance = np.linalg.inv(matrix)
         variance = np.diagonal(covariance, axis1=1, axis2=2)
         neighbours = np.diagonal(covariance[:, 2:, 2:], offset=1, axis1=1, axis2=2)
         joints = variance[:, 2:-1] + variance[:, 3:] - 2 * neighbours
-        fitted = states, variance[:, 0] + variance[:, 1], joints, rest_px
-        if not sensitive:
-            return fitted
-        b = equations(camera, states, s, fit.noise_px, shared=True)[1][..., :-1]
-        return (*fitted, -np.linalg.solve(matrix, a.transpose(0, 2, 1) @ b))
-
-    return Track(sightings.t_s, *in_chunks(of_frames, len(expected)))
+        rest_px = np.where(s.visible, rms(misses(camera, states, s)), np.nan)
+        part = [states, variance[:, 0] + variance[:, 1], joints, rest_px]
+        if sensitive:
+            b = equations(camera, states, s, fit.noise_px, shared=True)[1][..., :-1]
+            part.append(-np.linalg.solve(matrix, a.transpose(0, 2, 1) @ b))
+        parts.append(part)
+    return Track(sightings.t_s, *map(np.concatenate, zip(*parts, strict=True)))

@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 
 from ..arrays import Array
-from ..seeing.sightings import Sightings, in_chunks
+from ..seeing.sightings import Sightings
 from .camera import LENS, MOUNTING, Camera
 from .chain import filled_headings, link_centres
 
@@ -56,14 +56,9 @@ def first_cameras(sightings: Sightings, link_m: float, side_m: float) -> list[Ca
 
 def tag_poses(camera: Camera, sightings: Sightings) -> tuple[Array, Array]:
     """Return centre (frames, links, 2) and heading (frames, links) of every tag in the plane."""
-
-    def poses(cut: slice) -> tuple[Array, Array]:
-        flat = camera.on_plane(sightings.corners_px[cut].astype(float))
-        right = flat[..., 1, :] - flat[..., 0, :] + flat[..., 2, :] - flat[..., 3, :]
-        return flat.mean(axis=-2), np.arctan2(right[..., 1], right[..., 0])
-
-    centres, headings = in_chunks(poses, len(sightings.t_s))
-    return centres, headings
+    flat = camera.on_plane(sightings.corners_px.astype(float))
+    right = flat[..., 1, :] - flat[..., 0, :] + flat[..., 2, :] - flat[..., 3, :]
+    return flat.mean(axis=-2), np.arctan2(right[..., 1], right[..., 0])
 
 
 def quarter_turns(centres: Array, headings: Array) -> Array:
@@ -93,9 +88,5 @@ def first_states(camera: Camera, sightings: Sightings, turns: Array) -> Array:
             states[:, i] = np.interp(sightings.t_s, sightings.t_s[mask], smooth)
     states = filled_headings(states, np.isfinite(states[:, 2:]), np.zeros(headings.shape[1] - 1))
     states[:, :2] = 0.0
-
-    def middles(cut: slice) -> tuple[Array]:
-        return (np.nanmean(centres[cut] - link_centres(states[cut], camera.link_m), axis=1),)
-
-    (states[:, :2],) = in_chunks(middles, len(states))
+    states[:, :2] = np.nanmean(centres - link_centres(states, camera.link_m), axis=1)
     return states

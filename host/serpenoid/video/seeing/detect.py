@@ -23,12 +23,6 @@ def dictionary() -> Any:
     return cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
 
 
-def _apart(quad: Array, second: Array) -> bool:
-    """Tell whether two quadrilaterals are two tags, not one found twice."""
-    side = float(np.linalg.norm(quad[1] - quad[0]))
-    return float(np.linalg.norm(quad.mean(axis=0) - second.mean(axis=0))) > 0.5 * side
-
-
 class TagFinder:
     """Find tags frame by frame; remembers where they were."""
 
@@ -67,21 +61,19 @@ class TagFinder:
             p.adaptiveThreshWinSizeMin = window_px
             p.adaptiveThreshWinSizeMax = window_px
         corners, ids, _ = cv2.aruco.ArucoDetector(dictionary(), p).detectMarkers(part)
-        tags: dict[int, Tag] = {}
-        double: set[int] = set()
         if ids is None:
-            return tags
-        corners, edges = refine(part, np.array([q.reshape(4, 2) for q in corners], float))
-        for number, quad, edge_px in zip(ids.ravel().tolist(), corners, edges, strict=True):
-            if number >= self.links:
-                self.strangers[number] += 1
-                continue
-            tag = np.add(quad, [left_px, top]), float(edge_px)
-            if number in tags and _apart(tags[number][0], tag[0]):
-                double.add(number)
-            tags[number] = tag
-        for number in double:  # which of them is the robot's?
-            del tags[number]
+            return {}
+        numbers = ids.ravel()
+        quads, edges = refine(part, np.array([q.reshape(4, 2) for q in corners], float))
+        self.strangers.update(numbers[numbers >= self.links].tolist())
+        tags: dict[int, Tag] = {}
+        for link in range(self.links):
+            hits = np.flatnonzero(numbers == link)
+            side = np.linalg.norm(quads[hits, 1] - quads[hits, 0], axis=1)
+            spread = np.linalg.norm(np.ptp(quads[hits].mean(axis=1), axis=0)) if len(hits) else 0.0
+            # A number that is seen at two places counts at neither: which is the robot's?
+            if len(hits) and spread <= 0.5 * side[0]:
+                tags[link] = quads[hits[-1]] + [left_px, top], float(edges[hits[-1]])
         return tags
 
     def _follow(self, tags: dict[int, Tag], shape: tuple[int, ...]) -> None:

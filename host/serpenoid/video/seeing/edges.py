@@ -91,13 +91,11 @@ def _passes(share: Array, level: float) -> Array:
     """Return where a rising profile first passes a level."""
     is_above = share > level
     k = is_above.argmax(axis=-1)
-    low = np.take_along_axis(share, np.maximum(k - 1, 0)[..., None], -1)[..., 0]
-    high = np.take_along_axis(share, k[..., None], -1)[..., 0]
+    start = np.maximum(k - 1, 0)
+    low, high = (np.take_along_axis(share, end[..., None], -1)[..., 0] for end in (start, k))
     with np.errstate(invalid="ignore", divide="ignore"):
-        part = (level - low) / (high - low)
-    step = ACROSS[1] - ACROSS[0]
-    crossing = ACROSS[np.maximum(k - 1, 0)] + part * step
-    return np.where((k > 0) & np.isfinite(crossing), crossing, np.nan)
+        crossing = ACROSS[start] + (level - low) / (high - low) * (ACROSS[1] - ACROSS[0])
+    return np.where(k > 0, crossing, np.nan)
 
 
 def _lines(offset: Array) -> Array:
@@ -113,10 +111,9 @@ def _lines(offset: Array) -> Array:
 
 def _median(values: Array, mask: Mask) -> Array:
     """Return the median of those that are there along the last axis, NaN of none."""
-    ranked = np.sort(np.where(mask, values, np.inf), axis=-1)
+    ranked = np.sort(np.where(mask, values, np.nan), axis=-1)
     middle = np.maximum(mask.sum(axis=-1) - 1, 0) // 2
-    median = np.take_along_axis(ranked, middle[..., None], -1)[..., 0]
-    return np.where(np.isfinite(median), median, np.nan)
+    return np.take_along_axis(ranked, middle[..., None], -1)[..., 0]
 
 
 def _line(offset: Array, mask: Mask) -> Array:

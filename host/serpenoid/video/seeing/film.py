@@ -25,7 +25,7 @@ class Film:
     """What the file says of itself; frames() reads it.
 
     width, height: of the coded picture, px, before any rotation. duration_s: in real time, 0 where
-    the file does not tell. codec: such as h264. capture: the camera's rate and that of the file,
+    the file does not tell. capture: the camera's rate and that of the file,
     None where nothing tells the former.
     """
 
@@ -33,7 +33,6 @@ class Film:
     width: int
     height: int
     duration_s: float
-    codec: str
     capture: CaptureRate | None = None
 
     @property
@@ -60,29 +59,27 @@ class Film:
                 if stream is None or coding is None:
                     raise ValueError("no pictures in it, or of an unknown coding")
                 duration_s = float(box.duration or 0) / 1e6
-                film = Film(path, coding.width, coding.height, duration_s, coding.name)
                 tags = {**box.metadata, **stream.metadata}
+                rates = {
+                    f"the tag {name}": float(text)
+                    for name, text in tags.items()
+                    if name.endswith(CAPTURE_TAG) and re.fullmatch(r"[\d.]+", text)
+                }
+                if capture_fps is not None:
+                    rates = {OPTION: capture_fps}
+                film = Film(path, coding.width, coding.height, duration_s)
+                if not rates:
+                    return film
+                times_s = [_time_s(packet) for packet in box.demux(stream)]
         except (av.error.FFmpegError, ValueError) as error:
             words = str(getattr(error, "strerror", None) or error)
             raise BadInput(
                 f"{path}: cannot be read as a film ({words}); copy it from the phone again, as MP4 "
                 "or MOV"
             ) from error
-        if capture_fps is not None:
-            return film._taken_at(capture_fps, OPTION)
-        for name, text in tags.items():
-            if name.endswith(CAPTURE_TAG) and re.fullmatch(r"[\d.]+", text):
-                return film._taken_at(float(text), f"the tag {name}")
-        return film
-
-    def _taken_at(self, taken_hz: float, source: str) -> Film:
-        """Return the film in real time. taken_hz: the camera's rate; source: who tells it."""
-        import av
-
-        with av.open(str(self.path)) as box:
-            times = [_time_s(packet) for packet in box.demux(box.streams.best("video"))]
-        capture = capture_rate(np.array(times)[np.isfinite(times)], taken_hz, source)
-        return replace(self, duration_s=self.duration_s * capture.time_scale, capture=capture)
+        source, taken_hz = next(iter(rates.items()))
+        capture = capture_rate(np.array(times_s)[np.isfinite(times_s)], taken_hz, source)
+        return replace(film, duration_s=duration_s * capture.time_scale, capture=capture)
 
     def frames(self) -> Iterator[tuple[float, Grey]]:
         """Give time (s) and grey picture, in the order of time. Raises BadInput: it is damaged."""
@@ -110,7 +107,7 @@ class Film:
 
 def grey(frame: Any) -> Grey:
     """Return a frame's brightness, (height, width) of bytes, without a copy where possible."""
-    if frame.format.name in ("yuv420p", "yuvj420p", "nv12", "yuv422p", "yuvj422p", "yuv444p"):
+    if re.fullmatch("yuvj?4..p|nv12", frame.format.name):
         plane = frame.planes[0]
         flat = np.frombuffer(plane, np.uint8).reshape(plane.height, plane.line_size)
         return flat[:, : plane.width]

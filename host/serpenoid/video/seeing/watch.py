@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -14,8 +15,6 @@ from .detect import TagFinder
 from .film import Film
 from .sightings import Sightings
 
-MOST_FRAMES = 500_000  # more than two hours at 60 frames/s
-STRAY_SHARE = 0.04  # of frames: 1 in 50 that looks like a tag is a pattern of the floor
 COARSE_SHARE = 0.2  # corners to a whole pixel are left out where no more are so
 
 
@@ -32,19 +31,10 @@ class Watched:
     film: Film
     sightings: Sightings
     edge_px: Single
-    strangers: dict[int, int]
+    strangers: Counter[int]
     shifts: tuple[tuple[float, float, float, float], ...]
     plain_floor: bool
     picture: Grey
-
-    @property
-    def only_strays(self) -> bool:
-        """Tell whether what looks like a tag is so rare that it is none."""
-        return self.rare(int(self.sightings.visible.any(axis=1).sum()))
-
-    def rare(self, frames: int) -> bool:
-        """Tell whether a number that was read in so many frames is a misreading."""
-        return frames <= max(1, STRAY_SHARE * len(self.sightings.t_s))
 
 
 def watch(film: Film, links: int, progress: Callable[[float], object] = lambda _: None) -> Watched:
@@ -57,10 +47,8 @@ def watch(film: Film, links: int, progress: Callable[[float], object] = lambda _
         if picture is None:
             picture = grey.copy()
         tags = finder.find(grey)
-        corners, width = (
-            np.full((links, 4, 2), np.nan, np.float32),
-            np.full(links, np.nan, np.float32),
-        )
+        corners = np.full((links, 4, 2), np.nan, np.float32)
+        width = np.full(links, np.nan, np.float32)
         for link, (quad, edge_px) in tags.items():
             corners[link], width[link] = quad, edge_px
         looks.append((time_s, corners, width))
@@ -69,11 +57,6 @@ def watch(film: Film, links: int, progress: Callable[[float], object] = lambda _
         elif tags and finder.window:
             picture, ground = grey.copy(), Background(finder.window, time_s, grey)
         progress(time_s / max(film.duration_s, 1.0))
-        if len(looks) >= MOST_FRAMES:
-            raise BadInput(
-                f"{film.path}: has more than {MOST_FRAMES} frames; cut out a few "
-                "minutes in which the robot crawls"
-            )
     if picture is None:
         raise BadInput(f"{film.path}: not one frame can be read; copy it again")
     times_s, corners_px, edge_px = map(np.array, zip(*looks, strict=True))
