@@ -23,9 +23,9 @@ from serpenoid.periodic.servo_steady import band
 from serpenoid.prediction.speeds import AMPLITUDE_SIGMA, scaled, speed
 from serpenoid.session.settings import Setup
 from serpenoid.taking.new_session import PUSHES, default_setup
-from serpenoid.taking.simulated import SimulatedPerson, drawn_floor
+from serpenoid.taking.simulated import SimulatedPerson
 from serpenoid.taking.treadmill import take_all
-from simulated_sessions import MemoryRecord
+from simulated_sessions import MemoryRecord, drawn_truth
 from speed_table import SpeedTable
 from study import Study
 
@@ -123,7 +123,7 @@ def drawn_person(
     amplitude: of its joints in a gait.
     """
     setup = floor_setup(case)
-    truth = drawn_floor(setup, WHOLE_2005, rng, case.kind)
+    truth = drawn_truth(setup, WHOLE_2005, rng, case.kind)
     truth = replace(truth, camera=case.camera, amplitude=amplitude)
     return SimulatedPerson(setup, truth, int(rng.integers(2**31)))
 

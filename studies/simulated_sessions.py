@@ -13,7 +13,22 @@ from serpenoid.session.rows import kind_of, make_reading, reading_row
 from serpenoid.session.session import Event
 from serpenoid.session.settings import Setup
 from serpenoid.session.track import Samples, Track
-from serpenoid.taking.simulated import Truth
+from serpenoid.taking.simulated import Truth, wheel_inertia_kg
+
+SHARED_ERRORS = {  # errors of a truth by where it is measured, and their sigmas, in draws' order
+    "treadmill": {
+        "incline_zero_rad": "incline_zero_sigma_rad",
+        "belt_scale": "belt_scale_sigma",
+        "mass_scale": "mass_sigma",
+    },
+    "floor": {
+        "slope_rad": "floor_slope_sigma_rad",
+        "film_scale": "film_scale_sigma",
+        "mass_scale": "mass_sigma",
+        "rolling_kg": "",
+        "across_rad": "floor_slope_sigma_rad",
+    },
+}
 
 
 class MemoryRecord(Journal):
@@ -21,7 +36,6 @@ class MemoryRecord(Journal):
 
     def __init__(self, setup: Setup, begun: Session | None = None):
         self.session = begun or Session(setup, ())
-        self._count = max((r.number for r in self.session.readings), default=0)
 
     def add(
         self,
@@ -32,25 +46,19 @@ class MemoryRecord(Journal):
         comment: str = "",
         samples: Samples | None = None,
     ) -> int:
-        """Keep one reading; return its number. Parameters as for Journal.add."""
-        self._count += 1
-        common: dict[str, Any] = {"number": self._count, "comment": comment}
+        """Keep one reading; return its number. Parameters as for Journal.add; it replaces none."""
+        number = len(self.session.readings) + 1
+        common: dict[str, Any] = {"number": number, "comment": comment}
         if samples is not None:
             common["track"] = Track.from_samples(kind_of(kind).columns, samples)
         reading = make_reading(reading_row(kind, cells, self.session.setup.plan), common)
-        if replaces:
-            readings = (
-                replace(r, voided=True) if r.number == replaces else r
-                for r in self.session.readings
-            )
-            self.session = replace(self.session, readings=tuple(readings))
         self.session = self.session.with_reading(reading)
-        return self._count
+        return number
 
     def event(self, event: str, reading: int = 0, detail: str = "") -> None:
         """Keep one event."""
-        event_row = Event("", event, reading, detail)
-        self.session = replace(self.session, events=(*self.session.events, event_row))
+        events = *self.session.events, Event("", event, reading, detail)
+        self.session = replace(self.session, events=events)
 
 
 def drawn_truth(
@@ -60,13 +68,11 @@ def drawn_truth(
 
     servo: the kind of which the robot has one drawn; None: its joints follow the gait.
     """
-    errs = setup.instruments
-    zero, scale, mass = (float(x) for x in rng.normal(size=3))
-    return Truth(
-        ground,
-        incline_zero_rad=zero * errs.incline_zero_sigma_rad,
-        belt_scale=1.0 + scale * errs.belt_scale_sigma,
-        mass_scale=1.0 + mass * errs.mass_sigma,
-        joint_sigma_rad=errs.joint_sigma_rad,
-        servo=servo and servo.draws(1, int(rng.integers(2**31)))[0],
-    )
+    errors = dict[str, Any]()
+    for name, sigma in SHARED_ERRORS[setup.plan.on].items():
+        sigmas = rng.normal()
+        errors[name] = wheel_inertia_kg(setup, sigmas)
+        if sigma:
+            errors[name] = name.endswith("scale") + sigmas * getattr(setup.instruments, sigma)
+    errors["servo"] = servo and servo.draws(1, int(rng.integers(2**31)))[0]
+    return Truth(ground, joint_sigma_rad=setup.instruments.joint_sigma_rad, **errors)

@@ -120,7 +120,7 @@ def by_table(answer: Any) -> list[str]:
 
 def names_in(refusal: object) -> str:
     """Return the names that a refusal lists, sorted."""
-    listed = re.search(r"(?:known are|with a name of) (.+)$", str(refusal))
+    listed = re.search(r"(?:known are|of kind \w+ has) (.+)$", str(refusal))
     if not listed:
         raise SystemExit(f"this lists no names: {refusal}")
     return " ".join(sorted(listed[1].replace(" (or ", ", or_").replace(")", "").split(", ")))

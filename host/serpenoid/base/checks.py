@@ -87,6 +87,12 @@ def range_in_words(low: float, high: float, open_low: bool) -> str:
     return f"a finite number{', ' + limits if limits else ''}"
 
 
+def count_text(count: int, noun: str) -> str:
+    """Return a count with its noun, such as `1 reading` or `2 pushes`."""
+    plural = "es" if noun.endswith("sh") else "s"
+    return f"{count} {noun}{plural * (count != 1)}"
+
+
 def check_kind(name: str, value: object, kind: type | tuple[type, ...], order: str = "") -> None:
     """Raise BadInput unless value is of a kind; order: of the arguments, for swapped ones."""
     if not isinstance(value, kind):

@@ -26,11 +26,12 @@ from ..show.report import console
 from ..show.screen import say, working
 from ..show.session.report_page import session_page
 from ..taking.new_session import create_session, default_setup, on_place
-from ..taking.simulated import SimulatedPerson, Truth, drawn_floor
+from ..taking.simulated import SimulatedPerson, Truth, wheel_inertia_kg
 from ..taking.treadmill import take_all
 
 STEPS, WIDTH = 5, 96
 SEED, WHEELS_KG, SERVOS = 2005, 0.036, sn.servo("hobby")
+FLOOR_SLOPE_DEG = 0.2  # slope of the demo's floor, as of many a level one
 FRICTIONS = {"ct": 0.084, "cn": 1.2, "ft0": 0.14, "fn0": 0.27}  # the whole 2005 robot's
 TRUTH = Truth(
     sn.Ground(**FRICTIONS),
@@ -119,7 +120,8 @@ def push_along_floor(folder: Path, robot: sn.Robot) -> sn.FrictionFit:
     plan = replace(on_place(setup.plan, "floor"), gaits=(), pushes=2)
     body = replace(setup.robot_table, wheels_kg=WHEELS_KG)
     setup = replace(setup, robot_table=body, plan=plan)
-    world = drawn_floor(setup, TRUTH.ground, np.random.default_rng(SEED))
+    slope_rad = math.radians(FLOOR_SLOPE_DEG)
+    world = Truth(TRUTH.ground, slope_rad=slope_rad, rolling_kg=wheel_inertia_kg(setup))
     session = take(folder / "floor", setup, world)
     fit = sn.fit_friction(session)
     sn.save_fit(fit, folder / "floor")

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from ..base.checks import count_text
 from ..base.errors import BadInput
 from ..session.session import Session, belt_note
 from .bends import BEND_ERROR
@@ -112,7 +113,8 @@ def _check_part(
         names, pose = "cn and fn0", f"with lambda_deg = {_advised_deg(session):g}"
     if len(speed_m_s) < min_count:
         raise BadInput(
-            f"{session.where}: {names} cannot be told from {len(speed_m_s)} {part} reading(s); "
+            f"{session.where}: {names} cannot be told from "
+            f"{count_text(len(speed_m_s), f'{part} reading')}; "
             f"they need at least {min_count}, {pose}, at belt speeds far apart (0.2 and 0.8 m/s, "
             "say); take more"
         )
@@ -190,7 +192,7 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
     for kind, name in (("station", "reading"), ("push", "push")):
         voided = sum(reading.voided for reading in session.readings_of(kind))
         if voided:
-            notes.append(f"{voided} voided {name}(s) left out.")
+            notes.append(f"{count_text(voided, f'voided {name}')} left out.")
     if fit.method == "naive":
         notes.append(
             "Naive intervals leave out the errors that readings share (bend, inclinometer zero, "

@@ -19,10 +19,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..session.arc import chord_places, curved_path
 from ..session.push import Push
 from ..session.session import Session
 from ..session.station import slips
-from .arc import chord_places, curved_path
 from .bends import Bends, projections, resistance
 from .drift import wheels_share
 from .parameters import FRICTION_PARAMETERS, Floats, Integers, Parameter, Values, frictions_in

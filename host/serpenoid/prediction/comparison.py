@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.checks import check_kind, check_number
+from ..base.checks import check_kind, check_number, count_text
 from ..base.errors import BadInput, NotConverged
 from ..base.rows import Plottable
 from ..base.vectors import Array
@@ -378,7 +378,7 @@ def _verdict(
     widths = [((g.high_all_m_s or 0.0) - (g.low_all_m_s or 0.0)) / 2 for g in judged]
     width = max(w / max(g.typical_m_s, 1e-9) for w, g in zip(widths, judged, strict=True))
     joints = "ideal joints" if servo is None else f"servos ({servo.name})"
-    count = f"{len(judged)} gait" + ("s" if len(judged) > 1 else "")
+    count = count_text(len(judged), "gait")
     largest = (
         f"the largest difference from the prediction with {joints} is {differences[worst]:+.1%}, "
         f"at {judged[worst].frequency_hz:.3g} Hz"

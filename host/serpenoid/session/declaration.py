@@ -65,7 +65,7 @@ class Field:
     """One number of a table or of a reading.
 
     column: its key or column, unit included. words: what it is, as a person is asked for it.
-    automatic: the program itself measures it. low, high: limits, low itself excluded if open_low.
+    low, high: limits, low itself excluded if open_low.
     likely: the range that is expected, or None; why: what it means to be beyond it. usual: what an
     empty answer means, or None. note: what stands behind it in a new session.toml. By its type it
     may be empty (optional), is an integer or is several.
@@ -79,7 +79,6 @@ class Field:
     why: str = ""
     usual: float | None = None
     open_low: bool = False
-    automatic: bool = False
     note: str = ""
     optional: bool = False
     integer: bool = False

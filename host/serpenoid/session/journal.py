@@ -138,14 +138,14 @@ class Journal:
 
     def check(self, kind: str, cells: Cells, track: Track | None = None) -> None:
         """Raise BadInput for a reading that add() would not take."""
-        declared = kind_of(kind)
+        declared, row = kind_of(kind), reading_row(kind, cells)
         if track is None and declared.columns and not declared.track_may_miss:
             raise BadInput(
                 f"a reading of kind {kind} needs its track, {', '.join(declared.columns)}; "
                 "`serpenoid video FILE --session DIR` adds a film"
             )
         common: dict[str, Any] = {"number": 1} | ({"track": track} if track is not None else {})
-        if doubt := make_reading(reading_row(kind, cells), common).doubt():
+        if doubt := make_reading(row, common).doubt():
             raise BadInput(doubt)
 
     def _check_number(self, reading: int) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..base.checks import count_text
 from ..base.errors import BadInput
 from ..model.bends import BENDS
 from .declaration import (
@@ -107,8 +108,8 @@ class Push(Observation):
             raise BadInput(f"push {self.number} has a track; say by=film")
         if self.track is not None and len(self.counted[0]) < FEWEST_SAMPLES:
             raise BadInput(
-                f"push {self.number} has {len(self.counted[0])} sample(s) between start_s and "
-                f"end_s; {FEWEST_SAMPLES} at least"
+                f"push {self.number} has {count_text(len(self.counted[0]), 'sample')} between "
+                f"start_s and end_s; {FEWEST_SAMPLES} at least"
             )
 
     def doubt(self) -> str:
@@ -141,30 +142,17 @@ class Push(Observation):
         return what, f"{self.source}: {len(t)} places, {way:.3f} m in {t[-1] - t[0]:.2f} s{turned}"
 
 
-def likely_units(speed_m_s: float, way_m: float, unit: str = "") -> list[str]:
-    """Return the units in which a push would be likely, other than the one that was taken.
-
-    unit: that one; if none is given, lengths were taken as m, but m itself counts, too.
-    """
-    units = []
-    for name, length_m in LENGTH_UNITS.items():
-        factor = length_m / LENGTH_UNITS[unit or "m"]
-        speed, way = factor * speed_m_s, factor * way_m
-        likely = LIKELY_M_S[0] <= speed <= LIKELY_M_S[1] and LIKELY_M[0] <= way <= LIKELY_M[1]
-        if likely and name != unit:
-            units.append(f"{name} ({way:.2g} m from {speed:.2g} m/s)")
-    return units
-
-
-def unlikely_push(speed_m_s: float, way_m: float, unit: str = "m") -> str:
-    """Return why a push cannot be so fast or so long; "" if it can.
-
-    unit: that its lengths were read in.
-    """
+def unlikely_push(speed_m_s: float, way_m: float) -> str:
+    """Return why a push cannot be so fast or so long; "" if it can."""
     if speed_m_s <= MAX_PUSH_M_S and way_m <= MAX_PUSH_M:
         return ""
-    units = likely_units(speed_m_s, way_m, unit)
-    instead = f"; likely instead of {unit}: {', '.join(units)}" if units else ""
+    units = [
+        name
+        for name, length_m in LENGTH_UNITS.items()
+        if LIKELY_M_S[0] <= length_m * speed_m_s <= LIKELY_M_S[1]
+        and LIKELY_M[0] <= length_m * way_m <= LIKELY_M[1]
+    ]
+    instead = f"; likely instead of m: {', '.join(units)}" if units else ""
     return (
         f"{way_m:.3g} m from {speed_m_s:.3g} m/s is no push: at most {MAX_PUSH_M:g} m and "
         f"{MAX_PUSH_M_S:g} m/s{instead}"

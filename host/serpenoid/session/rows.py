@@ -16,7 +16,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..base.checks import check_choice
+from ..base.checks import check_choice, count_text
 from ..base.errors import BadInput
 from ..base.files import csv_rows, read_text
 from ..base.toml_table import check_names, located
@@ -159,7 +159,9 @@ def session_of(setup: Setup, events: Sequence[Event], folder: Path, notes: list[
             session = session.with_reading(make_reading(row, common | _track(row, kind, folder)))
     if left_out:
         kinds = ", ".join(sorted(left_out))
-        notes.append(f"{left_out.total()} reading(s) of kinds not used here ({kinds}) left out")
+        notes.append(
+            f"{count_text(left_out.total(), 'reading')} of kinds not used here ({kinds}) left out"
+        )
     return replace(session, notes=tuple(notes))
 
 

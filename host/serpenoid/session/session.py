@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from ..base.checks import count_text
 from .gait_run import Crawl, FilmReading, GaitRun
 from .push import Push
 from .settings import Setup
@@ -66,7 +67,7 @@ class Session:
     >>> session.setup.robot.links
     6
     >>> print(session)
-    nirakh-2005: 11 station
+    nirakh-2005: 11 stations
     """
 
     setup: Setup
@@ -78,8 +79,9 @@ class Session:
 
     def __str__(self) -> str:
         """Return the session's name, and how many readings of each kind it has."""
-        counts = Counter(reading.kind for reading in self.readings)
-        return f"{self.setup.name}: " + ", ".join(f"{n} {name}" for name, n in counts.items())
+        counts = Counter("void reading" if r.voided else r.kind for r in self.readings)
+        words = ", ".join(count_text(number, name) for name, number in counts.items())
+        return f"{self.setup.name}: {words or 'no reading yet'}"
 
     @property
     def kept_stations(self) -> tuple[Reading, ...]:

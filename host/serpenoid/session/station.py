@@ -70,7 +70,7 @@ class Reading(Observation):
     )
     offset_rad: float | None = number_field(-45.0, 45.0, default=None)
     waited_s: float | None = number_field(
-        0.0, 1e5, words="time since the belt was set", default=None, automatic=True
+        0.0, 1e5, words="time since the belt was set", default=None
     )
     places: str = word_field(tidy=tidy_places)
 

@@ -8,6 +8,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
+from ..base.checks import count_text
 from ..base.errors import BadInput
 from ..session.declaration import Field, Values
 from ..session.journal import Journal
@@ -24,7 +25,7 @@ HELP = """\
   pause    servos off, until Enter
   quit     leave; everything read so far is kept
 What a prompt asks for may be typed in one line, as 2.3 0.45, or one by one."""
-PATIENCE_S = 300.0
+PATIENCE_S = 300.0  # time without an answer, s, after which the servos are let go
 T = TypeVar("T")
 
 
@@ -47,9 +48,9 @@ class Restart(Exception):
 class Asker:
     """Ask a person, who may type a word of HELP instead of any answer.
 
-    robot: None if it is set by hand. patience_s: how long a prompt waits before its servos are let
-    go. journal: of the session whose readings `undo 7` voids; None where there is none yet.
-    belt_unit: of a belt's speed without one. answered_s: when the last answer came, by clock_s.
+    robot: None if it is set by hand. journal: of the session whose readings `undo 7` voids; None
+    where there is none yet. belt_unit: of a belt's speed without one. answered_s: when the last
+    answer came, by clock_s.
     """
 
     def __init__(
@@ -57,11 +58,10 @@ class Asker:
         terminal: Terminal,
         journal: Journal | None = None,
         robot: SessionRobot | None = None,
-        patience_s: float = PATIENCE_S,
         clock_s: Callable[[], float] = time.monotonic,
     ):
         self._terminal, self._journal, self._robot = terminal, journal, robot
-        self._patience_s, self._clock_s = patience_s, clock_s
+        self._clock_s = clock_s
         self._answers = list[tuple[str, float]]()
         self._replay = deque[tuple[str, float]]()
         self._line = ""  # what is left of a line of several numbers
@@ -108,11 +108,11 @@ class Asker:
             return line
         answer = None
         while answer is None:
-            line = self._terminal.ask(prompt, self._patience_s, self._tick)
+            line = self._terminal.ask(prompt, PATIENCE_S, self._tick)
             if line is not None:
                 answer = self._obey(line, usual)
             elif self._robot is not None and self._robot.powered:
-                self._stop_pulses(f"nobody answered for {self._patience_s:g} s")
+                self._stop_pulses(f"nobody answered for {PATIENCE_S:g} s")
         self.answered_s = self._clock_s()
         self._answers.append((answer, self.answered_s))
         return answer
@@ -132,7 +132,7 @@ class Asker:
                 line = self.ask(f"  {self.question(fields[k:])}: ")
             values[field.column], line = first_number(line, field, self.belt_unit)
         if line:
-            raise BadInput(f"{line!r} is too much; {len(fields)} number(s) are asked for")
+            raise BadInput(f"{line!r} is too much; {count_text(len(fields), 'number')} will do")
         return values
 
     def sure(self, values: Values, doubts: Callable[[Values], Doubts]) -> Values:

@@ -5,33 +5,32 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
 from ..base.errors import BadInput, CommandRefused, RecordingFailed, RobotError
-from ..model.gait import Gait
 from ..session.declaration import Values
 from ..session.journal import Journal
 from ..session.session import Session
-from ..session.settings import Setup
 from ..session.track import EXAMPLE, tidy_places
-from .asking import PATIENCE_S, WORDS, Asker, Quit, Restart, Skip, Undo
-from .films import FilmReader, named_file, no_films, read_crawl, take_track
+from .asking import WORDS, Asker, Quit, Restart, Skip, Undo
+from .films import FilmReader, named_file, no_films, take_track
 from .procedure import doubts, next_step
 from .pushes import push_in_words
 from .session_robot import SessionRobot
-from .steps import Step, Tracked, step_in_words
+from .steps import Step, Tracked
 from .terminal import Terminal
 from .track_files import read_track_file
-from .treadmill import posed_after, record_step
+from .treadmill import record_step
 
-FILE_WORDS = {  # of steps that a file answers, too
+FILE_WORDS = {  # answers to steps that a file answers, too
     "push": "its film or track (of Tracker, Kinovea, CSV)",
     "gait": "its film",
 }
 DRIFT_WORDS = (
     "drift left over, + uphill (m/s), and deg turned, + to the left, as 0.01 3deg (Enter: none); "
-    f"or places as s:m, {EXAMPLE}, or their table"
+    f"or its places for some 4 s as s:m, {EXAMPLE}, or their table"
 )
 QUIT_WORDS = "Left. Everything read so far is kept; the same command goes on from here."
 
@@ -39,8 +38,8 @@ QUIT_WORDS = "Left. Everything read so far is kept; the same command goes on fro
 class Dialogue:
     """Take a session step by step with a person.
 
-    robot, patience_s, clock_s: as of an Asker. show_fit: called with the session after each station
-    or push. film: what reads a film.
+    robot, clock_s: as of an Asker. show_fit: called with the session after each station or push.
+    film: what reads a film.
     """
 
     def __init__(
@@ -49,12 +48,11 @@ class Dialogue:
         terminal: Terminal,
         robot: SessionRobot | None = None,
         show_fit: Callable[[Session], object] = lambda session: None,
-        patience_s: float = PATIENCE_S,
         clock_s: Callable[[], float] = time.monotonic,
         film: FilmReader = no_films,
     ):
         self.journal, self._robot, self._show_fit, self._film = journal, robot, show_fit, film
-        self._asker = Asker(terminal, journal, robot, patience_s, clock_s)
+        self._asker = Asker(terminal, journal, robot, clock_s)
         self._say = self._asker.say
         self._bend_deg: float | None = None  # how the robot lies, by the plan; None: not known
         self._listed = 0  # the last reading that was listed
@@ -98,7 +96,8 @@ class Dialogue:
             try:
                 self._do(step)
             except Skip:
-                self._leave_out(step)
+                self.journal.event("skip", self.journal.last, step.key)
+                self._say(f"  left out: {step.key}; undo takes it up again")
             except Undo:
                 self._undo()
         except (BadInput, RecordingFailed, CommandRefused) as error:
@@ -128,10 +127,6 @@ class Dialogue:
                 self._say(f"  {r.number:4}  {'  '.join(r.in_words())}{state}")
         self._listed = self.journal.last
 
-    def _leave_out(self, step: Step) -> None:
-        self.journal.event("skip", self.journal.last, step.key)
-        self._say(f"  left out: {step_in_words(step.key)}; undo takes it up again")
-
     def _undo(self) -> None:
         """Take up again what was left out since the last reading; else void that reading."""
         session, last = self.journal.session, self.journal.last
@@ -140,7 +135,7 @@ class Dialogue:
         numbers = [r.number for r in session.readings if not r.voided]
         if left_out:
             self.journal.event("unskip", detail=left_out[-1])
-            self._say(f"  no longer left out: {step_in_words(left_out[-1])}")
+            self._say(f"  no longer left out: {left_out[-1]}")
         elif numbers:
             self.journal.event("undo", max(numbers))
             self._say(f"  reading {max(numbers)} is void")
@@ -161,7 +156,7 @@ class Dialogue:
             self._asker.confirm("Lay it straight. Enter starts the robot: ", moves=True)
             robot.go(step.gait)
         number = self._asker.form(lambda: self._record(step))
-        self._bend_deg = posed_after(step, self._bend_deg)
+        self._bend_deg = step.posed_deg
         if number:
             self._say(f"kept as reading {number}")
         if step.kind in ("station", "push"):
@@ -170,7 +165,7 @@ class Dialogue:
     def _steer(self, robot: SessionRobot) -> None:
         """Have the offset found that runs straight, before the first reading; it is kept."""
         session = self.journal.session
-        if "steering" in session.skipped or steering_rad(session) is not None:
+        if steering_rad(session) is not None:
             return
         if session.setup.plan.on == "floor":
             return self._say(
@@ -182,10 +177,8 @@ class Dialogue:
             "its place: on a level belt it is carried off. Left and right keys bend every joint a "
             "little: steer until the robot runs straight by itself."
         )
-        try:
-            self._asker.confirm("  Enter keeps it; skip leaves the steering out alone: ")
-        except Skip:
-            return self._leave_out(Step("steering", "", ""))
+        with suppress(Skip):
+            self._asker.confirm("  Enter keeps it: ")
         return self._say(f"  every joint has {math.degrees(robot.offset_rad):+.2f} deg from now on")
 
     def _record(self, step: Step) -> int:
@@ -208,26 +201,26 @@ class Dialogue:
         """Return a step's numbers, or what a film or a table of its track shows."""
         line = ""
         if step.kind in FILE_WORDS:
-            question = self._asker.question(step.questions)
+            question = self._asker.question(step.fields)
             while not line:
                 line = self._asker.ask(f"  {FILE_WORDS[step.kind]}; or {question}: ")
             file = named_file(line)
             if file is not None and step.gait is not None:
-                return self._crawl(file[0], step.gait)
+                return self._crawl(file[0], step)
             if file is not None:
                 self._keep_pushes(*file, {**step.cells, **self._steering()})
-        return self._asker.numbers(step.questions, line)
+        return self._asker.numbers(step.fields, line)
 
     def _station(self, step: Step) -> Values:
         """Return what is read of a station; the belt settles from its speed's answer on."""
         ask = self._asker
-        incline, belt, *drift = step.questions
+        incline, belt, _, *drift = step.fields
         values = ask.numbers([incline, belt])
         set_s = ask.answered_s
         line = ask.ask(f"  let it settle {step.settle_s:.0f} s; then {DRIFT_WORDS}: ")
         file = named_file(line)
         if file is not None:
-            track = read_track_file(*file, pushed=False).values
+            track = read_track_file(*file).values
             line = " ".join(f"{t - track[0, 0]:.6g}:{x:.6g}" for t, x, _ in track)
         if ":" in line:
             return values | {"places": tidy_places(line)}
@@ -240,13 +233,13 @@ class Dialogue:
             return {}
         return {"offset_deg": round(math.degrees(self._robot.offset_rad), 3)}
 
-    def _crawl(self, path: Path, gait: Gait) -> Tracked:
-        crawl = read_crawl(self.journal, path, gait, self._film)
-        gains = ", ".join(f"{float(gain):.3f}" for gain in str(crawl["gains"]).split(","))
-        self._say(
-            f"  {float(crawl['speed_m_s']):.4f} m/s; joints' amplitudes over the commanded one, "
-            f"from the tail: {gains}"
-        )
+    def _crawl(self, path: Path, step: Step) -> Tracked:
+        """Return what a film of a crawl shows; raises BadInput where a reading is of it."""
+        session = self.journal.session
+        crawl = self._film(path, session.setup.robot, step.gait)
+        for reading in session.kept_films:
+            if reading.film_sha256 == crawl["film_sha256"]:
+                raise BadInput(f"{path}: reading {reading.number} is of this film already")
         return crawl
 
     def _keep_pushes(self, path: Path, unit: str | None, cells: Values) -> None:
@@ -272,32 +265,12 @@ def ask_identity(journal: Journal, terminal: Terminal) -> None:
     """Ask whether robot and surface are those of a session that has readings.
 
     So two robots never share a session, and no word changes one yet: it may be another's. Raises
-    BadInput where it is, Quit and EOFError where the person leaves.
+    Quit, Undo, Skip and EOFError where the person leaves.
     """
-    if not journal.rows:
-        return
-    asker, setup, folder = Asker(terminal), journal.session.setup, journal.folder
-    asker.say(f"Resumed: {setup.name}, {robot_in_words(setup)}.")
-    answer = None
-    while answer not in ("", "y", "yes"):
-        try:
-            answer = asker.ask("Is it this robot, on this surface? Enter: yes, n: no. ").lower()
-        except (Undo, Skip):
-            continue
-        if answer in ("n", "no"):
-            raise BadInput(
-                f"{folder} is a session of another robot or surface ({robot_in_words(setup)})\n"
-                f"begin a session for this one: serpenoid calibrate new OTHER --template {folder}\n"
-                "if the session's own value is mistyped: correct it in "
-                f"{folder / 'session.toml'}"
-            )
-
-
-def robot_in_words(setup: Setup) -> str:
-    """Return robot and surface in words."""
-    robot = setup.robot
-    weighed = "" if setup.robot_table.weighs else " (not weighed)"
-    return (
-        f"{robot.links} links of {1000 * robot.link_length_m:.4g} mm, "
-        f"{1000 * robot.links * robot.link_mass_kg:.4g} g{weighed}, on {setup.laboratory.surface}"
-    )
+    if journal.rows:
+        terminal.say(
+            "Another robot or surface is another session: serpenoid calibrate new OTHER "
+            f"--template {journal.folder}; what is mistyped is corrected in "
+            f"{journal.folder / 'session.toml'}."
+        )
+        Asker(terminal).confirm("Enter if it is this robot, on this surface; quit if not: ")

@@ -35,8 +35,6 @@ NOT_SAID, LATER = "not said", "later"  # answers of people; what is measured lat
 # What `calibrate new` asks, by keys of session.toml, in words where the key's table has none.
 QUESTIONS = {
     "surface": "what the wheels roll on (the belt's or the floor's surface)",
-    "place": "where",
-    "people": "who measures",
     "links": "number of links",
     "joints": "what sets the joints: servos, straightedge, or hand (by eye they are 1.5 deg off)",
     "belt_speed_unit": f"unit of the belt's speed ({', '.join(BELT_UNITS)})",
@@ -189,15 +187,10 @@ def template_setup(path: str | Path | None, name: str) -> Setup:
     if path is None:
         return proposed
     template = read_session(path).setup
-    kind, tools, plan = template.provenance.kind, template.instruments, template.plan
-    if kind == "regenerated":  # its zero is that of no instrument that the new session has
-        kind = "measured"
-        tools = replace(tools, incline_zero_sigma_deg=ASSUMED_ZERO_SIGMA_DEG)
-    plan = replace(plan, gaits=plan.gaits or proposed.plan.gaits)
-    if template.robot.links >= FEWEST_LINKS:
-        plan = replace(plan, bend="balanced")
-    provenance = replace(proposed.provenance, kind=kind)
-    return Setup(name, provenance, template.robot_table, template.laboratory, tools, plan)
+    tools = replace(template.instruments, incline_zero_sigma_deg=ASSUMED_ZERO_SIGMA_DEG)
+    plan = replace(template.plan, gaits=template.plan.gaits or proposed.plan.gaits)
+    body, laboratory = template.robot_table, template.laboratory
+    return Setup(name, proposed.provenance, body, laboratory, tools, plan)
 
 
 def create_session(folder: str | Path, setup: Setup) -> Path:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from ..base.errors import BadInput
@@ -92,19 +92,6 @@ def _converted(number: float, unit: str, field: Field) -> float:
     if (field.unit, unit) == ("%", "deg"):
         return 100 * math.tan(math.radians(number))
     return number * field.units[unit]
-
-
-def read_cells(kind: str, cells: Iterable[str], setup: Setup) -> dict[str, Any]:
-    """Return the values of one reading from NAME=VALUE pairs, derived ones too; raises BadInput."""
-    columns = [field.column for field in kind_of(kind).declared.values()]
-    typed = dict[str, str]()
-    for cell in cells:
-        name, equals, text = cell.partition("=")
-        if not equals or name not in columns:
-            names = ", ".join(columns)
-            raise BadInput(f"{cell!r} is not NAME=VALUE with a name of {names}")
-        typed[name] = text
-    return typed_cells(kind, typed, setup)
 
 
 def typed_cells(kind: str, typed: Mapping[str, Any], setup: Setup) -> dict[str, Any]:

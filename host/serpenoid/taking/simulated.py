@@ -22,7 +22,7 @@ from ..lab.person import Display, Person
 from ..lab.recording import Camera, film, to_rest
 from ..lab.robot import LabRobot, pose_of
 from ..model.bends import bend_signs
-from ..model.drives import Servo, ServoKind
+from ..model.drives import Servo
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..session.declaration import Cells
@@ -95,27 +95,6 @@ def wheel_inertia_kg(setup: Setup, sigmas: float = 0.0) -> float:
         return max((0.75 + 0.15 * sigmas) * wheels_kg, 0.0)
     mass_kg = setup.robot.links * setup.robot.link_mass_kg
     return max((0.045 + 0.03 * sigmas) * mass_kg, 0.0)
-
-
-def drawn_floor(
-    setup: Setup, ground: Ground, rng: np.random.Generator, servo: ServoKind | None = None
-) -> Truth:
-    """Draw the errors that all readings on a floor share, as the set-up says they may be.
-
-    servo: the kind of which the robot has one drawn; None: its joints follow the gait.
-    """
-    slope, scale, mass, wheels, across = map(float, rng.normal(size=5))
-    tools = setup.instruments
-    return Truth(
-        ground,
-        slope_rad=tools.floor_slope_sigma_rad * slope,
-        across_rad=tools.floor_slope_sigma_rad * across,
-        film_scale=1.0 + tools.film_scale_sigma * scale,
-        mass_scale=1.0 + tools.mass_sigma * mass,
-        rolling_kg=wheel_inertia_kg(setup, wheels),
-        joint_sigma_rad=tools.joint_sigma_rad,
-        servo=servo and servo.draws(1, int(rng.integers(2**31)))[0],
-    )
 
 
 class SimulatedPerson:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -17,22 +17,23 @@ from ..session.station import BendCheck
 from ..session.track import Samples
 
 Doubts = list[tuple[Field, Range]]  # numbers that are outside the range that was expected
+POSES = ("straight", "bend", "station", "push")  # kinds of steps after which the robot lies posed
 STEEPER_PER_RAD = 1.4  # a bend of the 2005 robot multiplies its friction by some 1 + 1.4 lambda
-SAME_SINE = 1e-4  # of inclines: no line goes through stations at one incline
-NEAR_DEG = 2.5  # of a planned bend; twice as much at the protractor raises no doubt
+SAME_SINE = 1e-4  # difference of inclines' sines below which no line goes through stations
+NEAR_DEG = 2.5  # error of a planned bend; twice as much at the protractor raises no doubt
 
 
 class Tracked(dict[str, "float | str"]):
     """Cells of a reading with the samples of its track; kind: where it is not that of the step."""
 
-    def __init__(self, cells: Cells, samples: Samples, kind: str = ""):
+    def __init__(self, cells: Cells, samples: Samples | None = None, kind: str = ""):
         super().__init__(cells)
         self.samples, self.kind = samples, kind
 
 
 @dataclass(frozen=True)
 class Step:
-    """One step: `key` names it in events, `say` tells what to set, `fields` what to type.
+    """One step: `key` names it in events, `say` tells what to set, `fields` what is read.
 
     kind: that of the reading it ends in; else straight or done. lambda_deg: the plan's bend.
     settle_s: how long to wait before reading. gait: to be run. cells: what the plan tells of the
@@ -50,9 +51,9 @@ class Step:
     cells: Values = field(default_factory=dict)
 
     @property
-    def questions(self) -> tuple[Field, ...]:
-        """Return the fields that a person is asked for."""
-        return tuple(field for field in self.fields if not field.automatic)
+    def posed_deg(self) -> float | None:
+        """Return how the robot lies after it, by the plan's bend; None where nobody knows."""
+        return self.lambda_deg if self.kind in POSES else None
 
 
 def planned_bends(plan: Plan) -> tuple[float, ...]:
@@ -62,20 +63,8 @@ def planned_bends(plan: Plan) -> tuple[float, ...]:
 
 def pose_key(plan: Plan, bend_deg: float) -> str:
     """Return what events call all that is taken in a pose."""
-    if plan.on == "floor":
-        return f"pushes {bend_deg:g}" if bend_deg else "pushes straight"
-    return f"bend {bend_deg:g}" if bend_deg else "straight"
-
-
-def step_in_words(key: str) -> str:
-    """Return a step's key in words, such as `station 7.5 2.60` of a station."""
-    what, *numbers = key.split()
-    if what not in ("bend", "pushes", "station"):
-        return key
-    pose = "straight" if numbers[0] in ("0", "straight") else f"bend {numbers[0]} deg"
-    if what == "station":
-        return f"station at {numbers[1]} deg, {pose}"
-    return f"pushes, {pose}" if what == "pushes" else pose
+    pose = f"bend {bend_deg:g}" if bend_deg else "straight"
+    return f"pushes, {pose}" if plan.on == "floor" else pose
 
 
 def _nearest_bend(plan: Plan, lambda_rad: float) -> float:
@@ -88,7 +77,7 @@ def taken_in(session: Session, bend_deg: float) -> list[Any]:
     plan = session.setup.plan
     return [
         reading
-        for reading in (session.kept_pushes if plan.on == "floor" else session.kept_stations)
+        for reading in session.kept_of("push" if plan.on == "floor" else "station")
         if (reading.bend == plan.bend or not reading.lambda_rad)
         and _nearest_bend(plan, reading.lambda_rad) == bend_deg
     ]
@@ -110,44 +99,22 @@ def friction_factor(bend_deg: float) -> float:
     return 1.0 + STEEPER_PER_RAD * math.radians(bend_deg)
 
 
-class Line(NamedTuple):
-    """Belt speed past the robot over sin(incline), through the stations of one bend.
+def line_of(session: Session, bend_deg: float) -> tuple[float, float] | None:
+    """Return slope and offset, m/s, of the belt's speed past the robot over sin(incline).
 
-    noise_m_s: what one more station may be off by, one standard deviation.
+    Of the line through a bend's stations; None before there are two, or where it falls.
     """
-
-    slope: float
-    mean_sine: float
-    mean_m_s: float
-    noise_m_s: float
-
-    def speed(self, sine: float) -> float:
-        """Return the speed at an incline, m/s."""
-        return self.mean_m_s + self.slope * (sine - self.mean_sine)
-
-    def incline_deg(self, speed_m_s: float) -> float:
-        """Return the incline that a speed needs, deg."""
-        sine = self.mean_sine + (speed_m_s - self.mean_m_s) / self.slope
-        return math.degrees(math.asin(min(max(sine, 0.0), 1.0)))
-
-
-def line_of(session: Session, bend_deg: float) -> Line | None:
-    """Return the line through a bend's stations; None before there are two, or where it falls."""
     stations = taken_in(session, bend_deg)
     gravity = session.setup.laboratory.gravity_m_s2
-    sines = np.array([station.balance_sine(gravity) for station in stations])
-    if not len(sines) or np.ptp(sines) < SAME_SINE:
+    sines = [station.balance_sine(gravity) for station in stations]
+    if not sines or np.ptp(sines) < SAME_SINE:
         return None
-    speeds = np.array([station.slip_speed_m_s for station in stations])
-    slope = float(np.polyfit(sines, speeds, 1)[0])
-    tools = session.setup.instruments
-    noise_m_s = math.hypot(tools.belt_speed_sigma_m_s, slope * tools.incline_sigma_rad)
-    line = Line(slope, float(sines.mean()), float(speeds.mean()), noise_m_s)
-    return line if slope > 0.0 else None
+    slope, offset_m_s = np.polyfit(sines, [station.slip_speed_m_s for station in stations], 1)
+    return (float(slope), float(offset_m_s)) if slope > 0.0 else None
 
 
-def bend_step(key: str, setup: Setup, bend_deg: float, hint: str) -> Step:
-    """Return the step in which a robot is bent and the protractor laid on; hint: said at last."""
+def bend_step(key: str, setup: Setup, bend_deg: float) -> Step:
+    """Return the step in which a robot is bent and the protractor laid on."""
     between_deg = 180.0 - 2 * bend_deg
     if setup.plan.bend == "zigzag":
         how = (
@@ -156,9 +123,7 @@ def bend_step(key: str, setup: Setup, bend_deg: float, hint: str) -> Step:
         )
     else:
         multiples = joint_multiples(balanced_signs(setup.robot.links))
-        joints = ", ".join(
-            f"{multiple * bend_deg:+g}" if multiple else "0" for multiple in multiples
-        )
+        joints = ", ".join(f"{multiple * bend_deg:+g}" for multiple in multiples)
         how = f"balanced: joints from the tail at {joints} deg."
     (shown,) = BendCheck.questions("between_links_deg")
     likely = between_deg - 2 * NEAR_DEG, between_deg + 2 * NEAR_DEG
@@ -166,8 +131,8 @@ def bend_step(key: str, setup: Setup, bend_deg: float, hint: str) -> Step:
         key,
         "bend",
         f"Bend {bend_deg:g} deg, {how} A protractor between the last two links at either end shows "
-        f"{between_deg:g} deg. {hint}",
+        f"{between_deg:g} deg.",
         (replace(shown, likely=likely),),
         bend_deg,
-        cells={"lambda_deg": bend_deg, "bend": setup.plan.bend},
+        cells={"lambda_deg": bend_deg},
     )

@@ -16,13 +16,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..base.checks import check_choice
+from ..base.checks import check_choice, count_text
 from ..base.errors import BadInput
 from ..base.tables import EMPTY_CELLS, TextTable, read_table
 from ..base.toml_table import located
 from ..session.declaration import LENGTH_UNITS
-from ..session.push import likely_units, unlikely_push
-from .track_look import speeds
 
 Floats = NDArray[np.float64]
 NEEDED = "t_s,x_m,y_m, or as in Time (ms);Trajectory 1/X (cm);Trajectory 1/Y (cm)"
@@ -67,9 +65,7 @@ TIME_ADVICE = (
 )
 MIN_STEP_S = 1 / 2000  # between two pictures: no camera of a phone is faster
 MAX_STEP_S = 0.5  # between two pictures of a push, where the time has no unit
-FAST_S = 0.2  # a push is at its fastest for longer than this
 MIN_PLACES = 3
-EXTENT_QUANTILES = 0.02, 0.98  # of places: one that was mistaken for another does not count
 
 
 @dataclass(frozen=True)
@@ -135,7 +131,7 @@ def _columns(head: list[str]) -> list[Column] | None:
     )
 
 
-def read_track_file(path: Path, unit: str | None = None, *, pushed: bool = True) -> TrackFile:
+def read_track_file(path: Path, unit: str | None = None) -> TrackFile:
     """Return the track of a file's first point.
 
     A time without unit is in s. Rows with an empty place are left out.
@@ -146,8 +142,6 @@ def read_track_file(path: Path, unit: str | None = None, *, pushed: bool = True)
         The file.
     unit
         Of lengths whose column names none: one of LENGTH_UNITS.
-    pushed
-        It is a track of a push, as fast and as long as those are.
 
     Raises
     ------
@@ -164,6 +158,11 @@ def read_track_file(path: Path, unit: str | None = None, *, pushed: bool = True)
             raise BadInput(f"{time.name} is no time in seconds but in frames; {TIME_ADVICE}")
         factors = [time.factor(TIME_UNITS, TIME_ADVICE) or 1.0]
         lengths = [column.factor(LENGTH_UNITS, LENGTH_ADVICE) for column in columns[1:]]
+        if unit is None and None in lengths:
+            raise BadInput(
+                f"its lengths have no unit ({x.name}); say it, by --unit or behind the file's name "
+                f"at the prompt: one of {', '.join(LENGTH_UNITS)}"
+            )
         factors += [length or LENGTH_UNITS[unit or "m"] for length in lengths]
     rows = []
     width = 1 + max(column.place for column in columns)
@@ -176,35 +175,17 @@ def read_track_file(path: Path, unit: str | None = None, *, pushed: bool = True)
     track[:, : len(columns)] = np.reshape(rows, (-1, len(columns))) * factors
     with located(str(path)):
         if len(track) < MIN_PLACES:
-            raise BadInput(f"{len(track)} place(s) in it; is it a track of time, x and y?")
+            raise BadInput(
+                f"{count_text(len(track), 'place')} in it; is it a track of time, x and y?"
+            )
         _check_times(track[:, 0], time)
         track = track[np.concatenate([[True], np.diff(track[:, 0]) != 0.0])]
-        speed_m_s, way_m = speed_and_way(track)
-        if unit is None and None in lengths:
-            likely = likely_units(speed_m_s, way_m) if pushed else []
-            likely_words = f"; likely: {', '.join(likely)}" if likely else ""
-            raise BadInput(
-                f"its lengths have no unit ({x.name}); say it, by --unit or behind the file's name "
-                f"at the prompt: one of {', '.join(LENGTH_UNITS)}{likely_words}"
-            )
-        named = unit if x.unit is None else _UNITS[x.unit.casefold()]
-        if pushed and (objection := unlikely_push(speed_m_s, way_m, named or "m")):
-            cure = "give another --unit" if x.unit is None else f"correct the name {x.name}"
-            raise BadInput(f"{objection}; {cure}, or the scale")
     notes = []
     if sum(_column(0, cell).meaning == "x" for cell in table.head) > 1:
         notes.append(f"{path.name}: the first point, {x.name}, is taken; the others are left out")
     if columns[2:] == []:
         notes.append(f"{path.name}: no column y; the track is taken as straight along x")
     return TrackFile(track, hashlib.sha256(table.text.encode()).hexdigest(), tuple(notes))
-
-
-def speed_and_way(track: Floats) -> tuple[float, float]:
-    """Return the speed that a track exceeds for FAST_S in all, m/s, and its extent, m."""
-    rates = np.sort(speeds(track))
-    fast = min(int(FAST_S / np.median(np.diff(track[:, 0]))), len(rates) - 1)
-    ends = np.quantile(track[:, 1:], EXTENT_QUANTILES, axis=0)
-    return float(rates[-1 - fast]), float(np.hypot(*(ends[1] - ends[0])))
 
 
 def _number(table: TextTable, line: int, text: str, column: Column) -> float:

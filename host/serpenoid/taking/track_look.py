@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base.errors import BadInput
-from ..friction.arc import chord_places, curved_path
+from ..session.arc import chord_places, curved_path
 from ..session.push import unlikely_push
 from ..session.track import Floats
 
@@ -22,6 +22,10 @@ REST_SHARE = 0.03  # of the greatest speed: below it the robot rests
 MOVES_M_S = 0.05  # a push is faster than this
 MIN_WAY_M, MIN_TIME_S, MIN_PLACES = 0.2, 0.4, 8  # of a push worth fitting
 PUSH_M = 0.02  # nothing shorter is a push
+TOUCHED_M = 0.03  # distance from where the robot rests, m, to which it did not get by itself
+REST_M_S = 0.01  # speed, m/s, below which a robot rests, whatever its greatest speed
+PLACE_SIGMA_M = 0.001  # scatter of a place, m, in a usual film
+NOISE_FACTOR = 1.05  # standard deviation over the median of the differences of two neighbours
 # Of a path. That of a robot which slips down the floor's slope turns by itself: the fit knows it.
 MAX_TURN_RAD, MAX_SLIP_RAD = math.radians(10.0), math.radians(30.0)
 MAX_ROUGHNESS = 2.5  # scatter about the law of rolling over that between neighbours
@@ -71,13 +75,8 @@ def look_at(track: Floats, slips: bool = False) -> Look:
     slips: no straight link holds the robot on its path.
     """
     t, places = track[:, 0], track[:, 1:]
-    _check(track)
     speed = speeds(track)
     peak = int(np.argmax(speed))
-    if speed[peak] < MOVES_M_S:
-        raise BadInput(
-            f"nothing moves in this track: {speed[peak]:.2g} m/s at most; is its unit right?"
-        )
     start = int(np.searchsorted(t, t[peak] + FINGERS_S)) if peak else 0
     stop, end = _stop_of(track, speed, peak)
     if stop - start + 1 < MIN_PLACES:
@@ -85,9 +84,8 @@ def look_at(track: Floats, slips: bool = False) -> Look:
             f"only {max(stop - start + 1, 0)} places between the hand and rest; {MIN_PLACES} at "
             "least: film until the robot rests, and push harder"
         )
-    noise_m = _noise(track[start : end + 1])
     along_m, left_m, _ = chord_places(*places[start : stop + 1].T)
-    way, direction_rad = curved_path(along_m, left_m, noise_m)
+    way, direction_rad = curved_path(along_m, left_m, PLACE_SIGMA_M)
     way, time = way - way[0], t[start : stop + 1] - t[start]
     turned_rad = float(direction_rad[-1] - direction_rad[0])
     # v' = -(c v + f), integrated twice: a line in the start, its speed, c and f.
@@ -95,6 +93,7 @@ def look_at(track: Floats, slips: bool = False) -> Look:
     design = np.column_stack([np.ones_like(time), time, -area, -(time**2) / 2])
     law = np.linalg.lstsq(design, way, rcond=None)[0]
     error = way - design @ law
+    noise_m = NOISE_FACTOR * float(np.median(np.abs(np.diff(error))))
     sigma_m = max(math.sqrt(float(error @ error) / (len(way) - len(law))), 1e-5)
     correlation = float(error[1:] @ error[:-1] / max(float(error @ error), 1e-30))
     correlation -= 1 / math.sqrt(len(error))  # chance alone gives as much
@@ -102,7 +101,9 @@ def look_at(track: Floats, slips: bool = False) -> Look:
     way_m, rough = float(way[-1]), sigma_m / max(noise_m, 1e-4) > MAX_ROUGHNESS
     first_m_s = float(law[1])
     last_m_s = first_m_s - law[2] * way_m - law[3] * time[-1]
+    unlikely = unlikely_push(first_m_s, way_m)
     doubts = {
+        unlikely: bool(unlikely),
         "the track ends before the robot rests: film on until it does": stop >= len(t) - 1,
         f"it rolled {way_m:.2f} m in {time[-1]:.2f} s only: push harder, {MIN_WAY_M} m at least": (
             way_m < MIN_WAY_M or time[-1] < MIN_TIME_S
@@ -121,23 +122,8 @@ def look_at(track: Floats, slips: bool = False) -> Look:
         "distance_sigma_m": sigma_m * math.sqrt((1 + correlation) / (1 - correlation)),
         "turned_deg": math.degrees(turned_rad),
     }
-    unlikely = unlikely_push(first_m_s, way_m)
     words = [text for text, holds in doubts.items() if holds]
-    return Look(cells, places[end] - places[start], [*words, unlikely] if unlikely else words)
-
-
-def _check(track: Floats) -> None:
-    t = track[:, 0]
-    if len(t) < MIN_PLACES:
-        raise BadInput(f"a track has {len(t)} places; {MIN_PLACES} at least")
-    if not np.isfinite(track).all():
-        raise BadInput("a track has a place that is no finite number; leave it out")
-    falls = np.flatnonzero(np.diff(t) <= 0.0)
-    if len(falls):
-        raise BadInput(
-            f"times must rise: {t[falls[0] + 1]:.6g} s comes after {t[falls[0]]:.6g} s; is the "
-            "first column the time?"
-        )
+    return Look(cells, places[end] - places[start], words)
 
 
 def speeds(track: Floats) -> Floats:
@@ -156,24 +142,12 @@ def _stop_of(track: Floats, speed: Floats, peak: int) -> tuple[int, int]:
 
     The rest ends where the robot is touched again. Both are the track's end where there is none.
     """
-    t, places = track[:, 0], track[:, 1:]
-    slow = np.flatnonzero(speed[peak:] < max(REST_SHARE * speed[peak], 0.01))
+    t = track[:, 0]
+    slow = np.flatnonzero(speed[peak:] < max(REST_SHARE * speed[peak], REST_M_S))
     if not len(slow):
         return len(t) - 1, len(t) - 1
     stop = peak + int(slow[0])
-    calm = (t >= t[stop]) & (t <= t[stop] + REST_S)
-    distance = np.hypot(*(places - np.median(places[calm], axis=0)).T)
-    touched = distance > max(0.01, 6 * float(np.median(distance[calm])))
-    touched &= t > t[stop]
-    end_s = min(t[stop] + REST_S, np.min(t[touched], initial=np.inf) - PIECE_S)
+    moved_m = np.hypot(*(track[stop:, 1:] - track[stop, 1:]).T)
+    touched_s = np.min(t[stop:][moved_m > TOUCHED_M], initial=np.inf)
+    end_s = min(t[stop] + REST_S, touched_s - PIECE_S)
     return stop, max(int(np.searchsorted(t, end_s, side="right")) - 1, stop)
-
-
-def _noise(track: Floats) -> float:
-    """Return the scatter of a place, m, from how far it is off its two neighbours' line."""
-    t, places = track[:, 0], track[:, 1:]
-    share = ((t[1:-1] - t[:-2]) / (t[2:] - t[:-2]))[:, None]
-    error = places[1:-1] - (1.0 - share) * places[:-2] - share * places[2:]
-    error /= np.sqrt(1.0 + share**2 + (1.0 - share) ** 2)
-    spread = np.median(np.abs(error - np.median(error, axis=0)), axis=0)
-    return 1.4826 * float(spread.max())

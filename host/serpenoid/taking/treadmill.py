@@ -19,13 +19,6 @@ if TYPE_CHECKING:
 MAX_STEPS = 1000
 
 
-def posed_after(step: Step, before_deg: float | None) -> float | None:
-    """Return how the robot lies after a step, deg of the plan's bend; None where nobody knows."""
-    if step.kind in ("straight", "bend"):
-        return step.lambda_deg
-    return None if step.kind == "gait" else before_deg
-
-
 def take_all(
     record: Journal,
     person: SimulatedPerson,
@@ -45,7 +38,7 @@ def take_all(
             record.event("skip", detail=step.key)
         else:
             record_step(record, step, cells)
-            posed_deg = posed_after(step, posed_deg)
+            posed_deg = step.posed_deg
         show_step(step)
     raise NotConverged(
         f"{MAX_STEPS} steps and no end: does the treadmill's incline rise at all? Look at the "
@@ -54,13 +47,10 @@ def take_all(
 
 
 def record_step(record: Journal, step: Step, cells: Cells) -> int:
-    """Write what a step's fields came to; return the reading's number, 0 where none is kept."""
+    """Write what a step came to; return the reading's number, 0 where none is kept."""
     if step.kind == "straight":
         return 0
-    samples = cells.samples if isinstance(cells, Tracked) else None
-    kind = cells.kind if isinstance(cells, Tracked) and cells.kind else step.kind
-    planned = step.cells
-    if kind != step.kind:  # a film: of the plan it keeps the way alone
-        planned = {name: value for name, value in planned.items() if name == "way"}
-    values = KINDS[kind].derived(planned | dict(cells), record.session.setup.instruments)
-    return record.add(kind, values, samples=samples)
+    reading = cells if isinstance(cells, Tracked) else Tracked(cells)
+    kind = reading.kind or step.kind
+    values = KINDS[kind].derived(step.cells | reading, record.session.setup.instruments)
+    return record.add(kind, values, samples=reading.samples)

@@ -18,7 +18,7 @@ from typing import Any
 import tomllib
 from serpenoid import SerpenoidError
 from serpenoid.session.journal import Journal
-from serpenoid.taking.asking import Quit
+from serpenoid.taking.asking import Quit, Skip, Undo
 from serpenoid.taking.dialogue import Dialogue, ask_identity
 from serpenoid.taking.new_session import answered, create_session, default_setup, on_place
 from serpenoid.taking.session_robot import SessionRobot
@@ -82,8 +82,8 @@ def talked(folder: Path, head: str, typist: Typist) -> str:
         with Journal(folder) as journal:
             ask_identity(journal, typist)
             show_fit, clock_s = lambda session: None, lambda: typist.t_s
-            Dialogue(journal, typist, typist.robot, show_fit, 5, clock_s).run()
-    except (Quit, EOFError, KeyboardInterrupt, SerpenoidError) as error:
+            Dialogue(journal, typist, typist.robot, show_fit, clock_s).run()
+    except (Quit, Skip, Undo, EOFError, KeyboardInterrupt, SerpenoidError) as error:
         typist.heard += f"({type(error).__name__}) {error}\n"
     return typist.heard.replace(str(folder), "DIR")
 

@@ -16,7 +16,7 @@ from simulated_sessions import MemoryRecord
 FT0, TRUTH = 0.14, (0.084, 1.2, 0.14, 0.27)
 MASS, G, STEP_S = 6 * 0.0756, 9.80665, 1e-4
 WHEELS_KG = 0.036
-NEW = "calibrate new --defaults --on floor --surface parquet --mass-kg 454g --wheels-kg 0g"
+NEW = "calibrate new --defaults --on floor --surface parquet --mass-kg 0.454"
 
 
 def floor_setup(wheels_kg=WHEELS_KG, **instruments):

@@ -33,7 +33,7 @@ def talk(folder, lines):
     """Return what was heard; whatever was said to be kept is on the disk."""
     person = Typist(*lines)
     with Journal(folder) as journal:
-        Dialogue(journal, person, patience_s=5).run()
+        Dialogue(journal, person).run()
     kept = [int(n) for n in re.findall(r"kept as reading (\d+)", person.heard)]
     there = list(reading_rows(folder))
     assert set(kept) <= set(there)

@@ -15,7 +15,6 @@ from serpenoid import (
     Ground,
     compare,
     fit_friction,
-    load_session,
     servo,
 )
 from serpenoid.friction.result import Estimate
@@ -26,6 +25,7 @@ from serpenoid.session.filmed_crawl import crawl_cells
 from serpenoid.session.gait_run import GaitRun
 from serpenoid.taking.new_session import create_session, default_setup, on_place
 from serpenoid.taking.procedure import next_step, progress
+from serpenoid.taking.steps import Tracked
 
 GAIT = gait_in_deg(70, 60, 2 * math.pi * 0.8)
 GAINS, CENTRES_RAD, LAG_RAD = (0.95, 0.93, 0.97, 0.94, 0.96), (0.01, -0.02, 0.0, 0.03, 0.01), 0.4
@@ -72,31 +72,18 @@ def test_films_that_tell_no_gait_are_refused(rows, told) -> None:
         crawl_cells(rows, GAIT)
 
 
-def crawl_csv(path, rows):
-    names = ["t_s", "x_m", "y_m", "heading_rad", *(f"joint{k + 1}_rad" for k in range(5))]
-    lines = [",".join("" if np.isnan(v) else f"{v:.7g}" for v in row) for row in rows]
-    path.write_text("\n".join([",".join(names), *lines]) + "\n")
-    return str(path)
+def test_a_step_takes_the_film_of_a_crawl_once(tmp_path) -> None:
+    def film(path, _, gait):
+        rows = crawled(gait)
+        return Tracked({**crawl_cells(rows, gait), "film_sha256": path.name}, rows, "video")
 
-
-def test_a_step_takes_a_crawl_from_its_track_once(tmp_path) -> None:
     base = default_setup("filmed")
     plan = replace(on_place(base.plan, "floor"), pushes=0)
     folder = create_session(tmp_path / "s", replace(base, plan=plan))
-    first, *others = (
-        crawl_csv(tmp_path / f"{k}.csv", crawled(g, seed=k))
-        for k, g in enumerate(gait for gait in plan.gaits for _ in range(2))
-    )
-    wrong = tmp_path / "t.csv"
-    wrong.write_text("t,x,y\n0,1,2\n")
-    film = tmp_path / "a.mp4"
-    film.write_bytes(b"0")
-    heard, _ = talk(folder, str(wrong), str(film), first, first, *others)
-    assert "`serpenoid video --track` writes it" in heard
-    assert "a film itself is not taken here" in heard
+    names = "a.mp4", "a.mp4", "b.mp4", "c.mp4", "d.mp4"
+    heard, session = talk(folder, *names, film=film)
     assert "reading 1 is of this film already" in heard
     assert "along the line of the pushes, BACK" in heard
-    session = load_session(folder)
     assert [f.way for f in session.kept_films] == ["there", "back"] * 2
     assert next_step(session).kind == "done"
     assert ("gait runs", "4 of 4") in progress(session)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from calibration.floor_sessions import NEW, TRUTH, floor_setup
 from command_line import serpenoid
+from refusals import refused
 from serpenoid import Ground, load_session
 from serpenoid.lab.floor import Floor, Push
 from serpenoid.lab.recording import Camera, film
@@ -86,3 +87,14 @@ def test_one_film_of_several_pushes_is_cut_by_itself(take):
     assert [push.way for push in pushes] == ["there", "back", "there", "back"]
     assert len({push.file_sha256 for push in pushes}) == 1
     assert len({push.track.sha256 for push in pushes}) == 4
+
+
+def test_a_track_that_was_changed_or_lost_is_told(take):
+    folder = take(ROWS)[2]
+    path = folder / "tracks" / "0001.csv"
+    path.write_text(path.read_text().replace("0.0", "0.1", 1))
+    with refused("0001.csv: the track was changed since it was taken"):
+        load_session(folder)
+    path.unlink()
+    with refused("0001.csv: the track is not there"):
+        load_session(folder)

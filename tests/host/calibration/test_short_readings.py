@@ -90,11 +90,3 @@ def test_every_way_into_a_session_takes_places(folder, tmp_path, typed, kept):
     stations = load_session(folder).kept_stations
     assert [r.places for r in stations] == [kept] * 2
     assert len({r.drift_m_s for r in stations}) == 1
-
-
-def test_how_a_drift_changes_is_shown(folder):
-    run(f"add {folder} station {CELLS} 'places=0:0 2:0.04 4:0.12'")
-    (station,) = load_session(folder).kept_stations
-    assert station.drift_m_s == pytest.approx(0.03)
-    told = " ".join(run(f"status {folder}").stdout.split())
-    assert "+0.010 to +0.050 m/s" in told, told

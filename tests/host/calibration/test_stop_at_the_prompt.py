@@ -10,10 +10,11 @@ from robot.fake_board import FakeBoard
 from robot.patience import LONG_S
 from robot.terminal import Person
 
-BELT = "without zero before; without steering"
+BELT = "without zero before"
 GAIT = f"{BELT}; plan.gait_runs = 1; " + "; ".join(
     f"without {key}" for key in ("straight", "bend 7.5", "bend 15", "bend 30")
 )
+STEER = "Enter keeps it: "
 POSE, INCLINE = "Enter straightens the robot (hands off): ", "the inclinometer shows (deg)"
 SPEED = "belt speed (m/s): "
 
@@ -33,6 +34,8 @@ def seat(tmp_path, request):
 def moved(person: Person, fake: FakeBoard, state: str, asks: str, then: str) -> None:
     """Have the robot set in motion, and wait for the prompt that follows."""
     person.answers(asks, "\r")
+    if asks == POSE:
+        person.answers(STEER, "\r")
     assert fake.await_state(state)
     person.sees(then)
 
@@ -73,11 +76,11 @@ def test_a_space_within_a_line_is_a_space(seat):
 
 
 @pytest.mark.parametrize("seat", [BELT], indirect=True)
-@pytest.mark.parametrize("prompt", range(6))
+@pytest.mark.parametrize("prompt", range(7))
 def test_ctrl_c_at_any_prompt_stops_and_leaves_and_loses_nothing(seat, prompt):
     person, fake, folder = seat
-    answers = [(POSE, "\r"), (INCLINE, "2.0\r"), (SPEED, "0.2\r"), ("drift left over", "\r")]
-    answers += [("expected at least", "keep\r"), (INCLINE, "\r")]
+    answers = [(POSE, "\r"), (STEER, "\r"), (INCLINE, "2.0\r"), (SPEED, "0.2\r")]
+    answers += [("drift left over", "\r"), ("expected at least", "keep\r"), (INCLINE, "\r")]
     for asked, typed in answers[:prompt]:
         person.answers(asked, typed)
     person.sees(answers[prompt][0])
@@ -87,4 +90,4 @@ def test_ctrl_c_at_any_prompt_stops_and_leaves_and_loses_nothing(seat, prompt):
     assert fake.state == "idle"
     assert b"\n!\n" in fake.received
     assert "Left. Everything read so far is kept" in person.screen
-    assert len((folder / "readings.csv").read_text().splitlines()) == 1 + (prompt == 5)
+    assert len((folder / "readings.csv").read_text().splitlines()) == 1 + (prompt == 6)

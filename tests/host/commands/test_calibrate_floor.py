@@ -10,6 +10,7 @@ from command_line import answer, serpenoid
 from coverage_floor import CASES, drawn_person, floor_setup
 from planned import replan
 from serpenoid import load_session
+from serpenoid.session.folder import write_setting
 from serpenoid.session.journal import Journal
 from serpenoid.taking.new_session import create_session
 from serpenoid.taking.treadmill import take_all
@@ -40,10 +41,9 @@ def test_a_session_is_begun_pushed_and_gone_on_with(tmp_path, tracks):
     run(f"{NEW} {folder}")
     plan = (folder / "session.toml").read_text()
     assert 'on = "floor"' in plan
-    assert "wheels_kg = 0.0" in plan
     assert "align its links" in run(f"calibrate status {folder}")
     first = run(f"calibrate {folder}", typed=f"\n{tracks[0]}\n{tracks[0]} cm\nquit\n")
-    assert "behind the file's name at the prompt: one of m, cm, mm, in, ft, yd; likely: cm" in first
+    assert "behind the file's name at the prompt: one of m, cm, mm, in, ft, yd" in first
     assert "Push 1 of 8, straight, THERE" in first
     assert "reading 1, push there" in first
     # a second process finds all of it, and what a kill left half written does not count
@@ -51,7 +51,7 @@ def test_a_session_is_begun_pushed_and_gone_on_with(tmp_path, tracks):
         file.write("2,push,2026-")
     again = run(f"calibrate {folder}", typed=f"\n\n\n{tracks[1]} cm\nundo\n{tracks[1]} cm\nquit\n")
     assert "Push 2 of 8, straight, BACK" in again
-    assert "pushes 1." in again
+    assert "1 push" in again
     taken = run(f"calibrate push {folder} {tracks[2]} {tracks[3]} --unit cm")
     assert taken.count("reading") == 2
     session = load_session(folder)
@@ -64,7 +64,7 @@ def test_a_session_is_begun_pushed_and_gone_on_with(tmp_path, tracks):
 
 def test_a_session_of_a_treadmill_goes_on_on_the_floor(tmp_path):
     folder = tmp_path / "s"
-    run(f"calibrate new {folder} --defaults --surface belt --mass-kg 454g")
+    run(f"calibrate new {folder} --defaults --surface belt --mass-kg 0.454")
     replan(folder, on="floor")
     said = run(f"calibrate {folder}", typed="\n1.0\n2.4\n\nquit\n")
     assert "kept as reading 1" in said
@@ -74,7 +74,8 @@ def test_a_session_of_a_treadmill_goes_on_on_the_floor(tmp_path):
 def test_a_simulated_person_pushes_the_wheels_that_the_session_names(tmp_path):
     """Their inertia is a sixth of the mass: left out, dry friction comes back 15 % too large."""
     folder, script = tmp_path / "s", tmp_path / "person.toml"
-    run(f"{NEW.replace('0g', '100g')} {folder}")
+    run(f"{NEW} {folder}")
+    write_setting(folder, "robot", "wheels_kg", 0.1)
     script.write_text("[simulated]\nseed = 1\nct = 0.084\ncn = 1.2\nft0 = 0.14\nfn0 = 0.27\n")
     run(f"calibrate {folder} --script {script}")
     fit = answer(f"fit {folder} --no-save")

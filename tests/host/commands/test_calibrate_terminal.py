@@ -14,7 +14,7 @@ from serpenoid.session.rows import read_events
 @pytest.fixture
 def folder(tmp_path):
     path = tmp_path / "session"
-    serpenoid(f"calibrate new {path} --defaults --surface belt --mass-kg '453.6 g'")
+    serpenoid(f"calibrate new {path} --defaults --surface belt --mass-kg 0.4536")
     return path
 
 
@@ -37,9 +37,9 @@ def test_taken_killed_and_resumed_at_a_terminal(folder):
     assert math.degrees(reading.offset_rad) == pytest.approx(0.5)
     assert (math.degrees(reading.incline_rad), reading.belt_speed_m_s) == (pytest.approx(2.0), 0.2)
     with Person(f"calibrate {folder}") as person:
+        person.sees("1 station")
         person.sees("453.6 g, on belt")
-        person.answers("Is it this robot", "\n")
-        person.sees("stations 1")
+        person.answers("Enter if it is this robot", "\n")
         person.answers("Robot straight", "quit\n")
         person.sees("Everything read so far is kept")
         assert person.leaves() == 0
@@ -56,7 +56,7 @@ def test_the_end_of_the_input_leaves_the_session_whole(folder):
 
 def test_a_new_session_asks_what_it_needs(tmp_path):
     with Person(f"calibrate new {tmp_path}/asked") as person:
-        person.answers("what the wheels roll on", "rubber belt\n\n\n\n")
+        person.answers("what the wheels roll on", "rubber belt\n\n")
         person.answers("what sets the joints", "hand\n")
         person.answers("unit of the belt's speed", "mph\n")
         person.answers("mass of the whole robot", "heavy\n")
@@ -86,7 +86,7 @@ def test_a_new_session_asks_what_it_needs(tmp_path):
 
 def test_enter_at_the_mass_weighs_nothing_and_undo_asks_again(tmp_path):
     with Person(f"calibrate new {tmp_path}/asked") as person:
-        person.answers("what the wheels roll on", "belr\nundo\nbelt\nskip\n\n7\nundo\n6\n\n\n")
+        person.answers("what the wheels roll on", "belr\nundo\nbelt\n7\nundo\n6\nskip\n\n")
         person.answers(
             "mass of the whole robot as it crawls (kg, or 480 g; later) [later]",
             "help\n" + 7 * "\n",
@@ -103,7 +103,7 @@ def test_enter_at_the_mass_weighs_nothing_and_undo_asks_again(tmp_path):
 def test_a_new_session_has_an_answer_to_words_that_take_nothing_back(tmp_path):
     with Person(f"calibrate new {tmp_path}/asked") as person:
         person.answers("what the wheels roll on", "undo\n")
-        person.answers("nothing was asked before this", "belt\n" + 5 * "\n")
+        person.answers("nothing was asked before this", "belt\n" + 3 * "\n")
         person.answers("mass of the whole robot", "480\n")
         person.answers("480 kg; expected 0.02 to 20 kg", "skip\n")
         person.answers("a number in doubt cannot be left out", "quit\n")

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ...base.checks import Limits
+from ...base.checks import count_text
+from ...base.errors import BadInput
 from ...show.screen import say
-from ..declare import EXISTING, number, option
+from ..declare import EXISTING, option
 from ..declare import FOLDER as FOLDER_TYPE
 from ..group import Commands
 from ..options import AS_JSON, show_json
@@ -46,17 +47,10 @@ calibrate.add_command(push)
     "--port",
     "The robot's serial port, to bend and drive it; `virtual` needs none. By hand unless given.",
 )
-@number(
-    "--patience-s",
-    "With nobody answering for so long, the servos' pulses end.",
-    limits=Limits(1, 86400),
-    default=300.0,
-)
 def take(
     folder: Path,
     script: Path | None,
     port: str | None,
-    patience_s: float,
 ) -> None:
     """Start or resume a session; `serpenoid calibrate DIR` is short for this."""
     if script is not None and port is not None:
@@ -65,7 +59,7 @@ def take(
         return _scripted(folder, script)
     from .calibrate_person import with_a_person
 
-    return with_a_person(folder, port, patience_s)
+    return with_a_person(folder, port)
 
 
 def _journal(folder: Path) -> Journal:
@@ -76,14 +70,14 @@ def _journal(folder: Path) -> Journal:
 
 def _scripted(folder: Path, script: Path) -> None:
     from ...taking.script import load_script, run_script
-    from .calibrate_person import count, program
+    from .calibrate_person import program
 
     top = load_script(script)
     with _journal(folder) as journal:
         journal.event("start", detail=f"{program()}, script {script.name}")
         added = run_script(journal, top, lambda step: say(f"done: {step.key}", err=True))
         journal.event("end")
-        say(f"{added} reading(s) added; {count(journal.session)}")
+        say(f"{count_text(added, 'reading')} added; {journal.session}")
 
 
 @calibrate.command()
@@ -100,10 +94,16 @@ def add(
     comment: str,
 ) -> None:
     """Add one reading, such as `station lambda_deg=0 incline_deg=2.3 belt_speed_m_s=1.6km/h`."""
-    from ...taking.parse_number import read_cells
+    from ...taking.parse_number import typed_cells
 
+    typed = dict[str, str]()
+    for cell in cells:
+        name, equals, text = cell.partition("=")
+        if not equals:
+            raise BadInput(f"{cell!r} is not NAME=VALUE")
+        typed[name] = text
     with _journal(folder) as journal:
-        values = read_cells(kind, cells, journal.session.setup)
+        values = typed_cells(kind, typed, journal.session.setup)
         number = journal.add(kind, values, replaces=replaces, comment=comment)
     say(f"reading {number} is kept" + (f"; reading {replaces} is not" if replaces else ""))
 

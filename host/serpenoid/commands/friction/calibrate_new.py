@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -11,25 +10,7 @@ import click
 
 from ...base.errors import BadInput
 from ...show.screen import say
-from ..declare import FOLDER, command, flag, option
-
-
-def quantity_of(name: str) -> Callable[[Any], float | str]:
-    """Return the type of a number with a unit, with a point or a comma; `later` does, too."""
-
-    def quantity(value: Any) -> float | str:
-        from ...session.settings import RobotTable
-        from ...taking.new_session import LATER
-        from ...taking.parse_number import read_number
-
-        if str(value).strip().lower() == LATER:
-            return ""
-        try:
-            return read_number(str(value), RobotTable.numbers()[name])
-        except BadInput as error:
-            raise click.BadParameter(str(error)) from None
-
-    return quantity
+from ..declare import FOLDER, command, flag, number, option
 
 
 @command()
@@ -41,32 +22,12 @@ def quantity_of(name: str) -> Callable[[Any], float | str]:
 )
 @flag("--defaults", "Ask nothing: 2005 robot, a home treadmill.")
 @option("--surface", "What the wheels roll on.")
-@option(
-    "--mass-kg",
-    "Mass of the whole robot, as it crawls; 480g does, too.",
-    type=quantity_of("mass_kg"),
-)
+@number("--mass-kg", "Mass of the whole robot, as it crawls.")
 @option(
     "--on",
     "Where: a treadmill, or pushes along a floor.",
     choice=["treadmill", "floor"],
     default="treadmill",
-)
-@option(
-    "--joints",
-    "What sets the joints: servos, a straightedge, or the hand alone.",
-    choice=["servos", "straightedge", "hand"],
-)
-@option(
-    "--wheels-kg",
-    "Mass of all wheels together, which a push sets turning.",
-    type=quantity_of("wheels_kg"),
-)
-@option(
-    "--volts",
-    "supply_v",
-    "Voltage at the servos' plug, measured while they move.",
-    type=quantity_of("supply_v"),
 )
 @flag("--simulated", "Say in the session that it is no measurement.")
 def new(

@@ -13,9 +13,10 @@ from ...model.robot import Robot
 from ...robot.wire.link import Link
 from ...session.journal import Journal
 from ...session.session import Session
+from ...session.settings import Setup
 from ...show.screen import say
-from ...taking.asking import Quit
-from ...taking.dialogue import Dialogue, ask_identity, robot_in_words
+from ...taking.asking import Quit, Skip, Undo
+from ...taking.dialogue import Dialogue, ask_identity
 from ...taking.films import FilmReader
 from ...taking.session_robot import SessionRobot
 from ...taking.steps import Tracked
@@ -26,25 +27,22 @@ from ...video.pushed import track_pushes
 from ..options import busy
 
 
-def with_a_person(
-    folder: Path,
-    port: str | Link | None,
-    patience_s: float,
-) -> None:
+def with_a_person(folder: Path, port: str | Link | None) -> None:
     """Take or resume a session at the terminal; exit status 1 where the robot was lost."""
     console = Console()
     with ExitStack() as stack:
         journal = stack.enter_context(Journal(folder))
         for note in journal.session.notes:
             console.say(f"note: {note}")
+        setup = journal.session.setup
+        console.say(f"{journal.session}; {robot_in_words(setup)}")
         try:
             ask_identity(journal, console)
-        except (Quit, EOFError):
+        except (Quit, Undo, Skip, EOFError):
             return console.say("Left; nothing was changed.")
         robot = None
         if port is not None:
-            joints = journal.session.setup.robot.links - 1
-            robot = stack.enter_context(SessionRobot(port, joints))
+            robot = stack.enter_context(SessionRobot(port, setup.robot.links - 1))
             console.keys = {
                 "left": lambda: robot.steer(1),
                 "right": lambda: robot.steer(-1),
@@ -54,12 +52,10 @@ def with_a_person(
         journal.event("start", detail=program())
         if robot is not None:
             journal.event("connect", detail=robot.greeting)
-        setup, board = journal.session.setup, "by hand" if robot is None else robot.greeting
-        words = f"{setup.name}: {robot_in_words(setup)}; robot {board}"
-        console.say(f"{words}. {count(journal.session)}.")
+            console.say(f"robot: {robot.greeting}")
         film = film_reader(setup.robot_table.tag_side_m)
         show_fit = lambda session: console.say(_so_far(session))  # noqa: E731
-        dialogue = Dialogue(journal, console, robot, show_fit, patience_s, film=film)
+        dialogue = Dialogue(journal, console, robot, show_fit, film=film)
         try:
             well = dialogue.run()
         finally:
@@ -87,19 +83,17 @@ def program() -> str:
     return f"serpenoid {version('serpenoid')}"
 
 
-def count(session: Session) -> str:
-    """Return how much a session holds, in words."""
-    counts = {
-        "stations": len(session.kept_stations),
-        "pushes": len(session.kept_pushes),
-        "gait runs": len(session.kept_crawls),
-        "void": sum(reading.voided for reading in session.readings),
-    }
-    counted = ", ".join(f"{name} {number}" for name, number in counts.items() if number)
-    return counted or "no reading yet"
+def robot_in_words(setup: Setup) -> str:
+    """Return robot and surface in words."""
+    robot = setup.robot
+    weighed = "" if setup.robot_table.weighs else " (not weighed)"
+    return (
+        f"{robot.links} links of {1000 * robot.link_length_m:.4g} mm, "
+        f"{1000 * robot.links * robot.link_mass_kg:.4g} g{weighed}, on {setup.laboratory.surface}"
+    )
 
 
-def film_reader(side_m: float | None = None, capture_fps: float | None = None) -> FilmReader:
+def film_reader(side_m: float | None, capture_fps: float | None = None) -> FilmReader:
     """Return what reads a film of a robot with tags; side_m: of a tag, by its links unless given.
 
     capture_fps: pictures a second that the camera took, of slow motion whose file does not tell.

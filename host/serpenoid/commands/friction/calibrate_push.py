@@ -33,7 +33,6 @@ from ..options import CAPTURE_FPS
     choice=["m", "cm", "mm", "in", "ft", "yd"],
 )
 @option("--place", "Of the floor's line, where there is more than one.", default="")
-@number("--tag-mm", "Side of a film's tags; the session's unless given.")
 @CAPTURE_FPS
 def push(
     folder: Path,
@@ -42,7 +41,6 @@ def push(
     way: str,
     unit: str | None,
     place: str,
-    tag_mm: float | None,
     capture_fps: float | None,
 ) -> None:
     """Take pushes along a floor from FILES: films, tracks of Tracker or Kinovea, CSV of t, x, y.
@@ -54,13 +52,11 @@ def push(
     """
     from ...session.journal import Journal
     from ...taking.films import take_track
-    from ...taking.pushes import push_in_words, way_after
+    from ...taking.pushes import other_way, push_in_words
     from .calibrate_person import film_reader
 
     with Journal(folder) as journal:
-        film = film_reader(
-            tag_mm / 1e3 if tag_mm else journal.session.setup.robot_table.tag_side_m, capture_fps
-        )
+        film = film_reader(journal.session.setup.robot_table.tag_side_m, capture_fps)
         for path in files:
             plan = journal.session.setup.plan
             cells: dict[str, float | str] = {"lambda_deg": lambda_deg, "way": way}
@@ -69,4 +65,5 @@ def push(
             pushes = take_track(journal, path, unit, cells, film, say, capture_fps)
             for reading in pushes:
                 say(push_in_words(reading))
-            way = way_after(pushes, way)
+            # The robot was turned round after the last push; a void piece may be a hand.
+            way = other_way(([push for push in pushes if not push.voided] or pushes)[-1].way)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .parameters import Floats
+from .track import Floats
 
 MIN_SCATTERS = 20.0  # shortest way, in the scatter of a place, that has a direction
 
