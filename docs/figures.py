@@ -44,8 +44,7 @@ def run(path: Path) -> None:
 
 def accuracy(path: Path) -> None:
     """Draw the measurement that stands in accuracy.csv; `serpenoid bench` measures."""
-    rows, machine = read_rows(STORED / "accuracy.csv")
-    work_precision_figure(rows, path, machine)
+    work_precision_figure(read_rows(STORED / "accuracy.csv"), path)
 
 
 def stability(path: Path) -> None:

@@ -16,7 +16,6 @@ def main() -> None:
             continue  # kept as it is
         end, coarse_end = (solve(problem, "DOP853", tolerance) for tolerance in (1e-13, 1e-12))
         solutions[problem.name] = {
-            "first": problem.vector(problem.start).tolist(),
             "end": end.tolist(),
             "known_to": max(problem.error(coarse_end, end), 1e-14),
         }

@@ -1,10 +1,10 @@
 """SciPy's solve_ivp on both models in plain NumPy: what a user has without this package.
 
-State, explicit: x, y, theta of link 1 and their rates. Implicit: x, y, vx, vy of all links (n
-values each), then theta and its rate of link 1. The exact model is Newton's law of all links,
-projected on the three free coordinates by dense matrices; the core sums over the links instead.
-Dry friction: the sign is smoothed, v / sqrt(v^2 + width^2), since solve_ivp wants a continuous
-right-hand side.
+State: x, y, vx, vy of link 1, or of all links if their joints are springs (n values each), then
+theta and its rate of link 1. The exact model is Newton's law of all links, projected on the three
+free coordinates by dense matrices; the core sums over the links instead. Places, velocities and
+forces are complex numbers, x + i y. Dry friction: the sign is smoothed, v / sqrt(v^2 + width^2),
+since solve_ivp wants a continuous right-hand side.
 """
 
 from __future__ import annotations
@@ -12,12 +12,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..model.gait import joint_motion
 from .problems import Array, Problem
 
 METHODS = ("RK45", "DOP853", "LSODA", "Radau", "BDF")
 Rate = Callable[[float, Array], Array]
+Complex = NDArray[np.complex128]
 
 
 def equations(problem: Problem, width_m_s: float = 0.0) -> Rate:
@@ -26,63 +28,60 @@ def equations(problem: Problem, width_m_s: float = 0.0) -> Rate:
     robot, ground, gait = scene.robot, scene.ground, scene.gait
     n, mass, inertia = robot.links, robot.link_mass_kg, robot.inertia_kg_m2
     half = robot.link_length_m / 2
-    # x of all links = x of link 1 + arms @ cos(angles): half of the first and of the last link
-    # on the way, all of those between
+    # Centres of all links = that of link 1 + arms @ directions: half of the first and of the last
+    # link on the way, all of those between.
     arms = half * (np.tri(n) + np.tri(n, k=-1))
     arms[:, 0] = half * (np.arange(n) > 0)
     arms[0] = 0.0
 
-    def shape(t: float, theta: float, omega: float) -> tuple[Array, Array, Array]:
-        """Return angles of all links, their rates, and accelerations but for that of link 1."""
-        angle, rate, turn = (np.append(0.0, part.cumsum()) for part in joint_motion(gait, n - 1, t))
-        return theta + angle, omega + rate, turn
+    def shape(t: float, theta: float, omega: float) -> tuple[Complex, Array, Array]:
+        """Return directions of all links, their rates, and accelerations but for link 1's."""
+        angle, rate, turns = (
+            np.append(0.0, part.cumsum()) for part in joint_motion(gait, n - 1, t)
+        )
+        return np.exp(1j * (theta + angle)), omega + rate, turns
 
     def sign(v: Array) -> Array:
         return v / np.sqrt(v * v + width_m_s**2) if width_m_s > 0 else np.sign(v)
 
-    def friction(c: Array, s: Array, vx: Array, vy: Array) -> tuple[Array, Array]:
-        """Return the ground's force on each link, along x and y."""
-        along, across = c * vx + s * vy, c * vy - s * vx
+    def friction(direction: Complex, velocity: Complex) -> Complex:
+        """Return the ground's force on each link."""
+        local = velocity * direction.conj()
+        along, across = local.real, local.imag
         ct = np.where(along > 0, ground.ct_forward, ground.ct_backward)
         ft0 = np.where(along > 0, ground.ft0_forward, ground.ft0_backward)
-        ft = -ct * along - ft0 * sign(along)
-        fn = -ground.cn * across - ground.fn0 * sign(across)
-        return ft * c - fn * s, ft * s + fn * c
+        force = ct * along + ft0 * sign(along)
+        return -(force + 1j * (ground.cn * across + ground.fn0 * sign(across))) * direction
 
     def explicit(t: float, y: Array) -> Array:
-        angles, rates, turns = shape(t, y[2], y[5])
-        c, s, unit, none = np.cos(angles), np.sin(angles), np.ones(n), np.zeros(n)
-        by_x = np.stack([unit, none, -arms @ s])  # x of all links by x, y and theta of link 1
-        by_y = np.stack([none, unit, arms @ c])
-        vx, vy = y[3] - arms @ (s * rates), y[4] + arms @ (c * rates)
-        rest_x = -arms @ (s * turns + c * rates**2)  # acceleration while link 1's is 0
-        rest_y = arms @ (c * turns - s * rates**2)
-        fx, fy = friction(c, s, vx, vy)
-        masses = mass * (by_x @ by_x.T + by_y @ by_y.T)
+        direction, rates, turns = shape(t, y[-2], y[-1])
+        by_theta = arms @ (1j * direction)
+        velocity = y[2] + 1j * y[3] + arms @ (1j * rates * direction)
+        drift = arms @ ((1j * turns - rates**2) * direction)  # acceleration while link 1's is 0
+        force = friction(direction, velocity) - mass * drift
+        columns = np.stack([np.ones(n), 1j * np.ones(n), by_theta])  # by x, y and theta of link 1
+        masses = mass * (columns.conj() @ columns.T).real
         masses[2, 2] += n * inertia
-        force = by_x @ (fx - mass * rest_x) + by_y @ (fy - mass * rest_y)
-        force[2] -= inertia * turns.sum()
-        return np.concatenate([y[3:], np.linalg.solve(masses, force)])
+        forces = (columns.conj() @ force).real
+        forces[2] -= inertia * turns.sum()
+        *acceleration, spin = np.linalg.solve(masses, forces)
+        return np.array([y[2], y[3], *acceleration, y[-1], spin])
 
     def implicit(t: float, y: Array) -> Array:
-        angles, rates, turns = shape(t, y[4 * n], y[4 * n + 1])
-        c, s = np.cos(angles), np.sin(angles)
+        direction, rates, turns = shape(t, y[-2], y[-1])
         x, y_links, vx, vy = y[: 4 * n].reshape(4, n)
-        meets = np.eye(n - 1, n) + np.eye(n - 1, n, k=1)
-        apart = np.eye(n - 1, n, k=1) - np.eye(n - 1, n)
-        arm_x, arm_y = half * meets @ c, half * meets @ s
-        rate_x = apart @ vx + half * meets @ (s * rates)
-        rate_y = apart @ vy - half * meets @ (c * rates)
-        k, d = scene.joint_stiffness_n_m, scene.joint_damping_n_s_m
-        pull_x = k * (apart @ x - arm_x) + d * rate_x
-        pull_y = k * (apart @ y_links - arm_y) + d * rate_y
-        fx, fy = friction(c, s, vx, vy)
-        ax, ay = ((f - apart.T @ p) / mass for f, p in ((fx, pull_x), (fy, pull_y)))
-        couple = arm_x @ pull_y - arm_y @ pull_x
-        spin = (couple - inertia * turns.sum()) / (n * inertia)
-        return np.concatenate([vx, vy, ax, ay, [y[4 * n + 1], spin]])
+        velocity = vx + 1j * vy
+        arm = half * (direction[1:] + direction[:-1])
+        spin = half * 1j * (rates[1:] * direction[1:] + rates[:-1] * direction[:-1])
+        pull = scene.joint_stiffness_n_m * (np.diff(x + 1j * y_links) - arm)
+        pull += scene.joint_damping_n_s_m * (np.diff(velocity) - spin)
+        force = friction(direction, velocity) + np.diff(pull, prepend=0, append=0)
+        acceleration = force / mass
+        couple = float((arm.conj() @ pull).imag) - inertia * turns.sum()
+        rate = [y[-1], couple / (n * inertia)]
+        return np.concatenate([vx, vy, acceleration.real, acceleration.imag, rate])
 
-    return implicit if problem.soft else explicit
+    return implicit if scene.formulation == "implicit" else explicit
 
 
 def solve(problem: Problem, method: str, tolerance: float, width_m_s: float = 0.0) -> Array:

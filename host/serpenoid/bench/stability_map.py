@@ -41,24 +41,18 @@ LIMIT_S = 30.0  # Processor time of a line of cells over dt
 Line = tuple[str, int, float, float, float]
 
 
-@dataclass(frozen=True, slots=True)
-class Grid:
-    """Hold the points of a map: n links, cn N s/m, c N s/m, k N/m, dt s, and steps of each run."""
-
-    links: tuple[int, ...]
-    friction: tuple[float, ...]
-    damping: tuple[float, ...]
-    stiffness: tuple[float, ...]
-    dt_s: tuple[float, ...]
-    steps: int
-
-
 def _decades(low: int, high: int, per_decade: int) -> tuple[float, ...]:
     return tuple(np.logspace(low, high, (high - low) * per_decade + 1).tolist())
 
 
-FULL = Grid((2, 6), (10.0, 1e4), (0.0, 1.0, 1e3, 1e5), _decades(2, 9, 2), _decades(-5, -1, 3), 1200)
-QUICK = Grid((6,), (10.0, 1e4), (0.0, 1e3), _decades(2, 8, 1), _decades(-5, -1, 2), 600)
+# A map: its axes (links, cn N s/m, c N s/m, k N/m), the steps dt in s, and how many a run takes.
+Map = tuple[tuple[Sequence[float], ...], Sequence[float], int]
+WIDE: Map = (
+    ((2, 6), (10.0, 1e4), (0.0, 1.0, 1e3, 1e5), _decades(2, 9, 2)),
+    _decades(-5, -1, 3),
+    1200,
+)
+COARSE: Map = ((6,), (10.0, 1e4), (0.0, 1e3), _decades(2, 8, 1)), _decades(-5, -1, 2), 600
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,24 +144,22 @@ def line_of_growth(line: Line, steps_s: Sequence[float], count: int) -> list[flo
     return [growth(replace(scene_of(*line), dt_s=dt), count) for dt in steps_s]
 
 
-def measure(grid: Grid, tell: Callable[[str], None]) -> Iterator[Cell]:
-    """Yield every cell of a grid for every method of fixed steps."""
-    axes = fixed_step_methods(), grid.links, grid.friction, grid.damping, grid.stiffness
+def measure(quick: bool, tell: Callable[[str], None]) -> Iterator[Cell]:
+    """Yield every cell of a map for every method of fixed steps."""
+    axes, steps_s, count = COARSE if quick else WIDE
     with Limited() as child:
-        for line in product(*axes):
-            if line[2:] == (grid.friction[0], grid.damping[0], grid.stiffness[0]):
-                tell(f"map of stability: {line[0]}, {line[1]} links ...")
+        for line in product(fixed_step_methods(), *axes):
+            if all(value == values[0] for value, values in zip(line[1:], axes, strict=True)):
+                tell(f"map of stability: {line[0]} ...")
             limit_s = largest_stable_step_s(scene_of(*line))
-            values, note = child(LIMIT_S, line_of_growth, line, grid.dt_s, grid.steps)
-            values = values or [math.nan] * len(grid.dt_s)
-            for dt_s, value in zip(grid.dt_s, values, strict=True):
+            values, note = child(LIMIT_S, line_of_growth, line, steps_s, count)
+            values = values or [math.nan] * len(steps_s)
+            for dt_s, value in zip(steps_s, values, strict=True):
                 yield Cell(*line, dt_s, value, limit_s, note)
 
 
 def stability_figure(cells: Sequence[Cell], path: Path) -> None:
     """Draw all methods downwards, low and high friction and damping to the right, of 6 links."""
-    from matplotlib.patches import Patch
-
     panels: dict[tuple[str, float, float], list[Cell]] = {}
     for cell in cells:
         if cell.links == FIGURE_LINKS and cell.damping_n_s_m in FIGURE_DAMPING_N_S_M:
@@ -179,9 +171,10 @@ def stability_figure(cells: Sequence[Cell], path: Path) -> None:
     grid = {"rows": len(methods), "squeeze": False, "sharex": True, "sharey": True}
     with figure(*size, columns, path=path, **grid) as (fig, axes):
         for ax, ((_, friction, damping), inside) in zip(axes.flat, panels.items(), strict=True):
+            for kind, (word, colour) in enumerate(zip(WORDS, COLOURS, strict=True)):
+                points = [(cell.stiffness_n_m, cell.dt_s) for cell in inside if cell.kind == kind]
+                ax.scatter(*np.reshape(points, (-1, 2)).T, c=colour, marker="s", s=45, label=word)
             stiffness = [cell.stiffness_n_m for cell in inside]
-            colours = [COLOURS[cell.kind] for cell in inside]
-            ax.scatter(stiffness, [cell.dt_s for cell in inside], c=colours, marker="s", s=45)
             limits = [cell.limit_s for cell in inside]
             ax.plot(stiffness, limits, color="black", lw=1.4, label="limit by the rule")
             ax.set(xscale="log", yscale="log", ylim=(5e-6, 0.2))
@@ -191,7 +184,6 @@ def stability_figure(cells: Sequence[Cell], path: Path) -> None:
             ax.set_ylabel(f"{method}\nstep dt (s)")
         for ax in axes[-1]:
             ax.set_xlabel("stiffness k (N/m)")
-        kinds = zip(COLOURS, WORDS, strict=True)
-        handles = [Patch(color=colour, label=word) for colour, word in kinds] + axes[0, 0].lines
-        fig.legend(handles=handles, loc="outside lower center", ncols=columns, fontsize=9)
+        handles, words = axes[0, 0].get_legend_handles_labels()
+        fig.legend(handles, words, loc="outside lower center", ncols=columns, fontsize=9)
         heading(fig, "Joints as springs k and dampers c, 6 links: does a disturbance grow?", 11)

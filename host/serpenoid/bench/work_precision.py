@@ -8,7 +8,6 @@ not in it.
 
 from __future__ import annotations
 
-import dataclasses
 import math
 import platform
 import statistics
@@ -16,14 +15,13 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import pairwise
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from .. import _core
-from ..base.files import csv_rows, read_text, write_csv
+from ..base.files import csv_rows, read_text
 from ..simulation.scene import METHODS, objection
 from ..simulation.simulate import simulate
 from . import scipy_peer
@@ -40,7 +38,6 @@ TABLE_ERROR = 1e-6
 PEER = "SciPy "  # begins the names of its methods
 FAILED = math.nan, math.nan
 Work = Callable[[], Array]
-Points = list[tuple[float, float]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,27 +54,23 @@ class Row:
     error: float = math.nan
     time_s: float = math.nan
     note: str = ""
+    machine: str = ""
 
 
-class Contender(NamedTuple):
-    """One way to solve a problem: the method, what its settings are, and their values."""
+def contenders(problem: Problem) -> list[tuple[str, str, tuple[float, ...]]]:
+    """Return every method of ours and SciPy's, what its settings are, and their values.
 
-    name: str
-    kind: str
-    settings: tuple[float, ...]
-
-
-def contenders(problem: Problem) -> list[Contender]:
-    """Return every method of ours, and SciPy's; on dry ground the width of the sign is theirs."""
+    On dry ground the width of the smoothed sign is set of SciPy's.
+    """
     scene, ways = problem.scene, []
     for name, kind in METHODS.items():
         if objection(name, scene) is None:
             adaptive = scene.formulation in kind.adaptive
             setting = ("tolerance", TOLERANCES) if adaptive else ("dt_s", STEPS_S)
-            ways.append(Contender(name, *setting))
+            ways.append((name, *setting))
     dry = scene.law == "dry"
     setting = ("width_m_s", WIDTHS_M_S) if dry else ("tolerance", TOLERANCES)
-    return ways + [Contender(PEER + name, *setting) for name in scipy_peer.METHODS]
+    return ways + [(PEER + name, *setting) for name in scipy_peer.METHODS]
 
 
 def work_of(problem: Problem, method: str, kind: str, setting: float) -> Work:
@@ -110,7 +103,7 @@ def _timed(problem: Problem, work: tuple[str, str, float], rounds: int) -> tuple
     if not np.isfinite(end).all():
         raise ArithmeticError("the end state is not finite")
     median = statistics.median(times[1:] or times)
-    return problem.error(end, reference(problem).end), median / problem.scene.duration_s
+    return problem.error(end, reference(problem)[0]), median / problem.scene.duration_s
 
 
 def measure(quick: bool, tell: Callable[[str], None]) -> Iterator[Row]:
@@ -118,79 +111,60 @@ def measure(quick: bool, tell: Callable[[str], None]) -> Iterator[Row]:
 
     A fixed step refused as too long does not end the row: a shorter one may be right.
     """
-    limit_s, rounds = (3.0, 3) if quick else (1.0, 5)
+    limit_s, rounds, computer = (3.0, 3, machine()) if quick else (1.0, 5, machine())
     with Limited() as child:
         for problem in problems():
             if quick > problem.quick:
                 continue
             tell(f"error against run time: {problem.title} ...")
             for name, kind, values in contenders(problem):
-                settings, overran = values, ""
+                overran = ""
+                settings = values
                 if quick:  # every other setting; of SciPy's solvers the best one at two
                     best = values[:3:2] if name == f"{PEER}DOP853" else ()
                     settings = values[::2] if name in METHODS else best
                 for setting in settings:
-                    answer, note = None, overran
+                    work, answer, note = (name, kind, setting), None, overran
                     if not overran:
-                        work = name, kind, setting
                         answer, note = child(limit_s, _timed, problem, work, rounds)
                         if note.startswith(("HANG", "CRASH")):
                             overran = f"not tried: {note} at the setting before"
                     error, time_s = answer or FAILED
-                    yield Row(problem.name, name, kind, setting, error, time_s, note)
+                    yield Row(problem.name, *work, error, time_s, note, computer)
 
 
-def time_at(error: float, points: Sequence[tuple[float, float]]) -> float | None:
-    """Return the least time that reaches an error, or None where no setting does.
-
-    points: (error, time), from the loosest setting to the tightest. Between a point above the
-    error and the next one at or below it, time is interpolated along the straight line in log-log;
-    nothing is extrapolated: a first point already good enough counts with its own time.
-    """
-    times = [points[0][1]] if points and points[0][0] <= error else []
-    for (e0, t0), (e1, t1) in pairwise(points):
-        if e0 > error >= e1:
-            # an error of exactly 0 has no logarithm: the point itself is then the answer
-            f = math.log(e0 / error) / math.log(e0 / e1) if e1 > 0 else 1.0
-            times.append(t0 ** (1 - f) * t1**f)
-        elif e1 <= error:
-            times.append(t1)
-    return min(times, default=None)
-
-
-def points_of(rows: Sequence[Row], scene: str) -> dict[str, Points]:
-    """Return (error, time) of a scene by method, without what failed."""
-    points: dict[str, Points] = {row.method: [] for row in rows if row.scene == scene}
-    for row in rows:
-        if row.scene == scene and not math.isnan(row.error):
-            points[row.method].append((row.error, row.time_s))
-    return points
+def time_at(error: float, rows: Sequence[Row]) -> float:
+    """Return the time that reaches an error, between settings by logarithms; inf: none does."""
+    reached = sorted((max(row.error, 1e-300), row.time_s) for row in rows if row.error >= 0)
+    if not reached or reached[0][0] > error:
+        return math.inf
+    errors, times = np.log(reached).T
+    return math.exp(np.interp(math.log(error), errors, np.minimum.accumulate(times)))
 
 
 def table(rows: Sequence[Row]) -> str:
     """Return a Markdown table of ms of processor time a simulated second at TABLE_ERROR."""
-    scenes = list(dict.fromkeys(row.scene for row in rows))
-    times = [
-        {name: time_at(TABLE_ERROR, line) for name, line in points_of(rows, scene).items()}
-        for scene in scenes
-    ]
+    lines: dict[tuple[str, str], list[Row]] = {}
+    for row in sorted(rows, key=lambda row: PEER in row.method):
+        lines.setdefault((row.method, row.scene), []).append(row)
+    times_ms = {key: 1e3 * time_at(TABLE_ERROR, points) for key, points in lines.items()}
+    scenes = dict.fromkeys(row.scene for row in rows)
 
-    def cell(time_s: float | None) -> str:
-        return (
-            "–" if time_s is None else f"{1e3 * time_s:{'.2g' if time_s < MAX_TIMED_S else '.0f'}}"
-        )
+    def best(scene: str, peer: bool) -> float:
+        ways = [way for way in times_ms if way[1] == scene and (PEER in way[0]) == peer]
+        return min((times_ms[way] for way in ways), default=math.inf)
 
-    methods = dict.fromkeys(row.method for row in sorted(rows, key=lambda r: PEER in r.method))
-    lines = [["ms", *scenes], ["---", *("---:" for _ in scenes)]]
-    lines += [[m, *(cell(column[m]) if m in column else "" for column in times)] for m in methods]
-    last = ["**SciPy's best / our best**"]
-    for column in times:
-        theirs, ours = (
-            min((t for m, t in column.items() if t and m.startswith(PEER) == peer), default=None)
-            for peer in (True, False)
-        )
-        last.append(f"**{theirs / ours:.2g}**" if theirs and ours else "–")
-    return "\n".join("| " + " | ".join(line) + " |" for line in [*lines, last])
+    def cell(value: float | None) -> str:
+        if value is None:
+            return ""
+        return f"{float(f'{value:.2g}'):g}" if math.isfinite(value) else "–"
+
+    cells = [["ms", *scenes], ["---", *("---:" for _ in scenes)]]
+    for name in dict.fromkeys(name for name, _ in lines):
+        cells.append([name, *(cell(times_ms.get((name, scene))) for scene in scenes)])
+    ratios = [cell(best(scene, True) / best(scene, False)) for scene in scenes]
+    cells.append(["SciPy's best / our best", *ratios])
+    return "\n".join("| " + " | ".join(line) + " |" for line in cells)
 
 
 def machine() -> str:
@@ -203,18 +177,9 @@ def machine() -> str:
     return f"{names[0] if names else platform.machine()}, {_core.compiler}, one core"
 
 
-def write_rows(path: Path, rows: Sequence[Row]) -> None:
-    """Write rows to a CSV file, each with the machine of the measurement."""
-    header = [*(field.name for field in dataclasses.fields(Row)), "machine"]
-    write_csv(path, header, [[*dataclasses.astuple(row), machine()] for row in rows])
-
-
-def read_rows(path: Path) -> tuple[list[Row], str]:
-    """Return the rows of a file that write_rows wrote, and the machine of the measurement."""
+def read_rows(path: Path) -> list[Row]:
+    """Return the rows of a file that `serpenoid bench` wrote."""
     _, *lines = csv_rows(read_text(path))
     numbers = [[float(cell or "nan") for cell in line[3:6]] for line in lines]
-    rows = [
-        Row(*line[:3], *values, line[6])  # type: ignore[arg-type]
-        for line, values in zip(lines, numbers, strict=True)
-    ]
-    return rows, lines[0][7]
+    pairs = zip(lines, numbers, strict=True)
+    return [Row(*line[:3], *values, *line[6:]) for line, values in pairs]  # type: ignore[arg-type]

@@ -47,11 +47,9 @@ def bench(folder: Path, quick: bool) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     tell("what each term of a scene costs ...")
     costs = saved("costs.csv", scenes.measure(quick))
-    rows = list(work_precision.measure(quick, tell))
-    work_precision.write_rows(folder / "accuracy.csv", rows)
-    work_precision_figure(rows, folder / "accuracy.png", work_precision.machine())
-    grid = stability_map.QUICK if quick else stability_map.FULL
-    cells = saved("stability.csv", stability_map.measure(grid, tell))
+    rows = saved("accuracy.csv", work_precision.measure(quick, tell))
+    work_precision_figure(rows, folder / "accuracy.png")
+    cells = saved("stability.csv", stability_map.measure(quick, tell))
     stability_map.stability_figure(cells, folder / "stability.png")
     outcomes = saved("extremes.csv", extremes.measure(quick, tell))
 

@@ -33,8 +33,8 @@ RATCHETS = [
 def dense_rates(problem: Problem, t: float, y: Array) -> Array:
     """Return y' of the peer's vector by the tests' dense equations."""
     slow, n = SlowScene(problem.scene), problem.scene.robot.links
-    if not problem.soft:
-        return slow.rate(t, np.append(y, np.zeros(4)))[:6]
+    if problem.bodies == 1:
+        return slow.rate(t, np.append(y[[0, 1, 4, 2, 3, 5]], np.zeros(4)))[[0, 1, 3, 4, 2, 5]]
     phi, phi_rate, _ = slow.joints(t)
     theta, omega = (np.append(y[k], y[k] + phi.cumsum()) for k, phi in ((-2, phi), (-1, phi_rate)))
     x, y_links, vx, vy = y[:-2].reshape(4, n)
