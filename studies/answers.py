@@ -356,11 +356,11 @@ def predict(_r: Random, number: int) -> Answer:
     compared = sn.compare(session, samples=64, **more)
     answer: Answer = {"verdict": compared.verdict}
     for k, g in enumerate(compared.gaits):
-        answer |= between_ends(f"friction m_s {k}", g.low_m_s, g.high_m_s, SHIFT)
-        if g.low_all_m_s is None:  # beyond what servos can run
+        answer |= between_ends(f"friction m_s {k}", g.low_friction_m_s, g.high_friction_m_s, SHIFT)
+        if g.too_fast:  # beyond what servos can run
             answer[f"all m_s {k}"] = "no band"
         else:
-            answer |= between_ends(f"all m_s {k}", g.low_all_m_s, g.high_all_m_s, SHIFT)
+            answer |= between_ends(f"all m_s {k}", g.low_m_s, g.high_m_s, SHIFT)
     return answer
 
 

@@ -58,8 +58,8 @@ def run_demo(folder: Path) -> None:
     gait = compared.gaits[1]
     _step(
         3,
-        f"Its speed at {gait.frequency_hz:.2g} Hz: {gait.low_all_m_s:#.2g} to "
-        f"{gait.high_all_m_s:#.2g} m/s predicted with hobby servos, {gait.measured_m_s:#.2g} run.",
+        f"Its speed at {gait.frequency_hz:.2g} Hz: {gait.low_m_s:#.2g} to "
+        f"{gait.high_m_s:#.2g} m/s predicted with hobby servos, {gait.measured_m_s:#.2g} run.",
         "Both agree." if compared.verdict == "agrees" else compared.verdict_text,
     )
     floor = push_along_floor(folder, fit.robot)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -22,16 +22,17 @@ from .speeds import SAMPLES, Samples, draw_samples, speed, speeds
 class SpeedBand:
     """Hold what a fit predicts of one gait: the speed, and the 95 % interval about it.
 
-    low_m_s, high_m_s: over samples of the frictions that the readings allow, each with joints whose
-    amplitude is off by AMPLITUDE_SIGMA and with a servo of its own. low_friction_m_s,
-    high_friction_m_s: the narrower one, of friction alone and ideal joints; low_joints_m_s,
-    high_joints_m_s: that with the amplitude's doubt. servo: the kind of servo; None: joints that
-    follow the gait. filmed: the joints are as a film showed them, so that their amplitude is
-    certain. too_fast: the sentence that the gait is too fast for the servos, or ""; low_m_s and
-    high_m_s are then NaN. exact_m_s: the speed of ideal joints. samples_m_s: (3, N), as of
-    `speeds`.
+    speed_m_s: with the typical servo; exact_m_s: of ideal joints. low_m_s, high_m_s: over samples
+    of the frictions that the readings allow, each with joints whose amplitude is off by
+    AMPLITUDE_SIGMA and with a servo of its own. low_friction_m_s, high_friction_m_s: the narrower
+    one, of friction alone and ideal joints; low_joints_m_s, high_joints_m_s: that with the
+    amplitude's doubt. servo: the kind of servo; None: joints that follow the gait. filmed: the
+    joints are as a film showed them, so that their amplitude is certain. too_fast: the sentence
+    that the gait is too fast for the servos, or ""; low_m_s and high_m_s are then NaN.
+    samples_m_s: (3, N), as of `speeds`.
     """
 
+    gait: Gait
     speed_m_s: float
     low_m_s: float
     high_m_s: float
@@ -45,12 +46,16 @@ class SpeedBand:
     exact_m_s: float
     samples_m_s: Array
 
+    @property
+    def frequency_hz(self) -> float:
+        """Return the gait's frequency."""
+        return self.gait.omega_rad_s / math.tau
+
     def to_dict(self) -> dict[str, Any]:
         """Return plain values; None for the ends of a band where the gait is too fast."""
-        values = asdict(self)
-        for name in ("exact_m_s", "samples_m_s"):
-            del values[name]
-        return values | ({"low_m_s": None, "high_m_s": None} if values.pop("too_fast") else {})
+        hidden = ("gait", "exact_m_s", "samples_m_s", "too_fast")
+        values = {name: value for name, value in vars(self).items() if name not in hidden}
+        return values | ({"low_m_s": None, "high_m_s": None} if self.too_fast else {})
 
     def in_words(self) -> str:
         """Return the speed with its band, or why it has none."""
@@ -65,19 +70,19 @@ class SpeedBand:
 def predict(samples: Samples, gait: Gait, commanded: Gait | None = None) -> SpeedBand:
     """Return a gait's speed by the exact model, with the band of samples; commanded: as there."""
     fit, kind = samples.fit, samples.kind
-    too_fast = "" if commanded else too_fast_text(gait, kind)
     samples_m_s = speeds(samples, gait, commanded)
     friction, joints, ends = map(band, samples_m_s)
-    exact_m_s = speed(fit.robot, fit.ground, gait)
-    typical_m_s = exact_m_s
+    exact_m_s = typical_m_s = speed(fit.robot, fit.ground, gait)
     if commanded:
         typical_m_s *= float(np.median(samples_m_s[2] / np.maximum(samples_m_s[1], 1e-9)))
     elif kind:
         typical_m_s = speed(fit.robot, fit.ground, gait, kind.servo)
+    too_fast = "" if commanded else too_fast_text(gait, kind)
     if too_fast:
         ends = math.nan, math.nan
     servo = kind and kind.name, commanded is not None, too_fast
-    return SpeedBand(typical_m_s, *ends, *friction, *joints, *servo, exact_m_s, samples_m_s)
+    values = typical_m_s, *ends, *friction, *joints, *servo, exact_m_s, samples_m_s
+    return SpeedBand(gait, *values)
 
 
 def speed_band(

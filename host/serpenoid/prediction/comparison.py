@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -18,81 +18,59 @@ from ..friction.result import FrictionFit
 from ..model.drives import ServoKind
 from ..model.gait import Gait, gait_name
 from ..servos.catalogue import HOBBY
-from ..servos.speed_limit import highest_hz, too_fast_text
+from ..servos.speed_limit import too_fast_text
 from ..session.crawls import Crawls, crawls_by_command, driving, mean_speed, same_command
-from ..session.gait_run import Crawl
 from ..session.session import Session
 from ..simulation.steady_springs import steady_springs
 from .band import SpeedBand, predict
 from .level import level_session
-from .speeds import AMPLITUDE_SIGMA, SAMPLES, Progress, draw_samples
+from .speeds import AMPLITUDE_SIGMA, SAMPLES, Progress, Samples, draw_samples
 from .verdict import SIMULATED, Factor, Predicted, best_factors
 
 DOUBTFUL = 0.05  # p-value below which speeds differ from the prediction
-NORMAL_95 = 1.96  # standard deviations within which 95 % of normal errors lie
 SPRINGS_RTOL = 1e-3
 NO_GAIT = "no gait run and no gait planned; give one, or take a run with `serpenoid calibrate`"
 NOT_MEASURED = "No gait was run yet: these are predictions. Run one, and compare again."
 
 
-@dataclass(frozen=True)
-class ComparedGait:
-    """One gait: predicted by exact and implicit model, with its 95 % bands, and measured.
+@dataclass(frozen=True, eq=False)
+class ComparedGait(SpeedBand):
+    """One gait: its band, the speed by the paper's springs, and what was measured.
 
-    exact_m_s: of joints that follow the gait. typical_m_s: with the typical servo. low_m_s,
-    high_m_s: of the frictions that the fit allows. low_all_m_s, high_all_m_s: with the joints'
-    amplitude and the servos besides; None where the gait is too fast for them, and is not judged.
     runs: numbers of the measured runs; measured_m_s, sigma_m_s: their mean and its standard
-    deviation; none if not measured. residual_m_s: measured less exact. implicit_m_s,
+    deviation; None if not measured. residual_m_s: measured less exact. implicit_m_s,
     implicit_error_m_s: of the paper's springs, for a gait that was run; None where they never
     settle.
     """
 
-    alpha_rad: float
-    beta_rad: float
-    frequency_hz: float
-    exact_m_s: float
-    typical_m_s: float
-    low_m_s: float
-    high_m_s: float
-    low_all_m_s: float | None
-    high_all_m_s: float | None
-    implicit_m_s: float | None = None
-    implicit_error_m_s: float | None = None
     runs: tuple[int, ...] = ()
     measured_m_s: float | None = None
     sigma_m_s: float | None = None
     residual_m_s: float | None = None
+    implicit_m_s: float | None = None
+    implicit_error_m_s: float | None = None
 
     @property
     def judged(self) -> bool:
         """Return whether the gait was run and servos can follow it."""
-        return bool(self.runs) and self.low_all_m_s is not None
+        return bool(self.runs) and not self.too_fast
 
-    @property
-    def outside(self) -> bool:
-        """Return whether a judged speed is outside its band, by more than its own error."""
-        low, high, measured = self.low_all_m_s, self.high_all_m_s, self.measured_m_s
-        if low is None or high is None or measured is None:
-            return False
-        error = NORMAL_95 * (self.sigma_m_s or 0.0)
-        return not low - error <= measured <= high + error
-
-    @property
-    def name(self) -> str:
-        """Return the gait's angles and frequency."""
-        return gait_name(Gait(self.alpha_rad, self.beta_rad, math.tau * self.frequency_hz))
+    def to_dict(self) -> dict[str, Any]:
+        """Return the gait, then its figures by name."""
+        angles = {"alpha_rad": self.gait.alpha_rad, "beta_rad": self.gait.beta_rad}
+        speeds_m_s = super().to_dict() | {"exact_m_s": self.exact_m_s}
+        return angles | {"frequency_hz": self.frequency_hz} | speeds_m_s
 
     def cells(self) -> list[str]:
         """Return the gait and its speeds, m/s, as in the heads of a comparison."""
         measured = f"{self.measured_m_s:.4f} ± {self.sigma_m_s:.4f}" if self.runs else "–"
-        band_text, implicit = "too fast", "–"
-        if self.low_all_m_s is not None:
-            band_text = f"{self.low_all_m_s:.3g} to {self.high_all_m_s:.3g}"
+        band_text = "too fast" if self.too_fast else f"{self.low_m_s:.3g} to {self.high_m_s:.3g}"
+        implicit = "–"
         if self.implicit_m_s is not None:
             implicit = f"{self.implicit_m_s:.4f} ± {self.implicit_error_m_s:.1g}"
-        friction = f"{self.low_m_s:.3g} to {self.high_m_s:.3g}"
-        return [self.name, measured, band_text, implicit, f"{self.exact_m_s:.4f}", friction]
+        friction = f"{self.low_friction_m_s:.3g} to {self.high_friction_m_s:.3g}"
+        exact = f"{self.exact_m_s:.4f}"
+        return [gait_name(self.gait), measured, band_text, implicit, exact, friction]
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,8 +86,6 @@ class Comparison(Plottable):
     gaits
         The gaits that were run; the planned ones if none was. Those that the servos cannot follow
         come last, without a band, and are not judged.
-    measured
-        All runs that were kept; those along a floor's slope as they would be on level ground.
     p_value
         The chance of speeds so far from the predicted ones if model, fit and stated errors hold;
         None if no gait was judged.
@@ -126,8 +102,6 @@ class Comparison(Plottable):
         The kind of servo; None for joints that follow the gait.
     fit
         The friction that the predictions rest on.
-    highest_hz
-        Frequency up to which the first gait is not too fast for such servos, Hz; None without.
 
     Examples
     --------
@@ -141,7 +115,6 @@ class Comparison(Plottable):
     session: str
     amplitude_sigma: float
     gaits: tuple[ComparedGait, ...]
-    measured: tuple[Crawl, ...]
     p_value: float | None
     friction: Factor | None
     amplitude: Factor | None
@@ -149,7 +122,6 @@ class Comparison(Plottable):
     verdict_text: str
     servo: ServoKind | None = None
     fit: FrictionFit | None = None
-    highest_hz: float | None = None
 
     def in_words(self) -> str:
         """Return the verdict."""
@@ -161,19 +133,19 @@ class Comparison(Plottable):
         heads = ["gait", "measured, m/s", f"95 % with joints{servos}, m/s", "implicit\nmodel"]
         heads += ["ideal\njoints", "95 % friction"]
         lines = [heads, *(gait.cells() for gait in self.gaits)]
-        first = 1 if self.measured else 2
+        first = 1 if any(gait.runs for gait in self.gaits) else 2
         last = None if verbose else 5
         heads, *cells = [[line[0], *line[first:last]] for line in lines]
         return heads, cells
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures by name; fit_alarms only where there are any."""
-        numbers = [run.number for run in self.measured]
-        values = asdict(replace(self, servo=None, fit=None, measured=numbers))
+        values = vars(self) | {"gaits": [gait.to_dict() for gait in self.gaits]}
+        for name in ("friction", "amplitude"):
+            values[name] = values[name] and asdict(values[name])
         values["servo"] = self.servo and self.servo.name
-        del values["fit"]
-        alarms = self.fit and self.fit.alarms
-        return values | {"fit_alarms": alarms} if alarms else values
+        fit = values.pop("fit")
+        return values | ({"fit_alarms": fit.alarms} if fit and fit.alarms else {})
 
 
 def compare(
@@ -237,36 +209,38 @@ def compare(
     servo = servo and driving(session.setup, servo)
     level, slope_doubts, slope_text = level_session(session, fit, servo and servo.servo, seed)
     crawls = {crawl.gait: crawl for crawl in crawls_by_command(level)}
-    commands = {gait: crawl.commanded for gait, crawl in crawls.items() if crawl.films}
-    unfilmed = [gait for gait in asked_gaits if gait not in commands]
-    too_fast = {gait: too_fast_text(gait, servo, gait_name(gait)) for gait in unfilmed}
-    asked_gaits.sort(key=lambda gait: bool(too_fast.get(gait)))
     drawn = draw_samples(fit, servo, amplitude_sigma, samples, seed)
-    bands: dict[Gait, SpeedBand] = {}
-    for gait in asked_gaits:
-        bands[gait] = predict(drawn, gait, commands.get(gait))
+    shown, slope_shares = [], dict[Gait, Array]()
+    for count, gait in enumerate(asked_gaits, 1):
+        crawl = crawls.get(gait)
+        if crawl:
+            shares = [slope_doubts[run.number] for run in crawl.runs]
+            slope_shares[gait] = np.mean(shares, axis=0)
+        slope_sigma = float(slope_shares[gait].std()) if crawl and slope_text else 0.0
+        shown.append(_compared(drawn, gait, crawl, slope_sigma))
         if progress is not None:
-            progress(len(bands) / len(asked_gaits))
-    slope_shares = {
-        g: np.mean([slope_doubts[r.number] for r in c.runs], axis=0) for g, c in crawls.items()
-    }
-    sigmas = {gait: float(share.std()) for gait, share in slope_shares.items() if slope_text}
-    shown = [_compared(fit, g, bands[g], crawls.get(g), sigmas.get(g, 0.0)) for g in asked_gaits]
-    judged = [gait for gait, row in zip(asked_gaits, shown, strict=True) if row.judged]
+            progress(count / len(asked_gaits))
+    shown.sort(key=lambda row: bool(row.too_fast))
+    judged = [row for row in shown if row.judged]
     p_value, friction, amplitude = None, None, None
     if judged:
-        pairs = [(gait, commands.get(gait)) for gait in judged]
-        predicted = _predicted(judged, bands, crawls, slope_shares)
-        p_value, friction, amplitude = _tested(predicted, pairs, fit, servo, seed)
-    verdict, text = _verdict(shown, p_value, servo)
-    text += _explained(friction, amplitude)
-    text = f"{text} {servo.remark}".rstrip() if servo else text
-    words = [text, *too_fast.values(), *map(_joints_as_filmed, crawls.values()), slope_text]
+        predicted = _predicted(judged, crawls, slope_shares)
+        p_value = predicted.p_value(seed)
+        if p_value < DOUBTFUL:
+            pairs = [
+                (row.gait, crawls[row.gait].commanded if row.filmed else None) for row in judged
+            ]
+            friction, amplitude = best_factors(predicted, fit, pairs, servo, seed)
+    verdict, text = _verdict(shown, judged, p_value, servo)
+    too_fast = [
+        too_fast_text(row.gait, servo, gait_name(row.gait)) for row in shown if row.too_fast
+    ]
+    words = [text, _explained(friction, amplitude), servo.remark if servo else "", *too_fast]
+    words += [*map(_joints_as_filmed, crawls.values()), slope_text]
     return Comparison(
         session.setup.name,
         amplitude_sigma,
         tuple(shown),
-        level.kept_crawls,
         p_value,
         friction,
         amplitude,
@@ -274,36 +248,18 @@ def compare(
         " ".join(filter(None, words)),
         servo=servo,
         fit=fit,
-        highest_hz=servo and highest_hz(asked_gaits[0], servo),
     )
 
 
 def _predicted(
-    judged: list[Gait],
-    bands: dict[Gait, SpeedBand],
-    crawls: dict[Gait, Crawls],
-    slope_shares: dict[Gait, Array],
+    judged: Sequence[ComparedGait], crawls: dict[Gait, Crawls], slope_shares: dict[Gait, Array]
 ) -> Predicted:
     """Return the samples of the judged gaits' speeds beside what was measured of them."""
-    drawn_m_s = np.stack([bands[gait].samples_m_s for gait in judged], axis=2)
+    drawn_m_s = np.stack([row.samples_m_s for row in judged], axis=2)
     servo_shares = drawn_m_s[2] / np.maximum(drawn_m_s[1], 1e-9)
-    measured = np.array([mean_speed(crawls[gait].runs) for gait in judged])
-    slopes = np.stack([slope_shares[gait] for gait in judged], axis=1)
+    measured = np.array([mean_speed(crawls[row.gait].runs) for row in judged])
+    slopes = np.stack([slope_shares[row.gait] for row in judged], axis=1)
     return Predicted(drawn_m_s[1], servo_shares, slopes, *measured.T)
-
-
-def _tested(
-    predicted: Predicted,
-    pairs: list[tuple[Gait, Gait | None]],
-    fit: FrictionFit,
-    servo: ServoKind | None,
-    seed: int,
-) -> tuple[float, Factor | None, Factor | None]:
-    """Return the p-value of the judged gaits, and the factors that explain a small one."""
-    p_value = predicted.p_value(seed)
-    if p_value >= DOUBTFUL:
-        return p_value, None, None
-    return p_value, *best_factors(predicted, fit, pairs, servo and servo.servo, seed)
 
 
 def compared_gaits(session: Session, more: Sequence[Gait] = ()) -> list[Gait]:
@@ -328,10 +284,10 @@ def _joints_as_filmed(crawl: Crawls) -> str:
 
 
 def _compared(
-    fit: FrictionFit, gait: Gait, band: SpeedBand, crawl: Crawls | None, slope_sigma: float
+    samples: Samples, gait: Gait, crawl: Crawls | None, slope_sigma: float
 ) -> ComparedGait:
     """Return a row; slope_sigma: relative error of the measured speed by a slope that was told."""
-    ends = (None, None) if band.too_fast else (band.low_m_s, band.high_m_s)
+    band = predict(samples, gait, crawl.commanded if crawl and crawl.films else None)
     measured: dict[str, Any] = {}
     if crawl:
         measured_m_s, sigma_m_s = mean_speed(crawl.runs)
@@ -340,18 +296,8 @@ def _compared(
             "measured_m_s": measured_m_s,
             "sigma_m_s": math.hypot(sigma_m_s, slope_sigma * measured_m_s),
             "residual_m_s": measured_m_s - band.exact_m_s,
-        } | _by_springs(fit, gait)
-    return ComparedGait(
-        gait.alpha_rad,
-        gait.beta_rad,
-        gait.omega_rad_s / math.tau,
-        band.exact_m_s,
-        band.speed_m_s,
-        band.low_friction_m_s,
-        band.high_friction_m_s,
-        *ends,
-        **measured,
-    )
+        } | _by_springs(samples.fit, gait)
+    return ComparedGait(**vars(band), **measured)
 
 
 def _by_springs(fit: FrictionFit, gait: Gait) -> dict[str, float]:
@@ -365,18 +311,18 @@ def _by_springs(fit: FrictionFit, gait: Gait) -> dict[str, float]:
 
 
 def _verdict(
-    shown: Sequence[ComparedGait], p_value: float | None, servo: ServoKind | None
+    shown: Sequence[ComparedGait],
+    judged: Sequence[ComparedGait],
+    p_value: float | None,
+    servo: ServoKind | None,
 ) -> tuple[str, str]:
     """Return the verdict as one word, and as a sentence."""
     if not any(gait.runs for gait in shown):
         return "not measured", NOT_MEASURED
-    judged = [gait for gait in shown if gait.judged]
-    if p_value is None or not judged:
+    if p_value is None:
         return "not judged", "Not judged: the servos cannot follow any gait that was run."
-    differences = [(g.measured_m_s or 0.0) / max(g.typical_m_s, 1e-9) - 1.0 for g in judged]
+    differences = [(g.measured_m_s or 0.0) / max(g.speed_m_s, 1e-9) - 1.0 for g in judged]
     worst = int(np.argmax(np.abs(differences)))
-    widths = [((g.high_all_m_s or 0.0) - (g.low_all_m_s or 0.0)) / 2 for g in judged]
-    width = max(w / max(g.typical_m_s, 1e-9) for w, g in zip(widths, judged, strict=True))
     joints = "ideal joints" if servo is None else f"servos ({servo.name})"
     count = count_text(len(judged), "gait")
     largest = (
@@ -384,15 +330,11 @@ def _verdict(
         f"at {judged[worst].frequency_hz:.3g} Hz"
     )
     chance = f"p = {p_value:.2g}" if p_value else f"p < {1 / SIMULATED:.1g}"
-    if p_value >= DOUBTFUL:
-        text = f"Agrees: {count} within what friction, joints and servos allow, up to ±{width:.0%}"
-        if outside := sum(gait.outside for gait in judged):
-            text = (
-                f"Agrees: together the speeds of {count} are likely enough; {outside} of them "
-                f"{'lies' if outside == 1 else 'lie'} outside the 95 % band of that gait alone"
-            )
-        return "agrees", f"{text} ({chance}; {largest})."
-    return "differs", f"Differs: {largest} ({chance}, {count})."
+    if p_value < DOUBTFUL:
+        return "differs", f"Differs: {largest} ({chance}, {count})."
+    what = f"speed of {count} is" if len(judged) == 1 else f"speeds of {count} are"
+    allowed = f"likely enough by what friction, joints and servos allow ({chance}; {largest})"
+    return "agrees", f"Agrees: the {what} {allowed}."
 
 
 def _explained(friction: Factor | None, amplitude: Factor | None) -> str:
@@ -405,8 +347,8 @@ def _explained(friction: Factor | None, amplitude: Factor | None) -> str:
     }
     able = [f"{words} (p = {p:.2g})" for words, p in causes.items() if p >= DOUBTFUL]
     if able:
-        return f" It would be explained by {' or by '.join(able)}. Measure that first."
+        return f"It would be explained by {' or by '.join(able)}. Measure that first."
     return (
-        " No one factor on friction or on amplitude explains it: look at the ground's slope, "
+        "No one factor on friction or on amplitude explains it: look at the ground's slope, "
         "the surface, tape and watch, the frequency, the gait itself."
     )

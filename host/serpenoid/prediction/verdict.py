@@ -10,12 +10,9 @@ from numpy.typing import NDArray
 
 from ..base.vectors import Array
 from ..friction.result import FrictionFit
-from ..model.drives import Servo
+from ..model.drives import ServoKind
 from ..model.gait import Gait
-from ..periodic.neighbours import drawn_states
-from ..periodic.servo_steady import ripple_share, servo_speed
-from ..periodic.steady import Steady
-from .speeds import scaled
+from .speeds import Samples, speeds
 
 SPACING = 0.01  # relative speed difference between neighbouring servos, or slopes, of the samples
 SIMULATED = 1024  # speeds with measuring errors, among which the measured ones are ranked
@@ -102,36 +99,25 @@ def best_factors(
     predicted: Predicted,
     fit: FrictionFit,
     gaits: Sequence[tuple[Gait, Gait | None]],
-    servo: Servo | None,
+    kind: ServoKind | None,
     seed: int,
 ) -> tuple[Factor, Factor]:
     """Return the factor on all friction and that on the amplitude which explain the speeds best.
 
-    gaits: each with its command where a film showed the joints, as for `speeds`. What a factor does
-    to a speed is solved for with the fitted friction and the typical servo.
+    gaits: each with its command where a film showed the joints, whose amplitude is then certain.
+    What a factor does to a speed is solved for with the fitted friction and the typical servo.
     """
-    friction, amplitude = [], []
-    for gait, commanded in gaits:
-        draws = [(fit.ground.scaled(*4 * [factor]), gait) for factor in FRICTION_FACTORS.tolist()]
-        draws += [(fit.ground, scaled(gait, factor)) for factor in AMPLITUDE_FACTORS.tolist()]
-        *states, fitted = drawn_states(fit.robot, (fit.ground, gait), [*draws, (fit.ground, gait)])
-        speeds_m_s = np.array([_moved(s, servo, commanded is not None) for s in (fitted, *states)])
-        shares = np.split(speeds_m_s[1:] / max(speeds_m_s[0], 1e-9), 2)
-        friction.append(shares[0])
-        amplitude.append(shares[1])
+    count = len(FRICTION_FACTORS)
+    friction = np.concatenate([[1.0], FRICTION_FACTORS, np.ones(count)])
+    amplitude = np.concatenate([np.ones(1 + count), AMPLITUDE_FACTORS])
+    servos = (kind.servo,) * len(friction) if kind else ()
+    samples = Samples(fit, kind, np.outer(friction, fit.values), amplitude, servos)
+    rows_m_s = [speeds(samples, gait, commanded)[2] for gait, commanded in gaits]
+    shares = np.array([row[1:] / max(row[0], 1e-9) for row in rows_m_s])
     return (
-        _best(predicted, FRICTION_FACTORS, np.array(friction), seed),
-        _best(predicted, AMPLITUDE_FACTORS, np.array(amplitude), seed),
+        _best(predicted, FRICTION_FACTORS, shares[:, :count], seed),
+        _best(predicted, AMPLITUDE_FACTORS, shares[:, count:], seed),
     )
-
-
-def _moved(state: Steady, servo: Servo | None, filmed: bool) -> float:
-    """Return the speed, m/s, that a servo leaves of an ideal one."""
-    if servo is None:
-        return state.speed_m_s
-    if filmed:
-        return state.speed_m_s * ripple_share(state, servo, rough=True)
-    return servo_speed(state, servo, rough=True)
 
 
 def _best(predicted: Predicted, factors: Array, shares: Array, seed: int) -> Factor:

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..prediction.curve import SpeedCurve
 
 # Okabe and Ito's colours, which colour-blind readers can tell apart.
 BLUE, ORANGE, GREEN, RED, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#555555"
@@ -126,13 +125,6 @@ def draw_friction(
     fit_heading(fig, fit)
     words = "; ".join(filter(None, ["band: 95 % interval of the line", note]))
     fig.supxlabel(words, fontsize=8, color=GREY)
-
-
-def draw_curve(ax: Axes, curve: SpeedCurve, colour: str, label: str) -> None:
-    """Draw the speed with typical servos over frequency, and its 95 % band."""
-    f = curve.frequency_hz
-    ax.fill_between(f, curve.low_m_s, curve.high_m_s, color=colour, alpha=0.18, lw=0)
-    ax.plot(f, curve.typical_m_s, color=colour, label=label)
 
 
 def formulations_figure(

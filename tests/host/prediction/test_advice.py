@@ -42,7 +42,7 @@ def test_advise_promises_what_compare_then_shows(weak):
     more = replace(weak, readings=(*weak.readings, *taken))
     # of 64 samples a half scatters by 15 %
     then = sn.compare(more, gaits=[GAIT], servo=None, samples=512).gaits[-1]
-    half = (then.high_all_m_s - then.low_all_m_s) / 2
+    half = (then.high_m_s - then.low_m_s) / 2
     assert best.band == pytest.approx(half / then.exact_m_s, rel=0.25)
 
 

@@ -13,8 +13,7 @@ from robots import BINGHAM
 from serpenoid.prediction import comparison
 from serpenoid.prediction.band import speed_band
 from serpenoid.prediction.verdict import Predicted
-from serpenoid.session.gait_run import FilmReading, GaitRun
-from serpenoid.session.track import Track
+from serpenoid.session.gait_run import GaitRun
 
 RATES = [2 * math.pi * hz for hz in (0.25, 0.5, 1.0)]
 
@@ -47,15 +46,12 @@ def test_speeds_as_predicted_agree(fitted):
     made, fit = fitted
     found = comparison.compare(measured(made), fit, samples=24, servo=None)
     assert found.verdict == "agrees"
-    assert found.verdict_text.startswith("Agrees: 3 gaits within what friction, joints and servos ")
+    assert found.verdict_text.startswith("Agrees: the speeds of 3 gaits are likely enough ")
     assert (found.friction, found.amplitude) == (None, None)
     assert [p.runs for p in found.gaits] == [(100,), (101,), (102,)]
     for shown in found.gaits:  # the paper's own comparison
         assert 0.0 < shown.implicit_error_m_s < 0.01 * shown.implicit_m_s
-    track = Track.from_samples(("t_s",), [[0.0], [1.0]])
-    film = FilmReading(7, 1.2, 1.3, 3.0, 0.1, 0.01, gains="1", shifts_deg="0", track=track)
-    told = json.dumps(replace(found, measured=(film,)).to_dict(), allow_nan=False)
-    assert json.loads(told)["measured"] == [7]
+    json.dumps(found.to_dict(), allow_nan=False)
 
 
 def test_a_chance_of_one_in_fifty_is_a_difference(fitted):
@@ -63,17 +59,6 @@ def test_a_chance_of_one_in_fifty_is_a_difference(fitted):
     found = comparison.compare(measured(made, factor=1.07), fit, samples=24, servo=None)
     assert 1e-3 < found.p_value < 0.05
     assert found.verdict == "differs"
-
-
-def test_speeds_that_agree_only_together_are_not_called_within(fitted):
-    """Joints that follow better than hobby servos: each speed is high, for one reason."""
-    made, fit = fitted
-    found = comparison.compare(measured(made, factor=1.03), fit, samples=24)
-    assert [shown.outside for shown in found.gaits] == [True, True, False]
-    assert found.verdict == "agrees"
-    assert found.verdict_text.startswith(
-        "Agrees: together the speeds of 2 gaits are likely enough; 2 "
-    )
 
 
 def test_the_factor_on_amplitude_that_explains_the_speeds_is_told(fitted):
@@ -151,12 +136,11 @@ def test_a_gait_that_servos_cannot_follow_is_listed_and_not_judged(fitted):
     assert found.verdict == "not measured"
     assert found.p_value is None
     slow, quick = found.gaits
-    assert slow.low_all_m_s < slow.high_all_m_s
-    assert (quick.low_all_m_s, quick.high_all_m_s) == (None, None)
+    assert slow.low_m_s < slow.high_m_s
+    assert math.isnan(quick.low_m_s)
     words = "70°/75°, 2.01 Hz is too fast for a typical hobby servo: the joints must turn at 15 "
     assert words in found.verdict_text
     assert found.table(verbose=False)[1][1][1] == "too fast"
-    assert slow.frequency_hz < found.highest_hz < quick.frequency_hz
     told = speed_band(fit, gait(12.6), count=16)
     assert told.in_words().startswith("Too fast for a typical hobby servo: ")
     assert told.to_dict()["low_m_s"] is None

@@ -67,7 +67,7 @@ def test_the_page_says_what_it_must(folder, page) -> None:
         "each of 6 links",
         "readings agree",
         "1 voided",
-        "Agrees: 1 gait within",
+        "Agrees: the speed of 1 gait is likely enough",
         REMARK.replace("&", "&amp;"),
         '<tr class="void"><td>15</td>',
         '<td colspan="4">voided: hit the wall</td>',
