@@ -109,6 +109,13 @@ def check_choice(name: str, value: object, choices: tuple[str, ...]) -> str:
     return value
 
 
+def check_text(name: str, value: object, blank: bool = False) -> str:
+    """Return a text without space about it, or raise BadInput; blank: it may be empty."""
+    if not isinstance(value, str) or not (blank or value.strip()):
+        raise BadInput(f"{name} is {value!r}; it must be text in quotes")
+    return value.strip()
+
+
 def check_whole(name: str, value: object, low: int, high: int | None = None) -> int:
     """Return a whole number, or raise BadInput naming it and the range it must be in."""
     highest = math.inf if high is None else high

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from .checks import check_number
+from .checks import check_number, check_text
 from .errors import BadInput
 from .files import read_text
 
@@ -103,10 +103,8 @@ class Table:
 
     def string(self, name: str) -> str:
         """Return a string that says something."""
-        value = self.values[name]
-        if not isinstance(value, str) or not value.strip():
-            raise BadInput(f"{self.where(name)}: {name} is {value!r}; it must be text in quotes")
-        return value.strip()
+        with located(self.where(name)):
+            return check_text(name, self.values[name])
 
     def integer(self, name: str) -> int:
         """Return a whole number of 1 or more."""

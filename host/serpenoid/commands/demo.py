@@ -62,7 +62,7 @@ def run_demo(folder: Path) -> None:
         f"{gait.high_m_s:#.2g} m/s predicted with hobby servos, {gait.measured_m_s:#.2g} run.",
         "Both agree." if compared.verdict == "agrees" else compared.verdict_text,
     )
-    floor = push_along_floor(folder, fit.robot)
+    floor = push_along_floor(folder)
     film = measure_film_of_demo(folder)
     _step(4, f"Without a treadmill, pushed along a floor: {_beside_truth(floor)}", film)
     _drive_cheapest(fit, float(f"{gait.exact_m_s:.1g}"))
@@ -114,9 +114,9 @@ def take_session(folder: Path) -> sn.Session:
     return take(folder, default_setup("demo, simulated"), TRUTH)
 
 
-def push_along_floor(folder: Path, robot: sn.Robot) -> sn.FrictionFit:
+def push_along_floor(folder: Path) -> sn.FrictionFit:
     """Take pushes there and back in each bend into the folder, fit and draw them."""
-    setup = default_setup("demo, floor").with_robot(robot)
+    setup = default_setup("demo, floor")
     plan = replace(on_place(setup.plan, "floor"), gaits=(), pushes=2)
     body = replace(setup.robot_table, wheels_kg=WHEELS_KG)
     setup = replace(setup, robot_table=body, plan=plan)

@@ -6,10 +6,11 @@ import json
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any, ClassVar, TypeVar
 
-from ..base.checks import check_choice, check_number, check_whole
+from ..base.checks import check_choice, check_number, check_text, check_whole
 from ..base.errors import BadInput
 from ..base.toml_table import Table, located
 from ..model.gait import Gait
@@ -62,16 +63,20 @@ def in_si(name: str, value: float) -> float:
 
 @dataclass(frozen=True)
 class Field:
-    """One number of a table or of a reading.
+    """One number, word or text of a table or of a reading.
 
-    column: its key or column, unit included. words: what it is, as a person is asked for it.
-    low, high: limits, low itself excluded if open_low.
-    likely: the range that is expected, or None; why: what it means to be beyond it. usual: what an
-    empty answer means, or None. note: what stands behind it in a new session.toml. By its type it
-    may be empty (optional), is an integer or is several.
+    column: its key or column, unit included. kind: type of the attribute, such as `float | None`;
+    by it the field may be empty, is an integer or is several. words: what it is, as a person is
+    asked for it. low, high: limits, low itself excluded
+    if open_low. likely: the range that is expected, or None; why: what it means to be beyond it.
+    usual: what an empty answer means, or None. note: what stands behind it in a new session.toml.
+
+    Of words: choices, of which it is one, if there are any; blank: it may be empty; tidy: returns
+    what is given as it is kept, raises BadInput.
     """
 
     column: str = ""
+    kind: str = "float"
     words: str = ""
     low: float = 0.0
     high: float = math.inf
@@ -80,19 +85,19 @@ class Field:
     usual: float | None = None
     open_low: bool = False
     note: str = ""
-    optional: bool = False
-    integer: bool = False
-    several: bool = False
+    choices: tuple[str, ...] = ()
+    blank: bool = True
+    tidy: Callable[[Any], Any] | None = None
 
-    def named(self, column: str, kind: str) -> Field:
-        """Return the field of a column whose attribute has a type, such as `float | None`."""
-        return replace(
-            self,
-            column=column,
-            optional=kind.endswith("None"),
-            integer=kind == "int",
-            several=kind.startswith("tuple"),
-        )
+    @property
+    def is_number(self) -> bool:
+        """Tell whether it is a number, or several."""
+        return self.tidy is None and "str" not in self.kind
+
+    @property
+    def optional(self) -> bool:
+        """Tell whether it may be empty."""
+        return self.kind.endswith("None")
 
     @property
     def units(self) -> Units:
@@ -114,64 +119,51 @@ class Field:
     def _quantity(self) -> tuple[Units, str]:
         return next(q for end, q in QUANTITIES.items() if self.column.endswith(end))
 
+    @property
+    def usual_word(self) -> str:
+        """Return what an empty cell of a word means."""
+        return self.choices[0] if self.choices else ""
+
+    def unitless(self, value: Any) -> Any:
+        """Return the number of a text such as "480 g" in the column's unit, others as they are."""
+        if self.is_number and isinstance(value, str):
+            number, _, unit = value.partition(" ")
+            factor = self.units.get(unit)
+            with suppress(ValueError):
+                return float(number) * factor if factor else value
+        return value
+
     def check(self, value: Any) -> Any:
-        """Return a value within the limits, None if it is empty and may be; raises BadInput."""
+        """Return a value as it is kept, None if it is empty and may be; raises BadInput."""
+        if not self.is_number:
+            return self._check_word(value)
         if self.optional and value in (None, ""):
             return None
-        if self.integer:
+        if self.kind == "int":
             return check_whole(self.column, value, int(self.low), int(self.high))
-        if not self.several:
+        if not self.kind.startswith("tuple"):
             return check_number(self.column, value, self.low, self.high, open_low=self.open_low)
         if not isinstance(value, (list, tuple)) or not value:
             raise BadInput(f"{self.column} is {value!r}; it must be a list of numbers")
-        return tuple(map(replace(self, several=False).check, value))
+        return tuple(map(replace(self, kind="float").check, value))
 
-    def read(self, text: str) -> float | None:
-        """Return a cell's number in SI, None if it is empty and may be; raises BadInput."""
+    def _check_word(self, value: Any) -> Any:
+        if self.tidy:
+            return self.tidy(value)
+        if self.choices:
+            return check_choice(self.column, value, self.choices)
+        return check_text(self.column, value, self.blank)
+
+    def read(self, text: str) -> Any:
+        """Return a cell's word, or its number in SI; raises BadInput."""
+        if not self.is_number:
+            return self.check(text or self.usual_word)
         try:
             value: object = float(text)
         except ValueError:  # check says what is there instead of a number
             value = text
         number = self.check(value)
         return None if number is None else in_si(self.column, number)
-
-
-@dataclass(frozen=True)
-class Word:
-    """One word or text of a table or of a reading: one of the choices, if there are any.
-
-    blank: it may be empty. tidy: returns what is given as it is kept; raises BadInput. note: as
-    of a Field.
-    """
-
-    column: str = ""
-    choices: tuple[str, ...] = ()
-    blank: bool = True
-    tidy: Callable[[Any], Any] | None = None
-    note: str = ""
-
-    def named(self, column: str, kind: str) -> Word:
-        """Return the word of a column."""
-        return replace(self, column=column)
-
-    @property
-    def usual(self) -> str:
-        """Return what an empty cell means."""
-        return self.choices[0] if self.choices else ""
-
-    def check(self, value: Any) -> Any:
-        """Return a value as it is kept; raises BadInput."""
-        if self.tidy:
-            return self.tidy(value)
-        if self.choices:
-            return check_choice(self.column, value, self.choices)
-        if not isinstance(value, str) or not (self.blank or value.strip()):
-            raise BadInput(f"{self.column} is {value!r}; it must be text in quotes")
-        return value.strip()
-
-    def read(self, text: str) -> str:
-        """Return the word of a cell; raises BadInput."""
-        return self.check(text or self.usual)
 
 
 def number_field(
@@ -191,19 +183,21 @@ def number_field(
 
 
 def word_field(*choices: str, default: Any = None, **more: Any) -> Any:
-    """Declare a word or text, by default the first choice or none. more: as of a Word."""
-    limits = Word(choices=choices, **more)
-    return field(default=limits.usual if default is None else default, metadata={"limits": limits})
+    """Declare a word or text, by default the first choice or none. more: as of a Field."""
+    limits = Field(choices=choices, **more)
+    return field(
+        default=limits.usual_word if default is None else default, metadata={"limits": limits}
+    )
 
 
 class Declared:
     """A dataclass whose fields are keys or columns of a file.
 
-    declared: attribute -> its Field or Word, whose column, if it states none, is the attribute's
-    name, but lambda_deg of lambda_rad.
+    declared: attribute -> its Field, whose column, if it states none, is the attribute's name, but
+    lambda_deg of lambda_rad.
     """
 
-    declared: ClassVar[dict[str, Field | Word]] = {}
+    declared: ClassVar[dict[str, Field]] = {}
 
     def __init_subclass__(cls) -> None:
         cls.declared = dict(cls.declared)  # of the class above
@@ -211,12 +205,13 @@ class Declared:
             if "limits" in getattr(value, "metadata", {}):
                 limits, kind = value.metadata["limits"], cls.__annotations__[name]
                 column = name.removesuffix("_rad") + "_deg" * name.endswith("_rad")
-                cls.declared[name] = limits.named(limits.column or column, kind)
+                column = limits.column or column
+                cls.declared[name] = replace(limits, column=column, kind=kind)
 
     @classmethod
     def numbers(cls) -> dict[str, Field]:
         """Return the fields that are numbers, by their columns."""
-        return {f.column: f for f in cls.declared.values() if isinstance(f, Field)}
+        return {f.column: f for f in cls.declared.values() if f.is_number}
 
 
 @dataclass(frozen=True)
@@ -274,18 +269,24 @@ class SettingsTable(Declared):
         """Return a file's table; raises BadInput, naming file and line, too."""
         needed = [part.name for part in fields(cls) if part.default is MISSING]
         table.only(*needed, optional=tuple(name for name in cls.declared if name not in needed))
-        for name, value in table.values.items():
+        values = dict(table.values)
+        for name, value in values.items():
             with located(table.where(name)):
-                cls.declared[name].check(value)
+                limits = cls.declared[name]
+                values[name] = limits.check(limits.unitless(value))
         with located(table.heading):
-            return cls(**table.values)
+            return cls(**values)
+
+    def file_value(self, name: str) -> Any:
+        """Return the value of a key as a new file has it."""
+        return getattr(self, name)
 
     def text(self) -> str:
         """Return the table's lines in a new file."""
         lines = list[str]()
         for name, limits in self.declared.items():
             note = f"  # {limits.note}" if limits.note else ""
-            lines.append(f"{name} = {toml_text(getattr(self, name))}{note}\n")
+            lines.append(f"{name} = {toml_text(self.file_value(name))}{note}\n")
         return "".join(lines)
 
 

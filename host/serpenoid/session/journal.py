@@ -24,6 +24,7 @@ from .declaration import Cells
 from .folder import check_session, read_session
 from .rows import (
     EVENT_COLUMNS,
+    LINKS,
     LISTED,
     ON_READINGS,
     READING_COLUMNS,
@@ -129,7 +130,8 @@ class Journal:
         return len(rows)
 
     def _row(self, number: int, kind: str, cells: Cells, comment: str) -> dict[str, str]:
-        return reading_row(kind, cells, self.session.setup.plan) | {
+        setup = self.session.setup
+        return reading_row(kind, {**cells, LINKS: setup.robot.links}, setup.plan) | {
             "reading": str(number),
             "time_utc": utc_now(),
             "setup": "1",

@@ -20,7 +20,7 @@ from ..base.checks import check_choice, count_text
 from ..base.errors import BadInput
 from ..base.files import csv_rows, read_text
 from ..base.toml_table import check_names, located
-from .declaration import Cells, Observation, Word
+from .declaration import Cells, Observation
 from .gait_run import FilmReading, GaitRun
 from .push import Push
 from .session import Event, Session
@@ -61,6 +61,7 @@ READING_COLUMNS = (
 TRACK_WORDS = ("track", "track_sha256")  # of a kind with a track, in the column `more`
 DOUBTFUL = "doubtful"  # of a reading that is void from its first line on
 LISTED = "listed"  # of a reading that came from a list: a hash of the list up to it
+LINKS = "links"  # of the robot, as session.toml said when the reading was taken
 Row = Mapping[str, str]
 TORN = "#torn"
 EVENT_COLUMNS = ("time_utc", "event", "reading", "detail")
@@ -100,13 +101,14 @@ def reading_row(name: str, cells: Cells, plan: Plan | None = None) -> dict[str, 
     planned = {"bend": plan.bend} if plan is not None and "bend" in fields else {}
     row, more = dict.fromkeys(READING_COLUMNS, "") | {"kind": kind.kind}, []
     for column, value in (planned | dict(cells)).items():
-        if column not in (*fields, LISTED, DOUBTFUL, *(TRACK_WORDS if kind.columns else ())):
+        words = (LISTED, LINKS, DOUBTFUL, *(TRACK_WORDS if kind.columns else ()))
+        if column not in (*fields, *words):
             columns = ", ".join(fields)
             raise BadInput(f"unknown column {column!r}; a reading of kind {name} has {columns}")
         text, usual = value if isinstance(value, str) else f"{value:.10g}", ""
         field = fields.get(column)
-        if isinstance(field, Word):
-            text, usual = field.read(text), field.usual
+        if field is not None and not field.is_number:
+            text, usual = field.read(text), field.usual_word
         if column in row:
             row[column] = text
         elif text != usual:
@@ -157,6 +159,15 @@ def session_of(setup: Setup, events: Sequence[Event], folder: Path, notes: list[
             if number not in voided:
                 _check_facing(row)
             session = session.with_reading(make_reading(row, common | _track(row, kind, folder)))
+    links = str(setup.robot.links)
+    counts = {n: words_of(row).get(LINKS, links) for n, row in rows.items() if n not in voided}
+    changed = [str(number) for number, count in counts.items() if count != links]
+    if changed:
+        notes.append(
+            f"readings {', '.join(changed)} were taken when session.toml said "
+            f"{' or '.join(sorted({*counts.values()} - {links}))} links; a fit takes {links} for "
+            "all. If it is another robot, it needs a session of its own"
+        )
     if left_out:
         kinds = ", ".join(sorted(left_out))
         notes.append(

@@ -17,7 +17,7 @@ from ..base.errors import BadInput
 from ..base.toml_table import Table, located
 from ..model.bends import BENDS
 from ..model.gait import Gait
-from ..model.robot import MAX_LINKS, Robot
+from ..model.robot import MAX_DENSITY_KG_M3, MAX_LINKS, Robot
 from .declaration import (
     BELT_UNITS,
     SettingsTable,
@@ -97,16 +97,50 @@ class RobotTable(SettingsTable):
     )
     tag_mm: float | None = number_field(3.0, 1000.0, default=None, note="side of its printed tags")
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if None not in (self.wheels_kg, self.mass_kg) and self.wheels_kg >= self.mass_kg:
+            raise BadInput(
+                f"wheels_kg is {self.wheels_kg:g}; all wheels together weigh less than the whole "
+                f"robot, {self.mass_kg:g} kg; were they given in grams?"
+            )
+
     @classmethod
     def read(cls, table: Table) -> RobotTable:
-        """Return a file's table; an older file has the mass of one link, or says it was assumed."""
+        """Return a file's table; an older file has the mass of one link, or says it was assumed.
+
+        A mass without its unit that would make links denser than any metal raises BadInput.
+        """
         values = dict(table.values)
         if "link_mass_kg" in values:
             values["mass_kg"] = table.number("link_mass_kg") * table.integer("links")
         if not values.get("weighed", True):
             values["mass_kg"] = ""
         values = {k: v for k, v in values.items() if k not in ("link_mass_kg", "weighed")}
-        return super().read(replace(table, values=values))
+        robot = super().read(replace(table, values=values))
+        if not isinstance(values["mass_kg"], str):
+            with located(table.where("mass_kg")):
+                robot.check_mass()
+        return robot
+
+    def check_mass(self) -> None:
+        """Raise BadInput for a mass that must have its unit: links are denser than any metal."""
+        if self.too_heavy:
+            raise BadInput(
+                f"mass_kg is {self.mass_kg:g}; then a link of {self.link_length_m:g} m is heavier "
+                f"than solid metal. In grams? In kg it is {self.mass_kg / 1e3:g}. If it is right, "
+                f'session.toml takes it with its unit: mass_kg = "{self.mass_kg:g} kg"'
+            )
+
+    def file_value(self, name: str) -> Any:
+        """Return the value of a key as a new file has it; with its unit where it is in doubt."""
+        value = super().file_value(name)
+        return f"{value:.10g} kg" if name == "mass_kg" and self.too_heavy else value
+
+    @property
+    def too_heavy(self) -> bool:
+        """Tell whether a link outweighs a cube of the densest metal."""
+        return (self.mass_kg or 0.0) / self.links > MAX_DENSITY_KG_M3 * self.link_length_m**3
 
     @property
     def weighs(self) -> bool:
@@ -137,16 +171,15 @@ def _planned_gaits(values: Any) -> tuple[Gait, ...]:
 def _planned_gait(value: Any) -> Gait:
     if isinstance(value, Gait):
         return value
-    rates = {"omega_rad_s": 1.0, "frequency_hz": 2 * math.pi}
-    named = [name for name in rates if isinstance(value, Mapping) and name in value]
-    if len(named) != 1 or set(value) != {"alpha_deg", "beta_deg", *named}:
+    in_hertz = {"omega_rad_s": 1.0 / math.tau, "frequency_hz": 1.0}
+    rates = [name for name in in_hertz if isinstance(value, Mapping) and name in value]
+    if len(rates) != 1 or set(value) != {"alpha_deg", "beta_deg", *rates}:
         raise BadInput(
             f"gaits has {value!r}; a gait is {{alpha_deg, beta_deg, frequency_hz}}, with one of "
             "omega_rad_s and frequency_hz"
         )
-    alpha, beta = (check_number(n, value[n], -360.0, 360.0) for n in ("alpha_deg", "beta_deg"))
-    rate = check_number(named[0], value[named[0]], 0.0, open_low=True)
-    return Gait(math.radians(alpha), math.radians(beta), rate * rates[named[0]])
+    hertz = check_number(rates[0], value[rates[0]]) * in_hertz[rates[0]]
+    return Gait.degrees(value["alpha_deg"], value["beta_deg"], hertz=hertz)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -319,12 +352,6 @@ class Setup:
         table = self.robot_table
         link_kg = ASSUMED_LINK_KG if table.mass_kg is None else table.mass_kg / table.links
         return Robot(table.links, link_kg, table.link_length_m)
-
-    def with_robot(self, robot: Robot) -> Setup:
-        """Return the set-up with another robot's links, mass and length."""
-        mass_kg = robot.links * robot.link_mass_kg
-        body = {"links": robot.links, "mass_kg": mass_kg, "link_length_m": robot.link_length_m}
-        return replace(self, robot_table=replace(self.robot_table, **body))
 
     def in_words(self) -> str:
         """Return what a fit takes from session.toml, and what of it is still to be filled in."""

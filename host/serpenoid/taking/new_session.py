@@ -15,7 +15,7 @@ from ..base.errors import BadInput, RecordingFailed
 from ..base.files import write_text
 from ..model.bends import FEWEST_LINKS
 from ..model.gait import Gait
-from ..session.declaration import BELT_UNITS, Field, Values
+from ..session.declaration import BELT_UNITS, Values
 from ..session.folder import read_session
 from ..session.journal import csv_line, utc_now
 from ..session.rows import EVENT_COLUMNS, READING_COLUMNS
@@ -132,7 +132,7 @@ def _answer(asker: Asker, setup: Setup, key: str, words: str) -> Any:
     if key == "belt_speed_unit":
         asker.belt_unit = field.check(asker.ask(f"{words} [km/h]: ", "km/h"))
         return asker.belt_unit
-    if not isinstance(field, Field):
+    if not field.is_number:
         return field.check(asker.ask(f"{words} [{usual}]: ", usual))
     if key == "incline_sigma_deg":
         usual *= SIGMAS_OF_STEP

@@ -102,9 +102,9 @@ def typed_cells(kind: str, typed: Mapping[str, Any], setup: Setup) -> dict[str, 
     values = dict(typed)
     for field in kind_of(kind).declared.values():
         text = typed.get(field.column)
-        if isinstance(field, Field) and isinstance(text, str):
+        if field.is_number and isinstance(text, str):
             values[field.column] = read_number(text, field)
-        elif isinstance(field, Field) and field.usual is not None and not field.optional:
+        elif field.usual is not None and not field.optional:
             values.setdefault(field.column, field.usual)  # what was not said is not known
         elif isinstance(text, str):
             values[field.column] = field.read(text)

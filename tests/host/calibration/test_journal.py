@@ -116,6 +116,20 @@ def test_a_setting_that_is_corrected_meanwhile_is_told(folder):
         assert journal.session.setup.robot.mass_kg == pytest.approx(0.49896)
 
 
+def test_links_that_changed_after_readings_are_told(folder):
+    with Journal(folder) as journal:
+        journal.add("station", STATION)
+        assert not journal.session.notes
+        write_setting(folder, "robot", "links", 8)
+        journal.read_again()
+        assert (
+            "readings 1 were taken when session.toml said 6 links; a fit takes 8"
+            in journal.session.notes[0]
+        )
+        journal.add("station", STATION)
+        assert len(journal.session.notes) == 1
+
+
 def test_no_file_at_all_is_told(tmp_path):
     with pytest.raises(RecordingFailed, match="nothing was written"):
         append_line(tmp_path / "none.csv", "x\n")

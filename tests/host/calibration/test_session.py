@@ -6,6 +6,7 @@ import shutil
 
 import pytest
 import serpenoid as sn
+from command_line import serpenoid
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from robots import NIRAKH_2005, OF_2005
@@ -82,6 +83,16 @@ def test_bad_readings_name_file_line_and_range(folder, old, new, says):
             r":\d+: unknown key 'link_mass_g'",
         ),
         ("mass_kg = 0.4536", "", r"toml: missing key mass_kg"),
+        (
+            "mass_kg = 0.4536",
+            "mass_kg = 453.6",
+            r':19: mass_kg is 453.6; .*solid metal. In grams.* 0.4536. .*"453.6 kg"',
+        ),
+        (
+            "mass_kg = 0.4536",
+            "mass_kg = 0.4536\nwheels_kg = 36",
+            r"wheels_kg is 36; .*less than the whole robot, 0.4536 kg; were they given in grams",
+        ),
         ("lambda_deg = [0.0, 7.5]", "lambda_deg = []", r":\d+: lambda_deg is \[\]"),
         ("[robot]", "[snake]", r":\d+: unknown key 'snake'"),
         ('name = "nirakh-2005"', 'name = ""', r":3: name is ''; it must be text"),
@@ -101,6 +112,20 @@ def test_an_older_file_has_the_mass_of_a_link_or_says_that_it_was_assumed(folder
     assert load_session(folder).setup.robot.mass_kg == pytest.approx(0.6)
     path.write_text(text.replace("mass_kg = 0.4536", "link_mass_kg = 0.1\nweighed = false"))
     assert load_session(folder).setup.mass_sigma == 0.05
+
+
+def test_a_number_may_have_its_unit_and_a_doubtful_mass_must(folder):
+    rewrite(folder / "session.toml", "mass_kg = 0.4536", 'mass_kg = "480 g"')
+    assert load_session(folder).setup.robot.mass_kg == pytest.approx(0.48)
+    rewrite(folder / "session.toml", '"480 g"', '"760 kg"')
+    status = serpenoid("calibrate status", folder, check=True)
+    assert "more than solid metal" in status.stderr
+    copy = folder / "copy"
+    serpenoid("calibrate new", copy, "--template", folder, check=True)
+    assert 'mass_kg = "760 kg"' in (copy / "session.toml").read_text()
+    new = serpenoid("calibrate new", folder / "new", "--defaults", "--mass-kg", "760")
+    assert new.returncode == 2
+    assert "in kg it is 0.76" in new.stderr.lower()
 
 
 def test_missing_and_empty_files_are_refused(folder, tmp_path):

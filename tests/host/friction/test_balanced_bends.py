@@ -33,7 +33,7 @@ def angles(links, lambda_rad, bend):
 def session_of(bend, links=6):
     """Take straight and bent stations where the sum over links balances the pull."""
     made = setup(15.0, 30.0)
-    made = made.with_robot(sn.Robot(links, 0.4536 / links, 0.076))
+    made = replace(made, robot_table=replace(made.robot_table, links=links))
     rows = []
     for lambda_rad in made.plan.lambda_rad:
         shape = angles(links, lambda_rad, bend)

@@ -62,7 +62,9 @@ def test_a_robot_without_a_straight_link_slips_down_a_floor_that_falls_across(li
     """The lab's robot is a rigid body on wheels, let go crooked and turning."""
     body, whole, across = Robot(links, MASS / 6, 0.076), np.array(TRUTH) * links / 6, 0.0105
     floor = Floor(LabRobot.whole_body(body, Ground(*whole)), across_rad=across)
-    record = MemoryRecord(floor_setup(wheels_kg=0.0).with_robot(body))
+    setup = floor_setup(wheels_kg=0.0)
+    table = replace(setup.robot_table, links=links, mass_kg=body.mass_kg)
+    record = MemoryRecord(replace(setup, robot_table=table))
     rng, camera = np.random.default_rng(3), Camera(sigma_m=5e-4)
     for bend in (0.0, 20.0, 45.0):
         pose = pose_of(balanced_signs(links), math.radians(bend))

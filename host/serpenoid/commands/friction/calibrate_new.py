@@ -55,6 +55,8 @@ def new(
 
     refuse_existing(folder)
     setup = template_setup(template, os.path.basename(os.path.abspath(folder)))
+    if answers["mass_kg"] is not None:
+        answered(setup, answers).robot_table.check_mass()
     if template is None and not defaults and not (answers["surface"] and answers["mass_kg"]):
         if not sys.stdin.isatty():
             raise BadInput(
