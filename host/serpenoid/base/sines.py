@@ -50,15 +50,13 @@ def weighted(columns: Array, values: Array, weight: Array) -> Array:
     return np.linalg.solve(normal + np.diag(hold), right.T[..., None])[..., 0].T
 
 
-def fit_sines(
-    t_s: Array, phi: Array, weight: Array, omega: float, harmonics: int = HARMONICS
-) -> tuple[float, Array]:
-    """Return rate and coefficients (1 + 2 harmonics, joints) of all joints' common rate.
+def fit_sines(t_s: Array, phi: Array, weight: Array, omega: float) -> tuple[float, Array]:
+    """Return rate and coefficients (1 + 2 HARMONICS, joints) of all joints' common rate.
 
     phi, weight (samples, joints); omega: the rate to start from, rad/s.
     """
     for _ in range(_ROUNDS):
-        columns = basis(t_s, omega, harmonics)
+        columns = basis(t_s, omega)
         sines = weighted(columns, phi, weight)
         slope = basis_by_rate(t_s, columns) @ sines
         residual = phi - columns @ sines
@@ -68,4 +66,4 @@ def fit_sines(
         omega += change
         if abs(change) < 1e-10 * omega:
             break
-    return omega, weighted(basis(t_s, omega, harmonics), phi, weight)
+    return omega, weighted(basis(t_s, omega), phi, weight)

@@ -14,6 +14,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from ..base.sines import basis
+from ..base.vectors import Array
 from ..lab.belt import Belt
 from ..lab.crawl import crawl_speed, filmed_crawl
 from ..lab.floor import Floor, Push
@@ -23,10 +25,10 @@ from ..lab.recording import Camera, film, to_rest
 from ..lab.robot import LabRobot, pose_of
 from ..model.bends import bend_signs
 from ..model.drives import Servo
+from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..session.declaration import Cells
-from ..session.filmed_crawl import crawl_cells
 from ..session.settings import Setup
 from ..session.station import slips
 from .steps import Step, Tracked
@@ -227,3 +229,35 @@ class SimulatedPerson:
 
     def _error(self, sigma: float) -> float:
         return float(self.rng.normal()) * sigma
+
+
+def crawl_cells(rows: Array, gait: Gait) -> Cells:
+    """Return the cells of a `video` reading of a gait at its own rate, but the film's hash.
+
+    rows: t_s, x_m, y_m, heading_rad and every joint's angle, rad.
+    """
+    t_s, angles = rows[:, 0], rows[:, 4:]
+    waves = basis(t_s, gait.omega_rad_s, harmonics=1)
+    sines = np.linalg.lstsq(waves, angles, rcond=None)[0]
+    amplitude_sigma_rad = (angles - waves @ sines).std() * math.sqrt(2 / len(t_s))
+    joints = np.arange(angles.shape[1])
+    phasors = (sines[2] + 1j * sines[1]) * np.exp(-1j * gait.beta_rad * joints)
+    shifts = np.degrees(np.angle(phasors / phasors.sum()))
+    begins = t_s <= t_s[-1] - gait.period_s
+    chords = [np.interp(t_s + gait.period_s, t_s, way) - way for way in rows[:, 1:3].T]
+    speeds = np.hypot(*chords)[begins] / gait.period_s
+    cycles = max(np.ptp(t_s) / gait.period_s - 1.0, 0.5)
+    speed_m_s = float(speeds.mean())
+    return {
+        "alpha_deg": math.degrees(gait.alpha_rad),
+        "beta_deg": math.degrees(gait.beta_rad),
+        "omega_rad_s": gait.omega_rad_s,
+        "offset_deg": math.degrees(float(sines[0].mean())),
+        "speed_m_s": speed_m_s,
+        "speed_sigma_m_s": math.hypot(
+            float(speeds.std()) / math.sqrt(cycles), FILM_ERROR * speed_m_s, 1e-5
+        ),
+        "gain_sigma": math.hypot(amplitude_sigma_rad / gait.alpha_rad, FILM_ERROR),
+        "gains": ",".join(f"{abs(x) / gait.alpha_rad:.5f}" for x in phasors),
+        "shifts_deg": ",".join(f"{shift:.3f}" for shift in shifts),
+    }
