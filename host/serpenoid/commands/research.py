@@ -20,7 +20,7 @@ from .options import AS_JSON, busy, show_json
 if TYPE_CHECKING:
     from ..bench.extremes import Outcome
     from ..bench.stability_map import Cell
-    from ..paper.claims import Claim
+    from ..paper.study import Claim
 
 
 @click.command(cls=Command)
@@ -100,16 +100,14 @@ def figures(folder: Path, as_json: bool) -> None:
     Fig. 17 shows the speeds of both models; its claims are compared with the band that the
     readings leave.
     """
-    from ..paper.claims import as_dict
     from ..show.report import table
 
     results = busy("drawing figures", lambda _: draw(folder))
-    values = as_dict(results)
+    values = {"claims": [claim._asdict() for claim in results]}
     show_json(values, folder / "claims.json")
     if as_json:
         return show_json(values)
-    cells = [[c.where, c.paper, c.result, c.verdict] for c in results]
-    table("the paper's claims", ["where", "the paper", "here", "verdict"], cells, 4)
+    table("the paper's claims", ["where", "the paper", "here", "verdict"], results, 4)
     return say(f"wrote {folder / 'claims.json'} and the figures")
 
 
@@ -120,7 +118,6 @@ def draw(folder: Path) -> list[Claim]:
     from .. import _core
     from ..base.long_calls import in_threads
     from ..paper import study
-    from ..paper.claims import claims
     from ..prediction.band import speed_band
     from ..show import plot
     from ..show.gaits import gait_figures
@@ -152,4 +149,4 @@ def draw(folder: Path) -> list[Claim]:
     words = f"2005 robot: {plot.robot_words(*body)}"
     gait_figures.power_of(study.cloud_2005(), optima, words, folder / "front-2005.png")
     ends = [(hz, b.low_m_s, b.high_m_s) for hz, b in zip(HERTZ, bands, strict=True)]
-    return claims(closed, opened, front, ends)
+    return study.claims(closed, opened, front, ends)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 from serpenoid import Scene, simulate
-from serpenoid.paper import claims, study
+from serpenoid.paper import study
 
 
 def test_claims_of_optima_follow_from_the_front() -> None:
@@ -19,7 +19,7 @@ def test_claims_of_optima_follow_from_the_front() -> None:
             replace(b, gait=replace(b.gait, alpha_rad=a * study.D, beta_rad=c * study.D))
             for b, a, c in zip(front, alpha_deg * 5, beta_deg * 5, strict=False)
         ]
-        return {c.paper: c.verdict for c in claims._optima(moved)}
+        return {c.paper: c.verdict for c in study._optima(moved)}
 
     same, apart, off = (verdicts(*x) for x in (([30], [80]), ([30, 60], [80, 60]), ([80], [50])))
     for name in (
@@ -31,7 +31,7 @@ def test_claims_of_optima_follow_from_the_front() -> None:
     assert same["for each speed one gait costs least"] == "agrees"
     assert off["for each speed one gait costs least"] == "differs"  # 80 deg is beyond the grid
     bent = [replace(b, gait=replace(b.gait, omega_rad_s=3.0)) for b in front]
-    assert claims._optima(bent)[1].verdict == "differs"
+    assert study._optima(bent)[1].verdict == "differs"
 
 
 def test_dry_friction_along_the_links_is_no_small_matter():

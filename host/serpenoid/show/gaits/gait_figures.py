@@ -53,9 +53,9 @@ def errors_in_time(closed: Comparison, opened: Comparison, path: Path) -> None:
             (closed, RED, "-", "all gaps closed at first (the paper)"),
             (opened, BLUE, "--", "gaps opened by the forces at first"),
         ):
-            angle, (vx, vy) = errors.theta_error_rad, errors.velocity_error_m_s.T
-            angle_axis.plot(errors.t_s, 1e3 * angle, style, color=colour, lw=1.0, label=name)
-            size = np.maximum(np.hypot(vx, vy), 1e-6)
+            angle = 1e3 * errors.angle_rad
+            angle_axis.plot(errors.t_s, angle, style, color=colour, lw=1.0, label=name)
+            size = np.maximum(errors.velocity_m_s, 1e-6)
             right.semilogy(errors.t_s, size, style, color=colour, lw=0.9)
         angle_axis.axhspan(-1, 1, color="#eeeeee", zorder=0, label="1 mrad, the paper's order")
         angle_axis.set(title="tail's angle (Fig. 6)", ylabel="error of the angle (mrad)")
