@@ -6,7 +6,7 @@ posterior's slopes say what friction's covariance is then.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -24,7 +24,7 @@ from ..servos.speed_limit import too_fast_text
 from ..session.crawls import as_run, crawls_by_command, driving, same_command
 from ..session.session import Session
 from .band import predict
-from .next_readings import MAX_TIMES, Candidate, NextReading, can_film, candidates
+from .next_readings import NextReading, candidates
 from .speeds import SAMPLES, Progress, Samples, draw_samples
 
 WORTH = 0.1  # share of the band: a reading that saves less is not worth its time
@@ -87,7 +87,7 @@ class Advice(Result):
                 f"tenth narrower. {self.note}"
             ).strip()
         next_band = f"{100 * self.best.band:.2g} %"
-        what = f"{self.best.in_words()} ({self.best.minutes:.0f} minutes)"
+        what = f"{self.best.words} ({self.best.minutes:.0f} minutes)"
         bands = f"±{next_band}, now ±{present}"
         return f"Take next: {what}; the speed is then known to {bands}. {self.note}"
 
@@ -96,7 +96,7 @@ class Advice(Result):
         if not self.worth:
             return [], []
         cells = [
-            [reading.in_words(), f"{reading.minutes:.0f}", f"±{reading.band:.1%}"]
+            [reading.words, f"{reading.minutes:.0f}", f"±{reading.band:.1%}"]
             for reading in self.readings[:SHOWN]
         ]
         return ["reading", "minutes", "speed then known to"], cells
@@ -105,41 +105,8 @@ class Advice(Result):
         """Return the figures by name; fit_alarms only where there are any."""
         values = asdict(self)
         alarms: tuple[str, ...] = values.pop("fit_alarms")
-        values["readings"] = [asdict(r) | {"in_words": r.in_words()} for r in self.readings]
         values["worth"] = self.worth
         return values | ({"fit_alarms": list(alarms)} if alarms else {})
-
-
-@dataclass(frozen=True)
-class _Bands:
-    """Halves of the 95 % bands of the gaits in question, over the speed, (gaits,).
-
-    slopes: (gaits, 4), of the speed by the frictions, a regression of sampled speeds. friction,
-    joints, complete: of friction alone, with the amplitude, with the servos. filmed: complete with
-    joints as a film shows them.
-    """
-
-    slopes: Array
-    friction: Array
-    joints: Array
-    complete: Array
-    filmed: Array
-
-    def variance(self, covariance: Array) -> Array:
-        """Return the variances of the speeds by frictions with such a covariance."""
-        return np.einsum("gi,ij,gj->g", self.slopes, covariance, self.slopes)
-
-    def band_after(self, ratio: Array) -> float:
-        """Return the mean band once the variances by friction have shrunk by ratios."""
-        other_variance = np.maximum(self.complete**2 - self.friction**2, 0.0)
-        return float(np.mean(np.sqrt(other_variance + ratio * self.friction**2)))
-
-    @property
-    def servo_tested(self) -> float:
-        """Return the mean band after a bench test of one joint."""
-        joints = np.minimum(self.joints, self.complete)
-        servos = self.complete**2 - joints**2
-        return float(np.mean(np.sqrt(joints**2 + SERVO_LEFT**2 * servos)))
 
 
 def advise(
@@ -204,22 +171,37 @@ def advise(
             f"{session.where}: {' '.join(too_fast)} So no speed has a band to make narrower; name "
             "a slower gait"
         )
-    bands = _bands(session, draw_samples(fit, servo, count=samples), slow, progress)
-    present_band = float(np.mean(bands.complete))
-    present_variance = bands.variance(covariance_after(session, estimate))
+    drawn, parts = draw_samples(fit, servo, count=samples), list[tuple[Array, Array]]()
+    for gait in slow:
+        parts.append(_slopes_and_halves(session, drawn, gait))
+        if progress is not None:
+            progress(len(parts) / len(slow))
+    slopes = np.array([part[0] for part in parts])
+    friction, joints, complete, filmed = np.array([part[1] for part in parts]).T
+    present_band = float(np.mean(complete))
+    other_variance = np.maximum(complete**2 - friction**2, 0.0)
 
-    def band_with(candidate: Candidate, times: int) -> float:
-        grown = covariance_after(candidate.session_with(session, times), estimate)
-        return bands.band_after(bands.variance(grown) / present_variance)
+    def variance(*more: Any) -> Array:
+        """Return the variance of each gait's speed by friction, with more readings."""
+        number = 1 + max(reading.number for reading in session.readings)
+        taken = (replace(reading, number=number) for reading in more)
+        grown = replace(session, readings=(*session.readings, *taken))
+        return np.einsum("gi,ij,gj->g", slopes, covariance_after(grown, estimate), slopes)
 
-    readings = [_repeated(candidate, band_with) for candidate in candidates(session, estimate)]
+    present_variance, readings = variance(), list[NextReading]()
+    for candidate, more in candidates(session, estimate):
+        shrunk = friction**2 * variance(*more) / present_variance
+        band = float(np.mean(np.sqrt(other_variance + shrunk)))
+        readings.append(replace(candidate, band=band))
     if servo is not None and not servo.drawn and not servo.exact:
         words = "a bench test of one joint (`serpenoid servo --test`)"
-        readings.append(NextReading("servo", words, 1, SERVO_TEST_MIN, bands.servo_tested))
-    if can_film(session):
-        minutes = FILM_MIN * len(slow)
-        words = "a film of the crawling robot (`serpenoid video`)"
-        readings.append(NextReading("film", words, 1, minutes, float(np.mean(bands.filmed))))
+        joints = np.minimum(joints, complete)
+        tested = np.sqrt(joints**2 + SERVO_LEFT**2 * (complete**2 - joints**2))
+        readings.append(NextReading("servo", words, SERVO_TEST_MIN, float(np.mean(tested))))
+    by_film = any(push.source == "film" for push in session.kept_pushes)
+    if by_film or session.kept_films or session.setup.robot_table.tag_side_m:
+        words, minutes = "a film of the crawling robot (`serpenoid video`)", FILM_MIN * len(slow)
+        readings.append(NextReading("film", words, minutes, float(np.mean(filmed))))
     if not readings:
         raise BadInput(
             f"{session.where}: no station that this treadmill can be set to tells more; raise "
@@ -233,39 +215,27 @@ def advise(
     return Advice(slow, present_band, tuple(readings), note, servo and servo.name, fit.alarms)
 
 
-def _repeated(candidate: Candidate, band_with: Callable[[Candidate, int], float]) -> NextReading:
-    """Return a reading as often as once more saves a tenth of the band."""
-    times, band = 1, band_with(candidate, 1)
-    while times < MAX_TIMES and (more := band_with(candidate, times + 1)) < (1.0 - WORTH) * band:
-        times, band = times + 1, more
-    minutes = candidate.advised.minutes + (times - 1) * candidate.repeat_minutes
-    return replace(candidate.advised, times=times, minutes=minutes, band=band)
+def _slopes_and_halves(session: Session, samples: Samples, gait: Gait) -> tuple[Array, Array]:
+    """Return the slopes (4,) of a speed by the frictions, and halves (4,) of its 95 % bands.
 
-
-def _bands(
-    session: Session, samples: Samples, gaits: Sequence[Gait], progress: Progress | None
-) -> _Bands:
-    """Return speeds and bands as `compare` has them; raises BadInput for one that stands still."""
+    The slopes are a regression of sampled speeds. The halves, over the speed, are of friction, with
+    the joints' amplitude, with the servos, and the last one with joints as a film shows them.
+    Raises BadInput for a gait that stands still.
+    """
     centred = samples.frictions - samples.frictions.mean(axis=0)
     # a little of the fit's own covariance keeps frictions known all but exactly in their place
     ridge = 1e-6 * len(centred) * np.diag(np.diag(samples.fit.covariance))
-    inverse = np.linalg.inv(centred.T @ centred + ridge)
-    films = [crawl for crawl in crawls_by_command(session) if crawl.films]
-    rows, slopes = [], []
-    for gait in gaits:
-        crawl = next((film for film in films if same_command(film.commanded, gait)), None)
-        band = predict(samples, crawl.gait if crawl else gait, crawl and crawl.commanded)
-        filmed = band if crawl else predict(samples, gait, gait)
-        if band.exact_m_s <= 0.0:
-            raise BadInput("one of the gaits does not move at all; choose a larger amplitude")
-        slopes.append(inverse @ centred.T @ band.samples_m_s[0])
-        ends = [
-            (band.low_friction_m_s, band.high_friction_m_s),
-            (band.low_joints_m_s, band.high_joints_m_s),
-            (band.low_m_s, band.high_m_s),
-            (filmed.low_m_s, filmed.high_m_s),
-        ]
-        rows.append(np.diff(ends)[:, 0] / 2 / band.exact_m_s)
-        if progress is not None:
-            progress(len(rows) / len(gaits))
-    return _Bands(np.array(slopes), *np.array(rows).T)
+    crawls = [crawl for crawl in crawls_by_command(session) if crawl.films]
+    crawl = next((crawl for crawl in crawls if same_command(crawl.commanded, gait)), None)
+    filmed = predict(samples, crawl.gait if crawl else gait, crawl.commanded if crawl else gait)
+    band = filmed if crawl else predict(samples, gait)
+    if band.exact_m_s <= 0.0:
+        raise BadInput("one of the gaits does not move at all; choose a larger amplitude")
+    ends = [
+        (band.low_friction_m_s, band.high_friction_m_s),
+        (band.low_joints_m_s, band.high_joints_m_s),
+        (band.low_m_s, band.high_m_s),
+        (filmed.low_m_s, filmed.high_m_s),
+    ]
+    slopes = np.linalg.solve(centred.T @ centred + ridge, centred.T @ band.samples_m_s[0])
+    return slopes, np.diff(ends)[:, 0] / 2 / band.exact_m_s
