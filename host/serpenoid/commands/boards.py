@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,36 +11,24 @@ import click
 
 import serpenoid as sn
 
-from ..base.checks import POSITIVE, Limits
+from ..base.checks import POSITIVE
 from ..show.screen import say
 from .declare import OutFile, Values, command, flag, number, option, settings
 from .options import (
-    AS_JSON,
     OFFSET,
     PLUG,
-    Snake,
     busy,
     describe,
-    gait_options,
     make_gait,
     make_snake,
-    robot_option,
-    servo_option,
     show_json,
     take_servo,
     warn_of_two_motions,
 )
 from .predict import expect
 
-PORT = option(
-    "--port",
-    "Serial port; found by its USB id unless given. `virtual` or `virtual:joints=9` needs no "
-    "robot.",
-)
-
 
 @command()
-@AS_JSON
 def ports(as_json: bool) -> None:
     """List the serial ports: which may be the robot, and whether this user may open them."""
     from ..robot.wire.ports import port_states, why_no_port
@@ -61,33 +49,17 @@ def ports(as_json: bool) -> None:
 @option(
     "--board", "Needed where the USB id does not tell.", choice=["uno", "nano", "nano_old", "mega"]
 )
-@option("--port", "Serial port; found by its USB id unless given.")
 @option("--joints", "How many joints the robot has: its links less one.", default=5)
 @option(
     "--output",
-    "Where servos are wired. pca9685 has run on a simulated chip only.",
+    "Where servos are wired; pca9685 has run on a simulated chip only: keep horns off at first.",
     choice=["servo", "pca9685"],
     default="servo",
 )
-@AS_JSON
-def flash(
-    board: str | None,
-    port: str | None,
-    joints: int,
-    output: str,
-    as_json: bool,
-) -> None:
+def flash(board: str | None, port: str | None, joints: int, output: str) -> None:
     """Build the firmware and put it on the board, by PlatformIO, then wait for its greeting."""
-    from dataclasses import asdict
-
     from ..robot.tools.upload import flash as build_and_upload
 
-    if output == "pca9685":
-        say(
-            "serpenoid: warning: the driver of the PCA9685 has run on a simulated chip only. Keep "
-            "the horns off until the first power-on (docs/first_day.md) is done.",
-            err=True,
-        )
     hello = build_and_upload(
         board,
         port,
@@ -95,23 +67,18 @@ def flash(
         joints=joints,
         output=output,
     )
-    if as_json:
-        show_json(asdict(hello))
-    else:
-        say(
-            f"the {hello.board} runs firmware {hello.firmware}, protocol {hello.protocol}; "
-            "next: `serpenoid doctor`, then `serpenoid trim`"
-        )
+    say(
+        f"the {hello.board} runs firmware {hello.firmware}, protocol {hello.protocol}; "
+        "next: `serpenoid doctor`, then `serpenoid trim`"
+    )
 
 
 MARKS = {"ok": "ok  ", "note": "note", "fix": "FIX "}
 
 
 @command()
-@PORT
-@number("--listen-s", "How long to listen to the board; 3.", limits=Limits(0.2, 600), default=3.0)
+@number("--listen-s", "How long to listen to the board; 3.", default=3.0)
 @flag("--limp", "Ask whether servos go limp when pulses end, and keep it on the board: it moves.")
-@AS_JSON
 def doctor(port: str | None, listen_s: float, limp: bool, as_json: bool) -> None:
     """Find what keeps the robot from working, and say the fix; nothing moves without --limp.
 
@@ -141,26 +108,19 @@ def doctor(port: str | None, listen_s: float, limp: bool, as_json: bool) -> None
 
 
 @command()
-@PORT
-@AS_JSON
-def trim(port: str | None, as_json: bool) -> None:
+def trim(port: str | None) -> None:
     """Centre each servo by typed numbers; `save` keeps them. The robot straightens first."""
     import sys
-    from dataclasses import asdict
 
     from ..robot.robot import RobotBoard
     from ..robot.tools.trimming import UNATTENDED_S, Trimming, straighten
 
     with RobotBoard(port, unattended_s=UNATTENDED_S) as robot:
         straighten(robot)
-        work = Trimming(robot, lambda text: say(text, err=True))
-        work.obey_all(iter(sys.stdin.readline, ""))
-    if as_json:
-        show_json({"saved": not work.unsaved, "trims": [asdict(t) for t in work.trims]})
+        Trimming(robot, say).obey_all(iter(sys.stdin.readline, ""))
 
 
 @command()
-@PORT
 @flag("--all", "everything", "Every telemetry line, not one a second.")
 def monitor(port: str | None, everything: bool) -> None:
     """Talk to the board: each line is checked, `!` and Enter stop the robot, Ctrl-C leaves.
@@ -176,14 +136,9 @@ DRIVE_SERVOS = 64  # sampled servos for the range of the predicted speed; they t
 
 
 @command()
-@robot_option
-@gait_options
-@servo_option
 @number("--duration-s", "How long; until Ctrl-C unless given.", limits=POSITIVE)
-@PORT
 @option("--record", "New file for every line of the run.", type=OutFile())
 @settings(OFFSET, *PLUG)
-@AS_JSON
 def drive(
     robot: str | None,
     servo: str | None,
@@ -207,15 +162,19 @@ def drive(
     from ..servos.speed_limit import too_fast_text
     from ..show.live import show_summary, view
 
-    check_board_limits(typed_gait)
-    gait, snake = make_gait(typed_gait, settings), make_snake(robot, {}) if robot else None
-    kind = take_servo(servo or "hobby", settings, snake)
+    gait, snake = make_gait(settings | typed_gait), make_snake(robot, {}) if robot else None
+    kind = take_servo(servo, settings, snake)
     if kind and snake and not (snake.session or "frame_ms" in settings):
         kind = kind.at_frames(1e-6 * frame_us(snake.robot.links - 1))
     if not (snake and snake.fit) and (too_fast := too_fast_text(gait, kind)):
         say(f"serpenoid: warning: {too_fast}", err=True)
     run = DrivenRun(gait, port, record, snake.robot.links - 1 if snake else None)
-    best = predicted(snake, gait, kind) if snake else None
+    best = None
+    if snake:
+        body = snake.robot, snake.ground, gait
+        state = warn_of_two_motions(busy("predicting", lambda _: sn.steady_gait(*body)))
+        predict = partial(expect, snake, state, kind, draws=DRIVE_SERVOS)
+        best = busy("predicting", predict).best
     if best and not as_json:
         say(f"predicted: {best.in_words()}")
     try:
@@ -226,33 +185,9 @@ def drive(
             raise
     finally:  # a run that failed has a summary too
         if (summary := run.summary()) is not None:
-            frame_ms = run.robot.hello.frame_us / 1e3
-            if best and kind and frame_ms != round(1e3 * kind.servo.frame_s, 3):
-                words = f"note: the board's frames take {frame_ms:g} ms: give --set frame_ms="
-                say(f"{words}{frame_ms:g} for its prediction", err=True)
-            values = {"gait": describe(run.gait), "frame_ms": frame_ms}
+            values = {"gait": describe(run.gait), "frame_ms": run.robot.hello.frame_us / 1e3}
             values |= {"predicted": best.to_dict()} if best else {}
             if as_json:
                 show_json(values | vars(summary) | (snake.notes if snake else {}))
             else:
                 show_summary(summary, best)
-
-
-def predicted(snake: Snake, gait: sn.Gait, servo: sn.ServoKind | None) -> Any:
-    """Return the speed to expect of a gait, with what few servos leave of it."""
-    state = busy("predicting", lambda _: sn.steady_gait(snake.robot, snake.ground, gait))
-    state = warn_of_two_motions(state)
-    return busy("predicting", lambda _: expect(snake, state, servo, draws=DRIVE_SERVOS)).best
-
-
-def check_board_limits(typed_gait: Values) -> None:
-    """Raise BadInput, in the option's name and unit, for a gait that no board takes."""
-    from .._core.firmware import GAIT
-
-    fields = {"alpha_deg": ("alpha", 1.0), "omega_rad_s": ("omega", 1.0)}
-    fields["frequency_hz"] = "omega", math.tau
-    for name, (field, unit) in fields.items():
-        _, low, high, _ = GAIT[field]
-        if typed_gait[name] is not None:
-            option = f"--{name.replace('_', '-')}"
-            Limits(low / unit, high / unit).check(option, typed_gait[name])

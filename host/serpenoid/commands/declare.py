@@ -6,6 +6,8 @@ import os
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
+from inspect import signature
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -24,8 +26,25 @@ class ResearchOption(click.Option):
     """An option that a builder does not need."""
 
 
+OPTIONS: dict[str, list[click.Parameter]] = {}  # rows of the table, by the parameter they fill
+ANSWERING = "verbose", "as_json"  # parameters whose options stand last in a command's help
+
+
 class Command(click.Command):
-    """A command whose help lists the options for researchers apart."""
+    """A command whose parameters name rows of the table, where its own options do not fill them.
+
+    Its help lists the options for researchers apart.
+    """
+
+    def __init__(
+        self, *args: Any, callback: Callable[..., Any], params: list[click.Parameter], **how: Any
+    ) -> None:
+        names = {param.name for param in params}
+        rows = (
+            OPTIONS.get(name, []) for name in signature(callback).parameters if name not in names
+        )
+        params = sorted([*chain(*rows), *params], key=lambda param: param.name in ANSWERING)
+        super().__init__(*args, callback=callback, params=params, **how)
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the options of builders, then those of researchers."""
@@ -62,15 +81,9 @@ def flag(*names_and_help: str, **how: Any) -> Option:
     return option(*names_and_help, is_flag=True, **how)
 
 
-def together(*options: Option) -> Option:
-    """Return options that several commands have, in this order, as one."""
-
-    def add(command: Callable[..., Any]) -> Callable[..., Any]:
-        for add_option in reversed(options):
-            command = add_option(command)
-        return command
-
-    return add
+def row(parameter: str, *options: Option) -> None:
+    """Add a row to the table: what fills a parameter of this name, in every command that has it."""
+    OPTIONS[parameter] = list(chain(*(add(lambda: None).__click_params__ for add in options)))
 
 
 def parsed_number(name: str, text: str) -> float:

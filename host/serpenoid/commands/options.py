@@ -1,4 +1,4 @@
-"""Options that several commands have, what they make (robot, gait, servo), and JSON answers."""
+"""The table of options that several commands have, and what they make: robot, gait, servo, JSON."""
 
 from __future__ import annotations
 
@@ -18,9 +18,12 @@ import serpenoid as sn
 from ..base.checks import FORMULATIONS, NOT_NEGATIVE, POSITIVE, Limits
 from ..base.errors import BadInput
 from ..base.files import write_text
-from ..model.capture_rate import HIGHEST_HZ, OPTION
+from ..model.capture_rate import OPTION
 from ..show.screen import say, working
 from .declare import (
+    FIGURES,
+    FOLDER,
+    OutFile,
     Setting,
     Values,
     chosen,
@@ -29,17 +32,80 @@ from .declare import (
     option,
     parsed_number,
     refuse_unused,
-    together,
+    row,
 )
 
 T = TypeVar("T")
+IDEAL = "ideal"
 AS_JSON = flag("--json", "as_json", "Answer with JSON.")
-AS_TABLES = together(flag("--verbose", "Print errors, margins and other powers, too."), AS_JSON)
 CAPTURE_FPS = number(
     OPTION,
     "Pictures a second that the camera took, of slow motion whose file has no tag that says so.",
-    limits=Limits(1, HIGHEST_HZ),
 )
+
+
+def _listed(_ctx: click.Context, _option: click.Parameter, gaits: Any) -> list[sn.Gait]:
+    return [sn.Gait.degrees(alpha, beta, frequency_hz=hertz) for alpha, beta, hertz in gaits]
+
+
+row("as_json", AS_JSON)
+row("verbose", flag("--verbose", "Print errors, margins and other powers, too."))
+row("capture_fps", CAPTURE_FPS)
+row("session", click.argument("session", type=FOLDER))
+row(
+    "robot",
+    option(
+        "--robot",
+        "Robot and friction: 2005 (the paper's real one, unless given), paper (the one of its "
+        "theory), a session's folder, a fit.json, or a scene (.toml).",
+        metavar="2005|paper|FILE|SESSION",
+    ),
+)
+row(
+    "typed_gait",
+    number("--alpha-deg", "Amplitude of the joints."),
+    number("--beta-deg", "Phase lag from joint to joint."),
+    number("--frequency-hz", "Frequency of the gait."),
+    number("--omega-rad-s", "Its angular rate, in place of the frequency."),
+)
+row(
+    "gaits",
+    number(
+        "--gait",
+        "gaits",
+        "A gait to predict, beside the session's.",
+        nargs=3,
+        multiple=True,
+        metavar="ALPHA_DEG BETA_DEG HZ",
+        callback=_listed,
+    ),
+)
+row(
+    "servo",
+    option(
+        "--servo",
+        "Servos of the joints: hobby (any), SG90, MG996R, ..., a TOML file, or ideal.",
+        metavar="NAME|FILE|ideal",
+    ),
+)
+row(
+    "formulation",
+    option(
+        "--formulation",
+        "Exact model (explicit, unless given), or the paper's springs.",
+        choice=FORMULATIONS,
+        research=True,
+    ),
+)
+row(
+    "port",
+    option(
+        "--port",
+        "Serial port; found by its USB id unless given. `virtual` or `virtual:joints=9` needs no "
+        "robot.",
+    ),
+)
+row("figure", option("--plot", "figure", "PNG, PDF or SVG to draw.", type=OutFile(*FIGURES)))
 
 
 def _both_ways(name: str, text: str) -> float | tuple[float, ...]:
@@ -94,47 +160,6 @@ PLUG = (
 )
 RTOL = Setting("rtol", "relative accuracy of the speed", usual="1e-6")
 
-robot_option = option(
-    "--robot",
-    "Robot and friction: 2005 (the paper's real one, unless given), paper (the one of its theory), "
-    "a session's folder, a fit.json, or a scene (.toml).",
-    metavar="2005|paper|FILE|SESSION",
-)
-gait_options = together(
-    number("--alpha-deg", "Amplitude of the joints."),
-    number("--beta-deg", "Phase lag from joint to joint."),
-    number("--frequency-hz", "Frequency of the gait.", limits=POSITIVE),
-    number("--omega-rad-s", "Its angular rate, in place of the frequency."),
-)
-servo_option = option(
-    "--servo",
-    "Servos of the joints: hobby (any), SG90, MG996R, ..., a TOML file, or ideal.",
-    metavar="NAME|FILE|ideal",
-)
-formulation_option = option(
-    "--formulation",
-    "Exact model, or the paper's springs.",
-    choice=FORMULATIONS,
-    default="explicit",
-    research=True,
-)
-IDEAL = "ideal"
-
-
-def _listed(_ctx: click.Context, _option: click.Parameter, gaits: Any) -> list[sn.Gait]:
-    return [sn.Gait.degrees(alpha, beta, hertz=hertz) for alpha, beta, hertz in gaits]
-
-
-listed_gaits = number(
-    "--gait",
-    "gaits",
-    "A gait to predict, beside the session's.",
-    nargs=3,
-    multiple=True,
-    metavar="ALPHA_DEG BETA_DEG HZ",
-    callback=_listed,
-)
-
 
 def servo_kind(name: str, settings: Values) -> sn.ServoKind:
     """Return servos of a name or file, at the plug's settings."""
@@ -144,32 +169,27 @@ def servo_kind(name: str, settings: Values) -> sn.ServoKind:
     return kind.at_frames(settings["frame_ms"] / 1e3) if "frame_ms" in settings else kind
 
 
-GAIT_FIELDS = {  # name that is typed -> field of Gait
-    "alpha_deg": "alpha_rad",
-    "beta_deg": "beta_rad",
-    "offset_deg": "offset_rad",
-    "frequency_hz": "omega_rad_s",
-    "omega_rad_s": "omega_rad_s",
-}
+GAIT = "alpha_deg", "beta_deg", "offset_deg", "frequency_hz", "omega_rad_s"
 
 
-def make_gait(typed: Values, settings: Values, base: sn.Gait | None = None) -> sn.Gait:
-    """Return the gait of `gait_options` and of offset_deg, over `base` if there is one.
+def make_gait(typed: Values, base: sn.Gait | None = None) -> sn.Gait:
+    """Return the gait of typed options and settings (None: not given), over `base` if there is one.
 
-    typed: the values of the options by name; those that are None were not given.
+    Its joints have the gains and shifts of the base.
     """
-    values = {name: v for name, v in (settings | typed).items() if name in GAIT_FIELDS}
-    values = {name: value for name, value in values.items() if value is not None}
-    rates = values.keys() & {"frequency_hz", "omega_rad_s"}
-    complete = base or (rates and values.keys() >= {"alpha_deg", "beta_deg"})
-    if len(rates) > 1 or not complete:
-        raise BadInput("give --alpha-deg, --beta-deg, and one of --frequency-hz and --omega-rad-s")
-    angles = {name: values.get(name, 0.0) for name in ("alpha_deg", "beta_deg", "offset_deg")}
-    shape = sn.Gait.degrees(**angles, hertz=values.get("frequency_hz", 1.0))
-    fields = {GAIT_FIELDS[name]: getattr(shape, GAIT_FIELDS[name]) for name in values}
-    if "omega_rad_s" in values:
-        fields["omega_rad_s"] = values["omega_rad_s"]
-    return replace(base or shape, **fields)
+    values = {name: typed[name] for name in GAIT if typed.get(name) is not None}
+    if base is None:
+        if not values.keys() >= {"alpha_deg", "beta_deg"}:
+            raise BadInput(
+                "give --alpha-deg, --beta-deg, and one of --frequency-hz and --omega-rad-s"
+            )
+        return sn.Gait.degrees(**values)
+    fields = {name: value for name, value in describe(base).items() if name in GAIT}
+    if "frequency_hz" in values:
+        del fields["omega_rad_s"]
+    gait = sn.Gait.degrees(**fields | values)
+    joints = {"joint_gain": base.joint_gain, "joint_shift_rad": base.joint_shift_rad}
+    return replace(gait, **joints) if values else base
 
 
 def describe(gait: sn.Gait) -> Values:
@@ -261,21 +281,17 @@ class Snake:
     notes: Values = field(default_factory=dict)
 
 
-def preset(name: str) -> Snake:
-    """Return the robot of the paper's experiment, "2005", or of its theory, "paper"."""
-    if name == "paper":
-        return Snake(sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0))
-    robot = sn.Robot(6, 0.0756, 0.076)
-    return Snake(robot, sn.Ground.whole_body(6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27))
-
-
 def named_snake(name: str) -> Snake:
     """Return the robot and ground of a preset, a session's folder, a fit.json or a scene.
 
-    What forbids to trust a fit is told. Raises BadInput for a name that is none of these.
+    "2005" is the robot of the paper's experiment, "paper" that of its theory. What forbids to trust
+    a fit is told. Raises BadInput for a name that is none of these.
     """
-    if name in ("2005", "paper"):
-        return preset(name)
+    if name == "2005":
+        friction = sn.Ground.whole_body(6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
+        return Snake(sn.Robot(6, 0.0756, 0.076), friction)
+    if name == "paper":
+        return Snake(sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0))
     path = Path(name)
     if path.suffix == ".toml" and path.is_file():
         scene = sn.load_scene(path)
@@ -284,13 +300,13 @@ def named_snake(name: str) -> Snake:
     if session is not None:
         fit = session_fit(session)
     elif path.suffix == ".json":
-        fit = tell_alarms(sn.load_fit(path))
+        fit = sn.load_fit(path)
     else:
         raise BadInput(
             f"--robot is {name!r}; it must be 2005, paper, a session's folder, a fit.json or a "
             "scene (.toml)"
         )
-    return Snake(fit.robot, fit.ground, fit, session, alarms_of(fit))
+    return Snake(fit.robot, fit.ground, fit, session, tell_alarms(fit))
 
 
 def make_snake(name: str | None, settings: Values, base: Snake | None = None) -> Snake:
@@ -329,19 +345,26 @@ def session_fit(session: sn.Session) -> sn.FrictionFit:
         try:
             fit = sn.load_fit(folder)
             if rests_on(fit, session):
-                return tell_alarms(fit)
+                return fit
         except sn.BadInput as error:  # an older version's, or edited: the readings are there
             say(f"serpenoid: warning: {error}; fitted anew", err=True)
-    return tell_alarms(sn.fit_friction(session))
+    return sn.fit_friction(session)
 
 
-def take_servo(name: str, settings: Values, snake: Snake | None = None) -> sn.ServoKind | None:
-    """Return the servos of a name; None for joints that are ideal.
+MOST_LINKS = 20  # Links with hobby servos unasked: the work grows as the cube of the links.
 
-    snake: of a session, which has their voltage and the frames of its board.
+
+def take_servo(
+    name: str | None, settings: Values, snake: Snake | None = None
+) -> sn.ServoKind | None:
+    """Return the servos of a name, hobby servos unless given; None for joints that are ideal.
+
+    snake: the robot that they move; a session has their voltage and the frames of its board.
     """
     from ..session.crawls import driving
 
+    if name is None:
+        name = IDEAL if snake and snake.robot.links > MOST_LINKS else "hobby"
     if name.lower() == IDEAL:
         refuse_unused(settings, "joints are ideal; give --servo NAME", "volts", "frame_ms")
         return None
@@ -353,18 +376,11 @@ def take_servo(name: str, settings: Values, snake: Snake | None = None) -> sn.Se
     return driving(snake.session.setup, kind) if snake and snake.session else kind
 
 
-def tell_alarms(fit: sn.FrictionFit) -> sn.FrictionFit:
-    """Warn of what forbids to trust a fit, note what was not measured; return the fit."""
-    notes = alarms_of(fit)
-    for alarm in notes.get("fit_alarms", ()):
+def tell_alarms(fit: sn.FrictionFit) -> Values:
+    """Warn of what forbids to trust a fit, note what was not measured; return both for JSON."""
+    for alarm in fit.alarms:
         say(f"serpenoid: warning: {alarm}", err=True)
-    for note in notes.get("fit_notes", ()):
+    for note in fit.unmeasured:
         say(f"note: {note}", err=True)
-    return fit
-
-
-def alarms_of(fit: sn.FrictionFit) -> Values:
-    """Return what forbids to trust a fit and what was not measured, as JSON answers have it."""
-    old = [note for note in fit.notes if "is older than the readings" in note]
-    notes = {"fit_alarms": [*fit.alarms, *old], "fit_notes": fit.unmeasured}
+    notes = {"fit_alarms": list(fit.alarms), "fit_notes": fit.unmeasured}
     return {key: words for key, words in notes.items() if words}

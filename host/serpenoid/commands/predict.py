@@ -6,9 +6,9 @@ import math
 import warnings
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
@@ -31,8 +31,6 @@ from .declare import (
     settings,
 )
 from .options import (
-    AS_JSON,
-    AS_TABLES,
     FRICTION,
     IDEAL,
     OFFSET,
@@ -44,12 +42,8 @@ from .options import (
     Snake,
     busy,
     describe,
-    formulation_option,
-    gait_options,
     make_gait,
     make_snake,
-    robot_option,
-    servo_option,
     show_json,
     take_servo,
     tell,
@@ -60,29 +54,19 @@ if TYPE_CHECKING:
     from ..prediction.band import SpeedBand
 
 
-FEW_LINKS = 20  # servos are asked about unasked: the work grows as the cube of the links
-SERVO_DRAWS = 512  # servos of an uncertain kind, for the interval that they leave
-
-
 @command()
-@robot_option
-@gait_options
-@servo_option
 @settings(*ROBOT, *FRICTION, OFFSET, *PLUG, *SPRINGS, RTOL)
-@formulation_option
 @flag(
     "--sensitivities",
-    "differentiated",
     "What 1 % more of seven numbers changes of the speed (ideal joints).",
     research=True,
 )
-@AS_TABLES
 def steady(
     robot: str | None,
     servo: str | None,
     settings: Values,
-    formulation: str,
-    differentiated: bool,
+    formulation: str | None,
+    sensitivities: bool,
     verbose: bool,
     as_json: bool,
     **typed_gait: Any,
@@ -96,29 +80,23 @@ def steady(
     from ..show.gaits import gait_report
 
     snake = make_snake(robot, settings)
-    body = snake.robot, snake.ground, make_gait(typed_gait, settings)
+    body = snake.robot, snake.ground, make_gait(settings | typed_gait)
     springs = chosen(settings, *SPRINGS)
     rtol = settings.get("rtol", 1e-6)
     typed = {"gait": describe(body[2])}
     if formulation == "implicit":
-        if differentiated or servo not in (None, IDEAL):
+        if sensitivities or servo not in (None, IDEAL):
             raise click.UsageError(
                 "--servo and --sensitivities are of the exact model; leave --formulation implicit "
                 "out"
             )
         soft = busy("solving", lambda _: sn.steady_springs(*body, rtol=rtol, **springs))
-        if soft.error_estimate > rtol:
-            warnings.warn(
-                f"the speed is known to {soft.error_estimate:.1g}, not to the rtol of {rtol:g}: "
-                "the time steps of the springs do not give more",
-                stacklevel=2,
-            )
         return tell(soft, as_json, verbose, typed | snake.notes)
     refuse_unused(settings, PINNED, *springs)
-    kind = take_servo(servo or ("hobby" if few_links(snake) else IDEAL), settings, snake)
+    kind = take_servo(servo, settings, snake)
 
     def solved(show_share: Callable[[float], object]) -> tuple[Expected, sn.SpeedLosses]:
-        state = sn.steady_gait(*body, rtol=rtol, sensitivities=differentiated)
+        state = sn.steady_gait(*body, rtol=rtol, sensitivities=sensitivities)
         return expect(snake, state, kind, show_share), sn.speed_losses(*body)
 
     expected, losses = busy("solving", solved)
@@ -136,8 +114,7 @@ def steady(
     return None
 
 
-@dataclass(frozen=True)
-class Expected:
+class Expected(NamedTuple):
     """The speed to expect of a gait: with ideal joints, with servos, and the band of a fit."""
 
     state: sn.Steady
@@ -166,35 +143,29 @@ def expect(
     state: sn.Steady,
     servo: sn.ServoKind | None,
     show_share: Callable[[float], object] | None = None,
-    draws: int = SERVO_DRAWS,
+    **samples: int,
 ) -> Expected:
     """Return the speed to expect; servos that do not settle to one are warned of.
 
-    show_share: called with the share of the work that is done. draws: servos drawn of an uncertain
-    kind; with a fit, whose band has servos of its own, none.
+    show_share: called with the share of the work that is done. samples: `draws`, of servos of an
+    uncertain kind; with a fit, whose band has servos of its own, none.
     """
     from ..periodic.servo_steady import with_servo
     from ..prediction.band import speed_band
 
-    moved = None
+    moved, band = None, None
+    if snake.fit:
+        band, samples = speed_band(snake.fit, state.gait, servo=servo), {"draws": 0}
     if servo is not None:
         try:
-            moved = with_servo(state, servo, 0 if snake.fit else draws, show_share)
+            moved = with_servo(state, servo, progress=show_share, **samples)
         except sn.NotConverged as error:
             warnings.warn(str(error), stacklevel=2)
             moved = error.best
-    band = speed_band(snake.fit, state.gait, servo=servo) if snake.fit else None
     return Expected(state, moved, band)
 
 
-def few_links(snake: Snake) -> bool:
-    """Tell whether servos are asked about unasked."""
-    return snake.robot.links <= FEW_LINKS
-
-
-SUFFIXES = (".csv", ".npz")
 SPAN = "FIRST:LAST:STEP"
-MAX_VALUES = 100_000  # largest count of values in a range
 MAX_GAITS = 1_000_000  # largest grid of an answer, whose text takes a gigabyte
 
 
@@ -203,40 +174,35 @@ def _span(text: str, name: str) -> list[float]:
     numbers = [parsed_number(name, part) for part in text.split(":")]
     if len(numbers) == 1:
         return numbers
-    is_span = len(numbers) == len(SPAN.split(":"))
-    first, last, step = numbers if is_span else (0.0, 0.0, 0.0)
-    if not (step > 0 and last >= first and (last - first) / step < MAX_VALUES):
-        raise BadInput(
-            f"{name} is {text!r}; it must be one number, or {SPAN} that goes upwards in "
-            f"at most {MAX_VALUES} steps, such as 5:75:5"
-        )
-    return [first + i * step for i in range(int((last - first) / step + 1 + 1e-9))]
-
-
-THREADS = Setting("threads", "threads to solve in", usual="1 a core")
+    with suppress(ValueError, ArithmeticError):  # of two numbers, of a step of 0, of NaN
+        first, last, step = numbers
+        count = int((last - first) / step + 1 + 1e-9)
+        if step > 0 and 1 <= count <= MAX_GAITS:
+            return [first + i * step for i in range(count)]
+    raise BadInput(
+        f"{name} is {text!r}; it must be one number, or {SPAN} that goes upwards in at most "
+        f"{MAX_GAITS:g} steps, such as 5:75:5"
+    )
 
 
 @command()
-@robot_option
 @option("--alpha-deg", f"{SPAN}.", default="5:75:5")
 @option("--beta-deg", f"{SPAN}.", default="20:90:5")
 @option("--frequency-hz", f"{SPAN}.")
 @option("--omega-rad-s", f"{SPAN}, in place of the frequency; 1:20:1 unless given.")
-@servo_option
 @option(
     "--out",
     "path",
     "CSV (degrees, hertz) or npz (SI units) to write.",
-    type=OutFile(*SUFFIXES),
+    type=OutFile(".csv", ".npz"),
 )
-@settings(*ROBOT, *FRICTION, *PLUG, RTOL, THREADS)
+@settings(*ROBOT, *FRICTION, *PLUG, RTOL)
 @option(
     "--scheduler",
     "Solve on the Dask cluster with this address, e.g. tcp://10.0.0.1:8786.",
     metavar="ADDRESS",
     research=True,
 )
-@AS_JSON
 def sweep(
     robot: str | None,
     servo: str | None,
@@ -254,28 +220,27 @@ def sweep(
     Joints follow the gaits exactly. --servo adds the speed with servos and its 95 % band, at half
     a second a gait; powers stay those of ideal joints.
     """
+    from ..show.sweep_files import write_sweep
+
     snake = make_snake(robot, settings)
     kind = take_servo(servo or IDEAL, settings, snake)
     if frequency_hz is not None and omega_rad_s is not None:
         raise click.UsageError("--omega-rad-s and --frequency-hz say the same; give one")
     alphas_deg, betas_deg = _span(alpha_deg, "--alpha-deg"), _span(beta_deg, "--beta-deg")
-    hertz = [] if frequency_hz is None else _span(frequency_hz, "--frequency-hz")
-    grid = {
-        "alpha_rad": [sn.Gait.degrees(a, 0.0, hertz=1.0).alpha_rad for a in alphas_deg],
-        "beta_rad": [sn.Gait.degrees(0.0, b, hertz=1.0).beta_rad for b in betas_deg],
-        "omega_rad_s": [math.tau * hz for hz in hertz]
-        or _span(omega_rad_s or "1:20:1", "--omega-rad-s"),
-    }
-    from ..show.sweep_files import write_sweep
-
-    count = math.prod(map(len, grid.values()))
+    if frequency_hz is None:
+        rates = [{"omega_rad_s": x} for x in _span(omega_rad_s or "1:20:1", "--omega-rad-s")]
+    else:
+        rates = [{"frequency_hz": x} for x in _span(frequency_hz, "--frequency-hz")]
+    count = len(alphas_deg) * len(betas_deg) * len(rates)
     if count > MAX_GAITS:
         raise click.UsageError(
             f"{count:.3g} gaits are too many for one answer, which holds up to {MAX_GAITS:.3g}; "
             "take larger steps, or sweep one part after the other"
         )
-    how = {name: settings[name] for name in ("rtol", "threads") if name in settings}
-    how |= {"scheduler": scheduler, "servo": kind, **grid}
+    how = {"scheduler": scheduler, "servo": kind} | chosen(settings, RTOL)
+    how["alpha_rad"] = [sn.Gait.degrees(x, 0.0, **rates[0]).alpha_rad for x in alphas_deg]
+    how["beta_rad"] = [sn.Gait.degrees(0.0, x, **rates[0]).beta_rad for x in betas_deg]
+    how["omega_rad_s"] = [sn.Gait.degrees(0.0, 0.0, **rate).omega_rad_s for rate in rates]
     solved, total = [], count * (1 if kind is None else 2)
 
     def solve(show_share: Callable[[float], object]) -> sn.Sweep:
@@ -316,20 +281,16 @@ COST = Setting(
 
 
 @command()
-@robot_option
-@number("--speed-m-s", "--speed", "Wanted speed.", required=True, limits=POSITIVE)
-@servo_option
+@number("--speed-m-s", "--speed", "Wanted speed.", required=True)
 @flag("--ideal", "The paper's optimum: without the robot's limits.")
 @settings(*ROBOT, *FRICTION, *PLUG, *LIMITS, COST)
-@formulation_option
-@AS_TABLES
 def optimize(
     robot: str | None,
     speed_m_s: float,
     servo: str | None,
     settings: Values,
     ideal: bool,
-    formulation: str,
+    formulation: str | None,
     verbose: bool,
     as_json: bool,
 ) -> None:
@@ -345,10 +306,9 @@ def optimize(
 
     snake = make_snake(robot, settings)
     body = snake.robot, snake.ground
-    usual = "hobby" if few_links(snake) or not ideal else IDEAL
-    kind = take_servo(servo or usual, settings, snake)
-    request: Values = {"speed_m_s": speed_m_s, "formulation": formulation}
-    request["cost"] = settings.get("cost", "power")
+    kind = take_servo(servo, settings, snake)
+    request: Values = {"speed_m_s": speed_m_s, "formulation": formulation or "explicit"}
+    request |= chosen(settings, COST)
 
     def searched(_: object) -> tuple[sn.LeastPower, sn.LeastPower | None]:
         best = sn.least_power_gait(*body, limits=_limits(settings, ideal, kind), **request)
@@ -358,8 +318,7 @@ def optimize(
 
     best, paper = busy("searching", searched)
     best = replace(best, steady=warn_of_two_motions(best.steady))
-    shown = kind if servo or few_links(snake) else None
-    expected = busy("servos", lambda share: expect(snake, best.steady, shown, share))
+    expected = busy("servos", lambda share: expect(snake, best.steady, kind, share))
     if as_json:
         names = {"gait", "cost_w", "losses"}
         ideal_values = paper and {k: v for k, v in _as_dict(paper).items() if k in names}

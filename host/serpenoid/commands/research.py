@@ -9,13 +9,11 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import click
-
 import serpenoid as sn
 
 from ..show.screen import say
-from .declare import Command, command, directory, flag, option
-from .options import AS_JSON, busy, show_json
+from .declare import command, directory, flag, option
+from .options import busy, show_json
 
 if TYPE_CHECKING:
     from ..bench.extremes import Outcome
@@ -23,7 +21,7 @@ if TYPE_CHECKING:
     from ..paper.study import Claim
 
 
-@click.command(cls=Command)
+@command()
 @option(
     "--out", "folder", "Folder for figures and numbers.", type=directory, default=Path("bench-out")
 )
@@ -91,7 +89,6 @@ HERTZ = 0.2, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0
 @option(
     "--out", "folder", "Folder for figures and claims.", type=directory, default=Path("figures-out")
 )
-@AS_JSON
 def figures(folder: Path, as_json: bool) -> None:
     """Draw the figures of the 2005 paper anew, and set its claims beside what is found.
 
@@ -136,7 +133,7 @@ def draw(folder: Path) -> list[Claim]:
     fit = sn.fit_friction(session)
     lost = "readings regenerated from the lines that the paper prints: its own are lost"
     fit.plot(folder / "fig15-16.png", session=session, note=lost)
-    gaits = [sn.Gait.degrees(70, 75, hertz=hertz) for hertz in HERTZ]
+    gaits = [sn.Gait.degrees(70, 75, frequency_hz=hertz) for hertz in HERTZ]
     bands = in_threads(lambda gait: speed_band(fit, gait, servo=None), gaits)
     exact = np.array([band.speed_m_s for band in bands])
     on_springs = partial(sn.steady_springs, fit.robot, fit.ground, rtol=SPRINGS_RTOL)

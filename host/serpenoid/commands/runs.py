@@ -6,7 +6,7 @@ import math
 import shutil
 import webbrowser
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,17 +15,14 @@ import click
 import serpenoid as sn
 
 from .. import _core
-from ..base.checks import FORMULATIONS, GAPS, STARTS, Limits
+from ..base.checks import GAPS, STARTS, Limits
 from ..show.screen import say
-from ..simulation.scene import METHODS
 from .declare import (
     EXISTING,
-    FIGURES,
     FOLDER,
     OutFile,
     Setting,
     Values,
-    chosen,
     command,
     flag,
     number,
@@ -35,10 +32,7 @@ from .declare import (
     settings,
 )
 from .options import (
-    AS_JSON,
-    AS_TABLES,
     FRICTION,
-    GAIT_FIELDS,
     IDEAL,
     OFFSET,
     PINNED,
@@ -48,11 +42,8 @@ from .options import (
     Snake,
     busy,
     describe,
-    gait_options,
     make_gait,
     make_snake,
-    robot_option,
-    servo_option,
     show_json,
     take_servo,
 )
@@ -67,6 +58,8 @@ def _text(_name: str, text: str) -> str:
     return text
 
 
+METHODS = tuple(row["name"] for row in _core.method_table())
+ANGLES = {"incline_deg", "incline_direction_deg"}
 # Fields of Scene, angles in degrees. Joint torques and locked joints are for scene files.
 SCENE = (
     Setting("incline_direction_deg", "uphill, from the x axis", "deg", Limits(-360, 360), "0"),
@@ -96,26 +89,11 @@ SCENE = (
     "Scene file; other options override it.",
     type=click.Path(dir_okay=False, path_type=Path),
 )
-@robot_option
-@gait_options
-@servo_option
 @number("--incline-deg", "Slope of the ground, uphill along the x axis.", limits=Limits(0, 90))
 @number("--duration-s", "Length of the run; 10.")
 @option("--out", "csv", "CSV of all links at all recorded times.", type=OutFile(".csv"))
-@option(
-    "--plot",
-    "figure",
-    "PNG, PDF or SVG of path, speed and energy if recorded.",
-    type=OutFile(*FIGURES),
-)
 @option("--save-scene", "saved_path", "Write the scene to this file too.", type=OutFile(".toml"))
 @settings(*ROBOT, *FRICTION, OFFSET, *PLUG, *SPRINGS, *SCENE)
-@option(
-    "--formulation",
-    "Exact model (explicit, unless given), or the paper's springs.",
-    choice=FORMULATIONS,
-    research=True,
-)
 @option("--method", "nonsmooth on dry ground, else rk4.", choice=METHODS, research=True)
 @number(
     "--accuracy",
@@ -123,8 +101,11 @@ SCENE = (
     research=True,
 )
 @flag("--no-error", "Save the runs that tell the error.", research=True)
-@AS_TABLES
 def simulate(
+    robot: str | None,
+    servo: str | None,
+    settings: Values,
+    formulation: str | None,
     scene_path: Path | None,
     saved_path: Path | None,
     csv: Path | None,
@@ -133,13 +114,15 @@ def simulate(
     no_error: bool,
     verbose: bool,
     as_json: bool,
-    **typed: Any,
+    **typed_gait: Any,
 ) -> None:
     """Follow one scene in time: a scene file, options, or a file with options over it."""
     from ..show import report, run_report
 
-    settings = typed["settings"]
-    scene, notes = make_scene(scene_path and sn.load_scene(scene_path), **typed)
+    base = scene_path and sn.load_scene(scene_path)
+    snake = make_snake(robot, settings, base and Snake(base.robot, base.ground))
+    values = settings | typed_gait | {"formulation": formulation}
+    scene = make_scene(base, snake, servo, {n: v for n, v in values.items() if v is not None})
     if scene.formulation == "explicit":
         refuse_unused(settings, PINNED, "joint_stiffness_n_m", "joint_damping_n_s_m", "gap")
     if accuracy is not None or not scene.adaptive:
@@ -164,42 +147,28 @@ def simulate(
     report.wrote(saved_path, csv, figure)
     summary = busy("estimating the error", lambda _: run_report.run_summary(run, not no_error))
     if as_json:
-        show_json({"gait": describe(scene.gait)} | summary | notes)
+        show_json({"gait": describe(scene.gait)} | summary | snake.notes)
     else:
         run_report.show_run(run, summary, verbose)
 
 
-def make_scene(
-    base: sn.Scene | None,
-    robot: str | None,
-    servo: str | None,
-    settings: Values,
-    **typed: Any,
-) -> tuple[sn.Scene, Values]:
-    """Make a scene of the options, over a scene file's if there is one.
-
-    typed: options of the gait, and those that are named as a scene's fields.
-
-    Returns the scene, and what JSON says of the fit that it rests on.
-    """
-    snake = make_snake(robot, settings, base and Snake(base.robot, base.ground))
-    fields = chosen(settings, *SCENE, *SPRINGS)
-    fields |= {n: v for n, v in typed.items() if v is not None and n not in GAIT_FIELDS}
-    for name in {"incline_deg", "incline_direction_deg"} & fields.keys():
-        fields[name.replace("_deg", "_rad")] = math.radians(fields.pop(name))
-    kind = take_servo(servo or IDEAL, settings, snake)
+def make_scene(base: sn.Scene | None, snake: Snake, servo: str | None, values: Values) -> sn.Scene:
+    """Make a scene of typed values, over `base` if there is one."""
+    names = {field.name for field in fields(sn.Scene)}
+    changes = {name: value for name, value in values.items() if name in names}
+    for name in ANGLES & values.keys():
+        changes[name.replace("_deg", "_rad")] = math.radians(values[name])
+    kind = take_servo(servo or IDEAL, values, snake)
     if servo is not None:
         drive = "angle" if kind is None else "servo"
-        fields |= {"drive": drive, "servo": kind and kind.servo, "torque": None}
-    fields["gait"] = make_gait(typed, settings, base and base.gait)
-    fields |= {"robot": snake.robot, "ground": snake.ground}
-    scene = sn.Scene(**fields) if base is None else replace(base, **fields)
-    return scene, snake.notes
+        changes |= {"drive": drive, "servo": kind and kind.servo, "torque": None}
+    changes |= {"robot": snake.robot, "ground": snake.ground}
+    changes["gait"] = make_gait(values, base and base.gait)
+    return sn.Scene(**changes) if base is None else replace(base, **changes)
 
 
 @command()
 @click.argument("what", metavar="SCENE|RECORDING", type=EXISTING)
-@robot_option
 @option(
     "--out",
     "page",
@@ -208,7 +177,6 @@ def make_scene(
 )
 @flag("--open", "open_it", "Open the page in the browser.")
 @settings(*ROBOT, *FRICTION)
-@AS_JSON
 def view(
     what: Path, robot: str | None, page: Path | None, open_it: bool, settings: Values, as_json: bool
 ) -> None:
@@ -230,21 +198,17 @@ def view(
             )
         scene = sn.load_scene(what)
         run = busy("simulating", lambda _: sn.simulate(scene))
-        title, about = what.stem.replace("_", " "), scene_words(scene).replace("\n", "; ")
+        about = scene_words(scene).replace("\n", "; ")
         gait, shown = scene.gait, view_page.of_run(run)
     else:
         snake = make_snake(robot, settings)
-        whose = f"robot and ground of {robot or 2005}{', changed' if settings else ''}"
         arguments = load_stream(what), snake.robot, snake.ground
-        title, (gait, shown) = (
-            what.name,
-            busy("predicting", lambda _: view_page.of_recording(*arguments)),
-        )
+        gait, shown = busy("predicting", lambda _: view_page.of_recording(*arguments))
         about = (
-            f"{gait_name(gait)}; the path is predicted for the {whose} "
-            "from the set-points that the firmware reported"
+            f"{gait_name(gait)}; the path is predicted for the robot and ground of {robot or 2005}"
+            f"{', changed' if settings else ''} from the set-points that the firmware reported"
         )
-    view_page.write_page(page, title, about, shown)
+    view_page.write_page(page, what.stem.replace("_", " "), about, shown)
     if open_it:
         webbrowser.open(page.resolve().as_uri())
     if as_json:
@@ -258,16 +222,12 @@ BROUGHT = Path(_core.__file__).parent
 
 @command()
 @click.argument("folder", type=FOLDER)
-@AS_JSON
-def examples(folder: Path, as_json: bool) -> None:
+def examples(folder: Path) -> None:
     """Copy example scripts, example scenes and the 2005 session into a new FOLDER."""
     if folder.exists():
         raise click.UsageError(f"{folder} exists already; name a new folder")
     bare = shutil.ignore_patterns("__pycache__")  # pip compiles what it installs
     shutil.copytree(BROUGHT / "examples", folder, ignore=bare)
     shutil.copytree(BROUGHT / "calibration_data", folder / "calibration_data", ignore=bare)
-    files = sorted(str(path) for path in folder.rglob("*") if path.is_file())
-    if as_json:
-        return show_json({"files": files})
     scene = folder / "limping_on_a_slope.toml"
-    say(f"{len(files)} files; try: serpenoid simulate --scene {scene} --plot run.png")
+    say(f"try: serpenoid simulate --scene {scene} --plot run.png")

@@ -14,28 +14,17 @@ from ..base.checks import POSITIVE
 from ..show.screen import say
 from .declare import (
     EXISTING,
-    FIGURES,
     FOLDER,
     OutFile,
     Values,
     chosen,
     number,
     option,
+    row,
     settings,
-    together,
 )
 from .group import Commands
-from .options import (
-    AS_JSON,
-    CAPTURE_FPS,
-    OFFSET,
-    ROBOT,
-    busy,
-    gait_options,
-    make_gait,
-    named_snake,
-    show_json,
-)
+from .options import OFFSET, ROBOT, busy, make_gait, named_snake, show_json
 
 if TYPE_CHECKING:
     from ..video.result import FilmMeasurement
@@ -50,12 +39,17 @@ def VIDEO_GROUP() -> None:
 
 
 SIZES = tuple(size for size in ROBOT if size.name in ("links", "link_length_m"))
-TAGS = together(
+row(
+    "session_folder",
     option(
         "--session",
+        "session_folder",
         "Session whose robot it is; a film becomes a reading of it.",
         type=FOLDER,
     ),
+)
+row(
+    "tag_mm",
     number(
         "--tag-mm",
         "Side of a tag's black square; the session's, or of the sheet for such links.",
@@ -81,7 +75,6 @@ def _robot(
 
 
 @VIDEO_GROUP.command()
-@TAGS
 @option("--paper", "Size of the paper.", choice=["a4", "letter"], default="a4")
 @option(
     "--out",
@@ -92,7 +85,7 @@ def _robot(
 )
 @settings(*SIZES)
 def tags(
-    session: Path | None, tag_mm: float | None, paper: str, path: Path, settings: Values
+    session_folder: Path | None, tag_mm: float | None, paper: str, path: Path, settings: Values
 ) -> None:
     """Write a sheet of tags to print: one for each link, with cut lines and a ruler."""
     from ..show.video.tag_sheet import tag_sheet
@@ -100,7 +93,7 @@ def tags(
     from ..video.seeing.tags import tag_cells, tag_side_m
 
     need_extra()
-    robot, side = _robot(session, tag_mm, settings)
+    robot, side = _robot(session_folder, tag_mm, settings)
     side = side or tag_side_m(robot.link_length_m)
     tag_sheet(tag_cells(robot.links), side, robot.link_length_m, paper, path)
     say(f"wrote {path}: {robot.links} tags of {1e3 * side:g} mm; print at 100 %")
@@ -108,8 +101,6 @@ def tags(
 
 @VIDEO_GROUP.command()
 @click.argument("file", type=click.Path(path_type=Path))
-@TAGS
-@gait_options
 @option(
     "--recording", "The run's recording (.wire): its gait, and the board's time.", type=EXISTING
 )
@@ -118,21 +109,18 @@ def tags(
     "With --session on a floor: which way along the line of the pushes; else level ground.",
     choice=["there", "back"],
 )
-@CAPTURE_FPS
 @option("--track", "Write time, place, heading, joints.", type=OutFile(".csv"))
-@option("--plot", "picture", "Draw what was measured.", type=OutFile(*FIGURES))
 @settings(*SIZES, OFFSET)
-@AS_JSON
 def film(
     file: Path,
-    session: Path | None,
+    session_folder: Path | None,
     tag_mm: float | None,
     settings: Values,
     recording: Path | None,
     way: str | None,
     capture_fps: float | None,
     track: Path | None,
-    picture: Path | None,
+    figure: Path | None,
     as_json: bool,
     **typed_gait: Any,
 ) -> None:
@@ -148,31 +136,31 @@ def film(
     from ..video.measure_film import measure_film
     from ..video.result import write_track
 
-    if way is not None and not (session and read_session(session).has_line):
+    if way is not None and not (session_folder and read_session(session_folder).has_line):
         raise click.UsageError(
             "--way is along the line of a session's pushes; give a --session that has some, or "
             "leave --way out: the film then counts as on level ground"
         )
-    robot, side = _robot(session, tag_mm, settings)
-    typed = "offset_deg" in settings or any(value is not None for value in typed_gait.values())
+    robot, side = _robot(session_folder, tag_mm, settings)
+    typed = chosen(settings, OFFSET) | {n: v for n, v in typed_gait.items() if v is not None}
     if recording and typed:
         raise click.UsageError("--recording has the gait; leave the gait's options out")
     gait = recorded_gait(recording, robot.links - 1) if recording else None
-    gait = make_gait(typed_gait, settings) if typed else gait
+    gait = make_gait(typed) if typed else gait
     how: Values = {"board_rate": recording is not None, "capture_fps": capture_fps}
     arguments = file, robot.links, robot.link_length_m, side, gait
     film = busy("watching the film", lambda share: measure_film(*arguments, progress=share, **how))
     if track is not None:
         write_track(film.measured, track)
-    if picture is not None:
-        film_figure(film, picture)
-    wrote(track, picture)
+    if figure is not None:
+        film_figure(film, figure)
+    wrote(track, figure)
     if as_json:
         show_json(film.run.to_dict())
     else:
         show_film(film)
-    if session is not None:
-        _record(film, session, file.name, way)
+    if session_folder is not None:
+        _record(film, session_folder, file.name, way)
 
 
 def _record(measured: FilmMeasurement, session: Path, name: str, way: str | None) -> None:

@@ -134,7 +134,7 @@ def _check(content: Mapping[str, Any]) -> None:
 
 
 def _with_age(fit: FrictionFit, path: Path) -> FrictionFit:
-    """Note that the readings beside the file are no longer those it was fitted to."""
+    """Raise the alarm if the readings beside the file are no longer those it was fitted to."""
     from ..session.folder import load_session
 
     folder = path.parent
@@ -145,5 +145,5 @@ def _with_age(fit: FrictionFit, path: Path) -> FrictionFit:
             return fit
     except BadInput:
         pass  # readings that cannot be read are others, too
-    note = f"{path} is older than the readings beside it: run `serpenoid fit {folder}` again."
-    return replace(fit, notes=(*fit.notes, note))
+    alarm = f"{path} is older than the readings beside it: run `serpenoid fit {folder}` again."
+    return replace(fit, notes=(*fit.notes, alarm), alarms=(*fit.alarms, alarm))

@@ -27,7 +27,7 @@ def refusal(line: str) -> str:
     [
         ("75:5:5", "goes upwards"),
         ("5:75", "FIRST:LAST:STEP"),
-        ("1:75:1e-6", "in at most 100000 steps"),
+        ("1:75:1e-7", "at most 1e+06 steps"),
     ],
 )
 def test_ranges(span: str, told: str) -> None:
@@ -52,7 +52,7 @@ def test_a_scheduler_without_port(tmp_path: Path) -> None:
     [
         ("270 75 1", "alpha_deg is 270.0; it must be a finite number, at least 0"),
         ("70 nan 1", "beta_deg is nan"),
-        ("70 75 -1", "hertz is -1.0"),
+        ("70 75 -1", "frequency_hz is -1.0"),
     ],
 )
 def test_listed_gaits(command: str, gait: str, told: str) -> None:

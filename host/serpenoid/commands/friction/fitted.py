@@ -5,38 +5,12 @@ from __future__ import annotations
 import warnings
 from pathlib import Path
 
-import click
-
 import serpenoid as sn
 
 from ...base.checks import NOT_NEGATIVE, Limits
 from ...show.screen import say
-from ..declare import (
-    FIGURES,
-    FOLDER,
-    OutFile,
-    Setting,
-    Values,
-    chosen,
-    command,
-    flag,
-    option,
-    settings,
-    together,
-)
-from ..options import (
-    AS_JSON,
-    AS_TABLES,
-    PLUG,
-    alarms_of,
-    busy,
-    listed_gaits,
-    servo_option,
-    session_fit,
-    show_json,
-    take_servo,
-    tell,
-)
+from ..declare import OutFile, Setting, Values, chosen, command, flag, option, settings
+from ..options import PLUG, busy, session_fit, show_json, take_servo, tell, tell_alarms
 
 SAMPLES = Setting("samples", "frictions drawn from the fit", "", Limits(16, 4096), "64")
 AMPLITUDE = Setting(
@@ -45,34 +19,27 @@ AMPLITUDE = Setting(
     limits=NOT_NEGATIVE,
     usual="0.03",
 )
-of_session = together(click.argument("session", type=FOLDER), servo_option)
 
 
 def measured(
     folder: Path, servo: str | None, settings: Values
-) -> tuple[sn.Session, sn.FrictionFit, sn.ServoKind | None]:
-    """Return a session, the fit of its readings, and servos: any hobby servo unless named."""
+) -> tuple[sn.Session, sn.FrictionFit, sn.ServoKind | None, Values]:
+    """Return a session, the fit of its readings, the servos, and the notes of the fit for JSON."""
     session = sn.load_session(folder)
-    return session, session_fit(session), take_servo(servo or "hobby", settings)
+    fit = session_fit(session)
+    notes = tell_alarms(fit)
+    return session, fit, take_servo(servo, settings), notes
 
 
 @command()
-@click.argument("session", type=FOLDER)
 @option(
     "--method",
     "Honest intervals, or the paper's two lines.",
     choice=["joint", "naive"],
     default="joint",
 )
-@option(
-    "--plot",
-    "figure",
-    "Draw the lines and readings into this PNG, PDF or SVG.",
-    type=OutFile(*FIGURES),
-)
 @flag("--influence", "List what every reading does to the fit.")
 @option("--save/--no-save", "Keep it as fit.json beside the readings (not if naive).", default=True)
-@AS_TABLES
 def fit(
     session: Path,
     method: str,
@@ -113,10 +80,7 @@ def fit(
 
 
 @command()
-@of_session
-@listed_gaits
 @settings(*PLUG, SAMPLES)
-@AS_TABLES
 def advise(
     session: Path,
     gaits: list[sn.Gait],
@@ -130,21 +94,14 @@ def advise(
     A station, a push, a film or a servo's test, as this session can have them. The band is that of
     `compare`: any hobby servo may move the joints unless --servo says which.
     """
-    loaded, fit, kind = measured(session, servo, settings)
-    count = settings.get("samples", 64)
-    advice = busy(
-        "advising",
-        lambda share: sn.advise(loaded, gaits, samples=count, servo=kind, progress=share),
-    )
-    tell(advice, as_json, verbose, alarms_of(fit))
+    loaded, _, kind, notes = measured(session, servo, settings)
+    how = {"servo": kind} | chosen(settings, SAMPLES)
+    advice = busy("advising", lambda share: sn.advise(loaded, gaits, progress=share, **how))
+    tell(advice, as_json, verbose, notes)
 
 
 @command()
-@of_session
-@listed_gaits
-@option("--plot", "figure", "Draw it into this file.", type=OutFile(*FIGURES))
 @settings(*PLUG, SAMPLES, AMPLITUDE)
-@AS_TABLES
 def compare(
     session: Path,
     gaits: list[sn.Gait],
@@ -162,23 +119,18 @@ def compare(
     """
     from ...show import report
 
-    loaded, fit, kind = measured(session, servo, settings)
-    how = chosen(settings, SAMPLES, AMPLITUDE)
-    compared = busy(
-        "comparing",
-        lambda share: sn.compare(loaded, fit, gaits=gaits, servo=kind, progress=share, **how),
-    )
+    *loaded, kind, notes = measured(session, servo, settings)
+    how = {"gaits": gaits, "servo": kind} | chosen(settings, SAMPLES, AMPLITUDE)
+    compared = busy("comparing", lambda share: sn.compare(*loaded, progress=share, **how))
     if figure is not None:
         compared.plot(figure)
         report.wrote(figure)
-    tell(compared, as_json, verbose, alarms_of(fit))
+    tell(compared, as_json, verbose, notes)
 
 
 @command()
-@of_session
 @option("--out", "page", "Where to; report.html in the session's folder.", type=OutFile(".html"))
 @settings(*PLUG)
-@AS_JSON
 def report(
     session: Path, servo: str | None, page: Path | None, settings: Values, as_json: bool
 ) -> None:
@@ -191,7 +143,7 @@ def report(
     from ...show.session.report_page import session_page
 
     page = page or session / "report.html"
-    loaded, fit, kind = measured(session, servo, settings)
+    loaded, fit, kind, notes = measured(session, servo, settings)
     compared = None
     if compared_gaits(loaded):
         compared = busy(
@@ -200,6 +152,6 @@ def report(
     advised = sn.advise(loaded, servo=kind) if loaded.setup.plan.gaits else None
     write_text(page, session_page(loaded, fit, compared, advised))
     if as_json:
-        show_json({"report": str(page), "verdict": compared and compared.verdict} | alarms_of(fit))
+        show_json({"report": str(page), "verdict": compared and compared.verdict} | notes)
     else:
         say(f"wrote {page}")

@@ -22,7 +22,7 @@ from ..declare import (
     option,
     settings,
 )
-from ..options import AS_JSON, PLUG, busy, servo_kind, show_json
+from ..options import PLUG, busy, servo_kind, show_json
 
 if TYPE_CHECKING:
     from ...servos.bench_fit import MeasuredServo
@@ -69,7 +69,6 @@ BENCH = (
 @flag("--anyway", "Write the file of a test that the model does not describe, with a remark.")
 @option("--out", "path", "File for --servo of other commands.", type=OutFile(".toml"))
 @settings(*PLUG, *BENCH)
-@AS_JSON
 def servo(
     table: Path,
     like: str,
