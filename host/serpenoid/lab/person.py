@@ -34,15 +34,13 @@ LET_GO = np.array([0.01, math.radians(2.0), 0.03, math.radians(3.0)])
 class Station:
     """A station as it was read: belt_shown_m_s, and drift_m_s, positive uphill with the belt.
 
-    turned_rad: heading at the end of the watch, by eye. offset_rad: the steering then. waited_s:
-    since the belt was set.
+    turned_rad: heading at the end of the watch, by eye. offset_rad: the steering then.
     """
 
     belt_shown_m_s: float
     drift_m_s: float
     turned_rad: float
     offset_rad: float
-    waited_s: float
 
 
 @dataclass(frozen=True)
@@ -129,19 +127,17 @@ class Person:
     def _try(self, shown_m_s: float, settle_s: float) -> tuple[Station | None, float]:
         """Let the robot go on the running belt; return what was read, and the drift seen last."""
         self._let_go(shown_m_s)
-        start_s = self.belt.t_s
         looks = self._watch(shown_m_s, settle_s)
         if self._leaves(looks[-1]):
             return None, self._drift(looks[-4:])
         looks = looks[-8:]
         drift_m_s = self._drift(looks)
-        waited_s = self.belt.t_s - start_s
         if abs(drift_m_s) <= 1.2 * self.display.step_m_s:  # else it is no use to watch it longer
             looks = self._watch(shown_m_s, WATCH_S)
             drift_m_s = self._drift(looks)
             if len(looks) < FEWEST_LOOKS:
                 return None, drift_m_s
-        return self._read(shown_m_s, looks, drift_m_s, waited_s), drift_m_s
+        return self._read(shown_m_s, looks, drift_m_s), drift_m_s
 
     def _let_go(self, shown_m_s: float) -> None:
         """Set the belt, lay the robot on it and let go."""
@@ -150,11 +146,9 @@ class Person:
         self.belt.put(*(LET_GO * self.rng.normal(size=4)).tolist())
         self.belt.steer(self.helm.trim_rad)
 
-    def _read(
-        self, shown_m_s: float, looks: list[Sight], drift_m_s: float, waited_s: float
-    ) -> Station:
+    def _read(self, shown_m_s: float, looks: list[Sight], drift_m_s: float) -> Station:
         turned_rad = EYE_RAD.shows(looks[-1].heading_rad, self.rng)
-        return Station(shown_m_s, drift_m_s, turned_rad, self.helm.offset_rad, waited_s)
+        return Station(shown_m_s, drift_m_s, turned_rad, self.helm.offset_rad)
 
     def _watch(self, shown_m_s: float, duration_s: float) -> list[Sight]:
         """Steer and look until the time is over or the robot leaves; return what was there."""

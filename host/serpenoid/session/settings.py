@@ -216,7 +216,8 @@ class Instruments(SettingsTable):
     joint_sigma_deg: float = number_field(
         high=MAX_ANGLE_SIGMA_DEG,
         default=0.0,
-        note="of each joint about straight: 0.5 by servos or straightedge, 1.5 by hand",
+        words="joints: each is off straight by (deg; 0.5 by servos or straightedge, 1.5 by hand)",
+        note="of each joint about straight",
     )
     incline_step_percent: float = number_field(
         high=20.0,

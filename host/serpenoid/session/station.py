@@ -32,10 +32,9 @@ class Reading(Observation):
     inclinometer shows it. belt_speed_m_s: uphill, so that the snake, facing downhill, rolls
     forwards. drift_m_s: what was left of the snake's own motion, positive when carried along with
     the belt. voided: not to be used, for the reason in comment. time_utc: ISO 8601, empty if not
-    recorded. turned_rad: heading when it was read. offset_rad: steering on every joint.
-    waited_s: how long the belt had run at this speed; each None where nobody told. places: of a
-    short reading, where the robot was at some times while it still drifted (`kinds.places`); the
-    drift is then the mean. Raises BadInput.
+    recorded. turned_rad: heading when it was read. offset_rad: steering on every joint;
+    each None where nobody told. places: of a short reading, where the robot was at some times while
+    it still drifted (`track.tidy_places`); the drift is then the mean. Raises BadInput.
     """
 
     kind = "station"
@@ -69,9 +68,6 @@ class Reading(Observation):
         why="a robot that has turned by more is not held by this law: hold it again",
     )
     offset_rad: float | None = number_field(-45.0, 45.0, default=None)
-    waited_s: float | None = number_field(
-        0.0, 1e5, words="time since the belt was set", default=None
-    )
     places: str = word_field(tidy=tidy_places)
 
     def __post_init__(self) -> None:

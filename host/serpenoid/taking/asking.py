@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from typing import TypeVar
@@ -15,7 +14,7 @@ from ..session.journal import Journal
 from .parse_number import bare_unit, doubt_in_words, first_number
 from .session_robot import SessionRobot
 from .steps import Doubts
-from .terminal import Terminal
+from .terminal import Console
 
 WORDS = "At every prompt: undo, skip, pause, quit, help."
 HELP = """\
@@ -49,23 +48,19 @@ class Asker:
     """Ask a person, who may type a word of HELP instead of any answer.
 
     robot: None if it is set by hand. journal: of the session whose readings `undo 7` voids; None
-    where there is none yet. belt_unit: of a belt's speed without one. answered_s: when the last
-    answer came, by clock_s.
+    where there is none yet. belt_unit: of a belt's speed without one.
     """
 
     def __init__(
         self,
-        terminal: Terminal,
+        terminal: Console,
         journal: Journal | None = None,
         robot: SessionRobot | None = None,
-        clock_s: Callable[[], float] = time.monotonic,
     ):
         self._terminal, self._journal, self._robot = terminal, journal, robot
-        self._clock_s = clock_s
-        self._answers = list[tuple[str, float]]()
-        self._replay = deque[tuple[str, float]]()
+        self._answers, self._replay = list[str](), deque[str]()
         self._line = ""  # what is left of a line of several numbers
-        self.belt_unit, self.answered_s = "", 0.0
+        self.belt_unit = ""
 
     def say(self, text: str) -> None:
         """Show a line or more."""
@@ -104,8 +99,7 @@ class Asker:
     def ask(self, prompt: str, usual: str = "") -> str:
         """Return an answer, usual for Enter and skip; raises Undo, Skip, Quit and Restart."""
         if self._replay:
-            line, self.answered_s = self._replay.popleft()
-            return line
+            return self._replay.popleft()
         answer = None
         while answer is None:
             line = self._terminal.ask(prompt, PATIENCE_S, self._tick)
@@ -113,8 +107,7 @@ class Asker:
                 answer = self._obey(line, usual)
             elif self._robot is not None and self._robot.powered:
                 self._stop_pulses(f"nobody answered for {PATIENCE_S:g} s")
-        self.answered_s = self._clock_s()
-        self._answers.append((answer, self.answered_s))
+        self._answers.append(answer)
         return answer
 
     def question(self, fields: Sequence[Field]) -> str:

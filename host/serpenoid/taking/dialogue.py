@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
@@ -20,7 +19,7 @@ from .procedure import doubts, next_step
 from .pushes import push_in_words
 from .session_robot import SessionRobot
 from .steps import Step, Tracked
-from .terminal import Terminal
+from .terminal import Console
 from .track_files import read_track_file
 from .treadmill import record_step
 
@@ -38,21 +37,20 @@ QUIT_WORDS = "Left. Everything read so far is kept; the same command goes on fro
 class Dialogue:
     """Take a session step by step with a person.
 
-    robot, clock_s: as of an Asker. show_fit: called with the session after each station or push.
+    robot: None if it is set by hand. show_fit: called with the session after each station or push.
     film: what reads a film.
     """
 
     def __init__(
         self,
         journal: Journal,
-        terminal: Terminal,
+        terminal: Console,
         robot: SessionRobot | None = None,
         show_fit: Callable[[Session], object] = lambda session: None,
-        clock_s: Callable[[], float] = time.monotonic,
         film: FilmReader = no_films,
     ):
         self.journal, self._robot, self._show_fit, self._film = journal, robot, show_fit, film
-        self._asker = Asker(terminal, journal, robot, clock_s)
+        self._asker = Asker(terminal, journal, robot)
         self._say = self._asker.say
         self._bend_deg: float | None = None  # how the robot lies, by the plan; None: not known
         self._listed = 0  # the last reading that was listed
@@ -212,11 +210,10 @@ class Dialogue:
         return self._asker.numbers(step.fields, line)
 
     def _station(self, step: Step) -> Values:
-        """Return what is read of a station; the belt settles from its speed's answer on."""
+        """Return what is read of a station: numbers, or places of a short reading."""
         ask = self._asker
-        incline, belt, _, *drift = step.fields
+        incline, belt, *drift = step.fields
         values = ask.numbers([incline, belt])
-        set_s = ask.answered_s
         line = ask.ask(f"  let it settle {step.settle_s:.0f} s; then {DRIFT_WORDS}: ")
         file = named_file(line)
         if file is not None:
@@ -224,7 +221,6 @@ class Dialogue:
             line = " ".join(f"{t - track[0, 0]:.6g}:{x:.6g}" for t, x, _ in track)
         if ":" in line:
             return values | {"places": tidy_places(line)}
-        values["waited_s"] = round(ask.answered_s - set_s, 1)
         return values | ask.numbers(drift, line or "0")
 
     def _steering(self) -> Values:
@@ -261,7 +257,7 @@ def steering_rad(session: Session) -> float | None:
     return offsets[-1] if offsets else None
 
 
-def ask_identity(journal: Journal, terminal: Terminal) -> None:
+def ask_identity(journal: Journal, terminal: Console) -> None:
     """Ask whether robot and surface are those of a session that has readings.
 
     So two robots never share a session, and no word changes one yet: it may be another's. Raises

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import math
 from collections.abc import Mapping
 from dataclasses import replace
@@ -10,7 +9,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from ..base.checks import check_choice
 from ..base.errors import BadInput, RecordingFailed
 from ..base.files import write_text
 from ..model.bends import FEWEST_LINKS
@@ -36,7 +34,7 @@ NOT_SAID, LATER = "not said", "later"  # answers of people; what is measured lat
 QUESTIONS = {
     "surface": "what the wheels roll on (the belt's or the floor's surface)",
     "links": "number of links",
-    "joints": "what sets the joints: servos, straightedge, or hand (by eye they are 1.5 deg off)",
+    "joint_sigma_deg": "",
     "belt_speed_unit": f"unit of the belt's speed ({', '.join(BELT_UNITS)})",
     "mass_kg": "",
     "link_length_m": "",
@@ -55,8 +53,6 @@ SIGMAS_OF_STEP = math.sqrt(12)  # the smallest step of an instrument over its st
 # Zeros of phones and cheap inclinometers are 0.3 to 0.5 deg off. With 0.1 deg assumed, the interval
 # of ft0 missed the truth in 40 of 40 sessions of the virtual lab, with 0.5 deg in none.
 ASSUMED_ZERO_SIGMA_DEG = 0.5
-# Each joint about straight, by what sets it; by hand and eye they are 1.5 deg off.
-JOINT_SIGMA_DEG = {"servos": 0.5, "straightedge": 0.5, "hand": 1.5}
 # A reading of the belt's speed errs by the display's rounding, and as much by the drift that a
 # person reads off.
 DRIFT_SIGMA_M_S = 0.008
@@ -88,7 +84,7 @@ def default_setup(name: str) -> Setup:
             lambda_sigma_deg=0.5,
             belt_scale_sigma_percent=2.0,
             mass_sigma_percent=0.5,
-            joint_sigma_deg=JOINT_SIGMA_DEG["servos"],
+            joint_sigma_deg=0.5,
         ),
         Plan(
             lambda_deg=(0.0, 7.5, 15.0, 30.0),
@@ -125,8 +121,6 @@ def ask_answers(
 
 def _answer(asker: Asker, setup: Setup, key: str, words: str) -> Any:
     """Ask for one key; return its value, "" where it is to be measured later."""
-    if key == "joints":
-        return check_choice(key, asker.ask(f"{words} [servos]: ", "servos"), (*JOINT_SIGMA_DEG,))
     table = next(table for table in setup.tables.values() if key in table.declared)
     field, usual = table.declared[key], getattr(table, key)
     if key == "belt_speed_unit":
@@ -167,8 +161,6 @@ def answered(setup: Setup, answers: Mapping[str, Any]) -> Setup:
     An answer of "" leaves its setting empty.
     """
     values = {key: value for key, value in answers.items() if value is not None}
-    if "joints" in values:
-        values["joint_sigma_deg"] = JOINT_SIGMA_DEG[values["joints"]]
     if "belt_speed_step_m_s" in values:
         rounding_m_s = values["belt_speed_step_m_s"] / SIGMAS_OF_STEP
         values["belt_speed_sigma_m_s"] = math.hypot(rounding_m_s, DRIFT_SIGMA_M_S)
@@ -207,8 +199,7 @@ def create_session(folder: str | Path, setup: Setup) -> Path:
         program = f"serpenoid {version('serpenoid')}"
         write_text(folder / "session.toml", setup.text(program, utc_now()))
     except OSError as error:
-        full = error.errno == errno.ENOSPC
-        cure = "make room on that disk" if full else "choose another folder"
+        cure = "make room on that disk, or choose another folder"
         raise RecordingFailed(f"{folder}: {error.strerror}; {cure}") from error
     return folder
 

@@ -250,17 +250,12 @@ def _station(session: Session, bend_deg: float) -> Step | None:
     # A misread first station leads its whole bend astray: straight, a far one is asked about.
     far_deg = 2 * plan.incline_step_deg
     high_deg = MAX_INCLINE_DEG if first and bend_deg else incline_deg + far_deg
-    shown, belt, waited = Reading.questions("incline_deg", "belt_speed_m_s", "waited_s")
+    incline, *fields = Reading.questions("incline_deg", "belt_speed_m_s", "drift_m_s", "turned_deg")
     return Step(
         f"{_station_key(bend_deg)}{incline_deg:.2f} deg",
         "station",
         say,
-        (
-            replace(shown, likely=(incline_deg - far_deg, high_deg)),
-            replace(belt, likely=likely),
-            replace(waited, likely=(settle_s / 2, math.inf), why=f"let it settle {settle_s:.0f} s"),
-            *Reading.questions("drift_m_s", "turned_deg"),
-        ),
+        (replace(incline, likely=(incline_deg - far_deg, high_deg)), *fields),
         bend_deg,
         incline_deg,
         settle_s,

@@ -11,14 +11,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 from ..base.errors import BadInput
 from ..base.toml_table import Table, located
 from ..model.ground import Ground
 from ..servos.catalogue import HOBBY
 from ..session.crawls import driving
-from ..session.declaration import in_si
 from ..session.journal import Journal, Listed
 from ..session.settings import Setup
 from .parse_number import typed_cells
@@ -26,15 +24,7 @@ from .simulated import SimulatedPerson, Truth, wheel_inertia_kg
 from .steps import Step
 from .treadmill import take_all
 
-_FRICTIONS = ("ct", "cn", "ft0", "fn0")
-_TRUTH = (
-    "incline_zero_deg",
-    "belt_scale",
-    "mass_scale",
-    "joint_sigma_deg",
-    "rolling_kg",
-    "amplitude",
-)
+FRICTIONS = ("ct", "cn", "ft0", "fn0")
 
 
 def load_script(path: Path) -> Table:
@@ -52,15 +42,11 @@ def simulated_person(top: Table, setup: Setup) -> SimulatedPerson:
     The robot has a hobby servo in each joint, one drawn by the seed, as predictions assume.
     """
     table = top.table("simulated")
-    table.only("seed", *_FRICTIONS, optional=_TRUTH)
+    table.only("seed", *FRICTIONS)
     seed, floor = table.integer("seed"), setup.plan.on == "floor"
-    values: dict[str, Any] = {"rolling_kg": wheel_inertia_kg(setup)} if floor else {}
-    for name in _TRUTH:
-        if name in table.values:
-            values[name.replace("_deg", "_rad")] = in_si(name, table.number(name))
-    ground = Ground(*(table.number(name, 0.0) for name in _FRICTIONS))
-    servo = driving(setup, HOBBY).draws(1, seed)[0]
-    return SimulatedPerson(setup, Truth(ground, servo=servo, **values), seed)
+    ground = Ground(*(table.number(name, 0.0) for name in FRICTIONS))
+    servo, rolling_kg = driving(setup, HOBBY).draws(1, seed)[0], floor * wheel_inertia_kg(setup)
+    return SimulatedPerson(setup, Truth(ground, servo=servo, rolling_kg=rolling_kg), seed)
 
 
 def run_script(journal: Journal, top: Table, show_step: Callable[[Step], object]) -> int:

@@ -85,11 +85,8 @@ class SessionRobot:
             self._robot.set("pose_speed", self._pose_deg_s)
 
     def _lie(self, bend_deg: float, bend: str, offset_rad: float) -> None:
-        bend_rad = math.radians(bend_deg)
-        self._robot.pose([offset_rad + k * bend_rad for k in self._multiples(bend)])
-
-    def _multiples(self, bend: str) -> tuple[int, ...]:
-        return joint_multiples(bend_signs(bend, self._robot.hello.joints + 1))
+        multiples = joint_multiples(bend_signs(bend, self._robot.hello.joints + 1))
+        self._robot.pose([offset_rad + k * math.radians(bend_deg) for k in multiples])
 
     def steer(self, steps: int) -> str:
         """Add steps to every joint of a robot that holds a pose; return the offset in words.

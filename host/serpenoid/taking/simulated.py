@@ -37,6 +37,7 @@ from .track_look import look_at
 BELT_TURNS_M, BELT_CHECK_M_S = 28.0, 0.5  # of a belt check: ten turns, and the speed shown
 FIRST_BELT_M_S = 0.3  # where nothing tells better
 RUN_M, RUN_S = 1.0, 40.0  # a gait run: this distance, or this time at most
+LEAST_M_S = 1e-6  # speed of a robot that gets nowhere
 PUSH_M_S, PUSH_SPREAD = 0.9, 0.12  # speed of a push, and its relative scatter
 CROOKED_RAD, SPIN_RAD_S = 0.015, 0.06  # scatter of a push's direction and turning
 FILM_ERROR = 0.002  # relative, of a crawl's scale and of each joint's amplitude
@@ -125,8 +126,7 @@ class SimulatedPerson:
 
     def answer(self, step: Step) -> Cells | None:
         """Do a step as a person would; return what is read, None if it cannot be done."""
-        cells: Cells | None = getattr(self, f"_{step.kind}")(step)
-        return cells
+        return getattr(self, f"_{step.kind}")(step)  # type: ignore[no-any-return]
 
     def _shown_deg(self, incline_rad: float) -> float:
         step_rad = self.setup.instruments.incline_sigma_rad * math.sqrt(12)
@@ -160,9 +160,7 @@ class SimulatedPerson:
         grade = round(math.tan(wanted_rad) / grade_step) * grade_step
         incline_rad = math.atan(grade) + self._deck_rad
         self._treadmill.tilt(incline_rad)
-        likely = next(field.likely for field in step.fields if field.column == "belt_speed_m_s")
-        guess_m_s = sum(likely) / 2 if likely else self._shown_m_s
-        station = self._person.hold(guess_m_s, step.settle_s)
+        station = self._person.hold(self._shown_m_s, step.settle_s)
         if station is None or station.belt_shown_m_s <= station.drift_m_s:
             return None
         self._shown_m_s = station.belt_shown_m_s
@@ -172,14 +170,11 @@ class SimulatedPerson:
             "drift_m_s": round(station.drift_m_s, 3),
             "turned_deg": round(math.degrees(station.turned_rad), 1),
             "offset_deg": round(math.degrees(station.offset_rad), 3),
-            "waited_s": round(station.waited_s, 1),
         }
 
     def _belt(self, step: Step) -> Cells:
-        step_m_s = self.setup.instruments.belt_speed_step_m_s
-        shown_m_s = round(BELT_CHECK_M_S / step_m_s) * step_m_s
-        belt_m_s = shown_m_s * self.truth.belt_scale
-        return {"belt_speed_m_s": round(shown_m_s, 5)} | self._timed(BELT_TURNS_M, belt_m_s)
+        timed = self._timed(BELT_TURNS_M, BELT_CHECK_M_S * self.truth.belt_scale)
+        return {"belt_speed_m_s": BELT_CHECK_M_S} | timed
 
     def _timed(self, distance_m: float, speed_m_s: float) -> dict[str, float]:
         """Return a distance and the time for it, by tape and stopwatch."""
@@ -219,13 +214,9 @@ class SimulatedPerson:
             rows = filmed_crawl(self.robot, swinging, camera, self.rng, *slopes)
             rows[:, 4:] *= 1.0 + FILM_ERROR * self.rng.normal(size=rows.shape[1] - 4)
             return Tracked({**crawl_cells(rows, gait), "film_sha256": "simulated"}, rows, "video")
-        speed_m_s = self._crawl_speed(
-            self.robot, swinging, slope_rad=slopes[0], across_rad=slopes[1]
-        )
-        run_m = min(RUN_M, speed_m_s * RUN_S)
-        return self._timed(run_m, run_m / RUN_S if run_m < RUN_M else speed_m_s) | {
-            "omega_rad_s": gait.omega_rad_s
-        }
+        rises = {"slope_rad": slopes[0], "across_rad": slopes[1]}
+        speed_m_s = self._crawl_speed(self.robot, swinging, **rises)
+        return self._timed(min(RUN_M, speed_m_s * RUN_S), max(speed_m_s, LEAST_M_S))
 
     def _error(self, sigma: float) -> float:
         return float(self.rng.normal()) * sigma

@@ -8,32 +8,12 @@ import textwrap
 import time
 from collections.abc import Callable, Mapping
 from contextlib import nullcontext
-from typing import Protocol
 
 from ..base import system
 from ..base.files import visible
 from ..robot.tools.keys import KeyReader
 
-TICK_S, CTRL_U = 0.5, "\x15"
-
-
-class Terminal(Protocol):
-    """Where a dialogue is held."""
-
-    def say(self, text: str) -> None:
-        """Show a line or more."""
-        ...
-
-    def ask(self, prompt: str, patience_s: float, tick: Callable[[], None]) -> str | None:
-        """Return a line, None if none came in time; raises EOFError at the end of the input.
-
-        tick is called twice a second while waiting.
-        """
-        ...
-
-    def forget(self) -> None:
-        """Drop what was typed ahead: what is asked next may set a robot in motion."""
-        ...
+TICK_S = 0.5  # time between two looks at a robot, s, while a prompt waits
 
 
 class Console:
@@ -54,7 +34,10 @@ class Console:
             print("\n".join(textwrap.wrap(line, width)) if len(line) > width else line, flush=True)
 
     def ask(self, prompt: str, patience_s: float, tick: Callable[[], None]) -> str | None:
-        """Print the prompt and wait for a line."""
+        """Return a line, None if none came in time; raises EOFError at the end of the input.
+
+        tick is called twice a second while waiting.
+        """
         line, end_s, terminal = "", time.monotonic() + patience_s, sys.stdin.isatty()
         with system.single_keys() if terminal else nullcontext():
             print(visible(prompt), end="", flush=True)  # once keys are heard
@@ -65,7 +48,8 @@ class Console:
                     print(f"\r\x1b[K  [{self.keys[key]()}] {shown}", end="", flush=True)
                     tick()  # which tells at once of a robot that was stopped
                 elif key and key not in ("enter", "end"):
-                    edited = edited_line(line, key)
+                    letter = key if len(key) == 1 and key.isprintable() else ""
+                    edited = line[:-1] if key == "backspace" else line + letter
                     if terminal:  # which echoes nothing by itself
                         erased = "\b \b" * (len(line) - len(edited))
                         print(erased or edited[len(line) :], end="", flush=True)
@@ -83,10 +67,3 @@ class Console:
         if sys.stdin.isatty():
             self._reader.forget()
             system.forget_input()
-
-
-def edited_line(line: str, key: str) -> str:
-    """Return a line after one more key."""
-    if len(key) == 1 and key.isprintable():
-        return line + key
-    return {"backspace": line[:-1], CTRL_U: ""}.get(key, line)

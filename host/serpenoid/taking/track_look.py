@@ -6,6 +6,7 @@ Nothing is differentiated for the fit: slopes over short pieces serve only to fi
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -53,20 +54,19 @@ def pushes_in(track: Floats) -> list[Floats]:
     is one, and is left out by what `look_at` says of it, or by hand.
     """
     t = track[:, 0]
-    moves = np.concatenate([[0], speeds(track) > MOVES_M_S, [0]]).astype(int)
-    first, last = np.flatnonzero(np.diff(moves)).reshape(-1, 2).T
-    if not len(first):
-        return []
-    last = last - 1
-    rests = t[first[1:]] - t[last[:-1]] >= REST_S / 2
-    first, last = first[np.append(True, rests)], last[np.append(rests, True)]
-    pushed = np.hypot(*(track[last] - track[first])[:, 1:].T) > PUSH_M
-    pushed &= t[last] - t[first] > MIN_TIME_S / 2
-    begins, ends = t[first[pushed]], t[last[pushed]]
-    between = (ends[:-1] + begins[1:]) / 2
-    low = np.searchsorted(t, np.maximum(np.append(-np.inf, between), begins - 1.0))
-    high = np.searchsorted(t, np.minimum(np.append(between, np.inf), ends + 1.5), side="right")
-    return [track[a:b] for a, b in zip(low, high, strict=True)]
+    fast = np.flatnonzero(speeds(track) > MOVES_M_S)
+    rests = (np.diff(fast) > 1) & (np.diff(t[fast]) >= REST_S / 2)
+    spans_s = list[tuple[float, float]]()
+    for places in np.split(fast, np.flatnonzero(rests) + 1) if len(fast) else ():
+        (begin_s, *begin_m), (end_s, *end_m) = track[places[0]], track[places[-1]]
+        if math.dist(begin_m, end_m) > PUSH_M and end_s - begin_s > MIN_TIME_S / 2:
+            spans_s.append((begin_s, end_s))
+    between_s = [(end + begin) / 2 for (_, end), (begin, _) in pairwise(spans_s)]
+    edges_s = [-math.inf, *between_s, math.inf]
+    return [
+        track[(t >= max(edges_s[k], begin - 1.0)) & (t <= min(edges_s[k + 1], end + 1.5))]
+        for k, (begin, end) in enumerate(spans_s)
+    ]
 
 
 def look_at(track: Floats, slips: bool = False) -> Look:
@@ -96,8 +96,8 @@ def look_at(track: Floats, slips: bool = False) -> Look:
     noise_m = NOISE_FACTOR * float(np.median(np.abs(np.diff(error))))
     sigma_m = max(math.sqrt(float(error @ error) / (len(way) - len(law))), 1e-5)
     correlation = float(error[1:] @ error[:-1] / max(float(error @ error), 1e-30))
-    correlation -= 1 / math.sqrt(len(error))  # chance alone gives as much
-    correlation = min(max(correlation, 0.0), MAX_CORRELATION)
+    chance = 1 / math.sqrt(len(error))  # correlation of errors that are independent
+    correlation = min(max(correlation - chance, 0.0), MAX_CORRELATION)
     way_m, rough = float(way[-1]), sigma_m / max(noise_m, 1e-4) > MAX_ROUGHNESS
     first_m_s = float(law[1])
     last_m_s = first_m_s - law[2] * way_m - law[3] * time[-1]

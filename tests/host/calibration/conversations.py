@@ -1,7 +1,7 @@
 """Play the conversations in conversations/*.txt again: all that is said, by what was typed.
 
 `» ` parts a prompt from what is typed. (nobody) does not answer, (ctrl-c) interrupts, (left 3) and
-(right 1) press keys that steer, (20 s) lets time pass before what follows. A line of === begins a
+(right 1) press keys that steer, A line of === begins a
 new session, with its plan and what is left out; or goes on with it.
 """
 
@@ -22,17 +22,18 @@ from serpenoid.taking.asking import Quit, Skip, Undo
 from serpenoid.taking.dialogue import Dialogue, ask_identity
 from serpenoid.taking.new_session import answered, create_session, default_setup, on_place
 from serpenoid.taking.session_robot import SessionRobot
+from serpenoid.taking.terminal import Console
 
 FOLDER = Path(__file__).with_name("conversations")
 FILES = sorted(FOLDER.glob("*.txt"))
-_MARK = re.compile(r"\((nobody|ctrl-c|left|right|\d+ s) ?(\d*)\) ?(.*)")
+_MARK = re.compile(r"\((nobody|ctrl-c|left|right) ?(\d*)\) ?(.*)")
 
 
-class Typist:
+class Typist(Console):
     """Types prepared lines, then leaves; a function is called for what it types."""
 
     def __init__(self, *lines: Any, robot: Any = None):
-        self.lines, self.robot, self.t_s = deque(lines), robot, 0.0
+        self.lines, self.robot = deque(lines), robot
         self.heard = ""
 
     def say(self, text: str) -> None:
@@ -57,10 +58,7 @@ class Typist:
             return None
         if mark == "ctrl-c":
             raise KeyboardInterrupt
-        if mark in ("left", "right"):
-            self.robot.steer(int(count) * (1 if mark == "left" else -1))
-        else:
-            self.t_s += float(mark.removesuffix(" s"))
+        self.robot.steer(int(count) * (1 if mark == "left" else -1))
         return rest
 
 
@@ -81,8 +79,7 @@ def talked(folder: Path, head: str, typist: Typist) -> str:
     try:
         with Journal(folder) as journal:
             ask_identity(journal, typist)
-            show_fit, clock_s = lambda session: None, lambda: typist.t_s
-            Dialogue(journal, typist, typist.robot, show_fit, clock_s).run()
+            Dialogue(journal, typist, typist.robot).run()
     except (Quit, Skip, Undo, EOFError, KeyboardInterrupt, SerpenoidError) as error:
         typist.heard += f"({type(error).__name__}) {error}\n"
     return typist.heard.replace(str(folder), "DIR")

@@ -79,8 +79,8 @@ def test_a_space_within_a_line_is_a_space(seat):
 @pytest.mark.parametrize("prompt", range(7))
 def test_ctrl_c_at_any_prompt_stops_and_leaves_and_loses_nothing(seat, prompt):
     person, fake, folder = seat
-    answers = [(POSE, "\r"), (STEER, "\r"), (INCLINE, "2.0\r"), (SPEED, "0.2\r")]
-    answers += [("drift left over", "\r"), ("expected at least", "keep\r"), (INCLINE, "\r")]
+    answers = [(POSE, "\r"), (STEER, "\r"), (INCLINE, "2.0\r"), (SPEED, "0.05\r")]
+    answers += [("drift left over", "\r"), ("expected 0.12 to", "keep\r"), (INCLINE, "\r")]
     for asked, typed in answers[:prompt]:
         person.answers(asked, typed)
     person.sees(answers[prompt][0])

@@ -26,7 +26,7 @@ def test_taken_killed_and_resumed_at_a_terminal(folder):
         person.answers("+0.50 deg on every joint", "\n")
         person.sees("every joint has +0.50 deg from now on")
         person.answers("the inclinometer shows", "héllo\n2.1\x7f0\n")
-        person.answers("belt speed", "9\x150.2\n")
+        person.answers("belt speed", "9\x7f0.05\n")
         person.answers("drift left over", "\n")
         person.answers("anew, or keep", "\n")
         person.answers("anew, or keep", "keep\n")
@@ -35,7 +35,7 @@ def test_taken_killed_and_resumed_at_a_terminal(folder):
         person.leaves()
     (reading,) = load_session(folder).kept_stations
     assert math.degrees(reading.offset_rad) == pytest.approx(0.5)
-    assert (math.degrees(reading.incline_rad), reading.belt_speed_m_s) == (pytest.approx(2.0), 0.2)
+    assert (math.degrees(reading.incline_rad), reading.belt_speed_m_s) == (pytest.approx(2.0), 0.05)
     with Person(f"calibrate {folder}") as person:
         person.sees("1 station")
         person.sees("453.6 g, on belt")
@@ -57,7 +57,7 @@ def test_the_end_of_the_input_leaves_the_session_whole(folder):
 def test_a_new_session_asks_what_it_needs(tmp_path):
     with Person(f"calibrate new {tmp_path}/asked") as person:
         person.answers("what the wheels roll on", "rubber belt\n\n")
-        person.answers("what sets the joints", "hand\n")
+        person.answers("joints: each is off straight by", "1.5\n")
         person.answers("unit of the belt's speed", "mph\n")
         person.answers("mass of the whole robot", "heavy\n")
         person.answers(
