@@ -1,4 +1,4 @@
-"""A grid that is solved by the workers of a Dask cluster."""
+"""The shapes of a grid, solved here or by the workers of a Dask cluster."""
 
 from __future__ import annotations
 
@@ -10,15 +10,37 @@ from typing import Any
 
 import numpy as np
 
+from .. import _core
 from ..base.errors import BadInput, ClusterFailed
 from ..base.long_calls import Progress
 from ..base.vectors import Array
-from .grid import Shape, solve_shapes
+from ..model.core_model import core_model
+from ..model.gait import Gait
+from ..model.ground import Ground
+from ..model.robot import Robot
+
+Shape = tuple[Robot, Ground, Gait]  # its gait at the first rate
 
 CONNECT_S = 10.0  # longest wait for the scheduler
 FIRST_WORKER_S = 60.0  # longest wait for the first worker
 CHUNKS_PER_THREAD = 4  # fewest, so that all of the cluster's threads end at about the same time
 GAITS_PER_CHUNK, DRY_GAITS_PER_CHUNK = 20_000, 2_000  # largest chunks: about a second of work
+
+
+def solve_shapes(
+    shapes: Sequence[Shape],
+    rates: Sequence[float],
+    rtol: float,
+    powers: bool,
+    threads: int = 1,
+    progress: Progress | None = None,
+) -> Array:
+    """Return the core's eleven figures of each shape at each rate, (shape, rate, 11).
+
+    A shape's are the same to the last bit whatever shapes are solved with it.
+    """
+    models = [core_model(*shape) for shape in shapes]
+    return _core.sweep(models, rates, rtol, powers, min(threads, len(models)), progress)
 
 
 def solve_chunk(required: str, shapes: Sequence[Shape], *how: Any) -> Array:
@@ -63,8 +85,7 @@ def solve_on_cluster(
         with client:
             client.wait_for_workers(1, FIRST_WORKER_S)
             share = -(-len(shapes) // (CHUNKS_PER_THREAD * sum(client.nthreads().values())))
-            smooth = all(ground.smooth for _, ground, _ in shapes)
-            gaits = GAITS_PER_CHUNK if smooth else DRY_GAITS_PER_CHUNK
+            gaits = GAITS_PER_CHUNK if shapes[0][1].smooth else DRY_GAITS_PER_CHUNK
             size = min(share, max(1, gaits // len(rates)))
             chunks = [shapes[k : k + size] for k in range(0, len(shapes), size)]
             solve = partial(solve_chunk, version("serpenoid"))

@@ -11,7 +11,7 @@ import numpy as np
 from .. import _core
 from ..base.errors import BadInput, NotConverged
 from ..base.long_calls import TimeLimit
-from ..base.rows import Result
+from ..base.rows import Result, Row
 from ..base.vectors import Array
 from ..model.core_model import core_model
 from ..model.gait import Gait
@@ -85,13 +85,13 @@ class Sensitivities(Result):
         """Return what the table shows."""
         return "What 1 % more of each number changes of the speed, with ideal joints:"
 
-    def table(self, verbose: bool = True) -> tuple[list[str], list[list[str]]]:
-        """Return heads and cells, a row for each number."""
-        cells = []
+    def rows(self) -> list[Row]:
+        """Return a row for each number, with both sides where they differ."""
+        rows = []
         for k, (name, one_sided) in enumerate(zip(NUMBERS, self.one_sided, strict=True)):
-            word = f"less {self.less[k]:+.2g}, more {self.more[k]:+.2g}" if one_sided else ""
-            cells.append([name, f"{self.percent[k]:+.2g} ± {self.errors[k]:.1g}", word])
-        return ["1 % more of", "speed, %", "the two sides differ"], cells
+            sides = f" (less {self.less[k]:+.2g}, more {self.more[k]:+.2g})" if one_sided else ""
+            rows.append(Row(name + sides, "%", self.percent[k], sigma=self.errors[k]))
+        return rows
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures as plain numbers, for JSON, by number."""

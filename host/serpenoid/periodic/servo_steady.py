@@ -18,7 +18,7 @@ from ..base.rows import Result, Row, detail, ranged, two_digits
 from ..base.vectors import Array
 from ..model.core_model import core_model
 from ..model.drives import Servo, ServoKind, core_servo
-from ..model.gait import Gait, gait_name
+from ..model.gait import gait_name
 from ..servos.speed_limit import (
     highest_hz,
     is_too_fast,
@@ -253,54 +253,48 @@ def ripple_share(ideal: Steady, servo: Servo, rough: bool = False) -> float:
     """Return the share of the ideal speed that joints of the seen amplitude have with a servo.
 
     A film showed each joint's amplitude and phase, so that they are not counted again: the speed is
-    compared with that of ideal joints which make the same ones.
+    compared with that of ideal joints which make the same ones. The joints' mean lag is left out:
+    it shifts the whole motion in time.
     """
-    moved = servo_state(ideal, servo, rough)
-    sines = as_made(ideal.gait, moved)
-    filmed = steady_gait(ideal.robot, ideal.ground, sines, rtol=1e-3, powers=False)
-    return moved.speed / max(filmed.speed_m_s, 1e-9)
-
-
-def as_made(gait: Gait, moved: Any) -> Gait:
-    """Return the sines that a servo makes of a gait; moved: its state there.
-
-    The joints' mean lag is left out: it shifts the whole motion in time.
-    """
+    moved, gait = servo_state(ideal, servo, rough), ideal.gait
     shift = np.array(moved.shift)
     gain, gait_shift = gait.joint_factors(len(shift))
     gain = np.clip(gain * np.array(moved.gain), 0.0, 2.0)
     turned = np.exp(1j * (gait_shift + shift))
     mean = np.angle(turned @ gain) if gain.any() else 0.0
     shifts = np.angle(turned * np.exp(-1j * mean))
-    return replace(gait, joint_gain=tuple(gain.tolist()), joint_shift_rad=tuple(shifts.tolist()))
+    sines = replace(gait, joint_gain=tuple(gain.tolist()), joint_shift_rad=tuple(shifts.tolist()))
+    filmed = steady_gait(ideal.robot, ideal.ground, sines, rtol=1e-3, powers=False)
+    return moved.speed / max(filmed.speed_m_s, 1e-9)
+
+
+def drawn_servo_speed(ideal: Steady, servo: Servo, rough: bool) -> float:
+    """Return the speed with a servo, m/s, to a part of _SLOW where it is less."""
+    return servo_state(ideal, servo, rough, slow=_SLOW).speed
 
 
 def drawn_servo_speeds(
     ideal: Sequence[Steady],
     servos: Sequence[Servo],
     threads: int | None = None,
-    value: Callable[[Steady, Servo, bool], float] | None = None,
+    value: Callable[[Steady, Servo, bool], float] = drawn_servo_speed,
     ends_only: bool = False,
     progress: Progress | None = None,
 ) -> Array:
     """Return the speed of each draw with its servo, m/s, by rough states corrected by fine ones.
 
-    ideal: the draws with ideal joints. value: what is wanted in place of the speed, which is known
-    to a part of _SLOW where it is less. ends_only: the ends of a band are wanted, so that the
-    middle three quarters may stay rough. progress: called with 1 after each rough state.
-    A rough state costs a quarter of a fine one or less and is mostly 1 % off.
-    The draws at both ends, which make the ends of a band, and some between are solved finely. The
-    median ratio there puts the others right. Where one would then still be off by more than
-    _MOST_OFF of the scatter of all, every draw is solved finely.
+    ideal: the draws with ideal joints. value: what is wanted in place of the speed. ends_only: the
+    ends of a band are wanted, so that the middle three quarters may stay rough. progress: called
+    with 1 after each rough state. A rough state costs a quarter of a fine one or less and is mostly
+    1 % off. The draws at both ends, which make the ends of a band, and some between are solved
+    finely. The median ratio there puts the others right. Where one would then still be off by more
+    than _MOST_OFF of the scatter of all, every draw is solved finely.
     """
 
-    def drawn(k: int, rough: bool) -> float:
-        if value is not None:
-            return value(ideal[k], servos[k], rough)
-        return servo_state(ideal[k], servos[k], rough, slow=_SLOW).speed
-
     def solved(places: Sequence[int], rough: bool, progress: Progress | None = None) -> Array:
-        return np.array(in_threads(lambda k: drawn(k, rough), places, progress, threads))
+        return np.array(
+            in_threads(lambda k: value(ideal[k], servos[k], rough), places, progress, threads)
+        )
 
     indices = range(len(servos))
     if len(servos) <= _FINE_COUNT:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from .. import _core
 from ..base.checks import check_number
 from ..base.errors import BadInput, NotConverged
+from ..base.long_calls import threads_to_use
 from ..base.rows import Plottable, Row, detail, two_digits
 from ..base.vectors import Array
 from ..model.core_model import check_parts, core_model
@@ -167,12 +169,8 @@ class Steady(Plottable):
         turn_rad = abs(self.turn_rad_per_cycle)
         if self.turn_error_rad >= turn_rad or math.isinf(self.radius_m):
             return math.inf if turn_rad > 0 else 0.0
-        floor_m_s = speed_floor_m_s(self.robot, self.gait.omega_rad_s)
-        speed_error_m_s = self.error_estimate * max(self.speed_m_s, floor_m_s)
-        least_rad_s = (turn_rad - self.turn_error_rad) / self.gait.period_s
-        return (
-            speed_error_m_s + self.radius_m * self.turn_error_rad / self.gait.period_s
-        ) / least_rad_s
+        share = self.turn_error_rad / turn_rad
+        return self.radius_m * (self.error_estimate + share) / (1 - share)
 
     @property
     def floquet_multipliers(self) -> NDArray[np.complex128]:
@@ -225,10 +223,6 @@ class Steady(Plottable):
     def rows(self) -> list[Row]:
         """Return speed, powers, turn, settling time and error."""
         straight = math.isinf(self.radius_m)
-        settling = self.settling_time_s
-        # wheels that stick forget all at once
-        sudden = self.settling_error >= 1 and settling < 0.1 * self.gait.period_s
-        forgets = "under a cycle" if sudden else ""
         turn = math.degrees(self.turn_rad_per_cycle)
         return [
             Row("gait", "", words=gait_name(self.gait)),
@@ -244,7 +238,7 @@ class Steady(Plottable):
                 detail=straight,
                 words="straight" if straight else "",
             ),
-            detail("settling time (to 1/e)", "s", settling, words=forgets),
+            detail("settling time (to 1/e)", "s", self.settling_time_s),
             detail("error of the speed, relative", "", self.error_estimate),
         ]
 
@@ -299,14 +293,6 @@ def check_ground(ground: Ground, rtol: float) -> None:
         )
 
 
-def _settling(s: _core.SteadyState, gait: Gait) -> tuple[float, float]:
-    """Return the settling time, s, and its relative error."""
-    if not s.slowest < 0:
-        return math.inf, 0.0
-    double_root_error = 3e-8  # root of rounding: the error of two multipliers that nearly coincide
-    return gait.period_s / -s.slowest, (s.slowest_error + double_root_error) / -s.slowest
-
-
 def steady_gait(
     robot: Robot, ground: Ground, gait: Gait, *, rtol: float = 1e-6, powers: bool = True
 ) -> Steady:
@@ -346,9 +332,36 @@ def state_near(
     return from_core(robot, ground, gait, state)
 
 
+def drawn_states(
+    robot: Robot,
+    middle_draw: tuple[Ground, Gait],
+    draws: Sequence[tuple[Ground, Gait]],
+    rtol: float = 1e-3,
+) -> list[Steady]:
+    """Return the periodic state of each draw to rtol of its speed, begun from one that is near.
+
+    Raises BadInput and NotConverged as `steady_gait` does.
+    """
+    for ground, _ in (middle_draw, *draws):
+        check_ground(ground, rtol)
+    middle, *models = (core_model(robot, *draw) for draw in (middle_draw, *draws))
+    threads = min(threads_to_use(), max(len(models), 1))
+    states = _core.neighbours(middle, models, rtol, False, threads)
+    return [
+        from_core(robot, *draw, state)
+        if state.converged
+        else steady_gait(robot, *draw, rtol=rtol, powers=False)
+        for draw, state in zip(draws, states, strict=True)
+    ]
+
+
 def from_core(robot: Robot, ground: Ground, gait: Gait, s: _core.SteadyState) -> Steady:
     """Return the core's answer for a gait as users see it."""
     error = relative_error(s.speed_error, s.speed, robot, gait)
+    settling = math.inf, 0.0
+    if s.slowest < 0:
+        double_root_error = 3e-8  # root of rounding: error of two multipliers that nearly coincide
+        settling = gait.period_s / -s.slowest, (s.slowest_error + double_root_error) / -s.slowest
     return Steady(
         robot,
         ground,
@@ -364,7 +377,7 @@ def from_core(robot: Robot, ground: Ground, gait: Gait, s: _core.SteadyState) ->
         s.positive_power_error,
         s.turn_error,
         s.direction,
-        *_settling(s, gait),
+        *settling,
         s.start,
         s.monodromy,
     )

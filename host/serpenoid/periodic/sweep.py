@@ -1,7 +1,8 @@
-"""Periodic states over grids: gaits, and if wanted robots and grounds; here or on a cluster."""
+"""Periodic states over grids of gaits, here or on a cluster."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
@@ -14,16 +15,18 @@ from ..base.checks import check_kind
 from ..base.errors import BadInput, NotConverged
 from ..base.long_calls import Progress, in_threads, threads_to_use
 from ..base.rows import Plottable, two_digits
-from ..base.vectors import Array
+from ..base.vectors import Array, number_array
+from ..model.core_model import check_parts
 from ..model.drives import Servo, ServoKind
 from ..model.gait import Gait, gait_name
 from ..model.ground import Ground
 from ..model.robot import Robot
-from .cluster import solve_on_cluster
-from .grid import Shape, gait_figures, grid_axis, grid_shapes, several, solve_shapes
+from .cluster import Shape, solve_on_cluster, solve_shapes
 from .servo_steady import with_servo
-from .steady import steady_gait
+from .steady import check_ground, speed_floor_m_s, steady_gait
 
+MAX_GAITS = 10**8  # eleven numbers of each are 9 GB
+SLOWEST, CONVERGED = 8, 10  # columns of the core's table: ln of a disturbance's decay, and a flag
 _RTOL, _DRAWS = 1e-3, 64  # accuracy and drawn servos of a gait: a grid has many
 
 
@@ -38,8 +41,6 @@ class BestGait(NamedTuple):
 @dataclass(frozen=True, slots=True, repr=False)
 class Sweep(Plottable):
     """Hold periodic states over a grid; all arrays but the axes are indexed [alpha, beta, omega].
-
-    With several robots or grounds, [robot, ground, alpha, beta, omega]; a single one has no axis.
 
     Attributes
     ----------
@@ -152,8 +153,8 @@ class Sweep(Plottable):
 
 
 def sweep(
-    robot: Robot | Sequence[Robot],
-    ground: Ground | Sequence[Ground],
+    robot: Robot,
+    ground: Ground,
     *,
     alpha_rad: ArrayLike,
     beta_rad: ArrayLike,
@@ -165,14 +166,14 @@ def sweep(
     scheduler: str | None = None,
     progress: Progress | None = None,
 ) -> Sweep:
-    """Solve every gait of a grid: one robot and ground, or all pairs.
+    """Solve every gait of a grid.
 
     Parameters
     ----------
     robot
-        One robot, or a list.
+        What crawls.
     ground
-        One ground, or a list; then all pairs are solved.
+        Friction of what it crawls on.
     alpha_rad
         Amplitudes, rad: a value or a list.
     beta_rad
@@ -184,8 +185,8 @@ def sweep(
     powers
         Whether to compute powers, too, which takes longer.
     servo
-        What moves the joints, beside ideal ones, of one robot on one ground; solved here. Some
-        15 ms a gait, and about 15 times that for a kind that is in doubt.
+        What moves the joints, beside ideal ones; solved here. Some 15 ms a gait, and about 15 times
+        that for a kind that is in doubt.
     threads
         Number of threads; all processors unless given.
     scheduler
@@ -197,7 +198,7 @@ def sweep(
     Returns
     -------
     Sweep
-        Arrays indexed [alpha, beta, omega], after [robot, ground] where there are several.
+        Arrays indexed [alpha, beta, omega].
 
     Raises
     ------
@@ -216,35 +217,60 @@ def sweep(
     """
     if servo is not None:
         check_kind("servo", servo, (Servo, ServoKind))
-        if isinstance(robot, Sequence) or isinstance(ground, Sequence):
-            raise BadInput("servo wants one robot on one ground; sweep them one by one")
     check_kind("powers", powers, bool)
+    check_parts(robot, ground)
+    check_ground(ground, rtol)
     names = "alpha_rad", "beta_rad", "omega_rad_s"
     ranges = alpha_rad, beta_rad, omega_rad_s
     axes: list[NDArray[Any]] = [
         grid_axis(name, values) for name, values in zip(names, ranges, strict=True)
     ]
-    robots, grounds = several(Robot, robot), several(Ground, ground)
-    shapes, rates = grid_shapes(robots, grounds, axes, rtol), axes[2].tolist()
+    size = [axis.size for axis in axes]
+    if math.prod(size) > MAX_GAITS:
+        raise BadInput(f"the grid has {math.prod(size):.3g} gaits; the most is {MAX_GAITS:.0e}")
+    *angles, rates = (axis.tolist() for axis in axes)
+    for rate in rates:
+        Gait(0.0, 0.0, rate)
+    shapes = [(robot, ground, Gait(alpha, beta, rates[0])) for alpha, beta in product(*angles)]
     count = threads_to_use(threads)
     if scheduler is None:
         table = solve_shapes(shapes, rates, rtol, powers, count, progress)
     else:
         table = solve_on_cluster(scheduler, shapes, rates, rtol, powers, progress)
-    size = [len(part) for part in (robot, ground) if isinstance(part, Sequence)]
-    size += [axis.size for axis in axes]
-    values = [column.reshape(size) for column in gait_figures(shapes, axes[2], table)]
-    moved = () if servo is None else _with_servo(shapes, axes, servo, count, progress)
-    return Sweep(*axes, *values, *moved)
+    values = gait_figures(shapes, axes[2], table)
+    if servo is not None:
+        values += _with_servo(shapes, rates, servo, count, progress)
+    return Sweep(*axes, *(np.reshape(column, size) for column in values))
+
+
+def gait_figures(shapes: Sequence[Shape], rates: Array, table: Array) -> list[Any]:
+    """Return the figures that Sweep has, in its order, each (shape, rate), of the core's table."""
+    columns: list[Any] = list(np.moveaxis(table, -1, 0))
+    floors = speed_floor_m_s(shapes[0][0], 1.0) * rates
+    columns[5] = columns[5] / np.maximum(columns[0], floors)
+    slowest = columns[SLOWEST]
+    with np.errstate(divide="ignore"):
+        columns[SLOWEST] = np.where(slowest < 0, -math.tau / rates / slowest, math.inf)
+    return [*columns[: SLOWEST + 1], columns[CONVERGED] > 0]
+
+
+def grid_axis(name: str, values: ArrayLike) -> Array:
+    """Return an axis of the grid, at least one number."""
+    numbers = np.atleast_1d(number_array(name, values))
+    if numbers.ndim != 1 or numbers.size == 0:
+        raise BadInput(
+            f"{name} has shape {numbers.shape}; it must be a list of at least one number"
+        )
+    return numbers
 
 
 def _with_servo(
     shapes: Sequence[Shape],
-    axes: Sequence[Array],
+    rates: Sequence[float],
     servo: Servo | ServoKind,
     threads: int,
     progress: Progress | None,
-) -> list[NDArray[Any]]:
+) -> list[Any]:
     """Return speed of the typical servo, and ends of the band of drawn ones, m/s; NaN as Sweep."""
 
     def solved(pair: tuple[Shape, float]) -> tuple[float, float, float]:
@@ -257,7 +283,4 @@ def _with_servo(
             return np.nan, np.nan, np.nan
         return moved.speed_m_s, moved.low_m_s, moved.high_m_s
 
-    rates: list[float] = axes[2].tolist()
-    speeds = in_threads(solved, product(shapes, rates), progress, threads)
-    size = [axis.size for axis in axes]
-    return [np.reshape(column, size) for column in zip(*speeds, strict=True)]
+    return list(zip(*in_threads(solved, product(shapes, rates), progress, threads), strict=True))

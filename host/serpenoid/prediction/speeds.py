@@ -14,9 +14,8 @@ from ..model.drives import Servo, ServoKind
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..periodic.neighbours import drawn_states
 from ..periodic.servo_steady import drawn_servo_speeds, ripple_share, servo_speed
-from ..periodic.steady import steady_gait
+from ..periodic.steady import drawn_states, steady_gait
 from ..servos.speed_limit import is_too_fast
 
 Progress = Callable[[float], object]

@@ -9,8 +9,8 @@ import pytest
 import serpenoid as sn
 from refusals import refused
 from robots import OF_2005
-from serpenoid.periodic.neighbours import drawn_states
 from serpenoid.periodic.servo_steady import drawn_servo_speeds, servo_speed
+from serpenoid.periodic.steady import drawn_states
 
 # robot, ground, gait and kind of servo: dry, at the cliff (some draws stick, some run), viscous
 CASES = {
