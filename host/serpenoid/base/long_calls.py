@@ -1,18 +1,15 @@
-"""Calls that take long: several threads, and a limit of time for those of unknown cost."""
+"""Calls that take long: in several threads, which end where nobody waits any more."""
 
 from __future__ import annotations
 
 import os
 import threading
-import time
 from collections.abc import Callable, Iterable
 from contextvars import ContextVar
 from typing import Any, TypeVar
 
 from .checks import check_whole
-from .errors import NotConverged
 
-LIMIT_S = 20.0  # longest call whose cost is not known before
 Progress = Callable[[int], object]
 Item = TypeVar("Item")
 Value = TypeVar("Value")
@@ -69,19 +66,3 @@ def in_threads(
             stop.set()
             raise
     return values
-
-
-class TimeLimit:
-    """End a call that takes longer than the limit. The core calls it as it reports progress.
-
-    work: what takes so long, in the plural. way_out: what would help.
-    """
-
-    def __init__(self, work: str, way_out: str) -> None:
-        self._message = f"{work} take longer than {LIMIT_S:g} s; {way_out}"
-        self._end_s = time.monotonic() + LIMIT_S
-
-    def __call__(self, _gaits: int = 0) -> None:
-        """Raise NotConverged once the time is over."""
-        if time.monotonic() > self._end_s:
-            raise NotConverged(self._message)

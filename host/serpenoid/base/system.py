@@ -6,15 +6,12 @@ The rest of the package imports no module that only some of these systems have.
 from __future__ import annotations
 
 import os
-import queue
 import signal
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -77,12 +74,15 @@ def single_keys() -> Iterator[None]:
 
 
 def read_input(timeout_s: float) -> bytes | None:
-    """Return what came on standard input, b"" at its end, None if nothing came in time."""
-    if WINDOWS:
-        return _read_console(timeout_s) if sys.stdin.isatty() else _read_pipe(timeout_s)
+    """Return what came on standard input, b"" at its end, None if nothing came in time.
+
+    Windows waits for a pipe as long as it takes.
+    """
+    if WINDOWS and sys.stdin.isatty():
+        return _read_console(timeout_s)
     import select
 
-    if not select.select([sys.stdin], [], [], timeout_s)[0]:
+    if not WINDOWS and not select.select([sys.stdin], [], [], timeout_s)[0]:
         return None
     with suppress(OSError):  # a terminal that was closed has ended, too
         return os.read(sys.stdin.fileno(), 4096)
@@ -113,26 +113,6 @@ def _read_console(timeout_s: float) -> bytes | None:
     if key in "\0\xe0":  # an arrow or the like: its name comes next
         key = KEYS_OF_WINDOWS.get(console.getwch(), "")
     return {"\x03": "", "\x1a": "\x04"}.get(key, key).encode()
-
-
-@cache
-def _pipe() -> queue.Queue[bytes]:
-    """Return what comes on standard input, read by a thread: Windows cannot wait for a pipe."""
-    pieces: queue.Queue[bytes] = queue.Queue()
-
-    def read_on() -> None:
-        while piece := os.read(sys.stdin.fileno(), 4096):
-            pieces.put(piece)
-        pieces.put(b"")
-
-    threading.Thread(target=read_on, daemon=True).start()
-    return pieces
-
-
-def _read_pipe(timeout_s: float) -> bytes | None:
-    with suppress(queue.Empty):
-        return _pipe().get(timeout=timeout_s)
-    return None
 
 
 def start_group(command: list[str], env: Mapping[str, str]) -> subprocess.Popen[bytes]:

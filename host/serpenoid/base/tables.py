@@ -90,35 +90,31 @@ def read_table(
     )
 
 
-def columns_named(*names: str) -> Callable[[list[str]], tuple[int, ...] | None]:
-    """Return a `find` for read_table: where columns of exactly these names are, or None."""
+def number_columns(
+    path: Path, needed: tuple[str, ...], optional: tuple[str, ...] = ()
+) -> dict[str, list[float]]:
+    """Return the numbers of columns by their names; blank lines do not count.
 
-    def find(head: list[str]) -> tuple[int, ...] | None:
-        cells = [cell.casefold() for cell in head]
-        places = [cells.index(name.casefold()) for name in names if name.casefold() in cells]
-        return tuple(places) if len(places) == len(names) else None
-
-    return find
-
-
-def number_columns(path: Path, *names: str) -> list[list[float]]:
-    """Return the numbers of columns of these names, a list each; blank lines do not count.
-
-    Raises BadInput where a column or a number is missing.
+    Raises BadInput where a needed column or a number is missing.
     """
-    table, places = read_table(path, columns_named(*names), ",".join(names))
-    columns: list[list[float]] = [[] for _ in names]
-    for line, cells in table.rows:
-        if not any(cells):
-            continue
-        for column, place, name in zip(columns, places, names, strict=True):
+
+    def find(head: list[str]) -> dict[str, int] | None:
+        cells = [cell.casefold() for cell in head]
+        names = [name for name in (*needed, *optional) if name.casefold() in cells]
+        places = {name: cells.index(name.casefold()) for name in names}
+        return places if {*needed} <= {*places} else None
+
+    table, places = read_table(path, find, ",".join(needed))
+    columns = {name: list[float]() for name in places}
+    for line, cells in filter(lambda row: any(row[1]), table.rows):
+        for name, place in places.items():
             try:
                 value = table.number(cells[place])
             except (IndexError, ValueError):
                 value = math.nan
             if not math.isfinite(value):
                 raise BadInput(f"{table.where(line)}: {name} is no finite number")
-            column.append(value)
+            columns[name].append(value)
     return columns
 
 

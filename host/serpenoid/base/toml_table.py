@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from .checks import check_number, check_text
+from .checks import check_number, check_text, check_whole
 from .errors import BadInput
 from .files import read_text
 
@@ -108,12 +108,8 @@ class Table:
 
     def integer(self, name: str) -> int:
         """Return a whole number of 1 or more."""
-        value = self.values.get(name)
-        if not isinstance(value, int) or isinstance(value, bool) or value < 1:
-            raise BadInput(
-                f"{self.where(name)}: {name} is {value!r}; it must be a whole number from 1"
-            )
-        return value
+        with located(self.where(name)):
+            return check_whole(name, self.values.get(name), 1)
 
     def number(self, name: str, *limits: float, open_low: bool = False) -> float:
         """Return a finite number between the limits."""

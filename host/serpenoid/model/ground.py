@@ -66,11 +66,8 @@ class Ground:
         cls, links: int, ct: Friction, cn: float, ft0: Friction = 0.0, fn0: float = 0.0
     ) -> Ground:
         """Divide the whole snake's ct, cn (N s/m), ft0, fn0 (N) evenly among its links."""
-        n = check_links(links)
-        total = cls(ct, cn, ft0, fn0)
-        along = total.ct_forward / n, total.ct_backward / n
-        dry_along = total.ft0_forward / n, total.ft0_backward / n
-        return cls(along, total.cn / n, dry_along, total.fn0 / n)
+        share = 1.0 / check_links(links)
+        return cls(ct, cn, ft0, fn0).scaled(share, share, share, share)
 
     @property
     def ct_forward(self) -> float:

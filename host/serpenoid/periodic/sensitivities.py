@@ -10,7 +10,6 @@ import numpy as np
 
 from .. import _core
 from ..base.errors import BadInput, NotConverged
-from ..base.long_calls import TimeLimit
 from ..base.rows import Result, Row
 from ..base.vectors import Array
 from ..model.core_model import core_model
@@ -107,15 +106,14 @@ def speed_sensitivities(
     """Return per cents of a gait's speed for 1 % of each of seven numbers.
 
     Raises BadInput for a speed below the floor, and NotConverged where a state beside this one has
-    no solution, or after 20 s.
+    no solution.
     """
-    limit = TimeLimit("the sensitivities of this state", "ask for the state without sensitivities")
     solid = replace(robot, link_inertia_kg_m2=robot.inertia_kg_m2)
     parts: Parts = solid, ground, gait
     factors: list[float] = (1 + np.outer(STEPS, (-1, 1))).ravel().tolist()
     changed = [changed_parts(parts, number, factor) for number, factor in product(NUMBERS, factors)]
     models = [core_model(*part) for part in (parts, *changed)]
-    states = _core.neighbours(models[0], models, STATE_RTOL, False, 1, progress=limit)
+    states = _core.neighbours(models[0], models, STATE_RTOL, False, 1)
     speeds = np.array([state.speed for state in states])
     claims = np.array([state.speed_error for state in states])
     if not speeds[0] > floor_m_s:

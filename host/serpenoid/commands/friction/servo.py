@@ -85,16 +85,14 @@ def servo(
     """
     import numpy as np
 
-    from ...base.tables import columns_named, number_columns, read_table
+    from ...base.tables import number_columns
     from ...base.toml_table import located
     from ...servos.bench_fit import servo_of_test
     from ...servos.bench_test import BenchTest, Load
 
     kind = servo_kind(like, settings)
     sigma_deg, level = settings.get("sigma_deg"), settings.get("axis") != "upright"
-    head = read_table(table, columns_named(*COLUMNS), ",".join(COLUMNS))[0].head
-    sent_s = [SENT] if columns_named(SENT)(head) else []
-    t, setpoint, angle, *sent = number_columns(table, *COLUMNS, *sent_s)
+    t, setpoint, angle, *sent = number_columns(table, COLUMNS, (SENT,)).values()
     with located(str(table)):
         test = BenchTest(
             np.array(t),
