@@ -124,8 +124,9 @@ class Scene:
     dt_s
         Step of a method with fixed steps, s; for adaptive ones the grid of recorded times, s.
     tolerance
-        Adaptive methods keep each step's error below it, relative: to body lengths, radians, and
-        those times omega.
+        Adaptive methods keep each step's error below it, relative: to body lengths and radians, of
+        "dop853" to those times omega, too. "radau" follows ringing and decays that swing by more
+        than it, and steps over the others: its rates are without these.
     duration_s
         Of the run, s.
     start

@@ -62,20 +62,32 @@ def test_it_meets_its_tolerance(scene: sn.Scene, solver: str, rtol: float) -> No
 
 
 @pytest.mark.parametrize("c", [0.0, 1.0])
-def test_ringing_is_followed_not_quietly_damped(c: float) -> None:
-    """From a zero gap the joints ring; above the tolerance the ringing must be in the result."""
-    scene = on_springs(0.02, 1e6, c)
+def test_ringing_above_the_tolerance_is_followed(c: float) -> None:
+    """From a zero gap the joints ring: it must be in the result, not quietly damped."""
+    scene = on_springs(0.1, 1e4, c)
     start = start_of(replace(scene, gap="zero"))
-    _, exact = tc.end_of(scene, start, 1e-11, "DOP853")
+    exact, _ = tc.end_of(scene, start, 1e-12, "DOP853")
 
     def error(run: sn.Run) -> float:
-        rates = np.stack([run.vx_m_s, run.vy_m_s, run.omega_rad_s], axis=2)[-1]
-        return tc.off(rates, exact, THREE) / THREE_GAIT.omega_rad_s
+        return tc.off(tc.places(run)[-1], exact, THREE)
 
-    assert error(sn.simulate(replace(scene, tolerance=1e-6))) > 1e-5  # so large is the ringing
+    assert error(sn.simulate(scene)) > 1e-5  # so large is the ringing
     for tolerance in (1e-6, 1e-7):
         run = sn.simulate(replace(scene, tolerance=tolerance, start=start))
-        assert error(run) < min(2 * tolerance, run.local_error)
+        assert error(run) < min(tolerance, run.local_error)
+
+
+def test_ringing_below_the_tolerance_is_stepped_over() -> None:
+    """Each frame of a servo makes stiff springs ring, by 1e-8 m: the pinned robot moves the same.
+
+    To follow it would take 40 000 steps.
+    """
+    servo = sn.Servo(20.0, 1.0, torque_limit_nm=10.0, speed_limit_rad_s=10.0)
+    driven = replace(STIFF, drive="servo", servo=servo, record_every=10, tolerance=1e-6)
+    run = sn.simulate(replace(driven, joint_stiffness_n_m=1e9))
+    pinned = sn.simulate(replace(driven, formulation="explicit", method="dop853", tolerance=1e-9))
+    assert tc.off(tc.places(run), tc.places(pinned), PAPER) < 1e-5
+    assert run.steps < 300
 
 
 def test_where_a_fixed_step_is_refused_this_method_is_named_and_runs() -> None:
@@ -97,7 +109,7 @@ def test_recorded_times_lie_on_the_motion() -> None:
     assert np.abs(run.x_m - fine.x_m).max() < 1e-6
     assert np.abs(run.omega_rad_s - fine.omega_rad_s).max() < 1e-5
     scale = np.abs(fine.joint_force_x_n).max()
-    assert np.abs(run.joint_force_x_n - fine.joint_force_x_n).max() < 1e-3 * scale
+    assert np.abs(run.joint_force_x_n - fine.joint_force_x_n).max() < 2e-3 * scale
 
 
 def test_a_torque_beyond_numbers_ends_with_its_cause() -> None:

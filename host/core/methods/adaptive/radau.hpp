@@ -20,11 +20,9 @@ namespace serpenoid {
 //
 // They are kept while the step stays and the iteration converges quickly. The error is the embedded
 // one of order 3, filtered by the real matrix: in a stiff direction it is then the distance from
-// the slow motion.
-//
-// Of springs without dampers a long step swallows the ringing. By how much the gaps at its start
-// stand off the smooth curve through its stages counts as the speed that it is a quarter of a
-// period later; so ringing above the tolerance is followed.
+// the slow motion. It counts in places, and in rates by the places that they lead to within the
+// step. So ringing and decays are followed where they swing by more than the tolerance, and stepped
+// over where they do not, however fast they are.
 //
 // What is integrated beside the motion follows it and chooses nothing.
 class Radau final : public Method {
@@ -50,14 +48,11 @@ class Radau final : public Method {
     using Stages = std::array<Vector, kStages>;
 
     bool linearise(double h);
-    void find_ringing();
     void predict(double h);
     void set_stages(double h);
     double iterate(double h);
     bool solve(double h);
-    double filtered(double h, const Vector& y);
-    double swallowed_ringing(double h) const;
-    double error(double h, bool first);
+    double error(double h);
     double growth(double h) const;
     void accept(double h, double t);
 
@@ -80,8 +75,6 @@ class Radau final : public Method {
     Stages stage_, stage_rate_;  // states, and dy/dt of these
     Stages past_;                // states of the last step's stages
     std::unique_ptr<StepEquations> equations_;
-    double ringing_ = 0;    // acceleration over the tolerance for a gap of 1 m
-    double frequency_ = 0;  // of the gaps, rad/s, the largest
     Vector real_change_, filter_, place_;
     std::vector<StepEquations::Complex> complex_change_;
 };
