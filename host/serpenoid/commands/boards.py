@@ -11,7 +11,6 @@ import click
 
 import serpenoid as sn
 
-from ..base.checks import POSITIVE
 from ..show.screen import say
 from .declare import OutFile, Values, command, flag, number, option, settings
 from .options import (
@@ -136,7 +135,11 @@ DRIVE_SERVOS = 64  # sampled servos for the range of the predicted speed; they t
 
 
 @command()
-@number("--duration-s", "How long; until Ctrl-C unless given.", limits=POSITIVE)
+@option(
+    "--duration-s",
+    "How long; until Ctrl-C unless given.",
+    type=click.FloatRange(0, min_open=True),
+)
 @option("--record", "New file for every line of the run.", type=OutFile())
 @settings(OFFSET, *PLUG)
 def drive(

@@ -76,9 +76,8 @@ def option(
     return click.option(*names, help=words, cls=ResearchOption if research else None, **how)
 
 
-def flag(*names_and_help: str, **how: Any) -> Option:
-    """Return an option that stands alone."""
-    return option(*names_and_help, is_flag=True, **how)
+flag = partial(option, is_flag=True)
+number = partial(option, type=float)
 
 
 def row(parameter: str, *options: Option) -> None:
@@ -96,26 +95,6 @@ def parsed_number(name: str, text: str) -> float:
             "such as 0.5"
         ) from None
     return int(number) if number.is_integer() else number
-
-
-class Number(click.ParamType):
-    """A number, typed without a unit; of limits only where no function of Python checks them."""
-
-    name = "number"
-
-    def __init__(self, limits: Limits | None = None) -> None:
-        self.limits = limits
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the number. Raises BadInput in the option's name."""
-        name = param.opts[0] if param else "the number"
-        number = parsed_number(name, value)
-        return self.limits.check(name, number) if self.limits else number
-
-
-def number(*names_and_help: str, limits: Limits | None = None, **how: Any) -> Option:
-    """Return an option that takes a number."""
-    return option(*names_and_help, type=Number(limits), **how)
 
 
 @dataclass(frozen=True)

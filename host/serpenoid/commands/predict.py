@@ -259,7 +259,7 @@ def sweep(
 
 # Of a new board, and the share of speed kept with 10 % less amplitude or 20 % less friction across.
 BOARD_LIMITS = {"joint_angle_deg": 90.0, "servo_speed_deg_s": 500.0, "kept_speed_share": 0.8}
-_SPEED_ROUNDING = 1e-4  # relative: a search may end this far beyond a limit
+MAX_RATE_SHARE = 1 - 1e-4  # of the rate that servos follow: a search may end so far beyond a limit
 LIMITS = (  # The fields of GaitLimits, whose angles are in radians
     Setting("joint_angle_deg", "most a joint may bend", "deg", Limits(0, 180, open_low=True), "90"),
     Setting(
@@ -345,17 +345,15 @@ def _limits(settings: Values, ideal: bool, kind: sn.ServoKind | None) -> sn.Gait
     """
     from ..servos.speed_limit import MAX_NO_LOAD_SHARE, no_load_rad_s
 
-    limits: Values = {}
-    if not ideal:
-        limits |= BOARD_LIMITS
-        if kind is not None:
-            followed_rad_s = (1 - _SPEED_ROUNDING) * MAX_NO_LOAD_SHARE * no_load_rad_s(kind)
-            slowest = min(limits["servo_speed_deg_s"], math.degrees(followed_rad_s))
-            limits["servo_speed_deg_s"] = slowest
-    limits |= chosen(settings, *LIMITS)
-    angles = [name for name in limits if "_deg" in name]
-    limits |= {name.replace("_deg", "_rad"): math.radians(limits.pop(name)) for name in angles}
-    return sn.GaitLimits(**limits)
+    limits = {} if ideal else BOARD_LIMITS
+    if kind is not None and not ideal:
+        followed_deg_s = MAX_RATE_SHARE * MAX_NO_LOAD_SHARE * math.degrees(no_load_rad_s(kind))
+        limits = limits | {"servo_speed_deg_s": min(limits["servo_speed_deg_s"], followed_deg_s)}
+    values = {
+        name.replace("_deg", "_rad"): math.radians(limit) if "_deg" in name else limit
+        for name, limit in (limits | chosen(settings, *LIMITS)).items()
+    }
+    return sn.GaitLimits(**values)
 
 
 def _as_dict(best: sn.LeastPower) -> Values:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,8 +15,6 @@ from .declare import command, directory, flag, option
 from .options import busy, show_json
 
 if TYPE_CHECKING:
-    from ..bench.extremes import Outcome
-    from ..bench.stability_map import Cell
     from ..paper.study import Claim
 
 
@@ -42,43 +39,20 @@ def bench(folder: Path, quick: bool) -> None:
         return rows
 
     tell = partial(say, err=True)
-    folder.mkdir(parents=True, exist_ok=True)
     tell("what each term of a scene costs ...")
-    costs = saved("costs.csv", scenes.measure(quick))
+    saved("costs.csv", scenes.measure(quick))
     rows = saved("accuracy.csv", work_precision.measure(quick, tell))
     work_precision_figure(rows, folder / "accuracy.png")
     cells = saved("stability.csv", stability_map.measure(quick, tell))
     stability_map.stability_figure(cells, folder / "stability.png")
-    outcomes = saved("extremes.csv", extremes.measure(quick, tell))
-
+    words = [outcome.outcome for outcome in saved("extremes.csv", extremes.measure(quick, tell))]
+    words += ["HANG" if cell.note else stability_map.WORDS[cell.kind] for cell in cells]
     say(f"Milliseconds a simulated second at an error of 1e-6:\n\n{work_precision.table(rows)}\n")
-    say("Time of a Runge-Kutta step, 6 links, and its ratio to the plain scene:")
-    for cost in costs:
-        say(f"{cost.formulation:10}{cost.scene:28}{cost.step_us:7.2f} us{cost.ratio:7.2f}")
-    for method in dict.fromkeys(cell.method for cell in cells):
-        words = Counter(stability_map.WORDS[cell.kind] for cell in cells if cell.method == method)
-        say(f"\n{method}: {counts_text(words)}")
-    defects = count_defects(cells, outcomes)
-    say(f"\nDefects, extreme scenes included: {counts_text(defects)}")
-    say(f"Figures and numbers are in {folder}")
+    defects = {word: words.count(word) for word in extremes.DEFECTS}
+    counts = ", ".join(f"{count} {word}" for word, count in defects.items())
+    say(f"Defects, extreme scenes included: {counts}\nFigures and numbers are in {folder}")
     if any(defects.values()):
         raise SystemExit(1)
-
-
-def counts_text(counts: Mapping[str, int]) -> str:
-    """Return words with how often each came."""
-    return ", ".join(f"{count} {word}" for word, count in counts.items())
-
-
-def count_defects(cells: Sequence[Cell], outcomes: Sequence[Outcome]) -> dict[str, int]:
-    """Return how many cells and extreme scenes show each defect: all must be 0."""
-    from ..bench.extremes import DEFECTS
-    from ..bench.stability_map import WORDS
-
-    words = [outcome.outcome for outcome in outcomes]
-    words += [WORDS[cell.kind] for cell in cells if not cell.note]
-    words += ["HANG" for _ in {cell.note for cell in cells if cell.note}]
-    return {word: words.count(word) for word in DEFECTS}
 
 
 SPRINGS_RTOL = 1e-3  # accuracy of the implicit model's speed

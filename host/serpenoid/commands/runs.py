@@ -89,7 +89,9 @@ SCENE = (
     "Scene file; other options override it.",
     type=click.Path(dir_okay=False, path_type=Path),
 )
-@number("--incline-deg", "Slope of the ground, uphill along the x axis.", limits=Limits(0, 90))
+@option(
+    "--incline-deg", "Slope of the ground, uphill along the x axis.", type=click.FloatRange(0, 90)
+)
 @number("--duration-s", "Length of the run; 10.")
 @option("--out", "csv", "CSV of all links at all recorded times.", type=OutFile(".csv"))
 @option("--save-scene", "saved_path", "Write the scene to this file too.", type=OutFile(".toml"))

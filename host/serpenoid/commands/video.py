@@ -51,9 +51,7 @@ row(
 row(
     "tag_mm",
     number(
-        "--tag-mm",
-        "Side of a tag's black square; the session's, or of the sheet for such links.",
-        limits=POSITIVE,
+        "--tag-mm", "Side of a tag's black square; the session's, or of the sheet for such links."
     ),
 )
 
@@ -68,7 +66,7 @@ def _robot(
     base = setup.robot if setup else named_snake("2005").robot
     sizes = chosen(settings, *SIZES)
     kept_m = setup.robot_table.tag_side_m if setup else None
-    side_m = kept_m if tag_mm is None else tag_mm / 1e3
+    side_m = kept_m if tag_mm is None else POSITIVE.check("tag_mm", tag_mm) / 1e3
     if session and side_m and side_m != kept_m:
         write_setting(session, "robot", "tag_mm", tag_mm)
     return replace(base, **sizes, link_inertia_kg_m2=None), side_m

@@ -123,7 +123,7 @@ def test_the_answer_is_complete_and_the_files_too(tmp_path: Path) -> None:
         (f"{SHORT} --set tolerance=1e-5", "tolerance would change nothing"),
         (f"{SHORT} --set ct=0.1,-1", "ct backwards is -1.0"),
         (f"{SHORT} --set ft0=0.1,0.2,0.3", "two: forwards, backwards"),
-        (f"{SHORT} --incline-deg 100", "--incline-deg is 100"),
+        (f"{SHORT} --incline-deg 100", "--incline-deg': 100.0 is not in the range"),
     ],
 )
 def test_a_refusal_names_what_was_typed(line: str, said: str) -> None:

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import click
 
-from ...base.checks import Limits
 from ...show.screen import say
 from ..declare import EXISTING, FOLDER, command, number, option
 from ..options import CAPTURE_FPS
@@ -18,7 +17,6 @@ from ..options import CAPTURE_FPS
 @number(
     "--lambda-deg",
     "Bend of the robot, as the protractor showed it; 0 where straight.",
-    limits=Limits(0, 60),
     default=0.0,
 )
 @option(

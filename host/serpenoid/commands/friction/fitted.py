@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 
 import serpenoid as sn
@@ -57,17 +56,14 @@ def fit(
     """
     from ...show import report
 
-    with warnings.catch_warnings(record=True) as doubts:
-        loaded = sn.load_session(session)
-        for note in loaded.notes:
-            say(f"note: {note}", err=True)
-        say(f"session.toml: {loaded.setup.in_words()}", err=True)
-        fit = busy("fitting", lambda _: sn.fit_friction(loaded, method=method))
+    loaded = sn.load_session(session)
+    for note in loaded.notes:
+        say(f"note: {note}", err=True)
+    say(f"session.toml: {loaded.setup.in_words()}", err=True)
+    fit = busy("fitting", lambda _: sn.fit_friction(loaded, method=method))
     if figure is not None:
         fit.plot(figure, session=loaded)
         report.wrote(figure)
-    for doubt in dict.fromkeys(str(doubt.message) for doubt in doubts):
-        warnings.warn(doubt, stacklevel=1)  # beside the figures that a wrong setting spoils
     if as_json:
         show_json(fit.to_dict())
     else:

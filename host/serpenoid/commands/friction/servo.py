@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import serpenoid as sn
 
 from ...base.checks import Limits, check_choice
+from ...base.rows import Result, Row, ranged, two_digits
 from ...show.screen import say
 from ..declare import (
     EXISTING,
@@ -22,11 +23,10 @@ from ..declare import (
     option,
     settings,
 )
-from ..options import PLUG, busy, servo_kind, show_json
+from ..options import PLUG, busy, servo_kind, tell
 
 if TYPE_CHECKING:
     from ...servos.bench_fit import MeasuredServo
-    from ...servos.bench_test import BenchTest
 
 COLUMNS = ("t_s", "setpoint_deg", "angle_deg")
 SENT = "sent_s"  # a column that a table may have, too
@@ -104,10 +104,11 @@ def servo(
         )
         name = "measured" if path is None else path.stem
         measured = busy("trying servos", lambda _: servo_of_test(test, kind, name=name))
-    show_json(answer(measured, test)) if as_json else show(measured, test)
+    answer = Answer(measured, test.noise_rad)
+    tell(answer, as_json, True, {})
     if path is None:
         return
-    remark = "" if measured.verdict.describes else verdict_text(measured, test.noise_rad)
+    remark = "" if measured.verdict.describes else answer.verdict_text
     if remark and not anyway:
         raise sn.SerpenoidError(
             f"{path} is not written: the model does not describe the table. Look at its columns "
@@ -118,72 +119,68 @@ def servo(
         say(f"Written: {path}; give it to other commands with --servo {path}.")
 
 
-def verdict_text(measured: MeasuredServo, noise_rad: float) -> str:
-    """Return the verdict in a sentence."""
-    verdict = measured.verdict
-    p_value = f"p {verdict.p_value:.2g}"
-    if verdict.describes:
-        return f"The model of a servo describes the table ({p_value})."
-    return (
-        f"The model of a servo does NOT describe the table ({p_value}): residuals average "
-        f"{math.degrees(verdict.worst_rad):+.2g} deg near {verdict.worst_s:.3g} s, and the noise "
-        f"of one reading is {math.degrees(noise_rad):.2g} deg."
-    )
+@dataclass(frozen=True, repr=False)
+class Answer(Result):
+    """What a bench test says of a servo, to print."""
 
+    measured: MeasuredServo
+    noise_rad: float
 
-def notes(measured: MeasuredServo) -> list[str]:
-    """Return in words what is open, what is far from usual, and what pulls unstated."""
-    from ...servos.bench_fit import FAR_SIGMAS
-    from ...servos.bench_test import UNSTATED_LOAD
-
-    lines = ["Open: " + ", ".join(measured.open) + "."] if measured.open else []
-    if measured.outside:
-        unusual = ", ".join(
-            f"{name} ({sigmas:+.1f} sigma)" for name, sigmas in measured.outside.items()
+    @property
+    def verdict_text(self) -> str:
+        """Return the verdict in a sentence."""
+        verdict = self.measured.verdict
+        p_value = f"p {verdict.p_value:.2g}"
+        if verdict.describes:
+            return f"The model of a servo describes the table ({p_value})."
+        return (
+            f"The model of a servo does NOT describe the table ({p_value}): residuals average "
+            f"{math.degrees(verdict.worst_rad):+.2g} deg near {verdict.worst_s:.3g} s, and the "
+            f"noise of one reading is {math.degrees(self.noise_rad):.2g} deg."
         )
-        lines.append(f"Far from what is usual: {unusual}.")
-    pulls = [value for name, value in measured.determined.items() if name in UNSTATED_LOAD]
-    pull = max(pulls, key=lambda value: abs(value.value) / value.sigma, default=None)
-    if pull is not None and abs(pull.value) > FAR_SIGMAS * pull.sigma:
-        lines.append(
-            f"Something pulls the joint with {abs(pull.value):.2g} of the motor's torque: if a "
-            "load hangs on it, give --load KG M, which shows the torque itself."
-        )
-    return lines
 
+    def in_words(self) -> str:
+        """Return the verdict, how fast the servo is, what is open or unusual, and what pulls."""
+        from ...servos.bench_fit import FAR_SIGMAS
+        from ...servos.bench_test import UNSTATED_LOAD
 
-def answer(measured: MeasuredServo, test: BenchTest) -> dict[str, Any]:
-    """Return what --json prints."""
-    verdict = measured.verdict
-    return {
-        "describes": verdict.describes,
-        "p_value": verdict.p_value,
-        "verdict": verdict_text(measured, test.noise_rad),
-        "worst": {"t_s": verdict.worst_s, "residual_rad": verdict.worst_rad},
-        "noise_rad": test.noise_rad,
-        "name": measured.kind.name,
-        "servo": asdict(measured.kind.servo),
-        "readings": test.t_s.size,
-        "determined": {name: value._asdict() for name, value in measured.determined.items()},
-        "open": measured.open,
-        "outside": measured.outside,
-        "notes": notes(measured),
-    }
+        measured = self.measured
+        no_load = measured.values["no_load_rad_s"]
+        speed = ranged(no_load.value, "rad/s", no_load.low, no_load.high)
+        lines = [
+            self.verdict_text,
+            f"Without load the servo turns at about {speed}: "
+            f"{two_digits(math.pi / 3 / no_load.value)} s for 60°.",
+        ]
+        if measured.open:
+            lines.append(f"Open: {', '.join(measured.open)}.")
+        if measured.outside:
+            sigmas = [f"{name} ({count:+.1f} sigma)" for name, count in measured.outside.items()]
+            lines.append(f"Far from what is usual: {', '.join(sigmas)}.")
+        loads = [measured.determined[name] for name in UNSTATED_LOAD.keys() & measured.determined]
+        if pulls := [abs(x.value) for x in loads if abs(x.value) > FAR_SIGMAS * x.sigma]:
+            lines.append(
+                f"Something pulls the joint with {max(pulls):.2g} of the motor's torque: if a "
+                "load hangs on it, give --load KG M, which shows the torque itself."
+            )
+        return "\n".join(lines)
 
+    def rows(self) -> list[Row]:
+        """Return what the test determines: median and interval."""
+        return [Row(name, "", *value[:3]) for name, value in self.measured.determined.items()]
 
-def show(measured: MeasuredServo, test: BenchTest) -> None:
-    """Print the verdict, how fast the servo is, what was measured of it, and what is open."""
-    from ...base.rows import Row, ranged, two_digits
-    from ...show import report
-
-    report.console.print(verdict_text(measured, test.noise_rad))
-    no_load = measured.values["no_load_rad_s"]
-    report.console.print(
-        "Without load the servo turns at about "
-        f"{ranged(no_load.value, 'rad/s', no_load.low, no_load.high)}: "
-        f"{two_digits(math.pi / 3 / no_load.value)} s for 60°."
-    )
-    rows = [Row(name, "", *value[:3]).cells for name, value in measured.determined.items()]
-    report.table(measured.kind.source, ["measured", "typical", "95 %"], rows)
-    for note in notes(measured):
-        report.console.print(note)
+    def to_dict(self) -> Values:
+        """Return what --json prints."""
+        measured, verdict = self.measured, self.measured.verdict
+        return {
+            "describes": verdict.describes,
+            "p_value": verdict.p_value,
+            "verdict": self.verdict_text,
+            "worst": {"t_s": verdict.worst_s, "residual_rad": verdict.worst_rad},
+            "noise_rad": self.noise_rad,
+            "name": measured.kind.name,
+            "servo": asdict(measured.kind.servo),
+            "determined": {name: value._asdict() for name, value in measured.determined.items()},
+            "open": measured.open,
+            "outside": measured.outside,
+        }
