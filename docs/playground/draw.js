@@ -80,10 +80,10 @@ function ticks(most) {
   return Array.from({ length: Math.ceil(most / step - 1e-9) + 1 }, (_, k) => +(k * step).toPrecision(3));
 }
 
-function hatch(g, x0, y0, x1, y1) {
+function hatch(g, x0, y0, x1, y1, style) {
   if (x1 <= x0 || y1 <= y0) return;
   g.save(), g.beginPath(), g.rect(x0, y0, x1 - x0, y1 - y0), g.clip();
-  for (let x = x0 - (y1 - y0); x < x1; x += 9) line(g, [[x, y1], [x + y1 - y0, y0]], colour("hatch"), 1);
+  for (let x = x0 - (y1 - y0); x < x1; x += 9) line(g, [[x, y1], [x + y1 - y0, y0]], style, 1);
   g.restore();
 }
 
@@ -91,7 +91,7 @@ function drawCurve(canvas, { top, limit, ideal, typical, band }, s, speed) {
   const most = Math.max(1e-6, ...[...ideal, ...band].flatMap(([, ...values]) => values).filter(Number.isFinite));
   const { g, X, Y, finish } = chart(canvas, top, ticks(top).filter((hz) => hz <= top), ticks(most), "frequency, Hz", "speed, m/s");
   const place = (points, of = 1) => [[0, 0, 0], ...points].map((point) => [X(point[0]), Y(point[of])]);
-  hatch(g, X(limit), FRAME.top, X(top), Y(0));
+  hatch(g, X(limit), FRAME.top, X(top), Y(0), colour("hatch"));
   if (band.length) {
     g.fillStyle = colour("band"), g.beginPath();
     for (const [x, y] of [...place(band), ...place(band, 2).reverse()]) g.lineTo(x, y);
@@ -130,7 +130,7 @@ function drawMap(canvas, { values, stride }, s) {
       g.fillRect(x, y, X(beta + CELL_BETA) - x + 0.7, Y(alpha) - y + 0.7);
       if (alpha && alpha <= allowed && (!best || value > best.speed)) best = { alpha, beta, speed: value };
     }
-  hatch(g, X(0), FRAME.top, X(180), Y(Math.min(120, allowed)));
+  hatch(g, X(0), FRAME.top, X(180), Y(Math.min(120, allowed)), "#ffffffa0"); // The map is mostly dark.
   ring(g, X(s.beta), Y(s.alpha)), finish();
   return { most, best, X, Y };
 }

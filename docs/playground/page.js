@@ -75,7 +75,7 @@ function show() {
   else if (state.hz > highestHz(state)) big("too fast", `for a typical ${kind} servo: stay below ${limit} Hz. Ideal joints: ${two(ideal)} m/s.`);
   else if (speed === undefined) big("…", "");
   else if (Number.isNaN(speed)) big("no answer", `With ${kind} servos the robot settles to no speed. Ideal joints: ${two(ideal)} m/s.`);
-  else big(`${two(speed)} m/s`, `with typical ${kind} servos; ${range ? `${two(range[0])} to ${two(range[1])} with 95 % of them` : "…"}. Ideal joints: ${two(ideal)}.`);
+  else big(`${two(speed)} m/s`, `with typical ${kind} servos${range ? `; ${two(range[0])} to ${two(range[1])} with 95 % of them` : ""}. Ideal joints: ${two(ideal)}.`);
   $("curve-says").textContent = `Line: typical ${kind} servos. Band: 95 % of them. Dotted: joints that follow the gait exactly. `
     + `Hatched: beyond ${limit} Hz they cannot follow.`;
 }

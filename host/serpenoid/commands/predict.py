@@ -77,7 +77,6 @@ def steady(
     servos: with any hobby servo unless --servo says which, or `ideal`.
     """
     from ..show import report
-    from ..show.gaits import gait_report
 
     snake = make_snake(robot, settings)
     body = snake.robot, snake.ground, make_gait(settings | typed_gait)
@@ -106,7 +105,7 @@ def steady(
     if as_json:
         values = typed | state.to_dict() | {"losses": losses.to_dict()} | snake.notes
         return show_json(values | expected.to_dict())
-    gait_report.warn_of_losses(losses)
+    report.warn(losses.warning)
     parts = filter(None, (state, expected.servo, losses))
     report.show(*parts, answer=expected.in_words(), verbose=verbose)
     if state.sensitivities is not None:
@@ -301,8 +300,9 @@ def optimize(
     less, or friction across the links 20 % less; where no gait does, it is one that loses least.
     --ideal leaves these limits out.
     """
+    from ..servos.speed_limit import too_fast_text
     from ..show import report
-    from ..show.gaits import gait_report
+    from ..show.gaits.gait_report import beside_ideal
 
     snake = make_snake(robot, settings)
     body = snake.robot, snake.ground
@@ -324,12 +324,12 @@ def optimize(
         ideal_values = paper and {k: v for k, v in _as_dict(paper).items() if k in names}
         values = _as_dict(best) | best.steady.to_dict() | {"ideal": ideal_values}
         return show_json(values | expected.to_dict() | snake.notes)
-    gait_report.warn_of_losses(best.losses)
+    report.warn(best.losses.warning)
     words = f"{best.in_words()} {expected.in_words()}"
     if paper is None:
-        gait_report.warn_too_fast(best.gait, kind or sn.servo("hobby"))
+        report.warn(too_fast_text(best.gait, kind or sn.servo("hobby")))
     else:
-        words += f" {gait_report.beside_ideal(best, paper, kind)}"
+        words += f" {beside_ideal(best, paper, kind)}"
     report.show(*filter(None, (best, expected.servo)), answer=words, verbose=verbose)
     typed = [f"--{k.replace('_', '-')} {v:.4g}" for k, v in describe(best.gait).items() if v]
     named = [f"--robot {robot}"] if robot else []

@@ -11,13 +11,11 @@ import numpy as np
 from ..prediction.comparison import ComparedGait, Comparison
 from ..prediction.curve import speed_curves
 from ..servos.speed_limit import highest_hz
-from .plot import BLUE, GREEN, GREY, ORANGE, PURPLE, columns, hatch_beyond
+from .plot import COLOURS, GREY, columns, hatch_beyond
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-COLORS = BLUE, GREEN, PURPLE, ORANGE
 
 
 def panels(compared: Comparison) -> dict[str, Any]:
@@ -33,7 +31,7 @@ def draw_comparison(fig: Figure, axes: Any, compared: Comparison) -> None:
     kind = compared.servo and compared.servo.name
     moved_by = f"typical {kind} servos" if kind else "ideal joints"
     curves = speed_curves(compared)
-    for (shape, bands), color in zip(curves.items(), itertools.cycle(COLORS)):
+    for (shape, bands), color in zip(curves.items(), itertools.cycle(COLOURS)):
         angles = np.degrees(shape)
         label = f"{angles[0]:.3g}°/{angles[1]:.3g}°, {moved_by}; 95 % band"
         f_hz, typical, low, high = columns(
@@ -53,7 +51,7 @@ def draw_comparison(fig: Figure, axes: Any, compared: Comparison) -> None:
         xlim=(0, last_hz), ylim=(0, (1.15 + 0.08 * len(curves)) * top.get_ylim()[1])
     )  # room for the legend
     if curves:
-        top.legend(loc="upper left", fontsize=8)
+        top.legend(loc="upper left")
     if residual_axes:
         residual_axes[0].axhline(0, color=GREY)
         residual_axes[0].set(ylabel="measured less\npredicted (%)")

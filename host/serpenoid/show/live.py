@@ -6,7 +6,7 @@ import errno
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Group
 from rich.live import Live
@@ -18,11 +18,6 @@ from .screen import screen
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from ..periodic.servo_steady import ServoSteady
-    from ..periodic.steady import Steady
-    from ..prediction.band import SpeedBand
-
-    Predicted = SpeedBand | ServoSteady | Steady
     from ..robot.wire.protocol import Telemetry
 
 FRAMES_A_TABLE = 5
@@ -31,7 +26,7 @@ View = Callable[[DrivenRun], None]
 
 
 @contextmanager
-def view(band: Predicted | None = None) -> Iterator[View]:
+def view(band: Any = None) -> Iterator[View]:
     """Give a function that shows the state of a run; call it after every frame.
 
     band: the speed that is predicted for the gait, to stand beside.
@@ -77,34 +72,40 @@ def line(run: DrivenRun, frame: Telemetry) -> str:
     )
 
 
-def tables(run: DrivenRun, frame: Telemetry, band: Predicted | None = None) -> Group:
+def tables(run: DrivenRun, frame: Telemetry, band: Any = None) -> Group:
     """Return the run's state as tables: distance, joints, then timing and losses."""
-    losses, drift = run.robot.losses, run.robot.clock
     joints = zip(frame.setpoint_rad, frame.pulse_us, strict=True)
     cells = [[str(j), f"{math.degrees(a):.2f}", str(us)] for j, (a, us) in enumerate(joints, 1)]
-    facts = [
-        ("phase", f"{math.degrees(frame.phase_rad):.1f} deg"),
-        ("frame late", f"{frame.late_us} us, at most {run.latest_us} us"),
-        ("frame took", f"{frame.exec_us} us"),
-        ("frames", f"{run.frames}, missed {losses.missed_frames}, clipped {run.clipped_frames}"),
-        ("damaged lines", str(losses.damaged_lines)),
-        ("board's clock", f"{drift.ppm:+.0f} ± {drift.sd_ppm:.0f} ppm"),
-        ("true frequency", _frequency(*run.frequency())),
-    ]
     return Group(
-        _facts(_expected(band, run.elapsed_s)),
+        _facts(run.summary(), band),
         table(
             f"{frame.state}, {run.elapsed_s:.1f} s", ["joint", "setpoint, deg", "pulse, us"], cells
         ),
-        _facts(facts),
         "Ctrl-C stops the robot",
     )
 
 
-def show_summary(summary: Summary, band: Predicted | None = None) -> None:
+def show_summary(summary: Summary, band: Any = None) -> None:
     """Print what a run came to, and the speed that was predicted for it."""
-    s = summary
-    rows = [
+    screen().print(_facts(summary, band))
+    if summary.recording:
+        screen().print(f"see how it moved: serpenoid view {summary.recording}")
+
+
+def _facts(summary: Summary | None, band: Any) -> Table | str:
+    """Return a table of what a run came to until now, with the speed and distance to expect."""
+    if summary is None:
+        return ""
+    s, rows = summary, list[tuple[str, str]]()
+    if band is not None:
+        distances_m = [
+            getattr(band, name, math.nan) * s.duration_s
+            for name in ("speed_m_s", "low_m_s", "high_m_s")
+        ]
+        words = "{:.2f} m ({:.2f} to {:.2f})".format(*distances_m).replace(" (nan to nan)", "")
+        rows = [("predicted speed", band.in_words()), ("predicted distance", words)]
+    hertz = f"{s.frequency_hz:.5f} ± {s.frequency_sd_hz:.5f} Hz" if s.frequency_hz else "unknown"
+    rows += [
         ("board", f"{s.board}, firmware {s.firmware}"),
         ("driven", f"{s.duration_s:.2f} s"),
         ("frames", f"{s.frames}, missed {s.missed_frames}, unread {s.unread_frames}"),
@@ -112,29 +113,7 @@ def show_summary(summary: Summary, band: Predicted | None = None) -> None:
         ("latest frame", f"{s.latest_us} us"),
         ("clipped frames", str(s.clipped_frames)),
         ("board's clock", f"{s.drift_ppm:+.0f} ± {s.drift_sd_ppm:.0f} ppm"),
-        ("true gait frequency", _frequency(s.frequency_hz, s.frequency_sd_hz)),
+        ("true gait frequency", hertz),
         ("recording", s.recording or "none (--record FILE)"),
     ]
-    screen().print(_facts(_expected(band, s.duration_s) + rows))
-    if s.recording:
-        screen().print(f"see how it moved: serpenoid view {s.recording}")
-
-
-def _facts(rows: list[tuple[str, str]]) -> Table | str:
-    """Return a table of names and words; nothing of none."""
-    return table("", ["", ""], rows, 2) if rows else ""
-
-
-def _expected(band: Predicted | None, elapsed_s: float) -> list[tuple[str, str]]:
-    """Return the predicted speed, and the distance that it makes until now."""
-    if band is None:
-        return []
-    low_m_s, high_m_s = getattr(band, "low_m_s", math.nan), getattr(band, "high_m_s", math.nan)
-    words = f"{band.speed_m_s * elapsed_s:.2f} m"
-    if math.isfinite(low_m_s):
-        words += f" ({low_m_s * elapsed_s:.2f} to {high_m_s * elapsed_s:.2f})"
-    return [("predicted speed", band.in_words()), ("predicted distance", words)]
-
-
-def _frequency(hz: float | None, sd_hz: float | None) -> str:
-    return "unknown" if hz is None else f"{hz:.5f} ± {sd_hz:.5f} Hz"
+    return table("", ["", ""], rows, 2)

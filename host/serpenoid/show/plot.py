@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 # Okabe and Ito's colours, which colour-blind readers can tell apart.
 BLUE, ORANGE, GREEN, RED, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#555555"
 PURPLE = "#CC79A7"
+COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE, "#56B4E9", "#8B6914", GREY)  # Of curves, in order.
 BELT_M_S = 1.0  # a fast belt: so far go lines of friction that are drawn without readings
 STYLE: dict[str, Any] = {
     "figure.dpi": 110,
@@ -42,6 +43,7 @@ STYLE: dict[str, Any] = {
     "axes.axisbelow": True,
     "lines.linewidth": 1.8,
     "legend.frameon": False,
+    "legend.fontsize": 8,
 }
 
 
@@ -108,7 +110,7 @@ def draw_friction(
             ax.errorbar(speed, force, *reversed(errors), label=label, zorder=3, **look)
             if len(voided[0]):
                 ax.plot(*voided, "x", color=GREY, ms=7, label="voided")
-            ax.legend(loc="lower right", fontsize=8)
+            ax.legend(loc="lower right")
         slope, dry_n = (fit.parameters[name].value for name in names)
         rows = [list(fit.whole_snake).index(name) for name in names]
         v = np.linspace(0, last_m_s, 60)
@@ -137,7 +139,7 @@ def formulations_figure(
         speed_axis.plot(f, implicit, "o", label="implicit, k = 1000 N/m, c = 1 N s/m", **circles)
         speed_axis.set(title="speed, ideal joints (Fig. 17)", ylabel="speed (m/s)")
         speed_axis.set(xlim=(0, None), ylim=(0, 1.4 * exact.max()))  # room for the legend
-        speed_axis.legend(loc="upper left", fontsize=9)
+        speed_axis.legend(loc="upper left")
         right.axhline(0, color=BLUE)
         right.plot(f, 100 * (implicit / exact - 1), "o-", lw=1, **circles)
         right.set(title="implicit less explicit", ylabel="of the speed (%)", xlim=(0, None))
@@ -173,7 +175,7 @@ def draw_path(ax: Axes, run: Run) -> None:
     ):
         ax.plot(x, y, color=colour, lw=width, label=name)
     ax.plot(0, 0, "o", mfc="white", mec="black", ms=7, zorder=5, label="start")
-    ax.legend(loc="lower left", bbox_to_anchor=(-0.01, 0.985), ncols=4, fontsize=9)
+    ax.legend(loc="lower left", bbox_to_anchor=(-0.01, 0.985), ncols=4)
 
 
 def along_travel(run: Run) -> Run:
@@ -194,27 +196,23 @@ def along_travel(run: Run) -> Run:
 
 def path_and_poses(run: Run, title: str, path: Path) -> None:
     """Draw the path of head, tail and centre of mass (Fig. 12) and six poses (Fig. 13)."""
-    from matplotlib import colormaps
-
     run = along_travel(run)
+    period_s, t_s = run.scene.gait.period_s, run.t_s
     with figure(9.0, 6.0, rows=2, path=path, height_ratios=[1, 1.9]) as (fig, (top, bottom)):
-        cycles = round(run.t_s[-1] / run.scene.gait.period_s)
         draw_path(top, run)
         top.set(xlabel="x (m)", ylabel="y (m)")
         top.set_aspect(3)
-        top.set_title(f"{cycles} cycles, y enlarged three times (Fig. 12)", pad=22)
-        per_cycle = round(run.scene.gait.period_s / (run.t_s[1] - run.t_s[0]))
-        spacing = 1.15 * float(np.ptp(run.y_m[:per_cycle]))
-        label_x = float(run.x_m[:per_cycle].min()) - run.scene.robot.link_length_m
-        for k, label in enumerate(("0", "T/6", "T/3", "T/2", "2T/3", "5T/6")):
-            colour = colormaps["viridis"](0.08 + 0.14 * k)
-            draw_links(bottom, run, round(k * per_cycle / 6), -k * spacing, colour)
-            bottom.text(label_x, -k * spacing, label, color=colour, va="center", ha="right")
-        bottom.set(xlabel="x, along the mean direction of travel (m)", yticks=[])
-        bottom.set_aspect("equal")
-        bottom.set_title(
-            "six poses of one cycle to scale, x as y, set apart downwards; "
-            "the dot is the head (Fig. 13)"
+        top.set_title(f"{t_s[-1] / period_s:.0f} cycles, y enlarged three times (Fig. 12)", pad=22)
+        spacing = 1.15 * float(np.ptp(run.y_m[t_s < period_s]))
+        for k, colour in enumerate(COLOURS[:6]):
+            index = int(np.abs(t_s - k * period_s / 6).argmin())
+            draw_links(bottom, run, index, -k * spacing, colour)
+        bottom.set(
+            title="poses of one cycle at 0, T/6 ... 5T/6, set apart downwards; the dot is the head "
+            "(Fig. 13)",
+            xlabel="x, along the mean direction of travel (m)",
+            yticks=[],
+            aspect="equal",
         )
         heading(fig, f"{title}: {robot_words(run.scene.robot, run.scene.ground)}", 10)
 

@@ -18,6 +18,12 @@ console = screen(width=None if screen().is_terminal else 100, highlight=False)
 notices = screen(stderr=True, soft_wrap=True, highlight=False)  # what is no answer
 
 
+def warn(text: str) -> None:
+    """Print a warning on standard error; nothing for an empty one."""
+    if text:
+        notices.print(f"serpenoid: warning: {text}")
+
+
 def wrote(*paths: Path | None) -> None:
     """Say on standard error which files were written."""
     if any(paths):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -19,9 +20,9 @@ from ..periodic.sweep import Sweep
 from ..prediction.comparison import Comparison
 from ..session.session import Session
 from ..simulation.run import Run
-from .comparison_figure import COLORS, draw_comparison, panels
+from .comparison_figure import draw_comparison, panels
 from .gaits.gait_figures import power_of
-from .plot import BLUE, draw_friction, figure, hatch_beyond, heading
+from .plot import BLUE, COLOURS, columns, draw_friction, figure, hatch_beyond, heading
 from .run_figure import run_figure
 from .session.floor_figure import draw_pushes
 
@@ -30,7 +31,8 @@ if TYPE_CHECKING:
 
     from ..base.vectors import Array
 
-RATE_RATIOS = np.linspace(0.2, 2.0, 19)  # over a state's own rate: its curve over frequency
+RATE_RATIOS = np.linspace(0.2, 2.0, 19)  # Rates of a state's curve, over its own rate.
+MOST_CURVES = 4  # Shapes of a sweep that can be told apart in one figure.
 
 
 def figure_of(result: Any, path: Path | None, **details: Any) -> Figure:
@@ -62,20 +64,14 @@ def steady_figure(state: Steady, path: Path | None) -> Figure:
     """Draw speed and power of a gait over its frequency, and a dot at its own."""
     gait, states = state.gait, list[Steady]()
     for rate in (RATE_RATIOS * gait.omega_rad_s).tolist():
-        try:
-            states.append(
-                steady_gait(state.robot, state.ground, replace(gait, omega_rad_s=rate), rtol=1e-3)
-            )
-        except NotConverged:
-            continue
-    hertz, speed, power = np.array(
-        [(s.gait.omega_rad_s / math.tau, s.speed_m_s, s.power_w) for s in states]
-    ).T
+        faster = replace(gait, omega_rad_s=rate)
+        with suppress(NotConverged):
+            states.append(steady_gait(state.robot, state.ground, faster, rtol=1e-3))
+    (omega,) = columns([s.gait for s in states], "omega_rad_s")
     with figure(8.4, 3.8, 2, path=path) as (fig, axes):
-        _over_frequency(axes, hertz, speed, power)
-        own_hz = gait.omega_rad_s / math.tau
+        _over_frequency(axes, omega / math.tau, *columns(states, "speed_m_s", "power_w"))
         for ax, value in zip(axes, (state.speed_m_s, state.power_w), strict=True):
-            ax.plot(own_hz, value, "o", color=BLUE, mec="black")
+            ax.plot(gait.omega_rad_s / math.tau, value, "o", color=BLUE, mec="black")
             ax.set_ylim(0, None)
         heading(fig, f"{gait_name(gait)}; ideal joints")
         return fig
@@ -84,27 +80,27 @@ def steady_figure(state: Steady, path: Path | None) -> Figure:
 def sweep_figure(grid: Sweep, path: Path | None) -> Figure:
     """Draw speed and power of a few shapes over frequency; power over speed of many."""
     hertz, title = grid.omega_rad_s / math.tau, grid.in_words().replace(". ", ".\n")
-    speed, power = grid.speed_m_s.reshape(-1, hertz.size), grid.power_w.reshape(-1, hertz.size)
-    if len(speed) > len(COLORS):
+    names = "speed_m_s", "power_w", "servo_speed_m_s", "servo_low_m_s", "servo_high_m_s"
+    known = [getattr(grid, name) for name in names if getattr(grid, name) is not None]
+    tables = [values.reshape(-1, hertz.size) for values in known]
+    shapes = list(product(np.degrees(grid.alpha_rad), np.degrees(grid.beta_rad)))
+    if len(tables[0]) > MOST_CURVES:
         return power_of(grid, [], title, path)
-    angles = product(np.degrees(grid.alpha_rad), np.degrees(grid.beta_rad))
-    shapes = [f"{alpha:.3g}°/{beta:.3g}°" for alpha, beta in angles]
     with figure(8.4, 4.2, 2, path=path) as (fig, axes):
-        for k, color in enumerate(COLORS[: len(speed)]):
-            shape = shapes[k % len(shapes)]
-            _over_frequency(axes, hertz, speed[k], power[k], f"{shape}, ideal joints", color)
-        ends = grid.servo_speed_m_s, grid.servo_low_m_s, grid.servo_high_m_s
-        rows = [end.reshape(speed.shape) for end in ends if end is not None]
-        if rows:
-            for servo, low, high, color in zip(*rows, COLORS, strict=False):
-                followed = np.where(np.isnan(low), np.nan, servo)
+        for k, (color, speed, power, *servo) in enumerate(zip(COLOURS, *tables, strict=False)):
+            alpha, beta = shapes[k % len(shapes)]
+            label = f"{alpha:.3g}°/{beta:.3g}°, ideal joints"
+            _over_frequency(axes, hertz, speed, power, label, color)
+            if servo:
+                typical, low, high = servo
+                followed = np.where(np.isnan(low), np.nan, typical)
                 axes[0].plot(hertz, followed, "--", color=color, label="with the servo; 95 % band")
                 axes[0].fill_between(hertz, low, high, color=color, alpha=0.18, lw=0)
-            if len(speed) == 1:
-                follows = hertz[~np.isnan(rows[1][0])]
-                hatch_beyond(axes[0], max(follows, default=0.0), hertz[-1], "the servo")
+                if len(tables[0]) == 1:
+                    highest_hz = max(hertz[~np.isnan(low)], default=0.0)
+                    hatch_beyond(axes[0], highest_hz, hertz[-1], "the servo")
         axes[0].set_ylim(0, 1.3 * axes[0].get_ylim()[1])  # room for the legend
-        axes[0].legend(loc="upper left", fontsize=8)
+        axes[0].legend(loc="upper left")
         heading(fig, title)
         return fig
 

@@ -42,7 +42,7 @@ def optimum_figure(best: Sequence[LeastPower], title: str, path: Path) -> None:
             ax.plot(speed, stated, "--", color=ORANGE, label=f"the paper: {words}")
             ax.set(xlabel="speed (m/s)", ylabel=unit, title=name)
             ax.set(xlim=(0, None), ylim=(0, 1.3 * values.max()))  # room for the legend
-            ax.legend(loc="upper left", fontsize=8)
+            ax.legend(loc="upper left")
         heading(fig, title)
 
 
@@ -62,7 +62,7 @@ def errors_in_time(closed: Comparison, opened: Comparison, path: Path) -> None:
         right.set(title="tail's velocity (Fig. 7)", ylabel="error of the velocity, its size (m/s)")
         for ax, ends in ((angle_axis, (-1.5, 2.6)), (right, (3e-5, 5e-2))):
             ax.set(xlabel="time (s)", xlim=(0, closed.t_s[-1]), ylim=ends)
-        angle_axis.legend(loc="upper right", fontsize=8)
+        angle_axis.legend(loc="upper right")
         heading(
             fig,
             "implicit less exact model: three links of 1 kg, 0.12 m; α = 30°, β = 90°, "

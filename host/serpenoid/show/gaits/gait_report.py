@@ -6,27 +6,11 @@ from typing import TYPE_CHECKING
 
 from ...gaits.limits import LIMIT_NAMES, REACHED
 from ...model.gait import gait_name
-from ...servos.speed_limit import is_too_fast, too_fast_text
-from ..report import notices
+from ...servos.speed_limit import is_too_fast
 
 if TYPE_CHECKING:
     from ...gaits.least_power import LeastPower
-    from ...gaits.limits import SpeedLosses
     from ...model.drives import Servo, ServoKind
-    from ...model.gait import Gait
-
-
-def warn_of_losses(losses: SpeedLosses) -> None:
-    """Warn of a gait at a sharp drop of speed."""
-    if losses.warning:
-        notices.print(f"serpenoid: warning: {losses.warning}")
-
-
-def warn_too_fast(gait: Gait, servo: Servo | ServoKind | None) -> None:
-    """Warn of a gait that a servo cannot follow."""
-    text = too_fast_text(gait, servo)
-    if text:
-        notices.print(f"serpenoid: warning: {text}")
 
 
 def beside_ideal(best: LeastPower, ideal: LeastPower, servo: Servo | ServoKind | None) -> str:

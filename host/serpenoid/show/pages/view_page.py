@@ -5,7 +5,6 @@ from __future__ import annotations
 import html
 import json
 import math
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -28,16 +27,6 @@ Array = NDArray[np.float64]
 FRAMES_A_SECOND, MOST_FRAMES = 50, 3000
 STEP_S = 0.002  # of the chain: 0.3 % of a gait's speed, far below what a page shows
 SHORTEST_S, LONGEST_S = 1e-3, 10.0  # between two set-points; beyond a longer gap nobody knows
-
-
-@dataclass(frozen=True)
-class Motion:
-    """The links at N moments, (N, n) each: centres in m, angles in rad, wheels' slip in m/s."""
-
-    x_m: Array
-    y_m: Array
-    theta_rad: Array
-    slip_m_s: Array
 
 
 def write_page(path: Path, title: str, about: str, shown: dict[str, Any]) -> None:
@@ -66,9 +55,10 @@ def of_run(run: Run) -> dict[str, Any]:
     x_m, y_m, theta, vx, vy = (
         table[rows] for table in (run.x_m, run.y_m, run.theta_rad, run.vx_m_s, run.vy_m_s)
     )
-    motion = Motion(x_m, y_m, theta, vy * np.cos(theta) - vx * np.sin(theta))
+    slip_m_s = vy * np.cos(theta) - vx * np.sin(theta)
     scene = run.scene
-    shown = _shown(run.t_s[rows], scene.robot, scene.ground, scene.gait, motion)
+    body = scene.robot, scene.ground, scene.gait
+    shown = _shown(run.t_s[rows], *body, x_m, y_m, theta, slip_m_s)
     return shown | ({"uphill_rad": scene.incline_direction_rad} if scene.incline_rad else {})
 
 
@@ -88,12 +78,12 @@ def of_recording(stream: Stream, robot: Robot, ground: Ground) -> tuple[Gait, di
     board_s = stream.board_s[gait_rows]
     stride = math.ceil(len(board_s) / MOST_FRAMES)
     motion = follow(robot, ground, stream.setpoint_rad[gait_rows], np.diff(board_s), stride)
-    return gait, _shown(board_s[1::stride] - board_s[0], robot, ground, gait, motion)
+    return gait, _shown(board_s[1::stride] - board_s[0], robot, ground, gait, *motion)
 
 
 def follow(
     robot: Robot, ground: Ground, setpoint_rad: Array, lasts_s: Array, stride: int = 1
-) -> Motion:
+) -> list[Array]:
     """Return how a robot with ideal joints moves that is led through set-points, (N + 1, n - 1).
 
     It is at rest at the first, and goes to each next one within a time, (N,). stride: of so many
@@ -114,36 +104,46 @@ def follow(
     return _motion(robot, np.array(states), rows[1::stride], rate)
 
 
-def _motion(robot: Robot, states: Array, joint_rad: Array, joint_rad_s: Array) -> Motion:
+def _motion(robot: Robot, states: Array, joint_rad: Array, joint_rad_s: Array) -> list[Array]:
     """Return all links from centre of mass and link 1, (N, 6), and the joints, (N, n-1)."""
     x, y, theta, vx, vy, turning = (states[:, [k]] for k in range(6))
-    start = ((0, 0), (1, 0))
-    angle = theta + np.cumsum(np.pad(joint_rad, start), axis=1)
-    rate = turning + np.cumsum(np.pad(joint_rad_s, start), axis=1)
+    angle = np.cumsum(np.hstack([theta, joint_rad]), axis=1)
+    rate = np.cumsum(np.hstack([turning, joint_rad_s]), axis=1)
     levers = robot.link_length_m * lever_matrix(robot.links).T
     c, s = np.cos(angle), np.sin(angle)
     slip = (vy + c * rate @ levers) * c - (vx - s * rate @ levers) * s
-    way = float(np.angle((x[-1] - x[0] + 1j * (y[-1] - y[0]))[0]))
+    way = np.arctan2(y[-1] - y[0], x[-1] - x[0])
     place = np.exp(-1j * way) * (x + c @ levers + 1j * (y + s @ levers))
-    return Motion(place.real, place.imag, angle - way, slip)
+    return [place.real, place.imag, angle - way, slip]
 
 
-def _shown(t_s: Array, robot: Robot, ground: Ground, gait: Gait, motion: Motion) -> dict[str, Any]:
-    """Return what the page draws: sizes, and at each moment the links, their wheels, the joints."""
+def _shown(
+    t_s: Array,
+    robot: Robot,
+    ground: Ground,
+    gait: Gait,
+    x_m: Array,
+    y_m: Array,
+    theta_rad: Array,
+    slip_m_s: Array,
+) -> dict[str, Any]:
+    """Return what the page draws at N moments.
+
+    (N, n) each: centres of the links, their angles, and their wheels' slip.
+    """
+    tables = {
+        "t_s": t_s,
+        "x_m": x_m,
+        "y_m": y_m,
+        "theta_rad": theta_rad,
+        "slip_m_s": slip_m_s,
+        "joint_deg": np.degrees(np.diff(theta_rad, axis=1)),
+    }
     return {
-        "t_s": _rounded(t_s),
-        "most_slip_m_s": float(np.abs(motion.slip_m_s).max()),
+        "most_slip_m_s": float(np.abs(slip_m_s).max()),
         "link_length_m": robot.link_length_m,
         "period_s": gait.period_s,
         "dry": bool(ground.fn0 > 0),
-        "x_m": _rounded(motion.x_m),
-        "y_m": _rounded(motion.y_m),
-        "theta_rad": _rounded(motion.theta_rad),
-        "slip_m_s": _rounded(motion.slip_m_s),
-        "joint_deg": _rounded(np.degrees(np.diff(motion.theta_rad, axis=1))),
+        # To 10 µm and 10 µrad.
+        **{name: np.round(values, 5).tolist() for name, values in tables.items()},
     }
-
-
-def _rounded(values: Array) -> Any:
-    """Return numbers as the page holds them, to 10 µm and 10 µrad."""
-    return np.round(values, 5).tolist()

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import TYPE_CHECKING, Any
 
 from ...friction.push_paths import push_paths
-from ..plot import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, fit_heading
+from ..plot import COLOURS, GREY, fit_heading
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -14,7 +15,6 @@ if TYPE_CHECKING:
     from ...friction.result import FrictionFit
     from ...session.session import Session
 
-COLOURS = (BLUE, ORANGE, RED, GREEN, PURPLE)
 MOST_MM = 4.0  # of the residuals' axis, at least
 
 
@@ -22,22 +22,20 @@ def draw_pushes(fig: Figure, axes: Any, session: Session, fit: FrictionFit) -> N
     """Draw ways over time with the law's line, and residuals; one colour a bend."""
     paths = push_paths(session)
     bends = sorted({round(math.degrees(p.lambda_rad)) for p in paths})
-    colour = {bend: COLOURS[k % len(COLOURS)] for k, bend in enumerate(bends)}
-    named: set[int] = set()
-    for path in paths:
-        bend = round(math.degrees(path.lambda_rad))
-        name = None if bend in named else (f"bend {bend}°" if bend else "straight")
-        named.add(bend)
-        look = {"color": colour[bend], "ms": 2.5, "mew": 0, "alpha": 0.9, "ls": ""}
-        look["marker"] = "o" if path.way == "there" else "s"
-        axes[0].plot(path.t_s, path.way_m, label=name, **look)
-        axes[0].plot(path.law_t_s, path.law_m, color="black", lw=0.8)
-        axes[1].plot(path.t_s, 1000 * path.residual_m, **look)
+    for bend, colour in zip(bends, itertools.cycle(COLOURS)):
+        name = f"bend {bend}°" if bend else "straight"
+        for path in (p for p in paths if round(math.degrees(p.lambda_rad)) == bend):
+            look = {"color": colour, "ms": 2.5, "mew": 0, "alpha": 0.9, "ls": ""}
+            look["marker"] = "o" if path.way == "there" else "s"
+            axes[0].plot(path.t_s, path.way_m, label=name, **look)
+            axes[0].plot(path.law_t_s, path.law_m, color="black", lw=0.8)
+            axes[1].plot(path.t_s, 1000 * path.residual_m, **look)
+            name = ""
     limit_mm = max([MOST_MM, *(1.1 * float(abs(1000 * p.residual_m).max()) for p in paths)])
     axes[0].set(title="Positions (squares: back), and the law", ylabel="distance (m)")
     axes[1].set(title="Residuals", ylabel="position less the law (mm)", ylim=(-limit_mm, limit_mm))
     axes[1].axhline(0.0, color=GREY, lw=0.8)
     for ax in axes:
         ax.set(xlabel="time since the first position that counts (s)", xlim=(0, None))
-    axes[0].legend(loc="lower right", fontsize=8, markerscale=3)
+    axes[0].legend(loc="lower right", markerscale=3)
     fit_heading(fig, fit)

@@ -30,15 +30,14 @@ h3{font-size:1rem;margin:1.2rem 0 .3rem}
 .wide{overflow-x:auto;margin-bottom:.8rem}table{border-collapse:collapse;font-variant-numeric:tabular-nums}
 th,td{padding:.25rem .7rem;border-bottom:1px solid var(--line);text-align:right;white-space:nowrap}
 th{white-space:normal}th:first-child,td:first-child{text-align:left}
-figure{margin:0 0 .5rem;background:#fff;border-radius:6px;overflow-x:auto}
+figure{margin:0 0 .5rem;overflow-x:auto}
 figure img{display:block;width:100%;max-width:28rem;height:auto}
 .void{color:var(--soft)}.void td{text-decoration:line-through}
 .words th,.words td{text-align:left;white-space:normal}.words td:last-child{overflow-wrap:anywhere}
 .off td:nth-child(4){white-space:nowrap}
 .said td{color:var(--soft);white-space:normal}tr:has(+.said) td{border:0}
 code{overflow-wrap:anywhere}
-@media screen and (prefers-color-scheme:dark){figure{background:none}
-figure img{filter:invert(.9) hue-rotate(180deg)}}
+@media screen and (prefers-color-scheme:dark){figure img{filter:invert(.9) hue-rotate(180deg)}}
 @media screen and (max-width:500px){body{padding:1rem .7rem}table{font-size:.85rem}
 th,td{padding:.25rem .3rem;white-space:normal}}
 @media print{@page{size:A4;margin:14mm}body{font-size:9.5pt;max-width:none;padding:0}
@@ -102,7 +101,7 @@ def _svg(
     file = io.BytesIO()
     with mpl.rc_context({"svg.hashsalt": "serpenoid"}), figure(*size, **panels) as (fig, axes):
         draw(fig, axes, *shown)
-        fig.savefig(file, format="svg", metadata={"Date": None, "Creator": None})
+        fig.savefig(file, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
     data = base64.b64encode(file.getvalue()).decode()
     picture = f'<img alt="{escape(what)}" src="data:image/svg+xml;base64,{data}">'
     return f'<figure tabindex="0">{picture}</figure>'
@@ -128,16 +127,12 @@ def _story(session: Session) -> str:
     setup, robot = session.setup, session.setup.robot
     place = setup.laboratory
     where = ", ".join(x for x in (place.surface, place.place, place.people) if x != "not said")
-    counts = {"stations held": len(session.kept_stations), "pushes": len(session.kept_pushes)}
-    parts = [f"{n} {name}" for name, n in counts.items() if n or not any(counts.values())]
-    readings = (*session.readings_of("station"), *session.readings_of("push"))
-    parts.append(f"{sum(r.voided for r in readings)} voided")
-    kind = escape(setup.provenance.kind)
     return (
-        f'<p class="soft">A {kind} session: a robot of {robot.links} links, '
-        f"{robot.links * robot.link_mass_kg:.4g} kg, {robot.links * robot.link_length_m:.3g} m"
-        f"{escape('; ' + where if where else '')}. {', '.join(parts)}, "
-        f"{len(session.kept_gait_runs)} gait runs.</p>"
+        f'<p class="soft">A {escape(setup.provenance.kind)} session: a robot of {robot.links} '
+        f"links, {robot.mass_kg:.4g} kg, {robot.links * robot.link_length_m:.3g} m"
+        f"{escape('; ' + where if where else '')}. {len(session.kept_stations)} stations held, "
+        f"{len(session.kept_pushes)} pushes, {len(session.kept_gait_runs)} gait runs; "
+        f"{sum(r.voided for r in session.readings)} readings voided.</p>"
     )
 
 

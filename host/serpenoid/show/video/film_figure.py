@@ -11,10 +11,8 @@ import numpy as np
 
 from ...video.fitting.chain import joint_angles, link_centres
 from ...video.result import FilmMeasurement
-from ..plot import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, figure, heading
+from ..plot import BLUE, COLOURS, RED, figure, heading
 from ..report import console, show, table
-
-COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE, "#56B4E9", "#8B6914", GREY)
 
 
 def film_figure(film: FilmMeasurement, path: Path) -> None:
@@ -37,7 +35,7 @@ def _picture(ax: Any, film: FilmMeasurement) -> None:
     height_px, width_px = film.watched.picture.shape
     ax.set(title="path over the first frame", xlim=(0, width_px), ylim=(height_px, 0))
     ax.axis("off")
-    ax.legend(loc="lower right", fontsize=7, frameon=True)
+    ax.legend(loc="lower right", frameon=True)
 
 
 def _joints(ax: Any, film: FilmMeasurement) -> None:
@@ -47,11 +45,11 @@ def _joints(ax: Any, film: FilmMeasurement) -> None:
     t = track.t_s - track.t_s[0]
     waves = np.sin(m.omega_rad_s * m.t_s[:, None] + m.phase_rad)
     sines = np.degrees(m.offset_rad + m.amplitude_rad * waves)
-    for i, colour in zip(range(phi.shape[1]), itertools.cycle(COLOURS)):
-        ax.plot(t, phi[:, i], ".", ms=2.5, color=colour)
-        ax.plot(t, sines[:, i], lw=0.9, color=colour, label=f"joint {i + 1}")
+    for i, (angle, sine, colour) in enumerate(zip(phi.T, sines.T, itertools.cycle(COLOURS)), 1):
+        ax.plot(t, angle, ".", ms=2.5, color=colour)
+        ax.plot(t, sine, lw=0.9, color=colour, label=f"joint {i}")
     ax.set(title="joints: dots seen, lines the fitted sines", ylabel="angle (°)", xlabel="time (s)")
-    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
+    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     ax.set_xlim(0, t[-1])
 
 
@@ -85,10 +83,7 @@ def _cells(film: FilmMeasurement) -> tuple[list[str], list[list[str]]]:
         row = [str(joint.joint)]
         row += [f"{math.degrees(a):.2f} ± {math.degrees(sigma):.2f}" for a, sigma in pairs_rad]
         if film.gait:
-            late_rad = joint.phase_rad - (joint.joint - 1) * film.gait.beta_rad
-            gain = joint.amplitude_rad / max(film.gait.alpha_rad, 1e-9)
-            late_deg = math.degrees(math.remainder(late_rad, math.tau))
-            row += [f"{gain:.0%}", f"{late_deg:+.2f}"]
+            row.append(f"{joint.amplitude_rad / max(film.gait.alpha_rad, 1e-9):.0%}")
         cells.append([*row, f"{joint.seen:.0%}"])
-    commanded = ["gain", "late"] if film.gait else []
+    commanded = ["gain"] if film.gait else []
     return ["joint", "amplitude", "centre", "phase", *commanded, "seen"], cells

@@ -85,19 +85,17 @@ def _places(count: int, side_mm: float, paper: str) -> list[tuple[float, float]]
 
 def _tag(ax: Axes, white: NDArray[np.bool_], number: int, side: float, x: float, y: float) -> None:
     """Draw one label: rim, cells, cut line, and in the rim number and arrow to the head."""
-    from matplotlib.patches import FancyArrow, Rectangle
+    from matplotlib.patches import Rectangle
 
     cell = side / CELLS
     label = side + 2 * cell
     ax.add_patch(Rectangle((x, y), label, label, fill=False, ls=(0, (4, 3)), lw=0.5, ec=GREY))
     ax.add_patch(Rectangle((x + cell, y + cell), side, side, fc=BLACK, lw=0))
-    for row, column in np.argwhere(white):
-        corner = (x + cell * (1 + column), y + cell * (CELLS - row))
-        ax.add_patch(Rectangle(corner, cell, cell, fc="white", lw=0))
+    rows, columns = np.nonzero(white)
+    places = x + cell * (1 + columns), cell, cell, y + cell * (CELLS - rows)
+    ax.bar(*places, align="edge", color="white", lw=0)
     # Small and pale enough to leave the black square's edge alone.
-    size_pt = max(3.0, 0.45 * cell / 25.4 * 72)
-    middle = x + 0.5 * cell, y + 0.5 * cell
-    ax.text(*middle, str(number), fontsize=size_pt, color=GREY, ha="center", va="center")
-    head = {"head_width": 0.3 * cell, "head_length": 0.25 * cell, "length_includes_head": True}
-    start = x + label - 0.85 * cell, y + 0.5 * label
-    ax.add_patch(FancyArrow(*start, 0.5 * cell, 0.0, width=0.06 * cell, fc=GREY, lw=0, **head))
+    look = {"color": GREY, "ha": "center", "va": "center"}
+    look["fontsize"] = max(3.0, 0.45 * cell / 25.4 * 72)
+    ax.text(x + 0.5 * cell, y + 0.5 * cell, str(number), **look)
+    ax.text(x + label - 0.5 * cell, y + 0.5 * label, "→", **look)
