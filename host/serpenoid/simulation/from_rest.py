@@ -11,6 +11,7 @@ from time import monotonic
 import numpy as np
 
 from ..base.errors import Diverged
+from ..base.vectors import Array
 from ..model.link_state import LinkState
 from ..periodic.steady import FromRest, Motion, Steady
 from .core_run import start_state
@@ -45,12 +46,15 @@ def from_rest(state: Steady) -> FromRest | None:
     cycles = math.ceil(min(max(state.settling_time_s / gait.period_s, _CYCLES[0]), cycles_limit))
     scene = Scene(state.robot, ground, gait, dt_s=gait.period_s, duration_s=cycles * gait.period_s)
     scene = exact_scene(scene, _TOLERANCE)
+    body_m = state.robot.body_length_m
+    reported = np.array([state.turn_rad_per_cycle, state.chord_m_s * gait.period_s / body_m])
     for k, start in enumerate(islice(_starts(scene), None if ground.smooth else 1)):
-        motion = _settled(replace(scene, start=start), state, until)
+        motion = _settled(replace(scene, start=start), reported, until)
         if k == 0 and motion is None:
             return None
-        if motion is not None and not _same(motion, state):
-            return FromRest(k > 0, motion)
+        if motion is not None and not _same(motion, reported):
+            turn_rad, lengths = motion.tolist()
+            return FromRest(k > 0, Motion(turn_rad, lengths * body_m / gait.period_s))
     return FromRest(True, None)
 
 
@@ -97,8 +101,11 @@ def _starts(scene: Scene) -> Iterator[LinkState]:
         )
 
 
-def _settled(scene: Scene, state: Steady, until: float) -> Motion | None:
-    """Return the motion to which a scene settles, or the first one like the reported state."""
+def _settled(scene: Scene, reported: Array, until: float) -> Array | None:
+    """Return the motion to which a scene settles, or the first one like the reported one.
+
+    A motion is what a cycle turns, rad, and travels, body lengths.
+    """
     motion, previous, change = None, None, math.inf  # over the distance to the reported motion
     while monotonic() < until and not change < _REPEATS:
         try:
@@ -107,22 +114,14 @@ def _settled(scene: Scene, state: Steady, until: float) -> Motion | None:
             return None
         travel_m = np.hypot(*np.diff(run.centre_m[-5:], axis=0).T).mean()
         turn_rad = (run.theta_rad[-1, 0] - run.theta_rad[-5, 0]) / 4
-        previous, motion = motion, Motion(float(turn_rad), float(travel_m / state.gait.period_s))
-        if _same(motion, state):
+        previous, motion = motion, np.array([turn_rad, travel_m / scene.robot.body_length_m])
+        if _same(motion, reported):
             return motion
         if previous is not None:
-            change = _distance(motion, previous, state) / _distance(motion, state, state)
+            change = math.dist(motion, previous) / math.dist(motion, reported)
         scene = replace(scene, start=run.state())
     return motion if change < _NEARLY_REPEATS else None
 
 
-def _distance(motion: Motion | Steady, target: Motion | Steady, state: Steady) -> float:
-    """Return how much a cycle of two motions differs, in rad and body lengths."""
-    turn_rad = motion.turn_rad_per_cycle - target.turn_rad_per_cycle
-    way_m = (motion.chord_m_s - target.chord_m_s) * state.gait.period_s
-    return math.hypot(turn_rad, way_m / state.robot.body_length_m)
-
-
-def _same(motion: Motion, state: Steady) -> bool:
-    limit = _SAME * (0.1 + _distance(Motion(0.0, 0.0), state, state))
-    return _distance(motion, state, state) < limit
+def _same(motion: Array, reported: Array) -> bool:
+    return math.dist(motion, reported) < _SAME * (0.1 + math.hypot(*reported))

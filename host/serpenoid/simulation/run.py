@@ -1,33 +1,95 @@
-"""A run: everything that was recorded, and how far it is from another."""
+"""A run: everything that was recorded, how far it is from another, and what its error warns of."""
 
 from __future__ import annotations
 
 import math
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ..base.files import write_csv
-from ..base.rows import Plottable, Row, two_digits
+from ..base.rows import Plottable, Result, Row, detail, two_digits
 from ..base.vectors import Array
 from ..model.link_state import LinkState
 from .core_run import ENERGY_COLUMNS
-from .error import Difference, RunError, warnings_of
-from .scene import Scene
+from .scene import Scene, objection
 
 BELIEVED_SIZE = 0.01  # body lengths and radians up to which a run is called believable
 REST_LENGTHS = 1e-4  # body lengths a period: a robot that goes less has no speed to compare with
+WARNED_SPEED = 0.01  # relative error of the mean speed that a warning names
+WARNED_SIZE = 0.1  # body lengths and radians that a warning names
 _CSV_GROUPS = (
     ("x_m", "y_m", "theta_rad"),
     ("vx_m_s", "vy_m_s", "omega_rad_s"),
     ("joint_force_x_n", "joint_force_y_n", "joint_torque_nm"),
     ("friction_x_n", "friction_y_n"),
 )
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """Hold the largest differences between two runs over their common recorded times.
+
+    position_m: of any link's centre. angle_rad: of any link. mean_speed: of the centre of mass from
+    start to end, relative to the other run: nan where both rest, inf where only the other does. A
+    run rests that goes less than 1e-4 of its body's length a period. energy_j: of each column
+    of the energy ledger (Run.energy_j), by its name; None where one of the two did not record it.
+    """
+
+    position_m: float
+    angle_rad: float
+    mean_speed: float
+    energy_j: dict[str, float] | None = None
+
+    def in_words(self) -> str:
+        """Return places, angles and mean speed in one line."""
+        speed = f", mean speed {self.mean_speed:+.2g}" if math.isfinite(self.mean_speed) else ""
+        return f"{self.position_m:.2g} m, {self.angle_rad:.2g} rad{speed}"
+
+    def size(self, body_m: float) -> float:
+        """Return the larger of position in body lengths and angle in radians."""
+        return max(self.position_m / body_m, self.angle_rad)
+
+
+@dataclass(frozen=True, slots=True)
+class RunError(Result):
+    """Hold the estimated errors of a run.
+
+    integration: of the method, four times the difference from a finer run. modelling: of the
+    springs, from a run of the exact model; None for the explicit formulation, which has none. how:
+    in words. settled: whether a yet finer run is nearer to the finer one than that is to the run;
+    where it is not, the figures are no bound. believed_s: the time up to which the finer run agrees
+    with this one to a hundredth of a body length and of a radian.
+    """
+
+    integration: Difference
+    modelling: Difference | None
+    how: str
+    settled: bool = True
+    believed_s: float = 0.0
+
+    def rows(self) -> list[Row]:
+        """Return the errors of time steps and springs."""
+        parts = {"integration": self.integration, "modelling (springs)": self.modelling}
+        return [
+            detail(f"error by {name}", "", words=part.in_words())
+            for name, part in parts.items()
+            if part is not None
+        ]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it for a JSON answer."""
+        return asdict(self)
+
+    def worst(self, body_m: float) -> float:
+        """Return the largest error, positions in body lengths and angles in radians."""
+        return sum(part.size(body_m) for part in (self.integration, self.modelling) if part)
 
 
 @dataclass(frozen=True, repr=False)
@@ -220,3 +282,43 @@ def difference(run: Run, truth: Run, factor: float = 1.0) -> tuple[Difference, f
 def _rests(run: Run) -> bool:
     periods = run.t_s[-1] / run.scene.gait.period_s
     return bool(run.travel_m <= REST_LENGTHS * periods * run.scene.robot.body_length_m)
+
+
+def warnings_of(scene: Scene, error: RunError) -> tuple[str, ...]:
+    """Return what somebody who uses a run of a scene with such an error must know."""
+    finer = "take a smaller " + ("tolerance" if scene.adaptive else "dt_s")
+    steps, size = error.integration, error.integration.size(scene.robot.body_length_m)
+    spring_share = error.modelling.mean_speed if error.modelling else 0.0
+    shift = abs(steps.mean_speed)
+    stiffness_n_m, exact = scene.joint_stiffness_n_m, "formulation 'explicit'"
+    springs = f"the springs (k = {stiffness_n_m:g} N/m)"
+    model = f" with {exact}" if objection("nonsmooth", scene) else ""
+    warnings = {
+        "the error estimate is no bound: finer runs disagree as much among themselves as with "
+        f"this one; believe it up to t = {error.believed_s:.3g} s, or {finer}": not error.settled,
+        f"{springs} move a robot that rests in the exact model; take {exact}": (
+            spring_share == math.inf
+        ),
+        f"{springs} change the mean speed by {100 * spring_share:+.2g} %; the error falls as 1/k: "
+        f"take k = {100 * stiffness_n_m * abs(spring_share):.1g} N/m for 1 %, or {exact}": (
+            WARNED_SPEED < abs(spring_share) < math.inf
+        ),
+        f"the time steps move a robot that rests; {finer}": steps.mean_speed == math.inf > size,
+        f"the time steps may change the mean speed by {100 * shift:.2g} %; {finer}": (
+            WARNED_SPEED < shift < math.inf
+        ),
+        f"the time steps may put links off by {steps.position_m:.2g} m and "
+        f"{steps.angle_rad:.2g} rad; {finer}": (
+            WARNED_SIZE < size < math.inf and not shift > WARNED_SPEED
+        ),
+        f"method {scene.method!r} knows nothing of sticking: at rest its wheels chatter, and "
+        f"joint torques may be wrong by a third at any step; take method 'nonsmooth'{model}": (
+            chatters(scene)
+        ),
+    }
+    return tuple(text for text, holds in warnings.items() if holds)
+
+
+def chatters(scene: Scene) -> bool:
+    """Return whether dry friction meets a method that does not know sticking."""
+    return scene.law == "dry" and scene.method != "nonsmooth"

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import asdict
 from functools import partial
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -30,19 +30,15 @@ _HEAD = """\
 """
 
 
-@dataclass(frozen=True)
-class _WholeRobot:
-    """The table [robot]: arguments of Robot.whole_body."""
-
-    links: int
-    mass_kg: float
-    link_length_m: float
-    link_inertia_kg_m2: float | None = None
-
-
-_PARTS = {"robot": _WholeRobot, "ground": Ground, "gait": Gait, "servo": Servo}
 # Where a file's key is not the field's name: its unit is spelt out.
 _KEYS = {"ct": "ct_n_s_m", "cn": "cn_n_s_m", "ft0": "ft0_n", "fn0": "fn0_n", "locked": "locked_rad"}
+_MAKERS: dict[str, Callable[..., Any]] = {
+    "": Scene,
+    "robot": Robot.whole_body,
+    "ground": Ground.whole_body,
+    "gait": Gait,
+    "servo": Servo,
+}
 # Settings of older files: what to do about a file in which one is not 0.
 _REMOVED = {
     "servo": REMOVED,
@@ -140,67 +136,38 @@ def scene_values(scene: Scene) -> dict[str, Any]:
             f"torque is a Python function, {scene.torque!r}, which no file can hold; sample it "
             "into a TorqueTable"
         )
-    fields = {f.name: getattr(scene, f.name) for f in dataclasses.fields(scene)}
-    robot = scene.robot
-    body = robot.links, robot.mass_kg, robot.link_length_m, robot.link_inertia_kg_m2
-    fields["robot"] = _WholeRobot(*body)
-    fields["ground"] = scene.ground.scaled(*4 * [robot.links])
-    plain = {_KEYS.get(name, name): _plain(value) for name, value in fields.items()}
-    return {key: value for key, value in plain.items() if value is not None and value != {}}
+    robot, values = scene.robot, asdict(scene, dict_factory=_plain)
+    names = "links", "mass_kg", "link_length_m", "link_inertia_kg_m2"
+    values["robot"] = _plain([(name, getattr(robot, name)) for name in names])
+    values["ground"] = asdict(scene.ground.scaled(*4 * [robot.links]), dict_factory=_plain)
+    if scene.locked:
+        values["locked_rad"] = {str(joint): angle for joint, angle in scene.locked.items()}
+    return values
 
 
-def _plain(value: Any) -> Any:
-    """Return a field's value in the types that TOML and JSON share."""
-    if dataclasses.is_dataclass(value):
-        names = [f.name for f in dataclasses.fields(value)]
-        return {_KEYS.get(name, name): _plain(getattr(value, name)) for name in names}
-    if isinstance(value, Mapping):
-        return {str(key): _plain(inner) for key, inner in value.items()}
-    if hasattr(value, "tolist"):
-        return value.tolist()
-    return [_plain(cell) for cell in value] if isinstance(value, (list, tuple)) else value
-
-
-def _present(table: Table, section: str) -> dict[str, str]:
-    """Return each field that a table has, with its key there; section: "" above all tables.
-
-    Raises BadInput for keys that are unknown, missing, or there in degrees, too.
-    """
-    present: dict[str, str] = {}
-    missing, optional = [], [] if section else ["format"]
-    for field in dataclasses.fields(_PARTS.get(section, Scene)):
-        key = _KEYS.get(field.name, field.name)
-        is_angle = key.endswith("_rad") and "_nm" not in key
-        keys = [key, key.removesuffix("_rad") + "_deg"] if is_angle else [key]
-        optional += keys
-        typed = [name for name in keys if name in table.values]
-        if len(typed) > 1:
-            raise BadInput(f"{table.where(typed[1])}: {key} is there too; keep one of the two")
-        if typed:
-            present[field.name] = typed[0]
-        elif (field.default, field.default_factory) == (dataclasses.MISSING,) * 2:
-            missing.append(key)
-    table.only(*missing, optional=tuple(optional))
-    return present
+def _plain(fields: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return what is there of fields under a file's keys, arrays as lists."""
+    values = {
+        _KEYS.get(name, name): value.tolist() if isinstance(value, np.ndarray) else value
+        for name, value in fields
+    }
+    return {key: value for key, value in values.items() if value is not None and value != {}}
 
 
 def _read_part(table: Table, section: str, links: int = 0) -> Any:
-    """Make Scene or one of its parts of a table, located at the key that an error names."""
+    """Make Scene ("") or one of its parts of a table; links: those of the robot, for the ground.
+
+    A BadInput begins with file and line: of the first field that its text names.
+    """
     table = table.without_removed(_REMOVED.get(section, {}))
-    present = _present(table, section)
+    maker = partial(Ground.whole_body, links) if section == "ground" else _MAKERS[section]
+    present = _present(table, maker)
     values: dict[str, Any] = {}
     for name, key in present.items():  # the robot is the first of a scene
         robot = values.get("robot")
         values[name] = _value(table, name, key, robot.links if robot else 0)
-    makers = {
-        "": Scene,
-        "robot": Robot.whole_body,
-        "ground": partial(Ground.whole_body, links),
-        "gait": Gait,
-        "servo": Servo,
-    }
     try:
-        return makers[section](**values)
+        return maker(**values)
     except BadInput as error:
         words = re.findall(r"\w+", str(error))
         key = next((present[word] for word in words if word in present), "")
@@ -208,10 +175,33 @@ def _read_part(table: Table, section: str, links: int = 0) -> Any:
         raise BadInput(f"{where}: {error}") from error
 
 
+def _present(table: Table, maker: Callable[..., Any]) -> dict[str, str]:
+    """Return each argument that a table has for a maker, with its key there.
+
+    Raises BadInput for keys that are unknown, missing, or there in degrees, too.
+    """
+    present: dict[str, str] = {}
+    missing, optional = [], ["format"] if maker is Scene else []
+    for name, parameter in signature(maker).parameters.items():
+        key = _KEYS.get(name, name)
+        is_angle = key.endswith("_rad") and "_nm" not in key
+        keys = [key, key.removesuffix("_rad") + "_deg"] if is_angle else [key]
+        optional += keys
+        typed = [name for name in keys if name in table.values]
+        if len(typed) > 1:
+            raise BadInput(f"{table.where(typed[1])}: {key} is there too; keep one of the two")
+        if typed:
+            present[name] = typed[0]
+        elif parameter.default is parameter.empty:
+            missing.append(key)
+    table.only(*missing, optional=tuple(optional))
+    return present
+
+
 def _value(top: Table, name: str, key: str, links: int) -> Any:
     """Read one field of Scene or of a part; whom it goes to checks it."""
     value, degrees = top.values[key], key.endswith("_deg")
-    if name in _PARTS:
+    if name in _MAKERS:
         return _read_part(top.table(key), name, links)
     if name == "torque":
         return _torque(top.table(key))

@@ -16,7 +16,6 @@ too long may stay finite and be a metre wrong, without any NaN.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
@@ -177,42 +176,35 @@ def _inside_unit_circle(matrices: Array) -> bool:
     return bool((inside & (np.abs(minors - trace * det) <= 1 - det**2)).all())
 
 
-def _stability_test(scene: Scene) -> Callable[[float], bool] | None:
-    """Return the question whether a step is stable; None for a method that picks its own.
+def is_stable(scene: Scene, dt_s: float) -> bool:
+    """Return whether a step of a scene is stable; any is of a method that picks its own.
 
     It is where the step's matrix, as the method itself takes it, has no eigenvalue beyond 1, and
     where shorter steps have none either: the paper's method has windows of longer steps.
     """
     if scene.adaptive:
-        return None
+        return True
     stiff, damped, braked = _modes(scene)
-
-    def stable(dt_s: float) -> bool:
-        steps_s = dt_s * _SHORTER[:, None]
-        with np.errstate(all="ignore"):
-            numbers = stiff * steps_s**2, damped * steps_s, braked * steps_s
-            matrices = _step(scene.method, *(number.ravel() for number in numbers))
-            return _inside_unit_circle(matrices)
-
-    return stable
+    steps_s = dt_s * _SHORTER[:, None]
+    with np.errstate(all="ignore"):
+        numbers = stiff * steps_s**2, damped * steps_s, braked * steps_s
+        return _inside_unit_circle(_step(scene.method, *(number.ravel() for number in numbers)))
 
 
 def largest_stable_step_s(scene: Scene) -> float:
     """Return the fixed step, s, up to which all are stable; inf where nothing limits it."""
-    stable = _stability_test(scene)
     low_s, high_s = _SHORTEST_S, _LONGEST_S
-    if stable is None or stable(high_s):
+    if is_stable(scene, high_s):
         return math.inf
     for _ in range(_HALVINGS):
         middle_s = math.sqrt(low_s * high_s)
-        low_s, high_s = (middle_s, high_s) if stable(middle_s) else (low_s, middle_s)
+        low_s, high_s = (middle_s, high_s) if is_stable(scene, middle_s) else (low_s, middle_s)
     return low_s
 
 
 def check_step(scene: Scene) -> None:
     """Raise StepTooLarge, naming a step that works, when a scene's fixed step is unstable."""
-    stable = _stability_test(scene)
-    if stable is None or stable(scene.dt_s):
+    if is_stable(scene, scene.dt_s):
         return
     limit = largest_stable_step_s(scene)
     cure = f"take dt_s {0.5 * limit:.1g} or less"

@@ -17,10 +17,9 @@ from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.steady import speed_floor_m_s, steady_gait
 from .core_run import ENERGY_COLUMNS
-from .error import with_shorter_steps
 from .run import Run
 from .scene import Scene
-from .simulate import SAFETY, simulate
+from .simulate import SAFETY, simulate, with_shorter_steps
 from .stability import largest_stable_step_s
 
 _MOST_CYCLES = 4096
