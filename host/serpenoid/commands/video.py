@@ -60,15 +60,13 @@ def _robot(
     session: Path | None, tag_mm: float | None, settings: Values
 ) -> tuple[sn.Robot, float | None]:
     """Return the robot and its tags' side (m): of the options, else of the session."""
-    from ..session.folder import read_session, write_setting
+    from ..session.folder import read_session
 
     setup = read_session(session).setup if session else None
     base = setup.robot if setup else named_snake("2005").robot
     sizes = chosen(settings, *SIZES)
-    kept_m = setup.robot_table.tag_side_m if setup else None
-    side_m = kept_m if tag_mm is None else POSITIVE.check("tag_mm", tag_mm) / 1e3
-    if session and side_m and side_m != kept_m:
-        write_setting(session, "robot", "tag_mm", tag_mm)
+    side_m = setup.robot_table.tag_side_m if setup else None
+    side_m = side_m if tag_mm is None else POSITIVE.check("tag_mm", tag_mm) / 1e3
     return replace(base, **sizes, link_inertia_kg_m2=None), side_m
 
 

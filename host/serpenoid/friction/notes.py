@@ -178,7 +178,7 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
             f"± {sigma_rad * session.setup.weight_n:.2g} N of ft0. Read it both ways round; that "
             "takes a minute: `serpenoid calibrate add DIR zero incline_deg=0.1 reversed_deg=0`."
         )
-    if session.zero_moved_sigmas > MOVED_SIGMAS:
+    if session.zero.moved_sigmas > MOVED_SIGMAS:
         notes.append(
             "The inclinometer's zero moved between before and after by more than its readings' "
             "errors: half of that is in the zero's uncertainty. Let it warm up, and measure again."

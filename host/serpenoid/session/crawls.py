@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -52,10 +53,10 @@ def crawls_by_command(session: Session) -> list[Crawls]:
     """Return the crawls of every command, the slowest first; films there and back are of one."""
     groups: list[list[Crawl]] = []
     for crawl in session.kept_crawls:
-        command = crawl.commanded
-        same = [group for group in groups if same_command(group[0].commanded, command)]
-        if same:
-            same[0].append(crawl)
+        for group in groups:
+            if same_command(group[0].commanded, crawl.commanded):
+                group.append(crawl)
+                break
         else:
             groups.append([crawl])
     groups.sort(key=lambda group: group[0].omega_rad_s)
@@ -77,11 +78,10 @@ def as_run(session: Session, gaits: Sequence[Gait]) -> tuple[Gait, ...]:
 
 def same_command(first: Gait, second: Gait) -> bool:
     """Tell whether two commands differ by no more than a film may be off."""
-    angles = np.array([[g.alpha_rad, g.beta_rad, g.offset_rad] for g in (first, second)])
-    rates = abs(second.omega_rad_s / first.omega_rad_s - 1.0)
+    angles = [(g.alpha_rad, g.beta_rad, g.offset_rad) for g in (first, second)]
     joints = [(g.joint_gain, g.joint_shift_rad) for g in (first, second)]
-    angle_rad = np.abs(angles[0] - angles[1]).max()
-    return joints[0] == joints[1] and angle_rad < _SAME_RAD and rates < _SAME_RATE
+    is_same_rate = math.isclose(first.omega_rad_s, second.omega_rad_s, rel_tol=_SAME_RATE)
+    return is_same_rate and joints[0] == joints[1] and math.dist(*angles) < _SAME_RAD
 
 
 def driving(setup: Setup, kind: ServoKind) -> ServoKind:

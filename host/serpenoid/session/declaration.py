@@ -214,9 +214,12 @@ class Declared:
         return {f.column: f for f in cls.declared.values() if f.is_number}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Observation(Declared, ABC):
     """A reading; each kind is a dataclass of this whose declared fields are its columns, in SI.
+
+    number: from 1, unique in a session. voided: not to be used, for the reason in comment.
+    time_utc: ISO 8601, empty if not recorded.
 
     kind: what readings.csv calls it. fitted: the friction fit rests on it, so that the session's
     hash covers it. columns: of its file of samples (`tracks`), which the attribute `track` holds;
@@ -227,6 +230,11 @@ class Observation(Declared, ABC):
     fitted: ClassVar[bool] = False
     columns: ClassVar[tuple[str, ...]] = ()
     track_may_miss: ClassVar[bool] = False
+
+    number: int = 0
+    voided: bool = False
+    comment: str = field(default="", repr=False)
+    time_utc: str = field(default="", repr=False)
 
     @classmethod
     def questions(cls, *columns: str) -> tuple[Field, ...]:

@@ -6,14 +6,10 @@ Readings of every kind and events are rows of two tables (session_rows).
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
-from typing import Any
 
-from ..base.errors import BadInput, RecordingFailed
-from ..base.files import read_text, write_text
+from ..base.errors import BadInput
 from ..base.toml_table import Table
-from .declaration import toml_text
 from .rows import read_events, session_of
 from .session import Session
 from .settings import FORMAT, Setup, amended
@@ -65,22 +61,6 @@ def read_session(folder: str | Path) -> Session:
     details = [event.detail for event in events if event.event == "amend"]
     setup = Setup.read(amended(top, details, folder / "events.csv"))
     return session_of(setup, events, folder, notes)
-
-
-def write_setting(folder: Path, table: str, key: str, value: Any) -> None:
-    """Put one value into session.toml, its other lines as they are; raises RecordingFailed."""
-    path = folder / "session.toml"
-    text, line = read_text(path), f"{key} = {toml_text(value)}"
-    value_there = re.compile(rf"^{key} *=[^#\n]*", re.MULTILINE)
-    heading = re.compile(rf"^\[{table}\].*$", re.MULTILINE)
-    if value_there.search(text):
-        text = value_there.sub(lambda match: line + "  " * match[0].endswith(" "), text, count=1)
-    else:
-        text = heading.sub(lambda match: f"{match[0]}\n{line}", text, count=1)
-    try:
-        write_text(path, text)
-    except OSError as error:
-        raise RecordingFailed(f"{path}: {error.strerror}: {line} was not written") from error
 
 
 def check_session(folder: Path) -> Path:

@@ -21,20 +21,16 @@ TRACK = ("t_s", "x_m", "y_m", "heading_rad", "joint*_rad")
 class Crawl(Observation):
     """One measured speed of the crawling robot, on level ground of the session's surface.
 
-    number: from 1, unique among all readings of the session. omega_rad_s: the true rate, by the
-    board's clock or the film. speed_m_s: of the robot over ground, 0 where it got nowhere. way:
-    along the line of the pushes, on a floor that may slope, or on level ground.
+    omega_rad_s: the true rate, by the board's clock or the film. speed_m_s: of the robot over
+    ground, 0 where it got nowhere. way: along the line of the pushes, on a floor that may slope, or
+    on level ground.
     """
 
-    number: int
     alpha_rad: float = number_field(0.0, 180.0)
     beta_rad: float = number_field(-360.0, 360.0)
     omega_rad_s: float = number_field(0.0, 1000.0, open_low=True)
     speed_m_s: float = number_field(0.0, MAX_SPEED_M_S)
     speed_sigma_m_s: float = number_field(0.0, MAX_SPEED_M_S, open_low=True)
-    voided: bool = False
-    comment: str = ""
-    time_utc: str = ""
     way: str = word_field(*RUN_WAYS)
 
     @property

@@ -35,7 +35,7 @@ LIKELY_M: Range = (0.1, MAX_PUSH_M)
 class Push(Observation):
     """One push: the robot let go at speed on a level floor, and followed until it rests.
 
-    number: from 1, unique in a session. lambda_rad, bend: as of a station. way: "there" or "back"
+    lambda_rad, bend: as of a station. way: "there" or "back"
     along one line of the floor, so that its slope cancels. place: of the line, where there are more
     than one. source: "film" (track: where the robot was in every picture) or "rest" (distance_m and
     duration_s alone). start_s, end_s: what part of the track counts. scale_sigma: of all lengths of
@@ -50,7 +50,6 @@ class Push(Observation):
     track_may_miss = True
     columns = TRACK
 
-    number: int
     lambda_rad: float = number_field(0.0, MAX_LAMBDA_DEG)
     distance_m: float | None = number_field(
         0.0,
@@ -91,9 +90,6 @@ class Push(Observation):
     place: str = word_field()
     file_sha256: str = word_field()
     track: Track | None = None
-    voided: bool = False
-    comment: str = ""
-    time_utc: str = ""
     offset_rad: float | None = number_field(-45.0, 45.0, default=None, shown=False)
 
     def __post_init__(self) -> None:

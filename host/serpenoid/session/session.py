@@ -11,7 +11,8 @@ import math
 from collections import Counter
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from statistics import mean
+from typing import Any, NamedTuple
 
 from ..base.checks import count_text
 from .gait_run import Crawl, FilmReading, GaitRun
@@ -23,13 +24,16 @@ ANY_BELT = 0.07  # of a belt's true speed over the one shown, before a mark on i
 NO_BELT = "The belt's speed was not checked"
 
 
-@dataclass(frozen=True, slots=True)
-class Zero:
-    """What is known of the inclinometer's zero: to be taken off every incline it shows."""
+class Zero(NamedTuple):
+    """What is known of the inclinometer's zero: to be taken off every incline it shows.
+
+    moved_sigmas: how far it moved from before to after, in that difference's own errors.
+    """
 
     value_rad: float
     sigma_rad: float
-    readings: int
+    readings: int = 0
+    moved_sigmas: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,8 +167,8 @@ class Session:
         if not scales:
             return 1.0, 0.0
         weights = [max(sigma, 1e-6) ** -2 for _, sigma in scales]
-        mean = sum(w * scale for w, (scale, _) in zip(weights, scales, strict=True)) / sum(weights)
-        return mean, sum(weights) ** -0.5
+        scale = sum(w * s for w, (s, _) in zip(weights, scales, strict=True)) / sum(weights)
+        return scale, sum(weights) ** -0.5
 
     @property
     def zero(self) -> Zero:
@@ -173,36 +177,17 @@ class Session:
         Measured by reversal: the mean, with what two readings' errors leave and with half of what
         it moved between before and after. Not measured: 0, with what the set-up declares.
         """
-        zeros = self.kept_of("zero")
-        if not zeros:
-            return Zero(0.0, self.setup.instruments.incline_zero_sigma_rad, 0)
-        means = self._zero_sides
-        sigma_rad = self._zero_reading_sigma_rad / math.sqrt(len(zeros))
-        return Zero(
-            sum(means) / len(means), math.hypot(sigma_rad, (means[-1] - means[0]) / 2), len(zeros)
-        )
-
-    @property
-    def zero_moved_sigmas(self) -> float:
-        """Return how far the zero moved from before to after, in that difference's own errors."""
-        means = self._zero_sides
-        if len(means) <= 1:
-            return 0.0
-        counts = Counter(zero.at_start for zero in self.kept_of("zero"))
-        sigma_rad = self._zero_reading_sigma_rad * math.sqrt(sum(1 / n for n in counts.values()))
-        return abs(means[1] - means[0]) / sigma_rad
-
-    @property
-    def _zero_sides(self) -> list[float]:
-        """Return the mean zero before and after the stations, those of them that were measured."""
-        zeros = self.kept_of("zero")
+        tools, zeros = self.setup.instruments, self.kept_of("zero")
         sides = [[z.zero_rad for z in zeros if z.at_start is side] for side in (True, False)]
-        return [sum(side) / len(side) for side in sides if side]
-
-    @property
-    def _zero_reading_sigma_rad(self) -> float:
-        """Return the error of one zero: two readings of the inclinometer, halved."""
-        return self.setup.instruments.incline_sigma_rad / math.sqrt(2)
+        sides = [side for side in sides if side]
+        if not sides:
+            return Zero(0.0, tools.incline_zero_sigma_rad)
+        means = [mean(side) for side in sides]
+        moved_rad = abs(means[-1] - means[0])
+        sigma_rad = tools.incline_sigma_rad / math.sqrt(2)  # of one zero, two readings halved
+        difference_rad = sigma_rad * math.sqrt(sum(1 / len(side) for side in sides))
+        off_rad = math.hypot(sigma_rad / math.sqrt(len(zeros)), moved_rad / 2)
+        return Zero(mean(means), off_rad, len(zeros), moved_rad / difference_rad)
 
     def bent_share(self, reading: Reading | Push) -> float:
         """Return which share of the links stands at lambda in a reading; 0 where straight."""
@@ -214,14 +199,14 @@ class Session:
     def sha256(self) -> str:
         """Return a hash of all that a friction fit rests on: robot, gravity, zeros, readings."""
         setup = self.setup
-        readings = [replace(r, comment="", time_utc="") for r in self.readings if r.fitted]
+        readings = [r for r in self.readings if r.fitted and not r.voided]
         rests_on = [
             repr(setup.robot),
             repr(setup.instruments),
             setup.laboratory.gravity_m_s2,
             setup.robot_table.wheels_kg,
             setup.mass_sigma,
-            *(repr(reading) for reading in readings if not reading.voided),
+            *map(repr, readings),
         ]
         return hashlib.sha256(json.dumps(rests_on).encode()).hexdigest()
 

@@ -414,11 +414,9 @@ def amended(top: Table, details: Sequence[str], path: Path) -> Table:
 
     Raises BadInput where instruments changed: a session has one set of them.
     """
-    values: dict[str, Any] = {
-        name: dict(part) if isinstance(part, dict) else part for name, part in top.values.items()
-    }
-    for detail in details:
-        with located(str(path)):
+    values = dict(top.values)
+    with located(str(path)):
+        for detail in details:
             try:
                 change = Table.parsed(detail, path).values
             except ValueError as error:
@@ -431,5 +429,5 @@ def amended(top: Table, details: Sequence[str], path: Path) -> Table:
                         "was mistyped, correct it there, and take that line out of events.csv; "
                         "other instruments are another session"
                     )
-                values[name].update(part)
+                values[name] = {**values[name], **part}
     return replace(top, values=values)

@@ -26,13 +26,12 @@ LIKELY_DEG = (-5.0, 5.0)  # of an inclinometer that is turned end for end
 class Reading(Observation):
     """One station held: the belt speed at which the snake neither climbs nor slides.
 
-    number: from 1, unique in a session. lambda_rad: angle of a bent link to the direction of the
+    lambda_rad: angle of a bent link to the direction of the
     belt; 0 when straight. bend: "zigzag", all links bent, alternately left and right (Eq. 60), or
     "balanced" (`model.bends`), where the robot stays on course unguided. incline_rad: gamma as the
     inclinometer shows it. belt_speed_m_s: uphill, so that the snake, facing downhill, rolls
     forwards. drift_m_s: what was left of the snake's own motion, positive when carried along with
-    the belt. voided: not to be used, for the reason in comment. time_utc: ISO 8601, empty if not
-    recorded. turned_rad: heading when it was read. offset_rad: steering on every joint;
+    the belt. turned_rad: heading when it was read. offset_rad: steering on every joint;
     each None where nobody told. places: of a short reading, where the robot was at some times while
     it still drifted (`track.tidy_places`); the drift is then the mean. Raises BadInput.
     """
@@ -40,7 +39,6 @@ class Reading(Observation):
     kind = "station"
     fitted = True
 
-    number: int
     lambda_rad: float = number_field(0.0, MAX_LAMBDA_DEG, words="the bend")
     incline_rad: float = number_field(
         0.0, MAX_INCLINE_DEG, words="the inclinometer shows", open_low=True
@@ -54,9 +52,6 @@ class Reading(Observation):
         likely=(-0.06, 0.06),
         usual=0.0,
     )
-    voided: bool = False
-    comment: str = ""
-    time_utc: str = ""
     bend: str = word_field(*BENDS)
     turned_rad: float | None = number_field(
         -180.0,
@@ -128,7 +123,6 @@ class ZeroReading(Observation):
     kind = "zero"
     fitted = True
 
-    number: int
     incline_rad: float = number_field(
         -MAX_INCLINE_DEG, MAX_INCLINE_DEG, words="it shows", likely=LIKELY_DEG
     )
@@ -140,9 +134,6 @@ class ZeroReading(Observation):
         why="the zero would be beyond 0.5 deg: was a sign forgotten?",
     )
     at_start: bool = True
-    voided: bool = False
-    comment: str = ""
-    time_utc: str = ""
 
     @property
     def zero_rad(self) -> float:
@@ -165,12 +156,8 @@ class BendCheck(Observation):
 
     kind = "bend"
 
-    number: int
     lambda_rad: float = number_field(0.0, MAX_LAMBDA_DEG)
     between_links_rad: float = number_field(0.0, 180.0, words="the protractor shows")
-    voided: bool = False
-    comment: str = ""
-    time_utc: str = ""
     bend: str = word_field(*BENDS)
 
     @property
@@ -192,7 +179,6 @@ class BeltCheck(Observation):
     kind = "belt"
     fitted = True
 
-    number: int
     belt_speed_m_s: float = number_field(
         0.0,
         MAX_SPEED_M_S,
@@ -208,9 +194,6 @@ class BeltCheck(Observation):
     duration_s: float = number_field(
         0.0, 1e5, words="time taken", likely=(5.0, 600.0), open_low=True
     )
-    voided: bool = False
-    comment: str = ""
-    time_utc: str = ""
 
     def __post_init__(self) -> None:
         if not self.voided and not BELT_SCALES[0] < self.scale < BELT_SCALES[1]:

@@ -63,7 +63,7 @@ def session(
                 shown = round(shown / STEP_RAD) * STEP_RAD
                 noise = unit.belt_speed_sigma_m_s * rng.normal()
             if speed + noise > 0.0:
-                readings.append(Reading(len(readings) + 1, nominal, shown, speed + noise))
+                readings.append(Reading(nominal, shown, speed + noise, number=len(readings) + 1))
     return Session(setup, tuple(readings))
 
 
@@ -89,7 +89,7 @@ def _stations(
 
 def stations(setup: Setup, rows: Iterable[tuple[float, ...]], **more: object) -> Session:
     """Return a session of stations: bend, rad, incline, rad, and the belt's speed, m/s."""
-    readings = (Reading(number, *row, **more) for number, row in enumerate(rows, 1))
+    readings = (Reading(*row, number=number, **more) for number, row in enumerate(rows, 1))
     return Session(setup, tuple(readings))
 
 

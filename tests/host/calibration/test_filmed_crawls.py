@@ -82,12 +82,12 @@ def sloped():
     lab = LabRobot(OF_2005, (Ground.whole_body(6, *TRUTH),))
     return tuple(
         GaitRun(
-            900 + k,
             GAIT.alpha_rad,
             GAIT.beta_rad,
             (1.0 + 0.002 * k) * GAIT.omega_rad_s,
             crawl_speed(lab, GAIT, slope_rad=rises),
             0.0005,
+            number=900 + k,
             way=way,
         )
         for k, (way, rises) in enumerate((("there", -SLOPE_RAD), ("back", SLOPE_RAD)))
@@ -106,9 +106,10 @@ def test_crawls_on_a_floor_that_slopes_are_put_right(gait, along_rad, across_rad
     level = crawl_speed(lab, gait)
     runs = tuple(
         GaitRun(
-            *(900, gait.alpha_rad, gait.beta_rad, gait.omega_rad_s),
+            *(gait.alpha_rad, gait.beta_rad, gait.omega_rad_s),
             crawl_speed(lab, gait, slope_rad=-sign * along_rad, across_rad=sign * across_rad),
             0.0005,
+            number=900 + int(sign),
             way=way,
         )
         for way, sign in (("there", 1.0), ("back", -1.0))

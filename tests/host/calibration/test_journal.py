@@ -9,9 +9,10 @@ import sys
 import time
 
 import pytest
+from calibration.test_session import rewrite
 from refusals import refused
 from serpenoid.base.errors import RecordingFailed
-from serpenoid.session.folder import read_session, write_setting
+from serpenoid.session.folder import read_session
 from serpenoid.session.journal import Journal, append_line
 
 STATION = {"lambda_deg": 0.0, "incline_deg": 2.5, "belt_speed_m_s": 0.4, "drift_m_s": 0.0}
@@ -111,7 +112,7 @@ def test_a_full_disk_leaves_every_earlier_reading_and_nothing_half_written(folde
 
 def test_a_setting_that_is_corrected_meanwhile_is_told(folder):
     with Journal(folder) as journal:
-        write_setting(folder, "robot", "mass_kg", 0.49896)
+        rewrite(folder / "session.toml", "mass_kg = 0.4536", "mass_kg = 0.49896")
         assert journal.read_again() == ["robot.mass_kg is 0.49896 now; it was 0.4536"]
         assert journal.session.setup.robot.mass_kg == pytest.approx(0.49896)
 
@@ -120,7 +121,7 @@ def test_links_that_changed_after_readings_are_told(folder):
     with Journal(folder) as journal:
         journal.add("station", STATION)
         assert not journal.session.notes
-        write_setting(folder, "robot", "links", 8)
+        rewrite(folder / "session.toml", "links = 6", "links = 8")
         journal.read_again()
         assert (
             "readings 1 were taken when session.toml said 6 links; a fit takes 8"

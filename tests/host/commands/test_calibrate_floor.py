@@ -10,7 +10,6 @@ from command_line import answer, serpenoid
 from coverage_floor import CASES, drawn_person, floor_setup
 from planned import replan
 from serpenoid import load_session
-from serpenoid.session.folder import write_setting
 from serpenoid.session.journal import Journal
 from serpenoid.taking.new_session import create_session
 from serpenoid.taking.treadmill import take_all
@@ -75,7 +74,8 @@ def test_a_simulated_person_pushes_the_wheels_that_the_session_names(tmp_path):
     """Their inertia is a sixth of the mass: left out, dry friction comes back 15 % too large."""
     folder, script = tmp_path / "s", tmp_path / "person.toml"
     run(f"{NEW} {folder}")
-    write_setting(folder, "robot", "wheels_kg", 0.1)
+    settings = folder / "session.toml"
+    settings.write_text(settings.read_text().replace('wheels_kg = ""', "wheels_kg = 0.1"))
     script.write_text("[simulated]\nseed = 1\nct = 0.084\ncn = 1.2\nft0 = 0.14\nfn0 = 0.27\n")
     run(f"calibrate {folder} --script {script}")
     fit = answer(f"fit {folder} --no-save")

@@ -38,7 +38,7 @@ def measured(made, amplitude=1.0, factor=1.0):
     for k, rate in enumerate(RATES):
         v = sn.steady_gait(made.setup.robot, BINGHAM, gait(rate, amplitude), rtol=1e-3).speed_m_s
         g = gait(rate)
-        runs.append(GaitRun(100 + k, g.alpha_rad, g.beta_rad, rate, factor * v, 0.01 * v))
+        runs.append(GaitRun(g.alpha_rad, g.beta_rad, rate, factor * v, 0.01 * v, number=100 + k))
     return replace(made, readings=tuple(runs))
 
 
@@ -144,7 +144,7 @@ def test_a_gait_that_servos_cannot_follow_is_listed_and_not_judged(fitted):
     told = speed_band(fit, gait(12.6), count=16)
     assert told.in_words().startswith("Too fast for a typical hobby servo: ")
     assert told.to_dict()["low_m_s"] is None
-    run = GaitRun(100, gait(1).alpha_rad, gait(1).beta_rad, 12.6, 0.01, 0.001)
+    run = GaitRun(gait(1).alpha_rad, gait(1).beta_rad, 12.6, 0.01, 0.001)
     alone = comparison.compare(made.with_reading(run), fit, samples=16)
     assert (alone.verdict, alone.p_value) == ("not judged", None)
     with refused("no gait run and no gait planned"):
