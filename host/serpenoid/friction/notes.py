@@ -94,8 +94,8 @@ def check_floor(session: Session, estimate: MapEstimate) -> None:
                 else "stay wholly open"
             )
             raise BadInput(
-                f"{session.where}: {names} cannot be told from {len(pushes)} push(es): they "
-                f"{openness}; take {cure}"
+                f"{session.where}: {names} cannot be told from {count_text(len(pushes), 'push')}: "
+                f"they {openness}; take {cure}"
             )
 
 
@@ -223,7 +223,7 @@ def _floor_notes(session: Session) -> list[str]:
     notes = []
     if odd := _turned_round(session):
         notes.append(
-            f"Push(es) {', '.join(map(str, odd))} went the other way in the picture than those of "
+            f"Pushes {', '.join(map(str, odd))} went the other way in the picture than those of "
             "the same word: is there and back mixed up, or was the camera moved? Void and add them "
             "again with the right way; a wrong one spoils ft0 unseen."
         )

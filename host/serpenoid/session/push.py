@@ -54,7 +54,7 @@ class Push(Observation):
     distance_m: float | None = number_field(
         0.0,
         100.0,
-        words="way from where the hand let go to where it rests",
+        words="way from the hand to rest",
         default=None,
         likely=(0.2, 5.0),
         why="push harder: a short way tells little",
@@ -71,7 +71,7 @@ class Push(Observation):
     turned_rad: float | None = number_field(
         -180.0,
         180.0,
-        words="turned while it rolled, + to the left (Enter: not)",
+        words="turn, + to the left (Enter: none)",
         default=None,
         likely=(-10.0, 10.0),
         usual=0.0,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import deque
 from collections.abc import Callable, Sequence
 from typing import TypeVar
@@ -21,7 +20,7 @@ HELP = """\
   undo     ask the question before again; at the first one: the last reading is void
   undo 7   reading 7 is void
   skip     leave this reading out, or take what stands in brackets
-  pause    servos off, until Enter
+  pause    servos off, until the next Enter
   quit     leave; everything read so far is kept
 What a prompt asks for may be typed in one line, as 2.3 0.45, or one by one."""
 PATIENCE_S = 300.0  # time without an answer, s, after which the servos are let go
@@ -59,7 +58,6 @@ class Asker:
     ):
         self._terminal, self._journal, self._robot = terminal, journal, robot
         self._answers, self._replay = list[str](), deque[str]()
-        self._line = ""  # what is left of a line of several numbers
         self.belt_unit = ""
 
     def say(self, text: str) -> None:
@@ -75,7 +73,7 @@ class Asker:
         """
         self._answers = []
         while True:
-            self._replay, self._line = deque(self._answers), ""
+            self._replay = deque(self._answers)
             try:
                 return fill()
             except (Undo, BadInput) as error:
@@ -87,14 +85,14 @@ class Asker:
 
     def confirm(self, prompt: str, *, moves: bool = False) -> None:
         """Wait for Enter alone; where it moves the robot, it may not have been typed before."""
-        self.form(lambda: self._enter(prompt, moves))
-
-    def _enter(self, prompt: str, moves: bool) -> None:
-        if moves:
-            self._terminal.forget()
-        text = self.ask(prompt)
-        if text:  # "no" must not start a robot, and a number must not be lost
-            raise BadInput(f"{text!r} is no answer to this; press Enter alone, or type help")
+        while True:
+            if moves:
+                self._terminal.forget()
+            text = self.ask(prompt)
+            if not text:
+                return
+            # "no" must not start a robot, and a number must not be lost.
+            self.say(f"  ! {text!r} is no answer to this; press Enter alone, or type help")
 
     def ask(self, prompt: str, usual: str = "") -> str:
         """Return an answer, usual for Enter and skip; raises Undo, Skip, Quit and Restart."""
@@ -105,8 +103,8 @@ class Asker:
             line = self._terminal.ask(prompt, PATIENCE_S, self._tick)
             if line is not None:
                 answer = self._obey(line, usual)
-            elif self._robot is not None and self._robot.powered:
-                self._stop_pulses(f"nobody answered for {PATIENCE_S:g} s")
+            else:
+                self._let_go(f"nobody answered for {PATIENCE_S:g} s")
         self._answers.append(answer)
         return answer
 
@@ -157,41 +155,27 @@ class Asker:
         elif word == "help":
             self._terminal.say(HELP)
         elif word == "pause":
-            self._pause()
+            self._let_go("paused")
         else:
             raise {"undo": Undo, "skip": Skip, "quit": Quit}[word]
         return None
 
     def _void(self, number: str) -> None:
-        rows = {} if self._journal is None else self._journal.rows
-        if self._journal is None or number not in map(str, rows):
-            return self.say(f"  ! there is no reading {number}; there are {len(rows)}")
+        if self._journal is None or number not in map(str, self._journal.rows):
+            return self.say(f"  ! there is no reading {number}")
         self._journal.event("undo", int(number))
         return self.say(f"  reading {number} is void")
 
-    def _pause(self) -> None:
-        """Let the servos go until the person is back; the pose of a robot is then taken anew."""
-        pulses = ""
-        powered = self._robot is not None and self._robot.powered
-        if self._robot is not None:
-            self._robot.idle()
-            pulses = f"; {self._robot.without_pulses}"
-        while (
-            self._terminal.ask(f"  paused{pulses}. Enter goes on: ", math.inf, self._tick) is None
-        ):
-            pass
-        if powered:
-            raise Restart
-
     def _tick(self) -> None:
-        if self._robot is None:
-            return
-        self._robot.tick()
-        if self._robot.stopped:
-            self._stop_pulses("stopped by a key")
+        if self._robot is not None:
+            self._robot.tick()
+            if self._robot.stopped:
+                self._let_go("stopped by a key")
 
-    def _stop_pulses(self, why: str) -> None:
-        assert self._robot is not None
+    def _let_go(self, why: str) -> None:
+        """End the pulses of a robot that is powered, and raise Restart: its pose is lost."""
+        if self._robot is None or not self._robot.powered:
+            return
         self._robot.idle()
         text = f"{why}: {self._robot.without_pulses}"
         self._terminal.say(f"\n! {text}; the pose is to be taken again")

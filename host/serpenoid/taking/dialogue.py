@@ -12,7 +12,7 @@ from ..base.errors import BadInput, CommandRefused, RecordingFailed, RobotError
 from ..session.declaration import Values
 from ..session.journal import Journal
 from ..session.session import Session
-from ..session.track import EXAMPLE, tidy_places
+from ..session.track import tidy_places
 from .asking import WORDS, Asker, Quit, Restart, Skip, Undo
 from .films import FilmReader, named_file, no_films, take_track
 from .procedure import doubts, next_step
@@ -27,10 +27,6 @@ FILE_WORDS = {  # answers to steps that a file answers, too
     "push": "its film or track (of Tracker, Kinovea, CSV)",
     "gait": "its film",
 }
-DRIFT_WORDS = (
-    "drift left over, + uphill (m/s), and deg turned, + to the left, as 0.01 3deg (Enter: none); "
-    f"or its places for some 4 s as s:m, {EXAMPLE}, or their table"
-)
 QUIT_WORDS = "Left. Everything read so far is kept; the same command goes on from here."
 
 
@@ -128,7 +124,7 @@ class Dialogue:
     def _undo(self) -> None:
         """Take up again what was left out since the last reading; else void that reading."""
         session, last = self.journal.session, self.journal.last
-        skips = [e.detail for e in session.events if e.event == "skip" and e.reading == last]
+        skips = [e.detail for e in session.events if (e.event, e.reading) == ("skip", last)]
         left_out = [key for key in skips if key in session.skipped]
         numbers = [r.number for r in session.readings if not r.voided]
         if left_out:
@@ -214,7 +210,8 @@ class Dialogue:
         ask = self._asker
         incline, belt, *drift = step.fields
         values = ask.numbers([incline, belt])
-        line = ask.ask(f"  let it settle {step.settle_s:.0f} s; then {DRIFT_WORDS}: ")
+        then = "then drift left over (m/s) and turn, or places (Enter: none)"
+        line = ask.ask(f"  let it settle {step.settle_s:.0f} s; {then}: ")
         file = named_file(line)
         if file is not None:
             track = read_track_file(*file).values

@@ -27,6 +27,7 @@ from ..session.settings import (
     Setup,
 )
 from .asking import Asker, Skip, Undo
+from .parse_number import bare_unit
 from .steps import Doubts
 
 NOT_SAID, LATER = "not said", "later"  # answers of people; what is measured later stays empty
@@ -130,7 +131,8 @@ def _answer(asker: Asker, setup: Setup, key: str, words: str) -> Any:
         return field.check(asker.ask(f"{words} [{usual}]: ", usual))
     if key == "incline_sigma_deg":
         usual *= SIGMAS_OF_STEP
-    shown = LATER if field.optional else f"{usual:.2g} {field.unit}".rstrip()
+    unit = bare_unit(field, asker.belt_unit)
+    shown = LATER if field.optional else f"{usual / field.units[unit]:.2g} {unit}".rstrip()
     text = asker.ask(f"{field.words or words} [{shown}]: ", shown)
     if field.optional and text.lower() == LATER:
         return ""

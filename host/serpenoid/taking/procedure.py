@@ -22,6 +22,7 @@ from ..session.push import WAYS, Push
 from ..session.session import Session, belt_checks
 from ..session.settings import Setup
 from ..session.station import LEAST_SLIP_M_S, BeltCheck, Reading, ZeroReading
+from ..session.track import EXAMPLE
 from .steps import (
     Doubts,
     Step,
@@ -41,6 +42,11 @@ ZERO = (
 BELT = (
     "Belt check, robot off the belt: mark the belt's edge, run it at a speed that you used much, "
     "and time ten turns or more. The way is turns times the belt's length."
+)
+STATION = (  # words after those of the first station in a bend
+    f" Steeper, if the belt carries it off, or below {LEAST_SLIP_M_S:g} m/s. Then let it settle, "
+    "and type the drift, + uphill (m/s), and by how much it turned, + to the left, as 0.01 3deg; "
+    f"or of a robot that drifts its places for some 4 s as s:m, {EXAMPLE}, or their table."
 )
 FLOOR = (
     "On the floor, robot straight: align its links along a straightedge. Room: 2 m of level, even "
@@ -237,7 +243,6 @@ def _station(session: Session, bend_deg: float) -> Step | None:
     plan, first = session.setup.plan, not taken_in(session, bend_deg)
     line = line_of(session, bend_deg) or line_of(session, 0.0) or (SLOPE_M_S, 0.0)
     settle_s = SETTLE_TIMES * line[0] / session.setup.laboratory.gravity_m_s2
-    steeper = f" Steeper, if the belt carries it off, or below {LEAST_SLIP_M_S:g} m/s."
     likely, hint = expected_speed(session, bend_deg, incline_deg), ""
     if likely is not None:
         low, high = likely
@@ -245,7 +250,7 @@ def _station(session: Session, bend_deg: float) -> Step | None:
     say = (
         f"Incline to about {incline_deg:.1f} deg "
         f"({100 * math.tan(math.radians(incline_deg)):.1f} %). Raise the belt until the robot "
-        f"holds its place{hint}, or nearly.{steeper * first}"
+        f"holds its place{hint}, or nearly.{STATION * first}"
     )
     # A misread first station leads its whole bend astray: straight, a far one is asked about.
     far_deg = 2 * plan.incline_step_deg
@@ -289,10 +294,6 @@ def _gait_run(session: Session) -> Step | None:
             "omega_rad_s": gait.omega_rad_s,
             "way": way,
         }
-        time, marks = GaitRun.questions("duration_s", "distance_m")
-        if session.kept_gait_runs:  # the marks are still there
-            marks_m = session.kept_gait_runs[-1].distance_m
-            words = f"{marks.words} (Enter: {marks_m:g} m)"
-            marks = replace(marks, words=words, usual=marks_m)
-        return Step(key, "gait", say, (time, marks), gait=gait, cells=cells)
+        fields = GaitRun.questions("duration_s", "distance_m")
+        return Step(key, "gait", say, fields, gait=gait, cells=cells)
     return None

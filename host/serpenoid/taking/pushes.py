@@ -22,10 +22,9 @@ def keep_pushes(
     file that a kill may have cut short: what it had kept is not kept twice, and tells the way.
     Raises BadInput where no push is, or all are there.
     """
-    plan, links = journal.session.setup.plan, journal.session.setup.robot.links
-    bend, lambda_deg = str(cells.get("bend", plan.bend)), float(cells.get("lambda_deg", 0.0))
-    file = file_sha256[:16]
-    pieces = _pieces(track, slips(bend, lambda_deg, links))
+    setup, file = journal.session.setup, file_sha256[:16]
+    lambda_deg = float(cells.get("lambda_deg", 0.0))
+    pieces = _pieces(track, slips(setup.plan.bend, lambda_deg, setup.robot.links))
     pushes = journal.session.readings_of("push") if file else ()
     readings = {push.track.sha256: push for push in pushes if push.file_sha256 == file}
     used = [sha256 for sha256, push in readings.items() if not push.voided]

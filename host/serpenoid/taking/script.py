@@ -27,15 +27,6 @@ from .treadmill import take_all
 FRICTIONS = ("ct", "cn", "ft0", "fn0")
 
 
-def load_script(path: Path) -> Table:
-    """Read a script; raises BadInput, naming file and line."""
-    top = Table.load(path)
-    top.only(optional=("simulated", "reading"))
-    if ("simulated" in top.values) == ("reading" in top.values):
-        raise BadInput(f"{path}: give either [simulated] or a list of [[reading]]")
-    return top
-
-
 def simulated_person(top: Table, setup: Setup) -> SimulatedPerson:
     """Return the person and the robot that a script's [simulated] describes; raises BadInput.
 
@@ -43,17 +34,20 @@ def simulated_person(top: Table, setup: Setup) -> SimulatedPerson:
     """
     table = top.table("simulated")
     table.only("seed", *FRICTIONS)
-    seed, floor = table.integer("seed"), setup.plan.on == "floor"
+    seed = table.integer("seed")
     ground = Ground(*(table.number(name, 0.0) for name in FRICTIONS))
-    servo, rolling_kg = driving(setup, HOBBY).draws(1, seed)[0], floor * wheel_inertia_kg(setup)
+    servo, rolling_kg = driving(setup, HOBBY).draws(1, seed)[0], wheel_inertia_kg(setup)
     return SimulatedPerson(setup, Truth(ground, servo=servo, rolling_kg=rolling_kg), seed)
 
 
-def run_script(journal: Journal, top: Table, show_step: Callable[[Step], object]) -> int:
+def run_script(journal: Journal, path: Path, show_step: Callable[[Step], object]) -> int:
     """Take what is left of a session as a script says; return how many readings it added.
 
-    show_step: is called with each step of a simulated person when it is done.
+    show_step: is called with each step of a simulated person when it is done. Raises BadInput,
+    naming file and line.
     """
+    top = Table.load(path)
+    top.only("reading" if "reading" in top.values else "simulated")
     if "reading" in top.values:
         return _add_listed(journal, top)
     first = journal.last

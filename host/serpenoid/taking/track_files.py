@@ -121,14 +121,12 @@ def _column(place: int, cell: str) -> Column:
 
 def _columns(head: list[str]) -> list[Column] | None:
     """Return time, x and, if it is there, y of the first point; None without time and x."""
-    columns = [_column(place, cell) for place, cell in enumerate(head)]
-    by_meaning = {
-        name: [c for c in columns if c.meaning == name] for name in ("t", "frame", "x", "y")
-    }
-    times = by_meaning["t"] or by_meaning["frame"]
-    return (
-        [times[0], by_meaning["x"][0], *by_meaning["y"][:1]] if times and by_meaning["x"] else None
-    )
+    first = dict[str, Column]()
+    for place, cell in enumerate(head):
+        column = _column(place, cell)
+        first.setdefault(column.meaning, column)
+    time, x, y = first.get("t") or first.get("frame"), first.get("x"), first.get("y")
+    return [column for column in (time, x, y) if column] if time and x else None
 
 
 def read_track_file(path: Path, unit: str | None = None) -> TrackFile:

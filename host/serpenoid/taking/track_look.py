@@ -101,9 +101,9 @@ def look_at(track: Floats, slips: bool = False) -> Look:
     way_m, rough = float(way[-1]), sigma_m / max(noise_m, 1e-4) > MAX_ROUGHNESS
     first_m_s = float(law[1])
     last_m_s = first_m_s - law[2] * way_m - law[3] * time[-1]
-    unlikely = unlikely_push(first_m_s, way_m)
+    if unlikely := unlikely_push(first_m_s, way_m):
+        raise BadInput(f"{unlikely}; is its unit right?")
     doubts = {
-        unlikely: bool(unlikely),
         "the track ends before the robot rests: film on until it does": stop >= len(t) - 1,
         f"it rolled {way_m:.2f} m in {time[-1]:.2f} s only: push harder, {MIN_WAY_M} m at least": (
             way_m < MIN_WAY_M or time[-1] < MIN_TIME_S

@@ -68,8 +68,9 @@ def test_a_push_that_is_none_is_void_and_says_why(take, rows, doubt):
 
 
 def test_what_is_no_push_at_all_is_refused(take):
-    status, said, folder = take(ROWS * [1.0, 0.001, 0.001])
-    assert (status, "no place moves" in said) == (2, True), said
+    for scale, says in ((0.001, "no place moves"), (100.0, "likely instead of m: cm")):
+        status, said, folder = take(ROWS * [1.0, scale, scale])
+        assert (status, says in said) == (2, True), said
     assert not (folder / "tracks").exists()
 
 

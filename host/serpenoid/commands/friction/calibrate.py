@@ -69,13 +69,12 @@ def _journal(folder: Path) -> Journal:
 
 
 def _scripted(folder: Path, script: Path) -> None:
-    from ...taking.script import load_script, run_script
+    from ...taking.script import run_script
     from .calibrate_person import program
 
-    top = load_script(script)
     with _journal(folder) as journal:
         journal.event("start", detail=f"{program()}, script {script.name}")
-        added = run_script(journal, top, lambda step: say(f"done: {step.key}", err=True))
+        added = run_script(journal, script, lambda step: say(f"done: {step.key}", err=True))
         journal.event("end")
         say(f"{count_text(added, 'reading')} added; {journal.session}")
 

@@ -56,10 +56,8 @@ def push(
     with Journal(folder) as journal:
         film = film_reader(journal.session.setup.robot_table.tag_side_m, capture_fps)
         for path in files:
-            plan = journal.session.setup.plan
             cells: dict[str, float | str] = {"lambda_deg": lambda_deg, "way": way}
             cells |= {"place": place} if place else {}
-            cells |= {"bend": plan.bend} if lambda_deg else {}
             pushes = take_track(journal, path, unit, cells, film, say, capture_fps)
             for reading in pushes:
                 say(push_in_words(reading))
